@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+# The CUDA instantiations of the kernels, compiled for every architecture from sm_75 to sm_90.
+if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
+  set(CMAKE_CUDA_ARCHITECTURES 75 80 86 89 90)
+endif()
+enable_language(CUDA)
+find_package(CUDAToolkit REQUIRED)
+target_sources(tetune PRIVATE
+  src/boundary/boundary_cuda.cu
+  src/core/connect_cuda.cu
+  src/driver/driver_cuda.cu
+  src/flips/flips_cuda.cu
+  src/relocate/relocate_cuda.cu)
+set_target_properties(tetune PROPERTIES CUDA_STANDARD 20 CUDA_STANDARD_REQUIRED ON)
+target_link_libraries(tetune PRIVATE CUDA::cudart_static)
+target_compile_options(tetune PRIVATE
+  $<$<COMPILE_LANGUAGE:CUDA>:--extended-lambda -t=0 -Xcompiler=-Wall,-Wextra>)
+if(TETUNE_WERROR)
+  target_compile_options(tetune PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings -Xcompiler=-Werror>)
+endif()

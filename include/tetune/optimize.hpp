@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tetune/mesh.hpp"
+
+namespace tetune {
+
+enum class Device {
+  automatic,  ///< the CPU; a GPU where that is known to be faster
+  cpu,        ///< OpenMP threads
+  cuda,       ///< an NVIDIA GPU, compute capability 7.5 or newer
+};
+
+enum class Boundary {
+  fixed,     ///< no boundary vertex moves
+  preserve,  ///< the surface stays as it is: vertices move in their plane or along their straight line (Sect. 4.2)
+};
+
+enum class Relocation {
+  newton,    ///< over-relaxed Newton step on the convex one-ring energy
+  gradient,  ///< steepest descent with Brent's line search, as in the paper (Alg. 1)
+};
+
+enum class Termination {
+  relative,  ///< scale-free: the relative decrease of the energy
+  paper,     ///< the conditions C1 to C3 of Sect. 4.5
+};
+
+/// What optimize() shall do.
+struct Options {
+  Device device = Device::automatic;
+  Boundary boundary = Boundary::preserve;
+  Relocation relocation = Relocation::newton;
+  Termination termination = Termination::relative;
+  /// Most relocation sweeps, >= 0. 0 means flips alone.
+  int max_iterations = 100;
+  /// CPU threads; 0 means all. The result does not depend on it.
+  int threads = 0;
+};
+
+/// One relocation sweep over all vertices (Alg. 1).
+struct SweepReport {
+  int iteration = 0;
+  std::int64_t moved = 0;    ///< vertices that moved
+  double energy_before = 0;  ///< sum of eta, in the unit of the coordinates
+  double decrease = 0;       ///< of the same
+  double gradient_norm = 0;  ///< squared 2-norm of the gradient of tr(L) = eta / 9 where each vertex stood when visited
+  double seconds = 0;
+};
+
+/// One flip pass: propose, agree, apply (Alg. 5).
+struct FlipReport {
+  int iteration = 0;  ///< relocation sweeps done before
+  int pass = 0;
+  std::int64_t active = 0;     ///< tetrahedra examined
+  std::int64_t evaluated = 0;  ///< candidate flips evaluated
+  std::int64_t flips23 = 0, flips32 = 0;
+  double decrease = 0;
+  double seconds = 0;
+};
+
+enum class StopReason {
+  converged,           ///< the energy no longer falls by a relevant part
+  gradient_small,      ///< C1
+  gradient_stationary, ///< C2
+  no_flips,            ///< C3
+  iteration_limit,
+  cancelled,
+};
+
+const char* to_string(StopReason reason);
+
+struct PhaseTime {
+  std::string phase;
+  double seconds = 0;
+};
+
+/// What optimize() did.
+struct Report {
+  std::string device;
+  int threads = 0;
+  std::int64_t vertices = 0, tets_before = 0, tets_after = 0;
+  std::int64_t free_vertices = 0, plane_vertices = 0, line_vertices = 0, fixed_vertices = 0;
+  std::int64_t triangles_dropped = 0, edges_dropped = 0;
+  int colors = 0;
+  double energy_before = 0, energy_after = 0;
+  std::int64_t flips23 = 0, flips32 = 0;
+  std::vector<SweepReport> sweeps;
+  std::vector<FlipReport> flip_passes;
+  std::vector<PhaseTime> phases;
+  double seconds = 0;
+  StopReason stop = StopReason::converged;
+};
+
+/// What the progress callback sees.
+struct Progress {
+  const char* phase;     ///< "sort", "connect", "flips", "sweep", ...
+  int iteration;         ///< relocation sweeps done
+  double energy;         ///< sum of eta so far
+  double energy_before;  ///< at the start
+};
+
+/// Hooks of the caller.
+struct Context {
+  /// Called on the calling thread between passes. Return false to stop: the mesh is then the best so far, and valid.
+  std::function<bool(const Progress&)> progress;
+};
+
+/// Improves a mesh in place: harmonic flips alternating with vertex relocation (Sect. 4.5).
+///
+/// On return the mesh is valid, its boundary, tags, vertex order and number of vertices are as they were, and the energy
+/// sum of eta is not larger. Tetrahedra come out in another order and number. Listed triangles without a tag
+/// that lie inside one region are no constraint and are dropped; so are untagged listed edges that no longer exist.
+/// The result is bit for bit the same for any number of threads.
+///
+/// Throws MeshError when `validate(mesh)` finds something, OptionError, DeviceError, std::bad_alloc; the mesh is
+/// then as it was. Not for concurrent calls on the same mesh.
+Report optimize(TetMesh& mesh, const Options& options = {}, const Context& context = {});
+
+}  // namespace tetune

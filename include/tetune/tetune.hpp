@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// The whole public API.
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+#include "tetune/mesh.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+#include "tetune/version.hpp"

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "boundary/classify.hpp"
+#include "core/connect.hpp"
+#include "core/rows.hpp"
+#include "par/atomic.hpp"
+
+namespace tetune {
+namespace classify_detail {
+
+TETUNE_HD inline void face_vertices(const Span<const Tet>& tets, Index face, Index v[3]) {
+  const Tet tet = tets[face >> 2];
+  for (int k = 0; k < 3; ++k) v[k] = tet[face_vertex(face & 3, k)];
+}
+
+TETUNE_HD inline bool same_triangle(const Index a[3], const Index b[3]) {
+  for (int k = 0; k < 3; ++k) {
+    if (a[k] != b[0] && a[k] != b[1] && a[k] != b[2]) return false;
+  }
+  return true;
+}
+
+/// Boundary faces, and one side of each locked face.
+struct IsSurfaceFace {
+  Span<const Tet> tets;
+  Span<const Links> links;
+  TETUNE_HD bool operator()(Size item) const {
+    if (tets[item >> 2].v[0] == kFreeSlot) return false;
+    const Link link = links[item >> 2][static_cast<int>(item & 3)];
+    return link == kNoLink || (is_locked(link) && (item >> 2) < link_tet(link));
+  }
+};
+
+struct VertexOfSurfaceCorner {
+  Span<const Tet> tets;
+  Span<const Index> faces;
+  TETUNE_HD Size operator()(Size item) const {
+    const Index face = faces[item / 3];
+    return tets[face >> 2][face_vertex(face & 3, static_cast<int>(item % 3))];
+  }
+};
+
+struct PendingSum {
+  Size pending = 0;
+  TETUNE_HD void merge(const PendingSum& other) { pending += other.pending; }
+};
+
+/// Looks a listed triangle up in the surface. Where several name one face, the last one's tag holds.
+struct MatchListed {
+  Span<const Tet> tets;
+  Span<const Index> faces;
+  RowsView vertex2corner;
+  Span<const ListedTriangle> listed;
+  Span<Listed> state;
+  Span<std::uint32_t> face2listed;  ///< position + 1; 0: not listed
+  TETUNE_HD PendingSum operator()(Size i) const {
+    const ListedTriangle t = listed[i];
+    for (Size c = vertex2corner.begin(t.v[0]); c < vertex2corner.end(t.v[0]); ++c) {
+      const Size s = vertex2corner.items[c] / 3;
+      Index v[3];
+      face_vertices(tets, faces[s], v);
+      if (same_triangle(v, t.v)) {
+        state[i] = Listed::surface;
+        par::atomic_max(face2listed[s], static_cast<std::uint32_t>(i + 1));
+        return {};
+      }
+    }
+    const bool constrains = t.tag != 0 || t.required != 0;
+    state[i] = constrains ? Listed::absent : Listed::loose;
+    return {constrains ? 1 : 0};
+  }
+};
+
+/// Locks the faces of constraining triangles inside regions. The face and its other side both find the triangle, by rows of
+/// the same vertex, so each thread writes only its own.
+struct LockListed {
+  MeshView mesh;
+  RowsView vertex2tet;
+  Span<const ListedTriangle> listed;
+  Span<const Listed> state;
+  TETUNE_HD void operator()(Size i) const {
+    if (state[i] != Listed::absent) return;
+    const ListedTriangle t = listed[i];
+    for (Size c = vertex2tet.begin(t.v[0]); c < vertex2tet.end(t.v[0]); ++c) {
+      const auto tet = static_cast<Index>(vertex2tet.items[c] >> 2);
+      for (int f = 0; f < 4; ++f) {
+        Index v[3];
+        for (int k = 0; k < 3; ++k) v[k] = mesh.tet2vertex[tet][face_vertex(f, k)];
+        if (same_triangle(v, t.v)) par::atomic_or(mesh.tet2tet[tet][f], kLocked);
+      }
+    }
+  }
+};
+
+struct TagFaces {
+  Span<const std::uint32_t> face2listed;
+  Span<const ListedTriangle> listed;
+  Span<int> tags;
+  TETUNE_HD void operator()(Size s) const { tags[s] = face2listed[s] == 0 ? 0 : listed[face2listed[s] - 1].tag; }
+};
+
+struct VertexOfEdgeEnd {
+  Span<const Index> edges;
+  TETUNE_HD Size operator()(Size item) const { return edges[item]; }
+};
+
+struct Classify {
+  Span<const Point> points;
+  Span<const Tet> tets;
+  Span<const Index> faces;
+  Span<const int> tags;
+  RowsView vertex2corner;
+  Span<const Index> edges;
+  RowsView vertex2edge_end;
+  ConstrainedEdges constrained;
+  Span<const std::uint8_t> frozen;
+  bool surface_fixed;
+  Span<Mobility> kind;
+  Span<Vec3> axis;
+
+  /// The two other vertices of a surface triangle at a vertex, in order.
+  struct Wing {
+    Index q1, q2;
+    int tag;
+  };
+  TETUNE_HD Wing wing(Size corner_position) const {
+    const auto corner = static_cast<Index>(vertex2corner.items[corner_position]);
+    Index v[3];
+    face_vertices(tets, faces[corner / 3], v);
+    const int k = corner % 3;
+    return {v[(k + 1) % 3], v[(k + 2) % 3], tags[corner / 3]};
+  }
+
+  /// Directions of the feature edges at a vertex: at most two are kept.
+  struct Features {
+    int count = 0;
+    Vec3 direction[2];
+    TETUNE_HD void add(const Vec3& d) {
+      if (count < 2) direction[count] = d;
+      ++count;
+    }
+  };
+
+  TETUNE_HD void operator()(Size v) const {
+    axis[v] = {0, 0, 0};
+    const Size begin = vertex2corner.begin(v);
+    const Size end = vertex2corner.end(v);
+    const Size edge_begin = vertex2edge_end.begin(v);
+    const Size edge_end = vertex2edge_end.end(v);
+    kind[v] = Mobility::fixed;
+    if (frozen[v] == kFrozen || (surface_fixed && end > begin)) return;
+    if (begin == end && edge_begin == edge_end && frozen[v] == kMovable) {
+      kind[v] = Mobility::free;
+      return;
+    }
+
+    const Vec3 x = vec(points[v]);
+    Vec3 normal{0, 0, 0};
+    double length = 0;
+    for (Size c = begin; c < end; ++c) {
+      const Wing w = wing(c);
+      const Vec3 e1 = vec(points[w.q1]) - x;
+      const Vec3 e2 = vec(points[w.q2]) - x;
+      Vec3 n = cross(e1, e2);
+      // Interface triangles come from either side: take all normals to one half space.
+      if (dot(n, normal) < 0) n = -1.0 * n;
+      normal = normal + n;
+      length += 0.5 * (norm(e1) + norm(e2));
+    }
+    length /= static_cast<double>(end > begin ? end - begin : 1);
+    const double size = norm(normal);
+
+    // Edges that are features whatever their angle.
+    Features features;
+    for (Size e = edge_begin; e < edge_end; ++e) {
+      features.add(vec(points[edges[static_cast<Size>(vertex2edge_end.items[e]) ^ 1]]) - x);
+    }
+    bool flat = size > 0;
+    for (Size c = begin; c < end; ++c) {
+      const Wing w = wing(c);
+      if (flat) {
+        const double height = dot(normal, vec(points[w.q1]) - x) / size;
+        const double height2 = dot(normal, vec(points[w.q2]) - x) / size;
+        flat = std::fabs(height) <= kFlat * length && std::fabs(height2) <= kFlat * length;
+      }
+    }
+    Features folds;
+    for (Size c = begin; c < end; ++c) {
+      const Wing w = wing(c);
+      star_edge(x, static_cast<Index>(v), c, w.q1, w.q2, w.tag, begin, end, features, folds);
+      star_edge(x, static_cast<Index>(v), c, w.q2, w.q1, w.tag, begin, end, features, folds);
+    }
+
+    if (features.count == 0 && flat) {
+      kind[v] = Mobility::plane;
+      axis[v] = (1 / size) * normal;
+      return;
+    }
+    if (frozen[v] == kCorner) return;
+    const Features& lines = features.count > 0 ? features : folds;
+    if (lines.count != 2) return;
+    const Vec3 d0 = lines.direction[0];
+    const Vec3 d1 = lines.direction[1];
+    const double l0 = norm(d0);
+    const double l1 = norm(d1);
+    if (dot(d0, d1) >= 0) return;
+    const Vec3 along = d0 - d1;
+    const Vec3 unit = (1 / norm(along)) * along;
+    if (norm(cross(d0, unit)) > kFlat * l0 || norm(cross(d1, unit)) > kFlat * l1) return;
+    // Moving along the line leaves a triangle in its plane only if the plane contains the line.
+    for (Size c = begin; c < end; ++c) {
+      const Wing w = wing(c);
+      const Vec3 e1 = vec(points[w.q1]) - x;
+      const Vec3 e2 = vec(points[w.q2]) - x;
+      const double longest = dot(e1, e1) > dot(e2, e2) ? dot(e1, e1) : dot(e2, e2);
+      if (std::fabs(dot(cross(e1, e2), unit)) > kFlat * longest) return;
+    }
+    kind[v] = Mobility::line;
+    axis[v] = unit;
+  }
+
+ private:
+  /// Looks at the edge (v, q) of the star, seen from the triangle at `c` whose third vertex is `apex`.
+  TETUNE_HD void star_edge(const Vec3& x, Index v, Size c, Index q, Index apex, int tag, Size begin, Size end,
+                           Features& features, Features& folds) const {
+    if (constrained.contains(v, q)) return;  // counted already
+    Size others = 0;
+    Size first = c;
+    Index other_apex = -1;
+    int other_tag = 0;
+    for (Size o = begin; o < end; ++o) {
+      if (o == c) continue;
+      const Wing w = wing(o);
+      if (w.q1 != q && w.q2 != q) continue;
+      ++others;
+      if (o < first) first = o;
+      other_apex = w.q1 == q ? w.q2 : w.q1;
+      other_tag = w.tag;
+    }
+    if (first != c) return;  // each edge once, by its first triangle
+    const Vec3 e = vec(points[q]) - x;
+    if (others != 1 || other_tag != tag) {
+      features.add(e);
+      return;
+    }
+    const Vec3 p1 = vec(points[apex]) - x;
+    const Vec3 p2 = vec(points[other_apex]) - x;
+    const Vec3 n1 = cross(e, p1);
+    const Vec3 n2 = cross(p2, e);
+    const bool first_larger = dot(n1, n1) > dot(n2, n2);
+    const Vec3 n = first_larger ? n1 : n2;
+    const Vec3 far = first_larger ? p2 : p1;
+    // Folded: the apex of the smaller triangle stands off the plane of the larger one, or they lie on each other.
+    if (std::fabs(dot(n, far)) > kFlat * norm(e) * norm(n) || dot(n1, n2) <= 0) folds.add(e);
+  }
+};
+
+}  // namespace classify_detail
+
+template <class Backend>
+void collect_surface(const Backend& par, WorkMesh<Backend>& mesh, Surface<Backend>& surface) {
+  using namespace classify_detail;
+  surface.faces.resize(4 * mesh.slots());
+  const Size count = par.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex.span(), mesh.tet2tet.span()},
+                                 surface.faces.span());
+  typename Backend::template Buffer<Index> faces(count);
+  if (count > 0) Backend::copy(faces.span().data(), surface.faces.span().data(), sizeof(Index) * static_cast<std::size_t>(count));
+  surface.faces.swap(faces);
+  build_rows(par, mesh.vertices(), 3 * count, VertexOfSurfaceCorner{mesh.tet2vertex.span(), surface.faces.span()},
+             surface.vertex2corner);
+}
+
+template <class Backend>
+void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
+                   const typename Backend::template Buffer<ListedTriangle>& listed,
+                   typename Backend::template Buffer<Listed>& listed_state, Surface<Backend>& surface) {
+  using namespace classify_detail;
+  collect_surface(par, mesh, surface);
+  listed_state.resize(listed.size());
+  typename Backend::template Buffer<std::uint32_t> face2listed;
+  const auto match = [&]() {
+    face2listed.resize(surface.faces.size());
+    par.fill(face2listed.span(), std::uint32_t{0});
+    return par
+        .template reduce<PendingSum>(listed.size(),
+                                     MatchListed{mesh.tet2vertex.span(), surface.faces.span(),
+                                                 surface.vertex2corner.view(), listed.span(), listed_state.span(),
+                                                 face2listed.span()})
+        .pending;
+  };
+  if (match() > 0) {
+    Rows<Backend> vertex2tet;
+    build_vertex2tet(par, mesh, vertex2tet);
+    par.for_each(listed.size(), LockListed{mesh.view(), vertex2tet.view(), listed.span(), listed_state.span()});
+    collect_surface(par, mesh, surface);
+    match();
+  }
+  surface.tags.resize(surface.faces.size());
+  par.for_each(surface.faces.size(), TagFaces{face2listed.span(), listed.span(), surface.tags.span()});
+}
+
+template <class Backend>
+void classify_vertices(const Backend& par, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
+                       Span<const Index> edges, const ConstrainedEdges& constrained,
+                       Span<const std::uint8_t> frozen, bool surface_fixed, Span<Mobility> kind, Span<Vec3> axis) {
+  using namespace classify_detail;
+  Rows<Backend> vertex2edge_end;
+  build_rows(par, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
+  par.for_each(mesh.vertices(),
+               Classify{mesh.points.span(), mesh.tet2vertex.span(), surface.faces.span(), surface.tags.span(),
+                        surface.vertex2corner.view(), edges, vertex2edge_end.view(), constrained, frozen,
+                        surface_fixed, kind, axis});
+}
+
+}  // namespace tetune

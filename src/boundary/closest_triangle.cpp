@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "boundary/closest_triangle.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace tetune {
+namespace {
+
+constexpr std::size_t kLeaf = 4;
+
+double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
+
+double segment_distance2(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 ab = b - a;
+  const double length2 = dot(ab, ab);
+  const double t = length2 > 0 ? clamp01(dot(p - a, ab) / length2) : 0;
+  const Vec3 d = p - (a + t * ab);
+  return dot(d, d);
+}
+
+/// Inside the prism over the triangle the plane is nearest, elsewhere an edge is.
+double triangle_distance2(const Vec3& p, const TrianglePoints& t) {
+  const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
+  const double n2 = dot(n, n);
+  bool inside = n2 > 0;
+  for (std::size_t k = 0; k < 3 && inside; ++k) {
+    inside = dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), n) >= 0;
+  }
+  if (inside) {
+    const double height = dot(p - t[0], n);
+    return height * height / n2;
+  }
+  return std::min({segment_distance2(p, t[0], t[1]), segment_distance2(p, t[1], t[2]), segment_distance2(p, t[2], t[0])});
+}
+
+double axis(const Vec3& v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
+
+}  // namespace
+
+ClosestTriangle::ClosestTriangle(std::vector<TrianglePoints> triangles) : triangles_(std::move(triangles)) {
+  nodes_.reserve(2 * (triangles_.size() / kLeaf + 1));
+  if (!triangles_.empty()) build(0, triangles_.size());
+}
+
+int ClosestTriangle::build(std::size_t begin, std::size_t end) {
+  Node node;
+  node.begin = begin;
+  node.end = end;
+  node.low = node.high = triangles_[begin][0];
+  for (std::size_t i = begin; i < end; ++i) {
+    for (const Vec3& p : triangles_[i]) {
+      node.low = {std::min(node.low.x, p.x), std::min(node.low.y, p.y), std::min(node.low.z, p.z)};
+      node.high = {std::max(node.high.x, p.x), std::max(node.high.y, p.y), std::max(node.high.z, p.z)};
+    }
+  }
+  const auto id = static_cast<int>(nodes_.size());
+  nodes_.push_back(node);
+  if (end - begin <= kLeaf) return id;
+  const Vec3 extent = node.high - node.low;
+  const int k = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const std::size_t middle = begin + (end - begin) / 2;
+  const auto at = [this](std::size_t i) { return triangles_.begin() + static_cast<std::ptrdiff_t>(i); };
+  std::nth_element(at(begin), at(middle), at(end), [k](const TrianglePoints& a, const TrianglePoints& b) {
+    return axis(a[0], k) + axis(a[1], k) + axis(a[2], k) < axis(b[0], k) + axis(b[1], k) + axis(b[2], k);
+  });
+  const int left = build(begin, middle);
+  const int right = build(middle, end);
+  nodes_[static_cast<std::size_t>(id)].left = left;
+  nodes_[static_cast<std::size_t>(id)].right = right;
+  return id;
+}
+
+double ClosestTriangle::distance2(const Vec3& p) const {
+  double best = std::numeric_limits<double>::infinity();
+  if (nodes_.empty()) return best;
+  const auto box_distance2 = [&p](const Node& n) {
+    const double x = std::max({n.low.x - p.x, p.x - n.high.x, 0.0});
+    const double y = std::max({n.low.y - p.y, p.y - n.high.y, 0.0});
+    const double z = std::max({n.low.z - p.z, p.z - n.high.z, 0.0});
+    return x * x + y * y + z * z;
+  };
+  std::vector<int> stack{0};
+  while (!stack.empty()) {
+    const Node& node = nodes_[static_cast<std::size_t>(stack.back())];
+    stack.pop_back();
+    if (box_distance2(node) >= best) continue;
+    if (node.left < 0) {
+      for (std::size_t i = node.begin; i < node.end; ++i) best = std::min(best, triangle_distance2(p, triangles_[i]));
+      continue;
+    }
+    // The nearer child on top.
+    const bool left_first = box_distance2(nodes_[static_cast<std::size_t>(node.left)]) <
+                            box_distance2(nodes_[static_cast<std::size_t>(node.right)]);
+    stack.push_back(left_first ? node.right : node.left);
+    stack.push_back(left_first ? node.left : node.right);
+  }
+  return best;
+}
+
+}  // namespace tetune

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace tetune {
+
+using TrianglePoints = std::array<Vec3, 3>;
+
+/// Distance from points to a set of triangles, by a tree of bounding boxes. Host only; queries may run concurrently.
+class ClosestTriangle {
+ public:
+  explicit ClosestTriangle(std::vector<TrianglePoints> triangles);
+  /// Squared distance to the nearest triangle; infinity when there is none.
+  double distance2(const Vec3& p) const;
+
+ private:
+  struct Node {
+    Vec3 low, high;
+    int left = -1, right = -1;  ///< children, or -1 in a leaf
+    std::size_t begin = 0, end = 0;
+  };
+  int build(std::size_t begin, std::size_t end);
+
+  std::vector<TrianglePoints> triangles_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace tetune

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "boundary/closest_triangle.hpp"
+#include "core/connect.hpp"
+#include "par/cpu.hpp"
+#include "tetune/quality.hpp"
+
+namespace tetune {
+namespace {
+
+double area(const TrianglePoints& t) { return 0.5 * norm(cross(t[1] - t[0], t[2] - t[0])); }
+
+/// The boundary of a mesh: faces on one tetrahedron.
+struct Skin {
+  std::vector<TrianglePoints> triangles;
+  std::vector<Vec3> vertices;
+  double area = 0;
+  double mean_edge = 0;
+};
+
+Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
+  WorkMesh<par::Cpu> work;
+  work.points.resize(static_cast<Size>(mesh.points.size()));
+  work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
+  if (!mesh.tets.empty()) {
+    std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
+  }
+  build_adjacency(cpu, work);
+  Skin skin;
+  std::vector<char> seen(mesh.points.size(), 0);
+  double edges = 0;
+  const MeshView view = work.view();
+  for (Size t = 0; t < work.slots(); ++t) {
+    for (int f = 0; f < 4; ++f) {
+      if (view.tet2tet[t][f] != kNoLink) continue;
+      TrianglePoints triangle;
+      for (int k = 0; k < 3; ++k) {
+        const auto v = static_cast<std::size_t>(view.tet2vertex[t][face_vertex(f, k)]);
+        triangle[static_cast<std::size_t>(k)] = vec(mesh.points[v]);
+        if (seen[v] == 0) skin.vertices.push_back(vec(mesh.points[v]));
+        seen[v] = 1;
+      }
+      for (std::size_t k = 0; k < 3; ++k) edges += norm(triangle[(k + 1) % 3] - triangle[k]);
+      skin.area += area(triangle);
+      skin.triangles.push_back(triangle);
+    }
+  }
+  if (!skin.triangles.empty()) skin.mean_edge = edges / (3 * static_cast<double>(skin.triangles.size()));
+  return skin;
+}
+
+double farthest(const std::vector<Vec3>& points, const ClosestTriangle& surface, const par::Cpu& cpu) {
+  struct Max {
+    double value = 0;
+    void merge(const Max& other) { value = std::max(value, other.value); }
+  };
+  struct Distance {
+    const Vec3* points;
+    const ClosestTriangle* surface;
+    Max operator()(Size i) const { return {surface->distance2(points[i])}; }
+  };
+  return std::sqrt(
+      cpu.reduce<Max>(static_cast<Size>(points.size()), Distance{points.data(), &surface}).value);
+}
+
+std::vector<int> tag_set(std::vector<int> tags) {
+  std::sort(tags.begin(), tags.end());
+  tags.erase(std::unique(tags.begin(), tags.end()), tags.end());
+  return tags;
+}
+
+double relative(double now, double before) { return before != 0 ? now / before - 1 : now != 0 ? 1 : 0; }
+
+std::map<int, double> region_volumes(const TetMesh& mesh) {
+  std::map<int, double> volumes;
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    const auto p = [&](std::size_t k) { return vec(mesh.points[static_cast<std::size_t>(mesh.tets[t][k])]); };
+    volumes[mesh.tet_tags[t]] += dot(cross(p(1) - p(0), p(2) - p(0)), p(3) - p(0)) / 6;
+  }
+  return volumes;
+}
+
+std::map<int, double> patch_areas(const TetMesh& mesh) {
+  std::map<int, double> areas;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.triangle_tags[t] == 0) continue;
+    const auto p = [&](std::size_t k) { return vec(mesh.points[static_cast<std::size_t>(mesh.triangles[t][k])]); };
+    areas[mesh.triangle_tags[t]] += area({p(0), p(1), p(2)});
+  }
+  return areas;
+}
+
+double largest_change(const std::map<int, double>& before, const std::map<int, double>& after) {
+  double largest = 0;
+  for (const auto& [tag, size] : before) {
+    const auto at = after.find(tag);
+    largest = std::max(largest, std::fabs(relative(at == after.end() ? 0 : at->second, size)));
+  }
+  return largest;
+}
+
+double total(const std::map<int, double>& sizes) {
+  double sum = 0;
+  for (const auto& [tag, size] : sizes) sum += size;
+  return sum;
+}
+
+std::vector<int> nonzero(std::vector<int> tags) {
+  tags.erase(std::remove(tags.begin(), tags.end(), 0), tags.end());
+  return tag_set(std::move(tags));
+}
+
+bool same_places(const TetMesh& before, const TetMesh& after, const std::vector<Index>& ids_before,
+                 const std::vector<Index>& ids_after) {
+  if (ids_before.size() != ids_after.size()) return false;
+  for (std::size_t i = 0; i < ids_before.size(); ++i) {
+    if (before.points[static_cast<std::size_t>(ids_before[i])] != after.points[static_cast<std::size_t>(ids_after[i])]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
+  const par::Cpu cpu(threads);
+  const Skin old_skin = find_skin(before, cpu);
+  const Skin new_skin = find_skin(after, cpu);
+  Comparison c;
+  c.old_vertices = static_cast<std::int64_t>(before.points.size());
+  c.new_vertices = static_cast<std::int64_t>(after.points.size());
+  c.old_tets = static_cast<std::int64_t>(before.tets.size());
+  c.new_tets = static_cast<std::int64_t>(after.tets.size());
+  const auto old_volumes = region_volumes(before);
+  const auto new_volumes = region_volumes(after);
+  c.volume_change = relative(total(new_volumes), total(old_volumes));
+  c.area_change = relative(new_skin.area, old_skin.area);
+  c.region_volume_change = largest_change(old_volumes, new_volumes);
+  c.patch_area_change = largest_change(patch_areas(before), patch_areas(after));
+  if (old_skin.mean_edge > 0 && !new_skin.triangles.empty()) {
+    std::vector<Vec3> samples = old_skin.vertices;
+    for (const TrianglePoints& t : old_skin.triangles) samples.push_back((1.0 / 3) * (t[0] + t[1] + t[2]));
+    c.new_to_old = farthest(new_skin.vertices, ClosestTriangle(old_skin.triangles), cpu) / old_skin.mean_edge;
+    c.old_to_new = farthest(samples, ClosestTriangle(new_skin.triangles), cpu) / old_skin.mean_edge;
+  }
+  c.vertex_tags_kept = before.point_tags == after.point_tags;
+  c.tet_tags_kept = tag_set(before.tet_tags) == tag_set(after.tet_tags);
+  c.triangle_tags_kept = nonzero(before.triangle_tags) == nonzero(after.triangle_tags);
+  c.edge_tags_kept = nonzero(before.edge_tags) == nonzero(after.edge_tags);
+  c.required_kept = same_places(before, after, before.corners, after.corners) &&
+                    same_places(before, after, before.required_vertices, after.required_vertices);
+  return c;
+}
+
+}  // namespace tetune

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+
+#include "core/connect.hpp"
+#include "core/hilbert.hpp"
+
+namespace tetune {
+namespace connect_detail {
+
+struct Box {
+  double lo[3] = {std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
+                  std::numeric_limits<double>::max()};
+  double hi[3] = {std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest(),
+                  std::numeric_limits<double>::lowest()};
+  TETUNE_HD void merge(const Box& other) {
+    for (int k = 0; k < 3; ++k) {
+      if (other.lo[k] < lo[k]) lo[k] = other.lo[k];
+      if (other.hi[k] > hi[k]) hi[k] = other.hi[k];
+    }
+  }
+};
+
+struct PointBox {
+  Span<const Point> points;
+  TETUNE_HD Box operator()(Size i) const {
+    const Point p = points[i];
+    Box box;
+    box.lo[0] = box.hi[0] = p.x;
+    box.lo[1] = box.hi[1] = p.y;
+    box.lo[2] = box.hi[2] = p.z;
+    return box;
+  }
+};
+
+struct CurveKey {
+  Span<const Point> points;
+  Box box;
+  Span<std::uint64_t> keys;
+  Span<Index> ids;
+  TETUNE_HD void operator()(Size i) const {
+    const Point p = points[i];
+    double side = box.hi[0] - box.lo[0];
+    if (box.hi[1] - box.lo[1] > side) side = box.hi[1] - box.lo[1];
+    if (box.hi[2] - box.lo[2] > side) side = box.hi[2] - box.lo[2];
+    // The odd factor and offset keep round fractions of the box, where meshes like to put vertices, away from
+    // cell borders: the order then does not hang on the last bit, and a rescaled mesh gets the same one.
+    const double scale = side > 0 ? 0.98765432109876 * kHilbertCells / side : 0;
+    const std::uint32_t cell[3] = {static_cast<std::uint32_t>((p.x - box.lo[0]) * scale + 0.31830988618379),
+                                   static_cast<std::uint32_t>((p.y - box.lo[1]) * scale + 0.31830988618379),
+                                   static_cast<std::uint32_t>((p.z - box.lo[2]) * scale + 0.31830988618379)};
+    keys[i] = hilbert_index(cell[0], cell[1], cell[2]);
+    ids[i] = static_cast<Index>(i);
+  }
+};
+
+struct PermutePoints {
+  Span<const Point> from;
+  Span<const Index> order;
+  Span<Point> to;
+  Span<Index> original2vertex;
+  TETUNE_HD void operator()(Size i) const {
+    const Index old = order[i];
+    to[i] = from[old];
+    original2vertex[old] = static_cast<Index>(i);
+  }
+};
+
+struct RelabelTet {
+  Span<Tet> tets;
+  Span<const Index> original2vertex;
+  Span<std::uint32_t> keys;
+  Span<Index> ids;
+  TETUNE_HD void operator()(Size t) const {
+    Tet tet = tets[t];
+    for (int k = 0; k < 4; ++k) tet[k] = original2vertex[tet[k]];
+    Index lowest = tet[0];
+    for (int k = 1; k < 4; ++k) lowest = tet[k] < lowest ? tet[k] : lowest;
+    tets[t] = tet;
+    keys[t] = static_cast<std::uint32_t>(lowest);
+    ids[t] = static_cast<Index>(t);
+  }
+};
+
+struct GatherTets {
+  Span<const Tet> from;
+  Span<const int> from_tag;
+  Span<const Index> order;
+  Span<Tet> to;
+  Span<int> to_tag;
+  TETUNE_HD void operator()(Size t) const {
+    const Index old = order[t];
+    to[t] = from[old];
+    to_tag[t] = from_tag[old];
+  }
+};
+
+struct FaceKey {
+  Index low, middle, high;
+  bool odd;  ///< parity of the permutation that sorted the vertices
+};
+
+TETUNE_HD inline FaceKey face_key(const Tet& tet, int face) {
+  Index a = tet[face_vertex(face, 0)];
+  Index b = tet[face_vertex(face, 1)];
+  Index c = tet[face_vertex(face, 2)];
+  bool odd = false;
+  const auto order = [&odd](Index& p, Index& q) {
+    if (q < p) {
+      const Index t = p;
+      p = q;
+      q = t;
+      odd = !odd;
+    }
+  };
+  order(a, b);
+  order(b, c);
+  order(a, b);
+  return {a, b, c, odd};
+}
+
+struct LowestVertexOfFace {
+  Span<const Tet> tets;
+  TETUNE_HD Size operator()(Size item) const {
+    const Tet tet = tets[item >> 2];
+    return tet[0] == kFreeSlot ? -1 : face_key(tet, static_cast<int>(item & 3)).low;
+  }
+};
+
+/// Matches the faces that share their lowest vertex.
+struct MatchFaces {
+  Span<const Tet> tets;
+  Span<const std::uint32_t> offsets;
+  Span<std::uint32_t> items;
+  Span<Links> tet2tet;
+
+  struct Less {
+    Span<const Tet> tets;
+    TETUNE_HD std::uint64_t key(std::uint32_t item) const {
+      const FaceKey k = face_key(tets[item >> 2], static_cast<int>(item & 3));
+      return (static_cast<std::uint64_t>(k.middle) << 32) | static_cast<std::uint32_t>(k.high);
+    }
+    TETUNE_HD bool operator()(std::uint32_t a, std::uint32_t b) const {
+      const std::uint64_t ka = key(a);
+      const std::uint64_t kb = key(b);
+      return ka != kb ? ka < kb : a < b;
+    }
+  };
+
+  struct Found {
+    Size boundary = 0, crowded = 0, same_side = 0;
+    TETUNE_HD void merge(const Found& other) {
+      boundary += other.boundary;
+      crowded += other.crowded;
+      same_side += other.same_side;
+    }
+  };
+
+  struct Keyed {
+    std::uint64_t key;
+    std::uint32_t item;
+  };
+  struct KeyedLess {
+    TETUNE_HD bool operator()(const Keyed& a, const Keyed& b) const {
+      return a.key != b.key ? a.key < b.key : a.item < b.item;
+    }
+  };
+
+  TETUNE_HD Found operator()(Size vertex) const {
+    const Size begin = offsets[vertex];
+    const Size n = offsets[vertex + 1] - begin;
+    std::uint32_t* row = items.data() + begin;
+    const Less less{tets};
+    constexpr Size kLocal = 96;
+    if (n <= kLocal) {
+      Keyed keyed[kLocal];
+      for (Size i = 0; i < n; ++i) keyed[i] = {less.key(row[i]), row[i]};
+      sort_small(keyed, n, KeyedLess{});
+      for (Size i = 0; i < n; ++i) row[i] = keyed[i].item;
+    } else {
+      sort_small(row, n, less);
+    }
+    Found found;
+    for (Size i = 0; i < n;) {
+      Size end = i + 1;
+      while (end < n && less.key(row[end]) == less.key(row[i])) ++end;
+      if (end - i == 2 && parity(row[i]) != parity(row[i + 1])) {
+        connect(row[i], row[i + 1]);
+        connect(row[i + 1], row[i]);
+      } else {
+        for (Size j = i; j < end; ++j) tet2tet[row[j] >> 2][static_cast<int>(row[j] & 3)] = kNoLink;
+        if (end - i == 1) ++found.boundary;
+        if (end - i == 2) ++found.same_side;
+        if (end - i > 2) found.crowded += end - i;
+      }
+      i = end;
+    }
+    return found;
+  }
+
+ private:
+  TETUNE_HD bool parity(std::uint32_t item) const {
+    return face_key(tets[item >> 2], static_cast<int>(item & 3)).odd;
+  }
+  TETUNE_HD void connect(std::uint32_t from, std::uint32_t to) const {
+    tet2tet[from >> 2][static_cast<int>(from & 3)] = to;  // item and link have the same bits
+  }
+};
+
+struct VertexOfCorner {
+  Span<const Tet> tets;
+  TETUNE_HD Size operator()(Size item) const {
+    const Tet& tet = tets[item >> 2];
+    return tet[0] == kFreeSlot ? -1 : tet[static_cast<int>(item & 3)];
+  }
+};
+
+struct LockInterface {
+  MeshView mesh;
+  TETUNE_HD void operator()(Size t) const {
+    for (int f = 0; f < 4; ++f) {
+      Link& link = mesh.tet2tet[t][f];
+      if (link != kNoLink && mesh.tet_tags[link_tet(link)] != mesh.tet_tags[t]) link |= kLocked;
+    }
+  }
+};
+
+struct IsAlive {
+  Span<const Tet> tets;
+  TETUNE_HD bool operator()(Size t) const { return tets[t].v[0] != kFreeSlot; }
+};
+
+}  // namespace connect_detail
+
+template <class Backend>
+void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh,
+               typename Backend::template Buffer<Index>* tet2original) {
+  using namespace connect_detail;
+  const Size vertices = mesh.vertices();
+  const Size tets = mesh.slots();
+
+  const Box box = par.template reduce<Box>(vertices, PointBox{mesh.points.span()});
+  typename Backend::template Buffer<std::uint64_t> curve(vertices);
+  mesh.vertex2original.resize(vertices);
+  par.for_each(vertices, CurveKey{mesh.points.span(), box, curve.span(), mesh.vertex2original.span()});
+  par.sort_by_key(curve, mesh.vertex2original, kHilbertBits);
+  typename Backend::template Buffer<Point> points(vertices);
+  typename Backend::template Buffer<Index> original2vertex(vertices);
+  par.for_each(vertices, PermutePoints{mesh.points.span(), mesh.vertex2original.span(), points.span(),
+                                       original2vertex.span()});
+  mesh.points.swap(points);
+
+  typename Backend::template Buffer<std::uint32_t> lowest(tets);
+  typename Backend::template Buffer<Index> order(tets);
+  par.for_each(tets, RelabelTet{mesh.tet2vertex.span(), original2vertex.span(), lowest.span(), order.span()});
+  int bits = 1;
+  while ((Size{1} << bits) < vertices) ++bits;
+  par.sort_by_key(lowest, order, bits);
+  typename Backend::template Buffer<Tet> sorted(tets);
+  typename Backend::template Buffer<int> sorted_tags(tets);
+  par.for_each(tets, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), order.span(), sorted.span(),
+                                sorted_tags.span()});
+  mesh.tet2vertex.swap(sorted);
+  mesh.tet_tags.swap(sorted_tags);
+  mesh.free_count = 0;
+  if (tet2original != nullptr) tet2original->swap(order);
+}
+
+template <class Backend>
+AdjacencyReport build_adjacency(const Backend& par, WorkMesh<Backend>& mesh) {
+  using namespace connect_detail;
+  mesh.tet2tet.resize(mesh.slots());
+  Rows<Backend> rows;
+  build_rows(par, mesh.vertices(), 4 * mesh.slots(), LowestVertexOfFace{mesh.tet2vertex.span()}, rows);
+  const auto found = par.template reduce<MatchFaces::Found>(
+      mesh.vertices(),
+      MatchFaces{mesh.tet2vertex.span(), rows.offsets.span(), rows.items.span(), mesh.tet2tet.span()});
+  return {found.boundary, found.crowded, found.same_side};
+}
+
+template <class Backend>
+void build_vertex2tet(const Backend& par, WorkMesh<Backend>& mesh, Rows<Backend>& vertex2tet) {
+  build_rows(par, mesh.vertices(), 4 * mesh.slots(), connect_detail::VertexOfCorner{mesh.tet2vertex.span()},
+             vertex2tet);
+}
+
+template <class Backend>
+void lock_interfaces(const Backend& par, WorkMesh<Backend>& mesh) {
+  par.for_each(mesh.slots(), connect_detail::LockInterface{mesh.view()});
+}
+
+template <class Backend>
+typename Backend::template Buffer<Index> compact_slots(const Backend& par, WorkMesh<Backend>& mesh) {
+  using namespace connect_detail;
+  typename Backend::template Buffer<Index> slots(mesh.slots());
+  const Size alive = par.compact(mesh.slots(), IsAlive{mesh.tet2vertex.span()}, slots.span());
+  slots.resize(alive);
+  typename Backend::template Buffer<Tet> tets(alive);
+  typename Backend::template Buffer<int> tags(alive);
+  par.for_each(alive, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), slots.span(), tets.span(),
+                                 tags.span()});
+  mesh.tet2vertex.swap(tets);
+  mesh.tet_tags.swap(tags);
+  mesh.tet2tet.resize(0);
+  mesh.free_count = 0;
+  return slots;
+}
+
+}  // namespace tetune

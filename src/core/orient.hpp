@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/types.hpp"
+
+namespace tetune {
+
+/// Rounding error bound of orient(), relative to the permanent of the determinant: 8 u with u = 2^-53, above the
+/// (7 + 56 u) u of Shewchuk, "Adaptive precision floating-point arithmetic", 1997, Sect. 4.3. Fused
+/// multiply-adds only lower the error.
+inline constexpr double kOrientBound = 8 * 1.1102230246251565e-16;
+
+/// Six times the signed volume of a tetrahedron, and a bound on its rounding error.
+struct Orient {
+  double det;
+  double bound;
+  /// The volume is positive whatever the rounding.
+  TETUNE_HD bool certified() const { return det > bound; }
+};
+
+TETUNE_HD TETUNE_INLINE double permanent(const Vec3& a, const Vec3& b, const Vec3& c) {
+  using std::fabs;
+  return (fabs(a.y * b.z) + fabs(a.z * b.y)) * fabs(c.x) + (fabs(a.z * b.x) + fabs(a.x * b.z)) * fabs(c.y) +
+         (fabs(a.x * b.y) + fabs(a.y * b.x)) * fabs(c.z);
+}
+
+TETUNE_HD TETUNE_INLINE Orient orient(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3) {
+  const Vec3 a = p1 - p0;
+  const Vec3 b = p2 - p0;
+  const Vec3 c = p3 - p0;
+  return {dot(cross(a, b), c), kOrientBound * permanent(a, b, c)};
+}
+
+/// The sign of det(p1-p0, p2-p0, p3-p0) in exact arithmetic, barring underflow. Host only; for what the filter
+/// above leaves in doubt.
+int orient_sign(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3);
+
+}  // namespace tetune

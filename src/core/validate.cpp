@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/validate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/connect.hpp"
+#include "core/orient.hpp"
+#include "core/validate_arrays.hpp"
+#include "par/cpu.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr std::size_t kShown = 5;
+
+/// Collects offenders of one kind.
+class Collector {
+ public:
+  Collector(Defect defect, std::string where) : finding_{defect, 0, {}, std::move(where)} {}
+  void add(std::int64_t id) {
+    ++finding_.count;
+    if (finding_.first.size() < kShown) finding_.first.push_back(static_cast<Index>(id));
+  }
+  void finish(ValidationReport& report) const {
+    if (finding_.count > 0) report.findings.push_back(finding_);
+  }
+
+ private:
+  Finding finding_;
+};
+
+void check_indices(const std::vector<Index>& ids, std::size_t size, std::size_t each, const std::string& where,
+                   ValidationReport& report) {
+  Collector out(Defect::index_out_of_range, where);
+  std::int64_t last = -1;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] >= 0 && static_cast<std::size_t>(ids[i]) < size) continue;
+    const auto element = static_cast<std::int64_t>(i / each);
+    if (element != last) out.add(element);
+    last = element;
+  }
+  out.finish(report);
+}
+
+template <std::size_t N>
+void check_elements(const std::vector<std::array<Index, N>>& elements, std::size_t vertices, const std::string& where,
+                    ValidationReport& report) {
+  Collector out(Defect::index_out_of_range, where);
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const bool bad = std::any_of(elements[i].begin(), elements[i].end(), [vertices](Index v) {
+      return v < 0 || static_cast<std::size_t>(v) >= vertices;
+    });
+    if (bad) out.add(static_cast<std::int64_t>(i));
+  }
+  out.finish(report);
+}
+
+void check_length(std::size_t tags, std::size_t elements, const std::string& where, ValidationReport& report) {
+  if (tags == elements) return;
+  report.findings.push_back({Defect::bad_array_length, static_cast<std::int64_t>(tags), {}, where});
+}
+
+int orient_tet(const TetMesh& mesh, std::size_t t) {
+  const auto& tet = mesh.tets[t];
+  const auto p = [&](std::size_t k) -> const Point3& { return mesh.points[static_cast<std::size_t>(tet[k])]; };
+  const Orient o = orient(vec(p(0)), vec(p(1)), vec(p(2)), vec(p(3)));
+  // A bound that underflowed says nothing.
+  if (o.bound > 1e-280) {
+    if (o.det > o.bound) return 1;
+    if (o.det < -o.bound) return -1;
+  }
+  return orient_sign(p(0), p(1), p(2), p(3));
+}
+
+std::vector<std::int8_t> orient_all(const TetMesh& mesh, int threads) {
+  struct Kernel {
+    const TetMesh* mesh;
+    std::int8_t* sign;
+    void operator()(par::Size t) const {
+      sign[t] = static_cast<std::int8_t>(orient_tet(*mesh, static_cast<std::size_t>(t)));
+    }
+  };
+  std::vector<std::int8_t> sign(mesh.tets.size());
+  par::Cpu(threads).for_each(static_cast<par::Size>(mesh.tets.size()), Kernel{&mesh, sign.data()});
+  return sign;
+}
+
+/// The tetrahedra behind crowded or one-sided faces: found by sorting, as this is the path of bad input only.
+void find_bad_faces(const TetMesh& mesh, Collector& crowded, Collector& same_side, Collector& duplicates) {
+  struct Side {
+    std::array<Index, 3> key;
+    Index tet;
+    bool odd;
+  };
+  std::vector<Side> sides;
+  sides.reserve(4 * mesh.tets.size());
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (int f = 0; f < 4; ++f) {
+      Side s{{}, static_cast<Index>(t), false};
+      for (int k = 0; k < 3; ++k) {
+        s.key[static_cast<std::size_t>(k)] = mesh.tets[t][static_cast<std::size_t>(face_vertex(f, k))];
+      }
+      const auto order = [&s](std::size_t i, std::size_t j) {
+        if (s.key[j] < s.key[i]) {
+          std::swap(s.key[i], s.key[j]);
+          s.odd = !s.odd;
+        }
+      };
+      order(0, 1);
+      order(1, 2);
+      order(0, 1);
+      sides.push_back(s);
+    }
+  }
+  std::sort(sides.begin(), sides.end(),
+            [](const Side& a, const Side& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
+  std::vector<Index> in_crowd;
+  std::vector<Index> one_sided;
+  std::vector<Index> twice;
+  const auto sorted_vertices = [&mesh](Index t) {
+    auto v = mesh.tets[static_cast<std::size_t>(t)];
+    std::sort(v.begin(), v.end());
+    return v;
+  };
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i + 1;
+    while (end < sides.size() && sides[end].key == sides[i].key) ++end;
+    for (std::size_t j = i; j < end; ++j) {
+      for (std::size_t k = i; k < j; ++k) {
+        if (sorted_vertices(sides[j].tet) == sorted_vertices(sides[k].tet)) twice.push_back(sides[j].tet);
+      }
+    }
+    if (end - i > 2) {
+      for (std::size_t j = i; j < end; ++j) in_crowd.push_back(sides[j].tet);
+    } else if (end - i == 2 && sides[i].odd == sides[i + 1].odd) {
+      one_sided.push_back(sides[i + 1].tet);
+    }
+    i = end;
+  }
+  const auto give = [](std::vector<Index>& ids, Collector& to) {
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    for (const Index id : ids) to.add(id);
+  };
+  give(twice, duplicates);
+  give(in_crowd, crowded);
+  give(one_sided, same_side);
+}
+
+}  // namespace
+
+const char* to_string(Defect defect) {
+  switch (defect) {
+    case Defect::index_out_of_range:
+      return "index out of range";
+    case Defect::bad_array_length:
+      return "array of the wrong length";
+    case Defect::not_finite:
+      return "coordinate that is not a finite number";
+    case Defect::repeated_vertex:
+      return "the same vertex twice in one tetrahedron";
+    case Defect::inverted_tet:
+      return "inverted tetrahedra (negative volume)";
+    case Defect::flat_tet:
+      return "flat tetrahedra (zero volume)";
+    case Defect::duplicate_tet:
+      return "tetrahedra listed twice";
+    case Defect::face_on_three_tets:
+      return "tetrahedra at a face that three or more share";
+    case Defect::same_side_of_face:
+      return "tetrahedra on the same side of a face as their neighbour";
+  }
+  return "unknown";
+}
+
+std::string ValidationReport::message(bool one_based) const {
+  std::string text = "the mesh is not valid:";
+  for (const Finding& f : findings) {
+    text += "\n  " + std::string(to_string(f.defect)) + " in " + f.where + ": " + std::to_string(f.count);
+    for (std::size_t i = 0; i < f.first.size(); ++i) {
+      text += (i == 0 ? (one_based ? " (first, counted from 1: " : " (first, counted from 0: ") : ", ") +
+              std::to_string(f.first[i] + (one_based ? 1 : 0));
+    }
+    if (!f.first.empty()) text += ")";
+  }
+  return text + "\n  repair or remove these in the program that made the mesh.";
+}
+
+ValidationReport validate_arrays(const TetMesh& mesh) {
+  ValidationReport report;
+  const std::size_t vertices = mesh.points.size();
+  check_length(mesh.point_tags.size(), vertices, "vertex tags", report);
+  check_length(mesh.tet_tags.size(), mesh.tets.size(), "tetrahedron tags", report);
+  check_length(mesh.triangle_tags.size(), mesh.triangles.size(), "triangle tags", report);
+  check_length(mesh.edge_tags.size(), mesh.edges.size(), "edge tags", report);
+  if (mesh.tets.size() > static_cast<std::size_t>(kMaxTets)) {
+    report.findings.push_back(
+        {Defect::bad_array_length, static_cast<std::int64_t>(mesh.tets.size()), {}, "tetrahedra (too many)"});
+  }
+  check_elements(mesh.tets, vertices, "tetrahedra", report);
+  check_elements(mesh.triangles, vertices, "triangles", report);
+  check_elements(mesh.edges, vertices, "edges", report);
+  check_indices(mesh.corners, vertices, 1, "corners", report);
+  check_indices(mesh.required_vertices, vertices, 1, "required vertices", report);
+  check_indices(mesh.ridges, mesh.edges.size(), 1, "ridges", report);
+  check_indices(mesh.required_edges, mesh.edges.size(), 1, "required edges", report);
+  check_indices(mesh.required_triangles, mesh.triangles.size(), 1, "required triangles", report);
+  check_indices(mesh.required_tets, mesh.tets.size(), 1, "required tetrahedra", report);
+  for (const ElementBlock& block : mesh.others) {
+    const auto each = static_cast<std::size_t>(std::max(1, block.vertices_per_element));
+    check_length(block.tags.size() * each, block.element2vertex.size(), block.kind, report);
+    check_indices(block.element2vertex, vertices, each, block.kind, report);
+  }
+  Collector not_finite(Defect::not_finite, "vertices");
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const Point3& p = mesh.points[v];
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+      not_finite.add(static_cast<std::int64_t>(v));
+    }
+  }
+  not_finite.finish(report);
+  return report;
+}
+
+ValidationReport validate(const TetMesh& mesh, int threads) {
+  ValidationReport report = validate_arrays(mesh);
+  if (!report.ok()) return report;
+
+  Collector repeated(Defect::repeated_vertex, "tetrahedra");
+  Collector inverted(Defect::inverted_tet, "tetrahedra");
+  Collector flat(Defect::flat_tet, "tetrahedra");
+  const std::vector<std::int8_t> sign = orient_all(mesh, threads);
+  for (std::size_t t = 0; t < sign.size(); ++t) {
+    if (sign[t] > 0) continue;
+    const auto& v = mesh.tets[t];
+    const bool twice = v[0] == v[1] || v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3] || v[2] == v[3];
+    (twice ? repeated : sign[t] < 0 ? inverted : flat).add(static_cast<std::int64_t>(t));
+  }
+  repeated.finish(report);
+  inverted.finish(report);
+  flat.finish(report);
+
+  const par::Cpu cpu(threads);
+  WorkMesh<par::Cpu> work;
+  work.points.resize(static_cast<Size>(mesh.points.size()));
+  work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
+  if (!mesh.tets.empty()) {
+    std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
+  }
+  const AdjacencyReport adjacency = build_adjacency(cpu, work);
+  if (adjacency.crowded_faces + adjacency.same_side_faces > 0) {
+    Collector duplicates(Defect::duplicate_tet, "tetrahedra");
+    Collector crowded(Defect::face_on_three_tets, "tetrahedra");
+    Collector same_side(Defect::same_side_of_face, "tetrahedra");
+    find_bad_faces(mesh, crowded, same_side, duplicates);
+    duplicates.finish(report);
+    crowded.finish(report);
+    same_side.finish(report);
+  }
+  return report;
+}
+
+bool orient_uniformly(TetMesh& mesh, int threads) {
+  if (mesh.tets.empty() || !validate_arrays(mesh).ok()) return false;
+  // Most meshes are decided by their first tetrahedron.
+  if (orient_tet(mesh, 0) > 0) return false;
+  const std::vector<std::int8_t> sign = orient_all(mesh, threads);
+  if (std::any_of(sign.begin(), sign.end(), [](std::int8_t s) { return s > 0; })) return false;
+  for (auto& tet : mesh.tets) std::swap(tet[2], tet[3]);
+  mesh.listed_inside_out = !mesh.listed_inside_out;
+  return true;
+}
+
+}  // namespace tetune

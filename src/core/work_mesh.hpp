@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/links.hpp"
+#include "core/types.hpp"
+#include "par/buffer.hpp"
+
+namespace tetune {
+
+using par::Size;
+using par::Span;
+
+/// First vertex of a slot that holds no tetrahedron.
+inline constexpr Index kFreeSlot = -1;
+
+/// What kernels see of the mesh.
+struct MeshView {
+  Span<Point> points;
+  Span<Tet> tet2vertex;
+  Span<Links> tet2tet;
+  Span<int> tet_tags;
+
+  TETUNE_HD bool alive(Size slot) const { return tet2vertex[slot].v[0] != kFreeSlot; }
+};
+
+/// The mesh while it is optimised, in a backend's memory: vertices along a space-filling curve, tetrahedra by vertex.
+/// Tetrahedra live in slots; flips free some and take new ones.
+template <class Backend>
+struct WorkMesh {
+  template <class T>
+  using Buffer = typename Backend::template Buffer<T>;
+
+  Buffer<Point> points;
+  Buffer<Tet> tet2vertex;
+  Buffer<Links> tet2tet;
+  Buffer<int> tet_tags;
+  /// Work vertex -> caller's vertex.
+  Buffer<Index> vertex2original;
+  /// Slots without a tetrahedron: the first `free_count` entries.
+  Buffer<Index> free_slots;
+  Size free_count = 0;
+
+  Size vertices() const { return points.size(); }
+  Size slots() const { return tet2vertex.size(); }
+  Size tets() const { return slots() - free_count; }
+  MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet_tags.span()}; }
+};
+
+}  // namespace tetune

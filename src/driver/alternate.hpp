@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "driver/working_set.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+
+/// optimize() on one backend: take the mesh in, alternate flips and sweeps, give it back.
+template <class Backend>
+Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, const Context& context);
+
+}  // namespace tetune

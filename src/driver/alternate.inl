@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "driver/alternate.hpp"
+#include "driver/clock.hpp"
+#include "driver/schedule.hpp"
+#include "driver/working_set.inl"
+
+namespace tetune {
+namespace alternate_detail {
+
+/// Over-relaxation of the Newton step: docs/benchmarks/cpu.md, "Relaxation".
+inline constexpr double kRelaxation = 1.6;
+/// Newton steps shorter than this part of the local length are not taken.
+inline constexpr double kMinMove = 1e-5;
+/// The paper's eps_g.
+inline constexpr double kMinGradient = 1e-5;
+/// Far above what any mesh needs: each pass lowers the energy, so this bounds a run in which rounding says otherwise.
+inline constexpr int kMaxFlipPasses = 1000;
+
+/// The alternation of Sect. 4.5 on one backend.
+template <class Backend>
+class Alternation {
+ public:
+  Alternation(const Backend& par, WorkingSet<Backend>& work, const Options& options, const Context& context,
+              Report& report)
+      : par_(par), work_(work), options_(options), context_(context), report_(report), clock_(report),
+        unit_(std::ldexp(1.0, -work.exponent)) {}
+
+  void run() {
+    energy_ = refresh_energy(par_, work_.mesh, work_.flips);
+    report_.energy_before = unit_ * energy_;
+    activate_all(par_, work_.mesh, work_.flips);
+    if (flip_until_stable(0) < 0) return;
+    Schedule schedule(options_);
+    report_.stop = StopReason::iteration_limit;
+    bool connectivity_changed = true;
+    for (int iteration = 1; iteration <= options_.max_iterations; ++iteration) {
+      const double energy_before_round = energy_;
+      if (connectivity_changed) rebuild_rings();
+      const SweepReport& swept = relocate(iteration);
+      if (!proceed("sweep", iteration)) return;
+      connectivity_changed = false;
+      if (schedule.flips_due(iteration)) {
+        clock_.measure("flips", [&] {
+          energy_ = refresh_energy(par_, work_.mesh, work_.flips);
+          activate_stirred(par_, work_.mesh, work_.mobilities.stirred.span(), work_.flips);
+        });
+        const Size flips = flip_until_stable(iteration);
+        if (flips < 0) return;
+        connectivity_changed = flips > 0;
+        schedule.flips_found(iteration, flips, work_.mesh.tets());
+      }
+      if (schedule.stop(swept, energy_before_round, energy_, report_.stop)) return;
+    }
+  }
+
+  /// Sum of eta after the last step, in the caller's unit.
+  double energy() {
+    return unit_ * refresh_energy(par_, work_.mesh, work_.flips);
+  }
+
+ private:
+  void rebuild_rings() {
+    clock_.measure("rings", [&] { build_rings(par_, work_.mesh, work_.rings); });
+    clock_.measure("colouring", [&] {
+      color_vertices(par_, work_.rings.view(), work_.mobilities.kind.span(), work_.coloring);
+    });
+    report_.colors = work_.coloring.colors();
+  }
+
+  const SweepReport& relocate(int iteration) {
+    SweepReport r;
+    r.iteration = iteration;
+    r.energy_before = unit_ * energy_;
+    if (options_.termination == Termination::paper) par_.fill(work_.mobilities.awake.span(), std::uint8_t{1});
+    SweepSum sum;
+    r.seconds = clock_.measure("sweeps", [&] {
+      const RingsView rings = work_.rings.view();
+      sum = options_.relocation == Relocation::newton
+                ? sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, NewtonStep{kRelaxation, kMinMove})
+                : sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, GradientStep{kMinGradient});
+    });
+    energy_ -= sum.decrease;
+    r.decrease = unit_ * sum.decrease;
+    r.gradient_norm = sum.gradient2;
+    r.moved = sum.moved;
+    report_.sweeps.push_back(r);
+    return report_.sweeps.back();
+  }
+
+  /// Flips from the active set on; returns their number, or -1 when the caller cancelled.
+  Size flip_until_stable(int iteration) {
+    Size flips = 0;
+    for (int pass = 1; pass <= kMaxFlipPasses && work_.flips.active.size() > 0; ++pass) {
+      FlipReport r;
+      const double seconds = clock_.measure(
+          "flips", [&] { r = flip_pass(par_, work_.mesh, work_.flips, work_.mobilities.awake.span()); });
+      energy_ -= r.decrease;
+      r.iteration = iteration;
+      r.pass = pass;
+      r.seconds = seconds;
+      r.decrease *= unit_;
+      report_.flips23 += r.flips23;
+      report_.flips32 += r.flips32;
+      report_.flip_passes.push_back(r);
+      flips += r.flips23 + r.flips32;
+      if (!proceed("flips", iteration)) return -1;
+      if (r.flips23 + r.flips32 == 0) break;
+    }
+    return flips;
+  }
+
+  bool proceed(const char* phase, int iteration) {
+    if (!context_.progress) return true;
+    if (context_.progress({phase, iteration, unit_ * energy_, report_.energy_before})) return true;
+    report_.stop = StopReason::cancelled;
+    return false;
+  }
+
+  const Backend& par_;
+  WorkingSet<Backend>& work_;
+  const Options& options_;
+  const Context& context_;
+  Report& report_;
+  Clock clock_;
+  double unit_;  ///< of the coordinates inside, in the caller's
+  double energy_ = 0;
+};
+
+}  // namespace alternate_detail
+
+template <class Backend>
+Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, const Context& context) {
+  Report report;
+  Clock clock(report);
+  report.vertices = static_cast<std::int64_t>(mesh.points.size());
+  report.tets_before = static_cast<std::int64_t>(mesh.tets.size());
+  WorkingSet<Backend> work;
+  clock.measure("load", [&] { load(par, mesh, options, work, report); });
+  alternate_detail::Alternation<Backend> alternation(par, work, options, context, report);
+  alternation.run();
+  report.energy_after = alternation.energy();
+  clock.measure("store", [&] { store(par, work, mesh, report); });
+  report.tets_after = static_cast<std::int64_t>(mesh.tets.size());
+  return report;
+}
+
+}  // namespace tetune

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/constraints.hpp"
+
+#include <algorithm>
+
+#include "boundary/classify.hpp"
+
+namespace tetune {
+namespace {
+
+std::array<Index, 2> sorted(std::array<Index, 2> edge) {
+  if (edge[1] < edge[0]) std::swap(edge[0], edge[1]);
+  return edge;
+}
+
+/// 1 for each listed edge that constrains.
+std::vector<std::uint8_t> constraining_edges(const TetMesh& mesh) {
+  std::vector<std::uint8_t> constrains(mesh.edges.size(), 0);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) constrains[e] = mesh.edge_tags[e] != 0 ? 1 : 0;
+  for (const Index e : mesh.ridges) constrains[static_cast<std::size_t>(e)] = 1;
+  for (const Index e : mesh.required_edges) constrains[static_cast<std::size_t>(e)] = 1;
+  return constrains;
+}
+
+/// Removes the entries with keep 0; returns the new position of each old one, or -1.
+template <class T>
+std::vector<Index> filter(std::vector<T>& items, std::vector<int>& tags, const std::vector<std::uint8_t>& keep) {
+  std::vector<Index> old2new(items.size(), -1);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (keep[i] == 0) continue;
+    old2new[i] = static_cast<Index>(kept);
+    items[kept] = items[i];
+    tags[kept] = tags[i];
+    ++kept;
+  }
+  items.resize(kept);
+  tags.resize(kept);
+  return old2new;
+}
+
+void renumber(std::vector<Index>& ids, const std::vector<Index>& old2new) {
+  for (Index& id : ids) id = old2new[static_cast<std::size_t>(id)];
+}
+
+}  // namespace
+
+Constraints find_constraints(const TetMesh& mesh) {
+  Constraints result;
+  result.frozen.assign(mesh.points.size(), kMovable);
+  for (const Index v : mesh.corners) result.frozen[static_cast<std::size_t>(v)] = kCorner;
+  const auto freeze = [&result](const auto& vertices) {
+    for (const Index v : vertices) result.frozen[static_cast<std::size_t>(v)] = kFrozen;
+  };
+  freeze(mesh.required_vertices);
+  for (const Index e : mesh.required_edges) freeze(mesh.edges[static_cast<std::size_t>(e)]);
+  for (const Index t : mesh.required_triangles) freeze(mesh.triangles[static_cast<std::size_t>(t)]);
+  for (const Index t : mesh.required_tets) freeze(mesh.tets[static_cast<std::size_t>(t)]);
+  for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
+
+  const std::vector<std::uint8_t> constrains = constraining_edges(mesh);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (constrains[e] != 0) result.edges.push_back(sorted(mesh.edges[e]));
+  }
+  std::sort(result.edges.begin(), result.edges.end());
+  result.edges.erase(std::unique(result.edges.begin(), result.edges.end()), result.edges.end());
+  return result;
+}
+
+std::int64_t drop_vanished_edges(TetMesh& mesh) {
+  std::vector<std::uint8_t> keep = constraining_edges(mesh);
+  std::vector<std::array<Index, 2>> sought;
+  for (std::size_t e = 0; e < keep.size(); ++e) {
+    if (keep[e] == 0) sought.push_back(sorted(mesh.edges[e]));
+  }
+  if (sought.empty()) return 0;
+  std::sort(sought.begin(), sought.end());
+  std::vector<std::uint8_t> found(sought.size(), 0);
+  for (const auto& tet : mesh.tets) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        const auto edge = sorted({tet[i], tet[j]});
+        for (auto at = std::lower_bound(sought.begin(), sought.end(), edge); at != sought.end() && *at == edge; ++at) {
+          found[static_cast<std::size_t>(at - sought.begin())] = 1;
+        }
+      }
+    }
+  }
+  std::int64_t dropped = 0;
+  for (std::size_t e = 0; e < keep.size(); ++e) {
+    if (keep[e] != 0) continue;
+    const auto at = std::lower_bound(sought.begin(), sought.end(), sorted(mesh.edges[e])) - sought.begin();
+    keep[e] = found[static_cast<std::size_t>(at)];
+    if (keep[e] == 0) ++dropped;
+  }
+  if (dropped == 0) return 0;
+  const std::vector<Index> old2new = filter(mesh.edges, mesh.edge_tags, keep);
+  renumber(mesh.ridges, old2new);
+  renumber(mesh.required_edges, old2new);
+  return dropped;
+}
+
+std::int64_t keep_triangles(TetMesh& mesh, const std::vector<std::uint8_t>& keep) {
+  const std::size_t before = mesh.triangles.size();
+  const std::vector<Index> old2new = filter(mesh.triangles, mesh.triangle_tags, keep);
+  renumber(mesh.required_triangles, old2new);
+  return static_cast<std::int64_t>(before - mesh.triangles.size());
+}
+
+}  // namespace tetune

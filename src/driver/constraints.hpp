@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tetune/mesh.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+
+/// What the caller's lists say must stay, in the caller's ids.
+struct Constraints {
+  /// kMovable, kFrozen or kCorner for each vertex. Required entities and elements of other kinds freeze theirs.
+  std::vector<std::uint8_t> frozen;
+  /// Listed edges that are feature lines: tagged, ridges or required. Pairs, each once.
+  std::vector<std::array<Index, 2>> edges;
+};
+
+Constraints find_constraints(const TetMesh& mesh);
+
+/// Drops the listed edges without tag, ridge or requirement that are no edge of any tetrahedron any more, and returns
+/// their number.
+std::int64_t drop_vanished_edges(TetMesh& mesh);
+
+/// Keeps the triangles with keep[i] and renumbers `required_triangles`; returns the number dropped.
+std::int64_t keep_triangles(TetMesh& mesh, const std::vector<std::uint8_t>& keep);
+
+}  // namespace tetune

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/alternate.inl"
+#include "driver/devices.hpp"
+#include "par/cuda.cuh"
+
+namespace tetune {
+
+template Report optimize_on(const par::Cuda&, TetMesh&, const Options&, const Context&);
+
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context) {
+  int count = 0;
+  const cudaError_t status = cudaGetDeviceCount(&count);
+  if (status != cudaSuccess || count == 0) {
+    throw DeviceError(std::string("no usable NVIDIA GPU: ") +
+                      (status != cudaSuccess ? cudaGetErrorString(status) : "none found") +
+                      ". Check `nvidia-smi`, or use the CPU (--device cpu).");
+  }
+  cudaDeviceProp properties{};
+  par::check_cuda(cudaGetDeviceProperties(&properties, 0), "device query");
+  if (properties.major * 10 + properties.minor < 75) {
+    throw DeviceError(std::string(properties.name) + " has compute capability " + std::to_string(properties.major) +
+                      "." + std::to_string(properties.minor) +
+                      "; 7.5 or newer is needed. Use the CPU (--device cpu).");
+  }
+  Report report = optimize_on(par::Cuda{}, mesh, options, context);
+  report.device = properties.name;
+  return report;
+}
+
+}  // namespace tetune

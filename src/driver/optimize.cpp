@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/optimize.hpp"
+
+#include <chrono>
+#include <string>
+
+#include "driver/alternate.hpp"
+#include "driver/devices.hpp"
+#include "par/cpu.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+
+const char* to_string(StopReason reason) {
+  switch (reason) {
+    case StopReason::converged:
+      return "converged";
+    case StopReason::gradient_small:
+      return "gradient small (C1)";
+    case StopReason::gradient_stationary:
+      return "gradient stationary (C2)";
+    case StopReason::no_flips:
+      return "no more flips (C3)";
+    case StopReason::iteration_limit:
+      return "iteration limit";
+    case StopReason::cancelled:
+      return "cancelled";
+  }
+  return "unknown";
+}
+
+Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
+  if (options.max_iterations < 0) {
+    throw OptionError("max_iterations is " + std::to_string(options.max_iterations) + "; it must be 0 or more");
+  }
+  if (options.threads < 0) {
+    throw OptionError("threads is " + std::to_string(options.threads) + "; it must be 0 (all) or more");
+  }
+  const auto start = std::chrono::steady_clock::now();
+  Report report;
+  if (options.device == Device::cuda) {
+    report = optimize_on_cuda(mesh, options, context);
+  } else {
+    const par::Cpu cpu(options.threads);
+    report = optimize_on(cpu, mesh, options, context);
+    report.device = "CPU";
+    report.threads = cpu.threads();
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace tetune

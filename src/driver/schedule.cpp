@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/schedule.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetune {
+namespace {
+
+constexpr double kPaperEpsilon = 1e-5;
+constexpr int kPaperMaxInterval = 1 << 3;  // 2^N, N = 3
+
+/// The energy must fall by this part in a sweep to go on.
+constexpr double kRelativeDecrease = 1e-4;
+/// Fewer flips than this part of the tetrahedra are not worth an earlier look.
+constexpr double kFewFlips = 1e-4;
+
+}  // namespace
+
+void Schedule::flips_found(int iteration, std::int64_t flips, std::int64_t tets) {
+  const bool found = paper_ ? flips > 0 : static_cast<double>(flips) > kFewFlips * static_cast<double>(tets);
+  interval_ = found ? (interval_ + 1) / 2 : 2 * interval_;
+  next_flips_ = iteration + interval_;
+}
+
+bool Schedule::stop(const SweepReport& sweep, double energy_before_round, double energy, StopReason& reason) {
+  if (paper_) {
+    const double gradient = sweep.gradient_norm;
+    const double last = last_gradient_;
+    last_gradient_ = gradient;
+    if (threshold_ < 0) threshold_ = std::max(kPaperEpsilon, kPaperEpsilon * gradient);  // Eq. 17
+    if (gradient < threshold_) {
+      reason = StopReason::gradient_small;
+      return true;
+    }
+    if (last >= 0 && std::fabs(gradient - last) < threshold_) {
+      reason = StopReason::gradient_stationary;
+      return true;
+    }
+    if (interval_ >= kPaperMaxInterval) {
+      reason = StopReason::no_flips;
+      return true;
+    }
+  } else if (energy_before_round - energy < kRelativeDecrease * energy) {
+    reason = StopReason::converged;
+    return true;
+  }
+  if (sweep.iteration >= max_) {
+    reason = StopReason::iteration_limit;
+    return true;
+  }
+  return false;
+}
+
+}  // namespace tetune

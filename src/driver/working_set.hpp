@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "boundary/classify.hpp"
+#include "core/connect.hpp"
+#include "flips/flip_pass.hpp"
+#include "relocate/coloring.hpp"
+#include "relocate/sweep.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+
+/// All that one optimisation has in a backend's memory.
+template <class Backend>
+struct WorkingSet {
+  WorkMesh<Backend> mesh;
+  FlipState<Backend> flips;
+  Mobilities<Backend> mobilities;
+  Rings<Backend> rings;
+  Coloring<Backend> coloring;
+  /// Coordinates inside are the caller's times 2^exponent: an exact change of unit that keeps products in range.
+  int exponent = 0;
+  /// Work slot of each of the caller's required tetrahedra.
+  std::vector<Index> required_slots;
+  /// For each of the caller's triangles.
+  std::vector<Listed> listed_triangles;
+};
+
+/// Takes a mesh in: checks it, renumbers it, finds its surface and what each vertex may do. Throws MeshError.
+template <class Backend>
+void load(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work,
+          Report& report);
+
+/// Gives the result back to the caller's mesh, under the caller's vertex ids.
+template <class Backend>
+void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report& report);
+
+}  // namespace tetune

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "core/validate_arrays.hpp"
+#include "driver/constraints.hpp"
+#include "driver/working_set.hpp"
+#include "tetune/error.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace working_set_detail {
+
+struct NotCertified {
+  MeshView mesh;
+  TETUNE_HD bool operator()(Size t) const {
+    const Tet tet = mesh.tet2vertex[t];
+    return !orient(vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
+                   vec(mesh.points[tet[3]]))
+                .certified();
+  }
+};
+
+struct LockTet {
+  MeshView mesh;
+  Span<const Index> slots;
+  TETUNE_HD void operator()(Size i) const {
+    for (int f = 0; f < 4; ++f) {
+      const Link link = mesh.tet2tet[slots[i]][f];
+      if (link == kNoLink) continue;
+      par::atomic_or(mesh.tet2tet[slots[i]][f], kLocked);
+      par::atomic_or(mesh.tet2tet[link_tet(link)][link_face(link)], kLocked);
+    }
+  }
+};
+
+/// The tetrahedra without the padding and order of the work mesh.
+struct ToOriginal {
+  Span<const Index> vertex2original;
+  Span<Tet> tets;
+  TETUNE_HD void operator()(Size t) const {
+    Tet tet = tets[t];
+    for (int k = 0; k < 4; ++k) tet[k] = vertex2original[tet[k]];
+    tets[t] = tet;
+  }
+};
+
+inline int scaling_exponent(const TetMesh& mesh) {
+  double largest = 0;
+  for (const Point3& p : mesh.points) {
+    for (const double x : p) largest = std::max(largest, std::fabs(x));
+  }
+  return largest > 0 ? -std::ilogb(largest) : 0;
+}
+
+template <class Backend>
+void upload_geometry(const TetMesh& mesh, WorkingSet<Backend>& work) {
+  work.exponent = scaling_exponent(mesh);
+  std::vector<Point> points(mesh.points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point3& p = mesh.points[i];
+    points[i] = {std::ldexp(p[0], work.exponent), std::ldexp(p[1], work.exponent), std::ldexp(p[2], work.exponent),
+                 0};
+  }
+  work.mesh.points.upload(points);
+  static_assert(sizeof(Tet) == sizeof(mesh.tets[0]));
+  work.mesh.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
+  Backend::upload(work.mesh.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
+  work.mesh.tet_tags.upload(mesh.tet_tags);
+}
+
+/// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
+template <class Backend>
+void check_volumes(const Backend& par, const TetMesh& mesh, WorkingSet<Backend>& work,
+                   const std::vector<Index>& tet2original) {
+  typename Backend::template Buffer<Index> doubtful(work.mesh.slots());
+  const Size count = par.compact(work.mesh.slots(), NotCertified{work.mesh.view()}, doubtful.span());
+  doubtful.resize(count);
+  for (const Index slot : doubtful.download()) {
+    const auto& tet = mesh.tets[static_cast<std::size_t>(tet2original[static_cast<std::size_t>(slot)])];
+    const auto p = [&](std::size_t k) -> const Point3& { return mesh.points[static_cast<std::size_t>(tet[k])]; };
+    if (orient_sign(p(0), p(1), p(2), p(3)) <= 0) throw MeshError(validate(mesh).message(false));
+  }
+}
+
+}  // namespace working_set_detail
+
+template <class Backend>
+void load(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work,
+          Report& report) {
+  using namespace working_set_detail;
+  const ValidationReport arrays = validate_arrays(mesh);
+  if (!arrays.ok()) throw MeshError(arrays.message(false));
+
+  upload_geometry(mesh, work);
+  typename Backend::template Buffer<Index> sorted2original;
+  sort_mesh(par, work.mesh, &sorted2original);
+  const std::vector<Index> tet2original = sorted2original.download();
+  const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
+  const AdjacencyReport adjacency = build_adjacency(par, work.mesh);
+  if (adjacency.crowded_faces + adjacency.same_side_faces > 0) throw MeshError(validate(mesh).message(false));
+  check_volumes(par, mesh, work, tet2original);
+  lock_interfaces(par, work.mesh);
+
+  std::vector<Index> original2vertex(vertex2original.size());
+  for (std::size_t v = 0; v < vertex2original.size(); ++v) {
+    original2vertex[static_cast<std::size_t>(vertex2original[v])] = static_cast<Index>(v);
+  }
+  const auto to_work = [&original2vertex](Index v) { return original2vertex[static_cast<std::size_t>(v)]; };
+
+  if (!mesh.required_tets.empty()) {
+    std::vector<Index> original2slot(tet2original.size());
+    for (std::size_t t = 0; t < tet2original.size(); ++t) {
+      original2slot[static_cast<std::size_t>(tet2original[t])] = static_cast<Index>(t);
+    }
+    for (const Index t : mesh.required_tets) work.required_slots.push_back(original2slot[static_cast<std::size_t>(t)]);
+    typename Backend::template Buffer<Index> slots;
+    slots.upload(work.required_slots);
+    par.for_each(slots.size(), LockTet{work.mesh.view(), slots.span()});
+  }
+
+  // Listed triangles.
+  std::vector<std::uint8_t> triangle_required(mesh.triangles.size(), 0);
+  for (const Index t : mesh.required_triangles) triangle_required[static_cast<std::size_t>(t)] = 1;
+  std::vector<ListedTriangle> listed(mesh.triangles.size());
+  for (std::size_t t = 0; t < listed.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) listed[t].v[k] = to_work(mesh.triangles[t][k]);
+    listed[t].tag = mesh.triangle_tags[t];
+    listed[t].required = triangle_required[t];
+  }
+  typename Backend::template Buffer<ListedTriangle> listed_buffer;
+  typename Backend::template Buffer<Listed> listed_state;
+  listed_buffer.upload(listed);
+  Surface<Backend> surface;
+  build_surface(par, work.mesh, listed_buffer, listed_state, surface);
+  work.listed_triangles = listed_state.download();
+
+  // Listed edges and frozen vertices.
+  const Constraints constraints = find_constraints(mesh);
+  std::vector<std::uint8_t> frozen(mesh.points.size(), kMovable);
+  for (std::size_t v = 0; v < frozen.size(); ++v) frozen[static_cast<std::size_t>(to_work(static_cast<Index>(v)))] = constraints.frozen[v];
+  for (std::size_t t = 0; t < listed.size(); ++t) {
+    if (work.listed_triangles[t] != Listed::absent) continue;
+    for (const Index v : listed[t].v) frozen[static_cast<std::size_t>(v)] = kFrozen;
+  }
+  std::vector<Index> edges;
+  std::vector<std::uint64_t> keys;
+  std::vector<std::uint8_t> on_vertex(mesh.points.size(), 0);
+  for (const auto& edge : constraints.edges) {
+    const Index a = to_work(edge[0]);
+    const Index b = to_work(edge[1]);
+    edges.insert(edges.end(), {a, b});
+    keys.push_back(ConstrainedEdges::edge_key(a, b));
+    on_vertex[static_cast<std::size_t>(a)] = on_vertex[static_cast<std::size_t>(b)] = 1;
+  }
+  std::sort(keys.begin(), keys.end());
+  work.flips.constrained_keys.upload(keys);
+  work.flips.constrained_vertex.upload(on_vertex);
+  typename Backend::template Buffer<Index> edge_buffer;
+  typename Backend::template Buffer<std::uint8_t> frozen_buffer;
+  edge_buffer.upload(edges);
+  frozen_buffer.upload(frozen);
+
+  const Size vertices = work.mesh.vertices();
+  work.mobilities.kind.resize(vertices);
+  work.mobilities.axis.resize(vertices);
+  work.mobilities.awake.resize(vertices);
+  work.mobilities.stirred.resize(vertices);
+  par.fill(work.mobilities.awake.span(), std::uint8_t{1});
+  par.fill(work.mobilities.stirred.span(), std::uint8_t{0});
+  classify_vertices(par, work.mesh, surface, edge_buffer.span(), work.flips.constrained(), frozen_buffer.span(),
+                    options.boundary == Boundary::fixed, work.mobilities.kind.span(), work.mobilities.axis.span());
+  for (const Mobility kind : work.mobilities.kind.download()) {
+    ++(kind == Mobility::free    ? report.free_vertices
+       : kind == Mobility::plane ? report.plane_vertices
+       : kind == Mobility::line  ? report.line_vertices
+                                 : report.fixed_vertices);
+  }
+}
+
+template <class Backend>
+void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report& report) {
+  using namespace working_set_detail;
+  const std::vector<Index> slot_of = compact_slots(par, work.mesh).download();
+  par.for_each(work.mesh.slots(), ToOriginal{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
+  mesh.tets.resize(static_cast<std::size_t>(work.mesh.slots()));
+  Backend::download(mesh.tets.data(), work.mesh.tet2vertex.span().data(), mesh.tets.size() * sizeof(Tet));
+  mesh.tet_tags = work.mesh.tet_tags.download();
+
+  const std::vector<Point> points = work.mesh.points.download();
+  const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    mesh.points[static_cast<std::size_t>(vertex2original[v])] = {std::ldexp(points[v].x, -work.exponent),
+                                                                 std::ldexp(points[v].y, -work.exponent),
+                                                                 std::ldexp(points[v].z, -work.exponent)};
+  }
+
+  // Required tetrahedra never left their slots; compaction kept the order of the slots.
+  for (std::size_t i = 0; i < mesh.required_tets.size(); ++i) {
+    const auto at = std::lower_bound(slot_of.begin(), slot_of.end(), work.required_slots[i]);
+    mesh.required_tets[i] = static_cast<Index>(at - slot_of.begin());
+  }
+
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
+  report.triangles_dropped = keep_triangles(mesh, keep);
+  report.edges_dropped = drop_vanished_edges(mesh);
+}
+
+}  // namespace tetune

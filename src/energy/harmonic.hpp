@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/orient.hpp"
+#include "core/types.hpp"
+
+/// The harmonic index eta = (sum of squared face areas) / volume (Stroeter et al. 2022, Eq. 5; tr(L) = eta / 9, Eq. 3)
+/// of one tetrahedron, seen from one of its vertices. Derivation: docs/method.md, "One tetrahedron".
+namespace tetune {
+
+/// Tetrahedron (x, p0, p1, p2), positively oriented: a = p1 - p0, b = p2 - p0, n = a x b, and y = x - p0 is the
+/// variable. Over doubles, or over packs of doubles on the CPU.
+template <class T>
+struct OppositeFace {
+  Vec3T<T> p0, a, b, n;
+};
+
+/// The face as the vertex in front sees it: (x, p0, p1, p2) positive means n . (x - p0) < 0 for n = a x b, so the
+/// last two are exchanged to make w = n . y = 6 v positive.
+template <class T>
+TETUNE_HD TETUNE_INLINE OppositeFace<T> opposite_face(const Vec3T<T>& p0, const Vec3T<T>& p1, const Vec3T<T>& p2) {
+  const Vec3T<T> a = p2 - p0;
+  const Vec3T<T> b = p1 - p0;
+  return {p0, a, b, cross(a, b)};
+}
+
+/// q(y) = 4 * sum of squared areas, as a sum of squares: nothing cancels, however flat the tetrahedron.
+/// h = grad q / 2.
+template <class T>
+struct AreaTerm {
+  T q;
+  Vec3T<T> h;
+};
+
+template <class T>
+TETUNE_HD TETUNE_INLINE T area_term(const OppositeFace<T>& f, const Vec3T<T>& y) {
+  const Vec3T<T> u = cross(y, f.a);
+  const Vec3T<T> v = cross(y, f.b);
+  const Vec3T<T> s = v - u - f.n;  // y x (b - a) - n
+  return dot(u, u) + dot(v, v) + dot(s, s) + dot(f.n, f.n);
+}
+
+template <class T>
+TETUNE_HD TETUNE_INLINE AreaTerm<T> area_term_gradient(const OppositeFace<T>& f, const Vec3T<T>& y) {
+  const Vec3T<T> u = cross(y, f.a);
+  const Vec3T<T> v = cross(y, f.b);
+  const Vec3T<T> s = v - u - f.n;
+  return {dot(u, u) + dot(v, v) + dot(s, s) + dot(f.n, f.n),
+          cross(f.a, u) + cross(f.b, v) + cross(f.b - f.a, s)};
+}
+
+/// Hessian of q / 2: sum over the three edges e of (|e|^2 I - e e^T).
+template <class T>
+TETUNE_HD TETUNE_INLINE Sym3T<T> area_term_hessian(const OppositeFace<T>& f) {
+  const Vec3T<T> c = f.b - f.a;
+  const T xx = f.a.x * f.a.x + f.b.x * f.b.x + c.x * c.x;
+  const T yy = f.a.y * f.a.y + f.b.y * f.b.y + c.y * c.y;
+  const T zz = f.a.z * f.a.z + f.b.z * f.b.z + c.z * c.z;
+  return {yy + zz,
+          xx + zz,
+          xx + yy,
+          -(f.a.x * f.a.y + f.b.x * f.b.y + c.x * c.y),
+          -(f.a.x * f.a.z + f.b.x * f.b.z + c.x * c.z),
+          -(f.a.y * f.a.z + f.b.y * f.b.z + c.y * c.z)};
+}
+
+/// eta = 1.5 q / w. With m = (h - q n / (2 w)) / w:   grad eta = 3 m,   Hess eta = 3 / w (Q - m n^T - n m^T).
+inline constexpr double kEtaFactor = 1.5;
+inline constexpr double kGradientFactor = 3;
+inline constexpr double kHessianFactor = 3;
+
+/// Square of kOrientBound times the 2 in permanent^2 <= 2 |a|^2 |b|^2 |y|^2 (Cauchy-Schwarz), rounded up.
+inline constexpr double kVolumeMargin = 2.01 * kOrientBound * kOrientBound;
+
+/// Positive only if w = n . y is certified positive: w beyond the bound on its rounding error.
+template <class T>
+TETUNE_HD TETUNE_INLINE T volume_margin(const OppositeFace<T>& f, const Vec3T<T>& y, const T& w_positive) {
+  return w_positive * w_positive - kVolumeMargin * (dot(f.a, f.a) * dot(f.b, f.b) * dot(y, y));
+}
+
+/// eta of a tetrahedron with vertices in positive order, and whether its volume is certified positive. Where it is
+/// not, eta is what the smallest volume that rounding leaves possible would give: large, and finite.
+struct TetEnergy {
+  double eta;
+  bool certified;
+};
+
+TETUNE_HD TETUNE_INLINE TetEnergy tet_energy(const Vec3& x, const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+  const OppositeFace<double> f = opposite_face(p0, p1, p2);
+  const Vec3 y = x - p0;
+  const double w = dot(f.n, y);
+  const double bound = kOrientBound * permanent(f.a, f.b, y);
+  const bool certified = w > bound;
+  return {kEtaFactor * area_term(f, y) / (certified ? w : bound), certified};
+}
+
+/// eta along the ray y + t p: 1.5 (A t^2 + 2 B t + C) / (D + E t).
+struct RayTerm {
+  double a, b, c, d, e;
+  TETUNE_HD double eta(double t) const { return kEtaFactor * ((a * t + 2 * b) * t + c) / (d + e * t); }
+};
+
+TETUNE_HD TETUNE_INLINE RayTerm ray_term(const OppositeFace<double>& f, const Vec3& y, const Vec3& p) {
+  const AreaTerm<double> term = area_term_gradient(f, y);
+  const Vec3 u = cross(p, f.a);
+  const Vec3 v = cross(p, f.b);
+  const Vec3 s = v - u;
+  return {dot(u, u) + dot(v, v) + dot(s, s), dot(p, term.h), term.q, dot(f.n, y), dot(f.n, p)};
+}
+
+}  // namespace tetune

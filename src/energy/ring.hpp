@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/rows.hpp"
+#include "core/work_mesh.hpp"
+#include "energy/harmonic.hpp"
+
+namespace tetune {
+
+/// The face opposite a vertex in one of its tetrahedra: (vertex, v[0], v[1], v[2]) is positive.
+struct LinkFace {
+  Index v[3];
+};
+
+/// The one-rings of all vertices: the faces around vertex i are faces[offsets[i]] .. faces[offsets[i + 1] - 1].
+struct RingsView {
+  Span<const std::uint32_t> offsets;
+  Span<const LinkFace> faces;
+};
+
+/// f = sum of eta over the ring, to second order around a position.
+struct RingModel {
+  double value;
+  Vec3 gradient;
+  Sym3 hessian;
+  double length2;  ///< mean squared distance of the ring's faces: the square of the local length
+};
+
+/// The sum that makes a RingModel, over doubles or packs of them.
+template <class T>
+struct ModelSum {
+  T e, length2;
+  Vec3T<T> g;
+  Sym3T<T> h;
+
+  /// r = 1 / w of this tetrahedron; weight 1 counts it, 0 leaves it out.
+  TETUNE_HD TETUNE_INLINE void add(const OppositeFace<T>& f, const Vec3T<T>& y, const T& r, const T& weight) {
+    const AreaTerm<T> term = area_term_gradient(f, y);
+    const Sym3T<T> q = area_term_hessian(f);
+    const T wr = weight * r;
+    const T eta = term.q * r;
+    const Vec3T<T> m = wr * (term.h - (0.5 * eta) * f.n);
+    const Vec3T<T> rn = r * f.n;
+    e += weight * eta;
+    length2 += weight * dot(y, y);
+    g = g + m;
+    h.xx += wr * q.xx - 2.0 * (m.x * rn.x);
+    h.yy += wr * q.yy - 2.0 * (m.y * rn.y);
+    h.zz += wr * q.zz - 2.0 * (m.z * rn.z);
+    h.xy += wr * q.xy - (m.x * rn.y + m.y * rn.x);
+    h.xz += wr * q.xz - (m.x * rn.z + m.z * rn.x);
+    h.yz += wr * q.yz - (m.y * rn.z + m.z * rn.y);
+  }
+};
+
+TETUNE_HD inline RingModel to_model(const ModelSum<double>& s, Size count) {
+  const double k = kHessianFactor;
+  return {kEtaFactor * s.e, kGradientFactor * s.g,
+          {k * s.h.xx, k * s.h.yy, k * s.h.zz, k * s.h.xy, k * s.h.xz, k * s.h.yz},
+          s.length2 / static_cast<double>(count)};
+}
+
+/// w = 6 v; a tetrahedron that is positive by less than rounding can tell counts with the bound on the error.
+TETUNE_HD TETUNE_INLINE double safe_volume(const OppositeFace<double>& f, const Vec3& y) {
+  const double w = dot(f.n, y);
+  return w > 0 ? w : kOrientBound * permanent(f.a, f.b, y);
+}
+
+/// f at a position, and whether each volume there is certified positive.
+struct RingValue {
+  double value;
+  bool certified;
+};
+
+/// One vertex's ring, read from memory each time: for the GPU, one thread a vertex, and for rings of any size.
+/// The interface that relocation is written against; SimdRing is the same for the CPU.
+class PlainRing {
+ public:
+  static constexpr Size kCapacity = Size{1} << 31;
+
+  TETUNE_HD PlainRing(Span<const Point> points, const LinkFace* faces, Size count)
+      : points_(points), faces_(faces), count_(count) {}
+
+  TETUNE_HD RingModel model(const Vec3& x) {
+    ModelSum<double> sum{};
+    for (Size i = 0; i < count_; ++i) {
+      const OppositeFace<double> f = face(i);
+      const Vec3 y = x - f.p0;
+      sum.add(f, y, 1 / safe_volume(f, y), 1.0);
+    }
+    return to_model(sum, count_);
+  }
+
+  /// First t > 0 at which x + t p leaves the kernel of the ring; infinity if none.
+  TETUNE_HD double step_bound(const Vec3& x, const Vec3& p) {
+    double rate = 0;
+    for (Size i = 0; i < count_; ++i) {
+      const OppositeFace<double> f = face(i);
+      const double r = -dot(f.n, p) / safe_volume(f, x - f.p0);
+      rate = r > rate ? r : rate;
+    }
+    return 1 / rate;
+  }
+
+  TETUNE_HD RingValue value(const Vec3& x) {
+    double e = 0;
+    bool certified = true;
+    for (Size i = 0; i < count_; ++i) {
+      const OppositeFace<double> f = face(i);
+      const Vec3 y = x - f.p0;
+      const double w = dot(f.n, y);
+      certified = certified && w > 0 && volume_margin(f, y, w) > 0;
+      e += area_term(f, y) / w;
+    }
+    return {kEtaFactor * e, certified};
+  }
+
+  /// f along x + t p, in closed form.
+  class Ray {
+   public:
+    TETUNE_HD Ray(const PlainRing& ring, const Vec3& x, const Vec3& p) : ring_(ring), x_(x), p_(p) {}
+    TETUNE_HD double value(double t) const {
+      double sum = 0;
+      for (Size i = 0; i < ring_.count_; ++i) {
+        const OppositeFace<double> f = ring_.face(i);
+        sum += ray_term(f, x_ - f.p0, p_).eta(t);
+      }
+      return sum;
+    }
+
+   private:
+    const PlainRing& ring_;
+    Vec3 x_, p_;
+  };
+  TETUNE_HD Ray ray(const Vec3& x, const Vec3& p) const { return {*this, x, p}; }
+
+ private:
+  TETUNE_HD OppositeFace<double> face(Size i) const {
+    const LinkFace f = faces_[i];
+    return opposite_face(vec(points_[f.v[0]]), vec(points_[f.v[1]]), vec(points_[f.v[2]]));
+  }
+
+  Span<const Point> points_;
+  const LinkFace* faces_;
+  Size count_;
+};
+
+}  // namespace tetune

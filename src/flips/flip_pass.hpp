@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/work_mesh.hpp"
+#include "flips/flip.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+
+/// A flip must lower the energy of its cavity by this part: above round-off, and so that no flip is undone by another.
+inline constexpr double kMinRelativeGain = 1e-9;
+
+/// What the flip passes keep between them, in a backend's memory.
+template <class Backend>
+struct FlipState {
+  template <class T>
+  using Buffer = typename Backend::template Buffer<T>;
+  /// Harmonic index of each slot; 0 for a free one.
+  Buffer<double> eta;
+  /// The best flip proposed for each slot: gain in the high half, flip id in the low one. 0: none.
+  Buffer<std::uint64_t> proposal;
+  /// The slots to examine, and the same as flags.
+  Buffer<Index> active;
+  Buffer<std::uint8_t> is_active;
+  /// Edges inside a region that must stay.
+  Buffer<std::uint64_t> constrained_keys;
+  Buffer<std::uint8_t> constrained_vertex;
+
+  ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
+};
+
+/// Computes eta of each slot from the positions, and returns the sum.
+template <class Backend>
+double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
+
+/// Makes every tetrahedron active.
+template <class Backend>
+void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
+
+/// Makes the tetrahedra with a stirred vertex active, and lets the vertices rest. Returns their number.
+template <class Backend>
+Size activate_stirred(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uint8_t> stirred,
+                      FlipState<Backend>& state);
+
+/// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it is
+/// the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip
+/// takes a slot, a 3-2 flip frees one, and the links are kept up to date. `awake`, when given, is set for the vertices
+/// whose ring changed.
+template <class Backend>
+FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                     Span<std::uint8_t> awake);
+
+}  // namespace tetune

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/file.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include "tetune/error.hpp"
+
+namespace tetune {
+
+MappedFile::MappedFile(const std::string& path) {
+  const auto fail = [&path](const char* what) { throw FileError(path + ": " + what + ": " + std::strerror(errno)); };
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail("cannot open");
+  struct stat info {};
+  if (::fstat(descriptor, &info) != 0) {
+    ::close(descriptor);
+    fail("cannot inspect");
+  }
+  if (!S_ISREG(info.st_mode)) {
+    ::close(descriptor);
+    throw FileError(path + ": not a regular file");
+  }
+  size_ = static_cast<std::size_t>(info.st_size);
+  if (size_ > 0) {
+    void* memory = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    if (memory == MAP_FAILED) {
+      ::close(descriptor);
+      fail("cannot map into memory");
+    }
+    ::madvise(memory, size_, MADV_SEQUENTIAL | MADV_WILLNEED);
+    data_ = static_cast<const char*>(memory);
+  }
+  ::close(descriptor);
+}
+
+MappedFile::~MappedFile() {
+  if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
+}
+
+FileWriter::FileWriter(std::string path) : path_(std::move(path)), temporary_(path_ + ".XXXXXX") {
+  descriptor_ = ::mkstemp(temporary_.data());
+  if (descriptor_ < 0) fail("cannot create a file in the folder of");
+  // mkstemp is private to the user; an output file follows the user's umask like any other, or the file it replaces.
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  struct stat old {};
+  const mode_t mode = ::stat(path_.c_str(), &old) == 0 ? (old.st_mode & 0777U) : (0666U & ~mask);
+  if (::fchmod(descriptor_, mode) != 0) fail("cannot set the permissions of");
+}
+
+FileWriter::~FileWriter() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(temporary_.c_str());
+}
+
+void FileWriter::fail(const char* what) const {
+  throw FileError(std::string(what) + " " + path_ + ": " + std::strerror(errno));
+}
+
+void FileWriter::write(const void* data, std::size_t bytes) {
+  const char* at = static_cast<const char*>(data);
+  while (bytes > 0) {
+    const ssize_t done = ::write(descriptor_, at, bytes);
+    if (done < 0) {
+      if (errno == EINTR) continue;
+      fail("cannot write");
+    }
+    at += done;
+    bytes -= static_cast<std::size_t>(done);
+  }
+}
+
+void FileWriter::commit() {
+  const int descriptor = descriptor_;
+  descriptor_ = -1;
+  if (::close(descriptor) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(temporary_.c_str());
+    errno = error;
+    fail("cannot write");
+  }
+}
+
+}  // namespace tetune

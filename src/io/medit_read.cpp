@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// MEDIT meshes, text and binary, versions 1 to 4 (libMeshb's format).
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+#include "io/medit_sections.hpp"
+#include "io/registry.hpp"
+#include "io/text_cursor.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+/// Numbers of a text file.
+class TextSource {
+ public:
+  explicit TextSource(TextCursor& cursor) : cursor_(cursor) {}
+  double real() { return cursor_.real("coordinate"); }
+  std::int64_t integer(const char* what) { return cursor_.integer(what); }
+  /// A length that cannot be true, given what is left of the file, is refused before memory is asked for.
+  std::size_t count(std::string_view section, int numbers_each) {
+    const std::int64_t n = cursor_.integer("number of entries");
+    if (n < 0 || static_cast<std::uint64_t>(n) > cursor_.remaining() / (2 * static_cast<std::size_t>(numbers_each)) + 1) {
+      fail("section " + std::string(section) + " claims " + std::to_string(n) +
+           " entries, more than the rest of the file can hold");
+    }
+    return static_cast<std::size_t>(n);
+  }
+  [[noreturn]] void fail(const std::string& what) const { cursor_.fail(what); }
+
+ private:
+  TextCursor& cursor_;
+};
+
+/// Numbers of a binary file.
+class BinarySource {
+ public:
+  BinarySource(std::string path, std::string_view bytes) : path_(std::move(path)), bytes_(bytes) {}
+
+  void open() {
+    const auto code = take<std::int32_t>();
+    if (code == 16777216) {
+      swap_ = true;
+    } else if (code != 1) {
+      fail("this is not a MEDIT binary mesh (.meshb)");
+    }
+    version_ = take<std::int32_t>();
+    if (version_ < 1 || version_ > 4) fail("version " + std::to_string(version_) + " is not one of 1 to 4");
+  }
+  bool at_end() const { return at_ + sizeof(std::int32_t) > bytes_.size(); }
+  std::int32_t keyword() { return take<std::int32_t>(); }
+  /// Where the next section starts; 0 in the last one.
+  std::size_t next_position() {
+    const std::int64_t position = version_ >= 3 ? take<std::int64_t>() : take<std::int32_t>();
+    if (position != 0 && (position < static_cast<std::int64_t>(at_) || static_cast<std::size_t>(position) > bytes_.size())) {
+      fail("a section points to a place outside the file");
+    }
+    return static_cast<std::size_t>(position);
+  }
+  void go_to(std::size_t position) { at_ = position; }
+
+  double real() { return version_ == 1 ? static_cast<double>(take<float>()) : take<double>(); }
+  std::int64_t integer(const char*) { return version_ == 4 ? take<std::int64_t>() : take<std::int32_t>(); }
+  std::size_t count(std::string_view section, int numbers_each) {
+    const std::int64_t n = integer("");
+    const std::size_t smallest = 4 * static_cast<std::size_t>(numbers_each);
+    if (n < 0 || static_cast<std::uint64_t>(n) > (bytes_.size() - at_) / smallest) {
+      fail("section " + std::string(section) + " claims " + std::to_string(n) +
+           " entries, more than the rest of the file can hold");
+    }
+    return static_cast<std::size_t>(n);
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw FileError(path_ + ", byte " + std::to_string(at_) + ": " + what);
+  }
+
+ private:
+  template <class T>
+  T take() {
+    if (at_ + sizeof(T) > bytes_.size()) fail("the file ends too early");
+    unsigned char raw[sizeof(T)];
+    std::memcpy(raw, bytes_.data() + at_, sizeof(T));
+    if (swap_) std::reverse(raw, raw + sizeof(T));
+    at_ += sizeof(T);
+    T value;
+    std::memcpy(&value, raw, sizeof(T));
+    return value;
+  }
+
+  std::string path_;
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+  int version_ = 2;
+  bool swap_ = false;
+};
+
+template <class Source>
+class MeditReader {
+ public:
+  MeditReader(Source& source, TetMesh& mesh) : source_(source), mesh_(mesh) {}
+
+  void set_dimension(std::int64_t dimension) {
+    if (dimension != 3) {
+      source_.fail("the mesh has dimension " + std::to_string(dimension) + "; tetune takes tetrahedral meshes, dimension 3");
+    }
+  }
+
+  /// Reads a section by name or code; returns false when it is not one that tetune keeps.
+  bool read(std::string_view name, int code) {
+    const auto is = [&](const MeditSection& s) { return code != 0 ? s.code == code : s.name == name; };
+    if (is(kMeditVertices)) return read_vertices();
+    if (is(kMeditEdges)) return read_elements(kMeditEdges, mesh_.edges, mesh_.edge_tags);
+    if (is(kMeditTriangles)) return read_elements(kMeditTriangles, mesh_.triangles, mesh_.triangle_tags);
+    if (is(kMeditTetrahedra)) return read_elements(kMeditTetrahedra, mesh_.tets, mesh_.tet_tags);
+    for (const MeditSection& section : kMeditOthers) {
+      if (is(section)) return read_others(section);
+    }
+    for (const MeditList& list : kMeditLists) {
+      if (is(list.section)) return read_list(list.section, mesh_.*list.ids);
+    }
+    if (is(kMeditRequiredQuadrilaterals)) return read_list(kMeditRequiredQuadrilaterals, required_quads_);
+    return false;
+  }
+
+  void finish() {
+    if (required_quads_.empty()) return;
+    for (ElementBlock& block : mesh_.others) {
+      if (block.kind == kMeditOthers[0].name) block.required = required_quads_;
+    }
+  }
+
+ private:
+  Index id(std::string_view section) {
+    const std::int64_t value = source_.integer("id");
+    if (value < 1 || value > std::numeric_limits<Index>::max()) {
+      source_.fail("id " + std::to_string(value) + " in section " + std::string(section) + "; ids count from 1");
+    }
+    return static_cast<Index>(value - 1);
+  }
+  int tag() {
+    const std::int64_t value = source_.integer("reference");
+    if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max()) {
+      source_.fail("reference " + std::to_string(value) + " does not fit 32 bits");
+    }
+    return static_cast<int>(value);
+  }
+
+  bool read_vertices() {
+    const std::size_t n = source_.count(kMeditVertices.name, 4);
+    mesh_.points.resize(n);
+    mesh_.point_tags.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (double& x : mesh_.points[i]) x = source_.real();
+      mesh_.point_tags[i] = tag();
+    }
+    return true;
+  }
+
+  template <std::size_t N>
+  bool read_elements(const MeditSection& section, std::vector<std::array<Index, N>>& elements, std::vector<int>& tags) {
+    const std::size_t n = source_.count(section.name, section.vertices + 1);
+    elements.resize(n);
+    tags.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (Index& v : elements[i]) v = id(section.name);
+      tags[i] = tag();
+    }
+    return true;
+  }
+
+  bool read_others(const MeditSection& section) {
+    const std::size_t n = source_.count(section.name, section.vertices + 1);
+    ElementBlock block;
+    block.kind = section.name;
+    block.vertices_per_element = section.vertices;
+    block.element2vertex.reserve(n * static_cast<std::size_t>(section.vertices));
+    block.tags.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (int k = 0; k < section.vertices; ++k) block.element2vertex.push_back(id(section.name));
+      block.tags.push_back(tag());
+    }
+    if (n > 0) mesh_.others.push_back(std::move(block));
+    return true;
+  }
+
+  bool read_list(const MeditSection& section, std::vector<Index>& ids) {
+    const std::size_t n = source_.count(section.name, 1);
+    ids.resize(n);
+    for (Index& i : ids) i = id(section.name);
+    return true;
+  }
+
+  Source& source_;
+  TetMesh& mesh_;
+  std::vector<Index> required_quads_;
+};
+
+}  // namespace
+
+TetMesh read_medit_text(const std::string& path, const ReadContext& context) {
+  const MappedFile file(path);
+  TextCursor cursor(path, file.bytes());
+  TextSource source(cursor);
+  TetMesh mesh;
+  MeditReader reader(source, mesh);
+  std::string_view word = cursor.word();
+  if (word != "MeshVersionFormatted") cursor.fail("this is not a MEDIT mesh: it does not start with MeshVersionFormatted");
+  const std::int64_t version = cursor.integer("version");
+  if (version < 1 || version > 4) cursor.fail("version " + std::to_string(version) + " is not one of 1 to 4");
+  for (word = cursor.word(); !word.empty() && word != "End"; word = cursor.word()) {
+    if (word == "Dimension") {
+      reader.set_dimension(cursor.integer("dimension"));
+    } else if (!reader.read(word, 0)) {
+      const char c = word[0];
+      if (!((c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'))) {
+        cursor.fail("expected a section name, found \"" + std::string(word.substr(0, 40)) +
+                    "\"; the section before it is longer than it says");
+      }
+      context.warn(path + ": section " + std::string(word.substr(0, 60)) + " is not one that tetune keeps; skipped");
+      cursor.skip_numbers();
+    }
+  }
+  reader.finish();
+  return mesh;
+}
+
+TetMesh read_medit_binary(const std::string& path, const ReadContext& context) {
+  const MappedFile file(path);
+  BinarySource source(path, file.bytes());
+  TetMesh mesh;
+  MeditReader reader(source, mesh);
+  source.open();
+  while (!source.at_end()) {
+    const std::int32_t code = source.keyword();
+    if (code == kMeditEnd) break;
+    const std::size_t next = source.next_position();
+    if (code == kMeditDimension) {
+      // The dimension is 32 bits wide in every version but 4's files of some writers; the section's end tells.
+      reader.set_dimension(source.integer("dimension") & 0xffffffff);
+    } else if (!reader.read({}, code)) {
+      context.warn(path + ": section with code " + std::to_string(code) + " is not one that tetune keeps; skipped");
+    }
+    if (next == 0) break;
+    source.go_to(next);
+  }
+  reader.finish();
+  return mesh;
+}
+
+}  // namespace tetune

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/registry.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+const Format& format_of(const std::string& path, bool to_write) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  for (const Format& format : formats()) {
+    if (std::find(format.endings.begin(), format.endings.end(), ending) == format.endings.end()) continue;
+    if (to_write ? format.write != nullptr : format.read != nullptr) return format;
+  }
+  std::string known;
+  for (const Format& format : formats()) {
+    if (to_write ? format.write == nullptr : format.read == nullptr) continue;
+    for (const std::string& e : format.endings) known += (known.empty() ? "" : " ") + e;
+  }
+  throw FileError(path + ": tetune does not " + (to_write ? "write" : "read") + " files of ending \"" + ending +
+                  "\"; known endings: " + known);
+}
+
+}  // namespace
+
+const std::vector<Format>& formats() {
+  static const std::vector<Format> list = {
+      {"MEDIT text", {".mesh"}, read_medit_text, write_medit_text},
+      {"MEDIT binary", {".meshb"}, read_medit_binary, write_medit_binary},
+      {"TetGen", {".ele", ".node", ".face"}, read_tetgen, nullptr},
+  };
+  return list;
+}
+
+TetMesh read_mesh(const std::string& path, std::vector<std::string>* warnings, int threads) {
+  const ReadContext context{threads, warnings};
+  TetMesh mesh = format_of(path, false).read(path, context);
+  orient_uniformly(mesh, threads);
+  return mesh;
+}
+
+void check_writable(const std::string& path) {
+  format_of(path, true);
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const std::string name = folder.empty() ? "." : folder.string();
+  if (!std::filesystem::is_directory(name)) throw FileError(path + ": the folder " + name + " does not exist");
+  if (std::filesystem::is_directory(path)) throw FileError(path + ": is a folder; give a file name");
+  if (::access(name.c_str(), W_OK) != 0) throw FileError(path + ": no permission to write in " + name);
+}
+
+void write_mesh(const std::string& path, const TetMesh& mesh, int threads) {
+  const Format& format = format_of(path, true);
+  check_writable(path);
+  FileWriter file(path);
+  format.write(file, mesh, threads);
+  file.commit();
+}
+
+}  // namespace tetune

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "tetune/error.hpp"
+
+namespace tetune {
+
+/// Reads words and numbers from a text in memory; '#' starts a comment that runs to the end of the line.
+class TextCursor {
+ public:
+  TextCursor(std::string path, std::string_view text)
+      : path_(std::move(path)), begin_(text.data()), at_(begin_), end_(begin_ + text.size()) {}
+
+  /// The next word, or an empty one at the end.
+  std::string_view word() {
+    skip_space();
+    const char* start = at_;
+    while (at_ < end_ && !is_space(*at_) && *at_ != '#') ++at_;
+    return {start, static_cast<std::size_t>(at_ - start)};
+  }
+
+  std::string_view peek() {
+    const char* start = at_;
+    const std::string_view w = word();
+    at_ = start;
+    return w;
+  }
+
+  std::int64_t integer(const char* what) {
+    skip_space();
+    const char* start = at_;
+    bool negative = false;
+    if (at_ < end_ && (*at_ == '-' || *at_ == '+')) negative = *at_++ == '-';
+    std::uint64_t value = 0;
+    const char* digits = at_;
+    while (at_ < end_ && static_cast<unsigned char>(*at_ - '0') < 10) {
+      value = 10 * value + static_cast<std::uint64_t>(*at_++ - '0');
+    }
+    if (at_ == digits || at_ - digits > 18 || !ended()) fail_token(start, "an integer", what);
+    const auto result = static_cast<std::int64_t>(value);
+    return negative ? -result : result;
+  }
+
+  double real(const char* what) {
+    skip_space();
+    const char* start = at_;
+    if (at_ < end_ && *at_ == '+') ++at_;
+    double value = 0;
+    const auto [stop, error] = std::from_chars(at_, end_, value);
+    at_ = stop;
+    if (error == std::errc::result_out_of_range) {
+      value = out_of_range(start, stop);
+    } else if (error != std::errc() || stop == start) {
+      fail_token(start, "a number", what);
+    }
+    if (at_ < end_ && (*at_ == 'D' || *at_ == 'd')) return fortran(start, what);
+    if (!ended()) fail_token(start, "a number", what);
+    return value;
+  }
+
+  /// Passes over numbers up to the next word that starts with a letter.
+  void skip_numbers() {
+    for (;;) {
+      skip_space();
+      if (at_ >= end_) return;
+      const char c = *at_;
+      const bool letter = (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+      if (letter) {
+        const std::string_view w = peek();
+        if (w != "nan" && w != "NaN" && w != "inf" && w != "Inf") return;
+      }
+      word();
+    }
+  }
+
+  bool at_end() {
+    skip_space();
+    return at_ >= end_;
+  }
+  /// True when only blanks or a comment follow on this line.
+  bool line_done() {
+    while (at_ < end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r')) ++at_;
+    return at_ >= end_ || *at_ == '\n' || *at_ == '#';
+  }
+  std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    const auto line = 1 + std::count(begin_, at_, '\n');
+    throw FileError(path_ + ":" + std::to_string(line) + ": " + what);
+  }
+
+ private:
+  static bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
+  bool ended() const { return at_ >= end_ || is_space(*at_) || *at_ == '#'; }
+  void skip_space() {
+    for (;;) {
+      while (at_ < end_ && is_space(*at_)) ++at_;
+      if (at_ >= end_ || *at_ != '#') return;
+      while (at_ < end_ && *at_ != '\n') ++at_;
+    }
+  }
+  [[noreturn]] void fail_token(const char* start, const char* wanted, const char* what) {
+    at_ = start;
+    const std::string_view w = word();
+    at_ = start;
+    fail(std::string("expected ") + wanted + " (" + what + "), found " +
+         (w.empty() ? "the end of the file" : "\"" + std::string(w.substr(0, 40)) + "\""));
+  }
+  static double out_of_range(const char* start, const char* stop) {
+    // Too small reads as zero, too large as infinity, which validation reports.
+    const std::string_view token(start, static_cast<std::size_t>(stop - start));
+    const std::size_t e = token.find_first_of("eE");
+    const bool small = e != std::string_view::npos && e + 1 < token.size() && token[e + 1] == '-';
+    return small ? 0 : std::numeric_limits<double>::infinity();
+  }
+  /// 1.0D-3, as Fortran programs write.
+  double fortran(const char* start, const char* what) {
+    at_ = start;
+    std::string token(word());
+    for (char& c : token) {
+      if (c == 'D' || c == 'd') c = 'e';
+    }
+    const char* from = token.data() + (token[0] == '+' ? 1 : 0);
+    double value = 0;
+    const auto [stop, error] = std::from_chars(from, token.data() + token.size(), value);
+    if (error != std::errc() || stop != token.data() + token.size()) fail_token(start, "a number", what);
+    return value;
+  }
+
+  std::string path_;
+  const char* begin_;
+  const char* at_;
+  const char* end_;
+};
+
+}  // namespace tetune

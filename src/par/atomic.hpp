@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "par/macros.hpp"
+
+/// Relaxed atomics, used only where the order of the operations cannot show in the result.
+namespace tetune::par {
+
+TETUNE_HD inline std::uint32_t atomic_add(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(&target, value);
+#else
+  return __atomic_fetch_add(&target, value, __ATOMIC_RELAXED);
+#endif
+}
+
+TETUNE_HD inline void atomic_or(std::uint32_t& target, std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+  atomicOr(&target, bits);
+#else
+  __atomic_fetch_or(&target, bits, __ATOMIC_RELAXED);
+#endif
+}
+
+TETUNE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  atomicMax(&target, value);
+#else
+  std::uint32_t seen = __atomic_load_n(&target, __ATOMIC_RELAXED);
+  while (seen < value &&
+         !__atomic_compare_exchange_n(&target, &seen, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+#endif
+}
+
+TETUNE_HD inline void atomic_max(std::uint64_t& target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+  atomicMax(reinterpret_cast<unsigned long long*>(&target), static_cast<unsigned long long>(value));
+#else
+  std::uint64_t seen = __atomic_load_n(&target, __ATOMIC_RELAXED);
+  while (seen < value &&
+         !__atomic_compare_exchange_n(&target, &seen, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+#endif
+}
+
+/// For values that several threads may store at once, all the same one.
+template <class T, class U>
+TETUNE_HD inline void store_shared(T& target, U value) {
+#if defined(__CUDA_ARCH__)
+  *const_cast<volatile T*>(&target) = static_cast<T>(value);
+#else
+  __atomic_store_n(&target, static_cast<T>(value), __ATOMIC_RELAXED);
+#endif
+}
+
+template <class T>
+TETUNE_HD inline T load_shared(const T& target) {
+#if defined(__CUDA_ARCH__)
+  return *const_cast<const volatile T*>(&target);
+#else
+  return __atomic_load_n(&target, __ATOMIC_RELAXED);
+#endif
+}
+
+}  // namespace tetune::par

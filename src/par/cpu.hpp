@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <vector>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+#include "par/buffer.hpp"
+#include "par/span.hpp"
+
+namespace tetune::par {
+
+/// The OpenMP backend. Every primitive gives the same bits for any number of threads.
+class Cpu {
+ public:
+  template <class T>
+  using Buffer = par::Buffer<T, Cpu>;
+
+  /// `threads` 0 means all that OpenMP offers.
+  explicit Cpu(int threads = 0) : threads_(threads > 0 ? threads : omp_get_max_threads()) {}
+
+  int threads() const { return threads_; }
+
+  /// f(i) for i in [0, n), in any order.
+  template <class F>
+  void for_each(Size n, const F& f) const {
+    if (threads_ == 1 || n <= kGrain) {
+      for (Size i = 0; i < n; ++i) f(i);
+      return;
+    }
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, kGrain)
+    for (Size i = 0; i < n; ++i) f(i);
+  }
+
+  /// Merges f(i) for i in [0, n) into R{}: within chunks of fixed length, then over the chunks in order.
+  template <class R, class F>
+  R reduce(Size n, const F& f) const {
+    const Size chunks = (n + kGrain - 1) / kGrain;
+    if (chunks <= 1) return reduce_range<R>(0, n, f);
+    std::vector<R> partial(static_cast<std::size_t>(chunks));
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
+    for (Size c = 0; c < chunks; ++c) {
+      partial[static_cast<std::size_t>(c)] = reduce_range<R>(c * kGrain, std::min(n, (c + 1) * kGrain), f);
+    }
+    R total{};
+    for (const R& r : partial) total.merge(r);
+    return total;
+  }
+
+  /// out[i] = in[0] + ... + in[i-1]; returns the sum of all. `in` and `out` may be the same array.
+  template <class T>
+  T exclusive_scan(Span<const T> in, Span<T> out) const {
+    const Size n = in.size();
+    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kGrain));
+    std::vector<T> start(static_cast<std::size_t>(blocks) + 1, T{});
+    for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
+      T sum{};
+      for (Size i = begin; i < end; ++i) sum += in[i];
+      start[static_cast<std::size_t>(b) + 1] = sum;
+    });
+    for (std::size_t b = 0; b < static_cast<std::size_t>(blocks); ++b) start[b + 1] += start[b];
+    for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
+      T sum = start[static_cast<std::size_t>(b)];
+      for (Size i = begin; i < end; ++i) {
+        const T value = in[i];
+        out[i] = sum;
+        sum += value;
+      }
+    });
+    return start.back();
+  }
+
+  /// Writes the i in [0, n) with keep(i) to `out` in increasing order; returns their number.
+  template <class F>
+  Size compact(Size n, const F& keep, Span<Index32> out) const {
+    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kGrain));
+    std::vector<Size> start(static_cast<std::size_t>(blocks) + 1, 0);
+    for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
+      Size count = 0;
+      for (Size i = begin; i < end; ++i) count += keep(i) ? 1 : 0;
+      start[static_cast<std::size_t>(b) + 1] = count;
+    });
+    for (std::size_t b = 0; b < static_cast<std::size_t>(blocks); ++b) start[b + 1] += start[b];
+    for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
+      Size at = start[static_cast<std::size_t>(b)];
+      for (Size i = begin; i < end; ++i) {
+        if (keep(i)) out[at++] = static_cast<Index32>(i);
+      }
+    });
+    return start.back();
+  }
+
+  /// Sorts (key, value) pairs by the lowest `bits` bits of the key; equal keys keep their order.
+  template <class K>
+  void sort_by_key(Buffer<K>& keys, Buffer<Index32>& values, int bits) const {
+    const Size n = keys.size();
+    Buffer<K> keys_out(n);
+    Buffer<Index32> values_out(n);
+    constexpr int kDigit = 8;
+    constexpr int kRadix = 1 << kDigit;
+    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kGrain));
+    std::vector<std::array<Size, kRadix>> place(static_cast<std::size_t>(blocks));
+    for (int shift = 0; shift < bits; shift += kDigit) {
+      const Span<const K> from = std::as_const(keys).span();
+      const Span<const Index32> from_value = std::as_const(values).span();
+      const Span<K> to = keys_out.span();
+      const Span<Index32> to_value = values_out.span();
+      const auto digit = [shift](K key) { return static_cast<std::size_t>((key >> shift) & (kRadix - 1)); };
+      for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
+        auto& count = place[static_cast<std::size_t>(b)];
+        count.fill(0);
+        for (Size i = begin; i < end; ++i) ++count[digit(from[i])];
+      });
+      Size sum = 0;
+      for (std::size_t d = 0; d < kRadix; ++d) {
+        for (auto& count : place) {
+          const Size c = count[d];
+          count[d] = sum;
+          sum += c;
+        }
+      }
+      for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
+        auto& at = place[static_cast<std::size_t>(b)];
+        for (Size i = begin; i < end; ++i) {
+          const Size j = at[digit(from[i])]++;
+          to[j] = from[i];
+          to_value[j] = from_value[i];
+        }
+      });
+      keys.swap(keys_out);
+      values.swap(values_out);
+    }
+  }
+
+  template <class T>
+  void fill(Span<T> out, T value) const {
+    for_blocks(out.size(), std::max<Size>(1, std::min<Size>(threads_, out.size() / kGrain)),
+               [&](Size, Size begin, Size end) { std::fill(out.data() + begin, out.data() + end, value); });
+  }
+
+  static void* allocate(std::size_t bytes) {
+    if (bytes == 0) return nullptr;
+    const std::size_t alignment = bytes >= kHugePage ? kHugePage : 64;
+    void* memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+    if (memory == nullptr) throw std::bad_alloc();
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+    if (alignment == kHugePage) madvise(memory, bytes, MADV_HUGEPAGE);
+#endif
+    return memory;
+  }
+  static void release(void* memory, std::size_t) { std::free(memory); }
+  static void copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+  static void upload(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+  static void download(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+
+ private:
+  static constexpr Size kGrain = 512;
+  static constexpr std::size_t kHugePage = std::size_t{1} << 21;
+
+  template <class R, class F>
+  static R reduce_range(Size begin, Size end, const F& f) {
+    R r{};
+    for (Size i = begin; i < end; ++i) r.merge(f(i));
+    return r;
+  }
+
+  /// f(block, begin, end) for `blocks` contiguous parts of [0, n).
+  template <class F>
+  void for_blocks(Size n, Size blocks, const F& f) const {
+    if (blocks == 1) {
+      f(Size{0}, Size{0}, n);
+      return;
+    }
+#pragma omp parallel for num_threads(threads_) schedule(static, 1)
+    for (Size b = 0; b < blocks; ++b) f(b, n * b / blocks, n * (b + 1) / blocks);
+  }
+
+  int threads_;
+};
+
+}  // namespace tetune::par

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/work_mesh.hpp"
+#include "energy/ring.hpp"
+#include "relocate/motion.hpp"
+
+namespace tetune {
+
+/// Independent sets of vertices: no two of one colour share a tetrahedron (Sect. 4.1). Vertices that cannot move
+/// have no colour.
+template <class Backend>
+struct Coloring {
+  typename Backend::template Buffer<std::uint8_t> color;
+  /// The movable vertices, by colour, then by id.
+  typename Backend::template Buffer<Index> vertices;
+  /// Colour c owns vertices[first[c]] .. vertices[first[c + 1] - 1].
+  std::vector<Size> first;
+  int colors() const { return static_cast<int>(first.size()) - 1; }
+};
+
+/// Colours a mesh. Colours that are there already are kept where they do not conflict, so that after a few flips there is
+/// little to do. Does not depend on the number of threads.
+template <class Backend>
+void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobility> mobility,
+                    Coloring<Backend>& coloring);
+
+}  // namespace tetune

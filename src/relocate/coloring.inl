@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "relocate/coloring.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace coloring_detail {
+
+inline constexpr std::uint8_t kUncolored = 255;
+inline constexpr std::uint8_t kNotMovable = 254;
+inline constexpr int kMaxColors = 128;
+/// Free colours are taken at random among the lowest so many: fewer rounds than always the lowest.
+inline constexpr int kWindow = 8;
+
+/// A fixed pseudo-random order of the vertices (a bijection on 32 bits).
+TETUNE_HD inline std::uint32_t priority(Index vertex) {
+  auto h = static_cast<std::uint32_t>(vertex);
+  h = (h ^ (h >> 16)) * 0x7feb352dU;
+  h = (h ^ (h >> 15)) * 0x846ca68bU;
+  return h ^ (h >> 16);
+}
+
+struct Start {
+  Span<const Mobility> mobility;
+  Span<std::uint8_t> color;
+  TETUNE_HD void operator()(Size v) const {
+    color[v] = mobility[v] == Mobility::fixed ? kNotMovable : kUncolored;
+  }
+};
+
+/// Finds vertices that have the colour of a neighbour of higher priority.
+struct FindConflict {
+  RingsView rings;
+  Span<const std::uint8_t> color;
+  Span<std::uint8_t> lost;
+  TETUNE_HD void operator()(Size v) const {
+    bool conflict = false;
+    if (color[v] < kMaxColors) {
+      const std::uint32_t mine = priority(static_cast<Index>(v));
+      for (Size i = rings.offsets[v]; i < rings.offsets[v + 1] && !conflict; ++i) {
+        const LinkFace f = rings.faces[i];
+        for (int k = 0; k < 3; ++k) conflict = conflict || (color[f.v[k]] == color[v] && priority(f.v[k]) > mine);
+      }
+    }
+    lost[v] = conflict || color[v] == kUncolored ? 1 : 0;
+  }
+};
+
+struct TakeAway {
+  Span<const std::uint8_t> lost;
+  Span<std::uint8_t> color;
+  Span<std::uint8_t> wish;
+  TETUNE_HD void operator()(Size v) const {
+    if (lost[v] != 0) color[v] = kUncolored;
+    wish[v] = kUncolored;
+  }
+};
+
+struct IsLost {
+  Span<const std::uint8_t> lost;
+  TETUNE_HD bool operator()(Size v) const { return lost[v] != 0; }
+};
+
+/// Each uncoloured vertex wishes for a colour that no coloured neighbour has.
+struct Wish {
+  RingsView rings;
+  Span<const Index> todo;
+  Span<const std::uint8_t> color;
+  Span<std::uint8_t> wish;
+  std::uint32_t round;
+  TETUNE_HD void operator()(Size i) const {
+    const Index v = todo[i];
+    std::uint64_t taken[kMaxColors / 64] = {0, 0};
+    for (Size j = rings.offsets[v]; j < rings.offsets[v + 1]; ++j) {
+      const LinkFace f = rings.faces[j];
+      for (int k = 0; k < 3; ++k) {
+        const std::uint8_t c = color[f.v[k]];
+        if (c < kMaxColors) taken[c >> 6] |= std::uint64_t{1} << (c & 63);
+      }
+    }
+    const auto is_free = [&taken](int c) { return ((taken[c >> 6] >> (c & 63)) & 1) == 0; };
+    int free_in_window = 0;
+    for (int c = 0; c < kWindow; ++c) free_in_window += is_free(c) ? 1 : 0;
+    int skip = free_in_window > 0
+                   ? static_cast<int>(priority(static_cast<Index>(priority(v) + round)) %
+                                      static_cast<std::uint32_t>(free_in_window))
+                   : 0;
+    for (int c = 0; c < kMaxColors; ++c) {
+      if (is_free(c) && skip-- == 0) {
+        wish[v] = static_cast<std::uint8_t>(c);
+        return;
+      }
+    }
+    wish[v] = kUncolored;
+  }
+};
+
+/// A wish is granted unless a neighbour of higher priority has the same.
+struct Grant {
+  RingsView rings;
+  Span<const Index> todo;
+  Span<const std::uint8_t> wish;
+  Span<std::uint8_t> color;
+  TETUNE_HD void operator()(Size i) const {
+    const Index v = todo[i];
+    const std::uint8_t mine = wish[v];
+    for (Size j = rings.offsets[v]; j < rings.offsets[v + 1]; ++j) {
+      const LinkFace f = rings.faces[j];
+      for (int k = 0; k < 3; ++k) {
+        if (wish[f.v[k]] == mine && priority(f.v[k]) > priority(v)) return;
+      }
+    }
+    color[v] = mine;
+  }
+};
+
+struct Settle {
+  Span<const Index> todo;
+  Span<const std::uint8_t> color;
+  Span<std::uint8_t> wish;
+  TETUNE_HD void operator()(Size i) const {
+    if (color[todo[i]] != kUncolored) wish[todo[i]] = kUncolored;
+  }
+};
+
+struct StillUncolored {
+  Span<const Index> todo;
+  Span<const std::uint8_t> color;
+  TETUNE_HD bool operator()(Size i) const { return color[todo[i]] == kUncolored; }
+};
+
+struct Pick {
+  Span<const Index> from;
+  Span<const Index> positions;
+  Span<Index> to;
+  TETUNE_HD void operator()(Size i) const { to[i] = from[positions[i]]; }
+};
+
+struct IsMovable {
+  Span<const std::uint8_t> color;
+  TETUNE_HD bool operator()(Size v) const { return color[v] != kNotMovable; }
+};
+
+struct ColorOf {
+  Span<const std::uint8_t> color;
+  Span<const Index> vertices;
+  Span<std::uint8_t> keys;
+  TETUNE_HD void operator()(Size i) const { keys[i] = color[vertices[i]]; }
+};
+
+struct FindFirst {
+  Span<const std::uint8_t> keys;
+  Span<Index> first;
+  TETUNE_HD void operator()(Size i) const {
+    if (i == 0 || keys[i] != keys[i - 1]) first[keys[i]] = static_cast<Index>(i);
+  }
+};
+
+}  // namespace coloring_detail
+
+template <class Backend>
+void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobility> mobility,
+                    Coloring<Backend>& coloring) {
+  using namespace coloring_detail;
+  using Bytes = typename Backend::template Buffer<std::uint8_t>;
+  using Ids = typename Backend::template Buffer<Index>;
+  const Size n = mobility.size();
+  if (coloring.color.size() != n) {
+    coloring.color.resize(n);
+    par.for_each(n, Start{mobility, coloring.color.span()});
+  }
+  Bytes lost(n);
+  Bytes wish(n);
+  Ids todo(n);
+  Ids rest(n);
+  Ids positions(n);
+  const Span<std::uint8_t> color = coloring.color.span();
+  par.for_each(n, FindConflict{rings, color, lost.span()});
+  par.for_each(n, TakeAway{lost.span(), color, wish.span()});
+  Size count = par.compact(n, IsLost{lost.span()}, todo.span());
+  for (std::uint32_t round = 0; count > 0; ++round) {
+    par.for_each(count, Wish{rings, todo.span(), color, wish.span(), round});
+    par.for_each(count, Grant{rings, todo.span(), wish.span(), color});
+    par.for_each(count, Settle{todo.span(), color, wish.span()});
+    const Size left = par.compact(count, StillUncolored{todo.span(), color}, positions.span());
+    if (left == count) throw MeshError("a vertex has too many neighbours to be coloured");
+    par.for_each(left, Pick{todo.span(), positions.span(), rest.span()});
+    todo.swap(rest);
+    count = left;
+  }
+
+  coloring.vertices.resize(n);
+  const Size movable = par.compact(n, IsMovable{color}, coloring.vertices.span());
+  coloring.vertices.resize(movable);
+  Bytes keys(movable);
+  par.for_each(movable, ColorOf{color, coloring.vertices.span(), keys.span()});
+  par.sort_by_key(keys, coloring.vertices, 8);
+  Ids first(kMaxColors);
+  par.fill(first.span(), Index{-1});
+  par.for_each(movable, FindFirst{keys.span(), first.span()});
+  coloring.first.clear();
+  for (const Index f : first.download()) {
+    if (f >= 0) coloring.first.push_back(f);
+  }
+  coloring.first.push_back(movable);
+}
+
+}  // namespace tetune

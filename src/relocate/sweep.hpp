@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/work_mesh.hpp"
+#include "energy/ring.hpp"
+#include "relocate/coloring.hpp"
+#include "relocate/motion.hpp"
+#include "relocate/step.hpp"
+
+namespace tetune {
+
+/// The one-rings of all vertices, owned.
+template <class Backend>
+struct Rings {
+  typename Backend::template Buffer<std::uint32_t> offsets;
+  typename Backend::template Buffer<LinkFace> faces;
+  RingsView view() const { return {offsets.span(), faces.span()}; }
+};
+
+template <class Backend>
+void build_rings(const Backend& par, WorkMesh<Backend>& mesh, Rings<Backend>& rings);
+
+/// How far each vertex may go, and which ones are worth a visit.
+template <class Backend>
+struct Mobilities {
+  typename Backend::template Buffer<Mobility> kind;
+  typename Backend::template Buffer<Vec3> axis;
+  /// 1: the vertex, or its ring, changed since its last visit by more than kWake.
+  typename Backend::template Buffer<std::uint8_t> awake;
+  /// 1: the vertex moved since the flag was last cleared by more than kStir.
+  typename Backend::template Buffer<std::uint8_t> stirred;
+};
+
+/// A move beyond this part of the local length makes the neighbours worth another visit.
+inline constexpr double kWake = 1e-3;
+/// A move beyond this part of the local length makes the flips around the vertex worth another look.
+inline constexpr double kStir = 1e-2;
+
+struct SweepSum {
+  double decrease = 0;
+  double gradient2 = 0;
+  Size moved = 0;
+  TETUNE_HD void merge(const SweepSum& other) {
+    decrease += other.decrease;
+    gradient2 += other.gradient2;
+    moved += other.moved;
+  }
+};
+
+/// One sweep: the colours in turn, the vertices of a colour in parallel (Alg. 1). `Step` is NewtonStep or GradientStep.
+/// Vertices that are asleep are passed over.
+template <class Backend, class Step>
+SweepSum sweep(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings,
+               const Coloring<Backend>& coloring, Mobilities<Backend>& mobilities, const Step& step);
+
+}  // namespace tetune

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/connect.hpp"
+#include "core/rows.hpp"
+#include "par/atomic.hpp"
+#include "relocate/sweep.hpp"
+
+namespace tetune {
+namespace sweep_detail {
+
+struct FillFace {
+  Span<const Tet> tets;
+  Span<const std::uint32_t> corners;
+  Span<LinkFace> faces;
+  TETUNE_HD void operator()(Size i) const {
+    const std::uint32_t corner = corners[i];
+    const Tet tet = tets[corner >> 2];
+    const int k = static_cast<int>(corner & 3);
+    faces[i] = {{tet[face_vertex(k, 0)], tet[face_vertex(k, 1)], tet[face_vertex(k, 2)]}};
+  }
+};
+
+/// Ring is the backend's own: see each instantiation.
+template <class Ring, class Step>
+struct RelocateVertex {
+  Span<Point> points;
+  RingsView rings;
+  Span<const Index> vertices;
+  Span<const Mobility> kind;
+  Span<const Vec3> axis;
+  Span<std::uint8_t> awake;
+  Span<std::uint8_t> stirred;
+  Step step;
+
+  TETUNE_HD SweepSum operator()(Size i) const {
+    const Index v = vertices[i];
+    if (awake[v] == 0) return {};
+    const Size begin = rings.offsets[v];
+    const Size count = rings.offsets[v + 1] - begin;
+    if (count == 0) {
+      awake[v] = 0;
+      return {};
+    }
+    const LinkFace* faces = rings.faces.data() + begin;
+    const Motion motion{kind[v], axis[v]};
+    const Vec3 x = vec(points[v]);
+    StepResult result;
+    if (count <= Ring::kCapacity) {
+      Ring ring(points, faces, count);
+      result = step(ring, x, motion);
+    } else {
+      PlainRing ring(points, faces, count);
+      result = step(ring, x, motion);
+    }
+    if (result.decrease > 0) points[v] = point(result.position);
+    const bool far = result.relative_move > kWake;
+    awake[v] = far ? 1 : 0;
+    if (far) {
+      for (Size j = 0; j < count; ++j) {
+        for (int k = 0; k < 3; ++k) par::store_shared(awake[faces[j].v[k]], 1);
+      }
+    }
+    if (result.relative_move > kStir) stirred[v] = 1;
+    return {result.decrease, result.gradient2, result.decrease > 0 ? 1 : 0};
+  }
+};
+
+}  // namespace sweep_detail
+
+template <class Backend>
+void build_rings(const Backend& par, WorkMesh<Backend>& mesh, Rings<Backend>& rings) {
+  Rows<Backend> rows;
+  build_vertex2tet(par, mesh, rows);
+  rings.offsets.swap(rows.offsets);
+  rings.faces.resize(rows.items.size());
+  par.for_each(rows.items.size(),
+               sweep_detail::FillFace{mesh.tet2vertex.span(), rows.items.span(), rings.faces.span()});
+}
+
+template <class Ring, class Backend, class Step>
+SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings,
+                    const Coloring<Backend>& coloring, Mobilities<Backend>& mobilities, const Step& step) {
+  SweepSum total;
+  for (int c = 0; c < coloring.colors(); ++c) {
+    const Size first = coloring.first[static_cast<std::size_t>(c)];
+    const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
+    const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
+    total.merge(par.template reduce<SweepSum>(
+        count, sweep_detail::RelocateVertex<Ring, Step>{mesh.points.span(), rings, vertices,
+                                                        mobilities.kind.span(), mobilities.axis.span(),
+                                                        mobilities.awake.span(), mobilities.stirred.span(), step}));
+  }
+  return total;
+}
+
+}  // namespace tetune
