@@ -11,10 +11,10 @@ target_sources(tetune PRIVATE
   src/driver/driver_cuda.cu
   src/flips/flips_cuda.cu
   src/relocate/relocate_cuda.cu)
-set_target_properties(tetune PROPERTIES CUDA_STANDARD 20 CUDA_STANDARD_REQUIRED ON)
+# CMake 3.25 does not know how to ask nvcc 12 and newer for C++20, hence the flag below.
 target_link_libraries(tetune PRIVATE CUDA::cudart_static)
 target_compile_options(tetune PRIVATE
-  $<$<COMPILE_LANGUAGE:CUDA>:--extended-lambda -t=0 -Xcompiler=-Wall,-Wextra>)
+  $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20 -t=0 -Xcompiler=-Wall,-Wextra>)
 if(TETUNE_WERROR)
   target_compile_options(tetune PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings -Xcompiler=-Werror>)
 endif()

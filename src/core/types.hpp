@@ -25,7 +25,7 @@ TETUNE_HD TETUNE_INLINE Vec3T<T> operator-(const Vec3T<T>& a, const Vec3T<T>& b)
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 template <class S, class T>
-TETUNE_HD TETUNE_INLINE Vec3T<T> operator*(const S& s, const Vec3T<T>& a) {
+TETUNE_HD TETUNE_INLINE Vec3T<T> operator*(S s, const Vec3T<T>& a) {
   return {s * a.x, s * a.y, s * a.z};
 }
 template <class T>

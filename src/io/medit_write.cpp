@@ -56,7 +56,9 @@ void write_lines(FileWriter& file, std::size_t n, int threads, const Line& line)
 }
 
 void write_header(FileWriter& file, std::string_view name, std::size_t n) {
-  file.write("\n" + std::string(name) + "\n" + std::to_string(n) + "\n");
+  std::string header(1, '\n');
+  header.append(name).append(1, '\n').append(std::to_string(n)).append(1, '\n');
+  file.write(header);
 }
 
 template <std::size_t N>
