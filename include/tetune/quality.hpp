@@ -26,7 +26,8 @@ struct Quality {
 };
 
 /// Measures a mesh of positive volumes. The result is the same for any number of threads.
-/// `threads` 0 means all. Returns zeros for a mesh without tetrahedra.
+/// `threads` 0 means all. Returns zeros for a mesh without tetrahedra. Throws MeshError when an index is out of range, an array
+/// of the wrong length or a coordinate not finite.
 Quality quality(const TetMesh& mesh, int threads = 0);
 
 /// How far one mesh lies from another of the same shape.
@@ -41,11 +42,11 @@ struct Comparison {
   bool vertex_tags_kept = false, tet_tags_kept = false, triangle_tags_kept = false, edge_tags_kept = false;
   /// Largest relative change of a region's volume, and of a tagged patch's area.
   double region_volume_change = 0, patch_area_change = 0;
-  /// Corners and required vertices are where they were, bit for bit.
-  bool required_kept = false;
+  /// Vertices listed as required, and as corners, that are not where they were to the last bit.
+  std::int64_t required_moved = 0, corners_moved = 0;
 };
 
-/// Compares two valid meshes. `threads` 0 means all.
+/// Compares two meshes. `threads` 0 means all. Throws MeshError as quality() does.
 Comparison compare(const TetMesh& before, const TetMesh& after, int threads = 0);
 
 }  // namespace tetune

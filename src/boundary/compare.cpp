@@ -6,7 +6,9 @@
 
 #include "boundary/closest_triangle.hpp"
 #include "core/connect.hpp"
+#include "core/validate_arrays.hpp"
 #include "par/cpu.hpp"
+#include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
@@ -114,20 +116,20 @@ std::vector<int> nonzero(std::vector<int> tags) {
   return tag_set(std::move(tags));
 }
 
-bool same_places(const TetMesh& before, const TetMesh& after, const std::vector<Index>& ids_before,
-                 const std::vector<Index>& ids_after) {
-  if (ids_before.size() != ids_after.size()) return false;
-  for (std::size_t i = 0; i < ids_before.size(); ++i) {
-    if (before.points[static_cast<std::size_t>(ids_before[i])] != after.points[static_cast<std::size_t>(ids_after[i])]) {
-      return false;
-    }
-  }
-  return true;
+/// Vertices of the first list that are not at the same place in the second mesh. Vertices keep their ids.
+std::int64_t count_moved(const TetMesh& before, const TetMesh& after, const std::vector<Index>& ids) {
+  return std::count_if(ids.begin(), ids.end(), [&](Index id) {
+    const auto v = static_cast<std::size_t>(id);
+    return v >= after.points.size() || before.points[v] != after.points[v];
+  });
 }
 
 }  // namespace
 
 Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
+  for (const TetMesh* mesh : {&before, &after}) {
+    if (const ValidationReport arrays = validate_arrays(*mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+  }
   const par::Cpu cpu(threads);
   const Skin old_skin = find_skin(before, cpu);
   const Skin new_skin = find_skin(after, cpu);
@@ -152,8 +154,8 @@ Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
   c.tet_tags_kept = tag_set(before.tet_tags) == tag_set(after.tet_tags);
   c.triangle_tags_kept = nonzero(before.triangle_tags) == nonzero(after.triangle_tags);
   c.edge_tags_kept = nonzero(before.edge_tags) == nonzero(after.edge_tags);
-  c.required_kept = same_places(before, after, before.corners, after.corners) &&
-                    same_places(before, after, before.required_vertices, after.required_vertices);
+  c.required_moved = count_moved(before, after, before.required_vertices);
+  c.corners_moved = count_moved(before, after, before.corners);
   return c;
 }
 

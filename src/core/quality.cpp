@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "core/types.hpp"
+#include "core/validate_arrays.hpp"
 #include "par/cpu.hpp"
+#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
@@ -71,6 +73,7 @@ double percentile(const std::vector<std::int64_t>& bins, std::int64_t count, dou
 }  // namespace
 
 Quality quality(const TetMesh& mesh, int threads) {
+  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
   Quality q;
   const auto tets = static_cast<par::Size>(mesh.tets.size());
   q.tets = tets;

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// info and compare: look, and change nothing.
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "commands.hpp"
+#include "report_files.hpp"
+#include "tables.hpp"
+
+namespace tetune::cli {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  bool json = false;
+  int threads = 0;
+};
+
+TetMesh read(const std::string& path, int threads) {
+  std::vector<std::string> warnings;
+  TetMesh mesh = read_mesh(path, &warnings, threads);
+  for (const std::string& w : warnings) fmt::print(stderr, "tetune: warning: {}\n", w);
+  return mesh;
+}
+
+/// What is measured of one file. Quality is that of the elements as they are, and is left out where indices are wild.
+struct Inspection {
+  TetMesh mesh;
+  ValidationReport validity;
+  Quality quality;
+  bool measured = true;
+};
+
+Inspection inspect(const std::string& path, int threads) {
+  Inspection i;
+  i.mesh = read(path, threads);
+  i.validity = validate(i.mesh, threads);
+  try {
+    i.quality = quality(i.mesh, threads);
+  } catch (const MeshError&) {
+    i.measured = false;
+  }
+  return i;
+}
+
+int info(const Arguments& a) {
+  const Inspection i = inspect(a.files[0], a.threads);
+  if (a.json) {
+    nlohmann::ordered_json json = {{"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
+    if (i.measured) json["quality"] = to_json(i.quality);
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    fmt::print("{}\n{}", a.files[0], mesh_summary(i.mesh));
+    if (i.validity.ok()) {
+      fmt::print("  valid: every volume positive, every face on one or two tetrahedra, boundary closed\n");
+    } else {
+      fmt::print("  {}\n", validity_message(i.validity));
+    }
+    if (i.measured) {
+      fmt::print("{}", quality_table({""}, {i.quality}));
+      if (i.quality.tets > 0) {
+        fmt::print("  smallest angle in tetrahedron {}, counted from 1\n{}", i.quality.worst_tet + 1, histogram(i.quality));
+      }
+    }
+  }
+  return i.validity.ok() ? kDone : kStoppedEarly;
+}
+
+int compare_files(const Arguments& a) {
+  const Inspection before = inspect(a.files[0], a.threads);
+  const Inspection after = inspect(a.files[1], a.threads);
+  if (!before.measured || !after.measured) {
+    const bool first = !before.measured;
+    throw MeshError(a.files[first ? 0 : 1] + ": " + validity_message(first ? before.validity : after.validity));
+  }
+  const Comparison c = compare(before.mesh, after.mesh, a.threads);
+  if (a.json) {
+    const nlohmann::ordered_json json = {{"before", {{"file", a.files[0]}, {"validity", to_json(before.validity)}, {"quality", to_json(before.quality)}}},
+                                         {"after", {{"file", a.files[1]}, {"validity", to_json(after.validity)}, {"quality", to_json(after.quality)}}},
+                                         {"change", to_json(c)}};
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    fmt::print("{}{}", quality_table({"before", "after"}, {before.quality, after.quality}), comparison_table(c));
+    if (!before.validity.ok()) fmt::print("  {}: {}\n", a.files[0], validity_message(before.validity));
+    if (!after.validity.ok()) fmt::print("  {}: {}\n", a.files[1], validity_message(after.validity));
+  }
+  return before.validity.ok() && after.validity.ok() ? kDone : kStoppedEarly;
+}
+
+CLI::App* add_common(CLI::App& app, const char* name, const char* description, const std::shared_ptr<Arguments>& a) {
+  CLI::App* c = app.add_subcommand(name, description);
+  c->add_flag("--json", a->json, "Print JSON");
+  c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
+  return c;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = add_common(app, "info", "Counts, tags, validity and quality of a mesh.", a);
+  c->add_option("file", a->files, "Mesh: .mesh, .meshb, .ele")->required()->expected(1);
+  c->callback([a, &exit_code] { exit_code = info(*a); });
+}
+
+void add_compare(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = add_common(app, "compare", "What changed between two meshes of one shape: quality, volume, surface, tags.", a);
+  c->add_option("files", a->files, "Mesh before, mesh after")->required()->expected(2);
+  c->callback([a, &exit_code] { exit_code = compare_files(*a); });
+}
+
+}  // namespace tetune::cli

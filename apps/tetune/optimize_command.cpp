@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <chrono>
+#include <map>
+#include <memory>
+
+#include "commands.hpp"
+#include "progress_line.hpp"
+#include "report_files.hpp"
+#include "tables.hpp"
+
+namespace tetune::cli {
+namespace {
+
+struct Arguments {
+  std::string input, output, report, trace;
+  Options options;
+  int verbosity = 1;
+  bool quiet = false;
+};
+
+const std::map<std::string, Boundary> kBoundaries{{"preserve", Boundary::preserve}, {"fixed", Boundary::fixed}};
+const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton}, {"gradient", Relocation::gradient}};
+const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative}, {"paper", Termination::paper}};
+const std::map<std::string, Device> kDevices{{"auto", Device::automatic}, {"cpu", Device::cpu}, {"cuda", Device::cuda}};
+
+template <class T>
+std::string name_of(const std::map<std::string, T>& names, T value) {
+  for (const auto& [name, v] : names) {
+    if (v == value) return name;
+  }
+  return "";
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Options that cannot take effect together with others are refused rather than ignored.
+void refuse_ineffective(const CLI::App& command, const Arguments& a) {
+  if (a.options.max_iterations == 0) {
+    for (const char* name : {"--relocation", "--termination"}) {
+      if (command.count(name) > 0) throw OptionError(fmt::format("{} has no effect with --max-iterations 0; drop one of them", name));
+    }
+  }
+  if (a.options.device == Device::cuda && command.count("--threads") > 0) {
+    throw OptionError("--threads has no effect with --device cuda; drop one of them");
+  }
+}
+
+nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, const Quality& after, const Report& report,
+                                   double read_seconds, double write_seconds) {
+  return {{"tetune", TETUNE_VERSION},
+          {"input", a.input},
+          {"output", a.output},
+          {"options",
+           {{"boundary", name_of(kBoundaries, a.options.boundary)},
+            {"relocation", name_of(kRelocations, a.options.relocation)},
+            {"termination", name_of(kTerminations, a.options.termination)},
+            {"device", name_of(kDevices, a.options.device)},
+            {"max_iterations", a.options.max_iterations},
+            {"threads", a.options.threads}}},
+          {"read_seconds", read_seconds},
+          {"write_seconds", write_seconds},
+          {"before", to_json(before)},
+          {"after", to_json(after)},
+          {"optimization", to_json(report)}};
+}
+
+int run(const CLI::App& command, const Arguments& a) {
+  refuse_ineffective(command, a);
+  const int verbosity = a.quiet ? 0 : a.verbosity;
+  check_writable(a.output);
+  ProgressLine line(verbosity > 0);
+
+  line.say("reading");
+  auto start = std::chrono::steady_clock::now();
+  std::vector<std::string> warnings;
+  TetMesh mesh = read_mesh(a.input, &warnings, a.options.threads);
+  const double read_seconds = seconds_since(start);
+  line.clear();
+  if (verbosity > 0) {
+    for (const std::string& w : warnings) fmt::print(stderr, "tetune: warning: {}\n", w);
+  }
+
+  if (mesh.tets.empty()) throw MeshError(a.input + ": there is no tetrahedron in this file");
+  Quality before;
+  Report report;
+  Context context;
+  context.progress = [&line](const Progress& p) {
+    line.update(p);
+    return true;
+  };
+  line.say("optimising");
+  try {
+    before = quality(mesh, a.options.threads);
+    report = optimize(mesh, a.options, context);
+  } catch (const MeshError&) {
+    line.clear();
+    throw MeshError(a.input + ": " + validity_message(validate(mesh, a.options.threads)));
+  }
+  line.say("writing");
+  start = std::chrono::steady_clock::now();
+  write_mesh(a.output, mesh, a.options.threads);
+  const double write_seconds = seconds_since(start);
+  line.clear();
+
+  const Quality after = quality(mesh, a.options.threads);
+  if (verbosity > 0) {
+    fmt::print("{}", quality_table({"before", "after"}, {before, after}));
+    fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {}; {} of {} vertices fixed\n", report.sweeps.size(), report.flips23,
+               report.flips32, to_string(report.stop), report.fixed_vertices, report.vertices);
+    if (report.triangles_dropped > 0) {
+      fmt::print("  {} listed triangles without tag inside a region are no constraint and were dropped\n", report.triangles_dropped);
+    }
+    if (report.edges_dropped > 0) fmt::print("  {} listed edges without tag are gone\n", report.edges_dropped);
+    if (verbosity > 1) fmt::print("{}", run_table(report));
+    fmt::print("  read {:.3f} s, optimised {:.3f} s on {}{}, written {:.3f} s: {}\n", read_seconds, report.seconds, report.device,
+               report.threads > 0 ? fmt::format(" ({} threads)", report.threads) : "", write_seconds, a.output);
+  }
+  if (!a.report.empty()) {
+    write_text(a.report, full_report(a, before, after, report, read_seconds, write_seconds).dump(2) + "\n");
+  }
+  if (!a.trace.empty()) write_text(a.trace, trace_csv(report));
+  return report.stop == StopReason::cancelled ? kStoppedEarly : kDone;
+}
+
+}  // namespace
+
+void add_optimize(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand("optimize", "Improve a mesh.");
+  c->add_option("input", a->input, "Mesh to read: .mesh, .meshb, .ele")->required();
+  c->add_option("-o,--output", a->output, "Mesh to write: .mesh, .meshb")->required();
+  c->add_option("--boundary", a->options.boundary,
+                "preserve: vertices move within the surface's planes and straight lines, the surface stays as it is; "
+                "fixed: no boundary vertex moves")
+      ->transform(CLI::CheckedTransformer(kBoundaries).description("{preserve,fixed}"))
+      ->default_str("preserve");
+  c->add_option("--relocation", a->options.relocation, "newton: over-relaxed Newton steps; gradient: as in the paper, slower")
+      ->transform(CLI::CheckedTransformer(kRelocations).description("{newton,gradient}"))
+      ->default_str("newton");
+  c->add_option("--termination", a->options.termination,
+                "relative: stop when a sweep lowers the energy by less than 1e-4 of it; paper: conditions C1 to C3")
+      ->transform(CLI::CheckedTransformer(kTerminations).description("{relative,paper}"))
+      ->default_str("relative");
+  c->add_option("--max-iterations", a->options.max_iterations, "Most relocation sweeps; 0: flips alone")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  c->add_option("--threads", a->options.threads, "CPU threads; 0: all. The result is the same for any number")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  c->add_option("--device", a->options.device, "Where to compute")
+      ->transform(CLI::CheckedTransformer(kDevices).description("{auto,cpu,cuda}"))
+      ->default_str("auto");
+  c->add_option("--report", a->report, "Write all figures of the run to this file, as JSON");
+  c->add_option("--trace", a->trace, "Write one line for each sweep and flip pass to this file, as CSV");
+  auto* v = c->add_option("-v", a->verbosity, "0: nothing; 1: before and after; 2: each sweep and flip pass, and times")
+                ->check(CLI::Range(0, 2))
+                ->capture_default_str();
+  c->add_flag("--quiet", a->quiet, "The same as -v 0")->excludes(v);
+  c->callback([c, a, &exit_code] { exit_code = run(*c, *a); });
+}
+
+}  // namespace tetune::cli

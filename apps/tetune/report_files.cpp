@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+
+namespace tetune::cli {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Quality& q) {
+  return {{"tetrahedra", q.tets},
+          {"dihedral_min_deg", q.dihedral_min},
+          {"dihedral_1_percent_deg", q.dihedral_1},
+          {"dihedral_5_percent_deg", q.dihedral_5},
+          {"dihedral_mean_deg", q.dihedral_mean},
+          {"dihedral_max_deg", q.dihedral_max},
+          {"eta_max", q.eta_max},
+          {"eta_95_percent", q.eta_95},
+          {"eta_sum", q.eta_sum},
+          {"mean_ratio", q.mean_ratio},
+          {"mean_ratio_min", q.mean_ratio_min},
+          {"volume", q.volume},
+          {"worst_tetrahedron", q.worst_tet + 1},
+          {"dihedral_histogram_10_deg", q.histogram}};
+}
+
+Json to_json(const Comparison& c) {
+  return {{"volume_change", c.volume_change},
+          {"area_change", c.area_change},
+          {"region_volume_change", c.region_volume_change},
+          {"patch_area_change", c.patch_area_change},
+          {"distance_new_to_old", c.new_to_old},
+          {"distance_old_to_new", c.old_to_new},
+          {"vertices_before", c.old_vertices},
+          {"vertices_after", c.new_vertices},
+          {"vertex_tags_kept", c.vertex_tags_kept},
+          {"edge_tags_kept", c.edge_tags_kept},
+          {"triangle_tags_kept", c.triangle_tags_kept},
+          {"tetrahedron_tags_kept", c.tet_tags_kept},
+          {"required_vertices_moved", c.required_moved},
+          {"corners_moved", c.corners_moved}};
+}
+
+Json to_json(const Report& r) {
+  Json sweeps = Json::array();
+  for (const SweepReport& s : r.sweeps) {
+    sweeps.push_back({{"iteration", s.iteration},
+                      {"moved", s.moved},
+                      {"energy_before", s.energy_before},
+                      {"decrease", s.decrease},
+                      {"gradient_norm", s.gradient_norm},
+                      {"seconds", s.seconds}});
+  }
+  Json passes = Json::array();
+  for (const FlipReport& f : r.flip_passes) {
+    passes.push_back({{"after_iteration", f.iteration},
+                      {"pass", f.pass},
+                      {"active", f.active},
+                      {"evaluated", f.evaluated},
+                      {"flips_2_3", f.flips23},
+                      {"flips_3_2", f.flips32},
+                      {"decrease", f.decrease},
+                      {"seconds", f.seconds}});
+  }
+  Json phases = Json::object();
+  for (const PhaseTime& p : r.phases) phases[p.phase] = p.seconds;
+  return {{"device", r.device},
+          {"threads", r.threads},
+          {"stopped", to_string(r.stop)},
+          {"seconds", r.seconds},
+          {"vertices", r.vertices},
+          {"vertices_free", r.free_vertices},
+          {"vertices_in_plane", r.plane_vertices},
+          {"vertices_on_line", r.line_vertices},
+          {"vertices_fixed", r.fixed_vertices},
+          {"tetrahedra_before", r.tets_before},
+          {"tetrahedra_after", r.tets_after},
+          {"triangles_dropped", r.triangles_dropped},
+          {"edges_dropped", r.edges_dropped},
+          {"colors", r.colors},
+          {"energy_before", r.energy_before},
+          {"energy_after", r.energy_after},
+          {"flips_2_3", r.flips23},
+          {"flips_3_2", r.flips32},
+          {"phase_seconds", phases},
+          {"sweeps", sweeps},
+          {"flip_passes", passes}};
+}
+
+Json to_json(const ValidationReport& report) {
+  Json findings = Json::array();
+  for (const Finding& f : report.findings) {
+    Json first = Json::array();
+    for (const Index id : f.first) first.push_back(id + 1);
+    findings.push_back({{"kind", to_string(f.defect)}, {"where", f.where}, {"count", f.count}, {"first", first}});
+  }
+  return {{"valid", report.ok()}, {"findings", findings}};
+}
+
+Json counts_json(const TetMesh& mesh) {
+  Json json = {{"vertices", mesh.points.size()},
+               {"tetrahedra", mesh.tets.size()},
+               {"triangles", mesh.triangles.size()},
+               {"edges", mesh.edges.size()},
+               {"corners", mesh.corners.size()},
+               {"required_vertices", mesh.required_vertices.size()},
+               {"ridges", mesh.ridges.size()},
+               {"required_edges", mesh.required_edges.size()},
+               {"required_triangles", mesh.required_triangles.size()},
+               {"required_tetrahedra", mesh.required_tets.size()}};
+  for (const ElementBlock& block : mesh.others) json[block.kind] = block.tags.size();
+  return json;
+}
+
+std::string trace_csv(const Report& report) {
+  std::string text =
+      "event,iteration,pass,energy_before,decrease,gradient_norm,moved,active,evaluated,flips_2_3,flips_3_2,seconds\n";
+  double energy = report.energy_before;
+  auto pass = report.flip_passes.begin();
+  const auto flips_after = [&](int iteration) {
+    for (; pass != report.flip_passes.end() && pass->iteration == iteration; ++pass) {
+      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
+                          pass->decrease, pass->active, pass->evaluated, pass->flips23, pass->flips32, pass->seconds);
+      energy -= pass->decrease;
+    }
+  };
+  flips_after(0);
+  for (const SweepReport& s : report.sweeps) {
+    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,{:.6f}\n", s.iteration, s.energy_before, s.decrease,
+                        s.gradient_norm, s.moved, s.seconds);
+    energy = s.energy_before - s.decrease;
+    flips_after(s.iteration);
+  }
+  return text;
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  const std::string temporary = path + ".tmp";
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  const bool written = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  const bool closed = file != nullptr && std::fclose(file) == 0;
+  std::error_code error;
+  if (written && closed) std::filesystem::rename(temporary, path, error);
+  if (!written || !closed || error) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw FileError(path + ": cannot write");
+  }
+}
+
+}  // namespace tetune::cli

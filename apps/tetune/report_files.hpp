@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tetune/tetune.hpp"
+
+namespace tetune::cli {
+
+nlohmann::ordered_json to_json(const Quality& quality);
+nlohmann::ordered_json to_json(const Comparison& comparison);
+nlohmann::ordered_json to_json(const Report& report);
+nlohmann::ordered_json to_json(const ValidationReport& report);
+nlohmann::ordered_json counts_json(const TetMesh& mesh);
+
+/// One line for each sweep and flip pass, in the order they ran.
+std::string trace_csv(const Report& report);
+
+/// Writes a text file, under a temporary name first. Throws FileError.
+void write_text(const std::string& path, const std::string& text);
+
+}  // namespace tetune::cli

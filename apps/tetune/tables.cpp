@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace tetune::cli {
+namespace {
+
+std::string tag_counts(const std::vector<int>& tags) {
+  std::map<int, std::size_t> counts;
+  for (const int tag : tags) ++counts[tag];
+  constexpr std::size_t kShown = 8;
+  std::string text;
+  std::size_t shown = 0;
+  for (const auto& [tag, count] : counts) {
+    if (shown++ == kShown) {
+      text += fmt::format(", ... ({} tags)", counts.size());
+      break;
+    }
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", tag, count);
+  }
+  return text;
+}
+
+const char* yes(bool value) { return value ? "yes" : "NO"; }
+
+}  // namespace
+
+std::string mesh_summary(const TetMesh& mesh) {
+  std::string text;
+  const auto line = [&text](const std::string& name, std::size_t count, const std::string& extra) {
+    if (count > 0) text += fmt::format("  {:<22}{:>12}{}\n", name, count, extra.empty() ? "" : "   tags " + extra);
+  };
+  line("vertices", mesh.points.size(), tag_counts(mesh.point_tags));
+  line("tetrahedra", mesh.tets.size(), tag_counts(mesh.tet_tags));
+  line("listed triangles", mesh.triangles.size(), tag_counts(mesh.triangle_tags));
+  line("listed edges", mesh.edges.size(), tag_counts(mesh.edge_tags));
+  for (const ElementBlock& block : mesh.others) line(block.kind, block.tags.size(), tag_counts(block.tags));
+  line("corners", mesh.corners.size(), "");
+  line("required vertices", mesh.required_vertices.size(), "");
+  line("ridges", mesh.ridges.size(), "");
+  line("required edges", mesh.required_edges.size(), "");
+  line("required triangles", mesh.required_triangles.size(), "");
+  line("required tetrahedra", mesh.required_tets.size(), "");
+  return text;
+}
+
+std::string quality_table(const std::vector<std::string>& titles, const std::vector<Quality>& columns) {
+  std::string text = fmt::format("  {:<22}", "");
+  for (const std::string& title : titles) text += fmt::format("{:>14}", title);
+  text += '\n';
+  const auto row = [&](const char* name, auto value, const char* format) {
+    text += fmt::format("  {:<22}", name);
+    for (const Quality& q : columns) text += fmt::format("{:>14}", fmt::format(fmt::runtime(format), value(q)));
+    text += '\n';
+  };
+  row("tetrahedra", [](const Quality& q) { return q.tets; }, "{}");
+  row("dihedral min  (deg)", [](const Quality& q) { return q.dihedral_min; }, "{:.3f}");
+  row("         1 %", [](const Quality& q) { return q.dihedral_1; }, "{:.2f}");
+  row("         5 %", [](const Quality& q) { return q.dihedral_5; }, "{:.2f}");
+  row("         mean", [](const Quality& q) { return q.dihedral_mean; }, "{:.2f}");
+  row("         max", [](const Quality& q) { return q.dihedral_max; }, "{:.3f}");
+  row("eta      max", [](const Quality& q) { return q.eta_max; }, "{:.5g}");
+  row("         95 %", [](const Quality& q) { return q.eta_95; }, "{:.5g}");
+  row("         sum", [](const Quality& q) { return q.eta_sum; }, "{:.8g}");
+  row("mean ratio  mean", [](const Quality& q) { return q.mean_ratio; }, "{:.4f}");
+  row("            min", [](const Quality& q) { return q.mean_ratio_min; }, "{:.4f}");
+  return text;
+}
+
+std::string histogram(const Quality& quality) {
+  const double most = *std::max_element(quality.histogram.begin(), quality.histogram.end());
+  std::string text = "  dihedral angles\n";
+  for (std::size_t b = 0; b < quality.histogram.size(); ++b) {
+    const double share = quality.histogram[b];
+    const auto bar = most > 0 ? static_cast<std::size_t>(40 * share / most + 0.5) : 0;
+    text += fmt::format("  {:>4} -{:>4} deg {:>7.3f} %  {}\n", 10 * b, 10 * (b + 1), 100 * share, std::string(bar, '#'));
+  }
+  return text;
+}
+
+std::string comparison_table(const Comparison& c) {
+  std::string text;
+  text += fmt::format("  vertices               {} -> {}\n", c.old_vertices, c.new_vertices);
+  text += fmt::format("  tetrahedra             {} -> {}\n", c.old_tets, c.new_tets);
+  text += fmt::format("  volume change          {:+.2e} (largest of a region {:.2e})\n", c.volume_change, c.region_volume_change);
+  text += fmt::format("  surface area change    {:+.2e} (largest of a tagged patch {:.2e})\n", c.area_change, c.patch_area_change);
+  text += fmt::format("  surface distance       new to old {:.2e}, old to new {:.2e} of the mean boundary edge\n", c.new_to_old, c.old_to_new);
+  text += fmt::format("  tags kept              vertices {}, edges {}, triangles {}, tetrahedra {}\n", yes(c.vertex_tags_kept),
+                      yes(c.edge_tags_kept), yes(c.triangle_tags_kept), yes(c.tet_tags_kept));
+  text += fmt::format("  listed vertices moved  required {}, corners {}\n", c.required_moved, c.corners_moved);
+  return text;
+}
+
+std::string run_table(const Report& report) {
+  std::string text = "  sweep     moved         energy       decrease  |grad tr|^2     time s\n";
+  for (const SweepReport& s : report.sweeps) {
+    text += fmt::format("  {:>5} {:>9} {:>14.8g} {:>14.4g} {:>12.4g} {:>10.4f}\n", s.iteration, s.moved, s.energy_before,
+                        s.decrease, s.gradient_norm, s.seconds);
+  }
+  text += "  after sweep  pass     active  evaluated     2-3     3-2       decrease     time s\n";
+  for (const FlipReport& f : report.flip_passes) {
+    text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration, f.pass, f.active,
+                        f.evaluated, f.flips23, f.flips32, f.decrease, f.seconds);
+  }
+  text += "  phase        time s\n";
+  for (const PhaseTime& p : report.phases) text += fmt::format("  {:<10} {:>8.4f}\n", p.phase, p.seconds);
+  return text;
+}
+
+std::string validity_message(const ValidationReport& report) { return report.message(true); }
+
+}  // namespace tetune::cli

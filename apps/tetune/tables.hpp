@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tetune/tetune.hpp"
+
+namespace tetune::cli {
+
+/// Counts and tags of a mesh.
+std::string mesh_summary(const TetMesh& mesh);
+
+/// One column of figures a mesh: `titles` and `columns` are as long as each other.
+std::string quality_table(const std::vector<std::string>& titles, const std::vector<Quality>& columns);
+
+/// Dihedral angles in bins of 10 degrees.
+std::string histogram(const Quality& quality);
+
+std::string comparison_table(const Comparison& comparison);
+
+/// Sweeps, flip passes and phases.
+std::string run_table(const Report& report);
+
+/// MEDIT counts from 1, and so do these messages.
+std::string validity_message(const ValidationReport& report);
+
+}  // namespace tetune::cli
