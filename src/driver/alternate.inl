@@ -13,8 +13,8 @@ namespace alternate_detail {
 
 /// Over-relaxation of the Newton step: docs/benchmarks/cpu.md, "Relaxation".
 inline constexpr double kRelaxation = 1.6;
-/// Newton steps shorter than this part of the local length are not taken.
-inline constexpr double kMinMove = 1e-5;
+/// Newton steps that promise to take away less than this part of the ring's energy are not taken.
+inline constexpr double kMinGain = 1e-10;
 /// The paper's eps_g.
 inline constexpr double kMinGradient = 1e-5;
 /// Far above what any mesh needs: each pass lowers the energy, so this bounds a run in which rounding says otherwise.
@@ -80,7 +80,7 @@ class Alternation {
     r.seconds = clock_.measure("sweeps", [&] {
       const RingsView rings = work_.rings.view();
       sum = options_.relocation == Relocation::newton
-                ? sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, NewtonStep{kRelaxation, kMinMove})
+                ? sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, NewtonStep{kRelaxation, kMinGain})
                 : sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, GradientStep{kMinGradient});
     });
     energy_ -= sum.decrease;

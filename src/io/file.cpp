@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <random>
 
 #include "tetune/error.hpp"
 
@@ -16,7 +17,8 @@ namespace tetune {
 
 MappedFile::MappedFile(const std::string& path) {
   const auto fail = [&path](const char* what) { throw FileError(path + ": " + what + ": " + std::strerror(errno)); };
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Not blocking: a pipe without a writer is refused below like any other thing that is no file.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) fail("cannot open");
   struct stat info {};
   if (::fstat(descriptor, &info) != 0) {
@@ -44,15 +46,17 @@ MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
 }
 
-FileWriter::FileWriter(std::string path) : path_(std::move(path)), temporary_(path_ + ".XXXXXX") {
-  descriptor_ = ::mkstemp(temporary_.data());
+FileWriter::FileWriter(std::string path) : path_(std::move(path)) {
+  // Created under the user's umask like any other file; mkstemp would make it private.
+  std::random_device random;
+  do {
+    temporary_ = path_ + "." + std::to_string(random() % 1'000'000) + ".tmp";
+    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (descriptor_ < 0 && errno == EEXIST);
   if (descriptor_ < 0) fail("cannot create a file in the folder of");
-  // mkstemp is private to the user; an output file follows the user's umask like any other, or the file it replaces.
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
+  // A file that is replaced hands its permissions on, where the file system has any.
   struct stat old {};
-  const mode_t mode = ::stat(path_.c_str(), &old) == 0 ? (old.st_mode & 0777U) : (0666U & ~mask);
-  if (::fchmod(descriptor_, mode) != 0) fail("cannot set the permissions of");
+  if (::stat(path_.c_str(), &old) == 0) ::fchmod(descriptor_, old.st_mode & 0777U);
 }
 
 FileWriter::~FileWriter() {

@@ -22,8 +22,8 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-/// Writes a file under a temporary name beside its final one; commit() renames it. Without commit() nothing of it stays.
-/// Throws FileError.
+/// Writes a file under a temporary name beside its final one; commit() renames it. Without commit() nothing of it
+/// stays. Throws FileError.
 class FileWriter {
  public:
   explicit FileWriter(std::string path);

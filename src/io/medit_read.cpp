@@ -21,7 +21,8 @@ class TextSource {
   /// A length that cannot be true, given what is left of the file, is refused before memory is asked for.
   std::size_t count(std::string_view section, int numbers_each) {
     const std::int64_t n = cursor_.integer("number of entries");
-    if (n < 0 || static_cast<std::uint64_t>(n) > cursor_.remaining() / (2 * static_cast<std::size_t>(numbers_each)) + 1) {
+    const std::size_t smallest = 2 * static_cast<std::size_t>(numbers_each);
+    if (n < 0 || static_cast<std::uint64_t>(n) > cursor_.remaining() / smallest + 1) {
       fail("section " + std::string(section) + " claims " + std::to_string(n) +
            " entries, more than the rest of the file can hold");
     }
@@ -53,12 +54,23 @@ class BinarySource {
   /// Where the next section starts; 0 in the last one.
   std::size_t next_position() {
     const std::int64_t position = version_ >= 3 ? take<std::int64_t>() : take<std::int32_t>();
-    if (position != 0 && (position < static_cast<std::int64_t>(at_) || static_cast<std::size_t>(position) > bytes_.size())) {
+    const auto from = static_cast<std::int64_t>(at_);
+    if (position != 0 && (position < from || position > static_cast<std::int64_t>(bytes_.size()))) {
       fail("a section points to a place outside the file");
     }
     return static_cast<std::size_t>(position);
   }
-  void go_to(std::size_t position) { at_ = position; }
+  /// Leaves a section for the next one, which must start where this one's entries end.
+  void go_to(std::size_t position, bool skipped) {
+    if (!skipped && position != at_) {
+      fail("the entries of a section end here, but the section ends at byte " + std::to_string(position));
+    }
+    at_ = position;
+  }
+  /// 32 bits wide in every version (libMeshb); some writers of version 4 widen it like any other number.
+  std::int64_t dimension(std::size_t next) {
+    return version_ == 4 && next == at_ + sizeof(std::int64_t) ? take<std::int64_t>() : take<std::int32_t>();
+  }
 
   double real() { return version_ == 1 ? static_cast<double>(take<float>()) : take<double>(); }
   std::int64_t integer(const char*) { return version_ == 4 ? take<std::int64_t>() : take<std::int32_t>(); }
@@ -102,7 +114,8 @@ class MeditReader {
 
   void set_dimension(std::int64_t dimension) {
     if (dimension != 3) {
-      source_.fail("the mesh has dimension " + std::to_string(dimension) + "; tetune takes tetrahedral meshes, dimension 3");
+      source_.fail("the mesh has dimension " + std::to_string(dimension) +
+                   "; tetune takes tetrahedral meshes, dimension 3");
     }
   }
 
@@ -126,8 +139,11 @@ class MeditReader {
   void finish() {
     if (required_quads_.empty()) return;
     for (ElementBlock& block : mesh_.others) {
-      if (block.kind == kMeditOthers[0].name) block.required = required_quads_;
+      if (block.kind != kMeditOthers[0].name) continue;
+      block.required = std::move(required_quads_);
+      return;
     }
+    source_.fail("RequiredQuadrilaterals are listed, but no Quadrilaterals");
   }
 
  private:
@@ -146,7 +162,14 @@ class MeditReader {
     return static_cast<int>(value);
   }
 
+  /// A second section of a kind would silently replace the first.
+  template <class T>
+  void expect_first(std::string_view section, const std::vector<T>& entries) {
+    if (!entries.empty()) source_.fail("section " + std::string(section) + " is there twice");
+  }
+
   bool read_vertices() {
+    expect_first(kMeditVertices.name, mesh_.points);
     const std::size_t n = source_.count(kMeditVertices.name, 4);
     mesh_.points.resize(n);
     mesh_.point_tags.resize(n);
@@ -159,6 +182,7 @@ class MeditReader {
 
   template <std::size_t N>
   bool read_elements(const MeditSection& section, std::vector<std::array<Index, N>>& elements, std::vector<int>& tags) {
+    expect_first(section.name, elements);
     const std::size_t n = source_.count(section.name, section.vertices + 1);
     elements.resize(n);
     tags.resize(n);
@@ -170,6 +194,9 @@ class MeditReader {
   }
 
   bool read_others(const MeditSection& section) {
+    for (const ElementBlock& block : mesh_.others) {
+      if (block.kind == section.name) expect_first(section.name, block.tags);
+    }
     const std::size_t n = source_.count(section.name, section.vertices + 1);
     ElementBlock block;
     block.kind = section.name;
@@ -185,6 +212,7 @@ class MeditReader {
   }
 
   bool read_list(const MeditSection& section, std::vector<Index>& ids) {
+    expect_first(section.name, ids);
     const std::size_t n = source_.count(section.name, 1);
     ids.resize(n);
     for (Index& i : ids) i = id(section.name);
@@ -196,6 +224,8 @@ class MeditReader {
   std::vector<Index> required_quads_;
 };
 
+constexpr const char* kNoEnd = ": the section End is missing; the file may be cut short";
+
 }  // namespace
 
 TetMesh read_medit_text(const std::string& path, const ReadContext& context) {
@@ -205,7 +235,9 @@ TetMesh read_medit_text(const std::string& path, const ReadContext& context) {
   TetMesh mesh;
   MeditReader reader(source, mesh);
   std::string_view word = cursor.word();
-  if (word != "MeshVersionFormatted") cursor.fail("this is not a MEDIT mesh: it does not start with MeshVersionFormatted");
+  if (word != "MeshVersionFormatted") {
+    cursor.fail("this is not a MEDIT mesh: it does not start with MeshVersionFormatted");
+  }
   const std::int64_t version = cursor.integer("version");
   if (version < 1 || version > 4) cursor.fail("version " + std::to_string(version) + " is not one of 1 to 4");
   for (word = cursor.word(); !word.empty() && word != "End"; word = cursor.word()) {
@@ -221,6 +253,7 @@ TetMesh read_medit_text(const std::string& path, const ReadContext& context) {
       cursor.skip_numbers();
     }
   }
+  if (word.empty()) context.warn(path + kNoEnd);
   reader.finish();
   return mesh;
 }
@@ -231,19 +264,23 @@ TetMesh read_medit_binary(const std::string& path, const ReadContext& context) {
   TetMesh mesh;
   MeditReader reader(source, mesh);
   source.open();
-  while (!source.at_end()) {
+  bool ended = false;
+  while (!ended && !source.at_end()) {
     const std::int32_t code = source.keyword();
-    if (code == kMeditEnd) break;
+    ended = code == kMeditEnd;
+    if (ended) break;
     const std::size_t next = source.next_position();
+    bool skipped = false;
     if (code == kMeditDimension) {
-      // The dimension is 32 bits wide in every version but 4's files of some writers; the section's end tells.
-      reader.set_dimension(source.integer("dimension") & 0xffffffff);
+      reader.set_dimension(source.dimension(next));
     } else if (!reader.read({}, code)) {
       context.warn(path + ": section with code " + std::to_string(code) + " is not one that tetune keeps; skipped");
+      skipped = true;
     }
-    if (next == 0) break;
-    source.go_to(next);
+    ended = next == 0;
+    if (!ended) source.go_to(next, skipped);
   }
+  if (!ended) context.warn(path + kNoEnd);
   reader.finish();
   return mesh;
 }

@@ -62,8 +62,8 @@ void write_header(FileWriter& file, std::string_view name, std::size_t n) {
 }
 
 template <std::size_t N>
-void write_text_elements(FileWriter& file, const MeditSection& section, const std::vector<std::array<Index, N>>& elements,
-                         const std::vector<int>& tags, int threads) {
+void write_text_elements(FileWriter& file, const MeditSection& section,
+                         const std::vector<std::array<Index, N>>& elements, const std::vector<int>& tags, int threads) {
   if (elements.empty()) return;
   write_header(file, section.name, elements.size());
   write_lines(file, elements.size(), threads, [&](TextLine& line, std::size_t i) {
@@ -212,8 +212,11 @@ void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
 
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
   // Positions in version 2 are 32 bits wide: version 3 where the file may not fit.
-  std::size_t bytes = 28 * mesh.points.size() + 20 * mesh.tets.size() + 16 * mesh.triangles.size() + 12 * mesh.edges.size();
-  for (const ElementBlock& block : mesh.others) bytes += 4 * (block.element2vertex.size() + block.tags.size());
+  std::size_t bytes = 28 * mesh.points.size() + 20 * mesh.tets.size();
+  bytes += 16 * mesh.triangles.size() + 12 * mesh.edges.size();
+  for (const ElementBlock& block : mesh.others) {
+    bytes += 4 * (block.element2vertex.size() + block.tags.size() + block.required.size());
+  }
   for (const MeditList& list : kMeditLists) bytes += 4 * (mesh.*list.ids).size();
   BinaryWriter out(file, bytes > 2'000'000'000U);
   out.section(kMeditDimension, 4);

@@ -28,6 +28,27 @@ const Format& format_of(const std::string& path, bool to_write) {
                   "\"; known endings: " + known);
 }
 
+/// Writers index tags by element, so their lengths must agree.
+void check_lengths(const std::string& path, const TetMesh& mesh) {
+  const auto check = [&path](const std::string& what, std::size_t tags, std::size_t elements) {
+    if (tags == elements) return;
+    throw FileError(path + ": the mesh has " + std::to_string(tags) + " tags for " + std::to_string(elements) + " " +
+                    what);
+  };
+  check("vertices", mesh.point_tags.size(), mesh.points.size());
+  check("tetrahedra", mesh.tet_tags.size(), mesh.tets.size());
+  check("triangles", mesh.triangle_tags.size(), mesh.triangles.size());
+  check("edges", mesh.edge_tags.size(), mesh.edges.size());
+  for (const ElementBlock& block : mesh.others) {
+    const auto each = static_cast<std::size_t>(std::max(1, block.vertices_per_element));
+    check(block.kind, block.tags.size() * each, block.element2vertex.size());
+    const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
+    if (std::count_if(mesh.others.begin(), mesh.others.end(), same_kind) > 1) {
+      throw FileError(path + ": the mesh has two blocks of " + block.kind + "; a file has room for one");
+    }
+  }
+}
+
 }  // namespace
 
 const std::vector<Format>& formats() {
@@ -50,14 +71,16 @@ void check_writable(const std::string& path) {
   format_of(path, true);
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const std::string name = folder.empty() ? "." : folder.string();
-  if (!std::filesystem::is_directory(name)) throw FileError(path + ": the folder " + name + " does not exist");
-  if (std::filesystem::is_directory(path)) throw FileError(path + ": is a folder; give a file name");
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(name, ignored)) throw FileError(path + ": the folder " + name + " does not exist");
+  if (std::filesystem::is_directory(path, ignored)) throw FileError(path + ": is a folder; give a file name");
   if (::access(name.c_str(), W_OK) != 0) throw FileError(path + ": no permission to write in " + name);
 }
 
 void write_mesh(const std::string& path, const TetMesh& mesh, int threads) {
   const Format& format = format_of(path, true);
   check_writable(path);
+  check_lengths(path, mesh);
   FileWriter file(path);
   format.write(file, mesh, threads);
   file.commit();

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <string_view>
 
@@ -51,17 +50,10 @@ class TextCursor {
   double real(const char* what) {
     skip_space();
     const char* start = at_;
-    if (at_ < end_ && *at_ == '+') ++at_;
     double value = 0;
     const auto [stop, error] = std::from_chars(at_, end_, value);
     at_ = stop;
-    if (error == std::errc::result_out_of_range) {
-      value = out_of_range(start, stop);
-    } else if (error != std::errc() || stop == start) {
-      fail_token(start, "a number", what);
-    }
-    if (at_ < end_ && (*at_ == 'D' || *at_ == 'd')) return fortran(start, what);
-    if (!ended()) fail_token(start, "a number", what);
+    if (error != std::errc() || !ended()) return unusual_real(start, what);
     return value;
   }
 
@@ -113,24 +105,28 @@ class TextCursor {
     fail(std::string("expected ") + wanted + " (" + what + "), found " +
          (w.empty() ? "the end of the file" : "\"" + std::string(w.substr(0, 40)) + "\""));
   }
-  static double out_of_range(const char* start, const char* stop) {
-    // Too small reads as zero, too large as infinity, which validation reports.
-    const std::string_view token(start, static_cast<std::size_t>(stop - start));
-    const std::size_t e = token.find_first_of("eE");
-    const bool small = e != std::string_view::npos && e + 1 < token.size() && token[e + 1] == '-';
-    return small ? 0 : std::numeric_limits<double>::infinity();
-  }
-  /// 1.0D-3, as Fortran programs write.
-  double fortran(const char* start, const char* what) {
+  /// What from_chars leaves: a plus sign, 1.0D-3 as Fortran programs write, and what no double holds.
+  double unusual_real(const char* start, const char* what) {
     at_ = start;
     std::string token(word());
     for (char& c : token) {
       if (c == 'D' || c == 'd') c = 'e';
     }
-    const char* from = token.data() + (token[0] == '+' ? 1 : 0);
+    const char* from = token.data();
+    const char* to = from + token.size();
+    if (token.size() > 1 && token[0] == '+' && token[1] != '-') ++from;
     double value = 0;
-    const auto [stop, error] = std::from_chars(from, token.data() + token.size(), value);
-    if (error != std::errc() || stop != token.data() + token.size()) fail_token(start, "a number", what);
+    auto [stop, error] = std::from_chars(from, to, value);
+    if (error == std::errc::result_out_of_range) {
+      // Too small reads as zero, too large as infinity, which validation reports.
+      long double wide = 0;
+      const auto again = std::from_chars(from, to, wide);
+      if (again.ec != std::errc()) fail_token(start, "a number of the range of double", what);
+      value = static_cast<double>(wide);
+    } else if (error != std::errc()) {
+      fail_token(start, "a number", what);
+    }
+    if (stop != to) fail_token(start, "a number", what);
     return value;
   }
 

@@ -85,7 +85,9 @@ TETUNE_HD inline Vec3 tangent_gradient(const Vec3& g, const Motion& motion) {
 
 struct NewtonStep {
   double relaxation;  ///< 1 <= omega < 2
-  double min_move;    ///< relative to the local length: shorter Newton steps are not taken
+  /// Part of the ring's energy that the model must promise to take away for a step to be taken. A measure by decrease, not
+  /// by length: beside a sliver the way out starts with steps as short as the sliver is flat.
+  double min_gain;
 
   /// Part of the distance to the first inversion that a step may use.
   static constexpr double kReach = 0.9;
@@ -105,8 +107,7 @@ struct NewtonStep {
         result.gradient2 = kTraceFactor * kTraceFactor * dot(g, g);
       }
       const Vec3 p = newton_direction(m, motion);
-      const double p2 = dot(p, p);
-      if (!(p2 > min_move * min_move * m.length2) || !(dot(m.gradient, p) < 0)) break;
+      if (!(-dot(m.gradient, p) > min_gain * m.value)) break;
       const double bound = kReach * ring.step_bound(x, p);
       double t = bound < relaxation ? bound : relaxation;
       double decrease = 0;
@@ -121,7 +122,7 @@ struct NewtonStep {
       }
       if (decrease == 0) break;
       result.decrease += decrease;
-      result.relative_move += t * std::sqrt(p2 / m.length2);
+      result.relative_move += t * std::sqrt(dot(p, p) / m.length2);
       if (decrease < kRepeat * m.value) break;
     }
     result.position = x;

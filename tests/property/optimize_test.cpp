@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must hold of every optimisation, over many meshes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "meshes.hpp"
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+struct Case {
+  std::uint32_t seed;
+  Boundary boundary;
+  Relocation relocation;
+  Termination termination;
+};
+
+/// Materials, tagged patches, lines, frozen parts: a bit of everything, at random.
+TetMesh varied(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const int n = 3 + static_cast<int>(random() % 4);
+  TetMesh m = test::scrambled(seed % 2 == 0 ? test::two_materials(n + n % 2, 0.15) : test::cube(n, 0.2, seed), 2, seed);
+  // Stretch and shear: affine maps keep all volumes positive.
+  const double s = 0.3 + static_cast<double>(random() % 100) / 50;
+  for (Point3& p : m.points) p = {p[0] + 0.2 * p[1], s * p[1], p[2] - 0.3 * p[0]};
+  for (int& tag : m.point_tags) tag = static_cast<int>(random() % 3);
+  for (int i = 0; i < 5; ++i) m.required_vertices.push_back(static_cast<Index>(random() % m.points.size()));
+  for (int i = 0; i < 3; ++i) m.required_tets.push_back(static_cast<Index>(random() % m.tets.size()));
+  for (int i = 0; i < 10; ++i) {
+    const auto& t = m.tets[random() % m.tets.size()];
+    m.triangles.push_back({t[0], t[1], t[2]});
+    m.triangle_tags.push_back(static_cast<int>(random() % 3));
+    m.edges.push_back({t[1], t[3]});
+    m.edge_tags.push_back(static_cast<int>(random() % 3));
+  }
+  return m;
+}
+
+std::set<std::array<Index, 4>> as_set(const TetMesh& m, const std::vector<Index>& ids) {
+  std::set<std::array<Index, 4>> set;
+  for (const Index id : ids) {
+    auto t = m.tets[static_cast<std::size_t>(id)];
+    std::sort(t.begin(), t.end());
+    set.insert(t);
+  }
+  return set;
+}
+
+template <std::size_t N>
+std::set<std::array<Index, N>> tagged(const std::vector<std::array<Index, N>>& items, const std::vector<int>& tags) {
+  std::set<std::array<Index, N>> set;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    auto v = items[i];
+    std::sort(v.begin(), v.end());
+    if (tags[i] != 0) set.insert(v);
+  }
+  return set;
+}
+
+/// Each tagged face and edge is one of the mesh.
+void expect_present(const TetMesh& m) {
+  std::set<std::array<Index, 3>> faces;
+  std::set<std::array<Index, 2>> edges;
+  for (auto t : m.tets) {
+    std::sort(t.begin(), t.end());
+    for (std::size_t skip = 0; skip < 4; ++skip) {
+      std::array<Index, 3> f{};
+      for (std::size_t k = 0, at = 0; k < 4; ++k) {
+        if (k != skip) f[at++] = t[k];
+      }
+      faces.insert(f);
+      for (std::size_t k = skip + 1; k < 4; ++k) edges.insert({t[skip], t[k]});
+    }
+  }
+  for (const auto& f : tagged(m.triangles, m.triangle_tags)) EXPECT_TRUE(faces.count(f) == 1);
+  for (const auto& e : tagged(m.edges, m.edge_tags)) EXPECT_TRUE(edges.count(e) == 1);
+}
+
+class OptimizeProperties : public testing::TestWithParam<Case> {};
+
+TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
+  const Case c = GetParam();
+  const TetMesh before = varied(c.seed);
+  ASSERT_TRUE(validate(before).ok());
+  TetMesh after = before;
+  Options options;
+  options.boundary = c.boundary;
+  options.relocation = c.relocation;
+  options.termination = c.termination;
+  options.max_iterations = 12;
+  double last = 1e300;
+  Context context;
+  context.progress = [&last](const Progress& p) {
+    EXPECT_LE(p.energy, last * (1 + 1e-12));
+    last = p.energy;
+    return true;
+  };
+  const Report report = optimize(after, options, context);
+
+  const ValidationReport valid = validate(after);
+  EXPECT_TRUE(valid.ok()) << valid.message(false);
+  EXPECT_LT(report.energy_after, report.energy_before);
+  EXPECT_NEAR(report.energy_after, quality(after).eta_sum, 1e-9 * report.energy_after);
+  EXPECT_NEAR(report.energy_before, quality(before).eta_sum, 1e-9 * report.energy_before);
+  EXPECT_EQ(static_cast<std::int64_t>(after.tets.size()), report.tets_after);
+  EXPECT_EQ(report.tets_after, report.tets_before + report.flips23 - report.flips32);
+
+  const Comparison change = compare(before, after);
+  EXPECT_LT(change.new_to_old, 1e-12);
+  EXPECT_LT(change.old_to_new, 1e-12);
+  EXPECT_LT(std::abs(change.area_change), 1e-12);
+  EXPECT_LT(change.region_volume_change, 1e-12);
+  EXPECT_EQ(change.required_moved, 0);
+  EXPECT_TRUE(change.vertex_tags_kept && change.tet_tags_kept && change.triangle_tags_kept && change.edge_tags_kept);
+
+  EXPECT_EQ(as_set(before, before.required_tets), as_set(after, after.required_tets));
+  for (const auto& t : as_set(before, before.required_tets)) {
+    for (const Index v : t) EXPECT_EQ(before.points[static_cast<std::size_t>(v)], after.points[static_cast<std::size_t>(v)]);
+  }
+  EXPECT_EQ(tagged(before.triangles, before.triangle_tags), tagged(after.triangles, after.triangle_tags));
+  EXPECT_EQ(tagged(before.edges, before.edge_tags), tagged(after.edges, after.edge_tags));
+  expect_present(after);
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+    all.push_back({seed, Boundary::preserve, Relocation::newton, Termination::relative});
+    all.push_back({seed, Boundary::preserve, Relocation::gradient, Termination::paper});
+    all.push_back({seed, Boundary::fixed, Relocation::newton, Termination::paper});
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, OptimizeProperties, testing::ValuesIn(cases()), [](const auto& test) {
+  const Case& c = test.param;
+  return "Seed" + std::to_string(c.seed) + (c.boundary == Boundary::fixed ? "Fixed" : "Preserve") +
+         (c.relocation == Relocation::newton ? "Newton" : "Gradient") +
+         (c.termination == Termination::paper ? "Paper" : "Relative");
+});
+
+TEST(Optimize, InFixedModeNoSurfaceVertexMoves) {
+  const TetMesh before = test::cube(5, 0.2);
+  TetMesh after = before;
+  Options options;
+  options.boundary = Boundary::fixed;
+  optimize(after, options);
+  std::size_t moved = 0;
+  for (std::size_t v = 0; v < before.points.size(); ++v) {
+    const Point3& p = before.points[v];
+    const bool surface = std::any_of(p.begin(), p.end(), [](double x) { return x == 0 || x == 1; });
+    if (surface) {
+      EXPECT_EQ(p, after.points[v]);
+    } else {
+      moved += p != after.points[v] ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(moved, 64U);
+}
+
+TEST(Optimize, IsTheSameForAnyNumberOfThreads) {
+  Options options;
+  options.threads = 1;
+  TetMesh one = varied(4);
+  optimize(one, options);
+  for (const int threads : {2, 3, 8}) {
+    options.threads = threads;
+    TetMesh many = varied(4);
+    optimize(many, options);
+    EXPECT_EQ(one.points, many.points);
+    EXPECT_EQ(one.tets, many.tets);
+    EXPECT_EQ(one.tet_tags, many.tet_tags);
+  }
+}
+
+TEST(Optimize, ARescaledMeshGivesTheSameMeshRescaled) {
+  for (const double scale : {1000.0, 1e-3, 1e-100, 1e100}) {
+    TetMesh plain = test::scrambled(test::cube(8, 0.2), 2);
+    TetMesh scaled = plain;
+    for (Point3& p : scaled.points) {
+      for (double& x : p) x *= scale;
+    }
+    optimize(plain);
+    optimize(scaled);
+    EXPECT_EQ(plain.tets, scaled.tets);
+    double worst = 0;
+    for (std::size_t v = 0; v < plain.points.size(); ++v) {
+      for (std::size_t k = 0; k < 3; ++k) worst = std::max(worst, std::fabs(scaled.points[v][k] / scale - plain.points[v][k]));
+    }
+    EXPECT_LT(worst, 1e-9);
+  }
+}
+
+TEST(Optimize, StopsWhenAskedAndLeavesAValidMesh) {
+  TetMesh m = test::cube(6, 0.2);
+  Context context;
+  int calls = 0;
+  context.progress = [&calls](const Progress&) { return ++calls < 4; };
+  const Report report = optimize(m, {}, context);
+  EXPECT_EQ(report.stop, StopReason::cancelled);
+  EXPECT_TRUE(validate(m).ok());
+  EXPECT_LT(report.energy_after, report.energy_before);
+  EXPECT_NEAR(report.energy_after, quality(m).eta_sum, 1e-9 * report.energy_after);
+}
+
+TEST(Optimize, WithoutIterationsOnlyFlips) {
+  const TetMesh before = test::scrambled(test::cube(6, 0.2), 2);
+  TetMesh after = before;
+  Options options;
+  options.max_iterations = 0;
+  const Report report = optimize(after, options);
+  EXPECT_EQ(before.points, after.points);
+  EXPECT_GT(report.flips23 + report.flips32, 0);
+  EXPECT_TRUE(report.sweeps.empty());
+}
+
+TEST(Optimize, NewtonAndGradientFindTheSameMinimum) {
+  Options options;
+  options.max_iterations = 0;
+  TetMesh flipped = test::scrambled(test::cube(5, 0.2), 2);
+  optimize(flipped, options);
+  TetMesh newton = flipped;
+  TetMesh gradient = flipped;
+  options.max_iterations = 400;
+  const double a = optimize(newton, options).energy_after;
+  options.relocation = Relocation::gradient;
+  const double b = optimize(gradient, options).energy_after;
+  EXPECT_NEAR(a, b, 2e-3 * a);
+}
+
+TEST(Optimize, HandlesTheSmallestMeshes) {
+  TetMesh one = test::one_tet();
+  EXPECT_EQ(optimize(one).fixed_vertices, 4);
+  TetMesh two = test::two_tets(0.3);
+  EXPECT_EQ(optimize(two).flips23, 1);
+  TetMesh none;
+  EXPECT_EQ(optimize(none).tets_after, 0);
+  TetMesh loose = test::one_tet();
+  loose.points.push_back({9, 9, 9});
+  loose.point_tags.push_back(0);
+  optimize(loose);
+  EXPECT_EQ(loose.points.back(), (Point3{9, 9, 9}));
+}
+
+TEST(Optimize, RefusesOptionsOutOfRange) {
+  TetMesh m = test::one_tet();
+  Options options;
+  options.max_iterations = -1;
+  EXPECT_THROW(optimize(m, options), OptionError);
+  options = {};
+  options.threads = -2;
+  EXPECT_THROW(optimize(m, options), OptionError);
+}
+
+}  // namespace
+}  // namespace tetune

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "boundary/closest_triangle.hpp"
+#include "meshes.hpp"
+#include "tetune/error.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+namespace {
+
+/// Counts of where vertices may go, without moving any.
+Report classify(TetMesh mesh, Boundary boundary = Boundary::preserve) {
+  Options options;
+  options.boundary = boundary;
+  options.max_iterations = 0;
+  options.threads = 1;
+  return optimize(mesh, options);
+}
+
+TEST(Classification, OfACube) {
+  const Report r = classify(test::cube(4));
+  EXPECT_EQ(r.fixed_vertices, 8);
+  EXPECT_EQ(r.line_vertices, 12 * 3);
+  EXPECT_EQ(r.plane_vertices, 6 * 9);
+  EXPECT_EQ(r.free_vertices, 27);
+}
+
+TEST(Classification, FixedModeFixesTheSurface) {
+  const Report r = classify(test::cube(4), Boundary::fixed);
+  EXPECT_EQ(r.fixed_vertices, 98);
+  EXPECT_EQ(r.free_vertices, 27);
+}
+
+TEST(Classification, OfATurnedCubeIsTheSame) {
+  TetMesh m = test::cube(4);
+  const double c = std::cos(0.7);
+  const double s = std::sin(0.7);
+  for (Point3& p : m.points) {
+    p = {c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]};
+    p = {p[0], c * p[1] - s * p[2], s * p[1] + c * p[2]};
+  }
+  const Report r = classify(m);
+  EXPECT_EQ(r.fixed_vertices, 8);
+  EXPECT_EQ(r.line_vertices, 36);
+}
+
+TEST(Classification, OfAnInterface) {
+  // The interface x = 1/2: its rim lies on four outer faces (lines), where the rim meets an edge of the cube stays.
+  const Report r = classify(test::two_materials(4));
+  EXPECT_EQ(r.fixed_vertices, 8 + 4);
+  EXPECT_EQ(r.line_vertices, 12 * 3 - 4 + 4 * 3);
+  EXPECT_EQ(r.plane_vertices, 6 * 9 - 4 * 3 + 9);
+  EXPECT_EQ(r.free_vertices, 27 - 9);
+}
+
+TEST(Classification, BordersBetweenPatchTagsAreLines) {
+  // Half of the face z = 0 tagged 5: the border at x = 1/2.
+  TetMesh m = test::cube(4);
+  const auto id = [](int i, int j) { return static_cast<Index>(j * 5 + i); };
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 2; ++i) {
+      m.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+      m.triangles.push_back({id(i, j), id(i, j + 1), id(i + 1, j + 1)});
+    }
+  }
+  m.triangle_tags.assign(m.triangles.size(), 5);
+  const Report r = classify(m);
+  EXPECT_EQ(r.fixed_vertices, 8 + 2);
+  EXPECT_EQ(r.line_vertices, 36 - 2 + 3);
+  EXPECT_EQ(r.plane_vertices, 54 - 3);
+}
+
+TEST(Classification, CornersHoldOnFeaturesAndNotOnFlatGround) {
+  TetMesh m = test::cube(4);
+  m.corners = {6, 1};  // inside the face z = 0, and on the edge y = z = 0
+  const Report r = classify(m);
+  EXPECT_EQ(r.fixed_vertices, 9);
+  EXPECT_EQ(r.plane_vertices, 54);
+  m.required_vertices = {6};
+  EXPECT_EQ(classify(m).plane_vertices, 53);
+}
+
+TEST(Classification, EdgesConstrain) {
+  TetMesh m = test::cube(4);
+  const auto id = [](int i, int j, int k) { return static_cast<Index>((k * 5 + j) * 5 + i); };
+  // A tagged line through the inside, along x.
+  for (int i = 1; i < 3; ++i) m.edges.push_back({id(i, 2, 2), id(i + 1, 2, 2)});
+  m.edge_tags = {7, 7};
+  const Report r = classify(m);
+  EXPECT_EQ(r.free_vertices, 27 - 3);
+  EXPECT_EQ(r.line_vertices, 36 + 1);  // its middle
+  EXPECT_EQ(r.fixed_vertices, 8 + 2);  // its ends
+  m.edge_tags = {0, 0};
+  EXPECT_EQ(classify(m).free_vertices, 27);
+  m.ridges = {0, 1};
+  EXPECT_EQ(classify(m).line_vertices, 37);
+  m.required_edges = {0};
+  EXPECT_EQ(classify(m).line_vertices, 36);
+}
+
+TEST(Classification, ATriangleInsideConstrainsIfTagged) {
+  TetMesh m = test::cube(4);
+  const auto id = [](int i, int j, int k) { return static_cast<Index>((k * 5 + j) * 5 + i); };
+  m.triangles = {{id(1, 2, 1), id(2, 2, 1), id(2, 2, 2)}};
+  m.triangle_tags = {0};
+  Report r = classify(m);
+  EXPECT_EQ(r.free_vertices, 27);
+  EXPECT_EQ(r.triangles_dropped, 1);
+  m.triangle_tags = {3};
+  r = classify(m);
+  EXPECT_EQ(r.triangles_dropped, 0);
+  EXPECT_EQ(r.free_vertices, 24);
+}
+
+TEST(Classification, ElementsOfOtherKindsFreezeTheirVertices) {
+  TetMesh m = test::cube(4);
+  m.others.push_back({"Quadrilaterals", 4, {6, 7, 12, 11}, {2}, {}});
+  EXPECT_EQ(classify(m).plane_vertices, 50);
+}
+
+TEST(ClosestTriangle, AgreesWithEveryTriangleTried) {
+  std::mt19937 random(3);
+  const auto u = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  std::vector<TrianglePoints> triangles;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 c{u(), u(), u()};
+    triangles.push_back({c, c + 0.1 * Vec3{u(), u(), u()}, c + 0.1 * Vec3{u(), u(), u()}});
+  }
+  triangles.push_back({Vec3{0.5, 0.5, 0.5}, Vec3{0.5, 0.5, 0.5}, Vec3{0.6, 0.5, 0.5}});  // degenerate
+  const ClosestTriangle tree(triangles);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 p{2 * u() - 0.5, 2 * u() - 0.5, 2 * u() - 0.5};
+    double best = 1e300;
+    for (const TrianglePoints& t : triangles) {
+      // A dense sample bounds the distance from above, closely.
+      best = std::min(best, ClosestTriangle({t}).distance2(p));
+      for (int a = 0; a <= 20; ++a) {
+        for (int b = 0; a + b <= 20; ++b) {
+          const Vec3 q = t[0] + (a / 20.0) * (t[1] - t[0]) + (b / 20.0) * (t[2] - t[0]);
+          ASSERT_LE(ClosestTriangle({t}).distance2(p), dot(p - q, p - q) + 1e-14);
+        }
+      }
+    }
+    EXPECT_EQ(tree.distance2(p), best);
+  }
+  EXPECT_NEAR(ClosestTriangle({{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}}).distance2({0.2, 0.2, 3}), 9, 1e-12);
+  EXPECT_NEAR(ClosestTriangle({{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}}).distance2({2, 0, 0}), 1, 1e-12);
+  EXPECT_EQ(ClosestTriangle({}).distance2({0, 0, 0}), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace tetune

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "meshes.hpp"
+#include "tetune/error.hpp"
+#include "tetune/quality.hpp"
+
+namespace tetune {
+namespace {
+
+TEST(Quality, OfTheRegularTetrahedron) {
+  TetMesh m = test::one_tet();
+  m.points = {{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}};
+  const Quality q = quality(m);
+  const double angle = std::acos(1.0 / 3) * 180 / M_PI;
+  EXPECT_NEAR(q.dihedral_min, angle, 1e-10);
+  EXPECT_NEAR(q.dihedral_max, angle, 1e-10);
+  EXPECT_NEAR(q.dihedral_5, angle, 0.01);
+  EXPECT_NEAR(q.mean_ratio, 1, 1e-12);
+  EXPECT_NEAR(q.eta_sum, 4.5 * std::sqrt(2.0) * std::sqrt(8.0), 1e-12);
+  EXPECT_NEAR(q.volume, 8.0 / 3, 1e-12);
+  EXPECT_EQ(q.histogram[7], 1);
+}
+
+TEST(Quality, OfTheCornerTetrahedron) {
+  const Quality q = quality(test::one_tet());
+  EXPECT_NEAR(q.dihedral_min, std::acos(1 / std::sqrt(3.0)) * 180 / M_PI, 1e-10);
+  EXPECT_NEAR(q.dihedral_max, 90, 1e-10);
+  EXPECT_NEAR(q.dihedral_mean, (3 * 90 + 3 * q.dihedral_min) / 6, 1e-10);
+  EXPECT_NEAR(q.eta_max, (3 * 0.25 + 0.75) * 6, 1e-12);
+  EXPECT_NEAR(q.mean_ratio_min, 12 * std::cbrt(9.0 / 36) / 9, 1e-12);
+  EXPECT_EQ(q.worst_tet, 0);
+}
+
+TEST(Quality, IsTheSameForAnyNumberOfThreads) {
+  const TetMesh m = test::cube(7, 0.2);
+  const Quality one = quality(m, 1);
+  for (const int threads : {2, 3}) {
+    const Quality q = quality(m, threads);
+    EXPECT_EQ(q.eta_sum, one.eta_sum);
+    EXPECT_EQ(q.mean_ratio, one.mean_ratio);
+    EXPECT_EQ(q.dihedral_5, one.dihedral_5);
+    EXPECT_EQ(q.worst_tet, one.worst_tet);
+  }
+}
+
+TEST(Quality, RefusesWildIndices) {
+  TetMesh m = test::one_tet();
+  m.tets[0][0] = 9;
+  EXPECT_THROW(quality(m), MeshError);
+  EXPECT_EQ(quality(TetMesh{}).tets, 0);
+}
+
+TEST(Compare, SeesWhatChanged) {
+  const TetMesh before = test::cube(4);
+  TetMesh after = before;
+  Comparison c = compare(before, after);
+  EXPECT_EQ(c.volume_change, 0);
+  EXPECT_EQ(c.new_to_old, 0);
+  EXPECT_TRUE(c.tet_tags_kept && c.vertex_tags_kept);
+
+  after.points[124][0] += 0.1;  // a corner of the cube, outwards along x
+  c = compare(before, after);
+  EXPECT_GT(c.volume_change, 1e-4);
+  const double mean_edge = (0.25 * 2 + 0.25 * std::sqrt(2.0)) / 3;
+  EXPECT_NEAR(c.new_to_old, 0.1 / mean_edge, 0.01);
+  EXPECT_GT(c.old_to_new, 0);
+
+  after.tet_tags[0] = 4;
+  after.point_tags[3] = 2;
+  TetMesh corner = before;
+  corner.corners = {124};
+  c = compare(corner, after);
+  EXPECT_FALSE(c.tet_tags_kept);
+  EXPECT_FALSE(c.vertex_tags_kept);
+  EXPECT_EQ(c.corners_moved, 1);
+  EXPECT_EQ(c.required_moved, 0);
+}
+
+}  // namespace
+}  // namespace tetune

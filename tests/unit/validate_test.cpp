@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "meshes.hpp"
+#include "tetune/error.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+/// Expects exactly one finding, and that optimize() refuses the mesh and leaves it alone.
+void expect_refused(TetMesh mesh, Defect defect, std::int64_t count, const std::vector<Index>& first) {
+  const ValidationReport report = validate(mesh);
+  ASSERT_EQ(report.findings.size(), 1U) << report.message(false);
+  EXPECT_EQ(report.findings[0].defect, defect) << to_string(report.findings[0].defect);
+  EXPECT_EQ(report.findings[0].count, count);
+  EXPECT_EQ(report.findings[0].first, first);
+  const auto tets = mesh.tets;
+  try {
+    optimize(mesh);
+    ADD_FAILURE() << "accepted";
+  } catch (const MeshError& e) {
+    EXPECT_NE(std::string(e.what()).find(to_string(defect)), std::string::npos) << e.what();
+  }
+  EXPECT_EQ(mesh.tets, tets);
+}
+
+TEST(Validate, AcceptsGoodMeshes) {
+  EXPECT_TRUE(validate(test::one_tet()).ok());
+  EXPECT_TRUE(validate(test::cube(3, 0.2)).ok());
+  EXPECT_TRUE(validate(test::two_materials(4, 0.1)).ok());
+  EXPECT_TRUE(validate(TetMesh{}).ok());
+}
+
+TEST(Validate, InvertedAndFlat) {
+  TetMesh m = test::cube(2);
+  std::swap(m.tets[7][0], m.tets[7][1]);
+  // An inverted tetrahedron lies on the wrong side of its faces as well.
+  const ValidationReport report = validate(m);
+  ASSERT_EQ(report.findings.size(), 2U);
+  EXPECT_EQ(report.findings[0].defect, Defect::inverted_tet);
+  EXPECT_EQ(report.findings[0].first, std::vector<Index>{7});
+  EXPECT_EQ(report.findings[1].defect, Defect::same_side_of_face);
+  EXPECT_THROW(optimize(m), MeshError);
+
+  TetMesh flat = test::one_tet();
+  flat.points[3] = {0.25, 0.25, 0};
+  expect_refused(flat, Defect::flat_tet, 1, {0});
+  TetMesh inverted = test::one_tet();
+  inverted.points[3] = {0.25, 0.25, -1};
+  expect_refused(inverted, Defect::inverted_tet, 1, {0});
+}
+
+TEST(Validate, DecidesByExactArithmetic) {
+  // Off the plane by far less than rounding can tell, at coordinates where the difference is exact.
+  TetMesh m = test::one_tet();
+  m.points = {{0, 0, 0}, {1, 0, 0.3}, {0, 1, 0.7}, {0.5, 0.5, std::nextafter(0.5, 1.0)}};
+  EXPECT_TRUE(validate(m).ok());
+  m.points[3][2] = std::nextafter(0.5, 0.0);
+  EXPECT_EQ(validate(m).findings[0].defect, Defect::inverted_tet);
+}
+
+TEST(Validate, IndicesLengthsAndNumbers) {
+  TetMesh m = test::cube(2);
+  m.tets[3][2] = 27;
+  m.tets[5][1] = -1;
+  expect_refused(m, Defect::index_out_of_range, 2, {3, 5});
+  m = test::cube(2);
+  m.tet_tags.pop_back();
+  expect_refused(m, Defect::bad_array_length, 47, {});
+  m = test::cube(2);
+  m.points[4][1] = std::nan("");
+  expect_refused(m, Defect::not_finite, 1, {4});
+  m = test::cube(2);
+  m.required_tets = {48};
+  expect_refused(m, Defect::index_out_of_range, 1, {0});
+  m = test::one_tet();
+  m.tets[0][1] = 0;
+  expect_refused(m, Defect::repeated_vertex, 1, {0});
+}
+
+TEST(Validate, DuplicatesAndCrowds) {
+  TetMesh m = test::one_tet();
+  m.tets.push_back({1, 2, 0, 3});
+  m.tet_tags.push_back(0);
+  const ValidationReport twice = validate(m);
+  ASSERT_EQ(twice.findings.size(), 2U);
+  EXPECT_EQ(twice.findings[0].defect, Defect::duplicate_tet);
+  EXPECT_EQ(twice.findings[0].first, std::vector<Index>{1});
+
+  m = test::two_tets(1);
+  m.points.push_back({0, 0, 2});
+  m.point_tags.push_back(0);
+  m.tets.push_back({5, 2, 4, 3});
+  m.tet_tags.push_back(0);
+  expect_refused(m, Defect::face_on_three_tets, 3, {0, 1, 2});
+  m.tets = {{0, 2, 4, 3}, {5, 2, 4, 3}};
+  m.tet_tags = {0, 0};
+  expect_refused(m, Defect::same_side_of_face, 1, {1});
+}
+
+TEST(Validate, ShowsTheFirstFewOnly) {
+  TetMesh m = test::cube(3);
+  for (auto& p : m.points) p[2] = 0;
+  const ValidationReport report = validate(m);
+  EXPECT_EQ(report.findings[0].count, 162);
+  EXPECT_EQ(report.findings[0].first.size(), 5U);
+  EXPECT_NE(report.message(true).find("counted from 1: 1, 2, 3, 4, 5"), std::string::npos) << report.message(true);
+}
+
+TEST(OrientUniformly, TurnsOnlyWhatIsWhollyInsideOut) {
+  TetMesh m = test::cube(2);
+  const auto good = m.tets;
+  EXPECT_FALSE(orient_uniformly(m));
+  for (auto& t : m.tets) std::swap(t[2], t[3]);
+  EXPECT_TRUE(orient_uniformly(m));
+  EXPECT_EQ(m.tets, good);
+  EXPECT_TRUE(m.listed_inside_out);
+  std::swap(m.tets[0][2], m.tets[0][3]);
+  EXPECT_FALSE(orient_uniformly(m));
+}
+
+}  // namespace
+}  // namespace tetune
