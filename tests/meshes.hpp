@@ -86,6 +86,12 @@ inline TetMesh cube(int n, double jitter = 0, std::uint32_t seed = 1) {
   return with_tags(m);
 }
 
+/// Moves every vertex by the affine map x += shear * y: all volumes stay as they are.
+inline TetMesh sheared(TetMesh mesh, double shear) {
+  for (Point3& p : mesh.points) p[0] += shear * p[1];
+  return mesh;
+}
+
 inline double volume6(const TetMesh& m, const std::array<Index, 4>& t) {
   const auto d = [&](std::size_t i, std::size_t k) {
     return m.points[static_cast<std::size_t>(t[i])][k] - m.points[static_cast<std::size_t>(t[0])][k];
