@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Optimises a mesh that a program has in memory: a rod of cubes, each cut into five tetrahedra, with its vertices shaken.
+// Optimises a mesh that a program has in memory: a rod of cubes, each cut into five tetrahedra, with its vertices
+// shaken.
 #include <cstdio>
 
 #include "tetune/tetune.hpp"
@@ -17,7 +18,8 @@ int main() {
   };
   for (int k = 0; k <= kSide; ++k) {
     for (int j = 0; j <= kSide; ++j) {
-      for (int i = 0; i <= kLength; ++i) mesh.points.push_back({i + shake(i, kLength), j + shake(j, kSide), k + shake(k, kSide)});
+      for (int i = 0; i <= kLength; ++i)
+        mesh.points.push_back({i + shake(i, kLength), j + shake(j, kSide), k + shake(k, kSide)});
     }
   }
   for (int k = 0; k < kSide; ++k) {
@@ -44,6 +46,7 @@ int main() {
   const double before = tetune::quality(mesh).dihedral_min;
   const tetune::Report report = tetune::optimize(mesh);
   std::printf("smallest dihedral angle %.1f -> %.1f degrees, energy %.1f -> %.1f, %s\n", before,
-              tetune::quality(mesh).dihedral_min, report.energy_before, report.energy_after, tetune::to_string(report.stop));
+              tetune::quality(mesh).dihedral_min, report.energy_before, report.energy_after,
+              tetune::to_string(report.stop));
   return tetune::validate(mesh).ok() ? 0 : 1;
 }

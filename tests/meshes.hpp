@@ -45,8 +45,8 @@ inline TetMesh three_tets(double apex_height) {
   return with_tags(m);
 }
 
-/// An n x n x n cube of unit edge, each cell cut into six tetrahedra along its diagonal, the inner vertices displaced by at most
-/// `jitter` of a cell (0.2 keeps every volume positive) from a fixed seed.
+/// An n x n x n cube of unit edge, each cell cut into six tetrahedra along its diagonal, the inner vertices displaced
+/// by at most `jitter` of a cell (0.2 keeps every volume positive) from a fixed seed.
 inline TetMesh cube(int n, double jitter = 0, std::uint32_t seed = 1) {
   TetMesh m;
   std::mt19937 random(seed);
@@ -100,8 +100,8 @@ inline double volume6(const TetMesh& m, const std::array<Index, 4>& t) {
          d(1, 2) * (d(2, 0) * d(3, 1) - d(2, 1) * d(3, 0));
 }
 
-/// Spoils a mesh by random valid 2-3 flips, some rounds of them: harmonic flips then have much to do. Flips stay within a
-/// region.
+/// Spoils a mesh by random valid 2-3 flips, some rounds of them: harmonic flips then have much to do. Flips stay within
+/// a region.
 inline TetMesh scrambled(TetMesh mesh, int rounds, std::uint32_t seed = 1) {
   std::mt19937 random(seed);
   static constexpr std::size_t kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};

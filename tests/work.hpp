@@ -30,7 +30,8 @@ inline CpuMesh to_work(const TetMesh& mesh) {
 inline TetMesh from_work(CpuMesh& work) {
   TetMesh mesh;
   const MeshView view = work.view();
-  for (Size v = 0; v < work.vertices(); ++v) mesh.points.push_back({view.points[v].x, view.points[v].y, view.points[v].z});
+  for (Size v = 0; v < work.vertices(); ++v)
+    mesh.points.push_back({view.points[v].x, view.points[v].y, view.points[v].z});
   for (Size t = 0; t < work.slots(); ++t) {
     if (!view.alive(t)) continue;
     const Tet tet = view.tet2vertex[t];
@@ -60,7 +61,9 @@ inline std::string check_links(CpuMesh& work) {
       const Link across = view.tet2tet[link_tet(links[i])][link_face(links[i])];
       const Link expected = links.size() == 1 ? kNoLink : links[1 - i];
       const Link found = across == kNoLink ? across : across & ~kLocked;
-      if (found != expected) return "tetrahedron " + std::to_string(link_tet(links[i])) + " links wrongly at face " + std::to_string(link_face(links[i]));
+      if (found != expected)
+        return "tetrahedron " + std::to_string(link_tet(links[i])) + " links wrongly at face " +
+               std::to_string(link_face(links[i]));
     }
   }
   return "";

@@ -47,7 +47,8 @@ Inspection inspect(const std::string& path, int threads) {
 int info(const Arguments& a) {
   const Inspection i = inspect(a.files[0], a.threads);
   if (a.json) {
-    nlohmann::ordered_json json = {{"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
+    nlohmann::ordered_json json = {
+        {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
     if (i.measured) json["quality"] = to_json(i.quality);
     fmt::print("{}\n", json.dump(2));
   } else {
@@ -60,7 +61,8 @@ int info(const Arguments& a) {
     if (i.measured) {
       fmt::print("{}", quality_table({""}, {i.quality}));
       if (i.quality.tets > 0) {
-        fmt::print("  smallest angle in tetrahedron {}, counted from 1\n{}", i.quality.worst_tet + 1, histogram(i.quality));
+        fmt::print("  smallest angle in tetrahedron {}, counted from 1\n{}", i.quality.worst_tet + 1,
+                   histogram(i.quality));
       }
     }
   }
@@ -76,9 +78,11 @@ int compare_files(const Arguments& a) {
   }
   const Comparison c = compare(before.mesh, after.mesh, a.threads);
   if (a.json) {
-    const nlohmann::ordered_json json = {{"before", {{"file", a.files[0]}, {"validity", to_json(before.validity)}, {"quality", to_json(before.quality)}}},
-                                         {"after", {{"file", a.files[1]}, {"validity", to_json(after.validity)}, {"quality", to_json(after.quality)}}},
-                                         {"change", to_json(c)}};
+    const nlohmann::ordered_json json = {
+        {"before",
+         {{"file", a.files[0]}, {"validity", to_json(before.validity)}, {"quality", to_json(before.quality)}}},
+        {"after", {{"file", a.files[1]}, {"validity", to_json(after.validity)}, {"quality", to_json(after.quality)}}},
+        {"change", to_json(c)}};
     fmt::print("{}\n", json.dump(2));
   } else {
     fmt::print("{}{}", quality_table({"before", "after"}, {before.quality, after.quality}), comparison_table(c));
@@ -106,7 +110,8 @@ void add_info(CLI::App& app, int& exit_code) {
 
 void add_compare(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = add_common(app, "compare", "What changed between two meshes of one shape: quality, volume, surface, tags.", a);
+  CLI::App* c =
+      add_common(app, "compare", "What changed between two meshes of one shape: quality, volume, surface, tags.", a);
   c->add_option("files", a->files, "Mesh before, mesh after")->required()->expected(2);
   c->callback([a, &exit_code] { exit_code = compare_files(*a); });
 }

@@ -9,11 +9,13 @@
 
 int main(int argc, char** argv) {
   using namespace tetune::cli;
-  CLI::App app{"tetune makes a tetrahedral mesh better: harmonic flips and vertex relocation, boundary kept.", "tetune"};
+  CLI::App app{"tetune makes a tetrahedral mesh better: harmonic flips and vertex relocation, boundary kept.",
+               "tetune"};
   app.set_version_flag("--version", "tetune " TETUNE_VERSION);
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 done; 1 stopped early, a valid mesh was written (of info and compare: the mesh is not "
-             "valid); 2 nothing was written.");
+  app.footer(
+      "Exit codes: 0 done; 1 stopped early, a valid mesh was written (of info and compare: the mesh is not "
+      "valid); 2 nothing was written.");
   int exit_code = kDone;
   add_optimize(app, exit_code);
   add_info(app, exit_code);

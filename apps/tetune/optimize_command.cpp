@@ -21,8 +21,10 @@ struct Arguments {
 };
 
 const std::map<std::string, Boundary> kBoundaries{{"preserve", Boundary::preserve}, {"fixed", Boundary::fixed}};
-const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton}, {"gradient", Relocation::gradient}};
-const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative}, {"paper", Termination::paper}};
+const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton},
+                                                     {"gradient", Relocation::gradient}};
+const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative},
+                                                       {"paper", Termination::paper}};
 const std::map<std::string, Device> kDevices{{"auto", Device::automatic}, {"cpu", Device::cpu}, {"cuda", Device::cuda}};
 
 template <class T>
@@ -41,7 +43,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 void refuse_ineffective(const CLI::App& command, const Arguments& a) {
   if (a.options.max_iterations == 0) {
     for (const char* name : {"--relocation", "--termination"}) {
-      if (command.count(name) > 0) throw OptionError(fmt::format("{} has no effect with --max-iterations 0; drop one of them", name));
+      if (command.count(name) > 0)
+        throw OptionError(fmt::format("{} has no effect with --max-iterations 0; drop one of them", name));
     }
   }
   if (a.options.device == Device::cuda && command.count("--threads") > 0) {
@@ -49,8 +52,8 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
   }
 }
 
-nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, const Quality& after, const Report& report,
-                                   double read_seconds, double write_seconds) {
+nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, const Quality& after,
+                                   const Report& report, double read_seconds, double write_seconds) {
   return {{"tetune", TETUNE_VERSION},
           {"input", a.input},
           {"output", a.output},
@@ -109,15 +112,17 @@ int run(const CLI::App& command, const Arguments& a) {
   const Quality after = quality(mesh, a.options.threads);
   if (verbosity > 0) {
     fmt::print("{}", quality_table({"before", "after"}, {before, after}));
-    fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {}; {} of {} vertices fixed\n", report.sweeps.size(), report.flips23,
-               report.flips32, to_string(report.stop), report.fixed_vertices, report.vertices);
+    fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {}; {} of {} vertices fixed\n", report.sweeps.size(),
+               report.flips23, report.flips32, to_string(report.stop), report.fixed_vertices, report.vertices);
     if (report.triangles_dropped > 0) {
-      fmt::print("  {} listed triangles without tag inside a region are no constraint and were dropped\n", report.triangles_dropped);
+      fmt::print("  {} listed triangles without tag inside a region are no constraint and were dropped\n",
+                 report.triangles_dropped);
     }
     if (report.edges_dropped > 0) fmt::print("  {} listed edges without tag are gone\n", report.edges_dropped);
     if (verbosity > 1) fmt::print("{}", run_table(report));
-    fmt::print("  read {:.3f} s, optimised {:.3f} s on {}{}, written {:.3f} s: {}\n", read_seconds, report.seconds, report.device,
-               report.threads > 0 ? fmt::format(" ({} threads)", report.threads) : "", write_seconds, a.output);
+    fmt::print("  read {:.3f} s, optimised {:.3f} s on {}{}, written {:.3f} s: {}\n", read_seconds, report.seconds,
+               report.device, report.threads > 0 ? fmt::format(" ({} threads)", report.threads) : "", write_seconds,
+               a.output);
   }
   if (!a.report.empty()) {
     write_text(a.report, full_report(a, before, after, report, read_seconds, write_seconds).dump(2) + "\n");
@@ -138,7 +143,8 @@ void add_optimize(CLI::App& app, int& exit_code) {
                 "fixed: no boundary vertex moves")
       ->transform(CLI::CheckedTransformer(kBoundaries).description("{preserve,fixed}"))
       ->default_str("preserve");
-  c->add_option("--relocation", a->options.relocation, "newton: over-relaxed Newton steps; gradient: as in the paper, slower")
+  c->add_option("--relocation", a->options.relocation,
+                "newton: over-relaxed Newton steps; gradient: as in the paper, slower")
       ->transform(CLI::CheckedTransformer(kRelocations).description("{newton,gradient}"))
       ->default_str("newton");
   c->add_option("--termination", a->options.termination,

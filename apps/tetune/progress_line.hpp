@@ -29,7 +29,8 @@ class ProgressLine {
     if (!shown_ || now - last_ < std::chrono::milliseconds(50)) return;
     last_ = now;
     const double fall = p.energy_before > 0 ? 100 * (1 - p.energy / p.energy_before) : 0;
-    fmt::print(stderr, "\r\033[K{:<6} after {:>3} sweeps   energy {:.6g}   down {:.2f} %", p.phase, p.iteration, p.energy, fall);
+    fmt::print(stderr, "\r\033[K{:<6} after {:>3} sweeps   energy {:.6g}   down {:.2f} %", p.phase, p.iteration,
+               p.energy, fall);
     std::fflush(stderr);
   }
   void clear() {

@@ -57,17 +57,28 @@ std::string quality_table(const std::vector<std::string>& titles, const std::vec
     for (const Quality& q : columns) text += fmt::format("{:>14}", fmt::format(fmt::runtime(format), value(q)));
     text += '\n';
   };
-  row("tetrahedra", [](const Quality& q) { return q.tets; }, "{}");
-  row("dihedral min  (deg)", [](const Quality& q) { return q.dihedral_min; }, "{:.3f}");
-  row("         1 %", [](const Quality& q) { return q.dihedral_1; }, "{:.2f}");
-  row("         5 %", [](const Quality& q) { return q.dihedral_5; }, "{:.2f}");
-  row("         mean", [](const Quality& q) { return q.dihedral_mean; }, "{:.2f}");
-  row("         max", [](const Quality& q) { return q.dihedral_max; }, "{:.3f}");
-  row("eta      max", [](const Quality& q) { return q.eta_max; }, "{:.5g}");
-  row("         95 %", [](const Quality& q) { return q.eta_95; }, "{:.5g}");
-  row("         sum", [](const Quality& q) { return q.eta_sum; }, "{:.8g}");
-  row("mean ratio  mean", [](const Quality& q) { return q.mean_ratio; }, "{:.4f}");
-  row("            min", [](const Quality& q) { return q.mean_ratio_min; }, "{:.4f}");
+  row(
+      "tetrahedra", [](const Quality& q) { return q.tets; }, "{}");
+  row(
+      "dihedral min  (deg)", [](const Quality& q) { return q.dihedral_min; }, "{:.3f}");
+  row(
+      "         1 %", [](const Quality& q) { return q.dihedral_1; }, "{:.2f}");
+  row(
+      "         5 %", [](const Quality& q) { return q.dihedral_5; }, "{:.2f}");
+  row(
+      "         mean", [](const Quality& q) { return q.dihedral_mean; }, "{:.2f}");
+  row(
+      "         max", [](const Quality& q) { return q.dihedral_max; }, "{:.3f}");
+  row(
+      "eta      max", [](const Quality& q) { return q.eta_max; }, "{:.5g}");
+  row(
+      "         95 %", [](const Quality& q) { return q.eta_95; }, "{:.5g}");
+  row(
+      "         sum", [](const Quality& q) { return q.eta_sum; }, "{:.8g}");
+  row(
+      "mean ratio  mean", [](const Quality& q) { return q.mean_ratio; }, "{:.4f}");
+  row(
+      "            min", [](const Quality& q) { return q.mean_ratio_min; }, "{:.4f}");
   return text;
 }
 
@@ -77,7 +88,8 @@ std::string histogram(const Quality& quality) {
   for (std::size_t b = 0; b < quality.histogram.size(); ++b) {
     const double share = quality.histogram[b];
     const auto bar = most > 0 ? static_cast<std::size_t>(40 * share / most + 0.5) : 0;
-    text += fmt::format("  {:>4} -{:>4} deg {:>7.3f} %  {}\n", 10 * b, 10 * (b + 1), 100 * share, std::string(bar, '#'));
+    text +=
+        fmt::format("  {:>4} -{:>4} deg {:>7.3f} %  {}\n", 10 * b, 10 * (b + 1), 100 * share, std::string(bar, '#'));
   }
   return text;
 }
@@ -86,11 +98,14 @@ std::string comparison_table(const Comparison& c) {
   std::string text;
   text += fmt::format("  vertices               {} -> {}\n", c.old_vertices, c.new_vertices);
   text += fmt::format("  tetrahedra             {} -> {}\n", c.old_tets, c.new_tets);
-  text += fmt::format("  volume change          {:+.2e} (largest of a region {:.2e})\n", c.volume_change, c.region_volume_change);
-  text += fmt::format("  surface area change    {:+.2e} (largest of a tagged patch {:.2e})\n", c.area_change, c.patch_area_change);
-  text += fmt::format("  surface distance       new to old {:.2e}, old to new {:.2e} of the mean boundary edge\n", c.new_to_old, c.old_to_new);
-  text += fmt::format("  tags kept              vertices {}, edges {}, triangles {}, tetrahedra {}\n", yes(c.vertex_tags_kept),
-                      yes(c.edge_tags_kept), yes(c.triangle_tags_kept), yes(c.tet_tags_kept));
+  text += fmt::format("  volume change          {:+.2e} (largest of a region {:.2e})\n", c.volume_change,
+                      c.region_volume_change);
+  text += fmt::format("  surface area change    {:+.2e} (largest of a tagged patch {:.2e})\n", c.area_change,
+                      c.patch_area_change);
+  text += fmt::format("  surface distance       new to old {:.2e}, old to new {:.2e} of the mean boundary edge\n",
+                      c.new_to_old, c.old_to_new);
+  text += fmt::format("  tags kept              vertices {}, edges {}, triangles {}, tetrahedra {}\n",
+                      yes(c.vertex_tags_kept), yes(c.edge_tags_kept), yes(c.triangle_tags_kept), yes(c.tet_tags_kept));
   text += fmt::format("  listed vertices moved  required {}, corners {}\n", c.required_moved, c.corners_moved);
   return text;
 }
@@ -98,8 +113,8 @@ std::string comparison_table(const Comparison& c) {
 std::string run_table(const Report& report) {
   std::string text = "  sweep     moved         energy       decrease  |grad tr|^2     time s\n";
   for (const SweepReport& s : report.sweeps) {
-    text += fmt::format("  {:>5} {:>9} {:>14.8g} {:>14.4g} {:>12.4g} {:>10.4f}\n", s.iteration, s.moved, s.energy_before,
-                        s.decrease, s.gradient_norm, s.seconds);
+    text += fmt::format("  {:>5} {:>9} {:>14.8g} {:>14.4g} {:>12.4g} {:>10.4f}\n", s.iteration, s.moved,
+                        s.energy_before, s.decrease, s.gradient_norm, s.seconds);
   }
   text += "  after sweep  pass     active  evaluated     2-3     3-2       decrease     time s\n";
   for (const FlipReport& f : report.flip_passes) {

@@ -65,10 +65,10 @@ struct FlipReport {
 };
 
 enum class StopReason {
-  converged,           ///< the energy no longer falls by a relevant part
-  gradient_small,      ///< C1
-  gradient_stationary, ///< C2
-  no_flips,            ///< C3
+  converged,            ///< the energy no longer falls by a relevant part
+  gradient_small,       ///< C1
+  gradient_stationary,  ///< C2
+  no_flips,             ///< C3
   iteration_limit,
   cancelled,
 };
@@ -113,8 +113,8 @@ struct Context {
 
 /// Improves a mesh in place: harmonic flips alternating with vertex relocation (Sect. 4.5).
 ///
-/// On return the mesh is valid, its boundary, tags, vertex order and number of vertices are as they were, and the energy
-/// sum of eta is not larger. Tetrahedra come out in another order and number. Listed triangles without a tag
+/// On return the mesh is valid, its boundary, tags, vertex order and number of vertices are as they were, and the
+/// energy sum of eta is not larger. Tetrahedra come out in another order and number. Listed triangles without a tag
 /// that lie inside one region are no constraint and are dropped; so are untagged listed edges that no longer exist.
 /// The result is bit for bit the same for any number of threads.
 ///

@@ -26,8 +26,8 @@ struct Quality {
 };
 
 /// Measures a mesh of positive volumes. The result is the same for any number of threads.
-/// `threads` 0 means all. Returns zeros for a mesh without tetrahedra. Throws MeshError when an index is out of range, an array
-/// of the wrong length or a coordinate not finite.
+/// `threads` 0 means all. Returns zeros for a mesh without tetrahedra. Throws MeshError when an index is out of range,
+/// an array of the wrong length or a coordinate not finite.
 Quality quality(const TetMesh& mesh, int threads = 0);
 
 /// How far one mesh lies from another of the same shape.

@@ -6,6 +6,5 @@ namespace tetune {
 template void build_surface(const par::Cuda&, WorkMesh<par::Cuda>&, const par::Cuda::Buffer<ListedTriangle>&,
                             par::Cuda::Buffer<Listed>&, Surface<par::Cuda>&);
 template void classify_vertices(const par::Cuda&, WorkMesh<par::Cuda>&, const Surface<par::Cuda>&, Span<const Index>,
-                                const ConstrainedEdges&, Span<const std::uint8_t>, bool, Span<Mobility>,
-                                Span<Vec3>);
+                                const ConstrainedEdges&, Span<const std::uint8_t>, bool, Span<Mobility>, Span<Vec3>);
 }  // namespace tetune

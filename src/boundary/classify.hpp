@@ -15,8 +15,8 @@ inline constexpr double kFlat = 1e-6;
 inline constexpr std::uint8_t kMovable = 0;
 /// Must not move.
 inline constexpr std::uint8_t kFrozen = 1;
-/// Listed as a corner of the shape: must not move, unless the surface around it is flat, with one tag and no feature edge,
-/// where there is no corner whatever the list says. (TetGen lists every input vertex.)
+/// Listed as a corner of the shape: must not move, unless the surface around it is flat, with one tag and no feature
+/// edge, where there is no corner whatever the list says. (TetGen lists every input vertex.)
 inline constexpr std::uint8_t kCorner = 2;
 
 /// A triangle the caller's mesh lists, in work vertices.
@@ -45,8 +45,8 @@ struct Surface {
   Rows<Backend> vertex2corner;
 };
 
-/// Finds the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or required,
-/// which it locks. `listed_state` receives a Listed for each listed triangle.
+/// Finds the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or
+/// required, which it locks. `listed_state` receives a Listed for each listed triangle.
 template <class Backend>
 void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
                    const typename Backend::template Buffer<ListedTriangle>& listed,
@@ -55,13 +55,14 @@ void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
 /// Decides for each vertex where it may go so that the surface stays as it is (Sect. 4.2, Alg. 2):
 ///   free   not on the surface and on no constrained edge
 ///   plane  V_F: its triangles lie in one plane and have one tag
-///   line   V_E: the planes of all its triangles contain one line, along which its two feature edges run; feature edges are
+///   line   V_E: the planes of all its triangles contain one line, along which its two feature edges run; feature edges
+///   are
 ///          folds, borders between tags, edges not on two triangles, and the constrained edges
 ///   fixed  V_C: all others; with `surface_fixed` all of the surface; and where `frozen` is kFrozen or kCorner
 /// `edges` are the constrained edges, as pairs of work vertices.
 template <class Backend>
 void classify_vertices(const Backend& par, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                       Span<const Index> edges, const ConstrainedEdges& constrained,
-                       Span<const std::uint8_t> frozen, bool surface_fixed, Span<Mobility> kind, Span<Vec3> axis);
+                       Span<const Index> edges, const ConstrainedEdges& constrained, Span<const std::uint8_t> frozen,
+                       bool surface_fixed, Span<Mobility> kind, Span<Vec3> axis);
 
 }  // namespace tetune

@@ -72,8 +72,8 @@ struct MatchListed {
   }
 };
 
-/// Locks the faces of constraining triangles inside regions. The face and its other side both find the triangle, by rows of
-/// the same vertex, so each thread writes only its own.
+/// Locks the faces of constraining triangles inside regions. The face and its other side both find the triangle, by
+/// rows of the same vertex, so each thread writes only its own.
 struct LockListed {
   MeshView mesh;
   RowsView vertex2tet;
@@ -262,10 +262,11 @@ template <class Backend>
 void collect_surface(const Backend& par, WorkMesh<Backend>& mesh, Surface<Backend>& surface) {
   using namespace classify_detail;
   surface.faces.resize(4 * mesh.slots());
-  const Size count = par.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex.span(), mesh.tet2tet.span()},
-                                 surface.faces.span());
+  const Size count =
+      par.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex.span(), mesh.tet2tet.span()}, surface.faces.span());
   typename Backend::template Buffer<Index> faces(count);
-  if (count > 0) Backend::copy(faces.span().data(), surface.faces.span().data(), sizeof(Index) * static_cast<std::size_t>(count));
+  if (count > 0)
+    Backend::copy(faces.span().data(), surface.faces.span().data(), sizeof(Index) * static_cast<std::size_t>(count));
   surface.faces.swap(faces);
   build_rows(par, mesh.vertices(), 3 * count, VertexOfSurfaceCorner{mesh.tet2vertex.span(), surface.faces.span()},
              surface.vertex2corner);
@@ -283,10 +284,9 @@ void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
     face2listed.resize(surface.faces.size());
     par.fill(face2listed.span(), std::uint32_t{0});
     return par
-        .template reduce<PendingSum>(listed.size(),
-                                     MatchListed{mesh.tet2vertex.span(), surface.faces.span(),
-                                                 surface.vertex2corner.view(), listed.span(), listed_state.span(),
-                                                 face2listed.span()})
+        .template reduce<PendingSum>(
+            listed.size(), MatchListed{mesh.tet2vertex.span(), surface.faces.span(), surface.vertex2corner.view(),
+                                       listed.span(), listed_state.span(), face2listed.span()})
         .pending;
   };
   if (match() > 0) {
@@ -302,15 +302,14 @@ void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
 
 template <class Backend>
 void classify_vertices(const Backend& par, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                       Span<const Index> edges, const ConstrainedEdges& constrained,
-                       Span<const std::uint8_t> frozen, bool surface_fixed, Span<Mobility> kind, Span<Vec3> axis) {
+                       Span<const Index> edges, const ConstrainedEdges& constrained, Span<const std::uint8_t> frozen,
+                       bool surface_fixed, Span<Mobility> kind, Span<Vec3> axis) {
   using namespace classify_detail;
   Rows<Backend> vertex2edge_end;
   build_rows(par, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
-  par.for_each(mesh.vertices(),
-               Classify{mesh.points.span(), mesh.tet2vertex.span(), surface.faces.span(), surface.tags.span(),
-                        surface.vertex2corner.view(), edges, vertex2edge_end.view(), constrained, frozen,
-                        surface_fixed, kind, axis});
+  par.for_each(mesh.vertices(), Classify{mesh.points.span(), mesh.tet2vertex.span(), surface.faces.span(),
+                                         surface.tags.span(), surface.vertex2corner.view(), edges,
+                                         vertex2edge_end.view(), constrained, frozen, surface_fixed, kind, axis});
 }
 
 }  // namespace tetune

@@ -31,7 +31,8 @@ double triangle_distance2(const Vec3& p, const TrianglePoints& t) {
     const double height = dot(p - t[0], n);
     return height * height / n2;
   }
-  return std::min({segment_distance2(p, t[0], t[1]), segment_distance2(p, t[1], t[2]), segment_distance2(p, t[2], t[0])});
+  return std::min(
+      {segment_distance2(p, t[0], t[1]), segment_distance2(p, t[1], t[2]), segment_distance2(p, t[2], t[0])});
 }
 
 double axis(const Vec3& v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }

@@ -65,8 +65,7 @@ double farthest(const std::vector<Vec3>& points, const ClosestTriangle& surface,
     const ClosestTriangle* surface;
     Max operator()(Size i) const { return {surface->distance2(points[i])}; }
   };
-  return std::sqrt(
-      cpu.reduce<Max>(static_cast<Size>(points.size()), Distance{points.data(), &surface}).value);
+  return std::sqrt(cpu.reduce<Max>(static_cast<Size>(points.size()), Distance{points.data(), &surface}).value);
 }
 
 std::vector<int> tag_set(std::vector<int> tags) {

@@ -17,8 +17,7 @@ struct AdjacencyReport {
 /// `mesh` holds points, tet2vertex and tet_tags in the caller's order; `tet2original`, when given, receives the
 /// caller's id of each tetrahedron.
 template <class Backend>
-void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh,
-               typename Backend::template Buffer<Index>* tet2original);
+void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh, typename Backend::template Buffer<Index>* tet2original);
 
 /// Links each face with the one across it. Where a face is crowded or its tetrahedra lie on the same side,
 /// the face is left as boundary and counted.

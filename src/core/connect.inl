@@ -200,9 +200,7 @@ struct MatchFaces {
   }
 
  private:
-  TETUNE_HD bool parity(std::uint32_t item) const {
-    return face_key(tets[item >> 2], static_cast<int>(item & 3)).odd;
-  }
+  TETUNE_HD bool parity(std::uint32_t item) const { return face_key(tets[item >> 2], static_cast<int>(item & 3)).odd; }
   TETUNE_HD void connect(std::uint32_t from, std::uint32_t to) const {
     tet2tet[from >> 2][static_cast<int>(from & 3)] = to;  // item and link have the same bits
   }
@@ -234,8 +232,7 @@ struct IsAlive {
 }  // namespace connect_detail
 
 template <class Backend>
-void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh,
-               typename Backend::template Buffer<Index>* tet2original) {
+void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh, typename Backend::template Buffer<Index>* tet2original) {
   using namespace connect_detail;
   const Size vertices = mesh.vertices();
   const Size tets = mesh.slots();
@@ -247,8 +244,8 @@ void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh,
   par.sort_by_key(curve, mesh.vertex2original, kHilbertBits);
   typename Backend::template Buffer<Point> points(vertices);
   typename Backend::template Buffer<Index> original2vertex(vertices);
-  par.for_each(vertices, PermutePoints{mesh.points.span(), mesh.vertex2original.span(), points.span(),
-                                       original2vertex.span()});
+  par.for_each(vertices,
+               PermutePoints{mesh.points.span(), mesh.vertex2original.span(), points.span(), original2vertex.span()});
   mesh.points.swap(points);
 
   typename Backend::template Buffer<std::uint32_t> lowest(tets);
@@ -259,8 +256,8 @@ void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh,
   par.sort_by_key(lowest, order, bits);
   typename Backend::template Buffer<Tet> sorted(tets);
   typename Backend::template Buffer<int> sorted_tags(tets);
-  par.for_each(tets, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), order.span(), sorted.span(),
-                                sorted_tags.span()});
+  par.for_each(
+      tets, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), order.span(), sorted.span(), sorted_tags.span()});
   mesh.tet2vertex.swap(sorted);
   mesh.tet_tags.swap(sorted_tags);
   mesh.free_count = 0;
@@ -274,8 +271,7 @@ AdjacencyReport build_adjacency(const Backend& par, WorkMesh<Backend>& mesh) {
   Rows<Backend> rows;
   build_rows(par, mesh.vertices(), 4 * mesh.slots(), LowestVertexOfFace{mesh.tet2vertex.span()}, rows);
   const auto found = par.template reduce<MatchFaces::Found>(
-      mesh.vertices(),
-      MatchFaces{mesh.tet2vertex.span(), rows.offsets.span(), rows.items.span(), mesh.tet2tet.span()});
+      mesh.vertices(), MatchFaces{mesh.tet2vertex.span(), rows.offsets.span(), rows.items.span(), mesh.tet2tet.span()});
   return {found.boundary, found.crowded, found.same_side};
 }
 
@@ -298,8 +294,7 @@ typename Backend::template Buffer<Index> compact_slots(const Backend& par, WorkM
   slots.resize(alive);
   typename Backend::template Buffer<Tet> tets(alive);
   typename Backend::template Buffer<int> tags(alive);
-  par.for_each(alive, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), slots.span(), tets.span(),
-                                 tags.span()});
+  par.for_each(alive, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), slots.span(), tets.span(), tags.span()});
   mesh.tet2vertex.swap(tets);
   mesh.tet_tags.swap(tags);
   mesh.tet2tet.resize(0);

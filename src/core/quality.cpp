@@ -111,7 +111,9 @@ Quality quality(const TetMesh& mesh, int threads) {
   q.dihedral_max = total.max;
   q.eta_sum = total.eta_sum;
   q.eta_max = *std::max_element(eta.begin(), eta.end());
-  const auto at95 = eta.begin() + static_cast<std::ptrdiff_t>(std::min(mesh.tets.size() - 1, static_cast<std::size_t>(0.95 * static_cast<double>(tets))));
+  const auto at95 =
+      eta.begin() + static_cast<std::ptrdiff_t>(
+                        std::min(mesh.tets.size() - 1, static_cast<std::size_t>(0.95 * static_cast<double>(tets))));
   std::nth_element(eta.begin(), at95, eta.end());
   q.eta_95 = *at95;
   q.mean_ratio = total.ratio_sum / static_cast<double>(tets);

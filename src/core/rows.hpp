@@ -113,8 +113,7 @@ void build_rows(const Backend& par, Size row_count, Size item_count, const RowOf
   par.fill(counts.span(), std::uint32_t{0});
   par.for_each(item_count, Count<RowOf>{row_of, counts.span()});
   rows.offsets.resize(row_count + 1);
-  const std::uint32_t total =
-      par.exclusive_scan(Span<const std::uint32_t>(counts.span()), rows.offsets.span());
+  const std::uint32_t total = par.exclusive_scan(Span<const std::uint32_t>(counts.span()), rows.offsets.span());
   rows.items.resize(total);
   par.for_each(row_count, Shift{counts.span(), rows.offsets.span()});
   par.for_each(item_count, Fill<RowOf>{row_of, rows.offsets.span(), rows.items.span()});

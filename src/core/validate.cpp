@@ -49,9 +49,8 @@ void check_elements(const std::vector<std::array<Index, N>>& elements, std::size
                     ValidationReport& report) {
   Collector out(Defect::index_out_of_range, where);
   for (std::size_t i = 0; i < elements.size(); ++i) {
-    const bool bad = std::any_of(elements[i].begin(), elements[i].end(), [vertices](Index v) {
-      return v < 0 || static_cast<std::size_t>(v) >= vertices;
-    });
+    const bool bad = std::any_of(elements[i].begin(), elements[i].end(),
+                                 [vertices](Index v) { return v < 0 || static_cast<std::size_t>(v) >= vertices; });
     if (bad) out.add(static_cast<std::int64_t>(i));
   }
   out.finish(report);

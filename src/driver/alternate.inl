@@ -26,7 +26,12 @@ class Alternation {
  public:
   Alternation(const Backend& par, WorkingSet<Backend>& work, const Options& options, const Context& context,
               Report& report)
-      : par_(par), work_(work), options_(options), context_(context), report_(report), clock_(report),
+      : par_(par),
+        work_(work),
+        options_(options),
+        context_(context),
+        report_(report),
+        clock_(report),
         unit_(std::ldexp(1.0, -work.exponent)) {}
 
   void run() {
@@ -58,16 +63,13 @@ class Alternation {
   }
 
   /// Sum of eta after the last step, in the caller's unit.
-  double energy() {
-    return unit_ * refresh_energy(par_, work_.mesh, work_.flips);
-  }
+  double energy() { return unit_ * refresh_energy(par_, work_.mesh, work_.flips); }
 
  private:
   void rebuild_rings() {
     clock_.measure("rings", [&] { build_rings(par_, work_.mesh, work_.rings); });
-    clock_.measure("colouring", [&] {
-      color_vertices(par_, work_.rings.view(), work_.mobilities.kind.span(), work_.coloring);
-    });
+    clock_.measure("colouring",
+                   [&] { color_vertices(par_, work_.rings.view(), work_.mobilities.kind.span(), work_.coloring); });
     report_.colors = work_.coloring.colors();
   }
 
@@ -96,8 +98,8 @@ class Alternation {
     Size flips = 0;
     for (int pass = 1; pass <= kMaxFlipPasses && work_.flips.active.size() > 0; ++pass) {
       FlipReport r;
-      const double seconds = clock_.measure(
-          "flips", [&] { r = flip_pass(par_, work_.mesh, work_.flips, work_.mobilities.awake.span()); });
+      const double seconds =
+          clock_.measure("flips", [&] { r = flip_pass(par_, work_.mesh, work_.flips, work_.mobilities.awake.span()); });
       energy_ -= r.decrease;
       r.iteration = iteration;
       r.pass = pass;

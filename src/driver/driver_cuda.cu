@@ -19,8 +19,7 @@ Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& co
   par::check_cuda(cudaGetDeviceProperties(&properties, 0), "device query");
   if (properties.major * 10 + properties.minor < 75) {
     throw DeviceError(std::string(properties.name) + " has compute capability " + std::to_string(properties.major) +
-                      "." + std::to_string(properties.minor) +
-                      "; 7.5 or newer is needed. Use the CPU (--device cpu).");
+                      "." + std::to_string(properties.minor) + "; 7.5 or newer is needed. Use the CPU (--device cpu).");
   }
   Report report = optimize_on(par::Cuda{}, mesh, options, context);
   report.device = properties.name;

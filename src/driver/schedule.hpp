@@ -8,7 +8,8 @@ namespace tetune {
 /// When to look for flips, and when to stop (Sect. 4.5). Ask after each sweep.
 class Schedule {
  public:
-  explicit Schedule(const Options& options) : paper_(options.termination == Termination::paper), max_(options.max_iterations) {}
+  explicit Schedule(const Options& options)
+      : paper_(options.termination == Termination::paper), max_(options.max_iterations) {}
 
   /// Whether the sweep just done is to be followed by flips.
   bool flips_due(int iteration) const { return iteration >= next_flips_; }

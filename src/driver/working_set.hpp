@@ -28,8 +28,7 @@ struct WorkingSet {
 
 /// Takes a mesh in: checks it, renumbers it, finds its surface and what each vertex may do. Throws MeshError.
 template <class Backend>
-void load(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work,
-          Report& report);
+void load(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work, Report& report);
 
 /// Gives the result back to the caller's mesh, under the caller's vertex ids.
 template <class Backend>

@@ -60,8 +60,7 @@ void upload_geometry(const TetMesh& mesh, WorkingSet<Backend>& work) {
   std::vector<Point> points(mesh.points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point3& p = mesh.points[i];
-    points[i] = {std::ldexp(p[0], work.exponent), std::ldexp(p[1], work.exponent), std::ldexp(p[2], work.exponent),
-                 0};
+    points[i] = {std::ldexp(p[0], work.exponent), std::ldexp(p[1], work.exponent), std::ldexp(p[2], work.exponent), 0};
   }
   work.mesh.points.upload(points);
   static_assert(sizeof(Tet) == sizeof(mesh.tets[0]));
@@ -87,8 +86,7 @@ void check_volumes(const Backend& par, const TetMesh& mesh, WorkingSet<Backend>&
 }  // namespace working_set_detail
 
 template <class Backend>
-void load(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work,
-          Report& report) {
+void load(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work, Report& report) {
   using namespace working_set_detail;
   const ValidationReport arrays = validate_arrays(mesh);
   if (!arrays.ok()) throw MeshError(arrays.message(false));
@@ -139,7 +137,8 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   // Listed edges and frozen vertices.
   const Constraints constraints = find_constraints(mesh);
   std::vector<std::uint8_t> frozen(mesh.points.size(), kMovable);
-  for (std::size_t v = 0; v < frozen.size(); ++v) frozen[static_cast<std::size_t>(to_work(static_cast<Index>(v)))] = constraints.frozen[v];
+  for (std::size_t v = 0; v < frozen.size(); ++v)
+    frozen[static_cast<std::size_t>(to_work(static_cast<Index>(v)))] = constraints.frozen[v];
   for (std::size_t t = 0; t < listed.size(); ++t) {
     if (work.listed_triangles[t] != Listed::absent) continue;
     for (const Index v : listed[t].v) frozen[static_cast<std::size_t>(v)] = kFrozen;

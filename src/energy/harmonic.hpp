@@ -45,8 +45,7 @@ TETUNE_HD TETUNE_INLINE AreaTerm<T> area_term_gradient(const OppositeFace<T>& f,
   const Vec3T<T> u = cross(y, f.a);
   const Vec3T<T> v = cross(y, f.b);
   const Vec3T<T> s = v - u - f.n;
-  return {dot(u, u) + dot(v, v) + dot(s, s) + dot(f.n, f.n),
-          cross(f.a, u) + cross(f.b, v) + cross(f.b - f.a, s)};
+  return {dot(u, u) + dot(v, v) + dot(s, s) + dot(f.n, f.n), cross(f.a, u) + cross(f.b, v) + cross(f.b - f.a, s)};
 }
 
 /// Hessian of q / 2: sum over the three edges e of (|e|^2 I - e e^T).

@@ -55,7 +55,8 @@ struct ModelSum {
 
 TETUNE_HD inline RingModel to_model(const ModelSum<double>& s, Size count) {
   const double k = kHessianFactor;
-  return {kEtaFactor * s.e, kGradientFactor * s.g,
+  return {kEtaFactor * s.e,
+          kGradientFactor * s.g,
           {k * s.h.xx, k * s.h.yy, k * s.h.zz, k * s.h.xy, k * s.h.xz, k * s.h.yz},
           s.length2 / static_cast<double>(count)};
 }

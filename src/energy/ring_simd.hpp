@@ -42,8 +42,11 @@ class SimdRing {
     }
     if (!(least(w_min) > 0)) return doubtful_model(x);
     const Sym3T<Lanes>& h = total.h;
-    return to_model({sum(total.e), sum(total.length2), {sum(total.g.x), sum(total.g.y), sum(total.g.z)},
-                     {sum(h.xx), sum(h.yy), sum(h.zz), sum(h.xy), sum(h.xz), sum(h.yz)}}, count_);
+    return to_model({sum(total.e),
+                     sum(total.length2),
+                     {sum(total.g.x), sum(total.g.y), sum(total.g.z)},
+                     {sum(h.xx), sum(h.yy), sum(h.zz), sum(h.xy), sum(h.xz), sum(h.yz)}},
+                    count_);
   }
 
   /// After model() at the same position.

@@ -5,15 +5,16 @@
 #include "core/work_mesh.hpp"
 #include "energy/harmonic.hpp"
 
-/// The geometry of the bistellar flips (Fig. 1). Vertices a, b are the ends of the edge, p, q, r the triangle around it, with
-/// (a, p, q, r) positive:
+/// The geometry of the bistellar flips (Fig. 1). Vertices a, b are the ends of the edge, p, q, r the triangle around
+/// it, with (a, p, q, r) positive:
 ///   2-3:  (a,p,q,r), (b,p,r,q)            ->  (a,p,q,b), (a,q,r,b), (a,r,p,b)
 ///   3-2:  the other way round.
 namespace tetune {
 
 enum class FlipKind : std::uint8_t { none, face23, edge32 };
 
-/// Edges a caller's mesh constrains inside a region, as sorted (low, high) pairs, and a flag for each vertex that is on one.
+/// Edges a caller's mesh constrains inside a region, as sorted (low, high) pairs, and a flag for each vertex that is on
+/// one.
 struct ConstrainedEdges {
   Span<const std::uint64_t> keys;
   Span<const std::uint8_t> on_vertex;
@@ -44,8 +45,8 @@ struct ConstrainedEdges {
 struct Cavity {
   FlipKind kind = FlipKind::none;
   Index a, b;
-  Index ring[3];   ///< p, q, r
-  Index tets[3];   ///< 2-3: (a,p,q,r), (b,p,r,q), -; 3-2: (a,p,q,b), (a,q,r,b), (a,r,p,b)
+  Index ring[3];  ///< p, q, r
+  Index tets[3];  ///< 2-3: (a,p,q,r), (b,p,r,q), -; 3-2: (a,p,q,b), (a,q,r,b), (a,r,p,b)
 };
 
 /// The face flip across face `face` of tetrahedron t; kind none where the face is locked.
@@ -74,7 +75,8 @@ TETUNE_HD TETUNE_INLINE EdgeCorners edge_corners(int edge) {
   return kTable[edge];
 }
 
-/// The edge flip at local edge `edge` of t; kind none unless exactly three tetrahedra, within unlocked faces, lie around it.
+/// The edge flip at local edge `edge` of t; kind none unless exactly three tetrahedra, within unlocked faces, lie
+/// around it.
 TETUNE_HD inline Cavity edge_cavity(const MeshView& mesh, const ConstrainedEdges& constrained, Index t, int edge) {
   Cavity c;
   const EdgeCorners e = edge_corners(edge);

@@ -44,12 +44,11 @@ template <class Backend>
 Size activate_stirred(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uint8_t> stirred,
                       FlipState<Backend>& state);
 
-/// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it is
-/// the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip
+/// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it
+/// is the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip
 /// takes a slot, a 3-2 flip frees one, and the links are kept up to date. `awake`, when given, is set for the vertices
 /// whose ring changed.
 template <class Backend>
-FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
-                     Span<std::uint8_t> awake);
+FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<std::uint8_t> awake);
 
 }  // namespace tetune

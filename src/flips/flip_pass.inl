@@ -15,8 +15,8 @@ inline constexpr std::uint32_t kCandidates = 10;
 /// Proposal of a slot whose tetrahedron is being flipped away in this pass.
 inline constexpr std::uint64_t kFlipped = ~std::uint64_t{0};
 
-/// Orders flips by gain, then by id: the lower id wins. The gain is rounded to single precision, so that flips which are
-/// equally good but for round-off count as equal.
+/// Orders flips by gain, then by id: the lower id wins. The gain is rounded to single precision, so that flips which
+/// are equally good but for round-off count as equal.
 TETUNE_HD inline std::uint64_t make_proposal(double gain, std::uint32_t id) {
   const auto rounded = static_cast<float>(gain);
   std::uint32_t bits = 0;
@@ -36,8 +36,7 @@ TETUNE_HD inline Cavity cavity_of(const MeshView& mesh, const ConstrainedEdges& 
 TETUNE_HD inline int cavity_size(const Cavity& c) { return c.kind == FlipKind::face23 ? 2 : 3; }
 
 TETUNE_HD inline double slot_energy(const MeshView& mesh, const Tet& t) {
-  return tet_energy(vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]), vec(mesh.points[t[3]]))
-      .eta;
+  return tet_energy(vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]), vec(mesh.points[t[3]])).eta;
 }
 
 struct EnergySum {
@@ -136,9 +135,9 @@ struct Agreed {
 /// One agreed flip on its way through the phases.
 struct FlipRecord {
   Cavity cavity;
-  Index slots[3];     ///< of the new tetrahedra; the third of a 3-2 flip is the one it frees
-  Link old_face[6];   ///< outer faces before: 2 m and 2 m + 1 are those at ring edge m, on the side of a and of b
-  Link across[6];     ///< what lies across them
+  Index slots[3];    ///< of the new tetrahedra; the third of a 3-2 flip is the one it frees
+  Link old_face[6];  ///< outer faces before: 2 m and 2 m + 1 are those at ring edge m, on the side of a and of b
+  Link across[6];    ///< what lies across them
 };
 
 /// Where outer face k of a flip is afterwards.
@@ -216,14 +215,15 @@ struct Forward {
   Span<FlipRecord> records;
   Span<const std::uint32_t> rank23;  ///< number of 2-3 flips before this one
   Span<Index> free_slots;
-  Size free_count;   ///< before this pass
-  Size slots;        ///< before this pass
-  Size free_kept;    ///< free slots that stay free
+  Size free_count;  ///< before this pass
+  Size slots;       ///< before this pass
+  Size free_kept;   ///< free slots that stay free
   TETUNE_HD void operator()(Size i) const {
     FlipRecord& f = records[i];
     const Size rank = rank23[i];
     if (f.cavity.kind == FlipKind::face23) {
-      f.slots[2] = rank < free_count ? free_slots[free_count - 1 - rank] : static_cast<Index>(slots + rank - free_count);
+      f.slots[2] =
+          rank < free_count ? free_slots[free_count - 1 - rank] : static_cast<Index>(slots + rank - free_count);
     }
     for (int k = 0; k < 6; ++k) {
       mesh.tet2tet[link_tet(f.old_face[k])][link_face(f.old_face[k])] = new_face(f, k);
@@ -231,8 +231,8 @@ struct Forward {
   }
 };
 
-/// Finds what lies across the outer faces now: a neighbour that stayed is told, one that was flipped in this pass as well
-/// left its new address.
+/// Finds what lies across the outer faces now: a neighbour that stayed is told, one that was flipped in this pass as
+/// well left its new address.
 struct Resolve {
   MeshView mesh;
   Span<FlipRecord> records;
@@ -369,23 +369,21 @@ Size activate_stirred(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uin
 }
 
 template <class Backend>
-FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
-                     Span<std::uint8_t> awake) {
+FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<std::uint8_t> awake) {
   using namespace flip_detail;
   using Ids = typename Backend::template Buffer<Index>;
   FlipReport report;
   const ConstrainedEdges constrained = state.constrained();
   const Size active = state.active.size();
   report.active = active;
-  report.evaluated =
-      par.template reduce<EvaluatedSum>(active, Propose{mesh.view(), constrained, state.active.span(),
-                                                        state.is_active.span(), state.eta.span(),
-                                                        state.proposal.span()})
-          .evaluated;
+  report.evaluated = par.template reduce<EvaluatedSum>(
+                            active, Propose{mesh.view(), constrained, state.active.span(), state.is_active.span(),
+                                            state.eta.span(), state.proposal.span()})
+                         .evaluated;
 
   Ids agreed(active);
-  const Size flips = par.compact(
-      active, Agreed{mesh.view(), constrained, state.active.span(), state.proposal.span()}, agreed.span());
+  const Size flips =
+      par.compact(active, Agreed{mesh.view(), constrained, state.active.span(), state.proposal.span()}, agreed.span());
   typename Backend::template Buffer<FlipRecord> records(flips);
   typename Backend::template Buffer<std::uint32_t> rank23(flips);
   par.for_each(flips, Gather{mesh.view(), constrained, state.active.span(), agreed.span(), state.proposal.span(),
@@ -393,8 +391,8 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   const Size flips23 = par.exclusive_scan(Span<const std::uint32_t>(rank23.span()), rank23.span());
   const Size flips32 = flips - flips23;
   Ids refused_positions(active);
-  const Size refused = par.compact(active, Refused{state.active.span(), state.proposal.span()},
-                                   refused_positions.span());
+  const Size refused =
+      par.compact(active, Refused{state.active.span(), state.proposal.span()}, refused_positions.span());
   par.for_each(active, ClearProposals{mesh.view(), state.active.span(), state.proposal.span()});
 
   const Size slots = mesh.slots();

@@ -58,6 +58,7 @@ class BinarySource {
     if (position != 0 && (position < from || position > static_cast<std::int64_t>(bytes_.size()))) {
       fail("a section points to a place outside the file");
     }
+    section_end_ = position != 0 ? static_cast<std::size_t>(position) : bytes_.size();
     return static_cast<std::size_t>(position);
   }
   /// Leaves a section for the next one, which must start where this one's entries end.
@@ -76,10 +77,9 @@ class BinarySource {
   std::int64_t integer(const char*) { return version_ == 4 ? take<std::int64_t>() : take<std::int32_t>(); }
   std::size_t count(std::string_view section, int numbers_each) {
     const std::int64_t n = integer("");
-    const std::size_t smallest = 4 * static_cast<std::size_t>(numbers_each);
-    if (n < 0 || static_cast<std::uint64_t>(n) > (bytes_.size() - at_) / smallest) {
-      fail("section " + std::string(section) + " claims " + std::to_string(n) +
-           " entries, more than the rest of the file can hold");
+    const std::size_t smallest = (version_ == 4 ? 8 : 4) * static_cast<std::size_t>(numbers_each);
+    if (n < 0 || at_ > section_end_ || static_cast<std::uint64_t>(n) > (section_end_ - at_) / smallest) {
+      fail("section " + std::string(section) + " claims " + std::to_string(n) + " entries, more than it can hold");
     }
     return static_cast<std::size_t>(n);
   }
@@ -103,6 +103,7 @@ class BinarySource {
   std::string path_;
   std::string_view bytes_;
   std::size_t at_ = 0;
+  std::size_t section_end_ = 0;
   int version_ = 2;
   bool swap_ = false;
 };

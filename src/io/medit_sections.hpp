@@ -39,7 +39,7 @@ inline constexpr MeditSection kMeditRequiredQuadrilaterals{"RequiredQuadrilatera
 /// Lists of ids, and where each belongs.
 struct MeditList {
   MeditSection section;
-  std::vector<Index> TetMesh::* ids;
+  std::vector<Index> TetMesh::*ids;
 };
 inline constexpr std::array<MeditList, 6> kMeditLists{{
     {{"Corners", 13, 0}, &TetMesh::corners},

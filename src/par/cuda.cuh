@@ -126,9 +126,8 @@ class Cuda {
                                                values.span().data(), values_out.span().data(), n, 0, bits),
                "sort");
     Buffer<unsigned char> scratch(static_cast<Size>(bytes));
-    check_cuda(cub::DeviceRadixSort::SortPairs(scratch.span().data(), bytes, keys.span().data(),
-                                               keys_out.span().data(), values.span().data(),
-                                               values_out.span().data(), n, 0, bits),
+    check_cuda(cub::DeviceRadixSort::SortPairs(scratch.span().data(), bytes, keys.span().data(), keys_out.span().data(),
+                                               values.span().data(), values_out.span().data(), n, 0, bits),
                "sort");
     keys.swap(keys_out);
     values.swap(values_out);

@@ -21,8 +21,8 @@ struct Coloring {
   int colors() const { return static_cast<int>(first.size()) - 1; }
 };
 
-/// Colours a mesh. Colours that are there already are kept where they do not conflict, so that after a few flips there is
-/// little to do. Does not depend on the number of threads.
+/// Colours a mesh. Colours that are there already are kept where they do not conflict, so that after a few flips there
+/// is little to do. Does not depend on the number of threads.
 template <class Backend>
 void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobility> mobility,
                     Coloring<Backend>& coloring);

@@ -26,9 +26,7 @@ TETUNE_HD inline std::uint32_t priority(Index vertex) {
 struct Start {
   Span<const Mobility> mobility;
   Span<std::uint8_t> color;
-  TETUNE_HD void operator()(Size v) const {
-    color[v] = mobility[v] == Mobility::fixed ? kNotMovable : kUncolored;
-  }
+  TETUNE_HD void operator()(Size v) const { color[v] = mobility[v] == Mobility::fixed ? kNotMovable : kUncolored; }
 };
 
 /// Finds vertices that have the colour of a neighbour of higher priority.
@@ -84,10 +82,9 @@ struct Wish {
     const auto is_free = [&taken](int c) { return ((taken[c >> 6] >> (c & 63)) & 1) == 0; };
     int free_in_window = 0;
     for (int c = 0; c < kWindow; ++c) free_in_window += is_free(c) ? 1 : 0;
-    int skip = free_in_window > 0
-                   ? static_cast<int>(priority(static_cast<Index>(priority(v) + round)) %
-                                      static_cast<std::uint32_t>(free_in_window))
-                   : 0;
+    int skip = free_in_window > 0 ? static_cast<int>(priority(static_cast<Index>(priority(v) + round)) %
+                                                     static_cast<std::uint32_t>(free_in_window))
+                                  : 0;
     for (int c = 0; c < kMaxColors; ++c) {
       if (is_free(c) && skip-- == 0) {
         wish[v] = static_cast<std::uint8_t>(c);

@@ -7,8 +7,8 @@
 namespace tetune {
 
 template <class Backend, class Step>
-SweepSum sweep(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings,
-               const Coloring<Backend>& coloring, Mobilities<Backend>& mobilities, const Step& step) {
+SweepSum sweep(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings, const Coloring<Backend>& coloring,
+               Mobilities<Backend>& mobilities, const Step& step) {
   return sweep_with<PlainRing>(par, mesh, rings, coloring, mobilities, step);
 }
 

@@ -11,9 +11,9 @@ namespace tetune {
 
 struct StepResult {
   Vec3 position;
-  double decrease = 0;        ///< of the sum of eta over the ring; 0 when the vertex stays
-  double gradient2 = 0;       ///< squared norm of grad tr = grad eta / 9 within the space of motion, before the step
-  double relative_move = 0;   ///< length of the move by the local length
+  double decrease = 0;       ///< of the sum of eta over the ring; 0 when the vertex stays
+  double gradient2 = 0;      ///< squared norm of grad tr = grad eta / 9 within the space of motion, before the step
+  double relative_move = 0;  ///< length of the move by the local length
 };
 
 inline constexpr double kTraceFactor = 1.0 / 9;  ///< tr(L) = eta / d^2 (Eq. 3)
@@ -85,8 +85,8 @@ TETUNE_HD inline Vec3 tangent_gradient(const Vec3& g, const Motion& motion) {
 
 struct NewtonStep {
   double relaxation;  ///< 1 <= omega < 2
-  /// Part of the ring's energy that the model must promise to take away for a step to be taken. A measure by decrease, not
-  /// by length: beside a sliver the way out starts with steps as short as the sliver is flat.
+  /// Part of the ring's energy that the model must promise to take away for a step to be taken. A measure by decrease,
+  /// not by length: beside a sliver the way out starts with steps as short as the sliver is flat.
   double min_gain;
 
   /// Part of the distance to the first inversion that a step may use.

@@ -50,7 +50,7 @@ struct SweepSum {
 /// One sweep: the colours in turn, the vertices of a colour in parallel (Alg. 1). `Step` is NewtonStep or GradientStep.
 /// Vertices that are asleep are passed over.
 template <class Backend, class Step>
-SweepSum sweep(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings,
-               const Coloring<Backend>& coloring, Mobilities<Backend>& mobilities, const Step& step);
+SweepSum sweep(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings, const Coloring<Backend>& coloring,
+               Mobilities<Backend>& mobilities, const Step& step);
 
 }  // namespace tetune

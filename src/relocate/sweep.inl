@@ -87,9 +87,9 @@ SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView
     const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
     const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
     total.merge(par.template reduce<SweepSum>(
-        count, sweep_detail::RelocateVertex<Ring, Step>{mesh.points.span(), rings, vertices,
-                                                        mobilities.kind.span(), mobilities.axis.span(),
-                                                        mobilities.awake.span(), mobilities.stirred.span(), step}));
+        count, sweep_detail::RelocateVertex<Ring, Step>{mesh.points.span(), rings, vertices, mobilities.kind.span(),
+                                                        mobilities.axis.span(), mobilities.awake.span(),
+                                                        mobilities.stirred.span(), step}));
   }
   return total;
 }

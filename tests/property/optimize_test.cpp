@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ostream>
 #include <set>
 
 #include "meshes.hpp"
@@ -122,12 +123,16 @@ TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
 
   EXPECT_EQ(as_set(before, before.required_tets), as_set(after, after.required_tets));
   for (const auto& t : as_set(before, before.required_tets)) {
-    for (const Index v : t) EXPECT_EQ(before.points[static_cast<std::size_t>(v)], after.points[static_cast<std::size_t>(v)]);
+    for (const Index v : t)
+      EXPECT_EQ(before.points[static_cast<std::size_t>(v)], after.points[static_cast<std::size_t>(v)]);
   }
   EXPECT_EQ(tagged(before.triangles, before.triangle_tags), tagged(after.triangles, after.triangle_tags));
   EXPECT_EQ(tagged(before.edges, before.edge_tags), tagged(after.edges, after.edge_tags));
   expect_present(after);
 }
+
+/// For messages of the test framework.
+void PrintTo(const Case& c, std::ostream* out) { *out << "seed " << c.seed; }
 
 std::vector<Case> cases() {
   std::vector<Case> all;
@@ -192,7 +197,8 @@ TEST(Optimize, ARescaledMeshGivesTheSameMeshRescaled) {
     EXPECT_EQ(plain.tets, scaled.tets);
     double worst = 0;
     for (std::size_t v = 0; v < plain.points.size(); ++v) {
-      for (std::size_t k = 0; k < 3; ++k) worst = std::max(worst, std::fabs(scaled.points[v][k] / scale - plain.points[v][k]));
+      for (std::size_t k = 0; k < 3; ++k)
+        worst = std::max(worst, std::fabs(scaled.points[v][k] / scale - plain.points[v][k]));
     }
     EXPECT_LT(worst, 1e-9);
   }

@@ -22,7 +22,8 @@ TEST(Hilbert, NeighboursOnTheCurveAreNeighboursInSpace) {
     for (int y = 0; y < 8; ++y) {
       for (int z = 0; z < 8; ++z) {
         along[hilbert_index(static_cast<std::uint32_t>(x) * kStep, static_cast<std::uint32_t>(y) * kStep,
-                            static_cast<std::uint32_t>(z) * kStep) >> (kHilbertBits - 9)] = {x, y, z};
+                            static_cast<std::uint32_t>(z) * kStep) >>
+              (kHilbertBits - 9)] = {x, y, z};
       }
     }
   }
@@ -76,7 +77,8 @@ TEST(Orient, ExactSignAgreesWithIntegers) {
     for (int k = 0; k < 3; ++k) {
       for (int a = 0; a < 3; ++a) d[k][a] = c[k + 1][a] - c[0][a];
     }
-    const long long det = d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) - d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
+    const long long det = d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) -
+                          d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
                           d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]);
     EXPECT_EQ(orient_sign(p[0], p[1], p[2], p[3]), det > 0 ? 1 : det < 0 ? -1 : 0);
     zeros += det == 0 ? 1 : 0;

@@ -13,11 +13,15 @@ using Real = __float128;
 
 /// eta by its definition (Eq. 5), in 113 bits.
 Real plain_eta(const Vec3 p[4]) {
-  const auto sub = [](const Vec3& a, const Vec3& b) { return std::array<Real, 3>{Real(a.x) - b.x, Real(a.y) - b.y, Real(a.z) - b.z}; };
+  const auto sub = [](const Vec3& a, const Vec3& b) {
+    return std::array<Real, 3>{Real(a.x) - b.x, Real(a.y) - b.y, Real(a.z) - b.z};
+  };
   const auto cr = [](const std::array<Real, 3>& a, const std::array<Real, 3>& b) {
     return std::array<Real, 3>{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
   };
-  const auto dt = [](const std::array<Real, 3>& a, const std::array<Real, 3>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  const auto dt = [](const std::array<Real, 3>& a, const std::array<Real, 3>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  };
   Real area2 = 0;
   for (int f = 0; f < 4; ++f) {
     const Vec3& a = p[face_vertex(f, 0)];
@@ -39,14 +43,15 @@ struct Ring20 {
   explicit Ring20(std::uint32_t seed, int drop = 0) {
     const double g = (1 + std::sqrt(5.0)) / 2;
     std::mt19937 random(seed);
-    const double c[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                             {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
+    const double c[12][3] = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                             {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
     for (const auto& p : c) {
       const Vec3 d = 0.15 * random_vec(random);
       points.push_back({p[0] + d.x, p[1] + d.y, p[2] + d.z, 0});
     }
-    const int f[20][3] = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                          {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+    const int f[20][3] = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                          {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                          {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     for (int i = drop; i < 20; ++i) {
       LinkFace face{{f[i][0], f[i][1], f[i][2]}};
       const Vec3 a = vec(points[static_cast<std::size_t>(face.v[0])]);
@@ -116,7 +121,9 @@ void expect_model_matches_differences(R ring, const Vec3& x) {
   const double h = 1e-5;
   const Vec3 axes[3] = {{h, 0, 0}, {0, h, 0}, {0, 0, h}};
   const double g[3] = {m.gradient.x, m.gradient.y, m.gradient.z};
-  const double hess[3][3] = {{m.hessian.xx, m.hessian.xy, m.hessian.xz}, {m.hessian.xy, m.hessian.yy, m.hessian.yz}, {m.hessian.xz, m.hessian.yz, m.hessian.zz}};
+  const double hess[3][3] = {{m.hessian.xx, m.hessian.xy, m.hessian.xz},
+                             {m.hessian.xy, m.hessian.yy, m.hessian.yz},
+                             {m.hessian.xz, m.hessian.yz, m.hessian.zz}};
   const double scale = std::fabs(m.hessian.xx) + std::fabs(m.hessian.yy) + std::fabs(m.hessian.zz);
   EXPECT_NEAR(m.value, ring.value(x).value, 1e-12 * m.value);
   for (int i = 0; i < 3; ++i) {
@@ -207,7 +214,9 @@ TEST(Ring, DoubtfulVolumesGiveAFiniteModel) {
   Ring20 ring(5);
   // x on the plane of one face, but for rounding.
   const LinkFace f = ring.faces[7];
-  const Vec3 x = (1.0 / 3) * (vec(ring.points[static_cast<std::size_t>(f.v[0])]) + vec(ring.points[static_cast<std::size_t>(f.v[1])]) + vec(ring.points[static_cast<std::size_t>(f.v[2])]));
+  const Vec3 x = (1.0 / 3) * (vec(ring.points[static_cast<std::size_t>(f.v[0])]) +
+                              vec(ring.points[static_cast<std::size_t>(f.v[1])]) +
+                              vec(ring.points[static_cast<std::size_t>(f.v[2])]));
   SimdRing simd = ring.simd();
   PlainRing plain = ring.plain();
   const RingModel a = simd.model(x);

@@ -16,7 +16,8 @@ struct Fixture {
   FlipState<Cpu> state;
   Cpu cpu{1};
   double energy = 0;
-  explicit Fixture(const TetMesh& mesh, const std::vector<std::array<Index, 2>>& constrained = {}) : work(test::to_work(mesh)) {
+  explicit Fixture(const TetMesh& mesh, const std::vector<std::array<Index, 2>>& constrained = {})
+      : work(test::to_work(mesh)) {
     build_adjacency(cpu, work);
     lock_interfaces(cpu, work);
     std::vector<std::uint64_t> keys;

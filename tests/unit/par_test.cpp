@@ -64,7 +64,9 @@ TEST(Cpu, SortIsStable) {
   std::vector<Index> ids(keys.size());
   std::iota(ids.begin(), ids.end(), 0);
   auto expected = ids;
-  std::stable_sort(expected.begin(), expected.end(), [&](Index a, Index b) { return keys[static_cast<std::size_t>(a)] < keys[static_cast<std::size_t>(b)]; });
+  std::stable_sort(expected.begin(), expected.end(), [&](Index a, Index b) {
+    return keys[static_cast<std::size_t>(a)] < keys[static_cast<std::size_t>(b)];
+  });
   for (const int threads : {1, 2, 3}) {
     Cpu::Buffer<std::uint64_t> k;
     Cpu::Buffer<Index> v;

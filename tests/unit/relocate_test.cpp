@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "energy/ring_simd.hpp"
 #include "meshes.hpp"
 #include "relocate/brent.hpp"
 #include "relocate/coloring.hpp"
 #include "relocate/step.hpp"
 #include "relocate/sweep.hpp"
-#include "energy/ring_simd.hpp"
 #include "work.hpp"
 
 namespace tetune {
@@ -174,7 +174,8 @@ TEST(Coloring, RepairsWhatAChangeBroke) {
   color_vertices(par::Cpu(2), f.rings.view(), mobility.span(), coloring);
   expect_proper(f, coloring, mobility.span());
   int kept = 0;
-  for (std::size_t v = 150; v < broken.size(); ++v) kept += coloring.color.span()[static_cast<Size>(v)] == broken[v] ? 1 : 0;
+  for (std::size_t v = 150; v < broken.size(); ++v)
+    kept += coloring.color.span()[static_cast<Size>(v)] == broken[v] ? 1 : 0;
   EXPECT_GT(kept, static_cast<int>(broken.size()) - 200);
 }
 
