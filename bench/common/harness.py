@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every benchmark needs: run a program and account for it, judge a mesh, write down where a figure came from."""
+
+import datetime
+import json
+import os
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TETUNE = ROOT / "build/release/bin/tetune"
+
+
+def provenance():
+    """Commit, machine, command and time: goes into every JSON file."""
+    def git(*args):
+        result = subprocess.run(["git", "-C", str(ROOT), *args], capture_output=True, text=True)
+        return result.stdout.strip()
+
+    model = "unknown"
+    try:
+        for line in open("/proc/cpuinfo"):
+            if line.startswith("model name"):
+                model = line.split(":", 1)[1].strip()
+                break
+    except OSError:
+        pass
+    return {
+        "commit": git("rev-parse", "--short", "HEAD") + ("+changes" if git("status", "--porcelain", "-uno") else ""),
+        "cpu": model,
+        "cores": os.cpu_count(),
+        "system": platform.platform(),
+        "command": " ".join(["python3", os.path.relpath(sys.argv[0], ROOT), *sys.argv[1:]]),
+        "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+    }
+
+
+def run(command, timeout=None, env=None, cwd=None):
+    """Runs a command to its end. Returns its exit code (None after a timeout), wall seconds, peak memory in MiB (of the
+    process itself, by the kernel's accounting) and what it printed."""
+    with tempfile.TemporaryFile() as out:
+        start = time.perf_counter()
+        process = subprocess.Popen([str(c) for c in command], stdout=out, stderr=subprocess.STDOUT,
+                                   env={**os.environ, **(env or {})}, cwd=cwd)
+        deadline = start + timeout if timeout else None
+        code, peak = None, 0
+        while True:
+            pid, status, usage = os.wait4(process.pid, os.WNOHANG if deadline else 0)
+            if pid != 0:
+                code, peak = os.waitstatus_to_exitcode(status), usage.ru_maxrss / 1024
+                break
+            if time.perf_counter() > deadline:
+                process.kill()
+                os.wait4(process.pid, 0)
+                break
+            time.sleep(0.002)
+        process.returncode = code if code is not None else -9
+        seconds = time.perf_counter() - start
+        out.seek(0)
+        text = out.read().decode(errors="replace")
+    return {"code": code, "seconds": seconds, "peak_mib": peak, "output": text}
+
+
+def repeat(command, runs, **kwargs):
+    """Runs a command several times; the last run's record with the median of the seconds and all of them."""
+    records = [run(command, **kwargs) for _ in range(runs)]
+    record = records[-1]
+    record["all_seconds"] = [r["seconds"] for r in records]
+    record["seconds"] = statistics.median(record["all_seconds"])
+    record["peak_mib"] = max(r["peak_mib"] for r in records)
+    return record
+
+
+def info(mesh):
+    """tetune's own view of a mesh: counts, validity, quality."""
+    result = subprocess.run([str(TETUNE), "info", "--json", str(mesh)], capture_output=True, text=True)
+    if not result.stdout:
+        raise RuntimeError(f"tetune info {mesh}: {result.stderr.strip()}")
+    return json.loads(result.stdout)
+
+
+def compare(before, after):
+    """What changed between two meshes: validity and quality of both, volume, surface distance, tags."""
+    result = subprocess.run([str(TETUNE), "compare", "--json", str(before), str(after)], capture_output=True, text=True)
+    if not result.stdout:
+        raise RuntimeError(f"tetune compare {before} {after}: {result.stderr.strip()}")
+    return json.loads(result.stdout)
+
+
+def write_json(path, data):
+    path = pathlib.Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(path.suffix + ".tmp")
+    temporary.write_text(json.dumps(data, indent=2) + "\n")
+    temporary.rename(path)
