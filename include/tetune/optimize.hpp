@@ -99,7 +99,7 @@ struct Report {
 
 /// What the progress callback sees.
 struct Progress {
-  const char* phase;     ///< "sort", "connect", "flips", "sweep", ...
+  const char* phase;     ///< "flips" or "sweep": what was just done
   int iteration;         ///< relocation sweeps done
   double energy;         ///< sum of eta so far
   double energy_before;  ///< at the start
@@ -118,8 +118,8 @@ struct Context {
 /// that lie inside one region are no constraint and are dropped; so are untagged listed edges that no longer exist.
 /// The result is bit for bit the same for any number of threads.
 ///
-/// Throws MeshError when `validate(mesh)` finds something, OptionError, DeviceError, std::bad_alloc; the mesh is
-/// then as it was. Not for concurrent calls on the same mesh.
+/// Throws MeshError when `validate(mesh)` finds something, OptionError or DeviceError; the mesh is then as it was.
+/// After std::bad_alloc it may be half replaced. Not for concurrent calls on the same mesh.
 Report optimize(TetMesh& mesh, const Options& options = {}, const Context& context = {});
 
 }  // namespace tetune

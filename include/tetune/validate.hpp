@@ -52,7 +52,7 @@ struct ValidationReport {
 /// `threads` 0 means all. Safe to call concurrently. Throws nothing but std::bad_alloc.
 ValidationReport validate(const TetMesh& mesh, int threads = 0);
 
-/// Turns every tetrahedron when all are listed inside out (det < 0 for each) and notes it in
+/// Turns every tetrahedron when some are listed inside out (det < 0) and none the right way, and notes it in
 /// `mesh.listed_inside_out`. A mesh of mixed orientation is left alone. Returns whether it turned them.
 bool orient_uniformly(TetMesh& mesh, int threads = 0);
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/constrained_edges.hpp"
+#include "core/motion.hpp"
+#include "core/rows.hpp"
 #include "core/work_mesh.hpp"
-#include "flips/flip.hpp"
-#include "relocate/motion.hpp"
 
 namespace tetune {
 
@@ -54,10 +55,9 @@ void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
 
 /// Decides for each vertex where it may go so that the surface stays as it is (Sect. 4.2, Alg. 2):
 ///   free   not on the surface and on no constrained edge
-///   plane  V_F: its triangles lie in one plane and have one tag
-///   line   V_E: the planes of all its triangles contain one line, along which its two feature edges run; feature edges
-///   are
-///          folds, borders between tags, edges not on two triangles, and the constrained edges
+///   plane  V_F: its triangles lie in one plane, none folded back on another, and have one tag
+///   line   V_E: the planes of all its triangles contain one line, along which its two feature edges run. Feature edges
+///          are folds, borders between tags, edges not on two triangles, and the constrained edges
 ///   fixed  V_C: all others; with `surface_fixed` all of the surface; and where `frozen` is kFrozen or kCorner
 /// `edges` are the constrained edges, as pairs of work vertices.
 template <class Backend>

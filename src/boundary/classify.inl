@@ -192,7 +192,8 @@ struct Classify {
       star_edge(x, static_cast<Index>(v), c, w.q2, w.q1, w.tag, begin, end, features, folds);
     }
 
-    if (features.count == 0 && flat) {
+    // Without the folds, a sheet thinner than the tolerance would count as flat at its very rim.
+    if (features.count == 0 && folds.count == 0 && flat) {
       kind[v] = Mobility::plane;
       axis[v] = (1 / size) * normal;
       return;

@@ -11,16 +11,17 @@ constexpr std::size_t kLeaf = 4;
 
 double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
 
-double segment_distance2(const Vec3& p, const Vec3& a, const Vec3& b) {
+using Hit = ClosestTriangle::Hit;
+
+Hit on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 ab = b - a;
   const double length2 = dot(ab, ab);
-  const double t = length2 > 0 ? clamp01(dot(p - a, ab) / length2) : 0;
-  const Vec3 d = p - (a + t * ab);
-  return dot(d, d);
+  const Vec3 q = a + (length2 > 0 ? clamp01(dot(p - a, ab) / length2) : 0) * ab;
+  return {q, dot(p - q, p - q)};
 }
 
 /// Inside the prism over the triangle the plane is nearest, elsewhere an edge is.
-double triangle_distance2(const Vec3& p, const TrianglePoints& t) {
+Hit on_triangle(const Vec3& p, const TrianglePoints& t) {
   const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
   const double n2 = dot(n, n);
   bool inside = n2 > 0;
@@ -29,10 +30,13 @@ double triangle_distance2(const Vec3& p, const TrianglePoints& t) {
   }
   if (inside) {
     const double height = dot(p - t[0], n);
-    return height * height / n2;
+    return {p - (height / n2) * n, height * height / n2};
   }
-  return std::min(
-      {segment_distance2(p, t[0], t[1]), segment_distance2(p, t[1], t[2]), segment_distance2(p, t[2], t[0])});
+  Hit best = on_segment(p, t[0], t[1]);
+  for (const Hit& hit : {on_segment(p, t[1], t[2]), on_segment(p, t[2], t[0])}) {
+    if (hit.distance2 < best.distance2) best = hit;
+  }
+  return best;
 }
 
 double axis(const Vec3& v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
@@ -72,8 +76,8 @@ int ClosestTriangle::build(std::size_t begin, std::size_t end) {
   return id;
 }
 
-double ClosestTriangle::distance2(const Vec3& p) const {
-  double best = std::numeric_limits<double>::infinity();
+ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p) const {
+  Hit best{p, std::numeric_limits<double>::infinity()};
   if (nodes_.empty()) return best;
   const auto box_distance2 = [&p](const Node& n) {
     const double x = std::max({n.low.x - p.x, p.x - n.high.x, 0.0});
@@ -85,9 +89,12 @@ double ClosestTriangle::distance2(const Vec3& p) const {
   while (!stack.empty()) {
     const Node& node = nodes_[static_cast<std::size_t>(stack.back())];
     stack.pop_back();
-    if (box_distance2(node) >= best) continue;
+    if (box_distance2(node) >= best.distance2) continue;
     if (node.left < 0) {
-      for (std::size_t i = node.begin; i < node.end; ++i) best = std::min(best, triangle_distance2(p, triangles_[i]));
+      for (std::size_t i = node.begin; i < node.end; ++i) {
+        const Hit hit = on_triangle(p, triangles_[i]);
+        if (hit.distance2 < best.distance2) best = hit;
+      }
       continue;
     }
     // The nearer child on top.

@@ -10,12 +10,16 @@ namespace tetune {
 
 using TrianglePoints = std::array<Vec3, 3>;
 
-/// Distance from points to a set of triangles, by a tree of bounding boxes. Host only; queries may run concurrently.
+/// Nearest point of a set of triangles, by a tree of bounding boxes. Host only; queries may run concurrently.
 class ClosestTriangle {
  public:
   explicit ClosestTriangle(std::vector<TrianglePoints> triangles);
-  /// Squared distance to the nearest triangle; infinity when there is none.
-  double distance2(const Vec3& p) const;
+  struct Hit {
+    Vec3 point;        ///< on the nearest triangle
+    double distance2;  ///< infinity when there is no triangle
+  };
+  Hit closest(const Vec3& p) const;
+  double distance2(const Vec3& p) const { return closest(p).distance2; }
 
  private:
   struct Node {

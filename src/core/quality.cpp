@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/types.hpp"
+#include "core/unit_scale.hpp"
 #include "core/validate_arrays.hpp"
 #include "par/cpu.hpp"
 #include "tetune/error.hpp"
@@ -25,10 +26,13 @@ struct Part {
   double eta_sum = 0, ratio_sum = 0, ratio_min = 1, volume = 0;
 };
 
-void measure(const TetMesh& mesh, par::Size t, Part& part, double& eta) {
+/// `scale` is a power of two that keeps products of coordinates in range.
+void measure(const TetMesh& mesh, double scale, par::Size t, Part& part, double& eta) {
   const auto& tet = mesh.tets[static_cast<std::size_t>(t)];
   Vec3 p[4];
-  for (int k = 0; k < 4; ++k) p[k] = vec(mesh.points[static_cast<std::size_t>(tet[static_cast<std::size_t>(k)])]);
+  for (int k = 0; k < 4; ++k) {
+    p[k] = scale * vec(mesh.points[static_cast<std::size_t>(tet[static_cast<std::size_t>(k)])]);
+  }
   Vec3 n[4];
   double area2 = 0;
   for (int f = 0; f < 4; ++f) {
@@ -78,6 +82,7 @@ Quality quality(const TetMesh& mesh, int threads) {
   const auto tets = static_cast<par::Size>(mesh.tets.size());
   q.tets = tets;
   if (tets == 0) return q;
+  const double scale = unit_scale(mesh);
   std::vector<double> eta(mesh.tets.size());
   std::vector<Part> parts(static_cast<std::size_t>(kParts));
   const par::Cpu cpu(threads);
@@ -85,7 +90,7 @@ Quality quality(const TetMesh& mesh, int threads) {
   for (par::Size p = 0; p < kParts; ++p) {
     Part& part = parts[static_cast<std::size_t>(p)];
     for (par::Size t = tets * p / kParts; t < tets * (p + 1) / kParts; ++t) {
-      measure(mesh, t, part, eta[static_cast<std::size_t>(t)]);
+      measure(mesh, scale, t, part, eta[static_cast<std::size_t>(t)]);
     }
   }
   Part total;
@@ -109,16 +114,16 @@ Quality quality(const TetMesh& mesh, int threads) {
   q.dihedral_5 = percentile(total.bins, angles, 0.05);
   q.dihedral_mean = total.sum / static_cast<double>(angles);
   q.dihedral_max = total.max;
-  q.eta_sum = total.eta_sum;
-  q.eta_max = *std::max_element(eta.begin(), eta.end());
+  q.eta_sum = total.eta_sum / scale;
+  q.eta_max = *std::max_element(eta.begin(), eta.end()) / scale;
   const auto at95 =
       eta.begin() + static_cast<std::ptrdiff_t>(
                         std::min(mesh.tets.size() - 1, static_cast<std::size_t>(0.95 * static_cast<double>(tets))));
   std::nth_element(eta.begin(), at95, eta.end());
-  q.eta_95 = *at95;
+  q.eta_95 = *at95 / scale;
   q.mean_ratio = total.ratio_sum / static_cast<double>(tets);
   q.mean_ratio_min = total.ratio_min;
-  q.volume = total.volume;
+  q.volume = total.volume / scale / scale / scale;
   for (std::size_t b = 0; b < kBins; ++b) {
     q.histogram[std::min<std::size_t>(17, b / (10 * kBinsPerDegree))] +=
         static_cast<double>(total.bins[b]) / static_cast<double>(angles);

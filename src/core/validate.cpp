@@ -211,6 +211,7 @@ ValidationReport validate_arrays(const TetMesh& mesh) {
     const auto each = static_cast<std::size_t>(std::max(1, block.vertices_per_element));
     check_length(block.tags.size() * each, block.element2vertex.size(), block.kind, report);
     check_indices(block.element2vertex, vertices, each, block.kind, report);
+    check_indices(block.required, block.tags.size(), 1, "required " + block.kind, report);
   }
   Collector not_finite(Defect::not_finite, "vertices");
   for (std::size_t v = 0; v < vertices; ++v) {
@@ -266,7 +267,7 @@ bool orient_uniformly(TetMesh& mesh, int threads) {
   // Most meshes are decided by their first tetrahedron.
   if (orient_tet(mesh, 0) > 0) return false;
   const std::vector<std::int8_t> sign = orient_all(mesh, threads);
-  if (std::any_of(sign.begin(), sign.end(), [](std::int8_t s) { return s > 0; })) return false;
+  if (*std::max_element(sign.begin(), sign.end()) > 0 || *std::min_element(sign.begin(), sign.end()) == 0) return false;
   for (auto& tet : mesh.tets) std::swap(tet[2], tet[3]);
   mesh.listed_inside_out = !mesh.listed_inside_out;
   return true;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include "driver/alternate.hpp"
 #include "driver/clock.hpp"
 #include "driver/schedule.hpp"
@@ -32,7 +30,7 @@ class Alternation {
         context_(context),
         report_(report),
         clock_(report),
-        unit_(std::ldexp(1.0, -work.exponent)) {}
+        unit_(1 / work.scale) {}
 
   void run() {
     energy_ = refresh_energy(par_, work_.mesh, work_.flips);

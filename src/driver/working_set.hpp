@@ -18,8 +18,8 @@ struct WorkingSet {
   Mobilities<Backend> mobilities;
   Rings<Backend> rings;
   Coloring<Backend> coloring;
-  /// Coordinates inside are the caller's times 2^exponent: an exact change of unit that keeps products in range.
-  int exponent = 0;
+  /// Coordinates inside are the caller's times this power of two: see unit_scale().
+  double scale = 1;
   /// Work slot of each of the caller's required tetrahedra.
   std::vector<Index> required_slots;
   /// For each of the caller's triangles.

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
+#include <algorithm>
 
+#include "core/unit_scale.hpp"
 #include "core/validate_arrays.hpp"
 #include "driver/constraints.hpp"
 #include "driver/working_set.hpp"
+#include "par/atomic.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
 
@@ -27,7 +29,7 @@ struct LockTet {
   Span<const Index> slots;
   TETUNE_HD void operator()(Size i) const {
     for (int f = 0; f < 4; ++f) {
-      const Link link = mesh.tet2tet[slots[i]][f];
+      const Link link = par::load_shared(mesh.tet2tet[slots[i]][f]);
       if (link == kNoLink) continue;
       par::atomic_or(mesh.tet2tet[slots[i]][f], kLocked);
       par::atomic_or(mesh.tet2tet[link_tet(link)][link_face(link)], kLocked);
@@ -46,21 +48,13 @@ struct ToOriginal {
   }
 };
 
-inline int scaling_exponent(const TetMesh& mesh) {
-  double largest = 0;
-  for (const Point3& p : mesh.points) {
-    for (const double x : p) largest = std::max(largest, std::fabs(x));
-  }
-  return largest > 0 ? -std::ilogb(largest) : 0;
-}
-
 template <class Backend>
 void upload_geometry(const TetMesh& mesh, WorkingSet<Backend>& work) {
-  work.exponent = scaling_exponent(mesh);
+  work.scale = unit_scale(mesh);
   std::vector<Point> points(mesh.points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point3& p = mesh.points[i];
-    points[i] = {std::ldexp(p[0], work.exponent), std::ldexp(p[1], work.exponent), std::ldexp(p[2], work.exponent), 0};
+    points[i] = point(work.scale * vec(p));
   }
   work.mesh.points.upload(points);
   static_assert(sizeof(Tet) == sizeof(mesh.tets[0]));
@@ -190,9 +184,11 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   const std::vector<Point> points = work.mesh.points.download();
   const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
   for (std::size_t v = 0; v < points.size(); ++v) {
-    mesh.points[static_cast<std::size_t>(vertex2original[v])] = {std::ldexp(points[v].x, -work.exponent),
-                                                                 std::ldexp(points[v].y, -work.exponent),
-                                                                 std::ldexp(points[v].z, -work.exponent)};
+    Point3& p = mesh.points[static_cast<std::size_t>(vertex2original[v])];
+    const Vec3 before = work.scale * vec(p);
+    const Vec3 now = vec(points[v]);
+    if (before.x == now.x && before.y == now.y && before.z == now.z) continue;  // to the last bit
+    p = {now.x / work.scale, now.y / work.scale, now.z / work.scale};
   }
 
   // Required tetrahedra never left their slots; compaction kept the order of the slots.

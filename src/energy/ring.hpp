@@ -61,10 +61,11 @@ TETUNE_HD inline RingModel to_model(const ModelSum<double>& s, Size count) {
           s.length2 / static_cast<double>(count)};
 }
 
-/// w = 6 v; a tetrahedron that is positive by less than rounding can tell counts with the bound on the error.
+/// w = 6 v; where rounding may have made it, the bound on the error stands for it, as in tet_energy().
 TETUNE_HD TETUNE_INLINE double safe_volume(const OppositeFace<double>& f, const Vec3& y) {
   const double w = dot(f.n, y);
-  return w > 0 ? w : kOrientBound * permanent(f.a, f.b, y);
+  const double bound = kOrientBound * permanent(f.a, f.b, y);
+  return w > bound ? w : bound;
 }
 
 /// f at a position, and whether each volume there is certified positive.

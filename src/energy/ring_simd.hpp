@@ -40,7 +40,10 @@ class SimdRing {
       inverse_volume_[k] = 1.0 / w;
       total.add(f, y, inverse_volume_[k], weight(k));
     }
-    if (!(least(w_min) > 0)) return doubtful_model(x);
+    // Beyond the bound on its error each volume is, if the smallest is beyond that of the largest faces there could be:
+    // permanent <= sqrt(2) |a| |b| |y|, and |a|, |b| are at most twice the longest y.
+    const double length2 = sum(total.length2);
+    if (!(least(w_min) > 6 * kOrientBound * length2 * std::sqrt(length2))) return doubtful_model(x);
     const Sym3T<Lanes>& h = total.h;
     return to_model({sum(total.e),
                      sum(total.length2),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/rows.hpp"
+#include "core/constrained_edges.hpp"
 #include "core/work_mesh.hpp"
 #include "energy/harmonic.hpp"
 
@@ -12,34 +12,6 @@
 namespace tetune {
 
 enum class FlipKind : std::uint8_t { none, face23, edge32 };
-
-/// Edges a caller's mesh constrains inside a region, as sorted (low, high) pairs, and a flag for each vertex that is on
-/// one.
-struct ConstrainedEdges {
-  Span<const std::uint64_t> keys;
-  Span<const std::uint8_t> on_vertex;
-
-  TETUNE_HD bool contains(Index a, Index b) const {
-    if (keys.size() == 0 || on_vertex[a] == 0 || on_vertex[b] == 0) return false;
-    const std::uint64_t key = edge_key(a, b);
-    Size lo = 0;
-    Size hi = keys.size();
-    while (lo < hi) {
-      const Size mid = (lo + hi) / 2;
-      if (keys[mid] < key) {
-        lo = mid + 1;
-      } else {
-        hi = mid;
-      }
-    }
-    return lo < keys.size() && keys[lo] == key;
-  }
-  TETUNE_HD static std::uint64_t edge_key(Index a, Index b) {
-    const Index low = a < b ? a : b;
-    const Index high = a < b ? b : a;
-    return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
-  }
-};
 
 /// Where the five vertices and the tetrahedra of a flip are.
 struct Cavity {

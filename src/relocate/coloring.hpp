@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "core/motion.hpp"
 #include "core/work_mesh.hpp"
 #include "energy/ring.hpp"
-#include "relocate/motion.hpp"
 
 namespace tetune {
 

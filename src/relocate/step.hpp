@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/motion.hpp"
 #include "energy/ring.hpp"
 #include "relocate/brent.hpp"
-#include "relocate/motion.hpp"
 
 /// One vertex in its ring (Alg. 1, lines 4 to 30), over PlainRing or SimdRing. On each of the spaces a vertex may move
 /// in, the energy is convex (docs/method.md): there is one minimum, and it is inversion-free.
@@ -93,6 +93,8 @@ struct NewtonStep {
   static constexpr double kReach = 0.9;
   /// A step that takes away this part of the ring's energy was far from a quadratic: another one follows at once.
   static constexpr double kRepeat = 0.1;
+  /// Farthest point of a search along a ray, in local lengths: boundary rings may be open along it.
+  static constexpr double kFarthest = 4;
   static constexpr int kMaxRepeats = 30;
   static constexpr int kMaxHalvings = 30;
 
@@ -109,24 +111,39 @@ struct NewtonStep {
       const Vec3 p = newton_direction(m, motion);
       if (!(-dot(m.gradient, p) > min_gain * m.value)) break;
       const double bound = kReach * ring.step_bound(x, p);
-      double t = bound < relaxation ? bound : relaxation;
-      double decrease = 0;
-      for (int halving = 0; halving < kMaxHalvings; ++halving, t *= 0.5) {
-        const Vec3 trial = x + t * p;
-        const RingValue v = ring.value(trial);
-        if (v.certified && v.value < m.value) {
-          decrease = m.value - v.value;
-          x = trial;
-          break;
-        }
+      const Vec3 start = x;
+      double decrease = try_steps(ring, m, p, bound < relaxation ? bound : relaxation, x);
+      if (decrease == 0) {
+        // Beside a volume that rounding hides, the Hessian is all noise but for one direction: look along the gradient.
+        const Vec3 g = tangent_gradient(m.gradient, motion);
+        const Vec3 down = (-1 / norm(g)) * g;
+        const double reach = kReach * ring.step_bound(x, down);
+        const double farthest = kFarthest * std::sqrt(m.length2);
+        decrease =
+            try_steps(ring, m, down, brent_minimum(ring.ray(x, down), 0, reach < farthest ? reach : farthest), x);
       }
       if (decrease == 0) break;
       result.decrease += decrease;
-      result.relative_move += t * std::sqrt(dot(p, p) / m.length2);
+      result.relative_move += norm(x - start) / std::sqrt(m.length2);
       if (decrease < kRepeat * m.value) break;
     }
     result.position = x;
     return result;
+  }
+
+ private:
+  /// Halves t until x + t p is certified and lower; moves x there and returns the decrease, or 0.
+  template <class Ring>
+  TETUNE_HD static double try_steps(Ring& ring, const RingModel& m, const Vec3& p, double t, Vec3& x) {
+    for (int halving = 0; halving < kMaxHalvings; ++halving, t *= 0.5) {
+      const Vec3 trial = x + t * p;
+      const RingValue v = ring.value(trial);
+      if (v.certified && v.value < m.value) {
+        x = trial;
+        return m.value - v.value;
+      }
+    }
+    return 0;
   }
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/motion.hpp"
 #include "core/work_mesh.hpp"
 #include "energy/ring.hpp"
 #include "relocate/coloring.hpp"
-#include "relocate/motion.hpp"
 #include "relocate/step.hpp"
 
 namespace tetune {
@@ -25,9 +25,10 @@ template <class Backend>
 struct Mobilities {
   typename Backend::template Buffer<Mobility> kind;
   typename Backend::template Buffer<Vec3> axis;
-  /// 1: the vertex, or its ring, changed since its last visit by more than kWake.
+  /// 1: worth a visit: at its last visit the vertex, or since then one of its ring, moved by more than kWake at once,
+  /// or a flip changed its ring.
   typename Backend::template Buffer<std::uint8_t> awake;
-  /// 1: the vertex moved since the flag was last cleared by more than kStir.
+  /// 1: since the flag was last cleared, the vertex moved by more than kStir in one visit.
   typename Backend::template Buffer<std::uint8_t> stirred;
 };
 

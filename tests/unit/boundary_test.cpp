@@ -7,6 +7,8 @@
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
 
 namespace tetune {
 namespace {
@@ -119,6 +121,17 @@ TEST(Classification, ElementsOfOtherKindsFreezeTheirVertices) {
   TetMesh m = test::cube(4);
   m.others.push_back({"Quadrilaterals", 4, {6, 7, 12, 11}, {2}, {}});
   EXPECT_EQ(classify(m).plane_vertices, 50);
+}
+
+TEST(Classification, ASheetThinnerThanTheToleranceKeepsItsShape) {
+  TetMesh m = test::cube(4);
+  for (Point3& p : m.points) p[2] *= 1e-7;
+  const TetMesh before = m;
+  optimize(m);
+  const Comparison c = compare(before, m);
+  EXPECT_LT(std::fabs(c.volume_change), 1e-9);
+  EXPECT_LT(c.old_to_new, 1e-9);
+  EXPECT_TRUE(validate(m).ok());
 }
 
 TEST(ClosestTriangle, AgreesWithEveryTriangleTried) {

@@ -120,6 +120,28 @@ TEST(NewtonStep, PullsASliverOpenInOneVisit) {
   EXPECT_LT(ring.value(r.position).value, 10 * best);
 }
 
+TEST(NewtonStep, LeavesAVolumeThatRoundingHides) {
+  int tried = 0;
+  Fixture f(test::cube(3, 0.2));
+  const Index v = inner_vertex(3);
+  for (Size i = f.rings.offsets.span()[v]; i < f.rings.offsets.span()[v + 1]; ++i) {
+    const LinkFace face = f.rings.faces.span()[i];
+    const Vec3 centre = (1.0 / 3) * (f.at(face.v[0]) + f.at(face.v[1]) + f.at(face.v[2]));
+    const Vec3 x = centre + 1e-16 * (f.at(v) - centre);
+    const auto p3 = [](const Vec3& p) { return Point3{p.x, p.y, p.z}; };
+    if (orient_sign(p3(x), p3(f.at(face.v[0])), p3(f.at(face.v[1])), p3(f.at(face.v[2]))) <= 0) continue;
+    ++tried;
+    SimdRing ring = f.simd(v);
+    PlainRing plain = f.plain(v);
+    ASSERT_FALSE(ring.value(x).certified);
+    const StepResult r = NewtonStep{1.6, 1e-10}(ring, x, {Mobility::free, {}});
+    EXPECT_TRUE(ring.value(r.position).certified);
+    EXPECT_LT(ring.value(r.position).value, 1e4);
+    EXPECT_TRUE(plain.value(NewtonStep{1.6, 1e-10}(plain, x, {Mobility::free, {}}).position).certified);
+  }
+  EXPECT_GT(tried, 5);
+}
+
 TEST(Steps, OfAFixedVertexDoNothing) {
   Fixture f(test::cube(3, 0.2));
   const Index v = inner_vertex(3);

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "tetune/mesh.hpp"
+
+namespace tetune {
+
+/// A power of two that brings the largest coordinate to about 1: multiplying by it changes the unit and no digit,
+/// barring coordinates 2^-1022 of the largest, and keeps products of several lengths in range.
+inline double unit_scale(const TetMesh& mesh) {
+  double largest = 0;
+  for (const Point3& p : mesh.points) {
+    for (const double x : p) largest = std::max(largest, std::fabs(x));
+  }
+  return largest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000)) : 1;
+}
+
+}  // namespace tetune

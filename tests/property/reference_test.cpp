@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parallel method against the sequential one it must match or beat.
+#include <gtest/gtest.h>
+
+#include "meshes.hpp"
+#include "reference/alexa.hpp"
+#include "tetune/io.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+TEST(OrderedFlips, MakeAValidMeshOfTheEnergyTheyClaim) {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    TetMesh m = test::sheared(test::scrambled(test::two_materials(6, 0.15), 3, seed), seed == 2 ? 2.5 : 0);
+    const double before = quality(m).eta_sum;
+    const double volume = quality(m).volume;
+    const reference::FlipResult r = reference::flip_in_order(m);
+    EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
+    EXPECT_NEAR(quality(m).eta_sum, before - r.decrease, 1e-9 * before);
+    EXPECT_NEAR(quality(m).volume, volume, 1e-12);
+    EXPECT_GT(r.flips23 + r.flips32, 100);
+    // Nothing is left for either method.
+    EXPECT_EQ(reference::flip_in_order(m).flips32, 0);
+    Options options;
+    options.max_iterations = 0;
+    const Report ours = optimize(m, options);
+    EXPECT_EQ(ours.flips23 + ours.flips32, 0);
+  }
+}
+
+TEST(OrderedFlips, EndCloseToTheParallelOnes) {
+  TetMesh sequential = read_mesh(TETUNE_DATA "/bracket.meshb");
+  TetMesh parallel = sequential;
+  reference::flip_in_order(sequential);
+  Options options;
+  options.max_iterations = 0;
+  optimize(parallel, options);
+  const auto difference = static_cast<double>(sequential.tets.size()) - static_cast<double>(parallel.tets.size());
+  EXPECT_LT(std::fabs(difference), 0.005 * static_cast<double>(parallel.tets.size()));
+  EXPECT_NEAR(quality(sequential).eta_sum, quality(parallel).eta_sum, 0.005 * quality(parallel).eta_sum);
+}
+
+TEST(Alexa, StaysOnTheSurfaceAndEndsAboveOurEnergy) {
+  const TetMesh before = test::scrambled(test::cube(6, 0.2), 2);
+  TetMesh sequential = before;
+  const reference::AlexaReport r = reference::optimize(sequential);
+  EXPECT_TRUE(r.finished);
+  EXPECT_TRUE(validate(sequential).ok());
+  EXPECT_LT(r.energy_after, r.energy_before);
+  EXPECT_NEAR(r.energy_after, quality(sequential).eta_sum, 1e-9 * r.energy_after);
+  EXPECT_LT(compare(before, sequential).new_to_old, 1e-12);
+  TetMesh ours = before;
+  EXPECT_LT(optimize(ours).energy_after, r.energy_after);
+}
+
+}  // namespace
+}  // namespace tetune
