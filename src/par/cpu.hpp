@@ -34,7 +34,7 @@ class Cpu {
   /// f(i) for i in [0, n), in any order.
   template <class F>
   void for_each(Size n, const F& f) const {
-    if (threads_ == 1 || n <= kGrain) {
+    if (threads_ == 1 || n <= kSerial) {
       for (Size i = 0; i < n; ++i) f(i);
       return;
     }
@@ -61,7 +61,7 @@ class Cpu {
   template <class T>
   T exclusive_scan(Span<const T> in, Span<T> out) const {
     const Size n = in.size();
-    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kGrain));
+    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kSerial));
     std::vector<T> start(static_cast<std::size_t>(blocks) + 1, T{});
     for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
       T sum{};
@@ -83,7 +83,7 @@ class Cpu {
   /// Writes the i in [0, n) with keep(i) to `out` in increasing order; returns their number.
   template <class F>
   Size compact(Size n, const F& keep, Span<Index32> out) const {
-    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kGrain));
+    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kSerial));
     std::vector<Size> start(static_cast<std::size_t>(blocks) + 1, 0);
     for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
       Size count = 0;
@@ -108,7 +108,7 @@ class Cpu {
     Buffer<Index32> values_out(n);
     constexpr int kDigit = 8;
     constexpr int kRadix = 1 << kDigit;
-    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kGrain));
+    const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kSerial));
     std::vector<std::array<Size, kRadix>> place(static_cast<std::size_t>(blocks));
     for (int shift = 0; shift < bits; shift += kDigit) {
       const Span<const K> from = std::as_const(keys).span();
@@ -144,7 +144,7 @@ class Cpu {
 
   template <class T>
   void fill(Span<T> out, T value) const {
-    for_blocks(out.size(), std::max<Size>(1, std::min<Size>(threads_, out.size() / kGrain)),
+    for_blocks(out.size(), std::max<Size>(1, std::min<Size>(threads_, out.size() / kSerial)),
                [&](Size, Size begin, Size end) { std::fill(out.data() + begin, out.data() + end, value); });
   }
 
@@ -164,7 +164,10 @@ class Cpu {
   static void download(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 
  private:
+  /// Items a thread takes at a time.
   static constexpr Size kGrain = 512;
+  /// Below this, waking the other threads costs more than they save.
+  static constexpr Size kSerial = 2048;
   static constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
   template <class R, class F>
