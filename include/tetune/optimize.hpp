@@ -12,7 +12,7 @@ namespace tetune {
 
 enum class Device {
   automatic,  ///< the CPU; a GPU where that is known to be faster
-  cpu,        ///< OpenMP threads
+  cpu,        ///< threads
   cuda,       ///< an NVIDIA GPU, compute capability 7.5 or newer
 };
 

@@ -86,13 +86,12 @@ Quality quality(const TetMesh& mesh, int threads) {
   std::vector<double> eta(mesh.tets.size());
   std::vector<Part> parts(static_cast<std::size_t>(kParts));
   const par::Cpu cpu(threads);
-#pragma omp parallel for num_threads(cpu.threads()) schedule(dynamic, 1)
-  for (par::Size p = 0; p < kParts; ++p) {
+  cpu.for_parts(kParts, [&](par::Size p) {
     Part& part = parts[static_cast<std::size_t>(p)];
     for (par::Size t = tets * p / kParts; t < tets * (p + 1) / kParts; ++t) {
       measure(mesh, scale, t, part, eta[static_cast<std::size_t>(t)]);
     }
-  }
+  });
   Part total;
   for (const Part& part : parts) {
     for (std::size_t b = 0; b < kBins; ++b) total.bins[b] += part.bins[b];

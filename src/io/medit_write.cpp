@@ -34,23 +34,15 @@ void write_lines(FileWriter& file, std::size_t n, int threads, const Line& line)
   const par::Cpu cpu(threads);
   const auto wave = static_cast<std::size_t>(cpu.threads()) * 4;
   std::vector<std::string> parts(wave);
-  struct Format {
-    const Line* line;
-    std::string* parts;
-    std::size_t first, n;
-    void operator()(std::size_t p) const {
-      std::string& out = parts[p];
+  for (std::size_t first = 0; first < n; first += wave * kPart) {
+    cpu.for_parts(static_cast<par::Size>(wave), [&](par::Size p) {
+      std::string& out = parts[static_cast<std::size_t>(p)];
       out.clear();
-      const std::size_t begin = std::min(n, first + p * kPart);
+      const std::size_t begin = std::min(n, first + static_cast<std::size_t>(p) * kPart);
       const std::size_t end = std::min(n, begin + kPart);
       TextLine text(out);
-      for (std::size_t i = begin; i < end; ++i) (*line)(text, i);
-    }
-  };
-  for (std::size_t first = 0; first < n; first += wave * kPart) {
-    const Format format{&line, parts.data(), first, n};
-#pragma omp parallel for num_threads(cpu.threads()) schedule(dynamic, 1)
-    for (std::size_t p = 0; p < wave; ++p) format(p);
+      for (std::size_t i = begin; i < end; ++i) line(text, i);
+    });
     for (const std::string& part : parts) file.write(part);
   }
 }

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <omp.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
+#include <memory>
 #include <new>
 #include <vector>
 
@@ -17,17 +15,20 @@
 
 #include "par/buffer.hpp"
 #include "par/span.hpp"
+#include "par/thread_pool.hpp"
 
 namespace tetune::par {
 
-/// The OpenMP backend. Every primitive gives the same bits for any number of threads.
+/// The CPU backend: threads of its own. Every primitive gives the same bits for any number of threads.
 class Cpu {
  public:
   template <class T>
   using Buffer = par::Buffer<T, Cpu>;
 
-  /// `threads` 0 means all that OpenMP offers.
-  explicit Cpu(int threads = 0) : threads_(threads > 0 ? threads : omp_get_max_threads()) {}
+  /// `threads` 0 means all that this process may use.
+  explicit Cpu(int threads = 0)
+      : threads_(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
+        pool_(threads_ > 1 ? std::make_shared<ThreadPool>(threads_) : nullptr) {}
 
   int threads() const { return threads_; }
 
@@ -38,19 +39,33 @@ class Cpu {
       for (Size i = 0; i < n; ++i) f(i);
       return;
     }
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, kGrain)
-    for (Size i = 0; i < n; ++i) f(i);
+    for_parts((n + kGrain - 1) / kGrain, [&](Size part) {
+      for (Size i = part * kGrain; i < std::min(n, (part + 1) * kGrain); ++i) f(i);
+    });
+  }
+
+  /// f(part) for part in [0, parts), each a good piece of work.
+  template <class F>
+  void for_parts(Size parts, const F& f) const {
+    if (pool_ && parts > 1) {
+      pool_->run(parts, f);
+    } else {
+      for (Size part = 0; part < parts; ++part) f(part);
+    }
   }
 
   /// Merges f(i) for i in [0, n) into R{}: within chunks of fixed length, then over the chunks in order.
   template <class R, class F>
   R reduce(Size n, const F& f) const {
     const Size chunks = (n + kGrain - 1) / kGrain;
-    if (chunks <= 1) return reduce_range<R>(0, n, f);
     std::vector<R> partial(static_cast<std::size_t>(chunks));
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
-    for (Size c = 0; c < chunks; ++c) {
+    const auto merge_chunk = [&](Size c) {
       partial[static_cast<std::size_t>(c)] = reduce_range<R>(c * kGrain, std::min(n, (c + 1) * kGrain), f);
+    };
+    if (n > kSerial) {
+      for_parts(chunks, merge_chunk);
+    } else {
+      for (Size c = 0; c < chunks; ++c) merge_chunk(c);
     }
     R total{};
     for (const R& r : partial) total.merge(r);
@@ -180,15 +195,11 @@ class Cpu {
   /// f(block, begin, end) for `blocks` contiguous parts of [0, n).
   template <class F>
   void for_blocks(Size n, Size blocks, const F& f) const {
-    if (blocks == 1) {
-      f(Size{0}, Size{0}, n);
-      return;
-    }
-#pragma omp parallel for num_threads(threads_) schedule(static, 1)
-    for (Size b = 0; b < blocks; ++b) f(b, n * b / blocks, n * (b + 1) / blocks);
+    for_parts(blocks, [&](Size b) { f(b, n * b / blocks, n * (b + 1) / blocks); });
   }
 
   int threads_;
+  std::shared_ptr<ThreadPool> pool_;
 };
 
 }  // namespace tetune::par

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <numeric>
 #include <random>
+#include <stdexcept>
+#include <thread>
 
 #include "core/rows.hpp"
 #include "par/cpu.hpp"
@@ -104,6 +107,42 @@ TEST(Rows, HoldEachItemOnceInOrder) {
     }
     EXPECT_EQ(seen, 5000 - 715);
   }
+}
+
+TEST(ThreadPool, RunsEachPartOnceRoundAfterRound) {
+  par::ThreadPool pool(4);
+  std::vector<int> done(100, 0);
+  for (int round = 1; round <= 2000; ++round) {
+    pool.run(100, [&](Size part) { ++done[static_cast<std::size_t>(part)]; });
+    for (const int d : done) ASSERT_EQ(d, round);
+  }
+  pool.run(0, [](Size) { FAIL(); });
+}
+
+TEST(ThreadPool, ThrowsOnWhatAPartThrew) {
+  par::ThreadPool pool(3);
+  std::atomic<int> others{0};
+  const auto task = [&](Size part) {
+    if (part == 7) throw std::runtime_error("seven");
+    ++others;
+  };
+  EXPECT_THROW(pool.run(50, task), std::runtime_error);
+  EXPECT_EQ(others.load(), 49);
+  pool.run(10, [&](Size) { ++others; });
+  EXPECT_EQ(others.load(), 59);
+}
+
+TEST(ThreadPool, SeveralLiveSideBySide) {
+  std::vector<std::thread> users;
+  std::atomic<Size> sum{0};
+  for (int u = 0; u < 3; ++u) {
+    users.emplace_back([&sum] {
+      const Cpu cpu(2);
+      for (int round = 0; round < 200; ++round) cpu.for_parts(20, [&sum](Size part) { sum += part; });
+    });
+  }
+  for (std::thread& u : users) u.join();
+  EXPECT_EQ(sum.load(), 3 * 200 * 190);
 }
 
 struct IntLess {
