@@ -1,0 +1,575 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line as a process: what it writes, prints and returns.
+
+Run:  python3 test_cli.py path/to/tetune [names of tests]
+"""
+
+import csv
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+TETUNE = ""
+
+TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gradient_norm", "moved", "active",
+                 "evaluated", "flips_2_3", "flips_3_2", "seconds"]
+QUALITY_KEYS = {"tetrahedra", "dihedral_min_deg", "dihedral_1_percent_deg", "dihedral_5_percent_deg",
+                "dihedral_mean_deg", "dihedral_max_deg", "eta_max", "eta_95_percent", "eta_sum", "mean_ratio",
+                "mean_ratio_min", "volume", "worst_tetrahedron", "dihedral_histogram_10_deg"}
+
+
+class Mesh:
+    """Vertices and tetrahedra (counted from 0) with their tags."""
+
+    def __init__(self, points, tets, point_tags=None, tet_tags=None):
+        self.points = points
+        self.tets = tets
+        self.point_tags = point_tags or [0] * len(points)
+        self.tet_tags = tet_tags or [0] * len(tets)
+
+    def text(self):
+        lines = ["MeshVersionFormatted 2", "Dimension 3", "Vertices", str(len(self.points))]
+        lines += [" ".join(map(repr, p)) + f" {t}" for p, t in zip(self.points, self.point_tags)]
+        lines += ["Tetrahedra", str(len(self.tets))]
+        lines += [" ".join(str(v + 1) for v in tet) + f" {t}" for tet, t in zip(self.tets, self.tet_tags)]
+        return "\n".join(lines + ["End", ""])
+
+    @staticmethod
+    def read(path):
+        words = Path(path).read_text().split()
+
+        def section(name, each, number):
+            at = words.index(name) + 1
+            values = words[at + 1:at + 1 + int(words[at]) * (each + 1)]
+            rows = [values[i:i + each + 1] for i in range(0, len(values), each + 1)]
+            return [tuple(map(number, r[:each])) for r in rows], [int(r[each]) for r in rows]
+
+        points, point_tags = section("Vertices", 3, float)
+        tets, tet_tags = section("Tetrahedra", 4, lambda w: int(w) - 1)
+        return Mesh(points, tets, point_tags, tet_tags)
+
+    def volumes(self):
+        def volume(tet):
+            p, q, r, s = (self.points[v] for v in tet)
+            a, b, c = ([x - y for x, y in zip(v, p)] for v in (q, r, s))
+            return (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+                    + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6
+        return [volume(tet) for tet in self.tets]
+
+    def boundary_faces(self):
+        count = {}
+        for a, b, c, d in self.tets:
+            for face in ((a, b, c), (a, b, d), (a, c, d), (b, c, d)):
+                key = tuple(sorted(face))
+                count[key] = count.get(key, 0) + 1
+        assert max(count.values()) <= 2, "a face on three tetrahedra"
+        return {face for face, n in count.items() if n == 1}
+
+
+def cube(n, jitter=0.2, seed=1):
+    """n^3 cells of six tetrahedra in the unit cube; inner vertices displaced; two regions; a tag a vertex."""
+    rng = random.Random(seed)
+    points = []
+    for k in range(n + 1):
+        for j in range(n + 1):
+            for i in range(n + 1):
+                points.append(tuple(c / n + (jitter * rng.uniform(-1, 1) / n if 0 < c < n else 0.0) for c in (i, j, k)))
+
+    def vertex(at):
+        return (at[2] * (n + 1) + at[1]) * (n + 1) + at[0]
+
+    tets, tags = [], []
+    for cell in range(n ** 3):
+        corner = [cell % n, cell // n % n, cell // n ** 2]
+        for path in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
+            at = list(corner)
+            tet = [vertex(at)]
+            for axis in path:
+                at[axis] += 1
+                tet.append(vertex(at))
+            if path in ((0, 2, 1), (2, 1, 0), (1, 0, 2)):
+                tet[2], tet[3] = tet[3], tet[2]
+            tets.append(tuple(tet))
+            tags.append(3)
+    return Mesh(points, tets, [i % 5 for i in range(len(points))], tags)
+
+
+def unflipped(mesh):
+    """The same shape with pairs of tetrahedra replaced by three around a new edge, where that is possible."""
+    owners = {}
+    for t, tet in enumerate(mesh.tets):
+        for v in tet:
+            owners.setdefault(tuple(sorted(set(tet) - {v})), []).append((t, v))
+    gone, new = set(), []
+    for (a, b, c), sides in owners.items():
+        if len(sides) < 2 or gone & {t for t, _ in sides}:
+            continue
+        top, bottom = (v for _, v in sides)
+        three = Mesh(mesh.points, [(a, b, bottom, top), (b, c, bottom, top), (c, a, bottom, top)])
+        if max(three.volumes()) < -1e-4:
+            three.tets = [(y, x, v, w) for x, y, v, w in three.tets]
+        if min(three.volumes()) > 1e-4:
+            gone |= {t for t, _ in sides}
+            new += three.tets
+    tets = [tet for t, tet in enumerate(mesh.tets) if t not in gone] + new
+    return Mesh(mesh.points, tets, mesh.point_tags, [mesh.tet_tags[0]] * len(tets))
+
+
+class CliTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="tetune_cli_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def path(self, name):
+        return str(self.folder / name)
+
+    def put(self, name, content):
+        Path(self.path(name)).write_text(content.text() if isinstance(content, Mesh) else content)
+        return self.path(name)
+
+    def read_bytes(self, name):
+        return Path(self.path(name)).read_bytes()
+
+    def files(self):
+        return sorted(os.listdir(self.folder))
+
+    def run_cli(self, *args, code=0, **more):
+        done = subprocess.run([TETUNE, *map(str, args)], capture_output=True, text=True, timeout=120, **more)
+        self.assertEqual(done.returncode, code, f"{args}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def refused(self, *args, said=()):
+        """Exit code 2, a message on the standard error, nothing on the standard output."""
+        done = self.run_cli(*args, code=2)
+        self.assertEqual(done.stdout, "")
+        for part in said:
+            self.assertIn(part, done.stderr)
+        return done
+
+    def assert_improved(self, before, after):
+        self.assertEqual(len(after.points), len(before.points))
+        self.assertEqual(after.point_tags, before.point_tags)
+        self.assertEqual(set(after.tet_tags), set(before.tet_tags))
+        self.assertGreater(min(after.volumes()), 0)
+        self.assertAlmostEqual(sum(after.volumes()), sum(before.volumes()), places=12)
+        self.assertEqual(len({tuple(sorted(t)) for t in after.tets}), len(after.tets))
+        after.boundary_faces()
+
+
+class Optimize(CliTest):
+    def test_writes_a_valid_mesh_and_a_table(self):
+        mesh = unflipped(cube(5))
+        done = self.run_cli("optimize", self.put("in.mesh", mesh), "-o", self.path("out.mesh"))
+        after = Mesh.read(self.path("out.mesh"))
+        self.assert_improved(mesh, after)
+        self.assertNotEqual(after.points, mesh.points)
+        self.assertIn("before", done.stdout)
+        self.assertIn("after", done.stdout)
+        self.assertIn("dihedral min", done.stdout)
+        self.assertIn(self.path("out.mesh"), done.stdout)
+        # No progress line in a pipe.
+        self.assertEqual(done.stderr, "")
+        self.assertEqual(self.files(), ["in.mesh", "out.mesh"])
+
+    def test_fixed_boundary_stays(self):
+        mesh = cube(4)
+        self.run_cli("optimize", self.put("in.mesh", mesh), "-o", self.path("out.mesh"), "--boundary", "fixed")
+        after = Mesh.read(self.path("out.mesh"))
+        self.assertEqual(after.boundary_faces(), mesh.boundary_faces())
+        for v in {v for face in mesh.boundary_faces() for v in face}:
+            self.assertEqual(after.points[v], mesh.points[v])
+
+    def test_preserved_boundary_keeps_the_cube(self):
+        mesh = cube(4)
+        self.run_cli("optimize", self.put("in.mesh", mesh), "-o", self.path("out.mesh"), "--boundary", "preserve")
+        after = Mesh.read(self.path("out.mesh"))
+        for p, q in zip(mesh.points, after.points):
+            for a, b in zip(p, q):
+                if a in (0.0, 1.0):
+                    self.assertEqual(b, a)
+
+    def test_verbosity(self):
+        source = self.put("in.mesh", cube(3))
+        for option in (["--quiet"], ["-v", "0"]):
+            done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), *option)
+            self.assertEqual(done.stdout + done.stderr, "")
+        plain = self.run_cli("optimize", source, "-o", self.path("out.mesh")).stdout
+        loud = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "-v", "2").stdout
+        for part in ("after sweep  pass", "|grad tr|^2", "phase        time s"):
+            self.assertIn(part, loud)
+            self.assertNotIn(part, plain)
+        self.assertGreater(len(loud.splitlines()), len(plain.splitlines()) + 5)
+
+    def test_report(self):
+        mesh = unflipped(cube(4))
+        source = self.put("in.mesh", mesh)
+        self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--report", self.path("r.json"), "--threads", "2",
+                     "--termination", "paper", "--max-iterations", "7")
+        report = json.loads(self.read_bytes("r.json"))
+        self.assertEqual(report["input"], source)
+        self.assertEqual(report["output"], self.path("out.mesh"))
+        self.assertEqual(report["options"], {"boundary": "preserve", "relocation": "newton", "termination": "paper",
+                                             "device": "auto", "max_iterations": 7, "threads": 2})
+        self.assertGreaterEqual(report["read_seconds"], 0)
+        self.assertGreaterEqual(report["write_seconds"], 0)
+        before, after, run = report["before"], report["after"], report["optimization"]
+        for quality in (before, after):
+            self.assertEqual(set(quality), QUALITY_KEYS)
+            self.assertAlmostEqual(sum(quality["dihedral_histogram_10_deg"]), 1)
+            self.assertAlmostEqual(quality["volume"], 1)
+        self.assertEqual(before["tetrahedra"], len(mesh.tets))
+        self.assertEqual(run["tetrahedra_before"], before["tetrahedra"])
+        self.assertEqual(run["tetrahedra_after"], after["tetrahedra"])
+        self.assertEqual(run["vertices"], 5 ** 3)
+        parts = ("vertices_free", "vertices_in_plane", "vertices_on_line", "vertices_fixed")
+        self.assertEqual(sum(run[part] for part in parts), run["vertices"])
+        self.assertGreater(run["flips_3_2"], 0)
+        self.assertEqual(run["tetrahedra_after"] - run["tetrahedra_before"], run["flips_2_3"] - run["flips_3_2"])
+        self.assertAlmostEqual(run["energy_before"] / before["eta_sum"], 1)
+        self.assertAlmostEqual(run["energy_after"] / after["eta_sum"], 1)
+        self.assertLess(run["energy_after"], 0.99 * run["energy_before"])
+        self.assertGreater(after["mean_ratio"], before["mean_ratio"])
+        self.assertEqual(run["threads"], 2)
+        self.assertLessEqual(len(run["sweeps"]), 7)
+        self.assertEqual([s["iteration"] for s in run["sweeps"]], list(range(1, len(run["sweeps"]) + 1)))
+        self.assertEqual(sum(p["flips_2_3"] for p in run["flip_passes"]), run["flips_2_3"])
+        self.assertEqual(sum(p["flips_3_2"] for p in run["flip_passes"]), run["flips_3_2"])
+        self.assertEqual(self.files(), ["in.mesh", "out.mesh", "r.json"])
+
+    def trace(self, *options):
+        self.run_cli("optimize", self.put("in.mesh", unflipped(cube(4))), "-o", self.path("out.mesh"), "--report",
+                     self.path("r.json"), "--trace", self.path("t.csv"), *options)
+        with open(self.path("t.csv"), newline="") as file:
+            reader = csv.DictReader(file)
+            self.assertEqual(reader.fieldnames, TRACE_COLUMNS)
+            rows = list(reader)
+        return rows, json.loads(self.read_bytes("r.json"))["optimization"]
+
+    def test_trace(self):
+        rows, run = self.trace()
+        for row in rows:
+            self.assertNotIn(None, row)
+            self.assertNotIn(None, row.values())
+            empty = {"sweep": {"pass", "active", "evaluated", "flips_2_3", "flips_3_2"},
+                     "flips": {"gradient_norm", "moved"}}[row["event"]]
+            self.assertEqual({c for c in TRACE_COLUMNS if row[c] == ""}, empty)
+        sweeps = [r for r in rows if r["event"] == "sweep"]
+        passes = [r for r in rows if r["event"] == "flips"]
+        self.assertEqual(len(sweeps), len(run["sweeps"]))
+        self.assertEqual(len(passes), len(run["flip_passes"]))
+        self.assertGreater(len(sweeps), 1)
+        self.assertGreater(sum(int(r["flips_2_3"]) + int(r["flips_3_2"]) for r in passes), 0)
+        self.assertEqual([int(r["iteration"]) for r in rows], sorted(int(r["iteration"]) for r in rows))
+        # Each row starts where the one before it left the energy.
+        energy = run["energy_before"]
+        for row in rows:
+            self.assertAlmostEqual(float(row["energy_before"]) / energy, 1, places=9)
+            self.assertGreaterEqual(float(row["decrease"]), 0)
+            energy = float(row["energy_before"]) - float(row["decrease"])
+        self.assertAlmostEqual(energy / run["energy_after"], 1, places=9)
+
+    def test_flips_alone(self):
+        rows, run = self.trace("--max-iterations", "0")
+        self.assertTrue(rows)
+        self.assertEqual({r["event"] for r in rows}, {"flips"})
+        self.assertEqual(run["sweeps"], [])
+        self.assertEqual(Mesh.read(self.path("out.mesh")).points, cube(4).points)
+
+    def test_iteration_limit(self):
+        _, run = self.trace("--max-iterations", "1")
+        self.assertEqual(len(run["sweeps"]), 1)
+        self.assertEqual(run["stopped"], "iteration limit")
+
+    def test_gradient_relocation(self):
+        _, run = self.trace("--relocation", "gradient")
+        self.assertGreater(len(run["sweeps"]), 0)
+        self.assertLess(run["energy_after"], run["energy_before"])
+
+    def test_same_bytes_for_any_number_of_threads(self):
+        source = self.put("in.mesh", unflipped(cube(8)))
+        for threads in (1, 2, 3):
+            self.run_cli("optimize", source, "-o", self.path(f"{threads}.mesh"), "--threads", threads, "--quiet")
+        self.assertEqual(self.read_bytes("2.mesh"), self.read_bytes("1.mesh"))
+        self.assertEqual(self.read_bytes("3.mesh"), self.read_bytes("1.mesh"))
+
+    def test_in_place(self):
+        source = self.put("in.mesh", cube(3))
+        self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--quiet")
+        self.run_cli("optimize", source, "-o", source, "--quiet")
+        self.assertEqual(self.read_bytes("in.mesh"), self.read_bytes("out.mesh"))
+        self.assertEqual(self.files(), ["in.mesh", "out.mesh"])
+
+    def test_binary_holds_the_same(self):
+        source = self.put("in.mesh", cube(3))
+        self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--quiet")
+        self.run_cli("optimize", source, "-o", self.path("out.meshb"), "--quiet")
+        infos = [json.loads(self.run_cli("info", "--json", self.path(f)).stdout) for f in ("out.mesh", "out.meshb")]
+        for key in ("counts", "quality", "validity"):
+            self.assertEqual(infos[0][key], infos[1][key])
+
+    def test_inside_out_stays_inside_out(self):
+        mesh = cube(3)
+        turned = Mesh(mesh.points, [(a, b, d, c) for a, b, c, d in mesh.tets])
+        self.run_cli("optimize", self.put("in.mesh", turned), "-o", self.path("out.mesh"), "--quiet")
+        self.assertLess(max(Mesh.read(self.path("out.mesh")).volumes()), 0)
+
+    def test_tetgen_files(self):
+        mesh = cube(3)
+        nodes = "".join(f"{i} {x!r} {y!r} {z!r}\n" for i, (x, y, z) in enumerate(mesh.points))
+        self.put("m.node", f"{len(mesh.points)} 3 0 0\n{nodes}")
+        tets = "".join(f"{i} {a} {b} {c} {d} 4\n" for i, (a, b, c, d) in enumerate(mesh.tets))
+        self.put("m.ele", f"{len(mesh.tets)} 4 1\n{tets}")
+        done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"))
+        self.assertIn("tetune: warning: ", done.stderr)
+        self.assertIn("m.face is not there", done.stderr)
+        after = Mesh.read(self.path("out.mesh"))
+        self.assertEqual(set(after.tet_tags), {4})
+        self.assertGreater(min(after.volumes()), 0)
+        # Nothing of warnings when quiet.
+        done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"), "--quiet")
+        self.assertEqual(done.stderr, "")
+
+
+class Refusals(CliTest):
+    def optimize_refused(self, source, *options, said=()):
+        """The output, old or absent, is as it was, and no report or trace appears."""
+        for old in (None, "an old file"):
+            if old:
+                self.put("out.mesh", old)
+            names = self.files()
+            self.refused("optimize", source, "-o", self.path("out.mesh"), "--report", self.path("r.json"), "--trace",
+                         self.path("t.csv"), *options, said=said)
+            self.assertEqual(self.files(), names)
+            if old:
+                self.assertEqual(self.read_bytes("out.mesh").decode(), old)
+        os.remove(self.path("out.mesh"))
+
+    def test_inverted_tetrahedra(self):
+        mesh = cube(3)
+        for t in (4, 9, 30, 31, 77, 100):
+            a, b, c, d = mesh.tets[t]
+            mesh.tets[t] = (a, b, d, c)
+        self.optimize_refused(self.put("in.mesh", mesh), said=[
+            self.path("in.mesh"), "inverted tetrahedra", ": 6 (first, counted from 1: 5, 10, 31, 32, 78)"])
+
+    def test_flat_tetrahedron(self):
+        mesh = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)])
+        self.optimize_refused(self.put("in.mesh", mesh), said=["flat tetrahedra", ": 1 (first, counted from 1: 1)"])
+
+    def test_index_out_of_range(self):
+        mesh = cube(2)
+        mesh.tets[6] = (0, 1, 2, 1000)
+        self.optimize_refused(self.put("in.mesh", mesh), said=["index out of range", ": 1 (first, counted from 1: 7)"])
+
+    def test_no_tetrahedra(self):
+        self.optimize_refused(self.put("in.mesh", Mesh([(0, 0, 0)], [])), said=["no tetrahedron"])
+
+    def test_broken_file(self):
+        text = cube(2).text().split("\n")
+        text[6] = "0.5 half 0.5 1"
+        self.optimize_refused(self.put("in.mesh", "\n".join(text)), said=["in.mesh:7: ", '"half"'])
+
+    def test_absent_file(self):
+        self.optimize_refused(self.path("absent.mesh"), said=["absent.mesh", "No such file"])
+
+    def test_unknown_endings(self):
+        self.optimize_refused(self.put("in.vtu", "<VTKFile>"), said=["in.vtu", ".mesh"])
+        self.refused("optimize", self.put("in.mesh", cube(1)), "-o", self.path("out.stl"), said=["out.stl", ".mesh"])
+
+    def test_full_disk(self):
+        """A write that fails midway leaves the old file."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
+        source = self.put("in.mesh", cube(4))
+        self.put("out.mesh", "an old file")
+        # As Python ignores the signal SIGXFSZ, the process does, too, and sees the write fail.
+        done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), code=2, preexec_fn=limit,
+                            restore_signals=False)
+        self.assertIn("cannot write", done.stderr)
+        self.assertEqual(self.files(), ["in.mesh", "out.mesh"])
+        self.assertEqual(self.read_bytes("out.mesh"), b"an old file")
+
+    def test_output_folder_is_checked_before_the_work(self):
+        # The input is absent as well: the folder is what the message is about.
+        for target in (self.path("absent/out.mesh"), self.path("in.mesh/out.mesh")):
+            self.put("in.mesh", "")
+            self.refused("optimize", self.path("absent.mesh"), "-o", target, said=["folder", target])
+        self.assertEqual(self.files(), ["in.mesh"])
+
+    def test_options(self):
+        source = self.put("in.mesh", cube(1))
+        for options in (["--bogus"], ["--device", "tpu"], ["--boundary", "free"], ["--relocation", "newton2"],
+                        ["--termination", "never"], ["--max-iterations", "-1"], ["--max-iterations", "many"],
+                        ["--threads", "-1"], ["--threads", "100000"], ["-v", "3"], ["second.mesh"]):
+            self.optimize_refused(source, *options, said=[options[-1]])
+        self.refused("optimize", source, said=["output"])
+        self.refused("optimize", "-o", self.path("out.mesh"), said=["input"])
+        self.refused("repair", source, said=["subcommand"])
+        self.refused(said=["subcommand"])
+
+    def test_options_without_effect(self):
+        source = self.put("in.mesh", cube(1))
+        for options, said in (
+                (["--max-iterations", "0", "--relocation", "newton"], ["--relocation", "--max-iterations 0"]),
+                (["--max-iterations", "0", "--termination", "paper"], ["--termination", "--max-iterations 0"]),
+                (["--device", "cuda", "--threads", "2"], ["--threads", "--device cuda"]),
+                (["--quiet", "-v", "2"], ["--quiet", "-v"])):
+            self.optimize_refused(source, *options, said=said)
+
+    @unittest.skipIf(shutil.which("nvidia-smi"), "there may be a GPU")
+    def test_cuda_without_a_gpu(self):
+        self.optimize_refused(self.put("in.mesh", cube(2)), "--device", "cuda", said=["CUDA", "--device cpu"])
+
+    def test_killed_process_leaves_the_old_file(self):
+        """Whenever it dies: the output is the old file or the whole new one."""
+        mesh = cube(12)
+        source = self.put("in.mesh", mesh)
+        self.run_cli("optimize", source, "-o", self.path("whole.mesh"), "--quiet")
+        for delay in (0.05, 0.15, 0.3):
+            self.put("out.mesh", "an old file")
+            process = subprocess.Popen([TETUNE, "optimize", source, "-o", self.path("out.mesh"), "--quiet"])
+            try:
+                process.wait(timeout=delay)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGKILL)
+                process.wait()
+            self.assertIn(self.read_bytes("out.mesh"), (b"an old file", self.read_bytes("whole.mesh")))
+
+
+class Info(CliTest):
+    def test_json(self):
+        mesh = cube(3)
+        name = self.put("in.mesh", mesh.text().replace("End", "Corners\n2\n1\n4\nHexahedra\n1\n1 2 3 4 5 6 7 8 0\nEnd"))
+        done = self.run_cli("info", "--json", name)
+        self.assertEqual(done.stderr, "")
+        info = json.loads(done.stdout)
+        self.assertEqual(info["file"], name)
+        wanted = {"vertices": 64, "tetrahedra": 162, "triangles": 0, "corners": 2, "Hexahedra": 1}
+        self.assertEqual({name: info["counts"][name] for name in wanted}, wanted)
+        self.assertEqual(info["validity"], {"valid": True, "findings": []})
+        self.assertEqual(set(info["quality"]), QUALITY_KEYS)
+        self.assertEqual(info["quality"]["tetrahedra"], 162)
+        self.assertAlmostEqual(info["quality"]["volume"], 1)
+
+    def test_figures_of_a_known_mesh(self):
+        corner = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)])
+        quality = json.loads(self.run_cli("info", "--json", self.put("in.mesh", corner)).stdout)["quality"]
+        self.assertAlmostEqual(quality["dihedral_min_deg"], 54.735610317245346, places=9)
+        self.assertAlmostEqual(quality["dihedral_max_deg"], 90, places=9)
+        self.assertAlmostEqual(quality["eta_sum"], (3 * 0.25 + 0.75) * 6, places=9)
+        self.assertEqual(quality["worst_tetrahedron"], 1)
+
+    def test_invalid(self):
+        mesh = cube(2)
+        a, b, c, d = mesh.tets[10]
+        mesh.tets[10] = (b, a, c, d)
+        name = self.put("in.mesh", mesh)
+        info = json.loads(self.run_cli("info", "--json", name, code=1).stdout)
+        self.assertFalse(info["validity"]["valid"])
+        finding = next(f for f in info["validity"]["findings"] if "inverted" in f["kind"])
+        self.assertEqual((finding["where"], finding["count"], finding["first"]), ("tetrahedra", 1, [11]))
+        text = self.run_cli("info", name, code=1).stdout
+        self.assertIn("inverted tetrahedra", text)
+        self.assertIn("counted from 1: 11)", text)
+
+    def test_unmeasurable(self):
+        mesh = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2, 3)])
+        info = json.loads(self.run_cli("info", "--json", self.put("in.mesh", mesh), code=1).stdout)
+        self.assertNotIn("quality", info)
+        self.assertEqual(info["validity"]["findings"][0]["kind"], "index out of range")
+
+    def test_text(self):
+        name = self.put("in.mesh", cube(2))
+        done = self.run_cli("info", name)
+        self.assertIn("valid: every volume positive", done.stdout)
+        self.assertRegex(done.stdout, r"vertices +27 +tags 0: 6, 1: 6")
+        self.assertRegex(done.stdout, r"tetrahedra +48 +tags 3: 48")
+
+    def test_warnings_go_to_the_standard_error(self):
+        name = self.put("in.mesh", cube(1).text().replace("End", "Normals\n1\n0 0 1\nEnd"))
+        done = self.run_cli("info", "--json", name)
+        self.assertIn("warning", done.stderr)
+        self.assertIn("Normals", done.stderr)
+        json.loads(done.stdout)
+
+    def test_refusals(self):
+        self.refused("info", self.path("absent.mesh"), said=["absent.mesh"])
+        self.refused("info", said=["file"])
+
+
+class Compare(CliTest):
+    def compare(self, before, after, code=0):
+        return json.loads(self.run_cli("compare", "--json", before, after, code=code).stdout)
+
+    def test_the_same(self):
+        name = self.put("in.mesh", cube(2))
+        result = self.compare(name, name)
+        change = result["change"]
+        for key in ("volume_change", "area_change", "region_volume_change", "distance_new_to_old",
+                    "distance_old_to_new", "required_vertices_moved", "corners_moved"):
+            self.assertEqual(change[key], 0, key)
+        for key in ("vertex_tags_kept", "edge_tags_kept", "triangle_tags_kept", "tetrahedron_tags_kept"):
+            self.assertIs(change[key], True)
+        self.assertEqual(result["before"], result["after"])
+        self.assertEqual(result["before"]["file"], name)
+
+    def test_optimised(self):
+        source = self.put("in.mesh", cube(4))
+        self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--quiet")
+        result = self.compare(source, self.path("out.mesh"))
+        self.assertLess(abs(result["change"]["volume_change"]), 1e-12)
+        self.assertLess(abs(result["change"]["area_change"]), 1e-12)
+        self.assertLess(result["change"]["distance_new_to_old"], 1e-12)
+        self.assertLess(result["change"]["distance_old_to_new"], 1e-12)
+        self.assertLess(result["after"]["quality"]["eta_sum"], result["before"]["quality"]["eta_sum"])
+        text = self.run_cli("compare", source, self.path("out.mesh")).stdout
+        self.assertIn("surface distance", text)
+        self.assertNotIn("NO", text)
+
+    def test_different(self):
+        mesh = cube(2)
+        wide = Mesh([(2 * x, y, z) for x, y, z in mesh.points], mesh.tets, mesh.point_tags, [5] * len(mesh.tets))
+        change = self.compare(self.put("a.mesh", mesh), self.put("b.mesh", wide))["change"]
+        self.assertAlmostEqual(change["volume_change"], 1)
+        self.assertAlmostEqual(change["area_change"], 4 / 6)
+        self.assertGreater(change["distance_new_to_old"], 0.1)
+        self.assertIs(change["tetrahedron_tags_kept"], False)
+        self.assertIs(change["vertex_tags_kept"], True)
+
+    def test_invalid(self):
+        mesh = cube(1)
+        good = self.put("a.mesh", mesh)
+        a, b, c, d = mesh.tets[2]
+        mesh.tets[2] = (b, a, c, d)
+        result = self.compare(good, self.put("b.mesh", mesh), code=1)
+        self.assertTrue(result["before"]["validity"]["valid"])
+        self.assertFalse(result["after"]["validity"]["valid"])
+
+    def test_refusals(self):
+        self.refused("compare", self.put("a.mesh", cube(1)), said=["files"])
+        self.refused("compare", self.path("a.mesh"), self.path("absent.mesh"), said=["absent.mesh"])
+
+
+class Help(CliTest):
+    def test_help_and_version(self):
+        for args in (["--help"], ["optimize", "--help"], ["info", "--help"], ["compare", "--help"]):
+            done = self.run_cli(*args)
+            self.assertIn("Usage", done.stdout)
+            self.assertEqual(done.stderr, "")
+        self.assertIn("Exit codes", self.run_cli("--help").stdout)
+        self.assertRegex(self.run_cli("--version").stdout, r"^tetune \d+\.\d+\.\d+\n$")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    TETUNE = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=1)

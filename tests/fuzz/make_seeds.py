@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes a few small inputs for each fuzz target.   python3 make_seeds.py FOLDER"""
+
+import struct
+import sys
+from pathlib import Path
+
+CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+# A cube as six tetrahedra around its diagonal, and as five; the second has flat quadrilaterals to flip across.
+SIX = [(0, 1, 3, 7), (0, 3, 2, 7), (0, 2, 6, 7), (0, 6, 4, 7), (0, 4, 5, 7), (0, 5, 1, 7)]
+FIVE = [(0, 1, 2, 4), (3, 2, 1, 7), (5, 1, 4, 7), (6, 4, 2, 7), (1, 2, 4, 7)]
+# Two tetrahedra with an inner face, as three around an edge.
+SPINDLE = [(0, 0, .6), (0, 0, -.6), (1, 0, 0), (-.5, .9, 0), (-.5, -.9, 0)]
+THREE = [(0, 2, 4, 1), (0, 4, 3, 1), (0, 3, 2, 1)]
+# The cube with a vertex inside, which can move.
+INNER = CORNERS + [(.4, .55, .6)]
+STAR = [(a, b, c, 8) for a, b, c in (
+    (0, 1, 3), (0, 3, 2), (4, 7, 5), (4, 6, 7), (0, 5, 1), (0, 4, 5), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4),
+    (1, 5, 7), (1, 7, 3))]
+
+
+def volume(points, tet):
+    p, q, r, s = (points[v] for v in tet)
+    a, b, c = ([x - y for x, y in zip(v, p)] for v in (q, r, s))
+    return (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+            + a[2] * (b[0] * c[1] - b[1] * c[0]))
+
+
+def upright(points, tets):
+    """Turns a tetrahedron of negative volume."""
+    return [t if volume(points, t) > 0 else (t[0], t[1], t[3], t[2]) for t in tets]
+
+
+MESHES = {name: (points, upright(points, tets)) for name, points, tets in (
+    ("six", CORNERS, SIX), ("five", CORNERS, FIVE), ("three", SPINDLE, THREE), ("star", INNER, STAR))}
+EXTRA = [("Edges", 5, [(1, 2, 7)]), ("Triangles", 6, [(1, 2, 3, 5)]), ("Corners", 13, [(1,)]), ("Ridges", 14, [(1,)]),
+         ("RequiredVertices", 15, [(2,)]), ("RequiredEdges", 16, [(1,)]), ("RequiredTriangles", 17, [(1,)]),
+         ("RequiredTetrahedra", 12, [(1,)]), ("Quadrilaterals", 7, [(1, 2, 3, 4, 0)]),
+         ("Pyramids", 49, [(1, 2, 3, 4, 5, 0)]), ("RequiredQuadrilaterals", 18, [(1,)])]
+
+
+def sections(points, tets, extra):
+    listed = [("Vertices", 4, [(*map(float, p), i % 3) for i, p in enumerate(points)]),
+              ("Tetrahedra", 8, [(*(v + 1 for v in t), i % 2) for i, t in enumerate(tets)])]
+    return listed + (EXTRA if extra else [])
+
+
+def medit_text(points, tets, extra):
+    text = "MeshVersionFormatted 2\nDimension\n3\n# a comment\n"
+    for name, _, rows in sections(points, tets, extra):
+        text += f"{name}\n{len(rows)}\n" + "".join(" ".join(map(str, row)) + "\n" for row in rows)
+    return (text + "End\n").encode()
+
+
+def medit_binary(points, tets, extra, version=2, order="<"):
+    real, integer = order + ("f" if version == 1 else "d"), order + ("q" if version == 4 else "i")
+    position = order + ("q" if version >= 3 else "i")
+    out = struct.pack(order + "ii", 1, version)
+
+    def add(code, body):
+        start = len(out) + 4 + struct.calcsize(position)
+        return struct.pack(order + "i", code) + struct.pack(position, start + len(body)) + body
+
+    out += add(3, struct.pack(order + "i", 3))
+    for _, code, rows in sections(points, tets, extra):
+        body = struct.pack(integer, len(rows))
+        for row in rows:
+            body += b"".join(struct.pack(real if isinstance(x, float) else integer, x) for x in row)
+        out += add(code, body)
+    return out + struct.pack(order + "i", 54) + struct.pack(position, 0)
+
+
+def tetgen(points, tets, extra, base):
+    nodes = "".join(f"{i + base} {x} {y} {z} 0.5 {i}\n" for i, (x, y, z) in enumerate(points))
+    cells = "".join(f"{i + base} {' '.join(str(v + base) for v in t)} {i}\n" for i, t in enumerate(tets))
+    text = f"{len(points)} 3 1 1\n{nodes}%{len(tets)} 4 1\n{cells}"
+    if extra:
+        text += f"%1 1\n{base} {base} {base + 1} {base + 2} 5\n%1 1\n{base} {base} {base + 1} 7\n"
+    return text.encode()
+
+
+def main(folder):
+    def put(target, name, content):
+        path = folder / target
+        path.mkdir(parents=True, exist_ok=True)
+        (path / name).write_bytes(content)
+
+    for name, (points, tets) in MESHES.items():
+        for extra in (False, True):
+            stem = name + ("_all" if extra else "")
+            put("medit_text", stem, medit_text(points, tets, extra))
+            put("tetgen", stem, tetgen(points, tets, extra, int(extra)))
+            for version in (1, 2, 3, 4):
+                for order in "<>":
+                    put("medit_binary", f"{stem}_{version}{'le' if order == '<' else 'be'}",
+                        medit_binary(points, tets, extra, version, order))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    main(Path(sys.argv[1]))

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// MEDIT binary (libMeshb's published layout), the bytes made here and not by the library's writer.
+#include <algorithm>
+#include <functional>
+
+#include "allocation_watch.hpp"
+#include "io_fixture.hpp"
+
+namespace tetune::test {
+namespace {
+
+/// Writes the layout: keyword codes and the dimension have 32 bits in every version; positions 64 from version 3 on;
+/// counts, ids and references 64 in version 4; reals 32 in version 1.
+class MeditBytes {
+ public:
+  MeditBytes(int version, bool swapped) : version_(version), swapped_(swapped) {
+    raw<std::int32_t>(1);
+    raw(static_cast<std::int32_t>(version));
+    section(3, [this] { raw<std::int32_t>(3); });
+  }
+  template <class T>
+  MeditBytes& raw(T value) {
+    char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    if (swapped_) std::reverse(bytes, bytes + sizeof(T));
+    out_.append(bytes, sizeof(T));
+    return *this;
+  }
+  MeditBytes& integer(std::int64_t value) { return version_ == 4 ? raw(value) : raw(static_cast<std::int32_t>(value)); }
+  MeditBytes& real(double value) { return version_ == 1 ? raw(static_cast<float>(value)) : raw(value); }
+  MeditBytes& position(std::int64_t value) {
+    return version_ >= 3 ? raw(value) : raw(static_cast<std::int32_t>(value));
+  }
+  /// `off` misplaces the position of the next section.
+  MeditBytes& section(int code, const std::function<void()>& body, std::int64_t off = 0) {
+    raw(static_cast<std::int32_t>(code));
+    const std::size_t at = out_.size();
+    position(0);
+    body();
+    const std::string whole = std::move(out_);
+    out_.clear();
+    position(static_cast<std::int64_t>(whole.size()) + off);
+    out_ = whole.substr(0, at) + out_ + whole.substr(at + out_.size());
+    return *this;
+  }
+  /// A count and integers.
+  MeditBytes& integers(int code, std::int64_t count, const std::vector<std::int64_t>& values, std::int64_t off = 0) {
+    return section(
+        code,
+        [&] {
+          integer(count);
+          for (const std::int64_t v : values) integer(v);
+        },
+        off);
+  }
+  MeditBytes& vertices(const TetMesh& mesh) {
+    return section(4, [&] {
+      integer(static_cast<std::int64_t>(mesh.points.size()));
+      for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        for (const double x : mesh.points[i]) real(x);
+        integer(mesh.point_tags[i]);
+      }
+    });
+  }
+  std::string end() {
+    raw<std::int32_t>(54);
+    position(0);
+    return out_;
+  }
+  const std::string& bytes() const { return out_; }
+
+ private:
+  int version_;
+  bool swapped_;
+  std::string out_;
+};
+
+template <std::size_t N>
+std::vector<std::int64_t> listed(const std::vector<std::array<Index, N>>& elements, const std::vector<int>& tags) {
+  std::vector<std::int64_t> values;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    for (const Index v : elements[i]) values.push_back(v + 1);
+    values.push_back(tags[i]);
+  }
+  return values;
+}
+
+std::vector<std::int64_t> listed(const std::vector<Index>& ids) {
+  std::vector<std::int64_t> values;
+  for (const Index id : ids) values.push_back(id + 1);
+  return values;
+}
+
+/// all_sections() with coordinates that a float holds.
+TetMesh float_mesh() {
+  TetMesh mesh = all_sections();
+  for (std::size_t i = 8; i < mesh.points.size(); ++i) mesh.points[i] = {0.25 * static_cast<double>(i), -1.5, 1024};
+  return mesh;
+}
+
+void put_elements(MeditBytes& out, const TetMesh& m) {
+  out.integers(5, static_cast<std::int64_t>(m.edges.size()), listed(m.edges, m.edge_tags));
+  out.integers(6, static_cast<std::int64_t>(m.triangles.size()), listed(m.triangles, m.triangle_tags));
+  out.integers(8, static_cast<std::int64_t>(m.tets.size()), listed(m.tets, m.tet_tags));
+  const int codes[4] = {7, 49, 9, 10};
+  for (std::size_t b = 0; b < m.others.size(); ++b) {
+    const ElementBlock& block = m.others[b];
+    const auto each = static_cast<std::size_t>(block.vertices_per_element);
+    std::vector<std::int64_t> values;
+    for (std::size_t i = 0; i < block.tags.size(); ++i) {
+      for (std::size_t k = 0; k < each; ++k) values.push_back(block.element2vertex[each * i + k] + 1);
+      values.push_back(block.tags[i]);
+    }
+    out.integers(codes[b], static_cast<std::int64_t>(block.tags.size()), values);
+  }
+  const auto list = [&out](int code, const std::vector<Index>& ids) {
+    out.integers(code, static_cast<std::int64_t>(ids.size()), listed(ids));
+  };
+  list(18, m.others[0].required);
+  list(13, m.corners);
+  list(15, m.required_vertices);
+  list(14, m.ridges);
+  list(16, m.required_edges);
+  list(17, m.required_triangles);
+  list(12, m.required_tets);
+}
+
+class MeditVersion : public IoTest, public ::testing::WithParamInterface<std::tuple<int, bool>> {
+ protected:
+  MeditBytes head() const { return {std::get<0>(GetParam()), std::get<1>(GetParam())}; }
+};
+
+INSTANTIATE_TEST_SUITE_P(Layouts, MeditVersion, ::testing::Combine(::testing::Range(1, 5), ::testing::Bool()),
+                         [](const auto& test) {
+                           return "Version" + std::to_string(std::get<0>(test.param)) +
+                                  (std::get<1>(test.param) ? "Swapped" : "Native");
+                         });
+
+TEST_P(MeditVersion, AllSections) {
+  const TetMesh mesh = float_mesh();
+  MeditBytes out = head();
+  out.vertices(mesh);
+  put_elements(out, mesh);
+  std::vector<std::string> warnings;
+  expect_same(read_mesh(put("a.meshb", out.end()), &warnings), mesh);
+  EXPECT_TRUE(warnings.empty()) << warnings[0];
+}
+
+TEST_P(MeditVersion, UnknownSectionsAreSkippedWithAWarning) {
+  const TetMesh mesh = float_mesh();
+  MeditBytes out = head();
+  out.section(60, [&out] { out.integer(1).real(0).real(0).real(1); });  // normals
+  out.vertices(mesh);
+  out.integers(20, 2, {1, 1, 2, 1});
+  std::vector<std::string> warnings;
+  const TetMesh read = read_mesh(put("a.meshb", out.end()), &warnings);
+  EXPECT_EQ(read.points, mesh.points);
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_TRUE(contains(warnings[0], "code 60 "));
+  EXPECT_TRUE(contains(warnings[1], "code 20 "));
+}
+
+TEST_P(MeditVersion, WildCountsAreRefusedWithoutMemory) {
+  for (const std::int64_t count : {2'000'000'000, 100'000, -1, -2'000'000'000}) {
+    for (const int code : {4, 5, 6, 8, 7, 10, 13, 18}) {
+      MeditBytes out = head();
+      out.integers(code, count, {1, 2, 3, 4, 5});
+      const std::string file = put("a.meshb", out.end());
+      const AllocationWatch watch;
+      EXPECT_TRUE(contains(read_error(file), "claims " + std::to_string(count))) << code;
+      EXPECT_LT(watch.largest(), 1U << 20);
+    }
+  }
+}
+
+TEST_P(MeditVersion, PositionsOutsideOrBackwards) {
+  const std::int64_t width = std::get<0>(GetParam()) >= 3 ? 8 : 4;
+  for (const std::int64_t off : {std::int64_t{1000}, std::int64_t{-30}, -2 - 2 * width}) {
+    MeditBytes out = head();
+    out.integers(13, 1, {1}, off);
+    EXPECT_TRUE(contains(read_error(put("a.meshb", out.end())), "outside the file")) << off;
+  }
+}
+
+/// A count that disagrees with where the section ends means that one of them is wrong.
+TEST_P(MeditVersion, SectionsLongerOrShorterThanTheySay) {
+  for (const std::int64_t count : {1, 3}) {
+    MeditBytes out = head();
+    out.integers(13, count, {1, 2});
+    const std::string error = read_error(put("a.meshb", out.end()));
+    EXPECT_TRUE(contains(error, count == 1 ? "the section ends at byte" : "Corners claims 3 entries"));
+  }
+}
+
+TEST_P(MeditVersion, FlatMesh) {
+  MeditBytes out(std::get<0>(GetParam()), std::get<1>(GetParam()));
+  out.section(3, [&out] { out.raw<std::int32_t>(2); });
+  EXPECT_TRUE(contains(read_error(put("a.meshb", out.end())), "dimension 2"));
+}
+
+TEST_P(MeditVersion, IdZero) {
+  MeditBytes out = head();
+  out.integers(8, 1, {0, 1, 2, 3, 0});
+  EXPECT_TRUE(contains(read_error(put("a.meshb", out.end())), "id 0 in section Tetrahedra"));
+}
+
+TEST_P(MeditVersion, EveryTruncationIsNoticed) {
+  const TetMesh mesh = float_mesh();
+  MeditBytes out = head();
+  out.vertices(mesh);
+  put_elements(out, mesh);
+  const std::size_t whole = out.bytes().size() + 4;  // with the code of End; the position after it says nothing
+  const std::string bytes = out.end();
+  int silent = 0;
+  for (std::size_t n = 0; n < whole; ++n) {
+    std::vector<std::string> warnings;
+    try {
+      read_mesh(put("cut.meshb", bytes.substr(0, n)), &warnings, 1);
+      if (warnings.empty() && ++silent < 5) ADD_FAILURE() << "cut after " << n << " of " << bytes.size() << " bytes";
+    } catch (const FileError&) {
+    }
+  }
+  EXPECT_EQ(silent, 0);
+}
+
+/// libMeshb writes the dimension in 32 bits; some writers of version 4 widen it with the other integers.
+TEST_F(IoTest, WideDimensionInVersion4) {
+  for (const bool swapped : {false, true}) {
+    MeditBytes out(4, swapped);
+    out.section(3, [&out] { out.raw<std::int64_t>(3); });
+    out.integers(13, 1, {1});
+    EXPECT_EQ(read_mesh(put("a.meshb", out.end())).corners, std::vector<Index>{0});
+    MeditBytes flat(4, swapped);
+    flat.section(3, [&flat] { flat.raw<std::int64_t>(2); });
+    EXPECT_TRUE(contains(read_error(put("a.meshb", flat.end())), "dimension 2"));
+  }
+}
+
+TEST_F(IoTest, WideNumbersInVersion4) {
+  MeditBytes id(4, false);
+  id.integers(13, 1, {(std::int64_t{1} << 32) + 1});
+  EXPECT_TRUE(contains(read_error(put("a.meshb", id.end())), "id 4294967297 in section Corners"));
+  MeditBytes tag(4, false);
+  tag.integers(5, 1, {1, 2, -3'000'000'000});
+  EXPECT_TRUE(contains(read_error(put("a.meshb", tag.end())), "reference -3000000000 does not fit 32 bits"));
+  MeditBytes count(4, false);
+  count.integers(8, std::int64_t{1} << 62, {1, 2, 3, 4, 5});
+  EXPECT_TRUE(contains(read_error(put("a.meshb", count.end())), "claims 4611686018427387904"));
+}
+
+TEST_F(IoTest, BinaryHeads) {
+  EXPECT_TRUE(contains(read_error(put("a.meshb", "MeshVersionFormatted 2\n")), "not a MEDIT binary mesh"));
+  for (const int version : {0, 5, -1}) {
+    const std::string error = read_error(put("a.meshb", MeditBytes(version, false).end()));
+    EXPECT_TRUE(contains(error, "version " + std::to_string(version)));
+    EXPECT_TRUE(contains(error, "byte 8"));
+  }
+}
+
+TEST_F(IoTest, BinarySectionsTwice) {
+  MeditBytes out(2, false);
+  out.integers(8, 1, {1, 2, 3, 4, 0}).integers(8, 1, {1, 2, 3, 4, 0});
+  EXPECT_TRUE(contains(read_error(put("a.meshb", out.end())), "Tetrahedra is there twice"));
+}
+
+/// The writer's bytes are those made here.
+TEST_F(IoTest, WrittenBytesFollowTheLayout) {
+  const TetMesh mesh = two_materials(2);
+  MeditBytes out(2, false);
+  out.vertices(mesh).integers(8, static_cast<std::int64_t>(mesh.tets.size()), listed(mesh.tets, mesh.tet_tags));
+  write_mesh(path("a.meshb"), mesh);
+  EXPECT_EQ(get("a.meshb"), out.end());
+}
+
+}  // namespace
+}  // namespace tetune::test

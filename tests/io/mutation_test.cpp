@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Damaged files end in FileError or in a mesh, never in a crash or a wild request for memory. The fuzz targets look
+// for more; this runs everywhere, from fixed seeds.
+#include <random>
+
+#include "allocation_watch.hpp"
+#include "io_fixture.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune::test {
+namespace {
+
+constexpr int kMutations = 500;
+
+/// Portable, unlike std::uniform_int_distribution.
+std::size_t below(std::mt19937& random, std::size_t n) { return random() % n; }
+
+std::string mutated(std::string bytes, const std::vector<std::string>& tokens, std::mt19937& random) {
+  const std::size_t edits = 1 + below(random, 4);
+  for (std::size_t e = 0; e < edits && !bytes.empty(); ++e) {
+    const std::size_t at = below(random, bytes.size());
+    switch (below(random, 6)) {
+      case 0:
+        bytes[at] = static_cast<char>(random());
+        break;
+      case 1:
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << below(random, 8)));
+        break;
+      case 2:
+        bytes.erase(at, 1 + below(random, 12));
+        break;
+      case 3:
+        bytes.insert(at, bytes.substr(below(random, bytes.size()), 1 + below(random, 24)));
+        break;
+      case 4:
+        bytes.resize(at);
+        break;
+      default: {
+        const std::string& token = tokens[below(random, tokens.size())];
+        bytes.replace(at, token.size(), token);
+      }
+    }
+  }
+  return bytes;
+}
+
+class MutationTest : public IoTest {
+ protected:
+  /// Reads, and validates what comes out. Returns whether the reader refused.
+  bool refused(const std::string& file, std::size_t bytes) {
+    const AllocationWatch watch;
+    bool threw = false;
+    try {
+      const TetMesh mesh = read_mesh(file, nullptr, 1);
+      EXPECT_NO_THROW(validate(mesh, 1));
+    } catch (const FileError& e) {
+      threw = true;
+      EXPECT_NE(std::string(e.what()), "");
+    } catch (const std::exception& e) {
+      ADD_FAILURE() << e.what();
+    }
+    EXPECT_LT(watch.largest(), 64 * bytes + (1U << 20));
+    return threw;
+  }
+  void run(const std::string& name, const std::string& whole, const std::vector<std::string>& tokens, unsigned seed) {
+    std::mt19937 random(seed);
+    int refusals = 0;
+    for (int i = 0; i < kMutations; ++i) {
+      const std::string bytes = mutated(whole, tokens, random);
+      if (refused(put(name, bytes), bytes.size())) ++refusals;
+      if (HasFailure()) {
+        FAIL() << "mutation " << i << " of " << name;
+      }
+    }
+    // Both ends are reached: mutations neither all break nor all miss.
+    EXPECT_GT(refusals, kMutations / 10);
+    EXPECT_LT(refusals, kMutations);
+  }
+};
+
+const std::vector<std::string> kTextTokens = {
+    "0 ",   "-1 ", "999999999 ", "2147483647 ", "2147483648 ", "99999999999999999999 ", "1e400 ", "nan ",   "-inf ",
+    "1D5 ", "#",   "\n",         "Vertices\n",  "Tetrahedra ", "Triangles\n",           "End\n",  "Foo 3 ", " 0x10 "};
+
+TEST_F(MutationTest, MeditText) {
+  write_mesh(path("whole.mesh"), all_sections());
+  run("a.mesh", get("whole.mesh"), kTextTokens, 1);
+}
+
+TEST_F(MutationTest, MeditTextOfAValidMesh) {
+  write_mesh(path("whole.mesh"), cube(2, 0.2));
+  run("a.mesh", get("whole.mesh"), kTextTokens, 2);
+}
+
+TEST_F(MutationTest, MeditBinary) {
+  std::vector<std::string> words;
+  for (const std::int32_t word : {-1, 0, 1, 3, 4, 5, 6, 7, 8, 10, 13, 49, 54, 16777216, 2147483647, -2147483647 - 1}) {
+    words.emplace_back(4, '\0');
+    std::memcpy(words.back().data(), &word, 4);
+  }
+  write_mesh(path("whole.meshb"), all_sections());
+  run("a.meshb", get("whole.meshb"), words, 3);
+  // Version 3 reads the same bytes in another way.
+  std::string bytes = get("whole.meshb");
+  bytes[4] = 3;
+  std::mt19937 random(4);
+  for (int i = 0; i < kMutations; ++i) {
+    const std::string damaged = mutated(bytes, words, random);
+    refused(put("b.meshb", damaged), damaged.size());
+  }
+}
+
+TEST_F(MutationTest, TetGen) {
+  put("m.node", "4 3 0 1\n1 0 0 0 1\n2 1 0 0 2\n3 0 1 0 3\n4 0 0 1 4\n");
+  put("m.face", "2 1\n1 1 2 3 5\n2 1 2 4 6\n");
+  put("m.ele", "1 4 1\n1 1 2 3 4 7\n");
+  for (const char* name : {"m.node", "m.face", "m.ele"}) {
+    const std::string whole = get(name);
+    run(name, whole, kTextTokens, 5);
+    put(name, whole);
+  }
+}
+
+}  // namespace
+}  // namespace tetune::test
