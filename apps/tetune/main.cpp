@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <exception>
 #include <new>
 
 #include "commands.hpp"
@@ -29,6 +30,9 @@ int main(int argc, char** argv) {
     return kNothingWritten;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "tetune: out of memory\n");
+    return kNothingWritten;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "tetune: {}\n", e.what());
     return kNothingWritten;
   }
   return exit_code;

@@ -75,6 +75,8 @@ int run(const CLI::App& command, const Arguments& a) {
   refuse_ineffective(command, a);
   const int verbosity = a.quiet ? 0 : a.verbosity;
   check_writable(a.output);
+  check_folder(a.report);
+  check_folder(a.trace);
   ProgressLine line(verbosity > 0);
 
   line.say("reading");

@@ -137,6 +137,14 @@ std::string trace_csv(const Report& report) {
   return text;
 }
 
+void check_folder(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code error;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
+    throw FileError(path + ": the folder " + folder.string() + " does not exist");
+  }
+}
+
 void write_text(const std::string& path, const std::string& text) {
   const std::string temporary = path + ".tmp";
   std::FILE* file = std::fopen(temporary.c_str(), "wb");

@@ -17,6 +17,7 @@ enum class Defect {
   repeated_vertex,
   inverted_tet,
   flat_tet,
+  tiny_tet,
   duplicate_tet,
   face_on_three_tets,
   same_side_of_face,
@@ -46,7 +47,8 @@ struct ValidationReport {
 /// Checks that a mesh is one that the optimiser accepts.
 ///
 /// Checked: array lengths, indices, finite coordinates, four distinct vertices a tetrahedron, each volume exactly
-/// positive (decided in exact arithmetic where rounding leaves doubt), no tetrahedron listed twice, each face on one
+/// positive (decided in exact arithmetic where rounding leaves doubt) and not below 1e-250 of the cube of the largest
+/// coordinate, where arithmetic underflows, no tetrahedron listed twice, each face on one
 /// or two tetrahedra which lie on opposite sides. The boundary is then closed: the faces on one tetrahedron are the
 /// boundary (modulo 2) of all tetrahedra together, and a boundary has no boundary.
 /// `threads` 0 means all. Safe to call concurrently. Throws nothing but std::bad_alloc.

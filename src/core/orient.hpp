@@ -10,6 +10,10 @@ namespace tetune {
 /// multiply-adds only lower the error.
 inline constexpr double kOrientBound = 8 * 1.1102230246251565e-16;
 
+/// With coordinates up to 1 in magnitude, a determinant whose error bound is below this lies where products underflow
+/// and the bound no longer holds.
+inline constexpr double kOrientUnderflow = 1e-250;
+
 /// Six times the signed volume of a tetrahedron, and a bound on its rounding error.
 struct Orient {
   double det;

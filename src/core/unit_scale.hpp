@@ -15,7 +15,7 @@ inline double unit_scale(const TetMesh& mesh) {
   for (const Point3& p : mesh.points) {
     for (const double x : p) largest = std::max(largest, std::fabs(x));
   }
-  return largest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000)) : 1;
+  return largest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1020, 1020)) : 1;
 }
 
 }  // namespace tetune

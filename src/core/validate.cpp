@@ -7,6 +7,7 @@
 
 #include "core/connect.hpp"
 #include "core/orient.hpp"
+#include "core/unit_scale.hpp"
 #include "core/validate_arrays.hpp"
 #include "par/cpu.hpp"
 
@@ -61,28 +62,28 @@ void check_length(std::size_t tags, std::size_t elements, const std::string& whe
   report.findings.push_back({Defect::bad_array_length, static_cast<std::int64_t>(tags), {}, where});
 }
 
-int orient_tet(const TetMesh& mesh, std::size_t t) {
+/// Sign of a volume; kTiny where it is positive but too small to compute with.
+constexpr std::int8_t kTiny = 2;
+
+std::int8_t orient_tet(const TetMesh& mesh, double scale, std::size_t t) {
   const auto& tet = mesh.tets[t];
   const auto p = [&](std::size_t k) -> const Point3& { return mesh.points[static_cast<std::size_t>(tet[k])]; };
-  const Orient o = orient(vec(p(0)), vec(p(1)), vec(p(2)), vec(p(3)));
-  // A bound that underflowed says nothing.
-  if (o.bound > 1e-280) {
+  const Orient o = orient(scale * vec(p(0)), scale * vec(p(1)), scale * vec(p(2)), scale * vec(p(3)));
+  if (o.bound > kOrientUnderflow) {
     if (o.det > o.bound) return 1;
     if (o.det < -o.bound) return -1;
   }
-  return orient_sign(p(0), p(1), p(2), p(3));
+  const int sign = orient_sign(p(0), p(1), p(2), p(3));
+  return static_cast<std::int8_t>(sign > 0 && !(o.bound > kOrientUnderflow) ? kTiny : sign);
 }
 
 std::vector<std::int8_t> orient_all(const TetMesh& mesh, int threads) {
-  struct Kernel {
-    const TetMesh* mesh;
-    std::int8_t* sign;
-    void operator()(par::Size t) const {
-      sign[t] = static_cast<std::int8_t>(orient_tet(*mesh, static_cast<std::size_t>(t)));
-    }
-  };
+  const double scale = unit_scale(mesh);
   std::vector<std::int8_t> sign(mesh.tets.size());
-  par::Cpu(threads).for_each(static_cast<par::Size>(mesh.tets.size()), Kernel{&mesh, sign.data()});
+  const par::Cpu cpu(threads);
+  cpu.for_each(static_cast<Size>(mesh.tets.size()), [&](Size t) {
+    sign[static_cast<std::size_t>(t)] = orient_tet(mesh, scale, static_cast<std::size_t>(t));
+  });
   return sign;
 }
 
@@ -164,6 +165,8 @@ const char* to_string(Defect defect) {
       return "inverted tetrahedra (negative volume)";
     case Defect::flat_tet:
       return "flat tetrahedra (zero volume)";
+    case Defect::tiny_tet:
+      return "tetrahedra too small beside the largest coordinate to compute with";
     case Defect::duplicate_tet:
       return "tetrahedra listed twice";
     case Defect::face_on_three_tets:
@@ -231,16 +234,18 @@ ValidationReport validate(const TetMesh& mesh, int threads) {
   Collector repeated(Defect::repeated_vertex, "tetrahedra");
   Collector inverted(Defect::inverted_tet, "tetrahedra");
   Collector flat(Defect::flat_tet, "tetrahedra");
+  Collector tiny(Defect::tiny_tet, "tetrahedra");
   const std::vector<std::int8_t> sign = orient_all(mesh, threads);
   for (std::size_t t = 0; t < sign.size(); ++t) {
-    if (sign[t] > 0) continue;
+    if (sign[t] == 1) continue;
     const auto& v = mesh.tets[t];
     const bool twice = v[0] == v[1] || v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3] || v[2] == v[3];
-    (twice ? repeated : sign[t] < 0 ? inverted : flat).add(static_cast<std::int64_t>(t));
+    (twice ? repeated : sign[t] < 0 ? inverted : sign[t] == 0 ? flat : tiny).add(static_cast<std::int64_t>(t));
   }
   repeated.finish(report);
   inverted.finish(report);
   flat.finish(report);
+  tiny.finish(report);
 
   const par::Cpu cpu(threads);
   WorkMesh<par::Cpu> work;
@@ -265,7 +270,7 @@ ValidationReport validate(const TetMesh& mesh, int threads) {
 bool orient_uniformly(TetMesh& mesh, int threads) {
   if (mesh.tets.empty() || !validate_arrays(mesh).ok()) return false;
   // Most meshes are decided by their first tetrahedron.
-  if (orient_tet(mesh, 0) > 0) return false;
+  if (orient_tet(mesh, unit_scale(mesh), 0) > 0) return false;
   const std::vector<std::int8_t> sign = orient_all(mesh, threads);
   if (*std::max_element(sign.begin(), sign.end()) > 0 || *std::min_element(sign.begin(), sign.end()) == 0) return false;
   for (auto& tet : mesh.tets) std::swap(tet[2], tet[3]);

@@ -174,9 +174,15 @@ class Cpu {
     return memory;
   }
   static void release(void* memory, std::size_t) { std::free(memory); }
-  static void copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
-  static void upload(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
-  static void download(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+  static void copy(void* to, const void* from, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(to, from, bytes);
+  }
+  static void upload(void* to, const void* from, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(to, from, bytes);
+  }
+  static void download(void* to, const void* from, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(to, from, bytes);
+  }
 
  private:
   /// Items a thread takes at a time.

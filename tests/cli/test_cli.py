@@ -404,6 +404,13 @@ class Refusals(CliTest):
             self.refused("optimize", self.path("absent.mesh"), "-o", target, said=["folder", target])
         self.assertEqual(self.files(), ["in.mesh"])
 
+    def test_folders_of_report_and_trace_are_checked_before_the_work(self):
+        source = self.put("in.mesh", cube(1))
+        for option in ("--report", "--trace"):
+            target = self.path("absent/figures")
+            self.refused("optimize", source, "-o", self.path("out.mesh"), option, target, said=["folder", target])
+        self.assertEqual(self.files(), ["in.mesh"])
+
     def test_options(self):
         source = self.put("in.mesh", cube(1))
         for options in (["--bogus"], ["--device", "tpu"], ["--boundary", "free"], ["--relocation", "newton2"],

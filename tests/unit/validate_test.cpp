@@ -63,6 +63,24 @@ TEST(Validate, DecidesByExactArithmetic) {
   EXPECT_EQ(validate(m).findings[0].defect, Defect::inverted_tet);
 }
 
+TEST(Validate, SizesBeyondWhatArithmeticHolds) {
+  TetMesh m = test::one_tet();
+  m.points.push_back({1e170, 0, 0});
+  m.point_tags.push_back(0);
+  expect_refused(m, Defect::tiny_tet, 1, {0});
+  for (const double unit : {1e307, 1e-300}) {
+    TetMesh scaled = test::scrambled(test::cube(4, 0.2), 1);
+    for (Point3& p : scaled.points) {
+      for (double& x : p) x *= unit;
+    }
+    ASSERT_TRUE(validate(scaled).ok());
+    const auto points = scaled.points;
+    optimize(scaled);
+    EXPECT_TRUE(validate(scaled).ok()) << unit;
+    EXPECT_NE(scaled.points, points);
+  }
+}
+
 TEST(Validate, IndicesLengthsAndNumbers) {
   TetMesh m = test::cube(2);
   m.tets[3][2] = 27;
