@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "core/connect.hpp"
+#include "core/upload.hpp"
 #include "par/cpu.hpp"
 #include "tetune/mesh.hpp"
 
@@ -16,16 +17,7 @@ namespace tetune::test {
 
 using CpuMesh = WorkMesh<par::Cpu>;
 
-inline CpuMesh to_work(const TetMesh& mesh) {
-  CpuMesh work;
-  std::vector<Point> points;
-  for (const Point3& p : mesh.points) points.push_back({p[0], p[1], p[2], 0});
-  work.points.upload(points);
-  work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
-  std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  work.tet_tags.upload(mesh.tet_tags);
-  return work;
-}
+inline CpuMesh to_work(const TetMesh& mesh) { return upload_mesh<par::Cpu>(mesh); }
 
 inline TetMesh from_work(CpuMesh& work) {
   TetMesh mesh;

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "core/connect.hpp"
+#include "core/upload.hpp"
 #include "flips/flip_pass.hpp"
 #include "par/cpu.hpp"
 #include "reference/generate.hpp"
@@ -26,19 +27,8 @@ const TetMesh& input() {
   return mesh;
 }
 
-WorkMesh<Cpu> upload(const TetMesh& mesh) {
-  WorkMesh<Cpu> work;
-  std::vector<Point> points;
-  for (const Point3& p : mesh.points) points.push_back({p[0], p[1], p[2], 0});
-  work.points.upload(points);
-  work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
-  std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  work.tet_tags.upload(mesh.tet_tags);
-  return work;
-}
-
 WorkMesh<Cpu> sorted() {
-  WorkMesh<Cpu> work = upload(input());
+  WorkMesh<Cpu> work = upload_mesh<Cpu>(input());
   sort_mesh<Cpu>(Cpu(0), work, nullptr);
   build_adjacency(Cpu(0), work);
   return work;
@@ -54,7 +44,7 @@ void per_item(benchmark::State& state, const char* item, Size items) {
 void Sort(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
-    WorkMesh<Cpu> work = upload(input());
+    WorkMesh<Cpu> work = upload_mesh<Cpu>(input());
     state.ResumeTiming();
     sort_mesh<Cpu>(threads(state), work, nullptr);
   }

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "core/connect.hpp"
+#include "core/upload.hpp"
 #include "par/cpu.hpp"
 #include "reference/alexa.hpp"
 #include "tetune/tetune.hpp"
@@ -51,13 +51,7 @@ Json result_json(const TetMesh& before, const TetMesh& after, const std::vector<
 /// The mesh along the space-filling curve: what locality alone is worth to the sequential method.
 TetMesh sorted(const TetMesh& mesh) {
   using namespace tetune;
-  WorkMesh<par::Cpu> work;
-  std::vector<Point> points;
-  for (const Point3& p : mesh.points) points.push_back({p[0], p[1], p[2], 0});
-  work.points.upload(points);
-  work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
-  std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  work.tet_tags.upload(mesh.tet_tags);
+  WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
   sort_mesh<par::Cpu>(par::Cpu(0), work, nullptr);
   TetMesh result;
   for (const Point& p : work.points.download()) result.points.push_back({p.x, p.y, p.z});

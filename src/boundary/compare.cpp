@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 
 #include "boundary/closest_triangle.hpp"
 #include "core/connect.hpp"
+#include "core/upload.hpp"
 #include "core/validate_arrays.hpp"
 #include "par/cpu.hpp"
 #include "tetune/error.hpp"
@@ -25,12 +25,7 @@ struct Skin {
 };
 
 Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
-  WorkMesh<par::Cpu> work;
-  work.points.resize(static_cast<Size>(mesh.points.size()));
-  work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
-  if (!mesh.tets.empty()) {
-    std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  }
+  WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
   build_adjacency(cpu, work);
   Skin skin;
   std::vector<char> seen(mesh.points.size(), 0);

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "core/connect.hpp"
 #include "core/orient.hpp"
 #include "core/unit_scale.hpp"
+#include "core/upload.hpp"
 #include "core/validate_arrays.hpp"
 #include "par/cpu.hpp"
 
@@ -248,12 +248,7 @@ ValidationReport validate(const TetMesh& mesh, int threads) {
   tiny.finish(report);
 
   const par::Cpu cpu(threads);
-  WorkMesh<par::Cpu> work;
-  work.points.resize(static_cast<Size>(mesh.points.size()));
-  work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
-  if (!mesh.tets.empty()) {
-    std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  }
+  WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
   const AdjacencyReport adjacency = build_adjacency(cpu, work);
   if (adjacency.crowded_faces + adjacency.same_side_faces > 0) {
     Collector duplicates(Defect::duplicate_tet, "tetrahedra");

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/unit_scale.hpp"
+#include "core/upload.hpp"
 #include "core/validate_arrays.hpp"
 #include "driver/constraints.hpp"
 #include "driver/working_set.hpp"
@@ -48,21 +49,6 @@ struct ToOriginal {
   }
 };
 
-template <class Backend>
-void upload_geometry(const TetMesh& mesh, WorkingSet<Backend>& work) {
-  work.scale = unit_scale(mesh);
-  std::vector<Point> points(mesh.points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Point3& p = mesh.points[i];
-    points[i] = point(work.scale * vec(p));
-  }
-  work.mesh.points.upload(points);
-  static_assert(sizeof(Tet) == sizeof(mesh.tets[0]));
-  work.mesh.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
-  Backend::upload(work.mesh.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  work.mesh.tet_tags.upload(mesh.tet_tags);
-}
-
 /// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
 template <class Backend>
 void check_volumes(const Backend& par, const TetMesh& mesh, WorkingSet<Backend>& work) {
@@ -82,7 +68,8 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   const ValidationReport arrays = validate_arrays(mesh);
   if (!arrays.ok()) throw MeshError(arrays.message(false));
 
-  upload_geometry(mesh, work);
+  work.scale = unit_scale(mesh);
+  work.mesh = upload_mesh<Backend>(mesh, work.scale);
   typename Backend::template Buffer<Index> sorted2original;
   sort_mesh(par, work.mesh, &sorted2original);
   const std::vector<Index> tet2original = sorted2original.download();

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/generate.hpp"
 
-#include <cstring>
 #include <random>
 
 #include "core/connect.hpp"
 #include "core/orient.hpp"
+#include "core/upload.hpp"
 #include "par/cpu.hpp"
 
 namespace tetune::reference {
@@ -54,10 +54,7 @@ TetMesh lattice(int n, double jitter, std::uint32_t seed) {
 TetMesh scrambled(TetMesh mesh, int rounds, std::uint32_t seed) {
   std::mt19937 random(seed);
   for (int round = 0; round < rounds; ++round) {
-    WorkMesh<par::Cpu> work;
-    work.points.resize(static_cast<Size>(mesh.points.size()));
-    work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
-    std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
+    WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
     build_adjacency(par::Cpu(1), work);
     const MeshView view = work.view();
     std::vector<char> used(mesh.tets.size(), 0);

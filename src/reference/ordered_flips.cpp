@@ -2,9 +2,9 @@
 #include "reference/ordered_flips.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "core/connect.hpp"
+#include "core/upload.hpp"
 #include "energy/harmonic.hpp"
 #include "par/cpu.hpp"
 
@@ -29,11 +29,7 @@ int opposite(const Tet& t, Index vertex) { return local_index(t, vertex); }
 OrderedFlips::OrderedFlips(const std::vector<Vec3>& points, const TetMesh& mesh)
     : points_(points), tags_(mesh.tet_tags), stamps_(mesh.tets.size(), 0) {
   const par::Cpu cpu(1);
-  WorkMesh<par::Cpu> work;
-  work.points.resize(static_cast<Size>(mesh.points.size()));
-  work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
-  std::memcpy(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  work.tet_tags.upload(mesh.tet_tags);
+  WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
   build_adjacency(cpu, work);
   lock_interfaces(cpu, work);
   tets_ = work.tet2vertex.download();
