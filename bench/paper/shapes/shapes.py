@@ -32,7 +32,7 @@ SHAPES = {
     "Part": (planes.part, None, None, 5.045e-6),
     "Cube": (planes.cube, None, None, 1.252e-6),
     "World": (curved.world, 0.02, 0.2, 5.871e-6),
-    "Pot": (curved.pot, 0.022, 0.05, 1.4e-6),
+    "Pot": (curved.pot, 0.022, 0.05, 2.75e-6),
 }
 
 
