@@ -119,6 +119,7 @@ def write_meshb(path, points, tets, triangles):
 
 
 def make_mesh(name, target, scale, force_search, folder):
+    """With the bound of the table, or a search where there is none or it misses the count."""
     maker, edge, coarsest, bound = SHAPES[name]
     for finer in (1, 0.9, 0.8):  # where edges are long for the details, the surface may cut itself
         surface = maker() if edge is None else maker(finer * min(edge * scale ** (-1 / 3), coarsest))
@@ -135,7 +136,7 @@ def make_mesh(name, target, scale, force_search, folder):
 
 
 def make(name, out, scale, force_search):
-    """Makes one mesh, unless it is there; returns its row of the table and whether it is as it should be."""
+    """Makes one file, unless it is there; returns its row of the table and whether it is as it should be."""
     target = published.TABLE_1[name][0] * scale
     path = out / f"{name}.meshb"
     if force_search or not path.exists():
@@ -148,9 +149,10 @@ def make(name, out, scale, force_search):
     difference = count / target - 1
     fewest = scale < 1 and difference > TOLERANCE  # the surface needs so many
     good = info["validity"]["valid"] and (abs(difference) <= TOLERANCE or fewest)
-    return (f"| {name} | {info['counts']['vertices']} | {count} | {target:.0f} | {100 * difference:+.1f} %{', the fewest' if fewest else ''} "
-            f"| {quality['dihedral_min_deg']:.3f} | {quality['dihedral_5_percent_deg']:.2f} "
-            f"| {'yes' if info['validity']['valid'] else 'NO: ' + str(info['validity']['findings'])} |"), good
+    findings = "yes" if info["validity"]["valid"] else f"NO: {info['validity']['findings']}"
+    return (f"| {name} | {info['counts']['vertices']} | {count} | {target:.0f} | {100 * difference:+.1f} %"
+            f"{', the fewest' if fewest else ''} | {quality['dihedral_min_deg']:.3f} "
+            f"| {quality['dihedral_5_percent_deg']:.2f} | {findings} |"), good
 
 
 def main():
@@ -167,7 +169,8 @@ def main():
         parser.error("tetune is not built: cmake --preset release && cmake --build --preset release")
     args.out.mkdir(parents=True, exist_ok=True)
     scaled = "" if args.scale == 1 else f" x {args.scale:g}"
-    print(f"| mesh | vertices | \\|T\\| | paper{scaled} | difference | phi min | phi 5 % | valid |\n|---|---|---|---|---|---|---|---|")
+    print(f"| mesh | vertices | \\|T\\| | paper{scaled} | difference | phi min | phi 5 % | valid |")
+    print("|---|---|---|---|---|---|---|---|")
     bad = []
     for name in args.names or SHAPES:
         try:
