@@ -20,7 +20,9 @@ struct Arguments {
   bool quiet = false;
 };
 
-const std::map<std::string, Boundary> kBoundaries{{"preserve", Boundary::preserve}, {"fixed", Boundary::fixed}};
+const std::map<std::string, Boundary> kBoundaries{
+    {"preserve", Boundary::preserve}, {"slide", Boundary::slide}, {"fixed", Boundary::fixed}};
+const std::map<std::string, Energy> kEnergies{{"shape", Energy::shape}, {"harmonic", Energy::harmonic}};
 const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton},
                                                      {"gradient", Relocation::gradient}};
 const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative},
@@ -59,6 +61,7 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
           {"output", a.output},
           {"options",
            {{"boundary", name_of(kBoundaries, a.options.boundary)},
+            {"energy", name_of(kEnergies, a.options.energy)},
             {"relocation", name_of(kRelocations, a.options.relocation)},
             {"termination", name_of(kTerminations, a.options.termination)},
             {"device", name_of(kDevices, a.options.device)},
@@ -116,6 +119,15 @@ int run(const CLI::App& command, const Arguments& a) {
     fmt::print("{}", quality_table({"before", "after"}, {before, after}));
     fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {}; {} of {} vertices fixed\n", report.sweeps.size(),
                report.flips23, report.flips32, to_string(report.stop), report.fixed_vertices, report.vertices);
+    if (report.corners_not_held > 0) {
+      fmt::print(
+          "  {} listed corners lie where the surface has no feature, too many for a list of corners: they may move\n",
+          report.corners_not_held);
+    }
+    if (report.edges_not_held > 0) {
+      fmt::print("  {} tagged edges are too many for feature lines: their vertices may leave them\n",
+                 report.edges_not_held);
+    }
     if (report.triangles_dropped > 0) {
       fmt::print("  {} listed triangles without tag inside a region are no constraint and were dropped\n",
                  report.triangles_dropped);
@@ -143,8 +155,18 @@ void add_optimize(CLI::App& app, int& exit_code) {
   c->add_option("--boundary", a->options.boundary,
                 "preserve: vertices move within the surface's planes and straight lines, the surface stays as it is; "
                 "fixed: no boundary vertex moves")
-      ->transform(CLI::CheckedTransformer(kBoundaries).description("{preserve,fixed}"))
+      ->transform(CLI::CheckedTransformer(kBoundaries).description("{preserve,slide,fixed}"))
       ->default_str("preserve");
+  c->add_option(
+       "--feature-angle", a->options.feature_angle,
+       "With --boundary slide: edges where the surface turns by more degrees are features, which vertices do not "
+       "leave; 180: none")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  c->add_option("--energy", a->options.energy,
+                "shape: scale-free, small elements count as much as large ones; harmonic: sum of eta, as in the paper")
+      ->transform(CLI::CheckedTransformer(kEnergies).description("{shape,harmonic}"))
+      ->default_str("shape");
   c->add_option("--relocation", a->options.relocation,
                 "newton: over-relaxed Newton steps; gradient: as in the paper, slower")
       ->transform(CLI::CheckedTransformer(kRelocations).description("{newton,gradient}"))

@@ -20,6 +20,7 @@ Json to_json(const Quality& q) {
           {"eta_max", q.eta_max},
           {"eta_95_percent", q.eta_95},
           {"eta_sum", q.eta_sum},
+          {"shape_sum", q.shape_sum},
           {"mean_ratio", q.mean_ratio},
           {"mean_ratio_min", q.mean_ratio_min},
           {"volume", q.volume},

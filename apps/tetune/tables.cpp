@@ -76,6 +76,8 @@ std::string quality_table(const std::vector<std::string>& titles, const std::vec
   row(
       "         sum", [](const Quality& q) { return q.eta_sum; }, "{:.8g}");
   row(
+      "shape energy  sum", [](const Quality& q) { return q.shape_sum; }, "{:.8g}");
+  row(
       "mean ratio  mean", [](const Quality& q) { return q.mean_ratio; }, "{:.4f}");
   row(
       "            min", [](const Quality& q) { return q.mean_ratio_min; }, "{:.4f}");

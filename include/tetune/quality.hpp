@@ -18,6 +18,9 @@ struct Quality {
   Index worst_tet = -1;
   /// Harmonic index eta = (sum of squared face areas) / volume; Stroeter et al. 2022, Eq. 5. Unit: length.
   double eta_max = 0, eta_95 = 0, eta_sum = 0;
+  /// Sum of the shape energy (eta / eta_r)^(3/2), where eta_r is that of the regular tetrahedron of the same volume: the
+  /// number of tetrahedra if all were regular.
+  double shape_sum = 0;
   /// Mean ratio 12 (3 V)^(2/3) / sum of squared edge lengths: 1 for a regular tetrahedron, 0 for a flat one.
   double mean_ratio = 0, mean_ratio_min = 0;
   double volume = 0;

@@ -66,9 +66,8 @@ struct MatchListed {
         return {};
       }
     }
-    const bool constrains = t.tag != 0 || t.required != 0;
-    state[i] = constrains ? Listed::absent : Listed::loose;
-    return {constrains ? 1 : 0};
+    state[i] = t.locks != 0 ? Listed::absent : Listed::loose;
+    return {t.locks};
   }
 };
 
@@ -150,7 +149,7 @@ struct Classify {
     const Size edge_end = vertex2edge_end.end(v);
     kind[v] = Mobility::fixed;
     if (frozen[v] == kFrozen || (surface_fixed && end > begin)) return;
-    if (begin == end && edge_begin == edge_end && frozen[v] == kMovable) {
+    if (begin == end && edge_begin == edge_end) {
       kind[v] = Mobility::free;
       return;
     }
@@ -198,7 +197,8 @@ struct Classify {
       axis[v] = (1 / size) * normal;
       return;
     }
-    if (frozen[v] == kCorner) return;
+    // Along a feature, all that is folded beside it would be torn.
+    if (features.count > 0 && folds.count > 0) return;
     const Features& lines = features.count > 0 ? features : folds;
     if (lines.count != 2) return;
     const Vec3 d0 = lines.direction[0];
@@ -257,6 +257,22 @@ struct Classify {
   }
 };
 
+struct CountCorners {
+  Span<const std::uint8_t> frozen;
+  Span<const Mobility> kind;
+  TETUNE_HD PlainCount operator()(Size v) const {
+    return {kind[v] != Mobility::free ? 1 : 0, frozen[v] == kCorner && kind[v] != Mobility::fixed ? 1 : 0};
+  }
+};
+
+struct HoldCorner {
+  Span<const std::uint8_t> frozen;
+  Span<Mobility> kind;
+  TETUNE_HD void operator()(Size v) const {
+    if (frozen[v] == kCorner) kind[v] = Mobility::fixed;
+  }
+};
+
 }  // namespace classify_detail
 
 template <class Backend>
@@ -311,6 +327,15 @@ void classify_vertices(const Backend& par, WorkMesh<Backend>& mesh, const Surfac
   par.for_each(mesh.vertices(), Classify{mesh.points.span(), mesh.tet2vertex.span(), surface.faces.span(),
                                          surface.tags.span(), surface.vertex2corner.view(), edges,
                                          vertex2edge_end.view(), constrained, frozen, surface_fixed, kind, axis});
+}
+
+template <class Backend>
+Size hold_corners(const Backend& par, Span<const std::uint8_t> frozen, Span<Mobility> kind) {
+  using namespace classify_detail;
+  const auto count = par.template reduce<PlainCount>(kind.size(), CountCorners{frozen, kind});
+  if (!count.few()) return count.plain;
+  par.for_each(kind.size(), HoldCorner{frozen, kind});
+  return 0;
 }
 
 }  // namespace tetune

@@ -2,8 +2,11 @@
 #include "driver/constraints.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <string>
 
 #include "boundary/classify.hpp"
+#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
@@ -43,9 +46,23 @@ void renumber(std::vector<Index>& ids, const std::vector<Index>& old2new) {
   for (Index& id : ids) id = old2new[static_cast<std::size_t>(id)];
 }
 
+/// Appends the elements with one of the tags. A tag that none has is an error: a part would not be kept.
+void add_tagged(const std::vector<int>& element_tags, const std::vector<int>& wanted, const char* option,
+                const char* what, std::vector<Index>& elements) {
+  for (const int tag : wanted) {
+    const std::size_t before = elements.size();
+    for (std::size_t i = 0; i < element_tags.size(); ++i) {
+      if (element_tags[i] == tag) elements.push_back(static_cast<Index>(i));
+    }
+    if (elements.size() == before) {
+      throw OptionError(std::string(option) + " names tag " + std::to_string(tag) + ", but no " + what + " has it");
+    }
+  }
+}
+
 }  // namespace
 
-Constraints find_constraints(const TetMesh& mesh) {
+Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   Constraints result;
   result.frozen.assign(mesh.points.size(), kMovable);
   for (const Index v : mesh.corners) result.frozen[static_cast<std::size_t>(v)] = kCorner;
@@ -55,15 +72,38 @@ Constraints find_constraints(const TetMesh& mesh) {
   freeze(mesh.required_vertices);
   for (const Index e : mesh.required_edges) freeze(mesh.edges[static_cast<std::size_t>(e)]);
   for (const Index t : mesh.required_triangles) freeze(mesh.triangles[static_cast<std::size_t>(t)]);
-  for (const Index t : mesh.required_tets) freeze(mesh.tets[static_cast<std::size_t>(t)]);
+  result.locked_tets = mesh.required_tets;
+  add_tagged(mesh.tet_tags, options.frozen_regions, "frozen_regions", "tetrahedron", result.locked_tets);
+  for (const Index t : result.locked_tets) freeze(mesh.tets[static_cast<std::size_t>(t)]);
+  std::vector<Index> patches;
+  add_tagged(mesh.triangle_tags, options.frozen_patches, "frozen_patches", "triangle", patches);
+  for (const Index t : patches) freeze(mesh.triangles[static_cast<std::size_t>(t)]);
+  if (!options.frozen_vertices.empty() && options.frozen_vertices.size() != mesh.points.size()) {
+    throw OptionError("frozen_vertices has " + std::to_string(options.frozen_vertices.size()) + " entries for " +
+                      std::to_string(mesh.points.size()) + " vertices; it must have one each, or none");
+  }
+  for (std::size_t v = 0; v < options.frozen_vertices.size(); ++v) {
+    if (options.frozen_vertices[v] != 0) result.frozen[v] = kFrozen;
+  }
   for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
 
-  const std::vector<std::uint8_t> constrains = constraining_edges(mesh);
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    if (constrains[e] != 0) result.edges.push_back(sorted(mesh.edges[e]));
+  const auto sort_unique = [](std::vector<std::array<Index, 2>>& edges) {
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  };
+  std::vector<std::array<Index, 2>> ridges;
+  for (const std::vector<Index>* ids : {&mesh.ridges, &mesh.required_edges}) {
+    for (const Index e : *ids) ridges.push_back(sorted(mesh.edges[static_cast<std::size_t>(e)]));
   }
-  std::sort(result.edges.begin(), result.edges.end());
-  result.edges.erase(std::unique(result.edges.begin(), result.edges.end()), result.edges.end());
+  sort_unique(ridges);
+  std::vector<std::array<Index, 2>> tagged;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.edge_tags[e] != 0) tagged.push_back(sorted(mesh.edges[e]));
+  }
+  sort_unique(tagged);
+  result.edges = ridges;
+  result.ridges = ridges.size();
+  std::set_difference(tagged.begin(), tagged.end(), ridges.begin(), ridges.end(), std::back_inserter(result.edges));
   return result;
 }
 

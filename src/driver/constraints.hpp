@@ -9,15 +9,21 @@
 
 namespace tetune {
 
-/// What the caller's lists say must stay, in the caller's ids.
+/// What the caller's lists and options say must stay, in the caller's ids.
 struct Constraints {
   /// kMovable, kFrozen or kCorner for each vertex. Required entities and elements of other kinds freeze theirs.
   std::vector<std::uint8_t> frozen;
-  /// Listed edges that are feature lines: tagged, ridges or required. Pairs, each once.
+  /// Tetrahedra that stay as they are: required ones and those of frozen regions.
+  std::vector<Index> locked_tets;
+  /// Listed edges that stay: tagged, ridges or required. Pairs, each once; those that are ridges or required come
+  /// first.
   std::vector<std::array<Index, 2>> edges;
+  /// How many of them are ridges or required: feature lines whatever else the list holds.
+  std::size_t ridges = 0;
 };
 
-Constraints find_constraints(const TetMesh& mesh);
+/// Throws OptionError where the options name what is not there.
+Constraints find_constraints(const TetMesh& mesh, const Options& options);
 
 /// Drops the listed edges without tag, ridge or requirement that are no edge of any tetrahedron any more, and returns
 /// their number.

@@ -13,8 +13,8 @@ class SimdRing {
   static constexpr Size kCapacity = 128;
   typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
 
-  SimdRing(Span<const Point> points, const LinkFace* faces, Size count)
-      : count_(count), packs_(static_cast<int>((count + kLanes - 1) / kLanes)) {
+  SimdRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count)
+      : law_(law), count_(count), packs_(static_cast<int>((count + kLanes - 1) / kLanes)) {
     for (int k = 0; k < packs_; ++k) {
       const LinkFace* f[kLanes];
       for (int l = 0; l < kLanes; ++l) {
@@ -38,14 +38,15 @@ class SimdRing {
       const Lanes w = dot(f.n, y);
       w_min = w < w_min ? w : w_min;
       inverse_volume_[k] = 1.0 / w;
-      total.add(f, y, inverse_volume_[k], weight(k));
+      total.add(law_, f, y, inverse_volume_[k], weight(k));
     }
     // Beyond the bound on its error each volume is, if the smallest is beyond that of the largest faces there could be:
     // permanent <= sqrt(2) |a| |b| |y|, and |a|, |b| are at most twice the longest y.
     const double length2 = sum(total.length2);
     if (!(least(w_min) > 6 * kOrientBound * length2 * std::sqrt(length2))) return doubtful_model(x);
     const Sym3T<Lanes>& h = total.h;
-    return to_model({sum(total.e),
+    return to_model(law_,
+                    {sum(total.e),
                      sum(total.length2),
                      {sum(total.g.x), sum(total.g.y), sum(total.g.z)},
                      {sum(h.xx), sum(h.yy), sum(h.zz), sum(h.xy), sum(h.xz), sum(h.yz)}},
@@ -75,14 +76,14 @@ class SimdRing {
       const Lanes w = dot(f.n, y);
       const Lanes m = volume_margin(f, y, w > 0.0 ? w : zero());
       margin = m < margin ? m : margin;
-      e += weight(k) * (area_term(f, y) / w);
+      e += weight(k) * law_.term(area_term(f, y), 1.0 / w);
     }
-    return {kEtaFactor * sum(e), least(margin) > 0};
+    return {law_.factor * sum(e), least(margin) > 0};
   }
 
   class Ray {
    public:
-    Ray(const SimdRing& ring, const Vec3& x, const Vec3& p) : count_(ring.count_) {
+    Ray(const SimdRing& ring, const Vec3& x, const Vec3& p) : law_(ring.law_), count_(ring.count_) {
       for (Size i = 0; i < count_; ++i) {
         const OppositeFace<double> f = ring.face(i);
         terms_[i] = ray_term(f, x - f.p0, p);
@@ -90,11 +91,12 @@ class SimdRing {
     }
     double value(double t) const {
       double sum = 0;
-      for (Size i = 0; i < count_; ++i) sum += terms_[i].eta(t);
+      for (Size i = 0; i < count_; ++i) sum += terms_[i].value(law_, t);
       return sum;
     }
 
    private:
+    EnergyLaw law_;
     Size count_;
     RayTerm terms_[kCapacity];
   };
@@ -145,11 +147,12 @@ class SimdRing {
       const Vec3 y = x - f.p0;
       const double r = 1 / safe_volume(f, y);
       inverse_volume_[i / kLanes][static_cast<int>(i % kLanes)] = r;
-      if (i < count_) total.add(f, y, r, 1.0);
+      if (i < count_) total.add(law_, f, y, r, 1.0);
     }
-    return to_model(total, count_);
+    return to_model(law_, total, count_);
   }
 
+  EnergyLaw law_;
   Size count_;
   int packs_;
   Lanes last_weight_;

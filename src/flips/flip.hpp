@@ -90,16 +90,16 @@ TETUNE_HD inline double energy_after(const MeshView& mesh, const Cavity& c, doub
     const Vec3 aq = q - a;
     const Vec3 ar = r - a;
     if (!(dot(cross(ap, aq), ab) > 0) || !(dot(cross(aq, ar), ab) > 0) || !(dot(cross(ar, ap), ab) > 0)) return -1;
-    const TetEnergy e0 = tet_energy(a, p, q, b);
+    const TetEnergy e0 = tet_energy(mesh.law, a, p, q, b);
     if (!e0.certified || !(e0.eta < limit)) return -1;
-    const TetEnergy e1 = tet_energy(a, q, r, b);
+    const TetEnergy e1 = tet_energy(mesh.law, a, q, r, b);
     if (!e1.certified || !(e0.eta + e1.eta < limit)) return -1;
-    const TetEnergy e2 = tet_energy(a, r, p, b);
+    const TetEnergy e2 = tet_energy(mesh.law, a, r, p, b);
     return e2.certified ? e0.eta + e1.eta + e2.eta : -1;
   }
-  const TetEnergy e0 = tet_energy(a, p, q, r);
+  const TetEnergy e0 = tet_energy(mesh.law, a, p, q, r);
   if (!e0.certified || !(e0.eta < limit)) return -1;
-  const TetEnergy e1 = tet_energy(b, p, r, q);
+  const TetEnergy e1 = tet_energy(mesh.law, b, p, r, q);
   return e1.certified ? e0.eta + e1.eta : -1;
 }
 

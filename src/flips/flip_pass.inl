@@ -36,7 +36,9 @@ TETUNE_HD inline Cavity cavity_of(const MeshView& mesh, const ConstrainedEdges& 
 TETUNE_HD inline int cavity_size(const Cavity& c) { return c.kind == FlipKind::face23 ? 2 : 3; }
 
 TETUNE_HD inline double slot_energy(const MeshView& mesh, const Tet& t) {
-  return tet_energy(vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]), vec(mesh.points[t[3]])).eta;
+  return tet_energy(mesh.law, vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]),
+                    vec(mesh.points[t[3]]))
+      .eta;
 }
 
 struct EnergySum {

@@ -75,12 +75,26 @@ TEST(Classification, BordersBetweenPatchTagsAreLines) {
   EXPECT_EQ(r.plane_vertices, 54 - 3);
 }
 
-TEST(Classification, CornersHoldOnFeaturesAndNotOnFlatGround) {
+TEST(Classification, CornersHoldUnlessTheListIsNoneOfCorners) {
   TetMesh m = test::cube(4);
   m.corners = {6, 1};  // inside the face z = 0, and on the edge y = z = 0
-  const Report r = classify(m);
-  EXPECT_EQ(r.fixed_vertices, 9);
+  Report r = classify(m);
+  EXPECT_EQ(r.fixed_vertices, 10);
+  EXPECT_EQ(r.plane_vertices, 53);
+  EXPECT_EQ(r.corners_not_held, 0);
+  // Every vertex of the surface, as TetGen lists them.
+  m.corners.clear();
+  for (std::size_t v = 0; v < m.points.size(); ++v) {
+    for (const double x : m.points[v]) {
+      if (x != 0 && x != 1) continue;
+      m.corners.push_back(static_cast<Index>(v));
+      break;
+    }
+  }
+  r = classify(m);
+  EXPECT_EQ(r.fixed_vertices, 8);
   EXPECT_EQ(r.plane_vertices, 54);
+  EXPECT_EQ(r.corners_not_held, 90);
   m.required_vertices = {6};
   EXPECT_EQ(classify(m).plane_vertices, 53);
 }
