@@ -13,7 +13,7 @@ namespace tetune {
 enum class Device {
   automatic,  ///< the CPU; a GPU where that is known to be faster
   cpu,        ///< threads
-  cuda,       ///< an NVIDIA GPU, compute capability 7.5 or newer
+  cuda,       ///< the calling thread's current NVIDIA GPU, compute capability 7.5 or newer
 };
 
 enum class Boundary {
