@@ -39,7 +39,7 @@ struct Options {
   Termination termination = Termination::relative;
   /// Most relocation sweeps, >= 0. 0 means flips alone.
   int max_iterations = 100;
-  /// CPU threads; 0 means all. The result does not depend on it.
+  /// CPU threads; 0 means all, more than 4096 count as 4096. The result does not depend on it.
   int threads = 0;
 };
 
@@ -83,7 +83,7 @@ struct PhaseTime {
 /// What optimize() did.
 struct Report {
   std::string device;
-  int threads = 0;
+  int threads = 0;  ///< that ran: fewer than asked for where the system gives no more; 0 on a GPU
   std::int64_t vertices = 0, tets_before = 0, tets_after = 0;
   std::int64_t free_vertices = 0, plane_vertices = 0, line_vertices = 0, fixed_vertices = 0;
   std::int64_t triangles_dropped = 0, edges_dropped = 0;
