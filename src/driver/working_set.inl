@@ -51,12 +51,12 @@ struct ToOriginal {
 
 /// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
 template <class Backend>
-void check_volumes(const Backend& par, const TetMesh& mesh, WorkingSet<Backend>& work) {
+void check_volumes(const Backend& par, const TetMesh& mesh, int threads, WorkingSet<Backend>& work) {
   typename Backend::template Buffer<Index> doubtful(work.mesh.slots());
   const Size count = par.compact(work.mesh.slots(), NotCertified{work.mesh.view()}, doubtful.span());
   if (count == 0) return;
   // Exact arithmetic has the last word.
-  const ValidationReport report = validate(mesh);
+  const ValidationReport report = validate(mesh, threads);
   if (!report.ok()) throw MeshError(report.message(false));
 }
 
@@ -75,8 +75,10 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   const std::vector<Index> tet2original = sorted2original.download();
   const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
   const AdjacencyReport adjacency = build_adjacency(par, work.mesh);
-  if (adjacency.crowded_faces + adjacency.same_side_faces > 0) throw MeshError(validate(mesh).message(false));
-  check_volumes(par, mesh, work);
+  if (adjacency.crowded_faces + adjacency.same_side_faces > 0) {
+    throw MeshError(validate(mesh, options.threads).message(false));
+  }
+  check_volumes(par, mesh, options.threads, work);
   lock_interfaces(par, work.mesh);
 
   std::vector<Index> original2vertex(vertex2original.size());
