@@ -118,8 +118,8 @@ struct Context {
 /// that lie inside one region are no constraint and are dropped; so are untagged listed edges that no longer exist.
 /// The result is bit for bit the same for any number of threads.
 ///
-/// Throws MeshError when `validate(mesh)` finds something, OptionError or DeviceError; the mesh is then as it was.
-/// After std::bad_alloc it may be half replaced. Not for concurrent calls on the same mesh.
+/// Throws MeshError when `validate(mesh)` finds something, OptionError, DeviceError or std::bad_alloc, and hands on
+/// what the caller's hooks throw; the mesh is then as it was. Not for concurrent calls on the same mesh.
 Report optimize(TetMesh& mesh, const Options& options = {}, const Context& context = {});
 
 }  // namespace tetune

@@ -30,8 +30,9 @@ Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& co
                       " has no memory pools (cudaMallocAsync) under this driver; they are needed. Use the CPU "
                       "(--device cpu).");
   }
+  std::string name = properties.name;  // before the mesh changes: nothing may fail after that
   Report report = optimize_on(par::Cuda{}, mesh, options, context);
-  report.device = properties.name;
+  report.device.swap(name);
   return report;
 }
 

@@ -161,14 +161,22 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
 template <class Backend>
 void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report& report) {
   using namespace working_set_detail;
+  // All that may fail comes first, so that the caller's mesh changes as a whole or not at all.
   const std::vector<Index> slot_of = compact_slots(par, work.mesh).download();
   par.for_each(work.mesh.slots(), ToOriginal{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
-  mesh.tets.resize(static_cast<std::size_t>(work.mesh.slots()));
-  Backend::download(mesh.tets.data(), work.mesh.tet2vertex.span().data(), mesh.tets.size() * sizeof(Tet));
-  mesh.tet_tags = work.mesh.tet_tags.download();
-
+  decltype(mesh.tets) tets(static_cast<std::size_t>(work.mesh.slots()));
+  Backend::download(tets.data(), work.mesh.tet2vertex.span().data(), tets.size() * sizeof(Tet));
+  std::vector<int> tet_tags = work.mesh.tet_tags.download();
   const std::vector<Point> points = work.mesh.points.download();
   const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
+  const std::vector<Index> new_triangles = positions_of_kept(keep);
+  const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets));
+
+  // From here on nothing fails.
+  mesh.tets.swap(tets);
+  mesh.tet_tags.swap(tet_tags);
   for (std::size_t v = 0; v < points.size(); ++v) {
     Point3& p = mesh.points[static_cast<std::size_t>(vertex2original[v])];
     const Vec3 before = work.scale * vec(p);
@@ -183,10 +191,8 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
     mesh.required_tets[i] = static_cast<Index>(at - slot_of.begin());
   }
 
-  std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
-  report.triangles_dropped = keep_triangles(mesh, keep);
-  report.edges_dropped = drop_vanished_edges(mesh);
+  report.triangles_dropped = keep_triangles(mesh, new_triangles);
+  report.edges_dropped = keep_edges(mesh, new_edges);
 }
 
 }  // namespace tetune
