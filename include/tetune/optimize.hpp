@@ -13,7 +13,7 @@ namespace tetune {
 enum class Device {
   automatic,  ///< the CPU; a GPU where that is known to be faster
   cpu,        ///< threads
-  cuda,       ///< an NVIDIA GPU, compute capability 7.5 or newer
+  cuda,       ///< the calling thread's current NVIDIA GPU, compute capability 7.5 or newer
 };
 
 enum class Boundary {
@@ -60,7 +60,7 @@ struct Options {
   std::vector<std::uint8_t> frozen_vertices;
   /// Most relocation sweeps, >= 0. 0 means flips alone.
   int max_iterations = 100;
-  /// CPU threads; 0 means all. The result does not depend on it.
+  /// CPU threads; 0 means all, more than 4096 count as 4096. The result does not depend on it.
   int threads = 0;
 };
 
@@ -105,7 +105,7 @@ struct PhaseTime {
 /// What optimize() did.
 struct Report {
   std::string device;
-  int threads = 0;
+  int threads = 0;  ///< that ran: fewer than asked for where the system gives no more; 0 on a GPU
   std::int64_t vertices = 0, tets_before = 0, tets_after = 0;
   std::int64_t free_vertices = 0, plane_vertices = 0, line_vertices = 0, fixed_vertices = 0;
   std::int64_t surface_vertices = 0, curve_vertices = 0;  ///< with Boundary::slide
@@ -145,8 +145,8 @@ struct Context {
 /// that lie inside one region are no constraint and are dropped; so are untagged listed edges that no longer exist.
 /// The result is bit for bit the same for any number of threads.
 ///
-/// Throws MeshError when `validate(mesh)` finds something, OptionError or DeviceError; the mesh is then as it was.
-/// After std::bad_alloc it may be half replaced. Not for concurrent calls on the same mesh.
+/// Throws MeshError when `validate(mesh)` finds something, OptionError, DeviceError or std::bad_alloc, and hands on
+/// what the caller's hooks throw; the mesh is then as it was. Not for concurrent calls on the same mesh.
 Report optimize(TetMesh& mesh, const Options& options = {}, const Context& context = {});
 
 }  // namespace tetune

@@ -15,8 +15,8 @@ inline constexpr double kRelaxation = 1.6;
 inline constexpr double kMinGain = 1e-10;
 /// The paper's eps_g.
 inline constexpr double kMinGradient = 1e-5;
-/// When what is left of the energy is less than this part of what a sweep took away, it is summed up anew.
-inline constexpr double kStale = 10;
+/// Below this part of its last sum, the energy is summed up anew.
+inline constexpr double kStale = 0.1;
 /// Far above what any mesh needs: each pass lowers the energy, so this bounds a run in which rounding says otherwise.
 inline constexpr int kMaxFlipPasses = 1000;
 
@@ -35,7 +35,7 @@ class Alternation {
         unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1) {}
 
   void run() {
-    energy_ = refresh_energy(par_, work_.mesh, work_.flips);
+    sum_up();
     report_.energy_before = unit_ * energy_;
     activate_all(par_, work_.mesh, work_.flips);
     if (flip_until_stable(0) < 0) return;
@@ -50,7 +50,7 @@ class Alternation {
       connectivity_changed = false;
       if (schedule.flips_due(iteration)) {
         clock_.measure("flips", [&] {
-          energy_ = refresh_energy(par_, work_.mesh, work_.flips);
+          sum_up();
           activate_stirred(par_, work_.mesh, work_.mobilities.stirred.span(), work_.flips);
         });
         const Size flips = flip_until_stable(iteration);
@@ -86,10 +86,7 @@ class Alternation {
                 : sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, GradientStep{kMinGradient});
     });
     energy_ -= sum.decrease;
-    // Next to what slivers had, rounding hides the rest.
-    if (energy_ < kStale * sum.decrease) {
-      clock_.measure("sweeps", [&] { energy_ = refresh_energy(par_, work_.mesh, work_.flips); });
-    }
+    settle();
     r.decrease = unit_ * sum.decrease;
     r.gradient_norm = sum.gradient2;
     r.moved = sum.moved;
@@ -105,6 +102,7 @@ class Alternation {
       const double seconds =
           clock_.measure("flips", [&] { r = flip_pass(par_, work_.mesh, work_.flips, work_.mobilities.awake.span()); });
       energy_ -= r.decrease;
+      settle();
       r.iteration = iteration;
       r.pass = pass;
       r.seconds = seconds;
@@ -117,6 +115,12 @@ class Alternation {
       if (r.flips23 + r.flips32 == 0) break;
     }
     return flips;
+  }
+
+  void sum_up() { energy_ = last_sum_ = refresh_energy(par_, work_.mesh, work_.flips); }
+  /// Sums the energy up anew where what is left is small next to what was taken away: rounding hides it.
+  void settle() {
+    if (energy_ < kStale * last_sum_) clock_.measure("sums", [&] { sum_up(); });
   }
 
   bool proceed(const char* phase, int iteration) {
@@ -134,6 +138,7 @@ class Alternation {
   Clock clock_;
   double unit_;  ///< of the energy inside, in the caller's
   double energy_ = 0;
+  double last_sum_ = 0;
 };
 
 }  // namespace alternate_detail

@@ -25,21 +25,20 @@ std::vector<std::uint8_t> constraining_edges(const TetMesh& mesh) {
   return constrains;
 }
 
-/// Removes the entries with keep 0; returns the new position of each old one, or -1.
+/// Removes the entries without a new position; returns their number.
 template <class T>
-std::vector<Index> filter(std::vector<T>& items, std::vector<int>& tags, const std::vector<std::uint8_t>& keep) {
-  std::vector<Index> old2new(items.size(), -1);
+std::int64_t move_kept(std::vector<T>& items, std::vector<int>& tags, const std::vector<Index>& old2new) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < items.size(); ++i) {
-    if (keep[i] == 0) continue;
-    old2new[i] = static_cast<Index>(kept);
+    if (old2new[i] < 0) continue;
     items[kept] = items[i];
     tags[kept] = tags[i];
     ++kept;
   }
+  const auto dropped = static_cast<std::int64_t>(items.size() - kept);
   items.resize(kept);
   tags.resize(kept);
-  return old2new;
+  return dropped;
 }
 
 void renumber(std::vector<Index>& ids, const std::vector<Index>& old2new) {
@@ -107,16 +106,16 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   return result;
 }
 
-std::int64_t drop_vanished_edges(TetMesh& mesh) {
+std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets) {
   std::vector<std::uint8_t> keep = constraining_edges(mesh);
   std::vector<std::array<Index, 2>> sought;
   for (std::size_t e = 0; e < keep.size(); ++e) {
     if (keep[e] == 0) sought.push_back(sorted(mesh.edges[e]));
   }
-  if (sought.empty()) return 0;
+  if (sought.empty()) return keep;
   std::sort(sought.begin(), sought.end());
   std::vector<std::uint8_t> found(sought.size(), 0);
-  for (const auto& tet : mesh.tets) {
+  for (const auto& tet : tets) {
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) {
         const auto edge = sorted({tet[i], tet[j]});
@@ -126,25 +125,32 @@ std::int64_t drop_vanished_edges(TetMesh& mesh) {
       }
     }
   }
-  std::int64_t dropped = 0;
   for (std::size_t e = 0; e < keep.size(); ++e) {
     if (keep[e] != 0) continue;
     const auto at = std::lower_bound(sought.begin(), sought.end(), sorted(mesh.edges[e])) - sought.begin();
     keep[e] = found[static_cast<std::size_t>(at)];
-    if (keep[e] == 0) ++dropped;
   }
-  if (dropped == 0) return 0;
-  const std::vector<Index> old2new = filter(mesh.edges, mesh.edge_tags, keep);
-  renumber(mesh.ridges, old2new);
-  renumber(mesh.required_edges, old2new);
-  return dropped;
+  return keep;
 }
 
-std::int64_t keep_triangles(TetMesh& mesh, const std::vector<std::uint8_t>& keep) {
-  const std::size_t before = mesh.triangles.size();
-  const std::vector<Index> old2new = filter(mesh.triangles, mesh.triangle_tags, keep);
+std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep) {
+  std::vector<Index> old2new(keep.size(), -1);
+  Index kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i] != 0) old2new[i] = kept++;
+  }
+  return old2new;
+}
+
+std::int64_t keep_triangles(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
   renumber(mesh.required_triangles, old2new);
-  return static_cast<std::int64_t>(before - mesh.triangles.size());
+  return move_kept(mesh.triangles, mesh.triangle_tags, old2new);
+}
+
+std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
+  renumber(mesh.ridges, old2new);
+  renumber(mesh.required_edges, old2new);
+  return move_kept(mesh.edges, mesh.edge_tags, old2new);
 }
 
 }  // namespace tetune

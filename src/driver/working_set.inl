@@ -95,12 +95,12 @@ struct ToOriginal {
 
 /// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
 template <class Backend>
-void check_volumes(const Backend& par, const TetMesh& mesh, WorkingSet<Backend>& work) {
+void check_volumes(const Backend& par, const TetMesh& mesh, int threads, WorkingSet<Backend>& work) {
   typename Backend::template Buffer<Index> doubtful(work.mesh.slots());
   const Size count = par.compact(work.mesh.slots(), NotCertified{work.mesh.view()}, doubtful.span());
   if (count == 0) return;
   // Exact arithmetic has the last word.
-  const ValidationReport report = validate(mesh);
+  const ValidationReport report = validate(mesh, threads);
   if (!report.ok()) throw MeshError(report.message(false));
 }
 
@@ -120,8 +120,10 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   const std::vector<Index> tet2original = sorted2original.download();
   const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
   const AdjacencyReport adjacency = build_adjacency(par, work.mesh);
-  if (adjacency.crowded_faces + adjacency.same_side_faces > 0) throw MeshError(validate(mesh).message(false));
-  check_volumes(par, mesh, work);
+  if (adjacency.crowded_faces + adjacency.same_side_faces > 0) {
+    throw MeshError(validate(mesh, options.threads).message(false));
+  }
+  check_volumes(par, mesh, options.threads, work);
   lock_interfaces(par, work.mesh);
 
   std::vector<Index> original2vertex(vertex2original.size());
@@ -227,14 +229,22 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
 template <class Backend>
 void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report& report) {
   using namespace working_set_detail;
+  // All that may fail comes first, so that the caller's mesh changes as a whole or not at all.
   const std::vector<Index> slot_of = compact_slots(par, work.mesh).download();
   par.for_each(work.mesh.slots(), ToOriginal{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
-  mesh.tets.resize(static_cast<std::size_t>(work.mesh.slots()));
-  Backend::download(mesh.tets.data(), work.mesh.tet2vertex.span().data(), mesh.tets.size() * sizeof(Tet));
-  mesh.tet_tags = work.mesh.tet_tags.download();
-
+  decltype(mesh.tets) tets(static_cast<std::size_t>(work.mesh.slots()));
+  Backend::download(tets.data(), work.mesh.tet2vertex.span().data(), tets.size() * sizeof(Tet));
+  std::vector<int> tet_tags = work.mesh.tet_tags.download();
   const std::vector<Point> points = work.mesh.points.download();
   const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
+  const std::vector<Index> new_triangles = positions_of_kept(keep);
+  const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets));
+
+  // From here on nothing fails.
+  mesh.tets.swap(tets);
+  mesh.tet_tags.swap(tet_tags);
   for (std::size_t v = 0; v < points.size(); ++v) {
     Point3& p = mesh.points[static_cast<std::size_t>(vertex2original[v])];
     const Vec3 before = work.scale * vec(p);
@@ -249,10 +259,8 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
     mesh.required_tets[i] = static_cast<Index>(at - slot_of.begin());
   }
 
-  std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
-  report.triangles_dropped = keep_triangles(mesh, keep);
-  report.edges_dropped = drop_vanished_edges(mesh);
+  report.triangles_dropped = keep_triangles(mesh, new_triangles);
+  report.edges_dropped = keep_edges(mesh, new_edges);
 }
 
 }  // namespace tetune

@@ -22,7 +22,7 @@ TETUNE = ""
 TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gradient_norm", "moved", "active",
                  "evaluated", "flips_2_3", "flips_3_2", "seconds"]
 QUALITY_KEYS = {"tetrahedra", "dihedral_min_deg", "dihedral_1_percent_deg", "dihedral_5_percent_deg",
-                "dihedral_mean_deg", "dihedral_max_deg", "eta_max", "eta_95_percent", "eta_sum", "mean_ratio",
+                "dihedral_mean_deg", "dihedral_max_deg", "eta_max", "eta_95_percent", "eta_sum", "shape_sum", "mean_ratio",
                 "mean_ratio_min", "volume", "worst_tetrahedron", "dihedral_histogram_10_deg"}
 
 

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <set>
 
+#include "allocation_watch.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
@@ -258,6 +259,42 @@ TEST(Optimize, HandlesTheSmallestMeshes) {
   loose.point_tags.push_back(0);
   optimize(loose);
   EXPECT_EQ(loose.points.back(), (Point3{9, 9, 9}));
+}
+
+TEST(Optimize, LeavesTheMeshAsItWasWhereverMemoryRunsOut) {
+  if (!test::AllocationWatch::works()) GTEST_SKIP() << "memory never runs out here";
+  TetMesh before = test::scrambled(test::cube(2, 0.2), 2);
+  before.required_tets = {7};
+  for (const auto& t : before.tets) {
+    before.triangles.push_back({t[0], t[1], t[2]});
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t l = k + 1; l < 4; ++l) before.edges.push_back({t[k], t[l]});
+    }
+  }
+  before.triangle_tags.resize(before.triangles.size());
+  before.edge_tags.resize(before.edges.size());
+  Options options;
+  options.threads = 1;
+  options.max_iterations = 1;
+  TetMesh after = before;
+  bool done = false;
+  for (std::size_t granted = 0; !done; ++granted) {
+    ASSERT_LT(granted, 10000U);
+    try {
+      const test::AllocationWatch watch(granted);
+      optimize(after, options);
+      done = true;
+    } catch (const std::bad_alloc&) {
+      ASSERT_TRUE(after.points == before.points && after.tets == before.tets && after.tet_tags == before.tet_tags &&
+                  after.required_tets == before.required_tets && after.triangles == before.triangles &&
+                  after.edges == before.edges)
+          << granted;
+    }
+  }
+  EXPECT_NE(after.points, before.points);
+  EXPECT_NE(after.tets, before.tets);
+  EXPECT_LT(after.triangles.size(), before.triangles.size());
+  EXPECT_LT(after.edges.size(), before.edges.size());
 }
 
 TEST(Optimize, RefusesOptionsOutOfRange) {

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "boundary/classify.inl"
 #include "boundary/closest_triangle.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
@@ -73,6 +74,35 @@ TEST(Classification, BordersBetweenPatchTagsAreLines) {
   EXPECT_EQ(r.fixed_vertices, 8 + 2);
   EXPECT_EQ(r.line_vertices, 36 - 2 + 3);
   EXPECT_EQ(r.plane_vertices, 54 - 3);
+}
+
+TEST(Classification, AmongSeveralListingsOfAFaceTheLastTagHolds) {
+  // The face z = 0 is tagged 5 all over, but for one triangle in its middle.
+  const auto planes = [](const std::vector<int>& tags_of_the_one) {
+    TetMesh m = test::cube(4);
+    const auto id = [](int i, int j) { return static_cast<Index>(j * 5 + i); };
+    for (int j = 0; j < 4; ++j) {
+      for (int i = 0; i < 4; ++i) {
+        m.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+        m.triangles.push_back({id(i, j), id(i, j + 1), id(i + 1, j + 1)});
+      }
+    }
+    m.triangle_tags.assign(m.triangles.size(), 5);
+    const std::size_t one = 2 * (4 * 1 + 1);
+    m.triangle_tags[one] = tags_of_the_one[0];
+    for (std::size_t i = 1; i < tags_of_the_one.size(); ++i) {
+      m.triangles.push_back(m.triangles[one]);
+      m.triangle_tags.push_back(tags_of_the_one[i]);
+    }
+    return classify(m).plane_vertices;
+  };
+  EXPECT_EQ(planes({5}), 54);
+  EXPECT_EQ(planes({6}), 51);
+  EXPECT_EQ(planes({0}), 51);
+  EXPECT_EQ(planes({5, 0}), 54);
+  EXPECT_EQ(planes({0, 5, 0}), 54);
+  EXPECT_EQ(planes({6, 5}), 54);
+  EXPECT_EQ(planes({5, 6, 0}), 51);
 }
 
 TEST(Classification, CornersHoldUnlessTheListIsNoneOfCorners) {
@@ -146,6 +176,11 @@ TEST(Classification, ASheetThinnerThanTheToleranceKeepsItsShape) {
   EXPECT_LT(std::fabs(c.volume_change), 1e-9);
   EXPECT_LT(c.old_to_new, 1e-9);
   EXPECT_TRUE(validate(m).ok());
+}
+
+TEST(Surface, IsRefusedWhereItsCornersHaveNoNumbers) {
+  EXPECT_NO_THROW(classify_detail::check_surface_size(1'431'655'765));
+  EXPECT_THROW(classify_detail::check_surface_size(1'431'655'766), MeshError);
 }
 
 TEST(ClosestTriangle, AgreesWithEveryTriangleTried) {
