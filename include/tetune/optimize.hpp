@@ -51,6 +51,9 @@ struct Options {
   /// feature, and so is a vertex at which a feature line does. 180: only borders between tags, edges not on two
   /// triangles and listed edges are.
   double feature_angle = 45;
+  /// With Boundary::slide: no point of the new surface is farther than this from the old one, and none of the old one
+  /// from the new; a length, 0 for no bound.
+  double max_deviation = 0;
   /// Tagged triangles with the same region on both sides stay faces of the mesh, as interfaces do; otherwise they count
   /// for nothing and are dropped, unless they are required.
   bool open_boundaries = true;

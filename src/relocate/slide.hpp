@@ -2,7 +2,7 @@
 #pragma once
 
 #include "relocate/step.hpp"
-#include "surface/primitive.hpp"
+#include "surface/deviation.hpp"
 
 /// One boundary vertex in its ring, on the input surface (Sect. 4.3, Alg. 3 and 4).
 namespace tetune {
@@ -56,7 +56,8 @@ struct NewtonSlide {
   static constexpr double kMostRelaxed = 1.9;  ///< below 2 each hop lowers the model
 
   template <class Ring>
-  TETUNE_HD SlideResult operator()(Ring& ring, Vec3 x, Site site, Mobility walker, const ReferenceView& ref) const {
+  TETUNE_HD SlideResult operator()(Ring& ring, Vec3 x, Site site, Mobility walker, const ReferenceView& ref,
+                                   const DeviationBound& bound) const {
     SlideResult result;
     for (int repeat = 0; repeat < NewtonStep::kMaxRepeats; ++repeat) {
       const RingModel m = ring.model(x);
@@ -66,14 +67,14 @@ struct NewtonSlide {
       const Vec3 p = slide_detail::model_direction(ref, m, m.gradient, site, first);
       if (!(-dot(m.gradient, p) > min_gain * m.value)) break;
       const double length = std::sqrt(m.length2);
-      const double bound = NewtonStep::kReach * ring.step_bound(x, p) * norm(p);
+      const double inverts = NewtonStep::kReach * ring.step_bound(x, p) * norm(p);
       double reach = NewtonStep::kFarthest * length;
-      if (bound < reach) reach = bound;
+      if (inverts < reach) reach = inverts;
       double decrease = 0;
       for (int halving = 0; halving < NewtonStep::kMaxHalvings && decrease == 0; ++halving) {
         const slide_detail::Walk walk = descend(ref, walker, m, x, site, first, p, reach);
         const RingValue v = ring.value(walk.at);
-        if (v.certified && v.value < m.value) {
+        if (v.certified && v.value < m.value && bound.allows(walk.at, walk.site)) {
           decrease = m.value - v.value;
           result.step.relative_move += walk.length / length;
           x = walk.at;
@@ -124,7 +125,7 @@ struct GradientSlide {
 
   template <class Ring>
   TETUNE_HD SlideResult operator()(Ring& ring, const Vec3& x, const Site& site, Mobility walker,
-                                   const ReferenceView& ref) const {
+                                   const ReferenceView& ref, const DeviationBound& bound) const {
     SlideResult result;
     result.step.position = x;
     result.site = site;
@@ -146,7 +147,7 @@ struct GradientSlide {
     for (int halving = 0; halving < GradientStep::kMaxHalvings; ++halving, alpha *= 0.5) {
       const Landing landing = advance(ref, walker, primitive, site, x, p, alpha);
       const RingValue v = ring.value(landing.at);
-      if (v.certified && v.value < m.value) {
+      if (v.certified && v.value < m.value && bound.allows(landing.at, landing.site)) {
         result.step.decrease = m.value - v.value;
         result.step.relative_move = landing.t / length;
         result.step.position = landing.at;

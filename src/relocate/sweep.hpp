@@ -29,6 +29,8 @@ struct Mobilities {
   /// Where each vertex is on the reference surface, and that surface; empty unless vertices slide.
   typename Backend::template Buffer<Site> site;
   ReferenceSurface<Backend> reference;
+  /// Most distance between the two surfaces; 0: no bound.
+  double max_deviation = 0;
   /// 1: worth a visit: at its last visit the vertex, or since then one of its ring, moved by more than kWake at once,
   /// or a flip changed its ring.
   typename Backend::template Buffer<std::uint8_t> awake;

@@ -35,6 +35,7 @@ struct RelocateVertex {
   Span<std::uint8_t> stirred;
   Span<Site> site;
   ReferenceView reference;
+  double max_deviation;
   Step step;
 
   TETUNE_HD SweepSum operator()(Size i) const {
@@ -72,7 +73,8 @@ struct RelocateVertex {
   TETUNE_HD StepResult relocate(AnyRing& ring, Index v) const {
     const Vec3 x = vec(points[v]);
     if (kind[v] != Mobility::curve && kind[v] != Mobility::surface) return step(ring, x, Motion{kind[v], axis[v]});
-    const SlideResult slid = slide_of(step)(ring, x, site[v], kind[v], reference);
+    const SlideResult slid =
+        slide_of(step)(ring, x, site[v], kind[v], reference, DeviationBound(reference, points, site, v, max_deviation));
     if (slid.step.decrease > 0) site[v] = slid.site;
     return slid.step;
   }
@@ -102,7 +104,7 @@ SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView
         count, sweep_detail::RelocateVertex<Ring, Step>{
                    mesh.law, mesh.points.span(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
                    mobilities.awake.span(), mobilities.stirred.span(), mobilities.site.span(),
-                   mobilities.reference.view(mobilities.kind.span()), step}));
+                   mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, step}));
   }
   return total;
 }
