@@ -29,17 +29,8 @@ TETUNE_HD inline Vec3 model_direction(const ReferenceView& ref, const RingModel&
   const Vec3 p = newton_direction(here, primitive.motion);
   if (primitive.on.kind != SiteKind::triangle || site.kind == SiteKind::triangle) return p;
   // From an edge or vertex the gradient leads inside; Newton's direction may not.
-  const Barycentrics b(ref, primitive.on.item);
-  bool inside = true;
-  if (site.kind == SiteKind::edge) {
-    const Index corner = site.item / 3 == primitive.on.item ? site.item : ref.across[site.item];
-    inside = dot(b.slope[corner % 3], p) > 0;
-  } else {
-    for (int k = 0; k < 3; ++k) {
-      if (ref.triangles[primitive.on.item].v[k] != site.item) inside = inside && dot(b.slope[k], p) > 0;
-    }
-  }
-  if (inside) return p;
+  const TriangleFrame frame(ref, primitive.on.item);
+  if (frame.leads_inside(entered_from(ref, site, primitive.on.item), p)) return p;
   const double curvature = dot(primitive.down, m.hessian * primitive.down);
   return (curvature > 0 ? dot(primitive.down, primitive.down) / curvature : 1) * primitive.down;
 }

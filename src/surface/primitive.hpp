@@ -26,6 +26,17 @@ TETUNE_HD inline Ends ends_of(const ReferenceView& ref, const Site& site) {
   return {t.v[(site.item + 1) % 3], t.v[(site.item + 2) % 3]};
 }
 
+/// The corners of a reference triangle that must rise for a direction to lead from a site into it, as bits.
+TETUNE_HD inline unsigned entered_from(const ReferenceView& ref, const Site& site, Index triangle) {
+  if (site.kind == SiteKind::edge) {
+    const Index corner = site.item / 3 == triangle ? site.item : ref.across[site.item];
+    return 1U << corner % 3;
+  }
+  if (site.kind != SiteKind::vertex) return 0;
+  const SurfaceTriangle t = ref.triangles[triangle];
+  return t.v[0] == site.item ? 6U : t.v[1] == site.item ? 5U : 3U;
+}
+
 namespace primitive_detail {
 
 struct Best {
@@ -33,18 +44,17 @@ struct Best {
   double slope2 = 0;
 
   /// Takes a triangle if its derivative is the largest so far and leads into it: the coordinates of the corners with a
-  /// bit in `enters` must not fall.
-  TETUNE_HD void triangle(const ReferenceView& ref, Index triangle, int enters, const Vec3& g) {
-    const Barycentrics b(ref, triangle);
-    if (b.degenerate) return;
-    const Vec3 down = -1.0 * b.tangent(g);
+  /// bit in `enters` must rise.
+  TETUNE_HD void triangle(const ReferenceView& ref, Index triangle, unsigned enters, const Vec3& g) {
+    const TriangleFrame frame(ref, triangle);
+    if (!frame.leads_inside(enters, -1.0 * g)) return;
+    const double n2 = dot(frame.normal, frame.normal);
+    if (!(n2 > 0)) return;
+    const Vec3 down = (dot(g, frame.normal) / n2) * frame.normal - g;
     const double d2 = dot(down, down);
     if (!(d2 > slope2)) return;
-    for (int k = 0; k < 3; ++k) {
-      if ((enters >> k & 1) != 0 && !(dot(b.slope[k], down) > 0)) return;
-    }
     slope2 = d2;
-    primitive = {{SiteKind::triangle, triangle}, {Mobility::plane, (1 / norm(b.normal)) * b.normal}, down};
+    primitive = {{SiteKind::triangle, triangle}, {Mobility::plane, (1 / std::sqrt(n2)) * frame.normal}, down};
   }
 
   /// The same for an edge or segment; `from` -1: either way, else away from that end only.
@@ -77,8 +87,8 @@ TETUNE_HD inline Primitive steepest(const ReferenceView& ref, Mobility walker, c
       break;
     case SiteKind::edge: {
       const Index other = ref.across[site.item];
-      best.triangle(ref, site.item / 3, 1 << site.item % 3, g);
-      if (other != kWall) best.triangle(ref, other / 3, 1 << other % 3, g);
+      best.triangle(ref, site.item / 3, 1U << site.item % 3, g);
+      if (other != kWall) best.triangle(ref, other / 3, 1U << other % 3, g);
       if (best.primitive.on.kind == SiteKind::none) best.edge(ref, site, -1, g);
       break;
     }
@@ -91,7 +101,7 @@ TETUNE_HD inline Primitive steepest(const ReferenceView& ref, Mobility walker, c
         for (Size c = ref.vertex2corner.begin(site.item); c < ref.vertex2corner.end(site.item); ++c) {
           const auto corner = static_cast<Index>(ref.vertex2corner.items[c]);
           if (edges == 0) {
-            best.triangle(ref, corner / 3, 7 ^ (1 << corner % 3), g);
+            best.triangle(ref, corner / 3, 7U ^ (1U << corner % 3), g);
           } else {
             // The edge to the next vertex: opposite the one after that. Around a vertex these are all its edges.
             best.edge(ref, {SiteKind::edge, corner / 3 * 3 + (corner + 2) % 3}, site.item, g);
@@ -134,13 +144,15 @@ TETUNE_HD inline Landing advance(const ReferenceView& ref, Mobility walker, cons
   }
 
   const Index triangle = primitive.on.item;
-  const Barycentrics b(ref, triangle);
+  const TriangleFrame b(ref, triangle);
+  const double inverse_n2 = 1 / dot(b.normal, b.normal);
   double l[3];
   double rate[3];
   for (int k = 0; k < 3; ++k) {
-    l[k] = b.at(k, y);
+    const Vec3 slope = inverse_n2 * b.inward(k);
+    l[k] = 1 + dot(slope, y - b.p[k]);
     if (l[k] < 0) l[k] = 0;
-    rate[k] = dot(b.slope[k], p);
+    rate[k] = dot(slope, p);
   }
   if (site.kind == SiteKind::edge) {
     const Index corner = site.item / 3 == triangle ? site.item : ref.across[site.item];
