@@ -53,7 +53,7 @@ TEST(Alexa, StaysOnTheSurfaceAndEndsAboveOurEnergy) {
   EXPECT_TRUE(validate(sequential).ok());
   EXPECT_LT(r.energy_after, r.energy_before);
   EXPECT_NEAR(r.energy_after, quality(sequential).eta_sum, 1e-9 * r.energy_after);
-  EXPECT_LT(compare(before, sequential).new_to_old, 1e-12);
+  EXPECT_LT(compare(before, sequential).vertices_to_old, 1e-12);
   TetMesh ours = before;
   EXPECT_LT(optimize(ours).energy_after, r.energy_after);
 }
