@@ -3,6 +3,7 @@
 
 #include "core/energy_law.hpp"
 #include "core/links.hpp"
+#include "core/quality_floor.hpp"
 #include "core/types.hpp"
 #include "par/buffer.hpp"
 
@@ -21,6 +22,7 @@ struct MeshView {
   Span<Links> tet2tet;
   Span<int> tet_tags;
   EnergyLaw law;
+  QualityFloor floor;
 
   TETUNE_HD bool alive(Size slot) const { return tet2vertex[slot].v[0] != kFreeSlot; }
 };
@@ -43,11 +45,13 @@ struct WorkMesh {
   Size free_count = 0;
   /// What the optimisation makes small.
   EnergyLaw law = kHarmonicLaw;
+  /// What it must not go below.
+  QualityFloor floor;
 
   Size vertices() const { return points.size(); }
   Size slots() const { return tet2vertex.size(); }
   Size tets() const { return slots() - free_count; }
-  MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet_tags.span(), law}; }
+  MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet_tags.span(), law, floor}; }
 };
 
 }  // namespace tetune

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/quality_floor.hpp"
 #include "core/rows.hpp"
 #include "core/work_mesh.hpp"
 #include "energy/harmonic.hpp"
@@ -72,11 +73,18 @@ TETUNE_HD TETUNE_INLINE double safe_volume(const OppositeFace<double>& f, const 
   return w > bound ? w : bound;
 }
 
-/// f at a position, and whether each volume there is certified positive.
+/// f at a position, and whether a vertex may be there: each volume is certified positive, and no tetrahedron worse than
+/// the floor.
 struct RingValue {
   double value;
   bool certified;
 };
+
+/// Whether the tetrahedron over a face is no worse than the floor.
+TETUNE_HD inline bool allowed(const QualityFloor& floor, const OppositeFace<double>& f, const Vec3& x, double shape) {
+  const Vec3 p[4] = {x, f.p0, f.p0 + f.b, f.p0 + f.a};
+  return floor.allows(shape, p, dot(f.n, x - f.p0));
+}
 
 /// One vertex's ring, read from memory each time: for the GPU, one thread a vertex, and for rings of any size.
 /// The interface that relocation is written against; SimdRing is the same for the CPU.
@@ -84,8 +92,9 @@ class PlainRing {
  public:
   static constexpr Size kCapacity = Size{1} << 31;
 
-  TETUNE_HD PlainRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count)
-      : law_(law), points_(points), faces_(faces), count_(count) {}
+  TETUNE_HD PlainRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count,
+                      const QualityFloor& floor = {})
+      : law_(law), floor_(floor), points_(points), faces_(faces), count_(count) {}
 
   TETUNE_HD RingModel model(const Vec3& x) {
     ModelSum<double> sum{};
@@ -111,12 +120,15 @@ class PlainRing {
   TETUNE_HD RingValue value(const Vec3& x) {
     double e = 0;
     bool certified = true;
-    for (Size i = 0; i < count_; ++i) {
+    for (Size i = 0; i < count_ && certified; ++i) {
       const OppositeFace<double> f = face(i);
       const Vec3 y = x - f.p0;
       const double w = dot(f.n, y);
-      certified = certified && w > 0 && volume_margin(f, y, w) > 0;
-      e += law_.term(area_term(f, y), 1 / w);
+      double shape = 0;
+      certified = w > 0 && volume_margin(f, y, w) > 0;
+      e += law_.term(area_term(f, y), 1 / w, shape);
+      certified =
+          certified && (kShapeFactor * shape <= floor_.safe_shape || allowed(floor_, f, x, kShapeFactor * shape));
     }
     return {law_.factor * e, certified};
   }
@@ -147,6 +159,7 @@ class PlainRing {
   }
 
   EnergyLaw law_;
+  QualityFloor floor_;
   Span<const Point> points_;
   const LinkFace* faces_;
   Size count_;

@@ -13,8 +13,9 @@ class SimdRing {
   static constexpr Size kCapacity = 128;
   typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
 
-  SimdRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count)
-      : law_(law), count_(count), packs_(static_cast<int>((count + kLanes - 1) / kLanes)) {
+  SimdRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count,
+           const QualityFloor& floor = {})
+      : law_(law), floor_(floor), count_(count), packs_(static_cast<int>((count + kLanes - 1) / kLanes)) {
     for (int k = 0; k < packs_; ++k) {
       const LinkFace* f[kLanes];
       for (int l = 0; l < kLanes; ++l) {
@@ -61,24 +62,26 @@ class SimdRing {
       const Lanes r = -(dot(faces_[k].n, ps) * inverse_volume_[k]);
       rate = r > rate ? r : rate;
     }
-    double most = 0;
-    for (int l = 0; l < kLanes; ++l) most = rate[l] > most ? rate[l] : most;
-    return 1 / most;
+    return 1 / most(rate);
   }
 
   RingValue value(const Vec3& x) {
     const Vec3T<Lanes> xs = spread(x);
     Lanes e = zero();
     Lanes margin = zero() + 1.0;
+    Lanes worst = zero();
     for (int k = 0; k < packs_; ++k) {
       const OppositeFace<Lanes>& f = faces_[k];
       const Vec3T<Lanes> y = xs - f.p0;
       const Lanes w = dot(f.n, y);
       const Lanes m = volume_margin(f, y, w > 0.0 ? w : zero());
       margin = m < margin ? m : margin;
-      e += weight(k) * law_.term(area_term(f, y), 1.0 / w);
+      Lanes shape;
+      e += weight(k) * law_.term(area_term(f, y), 1.0 / w, shape);
+      worst = shape > worst ? shape : worst;
     }
-    return {law_.factor * sum(e), least(margin) > 0};
+    return {law_.factor * sum(e),
+            least(margin) > 0 && (most(worst) <= floor_.safe_shape / kShapeFactor || keeps_floor(x))};
   }
 
   class Ray {
@@ -111,6 +114,11 @@ class SimdRing {
     for (int l = 1; l < kLanes; ++l) s += v[l];
     return s;
   }
+  static double most(const Lanes& v) {
+    double s = v[0];
+    for (int l = 1; l < kLanes; ++l) s = v[l] > s ? v[l] : s;
+    return s;
+  }
   static double least(const Lanes& v) {
     double s = v[0];
     for (int l = 1; l < kLanes; ++l) s = v[l] < s ? v[l] : s;
@@ -139,6 +147,16 @@ class SimdRing {
             {f.n.x[l], f.n.y[l], f.n.z[l]}};
   }
 
+  bool keeps_floor(const Vec3& x) const {
+    for (Size i = 0; i < count_; ++i) {
+      const OppositeFace<double> f = face(i);
+      const Vec3 y = x - f.p0;
+      const double shape = kShapeFactor * EnergyLaw::shape_term(area_term(f, y), 1 / dot(f.n, y));
+      if (shape > floor_.safe_shape && !allowed(floor_, f, x, shape)) return false;
+    }
+    return true;
+  }
+
   /// model() for a ring in which rounding leaves a volume in doubt: that volume counts with the bound on its error.
   RingModel doubtful_model(const Vec3& x) {
     ModelSum<double> total{};
@@ -153,6 +171,7 @@ class SimdRing {
   }
 
   EnergyLaw law_;
+  QualityFloor floor_;
   Size count_;
   int packs_;
   Lanes last_weight_;

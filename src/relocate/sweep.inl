@@ -26,6 +26,7 @@ struct FillFace {
 template <class Ring, class Step>
 struct RelocateVertex {
   EnergyLaw law;
+  QualityFloor floor;
   Span<Point> points;
   RingsView rings;
   Span<const Index> vertices;
@@ -50,10 +51,10 @@ struct RelocateVertex {
     const LinkFace* faces = rings.faces.data() + begin;
     StepResult result;
     if (count <= Ring::kCapacity) {
-      Ring ring(law, points, faces, count);
+      Ring ring(law, points, faces, count, floor);
       result = relocate(ring, v);
     } else {
-      PlainRing ring(law, points, faces, count);
+      PlainRing ring(law, points, faces, count, floor);
       result = relocate(ring, v);
     }
     if (result.decrease > 0) points[v] = point(result.position);
@@ -102,8 +103,8 @@ SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView
     const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
     total.merge(par.template reduce<SweepSum>(
         count, sweep_detail::RelocateVertex<Ring, Step>{
-                   mesh.law, mesh.points.span(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
-                   mobilities.awake.span(), mobilities.stirred.span(), mobilities.site.span(),
+                   mesh.law, mesh.floor, mesh.points.span(), rings, vertices, mobilities.kind.span(),
+                   mobilities.axis.span(), mobilities.awake.span(), mobilities.stirred.span(), mobilities.site.span(),
                    mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, step}));
   }
   return total;
