@@ -33,6 +33,7 @@ class Alternation {
         unit_(1 / work.scale) {}
 
   void run() {
+    work_.flips.max_ring = options_.max_ring;
     energy_ = refresh_energy(par_, work_.mesh, work_.flips);
     report_.energy_before = unit_ * energy_;
     activate_all(par_, work_.mesh, work_.flips);
@@ -105,10 +106,11 @@ class Alternation {
       r.decrease *= unit_;
       report_.flips23 += r.flips23;
       report_.flips32 += r.flips32;
+      report_.edge_removals += r.edge_removals;
       report_.flip_passes.push_back(r);
-      flips += r.flips23 + r.flips32;
+      flips += r.flips();
       if (!proceed("flips", iteration)) return -1;
-      if (r.flips23 + r.flips32 == 0) break;
+      if (r.flips() == 0) break;
     }
     return flips;
   }

@@ -1,16 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
+#include <string>
 
 #include "core/work_mesh.hpp"
 #include "flips/flip.hpp"
+#include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {
 
 /// A flip must lower the energy of its cavity by this part: above round-off, and so that no flip is undone by another.
 inline constexpr double kMinRelativeGain = 1e-9;
+
+/// Candidates of one tetrahedron: four faces, six edges.
+inline constexpr std::uint32_t kCandidates = 10;
+/// Most slots of a mesh: flip ids, slot * kCandidates + candidate, have 32 bits.
+inline constexpr Size kMaxSlots = (Size{1} << 32) / kCandidates;
+static_assert(4 * kMaxSlots <= Size{kLocked}, "links must be able to address all slots");
+
+/// Throws MeshError when flips would need more slots than there can be.
+inline void check_slots(Size needed) {
+  if (needed <= kMaxSlots) return;
+  throw MeshError("flips would need room for " + std::to_string(needed) + " tetrahedra; there can be at most " +
+                  std::to_string(kMaxSlots) + ". Use a smaller mesh, or flips that add fewer (max_ring 3).");
+}
 
 /// What the flip passes keep between them, in a backend's memory.
 template <class Backend>
@@ -27,6 +41,8 @@ struct FlipState {
   /// Edges inside a region that must stay.
   Buffer<std::uint64_t> constrained_keys;
   Buffer<std::uint8_t> constrained_vertex;
+  /// Largest ring of an edge removal, 3 to kMaxRing.
+  int max_ring = kMaxRing;
 
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
 };
@@ -46,8 +62,9 @@ Size activate_stirred(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uin
 
 /// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it
 /// is the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip
-/// takes a slot, a 3-2 flip frees one, and the links are kept up to date. `awake`, when given, is set for the vertices
-/// whose ring changed.
+/// takes a slot, a 3-2 flip frees one, an edge removal with n > 4 tetrahedra takes n - 4, and the links are kept up to
+/// date. `awake`, when given, is set for the vertices whose ring changed. Throws MeshError, before anything is changed,
+/// when there can be no such number of slots.
 template <class Backend>
 FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<std::uint8_t> awake);
 
