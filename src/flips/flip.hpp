@@ -40,15 +40,11 @@ struct Triangulation {
   std::uint8_t corner[kMaxRing - 2][3];
 };
 
-/// The face flip across face `face` of tetrahedron t; kind none where the face is locked or `skip` holds for the
-/// other tetrahedron.
-template <class Skip>
-TETUNE_HD inline Cavity face_cavity(const MeshView& mesh, Index t, int face, const Skip& skip) {
+/// The face flip across face `face` of tetrahedron t, which must not be locked.
+TETUNE_HD inline Cavity face_cavity(const MeshView& mesh, Index t, int face) {
   Cavity c;
   const Link link = mesh.tet2tet[t][face];
-  if (is_locked(link)) return c;
   const Index other = link_tet(link);
-  if (skip(other)) return c;
   const Tet tet = mesh.tet2vertex[t];
   c.kind = FlipKind::face23;
   c.a = tet[face];
@@ -79,16 +75,15 @@ TETUNE_HD TETUNE_INLINE EdgeCorners edge_corners(int edge) {
   return kTable[edge];
 }
 
-/// The removal of local edge `edge` of t; kind none where more than `max_ring` tetrahedra lie around it, a face between
-/// them is locked, the edge is constrained, or `skip` holds for one of the others.
+/// The removal of local edge `edge` of t, whose two faces at it must not be locked. Kind none where more than
+/// `max_ring` tetrahedra lie around the edge, another face between them is locked, the edge is constrained, or `skip`
+/// holds for a tetrahedron that does not share a face with t.
 template <class Skip>
 TETUNE_HD inline Cavity edge_cavity(const MeshView& mesh, const ConstrainedEdges& constrained, int max_ring, Index t,
                                     int edge, const Skip& skip) {
   Cavity c;
   EdgeCorners e = edge_corners(edge);
   const Links links = mesh.tet2tet[t];
-  if (is_locked(links[e.k]) || is_locked(links[e.l])) return c;
-  if (skip(link_tet(links[e.k])) || skip(link_tet(links[e.l]))) return c;
   const Tet tet = mesh.tet2vertex[t];
   if (tet[e.j] < tet[e.i]) e = {e.j, e.i, e.l, e.k};
   // Turn around the edge, from (a, k, l, b) across the face opposite k, until the tetrahedron opposite l.
@@ -111,7 +106,7 @@ TETUNE_HD inline Cavity edge_cavity(const MeshView& mesh, const ConstrainedEdges
     const Tet there = mesh.tet2vertex[next];
     const int entry = link_face(link);
     link = mesh.tet2tet[next][local_index(there, behind)];
-    if (is_locked(link) || skip(link_tet(link))) return c;
+    if (is_locked(link) || (link_tet(link) != last && skip(link_tet(link)))) return c;
     behind = there[entry];
   }
   if (n < 3) return c;

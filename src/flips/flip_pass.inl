@@ -27,20 +27,32 @@ TETUNE_HD inline std::uint32_t proposal_id(std::uint64_t proposal) {
   return ~static_cast<std::uint32_t>(proposal & 0xffffffffU);
 }
 
-/// What flip ids are told from.
+TETUNE_HD inline std::uint32_t flip_id(Index t, int candidate) {
+  return static_cast<std::uint32_t>(t) * kCandidates + static_cast<std::uint32_t>(candidate);
+}
+
+/// What flips are found in.
 struct Candidates {
   MeshView mesh;
   ConstrainedEdges constrained;
   int max_ring;
 
+  /// Candidates 0 to 3 of a tetrahedron are its faces, 4 to 9 its edges.
   template <class Skip>
-  TETUNE_HD Cavity cavity(std::uint32_t id, const Skip& skip) const {
-    const auto t = static_cast<Index>(id / kCandidates);
-    const auto candidate = static_cast<int>(id % kCandidates);
-    return candidate < 4 ? face_cavity(mesh, t, candidate, skip)
+  TETUNE_HD Cavity cavity(Index t, int candidate, const Skip& skip) const {
+    return candidate < 4 ? face_cavity(mesh, t, candidate)
                          : edge_cavity(mesh, constrained, max_ring, t, candidate - 4, skip);
   }
-  TETUNE_HD Cavity cavity(std::uint32_t id) const { return cavity(id, SkipNone{}); }
+  TETUNE_HD Cavity offered(std::uint64_t proposal) const {
+    const std::uint32_t id = proposal_id(proposal);
+    return cavity(static_cast<Index>(id / kCandidates), static_cast<int>(id % kCandidates), SkipNone{});
+  }
+  /// The faces of t that a candidate needs to be free, as bits.
+  TETUNE_HD static unsigned faces(int candidate) {
+    if (candidate < 4) return 1U << candidate;
+    const EdgeCorners e = edge_corners(candidate - 4);
+    return (1U << e.k) | (1U << e.l);
+  }
 
  private:
   struct SkipNone {
@@ -115,17 +127,21 @@ struct Propose {
 
   TETUNE_HD EvaluatedSum operator()(Size i) const {
     const Index t = active[i];
+    const SkipLower skip{is_active, t};
+    const Links links = candidates.mesh.tet2tet[t];
+    unsigned closed = 0;  // faces that are locked, or beyond which another one evaluates
+    for (int f = 0; f < 4; ++f) closed |= is_locked(links[f]) || skip(link_tet(links[f])) ? 1U << f : 0;
     EvaluatedSum sum;
-    for (std::uint32_t candidate = 0; candidate < kCandidates; ++candidate) {
-      const std::uint32_t id = static_cast<std::uint32_t>(t) * kCandidates + candidate;
-      const Cavity c = candidates.cavity(id, SkipLower{is_active, t});
+    for (int candidate = 0; candidate < static_cast<int>(kCandidates); ++candidate) {
+      if ((closed & Candidates::faces(candidate)) != 0) continue;
+      const Cavity c = candidates.cavity(t, candidate, skip);
       if (c.kind == FlipKind::none) continue;
       ++sum.evaluated;
       const double before = energy_before(c, eta);
       Triangulation triangulation;
       const double after = best_energy(candidates.mesh, c, before, triangulation);
       if (after < 0 || !(before - after > kMinRelativeGain * before)) continue;
-      const std::uint64_t offer = make_proposal(before - after, id);
+      const std::uint64_t offer = make_proposal(before - after, flip_id(t, candidate));
       for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
     }
     return sum;
@@ -141,7 +157,7 @@ struct Agreed {
     const Index t = active[i];
     const std::uint64_t best = proposal[t];
     if (best == 0 || proposal_id(best) / kCandidates != static_cast<std::uint32_t>(t)) return false;
-    const Cavity c = candidates.cavity(proposal_id(best));
+    const Cavity c = candidates.offered(best);
     for (int k = 0; k < c.size(); ++k) {
       if (proposal[c.tets[k]] != best) return false;
     }
@@ -197,7 +213,7 @@ struct Gather {
   TETUNE_HD void operator()(Size i) const {
     const MeshView& mesh = candidates.mesh;
     FlipRecord f{};
-    f.cavity = candidates.cavity(proposal_id(proposal[active[agreed[i]]]));
+    f.cavity = candidates.offered(proposal[active[agreed[i]]]);
     const Cavity& c = f.cavity;
     best_energy(mesh, c, energy_before(c, eta), f.triangulation);
     for (int k = 0; k < f.outer_faces(); ++k) {
