@@ -50,7 +50,7 @@ class Alternation {
       if (schedule.flips_due(iteration)) {
         clock_.measure("flips", [&] {
           energy_ = refresh_energy(par_, work_.mesh, work_.flips);
-          activate_stirred(par_, work_.mesh, work_.mobilities.stirred.span(), work_.flips);
+          activate_drifted(par_, work_.mesh, work_.flips);
         });
         const Size flips = flip_until_stable(iteration);
         if (flips < 0) return;

@@ -78,9 +78,8 @@ TETUNE_HD TETUNE_INLINE EdgeCorners edge_corners(int edge) {
 /// The removal of local edge `edge` of t, whose two faces at it must not be locked. Kind none where more than
 /// `max_ring` tetrahedra lie around the edge, another face between them is locked, the edge is constrained, or `skip`
 /// holds for a tetrahedron that does not share a face with t.
-template <class Skip>
 TETUNE_HD inline Cavity edge_cavity(const MeshView& mesh, const ConstrainedEdges& constrained, int max_ring, Index t,
-                                    int edge, const Skip& skip) {
+                                    int edge, Index lowest_tet) {
   Cavity c;
   EdgeCorners e = edge_corners(edge);
   const Links links = mesh.tet2tet[t];
@@ -106,7 +105,7 @@ TETUNE_HD inline Cavity edge_cavity(const MeshView& mesh, const ConstrainedEdges
     const Tet there = mesh.tet2vertex[next];
     const int entry = link_face(link);
     link = mesh.tet2tet[next][local_index(there, behind)];
-    if (is_locked(link) || (link_tet(link) != last && skip(link_tet(link)))) return c;
+    if (is_locked(link) || link_tet(link) < lowest_tet) return c;
     behind = there[entry];
   }
   if (n < 3) return c;

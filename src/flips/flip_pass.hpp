@@ -13,8 +13,14 @@ namespace tetune {
 /// A flip must lower the energy of its cavity by this part: above round-off, and so that no flip is undone by another.
 inline constexpr double kMinRelativeGain = 1e-9;
 
+/// A tetrahedron is examined again when it has drifted by the least part by which one of its flips would have raised
+/// the energy, or by this. Drift is kDriftRate times the longest move of a vertex over the height of the tetrahedron:
+/// docs/method.md, "Flips".
+inline constexpr double kMaxSlack = 0.2;
+inline constexpr double kDriftRate = 0.5;
+
 /// Candidates of one tetrahedron: four faces, six edges.
-inline constexpr std::uint32_t kCandidates = 10;
+inline constexpr int kCandidates = 10;
 /// Most slots of a mesh: flip ids, slot * kCandidates + candidate, have 32 bits.
 inline constexpr Size kMaxSlots = (Size{1} << 32) / kCandidates;
 static_assert(4 * kMaxSlots <= Size{kLocked}, "links must be able to address all slots");
@@ -41,6 +47,11 @@ struct FlipState {
   /// Edges inside a region that must stay.
   Buffer<std::uint64_t> constrained_keys;
   Buffer<std::uint8_t> constrained_vertex;
+  /// For each slot, how far the flips of its tetrahedron are from being worth it: the least part by which one would
+  /// raise the energy, kMaxSlack at most, less what the tetrahedron has drifted since.
+  Buffer<float> slack;
+  /// The positions that drift is measured from.
+  Buffer<Point> seen;
   /// Largest ring of an edge removal, 3 to kMaxRing.
   int max_ring = kMaxRing;
 
@@ -55,10 +66,10 @@ double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Bac
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
-/// Makes the tetrahedra with a stirred vertex active, and lets the vertices rest. Returns their number.
+/// Makes the tetrahedra active that have drifted so far that a flip around them may have become worth it. Returns their
+/// number.
 template <class Backend>
-Size activate_stirred(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uint8_t> stirred,
-                      FlipState<Backend>& state);
+Size activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
 /// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it
 /// is the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip

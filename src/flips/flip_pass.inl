@@ -30,6 +30,7 @@ TETUNE_HD inline std::uint32_t proposal_id(std::uint64_t proposal) {
 TETUNE_HD inline std::uint32_t flip_id(Index t, int candidate) {
   return static_cast<std::uint32_t>(t) * kCandidates + static_cast<std::uint32_t>(candidate);
 }
+TETUNE_HD inline Index id_tet(std::uint32_t id) { return static_cast<Index>(id / kCandidates); }
 
 /// What flips are found in.
 struct Candidates {
@@ -38,14 +39,13 @@ struct Candidates {
   int max_ring;
 
   /// Candidates 0 to 3 of a tetrahedron are its faces, 4 to 9 its edges.
-  template <class Skip>
-  TETUNE_HD Cavity cavity(Index t, int candidate, const Skip& skip) const {
+  TETUNE_HD Cavity cavity(Index t, int candidate, Index lowest) const {
     return candidate < 4 ? face_cavity(mesh, t, candidate)
-                         : edge_cavity(mesh, constrained, max_ring, t, candidate - 4, skip);
+                         : edge_cavity(mesh, constrained, max_ring, t, candidate - 4, lowest);
   }
   TETUNE_HD Cavity offered(std::uint64_t proposal) const {
     const std::uint32_t id = proposal_id(proposal);
-    return cavity(static_cast<Index>(id / kCandidates), static_cast<int>(id % kCandidates), SkipNone{});
+    return cavity(id_tet(id), static_cast<int>(id % kCandidates), 0);
   }
   /// The faces of t that a candidate needs to be free, as bits.
   TETUNE_HD static unsigned faces(int candidate) {
@@ -53,11 +53,6 @@ struct Candidates {
     const EdgeCorners e = edge_corners(candidate - 4);
     return (1U << e.k) | (1U << e.l);
   }
-
- private:
-  struct SkipNone {
-    TETUNE_HD bool operator()(Index) const { return false; }
-  };
 };
 
 TETUNE_HD inline double slot_energy(const MeshView& mesh, const Tet& t) {
@@ -83,21 +78,45 @@ struct IsAliveSlot {
   TETUNE_HD bool operator()(Size t) const { return mesh.alive(t); }
 };
 
-struct IsStirred {
+/// Takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the squared areas and w six
+/// times the volume, each height is at least w / sqrt(q).
+struct Drift {
   MeshView mesh;
-  Span<const std::uint8_t> stirred;
-  TETUNE_HD bool operator()(Size t) const {
-    if (!mesh.alive(t)) return false;
+  Span<const Point> seen;
+  Span<float> slack;
+  TETUNE_HD void operator()(Size t) const {
+    if (!mesh.alive(t)) return;
     const Tet tet = mesh.tet2vertex[t];
-    return (stirred[tet[0]] | stirred[tet[1]] | stirred[tet[2]] | stirred[tet[3]]) != 0;
+    Vec3 p[4];
+    double move2 = 0;
+    for (int k = 0; k < 4; ++k) {
+      p[k] = vec(mesh.points[tet[k]]);
+      const Vec3 move = p[k] - vec(seen[tet[k]]);
+      const double length2 = dot(move, move);
+      move2 = length2 > move2 ? length2 : move2;
+    }
+    const OppositeFace<double> f = opposite_face(p[1], p[2], p[3]);
+    const Vec3 y = p[0] - p[1];
+    const double w = dot(f.n, y);
+    slack[t] -= static_cast<float>(kDriftRate * std::sqrt(move2 * area_term(f, y)) / w);
   }
+};
+
+struct HasDrifted {
+  MeshView mesh;
+  Span<const float> slack;
+  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && !(slack[t] > 0); }
 };
 
 struct SetFlag {
   Span<const Index> slots;
   Span<std::uint8_t> flags;
-  std::uint8_t value;
-  TETUNE_HD void operator()(Size i) const { flags[slots[i]] = value; }
+  TETUNE_HD void operator()(Size i) const { flags[slots[i]] = 1; }
+};
+
+struct IsFlagged {
+  Span<const std::uint8_t> flags;
+  TETUNE_HD bool operator()(Size t) const { return flags[t] != 0; }
 };
 
 TETUNE_HD inline double energy_before(const Cavity& c, Span<const double> eta) {
@@ -111,39 +130,36 @@ struct EvaluatedSum {
   TETUNE_HD void merge(const EvaluatedSum& other) { evaluated += other.evaluated; }
 };
 
-/// Each candidate is evaluated once, by the lowest active tetrahedron of its cavity.
+/// Each candidate is evaluated once, by the lowest tetrahedron of its cavity: its owner.
 struct Propose {
   Candidates candidates;
   Span<const Index> active;
-  Span<const std::uint8_t> is_active;
   Span<const double> eta;
   Span<std::uint64_t> proposal;
-
-  struct SkipLower {
-    Span<const std::uint8_t> is_active;
-    Index t;
-    TETUNE_HD bool operator()(Index other) const { return other < t && is_active[other] != 0; }
-  };
+  Span<float> slack;
 
   TETUNE_HD EvaluatedSum operator()(Size i) const {
     const Index t = active[i];
-    const SkipLower skip{is_active, t};
     const Links links = candidates.mesh.tet2tet[t];
-    unsigned closed = 0;  // faces that are locked, or beyond which another one evaluates
-    for (int f = 0; f < 4; ++f) closed |= is_locked(links[f]) || skip(link_tet(links[f])) ? 1U << f : 0;
+    unsigned closed = 0;  // faces that are locked, or beyond which an owner lies
+    for (int f = 0; f < 4; ++f) closed |= is_locked(links[f]) || link_tet(links[f]) < t ? 1U << f : 0;
+    double least = 1 + kMaxSlack;  // of energy after over energy before
     EvaluatedSum sum;
-    for (int candidate = 0; candidate < static_cast<int>(kCandidates); ++candidate) {
+    for (int candidate = 0; candidate < kCandidates; ++candidate) {
       if ((closed & Candidates::faces(candidate)) != 0) continue;
-      const Cavity c = candidates.cavity(t, candidate, skip);
+      const Cavity c = candidates.cavity(t, candidate, t);
       if (c.kind == FlipKind::none) continue;
       ++sum.evaluated;
       const double before = energy_before(c, eta);
       Triangulation triangulation;
-      const double after = best_energy(candidates.mesh, c, before, triangulation);
-      if (after < 0 || !(before - after > kMinRelativeGain * before)) continue;
+      const double after = best_energy(candidates.mesh, c, (1 + kMaxSlack) * before, triangulation);
+      if (after < 0) continue;
+      least = after < least * before ? after / before : least;
+      if (!(before - after > kMinRelativeGain * before)) continue;
       const std::uint64_t offer = make_proposal(before - after, flip_id(t, candidate));
       for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
     }
+    slack[t] = static_cast<float>(least - 1);
     return sum;
   }
 };
@@ -156,7 +172,7 @@ struct Agreed {
   TETUNE_HD bool operator()(Size i) const {
     const Index t = active[i];
     const std::uint64_t best = proposal[t];
-    if (best == 0 || proposal_id(best) / kCandidates != static_cast<std::uint32_t>(t)) return false;
+    if (best == 0 || id_tet(proposal_id(best)) != t) return false;
     const Cavity c = candidates.offered(best);
     for (int k = 0; k < c.size(); ++k) {
       if (proposal[c.tets[k]] != best) return false;
@@ -215,7 +231,7 @@ struct Gather {
     FlipRecord f{};
     f.cavity = candidates.offered(proposal[active[agreed[i]]]);
     const Cavity& c = f.cavity;
-    best_energy(mesh, c, energy_before(c, eta), f.triangulation);
+    best_energy(mesh, c, (1 + kMaxSlack) * energy_before(c, eta), f.triangulation);
     for (int k = 0; k < f.outer_faces(); ++k) {
       const Link face = old_face(mesh, c, k);
       f.across[k] = mesh.tet2tet[link_tet(face)][link_face(face)];
@@ -229,12 +245,15 @@ struct Gather {
   }
 };
 
-struct Refused {
+/// Of the tetrahedra that were active, those stay so that own a flip worth making which was not made.
+struct KeepRefused {
   Span<const Index> active;
   Span<const std::uint64_t> proposal;
-  TETUNE_HD bool operator()(Size i) const {
-    const std::uint64_t p = proposal[active[i]];
-    return p != 0 && p != kFlipped;
+  Span<const float> slack;
+  Span<std::uint8_t> is_active;
+  TETUNE_HD void operator()(Size i) const {
+    const Index t = active[i];
+    is_active[t] = slack[t] < 0 && proposal[t] != kFlipped ? 1 : 0;
   }
 };
 
@@ -300,7 +319,8 @@ struct Write {
   Span<Index> free_slots;
   Size free_kept;
   Span<double> eta;
-  Span<Index> next_active;  ///< its part for the new tetrahedra
+  Span<float> slack;
+  Span<Index> made;
   Span<std::uint8_t> awake;
 
   TETUNE_HD FlipSum operator()(Size i) const {
@@ -315,7 +335,8 @@ struct Write {
       mesh.tet_tags[s] = tag;
       eta[s] = slot_energy(mesh, mesh.tet2vertex[s]);
       decrease -= eta[s];
-      next_active[before[i].makes + x] = s;
+      slack[s] = 0;
+      made[before[i].makes + x] = s;
     }
     for (int x = c.made(); x < c.size(); ++x) {
       mesh.tet2vertex[c.tets[x]][0] = kFreeSlot;
@@ -358,11 +379,25 @@ struct Write {
   }
 };
 
-struct PickSlots {
-  Span<const Index> from;
-  Span<const Index> positions;
-  Span<Index> to;
-  TETUNE_HD void operator()(Size i) const { to[i] = from[positions[i]]; }
+/// Makes the owners of all candidates of a new tetrahedron active.
+struct ActivateOwners {
+  Candidates candidates;
+  Span<const Index> made;
+  Span<std::uint8_t> is_active;
+  TETUNE_HD void operator()(Size i) const {
+    const Index t = made[i];
+    const Links links = candidates.mesh.tet2tet[t];
+    unsigned locked = 0;
+    for (int f = 0; f < 4; ++f) locked |= is_locked(links[f]) ? 1U << f : 0;
+    for (int candidate = 0; candidate < kCandidates; ++candidate) {
+      if ((locked & Candidates::faces(candidate)) != 0) continue;
+      const Cavity c = candidates.cavity(t, candidate, 0);
+      if (c.kind == FlipKind::none) continue;
+      Index owner = c.tets[0];
+      for (int k = 1; k < c.size(); ++k) owner = c.tets[k] < owner ? c.tets[k] : owner;
+      par::store_shared(is_active[owner], 1);
+    }
+  }
 };
 
 }  // namespace flip_detail
@@ -383,21 +418,24 @@ Size activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   par.fill(state.is_active.span(), std::uint8_t{0});
   const Size count = par.compact(slots, keep, state.active.span());
   state.active.resize(count);
-  par.for_each(count, flip_detail::SetFlag{state.active.span(), state.is_active.span(), 1});
+  par.for_each(count, flip_detail::SetFlag{state.active.span(), state.is_active.span()});
+  state.seen.resize(mesh.vertices());
+  Backend::copy(state.seen.span().data(), mesh.points.span().data(),
+                static_cast<std::size_t>(mesh.vertices()) * sizeof(Point));
   return count;
 }
 
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+  state.slack.resize(mesh.slots());
   activate_where(par, mesh, state, flip_detail::IsAliveSlot{mesh.view()});
 }
 
 template <class Backend>
-Size activate_stirred(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uint8_t> stirred,
-                      FlipState<Backend>& state) {
-  const Size count = activate_where(par, mesh, state, flip_detail::IsStirred{mesh.view(), stirred});
-  par.fill(stirred, std::uint8_t{0});
-  return count;
+Size activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+  using namespace flip_detail;
+  par.for_each(mesh.slots(), Drift{mesh.view(), state.seen.span(), state.slack.span()});
+  return activate_where(par, mesh, state, HasDrifted{mesh.view(), state.slack.span()});
 }
 
 template <class Backend>
@@ -410,8 +448,8 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   report.active = active;
   par.fill(state.proposal.span(), std::uint64_t{0});
   report.evaluated =
-      par.template reduce<EvaluatedSum>(active, Propose{candidates, state.active.span(), state.is_active.span(),
-                                                        state.eta.span(), state.proposal.span()})
+      par.template reduce<EvaluatedSum>(active, Propose{candidates, state.active.span(), state.eta.span(),
+                                                        state.proposal.span(), state.slack.span()})
           .evaluated;
 
   Ids agreed(active);
@@ -421,9 +459,8 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   par.for_each(flips, Gather{candidates, state.active.span(), agreed.span(), state.eta.span(), state.proposal.span(),
                              records.span(), before.span()});
   const SlotCounts counts = par.exclusive_scan(Span<const SlotCounts>(before.span()), before.span());
-  Ids refused_positions(active);
-  const Size refused =
-      par.compact(active, Refused{state.active.span(), state.proposal.span()}, refused_positions.span());
+  par.for_each(active,
+               KeepRefused{state.active.span(), state.proposal.span(), state.slack.span(), state.is_active.span()});
 
   const Size slots = mesh.slots();
   const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
@@ -435,21 +472,23 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   state.eta.grow(needed);
   state.proposal.grow(needed);
   state.is_active.grow(needed);
+  par.fill(Span<std::uint8_t>(state.is_active.span().data() + slots, needed - slots), std::uint8_t{0});
+  state.slack.grow(needed);
   mesh.free_slots.grow(std::max(mesh.free_count, free_kept + counts.frees));
 
   par.for_each(flips,
                Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), mesh.free_count, slots});
   par.for_each(flips, Resolve{mesh.view(), records.span(), state.proposal.span()});
-  Ids next(refused + counts.makes);
-  const FlipSum sum = par.template reduce<FlipSum>(
-      flips, Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), free_kept, state.eta.span(),
-                   Span<Index>(next.span().data() + refused, counts.makes), awake});
+  Ids made(counts.makes);
+  const FlipSum sum =
+      par.template reduce<FlipSum>(flips, Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(),
+                                                free_kept, state.eta.span(), state.slack.span(), made.span(), awake});
   mesh.free_count = free_kept + counts.frees;
 
-  par.for_each(refused, PickSlots{state.active.span(), refused_positions.span(), next.span()});
-  par.for_each(active, SetFlag{state.active.span(), state.is_active.span(), 0});
-  par.for_each(next.size(), SetFlag{next.span(), state.is_active.span(), 1});
-  state.active.swap(next);
+  par.for_each(made.size(),
+               ActivateOwners{{mesh.view(), state.constrained(), state.max_ring}, made.span(), state.is_active.span()});
+  state.active.resize(needed);
+  state.active.resize(par.compact(needed, IsFlagged{state.is_active.span()}, state.active.span()));
 
   report.flips23 = sum.flips23;
   report.flips32 = sum.flips32;
