@@ -152,8 +152,7 @@ struct Propose {
       ++sum.evaluated;
       const double before = energy_before(c, eta);
       Triangulation triangulation;
-      const double after = best_energy(candidates.mesh, c, (1 + kMaxSlack) * before, triangulation);
-      if (after < 0) continue;
+      const double after = best_energy(candidates.mesh, c, before, (1 + kMaxSlack) * before, triangulation);
       least = after < least * before ? after / before : least;
       if (!(before - after > kMinRelativeGain * before)) continue;
       const std::uint64_t offer = make_proposal(before - after, flip_id(t, candidate));
@@ -231,7 +230,8 @@ struct Gather {
     FlipRecord f{};
     f.cavity = candidates.offered(proposal[active[agreed[i]]]);
     const Cavity& c = f.cavity;
-    best_energy(mesh, c, (1 + kMaxSlack) * energy_before(c, eta), f.triangulation);
+    const double energy = energy_before(c, eta);
+    best_energy(mesh, c, energy, (1 + kMaxSlack) * energy, f.triangulation);
     for (int k = 0; k < f.outer_faces(); ++k) {
       const Link face = old_face(mesh, c, k);
       f.across[k] = mesh.tet2tet[link_tet(face)][link_face(face)];

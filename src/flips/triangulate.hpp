@@ -44,10 +44,28 @@ class RingFans {
     for (int m = 0; m < kLanes; ++m) ears_[m] = pair(m, m + 1, m + 2);
   }
 
-  /// Finds the triangulation of least energy. False when none is below `limit`.
-  TETUNE_HD bool best(double limit, Triangulation& triangulation) const {
-    limit /= kEtaFactor;
-    if (!two_ears_below(limit)) return false;
+  /// Finds the triangulation of least energy, and returns that; `limit` when none is below it.
+  TETUNE_HD double best(double limit, Triangulation& triangulation) const {
+    if (!(kEtaFactor * least_ears() < limit)) return limit;
+    return kEtaFactor * triangulate(limit / kEtaFactor, triangulation);
+  }
+
+ private:
+  static constexpr int kLanes = 8;
+
+  /// Each triangulation of four or more vertices has two ears that do not overlap.
+  TETUNE_HD double least_ears() const {
+    double least = kNever;
+    for (int i = 0; i + 2 < n_; ++i) {
+      for (int j = i + 2; j < (i == 0 ? n_ - 1 : n_); ++j) {
+        const double ears = ears_[i] + ears_[j];
+        least = ears < least ? ears : least;
+      }
+    }
+    return least;
+  }
+
+  TETUNE_HD double triangulate(double limit, Triangulation& triangulation) const {
     double least[kMaxRing][kMaxRing];
     std::uint8_t apex[kMaxRing][kMaxRing];
     for (int i = 0; i + 1 < n_; ++i) least[i][i + 1] = 0;
@@ -65,7 +83,7 @@ class RingFans {
         }
       }
     }
-    if (!(least[0][n_ - 1] < limit)) return false;
+    if (!(least[0][n_ - 1] < limit)) return limit;
     // Each triangle leaves the polygons beyond two of its sides for later.
     int count = 0;
     int open = 1;
@@ -82,11 +100,8 @@ class RingFans {
       ++count;
       open += 2;
     }
-    return true;
+    return least[0][n_ - 1];
   }
-
- private:
-  static constexpr int kLanes = 8;
 
   struct Fan {
     double x[kLanes + 2], y[kLanes + 2], z[kLanes + 2];
@@ -110,24 +125,12 @@ class RingFans {
     return pair(i, j, k);
   }
 
-  /// Each triangulation of four or more vertices has at least two ears.
-  TETUNE_HD bool two_ears_below(double limit) const {
-    double first = kNever;
-    double second = kNever;
-    for (int m = 0; m < n_; ++m) {
-      const double ear = ears_[m];
-      second = ear < first ? first : ear < second ? ear : second;
-      first = ear < first ? ear : first;
-    }
-    return first + second < limit;
-  }
-
   int n_;
   Fan from_a_, from_b_;
   double ears_[kLanes];
 };
 
-/// Sum of eta of the tetrahedra a flip would make; negative where one of them is not certified positive, or the sum is
+/// Sum of eta of the tetrahedra a flip would make; `limit` where one of them is not certified positive, or the sum is
 /// not below `limit`.
 TETUNE_HD inline double energy_after(const MeshView& mesh, const Cavity& c, const Triangulation& triangulation,
                                      double limit) {
@@ -137,7 +140,7 @@ TETUNE_HD inline double energy_after(const MeshView& mesh, const Cavity& c, cons
     const TetEnergy e =
         tet_energy(vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]), vec(mesh.points[t[3]]));
     sum += e.eta;
-    if (!e.certified || !(sum < limit)) return -1;
+    if (!e.certified || !(sum < limit)) return limit;
   }
   return sum;
 }
@@ -154,15 +157,17 @@ TETUNE_HD inline bool may_be_valid(const MeshView& mesh, const Cavity& c) {
   return dot(apq, ar) > 0 && dot(cross(aq - ap, ar - ap), ab - ap) > 0;
 }
 
-/// The least energy that a flip can leave in its cavity, and the triangulation that does; negative when it is not
-/// below `limit`. A function of its own in the machine code, so that its bits are the same wherever it is called.
-TETUNE_HD __attribute__((noinline)) inline double best_energy(const MeshView& mesh, const Cavity& c, double limit,
-                                                              Triangulation& triangulation) {
+/// The least energy that a flip can leave in its cavity instead of `before`, and the triangulation that does; `limit`
+/// when it is not below that. Exact where it is below `before`: as the new tetrahedra will have it. A function of its
+/// own in the machine code, so that its bits are the same wherever it is called.
+TETUNE_HD __attribute__((noinline)) inline double best_energy(const MeshView& mesh, const Cavity& c, double before,
+                                                              double limit, Triangulation& triangulation) {
   if (c.ring_size == 3) {
-    if (!may_be_valid(mesh, c)) return -1;
+    if (!may_be_valid(mesh, c)) return limit;
     for (std::uint8_t k = 0; k < 3; ++k) triangulation.corner[0][k] = k;
-  } else if (!RingFans(mesh, c).best(limit, triangulation)) {
-    return -1;
+  } else {
+    const double estimate = RingFans(mesh, c).best(limit, triangulation);
+    if (!(estimate < before)) return estimate;
   }
   return energy_after(mesh, c, triangulation, limit);
 }
