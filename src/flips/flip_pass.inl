@@ -47,12 +47,8 @@ struct Candidates {
     const std::uint32_t id = proposal_id(proposal);
     return cavity(id_tet(id), static_cast<int>(id % kCandidates), 0);
   }
-  /// The faces of t that a candidate needs to be free, as bits.
-  TETUNE_HD static unsigned faces(int candidate) {
-    if (candidate < 4) return 1U << candidate;
-    const EdgeCorners e = edge_corners(candidate - 4);
-    return (1U << e.k) | (1U << e.l);
-  }
+  /// The faces of a tetrahedron that a candidate needs to be free, as bits.
+  TETUNE_HD static unsigned faces(int candidate) { return candidate < 4 ? 1U << candidate : edge_faces(candidate - 4); }
 };
 
 TETUNE_HD inline double slot_energy(const MeshView& mesh, const Tet& t) {
