@@ -48,10 +48,7 @@ class Alternation {
       if (!proceed("sweep", iteration)) return;
       connectivity_changed = false;
       if (schedule.flips_due(iteration)) {
-        clock_.measure("flips", [&] {
-          energy_ = refresh_energy(par_, work_.mesh, work_.flips);
-          activate_drifted(par_, work_.mesh, work_.flips);
-        });
+        clock_.measure("flips", [&] { energy_ = activate_drifted(par_, work_.mesh, work_.flips); });
         const Size flips = flip_until_stable(iteration);
         if (flips < 0) return;
         connectivity_changed = flips > 0;

@@ -66,10 +66,10 @@ double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Bac
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
-/// Makes the tetrahedra active that have drifted so far that a flip around them may have become worth it. Returns their
-/// number.
+/// After vertices have moved: computes eta of each slot again, and makes the tetrahedra active that have drifted so far
+/// that a flip around them may have become worth it. Returns the sum of eta.
 template <class Backend>
-Size activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
+double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
 /// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it
 /// is the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip

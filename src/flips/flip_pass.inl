@@ -74,34 +74,38 @@ struct IsAliveSlot {
   TETUNE_HD bool operator()(Size t) const { return mesh.alive(t); }
 };
 
-/// Takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the squared areas and w six
-/// times the volume, each height is at least w / sqrt(q).
+/// Computes eta anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the
+/// squared areas and w six times the volume, each height is at least w / sqrt(q), and eta = 1.5 q / w.
 struct Drift {
   MeshView mesh;
   Span<const Point> seen;
+  Span<double> eta;
   Span<float> slack;
-  TETUNE_HD void operator()(Size t) const {
-    if (!mesh.alive(t)) return;
+  TETUNE_HD EnergySum operator()(Size t) const {
+    if (!mesh.alive(t)) return {};
     const Tet tet = mesh.tet2vertex[t];
-    Vec3 p[4];
+    eta[t] = slot_energy(mesh, tet);
     double move2 = 0;
     for (int k = 0; k < 4; ++k) {
-      p[k] = vec(mesh.points[tet[k]]);
-      const Vec3 move = p[k] - vec(seen[tet[k]]);
+      const Vec3 move = vec(mesh.points[tet[k]]) - vec(seen[tet[k]]);
       const double length2 = dot(move, move);
       move2 = length2 > move2 ? length2 : move2;
     }
-    const OppositeFace<double> f = opposite_face(p[1], p[2], p[3]);
-    const Vec3 y = p[0] - p[1];
-    const double w = dot(f.n, y);
-    slack[t] -= static_cast<float>(kDriftRate * std::sqrt(move2 * area_term(f, y)) / w);
+    const double w =
+        orient(vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]), vec(mesh.points[tet[3]]))
+            .det;
+    slack[t] -= static_cast<float>(kDriftRate * std::sqrt(move2 * eta[t] / (kEtaFactor * w)));
+    return {eta[t]};
   }
 };
 
 struct HasDrifted {
   MeshView mesh;
   Span<const float> slack;
-  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && !(slack[t] > 0); }
+  TETUNE_HD bool operator()(Size t) const {
+    // Slack is not a number where a volume is in doubt.
+    return mesh.alive(t) && !(slack[t] > 0);
+  }
 };
 
 struct SetFlag {
@@ -406,7 +410,7 @@ double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Bac
 }
 
 template <class Backend, class Keep>
-Size activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep) {
+void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep) {
   const Size slots = mesh.slots();
   state.active.resize(slots);
   state.is_active.resize(slots);
@@ -418,7 +422,6 @@ Size activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   state.seen.resize(mesh.vertices());
   Backend::copy(state.seen.span().data(), mesh.points.span().data(),
                 static_cast<std::size_t>(mesh.vertices()) * sizeof(Point));
-  return count;
 }
 
 template <class Backend>
@@ -428,10 +431,12 @@ void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend
 }
 
 template <class Backend>
-Size activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
   using namespace flip_detail;
-  par.for_each(mesh.slots(), Drift{mesh.view(), state.seen.span(), state.slack.span()});
-  return activate_where(par, mesh, state, HasDrifted{mesh.view(), state.slack.span()});
+  const EnergySum energy = par.template reduce<EnergySum>(
+      mesh.slots(), Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
+  activate_where(par, mesh, state, HasDrifted{mesh.view(), state.slack.span()});
+  return energy.sum;
 }
 
 template <class Backend>
