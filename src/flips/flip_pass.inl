@@ -104,7 +104,7 @@ struct HasDrifted {
   Span<const float> slack;
   TETUNE_HD bool operator()(Size t) const {
     // Slack is not a number where a volume is in doubt.
-    return mesh.alive(t) && !(slack[t] > 0);
+    return mesh.alive(t) && !(slack[t] >= 0);
   }
 };
 
@@ -153,8 +153,10 @@ struct Propose {
       const double before = energy_before(c, eta);
       Triangulation triangulation;
       const double after = best_energy(candidates.mesh, c, before, (1 + kMaxSlack) * before, triangulation);
-      least = after < least * before ? after / before : least;
-      if (!(before - after > kMinRelativeGain * before)) continue;
+      const bool better = before - after > kMinRelativeGain * before;
+      const double ratio = better || after > before ? after / before : 1;
+      least = ratio < least ? ratio : least;
+      if (!better) continue;
       const std::uint64_t offer = make_proposal(before - after, flip_id(t, candidate));
       for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
     }
@@ -335,7 +337,7 @@ struct Write {
       mesh.tet_tags[s] = tag;
       eta[s] = slot_energy(mesh, mesh.tet2vertex[s]);
       decrease -= eta[s];
-      slack[s] = 0;
+      slack[s] = static_cast<float>(kMaxSlack);
       made[before[i].makes + x] = s;
     }
     for (int x = c.made(); x < c.size(); ++x) {

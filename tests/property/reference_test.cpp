@@ -26,6 +26,7 @@ TEST(OrderedFlips, MakeAValidMeshOfTheEnergyTheyClaim) {
     EXPECT_EQ(reference::flip_in_order(m).flips32, 0);
     Options options;
     options.max_iterations = 0;
+    options.max_ring = 3;
     const Report ours = optimize(m, options);
     EXPECT_EQ(ours.flips23 + ours.flips32, 0);
   }
@@ -37,6 +38,7 @@ TEST(OrderedFlips, EndCloseToTheParallelOnes) {
   reference::flip_in_order(sequential);
   Options options;
   options.max_iterations = 0;
+  options.max_ring = 3;
   optimize(parallel, options);
   const auto difference = static_cast<double>(sequential.tets.size()) - static_cast<double>(parallel.tets.size());
   EXPECT_LT(std::fabs(difference), 0.005 * static_cast<double>(parallel.tets.size()));
