@@ -77,6 +77,9 @@ TETUNE_HD TETUNE_INLINE EdgeCorners edge_corners(int edge) {
 /// The two faces at an edge, those opposite k and l, as bits.
 TETUNE_HD TETUNE_INLINE unsigned edge_faces(int edge) { return 0x3596acU >> (4 * edge) & 0xf; }
 
+/// The local edge between two local vertices.
+TETUNE_HD TETUNE_INLINE int edge_of(int i, int j) { return i == 0 || j == 0 ? i + j - 1 : i + j; }
+
 /// local_index() without a branch, which nothing could predict on the way around an edge.
 TETUNE_HD TETUNE_INLINE int place_of(const Tet& tet, Index vertex) {
   return static_cast<int>(tet[1] == vertex) + 2 * static_cast<int>(tet[2] == vertex) +

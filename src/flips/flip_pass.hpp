@@ -41,9 +41,9 @@ struct FlipState {
   Buffer<double> eta;
   /// The best flip proposed for each slot: gain in the high half, flip id in the low one. 0: none.
   Buffer<std::uint64_t> proposal;
-  /// The slots to examine, and the same as flags.
+  /// The slots to examine, and for each slot the candidates to evaluate, as bits.
   Buffer<Index> active;
-  Buffer<std::uint8_t> is_active;
+  Buffer<std::uint32_t> wanted;
   /// Edges inside a region that must stay.
   Buffer<std::uint64_t> constrained_keys;
   Buffer<std::uint8_t> constrained_vertex;

@@ -11,6 +11,7 @@
 namespace tetune {
 namespace flip_detail {
 
+inline constexpr std::uint32_t kAllCandidates = (1U << kCandidates) - 1;
 /// Proposal of a slot whose tetrahedron is being flipped away in this pass.
 inline constexpr std::uint64_t kFlipped = ~std::uint64_t{0};
 
@@ -108,15 +109,15 @@ struct HasDrifted {
   }
 };
 
-struct SetFlag {
+struct WantAll {
   Span<const Index> slots;
-  Span<std::uint8_t> flags;
-  TETUNE_HD void operator()(Size i) const { flags[slots[i]] = 1; }
+  Span<std::uint32_t> wanted;
+  TETUNE_HD void operator()(Size i) const { wanted[slots[i]] = kAllCandidates; }
 };
 
-struct IsFlagged {
-  Span<const std::uint8_t> flags;
-  TETUNE_HD bool operator()(Size t) const { return flags[t] != 0; }
+struct IsWanted {
+  Span<const std::uint32_t> wanted;
+  TETUNE_HD bool operator()(Size t) const { return wanted[t] != 0; }
 };
 
 TETUNE_HD inline double energy_before(const Cavity& c, Span<const double> eta) {
@@ -134,6 +135,7 @@ struct EvaluatedSum {
 struct Propose {
   Candidates candidates;
   Span<const Index> active;
+  Span<const std::uint32_t> wanted;
   Span<const double> eta;
   Span<std::uint64_t> proposal;
   Span<float> slack;
@@ -146,7 +148,7 @@ struct Propose {
     double least = 1 + kMaxSlack;  // of energy after over energy before
     EvaluatedSum sum;
     for (int candidate = 0; candidate < kCandidates; ++candidate) {
-      if ((closed & Candidates::faces(candidate)) != 0) continue;
+      if ((wanted[t] >> candidate & 1U) == 0 || (closed & Candidates::faces(candidate)) != 0) continue;
       const Cavity c = candidates.cavity(t, candidate, t);
       if (c.kind == FlipKind::none) continue;
       ++sum.evaluated;
@@ -160,7 +162,8 @@ struct Propose {
       const std::uint64_t offer = make_proposal(before - after, flip_id(t, candidate));
       for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
     }
-    slack[t] = static_cast<float>(least - 1);
+    const auto now = static_cast<float>(least - 1);
+    slack[t] = wanted[t] == kAllCandidates || now < slack[t] ? now : slack[t];
     return sum;
   }
 };
@@ -252,10 +255,10 @@ struct KeepRefused {
   Span<const Index> active;
   Span<const std::uint64_t> proposal;
   Span<const float> slack;
-  Span<std::uint8_t> is_active;
+  Span<std::uint32_t> wanted;
   TETUNE_HD void operator()(Size i) const {
     const Index t = active[i];
-    is_active[t] = slack[t] < 0 && proposal[t] != kFlipped ? 1 : 0;
+    wanted[t] = slack[t] < 0 && proposal[t] != kFlipped ? kAllCandidates : 0;
   }
 };
 
@@ -381,23 +384,28 @@ struct Write {
   }
 };
 
-/// Makes the owners of all candidates of a new tetrahedron active.
-struct ActivateOwners {
+/// Makes the owners evaluate all candidates that have a new tetrahedron in their cavity.
+struct WantAround {
   Candidates candidates;
   Span<const Index> made;
-  Span<std::uint8_t> is_active;
+  Span<std::uint32_t> wanted;
   TETUNE_HD void operator()(Size i) const {
+    const MeshView& mesh = candidates.mesh;
     const Index t = made[i];
-    const Links links = candidates.mesh.tet2tet[t];
+    const Links links = mesh.tet2tet[t];
     unsigned locked = 0;
     for (int f = 0; f < 4; ++f) locked |= is_locked(links[f]) ? 1U << f : 0;
     for (int candidate = 0; candidate < kCandidates; ++candidate) {
       if ((locked & Candidates::faces(candidate)) != 0) continue;
       const Cavity c = candidates.cavity(t, candidate, 0);
       if (c.kind == FlipKind::none) continue;
-      Index owner = c.tets[0];
-      for (int k = 1; k < c.size(); ++k) owner = c.tets[k] < owner ? c.tets[k] : owner;
-      par::store_shared(is_active[owner], 1);
+      int lowest = 0;
+      for (int k = 1; k < c.size(); ++k) lowest = c.tets[k] < c.tets[lowest] ? k : lowest;
+      const Index owner = c.tets[lowest];
+      const Tet tet = mesh.tet2vertex[owner];
+      const int own = c.kind == FlipKind::face23 ? local_index(tet, lowest == 0 ? c.a : c.b)
+                                                 : 4 + edge_of(local_index(tet, c.a), local_index(tet, c.b));
+      par::atomic_or(wanted[owner], 1U << own);
     }
   }
 };
@@ -415,12 +423,12 @@ template <class Backend, class Keep>
 void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep) {
   const Size slots = mesh.slots();
   state.active.resize(slots);
-  state.is_active.resize(slots);
+  state.wanted.resize(slots);
   state.proposal.resize(slots);
-  par.fill(state.is_active.span(), std::uint8_t{0});
+  par.fill(state.wanted.span(), std::uint32_t{0});
   const Size count = par.compact(slots, keep, state.active.span());
   state.active.resize(count);
-  par.for_each(count, flip_detail::SetFlag{state.active.span(), state.is_active.span()});
+  par.for_each(count, flip_detail::WantAll{state.active.span(), state.wanted.span()});
   state.seen.resize(mesh.vertices());
   Backend::copy(state.seen.span().data(), mesh.points.span().data(),
                 static_cast<std::size_t>(mesh.vertices()) * sizeof(Point));
@@ -451,8 +459,8 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   report.active = active;
   par.fill(state.proposal.span(), std::uint64_t{0});
   report.evaluated =
-      par.template reduce<EvaluatedSum>(active, Propose{candidates, state.active.span(), state.eta.span(),
-                                                        state.proposal.span(), state.slack.span()})
+      par.template reduce<EvaluatedSum>(active, Propose{candidates, state.active.span(), state.wanted.span(),
+                                                        state.eta.span(), state.proposal.span(), state.slack.span()})
           .evaluated;
 
   Ids agreed(active);
@@ -463,7 +471,7 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
                              records.span(), before.span()});
   const SlotCounts counts = par.exclusive_scan(Span<const SlotCounts>(before.span()), before.span());
   par.for_each(active,
-               KeepRefused{state.active.span(), state.proposal.span(), state.slack.span(), state.is_active.span()});
+               KeepRefused{state.active.span(), state.proposal.span(), state.slack.span(), state.wanted.span()});
 
   const Size slots = mesh.slots();
   const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
@@ -474,8 +482,8 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   mesh.tet_tags.grow(needed);
   state.eta.grow(needed);
   state.proposal.grow(needed);
-  state.is_active.grow(needed);
-  par.fill(Span<std::uint8_t>(state.is_active.span().data() + slots, needed - slots), std::uint8_t{0});
+  state.wanted.grow(needed);
+  par.fill(Span<std::uint32_t>(state.wanted.span().data() + slots, needed - slots), std::uint32_t{0});
   state.slack.grow(needed);
   mesh.free_slots.grow(std::max(mesh.free_count, free_kept + counts.frees));
 
@@ -489,9 +497,9 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   mesh.free_count = free_kept + counts.frees;
 
   par.for_each(made.size(),
-               ActivateOwners{{mesh.view(), state.constrained(), state.max_ring}, made.span(), state.is_active.span()});
+               WantAround{{mesh.view(), state.constrained(), state.max_ring}, made.span(), state.wanted.span()});
   state.active.resize(needed);
-  state.active.resize(par.compact(needed, IsFlagged{state.is_active.span()}, state.active.span()));
+  state.active.resize(par.compact(needed, IsWanted{state.wanted.span()}, state.active.span()));
 
   report.flips23 = sum.flips23;
   report.flips32 = sum.flips32;
