@@ -80,6 +80,7 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
             {"termination", name_of(kTerminations, a.options.termination)},
             {"device", name_of(kDevices, a.options.device)},
             {"max_iterations", a.options.max_iterations},
+            {"max_ring", a.options.max_ring},
             {"threads", a.options.threads}}},
           {"read_seconds", read_seconds},
           {"write_seconds", write_seconds},
@@ -138,8 +139,9 @@ int run(const CLI::App& command, Arguments& a) {
   if (original && (verbosity > 0 || !a.report.empty())) change = compare(*original, mesh, a.options.threads);
   if (verbosity > 0) {
     fmt::print("{}", quality_table({"before", "after"}, {before, after}));
-    fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {}; {} of {} vertices fixed\n", report.sweeps.size(),
-               report.flips23, report.flips32, to_string(report.stop), report.fixed_vertices, report.vertices);
+    fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {} larger edge removals, {}; {} of {} vertices fixed\n",
+               report.sweeps.size(), report.flips23, report.flips32, report.edge_removals, to_string(report.stop),
+               report.fixed_vertices, report.vertices);
     if (report.corners_not_held > 0) {
       fmt::print(
           "  {} listed corners lie where the surface has no feature, too many for a list of corners: they may move\n",
@@ -214,6 +216,10 @@ void add_optimize(CLI::App& app, int& exit_code) {
       ->default_str("relative");
   c->add_option("--max-iterations", a->options.max_iterations, "Most relocation sweeps; 0: flips alone")
       ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  c->add_option("--max-ring", a->options.max_ring,
+                "Largest ring of tetrahedra around an edge that may be removed; 3: 3-2 flips alone, as in the paper")
+      ->check(CLI::Range(3, 7))
       ->capture_default_str();
   c->add_option("--threads", a->options.threads, "CPU threads; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))

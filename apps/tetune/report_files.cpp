@@ -69,6 +69,7 @@ Json to_json(const Report& r) {
                       {"evaluated", f.evaluated},
                       {"flips_2_3", f.flips23},
                       {"flips_3_2", f.flips32},
+                      {"edge_removals", f.edge_removals},
                       {"decrease", f.decrease},
                       {"seconds", f.seconds}});
   }
@@ -92,6 +93,7 @@ Json to_json(const Report& r) {
           {"energy_after", r.energy_after},
           {"flips_2_3", r.flips23},
           {"flips_3_2", r.flips32},
+          {"edge_removals", r.edge_removals},
           {"phase_seconds", phases},
           {"sweeps", sweeps},
           {"flip_passes", passes}};
@@ -124,19 +126,21 @@ Json counts_json(const TetMesh& mesh) {
 
 std::string trace_csv(const Report& report) {
   std::string text =
-      "event,iteration,pass,energy_before,decrease,gradient_norm,moved,active,evaluated,flips_2_3,flips_3_2,seconds\n";
+      "event,iteration,pass,energy_before,decrease,gradient_norm,moved,active,evaluated,flips_2_3,flips_3_2,edge_"
+      "removals,seconds\n";
   double energy = report.energy_before;
   auto pass = report.flip_passes.begin();
   const auto flips_after = [&](int iteration) {
     for (; pass != report.flip_passes.end() && pass->iteration == iteration; ++pass) {
-      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
-                          pass->decrease, pass->active, pass->evaluated, pass->flips23, pass->flips32, pass->seconds);
+      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
+                          pass->decrease, pass->active, pass->evaluated, pass->flips23, pass->flips32,
+                          pass->edge_removals, pass->seconds);
       energy -= pass->decrease;
     }
   };
   flips_after(0);
   for (const SweepReport& s : report.sweeps) {
-    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,{:.6f}\n", s.iteration, s.energy_before, s.decrease,
+    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,,{:.6f}\n", s.iteration, s.energy_before, s.decrease,
                         s.gradient_norm, s.moved, s.seconds);
     energy = s.energy_before - s.decrease;
     flips_after(s.iteration);

@@ -144,6 +144,7 @@ int main(int argc, char** argv) {
     const TetMesh mesh = tetune::read_mesh(a.mesh);
     Json json = {{"mesh", a.mesh}, {"what", a.what}, {"runs", a.runs}, {"input", quality_json(mesh)}};
     tetune::Options options;
+    options.max_ring = 3;  // the flips of the paper
     if (a.what == "flips") {
       options.max_iterations = 0;
       if (a.sequential) {

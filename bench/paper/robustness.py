@@ -87,7 +87,7 @@ def run(count, out):
                 failed += 1
                 continue
             result = folder / "out.meshb"
-            record = harness.run([harness.TETUNE, "optimize", mesh, "-o", result, "--quiet"], timeout=300)
+            record = harness.run([harness.TETUNE, "optimize", mesh, "-o", result, "--max-ring", "3", "--quiet"], timeout=300)
             if record["code"] != 0:
                 problems.append((seed, record["output"].strip()[:200]))
                 continue

@@ -65,6 +65,9 @@ struct Options {
   int max_iterations = 100;
   /// CPU threads; 0 means all, more than 4096 count as 4096. The result does not depend on it.
   int threads = 0;
+  /// Largest ring of an edge removal, 3 to 7: an edge with that many tetrahedra around it at most may be removed. 3 is
+  /// the paper's 3-2 flip.
+  int max_ring = 7;
 };
 
 /// One relocation sweep over all vertices (Alg. 1).
@@ -85,8 +88,10 @@ struct FlipReport {
   std::int64_t active = 0;     ///< tetrahedra examined
   std::int64_t evaluated = 0;  ///< candidate flips evaluated
   std::int64_t flips23 = 0, flips32 = 0;
+  std::int64_t edge_removals = 0;  ///< of edges with four or more tetrahedra
   double decrease = 0;
   double seconds = 0;
+  std::int64_t flips() const { return flips23 + flips32 + edge_removals; }
 };
 
 enum class StopReason {
@@ -119,7 +124,7 @@ struct Report {
   std::int64_t triangles_dropped = 0, edges_dropped = 0;
   int colors = 0;
   double energy_before = 0, energy_after = 0;
-  std::int64_t flips23 = 0, flips32 = 0;
+  std::int64_t flips23 = 0, flips32 = 0, edge_removals = 0;
   std::vector<SweepReport> sweeps;
   std::vector<FlipReport> flip_passes;
   std::vector<PhaseTime> phases;

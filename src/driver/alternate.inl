@@ -35,6 +35,7 @@ class Alternation {
         unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1) {}
 
   void run() {
+    work_.flips.max_ring = options_.max_ring;
     sum_up();
     report_.energy_before = unit_ * energy_;
     activate_all(par_, work_.mesh, work_.flips);
@@ -49,10 +50,7 @@ class Alternation {
       if (!proceed("sweep", iteration)) return;
       connectivity_changed = false;
       if (schedule.flips_due(iteration)) {
-        clock_.measure("flips", [&] {
-          sum_up();
-          activate_stirred(par_, work_.mesh, work_.mobilities.stirred.span(), work_.flips);
-        });
+        clock_.measure("flips", [&] { energy_ = last_sum_ = activate_drifted(par_, work_.mesh, work_.flips); });
         const Size flips = flip_until_stable(iteration);
         if (flips < 0) return;
         connectivity_changed = flips > 0;
@@ -109,10 +107,11 @@ class Alternation {
       r.decrease *= unit_;
       report_.flips23 += r.flips23;
       report_.flips32 += r.flips32;
+      report_.edge_removals += r.edge_removals;
       report_.flip_passes.push_back(r);
-      flips += r.flips23 + r.flips32;
+      flips += r.flips();
       if (!proceed("flips", iteration)) return -1;
-      if (r.flips23 + r.flips32 == 0) break;
+      if (r.flips() == 0) break;
     }
     return flips;
   }

@@ -6,6 +6,7 @@
 
 #include "driver/alternate.hpp"
 #include "driver/devices.hpp"
+#include "flips/flip.hpp"
 #include "par/cpu.hpp"
 #include "tetune/error.hpp"
 
@@ -32,6 +33,10 @@ const char* to_string(StopReason reason) {
 Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   if (options.max_iterations < 0) {
     throw OptionError("max_iterations is " + std::to_string(options.max_iterations) + "; it must be 0 or more");
+  }
+  if (options.max_ring < 3 || options.max_ring > kMaxRing) {
+    throw OptionError("max_ring is " + std::to_string(options.max_ring) + "; it must be 3 to " +
+                      std::to_string(kMaxRing));
   }
   if (options.threads < 0) {
     throw OptionError("threads is " + std::to_string(options.threads) + "; it must be 0 (all) or more");

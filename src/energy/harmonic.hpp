@@ -78,16 +78,22 @@ TETUNE_HD TETUNE_INLINE T volume_margin(const OppositeFace<T>& f, const Vec3T<T>
 struct TetEnergy {
   double eta;
   bool certified;
+  double shape;  ///< the shape energy, whatever the law
+  double q, w;   ///< four times the sum of the squared areas, six times the volume
 };
 
 TETUNE_HD TETUNE_INLINE TetEnergy tet_energy(const EnergyLaw& law, const Vec3& x, const Vec3& p0, const Vec3& p1,
                                              const Vec3& p2) {
   const OppositeFace<double> f = opposite_face(p0, p1, p2);
   const Vec3 y = x - p0;
-  const double w = dot(f.n, y);
+  const double volume = dot(f.n, y);
   const double bound = kOrientBound * permanent(f.a, f.b, y);
-  const bool certified = w > bound;
-  return {law.factor * law.term(area_term(f, y), 1 / (certified ? w : bound)), certified};
+  const bool certified = volume > bound;
+  const double w = certified ? volume : bound;
+  const double q = area_term(f, y);
+  double shape = 0;
+  const double energy = law.factor * law.term(q, 1 / w, shape);
+  return {energy, certified, kShapeFactor * shape, q, w};
 }
 
 /// The energy along the ray y + t p: q = A t^2 + 2 B t + C, w = D + E t.

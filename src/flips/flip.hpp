@@ -3,37 +3,65 @@
 
 #include "core/constrained_edges.hpp"
 #include "core/work_mesh.hpp"
-#include "energy/harmonic.hpp"
 
-/// The geometry of the bistellar flips (Fig. 1). Vertices a, b are the ends of the edge, p, q, r the triangle around
-/// it, with (a, p, q, r) positive:
-///   2-3:  (a,p,q,r), (b,p,r,q)            ->  (a,p,q,b), (a,q,r,b), (a,r,p,b)
-///   3-2:  the other way round.
+/// The connectivity of the flips (Fig. 1 and beyond). An edge (a, b) and the vertices r_0, r_1, ... around it, with
+/// (a, r_m, r_m+1, b) positive:
+///   2-3:           (a,p,q,r), (b,p,r,q)  ->  (a,p,q,b), (a,q,r,b), (a,r,p,b)
+///   edge removal:  (a,r_m,r_m+1,b) for all m  ->  (a,r_i,r_j,r_k), (b,r_i,r_k,r_j) for each triangle i < j < k of a
+///                  triangulation of the ring. With three tetrahedra it is the 3-2 flip.
 namespace tetune {
 
-enum class FlipKind : std::uint8_t { none, face23, edge32 };
+/// Most tetrahedra around an edge that is removed.
+inline constexpr int kMaxRing = 7;
+/// Slots that the removal of such an edge takes beyond those of its cavity.
+inline constexpr int kMaxExtra = kMaxRing - 4;
 
-/// Where the five vertices and the tetrahedra of a flip are.
+enum class FlipKind : std::uint8_t { none, face23, edge_removal };
+
+/// Where the vertices and the tetrahedra of a flip are. In an order that depends on the vertices alone, so that a flip
+/// is worth the same, to the last bit, whoever finds it: a < b, and r_0 is the lowest of the ring.
 struct Cavity {
   FlipKind kind = FlipKind::none;
+  std::uint8_t ring_size = 3;
   Index a, b;
-  Index ring[3];  ///< p, q, r
-  Index tets[3];  ///< 2-3: (a,p,q,r), (b,p,r,q), -; 3-2: (a,p,q,b), (a,q,r,b), (a,r,p,b)
+  Index ring[kMaxRing];
+  Index tets[kMaxRing];  ///< 2-3: (a,p,q,r), (b,p,r,q); edge removal: m holds r_m and r_m+1
+
+  /// Tetrahedra before.
+  TETUNE_HD int size() const { return kind == FlipKind::face23 ? 2 : ring_size; }
+  /// Tetrahedra after.
+  TETUNE_HD int made() const { return kind == FlipKind::face23 ? 3 : 2 * (ring_size - 2); }
+  /// Next place in the ring.
+  TETUNE_HD int after(int m) const { return m + 1 < ring_size ? m + 1 : 0; }
 };
 
-/// The face flip across face `face` of tetrahedron t; kind none where the face is locked.
+/// A triangulation of a ring: n - 2 triangles, each three places in the ring in increasing order.
+struct Triangulation {
+  std::uint8_t corner[kMaxRing - 2][3];
+};
+
+/// The face flip across face `face` of tetrahedron t, which must not be locked.
 TETUNE_HD inline Cavity face_cavity(const MeshView& mesh, Index t, int face) {
   Cavity c;
   const Link link = mesh.tet2tet[t][face];
-  if (is_locked(link)) return c;
+  const Index other = link_tet(link);
   const Tet tet = mesh.tet2vertex[t];
   c.kind = FlipKind::face23;
   c.a = tet[face];
-  for (int k = 0; k < 3; ++k) c.ring[k] = tet[face_vertex(face, k)];
-  c.tets[0] = t;
-  c.tets[1] = link_tet(link);
-  c.tets[2] = -1;
-  c.b = mesh.tet2vertex[c.tets[1]][link_face(link)];
+  c.b = mesh.tet2vertex[other][link_face(link)];
+  const bool turned = c.b < c.a;
+  if (turned) {
+    c.a = c.b;
+    c.b = tet[face];
+  }
+  c.tets[turned ? 1 : 0] = t;
+  c.tets[turned ? 0 : 1] = other;
+  // Seen from the other side, the face turns the other way round.
+  const Index face_ring[3] = {tet[face_vertex(face, 0)], tet[face_vertex(face, turned ? 2 : 1)],
+                              tet[face_vertex(face, turned ? 1 : 2)]};
+  int lowest = face_ring[1] < face_ring[0] ? 1 : 0;
+  if (face_ring[2] < face_ring[lowest]) lowest = 2;
+  for (int m = 0; m < 3; ++m) c.ring[m] = face_ring[lowest + m < 3 ? lowest + m : lowest + m - 3];
   return c;
 }
 
@@ -42,65 +70,108 @@ struct EdgeCorners {
   int i, j, k, l;  ///< the ends i, j; the others k, l
 };
 TETUNE_HD TETUNE_INLINE EdgeCorners edge_corners(int edge) {
-  constexpr EdgeCorners kTable[6] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2},
-                                     {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}};
-  return kTable[edge];
+  // One byte an edge: 01 23, 02 31, 03 12, 12 03, 13 20, 23 01.
+  const auto corners = static_cast<int>(0x4e2dc99c78e4ULL >> (8 * edge) & 0xff);
+  return {corners & 3, corners >> 2 & 3, corners >> 4 & 3, corners >> 6};
+}
+/// The two faces at an edge, those opposite k and l, as bits.
+TETUNE_HD TETUNE_INLINE unsigned edge_faces(int edge) { return 0x3596acU >> (4 * edge) & 0xf; }
+
+/// The local edge between two local vertices.
+TETUNE_HD TETUNE_INLINE int edge_of(int i, int j) { return i == 0 || j == 0 ? i + j - 1 : i + j; }
+
+/// local_index() without a branch, which nothing could predict on the way around an edge.
+TETUNE_HD TETUNE_INLINE int place_of(const Tet& tet, Index vertex) {
+  return static_cast<int>(tet[1] == vertex) + 2 * static_cast<int>(tet[2] == vertex) +
+         3 * static_cast<int>(tet[3] == vertex);
 }
 
-/// The edge flip at local edge `edge` of t; kind none unless exactly three tetrahedra, within unlocked faces, lie
-/// around it.
-TETUNE_HD inline Cavity edge_cavity(const MeshView& mesh, const ConstrainedEdges& constrained, Index t, int edge) {
+/// The removal of local edge `edge` of t, whose two faces at it must not be locked. Kind none where more than
+/// `max_ring` tetrahedra lie around the edge, another face between them is locked, the edge is constrained, or `skip`
+/// holds for a tetrahedron that does not share a face with t.
+TETUNE_HD inline Cavity edge_cavity(const MeshView& mesh, const ConstrainedEdges& constrained, int max_ring, Index t,
+                                    int edge, Index lowest_tet) {
   Cavity c;
-  const EdgeCorners e = edge_corners(edge);
-  const Link across_k = mesh.tet2tet[t][e.k];
-  const Link across_l = mesh.tet2tet[t][e.l];
-  if (is_locked(across_k) || is_locked(across_l)) return c;
-  const Index tet_k = link_tet(across_k);  // holds i, j, l and the third ring vertex
-  const Index tet_l = link_tet(across_l);
-  const Index r = mesh.tet2vertex[tet_k][link_face(across_k)];
-  if (r != mesh.tet2vertex[tet_l][link_face(across_l)]) return c;
+  EdgeCorners e = edge_corners(edge);
+  const Links links = mesh.tet2tet[t];
   const Tet tet = mesh.tet2vertex[t];
-  // The face (i, j, r) between the other two must be free as well.
-  if (is_locked(mesh.tet2tet[tet_k][local_index(mesh.tet2vertex[tet_k], tet[e.l])])) return c;
+  if (tet[e.j] < tet[e.i]) e = {e.j, e.i, e.l, e.k};
+  // Turn around the edge, from (a, k, l, b) across the face opposite k, until the tetrahedron opposite l.
+  Index ring[kMaxRing];
+  Index tets[kMaxRing];
+  ring[0] = tet[e.k];
+  tets[0] = t;
+  const Index last = link_tet(links[e.l]);
+  Index behind = tet[e.l];  // the ring vertex of the face just crossed
+  Link link = links[e.k];
+  int n = 1;
+  int lowest = 0;
+  for (Index next = link_tet(link);; next = link_tet(link)) {
+    if (n == max_ring) return c;
+    ring[n] = behind;
+    tets[n] = next;
+    if (behind < ring[lowest]) lowest = n;
+    ++n;
+    if (next == last) break;
+    const Tet there = mesh.tet2vertex[next];
+    const int entry = link_face(link);
+    link = mesh.tet2tet[next][place_of(there, behind)];
+    if (is_locked(link) || link_tet(link) < lowest_tet) return c;
+    behind = there[entry];
+  }
+  if (n < 3) return c;
   c.a = tet[e.i];
   c.b = tet[e.j];
   if (constrained.contains(c.a, c.b)) return c;
-  c.kind = FlipKind::edge32;
-  c.ring[0] = tet[e.k];
-  c.ring[1] = tet[e.l];
-  c.ring[2] = r;
-  c.tets[0] = t;
-  c.tets[1] = tet_k;  // (a, q, r, b), q = l
-  c.tets[2] = tet_l;  // (a, r, p, b), p = k
+  c.kind = FlipKind::edge_removal;
+  c.ring_size = static_cast<std::uint8_t>(n);
+  for (int m = 0; m < n; ++m) {
+    const int from = lowest + m < n ? lowest + m : lowest + m - n;
+    c.ring[m] = ring[from];
+    c.tets[m] = tets[from];
+  }
   return c;
 }
 
-/// Sum of eta of the tetrahedra a flip would make; negative where one of them is not certified positive.
-/// Gives up once the sum passes `limit`.
-TETUNE_HD inline double energy_after(const MeshView& mesh, const Cavity& c, double limit) {
-  const Vec3 a = vec(mesh.points[c.a]);
-  const Vec3 b = vec(mesh.points[c.b]);
-  const Vec3 p = vec(mesh.points[c.ring[0]]);
-  const Vec3 q = vec(mesh.points[c.ring[1]]);
-  const Vec3 r = vec(mesh.points[c.ring[2]]);
-  if (c.kind == FlipKind::face23) {
-    // All three wrap the new edge: reject on the cheap volumes first.
-    const Vec3 ab = b - a;
-    const Vec3 ap = p - a;
-    const Vec3 aq = q - a;
-    const Vec3 ar = r - a;
-    if (!(dot(cross(ap, aq), ab) > 0) || !(dot(cross(aq, ar), ab) > 0) || !(dot(cross(ar, ap), ab) > 0)) return -1;
-    const TetEnergy e0 = tet_energy(mesh.law, a, p, q, b);
-    if (!e0.certified || !(e0.eta < limit)) return -1;
-    const TetEnergy e1 = tet_energy(mesh.law, a, q, r, b);
-    if (!e1.certified || !(e0.eta + e1.eta < limit)) return -1;
-    const TetEnergy e2 = tet_energy(mesh.law, a, r, p, b);
-    return e2.certified ? e0.eta + e1.eta + e2.eta : -1;
+/// The outer faces before: 2 m and 2 m + 1 are those at ring edge (r_m, r_m+1), on the side of a and of b.
+TETUNE_HD inline Link old_face(const MeshView& mesh, const Cavity& c, int k) {
+  const int m = k / 2;
+  const int side = k % 2;
+  const bool split = c.kind == FlipKind::face23;
+  const Index t = c.tets[split ? side : m];
+  const Index opposite = split ? c.ring[c.after(c.after(m))] : side == 0 ? c.b : c.a;
+  return make_link(t, local_index(mesh.tet2vertex[t], opposite));
+}
+
+/// Which of the new tetrahedra this is: in an edge removal, 2 s and 2 s + 1 are those on triangle s.
+TETUNE_HD inline Tet new_tet(const Cavity& c, const Triangulation& triangulation, int x) {
+  if (c.kind == FlipKind::face23) return {{c.a, c.ring[x], c.ring[c.after(x)], c.b}};
+  const std::uint8_t* corner = triangulation.corner[x / 2];
+  const Index i = c.ring[corner[0]];
+  const Index j = c.ring[corner[1]];
+  const Index k = c.ring[corner[2]];
+  return x % 2 == 0 ? Tet{{c.a, i, j, k}} : Tet{{c.b, i, k, j}};
+}
+
+/// Of the new tetrahedra on a triangle, the face at the side opposite one of its corners.
+TETUNE_HD inline int face_at(int corner, int side) { return side == 0 || corner == 0 ? corner + 1 : 4 - corner; }
+
+/// A side of a triangle of the triangulation: opposite which corner of which triangle.
+struct TriangleSide {
+  int triangle, corner;
+};
+
+/// The side (from, to), from < to, of a triangle other than `not_this`.
+TETUNE_HD inline TriangleSide find_side(const Cavity& c, const Triangulation& triangulation, int from, int to,
+                                        int not_this) {
+  for (int s = 0; s < c.ring_size - 2; ++s) {
+    const std::uint8_t* corner = triangulation.corner[s];
+    if (s == not_this) continue;
+    if (corner[0] == from && corner[1] == to) return {s, 2};
+    if (corner[0] == from && corner[2] == to) return {s, 1};
+    if (corner[1] == from && corner[2] == to) return {s, 0};
   }
-  const TetEnergy e0 = tet_energy(mesh.law, a, p, q, r);
-  if (!e0.certified || !(e0.eta < limit)) return -1;
-  const TetEnergy e1 = tet_energy(mesh.law, b, p, r, q);
-  return e1.certified ? e0.eta + e1.eta : -1;
+  return {-1, -1};
 }
 
 }  // namespace tetune

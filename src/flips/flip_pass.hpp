@@ -1,16 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
+#include <string>
 
 #include "core/work_mesh.hpp"
 #include "flips/flip.hpp"
+#include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {
 
 /// A flip must lower the energy of its cavity by this part: above round-off, and so that no flip is undone by another.
 inline constexpr double kMinRelativeGain = 1e-9;
+
+/// A tetrahedron is examined again when it has drifted by the least part by which one of its flips would have raised
+/// the energy, or by this. Drift is kDriftRate times the longest move of a vertex over the height of the tetrahedron:
+/// docs/method.md, "Flips".
+inline constexpr double kMaxSlack = 0.2;
+inline constexpr double kDriftRate = 0.5;
+/// The same for an energy of other powers than eta = 1.5 q / w.
+TETUNE_HD inline double drift_rate(const EnergyLaw& law) { return kDriftRate * (law.gu - law.gv) / 3; }
+
+/// Candidates of one tetrahedron: four faces, six edges.
+inline constexpr int kCandidates = 10;
+/// Most slots of a mesh: flip ids, slot * kCandidates + candidate, have 32 bits.
+inline constexpr Size kMaxSlots = (Size{1} << 32) / kCandidates;
+static_assert(4 * kMaxSlots <= Size{kLocked}, "links must be able to address all slots");
+
+/// Throws MeshError when flips would need more slots than there can be.
+inline void check_slots(Size needed) {
+  if (needed <= kMaxSlots) return;
+  throw MeshError("flips would need room for " + std::to_string(needed) + " tetrahedra; there can be at most " +
+                  std::to_string(kMaxSlots) + ". Use a smaller mesh, or flips that add fewer (max_ring 3).");
+}
 
 /// What the flip passes keep between them, in a backend's memory.
 template <class Backend>
@@ -21,12 +43,19 @@ struct FlipState {
   Buffer<double> eta;
   /// The best flip proposed for each slot: gain in the high half, flip id in the low one. 0: none.
   Buffer<std::uint64_t> proposal;
-  /// The slots to examine, and the same as flags.
+  /// The slots to examine, and for each slot the candidates to evaluate, as bits.
   Buffer<Index> active;
-  Buffer<std::uint8_t> is_active;
+  Buffer<std::uint32_t> wanted;
   /// Edges inside a region that must stay.
   Buffer<std::uint64_t> constrained_keys;
   Buffer<std::uint8_t> constrained_vertex;
+  /// For each slot, how far the flips of its tetrahedron are from being worth it: the least part by which one would
+  /// raise the energy, kMaxSlack at most, less what the tetrahedron has drifted since.
+  Buffer<float> slack;
+  /// The positions that drift is measured from.
+  Buffer<Point> seen;
+  /// Largest ring of an edge removal, 3 to kMaxRing.
+  int max_ring = kMaxRing;
 
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
 };
@@ -39,15 +68,16 @@ double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Bac
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
-/// Makes the tetrahedra with a stirred vertex active, and lets the vertices rest. Returns their number.
+/// After vertices have moved: computes eta of each slot again, and makes the tetrahedra active that have drifted so far
+/// that a flip around them may have become worth it. Returns the sum of eta.
 template <class Backend>
-Size activate_stirred(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uint8_t> stirred,
-                      FlipState<Backend>& state);
+double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
 /// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it
 /// is the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip
-/// takes a slot, a 3-2 flip frees one, and the links are kept up to date. `awake`, when given, is set for the vertices
-/// whose ring changed.
+/// takes a slot, a 3-2 flip frees one, an edge removal with n > 4 tetrahedra takes n - 4, and the links are kept up to
+/// date. `awake`, when given, is set for the vertices whose ring changed. Throws MeshError, before anything is changed,
+/// when there can be no such number of slots.
 template <class Backend>
 FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<std::uint8_t> awake);
 

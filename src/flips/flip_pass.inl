@@ -5,13 +5,13 @@
 #include <cstring>
 
 #include "flips/flip_pass.hpp"
+#include "flips/triangulate.hpp"
 #include "par/atomic.hpp"
 
 namespace tetune {
 namespace flip_detail {
 
-/// Candidates of one tetrahedron: four faces, six edges.
-inline constexpr std::uint32_t kCandidates = 10;
+inline constexpr std::uint32_t kAllCandidates = (1U << kCandidates) - 1;
 /// Proposal of a slot whose tetrahedron is being flipped away in this pass.
 inline constexpr std::uint64_t kFlipped = ~std::uint64_t{0};
 
@@ -28,17 +28,33 @@ TETUNE_HD inline std::uint32_t proposal_id(std::uint64_t proposal) {
   return ~static_cast<std::uint32_t>(proposal & 0xffffffffU);
 }
 
-TETUNE_HD inline Cavity cavity_of(const MeshView& mesh, const ConstrainedEdges& constrained, std::uint32_t id) {
-  const auto t = static_cast<Index>(id / kCandidates);
-  const auto candidate = static_cast<int>(id % kCandidates);
-  return candidate < 4 ? face_cavity(mesh, t, candidate) : edge_cavity(mesh, constrained, t, candidate - 4);
+TETUNE_HD inline std::uint32_t flip_id(Index t, int candidate) {
+  return static_cast<std::uint32_t>(t) * kCandidates + static_cast<std::uint32_t>(candidate);
 }
-TETUNE_HD inline int cavity_size(const Cavity& c) { return c.kind == FlipKind::face23 ? 2 : 3; }
+TETUNE_HD inline Index id_tet(std::uint32_t id) { return static_cast<Index>(id / kCandidates); }
 
-TETUNE_HD inline double slot_energy(const MeshView& mesh, const Tet& t) {
+/// What flips are found in.
+struct Candidates {
+  MeshView mesh;
+  ConstrainedEdges constrained;
+  int max_ring;
+
+  /// Candidates 0 to 3 of a tetrahedron are its faces, 4 to 9 its edges.
+  TETUNE_HD Cavity cavity(Index t, int candidate, Index lowest) const {
+    return candidate < 4 ? face_cavity(mesh, t, candidate)
+                         : edge_cavity(mesh, constrained, max_ring, t, candidate - 4, lowest);
+  }
+  TETUNE_HD Cavity offered(std::uint64_t proposal) const {
+    const std::uint32_t id = proposal_id(proposal);
+    return cavity(id_tet(id), static_cast<int>(id % kCandidates), 0);
+  }
+  /// The faces of a tetrahedron that a candidate needs to be free, as bits.
+  TETUNE_HD static unsigned faces(int candidate) { return candidate < 4 ? 1U << candidate : edge_faces(candidate - 4); }
+};
+
+TETUNE_HD inline TetEnergy slot_energy(const MeshView& mesh, const Tet& t) {
   return tet_energy(mesh.law, vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]),
-                    vec(mesh.points[t[3]]))
-      .eta;
+                    vec(mesh.points[t[3]]));
 }
 
 struct EnergySum {
@@ -50,7 +66,7 @@ struct RefreshEta {
   MeshView mesh;
   Span<double> eta;
   TETUNE_HD EnergySum operator()(Size t) const {
-    eta[t] = mesh.alive(t) ? slot_energy(mesh, mesh.tet2vertex[t]) : 0;
+    eta[t] = mesh.alive(t) ? slot_energy(mesh, mesh.tet2vertex[t]).eta : 0;
     return {eta[t]};
   }
 };
@@ -60,74 +76,109 @@ struct IsAliveSlot {
   TETUNE_HD bool operator()(Size t) const { return mesh.alive(t); }
 };
 
-struct IsStirred {
+/// Computes eta anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the
+/// squared areas and w six times the volume, each height is at least w / sqrt(q), so that no height changes by a larger
+/// part.
+struct Drift {
   MeshView mesh;
-  Span<const std::uint8_t> stirred;
-  TETUNE_HD bool operator()(Size t) const {
-    if (!mesh.alive(t)) return false;
+  Span<const Point> seen;
+  Span<double> eta;
+  Span<float> slack;
+  TETUNE_HD EnergySum operator()(Size t) const {
+    if (!mesh.alive(t)) return {};
     const Tet tet = mesh.tet2vertex[t];
-    return (stirred[tet[0]] | stirred[tet[1]] | stirred[tet[2]] | stirred[tet[3]]) != 0;
+    const TetEnergy e = slot_energy(mesh, tet);
+    eta[t] = e.eta;
+    double move2 = 0;
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 move = vec(mesh.points[tet[k]]) - vec(seen[tet[k]]);
+      const double length2 = dot(move, move);
+      move2 = length2 > move2 ? length2 : move2;
+    }
+    slack[t] -= static_cast<float>(drift_rate(mesh.law) * std::sqrt(move2 * e.q) / e.w);
+    return {eta[t]};
   }
 };
 
-struct SetFlag {
-  Span<const Index> slots;
-  Span<std::uint8_t> flags;
-  std::uint8_t value;
-  TETUNE_HD void operator()(Size i) const { flags[slots[i]] = value; }
+struct HasDrifted {
+  MeshView mesh;
+  Span<const float> slack;
+  TETUNE_HD bool operator()(Size t) const {
+    // Slack is not a number where a volume is in doubt.
+    return mesh.alive(t) && !(slack[t] >= 0);
+  }
 };
+
+struct WantAll {
+  Span<const Index> slots;
+  Span<std::uint32_t> wanted;
+  TETUNE_HD void operator()(Size i) const { wanted[slots[i]] = kAllCandidates; }
+};
+
+struct IsWanted {
+  Span<const std::uint32_t> wanted;
+  TETUNE_HD bool operator()(Size t) const { return wanted[t] != 0; }
+};
+
+TETUNE_HD inline double energy_before(const Cavity& c, Span<const double> eta) {
+  double sum = 0;
+  for (int k = 0; k < c.size(); ++k) sum += eta[c.tets[k]];
+  return sum;
+}
 
 struct EvaluatedSum {
   Size evaluated = 0;
   TETUNE_HD void merge(const EvaluatedSum& other) { evaluated += other.evaluated; }
 };
 
-/// Each candidate is evaluated once, by the lowest active tetrahedron of its cavity.
+/// Each candidate is evaluated once, by the lowest tetrahedron of its cavity: its owner.
 struct Propose {
-  MeshView mesh;
-  ConstrainedEdges constrained;
+  Candidates candidates;
   Span<const Index> active;
-  Span<const std::uint8_t> is_active;
+  Span<const std::uint32_t> wanted;
   Span<const double> eta;
   Span<std::uint64_t> proposal;
+  Span<float> slack;
 
   TETUNE_HD EvaluatedSum operator()(Size i) const {
     const Index t = active[i];
+    const Links links = candidates.mesh.tet2tet[t];
+    unsigned closed = 0;  // faces that are locked, or beyond which an owner lies
+    for (int f = 0; f < 4; ++f) closed |= is_locked(links[f]) || link_tet(links[f]) < t ? 1U << f : 0;
+    double least = 1 + kMaxSlack;  // of energy after over energy before
     EvaluatedSum sum;
-    for (std::uint32_t candidate = 0; candidate < kCandidates; ++candidate) {
-      const std::uint32_t id = static_cast<std::uint32_t>(t) * kCandidates + candidate;
-      const Cavity c = cavity_of(mesh, constrained, id);
+    for (int candidate = 0; candidate < kCandidates; ++candidate) {
+      if ((wanted[t] >> candidate & 1U) == 0 || (closed & Candidates::faces(candidate)) != 0) continue;
+      const Cavity c = candidates.cavity(t, candidate, t);
       if (c.kind == FlipKind::none) continue;
-      const int n = cavity_size(c);
-      bool mine = true;
-      double before = eta[t];
-      for (int k = 1; k < n; ++k) {
-        mine = mine && !(c.tets[k] < t && is_active[c.tets[k]] != 0);
-        before += eta[c.tets[k]];
-      }
-      if (!mine) continue;
       ++sum.evaluated;
-      const double after = energy_after(mesh, c, before);
-      if (after < 0 || !(before - after > kMinRelativeGain * before)) continue;
-      const std::uint64_t offer = make_proposal(before - after, id);
-      for (int k = 0; k < n; ++k) par::atomic_max(proposal[c.tets[k]], offer);
+      const double before = energy_before(c, eta);
+      Triangulation triangulation;
+      const double after = best_energy(candidates.mesh, c, before, (1 + kMaxSlack) * before, triangulation);
+      const bool better = before - after > kMinRelativeGain * before;
+      const double ratio = better || after > before ? after / before : 1;
+      least = ratio < least ? ratio : least;
+      if (!better) continue;
+      const std::uint64_t offer = make_proposal(before - after, flip_id(t, candidate));
+      for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
     }
+    const auto now = static_cast<float>(least - 1);
+    slack[t] = wanted[t] == kAllCandidates || now < slack[t] ? now : slack[t];
     return sum;
   }
 };
 
 /// A flip is agreed when all its tetrahedra hold it as their best (Alg. 5, lines 21 to 33). Its evaluator decides.
 struct Agreed {
-  MeshView mesh;
-  ConstrainedEdges constrained;
+  Candidates candidates;
   Span<const Index> active;
   Span<const std::uint64_t> proposal;
   TETUNE_HD bool operator()(Size i) const {
     const Index t = active[i];
     const std::uint64_t best = proposal[t];
-    if (best == 0 || proposal_id(best) / kCandidates != static_cast<std::uint32_t>(t)) return false;
-    const Cavity c = cavity_of(mesh, constrained, proposal_id(best));
-    for (int k = 1; k < cavity_size(c); ++k) {
+    if (best == 0 || id_tet(proposal_id(best)) != t) return false;
+    const Cavity c = candidates.offered(best);
+    for (int k = 0; k < c.size(); ++k) {
       if (proposal[c.tets[k]] != best) return false;
     }
     return true;
@@ -137,77 +188,77 @@ struct Agreed {
 /// One agreed flip on its way through the phases.
 struct FlipRecord {
   Cavity cavity;
-  Index slots[3];    ///< of the new tetrahedra; the third of a 3-2 flip is the one it frees
-  Link old_face[6];  ///< outer faces before: 2 m and 2 m + 1 are those at ring edge m, on the side of a and of b
-  Link across[6];    ///< what lies across them
+  Triangulation triangulation;
+  Index extra[kMaxExtra];     ///< slots it takes
+  Link across[2 * kMaxRing];  ///< what lies across the outer faces
+
+  TETUNE_HD int outer_faces() const { return 2 * cavity.ring_size; }
+  /// Slot of new tetrahedron x: those of the old ones are used first.
+  TETUNE_HD Index slot(int x) const { return x < cavity.size() ? cavity.tets[x] : extra[x - cavity.size()]; }
+  /// Where outer face k is afterwards.
+  TETUNE_HD Link new_face(int k) const {
+    const int m = k / 2;
+    const int side = k % 2;
+    if (cavity.kind == FlipKind::face23) return make_link(slot(m), side == 0 ? 3 : 0);
+    const bool closing = m + 1 == cavity.ring_size;
+    const TriangleSide in = find_side(cavity, triangulation, closing ? 0 : m, closing ? m : m + 1, -1);
+    return make_link(slot(2 * in.triangle + side), face_at(in.corner, side));
+  }
 };
 
-/// Where outer face k of a flip is afterwards.
-TETUNE_HD inline Link new_face(const FlipRecord& f, int k) {
-  const int m = k / 2;
-  if (f.cavity.kind == FlipKind::face23) return make_link(f.slots[m], k % 2 == 0 ? 3 : 0);
-  // In (a,p,q,r) and (b,p,r,q), the vertex opposite ring edge m = pq, qr, rp.
-  constexpr int kOpposite[2][3] = {{3, 1, 2}, {2, 1, 3}};
-  return make_link(f.slots[k % 2], kOpposite[k % 2][m]);
-}
+/// What flips add up to, as a scan needs it.
+struct SlotCounts {
+  std::uint32_t takes = 0;  ///< slots
+  std::uint32_t frees = 0;  ///< slots
+  std::uint32_t makes = 0;  ///< tetrahedra
+  TETUNE_HD friend SlotCounts operator+(SlotCounts x, const SlotCounts& y) { return x += y; }
+  TETUNE_HD SlotCounts& operator+=(const SlotCounts& y) {
+    takes += y.takes;
+    frees += y.frees;
+    makes += y.makes;
+    return *this;
+  }
+};
 
 /// Reads all that a flip needs before any tetrahedron changes, and marks its tetrahedra.
 struct Gather {
-  MeshView mesh;
-  ConstrainedEdges constrained;
+  Candidates candidates;
   Span<const Index> active;
   Span<const Index> agreed;
+  Span<const double> eta;
   Span<std::uint64_t> proposal;
   Span<FlipRecord> records;
-  Span<std::uint32_t> takes_slot;
+  Span<SlotCounts> counts;
 
   TETUNE_HD void operator()(Size i) const {
-    FlipRecord f;
-    f.cavity = cavity_of(mesh, constrained, proposal_id(proposal[active[agreed[i]]]));
+    const MeshView& mesh = candidates.mesh;
+    FlipRecord f{};
+    f.cavity = candidates.offered(proposal[active[agreed[i]]]);
     const Cavity& c = f.cavity;
-    const bool split = c.kind == FlipKind::face23;
-    for (int m = 0; m < 3; ++m) {
-      f.slots[m] = c.tets[m];
-      for (int side = 0; side < 2; ++side) {
-        const Index t = split ? c.tets[side] : c.tets[m];
-        const Index opposite = split ? c.ring[(m + 2) % 3] : side == 0 ? c.b : c.a;
-        const int face = local_index(mesh.tet2vertex[t], opposite);
-        f.old_face[2 * m + side] = make_link(t, face);
-        f.across[2 * m + side] = mesh.tet2tet[t][face];
-      }
+    const double energy = energy_before(c, eta);
+    best_energy(mesh, c, energy, (1 + kMaxSlack) * energy, f.triangulation);
+    for (int k = 0; k < f.outer_faces(); ++k) {
+      const Link face = old_face(mesh, c, k);
+      f.across[k] = mesh.tet2tet[link_tet(face)][link_face(face)];
     }
-    for (int k = 0; k < cavity_size(c); ++k) proposal[c.tets[k]] = kFlipped;
-    takes_slot[i] = split ? 1 : 0;
+    for (int k = 0; k < c.size(); ++k) proposal[c.tets[k]] = kFlipped;
+    const int more = c.made() - c.size();
+    counts[i].takes = static_cast<std::uint32_t>(more > 0 ? more : 0);
+    counts[i].frees = static_cast<std::uint32_t>(more < 0 ? -more : 0);
+    counts[i].makes = static_cast<std::uint32_t>(c.made());
     records[i] = f;
   }
 };
 
-/// Forgets the proposals of an active tetrahedron and its neighbours, which is wherever its flips were offered.
-struct ClearProposals {
-  MeshView mesh;
-  Span<const Index> active;
-  Span<std::uint64_t> proposal;
-  TETUNE_HD void operator()(Size i) const {
-    const Index t = active[i];
-    clear(t);
-    for (int f = 0; f < 4; ++f) {
-      const Link link = mesh.tet2tet[t][f];
-      if (link != kNoLink) clear(link_tet(link));
-    }
-  }
-
- private:
-  TETUNE_HD void clear(Index t) const {
-    if (par::load_shared(proposal[t]) != kFlipped) par::store_shared(proposal[t], std::uint64_t{0});
-  }
-};
-
-struct Refused {
+/// Of the tetrahedra that were active, those stay so that own a flip worth making which was not made.
+struct KeepRefused {
   Span<const Index> active;
   Span<const std::uint64_t> proposal;
-  TETUNE_HD bool operator()(Size i) const {
-    const std::uint64_t p = proposal[active[i]];
-    return p != 0 && p != kFlipped;
+  Span<const float> slack;
+  Span<std::uint32_t> wanted;
+  TETUNE_HD void operator()(Size i) const {
+    const Index t = active[i];
+    wanted[t] = slack[t] < 0 && proposal[t] != kFlipped ? kAllCandidates : 0;
   }
 };
 
@@ -215,20 +266,20 @@ struct Refused {
 struct Forward {
   MeshView mesh;
   Span<FlipRecord> records;
-  Span<const std::uint32_t> rank23;  ///< number of 2-3 flips before this one
+  Span<const SlotCounts> before;  ///< counts of the flips before this one
   Span<Index> free_slots;
   Size free_count;  ///< before this pass
   Size slots;       ///< before this pass
-  Size free_kept;   ///< free slots that stay free
   TETUNE_HD void operator()(Size i) const {
     FlipRecord& f = records[i];
-    const Size rank = rank23[i];
-    if (f.cavity.kind == FlipKind::face23) {
-      f.slots[2] =
-          rank < free_count ? free_slots[free_count - 1 - rank] : static_cast<Index>(slots + rank - free_count);
+    const Size rank = before[i].takes;
+    for (int x = 0; x < f.cavity.made() - f.cavity.size(); ++x) {
+      f.extra[x] = rank + x < free_count ? free_slots[free_count - 1 - rank - x]
+                                         : static_cast<Index>(slots + rank + x - free_count);
     }
-    for (int k = 0; k < 6; ++k) {
-      mesh.tet2tet[link_tet(f.old_face[k])][link_face(f.old_face[k])] = new_face(f, k);
+    for (int k = 0; k < f.outer_faces(); ++k) {
+      const Link old = old_face(mesh, f.cavity, k);
+      mesh.tet2tet[link_tet(old)][link_face(old)] = f.new_face(k);
     }
   }
 };
@@ -241,14 +292,14 @@ struct Resolve {
   Span<const std::uint64_t> proposal;
   TETUNE_HD void operator()(Size i) const {
     FlipRecord& f = records[i];
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < f.outer_faces(); ++k) {
       const Link old = f.across[k];
       if (old == kNoLink) continue;
       Link& there = mesh.tet2tet[link_tet(old)][link_face(old)];
       if (proposal[link_tet(old)] == kFlipped) {
         f.across[k] = there | (old & kLocked);
       } else {
-        there = new_face(f, k) | (old & kLocked);
+        there = f.new_face(k) | (old & kLocked);
       }
     }
   }
@@ -256,11 +307,12 @@ struct Resolve {
 
 struct FlipSum {
   double decrease = 0;
-  Size flips23 = 0, flips32 = 0;
+  Size flips23 = 0, flips32 = 0, edge_removals = 0;
   TETUNE_HD void merge(const FlipSum& other) {
     decrease += other.decrease;
     flips23 += other.flips23;
     flips32 += other.flips32;
+    edge_removals += other.edge_removals;
   }
 };
 
@@ -268,70 +320,94 @@ struct FlipSum {
 struct Write {
   MeshView mesh;
   Span<const FlipRecord> records;
-  Span<const std::uint32_t> rank23;
+  Span<const SlotCounts> before;
   Span<Index> free_slots;
   Size free_kept;
   Span<double> eta;
-  Span<std::uint64_t> proposal;
-  Span<Index> next_active;  ///< its part for the new tetrahedra
+  Span<float> slack;
+  Span<Index> made;
   Span<std::uint8_t> awake;
 
   TETUNE_HD FlipSum operator()(Size i) const {
-    const FlipRecord f = records[i];
+    const FlipRecord& f = records[i];
     const Cavity& c = f.cavity;
-    const bool split = c.kind == FlipKind::face23;
-    const Index *s = f.slots, *ring = c.ring;
     const int tag = mesh.tet_tags[c.tets[0]];
-    double decrease = 0;
-    for (int k = 0; k < cavity_size(c); ++k) {
-      decrease += eta[c.tets[k]];
-      proposal[c.tets[k]] = 0;
+    double decrease = energy_before(c, eta);
+    for (int x = 0; x < c.made(); ++x) {
+      const Index s = f.slot(x);
+      mesh.tet2vertex[s] = new_tet(c, f.triangulation, x);
+      mesh.tet2tet[s] = c.kind == FlipKind::face23 ? links_of_split(f, x) : links_on_triangle(f, x);
+      mesh.tet_tags[s] = tag;
+      eta[s] = slot_energy(mesh, mesh.tet2vertex[s]);
+      decrease -= eta[s];
+      slack[s] = static_cast<float>(kMaxSlack);
+      made[before[i].makes + x] = s;
     }
-    Tet tets[3];
-    Links links[3];
-    const int made = split ? 3 : 2;
-    if (split) {
-      for (int m = 0; m < 3; ++m) {
-        tets[m] = {{c.a, ring[m], ring[(m + 1) % 3], c.b}};
-        links[m] = {{f.across[2 * m + 1], make_link(s[(m + 1) % 3], 2), make_link(s[(m + 2) % 3], 1), f.across[2 * m]}};
-      }
-    } else {
-      tets[0] = {{c.a, ring[0], ring[1], ring[2]}};
-      links[0] = {{make_link(s[1], 0), f.across[2], f.across[4], f.across[0]}};
-      tets[1] = {{c.b, ring[0], ring[2], ring[1]}};
-      links[1] = {{make_link(s[0], 0), f.across[3], f.across[1], f.across[5]}};
-    }
-    for (int m = 0; m < made; ++m) {
-      mesh.tet2vertex[s[m]] = tets[m];
-      mesh.tet2tet[s[m]] = links[m];
-      mesh.tet_tags[s[m]] = tag;
-      eta[s[m]] = slot_energy(mesh, tets[m]);
-      decrease -= eta[s[m]];
-    }
-    // 2 i + rank23: two tetrahedra for each flip before this one, and a third for each 2-3 flip among them.
-    const Size next = 2 * i + rank23[i];
-    for (int m = 0; m < made; ++m) next_active[next + m] = s[m];
-    if (split) {
-      proposal[s[2]] = 0;
-    } else {
-      mesh.tet2vertex[s[2]][0] = kFreeSlot;
-      eta[s[2]] = 0;
-      free_slots[free_kept + i - rank23[i]] = s[2];
+    for (int x = c.made(); x < c.size(); ++x) {
+      mesh.tet2vertex[c.tets[x]][0] = kFreeSlot;
+      eta[c.tets[x]] = 0;
+      free_slots[free_kept + before[i].frees + x - c.made()] = c.tets[x];
     }
     if (awake.size() > 0) {
       par::store_shared(awake[c.a], 1);
       par::store_shared(awake[c.b], 1);
-      for (int m = 0; m < 3; ++m) par::store_shared(awake[ring[m]], 1);
+      for (int m = 0; m < c.ring_size; ++m) par::store_shared(awake[c.ring[m]], 1);
     }
-    return {decrease, split ? 1 : 0, split ? 0 : 1};
+    const bool split = c.kind == FlipKind::face23;
+    return {decrease, split ? 1 : 0, !split && c.ring_size == 3 ? 1 : 0, !split && c.ring_size > 3 ? 1 : 0};
+  }
+
+ private:
+  TETUNE_HD static Links links_of_split(const FlipRecord& f, int m) {
+    const int next = f.cavity.after(m);
+    return {
+        {f.across[2 * m + 1], make_link(f.slot(next), 2), make_link(f.slot(f.cavity.after(next)), 1), f.across[2 * m]}};
+  }
+  TETUNE_HD static Links links_on_triangle(const FlipRecord& f, int x) {
+    const int s = x / 2;
+    const int side = x % 2;
+    const std::uint8_t* corner = f.triangulation.corner[s];
+    Links links;
+    links[0] = make_link(f.slot(2 * s + 1 - side), 0);
+    for (int opposite = 0; opposite < 3; ++opposite) {
+      const int from = corner[opposite == 0 ? 1 : 0];
+      const int to = corner[opposite == 2 ? 1 : 2];
+      Link& link = links[face_at(opposite, side)];
+      if (to == from + 1 || to == from + f.cavity.ring_size - 1) {
+        link = f.across[2 * (to == from + 1 ? from : to) + side];
+      } else {
+        const TriangleSide in = find_side(f.cavity, f.triangulation, from, to, s);
+        link = make_link(f.slot(2 * in.triangle + side), face_at(in.corner, side));
+      }
+    }
+    return links;
   }
 };
 
-struct PickSlots {
-  Span<const Index> from;
-  Span<const Index> positions;
-  Span<Index> to;
-  TETUNE_HD void operator()(Size i) const { to[i] = from[positions[i]]; }
+/// Makes the owners evaluate all candidates that have a new tetrahedron in their cavity.
+struct WantAround {
+  Candidates candidates;
+  Span<const Index> made;
+  Span<std::uint32_t> wanted;
+  TETUNE_HD void operator()(Size i) const {
+    const MeshView& mesh = candidates.mesh;
+    const Index t = made[i];
+    const Links links = mesh.tet2tet[t];
+    unsigned locked = 0;
+    for (int f = 0; f < 4; ++f) locked |= is_locked(links[f]) ? 1U << f : 0;
+    for (int candidate = 0; candidate < kCandidates; ++candidate) {
+      if ((locked & Candidates::faces(candidate)) != 0) continue;
+      const Cavity c = candidates.cavity(t, candidate, 0);
+      if (c.kind == FlipKind::none) continue;
+      int lowest = 0;
+      for (int k = 1; k < c.size(); ++k) lowest = c.tets[k] < c.tets[lowest] ? k : lowest;
+      const Index owner = c.tets[lowest];
+      const Tet tet = mesh.tet2vertex[owner];
+      const int own = c.kind == FlipKind::face23 ? local_index(tet, lowest == 0 ? c.a : c.b)
+                                                 : 4 + edge_of(local_index(tet, c.a), local_index(tet, c.b));
+      par::atomic_or(wanted[owner], 1U << own);
+    }
+  }
 };
 
 }  // namespace flip_detail
@@ -344,30 +420,33 @@ double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Bac
 }
 
 template <class Backend, class Keep>
-Size activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep) {
+void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep) {
   const Size slots = mesh.slots();
   state.active.resize(slots);
-  state.is_active.resize(slots);
+  state.wanted.resize(slots);
   state.proposal.resize(slots);
-  par.fill(state.is_active.span(), std::uint8_t{0});
-  par.fill(state.proposal.span(), std::uint64_t{0});
+  par.fill(state.wanted.span(), std::uint32_t{0});
   const Size count = par.compact(slots, keep, state.active.span());
   state.active.resize(count);
-  par.for_each(count, flip_detail::SetFlag{state.active.span(), state.is_active.span(), 1});
-  return count;
+  par.for_each(count, flip_detail::WantAll{state.active.span(), state.wanted.span()});
+  state.seen.resize(mesh.vertices());
+  Backend::copy(state.seen.span().data(), mesh.points.span().data(),
+                static_cast<std::size_t>(mesh.vertices()) * sizeof(Point));
 }
 
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+  state.slack.resize(mesh.slots());
   activate_where(par, mesh, state, flip_detail::IsAliveSlot{mesh.view()});
 }
 
 template <class Backend>
-Size activate_stirred(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uint8_t> stirred,
-                      FlipState<Backend>& state) {
-  const Size count = activate_where(par, mesh, state, flip_detail::IsStirred{mesh.view(), stirred});
-  par.fill(stirred, std::uint8_t{0});
-  return count;
+double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+  using namespace flip_detail;
+  const EnergySum energy = par.template reduce<EnergySum>(
+      mesh.slots(), Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
+  activate_where(par, mesh, state, HasDrifted{mesh.view(), state.slack.span()});
+  return energy.sum;
 }
 
 template <class Backend>
@@ -375,55 +454,56 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   using namespace flip_detail;
   using Ids = typename Backend::template Buffer<Index>;
   FlipReport report;
-  const ConstrainedEdges constrained = state.constrained();
+  const Candidates candidates{mesh.view(), state.constrained(), state.max_ring};
   const Size active = state.active.size();
   report.active = active;
-  report.evaluated = par.template reduce<EvaluatedSum>(
-                            active, Propose{mesh.view(), constrained, state.active.span(), state.is_active.span(),
-                                            state.eta.span(), state.proposal.span()})
-                         .evaluated;
+  par.fill(state.proposal.span(), std::uint64_t{0});
+  report.evaluated =
+      par.template reduce<EvaluatedSum>(active, Propose{candidates, state.active.span(), state.wanted.span(),
+                                                        state.eta.span(), state.proposal.span(), state.slack.span()})
+          .evaluated;
 
   Ids agreed(active);
-  const Size flips =
-      par.compact(active, Agreed{mesh.view(), constrained, state.active.span(), state.proposal.span()}, agreed.span());
+  const Size flips = par.compact(active, Agreed{candidates, state.active.span(), state.proposal.span()}, agreed.span());
   typename Backend::template Buffer<FlipRecord> records(flips);
-  typename Backend::template Buffer<std::uint32_t> rank23(flips);
-  par.for_each(flips, Gather{mesh.view(), constrained, state.active.span(), agreed.span(), state.proposal.span(),
-                             records.span(), rank23.span()});
-  const Size flips23 = par.exclusive_scan(Span<const std::uint32_t>(rank23.span()), rank23.span());
-  const Size flips32 = flips - flips23;
-  Ids refused_positions(active);
-  const Size refused =
-      par.compact(active, Refused{state.active.span(), state.proposal.span()}, refused_positions.span());
-  par.for_each(active, ClearProposals{mesh.view(), state.active.span(), state.proposal.span()});
+  typename Backend::template Buffer<SlotCounts> before(flips);
+  par.for_each(flips, Gather{candidates, state.active.span(), agreed.span(), state.eta.span(), state.proposal.span(),
+                             records.span(), before.span()});
+  const SlotCounts counts = par.exclusive_scan(Span<const SlotCounts>(before.span()), before.span());
+  par.for_each(active,
+               KeepRefused{state.active.span(), state.proposal.span(), state.slack.span(), state.wanted.span()});
 
   const Size slots = mesh.slots();
-  const Size free_kept = std::max<Size>(0, mesh.free_count - flips23);
-  const Size needed = slots + std::max<Size>(0, flips23 - mesh.free_count);
+  const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
+  const Size needed = slots + std::max<Size>(0, counts.takes - mesh.free_count);
+  check_slots(needed);
   mesh.tet2vertex.grow(needed);
   mesh.tet2tet.grow(needed);
   mesh.tet_tags.grow(needed);
   state.eta.grow(needed);
   state.proposal.grow(needed);
-  state.is_active.grow(needed);
-  mesh.free_slots.grow(std::max(mesh.free_count, free_kept + flips32));
+  state.wanted.grow(needed);
+  par.fill(Span<std::uint32_t>(state.wanted.span().data() + slots, needed - slots), std::uint32_t{0});
+  state.slack.grow(needed);
+  mesh.free_slots.grow(std::max(mesh.free_count, free_kept + counts.frees));
 
-  par.for_each(flips, Forward{mesh.view(), records.span(), rank23.span(), mesh.free_slots.span(), mesh.free_count,
-                              slots, free_kept});
+  par.for_each(flips,
+               Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), mesh.free_count, slots});
   par.for_each(flips, Resolve{mesh.view(), records.span(), state.proposal.span()});
-  Ids next(refused + 2 * flips + flips23);
-  const FlipSum sum = par.template reduce<FlipSum>(
-      flips, Write{mesh.view(), records.span(), rank23.span(), mesh.free_slots.span(), free_kept, state.eta.span(),
-                   state.proposal.span(), Span<Index>(next.span().data() + refused, 2 * flips + flips23), awake});
-  mesh.free_count = free_kept + flips32;
+  Ids made(counts.makes);
+  const FlipSum sum =
+      par.template reduce<FlipSum>(flips, Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(),
+                                                free_kept, state.eta.span(), state.slack.span(), made.span(), awake});
+  mesh.free_count = free_kept + counts.frees;
 
-  par.for_each(refused, PickSlots{state.active.span(), refused_positions.span(), next.span()});
-  par.for_each(active, SetFlag{state.active.span(), state.is_active.span(), 0});
-  par.for_each(next.size(), SetFlag{next.span(), state.is_active.span(), 1});
-  state.active.swap(next);
+  par.for_each(made.size(),
+               WantAround{{mesh.view(), state.constrained(), state.max_ring}, made.span(), state.wanted.span()});
+  state.active.resize(needed);
+  state.active.resize(par.compact(needed, IsWanted{state.wanted.span()}, state.active.span()));
 
   report.flips23 = sum.flips23;
   report.flips32 = sum.flips32;
+  report.edge_removals = sum.edge_removals;
   report.decrease = sum.decrease;
   return report;
 }

@@ -5,6 +5,6 @@
 namespace tetune {
 template double refresh_energy(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&);
 template void activate_all(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&);
-template Size activate_stirred(const par::Cpu&, WorkMesh<par::Cpu>&, Span<std::uint8_t>, FlipState<par::Cpu>&);
+template double activate_drifted(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&);
 template FlipReport flip_pass(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&, Span<std::uint8_t>);
 }  // namespace tetune

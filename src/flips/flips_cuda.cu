@@ -5,6 +5,6 @@
 namespace tetune {
 template double refresh_energy(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
 template void activate_all(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
-template Size activate_stirred(const par::Cuda&, WorkMesh<par::Cuda>&, Span<std::uint8_t>, FlipState<par::Cuda>&);
+template double activate_drifted(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
 template FlipReport flip_pass(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Span<std::uint8_t>);
 }  // namespace tetune

@@ -20,7 +20,7 @@ from pathlib import Path
 TETUNE = ""
 
 TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gradient_norm", "moved", "active",
-                 "evaluated", "flips_2_3", "flips_3_2", "seconds"]
+                 "evaluated", "flips_2_3", "flips_3_2", "edge_removals", "seconds"]
 QUALITY_KEYS = {"tetrahedra", "dihedral_min_deg", "dihedral_1_percent_deg", "dihedral_5_percent_deg",
                 "dihedral_mean_deg", "dihedral_max_deg", "eta_max", "eta_95_percent", "eta_sum", "shape_sum", "mean_ratio",
                 "mean_ratio_min", "volume", "worst_tetrahedron", "dihedral_histogram_10_deg"}
@@ -219,7 +219,7 @@ class Optimize(CliTest):
         self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "feature_angle_deg": 45,
                                              "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
                                              "frozen_patches": [], "relocation": "newton", "termination": "paper",
-                                             "device": "auto", "max_iterations": 7, "threads": 2})
+                                             "device": "auto", "max_iterations": 7, "max_ring": 7, "threads": 2})
         self.assertGreaterEqual(report["read_seconds"], 0)
         self.assertGreaterEqual(report["write_seconds"], 0)
         before, after, run = report["before"], report["after"], report["optimization"]
@@ -234,7 +234,9 @@ class Optimize(CliTest):
         parts = ("vertices_free", "vertices_in_plane", "vertices_on_line", "vertices_fixed")
         self.assertEqual(sum(run[part] for part in parts), run["vertices"])
         self.assertGreater(run["flips_3_2"], 0)
-        self.assertEqual(run["tetrahedra_after"] - run["tetrahedra_before"], run["flips_2_3"] - run["flips_3_2"])
+        added = run["tetrahedra_after"] - run["tetrahedra_before"]
+        self.assertGreaterEqual(added, run["flips_2_3"] - run["flips_3_2"])
+        self.assertLessEqual(added, run["flips_2_3"] - run["flips_3_2"] + 3 * run["edge_removals"])
         self.assertAlmostEqual(run["energy_before"] / before["shape_sum"], 1)
         self.assertAlmostEqual(run["energy_after"] / after["shape_sum"], 1)
         self.assertLess(run["energy_after"], 0.99 * run["energy_before"])
@@ -243,7 +245,8 @@ class Optimize(CliTest):
         self.assertLessEqual(len(run["sweeps"]), 7)
         self.assertEqual([s["iteration"] for s in run["sweeps"]], list(range(1, len(run["sweeps"]) + 1)))
         self.assertEqual(sum(p["flips_2_3"] for p in run["flip_passes"]), run["flips_2_3"])
-        self.assertEqual(sum(p["flips_3_2"] for p in run["flip_passes"]), run["flips_3_2"])
+        for count in ("flips_3_2", "edge_removals"):
+            self.assertEqual(sum(p[count] for p in run["flip_passes"]), run[count])
         self.assertEqual(self.files(), ["in.mesh", "out.mesh", "r.json"])
 
     def trace(self, *options):
@@ -260,7 +263,7 @@ class Optimize(CliTest):
         for row in rows:
             self.assertNotIn(None, row)
             self.assertNotIn(None, row.values())
-            empty = {"sweep": {"pass", "active", "evaluated", "flips_2_3", "flips_3_2"},
+            empty = {"sweep": {"pass", "active", "evaluated", "flips_2_3", "flips_3_2", "edge_removals"},
                      "flips": {"gradient_norm", "moved"}}[row["event"]]
             self.assertEqual({c for c in TRACE_COLUMNS if row[c] == ""}, empty)
         sweeps = [r for r in rows if r["event"] == "sweep"]
@@ -284,6 +287,13 @@ class Optimize(CliTest):
         self.assertEqual({r["event"] for r in rows}, {"flips"})
         self.assertEqual(run["sweeps"], [])
         self.assertEqual(Mesh.read(self.path("out.mesh")).points, cube(4).points)
+
+    def test_largest_ring(self):
+        _, run = self.trace()
+        self.assertGreater(run["edge_removals"], 0)
+        _, run = self.trace("--max-ring", "3")
+        self.assertEqual(run["edge_removals"], 0)
+        self.assertEqual(run["tetrahedra_after"] - run["tetrahedra_before"], run["flips_2_3"] - run["flips_3_2"])
 
     def test_iteration_limit(self):
         _, run = self.trace("--max-iterations", "1")
@@ -417,7 +427,8 @@ class Refusals(CliTest):
         source = self.put("in.mesh", cube(1))
         for options in (["--bogus"], ["--device", "tpu"], ["--boundary", "free"], ["--relocation", "newton2"],
                         ["--termination", "never"], ["--max-iterations", "-1"], ["--max-iterations", "many"],
-                        ["--threads", "-1"], ["--threads", "100000"], ["-v", "3"], ["second.mesh"]):
+                        ["--max-ring", "2"], ["--max-ring", "8"], ["--threads", "-1"], ["--threads", "100000"],
+                        ["-v", "3"], ["second.mesh"]):
             self.optimize_refused(source, *options, said=[options[-1]])
         self.refused("optimize", source, said=["output"])
         self.refused("optimize", "-o", self.path("out.mesh"), said=["input"])

@@ -37,6 +37,7 @@ TEST(Devices, CudaAgreesWithTheCpu) {
     EXPECT_NEAR(on_gpu.energy_after, on_cpu.energy_after, 1e-9 * on_cpu.energy_after);
     EXPECT_EQ(on_gpu.flips23, on_cpu.flips23);
     EXPECT_EQ(on_gpu.flips32, on_cpu.flips32);
+    EXPECT_EQ(on_gpu.edge_removals, on_cpu.edge_removals);
   }
 }
 

@@ -27,6 +27,7 @@ TEST(OrderedFlips, MakeAValidMeshOfTheEnergyTheyClaim) {
     Options options;
     options.max_iterations = 0;
     options.energy = Energy::harmonic;
+    options.max_ring = 3;
     const Report ours = optimize(m, options);
     EXPECT_EQ(ours.flips23 + ours.flips32, 0);
   }
@@ -39,6 +40,7 @@ TEST(OrderedFlips, EndCloseToTheParallelOnes) {
   Options options;
   options.max_iterations = 0;
   options.energy = Energy::harmonic;
+  options.max_ring = 3;
   optimize(parallel, options);
   const auto difference = static_cast<double>(sequential.tets.size()) - static_cast<double>(parallel.tets.size());
   EXPECT_LT(std::fabs(difference), 0.005 * static_cast<double>(parallel.tets.size()));

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "flips/flip_pass.hpp"
+#include "flips/triangulate.hpp"
 #include "meshes.hpp"
 #include "tetune/validate.hpp"
 #include "work.hpp"
@@ -115,32 +118,219 @@ TEST(Flip, FreedSlotsAreUsedAgain) {
   f.expect_consistent();
 }
 
-TEST(FlipPass, KeepsLinksEnergyAndValidityOnScrambledCubes) {
+/// n tetrahedra around the edge (0, 1), which stands close to one side of a ring that goes up and down at random: one
+/// of them is nearly flat.
+TetMesh ring_mesh(int n, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  TetMesh m;
+  const double x = (0.85 + 0.15 * uniform()) * std::cos(M_PI / n);
+  m.points = {{x, 0.1 * uniform(), -0.8}, {x, 0.1 * uniform(), 0.8}};
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * M_PI * (i + 0.5 + 0.2 * uniform()) / n;
+    const double radius = 1 + 0.1 * uniform();
+    m.points.push_back({radius * std::cos(angle), radius * std::sin(angle), 0.4 * uniform() - 0.2});
+  }
+  for (int i = 0; i < n; ++i) m.tets.push_back({0, static_cast<Index>(2 + i), static_cast<Index>(2 + (i + 1) % n), 1});
+  return test::with_tags(m);
+}
+
+/// Such a mesh whose edge is worth removing.
+TetMesh removable_ring(int n) {
+  for (std::uint32_t seed = 1;; ++seed) {
+    const TetMesh m = ring_mesh(n, seed);
+    if (validate(m).ok() && Fixture(m).pass().edge_removals == 1) return m;
+  }
+}
+
+/// Plain oracle: the least energy over all triangulations of ring places i..k, each triangle at its two tetrahedra.
+double least_energy(const TetMesh& m, int i, int k) {
+  if (k == i + 1) return 0;
+  const auto p = [&m](std::size_t v) { return vec(m.points[v]); };
+  double least = kNever;
+  for (int j = i + 1; j < k; ++j) {
+    const Vec3 a = p(static_cast<std::size_t>(2 + i));
+    const Vec3 b = p(static_cast<std::size_t>(2 + j));
+    const Vec3 c = p(static_cast<std::size_t>(2 + k));
+    const TetEnergy below = tet_energy(p(0), a, b, c);
+    const TetEnergy above = tet_energy(p(1), a, c, b);
+    if (!below.certified || !above.certified) continue;
+    least = std::min(least, least_energy(m, i, j) + least_energy(m, j, k) + below.eta + above.eta);
+  }
+  return least;
+}
+
+TEST(EdgeRemoval, FindsTheBestOfAllTriangulations) {
+  for (int n = 3; n <= kMaxRing; ++n) {
+    int removed = 0;
+    for (std::uint32_t seed = 1; seed <= 200; ++seed) {
+      const TetMesh m = ring_mesh(n, seed);
+      if (!validate(m).ok()) continue;
+      Fixture f(m);
+      const double best = least_energy(m, 0, n - 1);
+      f.state.max_ring = n;
+      const FlipReport r = f.pass();
+      ASSERT_EQ(r.evaluated, 1 + n);  // the edge, and the faces around it
+      const bool expected = best < f.energy * (1 - kMinRelativeGain);
+      if (r.flips23 > 0) continue;
+      EXPECT_EQ(n == 3 ? r.flips32 : r.edge_removals, expected ? 1 : 0);
+      if (!expected) continue;
+      ++removed;
+      EXPECT_NEAR(r.decrease, f.energy - best, 1e-12 * f.energy);
+      EXPECT_EQ(f.work.tets(), 2 * (n - 2));
+      EXPECT_EQ(f.work.free_count, n == 3 ? 1 : 0);
+      f.expect_consistent();
+    }
+    EXPECT_GT(removed, 10) << n;
+  }
+}
+
+TEST(EdgeRemoval, StopsAtTheLargestRingAllowed) {
+  const TetMesh m = removable_ring(6);
+  Fixture f(m);
+  f.state.max_ring = 5;
+  EXPECT_EQ(f.pass().edge_removals, 0);
+  f.state.max_ring = 6;
+  activate_all(f.cpu, f.work, f.state);
+  EXPECT_EQ(f.pass().edge_removals, 1);
+}
+
+TEST(EdgeRemoval, NeverCrossesAnInterfaceNorTakesAConstrainedEdge) {
+  TetMesh m = removable_ring(5);
+  EXPECT_EQ(Fixture(m, {{0, 1}}).pass().edge_removals, 0);
+  m.tet_tags = {1, 1, 2, 2, 2};
+  EXPECT_EQ(Fixture(m).pass().edge_removals, 0);
+  m.tet_tags = {7, 7, 7, 7, 7};
+  Fixture f(m);
+  EXPECT_EQ(f.pass().edge_removals, 1);
+  EXPECT_EQ(test::from_work(f.work).tet_tags, std::vector<int>(6, 7));
+}
+
+TEST(EdgeRemoval, IsWorthTheSameWhicheverTetrahedronFindsIt) {
+  // The same ring with its tetrahedra listed in other orders and from other vertices.
+  const TetMesh m = removable_ring(6);
+  std::set<double> energies;
+  for (std::size_t turn = 0; turn < 6; ++turn) {
+    TetMesh turned = m;
+    std::rotate(turned.tets.begin(), turned.tets.begin() + static_cast<std::ptrdiff_t>(turn), turned.tets.end());
+    for (auto& t : turned.tets) {
+      if (turn % 2 == 1) t = {t[3], t[2], t[1], t[0]};
+    }
+    Fixture f(turned);
+    const MeshView view = f.work.view();
+    const Cavity c = edge_cavity(view, f.state.constrained(), kMaxRing, 0, 2, 0);
+    ASSERT_EQ(c.kind, FlipKind::edge_removal);
+    EXPECT_EQ(c.a, 0);
+    EXPECT_EQ(c.ring[0], 2);
+    EXPECT_EQ(c.ring[1], 3);
+    Triangulation triangulation;
+    energies.insert(best_energy(view, c, kNever, kNever, triangulation));
+    EXPECT_LT(*energies.begin(), f.energy);
+  }
+  EXPECT_EQ(energies.size(), 1U);
+}
+
+TEST(Flip, RefusesMoreSlotsThanThereAreIds) {
+  EXPECT_NO_THROW(check_slots(kMaxSlots));
+  EXPECT_THROW(check_slots(kMaxSlots + 1), MeshError);
+}
+
+/// The locked faces of a mesh, by their vertices.
+std::set<std::array<Index, 3>> locked_faces(test::CpuMesh& work) {
+  std::set<std::array<Index, 3>> faces;
+  const MeshView view = work.view();
+  for (Size t = 0; t < work.slots(); ++t) {
+    for (int f = 0; f < 4 && view.alive(t); ++f) {
+      if (!is_locked(view.tet2tet[t][f])) continue;
+      std::array<Index, 3> face{};
+      for (int k = 0; k < 3; ++k) face[static_cast<std::size_t>(k)] = view.tet2vertex[t][face_vertex(f, k)];
+      std::sort(face.begin(), face.end());
+      faces.insert(face);
+    }
+  }
+  return faces;
+}
+
+/// Volume of each region, of a mesh whose tags are 0, 1 and 2.
+std::array<double, 3> region_volumes(const TetMesh& m) {
+  std::array<double, 3> volumes{};
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    const auto p = [&](std::size_t k) { return vec(m.points[static_cast<std::size_t>(m.tets[t][k])]); };
+    volumes[static_cast<std::size_t>(m.tet_tags[t])] += orient(p(0), p(1), p(2), p(3)).det / 6;
+  }
+  return volumes;
+}
+
+TEST(FlipPass, KeepsAllThatItMustOnScrambledCubes) {
   Size flips23 = 0;
-  for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) {
-    // Sheared, what was a good flip no longer is one: flips of both kinds.
-    Fixture f(test::sheared(test::scrambled(test::cube(6, 0.2, seed), 3, seed), seed % 2 == 0 ? 2.5 : 0));
+  Size removals = 0;
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    const bool two = seed > 4;
+    // Sheared, what was a good flip no longer is one: flips of all kinds.
+    Fixture f(test::sheared(test::scrambled(two ? test::two_materials(6, 0.15) : test::cube(6, 0.2, seed), 3, seed),
+                            seed % 2 == 0 ? 2.5 : 0));
+    const auto locked = locked_faces(f.work);
+    const auto volumes = region_volumes(test::from_work(f.work));
     double energy = f.energy;
     Size flips = 0;
-    Size f23 = 0;
     for (int pass = 0; pass < 50; ++pass) {
+      const Size tets = f.work.tets();
       const FlipReport r = f.pass();
       energy -= r.decrease;
-      flips += r.flips23 + r.flips32;
-      f23 += r.flips23;
+      flips += r.flips();
+      flips23 += r.flips23;
+      removals += r.edge_removals;
       f.expect_consistent();
       EXPECT_EQ(f.work.tets(), static_cast<Size>(test::from_work(f.work).tets.size()));
+      EXPECT_GE(f.work.tets(), tets + r.flips23 - r.flips32);
+      EXPECT_LE(f.work.tets(), tets + r.flips23 - r.flips32 + kMaxExtra * r.edge_removals);
       EXPECT_NEAR(refresh_energy(f.cpu, f.work, f.state), energy, 1e-9 * energy);
-      if (r.flips23 + r.flips32 == 0) break;
+      EXPECT_EQ(locked_faces(f.work), locked);
+      const auto now = region_volumes(test::from_work(f.work));
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(now[k], volumes[k], 1e-12);
+      if (r.flips() == 0) break;
       EXPECT_GT(r.decrease, 0);
     }
-    flips23 += f23;
     EXPECT_GT(flips, 500);
     // The active sets missed nothing: a full look finds no flip either.
     activate_all(f.cpu, f.work, f.state);
-    EXPECT_EQ(f.pass().flips23 + f.pass().flips32, 0);
+    EXPECT_EQ(f.pass().flips(), 0);
   }
-  EXPECT_GT(flips23, 10);
+  EXPECT_GT(flips23, 5);
+  EXPECT_GT(removals, 500);
+}
+
+TEST(FlipPass, IsTheSameForAnyNumberOfThreads) {
+  const TetMesh m = test::sheared(test::scrambled(test::cube(12, 0.2, 3), 3, 3), 1);
+  Fixture one(m);
+  while (one.pass().flips() > 0) {
+  }
+  for (const int threads : {2, 3}) {
+    Fixture many(m);
+    many.cpu = Cpu(threads);
+    while (many.pass().flips() > 0) {
+    }
+    EXPECT_EQ(test::from_work(one.work).tets, test::from_work(many.work).tets);
+    EXPECT_EQ(one.state.slack.download(), many.state.slack.download());
+  }
+}
+
+TEST(FlipPass, AfterAMoveLooksOnlyWhereItMatters) {
+  Fixture f(test::scrambled(test::cube(8, 0.2, 3), 2, 3));
+  while (f.pass().flips() > 0) {
+  }
+  EXPECT_EQ(activate_drifted(f.cpu, f.work, f.state), refresh_energy(f.cpu, f.work, f.state));
+  EXPECT_EQ(f.state.active.size(), 0);
+  // One vertex moves a little, then much.
+  const Index v = 4 * 81 + 4 * 9 + 4;
+  f.work.points.span()[v].x += 1e-4;
+  activate_drifted(f.cpu, f.work, f.state);
+  const Size few = f.state.active.size();
+  EXPECT_LT(few, 4);
+  f.work.points.span()[v].x += 0.03;
+  activate_drifted(f.cpu, f.work, f.state);
+  EXPECT_GT(f.state.active.size(), few);
+  EXPECT_LT(f.state.active.size(), 60);
 }
 
 }  // namespace
