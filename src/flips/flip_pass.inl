@@ -338,7 +338,7 @@ struct Write {
       mesh.tet2vertex[s] = new_tet(c, f.triangulation, x);
       mesh.tet2tet[s] = c.kind == FlipKind::face23 ? links_of_split(f, x) : links_on_triangle(f, x);
       mesh.tet_tags[s] = tag;
-      eta[s] = slot_energy(mesh, mesh.tet2vertex[s]);
+      eta[s] = slot_energy(mesh, mesh.tet2vertex[s]).eta;
       decrease -= eta[s];
       slack[s] = static_cast<float>(kMaxSlack);
       made[before[i].makes + x] = s;
