@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <exception>
 #include <new>
 
 #include "commands.hpp"
+#include "option_values.hpp"
 #include "tetune/error.hpp"
 #include "tetune/version.hpp"
 
@@ -22,7 +24,9 @@ int main(int argc, char** argv) {
   add_info(app, exit_code);
   add_compare(app, exit_code);
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = without_aliases(argc, argv);
+    std::reverse(words.begin(), words.end());  // as CLI11 wants them
+    app.parse(std::move(words));
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kNothingWritten;
   } catch (const tetune::Error& e) {

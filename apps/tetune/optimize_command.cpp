@@ -4,8 +4,10 @@
 #include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "commands.hpp"
+#include "option_values.hpp"
 #include "progress_line.hpp"
 #include "report_files.hpp"
 #include "tables.hpp"
@@ -14,13 +16,16 @@ namespace tetune::cli {
 namespace {
 
 struct Arguments {
-  std::string input, output, report, trace;
+  std::string input, output, report, trace, max_deviation;
+  std::vector<std::string> freeze;
   Options options;
   int verbosity = 1;
   bool quiet = false;
 };
 
-const std::map<std::string, Boundary> kBoundaries{{"preserve", Boundary::preserve}, {"fixed", Boundary::fixed}};
+const std::map<std::string, Boundary> kBoundaries{
+    {"preserve", Boundary::preserve}, {"slide", Boundary::slide}, {"fixed", Boundary::fixed}};
+const std::map<std::string, Energy> kEnergies{{"shape", Energy::shape}, {"harmonic", Energy::harmonic}};
 const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton},
                                                      {"gradient", Relocation::gradient}};
 const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative},
@@ -47,6 +52,12 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
         throw OptionError(fmt::format("{} has no effect with --max-iterations 0; drop one of them", name));
     }
   }
+  if (a.options.boundary != Boundary::slide) {
+    for (const char* name : {"--feature-angle", "--max-deviation"}) {
+      if (command.count(name) > 0)
+        throw OptionError(fmt::format("{} has no effect without --boundary slide; add it, or drop {}", name, name));
+    }
+  }
   if (a.options.device == Device::cuda && command.count("--threads") > 0) {
     throw OptionError("--threads has no effect with --device cuda; drop one of them");
   }
@@ -59,6 +70,12 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
           {"output", a.output},
           {"options",
            {{"boundary", name_of(kBoundaries, a.options.boundary)},
+            {"energy", name_of(kEnergies, a.options.energy)},
+            {"feature_angle_deg", a.options.feature_angle},
+            {"max_deviation", a.options.max_deviation},
+            {"open_boundaries", a.options.open_boundaries},
+            {"frozen_regions", a.options.frozen_regions},
+            {"frozen_patches", a.options.frozen_patches},
             {"relocation", name_of(kRelocations, a.options.relocation)},
             {"termination", name_of(kTerminations, a.options.termination)},
             {"device", name_of(kDevices, a.options.device)},
@@ -72,8 +89,9 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
           {"optimization", to_json(report)}};
 }
 
-int run(const CLI::App& command, const Arguments& a) {
+int run(const CLI::App& command, Arguments& a) {
   refuse_ineffective(command, a);
+  for (const std::string& text : a.freeze) parse_freeze(text, a.options);
   const int verbosity = a.quiet ? 0 : a.verbosity;
   check_writable(a.output);
   check_folder(a.report);
@@ -91,6 +109,10 @@ int run(const CLI::App& command, const Arguments& a) {
   }
 
   if (mesh.tets.empty()) throw MeshError(a.input + ": there is no tetrahedron in this file");
+  if (!a.max_deviation.empty()) a.options.max_deviation = parse_length("--max-deviation", a.max_deviation, mesh);
+  // To say afterwards what became of the surface.
+  const std::unique_ptr<const TetMesh> original(a.options.boundary == Boundary::slide ? std::make_unique<TetMesh>(mesh)
+                                                                                      : nullptr);
   Quality before;
   Report report;
   Context context;
@@ -113,23 +135,37 @@ int run(const CLI::App& command, const Arguments& a) {
   line.clear();
 
   const Quality after = quality(mesh, a.options.threads);
+  std::optional<Comparison> change;
+  if (original && (verbosity > 0 || !a.report.empty())) change = compare(*original, mesh, a.options.threads);
   if (verbosity > 0) {
     fmt::print("{}", quality_table({"before", "after"}, {before, after}));
     fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {} larger edge removals, {}; {} of {} vertices fixed\n",
                report.sweeps.size(), report.flips23, report.flips32, report.edge_removals, to_string(report.stop),
                report.fixed_vertices, report.vertices);
+    if (report.corners_not_held > 0) {
+      fmt::print(
+          "  {} listed corners lie where the surface has no feature, too many for a list of corners: they may move\n",
+          report.corners_not_held);
+    }
+    if (report.edges_not_held > 0) {
+      fmt::print("  {} tagged edges are too many for feature lines: their vertices may leave them\n",
+                 report.edges_not_held);
+    }
     if (report.triangles_dropped > 0) {
       fmt::print("  {} listed triangles without tag inside a region are no constraint and were dropped\n",
                  report.triangles_dropped);
     }
     if (report.edges_dropped > 0) fmt::print("  {} listed edges without tag are gone\n", report.edges_dropped);
+    if (change) fmt::print("{}", surface_table(*change));
     if (verbosity > 1) fmt::print("{}", run_table(report));
     fmt::print("  read {:.3f} s, optimised {:.3f} s on {}{}, written {:.3f} s: {}\n", read_seconds, report.seconds,
                report.device, report.threads > 0 ? fmt::format(" ({} threads)", report.threads) : "", write_seconds,
                a.output);
   }
   if (!a.report.empty()) {
-    write_text(a.report, full_report(a, before, after, report, read_seconds, write_seconds).dump(2) + "\n");
+    nlohmann::ordered_json json = full_report(a, before, after, report, read_seconds, write_seconds);
+    if (change) json["surface"] = to_json(*change);
+    write_text(a.report, json.dump(2) + "\n");
   }
   if (!a.trace.empty()) write_text(a.trace, trace_csv(report));
   return report.stop == StopReason::cancelled ? kStoppedEarly : kDone;
@@ -144,9 +180,32 @@ void add_optimize(CLI::App& app, int& exit_code) {
   c->add_option("-o,--output", a->output, "Mesh to write: .mesh, .meshb")->required();
   c->add_option("--boundary", a->options.boundary,
                 "preserve: vertices move within the surface's planes and straight lines, the surface stays as it is; "
-                "fixed: no boundary vertex moves")
-      ->transform(CLI::CheckedTransformer(kBoundaries).description("{preserve,fixed}"))
+                "slide: they move on the input surface and along its features, the surface follows it closely; "
+                "fixed: none moves")
+      ->transform(CLI::CheckedTransformer(kBoundaries).description("{preserve,slide,fixed}"))
       ->default_str("preserve");
+  c->add_option(
+       "--feature-angle", a->options.feature_angle,
+       "With --boundary slide: edges where the surface turns by more degrees are features, which vertices do not "
+       "leave; 180: none")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  c->add_option(
+       "--max-deviation", a->max_deviation,
+       "With --boundary slide: most distance of the new surface from the old one and of the old from the new; a "
+       "length, or a part of the bounding box's diagonal as 0.1%")
+      ->option_text("LENGTH|PERCENT");
+  c->add_option("--freeze", a->freeze,
+                "Regions and patches to keep as they are to the last bit, by their tags: tag=1,2,patch=7")
+      ->option_text("tag=N,...,patch=N,...");
+  c->add_flag(
+       "--open-boundaries,!--no-open-boundaries", a->options.open_boundaries,
+       "Tagged triangles with the same region on both sides stay faces of the mesh (the default), or are dropped")
+      ->capture_default_str();
+  c->add_option("--energy", a->options.energy,
+                "shape: scale-free, small elements count as much as large ones; harmonic: sum of eta, as in the paper")
+      ->transform(CLI::CheckedTransformer(kEnergies).description("{shape,harmonic}"))
+      ->default_str("shape");
   c->add_option("--relocation", a->options.relocation,
                 "newton: over-relaxed Newton steps; gradient: as in the paper, slower")
       ->transform(CLI::CheckedTransformer(kRelocations).description("{newton,gradient}"))

@@ -20,6 +20,7 @@ Json to_json(const Quality& q) {
           {"eta_max", q.eta_max},
           {"eta_95_percent", q.eta_95},
           {"eta_sum", q.eta_sum},
+          {"shape_sum", q.shape_sum},
           {"mean_ratio", q.mean_ratio},
           {"mean_ratio_min", q.mean_ratio_min},
           {"volume", q.volume},
@@ -28,10 +29,16 @@ Json to_json(const Quality& q) {
 }
 
 Json to_json(const Comparison& c) {
+  Json patches = Json::array();
+  for (const PatchChange& p : c.patches) {
+    patches.push_back({{"tag", p.tag}, {"area_before", p.area_before}, {"area_change", p.area_change}});
+  }
   return {{"volume_change", c.volume_change},
           {"area_change", c.area_change},
           {"region_volume_change", c.region_volume_change},
           {"patch_area_change", c.patch_area_change},
+          {"patches", patches},
+          {"distance_vertices_to_old", c.vertices_to_old},
           {"distance_new_to_old", c.new_to_old},
           {"distance_old_to_new", c.old_to_new},
           {"vertices_before", c.old_vertices},

@@ -76,6 +76,8 @@ std::string quality_table(const std::vector<std::string>& titles, const std::vec
   row(
       "         sum", [](const Quality& q) { return q.eta_sum; }, "{:.8g}");
   row(
+      "shape energy  sum", [](const Quality& q) { return q.shape_sum; }, "{:.8g}");
+  row(
       "mean ratio  mean", [](const Quality& q) { return q.mean_ratio; }, "{:.4f}");
   row(
       "            min", [](const Quality& q) { return q.mean_ratio_min; }, "{:.4f}");
@@ -94,16 +96,24 @@ std::string histogram(const Quality& quality) {
   return text;
 }
 
-std::string comparison_table(const Comparison& c) {
+std::string surface_table(const Comparison& c) {
   std::string text;
-  text += fmt::format("  vertices               {} -> {}\n", c.old_vertices, c.new_vertices);
-  text += fmt::format("  tetrahedra             {} -> {}\n", c.old_tets, c.new_tets);
   text += fmt::format("  volume change          {:+.2e} (largest of a region {:.2e})\n", c.volume_change,
                       c.region_volume_change);
   text += fmt::format("  surface area change    {:+.2e} (largest of a tagged patch {:.2e})\n", c.area_change,
                       c.patch_area_change);
-  text += fmt::format("  surface distance       new to old {:.2e}, old to new {:.2e} of the mean boundary edge\n",
-                      c.new_to_old, c.old_to_new);
+  text += fmt::format(
+      "  surface distance       new to old {:.2e}, old to new {:.2e}, vertices to old {:.2e} of the mean boundary "
+      "edge\n",
+      c.new_to_old, c.old_to_new, c.vertices_to_old);
+  return text;
+}
+
+std::string comparison_table(const Comparison& c) {
+  std::string text;
+  text += fmt::format("  vertices               {} -> {}\n", c.old_vertices, c.new_vertices);
+  text += fmt::format("  tetrahedra             {} -> {}\n", c.old_tets, c.new_tets);
+  text += surface_table(c);
   text += fmt::format("  tags kept              vertices {}, edges {}, triangles {}, tetrahedra {}\n",
                       yes(c.vertex_tags_kept), yes(c.edge_tags_kept), yes(c.triangle_tags_kept), yes(c.tet_tags_kept));
   text += fmt::format("  listed vertices moved  required {}, corners {}\n", c.required_moved, c.corners_moved);

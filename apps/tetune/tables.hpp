@@ -17,6 +17,10 @@ std::string quality_table(const std::vector<std::string>& titles, const std::vec
 /// Dihedral angles in bins of 10 degrees.
 std::string histogram(const Quality& quality);
 
+/// What became of volume, area and place of the surface.
+std::string surface_table(const Comparison& comparison);
+
+/// The same and what was kept.
 std::string comparison_table(const Comparison& comparison);
 
 /// Sweeps, flip passes and phases.

@@ -13,12 +13,21 @@ namespace tetune {
 enum class Device {
   automatic,  ///< the CPU; a GPU where that is known to be faster
   cpu,        ///< threads
-  cuda,       ///< an NVIDIA GPU, compute capability 7.5 or newer
+  cuda,       ///< the calling thread's current NVIDIA GPU, compute capability 7.5 or newer
 };
 
 enum class Boundary {
   fixed,     ///< no boundary vertex moves
   preserve,  ///< the surface stays as it is: vertices move in their plane or along their straight line (Sect. 4.2)
+  slide,     ///< vertices slide on the input surface, and along its feature lines (Sect. 4.3)
+};
+
+/// What is made small: the sum over all tetrahedra of
+enum class Energy {
+  shape,  ///< (eta / eta_r)^(3/2), eta_r being that of the regular tetrahedron of the same volume: 1 or more, without
+          ///< unit. Sees shapes alone, so that small elements count as much as large ones
+  harmonic,  ///< eta, the paper's (Eq. 5), a length: large elements count for more, and sliding vertices drift to where
+             ///< the elements become unequal
 };
 
 enum class Relocation {
@@ -35,11 +44,26 @@ enum class Termination {
 struct Options {
   Device device = Device::automatic;
   Boundary boundary = Boundary::preserve;
+  Energy energy = Energy::shape;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;
+  /// With Boundary::slide: an edge at which the surface turns by more than this many degrees, in (0, 180], is a
+  /// feature, and so is a vertex at which a feature line does. 180: only borders between tags, edges not on two
+  /// triangles and listed edges are.
+  double feature_angle = 45;
+  /// With Boundary::slide: no point of the new surface is farther than this from the old one, and none of the old one
+  /// from the new; a length, 0 for no bound.
+  double max_deviation = 0;
+  /// Tagged triangles with the same region on both sides stay faces of the mesh, as interfaces do; otherwise they count
+  /// for nothing and are dropped, unless they are required.
+  bool open_boundaries = true;
+  /// Tags of tetrahedra, and of listed triangles, that stay as they are to the last bit.
+  std::vector<int> frozen_regions, frozen_patches;
+  /// Empty, or for each vertex whether it must not move: not 0.
+  std::vector<std::uint8_t> frozen_vertices;
   /// Most relocation sweeps, >= 0. 0 means flips alone.
   int max_iterations = 100;
-  /// CPU threads; 0 means all. The result does not depend on it.
+  /// CPU threads; 0 means all, more than 4096 count as 4096. The result does not depend on it.
   int threads = 0;
   /// Largest ring of an edge removal, 3 to 7: an edge with that many tetrahedra around it at most may be removed. 3 is
   /// the paper's 3-2 flip.
@@ -50,9 +74,10 @@ struct Options {
 struct SweepReport {
   int iteration = 0;
   std::int64_t moved = 0;    ///< vertices that moved
-  double energy_before = 0;  ///< sum of eta, in the unit of the coordinates
+  double energy_before = 0;  ///< the sum that Options::energy names; the harmonic one in the unit of the coordinates
   double decrease = 0;       ///< of the same
-  double gradient_norm = 0;  ///< squared 2-norm of the gradient of tr(L) = eta / 9 where each vertex stood when visited
+  double gradient_norm = 0;  ///< squared 2-norm of the gradient where each vertex stood when visited: of tr(L) = eta /
+                             ///< 9, or of the shape energy, which rescaling divides
   double seconds = 0;
 };
 
@@ -88,9 +113,14 @@ struct PhaseTime {
 /// What optimize() did.
 struct Report {
   std::string device;
-  int threads = 0;
+  int threads = 0;  ///< that ran: fewer than asked for where the system gives no more; 0 on a GPU
   std::int64_t vertices = 0, tets_before = 0, tets_after = 0;
   std::int64_t free_vertices = 0, plane_vertices = 0, line_vertices = 0, fixed_vertices = 0;
+  std::int64_t surface_vertices = 0, curve_vertices = 0;  ///< with Boundary::slide
+  /// Listed corners that may move, as the list names too many vertices on ground without features (TetGen lists all).
+  std::int64_t corners_not_held = 0;
+  /// The same for tagged edges that are no ridges: they stay edges of the mesh, but their vertices may leave the line.
+  std::int64_t edges_not_held = 0;
   std::int64_t triangles_dropped = 0, edges_dropped = 0;
   int colors = 0;
   double energy_before = 0, energy_after = 0;
@@ -106,7 +136,7 @@ struct Report {
 struct Progress {
   const char* phase;     ///< "flips" or "sweep": what was just done
   int iteration;         ///< relocation sweeps done
-  double energy;         ///< sum of eta so far
+  double energy;         ///< so far
   double energy_before;  ///< at the start
 };
 
@@ -119,12 +149,12 @@ struct Context {
 /// Improves a mesh in place: harmonic flips alternating with vertex relocation (Sect. 4.5).
 ///
 /// On return the mesh is valid, its boundary, tags, vertex order and number of vertices are as they were, and the
-/// energy sum of eta is not larger. Tetrahedra come out in another order and number. Listed triangles without a tag
+/// energy is not larger. Tetrahedra come out in another order and number. Listed triangles without a tag
 /// that lie inside one region are no constraint and are dropped; so are untagged listed edges that no longer exist.
 /// The result is bit for bit the same for any number of threads.
 ///
-/// Throws MeshError when `validate(mesh)` finds something, OptionError or DeviceError; the mesh is then as it was.
-/// After std::bad_alloc it may be half replaced. Not for concurrent calls on the same mesh.
+/// Throws MeshError when `validate(mesh)` finds something, OptionError, DeviceError or std::bad_alloc, and hands on
+/// what the caller's hooks throw; the mesh is then as it was. Not for concurrent calls on the same mesh.
 Report optimize(TetMesh& mesh, const Options& options = {}, const Context& context = {});
 
 }  // namespace tetune

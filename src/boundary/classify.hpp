@@ -16,8 +16,7 @@ inline constexpr double kFlat = 1e-6;
 inline constexpr std::uint8_t kMovable = 0;
 /// Must not move.
 inline constexpr std::uint8_t kFrozen = 1;
-/// Listed as a corner of the shape: must not move, unless the surface around it is flat, with one tag and no feature
-/// edge, where there is no corner whatever the list says. (TetGen lists every input vertex.)
+/// Listed as a corner of the shape: see hold_corners().
 inline constexpr std::uint8_t kCorner = 2;
 
 /// A triangle the caller's mesh lists, in work vertices.
@@ -25,13 +24,14 @@ struct ListedTriangle {
   Index v[3];
   int tag;
   std::uint8_t required;
+  std::uint8_t locks;  ///< stays a face where it lies inside one region
 };
 
 /// What became of a listed triangle.
 enum class Listed : std::uint8_t {
   surface,  ///< a face of the boundary, of an interface or of a constraint: stays
-  loose,    ///< untagged, inside one region: no constraint
-  absent,   ///< tagged or required, but not a face of any tetrahedron: kept in the list, its vertices frozen
+  loose,    ///< inside one region and locks nothing: no constraint
+  absent,   ///< locks, but not a face of any tetrahedron: kept in the list, its vertices frozen
 };
 
 /// The surfaces that the optimisation keeps: boundary, interfaces, constrained triangles; and what its vertices may do.
@@ -58,11 +58,28 @@ void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
 ///   plane  V_F: its triangles lie in one plane, none folded back on another, and have one tag
 ///   line   V_E: the planes of all its triangles contain one line, along which its two feature edges run. Feature edges
 ///          are folds, borders between tags, edges not on two triangles, and the constrained edges
-///   fixed  V_C: all others; with `surface_fixed` all of the surface; and where `frozen` is kFrozen or kCorner
+///   fixed  V_C: all others; with `surface_fixed` all of the surface; and where `frozen` is kFrozen
 /// `edges` are the constrained edges, as pairs of work vertices.
 template <class Backend>
 void classify_vertices(const Backend& par, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
                        Span<const Index> edges, const ConstrainedEdges& constrained, Span<const std::uint8_t> frozen,
                        bool surface_fixed, Span<Mobility> kind, Span<Vec3> axis);
+
+/// Corners, or junctions of feature lines, that a list names where nothing else says so. Real ones are few; many mean
+/// that the list holds all there is: TetGen lists every vertex and edge of its input.
+struct PlainCount {
+  Size constrained = 0;  ///< vertices that are not free
+  Size plain = 0;
+  TETUNE_HD void merge(const PlainCount& other) {
+    constrained += other.constrained;
+    plain += other.plain;
+  }
+  bool few() const { return plain <= 10 || 20 * plain <= constrained; }
+};
+
+/// Fixes the listed corners that could move so far, unless the list is not one of corners. Returns the number of those
+/// that it leaves alone then.
+template <class Backend>
+Size hold_corners(const Backend& par, Span<const std::uint8_t> frozen, Span<Mobility> kind);
 
 }  // namespace tetune

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+#include <string>
+
 #include "boundary/classify.hpp"
 #include "core/connect.hpp"
 #include "core/rows.hpp"
 #include "par/atomic.hpp"
+#include "tetune/error.hpp"
 
 namespace tetune {
 namespace classify_detail {
@@ -32,6 +36,14 @@ struct IsSurfaceFace {
   }
 };
 
+/// Corners are numbered in 32 bits.
+inline void check_surface_size(Size faces) {
+  constexpr Size kMost = std::numeric_limits<std::uint32_t>::max() / 3;
+  if (faces <= kMost) return;
+  throw MeshError("the mesh has " + std::to_string(faces) + " faces on its boundary and interfaces; at most " +
+                  std::to_string(kMost) + " can be handled. Split the mesh, or weld the vertices that coincide.");
+}
+
 struct VertexOfSurfaceCorner {
   Span<const Tet> tets;
   Span<const Index> faces;
@@ -46,14 +58,14 @@ struct PendingSum {
   TETUNE_HD void merge(const PendingSum& other) { pending += other.pending; }
 };
 
-/// Looks a listed triangle up in the surface. Where several name one face, the last one's tag holds.
+/// Looks a listed triangle up in the surface. Where several name one face, the last one with a tag gives it its tag.
 struct MatchListed {
   Span<const Tet> tets;
   Span<const Index> faces;
   RowsView vertex2corner;
   Span<const ListedTriangle> listed;
   Span<Listed> state;
-  Span<std::uint32_t> face2listed;  ///< position + 1; 0: not listed
+  Span<std::uint32_t> face2listed;  ///< position + 1; 0: not listed with a tag
   TETUNE_HD PendingSum operator()(Size i) const {
     const ListedTriangle t = listed[i];
     for (Size c = vertex2corner.begin(t.v[0]); c < vertex2corner.end(t.v[0]); ++c) {
@@ -62,13 +74,12 @@ struct MatchListed {
       face_vertices(tets, faces[s], v);
       if (same_triangle(v, t.v)) {
         state[i] = Listed::surface;
-        par::atomic_max(face2listed[s], static_cast<std::uint32_t>(i + 1));
+        if (t.tag != 0) par::atomic_max(face2listed[s], static_cast<std::uint32_t>(i + 1));
         return {};
       }
     }
-    const bool constrains = t.tag != 0 || t.required != 0;
-    state[i] = constrains ? Listed::absent : Listed::loose;
-    return {constrains ? 1 : 0};
+    state[i] = t.locks != 0 ? Listed::absent : Listed::loose;
+    return {t.locks};
   }
 };
 
@@ -125,10 +136,10 @@ struct Classify {
     int tag;
   };
   TETUNE_HD Wing wing(Size corner_position) const {
-    const auto corner = static_cast<Index>(vertex2corner.items[corner_position]);
+    const Size corner = vertex2corner.items[corner_position];
     Index v[3];
     face_vertices(tets, faces[corner / 3], v);
-    const int k = corner % 3;
+    const auto k = static_cast<int>(corner % 3);
     return {v[(k + 1) % 3], v[(k + 2) % 3], tags[corner / 3]};
   }
 
@@ -150,7 +161,7 @@ struct Classify {
     const Size edge_end = vertex2edge_end.end(v);
     kind[v] = Mobility::fixed;
     if (frozen[v] == kFrozen || (surface_fixed && end > begin)) return;
-    if (begin == end && edge_begin == edge_end && frozen[v] == kMovable) {
+    if (begin == end && edge_begin == edge_end) {
       kind[v] = Mobility::free;
       return;
     }
@@ -198,7 +209,8 @@ struct Classify {
       axis[v] = (1 / size) * normal;
       return;
     }
-    if (frozen[v] == kCorner) return;
+    // Along a feature, all that is folded beside it would be torn.
+    if (features.count > 0 && folds.count > 0) return;
     const Features& lines = features.count > 0 ? features : folds;
     if (lines.count != 2) return;
     const Vec3 d0 = lines.direction[0];
@@ -257,6 +269,22 @@ struct Classify {
   }
 };
 
+struct CountCorners {
+  Span<const std::uint8_t> frozen;
+  Span<const Mobility> kind;
+  TETUNE_HD PlainCount operator()(Size v) const {
+    return {kind[v] != Mobility::free ? 1 : 0, frozen[v] == kCorner && kind[v] != Mobility::fixed ? 1 : 0};
+  }
+};
+
+struct HoldCorner {
+  Span<const std::uint8_t> frozen;
+  Span<Mobility> kind;
+  TETUNE_HD void operator()(Size v) const {
+    if (frozen[v] == kCorner) kind[v] = Mobility::fixed;
+  }
+};
+
 }  // namespace classify_detail
 
 template <class Backend>
@@ -265,6 +293,7 @@ void collect_surface(const Backend& par, WorkMesh<Backend>& mesh, Surface<Backen
   surface.faces.resize(4 * mesh.slots());
   const Size count =
       par.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex.span(), mesh.tet2tet.span()}, surface.faces.span());
+  check_surface_size(count);
   typename Backend::template Buffer<Index> faces(count);
   if (count > 0)
     Backend::copy(faces.span().data(), surface.faces.span().data(), sizeof(Index) * static_cast<std::size_t>(count));
@@ -311,6 +340,15 @@ void classify_vertices(const Backend& par, WorkMesh<Backend>& mesh, const Surfac
   par.for_each(mesh.vertices(), Classify{mesh.points.span(), mesh.tet2vertex.span(), surface.faces.span(),
                                          surface.tags.span(), surface.vertex2corner.view(), edges,
                                          vertex2edge_end.view(), constrained, frozen, surface_fixed, kind, axis});
+}
+
+template <class Backend>
+Size hold_corners(const Backend& par, Span<const std::uint8_t> frozen, Span<Mobility> kind) {
+  using namespace classify_detail;
+  const auto count = par.template reduce<PlainCount>(kind.size(), CountCorners{frozen, kind});
+  if (!count.few()) return count.plain;
+  par.for_each(kind.size(), HoldCorner{frozen, kind});
+  return 0;
 }
 
 }  // namespace tetune

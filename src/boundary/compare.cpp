@@ -16,12 +16,22 @@ namespace {
 
 double area(const TrianglePoints& t) { return 0.5 * norm(cross(t[1] - t[0], t[2] - t[0])); }
 
-/// The boundary of a mesh: faces on one tetrahedron.
+/// The surfaces of a mesh: faces on one tetrahedron, and faces between regions.
 struct Skin {
   std::vector<TrianglePoints> triangles;
   std::vector<Vec3> vertices;
-  double area = 0;
-  double mean_edge = 0;
+  double area = 0;       ///< of the boundary
+  double mean_edge = 0;  ///< of the boundary
+
+  /// Vertices, and the middles of edges and triangles.
+  std::vector<Vec3> samples() const {
+    std::vector<Vec3> points = vertices;
+    for (const TrianglePoints& t : triangles) {
+      points.push_back((1.0 / 3) * (t[0] + t[1] + t[2]));
+      for (std::size_t k = 0; k < 3; ++k) points.push_back(0.5 * (t[k] + t[(k + 1) % 3]));
+    }
+    return points;
+  }
 };
 
 Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
@@ -30,10 +40,13 @@ Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
   Skin skin;
   std::vector<char> seen(mesh.points.size(), 0);
   double edges = 0;
+  std::size_t faces = 0;
   const MeshView view = work.view();
   for (Size t = 0; t < work.slots(); ++t) {
     for (int f = 0; f < 4; ++f) {
-      if (view.tet2tet[t][f] != kNoLink) continue;
+      const Link link = view.tet2tet[t][f];
+      const bool outer = link == kNoLink;
+      if (!outer && (link_tet(link) < t || view.tet_tags[link_tet(link)] == view.tet_tags[t])) continue;
       TrianglePoints triangle;
       for (int k = 0; k < 3; ++k) {
         const auto v = static_cast<std::size_t>(view.tet2vertex[t][face_vertex(f, k)]);
@@ -41,12 +54,14 @@ Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
         if (seen[v] == 0) skin.vertices.push_back(vec(mesh.points[v]));
         seen[v] = 1;
       }
+      skin.triangles.push_back(triangle);
+      if (!outer) continue;
+      ++faces;
       for (std::size_t k = 0; k < 3; ++k) edges += norm(triangle[(k + 1) % 3] - triangle[k]);
       skin.area += area(triangle);
-      skin.triangles.push_back(triangle);
     }
   }
-  if (!skin.triangles.empty()) skin.mean_edge = edges / (3 * static_cast<double>(skin.triangles.size()));
+  if (faces > 0) skin.mean_edge = edges / (3 * static_cast<double>(faces));
   return skin;
 }
 
@@ -137,12 +152,15 @@ Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
   c.volume_change = relative(total(new_volumes), total(old_volumes));
   c.area_change = relative(new_skin.area, old_skin.area);
   c.region_volume_change = largest_change(old_volumes, new_volumes);
-  c.patch_area_change = largest_change(patch_areas(before), patch_areas(after));
+  const auto old_areas = patch_areas(before);
+  auto new_areas = patch_areas(after);
+  c.patch_area_change = largest_change(old_areas, new_areas);
+  for (const auto& [tag, size] : old_areas) c.patches.push_back({tag, size, relative(new_areas[tag], size)});
   if (old_skin.mean_edge > 0 && !new_skin.triangles.empty()) {
-    std::vector<Vec3> samples = old_skin.vertices;
-    for (const TrianglePoints& t : old_skin.triangles) samples.push_back((1.0 / 3) * (t[0] + t[1] + t[2]));
-    c.new_to_old = farthest(new_skin.vertices, ClosestTriangle(old_skin.triangles), cpu) / old_skin.mean_edge;
-    c.old_to_new = farthest(samples, ClosestTriangle(new_skin.triangles), cpu) / old_skin.mean_edge;
+    const ClosestTriangle old_surface(old_skin.triangles);
+    c.vertices_to_old = farthest(new_skin.vertices, old_surface, cpu) / old_skin.mean_edge;
+    c.new_to_old = farthest(new_skin.samples(), old_surface, cpu) / old_skin.mean_edge;
+    c.old_to_new = farthest(old_skin.samples(), ClosestTriangle(new_skin.triangles), cpu) / old_skin.mean_edge;
   }
   c.vertex_tags_kept = before.point_tags == after.point_tags;
   c.tet_tags_kept = tag_set(before.tet_tags) == tag_set(after.tet_tags);

@@ -7,8 +7,15 @@
 
 namespace tetune {
 
-/// Where a vertex may go: V_C, V_E, V_F of the paper (Sect. 2), and the interior.
-enum class Mobility : std::uint8_t { fixed, line, plane, free };
+/// Where a vertex may go: V_C, V_E, V_F of the paper (Sect. 2), the interior, and the input surface.
+enum class Mobility : std::uint8_t {
+  fixed,
+  line,   ///< along a straight line
+  plane,  ///< within a plane
+  free,
+  curve,    ///< along a feature line of the input surface (Sect. 4.3)
+  surface,  ///< on the input surface, not across its feature lines
+};
 
 struct Motion {
   Mobility kind;

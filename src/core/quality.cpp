@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/types.hpp"
 #include "core/unit_scale.hpp"
@@ -23,7 +24,7 @@ struct Part {
   std::vector<std::int64_t> bins = std::vector<std::int64_t>(kBins, 0);
   double min = 180, max = 0, sum = 0;
   par::Size worst = -1;
-  double eta_sum = 0, ratio_sum = 0, ratio_min = 1, volume = 0;
+  double eta_sum = 0, shape_sum = 0, ratio_sum = 0, ratio_min = 1, volume = 0;
 };
 
 /// `scale` is a power of two that keeps products of coordinates in range.
@@ -58,6 +59,9 @@ void measure(const TetMesh& mesh, double scale, par::Size t, Part& part, double&
   }
   eta = area2 / std::fabs(volume);
   part.eta_sum += eta;
+  // eta of the regular tetrahedron of this volume: its edge is (6 sqrt(2) V)^(1/3), its eta 9 edge / sqrt(2).
+  const double shape = eta / (4.5 * std::numbers::sqrt2 * std::cbrt(6 * std::numbers::sqrt2 * std::fabs(volume)));
+  part.shape_sum += shape * std::sqrt(shape);
   const double ratio = volume > 0 ? 12 * std::cbrt(9 * volume * volume) / length2 : 0;
   part.ratio_sum += ratio;
   part.ratio_min = std::min(part.ratio_min, ratio);
@@ -102,6 +106,7 @@ Quality quality(const TetMesh& mesh, int threads) {
     total.max = std::max(total.max, part.max);
     total.sum += part.sum;
     total.eta_sum += part.eta_sum;
+    total.shape_sum += part.shape_sum;
     total.ratio_sum += part.ratio_sum;
     total.ratio_min = std::min(total.ratio_min, part.ratio_min);
     total.volume += part.volume;
@@ -114,6 +119,7 @@ Quality quality(const TetMesh& mesh, int threads) {
   q.dihedral_mean = total.sum / static_cast<double>(angles);
   q.dihedral_max = total.max;
   q.eta_sum = total.eta_sum / scale;
+  q.shape_sum = total.shape_sum;
   q.eta_max = *std::max_element(eta.begin(), eta.end()) / scale;
   const auto at95 =
       eta.begin() + static_cast<std::ptrdiff_t>(

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/energy_law.hpp"
 #include "core/links.hpp"
+#include "core/quality_floor.hpp"
 #include "core/types.hpp"
 #include "par/buffer.hpp"
 
@@ -19,6 +21,8 @@ struct MeshView {
   Span<Tet> tet2vertex;
   Span<Links> tet2tet;
   Span<int> tet_tags;
+  EnergyLaw law;
+  QualityFloor floor;
 
   TETUNE_HD bool alive(Size slot) const { return tet2vertex[slot].v[0] != kFreeSlot; }
 };
@@ -39,11 +43,15 @@ struct WorkMesh {
   /// Slots without a tetrahedron: the first `free_count` entries.
   Buffer<Index> free_slots;
   Size free_count = 0;
+  /// What the optimisation makes small.
+  EnergyLaw law = kHarmonicLaw;
+  /// What it must not go below.
+  QualityFloor floor;
 
   Size vertices() const { return points.size(); }
   Size slots() const { return tet2vertex.size(); }
   Size tets() const { return slots() - free_count; }
-  MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet_tags.span()}; }
+  MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet_tags.span(), law, floor}; }
 };
 
 }  // namespace tetune

@@ -15,6 +15,8 @@ inline constexpr double kRelaxation = 1.6;
 inline constexpr double kMinGain = 1e-10;
 /// The paper's eps_g.
 inline constexpr double kMinGradient = 1e-5;
+/// Below this part of its last sum, the energy is summed up anew.
+inline constexpr double kStale = 0.1;
 /// Far above what any mesh needs: each pass lowers the energy, so this bounds a run in which rounding says otherwise.
 inline constexpr int kMaxFlipPasses = 1000;
 
@@ -30,11 +32,11 @@ class Alternation {
         context_(context),
         report_(report),
         clock_(report),
-        unit_(1 / work.scale) {}
+        unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1) {}
 
   void run() {
     work_.flips.max_ring = options_.max_ring;
-    energy_ = refresh_energy(par_, work_.mesh, work_.flips);
+    sum_up();
     report_.energy_before = unit_ * energy_;
     activate_all(par_, work_.mesh, work_.flips);
     if (flip_until_stable(0) < 0) return;
@@ -48,7 +50,7 @@ class Alternation {
       if (!proceed("sweep", iteration)) return;
       connectivity_changed = false;
       if (schedule.flips_due(iteration)) {
-        clock_.measure("flips", [&] { energy_ = activate_drifted(par_, work_.mesh, work_.flips); });
+        clock_.measure("flips", [&] { energy_ = last_sum_ = activate_drifted(par_, work_.mesh, work_.flips); });
         const Size flips = flip_until_stable(iteration);
         if (flips < 0) return;
         connectivity_changed = flips > 0;
@@ -58,7 +60,7 @@ class Alternation {
     }
   }
 
-  /// Sum of eta after the last step, in the caller's unit.
+  /// After the last step, in the caller's unit.
   double energy() { return unit_ * refresh_energy(par_, work_.mesh, work_.flips); }
 
  private:
@@ -82,6 +84,7 @@ class Alternation {
                 : sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, GradientStep{kMinGradient});
     });
     energy_ -= sum.decrease;
+    settle();
     r.decrease = unit_ * sum.decrease;
     r.gradient_norm = sum.gradient2;
     r.moved = sum.moved;
@@ -97,6 +100,7 @@ class Alternation {
       const double seconds =
           clock_.measure("flips", [&] { r = flip_pass(par_, work_.mesh, work_.flips, work_.mobilities.awake.span()); });
       energy_ -= r.decrease;
+      settle();
       r.iteration = iteration;
       r.pass = pass;
       r.seconds = seconds;
@@ -112,6 +116,12 @@ class Alternation {
     return flips;
   }
 
+  void sum_up() { energy_ = last_sum_ = refresh_energy(par_, work_.mesh, work_.flips); }
+  /// Sums the energy up anew where what is left is small next to what was taken away: rounding hides it.
+  void settle() {
+    if (energy_ < kStale * last_sum_) clock_.measure("sums", [&] { sum_up(); });
+  }
+
   bool proceed(const char* phase, int iteration) {
     if (!context_.progress) return true;
     if (context_.progress({phase, iteration, unit_ * energy_, report_.energy_before})) return true;
@@ -125,8 +135,9 @@ class Alternation {
   const Context& context_;
   Report& report_;
   Clock clock_;
-  double unit_;  ///< of the coordinates inside, in the caller's
+  double unit_;  ///< of the energy inside, in the caller's
   double energy_ = 0;
+  double last_sum_ = 0;
 };
 
 }  // namespace alternate_detail

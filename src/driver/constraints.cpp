@@ -2,8 +2,11 @@
 #include "driver/constraints.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <string>
 
 #include "boundary/classify.hpp"
+#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
@@ -22,30 +25,43 @@ std::vector<std::uint8_t> constraining_edges(const TetMesh& mesh) {
   return constrains;
 }
 
-/// Removes the entries with keep 0; returns the new position of each old one, or -1.
+/// Removes the entries without a new position; returns their number.
 template <class T>
-std::vector<Index> filter(std::vector<T>& items, std::vector<int>& tags, const std::vector<std::uint8_t>& keep) {
-  std::vector<Index> old2new(items.size(), -1);
+std::int64_t move_kept(std::vector<T>& items, std::vector<int>& tags, const std::vector<Index>& old2new) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < items.size(); ++i) {
-    if (keep[i] == 0) continue;
-    old2new[i] = static_cast<Index>(kept);
+    if (old2new[i] < 0) continue;
     items[kept] = items[i];
     tags[kept] = tags[i];
     ++kept;
   }
+  const auto dropped = static_cast<std::int64_t>(items.size() - kept);
   items.resize(kept);
   tags.resize(kept);
-  return old2new;
+  return dropped;
 }
 
 void renumber(std::vector<Index>& ids, const std::vector<Index>& old2new) {
   for (Index& id : ids) id = old2new[static_cast<std::size_t>(id)];
 }
 
+/// Appends the elements with one of the tags. A tag that none has is an error: a part would not be kept.
+void add_tagged(const std::vector<int>& element_tags, const std::vector<int>& wanted, const char* option,
+                const char* what, std::vector<Index>& elements) {
+  for (const int tag : wanted) {
+    const std::size_t before = elements.size();
+    for (std::size_t i = 0; i < element_tags.size(); ++i) {
+      if (element_tags[i] == tag) elements.push_back(static_cast<Index>(i));
+    }
+    if (elements.size() == before) {
+      throw OptionError(std::string(option) + " names tag " + std::to_string(tag) + ", but no " + what + " has it");
+    }
+  }
+}
+
 }  // namespace
 
-Constraints find_constraints(const TetMesh& mesh) {
+Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   Constraints result;
   result.frozen.assign(mesh.points.size(), kMovable);
   for (const Index v : mesh.corners) result.frozen[static_cast<std::size_t>(v)] = kCorner;
@@ -55,28 +71,51 @@ Constraints find_constraints(const TetMesh& mesh) {
   freeze(mesh.required_vertices);
   for (const Index e : mesh.required_edges) freeze(mesh.edges[static_cast<std::size_t>(e)]);
   for (const Index t : mesh.required_triangles) freeze(mesh.triangles[static_cast<std::size_t>(t)]);
-  for (const Index t : mesh.required_tets) freeze(mesh.tets[static_cast<std::size_t>(t)]);
+  result.locked_tets = mesh.required_tets;
+  add_tagged(mesh.tet_tags, options.frozen_regions, "frozen_regions", "tetrahedron", result.locked_tets);
+  for (const Index t : result.locked_tets) freeze(mesh.tets[static_cast<std::size_t>(t)]);
+  std::vector<Index> patches;
+  add_tagged(mesh.triangle_tags, options.frozen_patches, "frozen_patches", "triangle", patches);
+  for (const Index t : patches) freeze(mesh.triangles[static_cast<std::size_t>(t)]);
+  if (!options.frozen_vertices.empty() && options.frozen_vertices.size() != mesh.points.size()) {
+    throw OptionError("frozen_vertices has " + std::to_string(options.frozen_vertices.size()) + " entries for " +
+                      std::to_string(mesh.points.size()) + " vertices; it must have one each, or none");
+  }
+  for (std::size_t v = 0; v < options.frozen_vertices.size(); ++v) {
+    if (options.frozen_vertices[v] != 0) result.frozen[v] = kFrozen;
+  }
   for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
 
-  const std::vector<std::uint8_t> constrains = constraining_edges(mesh);
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    if (constrains[e] != 0) result.edges.push_back(sorted(mesh.edges[e]));
+  const auto sort_unique = [](std::vector<std::array<Index, 2>>& edges) {
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  };
+  std::vector<std::array<Index, 2>> ridges;
+  for (const std::vector<Index>* ids : {&mesh.ridges, &mesh.required_edges}) {
+    for (const Index e : *ids) ridges.push_back(sorted(mesh.edges[static_cast<std::size_t>(e)]));
   }
-  std::sort(result.edges.begin(), result.edges.end());
-  result.edges.erase(std::unique(result.edges.begin(), result.edges.end()), result.edges.end());
+  sort_unique(ridges);
+  std::vector<std::array<Index, 2>> tagged;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.edge_tags[e] != 0) tagged.push_back(sorted(mesh.edges[e]));
+  }
+  sort_unique(tagged);
+  result.edges = ridges;
+  result.ridges = ridges.size();
+  std::set_difference(tagged.begin(), tagged.end(), ridges.begin(), ridges.end(), std::back_inserter(result.edges));
   return result;
 }
 
-std::int64_t drop_vanished_edges(TetMesh& mesh) {
+std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets) {
   std::vector<std::uint8_t> keep = constraining_edges(mesh);
   std::vector<std::array<Index, 2>> sought;
   for (std::size_t e = 0; e < keep.size(); ++e) {
     if (keep[e] == 0) sought.push_back(sorted(mesh.edges[e]));
   }
-  if (sought.empty()) return 0;
+  if (sought.empty()) return keep;
   std::sort(sought.begin(), sought.end());
   std::vector<std::uint8_t> found(sought.size(), 0);
-  for (const auto& tet : mesh.tets) {
+  for (const auto& tet : tets) {
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) {
         const auto edge = sorted({tet[i], tet[j]});
@@ -86,25 +125,32 @@ std::int64_t drop_vanished_edges(TetMesh& mesh) {
       }
     }
   }
-  std::int64_t dropped = 0;
   for (std::size_t e = 0; e < keep.size(); ++e) {
     if (keep[e] != 0) continue;
     const auto at = std::lower_bound(sought.begin(), sought.end(), sorted(mesh.edges[e])) - sought.begin();
     keep[e] = found[static_cast<std::size_t>(at)];
-    if (keep[e] == 0) ++dropped;
   }
-  if (dropped == 0) return 0;
-  const std::vector<Index> old2new = filter(mesh.edges, mesh.edge_tags, keep);
-  renumber(mesh.ridges, old2new);
-  renumber(mesh.required_edges, old2new);
-  return dropped;
+  return keep;
 }
 
-std::int64_t keep_triangles(TetMesh& mesh, const std::vector<std::uint8_t>& keep) {
-  const std::size_t before = mesh.triangles.size();
-  const std::vector<Index> old2new = filter(mesh.triangles, mesh.triangle_tags, keep);
+std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep) {
+  std::vector<Index> old2new(keep.size(), -1);
+  Index kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i] != 0) old2new[i] = kept++;
+  }
+  return old2new;
+}
+
+std::int64_t keep_triangles(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
   renumber(mesh.required_triangles, old2new);
-  return static_cast<std::int64_t>(before - mesh.triangles.size());
+  return move_kept(mesh.triangles, mesh.triangle_tags, old2new);
+}
+
+std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
+  renumber(mesh.ridges, old2new);
+  renumber(mesh.required_edges, old2new);
+  return move_kept(mesh.edges, mesh.edge_tags, old2new);
 }
 
 }  // namespace tetune

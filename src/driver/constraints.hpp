@@ -9,21 +9,31 @@
 
 namespace tetune {
 
-/// What the caller's lists say must stay, in the caller's ids.
+/// What the caller's lists and options say must stay, in the caller's ids.
 struct Constraints {
   /// kMovable, kFrozen or kCorner for each vertex. Required entities and elements of other kinds freeze theirs.
   std::vector<std::uint8_t> frozen;
-  /// Listed edges that are feature lines: tagged, ridges or required. Pairs, each once.
+  /// Tetrahedra that stay as they are: required ones and those of frozen regions.
+  std::vector<Index> locked_tets;
+  /// Listed edges that stay: tagged, ridges or required. Pairs, each once; those that are ridges or required come
+  /// first.
   std::vector<std::array<Index, 2>> edges;
+  /// How many of them are ridges or required: feature lines whatever else the list holds.
+  std::size_t ridges = 0;
 };
 
-Constraints find_constraints(const TetMesh& mesh);
+/// Throws OptionError where the options name what is not there.
+Constraints find_constraints(const TetMesh& mesh, const Options& options);
 
-/// Drops the listed edges without tag, ridge or requirement that are no edge of any tetrahedron any more, and returns
-/// their number.
-std::int64_t drop_vanished_edges(TetMesh& mesh);
+/// 1 for each listed edge that stays: it has a tag, is a ridge or required, or is an edge of one of `tets`.
+std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets);
 
-/// Keeps the triangles with keep[i] and renumbers `required_triangles`; returns the number dropped.
-std::int64_t keep_triangles(TetMesh& mesh, const std::vector<std::uint8_t>& keep);
+/// Where the entries of a list go when those with keep[i] 0 are dropped: their new positions, or -1.
+std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep);
+
+/// Moves the listed triangles or edges to their new positions, and renumbers what refers to them; returns the number
+/// dropped.
+std::int64_t keep_triangles(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
+std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
 
 }  // namespace tetune

@@ -41,6 +41,16 @@ Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   if (options.threads < 0) {
     throw OptionError("threads is " + std::to_string(options.threads) + "; it must be 0 (all) or more");
   }
+  if (!(options.feature_angle > 0 && options.feature_angle <= 180)) {
+    throw OptionError("feature_angle is " + std::to_string(options.feature_angle) +
+                      " degrees; it must be above 0 and at most 180");
+  }
+  if (!(options.max_deviation >= 0)) {
+    throw OptionError("max_deviation is " + std::to_string(options.max_deviation) + "; it must be 0 (none) or more");
+  }
+  if (options.max_deviation > 0 && options.boundary != Boundary::slide) {
+    throw OptionError("max_deviation has no effect unless the boundary slides; drop it, or set boundary to slide");
+  }
   const auto start = std::chrono::steady_clock::now();
   Report report;
   if (options.device == Device::cuda) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "boundary/classify.hpp"
+#include "boundary/features.hpp"
 #include "core/connect.hpp"
 #include "flips/flip_pass.hpp"
 #include "relocate/coloring.hpp"

@@ -38,6 +38,50 @@ struct LockTet {
   }
 };
 
+/// Edges as pairs of work vertices, and ready to be looked up.
+template <class Backend>
+struct EdgeSet {
+  typename Backend::template Buffer<Index> ends;
+  typename Backend::template Buffer<std::uint64_t> keys;
+  typename Backend::template Buffer<std::uint8_t> on_vertex;
+
+  EdgeSet(const std::vector<Index>& pairs, Size vertices) {
+    std::vector<std::uint64_t> sorted;
+    std::vector<std::uint8_t> flags(static_cast<std::size_t>(vertices), 0);
+    for (std::size_t e = 0; e < pairs.size(); e += 2) {
+      sorted.push_back(ConstrainedEdges::edge_key(pairs[e], pairs[e + 1]));
+      flags[static_cast<std::size_t>(pairs[e])] = flags[static_cast<std::size_t>(pairs[e + 1])] = 1;
+    }
+    std::sort(sorted.begin(), sorted.end());
+    ends.upload(pairs);
+    keys.upload(sorted);
+    on_vertex.upload(flags);
+  }
+  ConstrainedEdges view() const { return {keys.span(), on_vertex.span()}; }
+};
+
+/// Whether the edges from `first` on can be feature lines, given where vertices may go without them: lines meet in few
+/// places. (TetGen lists and tags all edges of its input.)
+inline bool are_lines(const std::vector<Index>& ends, std::size_t first, const std::vector<Mobility>& kind) {
+  std::vector<std::uint8_t> degree(kind.size(), 0);
+  for (std::size_t i = first; i < ends.size(); ++i) {
+    std::uint8_t& d = degree[static_cast<std::size_t>(ends[i])];
+    if (d < 3) ++d;
+  }
+  PlainCount count;
+  for (std::size_t v = 0; v < kind.size(); ++v) {
+    if (kind[v] != Mobility::free) ++count.constrained;
+    if (kind[v] != Mobility::fixed && degree[v] > 2) ++count.plain;
+  }
+  return count.few();
+}
+
+/// Each vertex starts on its own place of the reference surface.
+struct StartSite {
+  Span<Site> site;
+  TETUNE_HD void operator()(Size v) const { site[v] = {SiteKind::vertex, static_cast<Index>(v)}; }
+};
+
 /// The tetrahedra without the padding and order of the work mesh.
 struct ToOriginal {
   Span<const Index> vertex2original;
@@ -51,12 +95,12 @@ struct ToOriginal {
 
 /// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
 template <class Backend>
-void check_volumes(const Backend& par, const TetMesh& mesh, WorkingSet<Backend>& work) {
+void check_volumes(const Backend& par, const TetMesh& mesh, int threads, WorkingSet<Backend>& work) {
   typename Backend::template Buffer<Index> doubtful(work.mesh.slots());
   const Size count = par.compact(work.mesh.slots(), NotCertified{work.mesh.view()}, doubtful.span());
   if (count == 0) return;
   // Exact arithmetic has the last word.
-  const ValidationReport report = validate(mesh);
+  const ValidationReport report = validate(mesh, threads);
   if (!report.ok()) throw MeshError(report.message(false));
 }
 
@@ -70,13 +114,16 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
 
   work.scale = unit_scale(mesh);
   work.mesh = upload_mesh<Backend>(mesh, work.scale);
+  work.mesh.law = law_of(options.energy);
   typename Backend::template Buffer<Index> sorted2original;
   sort_mesh(par, work.mesh, &sorted2original);
   const std::vector<Index> tet2original = sorted2original.download();
   const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
   const AdjacencyReport adjacency = build_adjacency(par, work.mesh);
-  if (adjacency.crowded_faces + adjacency.same_side_faces > 0) throw MeshError(validate(mesh).message(false));
-  check_volumes(par, mesh, work);
+  if (adjacency.crowded_faces + adjacency.same_side_faces > 0) {
+    throw MeshError(validate(mesh, options.threads).message(false));
+  }
+  check_volumes(par, mesh, options.threads, work);
   lock_interfaces(par, work.mesh);
 
   std::vector<Index> original2vertex(vertex2original.size());
@@ -85,15 +132,19 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   }
   const auto to_work = [&original2vertex](Index v) { return original2vertex[static_cast<std::size_t>(v)]; };
 
-  if (!mesh.required_tets.empty()) {
+  const Constraints constraints = find_constraints(mesh, options);
+  if (!constraints.locked_tets.empty()) {
     std::vector<Index> original2slot(tet2original.size());
     for (std::size_t t = 0; t < tet2original.size(); ++t) {
       original2slot[static_cast<std::size_t>(tet2original[t])] = static_cast<Index>(t);
     }
-    for (const Index t : mesh.required_tets) work.required_slots.push_back(original2slot[static_cast<std::size_t>(t)]);
+    std::vector<Index> locked;
+    for (const Index t : constraints.locked_tets) locked.push_back(original2slot[static_cast<std::size_t>(t)]);
     typename Backend::template Buffer<Index> slots;
-    slots.upload(work.required_slots);
+    slots.upload(locked);
     par.for_each(slots.size(), LockTet{work.mesh.view(), slots.span()});
+    locked.resize(mesh.required_tets.size());  // they come first
+    work.required_slots = std::move(locked);
   }
 
   // Listed triangles.
@@ -104,6 +155,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
     for (std::size_t k = 0; k < 3; ++k) listed[t].v[k] = to_work(mesh.triangles[t][k]);
     listed[t].tag = mesh.triangle_tags[t];
     listed[t].required = triangle_required[t];
+    listed[t].locks = triangle_required[t] != 0 || (options.open_boundaries && listed[t].tag != 0) ? 1 : 0;
   }
   typename Backend::template Buffer<ListedTriangle> listed_buffer;
   typename Backend::template Buffer<Listed> listed_state;
@@ -112,8 +164,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   build_surface(par, work.mesh, listed_buffer, listed_state, surface);
   work.listed_triangles = listed_state.download();
 
-  // Listed edges and frozen vertices.
-  const Constraints constraints = find_constraints(mesh);
+  // Frozen vertices.
   std::vector<std::uint8_t> frozen(mesh.points.size(), kMovable);
   for (std::size_t v = 0; v < frozen.size(); ++v)
     frozen[static_cast<std::size_t>(to_work(static_cast<Index>(v)))] = constraints.frozen[v];
@@ -121,24 +172,17 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
     if (work.listed_triangles[t] != Listed::absent) continue;
     for (const Index v : listed[t].v) frozen[static_cast<std::size_t>(v)] = kFrozen;
   }
-  std::vector<Index> edges;
-  std::vector<std::uint64_t> keys;
-  std::vector<std::uint8_t> on_vertex(mesh.points.size(), 0);
-  for (const auto& edge : constraints.edges) {
-    const Index a = to_work(edge[0]);
-    const Index b = to_work(edge[1]);
-    edges.insert(edges.end(), {a, b});
-    keys.push_back(ConstrainedEdges::edge_key(a, b));
-    on_vertex[static_cast<std::size_t>(a)] = on_vertex[static_cast<std::size_t>(b)] = 1;
-  }
-  std::sort(keys.begin(), keys.end());
-  work.flips.constrained_keys.upload(keys);
-  work.flips.constrained_vertex.upload(on_vertex);
-  typename Backend::template Buffer<Index> edge_buffer;
   typename Backend::template Buffer<std::uint8_t> frozen_buffer;
-  edge_buffer.upload(edges);
   frozen_buffer.upload(frozen);
 
+  // Listed edges: all hold against flips.
+  std::vector<Index> ends;
+  for (const auto& edge : constraints.edges) ends.insert(ends.end(), {to_work(edge[0]), to_work(edge[1])});
+  EdgeSet<Backend> edges(ends, work.mesh.vertices());
+  work.flips.constrained_keys.swap(edges.keys);
+  work.flips.constrained_vertex.swap(edges.on_vertex);
+
+  // What the vertices may do.
   const Size vertices = work.mesh.vertices();
   work.mobilities.kind.resize(vertices);
   work.mobilities.axis.resize(vertices);
@@ -146,27 +190,62 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   work.mobilities.stirred.resize(vertices);
   par.fill(work.mobilities.awake.span(), std::uint8_t{1});
   par.fill(work.mobilities.stirred.span(), std::uint8_t{0});
-  classify_vertices(par, work.mesh, surface, edge_buffer.span(), work.flips.constrained(), frozen_buffer.span(),
-                    options.boundary == Boundary::fixed, work.mobilities.kind.span(), work.mobilities.axis.span());
+  const auto classify = [&](Span<const Index> feature_ends, const ConstrainedEdges& features) {
+    if (options.boundary == Boundary::slide) {
+      build_reference(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(), options.feature_angle,
+                      work.mobilities.kind.span(), work.mobilities.reference);
+    } else {
+      classify_vertices(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(),
+                        options.boundary == Boundary::fixed, work.mobilities.kind.span(), work.mobilities.axis.span());
+    }
+  };
+  // Ridges and required edges are features; tagged ones as well, unless they are too many to be lines.
+  const EdgeSet<Backend> ridges({ends.begin(), ends.begin() + 2 * static_cast<std::ptrdiff_t>(constraints.ridges)},
+                                vertices);
+  classify(ridges.ends.span(), ridges.view());
+  const auto tagged = static_cast<std::int64_t>(constraints.edges.size() - constraints.ridges);
+  if (tagged > 0) {
+    if (are_lines(ends, 2 * constraints.ridges, work.mobilities.kind.download())) {
+      classify(edges.ends.span(), work.flips.constrained());
+    } else {
+      report.edges_not_held = tagged;
+    }
+  }
+  report.corners_not_held = hold_corners(par, frozen_buffer.span(), work.mobilities.kind.span());
+  if (options.boundary == Boundary::slide) {
+    work.mobilities.max_deviation = options.max_deviation * work.scale;
+    work.mobilities.site.resize(vertices);
+    par.for_each(vertices, StartSite{work.mobilities.site.span()});
+  }
   for (const Mobility kind : work.mobilities.kind.download()) {
-    ++(kind == Mobility::free    ? report.free_vertices
-       : kind == Mobility::plane ? report.plane_vertices
-       : kind == Mobility::line  ? report.line_vertices
-                                 : report.fixed_vertices);
+    ++(kind == Mobility::free      ? report.free_vertices
+       : kind == Mobility::plane   ? report.plane_vertices
+       : kind == Mobility::line    ? report.line_vertices
+       : kind == Mobility::surface ? report.surface_vertices
+       : kind == Mobility::curve   ? report.curve_vertices
+                                   : report.fixed_vertices);
   }
 }
 
 template <class Backend>
 void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report& report) {
   using namespace working_set_detail;
+  // All that may fail comes first, so that the caller's mesh changes as a whole or not at all.
   const std::vector<Index> slot_of = compact_slots(par, work.mesh).download();
   par.for_each(work.mesh.slots(), ToOriginal{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
-  mesh.tets.resize(static_cast<std::size_t>(work.mesh.slots()));
-  Backend::download(mesh.tets.data(), work.mesh.tet2vertex.span().data(), mesh.tets.size() * sizeof(Tet));
-  mesh.tet_tags = work.mesh.tet_tags.download();
-
+  decltype(mesh.tets) tets(static_cast<std::size_t>(work.mesh.slots()));
+  Backend::download(tets.data(), work.mesh.tet2vertex.span().data(), tets.size() * sizeof(Tet));
+  std::vector<int> tet_tags = work.mesh.tet_tags.download();
   const std::vector<Point> points = work.mesh.points.download();
   const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
+  const std::vector<Index> new_triangles = positions_of_kept(keep);
+  const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets));
+
+  // From here on nothing fails.
+  mesh.tets.swap(tets);
+  mesh.tet_tags.swap(tet_tags);
   for (std::size_t v = 0; v < points.size(); ++v) {
     Point3& p = mesh.points[static_cast<std::size_t>(vertex2original[v])];
     const Vec3 before = work.scale * vec(p);
@@ -181,10 +260,8 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
     mesh.required_tets[i] = static_cast<Index>(at - slot_of.begin());
   }
 
-  std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
-  report.triangles_dropped = keep_triangles(mesh, keep);
-  report.edges_dropped = drop_vanished_edges(mesh);
+  report.triangles_dropped = keep_triangles(mesh, new_triangles);
+  report.edges_dropped = keep_edges(mesh, new_edges);
 }
 
 }  // namespace tetune

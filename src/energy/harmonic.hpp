@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/energy_law.hpp"
 #include "core/orient.hpp"
 #include "core/types.hpp"
 
@@ -63,11 +64,6 @@ TETUNE_HD TETUNE_INLINE Sym3T<T> area_term_hessian(const OppositeFace<T>& f) {
           -(f.a.y * f.a.z + f.b.y * f.b.z + c.y * c.z)};
 }
 
-/// eta = 1.5 q / w. With m = (h - q n / (2 w)) / w:   grad eta = 3 m,   Hess eta = 3 / w (Q - m n^T - n m^T).
-inline constexpr double kEtaFactor = 1.5;
-inline constexpr double kGradientFactor = 3;
-inline constexpr double kHessianFactor = 3;
-
 /// Square of kOrientBound times the 2 in permanent^2 <= 2 |a|^2 |b|^2 |y|^2 (Cauchy-Schwarz), rounded up.
 inline constexpr double kVolumeMargin = 2.01 * kOrientBound * kOrientBound;
 
@@ -77,26 +73,29 @@ TETUNE_HD TETUNE_INLINE T volume_margin(const OppositeFace<T>& f, const Vec3T<T>
   return w_positive * w_positive - kVolumeMargin * (dot(f.a, f.a) * dot(f.b, f.b) * dot(y, y));
 }
 
-/// eta of a tetrahedron with vertices in positive order, and whether its volume is certified positive. Where it is
-/// not, eta is what the smallest volume that rounding leaves possible would give: large, and finite.
+/// The energy of a tetrahedron with vertices in positive order, and whether its volume is certified positive. Where it
+/// is not, the energy is what the smallest volume that rounding leaves possible would give: large, and finite.
 struct TetEnergy {
   double eta;
   bool certified;
 };
 
-TETUNE_HD TETUNE_INLINE TetEnergy tet_energy(const Vec3& x, const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+TETUNE_HD TETUNE_INLINE TetEnergy tet_energy(const EnergyLaw& law, const Vec3& x, const Vec3& p0, const Vec3& p1,
+                                             const Vec3& p2) {
   const OppositeFace<double> f = opposite_face(p0, p1, p2);
   const Vec3 y = x - p0;
   const double w = dot(f.n, y);
   const double bound = kOrientBound * permanent(f.a, f.b, y);
   const bool certified = w > bound;
-  return {kEtaFactor * area_term(f, y) / (certified ? w : bound), certified};
+  return {law.factor * law.term(area_term(f, y), 1 / (certified ? w : bound)), certified};
 }
 
-/// eta along the ray y + t p: 1.5 (A t^2 + 2 B t + C) / (D + E t).
+/// The energy along the ray y + t p: q = A t^2 + 2 B t + C, w = D + E t.
 struct RayTerm {
   double a, b, c, d, e;
-  TETUNE_HD double eta(double t) const { return kEtaFactor * ((a * t + 2 * b) * t + c) / (d + e * t); }
+  TETUNE_HD double value(const EnergyLaw& law, double t) const {
+    return law.factor * law.term((a * t + 2 * b) * t + c, 1 / (d + e * t));
+  }
 };
 
 TETUNE_HD TETUNE_INLINE RayTerm ray_term(const OppositeFace<double>& f, const Vec3& y, const Vec3& p) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/quality_floor.hpp"
 #include "core/rows.hpp"
 #include "core/work_mesh.hpp"
 #include "energy/harmonic.hpp"
@@ -18,7 +19,7 @@ struct RingsView {
   Span<const LinkFace> faces;
 };
 
-/// f = sum of eta over the ring, to second order around a position.
+/// f = sum of the energies over the ring, to second order around a position.
 struct RingModel {
   double value;
   Vec3 gradient;
@@ -34,29 +35,33 @@ struct ModelSum {
   Sym3T<T> h;
 
   /// r = 1 / w of this tetrahedron; weight 1 counts it, 0 leaves it out.
-  TETUNE_HD TETUNE_INLINE void add(const OppositeFace<T>& f, const Vec3T<T>& y, const T& r, const T& weight) {
+  TETUNE_HD TETUNE_INLINE void add(const EnergyLaw& law, const OppositeFace<T>& f, const Vec3T<T>& y, const T& r,
+                                   const T& weight) {
     const AreaTerm<T> term = area_term_gradient(f, y);
     const Sym3T<T> q = area_term_hessian(f);
-    const T wr = weight * r;
-    const T eta = term.q * r;
-    const Vec3T<T> m = wr * (term.h - (0.5 * eta) * f.n);
-    const Vec3T<T> rn = r * f.n;
-    e += weight * eta;
+    const T energy = weight * law.term(term.q, r);
+    const T inverse_q = 1.0 / term.q;
+    const Vec3T<T> u = inverse_q * term.h;
+    const Vec3T<T> v = r * f.n;
+    e += energy;
     length2 += weight * dot(y, y);
-    g = g + m;
-    h.xx += wr * q.xx - 2.0 * (m.x * rn.x);
-    h.yy += wr * q.yy - 2.0 * (m.y * rn.y);
-    h.zz += wr * q.zz - 2.0 * (m.z * rn.z);
-    h.xy += wr * q.xy - (m.x * rn.y + m.y * rn.x);
-    h.xz += wr * q.xz - (m.x * rn.z + m.z * rn.x);
-    h.yz += wr * q.yz - (m.y * rn.z + m.z * rn.y);
+    g = g + energy * (law.gu * u + law.gv * v);
+    const T eq = law.gu * (energy * inverse_q);
+    const Vec3T<T> eu = energy * (law.uu * u + law.uv * v);
+    const Vec3T<T> ev = energy * (law.uv * u + law.vv * v);
+    h.xx += eq * q.xx + eu.x * u.x + ev.x * v.x;
+    h.yy += eq * q.yy + eu.y * u.y + ev.y * v.y;
+    h.zz += eq * q.zz + eu.z * u.z + ev.z * v.z;
+    h.xy += eq * q.xy + eu.x * u.y + ev.x * v.y;
+    h.xz += eq * q.xz + eu.x * u.z + ev.x * v.z;
+    h.yz += eq * q.yz + eu.y * u.z + ev.y * v.z;
   }
 };
 
-TETUNE_HD inline RingModel to_model(const ModelSum<double>& s, Size count) {
-  const double k = kHessianFactor;
-  return {kEtaFactor * s.e,
-          kGradientFactor * s.g,
+TETUNE_HD inline RingModel to_model(const EnergyLaw& law, const ModelSum<double>& s, Size count) {
+  const double k = law.factor;
+  return {k * s.e,
+          k * s.g,
           {k * s.h.xx, k * s.h.yy, k * s.h.zz, k * s.h.xy, k * s.h.xz, k * s.h.yz},
           s.length2 / static_cast<double>(count)};
 }
@@ -68,11 +73,18 @@ TETUNE_HD TETUNE_INLINE double safe_volume(const OppositeFace<double>& f, const 
   return w > bound ? w : bound;
 }
 
-/// f at a position, and whether each volume there is certified positive.
+/// f at a position, and whether a vertex may be there: each volume is certified positive, and no tetrahedron worse than
+/// the floor.
 struct RingValue {
   double value;
   bool certified;
 };
+
+/// Whether the tetrahedron over a face is no worse than the floor.
+TETUNE_HD inline bool allowed(const QualityFloor& floor, const OppositeFace<double>& f, const Vec3& x, double shape) {
+  const Vec3 p[4] = {x, f.p0, f.p0 + f.b, f.p0 + f.a};
+  return floor.allows(shape, p, dot(f.n, x - f.p0));
+}
 
 /// One vertex's ring, read from memory each time: for the GPU, one thread a vertex, and for rings of any size.
 /// The interface that relocation is written against; SimdRing is the same for the CPU.
@@ -80,17 +92,18 @@ class PlainRing {
  public:
   static constexpr Size kCapacity = Size{1} << 31;
 
-  TETUNE_HD PlainRing(Span<const Point> points, const LinkFace* faces, Size count)
-      : points_(points), faces_(faces), count_(count) {}
+  TETUNE_HD PlainRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count,
+                      const QualityFloor& floor = {})
+      : law_(law), floor_(floor), points_(points), faces_(faces), count_(count) {}
 
   TETUNE_HD RingModel model(const Vec3& x) {
     ModelSum<double> sum{};
     for (Size i = 0; i < count_; ++i) {
       const OppositeFace<double> f = face(i);
       const Vec3 y = x - f.p0;
-      sum.add(f, y, 1 / safe_volume(f, y), 1.0);
+      sum.add(law_, f, y, 1 / safe_volume(f, y), 1.0);
     }
-    return to_model(sum, count_);
+    return to_model(law_, sum, count_);
   }
 
   /// First t > 0 at which x + t p leaves the kernel of the ring; infinity if none.
@@ -107,14 +120,17 @@ class PlainRing {
   TETUNE_HD RingValue value(const Vec3& x) {
     double e = 0;
     bool certified = true;
-    for (Size i = 0; i < count_; ++i) {
+    for (Size i = 0; i < count_ && certified; ++i) {
       const OppositeFace<double> f = face(i);
       const Vec3 y = x - f.p0;
       const double w = dot(f.n, y);
-      certified = certified && w > 0 && volume_margin(f, y, w) > 0;
-      e += area_term(f, y) / w;
+      double shape = 0;
+      certified = w > 0 && volume_margin(f, y, w) > 0;
+      e += law_.term(area_term(f, y), 1 / w, shape);
+      certified =
+          certified && (kShapeFactor * shape <= floor_.safe_shape || allowed(floor_, f, x, kShapeFactor * shape));
     }
-    return {kEtaFactor * e, certified};
+    return {law_.factor * e, certified};
   }
 
   /// f along x + t p, in closed form.
@@ -125,7 +141,7 @@ class PlainRing {
       double sum = 0;
       for (Size i = 0; i < ring_.count_; ++i) {
         const OppositeFace<double> f = ring_.face(i);
-        sum += ray_term(f, x_ - f.p0, p_).eta(t);
+        sum += ray_term(f, x_ - f.p0, p_).value(ring_.law_, t);
       }
       return sum;
     }
@@ -142,6 +158,8 @@ class PlainRing {
     return opposite_face(vec(points_[f.v[0]]), vec(points_[f.v[1]]), vec(points_[f.v[2]]));
   }
 
+  EnergyLaw law_;
+  QualityFloor floor_;
   Span<const Point> points_;
   const LinkFace* faces_;
   Size count_;

@@ -13,8 +13,9 @@ class SimdRing {
   static constexpr Size kCapacity = 128;
   typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
 
-  SimdRing(Span<const Point> points, const LinkFace* faces, Size count)
-      : count_(count), packs_(static_cast<int>((count + kLanes - 1) / kLanes)) {
+  SimdRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count,
+           const QualityFloor& floor = {})
+      : law_(law), floor_(floor), count_(count), packs_(static_cast<int>((count + kLanes - 1) / kLanes)) {
     for (int k = 0; k < packs_; ++k) {
       const LinkFace* f[kLanes];
       for (int l = 0; l < kLanes; ++l) {
@@ -38,14 +39,15 @@ class SimdRing {
       const Lanes w = dot(f.n, y);
       w_min = w < w_min ? w : w_min;
       inverse_volume_[k] = 1.0 / w;
-      total.add(f, y, inverse_volume_[k], weight(k));
+      total.add(law_, f, y, inverse_volume_[k], weight(k));
     }
     // Beyond the bound on its error each volume is, if the smallest is beyond that of the largest faces there could be:
     // permanent <= sqrt(2) |a| |b| |y|, and |a|, |b| are at most twice the longest y.
     const double length2 = sum(total.length2);
     if (!(least(w_min) > 6 * kOrientBound * length2 * std::sqrt(length2))) return doubtful_model(x);
     const Sym3T<Lanes>& h = total.h;
-    return to_model({sum(total.e),
+    return to_model(law_,
+                    {sum(total.e),
                      sum(total.length2),
                      {sum(total.g.x), sum(total.g.y), sum(total.g.z)},
                      {sum(h.xx), sum(h.yy), sum(h.zz), sum(h.xy), sum(h.xz), sum(h.yz)}},
@@ -60,29 +62,31 @@ class SimdRing {
       const Lanes r = -(dot(faces_[k].n, ps) * inverse_volume_[k]);
       rate = r > rate ? r : rate;
     }
-    double most = 0;
-    for (int l = 0; l < kLanes; ++l) most = rate[l] > most ? rate[l] : most;
-    return 1 / most;
+    return 1 / most(rate);
   }
 
   RingValue value(const Vec3& x) {
     const Vec3T<Lanes> xs = spread(x);
     Lanes e = zero();
     Lanes margin = zero() + 1.0;
+    Lanes worst = zero();
     for (int k = 0; k < packs_; ++k) {
       const OppositeFace<Lanes>& f = faces_[k];
       const Vec3T<Lanes> y = xs - f.p0;
       const Lanes w = dot(f.n, y);
       const Lanes m = volume_margin(f, y, w > 0.0 ? w : zero());
       margin = m < margin ? m : margin;
-      e += weight(k) * (area_term(f, y) / w);
+      Lanes shape;
+      e += weight(k) * law_.term(area_term(f, y), 1.0 / w, shape);
+      worst = shape > worst ? shape : worst;
     }
-    return {kEtaFactor * sum(e), least(margin) > 0};
+    return {law_.factor * sum(e),
+            least(margin) > 0 && (most(worst) <= floor_.safe_shape / kShapeFactor || keeps_floor(x))};
   }
 
   class Ray {
    public:
-    Ray(const SimdRing& ring, const Vec3& x, const Vec3& p) : count_(ring.count_) {
+    Ray(const SimdRing& ring, const Vec3& x, const Vec3& p) : law_(ring.law_), count_(ring.count_) {
       for (Size i = 0; i < count_; ++i) {
         const OppositeFace<double> f = ring.face(i);
         terms_[i] = ray_term(f, x - f.p0, p);
@@ -90,11 +94,12 @@ class SimdRing {
     }
     double value(double t) const {
       double sum = 0;
-      for (Size i = 0; i < count_; ++i) sum += terms_[i].eta(t);
+      for (Size i = 0; i < count_; ++i) sum += terms_[i].value(law_, t);
       return sum;
     }
 
    private:
+    EnergyLaw law_;
     Size count_;
     RayTerm terms_[kCapacity];
   };
@@ -107,6 +112,11 @@ class SimdRing {
   static double sum(const Lanes& v) {
     double s = v[0];
     for (int l = 1; l < kLanes; ++l) s += v[l];
+    return s;
+  }
+  static double most(const Lanes& v) {
+    double s = v[0];
+    for (int l = 1; l < kLanes; ++l) s = v[l] > s ? v[l] : s;
     return s;
   }
   static double least(const Lanes& v) {
@@ -137,6 +147,16 @@ class SimdRing {
             {f.n.x[l], f.n.y[l], f.n.z[l]}};
   }
 
+  bool keeps_floor(const Vec3& x) const {
+    for (Size i = 0; i < count_; ++i) {
+      const OppositeFace<double> f = face(i);
+      const Vec3 y = x - f.p0;
+      const double shape = kShapeFactor * EnergyLaw::shape_term(area_term(f, y), 1 / dot(f.n, y));
+      if (shape > floor_.safe_shape && !allowed(floor_, f, x, shape)) return false;
+    }
+    return true;
+  }
+
   /// model() for a ring in which rounding leaves a volume in doubt: that volume counts with the bound on its error.
   RingModel doubtful_model(const Vec3& x) {
     ModelSum<double> total{};
@@ -145,11 +165,13 @@ class SimdRing {
       const Vec3 y = x - f.p0;
       const double r = 1 / safe_volume(f, y);
       inverse_volume_[i / kLanes][static_cast<int>(i % kLanes)] = r;
-      if (i < count_) total.add(f, y, r, 1.0);
+      if (i < count_) total.add(law_, f, y, r, 1.0);
     }
-    return to_model(total, count_);
+    return to_model(law_, total, count_);
   }
 
+  EnergyLaw law_;
+  QualityFloor floor_;
   Size count_;
   int packs_;
   Lanes last_weight_;

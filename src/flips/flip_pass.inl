@@ -53,7 +53,9 @@ struct Candidates {
 };
 
 TETUNE_HD inline double slot_energy(const MeshView& mesh, const Tet& t) {
-  return tet_energy(vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]), vec(mesh.points[t[3]])).eta;
+  return tet_energy(mesh.law, vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]),
+                    vec(mesh.points[t[3]]))
+      .eta;
 }
 
 struct EnergySum {
@@ -75,8 +77,8 @@ struct IsAliveSlot {
   TETUNE_HD bool operator()(Size t) const { return mesh.alive(t); }
 };
 
-/// Computes eta anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the
-/// squared areas and w six times the volume, each height is at least w / sqrt(q), and eta = 1.5 q / w.
+/// Computes the energy anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum
+/// of the squared areas and w six times the volume, each height is at least w / sqrt(q).
 struct Drift {
   MeshView mesh;
   Span<const Point> seen;
@@ -86,16 +88,19 @@ struct Drift {
     if (!mesh.alive(t)) return {};
     const Tet tet = mesh.tet2vertex[t];
     eta[t] = slot_energy(mesh, tet);
+    Vec3 p[4];
     double move2 = 0;
     for (int k = 0; k < 4; ++k) {
-      const Vec3 move = vec(mesh.points[tet[k]]) - vec(seen[tet[k]]);
+      p[k] = vec(mesh.points[tet[k]]);
+      const Vec3 move = p[k] - vec(seen[tet[k]]);
       const double length2 = dot(move, move);
       move2 = length2 > move2 ? length2 : move2;
     }
-    const double w =
-        orient(vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]), vec(mesh.points[tet[3]]))
-            .det;
-    slack[t] -= static_cast<float>(kDriftRate * std::sqrt(move2 * eta[t] / (kEtaFactor * w)));
+    const OppositeFace<double> f = opposite_face(p[1], p[2], p[3]);
+    const Vec3 y = p[0] - p[1];
+    const double w = dot(f.n, y);
+    // Where a volume is in doubt the drift is without bound.
+    slack[t] -= w > 0 ? static_cast<float>(kDriftRate * std::sqrt(move2 * area_term(f, y)) / w) : 1;
     return {eta[t]};
   }
 };
@@ -103,10 +108,7 @@ struct Drift {
 struct HasDrifted {
   MeshView mesh;
   Span<const float> slack;
-  TETUNE_HD bool operator()(Size t) const {
-    // Slack is not a number where a volume is in doubt.
-    return mesh.alive(t) && !(slack[t] >= 0);
-  }
+  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && slack[t] < 0; }
 };
 
 struct WantAll {

@@ -12,16 +12,16 @@ namespace tetune {
 /// Above any energy.
 inline constexpr double kNever = 1e300;
 
-/// eta / 1.5 of the tetrahedron (0, u, v, w); kNever where its volume is not certified positive.
-TETUNE_HD TETUNE_INLINE double corner_energy(const Vec3& u, const Vec3& v, const Vec3& w) {
+/// Energy over its factor of the tetrahedron (0, u, v, w); kNever where its volume is not certified positive.
+TETUNE_HD TETUNE_INLINE double corner_energy(const EnergyLaw& law, const Vec3& u, const Vec3& v, const Vec3& w) {
   const Vec3 uv = cross(u, v);
   const Vec3 vw = cross(v, w);
   const Vec3 wu = cross(w, u);
   const Vec3 face = uv + vw + wu;
   const double det = dot(uv, w);
-  const double quotient = (dot(uv, uv) + dot(vw, vw) + dot(wu, wu) + dot(face, face)) / det;
+  const double energy = law.term(dot(uv, uv) + dot(vw, vw) + dot(wu, wu) + dot(face, face), 1 / det);
   const double margin = det * det - kVolumeMargin * (dot(u, u) * dot(v, v) * dot(w, w));
-  return (det > 0) & (margin > 0) ? quotient : kNever;
+  return (det > 0) & (margin > 0) ? energy : kNever;
 }
 
 /// A ring seen from the two ends of its edge. The ears of its triangulations, that is the triangles of three vertices
@@ -29,7 +29,7 @@ TETUNE_HD TETUNE_INLINE double corner_energy(const Vec3& u, const Vec3& v, const
 /// show that no triangulation is good enough.
 class RingFans {
  public:
-  TETUNE_HD RingFans(const MeshView& mesh, const Cavity& c) : n_(c.ring_size) {
+  TETUNE_HD RingFans(const MeshView& mesh, const Cavity& c) : n_(c.ring_size), law_(mesh.law) {
     const Vec3 a = vec(mesh.points[c.a]);
     const Vec3 b = vec(mesh.points[c.b]);
     for (int m = 0; m < n_; ++m) {
@@ -46,8 +46,8 @@ class RingFans {
 
   /// Finds the triangulation of least energy, and returns that; `limit` when none is below it.
   TETUNE_HD double best(double limit, Triangulation& triangulation) const {
-    if (!(kEtaFactor * least_ears() < limit)) return limit;
-    return kEtaFactor * triangulate(limit / kEtaFactor, triangulation);
+    if (!(law_.factor * least_ears() < limit)) return limit;
+    return law_.factor * triangulate(limit / law_.factor, triangulation);
   }
 
  private:
@@ -113,9 +113,10 @@ class RingFans {
     TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const { return {x[m], y[m], z[m]}; }
   };
 
-  /// Energy of the two tetrahedra on a triangle, over 1.5.
+  /// Energy of the two tetrahedra on a triangle, over the factor of the law.
   TETUNE_HD TETUNE_INLINE double pair(int i, int j, int k) const {
-    return corner_energy(from_a_[i], from_a_[j], from_a_[k]) + corner_energy(from_b_[i], from_b_[k], from_b_[j]);
+    return corner_energy(law_, from_a_[i], from_a_[j], from_a_[k]) +
+           corner_energy(law_, from_b_[i], from_b_[k], from_b_[j]);
   }
 
   TETUNE_HD double triangle(int i, int j, int k) const {
@@ -126,19 +127,20 @@ class RingFans {
   }
 
   int n_;
+  EnergyLaw law_;
   Fan from_a_, from_b_;
   double ears_[kLanes];
 };
 
-/// Sum of eta of the tetrahedra a flip would make; `limit` where one of them is not certified positive, or the sum is
+/// Energy of the tetrahedra a flip would make; `limit` where one of them is not certified positive, or the sum is
 /// not below `limit`.
 TETUNE_HD inline double energy_after(const MeshView& mesh, const Cavity& c, const Triangulation& triangulation,
                                      double limit) {
   double sum = 0;
   for (int x = 0; x < c.made(); ++x) {
     const Tet t = new_tet(c, triangulation, x);
-    const TetEnergy e =
-        tet_energy(vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]), vec(mesh.points[t[3]]));
+    const TetEnergy e = tet_energy(mesh.law, vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]),
+                                   vec(mesh.points[t[3]]));
     sum += e.eta;
     if (!e.certified || !(sum < limit)) return limit;
   }

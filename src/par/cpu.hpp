@@ -25,10 +25,13 @@ class Cpu {
   template <class T>
   using Buffer = par::Buffer<T, Cpu>;
 
-  /// `threads` 0 means all that this process may use.
-  explicit Cpu(int threads = 0)
-      : threads_(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
-        pool_(threads_ > 1 ? std::make_shared<ThreadPool>(threads_) : nullptr) {}
+  /// `threads` 0 means all that this process may use. There may be fewer, as ThreadPool says.
+  explicit Cpu(int threads = 0) {
+    if (threads <= 0) threads = static_cast<int>(std::thread::hardware_concurrency());
+    if (threads <= 1) return;
+    pool_ = std::make_shared<ThreadPool>(threads);
+    threads_ = pool_->threads();
+  }
 
   int threads() const { return threads_; }
 
@@ -204,7 +207,7 @@ class Cpu {
     for_parts(blocks, [&](Size b) { f(b, n * b / blocks, n * (b + 1) / blocks); });
   }
 
-  int threads_;
+  int threads_ = 1;
   std::shared_ptr<ThreadPool> pool_;
 };
 

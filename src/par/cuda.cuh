@@ -17,9 +17,9 @@
 namespace tetune::par {
 
 inline void check_cuda(cudaError_t status, const char* what) {
-  if (status != cudaSuccess) {
-    throw DeviceError(std::string("CUDA: ") + what + " failed: " + cudaGetErrorString(status));
-  }
+  if (status == cudaSuccess) return;
+  cudaGetLastError();  // told here, so no later check shall tell it again
+  throw DeviceError(std::string("CUDA: ") + what + " failed: " + cudaGetErrorString(status));
 }
 
 template <class F>
@@ -51,7 +51,7 @@ struct ReadPartial {
   TETUNE_HD R operator()(Size i) const { return partial[i]; }
 };
 
-/// The CUDA backend: one stream (the default one), memory from the driver's pool.
+/// The CUDA backend: the current device, one stream (the default one), memory from the driver's pool.
 class Cuda {
  public:
   template <class T>

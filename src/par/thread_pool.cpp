@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "par/thread_pool.hpp"
 
-#include <system_error>
+#include <algorithm>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -24,17 +24,18 @@ void relax() {
 }  // namespace
 
 ThreadPool::ThreadPool(int threads) {
-  threads_.reserve(static_cast<std::size_t>(threads));
+  const int wanted = std::min(threads, kMaxThreads);
   try {
-    for (int t = 1; t < threads; ++t) threads_.emplace_back([this] { work(); });
-  } catch (const std::system_error&) {
-    // As many as the system gives; the result does not depend on it.
+    threads_.reserve(static_cast<std::size_t>(wanted));
+    for (int t = 1; t < wanted; ++t) threads_.emplace_back([this] { work(); });
+  } catch (...) {
+    // No more threads or no more memory: as many as started; the result does not depend on it.
   }
 }
 
 ThreadPool::~ThreadPool() {
   stop_.store(true, std::memory_order_relaxed);
-  round_.fetch_add(1, std::memory_order_release);
+  round_.fetch_add(1);
   round_.notify_all();
   for (std::thread& t : threads_) t.join();
 }
@@ -55,7 +56,7 @@ void ThreadPool::work() {
   std::uint32_t seen = 0;
   for (;;) {
     for (int spin = 0; spin < kSpins && round_.load(std::memory_order_acquire) == seen; ++spin) relax();
-    round_.wait(seen, std::memory_order_acquire);
+    round_.wait(seen);
     seen = round_.load(std::memory_order_acquire);
     if (stop_.load(std::memory_order_relaxed)) return;
     std::uint64_t gate = gate_.load(std::memory_order_relaxed);
@@ -77,7 +78,7 @@ void ThreadPool::run_erased(Size parts, const void* task, Call call) {
   next_.store(0, std::memory_order_relaxed);
   const std::uint32_t round = round_.load(std::memory_order_relaxed) + 1;
   gate_.store((static_cast<std::uint64_t>(round) << 32) | kOpen, std::memory_order_release);
-  round_.store(round, std::memory_order_release);
+  round_.store(round);
   round_.notify_all();
   take_parts();
   gate_.fetch_and(~kOpen, std::memory_order_relaxed);

@@ -19,11 +19,17 @@ namespace tetune::par {
 /// One loop at a time, from one thread.
 class ThreadPool {
  public:
-  /// `threads` counts the caller.
+  /// Far above what helps: it bounds what a slip of the caller costs.
+  static constexpr int kMaxThreads = 4096;
+
+  /// `threads` counts the caller. At most kMaxThreads, and fewer where the system does not give them.
   explicit ThreadPool(int threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
+
+  /// Those that there are, with the caller.
+  int threads() const { return static_cast<int>(threads_.size()) + 1; }
 
   /// f(part) for part in [0, parts), in any order, on all threads. The first exception is thrown on.
   template <class F>
@@ -45,7 +51,8 @@ class ThreadPool {
   std::mutex error_mutex_;
   std::exception_ptr error_;
 
-  /// Number of the loop; what threads sleep on.
+  /// Number of the loop; what threads sleep on. Changed in sequential consistency: a change that moves behind the look
+  /// for sleepers in notify_all() would leave asleep whoever lies down in between.
   std::atomic<std::uint32_t> round_{0};
   /// Round in the high half, then a bit for "open", then the number of threads inside: a thread enters by raising that
   /// number while the gate is open, so none can enter late.

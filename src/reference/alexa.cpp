@@ -97,7 +97,7 @@ class Descent {
   };
 
   const Vec3& at(Index v) const { return points_[static_cast<std::size_t>(v)]; }
-  TetEnergy energy_of(const Tet& t) const { return tet_energy(at(t[0]), at(t[1]), at(t[2]), at(t[3])); }
+  TetEnergy energy_of(const Tet& t) const { return tet_energy(kHarmonicLaw, at(t[0]), at(t[1]), at(t[2]), at(t[3])); }
 
   double assemble_gradient() {
     gradient_.assign(points_.size(), Vec3{0, 0, 0});
@@ -110,7 +110,7 @@ class Descent {
         const AreaTerm<double> term = area_term_gradient(f, y);
         const double w = std::max(dot(f.n, y), kOrientBound * permanent(f.a, f.b, y));
         Vec3& g = gradient_[static_cast<std::size_t>(t[k])];
-        g = g + (kGradientFactor / w) * (term.h - (0.5 * term.q / w) * f.n);
+        g = g + (2 * kHarmonicLaw.factor / w) * (term.h - (0.5 * term.q / w) * f.n);
       }
     }
     double sum = 0;

@@ -6,6 +6,7 @@
 #include "energy/ring.hpp"
 #include "relocate/coloring.hpp"
 #include "relocate/step.hpp"
+#include "surface/reference.hpp"
 
 namespace tetune {
 
@@ -25,6 +26,11 @@ template <class Backend>
 struct Mobilities {
   typename Backend::template Buffer<Mobility> kind;
   typename Backend::template Buffer<Vec3> axis;
+  /// Where each vertex is on the reference surface, and that surface; empty unless vertices slide.
+  typename Backend::template Buffer<Site> site;
+  ReferenceSurface<Backend> reference;
+  /// Most distance between the two surfaces; 0: no bound.
+  double max_deviation = 0;
   /// 1: worth a visit: at its last visit the vertex, or since then one of its ring, moved by more than kWake at once,
   /// or a flip changed its ring.
   typename Backend::template Buffer<std::uint8_t> awake;

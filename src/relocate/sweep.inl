@@ -4,6 +4,7 @@
 #include "core/connect.hpp"
 #include "core/rows.hpp"
 #include "par/atomic.hpp"
+#include "relocate/slide.hpp"
 #include "relocate/sweep.hpp"
 
 namespace tetune {
@@ -24,6 +25,8 @@ struct FillFace {
 /// Ring is the backend's own: see each instantiation.
 template <class Ring, class Step>
 struct RelocateVertex {
+  EnergyLaw law;
+  QualityFloor floor;
   Span<Point> points;
   RingsView rings;
   Span<const Index> vertices;
@@ -31,6 +34,9 @@ struct RelocateVertex {
   Span<const Vec3> axis;
   Span<std::uint8_t> awake;
   Span<std::uint8_t> stirred;
+  Span<Site> site;
+  ReferenceView reference;
+  double max_deviation;
   Step step;
 
   TETUNE_HD SweepSum operator()(Size i) const {
@@ -43,15 +49,13 @@ struct RelocateVertex {
       return {};
     }
     const LinkFace* faces = rings.faces.data() + begin;
-    const Motion motion{kind[v], axis[v]};
-    const Vec3 x = vec(points[v]);
     StepResult result;
     if (count <= Ring::kCapacity) {
-      Ring ring(points, faces, count);
-      result = step(ring, x, motion);
+      Ring ring(law, points, faces, count, floor);
+      result = relocate(ring, v);
     } else {
-      PlainRing ring(points, faces, count);
-      result = step(ring, x, motion);
+      PlainRing ring(law, points, faces, count, floor);
+      result = relocate(ring, v);
     }
     if (result.decrease > 0) points[v] = point(result.position);
     const bool far = result.relative_move > kWake;
@@ -63,6 +67,17 @@ struct RelocateVertex {
     }
     if (result.relative_move > kStir) stirred[v] = 1;
     return {result.decrease, result.gradient2, result.decrease > 0 ? 1 : 0};
+  }
+
+ private:
+  template <class AnyRing>
+  TETUNE_HD StepResult relocate(AnyRing& ring, Index v) const {
+    const Vec3 x = vec(points[v]);
+    if (kind[v] != Mobility::curve && kind[v] != Mobility::surface) return step(ring, x, Motion{kind[v], axis[v]});
+    const SlideResult slid =
+        slide_of(step)(ring, x, site[v], kind[v], reference, DeviationBound(reference, points, site, v, max_deviation));
+    if (slid.step.decrease > 0) site[v] = slid.site;
+    return slid.step;
   }
 };
 
@@ -87,9 +102,10 @@ SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView
     const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
     const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
     total.merge(par.template reduce<SweepSum>(
-        count, sweep_detail::RelocateVertex<Ring, Step>{mesh.points.span(), rings, vertices, mobilities.kind.span(),
-                                                        mobilities.axis.span(), mobilities.awake.span(),
-                                                        mobilities.stirred.span(), step}));
+        count, sweep_detail::RelocateVertex<Ring, Step>{
+                   mesh.law, mesh.floor, mesh.points.span(), rings, vertices, mobilities.kind.span(),
+                   mobilities.axis.span(), mobilities.awake.span(), mobilities.stirred.span(), mobilities.site.span(),
+                   mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, step}));
   }
   return total;
 }

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <set>
 
+#include "allocation_watch.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
@@ -97,6 +98,11 @@ TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
   options.termination = c.termination;
   options.max_ring = 3 + static_cast<int>(c.seed % 5);
   options.max_iterations = 12;
+  options.energy = c.seed % 2 == 0 ? Energy::shape : Energy::harmonic;
+  const auto energy = [&options](const TetMesh& m) {
+    const Quality q = quality(m);
+    return options.energy == Energy::shape ? q.shape_sum : q.eta_sum;
+  };
   double last = 1e300;
   Context context;
   context.progress = [&last](const Progress& p) {
@@ -109,8 +115,8 @@ TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
   const ValidationReport valid = validate(after);
   EXPECT_TRUE(valid.ok()) << valid.message(false);
   EXPECT_LT(report.energy_after, report.energy_before);
-  EXPECT_NEAR(report.energy_after, quality(after).eta_sum, 1e-9 * report.energy_after);
-  EXPECT_NEAR(report.energy_before, quality(before).eta_sum, 1e-9 * report.energy_before);
+  EXPECT_NEAR(report.energy_after, energy(after), 1e-9 * report.energy_after);
+  EXPECT_NEAR(report.energy_before, energy(before), 1e-9 * report.energy_before);
   EXPECT_EQ(static_cast<std::int64_t>(after.tets.size()), report.tets_after);
   const std::int64_t without_removals = report.tets_before + report.flips23 - report.flips32;
   EXPECT_GE(report.tets_after, without_removals);
@@ -216,7 +222,7 @@ TEST(Optimize, StopsWhenAskedAndLeavesAValidMesh) {
   EXPECT_EQ(report.stop, StopReason::cancelled);
   EXPECT_TRUE(validate(m).ok());
   EXPECT_LT(report.energy_after, report.energy_before);
-  EXPECT_NEAR(report.energy_after, quality(m).eta_sum, 1e-9 * report.energy_after);
+  EXPECT_NEAR(report.energy_after, quality(m).shape_sum, 1e-9 * report.energy_after);
 }
 
 TEST(Optimize, WithoutIterationsOnlyFlips) {
@@ -257,6 +263,42 @@ TEST(Optimize, HandlesTheSmallestMeshes) {
   loose.point_tags.push_back(0);
   optimize(loose);
   EXPECT_EQ(loose.points.back(), (Point3{9, 9, 9}));
+}
+
+TEST(Optimize, LeavesTheMeshAsItWasWhereverMemoryRunsOut) {
+  if (!test::AllocationWatch::works()) GTEST_SKIP() << "memory never runs out here";
+  TetMesh before = test::scrambled(test::cube(2, 0.2), 2);
+  before.required_tets = {7};
+  for (const auto& t : before.tets) {
+    before.triangles.push_back({t[0], t[1], t[2]});
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t l = k + 1; l < 4; ++l) before.edges.push_back({t[k], t[l]});
+    }
+  }
+  before.triangle_tags.resize(before.triangles.size());
+  before.edge_tags.resize(before.edges.size());
+  Options options;
+  options.threads = 1;
+  options.max_iterations = 1;
+  TetMesh after = before;
+  bool done = false;
+  for (std::size_t granted = 0; !done; ++granted) {
+    ASSERT_LT(granted, 10000U);
+    try {
+      const test::AllocationWatch watch(granted);
+      optimize(after, options);
+      done = true;
+    } catch (const std::bad_alloc&) {
+      ASSERT_TRUE(after.points == before.points && after.tets == before.tets && after.tet_tags == before.tet_tags &&
+                  after.required_tets == before.required_tets && after.triangles == before.triangles &&
+                  after.edges == before.edges)
+          << granted;
+    }
+  }
+  EXPECT_NE(after.points, before.points);
+  EXPECT_NE(after.tets, before.tets);
+  EXPECT_LT(after.triangles.size(), before.triangles.size());
+  EXPECT_LT(after.edges.size(), before.edges.size());
 }
 
 TEST(Optimize, RefusesOptionsOutOfRange) {

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "boundary/classify.inl"
 #include "boundary/closest_triangle.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
@@ -75,12 +76,55 @@ TEST(Classification, BordersBetweenPatchTagsAreLines) {
   EXPECT_EQ(r.plane_vertices, 54 - 3);
 }
 
-TEST(Classification, CornersHoldOnFeaturesAndNotOnFlatGround) {
+TEST(Classification, AmongSeveralListingsOfAFaceTheLastTagHolds) {
+  // The face z = 0 is tagged 5 all over, but for one triangle in its middle.
+  const auto planes = [](const std::vector<int>& tags_of_the_one) {
+    TetMesh m = test::cube(4);
+    const auto id = [](int i, int j) { return static_cast<Index>(j * 5 + i); };
+    for (int j = 0; j < 4; ++j) {
+      for (int i = 0; i < 4; ++i) {
+        m.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+        m.triangles.push_back({id(i, j), id(i, j + 1), id(i + 1, j + 1)});
+      }
+    }
+    m.triangle_tags.assign(m.triangles.size(), 5);
+    const std::size_t one = 2 * (4 * 1 + 1);
+    m.triangle_tags[one] = tags_of_the_one[0];
+    for (std::size_t i = 1; i < tags_of_the_one.size(); ++i) {
+      m.triangles.push_back(m.triangles[one]);
+      m.triangle_tags.push_back(tags_of_the_one[i]);
+    }
+    return classify(m).plane_vertices;
+  };
+  EXPECT_EQ(planes({5}), 54);
+  EXPECT_EQ(planes({6}), 51);
+  EXPECT_EQ(planes({0}), 51);
+  EXPECT_EQ(planes({5, 0}), 54);
+  EXPECT_EQ(planes({0, 5, 0}), 54);
+  EXPECT_EQ(planes({6, 5}), 54);
+  EXPECT_EQ(planes({5, 6, 0}), 51);
+}
+
+TEST(Classification, CornersHoldUnlessTheListIsNoneOfCorners) {
   TetMesh m = test::cube(4);
   m.corners = {6, 1};  // inside the face z = 0, and on the edge y = z = 0
-  const Report r = classify(m);
-  EXPECT_EQ(r.fixed_vertices, 9);
+  Report r = classify(m);
+  EXPECT_EQ(r.fixed_vertices, 10);
+  EXPECT_EQ(r.plane_vertices, 53);
+  EXPECT_EQ(r.corners_not_held, 0);
+  // Every vertex of the surface, as TetGen lists them.
+  m.corners.clear();
+  for (std::size_t v = 0; v < m.points.size(); ++v) {
+    for (const double x : m.points[v]) {
+      if (x != 0 && x != 1) continue;
+      m.corners.push_back(static_cast<Index>(v));
+      break;
+    }
+  }
+  r = classify(m);
+  EXPECT_EQ(r.fixed_vertices, 8);
   EXPECT_EQ(r.plane_vertices, 54);
+  EXPECT_EQ(r.corners_not_held, 90);
   m.required_vertices = {6};
   EXPECT_EQ(classify(m).plane_vertices, 53);
 }
@@ -132,6 +176,11 @@ TEST(Classification, ASheetThinnerThanTheToleranceKeepsItsShape) {
   EXPECT_LT(std::fabs(c.volume_change), 1e-9);
   EXPECT_LT(c.old_to_new, 1e-9);
   EXPECT_TRUE(validate(m).ok());
+}
+
+TEST(Surface, IsRefusedWhereItsCornersHaveNoNumbers) {
+  EXPECT_NO_THROW(classify_detail::check_surface_size(1'431'655'765));
+  EXPECT_THROW(classify_detail::check_surface_size(1'431'655'766), MeshError);
 }
 
 TEST(ClosestTriangle, AgreesWithEveryTriangleTried) {

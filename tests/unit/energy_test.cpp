@@ -62,16 +62,16 @@ struct Ring20 {
     }
   }
   Span<const Point> span() const { return {points.data(), static_cast<Size>(points.size())}; }
-  PlainRing plain() const { return {span(), faces.data(), static_cast<Size>(faces.size())}; }
-  SimdRing simd() const { return {span(), faces.data(), static_cast<Size>(faces.size())}; }
+  PlainRing plain() const { return {kHarmonicLaw, span(), faces.data(), static_cast<Size>(faces.size())}; }
+  SimdRing simd() const { return {kHarmonicLaw, span(), faces.data(), static_cast<Size>(faces.size())}; }
 };
 
 TEST(HarmonicIndex, OfTheRegularTetrahedronWithUnitEdge) {
   // Four areas sqrt(3)/4, volume 1/(6 sqrt 2): eta = (4 * 3/16) * 6 sqrt 2.
   const double s = 1 / std::sqrt(2.0);
   const Vec3 p[4] = {{0.5, 0, -0.5 * s}, {-0.5, 0, -0.5 * s}, {0, 0.5, 0.5 * s}, {0, -0.5, 0.5 * s}};
-  const TetEnergy e = tet_energy(p[0], p[1], p[2], p[3]);
-  const TetEnergy turned = tet_energy(p[0], p[1], p[3], p[2]);
+  const TetEnergy e = tet_energy(kHarmonicLaw, p[0], p[1], p[2], p[3]);
+  const TetEnergy turned = tet_energy(kHarmonicLaw, p[0], p[1], p[3], p[2]);
   EXPECT_NE(e.certified, turned.certified);
   EXPECT_NEAR(e.certified ? e.eta : turned.eta, 4.5 * std::sqrt(2.0), 1e-14);
 }
@@ -82,7 +82,7 @@ TEST(HarmonicIndex, AgreesWithItsDefinition) {
   for (int i = 0; i < 2000; ++i) {
     Vec3 p[4];
     for (Vec3& v : p) v = random_vec(random);
-    const TetEnergy e = tet_energy(p[0], p[1], p[2], p[3]);
+    const TetEnergy e = tet_energy(kHarmonicLaw, p[0], p[1], p[2], p[3]);
     if (!e.certified) continue;
     ++positive;
     const double expected = static_cast<double>(plain_eta(p));
@@ -100,7 +100,7 @@ TEST(HarmonicIndex, OfSliversStaysWithinTheErrorOfTheVolume) {
       for (Vec3& v : p) v = v + 0.1 * Vec3{random_vec(random).x, random_vec(random).y, 0};
       const Orient o = orient(p[0], p[1], p[2], p[3]);
       if (o.det < 0) std::swap(p[2], p[3]);
-      const TetEnergy e = tet_energy(p[0], p[1], p[2], p[3]);
+      const TetEnergy e = tet_energy(kHarmonicLaw, p[0], p[1], p[2], p[3]);
       const double expected = static_cast<double>(plain_eta(p));
       EXPECT_TRUE(e.certified);
       EXPECT_NEAR(e.eta, expected, (4 * o.bound / std::fabs(o.det) + 1e-13) * expected);
@@ -109,8 +109,8 @@ TEST(HarmonicIndex, OfSliversStaysWithinTheErrorOfTheVolume) {
 }
 
 TEST(HarmonicIndex, IsFiniteWhereTheVolumeIsLostInRounding) {
-  const TetEnergy e = tet_energy({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-17});
-  EXPECT_FALSE(tet_energy({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 0}).certified);
+  const TetEnergy e = tet_energy(kHarmonicLaw, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-17});
+  EXPECT_FALSE(tet_energy(kHarmonicLaw, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 0}).certified);
   EXPECT_TRUE(std::isfinite(e.eta));
   EXPECT_GT(e.eta, 1e10);
 }

@@ -152,8 +152,8 @@ double least_energy(const TetMesh& m, int i, int k) {
     const Vec3 a = p(static_cast<std::size_t>(2 + i));
     const Vec3 b = p(static_cast<std::size_t>(2 + j));
     const Vec3 c = p(static_cast<std::size_t>(2 + k));
-    const TetEnergy below = tet_energy(p(0), a, b, c);
-    const TetEnergy above = tet_energy(p(1), a, c, b);
+    const TetEnergy below = tet_energy(kHarmonicLaw, p(0), a, b, c);
+    const TetEnergy above = tet_energy(kHarmonicLaw, p(1), a, c, b);
     if (!below.certified || !above.certified) continue;
     least = std::min(least, least_energy(m, i, j) + least_energy(m, j, k) + below.eta + above.eta);
   }

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <limits>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <thread>
 
+#include "allocation_watch.hpp"
 #include "core/rows.hpp"
 #include "par/cpu.hpp"
 
@@ -143,6 +146,28 @@ TEST(ThreadPool, SeveralLiveSideBySide) {
   }
   for (std::thread& u : users) u.join();
   EXPECT_EQ(sum.load(), 3 * 200 * 190);
+}
+
+TEST(ThreadPool, GoesOnWithTheThreadsThatStarted) {
+  if (!test::AllocationWatch::works()) GTEST_SKIP() << "memory never runs out here";
+  for (const std::size_t granted : {0U, 1U, 3U}) {
+    std::optional<par::ThreadPool> pool;
+    {
+      const test::AllocationWatch watch(granted);
+      pool.emplace(8);
+    }
+    EXPECT_LT(pool->threads(), 8);
+    std::atomic<Size> sum{0};
+    pool->run(20, [&sum](Size part) { sum += part; });
+    EXPECT_EQ(sum.load(), 190);
+  }
+}
+
+TEST(ThreadPool, HasAMostNumberOfThreads) {
+  if (!test::AllocationWatch::works()) GTEST_SKIP() << "would start them";
+  const test::AllocationWatch watch(1);
+  const par::ThreadPool pool(std::numeric_limits<int>::max());
+  EXPECT_EQ(watch.largest(), sizeof(std::thread) * par::ThreadPool::kMaxThreads);
 }
 
 struct IntLess {

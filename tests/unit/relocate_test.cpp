@@ -36,11 +36,11 @@ struct Fixture {
   explicit Fixture(const TetMesh& mesh) : work(test::to_work(mesh)) { build_rings(par::Cpu(1), work, rings); }
   SimdRing simd(Index v) {
     const Size begin = rings.offsets.span()[v];
-    return {work.points.span(), rings.faces.span().data() + begin, rings.offsets.span()[v + 1] - begin};
+    return {work.law, work.points.span(), rings.faces.span().data() + begin, rings.offsets.span()[v + 1] - begin};
   }
   PlainRing plain(Index v) {
     const Size begin = rings.offsets.span()[v];
-    return {work.points.span(), rings.faces.span().data() + begin, rings.offsets.span()[v + 1] - begin};
+    return {work.law, work.points.span(), rings.faces.span().data() + begin, rings.offsets.span()[v + 1] - begin};
   }
   Vec3 at(Index v) { return vec(work.points.span()[v]); }
 };

@@ -9,6 +9,7 @@ namespace {
 
 std::atomic<bool> watching{false};
 std::atomic<std::size_t> largest_request{0};
+std::atomic<std::size_t> requests_left{0};
 
 }  // namespace
 
@@ -22,15 +23,27 @@ std::atomic<std::size_t> largest_request{0};
 #endif
 
 #if TETUNE_OWN_NEW
-// The default array and nothrow forms call these two.
+// The default array forms call these. So does the default nothrow form, but not that of GCC's address sanitizer.
 void* operator new(std::size_t bytes) {
   if (watching) {
     std::size_t seen = largest_request;
     while (bytes > seen && !largest_request.compare_exchange_weak(seen, bytes)) {
     }
+    std::size_t left = requests_left;
+    while (left > 0 && !requests_left.compare_exchange_weak(left, left - 1)) {
+    }
+    if (left == 0) throw std::bad_alloc();
   }
   if (void* memory = std::malloc(bytes > 0 ? bytes : 1)) return memory;
   throw std::bad_alloc();
+}
+
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  try {
+    return operator new(bytes);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
 }
 
 void operator delete(void* memory) noexcept { std::free(memory); }
@@ -39,8 +52,11 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace tetune::test {
 
-AllocationWatch::AllocationWatch() {
+bool AllocationWatch::works() { return TETUNE_OWN_NEW == 1; }
+
+AllocationWatch::AllocationWatch(std::size_t granted) {
   largest_request = 0;
+  requests_left = granted;
   watching = true;
 }
 

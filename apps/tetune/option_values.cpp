@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "option_values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "tetune/error.hpp"
+
+namespace tetune::cli {
+namespace {
+
+double diagonal(const TetMesh& mesh) {
+  if (mesh.points.empty()) return 0;
+  Point3 low = mesh.points[0];
+  Point3 high = low;
+  for (const Point3& p : mesh.points) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  }
+  return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+}
+
+}  // namespace
+
+std::vector<std::string> without_aliases(int argc, const char* const* argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.empty() || words[0] != "optimize") return words;
+  std::vector<std::string> ours;
+  for (const std::string& word : words) {
+    if (word == "-ar") {
+      ours.emplace_back("--feature-angle");
+    } else if (word == "-nr") {
+      ours.insert(ours.end(), {"--feature-angle", "180"});
+    } else if (word == "-hausd") {
+      ours.emplace_back("--max-deviation");
+    } else if (word == "-nosurf") {
+      ours.insert(ours.end(), {"--boundary", "fixed"});
+    } else {
+      ours.push_back(word);
+    }
+  }
+  return ours;
+}
+
+double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, value);
+  const bool percent = error == std::errc() && at + 1 == end && *at == '%';
+  if (error != std::errc() || (at != end && !percent) || !(value > 0) || !std::isfinite(value)) {
+    throw OptionError(fmt::format(
+        "{}: '{}' is not a length; give a positive number in the mesh's unit, or one with % for a part of the "
+        "bounding box's diagonal",
+        option, text));
+  }
+  return percent ? value / 100 * diagonal(mesh) : value;
+}
+
+void parse_freeze(const std::string& text, Options& options) {
+  std::vector<int>* tags = nullptr;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    std::string item = text.substr(begin, end - begin);
+    begin = end + 1;
+    if (item.starts_with("tag=")) {
+      tags = &options.frozen_regions;
+      item.erase(0, std::strlen("tag="));
+    } else if (item.starts_with("patch=")) {
+      tags = &options.frozen_patches;
+      item.erase(0, std::strlen("patch="));
+    }
+    int tag = 0;
+    const auto [at, error] = std::from_chars(item.data(), item.data() + item.size(), tag);
+    if (tags == nullptr || error != std::errc() || at != item.data() + item.size()) {
+      throw OptionError(fmt::format(
+          "--freeze: '{}' is not understood; give the tags of regions as tag=1,2 and those of patches as patch=3,4",
+          text));
+    }
+    tags->push_back(tag);
+  }
+}
+
+}  // namespace tetune::cli

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "relocate/step.hpp"
+#include "surface/deviation.hpp"
+
+/// One boundary vertex in its ring, on the input surface (Sect. 4.3, Alg. 3 and 4).
+namespace tetune {
+
+struct SlideResult {
+  StepResult step;
+  Site site;
+};
+
+namespace slide_detail {
+
+/// A way over the surface and where it ends.
+struct Walk {
+  Vec3 at;
+  Site site;
+  double length;
+};
+
+/// Newton direction of the ring's model, taken at a place on the surface, within a primitive.
+TETUNE_HD inline Vec3 model_direction(const ReferenceView& ref, const RingModel& m, const Vec3& gradient,
+                                      const Site& site, const Primitive& primitive) {
+  RingModel here = m;
+  here.gradient = gradient;
+  const Vec3 p = newton_direction(here, primitive.motion);
+  if (primitive.on.kind != SiteKind::triangle || site.kind == SiteKind::triangle) return p;
+  // From an edge or vertex the gradient leads inside; Newton's direction may not.
+  const TriangleFrame frame(ref, primitive.on.item);
+  if (frame.leads_inside(entered_from(ref, site, primitive.on.item), p)) return p;
+  const double curvature = dot(primitive.down, m.hessian * primitive.down);
+  return (curvature > 0 ? dot(primitive.down, primitive.down) / curvature : 1) * primitive.down;
+}
+
+}  // namespace slide_detail
+
+/// The over-relaxed Newton step on the surface: the ring's energy to second order around x is walked down over
+/// triangles and edges, and the end of the way is taken when the energy is lower there.
+struct NewtonSlide {
+  double relaxation;  ///< 1 <= omega < 2
+  double min_gain;    ///< as in NewtonStep
+
+  static constexpr int kMaxHops = 16;
+  static constexpr double kMostRelaxed = 1.9;  ///< below 2 each hop lowers the model
+
+  template <class Ring>
+  TETUNE_HD SlideResult operator()(Ring& ring, Vec3 x, Site site, Mobility walker, const ReferenceView& ref,
+                                   const DeviationBound& bound) const {
+    SlideResult result;
+    for (int repeat = 0; repeat < NewtonStep::kMaxRepeats; ++repeat) {
+      const RingModel m = ring.model(x);
+      const Primitive first = steepest(ref, walker, site, m.gradient);
+      if (repeat == 0) result.step.gradient2 = kTraceFactor * kTraceFactor * dot(first.down, first.down);
+      if (first.on.kind == SiteKind::none) break;
+      const Vec3 p = slide_detail::model_direction(ref, m, m.gradient, site, first);
+      if (!(-dot(m.gradient, p) > min_gain * m.value)) break;
+      const double length = std::sqrt(m.length2);
+      const double inverts = NewtonStep::kReach * ring.step_bound(x, p) * norm(p);
+      double reach = NewtonStep::kFarthest * length;
+      if (inverts < reach) reach = inverts;
+      double decrease = 0;
+      for (int halving = 0; halving < NewtonStep::kMaxHalvings && decrease == 0; ++halving) {
+        const slide_detail::Walk walk = descend(ref, walker, m, x, site, first, p, reach);
+        const RingValue v = ring.value(walk.at);
+        if (v.certified && v.value < m.value && bound.allows(walk.at, walk.site)) {
+          decrease = m.value - v.value;
+          result.step.relative_move += walk.length / length;
+          x = walk.at;
+          site = walk.site;
+        }
+        reach = 0.5 * walk.length;
+      }
+      if (decrease == 0) break;
+      result.step.decrease += decrease;
+      if (decrease < NewtonStep::kRepeat * m.value) break;
+    }
+    result.step.position = x;
+    result.site = site;
+    return result;
+  }
+
+ private:
+  /// Walks the model down from x, at most `reach` far.
+  TETUNE_HD slide_detail::Walk descend(const ReferenceView& ref, Mobility walker, const RingModel& m, const Vec3& x,
+                                       const Site& start, Primitive primitive, Vec3 p, double reach) const {
+    slide_detail::Walk walk{x, start, 0};
+    double omega = relaxation;
+    for (int hop = 0; hop < kMaxHops; ++hop) {
+      const double speed = norm(p);
+      const double left = (reach - walk.length) / speed;
+      if (!(left > 0)) break;
+      const Landing landing = advance(ref, walker, primitive, walk.site, walk.at, p, left < omega ? left : omega);
+      walk.at = landing.at;
+      walk.site = landing.site;
+      walk.length += landing.t * speed;
+      // Beyond the model's minimum there is no way on that leads down.
+      if (!landing.at_rim || !(landing.t < 1)) break;
+      omega = (omega - landing.t) / (1 - landing.t);
+      if (omega > kMostRelaxed) omega = kMostRelaxed;
+      const Vec3 gradient = m.gradient + m.hessian * (walk.at - x);
+      primitive = steepest(ref, walker, walk.site, gradient);
+      if (primitive.on.kind == SiteKind::none) break;
+      p = slide_detail::model_direction(ref, m, gradient, walk.site, primitive);
+    }
+    return walk;
+  }
+};
+
+/// The paper's step: along the steepest of the adjacent primitives, Brent's line search on [0, lambda], where lambda
+/// reaches to the first inversion or to the primitive's rim.
+struct GradientSlide {
+  double min_gradient;  ///< the paper's eps_g, on the norm of grad tr
+
+  template <class Ring>
+  TETUNE_HD SlideResult operator()(Ring& ring, const Vec3& x, const Site& site, Mobility walker,
+                                   const ReferenceView& ref, const DeviationBound& bound) const {
+    SlideResult result;
+    result.step.position = x;
+    result.site = site;
+    const RingModel m = ring.model(x);
+    const Primitive primitive = steepest(ref, walker, site, m.gradient);
+    const double slope = norm(primitive.down);
+    result.step.gradient2 = kTraceFactor * kTraceFactor * slope * slope;
+    if (primitive.on.kind == SiteKind::none || !(kTraceFactor * slope >= min_gradient)) return result;
+    const Vec3 p = (1 / slope) * primitive.down;
+    const double length = std::sqrt(m.length2);
+    double lambda = GradientStep::kReach * ring.step_bound(x, p);
+    if (!(lambda < NewtonStep::kFarthest * length)) lambda = NewtonStep::kFarthest * length;
+    lambda = advance(ref, walker, primitive, site, x, p, lambda).t;
+    for (int halving = 0; halving < GradientStep::kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving)
+      lambda *= 0.5;
+    double alpha = brent_minimum(ring.ray(x, p), 0, lambda);
+    // Brent's method never returns the end of its interval.
+    if (alpha > (1 - kAtEnd) * lambda) alpha = lambda;
+    for (int halving = 0; halving < GradientStep::kMaxHalvings; ++halving, alpha *= 0.5) {
+      const Landing landing = advance(ref, walker, primitive, site, x, p, alpha);
+      const RingValue v = ring.value(landing.at);
+      if (v.certified && v.value < m.value && bound.allows(landing.at, landing.site)) {
+        result.step.decrease = m.value - v.value;
+        result.step.relative_move = landing.t / length;
+        result.step.position = landing.at;
+        result.site = landing.site;
+        break;
+      }
+    }
+    return result;
+  }
+
+ private:
+  static constexpr double kAtEnd = 1e-5;
+};
+
+/// How boundary vertices slide where all others take `Step`.
+TETUNE_HD inline NewtonSlide slide_of(const NewtonStep& step) { return {step.relaxation, step.min_gain}; }
+TETUNE_HD inline GradientSlide slide_of(const GradientStep& step) { return {step.min_gradient}; }
+
+}  // namespace tetune

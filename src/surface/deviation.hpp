@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "surface/primitive.hpp"
+
+namespace tetune {
+
+/// The bound on how far the surface of the mesh and the reference surface may lie apart, for moves of one vertex.
+///
+/// Over each triangle of the mesh's surface, the reference is a height: piecewise linear, so its largest value is at a
+/// corner of a reference triangle clipped to the prism over the mesh's triangle. Where all heights are within the
+/// bound, so is the distance of each from the other. The reference triangles are found from the sites of the triangle's
+/// vertices on, from neighbour to neighbour within the patch. Along feature lines the same is done in one dimension.
+/// What cannot be decided in the memory of one thread counts as too far.
+class DeviationBound {
+ public:
+  TETUNE_HD DeviationBound(const ReferenceView& ref, Span<const Point> points, Span<const Site> sites, Index vertex,
+                           double limit)
+      : ref_(ref), points_(points), sites_(sites), vertex_(vertex), limit_(limit) {}
+
+  /// Whether the vertex may be at x. A limit of 0: anywhere.
+  TETUNE_HD bool allows(const Vec3& x, const Site& site) const {
+    if (!(limit_ > 0)) return true;
+    if (ref_.kind[vertex_] == Mobility::curve) {
+      for (int way = 0; way < 2; ++way) {
+        if (!line_is_close(x, site, ref_.line[vertex_].next[way])) return false;
+      }
+    }
+    for (Size c = ref_.vertex2corner.begin(vertex_); c < ref_.vertex2corner.end(vertex_); ++c) {
+      if (!triangle_is_close(ref_.vertex2corner.items[c], x, site)) return false;
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int kMostTriangles = 96;
+  static constexpr int kMostSegments = 64;
+  /// Of the prism over a triangle: reference triangles that only touch it do not count.
+  static constexpr double kInset = 1e-6;
+  /// Part of a triangle that may lie beyond the patch.
+  static constexpr double kUncovered = 1e-3;
+  /// In a corner between a line and a height both count.
+  static constexpr double kShare = 0.7;
+
+  /// Coordinates over a triangle of the mesh, and the height above it.
+  struct Over {
+    double l[3];
+    double height;
+  };
+
+  /// The reference triangles found so far.
+  struct Found {
+    Index triangle[kMostTriangles];
+    int count = 0;
+    bool full = false;
+    TETUNE_HD void add(Index t) {
+      for (int i = 0; i < count; ++i) {
+        if (triangle[i] == t) return;
+      }
+      if (count == kMostTriangles) {
+        full = true;
+      } else {
+        triangle[count++] = t;
+      }
+    }
+  };
+
+  TETUNE_HD void start_at(const Site& site, Found& found) const {
+    if (site.kind == SiteKind::triangle) {
+      found.add(site.item);
+    } else if (site.kind == SiteKind::edge) {
+      found.add(site.item / 3);
+      if (ref_.across[site.item] != kWall) found.add(ref_.across[site.item] / 3);
+    } else if (site.kind == SiteKind::vertex || site.kind == SiteKind::segment) {
+      const bool vertex = site.kind == SiteKind::vertex;
+      const Ends ends = vertex ? Ends{site.item, site.item} : ends_of(ref_, site);
+      for (Size c = ref_.vertex2corner.begin(ends.a); c < ref_.vertex2corner.end(ends.a); ++c) {
+        const auto triangle = static_cast<Index>(ref_.vertex2corner.items[c] / 3);
+        const SurfaceTriangle t = ref_.triangles[triangle];
+        if (t.v[0] == ends.b || t.v[1] == ends.b || t.v[2] == ends.b) found.add(triangle);
+      }
+    }
+  }
+
+  TETUNE_HD bool triangle_is_close(std::uint32_t corner, const Vec3& x, const Site& site) const {
+    const SurfaceTriangle t = ref_.triangles[corner / 3];
+    const Index va = t.v[(corner + 1) % 3];
+    const Index vb = t.v[(corner + 2) % 3];
+    const Vec3 a = vec(points_[va]) - x;
+    const Vec3 b = vec(points_[vb]) - x;
+    const Vec3 normal = cross(a, b);
+    const double n2 = dot(normal, normal);
+    if (!(n2 > 0)) return false;
+    const Vec3 slope_a = (1 / n2) * cross(b, normal);
+    const Vec3 slope_b = (1 / n2) * cross(normal, a);
+    const Vec3 unit = (1 / std::sqrt(n2)) * normal;
+
+    Found found;
+    start_at(site, found);
+    start_at(sites_[va], found);
+    start_at(sites_[vb], found);
+    double covered = 0;
+    double highest = 0;
+    for (int i = 0; i < found.count; ++i) {
+      Over polygon[9];
+      int n = 3;
+      const SurfaceTriangle r = ref_.triangles[found.triangle[i]];
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 d = ref_.point(r.v[k]) - x;
+        const double la = dot(slope_a, d);
+        const double lb = dot(slope_b, d);
+        polygon[k] = {{1 - la - lb, la, lb}, dot(unit, d)};
+      }
+      for (int side = 0; side < 3 && n > 0; ++side) n = clip(polygon, n, side);
+      if (n < 3) continue;
+      double twice_area = 0;
+      for (int k = 0; k < n; ++k) {
+        const double height = std::fabs(polygon[k].height);
+        if (!(height <= limit_)) return false;
+        highest = height > highest ? height : highest;
+        const Over& p = polygon[k];
+        const Over& q = polygon[(k + 1) % n];
+        twice_area += p.l[1] * q.l[2] - p.l[2] * q.l[1];
+      }
+      covered += std::fabs(twice_area);
+      for (Index k = 0; k < 3; ++k) {
+        const Index next = ref_.across[3 * found.triangle[i] + k];
+        if (next != kWall) found.add(next / 3);
+      }
+      if (found.full) return false;
+    }
+    const double uncovered = (1 - covered) * std::sqrt(n2);
+    if (uncovered <= kUncovered * std::sqrt(n2)) return true;
+    // Beside a line, the triangle may reach beyond the patch by as much as the line's chord does.
+    double beside = 0;
+    if (!slides(vertex_) && !slides(va)) beside += norm(a);
+    if (!slides(vertex_) && !slides(vb)) beside += norm(b);
+    if (!slides(va) && !slides(vb)) beside += norm(b - a);
+    return highest <= kShare * limit_ && uncovered <= 2 * limit_ * beside;
+  }
+  TETUNE_HD bool slides(Index v) const { return ref_.kind[v] == Mobility::surface; }
+
+  /// Cuts off what is below one coordinate (Sutherland and Hodgman); returns the number of corners left.
+  TETUNE_HD static int clip(Over* polygon, int n, int side) {
+    Over out[9];
+    int m = 0;
+    for (int k = 0; k < n; ++k) {
+      const Over& p = polygon[k];
+      const Over& q = polygon[(k + 1) % n];
+      const double dp = p.l[side] - kInset;
+      const double dq = q.l[side] - kInset;
+      if (dp >= 0) out[m++] = p;
+      if ((dp < 0) == (dq < 0)) continue;
+      const double s = dp / (dp - dq);
+      Over cut;
+      for (int j = 0; j < 3; ++j) cut.l[j] = p.l[j] + s * (q.l[j] - p.l[j]);
+      cut.height = p.height + s * (q.height - p.height);
+      out[m++] = cut;
+    }
+    for (int k = 0; k < m; ++k) polygon[k] = out[k];
+    return m;
+  }
+
+  /// Whether the reference line from the vertex to its neighbour on the line keeps close to the edge between them.
+  TETUNE_HD bool line_is_close(const Vec3& x, const Site& site, Index neighbour) const {
+    const Vec3 e = vec(points_[neighbour]) - x;
+    const double length2 = dot(e, e);
+    const Ends goal = interval(sites_[neighbour]);
+    const Ends start = interval(site);
+    for (int way = 0; way < 2; ++way) {
+      const bool on_vertex = start.a == start.b;
+      const Index from = on_vertex || way == 0 ? start.a : start.b;
+      const Index to = on_vertex ? ref_.line[start.a].next[way] : way == 0 ? start.b : start.a;
+      if (same({from, to}, goal) || reaches(from, to, goal, x, e, length2)) return true;
+    }
+    return false;
+  }
+
+  /// Whether the line, from one of its vertices on to the next, reaches the goal with all that it passes close to the
+  /// edge.
+  TETUNE_HD bool reaches(Index from, Index at, const Ends& goal, const Vec3& x, const Vec3& e, double length2) const {
+    for (int i = 0; i < kMostSegments; ++i) {
+      if (goal.a == goal.b && at == goal.a) return true;
+      const Vec3 d = ref_.point(at) - x;
+      double s = length2 > 0 ? dot(d, e) / length2 : 0;
+      s = s < 0 ? 0 : s > 1 ? 1 : s;
+      const Vec3 off = d - s * e;
+      if (!(dot(off, off) <= kShare * kShare * limit_ * limit_)) return false;
+      if (ref_.kind[at] != Mobility::curve) return false;
+      const LineVertex line = ref_.line[at];
+      const Index next = line.next[0] == from ? line.next[1] : line.next[0];
+      if (same({at, next}, goal)) return true;
+      from = at;
+      at = next;
+    }
+    return false;
+  }
+
+  TETUNE_HD Ends interval(const Site& site) const {
+    return site.kind == SiteKind::segment ? ends_of(ref_, site) : Ends{site.item, site.item};
+  }
+  TETUNE_HD static bool same(const Ends& p, const Ends& q) {
+    return (p.a == q.a && p.b == q.b) || (p.a == q.b && p.b == q.a);
+  }
+
+  ReferenceView ref_;
+  Span<const Point> points_;
+  Span<const Site> sites_;
+  Index vertex_;
+  double limit_;
+};
+
+}  // namespace tetune
