@@ -26,6 +26,7 @@ struct Arguments {
 const std::map<std::string, Boundary> kBoundaries{
     {"preserve", Boundary::preserve}, {"slide", Boundary::slide}, {"fixed", Boundary::fixed}};
 const std::map<std::string, Energy> kEnergies{{"shape", Energy::shape}, {"harmonic", Energy::harmonic}};
+const std::map<std::string, Effort> kEfforts{{"fast", Effort::fast}, {"default", Effort::standard}};
 const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton},
                                                      {"gradient", Relocation::gradient}};
 const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative},
@@ -71,6 +72,7 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
           {"options",
            {{"boundary", name_of(kBoundaries, a.options.boundary)},
             {"energy", name_of(kEnergies, a.options.energy)},
+            {"effort", name_of(kEfforts, a.options.effort)},
             {"feature_angle_deg", a.options.feature_angle},
             {"max_deviation", a.options.max_deviation},
             {"open_boundaries", a.options.open_boundaries},
@@ -206,6 +208,12 @@ void add_optimize(CLI::App& app, int& exit_code) {
                 "shape: scale-free, small elements count as much as large ones; harmonic: sum of eta, as in the paper")
       ->transform(CLI::CheckedTransformer(kEnergies).description("{shape,harmonic}"))
       ->default_str("shape");
+  c->add_option(
+       "--effort", a->options.effort,
+       "fast: stop when a sweep lowers the energy by less than 1e-3 of it; default: 1e-4, then work on the worst "
+       "elements alone")
+      ->transform(CLI::CheckedTransformer(kEfforts).description("{fast,default}"))
+      ->default_str("default");
   c->add_option("--relocation", a->options.relocation,
                 "newton: over-relaxed Newton steps; gradient: as in the paper, slower")
       ->transform(CLI::CheckedTransformer(kRelocations).description("{newton,gradient}"))

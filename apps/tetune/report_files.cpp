@@ -73,6 +73,11 @@ Json to_json(const Report& r) {
                       {"decrease", f.decrease},
                       {"seconds", f.seconds}});
   }
+  Json worst = Json::array();
+  for (const WorstReport& w : r.worst_rounds) {
+    worst.push_back(
+        {{"round", w.round}, {"worst", w.worst}, {"flips", w.flips}, {"moved", w.moved}, {"seconds", w.seconds}});
+  }
   Json phases = Json::object();
   for (const PhaseTime& p : r.phases) phases[p.phase] = p.seconds;
   return {{"device", r.device},
@@ -83,11 +88,15 @@ Json to_json(const Report& r) {
           {"vertices_free", r.free_vertices},
           {"vertices_in_plane", r.plane_vertices},
           {"vertices_on_line", r.line_vertices},
+          {"vertices_on_surface", r.surface_vertices},
+          {"vertices_on_curve", r.curve_vertices},
           {"vertices_fixed", r.fixed_vertices},
           {"tetrahedra_before", r.tets_before},
           {"tetrahedra_after", r.tets_after},
           {"triangles_dropped", r.triangles_dropped},
           {"edges_dropped", r.edges_dropped},
+          {"corners_not_held", r.corners_not_held},
+          {"edges_not_held", r.edges_not_held},
           {"colors", r.colors},
           {"energy_before", r.energy_before},
           {"energy_after", r.energy_after},
@@ -96,7 +105,8 @@ Json to_json(const Report& r) {
           {"edge_removals", r.edge_removals},
           {"phase_seconds", phases},
           {"sweeps", sweeps},
-          {"flip_passes", passes}};
+          {"flip_passes", passes},
+          {"worst_rounds", worst}};
 }
 
 Json to_json(const ValidationReport& report) {

@@ -121,7 +121,6 @@ void sweep_with(benchmark::State& state, const Step& step) {
   m.kind.upload(kinds);
   m.axis.upload(std::vector<Vec3>(n, Vec3{0, 0, 0}));
   m.awake.upload(std::vector<std::uint8_t>(n, 1));
-  m.stirred.upload(std::vector<std::uint8_t>(n, 0));
   Coloring<Cpu> coloring;
   color_vertices(cpu, rings.view(), Span<const Mobility>(m.kind.span()), coloring);
   const std::vector<Point> start = work.points.download();

@@ -40,11 +40,19 @@ enum class Termination {
   paper,     ///< the conditions C1 to C3 of Sect. 4.5
 };
 
+/// How much is done.
+enum class Effort {
+  fast,      ///< flips and sweeps until a sweep lowers the energy by less than 1e-3 of it
+  standard,  ///< until 1e-4, then work on the worst elements alone
+};
+
 /// What optimize() shall do.
 struct Options {
   Device device = Device::automatic;
   Boundary boundary = Boundary::preserve;
   Energy energy = Energy::shape;
+  /// With Termination::paper or Energy::harmonic, fast and standard are the same.
+  Effort effort = Effort::standard;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;
   /// With Boundary::slide: an edge at which the surface turns by more than this many degrees, in (0, 180], is a
@@ -94,6 +102,15 @@ struct FlipReport {
   std::int64_t flips() const { return flips23 + flips32 + edge_removals; }
 };
 
+/// One round of work on the worst elements: flips around them, then a sweep over their vertices.
+struct WorstReport {
+  int round = 0;
+  std::int64_t worst = 0;  ///< tetrahedra worked on
+  std::int64_t flips = 0;
+  std::int64_t moved = 0;  ///< vertices
+  double seconds = 0;
+};
+
 enum class StopReason {
   converged,            ///< the energy no longer falls by a relevant part
   gradient_small,       ///< C1
@@ -127,6 +144,7 @@ struct Report {
   std::int64_t flips23 = 0, flips32 = 0, edge_removals = 0;
   std::vector<SweepReport> sweeps;
   std::vector<FlipReport> flip_passes;
+  std::vector<WorstReport> worst_rounds;
   std::vector<PhaseTime> phases;
   double seconds = 0;
   StopReason stop = StopReason::converged;
@@ -134,7 +152,7 @@ struct Report {
 
 /// What the progress callback sees.
 struct Progress {
-  const char* phase;     ///< "flips" or "sweep": what was just done
+  const char* phase;     ///< "flips", "sweep" or "worst": what was just done
   int iteration;         ///< relocation sweeps done
   double energy;         ///< so far
   double energy_before;  ///< at the start

@@ -9,15 +9,14 @@ namespace tetune {
 
 /// The worst of a mesh: no move and no flip may leave anything worse behind.
 struct QualityFloor {
-  static constexpr double kNone = 1e300;
-  double worst_shape = kNone;  ///< largest shape energy
-  double most_cot = kNone;     ///< cotangent of the smallest dihedral angle
+  double worst_shape = 0;  ///< largest shape energy
+  double most_cot = -1;    ///< cotangent of the smallest dihedral angle
   /// Tetrahedra below this shape energy have no smaller angle: shape energy times the sine of any dihedral angle is at
   /// least 1 / sqrt(2) (docs/method.md, "Never worse").
-  double safe_shape = kNone;
+  double safe_shape = 0;
 
-  /// The floor under nothing, to merge into.
-  TETUNE_HD static QualityFloor lowest() { return {0, -1, 0}; }
+  /// No floor.
+  TETUNE_HD static QualityFloor none() { return {1e300, 1e300, 1e300}; }
   TETUNE_HD void merge(const QualityFloor& other) {
     worst_shape = other.worst_shape > worst_shape ? other.worst_shape : worst_shape;
     most_cot = other.most_cot > most_cot ? other.most_cot : most_cot;

@@ -46,7 +46,7 @@ struct WorkMesh {
   /// What the optimisation makes small.
   EnergyLaw law = kHarmonicLaw;
   /// What it must not go below.
-  QualityFloor floor;
+  QualityFloor floor = QualityFloor::none();
 
   Size vertices() const { return points.size(); }
   Size slots() const { return tet2vertex.size(); }

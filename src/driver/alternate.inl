@@ -5,6 +5,7 @@
 #include "driver/clock.hpp"
 #include "driver/schedule.hpp"
 #include "driver/working_set.inl"
+#include "driver/worst.inl"
 
 namespace tetune {
 namespace alternate_detail {
@@ -17,6 +18,14 @@ inline constexpr double kMinGain = 1e-10;
 inline constexpr double kMinGradient = 1e-5;
 /// Below this part of its last sum, the energy is summed up anew.
 inline constexpr double kStale = 0.1;
+/// The worst tetrahedra are this part of all, and those only that are worse than good.
+inline constexpr double kWorstPart = 2e-4;
+inline constexpr double kGood = 2;
+/// The work on them is done under the shape energy squared so many times.
+inline constexpr int kWorstSquarings = 2;
+inline constexpr int kWorstRounds = 10;
+/// It ends when a round takes away less than this part of that.
+inline constexpr double kWorstDecrease = 1e-2;
 /// Far above what any mesh needs: each pass lowers the energy, so this bounds a run in which rounding says otherwise.
 inline constexpr int kMaxFlipPasses = 1000;
 
@@ -35,11 +44,23 @@ class Alternation {
         unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1) {}
 
   void run() {
+    if (alternate() && options_.effort != Effort::fast && options_.energy == Energy::shape) improve_worst();
+  }
+
+  /// After the last step, in the caller's unit.
+  double energy() { return unit_ * refresh_energy(par_, work_.mesh, work_.flips); }
+
+ private:
+  /// Flips and sweeps in turn, until the energy falls no more. False when the caller cancelled.
+  bool alternate() {
     work_.flips.max_ring = options_.max_ring;
+    if (options_.energy == Energy::shape) {
+      clock_.measure("load", [&] { work_.mesh.floor = find_floor(par_, work_.mesh); });
+    }
     sum_up();
     report_.energy_before = unit_ * energy_;
     activate_all(par_, work_.mesh, work_.flips);
-    if (flip_until_stable(0) < 0) return;
+    if (flip_until_stable(0) < 0) return false;
     Schedule schedule(options_);
     report_.stop = StopReason::iteration_limit;
     bool connectivity_changed = true;
@@ -47,23 +68,58 @@ class Alternation {
       const double energy_before_round = energy_;
       if (connectivity_changed) rebuild_rings();
       const SweepReport& swept = relocate(iteration);
-      if (!proceed("sweep", iteration)) return;
+      if (!proceed("sweep", iteration)) return false;
       connectivity_changed = false;
       if (schedule.flips_due(iteration)) {
         clock_.measure("flips", [&] { energy_ = last_sum_ = activate_drifted(par_, work_.mesh, work_.flips); });
+        const double energy_before_flips = energy_;
         const Size flips = flip_until_stable(iteration);
-        if (flips < 0) return;
+        if (flips < 0) return false;
         connectivity_changed = flips > 0;
-        schedule.flips_found(iteration, flips, work_.mesh.tets());
+        schedule.flips_found(iteration, flips, 1 - energy_ / energy_before_flips);
       }
-      if (schedule.stop(swept, energy_before_round, energy_, report_.stop)) return;
+      if (schedule.stop(swept, energy_before_round, energy_, report_.stop)) break;
     }
+    return true;
   }
 
-  /// After the last step, in the caller's unit.
-  double energy() { return unit_ * refresh_energy(par_, work_.mesh, work_.flips); }
+  /// Works on the worst tetrahedra and around them alone, under a power of the energy that sees little else.
+  void improve_worst() {
+    clock_.measure("worst", [&] { sum_up(); });
+    const double worst = std::max(kGood, quantile_above(par_, work_.flips.eta.span(), kWorstPart, work_.mesh.tets()));
+    work_.mesh.law = shape_law(kWorstSquarings);
+    work_.mobilities.spreads = false;
+    double last = refresh_energy(par_, work_.mesh, work_.flips);
+    const Span<std::uint8_t> awake = work_.mobilities.awake.span();
+    for (int round = 1; round <= kWorstRounds; ++round) {
+      WorstReport r;
+      r.round = round;
+      double now = last;
+      r.seconds = clock_.measure("worst", [&] {
+        r.worst = flag_worst(par_, work_.mesh, worst, awake);
+        activate_around(par_, work_.mesh, work_.flips, Span<const std::uint8_t>(awake));
+        for (Size flips = 1; flips > 0 && work_.flips.active.size() > 0;) {
+          const FlipReport f = flip_pass(par_, work_.mesh, work_.flips, awake);
+          count(f);
+          flips = f.flips();
+          r.flips += flips;
+        }
+      });
+      if (r.worst == 0) break;
+      if (r.flips > 0) rebuild_rings();
+      r.seconds += clock_.measure("worst", [&] {
+        flag_neighbours(par_, work_.mesh, awake);
+        r.moved = sweep_once().moved;
+        now = refresh_energy(par_, work_.mesh, work_.flips);
+      });
+      report_.worst_rounds.push_back(r);
+      if (!proceed("worst", report_.sweeps.empty() ? 0 : report_.sweeps.back().iteration)) break;
+      if (now > (1 - kWorstDecrease) * last) break;
+      last = now;
+    }
+    work_.mesh.law = kShapeLaw;
+  }
 
- private:
   void rebuild_rings() {
     clock_.measure("rings", [&] { build_rings(par_, work_.mesh, work_.rings); });
     clock_.measure("colouring",
@@ -77,12 +133,7 @@ class Alternation {
     r.energy_before = unit_ * energy_;
     if (options_.termination == Termination::paper) par_.fill(work_.mobilities.awake.span(), std::uint8_t{1});
     SweepSum sum;
-    r.seconds = clock_.measure("sweeps", [&] {
-      const RingsView rings = work_.rings.view();
-      sum = options_.relocation == Relocation::newton
-                ? sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, NewtonStep{kRelaxation, kMinGain})
-                : sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, GradientStep{kMinGradient});
-    });
+    r.seconds = clock_.measure("sweeps", [&] { sum = sweep_once(); });
     energy_ -= sum.decrease;
     settle();
     r.decrease = unit_ * sum.decrease;
@@ -90,6 +141,13 @@ class Alternation {
     r.moved = sum.moved;
     report_.sweeps.push_back(r);
     return report_.sweeps.back();
+  }
+
+  SweepSum sweep_once() {
+    const RingsView rings = work_.rings.view();
+    return options_.relocation == Relocation::newton
+               ? sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, NewtonStep{kRelaxation, kMinGain})
+               : sweep(par_, work_.mesh, rings, work_.coloring, work_.mobilities, GradientStep{kMinGradient});
   }
 
   /// Flips from the active set on; returns their number, or -1 when the caller cancelled.
@@ -105,15 +163,19 @@ class Alternation {
       r.pass = pass;
       r.seconds = seconds;
       r.decrease *= unit_;
-      report_.flips23 += r.flips23;
-      report_.flips32 += r.flips32;
-      report_.edge_removals += r.edge_removals;
+      count(r);
       report_.flip_passes.push_back(r);
       flips += r.flips();
       if (!proceed("flips", iteration)) return -1;
       if (r.flips() == 0) break;
     }
     return flips;
+  }
+
+  void count(const FlipReport& r) {
+    report_.flips23 += r.flips23;
+    report_.flips32 += r.flips32;
+    report_.edge_removals += r.edge_removals;
   }
 
   void sum_up() { energy_ = last_sum_ = refresh_energy(par_, work_.mesh, work_.flips); }

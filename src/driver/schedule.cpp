@@ -10,15 +10,13 @@ namespace {
 constexpr double kPaperEpsilon = 1e-5;
 constexpr int kPaperMaxInterval = 1 << 3;  // 2^N, N = 3
 
-/// The energy must fall by this part in a sweep to go on.
-constexpr double kRelativeDecrease = 1e-4;
-/// Fewer flips than this part of the tetrahedra are not worth an earlier look.
-constexpr double kFewFlips = 1e-4;
+/// Flips that take away less than this part of the energy are not worth an earlier look.
+constexpr double kLittleGain = 3e-4;
 
 }  // namespace
 
-void Schedule::flips_found(int iteration, std::int64_t flips, std::int64_t tets) {
-  const bool found = paper_ ? flips > 0 : static_cast<double>(flips) > kFewFlips * static_cast<double>(tets);
+void Schedule::flips_found(int iteration, std::int64_t flips, double gain) {
+  const bool found = paper_ ? flips > 0 : gain > kLittleGain;
   interval_ = found ? (interval_ + 1) / 2 : 2 * interval_;
   next_flips_ = iteration + interval_;
 }
@@ -41,7 +39,7 @@ bool Schedule::stop(const SweepReport& sweep, double energy_before_round, double
       reason = StopReason::no_flips;
       return true;
     }
-  } else if (energy_before_round - energy < kRelativeDecrease * energy) {
+  } else if (energy_before_round - energy < least_decrease_ * energy) {
     reason = StopReason::converged;
     return true;
   }

@@ -9,13 +9,15 @@ namespace tetune {
 class Schedule {
  public:
   explicit Schedule(const Options& options)
-      : paper_(options.termination == Termination::paper), max_(options.max_iterations) {}
+      : paper_(options.termination == Termination::paper),
+        max_(options.max_iterations),
+        least_decrease_(options.effort == Effort::fast ? 1e-3 : 1e-4) {}
 
   /// Whether the sweep just done is to be followed by flips.
   bool flips_due(int iteration) const { return iteration >= next_flips_; }
 
-  /// Tells how many flips were found after this sweep.
-  void flips_found(int iteration, std::int64_t flips, std::int64_t tets);
+  /// Tells how many flips were found after this sweep, and which part of the energy they took away.
+  void flips_found(int iteration, std::int64_t flips, double gain);
 
   /// Whether to stop after this sweep (and the flips that followed it, if any), and why.
   bool stop(const SweepReport& sweep, double energy_before_round, double energy, StopReason& reason);
@@ -23,7 +25,8 @@ class Schedule {
  private:
   bool paper_;
   int max_;
-  int interval_ = 1;  ///< the paper's k_f: sweeps from one look for flips to the next
+  double least_decrease_;  ///< the energy must fall by this part in a sweep to go on
+  int interval_ = 1;       ///< the paper's k_f: sweeps from one look for flips to the next
   int next_flips_ = 1;
   double threshold_ = -1;  ///< the paper's eps_c
   double last_gradient_ = -1;

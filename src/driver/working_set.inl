@@ -187,9 +187,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   work.mobilities.kind.resize(vertices);
   work.mobilities.axis.resize(vertices);
   work.mobilities.awake.resize(vertices);
-  work.mobilities.stirred.resize(vertices);
   par.fill(work.mobilities.awake.span(), std::uint8_t{1});
-  par.fill(work.mobilities.stirred.span(), std::uint8_t{0});
   const auto classify = [&](Span<const Index> feature_ends, const ConstrainedEdges& features) {
     if (options.boundary == Boundary::slide) {
       build_reference(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(), options.feature_angle,

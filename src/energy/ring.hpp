@@ -93,7 +93,7 @@ class PlainRing {
   static constexpr Size kCapacity = Size{1} << 31;
 
   TETUNE_HD PlainRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count,
-                      const QualityFloor& floor = {})
+                      const QualityFloor& floor = QualityFloor::none())
       : law_(law), floor_(floor), points_(points), faces_(faces), count_(count) {}
 
   TETUNE_HD RingModel model(const Vec3& x) {

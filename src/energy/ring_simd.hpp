@@ -14,7 +14,7 @@ class SimdRing {
   typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
 
   SimdRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count,
-           const QualityFloor& floor = {})
+           const QualityFloor& floor = QualityFloor::none())
       : law_(law), floor_(floor), count_(count), packs_(static_cast<int>((count + kLanes - 1) / kLanes)) {
     for (int k = 0; k < packs_; ++k) {
       const LinkFace* f[kLanes];

@@ -73,6 +73,11 @@ void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend
 template <class Backend>
 double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
+/// Makes the tetrahedra active that have an edge between flagged vertices.
+template <class Backend>
+void activate_around(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                     Span<const std::uint8_t> flags);
+
 /// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it
 /// is the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip
 /// takes a slot, a 3-2 flip frees one, an edge removal with n > 4 tetrahedra takes n - 4, and the links are kept up to

@@ -100,6 +100,16 @@ struct Drift {
   }
 };
 
+struct HasFlaggedEdge {
+  MeshView mesh;
+  Span<const std::uint8_t> flags;
+  TETUNE_HD bool operator()(Size t) const {
+    if (!mesh.alive(t)) return false;
+    const Tet tet = mesh.tet2vertex[t];
+    return flags[tet[0]] + flags[tet[1]] + flags[tet[2]] + flags[tet[3]] >= 2;
+  }
+};
+
 struct HasDrifted {
   MeshView mesh;
   Span<const float> slack;
@@ -447,6 +457,12 @@ double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<B
       mesh.slots(), Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
   activate_where(par, mesh, state, HasDrifted{mesh.view(), state.slack.span()});
   return energy.sum;
+}
+
+template <class Backend>
+void activate_around(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                     Span<const std::uint8_t> flags) {
+  activate_where(par, mesh, state, flip_detail::HasFlaggedEdge{mesh.view(), flags});
 }
 
 template <class Backend>

@@ -7,4 +7,6 @@ template double refresh_energy(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<p
 template void activate_all(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&);
 template double activate_drifted(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&);
 template FlipReport flip_pass(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&, Span<std::uint8_t>);
+template void activate_around(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&, Span<const std::uint8_t>);
+
 }  // namespace tetune

@@ -7,4 +7,6 @@ template double refresh_energy(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState
 template void activate_all(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
 template double activate_drifted(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
 template FlipReport flip_pass(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Span<std::uint8_t>);
+template void activate_around(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Span<const std::uint8_t>);
+
 }  // namespace tetune

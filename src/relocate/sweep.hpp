@@ -34,15 +34,12 @@ struct Mobilities {
   /// 1: worth a visit: at its last visit the vertex, or since then one of its ring, moved by more than kWake at once,
   /// or a flip changed its ring.
   typename Backend::template Buffer<std::uint8_t> awake;
-  /// 1: since the flag was last cleared, the vertex moved by more than kStir in one visit.
-  typename Backend::template Buffer<std::uint8_t> stirred;
+  /// Whether a vertex that moves far wakes its neighbours.
+  bool spreads = true;
 };
 
 /// A move beyond this part of the local length makes the neighbours worth another visit.
 inline constexpr double kWake = 1e-3;
-/// A move beyond this part of the local length makes the flips around the vertex worth another look.
-inline constexpr double kStir = 1e-2;
-
 struct SweepSum {
   double decrease = 0;
   double gradient2 = 0;

@@ -33,7 +33,7 @@ struct RelocateVertex {
   Span<const Mobility> kind;
   Span<const Vec3> axis;
   Span<std::uint8_t> awake;
-  Span<std::uint8_t> stirred;
+  bool spreads;
   Span<Site> site;
   ReferenceView reference;
   double max_deviation;
@@ -60,12 +60,11 @@ struct RelocateVertex {
     if (result.decrease > 0) points[v] = point(result.position);
     const bool far = result.relative_move > kWake;
     awake[v] = far ? 1 : 0;
-    if (far) {
+    if (far && spreads) {
       for (Size j = 0; j < count; ++j) {
         for (int k = 0; k < 3; ++k) par::store_shared(awake[faces[j].v[k]], 1);
       }
     }
-    if (result.relative_move > kStir) stirred[v] = 1;
     return {result.decrease, result.gradient2, result.decrease > 0 ? 1 : 0};
   }
 
@@ -104,7 +103,7 @@ SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView
     total.merge(par.template reduce<SweepSum>(
         count, sweep_detail::RelocateVertex<Ring, Step>{
                    mesh.law, mesh.floor, mesh.points.span(), rings, vertices, mobilities.kind.span(),
-                   mobilities.axis.span(), mobilities.awake.span(), mobilities.stirred.span(), mobilities.site.span(),
+                   mobilities.axis.span(), mobilities.awake.span(), mobilities.spreads, mobilities.site.span(),
                    mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, step}));
   }
   return total;
