@@ -114,13 +114,19 @@ double off_site(const TinySurface& s, const Site& site, const Vec3& x) {
 double steepest_by_listing(const TinySurface& s, const Site& site, const Vec3& g) {
   const ReferenceView ref = s.view();
   double best = 0;
+  const auto normal = [&](Index t) {
+    const SurfaceTriangle v = ref.triangles[t];
+    const Vec3 n = cross(ref.point(v.v[1]) - ref.point(v.v[0]), ref.point(v.v[2]) - ref.point(v.v[0]));
+    return (1 / norm(n)) * n;
+  };
   const auto in_triangle = [&](Index t, const Vec3& x) {
-    const Barycentrics b(ref, t);
-    if (b.degenerate) return;
-    const Vec3 down = -1.0 * b.tangent(g);
+    const Vec3 n = normal(t);
+    const Vec3 down = dot(g, n) * n - g;
     const Vec3 y = x + (1e-6 / norm(down)) * down;
     for (int k = 0; k < 3; ++k) {
-      if (b.at(k, y) < -1e-12) return;
+      const Vec3 a = ref.point(ref.triangles[t].v[k]);
+      const Vec3 b = ref.point(ref.triangles[t].v[(k + 1) % 3]);
+      if (dot(cross(b - a, y - a), n) < -1e-12) return;
     }
     best = std::max(best, norm(down));
   };
@@ -144,8 +150,8 @@ double steepest_by_listing(const TinySurface& s, const Site& site, const Vec3& g
     if (ref.across[site.item] != kWall) in_triangle(ref.across[site.item] / 3, x);
     along(ref.point(e.a), ref.point(e.b), true);
   } else {
-    const Barycentrics b(ref, site.item);
-    best = norm(b.tangent(g));
+    const Vec3 n = normal(site.item);
+    best = norm(g - dot(g, n) * n);
   }
   return best;
 }
