@@ -102,6 +102,8 @@ class DeviationBound {
     start_at(sites_[va], found);
     start_at(sites_[vb], found);
     const int starts = found.count;
+    Asked asked[kMostTriangles];
+    int asked_count = 0;
     double covered = 0;
     double highest = 0;
     for (int i = 0; i < found.count; ++i) {
@@ -123,9 +125,12 @@ class DeviationBound {
       for (int k = 0; k < 3; ++k) {
         const double* l = corners[k].l;
         if (l[0] >= 0 && l[1] >= 0 && l[2] >= 0) continue;
-        const Wedge wedge = wedge_of(corner, x, ref_.point(r.v[k]), l);
-        if (wedge == Wedge::far) return false;
-        in_wedge = in_wedge || wedge == Wedge::close;
+        int place = 0;
+        while (place < asked_count && asked[place].vertex != r.v[k]) ++place;
+        if (place == kMostTriangles) return false;
+        if (place == asked_count) asked[asked_count++] = {r.v[k], wedge_of(corner, x, ref_.point(r.v[k]), l)};
+        if (asked[place].wedge == Wedge::far) return false;
+        in_wedge = in_wedge || asked[place].wedge == Wedge::close;
       }
       if (n < 3 && !in_wedge) continue;
       double twice_area = 0;
@@ -156,6 +161,11 @@ class DeviationBound {
   TETUNE_HD Vec3 at(Index v, const Vec3& x) const { return v == vertex_ ? x : vec(points_[v]); }
 
   enum class Wedge { none, close, far };
+  /// A corner of the reference that was looked at.
+  struct Asked {
+    Index vertex;
+    Wedge wedge;
+  };
 
   /// For a corner of the reference beyond the prism over the triangle at `corner`, with coordinates l over its vertices
   /// from the corner's on: whether it is in the wedge at an edge or vertex, where no prism is, and within the bound
