@@ -91,6 +91,8 @@ Json to_json(const Report& r) {
           {"vertices_on_surface", r.surface_vertices},
           {"vertices_on_curve", r.curve_vertices},
           {"vertices_fixed", r.fixed_vertices},
+          {"corners_not_held", r.corners_not_held},
+          {"edges_not_held", r.edges_not_held},
           {"tetrahedra_before", r.tets_before},
           {"tetrahedra_after", r.tets_after},
           {"triangles_dropped", r.triangles_dropped},

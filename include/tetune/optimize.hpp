@@ -63,7 +63,7 @@ struct Options {
   /// from the new; a length, 0 for no bound.
   double max_deviation = 0;
   /// Tagged triangles with the same region on both sides stay faces of the mesh, as interfaces do; otherwise they count
-  /// for nothing and are dropped, unless they are required.
+  /// for nothing and are dropped, unless they are required or frozen.
   bool open_boundaries = true;
   /// Tags of tetrahedra, and of listed triangles, that stay as they are to the last bit.
   std::vector<int> frozen_regions, frozen_patches;

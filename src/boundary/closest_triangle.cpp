@@ -22,9 +22,12 @@ Hit on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 /// Inside the prism over the triangle the plane is nearest, elsewhere an edge is.
 Hit on_triangle(const Vec3& p, const TrianglePoints& t) {
-  const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
+  const Vec3 e1 = t[1] - t[0];
+  const Vec3 e2 = t[2] - t[0];
+  const Vec3 n = cross(e1, e2);
   const double n2 = dot(n, n);
-  bool inside = n2 > 0;
+  // A normal that rounding made says nothing.
+  bool inside = n2 > 1e-28 * dot(e1, e1) * dot(e2, e2);
   for (std::size_t k = 0; k < 3 && inside; ++k) {
     inside = dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), n) >= 0;
   }

@@ -155,7 +155,10 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
     for (std::size_t k = 0; k < 3; ++k) listed[t].v[k] = to_work(mesh.triangles[t][k]);
     listed[t].tag = mesh.triangle_tags[t];
     listed[t].required = triangle_required[t];
-    listed[t].locks = triangle_required[t] != 0 || (options.open_boundaries && listed[t].tag != 0) ? 1 : 0;
+    const bool frozen_patch = std::find(options.frozen_patches.begin(), options.frozen_patches.end(), listed[t].tag) !=
+                              options.frozen_patches.end();
+    const bool open_boundary = options.open_boundaries && listed[t].tag != 0;
+    listed[t].locks = triangle_required[t] != 0 || frozen_patch || open_boundary ? 1 : 0;
   }
   typename Backend::template Buffer<ListedTriangle> listed_buffer;
   typename Backend::template Buffer<Listed> listed_state;

@@ -9,9 +9,11 @@ namespace tetune {
 ///
 /// Over each triangle of the mesh's surface, the reference is a height: piecewise linear, so its largest value is at a
 /// corner of a reference triangle clipped to the prism over the mesh's triangle. Where all heights are within the
-/// bound, so is the distance of each from the other. The reference triangles are found from the sites of the triangle's
-/// vertices on, from neighbour to neighbour within the patch. Along feature lines the same is done in one dimension.
-/// What cannot be decided in the memory of one thread counts as too far.
+/// bound, so is the distance of each from the other. In the wedge that opens between the prisms of two triangles, the
+/// distance from their common edge is a convex function, so there the corners of the reference are asked themselves.
+/// The reference triangles are found from the sites of the triangle's vertices on, from neighbour to neighbour within
+/// the patch. Along feature lines the same is done in one dimension. What cannot be decided in the memory of one thread
+/// counts as too far.
 class DeviationBound {
  public:
   TETUNE_HD DeviationBound(const ReferenceView& ref, Span<const Point> points, Span<const Site> sites, Index vertex,
@@ -99,10 +101,14 @@ class DeviationBound {
     start_at(site, found);
     start_at(sites_[va], found);
     start_at(sites_[vb], found);
+    const int starts = found.count;
+    Asked asked[kMostTriangles];
+    int asked_count = 0;
     double covered = 0;
     double highest = 0;
     for (int i = 0; i < found.count; ++i) {
       Over polygon[9];
+      Over corners[3];
       int n = 3;
       const SurfaceTriangle r = ref_.triangles[found.triangle[i]];
       for (int k = 0; k < 3; ++k) {
@@ -110,9 +116,23 @@ class DeviationBound {
         const double la = dot(slope_a, d);
         const double lb = dot(slope_b, d);
         polygon[k] = {{1 - la - lb, la, lb}, dot(unit, d)};
+        corners[k] = polygon[k];
       }
       for (int side = 0; side < 3 && n > 0; ++side) n = clip(polygon, n, side);
-      if (n < 3) continue;
+      // Where the search starts, there are also triangles of other patches.
+      if (n < 3 && i < starts) continue;
+      bool in_wedge = false;
+      for (int k = 0; k < 3; ++k) {
+        const double* l = corners[k].l;
+        if (l[0] >= 0 && l[1] >= 0 && l[2] >= 0) continue;
+        int place = 0;
+        while (place < asked_count && asked[place].vertex != r.v[k]) ++place;
+        if (place == kMostTriangles) return false;
+        if (place == asked_count) asked[asked_count++] = {r.v[k], wedge_of(corner, x, ref_.point(r.v[k]), l)};
+        if (asked[place].wedge == Wedge::far) return false;
+        in_wedge = in_wedge || asked[place].wedge == Wedge::close;
+      }
+      if (n < 3 && !in_wedge) continue;
       double twice_area = 0;
       for (int k = 0; k < n; ++k) {
         const double height = std::fabs(polygon[k].height);
@@ -138,6 +158,50 @@ class DeviationBound {
     if (!slides(va) && !slides(vb)) beside += norm(b - a);
     return highest <= kShare * limit_ && uncovered <= 2 * limit_ * beside;
   }
+  TETUNE_HD Vec3 at(Index v, const Vec3& x) const { return v == vertex_ ? x : vec(points_[v]); }
+
+  enum class Wedge { none, close, far };
+  /// A corner of the reference that was looked at.
+  struct Asked {
+    Index vertex;
+    Wedge wedge;
+  };
+
+  /// For a corner of the reference beyond the prism over the triangle at `corner`, with coordinates l over its vertices
+  /// from the corner's on: whether it is in the wedge at an edge or vertex, where no prism is, and within the bound
+  /// then.
+  TETUNE_HD Wedge wedge_of(std::uint32_t corner, const Vec3& x, const Vec3& p, const double l[3]) const {
+    const SurfaceTriangle t = ref_.triangles[corner / 3];
+    for (std::uint32_t side = 0; side < 3; ++side) {
+      const std::uint32_t k = (corner + side) % 3;
+      const Vec3 a = at(t.v[(k + 1) % 3], x);
+      const Vec3 e = at(t.v[(k + 2) % 3], x) - a;
+      const Vec3 d = p - a;
+      const double e2 = dot(e, e);
+      const double s = dot(d, e) / e2;
+      if (l[side] < 0 && s > 0 && s < 1) {
+        const Index other = ref_.across[Size{corner / 3} * 3 + k];
+        // Beside a line the patch ends, and line_is_close() has the say.
+        if (other == kWall) continue;
+        const Vec3 apex = at(ref_.triangles[other / 3].v[other % 3], x) - a;
+        if (dot(d, apex - (dot(apex, e) / e2) * e) > 0) continue;
+        return within(d - s * e);
+      }
+      // At the vertex a, if none of its edges leads closer.
+      if (s > 0 || dot(d, at(t.v[k], x) - a) > 0) continue;
+      bool closer = false;
+      const Index v = t.v[(k + 1) % 3];
+      for (Size c = ref_.vertex2corner.begin(v); c < ref_.vertex2corner.end(v) && !closer; ++c) {
+        const std::uint32_t o = ref_.vertex2corner.items[c];
+        const SurfaceTriangle q = ref_.triangles[o / 3];
+        closer = dot(d, at(q.v[(o + 1) % 3], x) - a) > 0 || dot(d, at(q.v[(o + 2) % 3], x) - a) > 0;
+      }
+      if (!closer) return within(d);
+    }
+    return Wedge::none;
+  }
+  TETUNE_HD Wedge within(const Vec3& d) const { return dot(d, d) <= limit_ * limit_ ? Wedge::close : Wedge::far; }
+
   TETUNE_HD bool slides(Index v) const { return ref_.kind[v] == Mobility::surface; }
 
   /// Cuts off what is below one coordinate (Sutherland and Hodgman); returns the number of corners left.

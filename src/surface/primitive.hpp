@@ -75,7 +75,9 @@ struct Best {
 }  // namespace primitive_detail
 
 /// The primitive at a site with the steepest descent against the gradient `g`, among those that it leads into (Alg. 3).
-/// An edge's derivative is never larger than that of its triangles, so edges are asked when no triangle has a way down.
+/// An edge's derivative is never larger than that of its triangles, but the descent of those may lead out of them: over
+/// the edge of a valley. On an edge it is asked when neither triangle has a way down. At a vertex all are asked, as a
+/// valley may fall more steeply than a triangle elsewhere.
 TETUNE_HD inline Primitive steepest(const ReferenceView& ref, Mobility walker, const Site& site, const Vec3& g) {
   primitive_detail::Best best;
   switch (site.kind) {
@@ -97,7 +99,7 @@ TETUNE_HD inline Primitive steepest(const ReferenceView& ref, Mobility walker, c
         for (Index way = 0; way < 2; ++way) best.edge(ref, {SiteKind::segment, 2 * site.item + way}, site.item, g);
         break;
       }
-      for (int edges = 0; edges < 2 && best.primitive.on.kind == SiteKind::none; ++edges) {
+      for (int edges = 0; edges < 2; ++edges) {
         for (Size c = ref.vertex2corner.begin(site.item); c < ref.vertex2corner.end(site.item); ++c) {
           const auto corner = static_cast<Index>(ref.vertex2corner.items[c]);
           if (edges == 0) {

@@ -183,6 +183,23 @@ TEST(Surface, IsRefusedWhereItsCornersHaveNoNumbers) {
   EXPECT_THROW(classify_detail::check_surface_size(1'431'655'766), MeshError);
 }
 
+TEST(ClosestTriangle, OfATriangleWithoutAreaIsOnItsEdges) {
+  // Where two of its vertices coincide, rounding may give it a normal.
+  std::mt19937 random(5);
+  const auto u = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 a{u(), u(), u()};
+    const Vec3 b{u(), u(), u()};
+    const double s = u();
+    const Vec3 p = a + s * (b - a);
+    for (const TrianglePoints& t : {TrianglePoints{a, b, b}, TrianglePoints{a, a, b}, TrianglePoints{a, b, a}}) {
+      ASSERT_NEAR(std::sqrt(ClosestTriangle({t}).distance2(p)), 0, 1e-15);
+      // Beyond its end.
+      ASSERT_NEAR(ClosestTriangle({t}).distance2(b + s * (b - a)), s * s * dot(b - a, b - a), 1e-14);
+    }
+  }
+}
+
 TEST(ClosestTriangle, AgreesWithEveryTriangleTried) {
   std::mt19937 random(3);
   const auto u = [&random] { return static_cast<double>(random()) / 4294967296.0; };

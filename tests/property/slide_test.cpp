@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must hold when vertices slide on curved surfaces, judged by plain means: brute force over the faces, dense
+// samples.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <set>
+
+#include "curved.hpp"
+#include "tetune/io.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+using test::SkinFace;
+
+/// Patches on the boundary: tag by the octant's x of the triangle's centre; faces near z = 0 of the box untagged.
+TetMesh with_patches(TetMesh m, double split) {
+  for (const SkinFace& f : test::skin(m)) {
+    const Vec3 c = (1.0 / 3) * (test::at(m, f.v[0]) + test::at(m, f.v[1]) + test::at(m, f.v[2]));
+    m.triangles.push_back(f.v);
+    m.triangle_tags.push_back(c.x < split ? 7 : c.y < split ? 0 : 9);
+  }
+  return m;
+}
+
+constexpr int kShapes = 5;
+TetMesh curved(int shape, std::uint32_t seed) {
+  switch (shape) {
+    case 0:
+      return test::ball(7, 0.15, seed);
+    case 1:
+      return test::waved(test::cube(6, 0.15, seed), seed);
+    case 2:
+      return test::waved(test::two_materials(6, 0.15), seed);
+    case 3:
+      return with_patches(test::ball(6, 0.15, seed), 0.1);
+    default:
+      return with_patches(test::waved(test::two_materials(6, 0.15), seed), 0.4);
+  }
+}
+
+struct Case {
+  int shape;
+  std::uint32_t seed;
+  Relocation relocation;
+  Energy energy;
+  double feature_angle;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << "shape " << c.shape << " seed " << c.seed; }
+
+Options options_of(const Case& c) {
+  Options options;
+  options.boundary = Boundary::slide;
+  options.relocation = c.relocation;
+  options.energy = c.energy;
+  options.feature_angle = c.feature_angle;
+  options.max_iterations = 15;
+  return options;
+}
+
+double mean_edge(const std::vector<TrianglePoints>& triangles) {
+  double sum = 0;
+  for (const TrianglePoints& t : triangles) sum += norm(t[1] - t[0]) + norm(t[2] - t[1]) + norm(t[0] - t[2]);
+  return sum / (3 * static_cast<double>(triangles.size()));
+}
+
+double distance_to(const std::vector<TrianglePoints>& triangles, const std::vector<Vec3>& points) {
+  const ClosestTriangle tree(triangles);
+  double most = 0;
+  for (const Vec3& p : points) most = std::max(most, tree.distance2(p));
+  return std::sqrt(most);
+}
+
+class SlideProperties : public testing::TestWithParam<Case> {};
+
+TEST_P(SlideProperties, KeepTheSurfaceItsFeaturesAndTheTags) {
+  const Case c = GetParam();
+  const TetMesh before = curved(c.shape, c.seed);
+  ASSERT_TRUE(validate(before).ok()) << validate(before).message(false);
+  TetMesh after = before;
+  const Options options = options_of(c);
+  double last = 1e300;
+  Context context;
+  context.progress = [&last](const Progress& p) {
+    EXPECT_LE(p.energy, last * (1 + 1e-12));
+    last = p.energy;
+    return true;
+  };
+  const Report report = optimize(after, options, context);
+  EXPECT_TRUE(validate(after).ok()) << validate(after).message(false);
+
+  // Fig. 7: no sweep and no pass of flips raises the energy.
+  ASSERT_FALSE(report.sweeps.empty());
+  double energy = report.energy_before;
+  for (const SweepReport& s : report.sweeps) {
+    EXPECT_GE(s.decrease, 0);
+    EXPECT_LE(s.energy_before, energy * (1 + 1e-12));
+    energy = s.energy_before;
+  }
+  for (const FlipReport& f : report.flip_passes) EXPECT_GE(f.decrease, 0);
+  EXPECT_LE(report.energy_after, energy * (1 + 1e-12));
+  const Quality q = quality(after);
+  EXPECT_NEAR(report.energy_after, c.energy == Energy::shape ? q.shape_sum : q.eta_sum, 1e-9 * report.energy_after);
+
+  // Each face of the surface is still there, between the same regions.
+  const std::vector<SkinFace> faces = test::skin(before);
+  EXPECT_EQ(faces, test::skin(after));
+  EXPECT_EQ(before.triangles, after.triangles);
+  const Comparison change = compare(before, after);
+  EXPECT_LT(change.vertices_to_old, 1e-12);
+  EXPECT_TRUE(change.vertex_tags_kept && change.tet_tags_kept && change.triangle_tags_kept);
+
+  // Every vertex on its own sheet: the boundary, or the interface between two regions, with its patch tag.
+  std::map<std::pair<std::array<int, 2>, int>, std::pair<std::vector<TrianglePoints>, std::vector<Vec3>>> sheets;
+  for (const SkinFace& f : faces) {
+    auto& [triangles, points] = sheets[{f.regions, f.tag}];
+    triangles.push_back(test::corners(before, f));
+    for (const Index v : f.v) points.push_back(test::at(after, v));
+  }
+  for (const auto& [sheet, parts] : sheets) EXPECT_LT(distance_to(parts.first, parts.second), 1e-13);
+
+  // Corners, lines and the rest.
+  const test::PlainFeatures features = test::plain_features(before, faces, c.feature_angle);
+  std::int64_t fixed = 0;
+  std::int64_t curve = 0;
+  std::int64_t moved = 0;
+  std::vector<Vec3> on_lines;
+  for (const auto& [v, degree] : features.degree) {
+    const auto i = static_cast<std::size_t>(v);
+    if (features.fixed(v)) {
+      ++fixed;
+      EXPECT_EQ(before.points[i], after.points[i]);
+      continue;
+    }
+    if (features.curve(v)) {
+      ++curve;
+      on_lines.push_back(vec(after.points[i]));
+    }
+    moved += before.points[i] != after.points[i] ? 1 : 0;
+  }
+  EXPECT_EQ(report.fixed_vertices, fixed);
+  EXPECT_EQ(report.curve_vertices, curve);
+  EXPECT_EQ(report.surface_vertices, static_cast<std::int64_t>(features.degree.size()) - fixed - curve);
+  if (!on_lines.empty()) {
+    EXPECT_LT(distance_to(test::corners(before, features.edges), on_lines), 1e-13);
+  }
+  EXPECT_GT(moved, static_cast<std::int64_t>(features.degree.size()) / 3);
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (int shape = 0; shape < kShapes; ++shape) {
+    for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+      for (const Relocation relocation : {Relocation::newton, Relocation::gradient}) {
+        for (const Energy energy : {Energy::shape, Energy::harmonic}) {
+          for (const double angle : {45.0, 180.0}) all.push_back({shape, seed, relocation, energy, angle});
+        }
+      }
+    }
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SlideProperties, testing::ValuesIn(cases()), [](const auto& test) {
+  const Case& c = test.param;
+  return "Shape" + std::to_string(c.shape) + "Seed" + std::to_string(c.seed) +
+         (c.relocation == Relocation::newton ? "Newton" : "Gradient") +
+         (c.energy == Energy::shape ? "Shape" : "Harmonic") + (c.feature_angle < 180 ? "" : "NoFeatures");
+});
+
+TEST(Slide, KeepsToTheBoundBothWays) {
+  int bounded = 0;
+  for (int shape = 0; shape < kShapes; ++shape) {
+    for (const double part : {0.2, 0.05, 0.01, 0.002}) {
+      for (const double angle : {45.0, 180.0}) {
+        const TetMesh before = curved(shape, 3);
+        TetMesh after = before;
+        Options options = options_of({shape, 3, part == 0.05 ? Relocation::gradient : Relocation::newton,
+                                      part == 0.2 ? Energy::harmonic : Energy::shape, angle});
+        const std::vector<SkinFace> faces = test::skin(before);
+        const auto old_skin = test::corners(before, faces);
+        options.max_deviation = part * mean_edge(old_skin);
+        const Report report = optimize(after, options);
+        EXPECT_TRUE(validate(after).ok());
+        EXPECT_LT(report.energy_after, report.energy_before);
+        const auto new_skin = test::corners(after, faces);
+        const double there = test::sampled_distance(new_skin, ClosestTriangle(old_skin), 6);
+        const double back = test::sampled_distance(old_skin, ClosestTriangle(new_skin), 6);
+        EXPECT_LE(there, options.max_deviation) << "shape " << shape << " part " << part << " angle " << angle;
+        EXPECT_LE(back, options.max_deviation) << "shape " << shape << " part " << part << " angle " << angle;
+        bounded += std::max(there, back) > 0.3 * options.max_deviation ? 1 : 0;
+        if (angle == 180) continue;
+        // Lines, both ways.
+        const auto edges = test::plain_features(before, faces, angle).edges;
+        if (edges.empty()) continue;
+        const auto old_lines = test::corners(before, edges);
+        const auto new_lines = test::corners(after, edges);
+        EXPECT_LE(test::sampled_distance(new_lines, ClosestTriangle(old_lines), 20), options.max_deviation);
+        EXPECT_LE(test::sampled_distance(old_lines, ClosestTriangle(new_lines), 20), options.max_deviation);
+      }
+    }
+  }
+  EXPECT_GT(bounded, 30);
+}
+
+TEST(Slide, LowersTheEnergyMoreThanPreservingAndLessWithABound) {
+  const TetMesh before = test::waved(test::cube(8, 0.15));
+  const auto end = [&before](Boundary boundary, double bound) {
+    TetMesh m = before;
+    Options options;
+    options.boundary = boundary;
+    options.max_deviation = bound;
+    return optimize(m, options).energy_after;
+  };
+  const double slide = end(Boundary::slide, 0);
+  const double tight = end(Boundary::slide, 1e-3);
+  EXPECT_LT(slide, end(Boundary::preserve, 0));
+  EXPECT_LT(slide, tight);
+  EXPECT_LT(tight, end(Boundary::fixed, 0));
+}
+
+TEST(Slide, OnARealMeshKeepsItsFeaturesAndBound) {
+  const TetMesh before = read_mesh(TETUNE_DATA "/bracket.meshb");
+  const std::vector<SkinFace> faces = test::skin(before);
+  const auto old_skin = test::corners(before, faces);
+  TetMesh after = before;
+  Options options;
+  options.boundary = Boundary::slide;
+  options.max_deviation = 0.02 * mean_edge(old_skin);
+  options.max_iterations = 6;
+  optimize(after, options);
+  EXPECT_TRUE(validate(after).ok());
+  EXPECT_EQ(faces, test::skin(after));
+  const Comparison change = compare(before, after);
+  EXPECT_LT(change.vertices_to_old, 1e-12);
+  const auto new_skin = test::corners(after, faces);
+  EXPECT_LE(test::sampled_distance(new_skin, ClosestTriangle(old_skin), 4), options.max_deviation);
+  EXPECT_LE(test::sampled_distance(old_skin, ClosestTriangle(new_skin), 4), options.max_deviation);
+}
+
+TEST(Slide, IsTheSameForAnyNumberOfThreads) {
+  for (const Relocation relocation : {Relocation::newton, Relocation::gradient}) {
+    for (const double part : {0.0, 0.02}) {
+      TetMesh one;
+      for (const int threads : {1, 2, 3}) {
+        TetMesh m = curved(4, 5);
+        Options options = options_of({4, 5, relocation, Energy::shape, 45});
+        options.threads = threads;
+        options.max_deviation = part;
+        optimize(m, options);
+        if (threads == 1) {
+          one = m;
+          continue;
+        }
+        EXPECT_EQ(one.points, m.points);
+        EXPECT_EQ(one.tets, m.tets);
+        EXPECT_EQ(one.tet_tags, m.tet_tags);
+      }
+    }
+  }
+}
+
+TEST(Slide, ARescaledMeshGivesTheSameMeshRescaled) {
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    for (const double scale : {1000.0, 1e-3}) {
+      TetMesh plain = curved(1, 2);
+      TetMesh scaled = plain;
+      for (Point3& p : scaled.points) {
+        for (double& x : p) x *= scale;
+      }
+      Options options;
+      options.boundary = boundary;
+      const Report a = optimize(plain, options);
+      const Report b = optimize(scaled, options);
+      EXPECT_EQ(plain.tets, scaled.tets);
+      // Without a unit: the shape energy itself is the same.
+      EXPECT_NEAR(a.energy_before, b.energy_before, 1e-9 * a.energy_before);
+      EXPECT_NEAR(a.energy_after, b.energy_after, 1e-9 * a.energy_after);
+      ASSERT_EQ(a.sweeps.size(), b.sweeps.size());
+      double worst = 0;
+      for (std::size_t v = 0; v < plain.points.size(); ++v) {
+        for (std::size_t k = 0; k < 3; ++k)
+          worst = std::max(worst, std::fabs(scaled.points[v][k] / scale - plain.points[v][k]));
+      }
+      EXPECT_LT(worst, 1e-9);
+    }
+  }
+}
+
+TEST(Slide, OfASphereWithoutFeaturesHasNoFixedVertex) {
+  TetMesh m = test::ball(6);
+  Options options;
+  options.boundary = Boundary::slide;
+  const Report r = optimize(m, options);
+  EXPECT_EQ(r.fixed_vertices + r.curve_vertices, 0);
+  EXPECT_EQ(r.surface_vertices, 6 * 36 + 2);
+}
+
+TEST(Interfaces, KeepTheVolumeOfEachRegionWhenPreserved) {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const TetMesh before = test::sheared(test::scrambled(test::two_materials(6, 0.2), 2, seed), 0.4);
+    TetMesh after = before;
+    optimize(after);
+    EXPECT_NE(before.points, after.points);
+    EXPECT_LT(compare(before, after).region_volume_change, 1e-10);
+  }
+}
+
+TEST(Frozen, VerticesStayToTheLastBit) {
+  for (std::uint32_t seed = 1; seed <= 100; ++seed) {
+    std::mt19937 random(seed);
+    const TetMesh before = seed % 3 == 0 ? test::scrambled(test::two_materials(4, 0.15), 2, seed)
+                                         : test::waved(test::cube(4, 0.15, seed), seed);
+    TetMesh after = before;
+    Options options;
+    options.boundary = seed % 2 == 0 ? Boundary::slide : Boundary::preserve;
+    options.frozen_vertices.assign(before.points.size(), 0);
+    for (std::size_t i = 0; i < before.points.size() / 10; ++i) {
+      options.frozen_vertices[random() % before.points.size()] = 1;
+    }
+    optimize(after, options);
+    int moved = 0;
+    for (std::size_t v = 0; v < before.points.size(); ++v) {
+      if (options.frozen_vertices[v] != 0) {
+        ASSERT_EQ(before.points[v], after.points[v]) << seed;
+      } else {
+        moved += before.points[v] != after.points[v] ? 1 : 0;
+      }
+    }
+    EXPECT_GT(moved, 20);
+    EXPECT_TRUE(validate(after).ok());
+  }
+}
+
+std::set<std::array<Index, 4>> tets_of(const TetMesh& m, int tag) {
+  std::set<std::array<Index, 4>> set;
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    auto tet = m.tets[t];
+    std::sort(tet.begin(), tet.end());
+    if (m.tet_tags[t] == tag) set.insert(tet);
+  }
+  return set;
+}
+
+TEST(Frozen, RegionsAndPatchesStayToTheLastBit) {
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) {
+      const TetMesh before = curved(4, seed);
+      Options options;
+      options.boundary = boundary;
+      options.frozen_regions = {1};
+      TetMesh after = before;
+      optimize(after, options);
+      EXPECT_EQ(tets_of(before, 1), tets_of(after, 1));
+      EXPECT_NE(tets_of(before, 2), tets_of(after, 2));
+      for (const auto& t : tets_of(before, 1)) {
+        for (const Index v : t)
+          ASSERT_EQ(before.points[static_cast<std::size_t>(v)], after.points[static_cast<std::size_t>(v)]);
+      }
+      options.frozen_regions.clear();
+      options.frozen_patches = {9};
+      after = before;
+      optimize(after, options);
+      const std::vector<SkinFace> faces = test::skin(before);
+      EXPECT_EQ(faces, test::skin(after));
+      int moved = 0;
+      std::set<Index> frozen;
+      for (const SkinFace& f : faces) {
+        if (f.tag == 9) frozen.insert(f.v.begin(), f.v.end());
+      }
+      EXPECT_GT(frozen.size(), 20U);
+      for (std::size_t v = 0; v < before.points.size(); ++v) {
+        const bool same = before.points[v] == after.points[v];
+        if (frozen.count(static_cast<Index>(v)) == 1) {
+          EXPECT_TRUE(same);
+        } else {
+          moved += same ? 0 : 1;
+        }
+      }
+      EXPECT_GT(moved, 100);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tetune

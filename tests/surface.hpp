@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/rows.hpp"
+#include "par/cpu.hpp"
+#include "surface/primitive.hpp"
+
+/// Small reference surfaces made by hand.
+namespace tetune::test {
+
+struct TinySurface {
+  std::vector<Point> points;
+  std::vector<SurfaceTriangle> triangles;
+  std::vector<Index> across;
+  Rows<par::Cpu> vertex2corner;
+  std::vector<LineVertex> line;
+  std::vector<Mobility> kind;
+
+  /// Edges on two triangles are open, but for the `walls`. Vertices slide on the surface; those of walls are fixed
+  /// until the test says otherwise.
+  TinySurface(std::vector<Vec3> at, std::vector<std::array<Index, 3>> faces,
+              const std::set<std::pair<Index, Index>>& walls = {}) {
+    for (const Vec3& p : at) points.push_back(point(p));
+    for (const auto& f : faces) triangles.push_back({{f[0], f[1], f[2]}});
+    kind.assign(points.size(), Mobility::surface);
+    line.assign(points.size(), {{-1, -1}});
+    across.assign(3 * triangles.size(), kWall);
+    std::map<std::pair<Index, Index>, std::vector<Index>> edges;
+    for (std::size_t c = 0; c < across.size(); ++c) {
+      const SurfaceTriangle t = triangles[c / 3];
+      edges[std::minmax(t.v[(c + 1) % 3], t.v[(c + 2) % 3])].push_back(static_cast<Index>(c));
+    }
+    for (const auto& [edge, corners] : edges) {
+      if (corners.size() == 2 && walls.count(edge) == 0) {
+        across[static_cast<std::size_t>(corners[0])] = corners[1];
+        across[static_cast<std::size_t>(corners[1])] = corners[0];
+      } else {
+        kind[static_cast<std::size_t>(edge.first)] = kind[static_cast<std::size_t>(edge.second)] = Mobility::fixed;
+      }
+    }
+    struct RowOf {
+      const SurfaceTriangle* triangles;
+      Size operator()(Size c) const { return triangles[c / 3].v[c % 3]; }
+    };
+    build_rows(par::Cpu(1), static_cast<Size>(points.size()), 3 * static_cast<Size>(triangles.size()),
+               RowOf{triangles.data()}, vertex2corner);
+  }
+
+  /// Makes a feature line of vertices; its ends stay fixed.
+  void add_line(const std::vector<Index>& vertices, bool closed = false) {
+    const std::size_t n = vertices.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!closed && (i == 0 || i + 1 == n)) continue;
+      const auto v = static_cast<std::size_t>(vertices[i]);
+      kind[v] = Mobility::curve;
+      line[v] = {{vertices[(i + n - 1) % n], vertices[(i + 1) % n]}};
+    }
+  }
+
+  ReferenceView view() const {
+    return {span(points), span(triangles), span(across), vertex2corner.view(), span(line), span(kind)};
+  }
+
+ private:
+  template <class T>
+  static Span<const T> span(const std::vector<T>& v) {
+    return {v.data(), static_cast<Size>(v.size())};
+  }
+};
+
+/// An n x n grid of squares of two triangles each over [0, 1]^2, at heights z(x, y). Its rim is wall.
+template <class Height>
+TinySurface height_field(int n, const Height& z, const std::set<std::pair<Index, Index>>& walls = {}) {
+  std::vector<Vec3> points;
+  std::vector<std::array<Index, 3>> triangles;
+  const auto id = [n](int i, int j) { return static_cast<Index>(j * (n + 1) + i); };
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      const double x = static_cast<double>(i) / n;
+      const double y = static_cast<double>(j) / n;
+      points.push_back({x, y, z(x, y)});
+    }
+  }
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+      triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+    }
+  }
+  return {std::move(points), std::move(triangles), walls};
+}
+
+}  // namespace tetune::test
