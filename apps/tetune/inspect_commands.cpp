@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// info and compare: look, and change nothing.
+// info and compare: look, and change no mesh.
 #include <fmt/core.h>
 
 #include <memory>
@@ -13,8 +13,10 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> files;
+  std::string cell_data;
   bool json = false;
   int threads = 0;
+  int worst = 10;
 };
 
 TetMesh read(const std::string& path, int threads) {
@@ -32,12 +34,12 @@ struct Inspection {
   bool measured = true;
 };
 
-Inspection inspect(const std::string& path, int threads) {
+Inspection inspect(const std::string& path, const Arguments& a) {
   Inspection i;
-  i.mesh = read(path, threads);
-  i.validity = validate(i.mesh, threads);
+  i.mesh = read(path, a.threads);
+  i.validity = validate(i.mesh, a.threads);
   try {
-    i.quality = quality(i.mesh, threads);
+    i.quality = measure_all(i.mesh, a.threads, a.worst);
   } catch (const MeshError&) {
     i.measured = false;
   }
@@ -45,7 +47,11 @@ Inspection inspect(const std::string& path, int threads) {
 }
 
 int info(const Arguments& a) {
-  const Inspection i = inspect(a.files[0], a.threads);
+  const Inspection i = inspect(a.files[0], a);
+  if (!a.cell_data.empty()) {
+    if (!i.measured) throw MeshError(a.files[0] + ": " + validity_message(i.validity));
+    write_measures(a.cell_data, i.mesh, a.threads);
+  }
   if (a.json) {
     nlohmann::ordered_json json = {
         {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
@@ -59,19 +65,16 @@ int info(const Arguments& a) {
       fmt::print("  {}\n", validity_message(i.validity));
     }
     if (i.measured) {
-      fmt::print("{}", quality_table({""}, {i.quality}));
-      if (i.quality.tets > 0) {
-        fmt::print("  smallest angle in tetrahedron {}, counted from 1\n{}", i.quality.worst_tet + 1,
-                   histogram(i.quality));
-      }
+      fmt::print("{}{}", quality_table({""}, {i.quality}), measure_table("measures", i.quality));
+      if (i.quality.tets > 0) fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
     }
   }
   return i.validity.ok() ? kDone : kStoppedEarly;
 }
 
 int compare_files(const Arguments& a) {
-  const Inspection before = inspect(a.files[0], a.threads);
-  const Inspection after = inspect(a.files[1], a.threads);
+  const Inspection before = inspect(a.files[0], a);
+  const Inspection after = inspect(a.files[1], a);
   if (!before.measured || !after.measured) {
     const bool first = !before.measured;
     throw MeshError(a.files[first ? 0 : 1] + ": " + validity_message(first ? before.validity : after.validity));
@@ -85,7 +88,10 @@ int compare_files(const Arguments& a) {
         {"change", to_json(c)}};
     fmt::print("{}\n", json.dump(2));
   } else {
-    fmt::print("{}{}", quality_table({"before", "after"}, {before.quality, after.quality}), comparison_table(c));
+    fmt::print("{}{}{}{}{}{}", quality_table({"before", "after"}, {before.quality, after.quality}),
+               measure_table("measures before", before.quality), measure_table("measures after", after.quality),
+               worst_table("worst before", before.quality), worst_table("worst after", after.quality),
+               comparison_table(c));
     if (!before.validity.ok()) fmt::print("  {}: {}\n", a.files[0], validity_message(before.validity));
     if (!after.validity.ok()) fmt::print("  {}: {}\n", a.files[1], validity_message(after.validity));
   }
@@ -96,6 +102,9 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
   CLI::App* c = app.add_subcommand(name, description);
   c->add_flag("--json", a->json, "Print JSON");
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
+  c->add_option("--worst", a->worst, "How many of the worst tetrahedra to list")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
   return c;
 }
 
@@ -103,8 +112,10 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
 
 void add_info(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = add_common(app, "info", "Counts, tags, validity and quality of a mesh.", a);
+  CLI::App* c = add_common(app, "info", "Counts, tags, validity and quality of a mesh, and its worst tetrahedra.", a);
   c->add_option("file", a->files, "Mesh: .mesh, .meshb, .ele")->required()->expected(1);
+  c->add_option("--cell-data", a->cell_data, "Write all measures of every tetrahedron to a MEDIT solution file")
+      ->option_text("OUT.sol");
   c->callback([a, &exit_code] { exit_code = info(*a); });
 }
 

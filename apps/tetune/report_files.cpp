@@ -11,6 +11,17 @@ namespace tetune::cli {
 using Json = nlohmann::ordered_json;
 
 Json to_json(const Quality& q) {
+  Json measures = Json::object();
+  for (std::size_t k = 0; k < kMeasures; ++k) {
+    const MeasureSummary& s = q.measures[k];
+    measures[to_string(static_cast<Measure>(k))] = {
+        {"min", s.min}, {"worst_1_percent", s.p1}, {"worst_5_percent", s.p5}, {"mean", s.mean}, {"max", s.max}};
+  }
+  Json worst = Json::array();
+  for (const WorstTet& w : q.worst) {
+    worst.push_back(
+        {{"tetrahedron", w.tet + 1}, {"min_dihedral_deg", w.dihedral}, {"q_h", w.harmonic}, {"centroid", w.centroid}});
+  }
   return {{"tetrahedra", q.tets},
           {"dihedral_min_deg", q.dihedral_min},
           {"dihedral_1_percent_deg", q.dihedral_1},
@@ -25,7 +36,9 @@ Json to_json(const Quality& q) {
           {"mean_ratio_min", q.mean_ratio_min},
           {"volume", q.volume},
           {"worst_tetrahedron", q.worst_tet + 1},
-          {"dihedral_histogram_10_deg", q.histogram}};
+          {"dihedral_histogram_10_deg", q.histogram},
+          {"measures", measures},
+          {"worst", worst}};
 }
 
 Json to_json(const Comparison& c) {

@@ -8,6 +8,7 @@
 
 namespace tetune::cli {
 
+/// Of what measure_all() measured.
 nlohmann::ordered_json to_json(const Quality& quality);
 nlohmann::ordered_json to_json(const Comparison& comparison);
 nlohmann::ordered_json to_json(const Report& report);

@@ -25,6 +25,12 @@ std::string tag_counts(const std::vector<int>& tags) {
   return text;
 }
 
+/// Six digits, and angles to a thousandth of a degree.
+std::string figure(Measure measure, double value) {
+  const bool angle = measure == Measure::min_dihedral || measure == Measure::max_dihedral;
+  return angle ? fmt::format("{:.3f}", value) : fmt::format("{:.5g}", value);
+}
+
 const char* yes(bool value) { return value ? "yes" : "NO"; }
 
 }  // namespace
@@ -81,6 +87,33 @@ std::string quality_table(const std::vector<std::string>& titles, const std::vec
       "mean ratio  mean", [](const Quality& q) { return q.mean_ratio; }, "{:.4f}");
   row(
       "            min", [](const Quality& q) { return q.mean_ratio_min; }, "{:.4f}");
+  return text;
+}
+
+std::string measure_table(const std::string& title, const Quality& quality) {
+  if (quality.tets == 0) return "";
+  std::string text =
+      fmt::format("  {:<22}{:>12}{:>12}{:>12}{:>12}{:>12}\n", title, "worst", "1 %", "5 %", "mean", "best");
+  for (std::size_t k = 0; k < kMeasures; ++k) {
+    const auto measure = static_cast<Measure>(k);
+    const MeasureSummary& s = quality.measures[k];
+    const bool low = larger_is_better(measure);
+    text += fmt::format("  {:<22}", to_string(measure));
+    for (const double value : {low ? s.min : s.max, s.p1, s.p5, s.mean, low ? s.max : s.min}) {
+      text += fmt::format("{:>12}", figure(measure, value));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string worst_table(const std::string& title, const Quality& quality) {
+  if (quality.worst.empty()) return "";
+  std::string text = fmt::format("  {:<22}{:>12}{:>12}    centroid\n", title, "least angle", "q_h");
+  for (const WorstTet& w : quality.worst) {
+    text += fmt::format("  {:<22}{:>12.3f}{:>12.4g}    {:.6g} {:.6g} {:.6g}\n", w.tet + 1, w.dihedral, w.harmonic,
+                        w.centroid[0], w.centroid[1], w.centroid[2]);
+  }
   return text;
 }
 

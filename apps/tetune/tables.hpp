@@ -14,6 +14,12 @@ std::string mesh_summary(const TetMesh& mesh);
 /// One column of figures a mesh: `titles` and `columns` are as long as each other.
 std::string quality_table(const std::vector<std::string>& titles, const std::vector<Quality>& columns);
 
+/// All measures of a mesh that measure_all() measured, under a title.
+std::string measure_table(const std::string& title, const Quality& quality);
+
+/// Its worst tetrahedra with their places, under a title.
+std::string worst_table(const std::string& title, const Quality& quality);
+
 /// Dihedral angles in bins of 10 degrees.
 std::string histogram(const Quality& quality);
 

@@ -2,12 +2,57 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "tetune/mesh.hpp"
 
 namespace tetune {
+
+/// What is measured of a tetrahedron. Exact definitions, ranges and what other programs call them: docs/quality.md.
+enum class Measure : std::uint8_t {
+  min_dihedral,     ///< smallest dihedral angle, degrees; 70.53 for a regular tetrahedron
+  max_dihedral,     ///< largest dihedral angle, degrees
+  mean_ratio,       ///< 12 (3 V)^(2/3) / sum of squared edge lengths (Gmsh eta, Verdict shape)
+  sicn,             ///< signed inverse condition number (Gmsh minSICN, 1 / Verdict condition)
+  gamma,            ///< 3 r / R, inscribed over circumscribed radius (Gmsh gamma)
+  scaled_jacobian,  ///< Verdict scaled_jacobian
+  radius_ratio,     ///< R / (3 r) (Verdict radius_ratio); larger is worse
+  aspect_ratio,     ///< longest edge / (2 sqrt(6) r) (Verdict aspect_ratio); larger is worse
+  harmonic,         ///< q_h: eta of the regular tetrahedron of the same volume / eta
+};
+inline constexpr std::size_t kMeasures = 9;
+
+/// Name of a measure, as in reports: "min_dihedral_deg", "mean_ratio", ... "q_h".
+const char* to_string(Measure measure);
+
+/// False for the largest dihedral angle, the radius ratio and the aspect ratio.
+bool larger_is_better(Measure measure);
+
+/// Radius and aspect ratio of a tetrahedron that is flat or inverted, and the most they can be.
+inline constexpr double kFlatRatio = 1e30;
+
+/// All measures of one tetrahedron, at the places that Measure says.
+using Measures = std::array<double, kMeasures>;
+
+/// One measure over a mesh.
+struct MeasureSummary {
+  double min = 0;
+  /// 1 % and 5 % of the tetrahedra are as bad as this or worse, whichever side is the worse one. Exact, of values
+  /// rounded to single precision.
+  double p1 = 0, p5 = 0;
+  double mean = 0, max = 0;
+};
+
+/// One of the worst tetrahedra.
+struct WorstTet {
+  Index tet = -1;
+  double dihedral = 0;  ///< its smallest dihedral angle, degrees
+  double harmonic = 0;  ///< its q_h
+  Point3 centroid{};
+};
 
 /// Element quality of a whole mesh. Angles in degrees.
 struct Quality {
@@ -26,12 +71,29 @@ struct Quality {
   double volume = 0;
   /// Share of dihedral angles in each of 18 bins of 10 degrees.
   std::array<double, 18> histogram{};
+
+  /// By measure_all() only: each measure, at the place that Measure says, and the tetrahedra of smallest dihedral
+  /// angle, the worst first, those of lower id first where angles are the same.
+  std::array<MeasureSummary, kMeasures> measures{};
+  std::vector<WorstTet> worst;
+  const MeasureSummary& of(Measure measure) const { return measures[static_cast<std::size_t>(measure)]; }
 };
 
 /// Measures a mesh of positive volumes. The result is the same for any number of threads.
 /// `threads` 0 means all. Returns zeros for a mesh without tetrahedra. Throws MeshError when an index is out of range,
 /// an array of the wrong length or a coordinate not finite.
 Quality quality(const TetMesh& mesh, int threads = 0);
+
+/// The same, with all measures and the `worst` worst tetrahedra. Takes longer and 36 bytes a tetrahedron.
+Quality measure_all(const TetMesh& mesh, int threads = 0, int worst = 10);
+
+/// All measures of each tetrahedron. Throws as quality() does.
+std::vector<Measures> measure_each(const TetMesh& mesh, int threads = 0);
+
+/// Writes measure_each() as a MEDIT solution file (.sol, text) that viewers load beside the mesh: one line for each
+/// tetrahedron in the mesh's order, one number for each measure in the order of Measure. Written under a temporary name
+/// and renamed. Throws as quality() does, and FileError.
+void write_measures(const std::string& path, const TetMesh& mesh, int threads = 0);
 
 /// What became of the listed triangles of one tag.
 struct PatchChange {

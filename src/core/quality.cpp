@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <functional>
 
+#include "core/tet_measures.hpp"
 #include "core/types.hpp"
 #include "core/unit_scale.hpp"
 #include "core/validate_arrays.hpp"
@@ -14,11 +15,11 @@
 namespace tetune {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
 constexpr int kBinsPerDegree = 100;
 constexpr std::size_t kBins = 180 * kBinsPerDegree + 1;
 /// Tetrahedra are measured in parts of this many, each with its own counts; sums then run over the parts in order.
 constexpr par::Size kParts = 64;
+par::Size part_begin(par::Size tets, par::Size part) { return tets * part / kParts; }
 
 struct Part {
   std::vector<std::int64_t> bins = std::vector<std::int64_t>(kBins, 0);
@@ -28,44 +29,31 @@ struct Part {
 };
 
 /// `scale` is a power of two that keeps products of coordinates in range.
-void measure(const TetMesh& mesh, double scale, par::Size t, Part& part, double& eta) {
+TetShape shape_of(const TetMesh& mesh, double scale, par::Size t) {
   const auto& tet = mesh.tets[static_cast<std::size_t>(t)];
   Vec3 p[4];
-  for (int k = 0; k < 4; ++k) {
-    p[k] = scale * vec(mesh.points[static_cast<std::size_t>(tet[static_cast<std::size_t>(k)])]);
-  }
-  Vec3 n[4];
-  double area2 = 0;
-  for (int f = 0; f < 4; ++f) {
-    const Vec3& a = p[face_vertex(f, 0)];
-    n[f] = 0.5 * cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
-    area2 += dot(n[f], n[f]);
-  }
-  const double volume = dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) / 6;
-  double length2 = 0;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = i + 1; j < 4; ++j) {
-      const double angle = kDegrees * std::atan2(norm(cross(n[i], n[j])), -dot(n[i], n[j]));
-      ++part.bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
-      part.sum += angle;
-      if (angle < part.min) {
-        part.min = angle;
-        part.worst = t;
-      }
-      part.max = std::max(part.max, angle);
-      const Vec3 e = p[j] - p[i];
-      length2 += dot(e, e);
+  for (std::size_t k = 0; k < 4; ++k) p[k] = scale * vec(mesh.points[static_cast<std::size_t>(tet[k])]);
+  return TetShape(p);
+}
+
+void add(const TetShape& shape, par::Size t, Part& part, double& eta) {
+  for (const double angle : shape.angles) {
+    ++part.bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
+    part.sum += angle;
+    if (angle < part.min) {
+      part.min = angle;
+      part.worst = t;
     }
+    part.max = std::max(part.max, angle);
   }
-  eta = area2 / std::fabs(volume);
+  eta = shape.eta();
   part.eta_sum += eta;
-  // eta of the regular tetrahedron of this volume: its edge is (6 sqrt(2) V)^(1/3), its eta 9 edge / sqrt(2).
-  const double shape = eta / (4.5 * std::numbers::sqrt2 * std::cbrt(6 * std::numbers::sqrt2 * std::fabs(volume)));
-  part.shape_sum += shape * std::sqrt(shape);
-  const double ratio = volume > 0 ? 12 * std::cbrt(9 * volume * volume) / length2 : 0;
+  const double relative = shape.relative_eta();
+  part.shape_sum += relative * std::sqrt(relative);
+  const double ratio = shape.mean_ratio();
   part.ratio_sum += ratio;
   part.ratio_min = std::min(part.ratio_min, ratio);
-  part.volume += volume;
+  part.volume += shape.volume;
 }
 
 double percentile(const std::vector<std::int64_t>& bins, std::int64_t count, double share) {
@@ -78,10 +66,99 @@ double percentile(const std::vector<std::int64_t>& bins, std::int64_t count, dou
   return 180;
 }
 
-}  // namespace
+/// All measures over one part: what adds up, and its worst tetrahedra in order.
+struct MeasuredPart {
+  struct Extent {
+    double min = 0, max = 0, sum = 0;
+  };
+  std::array<Extent, kMeasures> extents;
+  std::vector<WorstTet> worst;
+};
 
-Quality quality(const TetMesh& mesh, int threads) {
-  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+bool is_worse(const WorstTet& a, const WorstTet& b) {
+  return a.dihedral < b.dihedral || (a.dihedral == b.dihedral && a.tet < b.tet);
+}
+
+/// Keeps `worst` sorted and no longer than `most`.
+void offer(std::vector<WorstTet>& worst, std::size_t most, const WorstTet& tet) {
+  if (worst.size() == most && (most == 0 || !is_worse(tet, worst.back()))) return;
+  if (worst.size() == most) worst.pop_back();
+  worst.insert(std::upper_bound(worst.begin(), worst.end(), tet, is_worse), tet);
+}
+
+/// The measures of every tetrahedron in single precision, one array a measure, and their sums by part.
+class MeasureTable {
+ public:
+  MeasureTable(std::size_t tets, int worst) : most_(static_cast<std::size_t>(std::max(0, worst))), parts_(kParts) {
+    for (auto& column : columns_) column.resize(tets);
+  }
+
+  void add(const TetShape& shape, par::Size t, par::Size p, bool first) {
+    MeasuredPart& part = parts_[static_cast<std::size_t>(p)];
+    const Measures m = all_measures(shape);
+    for (std::size_t k = 0; k < kMeasures; ++k) {
+      columns_[k][static_cast<std::size_t>(t)] = static_cast<float>(m[k]);
+      MeasuredPart::Extent& e = part.extents[k];
+      e.min = first ? m[k] : std::min(e.min, m[k]);
+      e.max = first ? m[k] : std::max(e.max, m[k]);
+      e.sum += m[k];
+    }
+    const auto at = [&m](Measure measure) { return m[static_cast<std::size_t>(measure)]; };
+    offer(part.worst, most_, {static_cast<Index>(t), at(Measure::min_dihedral), at(Measure::harmonic), {}});
+  }
+
+  /// Parts without tetrahedra are left out: their extents say nothing.
+  void summarize(const TetMesh& mesh, const par::Cpu& cpu, Quality& q) {
+    cpu.for_parts(static_cast<par::Size>(kMeasures), [&](par::Size k) { summarize(static_cast<std::size_t>(k), q); });
+    for (const MeasuredPart& part : parts_) {
+      for (const WorstTet& tet : part.worst) offer(q.worst, most_, tet);
+    }
+    for (WorstTet& worst : q.worst) {
+      for (const Index v : mesh.tets[static_cast<std::size_t>(worst.tet)]) {
+        for (std::size_t k = 0; k < 3; ++k) worst.centroid[k] += 0.25 * mesh.points[static_cast<std::size_t>(v)][k];
+      }
+    }
+  }
+
+ private:
+  void summarize(std::size_t k, Quality& q) {
+    std::vector<float>& column = columns_[k];
+    const auto tets = static_cast<par::Size>(column.size());
+    MeasureSummary& s = q.measures[k];
+    bool first = true;
+    double sum = 0;
+    for (par::Size p = 0; p < kParts; ++p) {
+      if (part_begin(tets, p) == part_begin(tets, p + 1)) continue;
+      const MeasuredPart::Extent& e = parts_[static_cast<std::size_t>(p)].extents[k];
+      s.min = first ? e.min : std::min(s.min, e.min);
+      s.max = first ? e.max : std::max(s.max, e.max);
+      sum += e.sum;
+      first = false;
+    }
+    s.mean = sum / static_cast<double>(tets);
+    const bool low = larger_is_better(static_cast<Measure>(k));
+    // The 5 % first: what is worse then lies before it.
+    auto end = column.end();
+    const auto worst_share = [&](double share) {
+      const auto at = column.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(tets));
+      if (low) {
+        std::nth_element(column.begin(), at, end);
+      } else {
+        std::nth_element(column.begin(), at, end, std::greater<>());
+      }
+      end = at + 1;
+      return std::clamp(static_cast<double>(*at), s.min, s.max);
+    };
+    s.p5 = worst_share(0.05);
+    s.p1 = worst_share(0.01);
+  }
+
+  std::size_t most_;
+  std::array<std::vector<float>, kMeasures> columns_;
+  std::vector<MeasuredPart> parts_;
+};
+
+Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   Quality q;
   const auto tets = static_cast<par::Size>(mesh.tets.size());
   q.tets = tets;
@@ -92,8 +169,11 @@ Quality quality(const TetMesh& mesh, int threads) {
   const par::Cpu cpu(threads);
   cpu.for_parts(kParts, [&](par::Size p) {
     Part& part = parts[static_cast<std::size_t>(p)];
-    for (par::Size t = tets * p / kParts; t < tets * (p + 1) / kParts; ++t) {
-      measure(mesh, scale, t, part, eta[static_cast<std::size_t>(t)]);
+    const par::Size begin = part_begin(tets, p);
+    for (par::Size t = begin; t < part_begin(tets, p + 1); ++t) {
+      const TetShape shape = shape_of(mesh, scale, t);
+      add(shape, t, part, eta[static_cast<std::size_t>(t)]);
+      if (table != nullptr) table->add(shape, t, p, t == begin);
     }
   });
   Part total;
@@ -133,7 +213,66 @@ Quality quality(const TetMesh& mesh, int threads) {
     q.histogram[std::min<std::size_t>(17, b / (10 * kBinsPerDegree))] +=
         static_cast<double>(total.bins[b]) / static_cast<double>(angles);
   }
+  if (table != nullptr) table->summarize(mesh, cpu, q);
   return q;
+}
+
+void check_arrays(const TetMesh& mesh) {
+  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+}
+
+}  // namespace
+
+const char* to_string(Measure measure) {
+  switch (measure) {
+    case Measure::min_dihedral:
+      return "min_dihedral_deg";
+    case Measure::max_dihedral:
+      return "max_dihedral_deg";
+    case Measure::mean_ratio:
+      return "mean_ratio";
+    case Measure::sicn:
+      return "sicn";
+    case Measure::gamma:
+      return "gamma";
+    case Measure::scaled_jacobian:
+      return "scaled_jacobian";
+    case Measure::radius_ratio:
+      return "radius_ratio";
+    case Measure::aspect_ratio:
+      return "aspect_ratio";
+    case Measure::harmonic:
+      return "q_h";
+  }
+  return "";
+}
+
+bool larger_is_better(Measure measure) {
+  return measure != Measure::max_dihedral && measure != Measure::radius_ratio && measure != Measure::aspect_ratio;
+}
+
+Quality quality(const TetMesh& mesh, int threads) {
+  check_arrays(mesh);
+  return measure_mesh(mesh, threads, nullptr);
+}
+
+Quality measure_all(const TetMesh& mesh, int threads, int worst) {
+  check_arrays(mesh);
+  MeasureTable table(mesh.tets.size(), worst);
+  return measure_mesh(mesh, threads, &table);
+}
+
+std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
+  check_arrays(mesh);
+  const double scale = unit_scale(mesh);
+  std::vector<Measures> measures(mesh.tets.size());
+  const auto tets = static_cast<par::Size>(mesh.tets.size());
+  par::Cpu(threads).for_parts(kParts, [&](par::Size p) {
+    for (par::Size t = part_begin(tets, p); t < part_begin(tets, p + 1); ++t) {
+      measures[static_cast<std::size_t>(t)] = all_measures(shape_of(mesh, scale, t));
+    }
+  });
+  return measures;
 }
 
 }  // namespace tetune

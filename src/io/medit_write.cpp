@@ -202,6 +202,22 @@ void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
   file.write("\nEnd\n");
 }
 
+void write_medit_solution(FileWriter& file, const std::vector<Measures>& values, int threads) {
+  file.write("MeshVersionFormatted 2\n\nDimension 3\n");
+  write_header(file, "SolAtTetrahedra", values.size());
+  std::string fields = std::to_string(kMeasures);
+  for (std::size_t k = 0; k < kMeasures; ++k) fields += " 1";  // a scalar
+  file.write(fields + "\n");
+  write_lines(file, values.size(), threads, [&](TextLine& line, std::size_t i) {
+    for (std::size_t k = 0; k < kMeasures; ++k) {
+      if (k > 0) line.space();
+      line.number(values[i][k]);
+    }
+    line.end();
+  });
+  file.write("\nEnd\n");
+}
+
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
   // Positions in version 2 are 32 bits wide: version 3 where the file may not fit.
   std::size_t bytes = 28 * mesh.points.size() + 20 * mesh.tets.size();

@@ -67,8 +67,9 @@ TetMesh read_mesh(const std::string& path, std::vector<std::string>* warnings, i
   return mesh;
 }
 
-void check_writable(const std::string& path) {
-  format_of(path, true);
+namespace {
+
+void check_place(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const std::string name = folder.empty() ? "." : folder.string();
   std::error_code ignored;
@@ -77,12 +78,30 @@ void check_writable(const std::string& path) {
   if (::access(name.c_str(), W_OK) != 0) throw FileError(path + ": no permission to write in " + name);
 }
 
+}  // namespace
+
+void check_writable(const std::string& path) {
+  format_of(path, true);
+  check_place(path);
+}
+
 void write_mesh(const std::string& path, const TetMesh& mesh, int threads) {
   const Format& format = format_of(path, true);
   check_writable(path);
   check_lengths(path, mesh);
   FileWriter file(path);
   format.write(file, mesh, threads);
+  file.commit();
+}
+
+void write_measures(const std::string& path, const TetMesh& mesh, int threads) {
+  if (std::filesystem::path(path).extension() != ".sol") {
+    throw FileError(path + ": measures are written as a MEDIT solution; give a name that ends in .sol");
+  }
+  check_place(path);
+  const std::vector<Measures> measures = measure_each(mesh, threads);
+  FileWriter file(path);
+  write_medit_solution(file, measures, threads);
   file.commit();
 }
 

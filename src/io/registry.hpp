@@ -6,6 +6,7 @@
 
 #include "io/file.hpp"
 #include "tetune/mesh.hpp"
+#include "tetune/quality.hpp"
 
 namespace tetune {
 
@@ -33,6 +34,8 @@ TetMesh read_medit_text(const std::string& path, const ReadContext& context);
 TetMesh read_medit_binary(const std::string& path, const ReadContext& context);
 void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads);
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, int threads);
+/// Numbers of tetrahedra as a MEDIT solution in text, one scalar field for each of them.
+void write_medit_solution(FileWriter& file, const std::vector<Measures>& values, int threads);
 TetMesh read_tetgen(const std::string& path, const ReadContext& context);
 
 }  // namespace tetune

@@ -24,7 +24,9 @@ TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gra
                  "evaluated", "flips_2_3", "flips_3_2", "edge_removals", "seconds"]
 QUALITY_KEYS = {"tetrahedra", "dihedral_min_deg", "dihedral_1_percent_deg", "dihedral_5_percent_deg",
                 "dihedral_mean_deg", "dihedral_max_deg", "eta_max", "eta_95_percent", "eta_sum", "shape_sum", "mean_ratio",
-                "mean_ratio_min", "volume", "worst_tetrahedron", "dihedral_histogram_10_deg"}
+                "mean_ratio_min", "volume", "worst_tetrahedron", "dihedral_histogram_10_deg", "measures", "worst"}
+MEASURES = ["min_dihedral_deg", "max_dihedral_deg", "mean_ratio", "sicn", "gamma", "scaled_jacobian", "radius_ratio",
+            "aspect_ratio", "q_h"]
 
 
 class Mesh:
@@ -228,6 +230,10 @@ class Optimize(CliTest):
             self.assertEqual(set(quality), QUALITY_KEYS)
             self.assertAlmostEqual(sum(quality["dihedral_histogram_10_deg"]), 1)
             self.assertAlmostEqual(quality["volume"], 1)
+            self.assertEqual(list(quality["measures"]), MEASURES)
+            self.assertEqual(len(quality["worst"]), 10)
+        self.assertEqual(after["measures"]["min_dihedral_deg"]["min"], after["dihedral_min_deg"])
+        self.assertGreater(after["measures"]["q_h"]["mean"], before["measures"]["q_h"]["mean"])
         self.assertEqual(before["tetrahedra"], len(mesh.tets))
         self.assertEqual(run["tetrahedra_before"], before["tetrahedra"])
         self.assertEqual(run["tetrahedra_after"], after["tetrahedra"])
@@ -698,6 +704,53 @@ class Info(CliTest):
         self.assertRegex(done.stdout, r"vertices +27 +tags 0: 6, 1: 6")
         self.assertRegex(done.stdout, r"tetrahedra +48 +tags 3: 48")
 
+    def test_measures_and_worst_elements(self):
+        mesh = cube(3)
+        name = self.put("in.mesh", mesh)
+        quality = json.loads(self.run_cli("info", "--json", name, "--worst", "4").stdout)["quality"]
+        self.assertEqual(list(quality["measures"]), MEASURES)
+        for measure, figures in quality["measures"].items():
+            worse = ["min", "worst_1_percent", "worst_5_percent", "mean", "max"]
+            values = [figures[key] for key in worse]
+            if measure in ("max_dihedral_deg", "radius_ratio", "aspect_ratio"):
+                values = [figures[key] for key in ("min", "mean", "worst_5_percent", "worst_1_percent", "max")]
+            self.assertEqual(values, sorted(values), measure)
+        self.assertEqual(len(quality["worst"]), 4)
+        worst = quality["worst"][0]
+        self.assertEqual(worst["tetrahedron"], quality["worst_tetrahedron"])
+        self.assertEqual(worst["min_dihedral_deg"], quality["dihedral_min_deg"])
+        corners = [mesh.points[v] for v in mesh.tets[worst["tetrahedron"] - 1]]
+        for place, axis in zip(worst["centroid"], zip(*corners)):
+            self.assertAlmostEqual(place, sum(axis) / 4)
+        text = self.run_cli("info", name).stdout
+        for measure in MEASURES:
+            self.assertIn(measure, text)
+        self.assertRegex(text, rf"least angle +q_h +centroid\n +{worst['tetrahedron']} +{worst['min_dihedral_deg']:.3f} ")
+
+    def test_cell_data(self):
+        name = self.put("in.mesh", cube(2))
+        done = self.run_cli("info", "--json", name, "--cell-data", self.path("q.sol"))
+        measures = json.loads(done.stdout)["quality"]["measures"]
+        words = Path(self.path("q.sol")).read_text().split()
+        self.assertEqual(words[:7], ["MeshVersionFormatted", "2", "Dimension", "3", "SolAtTetrahedra", "48", "9"])
+        self.assertEqual(words[7:16], ["1"] * 9)
+        self.assertEqual(words[-1], "End")
+        values = list(map(float, words[16:-1]))
+        self.assertEqual(len(values), 9 * 48)
+        for k, measure in enumerate(MEASURES):
+            self.assertEqual(min(values[k::9]), measures[measure]["min"])
+            self.assertEqual(max(values[k::9]), measures[measure]["max"])
+        self.assertEqual(self.files(), ["in.mesh", "q.sol"])
+
+    def test_cell_data_refused(self):
+        name = self.put("in.mesh", cube(1))
+        self.refused("info", name, "--cell-data", self.path("q.vtk"), said=["q.vtk", ".sol"])
+        self.refused("info", name, "--cell-data", self.path("absent/q.sol"), said=["absent"])
+        mesh = cube(1)
+        mesh.tets[0] = (0, 1, 2, 99)
+        self.refused("info", self.put("wild.mesh", mesh), "--cell-data", self.path("q.sol"), said=["wild.mesh"])
+        self.assertEqual(self.files(), ["in.mesh", "wild.mesh"])
+
     def test_warnings_go_to_the_standard_error(self):
         name = self.put("in.mesh", cube(1).text().replace("End", "Normals\n1\n0 0 1\nEnd"))
         done = self.run_cli("info", "--json", name)
@@ -737,6 +790,10 @@ class Compare(CliTest):
         self.assertLess(result["after"]["quality"]["eta_sum"], result["before"]["quality"]["eta_sum"])
         text = self.run_cli("compare", source, self.path("out.mesh")).stdout
         self.assertIn("surface distance", text)
+        for part in ("measures before", "measures after", "worst before", "worst after", "scaled_jacobian"):
+            self.assertIn(part, text)
+        for side in ("before", "after"):
+            self.assertEqual(list(result[side]["quality"]["measures"]), MEASURES)
         self.assertNotIn("NO", text)
 
     def test_different(self):

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/types.hpp"
+#include "tetune/quality.hpp"
+
+/// The measures of one tetrahedron. Formulas and where they come from: docs/quality.md.
+namespace tetune {
+
+/// What all measures are made of.
+struct TetShape {
+  Vec3 p[4];
+  Vec3 n[4];         ///< area vectors of the faces
+  double volume;     ///< signed
+  double area2;      ///< sum of squared face areas
+  double length2;    ///< sum of squared edge lengths
+  double angles[6];  ///< dihedral, in degrees
+
+  explicit TetShape(const Vec3 (&points)[4]) : p{points[0], points[1], points[2], points[3]} {
+    constexpr double kDegrees = 57.29577951308232;
+    area2 = 0;
+    for (int f = 0; f < 4; ++f) {
+      const Vec3& a = p[face_vertex(f, 0)];
+      n[f] = 0.5 * cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
+      area2 += dot(n[f], n[f]);
+    }
+    volume = dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) / 6;
+    length2 = 0;
+    int edge = 0;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        angles[edge++] = kDegrees * std::atan2(norm(cross(n[i], n[j])), -dot(n[i], n[j]));
+        const Vec3 e = p[j] - p[i];
+        length2 += dot(e, e);
+      }
+    }
+  }
+
+  double min_angle() const { return *std::min_element(angles, angles + 6); }
+  double max_angle() const { return *std::max_element(angles, angles + 6); }
+  double eta() const { return area2 / std::fabs(volume); }
+  /// eta over that of the regular tetrahedron of this volume: its edge is (6 sqrt(2) V)^(1/3), its eta 9 edge /
+  /// sqrt(2).
+  double relative_eta() const {
+    return eta() / (4.5 * std::numbers::sqrt2 * std::cbrt(6 * std::numbers::sqrt2 * std::fabs(volume)));
+  }
+  double mean_ratio() const { return volume > 0 ? 12 * std::cbrt(9 * volume * volume) / length2 : 0; }
+};
+
+inline Measures all_measures(const TetShape& s) {
+  const bool positive = s.volume > 0;
+  double area = 0;
+  for (const Vec3& n : s.n) area += norm(n);
+  double longest2 = 0;
+  double product2 = 0;  // largest product of the squared lengths of the three edges at a vertex
+  for (int i = 0; i < 4; ++i) {
+    double product = 1;
+    for (int j = 0; j < 4; ++j) {
+      if (j == i) continue;
+      const Vec3 e = s.p[j] - s.p[i];
+      const double length2 = dot(e, e);
+      longest2 = std::max(longest2, length2);
+      product *= length2;
+    }
+    product2 = std::max(product2, product);
+  }
+  const Vec3 a = s.p[1] - s.p[0];
+  const Vec3 b = s.p[2] - s.p[0];
+  const Vec3 c = s.p[3] - s.p[0];
+  // 12 V times the way from vertex 0 to the centre of the circumscribed sphere.
+  const double to_center = norm(dot(c, c) * cross(a, b) + dot(b, b) * cross(c, a) + dot(a, a) * cross(b, c));
+  const double radii = 108 * s.volume * s.volume / (area * to_center);  // 3 r / R
+
+  // Where it is flat, or so small beside the mesh that products of its lengths vanish: as bad as can be.
+  Measures m{};
+  const auto set = [&m](Measure which, bool solid, double value, double flat) {
+    m[static_cast<std::size_t>(which)] = solid && std::isfinite(value) ? value : flat;
+  };
+  set(Measure::min_dihedral, true, s.min_angle(), 0);
+  set(Measure::max_dihedral, true, s.max_angle(), 180);
+  set(Measure::mean_ratio, positive, s.mean_ratio(), 0);
+  set(Measure::sicn, true, 18 * s.volume / std::sqrt(s.length2 * s.area2), 0);
+  set(Measure::gamma, positive, radii, 0);
+  set(Measure::scaled_jacobian, true, std::numbers::sqrt2 * 6 * s.volume / std::sqrt(product2), 0);
+  set(Measure::radius_ratio, positive, std::min(1 / radii, kFlatRatio), kFlatRatio);
+  set(Measure::aspect_ratio, positive, std::min(std::sqrt(6 * longest2) / 36 * area / s.volume, kFlatRatio),
+      kFlatRatio);
+  set(Measure::harmonic, positive, 1 / s.relative_eta(), 0);
+  return m;
+}
+
+}  // namespace tetune
