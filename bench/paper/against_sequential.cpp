@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One mesh through one experiment of the paper, as JSON on standard output:
 //   bench_paper MESH --what flips|no-flips|descended|preserve|slide [--runs N] [--threads T] [--device cpu|cuda]
-// flips: the ordered queue and ours. no-flips, descended: the method of Alexa (2019), by its two ends. preserve, slide: ours, as
-// in the paper's Table 2 and Table 3. A time is given only for a result that is valid.
+// flips: the ordered queue and ours. no-flips, descended: the method of Alexa (2019), by its two ends. preserve, slide:
+// ours, as in the paper's Table 2 and Table 3. A time is given only for a result that is valid.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
