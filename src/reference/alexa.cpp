@@ -14,8 +14,10 @@ namespace tetune::reference {
 namespace {
 
 constexpr double kTrace = 1.0 / 9;
-/// A round that lowers the energy by a smaller part of it has converged: the same at which ours ends.
+/// Descent has converged when so many rounds in a row lower the energy by a smaller part of it each. Ours ends at the
+/// first such; here one tetrahedron can hold up a step that the next one makes good.
 constexpr double kConverged = 1e-4;
+constexpr int kIdleRounds = 5;
 
 std::vector<Vec3> to_vectors(const TetMesh& mesh) {
   std::vector<Vec3> points;
@@ -224,7 +226,7 @@ AlexaReport optimize(TetMesh& mesh, AlexaEnd end, int max_iterations) {
   OrderedFlips flips(points, mesh);
   Descent descent(points, flips, mesh);
   report.energy_before = descent.energy();
-  bool converged = false;
+  int idle = 0;
   for (int i = 0; i < max_iterations; ++i) {
     Iteration iteration;
     const auto flip_start = std::chrono::steady_clock::now();
@@ -235,14 +237,14 @@ AlexaReport optimize(TetMesh& mesh, AlexaEnd end, int max_iterations) {
     report.flips23 += found.flips23;
     report.flips32 += found.flips32;
     iteration.flips = found.flips23 + found.flips32;
-    if (i > 0 && iteration.flips == 0 && (end == AlexaEnd::no_flips || converged)) {
+    if (i > 0 && iteration.flips == 0 && (end == AlexaEnd::no_flips || idle >= kIdleRounds)) {
       report.finished = true;
       break;
     }
     const double before = i > 0 ? report.iterations.back().energy : report.energy_before;
     iteration.gradient_norm = descent.step(report);
     iteration.energy = descent.energy();
-    converged = before - iteration.energy < kConverged * iteration.energy;
+    idle = before - iteration.energy < kConverged * iteration.energy ? idle + 1 : 0;
     report.iterations.push_back(iteration);
   }
   report.energy_after = descent.energy();

@@ -37,7 +37,7 @@ FlipResult flip_in_order(TetMesh& mesh);
 
 enum class AlexaEnd {
   no_flips,  ///< the first round that finds no flips
-  descended  ///< the first that finds none after a round that lowered the energy by less than 1e-4 of it
+  descended  ///< the same, after five rounds in a row that each lowered the energy by less than 1e-4 of it
 };
 
 /// Alternates flip_in_order() with one descent step of the whole mesh, "one gradient descent step on the entire mesh"
@@ -49,7 +49,8 @@ enum class AlexaEnd {
 ///   Between two rounds lies a single, often tiny step ("a small set of vertices preventing substantial optimization",
 ///   Sect. 4), so a round without flips can come after the first: AlexaEnd::no_flips, to the letter, ends after one to
 ///   four on our shapes, far from a minimum and far from a considerable number. AlexaEnd::descended goes on until
-///   descent, too, has nothing left to give. It takes tens of times as long: measure times with the former.
+///   descent, too, has nothing left to give: our own end, with patience, as one tetrahedron can hold up one step. It
+///   takes tens of times as long: measure times with the former.
 /// - What becomes of a tetrahedron that reprojection inverts. Its boundary vertices take the step back, and where that
 ///   is not enough all its vertices do; so do those of a tetrahedron that ends worse than the worst one before the
 ///   step, as one that is all but flat would hold up every step after it.
