@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// One mesh through the sequential method and through ours, as JSON on standard output:
-//   bench_paper MESH --what flips|preserve|gradient --runs N --threads T [--sequential 0|1]
-// A time is given only for a result that is valid.
+// One mesh through one experiment of the paper, as JSON on standard output:
+//   bench_paper MESH --what flips|no-flips|descended|preserve|slide [--runs N] [--threads T] [--device cpu|cuda]
+// flips: the ordered queue and ours. no-flips, descended: the method of Alexa (2019), by its two ends. preserve, slide:
+// ours, as in the paper's Table 2 and Table 3. A time is given only for a result that is valid.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -23,8 +24,25 @@ struct Arguments {
   std::string mesh, what = "flips";
   int runs = 1;
   int threads = 0;
-  bool sequential = true;
+  tetune::Device device = tetune::Device::cpu;
 };
+
+/// What the paper minimises and allows. Every run of "ours" but those of our own defaults starts from here.
+tetune::Options paper_settings() {
+  tetune::Options options;
+  options.energy = tetune::Energy::harmonic;
+  options.feature_angle = 180;
+  options.max_ring = 3;
+  return options;
+}
+
+/// The same, and moves vertices and ends as the paper does (Alg. 1, Sect. 4.5).
+tetune::Options paper_to_the_letter() {
+  tetune::Options options = paper_settings();
+  options.relocation = tetune::Relocation::gradient;
+  options.termination = tetune::Termination::paper;
+  return options;
+}
 
 double median(std::vector<double> v) {
   std::sort(v.begin(), v.end());
@@ -43,6 +61,7 @@ Json result_json(const TetMesh& before, const TetMesh& after, const std::vector<
   json["seconds"] = valid ? Json(median(seconds)) : Json(nullptr);
   json["all_seconds"] = seconds;
   const tetune::Comparison c = tetune::compare(before, after);
+  json["vertices_to_old"] = c.vertices_to_old;
   json["distance_new_to_old"] = c.new_to_old;
   json["distance_old_to_new"] = c.old_to_new;
   return json;
@@ -97,41 +116,92 @@ Json ours(const TetMesh& mesh, const tetune::Options& options, int runs) {
   json["flips_3_2"] = report.flips32;
   json["stopped"] = tetune::to_string(report.stop);
   Json norms = Json::array();
-  for (const auto& s : report.sweeps) norms.push_back(s.gradient_norm);
+  Json energies = Json::array();
+  for (const auto& s : report.sweeps) {
+    norms.push_back(s.gradient_norm);
+    energies.push_back(s.energy_before - s.decrease);
+  }
   json["gradient_norm"] = norms;
+  json["energy"] = energies;
   return json;
 }
 
-Json alexa(const TetMesh& mesh, int runs) {
+Json alexa(const TetMesh& mesh, const TetMesh& before, tetune::reference::AlexaEnd end, int runs) {
   std::vector<double> seconds;
   TetMesh last;
   tetune::reference::AlexaReport report;
   for (int r = 0; r < runs; ++r) {
     last = mesh;
-    report = tetune::reference::optimize(last);
+    report = tetune::reference::optimize(last, end);
     seconds.push_back(report.seconds);
   }
-  Json json = result_json(mesh, last, seconds);
+  Json json = result_json(before, last, seconds);
   json["finished"] = report.finished;
   json["flip_seconds"] = report.flip_seconds;
   json["descent_seconds"] = report.descent_seconds;
   json["projection_seconds"] = report.projection_seconds;
   Json norms = Json::array();
-  for (const auto& i : report.iterations) norms.push_back(i.gradient_norm);
+  Json energies = Json::array();
+  for (const auto& i : report.iterations) {
+    norms.push_back(i.gradient_norm);
+    energies.push_back(i.energy);
+  }
   json["gradient_norm"] = norms;
+  json["energy"] = energies;
+  return json;
+}
+
+Json run(const TetMesh& mesh, const Arguments& a) {
+  using tetune::reference::AlexaEnd;
+  Json json = {{"mesh", a.mesh}, {"what", a.what}, {"runs", a.runs}, {"input", quality_json(mesh)}};
+  if (a.what == "no-flips") {
+    json["sequential"] = alexa(mesh, mesh, AlexaEnd::no_flips, a.runs);
+    json["sequential_sorted"] = alexa(sorted(mesh), mesh, AlexaEnd::no_flips, a.runs);
+    return json;
+  }
+  if (a.what == "descended") {
+    json["sequential_sorted"] = alexa(sorted(mesh), mesh, AlexaEnd::descended, 1);
+    return json;
+  }
+  const auto on_device = [&a](tetune::Options options) {
+    options.device = a.device;
+    if (a.device == tetune::Device::cpu) options.threads = a.threads;
+    return options;
+  };
+  tetune::Options options = paper_settings();
+  if (a.what == "flips") {
+    options.max_iterations = 0;
+    json["sequential"] = sequential_flips(mesh, a.runs);
+    json["sequential_sorted"] = sequential_flips(sorted(mesh), a.runs);
+  } else if (a.what == "preserve" || a.what == "slide") {
+    const auto boundary = a.what == "slide" ? tetune::Boundary::slide : tetune::Boundary::preserve;
+    options.boundary = boundary;
+    tetune::Options letter = paper_to_the_letter();
+    letter.boundary = boundary;
+    json["letter"] = ours(mesh, on_device(letter), 1);
+    tetune::Options defaults;
+    defaults.boundary = boundary;
+    json["defaults"] = ours(mesh, on_device(defaults), a.runs);
+  } else {
+    throw tetune::OptionError("no such experiment: " + a.what);
+  }
+  json["ours"] = ours(mesh, on_device(options), a.runs);
+  options.threads = 1;
+  json["ours_one_thread"] = ours(mesh, options, a.runs);
   return json;
 }
 
 Arguments parse(int argc, char** argv) {
   Arguments a;
-  if (argc < 2) throw tetune::OptionError("usage: bench_paper MESH --what flips|preserve|gradient ...");
+  if (argc < 2) throw tetune::OptionError("usage: bench_paper MESH --what EXPERIMENT ...");
   a.mesh = argv[1];
   for (int i = 2; i + 1 < argc; i += 2) {
     const std::string name = argv[i];
-    if (name == "--what") a.what = argv[i + 1];
-    if (name == "--runs") a.runs = std::max(1, std::atoi(argv[i + 1]));
-    if (name == "--threads") a.threads = std::atoi(argv[i + 1]);
-    if (name == "--sequential") a.sequential = std::atoi(argv[i + 1]) != 0;
+    const std::string value = argv[i + 1];
+    if (name == "--what") a.what = value;
+    if (name == "--runs") a.runs = std::max(1, std::atoi(value.c_str()));
+    if (name == "--threads") a.threads = std::atoi(value.c_str());
+    if (name == "--device") a.device = value == "cuda" ? tetune::Device::cuda : tetune::Device::cpu;
   }
   return a;
 }
@@ -141,28 +211,7 @@ Arguments parse(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     const Arguments a = parse(argc, argv);
-    const TetMesh mesh = tetune::read_mesh(a.mesh);
-    Json json = {{"mesh", a.mesh}, {"what", a.what}, {"runs", a.runs}, {"input", quality_json(mesh)}};
-    tetune::Options options;
-    options.max_ring = 3;  // the flips of the paper
-    if (a.what == "flips") {
-      options.max_iterations = 0;
-      if (a.sequential) {
-        json["sequential"] = sequential_flips(mesh, a.runs);
-        json["sequential_sorted"] = sequential_flips(sorted(mesh), a.runs);
-      }
-    } else {
-      if (a.what == "gradient") {
-        options.relocation = tetune::Relocation::gradient;
-        options.termination = tetune::Termination::paper;
-      }
-      if (a.sequential) json["sequential"] = alexa(mesh, a.runs);
-    }
-    options.threads = 1;
-    json["ours_one_thread"] = ours(mesh, options, a.runs);
-    options.threads = a.threads;
-    json["ours"] = ours(mesh, options, a.runs);
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", run(tetune::read_mesh(a.mesh), a).dump(2).c_str());
   } catch (const tetune::Error& e) {
     std::fprintf(stderr, "bench_paper: %s\n", e.what());
     return 2;

@@ -14,6 +14,10 @@ namespace tetune::reference {
 namespace {
 
 constexpr double kTrace = 1.0 / 9;
+/// Descent has converged when so many rounds in a row lower the energy by a smaller part of it each. Ours ends at the
+/// first such; here one tetrahedron can hold up a step that the next one makes good.
+constexpr double kConverged = 1e-4;
+constexpr int kIdleRounds = 5;
 
 std::vector<Vec3> to_vectors(const TetMesh& mesh) {
   std::vector<Vec3> points;
@@ -66,6 +70,10 @@ class Descent {
     const double gradient2 = assemble_gradient();
     const double lambda = inversion_free_step();
     before_ = points_;
+    worst_ = 0;
+    for (const Tet& t : flips_.tets()) {
+      if (t[0] >= 0) worst_ = std::max(worst_, energy_of(t).eta);
+    }
     if (lambda > 0) {
       const double alpha = brent_minimum(Energy{*this}, 0, lambda);
       move(alpha);
@@ -73,7 +81,7 @@ class Descent {
     report.descent_seconds += seconds_since(start);
     const auto projection = std::chrono::steady_clock::now();
     put_back();
-    take_back_inversions();
+    take_back_damage();
     report.projection_seconds += seconds_since(projection);
     return kTrace * kTrace * gradient2;
   }
@@ -166,13 +174,19 @@ class Descent {
     }
   }
 
-  /// Vertices of tetrahedra that reprojection inverted go back to where they were: those on the boundary first.
-  void take_back_inversions() {
+  /// Worse than the worst before the step, or inverted.
+  bool damaged(const Tet& t) const {
+    const TetEnergy e = energy_of(t);
+    return !e.certified || e.eta > worst_;
+  }
+
+  /// Vertices of tetrahedra that reprojection damaged go back to where they were: those on the boundary first.
+  void take_back_damage() {
     for (const bool boundary_only : {true, false}) {
       for (bool found = true; found;) {
         found = false;
         for (const Tet& t : flips_.tets()) {
-          if (t[0] < 0 || energy_of(t).certified) continue;
+          if (t[0] < 0 || !damaged(t)) continue;
           for (int k = 0; k < 4; ++k) {
             const auto v = static_cast<std::size_t>(t[k]);
             if (boundary_only && on_surface_[v] == 0) continue;
@@ -191,6 +205,7 @@ class Descent {
   std::vector<char> fixed_, on_surface_;
   ClosestTriangle surface_;
   double mean_edge_ = 0;
+  double worst_ = 0;  ///< eta before the step
   std::vector<Vec3> gradient_, before_;
 };
 
@@ -204,13 +219,14 @@ FlipResult flip_in_order(TetMesh& mesh) {
   return result;
 }
 
-AlexaReport optimize(TetMesh& mesh, int max_iterations) {
+AlexaReport optimize(TetMesh& mesh, AlexaEnd end, int max_iterations) {
   const auto start = std::chrono::steady_clock::now();
   AlexaReport report;
   std::vector<Vec3> points = to_vectors(mesh);
   OrderedFlips flips(points, mesh);
   Descent descent(points, flips, mesh);
   report.energy_before = descent.energy();
+  int idle = 0;
   for (int i = 0; i < max_iterations; ++i) {
     Iteration iteration;
     const auto flip_start = std::chrono::steady_clock::now();
@@ -221,12 +237,14 @@ AlexaReport optimize(TetMesh& mesh, int max_iterations) {
     report.flips23 += found.flips23;
     report.flips32 += found.flips32;
     iteration.flips = found.flips23 + found.flips32;
-    if (i > 0 && iteration.flips == 0) {
+    if (i > 0 && iteration.flips == 0 && (end == AlexaEnd::no_flips || idle >= kIdleRounds)) {
       report.finished = true;
       break;
     }
+    const double before = i > 0 ? report.iterations.back().energy : report.energy_before;
     iteration.gradient_norm = descent.step(report);
     iteration.energy = descent.energy();
+    idle = before - iteration.energy < kConverged * iteration.energy ? idle + 1 : 0;
     report.iterations.push_back(iteration);
   }
   report.energy_after = descent.energy();

@@ -219,7 +219,7 @@ class Optimize(CliTest):
         report = json.loads(self.read_bytes("r.json"))
         self.assertEqual(report["input"], source)
         self.assertEqual(report["output"], self.path("out.mesh"))
-        self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "feature_angle_deg": 45,
+        self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "effort": "default", "feature_angle_deg": 45,
                                              "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
                                              "frozen_patches": [], "relocation": "newton", "termination": "paper",
                                              "device": "auto", "max_iterations": 7, "max_ring": 7, "threads": 2})

@@ -115,6 +115,9 @@ TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
   const ValidationReport valid = validate(after);
   EXPECT_TRUE(valid.ok()) << valid.message(false);
   EXPECT_LT(report.energy_after, report.energy_before);
+  if (options.energy == Energy::shape) {
+    EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min - 1e-9);
+  }
   EXPECT_NEAR(report.energy_after, energy(after), 1e-9 * report.energy_after);
   EXPECT_NEAR(report.energy_before, energy(before), 1e-9 * report.energy_before);
   EXPECT_EQ(static_cast<std::int64_t>(after.tets.size()), report.tets_after);

@@ -102,8 +102,12 @@ TEST_P(SlideProperties, KeepTheSurfaceItsFeaturesAndTheTags) {
     energy = s.energy_before;
   }
   for (const FlipReport& f : report.flip_passes) EXPECT_GE(f.decrease, 0);
-  EXPECT_LE(report.energy_after, energy * (1 + 1e-12));
+  // Work on the worst elements gives some of it back.
+  EXPECT_LE(report.energy_after, energy * (report.worst_rounds.empty() ? 1 + 1e-12 : 1.02));
   const Quality q = quality(after);
+  if (c.energy == Energy::shape) {
+    EXPECT_GE(q.dihedral_min, quality(before).dihedral_min - 1e-9);
+  }
   EXPECT_NEAR(report.energy_after, c.energy == Energy::shape ? q.shape_sum : q.eta_sum, 1e-9 * report.energy_after);
 
   // Each face of the surface is still there, between the same regions.
