@@ -19,7 +19,7 @@ inline constexpr double kMinGradient = 1e-5;
 /// Below this part of its last sum, the energy is summed up anew.
 inline constexpr double kStale = 0.1;
 /// The worst tetrahedra are this part of all, and those only that are worse than good.
-inline constexpr double kWorstPart = 2e-4;
+inline constexpr double kWorstPart = 1e-4;
 inline constexpr double kGood = 2;
 /// The work on them is done under the shape energy squared so many times.
 inline constexpr int kWorstSquarings = 2;

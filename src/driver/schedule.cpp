@@ -11,7 +11,7 @@ constexpr double kPaperEpsilon = 1e-5;
 constexpr int kPaperMaxInterval = 1 << 3;  // 2^N, N = 3
 
 /// Flips that take away less than this part of the energy are not worth an earlier look.
-constexpr double kLittleGain = 3e-4;
+constexpr double kLittleGain = 1e-4;
 
 }  // namespace
 

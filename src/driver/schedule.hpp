@@ -11,7 +11,9 @@ class Schedule {
   explicit Schedule(const Options& options)
       : paper_(options.termination == Termination::paper),
         max_(options.max_iterations),
-        least_decrease_(options.effort == Effort::fast ? 1e-3 : 1e-4) {}
+        least_decrease_(options.effort == Effort::fast ? 1e-3 : 1e-4),
+        interval_(options.effort == Effort::fast && !paper_ ? 2 : 1),
+        next_flips_(interval_) {}
 
   /// Whether the sweep just done is to be followed by flips.
   bool flips_due(int iteration) const { return iteration >= next_flips_; }
@@ -27,7 +29,7 @@ class Schedule {
   int max_;
   double least_decrease_;  ///< the energy must fall by this part in a sweep to go on
   int interval_ = 1;       ///< the paper's k_f: sweeps from one look for flips to the next
-  int next_flips_ = 1;
+  int next_flips_;
   double threshold_ = -1;  ///< the paper's eps_c
   double last_gradient_ = -1;
 };
