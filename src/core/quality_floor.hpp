@@ -12,7 +12,7 @@ struct QualityFloor {
   double worst_shape = 0;  ///< largest shape energy
   double most_cot = -1;    ///< cotangent of the smallest dihedral angle
   /// Tetrahedra below this shape energy have no smaller angle: shape energy times the sine of any dihedral angle is at
-  /// least 1 / sqrt(2) (docs/method.md, "Never worse").
+  /// least (3 - its cosine) / sqrt(8) (docs/method.md, "Never worse").
   double safe_shape = 0;
 
   /// No floor.
@@ -23,7 +23,7 @@ struct QualityFloor {
   }
   TETUNE_HD void settle() {
     constexpr double kRounding = 1e-12;
-    safe_shape = (1 - kRounding) * std::sqrt(0.5) * std::sqrt(1 + most_cot * most_cot);
+    safe_shape = (1 - kRounding) * std::sqrt(0.125) * (3 * std::sqrt(1 + most_cot * most_cot) - most_cot);
     if (worst_shape < safe_shape) safe_shape = worst_shape;
     worst_shape *= 1 + kRounding;
     most_cot *= 1 + kRounding;
