@@ -76,6 +76,6 @@ constexpr EnergyLaw shape_law(int squarings) {
 }
 inline constexpr EnergyLaw kShapeLaw = shape_law(0);
 
-TETUNE_HD inline EnergyLaw law_of(Energy energy) { return energy == Energy::shape ? kShapeLaw : kHarmonicLaw; }
+inline EnergyLaw law_of(Energy energy) { return energy == Energy::shape ? kShapeLaw : kHarmonicLaw; }
 
 }  // namespace tetune
