@@ -59,6 +59,9 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
         throw OptionError(fmt::format("{} has no effect without --boundary slide; add it, or drop {}", name, name));
     }
   }
+  if (a.options.termination == Termination::paper && command.count("--effort") > 0) {
+    throw OptionError("--effort has no effect with --termination paper; drop one of them");
+  }
   if (a.options.device == Device::cuda && command.count("--threads") > 0) {
     throw OptionError("--threads has no effect with --device cuda; drop one of them");
   }

@@ -51,7 +51,7 @@ struct Options {
   Device device = Device::automatic;
   Boundary boundary = Boundary::preserve;
   Energy energy = Energy::shape;
-  /// With Termination::paper or Energy::harmonic, fast and standard are the same.
+  /// Without effect under Termination::paper. Energy::harmonic leaves out the work on the worst elements.
   Effort effort = Effort::standard;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;

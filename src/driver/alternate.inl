@@ -44,7 +44,9 @@ class Alternation {
         unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1) {}
 
   void run() {
-    if (alternate() && options_.effort != Effort::fast && options_.energy == Energy::shape) improve_worst();
+    const bool whole = options_.effort == Effort::standard && options_.termination == Termination::relative &&
+                       options_.energy == Energy::shape && options_.max_iterations > 0;
+    if (alternate() && whole) improve_worst();
   }
 
   /// After the last step, in the caller's unit.
@@ -63,19 +65,15 @@ class Alternation {
     if (flip_until_stable(0) < 0) return false;
     Schedule schedule(options_);
     report_.stop = StopReason::iteration_limit;
-    bool connectivity_changed = true;
     for (int iteration = 1; iteration <= options_.max_iterations; ++iteration) {
       const double energy_before_round = energy_;
-      if (connectivity_changed) rebuild_rings();
       const SweepReport& swept = relocate(iteration);
       if (!proceed("sweep", iteration)) return false;
-      connectivity_changed = false;
       if (schedule.flips_due(iteration)) {
         clock_.measure("flips", [&] { energy_ = last_sum_ = activate_drifted(par_, work_.mesh, work_.flips); });
         const double energy_before_flips = energy_;
         const Size flips = flip_until_stable(iteration);
         if (flips < 0) return false;
-        connectivity_changed = flips > 0;
         schedule.flips_found(iteration, flips, 1 - energy_ / energy_before_flips);
       }
       if (schedule.stop(swept, energy_before_round, energy_, report_.stop)) break;
@@ -106,7 +104,7 @@ class Alternation {
         }
       });
       if (r.worst == 0) break;
-      if (r.flips > 0) rebuild_rings();
+      refresh_rings();
       r.seconds += clock_.measure("worst", [&] {
         flag_neighbours(par_, work_.mesh, awake);
         r.moved = sweep_once().moved;
@@ -120,7 +118,10 @@ class Alternation {
     work_.mesh.law = kShapeLaw;
   }
 
-  void rebuild_rings() {
+  /// Rings and colours, where flips have changed the mesh since they were made.
+  void refresh_rings() {
+    if (!rings_stale_) return;
+    rings_stale_ = false;
     clock_.measure("rings", [&] { build_rings(par_, work_.mesh, work_.rings); });
     clock_.measure("colouring",
                    [&] { color_vertices(par_, work_.rings.view(), work_.mobilities.kind.span(), work_.coloring); });
@@ -132,6 +133,7 @@ class Alternation {
     r.iteration = iteration;
     r.energy_before = unit_ * energy_;
     if (options_.termination == Termination::paper) par_.fill(work_.mobilities.awake.span(), std::uint8_t{1});
+    refresh_rings();
     SweepSum sum;
     r.seconds = clock_.measure("sweeps", [&] { sum = sweep_once(); });
     energy_ -= sum.decrease;
@@ -176,6 +178,7 @@ class Alternation {
     report_.flips23 += r.flips23;
     report_.flips32 += r.flips32;
     report_.edge_removals += r.edge_removals;
+    rings_stale_ = rings_stale_ || r.flips() > 0;
   }
 
   void sum_up() { energy_ = last_sum_ = refresh_energy(par_, work_.mesh, work_.flips); }
@@ -200,6 +203,7 @@ class Alternation {
   double unit_;  ///< of the energy inside, in the caller's
   double energy_ = 0;
   double last_sum_ = 0;
+  bool rings_stale_ = true;
 };
 
 }  // namespace alternate_detail

@@ -214,7 +214,8 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   }
   report.corners_not_held = hold_corners(par, frozen_buffer.span(), work.mobilities.kind.span());
   if (options.boundary == Boundary::slide) {
-    work.mobilities.max_deviation = options.max_deviation * work.scale;
+    // A little less, for rounding.
+    work.mobilities.max_deviation = (1 - 1e-9) * options.max_deviation * work.scale;
     work.mobilities.site.resize(vertices);
     par.for_each(vertices, StartSite{work.mobilities.site.span()});
   }

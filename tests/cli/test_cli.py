@@ -456,6 +456,18 @@ class Slide(CliTest):
         self.assertEqual(self.read_bytes("2.mesh"), self.read_bytes("1.mesh"))
         self.assertEqual(self.read_bytes("3.mesh"), self.read_bytes("1.mesh"))
 
+    def test_effort(self):
+        source = self.put("in.mesh", cube(5, 0.25))
+        runs = {}
+        for effort in ("fast", "default"):
+            self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--effort", effort, "--report", self.path("r.json"))
+            report = json.loads(self.read_bytes("r.json"))
+            runs[effort] = report["optimization"]
+            self.assertEqual(report["options"]["effort"], effort)
+            self.assertGreaterEqual(report["after"]["dihedral_min_deg"], report["before"]["dihedral_min_deg"])
+        self.assertEqual(runs["fast"]["worst_rounds"], [])
+        self.assertLessEqual(len(runs["fast"]["sweeps"]), len(runs["default"]["sweeps"]))
+
     def test_freeze(self):
         mesh = bent(cube(4))
         mesh.tet_tags = [1 if t < len(mesh.tets) // 2 else 2 for t in range(len(mesh.tets))]
@@ -530,6 +542,8 @@ class Slide(CliTest):
                 (["--boundary", "slide", "-ar"], ["--feature-angle"]),
                 (["--boundary", "glide"], ["--boundary", "slide"]),
                 (["--energy", "elastic"], ["--energy", "shape"]),
+                (["--effort", "fast", "--termination", "paper"], ["--effort", "--termination paper"]),
+                (["--effort", "heroic"], ["--effort", "fast", "default"]),
                 (["-nosurf", "--boundary", "slide"], ["--boundary"])):
             self.refused("optimize", source, "-o", self.path("out.mesh"), *options, said=said)
             self.assertEqual(self.files(), ["in.mesh"])

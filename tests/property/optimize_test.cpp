@@ -228,6 +228,23 @@ TEST(Optimize, StopsWhenAskedAndLeavesAValidMesh) {
   EXPECT_NEAR(report.energy_after, quality(m).shape_sum, 1e-9 * report.energy_after);
 }
 
+TEST(Optimize, IsValidHoweverEarlyItMustEnd) {
+  // Flips after the last sweep must not leave stale rings to the work on the worst elements.
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const TetMesh before = test::scrambled(test::cube(6, 0.3), 3, seed);
+    for (int sweeps = 1; sweeps <= 5; ++sweeps) {
+      TetMesh after = before;
+      Options options;
+      options.max_iterations = sweeps;
+      const Report report = optimize(after, options);
+      EXPECT_TRUE(validate(after).ok()) << validate(after).message(false);
+      EXPECT_NEAR(quality(after).volume, quality(before).volume, 1e-12);
+      EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min - 1e-9);
+      EXPECT_LE(static_cast<int>(report.sweeps.size()), sweeps);
+    }
+  }
+}
+
 TEST(Optimize, WithoutIterationsOnlyFlips) {
   const TetMesh before = test::scrambled(test::cube(6, 0.2), 2);
   TetMesh after = before;
@@ -237,6 +254,7 @@ TEST(Optimize, WithoutIterationsOnlyFlips) {
   EXPECT_EQ(before.points, after.points);
   EXPECT_GT(report.flips23 + report.flips32, 0);
   EXPECT_TRUE(report.sweeps.empty());
+  EXPECT_TRUE(report.worst_rounds.empty());
 }
 
 TEST(Optimize, NewtonAndGradientFindTheSameMinimum) {
