@@ -254,8 +254,10 @@ void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh, typename Backend::te
   int bits = 1;
   while ((Size{1} << bits) < vertices) ++bits;
   par.sort_by_key(lowest, order, bits);
-  typename Backend::template Buffer<Tet> sorted(tets);
-  typename Backend::template Buffer<int> sorted_tags(tets);
+  typename Backend::template Buffer<Tet> sorted;
+  typename Backend::template Buffer<int> sorted_tags;
+  sorted.resize(tets, mesh.room());
+  sorted_tags.resize(tets, mesh.room());
   par.for_each(
       tets, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), order.span(), sorted.span(), sorted_tags.span()});
   mesh.tet2vertex.swap(sorted);
@@ -267,7 +269,7 @@ void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh, typename Backend::te
 template <class Backend>
 AdjacencyReport build_adjacency(const Backend& par, WorkMesh<Backend>& mesh) {
   using namespace connect_detail;
-  mesh.tet2tet.resize(mesh.slots());
+  mesh.tet2tet.resize(mesh.slots(), mesh.room());
   Rows<Backend> rows;
   build_rows(par, mesh.vertices(), 4 * mesh.slots(), LowestVertexOfFace{mesh.tet2vertex.span()}, rows);
   const auto found = par.template reduce<MatchFaces::Found>(

@@ -59,33 +59,42 @@ TETUNE_HD void sort_small(T* a, Size n, const Less& less) {
 
 namespace rows_detail {
 
+inline constexpr std::uint32_t kNoRow = 0xffffffffU;
+
 struct IdLess {
   TETUNE_HD bool operator()(std::uint32_t a, std::uint32_t b) const { return a < b; }
 };
 
-/// row_of(item) is the row of an item, or negative for none.
 template <class RowOf>
-struct Count {
+struct FindRow {
   RowOf row_of;
-  Span<std::uint32_t> counts;
+  Span<std::uint32_t> row;
   TETUNE_HD void operator()(Size item) const {
-    const Size row = row_of(item);
-    if (row >= 0) par::atomic_add(counts[row], 1);
+    const Size r = row_of(item);
+    row[item] = r < 0 ? kNoRow : static_cast<std::uint32_t>(r);
   }
 };
 
-/// Fills each row from its end: counts hold the row ends when it starts, the row begins when it is done.
-template <class RowOf>
+/// Places the items of a row in any order.
+struct Count {
+  Span<const std::uint32_t> row;
+  Span<std::uint32_t> counts;
+  TETUNE_HD void operator()(Size item) const {
+    if (row[item] != kNoRow) par::atomic_add(counts[row[item]], 1);
+  }
+};
+
+/// Fills each row from its end: `ends` holds the row ends when it starts, the row begins when it is done.
 struct Fill {
-  RowOf row_of;
+  Span<const std::uint32_t> row;
   Span<std::uint32_t> ends;
   Span<std::uint32_t> items;
   TETUNE_HD void operator()(Size item) const {
-    const Size row = row_of(item);
-    if (row >= 0) items[par::atomic_add(ends[row], ~0U) - 1] = static_cast<std::uint32_t>(item);
+    if (row[item] != kNoRow) items[par::atomic_add(ends[row[item]], ~0U) - 1] = static_cast<std::uint32_t>(item);
   }
 };
 
+/// Makes it one order.
 struct SortRow {
   Span<const std::uint32_t> offsets;
   Span<std::uint32_t> items;
@@ -103,21 +112,56 @@ struct Shift {
   TETUNE_HD void operator()(Size row) const { offsets[row] += counts[row]; }
 };
 
+template <class Make, class T>
+struct MakeItems {
+  Make make;
+  Span<const std::uint32_t> ids;
+  Span<T> out;
+  TETUNE_HD void operator()(Size i) const { out[i] = make(ids[i]); }
+};
+
+struct Same {
+  TETUNE_HD std::uint32_t operator()(std::uint32_t item) const { return item; }
+};
+
 }  // namespace rows_detail
 
-/// Groups the items 0..n-1 by row. The atomics place the items of a row in any order; sorting makes it one order.
+/// Groups the items 0..n-1 by row, and puts make(item) where the item goes. row_of(item) is the row of an item, or
+/// negative for none. By atomics and sorting where a backend has many threads, without either where it has few.
+template <class Backend, class RowOf, class Make, class T>
+void group_by_row(const Backend& par, Size row_count, Size item_count, const RowOf& row_of, const Make& make,
+                  typename Backend::template Buffer<std::uint32_t>& offsets,
+                  typename Backend::template Buffer<T>& grouped) {
+  using namespace rows_detail;
+  using Ids = typename Backend::template Buffer<std::uint32_t>;
+  Ids row(item_count);
+  par.for_each(item_count, FindRow<RowOf>{row_of, row.span()});
+  const Span<const std::uint32_t> rows = row.span();
+  offsets.resize(row_count + 1);
+  if constexpr (requires { par.count_keys(rows, offsets.span()); }) {
+    par.count_keys(rows, offsets.span());
+    grouped.resize(par.exclusive_scan(Span<const std::uint32_t>(offsets.span()), offsets.span()));
+    const Span<T> out = grouped.span();
+    par.place_by_key(rows, offsets.span(),
+                     [&](Size item, std::uint32_t place) { out[place] = make(static_cast<std::uint32_t>(item)); });
+  } else {
+    Ids counts(row_count + 1);
+    par.fill(counts.span(), std::uint32_t{0});
+    par.for_each(item_count, Count{rows, counts.span()});
+    Ids ids(par.exclusive_scan(Span<const std::uint32_t>(counts.span()), offsets.span()));
+    par.for_each(row_count, Shift{counts.span(), offsets.span()});
+    par.for_each(item_count, Fill{rows, offsets.span(), ids.span()});
+    par.for_each(row_count, SortRow{offsets.span(), ids.span()});
+    grouped.resize(ids.size());
+    par.for_each(ids.size(), MakeItems<Make, T>{make, ids.span(), grouped.span()});
+  }
+}
+
+/// Groups the items 0..n-1 by row.
 template <class Backend, class RowOf>
 void build_rows(const Backend& par, Size row_count, Size item_count, const RowOf& row_of, Rows<Backend>& rows) {
-  using namespace rows_detail;
-  typename Backend::template Buffer<std::uint32_t> counts(row_count + 1);
-  par.fill(counts.span(), std::uint32_t{0});
-  par.for_each(item_count, Count<RowOf>{row_of, counts.span()});
-  rows.offsets.resize(row_count + 1);
-  const std::uint32_t total = par.exclusive_scan(Span<const std::uint32_t>(counts.span()), rows.offsets.span());
-  rows.items.resize(total);
-  par.for_each(row_count, Shift{counts.span(), rows.offsets.span()});
-  par.for_each(item_count, Fill<RowOf>{row_of, rows.offsets.span(), rows.items.span()});
-  par.for_each(row_count, SortRow{rows.offsets.span(), rows.items.span()});
+  group_by_row<Backend, RowOf, rows_detail::Same, std::uint32_t>(par, row_count, item_count, row_of,
+                                                                 rows_detail::Same{}, rows.offsets, rows.items);
 }
 
 }  // namespace tetune

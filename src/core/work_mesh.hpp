@@ -51,6 +51,8 @@ struct WorkMesh {
   Size vertices() const { return points.size(); }
   Size slots() const { return tet2vertex.size(); }
   Size tets() const { return slots() - free_count; }
+  /// Room for slots: that which flips take beyond those that there are is seldom more.
+  Size room() const { return slots() + slots() / 16; }
   MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet_tags.span(), law, floor}; }
 };
 

@@ -86,49 +86,64 @@ TETUNE_HD TETUNE_INLINE int place_of(const Tet& tet, Index vertex) {
          3 * static_cast<int>(tet[3] == vertex);
 }
 
-/// The removal of local edge `edge` of t, whose two faces at it must not be locked. Kind none where more than
-/// `max_ring` tetrahedra lie around the edge, another face between them is locked, the edge is constrained, or `skip`
-/// holds for a tetrahedron that does not share a face with t.
-TETUNE_HD inline Cavity edge_cavity(const MeshView& mesh, const ConstrainedEdges& constrained, int max_ring, Index t,
-                                    int edge, Index lowest_tet) {
-  Cavity c;
+/// The tetrahedra around an edge (a, b), in the order in which they were met.
+struct EdgeStar {
+  int size = 0;  ///< 0: not a star
+  Index a, b;
+  Index ring[kMaxRing];  ///< tets[m] holds ring[m] and the next
+  Index tets[kMaxRing];
+};
+
+/// The star of local edge `edge` of t, whose two faces at it must not be locked. None where more than `max_ring`
+/// tetrahedra lie around the edge, another face between them is locked, or `stop` holds for a tetrahedron that does not
+/// share a face with t.
+template <class Stop>
+TETUNE_HD TETUNE_INLINE EdgeStar edge_star(const MeshView& mesh, int max_ring, Index t, int edge, const Stop& stop) {
+  EdgeStar s;
   EdgeCorners e = edge_corners(edge);
   const Links links = mesh.tet2tet[t];
   const Tet tet = mesh.tet2vertex[t];
   if (tet[e.j] < tet[e.i]) e = {e.j, e.i, e.l, e.k};
   // Turn around the edge, from (a, k, l, b) across the face opposite k, until the tetrahedron opposite l.
-  Index ring[kMaxRing];
-  Index tets[kMaxRing];
-  ring[0] = tet[e.k];
-  tets[0] = t;
+  s.ring[0] = tet[e.k];
+  s.tets[0] = t;
   const Index last = link_tet(links[e.l]);
   Index behind = tet[e.l];  // the ring vertex of the face just crossed
   Link link = links[e.k];
   int n = 1;
-  int lowest = 0;
   for (Index next = link_tet(link);; next = link_tet(link)) {
-    if (n == max_ring) return c;
-    ring[n] = behind;
-    tets[n] = next;
-    if (behind < ring[lowest]) lowest = n;
+    if (n == max_ring) return s;
+    s.ring[n] = behind;
+    s.tets[n] = next;
     ++n;
     if (next == last) break;
     const Tet there = mesh.tet2vertex[next];
     const int entry = link_face(link);
     link = mesh.tet2tet[next][place_of(there, behind)];
-    if (is_locked(link) || link_tet(link) < lowest_tet) return c;
+    if (is_locked(link) || stop(link_tet(link))) return s;
     behind = there[entry];
   }
-  if (n < 3) return c;
-  c.a = tet[e.i];
-  c.b = tet[e.j];
-  if (constrained.contains(c.a, c.b)) return c;
+  if (n < 3) return s;
+  s.a = tet[e.i];
+  s.b = tet[e.j];
+  s.size = n;
+  return s;
+}
+
+/// The removal of the edge of a star; kind none where there is no star or the edge is constrained.
+TETUNE_HD inline Cavity edge_cavity(const EdgeStar& star, const ConstrainedEdges& constrained) {
+  Cavity c;
+  if (star.size == 0 || constrained.contains(star.a, star.b)) return c;
   c.kind = FlipKind::edge_removal;
-  c.ring_size = static_cast<std::uint8_t>(n);
-  for (int m = 0; m < n; ++m) {
-    const int from = lowest + m < n ? lowest + m : lowest + m - n;
-    c.ring[m] = ring[from];
-    c.tets[m] = tets[from];
+  c.a = star.a;
+  c.b = star.b;
+  c.ring_size = static_cast<std::uint8_t>(star.size);
+  int lowest = 0;
+  for (int m = 1; m < star.size; ++m) lowest = star.ring[m] < star.ring[lowest] ? m : lowest;
+  for (int m = 0; m < star.size; ++m) {
+    const int from = lowest + m < star.size ? lowest + m : lowest + m - star.size;
+    c.ring[m] = star.ring[from];
+    c.tets[m] = star.tets[from];
   }
   return c;
 }

@@ -17,7 +17,7 @@ inline constexpr double kMinRelativeGain = 1e-9;
 /// the energy, or by this. Drift is kDriftRate times the longest move of a vertex over the height of the tetrahedron:
 /// docs/method.md, "Flips".
 inline constexpr double kMaxSlack = 0.2;
-inline constexpr double kDriftRate = 0.5;
+inline constexpr double kDriftRate = 0.35;
 /// The same for an energy of other powers than eta = 1.5 q / w.
 TETUNE_HD inline double drift_rate(const EnergyLaw& law) { return kDriftRate * (law.gu - law.gv) / 3; }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "flips/flip_pass.hpp"
+#include "flips/least_after.hpp"
 #include "flips/triangulate.hpp"
 #include "par/atomic.hpp"
 
@@ -40,16 +41,20 @@ struct Candidates {
   int max_ring;
 
   /// Candidates 0 to 3 of a tetrahedron are its faces, 4 to 9 its edges.
-  TETUNE_HD Cavity cavity(Index t, int candidate, Index lowest) const {
+  TETUNE_HD Cavity cavity(Index t, int candidate) const {
     return candidate < 4 ? face_cavity(mesh, t, candidate)
-                         : edge_cavity(mesh, constrained, max_ring, t, candidate - 4, lowest);
+                         : edge_cavity(edge_star(mesh, max_ring, t, candidate - 4, Never{}), constrained);
   }
   TETUNE_HD Cavity offered(std::uint64_t proposal) const {
     const std::uint32_t id = proposal_id(proposal);
-    return cavity(id_tet(id), static_cast<int>(id % kCandidates), 0);
+    return cavity(id_tet(id), static_cast<int>(id % kCandidates));
   }
   /// The faces of a tetrahedron that a candidate needs to be free, as bits.
   TETUNE_HD static unsigned faces(int candidate) { return candidate < 4 ? 1U << candidate : edge_faces(candidate - 4); }
+
+  struct Never {
+    TETUNE_HD bool operator()(Index) const { return false; }
+  };
 };
 
 TETUNE_HD inline TetEnergy slot_energy(const MeshView& mesh, const Tet& t) {
@@ -71,9 +76,11 @@ struct RefreshEta {
   }
 };
 
-struct IsAliveSlot {
+struct IsWorthALook {
   MeshView mesh;
-  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t); }
+  LeastAfter bound;
+  Span<const double> eta;
+  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && bound.worth_a_look(eta[t]); }
 };
 
 /// Computes eta anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the
@@ -112,10 +119,12 @@ struct HasFlaggedEdge {
 
 struct HasDrifted {
   MeshView mesh;
+  LeastAfter bound;
+  Span<const double> eta;
   Span<const float> slack;
   TETUNE_HD bool operator()(Size t) const {
     // Slack is not a number where a volume is in doubt.
-    return mesh.alive(t) && !(slack[t] >= 0);
+    return mesh.alive(t) && bound.worth_a_look(eta[t]) && !(slack[t] >= 0);
   }
 };
 
@@ -141,7 +150,18 @@ struct EvaluatedSum {
   TETUNE_HD void merge(const EvaluatedSum& other) { evaluated += other.evaluated; }
 };
 
-/// Each candidate is evaluated once, by the lowest tetrahedron of its cavity: its owner.
+/// The order that decides which tetrahedron of a cavity evaluates its flip: the worst, the lowest of equals.
+struct Worse {
+  Span<const double> eta;
+  Index t;
+  double eta_t;
+  TETUNE_HD bool operator()(Index other) const {
+    const double there = eta[other];
+    return (there > eta_t) | ((there == eta_t) & (other < t));
+  }
+};
+
+/// Each candidate is evaluated once, by the worst tetrahedron of its cavity: its owner.
 struct Propose {
   Candidates candidates;
   Span<const Index> active;
@@ -150,31 +170,87 @@ struct Propose {
   Span<std::uint64_t> proposal;
   Span<float> slack;
 
+  TETUNE_INLINE void prefetch(Size i) const {
+    constexpr Size kTetsAhead = 24;
+    constexpr Size kNeighboursAhead = 12;
+    constexpr Size kFartherAhead = 5;
+    if (i + kTetsAhead >= active.size()) return;
+    fetch(active[i + kTetsAhead]);
+    for_neighbours(active[i + kNeighboursAhead], [this](Index other) { fetch(other); });
+    for_neighbours(active[i + kFartherAhead],
+                   [this](Index other) { for_neighbours(other, [this](Index farther) { fetch(farther); }); });
+  }
+
+  TETUNE_INLINE void fetch(Index t) const {
+    __builtin_prefetch(&candidates.mesh.tet2tet[t]);
+    __builtin_prefetch(&candidates.mesh.tet2vertex[t]);
+    __builtin_prefetch(&eta[t]);
+  }
+  template <class F>
+  TETUNE_INLINE void for_neighbours(Index t, const F& f) const {
+    const Links links = candidates.mesh.tet2tet[t];
+    for (int face = 0; face < 4; ++face) f(is_locked(links[face]) ? t : link_tet(links[face]));
+  }
+
   TETUNE_HD EvaluatedSum operator()(Size i) const {
     const Index t = active[i];
-    const Links links = candidates.mesh.tet2tet[t];
+    const MeshView& mesh = candidates.mesh;
+    const Links links = mesh.tet2tet[t];
+    const Worse worse{eta, t, eta[t]};
+    const LeastAfter bound(mesh.law);
+    const RingLimit limit = bound.ring_limit(worse.eta_t, candidates.max_ring);
+    Look look{1 + kMaxSlack < limit.ratio ? 1 + kMaxSlack : limit.ratio, {}};
     unsigned closed = 0;  // faces that are locked, or beyond which an owner lies
-    for (int f = 0; f < 4; ++f) closed |= is_locked(links[f]) || link_tet(links[f]) < t ? 1U << f : 0;
-    double least = 1 + kMaxSlack;  // of energy after over energy before
-    EvaluatedSum sum;
+    for (int f = 0; f < 4; ++f) {
+      const bool locked = is_locked(links[f]);
+      const unsigned no = locked | worse(locked ? t : link_tet(links[f])) ? 1U : 0U;
+      closed |= no << f;
+    }
     for (int candidate = 0; candidate < kCandidates; ++candidate) {
       if ((wanted[t] >> candidate & 1U) == 0 || (closed & Candidates::faces(candidate)) != 0) continue;
-      const Cavity c = candidates.cavity(t, candidate, t);
-      if (c.kind == FlipKind::none) continue;
-      ++sum.evaluated;
-      const double before = energy_before(c, eta);
-      Triangulation triangulation;
-      const double after = best_energy(candidates.mesh, c, before, (1 + kMaxSlack) * before, triangulation);
-      const bool better = before - after > kMinRelativeGain * before;
-      const double ratio = better || after > before ? after / before : 1;
-      least = ratio < least ? ratio : least;
-      if (!better) continue;
-      const std::uint64_t offer = make_proposal(before - after, flip_id(t, candidate));
-      for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
+      if (candidate < 4) {
+        const double before = worse.eta_t + eta[link_tet(links[candidate])];
+        if (look.possible(bound.split(), before)) {
+          evaluate(face_cavity(mesh, t, candidate), before, flip_id(t, candidate), look);
+        }
+      } else {
+        const EdgeStar star = edge_star(mesh, limit.ring, t, candidate - 4, worse);
+        if (star.size == 0) continue;
+        double before = 0;
+        for (int m = 0; m < star.size; ++m) before += eta[star.tets[m]];
+        if (!look.possible(bound.removal(star.size), before)) continue;
+        const Cavity c = edge_cavity(star, candidates.constrained);
+        if (c.kind != FlipKind::none) evaluate(c, energy_before(c, eta), flip_id(t, candidate), look);
+      }
     }
-    const auto now = static_cast<float>(least - 1);
+    const auto now = static_cast<float>(look.least - 1);
     slack[t] = wanted[t] == kAllCandidates || now < slack[t] ? now : slack[t];
-    return sum;
+    return look.sum;
+  }
+
+ private:
+  struct Look {
+    double least;  ///< of energy after over energy before
+    EvaluatedSum sum;
+    /// Whether a cavity with this energy may be worth it, when that afterwards is not less than `bound`.
+    TETUNE_HD bool possible(double bound, double before) {
+      if (!(bound > (1 + kBoundMargin) * before)) return true;
+      const double ratio = bound / before;
+      least = ratio < least ? ratio : least;
+      return false;
+    }
+  };
+
+  TETUNE_HD TETUNE_INLINE void evaluate(const Cavity& c, double before, std::uint32_t id, Look& look) const {
+    ++look.sum.evaluated;
+    Triangulation triangulation;
+    const double after = best_energy(candidates.mesh, c, before, (1 + kMaxSlack) * before, triangulation);
+    const bool better = before - after > kMinRelativeGain * before;
+    const double ratio = better || after > before ? after / before : 1;
+    look.least = ratio < look.least ? ratio : look.least;
+    if (!better) return;
+    const std::uint64_t offer = make_proposal(before - after, id);
+    for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
   }
 };
 
@@ -220,12 +296,10 @@ struct FlipRecord {
 struct SlotCounts {
   std::uint32_t takes = 0;  ///< slots
   std::uint32_t frees = 0;  ///< slots
-  std::uint32_t makes = 0;  ///< tetrahedra
   TETUNE_HD friend SlotCounts operator+(SlotCounts x, const SlotCounts& y) { return x += y; }
   TETUNE_HD SlotCounts& operator+=(const SlotCounts& y) {
     takes += y.takes;
     frees += y.frees;
-    makes += y.makes;
     return *this;
   }
 };
@@ -255,7 +329,6 @@ struct Gather {
     const int more = c.made() - c.size();
     counts[i].takes = static_cast<std::uint32_t>(more > 0 ? more : 0);
     counts[i].frees = static_cast<std::uint32_t>(more < 0 ? -more : 0);
-    counts[i].makes = static_cast<std::uint32_t>(c.made());
     records[i] = f;
   }
 };
@@ -335,7 +408,6 @@ struct Write {
   Size free_kept;
   Span<double> eta;
   Span<float> slack;
-  Span<Index> made;
   Span<std::uint8_t> awake;
 
   TETUNE_HD FlipSum operator()(Size i) const {
@@ -351,7 +423,6 @@ struct Write {
       eta[s] = slot_energy(mesh, mesh.tet2vertex[s]).eta;
       decrease -= eta[s];
       slack[s] = static_cast<float>(kMaxSlack);
-      made[before[i].makes + x] = s;
     }
     for (int x = c.made(); x < c.size(); ++x) {
       mesh.tet2vertex[c.tets[x]][0] = kFreeSlot;
@@ -397,26 +468,63 @@ struct Write {
 /// Makes the owners evaluate all candidates that have a new tetrahedron in their cavity.
 struct WantAround {
   Candidates candidates;
-  Span<const Index> made;
+  Span<const FlipRecord> records;
+  Span<const double> eta;
   Span<std::uint32_t> wanted;
   TETUNE_HD void operator()(Size i) const {
     const MeshView& mesh = candidates.mesh;
-    const Index t = made[i];
-    const Links links = mesh.tet2tet[t];
-    unsigned locked = 0;
-    for (int f = 0; f < 4; ++f) locked |= is_locked(links[f]) ? 1U << f : 0;
-    for (int candidate = 0; candidate < kCandidates; ++candidate) {
-      if ((locked & Candidates::faces(candidate)) != 0) continue;
-      const Cavity c = candidates.cavity(t, candidate, 0);
-      if (c.kind == FlipKind::none) continue;
-      int lowest = 0;
-      for (int k = 1; k < c.size(); ++k) lowest = c.tets[k] < c.tets[lowest] ? k : lowest;
-      const Index owner = c.tets[lowest];
-      const Tet tet = mesh.tet2vertex[owner];
-      const int own = c.kind == FlipKind::face23 ? local_index(tet, lowest == 0 ? c.a : c.b)
-                                                 : 4 + edge_of(local_index(tet, c.a), local_index(tet, c.b));
-      par::atomic_or(wanted[owner], 1U << own);
+    const FlipRecord& f = records[i];
+    for (int x = 0; x < f.cavity.made(); ++x) {
+      const Index t = f.slot(x);
+      const Links links = mesh.tet2tet[t];
+      unsigned closed = 0;  // faces that are locked
+      for (int face = 0; face < 4; ++face) closed |= is_locked(links[face]) ? 1U << face : 0;
+      const unsigned done = seen_before(f, x);
+      for (int candidate = 0; candidate < kCandidates; ++candidate) {
+        if ((done >> candidate & 1U) == 0 && (closed & Candidates::faces(candidate)) == 0) want(t, candidate);
+      }
     }
+  }
+
+ private:
+  /// The candidates of a new tetrahedron that one before it has as well.
+  TETUNE_HD unsigned seen_before(const FlipRecord& f, int x) const {
+    const Tet tet = mesh_tet(f, x);
+    unsigned seen = 0;
+    for (int y = 0; y < x; ++y) {
+      const Tet other = mesh_tet(f, y);
+      unsigned shared = 0;
+      for (int k = 0; k < 4; ++k) {
+        const bool in = (other[0] == tet[k]) | (other[1] == tet[k]) | (other[2] == tet[k]) | (other[3] == tet[k]);
+        shared |= (in ? 1U : 0U) << k;
+      }
+      for (int candidate = 0; candidate < kCandidates; ++candidate) {
+        // A face has the three vertices that are not opposite, an edge those that its two faces lack.
+        const unsigned needs = candidate < 4 ? 15U & ~(1U << candidate) : 15U & ~Candidates::faces(candidate);
+        if ((shared & needs) == needs) seen |= 1U << candidate;
+      }
+    }
+    return seen;
+  }
+  TETUNE_HD Tet mesh_tet(const FlipRecord& f, int x) const { return candidates.mesh.tet2vertex[f.slot(x)]; }
+
+  TETUNE_HD void want(Index t, int candidate) const {
+    const MeshView& mesh = candidates.mesh;
+    Index owner = t;
+    if (candidate < 4) {
+      const Link link = mesh.tet2tet[t][candidate];
+      const bool other = Worse{eta, t, eta[t]}(link_tet(link));
+      want_from(other ? link_tet(link) : t, other ? link_face(link) : candidate);
+      return;
+    }
+    const EdgeStar star = edge_star(mesh, candidates.max_ring, t, candidate - 4, Candidates::Never{});
+    if (star.size == 0) return;
+    for (int m = 1; m < star.size; ++m) owner = Worse{eta, owner, eta[owner]}(star.tets[m]) ? star.tets[m] : owner;
+    const Tet tet = mesh.tet2vertex[owner];
+    want_from(owner, 4 + edge_of(local_index(tet, star.a), local_index(tet, star.b)));
+  }
+  TETUNE_HD void want_from(Index owner, int candidate) const {
+    if (LeastAfter(candidates.mesh.law).worth_a_look(eta[owner])) par::atomic_or(wanted[owner], 1U << candidate);
   }
 };
 
@@ -425,16 +533,16 @@ struct WantAround {
 template <class Backend>
 double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
   using namespace flip_detail;
-  state.eta.resize(mesh.slots());
+  state.eta.resize(mesh.slots(), mesh.room());
   return par.template reduce<EnergySum>(mesh.slots(), RefreshEta{mesh.view(), state.eta.span()}).sum;
 }
 
 template <class Backend, class Keep>
 void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep) {
   const Size slots = mesh.slots();
-  state.active.resize(slots);
-  state.wanted.resize(slots);
-  state.proposal.resize(slots);
+  state.active.resize(slots, mesh.room());
+  state.wanted.resize(slots, mesh.room());
+  state.proposal.resize(slots, mesh.room());
   par.fill(state.wanted.span(), std::uint32_t{0});
   const Size count = par.compact(slots, keep, state.active.span());
   state.active.resize(count);
@@ -446,8 +554,8 @@ void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
 
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
-  state.slack.resize(mesh.slots());
-  activate_where(par, mesh, state, flip_detail::IsAliveSlot{mesh.view()});
+  state.slack.resize(mesh.slots(), mesh.room());
+  activate_where(par, mesh, state, flip_detail::IsWorthALook{mesh.view(), LeastAfter(mesh.law), state.eta.span()});
 }
 
 template <class Backend>
@@ -455,7 +563,7 @@ double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<B
   using namespace flip_detail;
   const EnergySum energy = par.template reduce<EnergySum>(
       mesh.slots(), Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
-  activate_where(par, mesh, state, HasDrifted{mesh.view(), state.slack.span()});
+  activate_where(par, mesh, state, HasDrifted{mesh.view(), LeastAfter(mesh.law), state.eta.span(), state.slack.span()});
   return energy.sum;
 }
 
@@ -506,14 +614,15 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   par.for_each(flips,
                Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), mesh.free_count, slots});
   par.for_each(flips, Resolve{mesh.view(), records.span(), state.proposal.span()});
-  Ids made(counts.makes);
   const FlipSum sum =
       par.template reduce<FlipSum>(flips, Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(),
-                                                free_kept, state.eta.span(), state.slack.span(), made.span(), awake});
+                                                free_kept, state.eta.span(), state.slack.span(), awake});
   mesh.free_count = free_kept + counts.frees;
 
-  par.for_each(made.size(),
-               WantAround{{mesh.view(), state.constrained(), state.max_ring}, made.span(), state.wanted.span()});
+  par.for_each(
+      flips,
+      WantAround{
+          {mesh.view(), state.constrained(), state.max_ring}, records.span(), state.eta.span(), state.wanted.span()});
   state.active.resize(needed);
   state.active.resize(par.compact(needed, IsWanted{state.wanted.span()}, state.active.span()));
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstring>
+
 #include "energy/harmonic.hpp"
 #include "flips/flip.hpp"
 
@@ -12,21 +14,29 @@ namespace tetune {
 /// Above any energy.
 inline constexpr double kNever = 1e300;
 
+/// Doubles in a vector register of the CPU; the GPU has its lanes elsewhere.
+#if defined(__CUDACC__)
+using RingPack = double;
+#else
+typedef double RingPack __attribute__((vector_size(4 * sizeof(double))));
+#endif
+
 /// Energy of the tetrahedron (0, u, v, w), over the law's factor; kNever where its volume is not certified positive.
-TETUNE_HD TETUNE_INLINE double corner_energy(const EnergyLaw& law, const Vec3& u, const Vec3& v, const Vec3& w) {
-  const Vec3 uv = cross(u, v);
-  const Vec3 vw = cross(v, w);
-  const Vec3 wu = cross(w, u);
-  const Vec3 face = uv + vw + wu;
-  const double det = dot(uv, w);
-  const double energy = law.term(dot(uv, uv) + dot(vw, vw) + dot(wu, wu) + dot(face, face), 1 / det);
-  const double margin = det * det - kVolumeMargin * (dot(u, u) * dot(v, v) * dot(w, w));
-  return (det > 0) & (margin > 0) ? energy : kNever;
+template <class T>
+TETUNE_HD TETUNE_INLINE T corner_energy(const EnergyLaw& law, const Vec3T<T>& u, const Vec3T<T>& v, const Vec3T<T>& w) {
+  const Vec3T<T> uv = cross(u, v);
+  const Vec3T<T> vw = cross(v, w);
+  const Vec3T<T> wu = cross(w, u);
+  const Vec3T<T> face = uv + vw + wu;
+  const T det = dot(uv, w);
+  const T energy = law.term(dot(uv, uv) + dot(vw, vw) + dot(wu, wu) + dot(face, face), 1.0 / det);
+  const T margin = det * det - kVolumeMargin * (dot(u, u) * dot(v, v) * dot(w, w));
+  return (det > 0.0) & (margin > 0.0) ? energy : T{} + kNever;
 }
 
 /// A ring seen from the two ends of its edge. The ears of its triangulations, that is the triangles of three vertices
-/// in a row, are evaluated all at once, in lanes that a compiler can put into vector registers; for most rings they
-/// show that no triangulation is good enough.
+/// in a row, are evaluated together; for most rings they show that no triangulation is good enough.
+template <class Pack>
 class RingFans {
  public:
   TETUNE_HD RingFans(const MeshView& mesh, const Cavity& c) : law_(mesh.law), n_(c.ring_size) {
@@ -37,11 +47,15 @@ class RingFans {
       from_a_.set(m, r - a);
       from_b_.set(m, r - b);
     }
-    for (int m = n_; m < kLanes + 2; ++m) {
+    for (int m = n_; m < (n_ > 4 ? 8 : 4) + 2; ++m) {
       from_a_.set(m, from_a_[m - n_]);
       from_b_.set(m, from_b_[m - n_]);
     }
-    for (int m = 0; m < kLanes; ++m) ears_[m] = pair(m, m + 1, m + 2);
+    for (int m = 0; m < n_; m += kLanes) {
+      const Pack energies = corner_energy(law_, from_a_.pack(m), from_a_.pack(m + 1), from_a_.pack(m + 2)) +
+                            corner_energy(law_, from_b_.pack(m), from_b_.pack(m + 2), from_b_.pack(m + 1));
+      std::memcpy(ears_ + m, &energies, sizeof energies);
+    }
   }
 
   /// Finds the triangulation of least energy, and returns that; `limit` when none is below it.
@@ -51,7 +65,7 @@ class RingFans {
   }
 
  private:
-  static constexpr int kLanes = 8;
+  static constexpr int kLanes = sizeof(Pack) / sizeof(double);
 
   /// Each triangulation of four or more vertices has two ears that do not overlap.
   TETUNE_HD double least_ears() const {
@@ -104,13 +118,21 @@ class RingFans {
   }
 
   struct Fan {
-    double x[kLanes + 2], y[kLanes + 2], z[kLanes + 2];
+    double x[10], y[10], z[10];
     TETUNE_HD void set(int m, const Vec3& v) {
       x[m] = v.x;
       y[m] = v.y;
       z[m] = v.z;
     }
     TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const { return {x[m], y[m], z[m]}; }
+    /// Vertices m, m + 1, ...
+    TETUNE_HD TETUNE_INLINE Vec3T<Pack> pack(int m) const {
+      Vec3T<Pack> v;
+      std::memcpy(&v.x, x + m, sizeof(Pack));
+      std::memcpy(&v.y, y + m, sizeof(Pack));
+      std::memcpy(&v.z, z + m, sizeof(Pack));
+      return v;
+    }
   };
 
   /// Energy of the two tetrahedra on a triangle, over the law's factor.
@@ -129,7 +151,7 @@ class RingFans {
   EnergyLaw law_;
   int n_;
   Fan from_a_, from_b_;
-  double ears_[kLanes];
+  double ears_[8];
 };
 
 /// Energy of the tetrahedra a flip would make; `limit` where one of them is not certified positive or is worse than the
@@ -163,13 +185,14 @@ TETUNE_HD inline bool may_be_valid(const MeshView& mesh, const Cavity& c) {
 /// The least energy that a flip can leave in its cavity instead of `before`, and the triangulation that does; `limit`
 /// when it is not below that. Exact where it is below `before`: as the new tetrahedra will have it. A function of its
 /// own in the machine code, so that its bits are the same wherever it is called.
-TETUNE_HD __attribute__((noinline)) inline double best_energy(const MeshView& mesh, const Cavity& c, double before,
-                                                              double limit, Triangulation& triangulation) {
+template <class Pack = RingPack>
+TETUNE_HD __attribute__((noinline)) double best_energy(const MeshView& mesh, const Cavity& c, double before,
+                                                       double limit, Triangulation& triangulation) {
   if (c.ring_size == 3) {
     if (!may_be_valid(mesh, c)) return limit;
     for (std::uint8_t k = 0; k < 3; ++k) triangulation.corner[0][k] = k;
   } else {
-    const double estimate = RingFans(mesh, c).best(limit, triangulation);
+    const double estimate = RingFans<Pack>(mesh, c).best(limit, triangulation);
     if (!(estimate < before)) return estimate;
   }
   return energy_after(mesh, c, triangulation, limit);

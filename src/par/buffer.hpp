@@ -39,6 +39,12 @@ class Buffer {
     size_ = size;
   }
 
+  /// The same, with memory for at least `room`, so that the array can grow to that without a copy.
+  void resize(Size size, Size room) {
+    resize(std::max(size, room));
+    size_ = size;
+  }
+
   /// Changes the size and keeps the content, with room to spare when memory must be had anew.
   void grow(Size size) {
     if (size > capacity_) {

@@ -3,16 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <vector>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
+#include "par/block_cache.hpp"
 #include "par/buffer.hpp"
 #include "par/span.hpp"
 #include "par/thread_pool.hpp"
@@ -98,24 +93,26 @@ class Cpu {
     return start.back();
   }
 
-  /// Writes the i in [0, n) with keep(i) to `out` in increasing order; returns their number.
+  /// Writes the i in [0, n) with keep(i) to `out`, which has room for n, in increasing order; returns their number.
   template <class F>
   Size compact(Size n, const F& keep, Span<Index32> out) const {
     const Size blocks = std::max<Size>(1, std::min<Size>(threads_, n / kSerial));
-    std::vector<Size> start(static_cast<std::size_t>(blocks) + 1, 0);
+    std::vector<Size> kept(static_cast<std::size_t>(blocks), 0);
+    // Each block fills its own part of the output; then they move together.
     for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
-      Size count = 0;
-      for (Size i = begin; i < end; ++i) count += keep(i) ? 1 : 0;
-      start[static_cast<std::size_t>(b) + 1] = count;
-    });
-    for (std::size_t b = 0; b < static_cast<std::size_t>(blocks); ++b) start[b + 1] += start[b];
-    for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
-      Size at = start[static_cast<std::size_t>(b)];
+      Size at = begin;
       for (Size i = begin; i < end; ++i) {
         if (keep(i)) out[at++] = static_cast<Index32>(i);
       }
+      kept[static_cast<std::size_t>(b)] = at - begin;
     });
-    return start.back();
+    Size total = kept[0];
+    for (Size b = 1; b < blocks; ++b) {
+      const auto bytes = static_cast<std::size_t>(kept[static_cast<std::size_t>(b)]) * sizeof(Index32);
+      if (bytes > 0) std::memmove(out.data() + total, out.data() + n * b / blocks, bytes);
+      total += kept[static_cast<std::size_t>(b)];
+    }
+    return total;
   }
 
   /// Sorts (key, value) pairs by the lowest `bits` bits of the key; equal keys keep their order.
@@ -160,23 +157,37 @@ class Cpu {
     }
   }
 
+  /// A counting sort in two steps, stable, without atomics: each block of keys belongs to one thread, which reads all
+  /// items. counts[key] becomes the number of items with that key; keys beyond the counts are none.
+  void count_keys(Span<const std::uint32_t> keys, Span<std::uint32_t> counts) const {
+    for_blocks(counts.size(), threads_, [&](Size, Size begin, Size end) {
+      std::fill(counts.data() + begin, counts.data() + end, 0U);
+      for (Size i = 0; i < keys.size(); ++i) {
+        if (keys[i] - static_cast<std::uint32_t>(begin) < end - begin) ++counts[keys[i]];
+      }
+    });
+  }
+  /// place(i, begin[keys[i]] + rank of i among the items of its key). `begin` is the exclusive scan of the counts, and
+  /// is again when this is done.
+  template <class F>
+  void place_by_key(Span<const std::uint32_t> keys, Span<std::uint32_t> begin, const F& place) const {
+    for_blocks(begin.size(), threads_, [&](Size, Size first, Size last) {
+      for (Size i = 0; i < keys.size(); ++i) {
+        if (keys[i] - static_cast<std::uint32_t>(first) < last - first) place(i, begin[keys[i]]++);
+      }
+    });
+    std::memmove(begin.data() + 1, begin.data(), static_cast<std::size_t>(begin.size() - 1) * sizeof(std::uint32_t));
+    begin[0] = 0;
+  }
+
   template <class T>
   void fill(Span<T> out, T value) const {
     for_blocks(out.size(), std::max<Size>(1, std::min<Size>(threads_, out.size() / kSerial)),
                [&](Size, Size begin, Size end) { std::fill(out.data() + begin, out.data() + end, value); });
   }
 
-  static void* allocate(std::size_t bytes) {
-    if (bytes == 0) return nullptr;
-    const std::size_t alignment = bytes >= kHugePage ? kHugePage : 64;
-    void* memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
-    if (memory == nullptr) throw std::bad_alloc();
-#if defined(__linux__) && defined(MADV_HUGEPAGE)
-    if (alignment == kHugePage) madvise(memory, bytes, MADV_HUGEPAGE);
-#endif
-    return memory;
-  }
-  static void release(void* memory, std::size_t) { std::free(memory); }
+  static void* allocate(std::size_t bytes) { return block_cache::allocate(bytes); }
+  static void release(void* memory, std::size_t) { block_cache::release(memory); }
   static void copy(void* to, const void* from, std::size_t bytes) {
     if (bytes > 0) std::memcpy(to, from, bytes);
   }
@@ -192,12 +203,14 @@ class Cpu {
   static constexpr Size kGrain = 512;
   /// Below this, waking the other threads costs more than they save.
   static constexpr Size kSerial = 2048;
-  static constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
   template <class R, class F>
   static R reduce_range(Size begin, Size end, const F& f) {
     R r{};
-    for (Size i = begin; i < end; ++i) r.merge(f(i));
+    for (Size i = begin; i < end; ++i) {
+      if constexpr (requires { f.prefetch(i); }) f.prefetch(i);
+      r.merge(f(i));
+    }
     return r;
   }
 
@@ -209,6 +222,7 @@ class Cpu {
 
   int threads_ = 1;
   std::shared_ptr<ThreadPool> pool_;
+  std::shared_ptr<block_cache::Session> memory_ = std::make_shared<block_cache::Session>();
 };
 
 }  // namespace tetune::par

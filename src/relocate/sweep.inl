@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/connect.hpp"
+#include "core/connect.inl"
 #include "core/rows.hpp"
 #include "par/atomic.hpp"
 #include "relocate/slide.hpp"
@@ -10,15 +10,13 @@
 namespace tetune {
 namespace sweep_detail {
 
-struct FillFace {
+/// The face opposite a corner.
+struct FaceOfCorner {
   Span<const Tet> tets;
-  Span<const std::uint32_t> corners;
-  Span<LinkFace> faces;
-  TETUNE_HD void operator()(Size i) const {
-    const std::uint32_t corner = corners[i];
+  TETUNE_HD LinkFace operator()(std::uint32_t corner) const {
     const Tet tet = tets[corner >> 2];
     const int k = static_cast<int>(corner & 3);
-    faces[i] = {{tet[face_vertex(k, 0)], tet[face_vertex(k, 1)], tet[face_vertex(k, 2)]}};
+    return {{tet[face_vertex(k, 0)], tet[face_vertex(k, 1)], tet[face_vertex(k, 2)]}};
   }
 };
 
@@ -38,6 +36,21 @@ struct RelocateVertex {
   ReferenceView reference;
   double max_deviation;
   Step step;
+
+  /// Vertices of one colour lie apart in memory, where no hardware looks ahead.
+  TETUNE_INLINE void prefetch(Size i) const {
+    constexpr Size kRowsAhead = 6;
+    constexpr Size kPointsAhead = 2;
+    if (i + kRowsAhead >= vertices.size()) return;
+    const Size row = rings.offsets[vertices[i + kRowsAhead]];
+    const char* faces = reinterpret_cast<const char*>(rings.faces.data() + row);
+    for (int line = 0; line < 5; ++line) __builtin_prefetch(faces + 64 * line);
+    const Index near = vertices[i + kPointsAhead];
+    if (awake[near] == 0) return;
+    for (Size f = rings.offsets[near]; f < rings.offsets[near + 1]; ++f) {
+      __builtin_prefetch(&points[rings.faces[f].v[0]]);
+    }
+  }
 
   TETUNE_HD SweepSum operator()(Size i) const {
     const Index v = vertices[i];
@@ -84,12 +97,9 @@ struct RelocateVertex {
 
 template <class Backend>
 void build_rings(const Backend& par, WorkMesh<Backend>& mesh, Rings<Backend>& rings) {
-  Rows<Backend> rows;
-  build_vertex2tet(par, mesh, rows);
-  rings.offsets.swap(rows.offsets);
-  rings.faces.resize(rows.items.size());
-  par.for_each(rows.items.size(),
-               sweep_detail::FillFace{mesh.tet2vertex.span(), rows.items.span(), rings.faces.span()});
+  const Span<const Tet> tets = mesh.tet2vertex.span();
+  group_by_row<Backend, connect_detail::VertexOfCorner, sweep_detail::FaceOfCorner, LinkFace>(
+      par, mesh.vertices(), 4 * mesh.slots(), {tets}, {tets}, rings.offsets, rings.faces);
 }
 
 template <class Ring, class Backend, class Step>

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <numbers>
+#include <random>
 #include <set>
 
 #include "flips/flip_pass.hpp"
+#include "flips/least_after.hpp"
 #include "flips/triangulate.hpp"
 #include "meshes.hpp"
 #include "tetune/validate.hpp"
@@ -206,6 +209,59 @@ TEST(EdgeRemoval, NeverCrossesAnInterfaceNorTakesAConstrainedEdge) {
   EXPECT_EQ(test::from_work(f.work).tet_tags, std::vector<int>(6, 7));
 }
 
+TEST(LeastAfter, IsBelowWhatAnyRingLeaves) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> shift(-0.2, 0.2);
+  const LeastAfter bound(kShapeLaw);
+  for (int n = 3; n <= kMaxRing; ++n) {
+    double least = kNever;
+    TetMesh m = ring_mesh(n, 1);
+    for (int trial = 0; trial < 4000; ++trial) {
+      const double height = 0.2 + 0.1 * (trial % 10);
+      m.points[0] = {shift(random), shift(random), -height};
+      m.points[1] = {shift(random), shift(random), height};
+      for (int k = 0; k < n; ++k) {
+        const double angle = 2 * std::numbers::pi * k / n;
+        m.points[static_cast<std::size_t>(2 + k)] = {std::cos(angle) + shift(random), std::sin(angle) + shift(random),
+                                                     shift(random)};
+      }
+      Fixture f(m);
+      f.work.law = kShapeLaw;
+      const auto never = [](Index) { return false; };
+      const Cavity c = edge_cavity(edge_star(f.work.view(), kMaxRing, 0, 2, never), f.state.constrained());
+      ASSERT_EQ(c.kind, FlipKind::edge_removal);
+      Triangulation triangulation;
+      least = std::min(least, best_energy(f.work.view(), c, kNever, kNever, triangulation));
+    }
+    EXPECT_GE(least, bound.removal(n)) << n;
+    EXPECT_LT(least, 1.5 * bound.removal(n)) << "the trials come nowhere near, ring of " << n;
+  }
+}
+
+TEST(LeastAfter, OfASplitIsThatOfThreeAroundAnEdge) {
+  // Three congruent tetrahedra around an edge, at the height where they are best.
+  double least = kNever;
+  for (double h = 0.1; h < 2; h += 1e-4) {
+    const double s = std::sqrt(0.75);
+    const Vec3 p{1, 0, 0};
+    const Vec3 q{-0.5, s, 0};
+    const Vec3 a{0, 0, h};
+    const Vec3 b{0, 0, -h};
+    const double e = tet_energy(kShapeLaw, a, q, p, b).eta;
+    least = std::min(least, 3 * std::min(e, tet_energy(kShapeLaw, a, p, q, b).eta));
+  }
+  EXPECT_NEAR(LeastAfter(kShapeLaw).split(), least, 1e-4);
+  EXPECT_LE(LeastAfter(kShapeLaw).split(), least);
+}
+
+TEST(LeastAfter, KnowsNothingOfOtherEnergies) {
+  for (const EnergyLaw& law : {kHarmonicLaw, shape_law(2)}) {
+    EXPECT_TRUE(LeastAfter(law).worth_a_look(1e-9));
+    EXPECT_EQ(LeastAfter(law).removal(5), 0);
+    EXPECT_EQ(LeastAfter(law).ring_limit(1, 6).ring, 6);
+  }
+}
+
 TEST(EdgeRemoval, IsWorthTheSameWhicheverTetrahedronFindsIt) {
   // The same ring with its tetrahedra listed in other orders and from other vertices.
   const TetMesh m = removable_ring(6);
@@ -218,7 +274,8 @@ TEST(EdgeRemoval, IsWorthTheSameWhicheverTetrahedronFindsIt) {
     }
     Fixture f(turned);
     const MeshView view = f.work.view();
-    const Cavity c = edge_cavity(view, f.state.constrained(), kMaxRing, 0, 2, 0);
+    const auto never = [](Index) { return false; };
+    const Cavity c = edge_cavity(edge_star(view, kMaxRing, 0, 2, never), f.state.constrained());
     ASSERT_EQ(c.kind, FlipKind::edge_removal);
     EXPECT_EQ(c.a, 0);
     EXPECT_EQ(c.ring[0], 2);
