@@ -48,8 +48,7 @@ void add(const TetShape& shape, par::Size t, Part& part, double& eta) {
   }
   eta = shape.eta();
   part.eta_sum += eta;
-  const double relative = shape.relative_eta();
-  part.shape_sum += relative * std::sqrt(relative);
+  part.shape_sum += shape.shape_energy();
   const double ratio = shape.mean_ratio();
   part.ratio_sum += ratio;
   part.ratio_min = std::min(part.ratio_min, ratio);

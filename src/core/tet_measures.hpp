@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/arc.hpp"
 #include "core/types.hpp"
 #include "tetune/quality.hpp"
 
@@ -30,19 +31,26 @@ struct TetShape {
     }
     volume = dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) / 6;
     length2 = 0;
+    double sines[6];
+    double cosines[6];
     int edge = 0;
     for (int i = 0; i < 4; ++i) {
       for (int j = i + 1; j < 4; ++j) {
-        angles[edge++] = kDegrees * std::atan2(norm(cross(n[i], n[j])), -dot(n[i], n[j]));
+        const Vec3 both = cross(n[i], n[j]);
+        sines[edge] = dot(both, both);
+        cosines[edge++] = -dot(n[i], n[j]);
         const Vec3 e = p[j] - p[i];
         length2 += dot(e, e);
       }
     }
+    for (int k = 0; k < 6; ++k) angles[k] = kDegrees * arc(std::sqrt(sines[k]), cosines[k]);
   }
 
   double min_angle() const { return *std::min_element(angles, angles + 6); }
   double max_angle() const { return *std::max_element(angles, angles + 6); }
   double eta() const { return area2 / std::fabs(volume); }
+  /// relative_eta() to the power of 1.5.
+  double shape_energy() const { return area2 * std::sqrt(area2) / (27 * std::numbers::sqrt3 * volume * volume); }
   /// eta over that of the regular tetrahedron of this volume: its edge is (6 sqrt(2) V)^(1/3), its eta 9 edge /
   /// sqrt(2).
   double relative_eta() const {

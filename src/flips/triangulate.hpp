@@ -5,6 +5,7 @@
 
 #include "energy/harmonic.hpp"
 #include "flips/flip.hpp"
+#include "par/pack.hpp"
 
 /// What a flip is worth: the best way to fill its cavity. For an edge removal that is the best of all triangulations
 /// of the ring, found by dynamic programming (Klincsek, "Minimal triangulations of polygonal domains", 1980): the
@@ -13,13 +14,6 @@ namespace tetune {
 
 /// Above any energy.
 inline constexpr double kNever = 1e300;
-
-/// Doubles in a vector register of the CPU; the GPU has its lanes elsewhere.
-#if defined(__CUDACC__)
-using RingPack = double;
-#else
-typedef double RingPack __attribute__((vector_size(4 * sizeof(double))));
-#endif
 
 /// Energy of the tetrahedron (0, u, v, w), over the law's factor; kNever where its volume is not certified positive.
 template <class T>
@@ -185,7 +179,7 @@ TETUNE_HD inline bool may_be_valid(const MeshView& mesh, const Cavity& c) {
 /// The least energy that a flip can leave in its cavity instead of `before`, and the triangulation that does; `limit`
 /// when it is not below that. Exact where it is below `before`: as the new tetrahedra will have it. A function of its
 /// own in the machine code, so that its bits are the same wherever it is called.
-template <class Pack = RingPack>
+template <class Pack = par::Pack>
 TETUNE_HD __attribute__((noinline)) double best_energy(const MeshView& mesh, const Cavity& c, double before,
                                                        double limit, Triangulation& triangulation) {
   if (c.ring_size == 3) {

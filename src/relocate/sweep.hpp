@@ -39,7 +39,7 @@ struct Mobilities {
 };
 
 /// A move beyond this part of the local length makes the neighbours worth another visit.
-inline constexpr double kWake = 1e-3;
+inline constexpr double kWake = 1e-2;
 struct SweepSum {
   double decrease = 0;
   double gradient2 = 0;

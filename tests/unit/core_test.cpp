@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
+#include "core/arc.hpp"
 #include "core/hilbert.hpp"
 #include "core/orient.hpp"
 #include "meshes.hpp"
@@ -173,6 +176,19 @@ TEST(CompactSlots, DropsFreeSlots) {
   EXPECT_EQ(work.slots(), 46);
   EXPECT_EQ(slots[3], 4);
   EXPECT_EQ(slots[45], 47);
+}
+
+TEST(Arc, IsTheAngle) {
+  for (int i = 0; i <= 20000; ++i) {
+    const double angle = std::numbers::pi * i / 20000;
+    for (const double length : {1e-150, 1.0, 1e150}) {
+      ASSERT_NEAR(arc(length * std::sin(angle), length * std::cos(angle)), angle, 4e-15);
+    }
+  }
+  for (const double small : {1e-300, 1e-20, 1e-10}) EXPECT_NEAR(arc(small, 1), small, 1e-14 * small);
+  EXPECT_EQ(arc(0, 0), 0);
+  EXPECT_EQ(arc(0, 1), 0);
+  EXPECT_NEAR(arc(0, -1), std::numbers::pi, 1e-15);
 }
 
 }  // namespace
