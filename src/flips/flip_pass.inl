@@ -13,6 +13,8 @@ namespace tetune {
 namespace flip_detail {
 
 inline constexpr std::uint32_t kAllCandidates = (1U << kCandidates) - 1;
+/// Slack of a tetrahedron that was too good for a look so far: it is due when it no longer is.
+inline constexpr float kNeverSeen = -1;
 /// Proposal of a slot whose tetrahedron is being flipped away in this pass.
 inline constexpr std::uint64_t kFlipped = ~std::uint64_t{0};
 
@@ -414,6 +416,7 @@ struct Write {
     const FlipRecord& f = records[i];
     const Cavity& c = f.cavity;
     const int tag = mesh.tet_tags[c.tets[0]];
+    const LeastAfter bound(mesh.law);
     double decrease = energy_before(c, eta);
     for (int x = 0; x < c.made(); ++x) {
       const Index s = f.slot(x);
@@ -422,7 +425,7 @@ struct Write {
       mesh.tet_tags[s] = tag;
       eta[s] = slot_energy(mesh, mesh.tet2vertex[s]).eta;
       decrease -= eta[s];
-      slack[s] = static_cast<float>(kMaxSlack);
+      slack[s] = bound.worth_a_look(eta[s]) ? static_cast<float>(kMaxSlack) : kNeverSeen;
     }
     for (int x = c.made(); x < c.size(); ++x) {
       mesh.tet2vertex[c.tets[x]][0] = kFreeSlot;
@@ -555,6 +558,7 @@ void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
   state.slack.resize(mesh.slots(), mesh.room());
+  par.fill(state.slack.span(), flip_detail::kNeverSeen);
   activate_where(par, mesh, state, flip_detail::IsWorthALook{mesh.view(), LeastAfter(mesh.law), state.eta.span()});
 }
 
