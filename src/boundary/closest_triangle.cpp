@@ -79,7 +79,7 @@ int ClosestTriangle::build(std::size_t begin, std::size_t end) {
   return id;
 }
 
-ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p) const {
+ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double enough) const {
   Hit best{p, std::numeric_limits<double>::infinity()};
   if (nodes_.empty()) return best;
   const auto box_distance2 = [&p](const Node& n) {
@@ -89,7 +89,7 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p) const {
     return x * x + y * y + z * z;
   };
   std::vector<int> stack{0};
-  while (!stack.empty()) {
+  while (!stack.empty() && best.distance2 > enough) {
     const Node& node = nodes_[static_cast<std::size_t>(stack.back())];
     stack.pop_back();
     if (box_distance2(node) >= best.distance2) continue;

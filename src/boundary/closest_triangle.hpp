@@ -18,7 +18,8 @@ class ClosestTriangle {
     Vec3 point;        ///< on the nearest triangle
     double distance2;  ///< infinity when there is no triangle
   };
-  Hit closest(const Vec3& p) const;
+  /// `enough`: a hit at no more than this squared distance will do, though there be a nearer one.
+  Hit closest(const Vec3& p, double enough = 0) const;
   double distance2(const Vec3& p) const { return closest(p).distance2; }
 
  private:

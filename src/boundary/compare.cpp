@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 
@@ -65,17 +66,17 @@ Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
   return skin;
 }
 
+/// Largest distance of the points from the surface. A point that is no farther than the farthest so far needs no exact
+/// distance: the result is the same in any order.
 double farthest(const std::vector<Vec3>& points, const ClosestTriangle& surface, const par::Cpu& cpu) {
-  struct Max {
-    double value = 0;
-    void merge(const Max& other) { value = std::max(value, other.value); }
-  };
-  struct Distance {
-    const Vec3* points;
-    const ClosestTriangle* surface;
-    Max operator()(Size i) const { return {surface->distance2(points[i])}; }
-  };
-  return std::sqrt(cpu.reduce<Max>(static_cast<Size>(points.size()), Distance{points.data(), &surface}).value);
+  std::atomic<double> most{0};
+  cpu.for_each(static_cast<Size>(points.size()), [&](Size i) {
+    double known = most.load(std::memory_order_relaxed);
+    const double distance2 = surface.closest(points[static_cast<std::size_t>(i)], known).distance2;
+    while (distance2 > known && !most.compare_exchange_weak(known, distance2, std::memory_order_relaxed)) {
+    }
+  });
+  return std::sqrt(most.load());
 }
 
 std::vector<int> tag_set(std::vector<int> tags) {
