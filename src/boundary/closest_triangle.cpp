@@ -88,11 +88,18 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double enough) cons
     const double z = std::max({n.low.z - p.z, p.z - n.high.z, 0.0});
     return x * x + y * y + z * z;
   };
-  std::vector<int> stack{0};
-  while (!stack.empty() && best.distance2 > enough) {
-    const Node& node = nodes_[static_cast<std::size_t>(stack.back())];
-    stack.pop_back();
-    if (box_distance2(node) >= best.distance2) continue;
+  // Halving leaves no tree deeper than the bits of a size.
+  struct Open {
+    int node;
+    double distance2;
+  };
+  std::array<Open, 8 * sizeof(std::size_t)> stack;
+  std::size_t open = 0;
+  stack[open++] = {0, box_distance2(nodes_[0])};
+  while (open > 0 && best.distance2 > enough) {
+    const Open at = stack[--open];
+    if (at.distance2 >= best.distance2) continue;
+    const Node& node = nodes_[static_cast<std::size_t>(at.node)];
     if (node.left < 0) {
       for (std::size_t i = node.begin; i < node.end; ++i) {
         const Hit hit = on_triangle(p, triangles_[i]);
@@ -101,10 +108,11 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double enough) cons
       continue;
     }
     // The nearer child on top.
-    const bool left_first = box_distance2(nodes_[static_cast<std::size_t>(node.left)]) <
-                            box_distance2(nodes_[static_cast<std::size_t>(node.right)]);
-    stack.push_back(left_first ? node.right : node.left);
-    stack.push_back(left_first ? node.left : node.right);
+    Open near{node.left, box_distance2(nodes_[static_cast<std::size_t>(node.left)])};
+    Open far{node.right, box_distance2(nodes_[static_cast<std::size_t>(node.right)])};
+    if (far.distance2 < near.distance2) std::swap(near, far);
+    stack[open++] = far;
+    stack[open++] = near;
   }
   return best;
 }

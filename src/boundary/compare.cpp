@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "boundary/closest_triangle.hpp"
 #include "core/connect.hpp"
@@ -24,12 +25,16 @@ struct Skin {
   double area = 0;       ///< of the boundary
   double mean_edge = 0;  ///< of the boundary
 
-  /// Vertices, and the middles of edges and triangles.
+  /// Vertices, and the middles of edges and triangles. The triangles at an edge run along it both ways: one is enough.
   std::vector<Vec3> samples() const {
     std::vector<Vec3> points = vertices;
     for (const TrianglePoints& t : triangles) {
       points.push_back((1.0 / 3) * (t[0] + t[1] + t[2]));
-      for (std::size_t k = 0; k < 3; ++k) points.push_back(0.5 * (t[k] + t[(k + 1) % 3]));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& a = t[k];
+        const Vec3& b = t[(k + 1) % 3];
+        if (std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z)) points.push_back(0.5 * (a + b));
+      }
     }
     return points;
   }

@@ -39,8 +39,8 @@ struct RelocateVertex {
 
   /// Vertices of one colour lie apart in memory, where no hardware looks ahead.
   TETUNE_INLINE void prefetch(Size i) const {
-    constexpr Size kRowsAhead = 6;
-    constexpr Size kPointsAhead = 2;
+    constexpr Size kRowsAhead = 8;
+    constexpr Size kPointsAhead = 3;
     if (i + kRowsAhead >= vertices.size()) return;
     const Size row = rings.offsets[vertices[i + kRowsAhead]];
     const char* faces = reinterpret_cast<const char*>(rings.faces.data() + row);
