@@ -157,30 +157,46 @@ struct MatchFaces {
     }
   };
 
-  struct Keyed {
-    std::uint64_t key;
-    std::uint32_t item;
-  };
-  struct KeyedLess {
-    TETUNE_HD bool operator()(const Keyed& a, const Keyed& b) const {
-      return a.key != b.key ? a.key < b.key : a.item < b.item;
-    }
-  };
-
   TETUNE_HD Found operator()(Size vertex) const {
     const Size begin = offsets[vertex];
     const Size n = offsets[vertex + 1] - begin;
     std::uint32_t* row = items.data() + begin;
+    constexpr Size kFew = 96;
+    return n <= kFew ? match_few<kFew>(row, static_cast<int>(n)) : match_many(row, n);
+  }
+
+ private:
+  /// Compares all with all, in vector code, instead of sorting.
+  template <Size kMost>
+  TETUNE_HD Found match_few(const std::uint32_t* row, int n) const {
     const Less less{tets};
-    constexpr Size kLocal = 96;
-    if (n <= kLocal) {
-      Keyed keyed[kLocal];
-      for (Size i = 0; i < n; ++i) keyed[i] = {less.key(row[i]), row[i]};
-      sort_small(keyed, n, KeyedLess{});
-      for (Size i = 0; i < n; ++i) row[i] = keyed[i].item;
-    } else {
-      sort_small(row, n, less);
+    std::uint64_t keys[kMost];
+    for (int i = 0; i < n; ++i) keys[i] = less.key(row[i]);
+    Found found;
+    for (int i = 0; i < n; ++i) {
+      int same = 0;
+      int other = 0;  // sum of the places: the place itself where there is one
+      for (int j = 0; j < n; ++j) {
+        const int equal = keys[j] == keys[i] ? 1 : 0;
+        same += equal;
+        other += equal * j;
+      }
+      other -= i;
+      if (same == 2 && parity(row[i]) != parity(row[other])) {
+        connect(row[i], row[other]);
+      } else {
+        tet2tet[row[i] >> 2][static_cast<int>(row[i] & 3)] = kNoLink;
+        if (same == 1) ++found.boundary;
+        if (same == 2 && i < other) ++found.same_side;
+        if (same > 2) ++found.crowded;
+      }
     }
+    return found;
+  }
+
+  TETUNE_HD Found match_many(std::uint32_t* row, Size n) const {
+    const Less less{tets};
+    sort_small(row, n, less);
     Found found;
     for (Size i = 0; i < n;) {
       Size end = i + 1;
@@ -199,7 +215,6 @@ struct MatchFaces {
     return found;
   }
 
- private:
   TETUNE_HD bool parity(std::uint32_t item) const { return face_key(tets[item >> 2], static_cast<int>(item & 3)).odd; }
   TETUNE_HD void connect(std::uint32_t from, std::uint32_t to) const {
     tet2tet[from >> 2][static_cast<int>(from & 3)] = to;  // item and link have the same bits
