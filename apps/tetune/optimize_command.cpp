@@ -26,7 +26,7 @@ struct Arguments {
 const std::map<std::string, Boundary> kBoundaries{
     {"preserve", Boundary::preserve}, {"slide", Boundary::slide}, {"fixed", Boundary::fixed}};
 const std::map<std::string, Energy> kEnergies{{"shape", Energy::shape}, {"harmonic", Energy::harmonic}};
-const std::map<std::string, Effort> kEfforts{{"fast", Effort::fast}, {"default", Effort::standard}};
+const std::map<std::string, Effort> kEfforts{{"fast", Effort::fast}, {"default", Effort::standard}, {"best", Effort::best}};
 const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton},
                                                      {"gradient", Relocation::gradient}};
 const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative},
@@ -219,7 +219,7 @@ void add_optimize(CLI::App& app, int& exit_code) {
        "--effort", a->options.effort,
        "fast: stop when a sweep lowers the energy by less than 1e-3 of it; default: 1e-4, then work on the worst "
        "elements alone")
-      ->transform(CLI::CheckedTransformer(kEfforts).description("{fast,default}"))
+      ->transform(CLI::CheckedTransformer(kEfforts).description("{fast,default,best}"))
       ->default_str("default");
   c->add_option("--relocation", a->options.relocation,
                 "newton: over-relaxed Newton steps; gradient: as in the paper, slower")

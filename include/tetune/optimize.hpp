@@ -44,6 +44,7 @@ enum class Termination {
 enum class Effort {
   fast,      ///< flips and sweeps until a sweep lowers the energy by less than 1e-3 of it
   standard,  ///< until 1e-4, then work on the worst elements alone
+  best,      ///< then the smallest dihedral angles are opened: vertices are inserted and removed there
 };
 
 /// What optimize() shall do.
@@ -53,6 +54,8 @@ struct Options {
   Energy energy = Energy::shape;
   /// Without effect under Termination::paper. Energy::harmonic leaves out the work on the worst elements.
   Effort effort = Effort::standard;
+  /// With Effort::best: no vertex is inserted or removed.
+  bool keep_vertices = false;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;
   /// With Boundary::slide: an edge at which the surface turns by more than this many degrees, in (0, 180], is a
@@ -102,10 +105,12 @@ struct FlipReport {
   std::int64_t flips() const { return flips23 + flips32 + edge_removals; }
 };
 
-/// One round of work on the worst elements: flips around them, then a sweep over their vertices.
+/// One round of work on the worst elements, or with Effort::best on those with the smallest angles: vertices inserted and
+/// removed, flips around them, then their vertices moved.
 struct WorstReport {
   int round = 0;
   std::int64_t worst = 0;  ///< tetrahedra worked on
+  std::int64_t inserted = 0, removed = 0;  ///< vertices
   std::int64_t flips = 0;
   std::int64_t moved = 0;  ///< vertices
   double seconds = 0;
@@ -142,6 +147,7 @@ struct Report {
   int colors = 0;
   double energy_before = 0, energy_after = 0;
   std::int64_t flips23 = 0, flips32 = 0, edge_removals = 0;
+  std::int64_t vertices_inserted = 0, vertices_removed = 0;  ///< with Effort::best
   std::vector<SweepReport> sweeps;
   std::vector<FlipReport> flip_passes;
   std::vector<WorstReport> worst_rounds;
@@ -152,7 +158,7 @@ struct Report {
 
 /// What the progress callback sees.
 struct Progress {
-  const char* phase;     ///< "flips", "sweep" or "worst": what was just done
+  const char* phase;     ///< "flips", "sweep", "worst" or "angles": what was just done
   int iteration;         ///< relocation sweeps done
   double energy;         ///< so far
   double energy_before;  ///< at the start
