@@ -151,7 +151,7 @@ class Alternation {
         flag_sharp(par_, work_.mesh, cot, sharp);
         for (int turn = 0; turn < kOpenings; ++turn) {
           r.moved += open_angles(par_, work_.mesh, work_.rings.view(), work_.coloring, work_.mobilities,
-                                Span<const std::uint8_t>(sharp), cot);
+                                 Span<const std::uint8_t>(sharp), cot);
         }
         sum_up();
       });

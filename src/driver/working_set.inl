@@ -97,6 +97,7 @@ struct ToOriginal {
 struct VertexIds {
   std::vector<Index> work2extended;  ///< or kRemoved
   std::vector<Index> extended2new;   ///< where they are once the removed ones are gone; -1 for these
+  std::vector<Index> new2original;   ///< or -1 for inserted ones; empty where all were kept
   bool removed = false;
 };
 
@@ -113,6 +114,11 @@ inline VertexIds vertex_ids(std::vector<Index> vertex2original, std::size_t orig
   }
   ids.removed = std::find(keep.begin(), keep.end(), 0) != keep.end();
   ids.extended2new = positions_of_kept(keep);
+  if (ids.removed || keep.size() > originals) {
+    for (std::size_t v = 0; v < keep.size(); ++v) {
+      if (keep[v] != 0) ids.new2original.push_back(v < originals ? static_cast<Index>(v) : -1);
+    }
+  }
   ids.work2extended = std::move(vertex2original);
   return ids;
 }
@@ -258,7 +264,7 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   using namespace working_set_detail;
   // All that may fail comes first, so that the caller's mesh changes as a whole or not at all.
   const std::vector<Index> slot_of = compact_slots(par, work.mesh).download();
-  const VertexIds ids = vertex_ids(work.mesh.vertex2original.download(), mesh.points.size());
+  VertexIds ids = vertex_ids(work.mesh.vertex2original.download(), mesh.points.size());
   work.mesh.vertex2original.upload(ids.work2extended);
   par.for_each(work.mesh.slots(), ToOriginal{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
   decltype(mesh.tets) tets(static_cast<std::size_t>(work.mesh.slots()));
@@ -295,6 +301,7 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   report.triangles_dropped = keep_triangles(mesh, new_triangles);
   report.edges_dropped = keep_edges(mesh, new_edges);
   if (ids.removed) keep_vertices(mesh, ids.extended2new);
+  report.vertex2original = std::move(ids.new2original);
 }
 
 }  // namespace tetune

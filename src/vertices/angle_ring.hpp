@@ -51,9 +51,9 @@ class AngleRing {
     return moved;
   }
 
-  /// The cotangent of the smallest angle with the point at x; `limit` where it is not below that, or where a tetrahedron
-  /// is not certified positive or worse than the floor. Begins with tetrahedron `first`, and leaves there the one that
-  /// decided.
+  /// The cotangent of the smallest angle with the point at x; `limit` where it is not below that, or where a
+  /// tetrahedron is not certified positive or worse than the floor. Begins with tetrahedron `first`, and leaves there
+  /// the one that decided.
   TETUNE_HD double largest_cot(const Vec3& x, double limit, int& first) const {
     double most = -1;
     const int start = first;

@@ -155,8 +155,8 @@ struct Filling {
     }
     return kNoLink;
   }
-  /// Where a face of the cavity is afterwards: opposite the apex of the tetrahedron on it; or where the apex is on it, in
-  /// the one beyond the side opposite the apex.
+  /// Where a face of the cavity is afterwards: opposite the apex of the tetrahedron on it; or where the apex is on it,
+  /// in the one beyond the side opposite the apex.
   TETUNE_HD Link new_side(int face) const {
     if (place[face] >= 0) return make_link(slots[place[face]], 0);
     int k = 0;
@@ -283,8 +283,7 @@ struct Write {
       for (int c = 0; c < 3; ++c) {
         const Link next = f.beyond(k, c);
         const int there = f.place[link_tet(next)];
-        links[c + 1] =
-            there < 0 ? f.across[link_tet(next)] : make_link(f.slots[there], link_face(next) + 1);
+        links[c + 1] = there < 0 ? f.across[link_tet(next)] : make_link(f.slots[there], link_face(next) + 1);
       }
       mesh.tet2tet[s] = links;
     }
@@ -327,8 +326,8 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   const Size fills = par.compact(count, Agreed{proposals.span(), best.span()}, agreed.span());
   typename Backend::template Buffer<Filling> fillings(fills);
   typename Backend::template Buffer<Counts> before(fills);
-  par.for_each(fills,
-               Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), fillings.span(), before.span()});
+  par.for_each(
+      fills, Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), fillings.span(), before.span()});
   const Counts counts = par.exclusive_scan(Span<const Counts>(before.span()), before.span());
   if (fills == 0 || mesh.tets() + counts.takes - counts.frees > most_tets) return {};
 
@@ -353,8 +352,8 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   typename Backend::template Buffer<std::uint8_t> taken(slots);
   par.fill(taken.span(), std::uint8_t{0});
   par.for_each(fills, Mark{fillings.span(), taken.span()});
-  par.for_each(fills, Forward{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), mesh.free_count, slots,
-                              vertices});
+  par.for_each(fills, Forward{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), mesh.free_count,
+                              slots, vertices});
   par.for_each(fills, Resolve{mesh.view(), fillings.span(), taken.span()});
   par.for_each(fills, Write{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), free_kept,
                             mesh.vertex2original.span(), mobilities.kind.span(), mobilities.axis.span(),

@@ -15,10 +15,10 @@ inline constexpr int kMaxStarFaces = 64;
 /// The apex of a star that is a vertex yet to be inserted.
 inline constexpr Index kNewVertex = -1;
 
-/// A cavity, and how it is filled from one point, the apex, by a tetrahedron on each face that the apex is not on. Where
-/// all these are positive, they fill the cavity and nothing else (docs/method.md, "Vertices inserted and removed"): with
-/// a new vertex inside as the apex a vertex is inserted, with one on the cavity of all tetrahedra around a vertex that
-/// vertex is removed. In the memory of one thread.
+/// A cavity, and how it is filled from one point, the apex, by a tetrahedron on each face that the apex is not on.
+/// Where all these are positive, they fill the cavity and nothing else (docs/method.md, "Vertices inserted and
+/// removed"): with a new vertex inside as the apex a vertex is inserted, with one on the cavity of all tetrahedra
+/// around a vertex that vertex is removed. In the memory of one thread.
 class Star {
  public:
   TETUNE_HD Star(const MeshView& mesh, const ConstrainedEdges& constrained) : mesh_(mesh), constrained_(constrained) {}
