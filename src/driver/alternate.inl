@@ -29,9 +29,9 @@ inline constexpr int kWorstRounds = 10;
 /// It ends when a round takes away less than this part of that.
 inline constexpr double kWorstDecrease = 1e-2;
 /// The tetrahedra with the smallest angles are this part of all, and those only that are below about 40 degrees.
-inline constexpr double kSharpPart = 3e-4;
+inline constexpr double kSharpPart = 6e-4;
 inline constexpr double kOpenCot = 1.2;
-inline constexpr int kAngleRounds = 10;
+inline constexpr int kAngleRounds = 6;
 inline constexpr int kOpenings = 2;
 /// Sweeps at the end; the first half of them with flips.
 inline constexpr int kLastSweeps = 4;
@@ -131,11 +131,16 @@ class Alternation {
   /// when the caller cancelled.
   bool open_smallest_angles() {
     const auto most_tets = static_cast<Size>(kMostTets * static_cast<double>(report_.tets_before));
+    const double worst_shape = work_.mesh.floor.worst_shape;
     for (int round = 1; round <= kAngleRounds; ++round) {
       WorstReport r;
       r.round = round;
       double cot = 0;
       r.seconds = clock_.measure("angles", [&] {
+        // No angle falls below the smallest any more; shapes may become worse on the way.
+        work_.mesh.floor = find_floor(par_, work_.mesh);
+        work_.mesh.floor.worst_shape = worst_shape;
+        work_.mesh.floor.settle();
         cot = std::max(kOpenCot, sharp_cot(par_, work_.mesh, kSharpPart));
         par_.fill(work_.mobilities.awake.span(), std::uint8_t{0});
         if (!options_.keep_vertices) revise(cot, most_tets, r);

@@ -5,6 +5,7 @@
 #include "core/work_mesh.hpp"
 #include "energy/ring.hpp"
 #include "relocate/step.hpp"
+#include "surface/deviation.hpp"
 
 namespace tetune {
 
@@ -16,6 +17,36 @@ TETUNE_HD inline double largest_cot(const MeshView& mesh, Size t) {
   return QualityFloor::largest_cot(p, dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]));
 }
 
+/// Where a vertex may go from a place: within its space of motion.
+struct FreeWay {
+  Motion motion;
+  TETUNE_HD Vec3 from(const Vec3& x, const Vec3& step) const { return x + tangent_gradient(step, motion); }
+  TETUNE_HD bool take(const Vec3&) const { return true; }
+};
+
+/// The same on the input surface, up to the rim of a triangle or segment.
+struct SlideWay {
+  ReferenceView reference;
+  DeviationBound bound;
+  Mobility walker;
+  Site site;
+  Site next;
+
+  TETUNE_HD Vec3 from(const Vec3& x, const Vec3& step) {
+    const Primitive primitive = steepest(reference, walker, site, -1.0 * step);
+    next = site;
+    if (primitive.on.kind == SiteKind::none) return x;
+    const Landing landing = advance(reference, walker, primitive, site, x, primitive.down, 1);
+    next = landing.site;
+    return landing.at;
+  }
+  TETUNE_HD bool take(const Vec3& x) {
+    if (!bound.allows(x, next)) return false;
+    site = next;
+    return true;
+  }
+};
+
 /// The smallest dihedral angle of the tetrahedra between a point and some faces, as its cotangent: so it is to become
 /// small. It is no smooth function of the point, and not convex; its minimum is sought by trials.
 class AngleRing {
@@ -23,8 +54,10 @@ class AngleRing {
   TETUNE_HD AngleRing(const MeshView& mesh, const LinkFace* faces, int count)
       : mesh_(mesh), faces_(faces), count_(count) {}
 
-  /// Moves x to where the smallest angle is larger, until its cotangent is no more than `enough`. Whether it moved.
-  TETUNE_HD bool open(Vec3& x, const Motion& motion, double enough) const {
+  /// Moves x along a way (FreeWay, SlideWay) to where the smallest angle is larger, until its cotangent is no more than
+  /// `enough`. Whether it moved.
+  template <class Way>
+  TETUNE_HD bool open(Vec3& x, Way& way, double enough) const {
     double length2 = 0;
     for (int k = 0; k < count_; ++k) {
       const Vec3 d = corner(k, 0) - x;
@@ -37,10 +70,10 @@ class AngleRing {
     for (double step = kFirstStep * length; step > kLastStep * length && cot > enough;) {
       bool better = false;
       for (int d = 0; d < kDirections && !better; ++d) {
-        const Vec3 trial = x + step * tangent_gradient(direction(d), motion);
+        const Vec3 trial = way.from(x, step * direction(d));
         const double limit = cot - kLeastGain * (1 + cot);
         const double there = largest_cot(trial, limit, worst);
-        if (!(there < limit)) continue;
+        if (!(there < limit) || !way.take(trial)) continue;
         x = trial;
         cot = there;
         better = true;

@@ -18,6 +18,9 @@ struct OpenAngle {
   Span<const Index> vertices;
   Span<const Mobility> kind;
   Span<const Vec3> axis;
+  Span<Site> site;
+  ReferenceView reference;
+  double max_deviation;
   Span<const std::uint8_t> flags;
   double enough;
 
@@ -25,9 +28,18 @@ struct OpenAngle {
     const Index v = vertices[i];
     const Size begin = rings.offsets[v];
     const auto count = static_cast<int>(rings.offsets[v + 1] - begin);
-    if (flags[v] == 0 || count == 0 || kind[v] == Mobility::curve || kind[v] == Mobility::surface) return {};
+    if (flags[v] == 0 || count == 0) return {};
+    const AngleRing ring(mesh, rings.faces.data() + begin, count);
     Vec3 x = vec(mesh.points[v]);
-    if (!AngleRing(mesh, rings.faces.data() + begin, count).open(x, {kind[v], axis[v]}, enough)) return {};
+    if (kind[v] == Mobility::curve || kind[v] == Mobility::surface) {
+      SlideWay way{reference, DeviationBound(reference, mesh.points, site, v, max_deviation), kind[v], site[v],
+                   site[v]};
+      if (!ring.open(x, way, enough)) return {};
+      site[v] = way.site;
+    } else {
+      FreeWay way{{kind[v], axis[v]}};
+      if (!ring.open(x, way, enough)) return {};
+    }
     mesh.points[v] = point(x);
     return {1};
   }
@@ -37,15 +49,17 @@ struct OpenAngle {
 
 template <class Backend>
 Size open_angles(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings, const Coloring<Backend>& coloring,
-                 const Mobilities<Backend>& mobilities, Span<const std::uint8_t> flags, double enough) {
+                 Mobilities<Backend>& mobilities, Span<const std::uint8_t> flags, double enough) {
   using namespace open_angles_detail;
   Size moved = 0;
   for (int c = 0; c < coloring.colors(); ++c) {
     const Size first = coloring.first[static_cast<std::size_t>(c)];
     const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
     const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
-    moved += par.template reduce<MovedCount>(count, OpenAngle{mesh.view(), rings, vertices, mobilities.kind.span(),
-                                                              mobilities.axis.span(), flags, enough})
+    moved += par.template reduce<MovedCount>(
+                    count, OpenAngle{mesh.view(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
+                                     mobilities.site.span(), mobilities.reference.view(mobilities.kind.span()),
+                                     mobilities.max_deviation, flags, enough})
                  .count;
   }
   return moved;

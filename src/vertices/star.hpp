@@ -119,7 +119,8 @@ class Star {
   }
   /// One with a larger smallest angle.
   TETUNE_HD Vec3 open_angle(Vec3 x) const {
-    AngleRing(mesh_, faces_, face_count_).open(x, Motion{Mobility::free, {}}, 0);
+    FreeWay way{{Mobility::free, {}}};
+    AngleRing(mesh_, faces_, face_count_).open(x, way, 0);
     return x;
   }
 

@@ -7,6 +7,6 @@ namespace tetune {
 template ReviseReport revise_vertices(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&, Mobilities<par::Cpu>&,
                                       double, Size);
 template Size open_angles(const par::Cpu&, WorkMesh<par::Cpu>&, const RingsView&, const Coloring<par::Cpu>&,
-                          const Mobilities<par::Cpu>&, Span<const std::uint8_t>, double);
+                          Mobilities<par::Cpu>&, Span<const std::uint8_t>, double);
 
 }  // namespace tetune

@@ -4,9 +4,9 @@
 #include "vertices/revise.inl"
 
 namespace tetune {
-template ReviseReport revise_vertices(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Mobilities<par::Cuda>&,
-                                      double, Size);
+template ReviseReport revise_vertices(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&,
+                                      Mobilities<par::Cuda>&, double, Size);
 template Size open_angles(const par::Cuda&, WorkMesh<par::Cuda>&, const RingsView&, const Coloring<par::Cuda>&,
-                          const Mobilities<par::Cuda>&, Span<const std::uint8_t>, double);
+                          Mobilities<par::Cuda>&, Span<const std::uint8_t>, double);
 
 }  // namespace tetune

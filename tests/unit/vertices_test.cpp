@@ -274,6 +274,11 @@ TEST(Revise, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
+bool open(const AngleRing& ring, Vec3& x, const Motion& motion, double enough) {
+  FreeWay way{motion};
+  return ring.open(x, way, enough);
+}
+
 TEST(AngleRing, OpensTheSmallestAngle) {
   const TetMesh m = divided_tet();
   Work work(m);
@@ -283,25 +288,25 @@ TEST(AngleRing, OpensTheSmallestAngle) {
   Vec3 x = vec(m.points[4]);
   const double before = ring.largest_cot(x, 1e300, first);
   EXPECT_NEAR(before, 1 / std::tan(quality(m).dihedral_min * 3.14159265358979324 / 180), 1e-9);
-  ASSERT_TRUE(ring.open(x, Motion{Mobility::free, {}}, 0));
+  ASSERT_TRUE(open(ring, x, {Mobility::free, {}}, 0));
   // The middle is the only place where all four are the same.
   EXPECT_NEAR(norm(x), 0, 0.05);
   // Until it is enough, and no further.
   Vec3 y = vec(m.points[4]);
-  ASSERT_TRUE(ring.open(y, Motion{Mobility::free, {}}, 0.9 * before));
+  ASSERT_TRUE(open(ring, y, {Mobility::free, {}}, 0.9 * before));
   const double enough = ring.largest_cot(y, 1e300, first);
   EXPECT_LE(enough, 0.9 * before);
   EXPECT_GT(enough, 1.1 * ring.largest_cot(x, 1e300, first));
   // Within a plane and along a line.
   Vec3 z = vec(m.points[4]);
-  ASSERT_TRUE(ring.open(z, Motion{Mobility::plane, {0, 0, 1}}, 0));
+  ASSERT_TRUE(open(ring, z, {Mobility::plane, {0, 0, 1}}, 0));
   EXPECT_EQ(z.z, m.points[4][2]);
   z = vec(m.points[4]);
-  ASSERT_TRUE(ring.open(z, Motion{Mobility::line, {0, 1, 0}}, 0));
+  ASSERT_TRUE(open(ring, z, {Mobility::line, {0, 1, 0}}, 0));
   EXPECT_EQ(z.x, m.points[4][0]);
   EXPECT_EQ(z.z, m.points[4][2]);
   z = vec(m.points[4]);
-  EXPECT_FALSE(ring.open(z, Motion{Mobility::fixed, {}}, 0));
+  EXPECT_FALSE(open(ring, z, {Mobility::fixed, {}}, 0));
 }
 
 TEST(OpenAngles, MovesFlaggedVerticesAloneAndNoAngleBecomesSmaller) {
