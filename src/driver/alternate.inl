@@ -189,8 +189,12 @@ class Alternation {
       clock_.measure("angles", [&] {
         sweep_once();
         if (sweep > kLastSweeps / 2) return;
-        sum_up();
-        activate_all(par_, work_.mesh, work_.flips);
+        if (sweep == 1) {
+          sum_up();
+          activate_all(par_, work_.mesh, work_.flips);
+        } else {
+          activate_drifted(par_, work_.mesh, work_.flips);
+        }
         flip_active(work_.mobilities.awake.span());
       });
     }
