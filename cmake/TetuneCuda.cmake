@@ -11,7 +11,8 @@ target_sources(tetune PRIVATE
   src/core/connect_cuda.cu
   src/driver/driver_cuda.cu
   src/flips/flips_cuda.cu
-  src/relocate/relocate_cuda.cu)
+  src/relocate/relocate_cuda.cu
+  src/vertices/vertices_cuda.cu)
 # CMake 3.25 does not know how to ask nvcc 12 and newer for C++20, hence the flag below.
 target_link_libraries(tetune PRIVATE CUDA::cudart_static)
 target_compile_options(tetune PRIVATE

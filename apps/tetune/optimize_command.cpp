@@ -26,7 +26,8 @@ struct Arguments {
 const std::map<std::string, Boundary> kBoundaries{
     {"preserve", Boundary::preserve}, {"slide", Boundary::slide}, {"fixed", Boundary::fixed}};
 const std::map<std::string, Energy> kEnergies{{"shape", Energy::shape}, {"harmonic", Energy::harmonic}};
-const std::map<std::string, Effort> kEfforts{{"fast", Effort::fast}, {"default", Effort::standard}};
+const std::map<std::string, Effort> kEfforts{
+    {"fast", Effort::fast}, {"default", Effort::standard}, {"best", Effort::best}};
 const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton},
                                                      {"gradient", Relocation::gradient}};
 const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative},
@@ -48,7 +49,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// Options that cannot take effect together with others are refused rather than ignored.
 void refuse_ineffective(const CLI::App& command, const Arguments& a) {
   if (a.options.max_iterations == 0) {
-    for (const char* name : {"--relocation", "--termination"}) {
+    for (const char* name : {"--relocation", "--termination", "--effort"}) {
       if (command.count(name) > 0)
         throw OptionError(fmt::format("{} has no effect with --max-iterations 0; drop one of them", name));
     }
@@ -61,6 +62,12 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
   }
   if (a.options.termination == Termination::paper && command.count("--effort") > 0) {
     throw OptionError("--effort has no effect with --termination paper; drop one of them");
+  }
+  if (a.options.energy == Energy::harmonic && a.options.effort == Effort::best) {
+    throw OptionError("--effort best has no effect with --energy harmonic; drop one of them");
+  }
+  if (a.options.keep_vertices && a.options.effort != Effort::best) {
+    throw OptionError("--keep-vertices has no effect without --effort best: vertices are kept; drop it, or add that");
   }
   if (a.options.device == Device::cuda && command.count("--threads") > 0) {
     throw OptionError("--threads has no effect with --device cuda; drop one of them");
@@ -76,6 +83,7 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
            {{"boundary", name_of(kBoundaries, a.options.boundary)},
             {"energy", name_of(kEnergies, a.options.energy)},
             {"effort", name_of(kEfforts, a.options.effort)},
+            {"keep_vertices", a.options.keep_vertices},
             {"feature_angle_deg", a.options.feature_angle},
             {"max_deviation", a.options.max_deviation},
             {"open_boundaries", a.options.open_boundaries},
@@ -151,6 +159,9 @@ int run(const CLI::App& command, Arguments& a) {
     fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {} larger edge removals, {}; {} of {} vertices fixed\n",
                report.sweeps.size(), report.flips23, report.flips32, report.edge_removals, to_string(report.stop),
                report.fixed_vertices, report.vertices);
+    if (report.vertices_inserted + report.vertices_removed > 0) {
+      fmt::print("  {} vertices inserted, {} removed\n", report.vertices_inserted, report.vertices_removed);
+    }
     if (report.corners_not_held > 0) {
       fmt::print(
           "  {} listed corners lie where the surface has no feature, too many for a list of corners: they may move\n",
@@ -218,9 +229,11 @@ void add_optimize(CLI::App& app, int& exit_code) {
   c->add_option(
        "--effort", a->options.effort,
        "fast: stop when a sweep lowers the energy by less than 1e-3 of it; default: 1e-4, then work on the worst "
-       "elements alone")
-      ->transform(CLI::CheckedTransformer(kEfforts).description("{fast,default}"))
+       "elements alone; best: then vertices are inserted, removed and moved to open the smallest dihedral angles")
+      ->transform(CLI::CheckedTransformer(kEfforts).description("{fast,default,best}"))
       ->default_str("default");
+  c->add_flag("--keep-vertices", a->options.keep_vertices,
+              "With --effort best: no vertex is inserted or removed, those there are moved alone");
   c->add_option("--relocation", a->options.relocation,
                 "newton: over-relaxed Newton steps; gradient: as in the paper, slower")
       ->transform(CLI::CheckedTransformer(kRelocations).description("{newton,gradient}"))

@@ -88,8 +88,13 @@ Json to_json(const Report& r) {
   }
   Json worst = Json::array();
   for (const WorstReport& w : r.worst_rounds) {
-    worst.push_back(
-        {{"round", w.round}, {"worst", w.worst}, {"flips", w.flips}, {"moved", w.moved}, {"seconds", w.seconds}});
+    worst.push_back({{"round", w.round},
+                     {"worst", w.worst},
+                     {"inserted", w.inserted},
+                     {"removed", w.removed},
+                     {"flips", w.flips},
+                     {"moved", w.moved},
+                     {"seconds", w.seconds}});
   }
   Json phases = Json::object();
   for (const PhaseTime& p : r.phases) phases[p.phase] = p.seconds;
@@ -118,6 +123,8 @@ Json to_json(const Report& r) {
           {"flips_2_3", r.flips23},
           {"flips_3_2", r.flips32},
           {"edge_removals", r.edge_removals},
+          {"vertices_inserted", r.vertices_inserted},
+          {"vertices_removed", r.vertices_removed},
           {"phase_seconds", phases},
           {"sweeps", sweeps},
           {"flip_passes", passes},

@@ -164,9 +164,10 @@ std::string run_table(const Report& report) {
     text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration, f.pass,
                         f.active, f.evaluated, f.flips23, f.flips32, f.edge_removals, f.decrease, f.seconds);
   }
-  if (!report.worst_rounds.empty()) text += "  round      worst   flips   moved     time s\n";
+  if (!report.worst_rounds.empty()) text += "  round      worst inserted removed   flips   moved     time s\n";
   for (const WorstReport& w : report.worst_rounds) {
-    text += fmt::format("  {:>5} {:>10} {:>7} {:>7} {:>10.4f}\n", w.round, w.worst, w.flips, w.moved, w.seconds);
+    text += fmt::format("  {:>5} {:>10} {:>8} {:>7} {:>7} {:>7} {:>10.4f}\n", w.round, w.worst, w.inserted, w.removed,
+                        w.flips, w.moved, w.seconds);
   }
   text += "  phase        time s\n";
   for (const PhaseTime& p : report.phases) text += fmt::format("  {:<10} {:>8.4f}\n", p.phase, p.seconds);

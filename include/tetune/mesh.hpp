@@ -33,7 +33,7 @@ struct ElementBlock {
 /// A tetrahedral mesh as a structure of arrays, owned by the caller.
 ///
 /// A tag vector is as long as the array it belongs to. A tag of 0 means "no tag". The order of vertices is the
-/// caller's and is kept by every function of the library.
+/// caller's and is kept by every function of the library; only optimize() with Effort::best adds and drops some.
 struct TetMesh {
   /// Vertex positions.
   std::vector<Point3> points;

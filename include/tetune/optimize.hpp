@@ -44,6 +44,7 @@ enum class Termination {
 enum class Effort {
   fast,      ///< flips and sweeps until a sweep lowers the energy by less than 1e-3 of it
   standard,  ///< until 1e-4, then work on the worst elements alone
+  best,      ///< then the smallest dihedral angles are opened: vertices are inserted and removed there
 };
 
 /// What optimize() shall do.
@@ -53,6 +54,8 @@ struct Options {
   Energy energy = Energy::shape;
   /// Without effect under Termination::paper. Energy::harmonic leaves out the work on the worst elements.
   Effort effort = Effort::standard;
+  /// With Effort::best: no vertex is inserted or removed.
+  bool keep_vertices = false;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;
   /// With Boundary::slide: an edge at which the surface turns by more than this many degrees, in (0, 180], is a
@@ -102,10 +105,12 @@ struct FlipReport {
   std::int64_t flips() const { return flips23 + flips32 + edge_removals; }
 };
 
-/// One round of work on the worst elements: flips around them, then a sweep over their vertices.
+/// One round of work on the worst elements, or with Effort::best on those with the smallest angles: vertices inserted
+/// and removed, flips around them, then their vertices moved.
 struct WorstReport {
   int round = 0;
-  std::int64_t worst = 0;  ///< tetrahedra worked on
+  std::int64_t worst = 0;                  ///< tetrahedra worked on
+  std::int64_t inserted = 0, removed = 0;  ///< vertices
   std::int64_t flips = 0;
   std::int64_t moved = 0;  ///< vertices
   double seconds = 0;
@@ -130,8 +135,9 @@ struct PhaseTime {
 /// What optimize() did.
 struct Report {
   std::string device;
-  int threads = 0;  ///< that ran: fewer than asked for where the system gives no more; 0 on a GPU
-  std::int64_t vertices = 0, tets_before = 0, tets_after = 0;
+  int threads = 0;            ///< that ran: fewer than asked for where the system gives no more; 0 on a GPU
+  std::int64_t vertices = 0;  ///< of the input
+  std::int64_t tets_before = 0, tets_after = 0;
   std::int64_t free_vertices = 0, plane_vertices = 0, line_vertices = 0, fixed_vertices = 0;
   std::int64_t surface_vertices = 0, curve_vertices = 0;  ///< with Boundary::slide
   /// Listed corners that may move, as the list names too many vertices on ground without features (TetGen lists all).
@@ -142,6 +148,9 @@ struct Report {
   int colors = 0;
   double energy_before = 0, energy_after = 0;
   std::int64_t flips23 = 0, flips32 = 0, edge_removals = 0;
+  std::int64_t vertices_inserted = 0, vertices_removed = 0;  ///< with Effort::best
+  /// For each vertex of the result the one of the input, or -1 for an inserted one. Empty where all were kept.
+  std::vector<Index> vertex2original;
   std::vector<SweepReport> sweeps;
   std::vector<FlipReport> flip_passes;
   std::vector<WorstReport> worst_rounds;
@@ -152,7 +161,7 @@ struct Report {
 
 /// What the progress callback sees.
 struct Progress {
-  const char* phase;     ///< "flips", "sweep" or "worst": what was just done
+  const char* phase;     ///< "flips", "sweep", "worst" or "angles": what was just done
   int iteration;         ///< relocation sweeps done
   double energy;         ///< so far
   double energy_before;  ///< at the start
@@ -167,9 +176,11 @@ struct Context {
 /// Improves a mesh in place: harmonic flips alternating with vertex relocation (Sect. 4.5).
 ///
 /// On return the mesh is valid, its boundary, tags, vertex order and number of vertices are as they were, and the
-/// energy is not larger. Tetrahedra come out in another order and number. Listed triangles without a tag
-/// that lie inside one region are no constraint and are dropped; so are untagged listed edges that no longer exist.
-/// The result is bit for bit the same for any number of threads.
+/// energy is not larger. Effort::best may change the number of vertices, see Report::vertex2original: those of the
+/// input come first, in their order, inserted ones last, with the tag 0; there are at most 10 % more tetrahedra, no
+/// smaller dihedral angle, and the energy may be larger as there are more of them. Tetrahedra come out in another order
+/// and number. Listed triangles without a tag that lie inside one region are no constraint and are dropped; so are
+/// untagged listed edges that no longer exist. The result is bit for bit the same for any number of threads.
 ///
 /// Throws MeshError when `validate(mesh)` finds something, OptionError, DeviceError or std::bad_alloc, and hands on
 /// what the caller's hooks throw; the mesh is then as it was. Not for concurrent calls on the same mesh.

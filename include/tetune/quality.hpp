@@ -111,13 +111,15 @@ struct Comparison {
   /// vertices, edge middles and triangle centres of one to the other.
   double vertices_to_old = 0, new_to_old = 0, old_to_new = 0;
   std::int64_t old_vertices = 0, new_vertices = 0, old_tets = 0, new_tets = 0;
-  /// The set of tags (and for regions, patches and lines each one's presence) is the same.
+  /// The set of tags (and for regions, patches and lines each one's presence) is the same; of vertices each one's tag,
+  /// unless their number has changed.
   bool vertex_tags_kept = false, tet_tags_kept = false, triangle_tags_kept = false, edge_tags_kept = false;
   /// Largest relative change of a region's volume, and of a tagged patch's area.
   double region_volume_change = 0, patch_area_change = 0;
   /// Each tag of listed triangles but 0, in increasing order.
   std::vector<PatchChange> patches;
-  /// Vertices listed as required, and as corners, that are not where they were to the last bit.
+  /// Vertices listed as required, and as corners, that are not where they were to the last bit. Where the number of
+  /// vertices has changed: where no vertex listed as such is now.
   std::int64_t required_moved = 0, corners_moved = 0;
 };
 

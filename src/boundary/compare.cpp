@@ -131,11 +131,20 @@ std::vector<int> nonzero(std::vector<int> tags) {
   return tag_set(std::move(tags));
 }
 
-/// Vertices of the first list that are not at the same place in the second mesh. Vertices keep their ids.
-std::int64_t count_moved(const TetMesh& before, const TetMesh& after, const std::vector<Index>& ids) {
+/// Vertices of the first mesh's list that are not where they were. Where vertices have come or gone, ids say nothing:
+/// any vertex of the second mesh's list may be there then.
+std::int64_t count_moved(const TetMesh& before, const std::vector<Index>& ids, const TetMesh& after,
+                         const std::vector<Index>& ids_after) {
+  if (before.points.size() == after.points.size()) {
+    return std::count_if(ids.begin(), ids.end(), [&](Index id) {
+      return before.points[static_cast<std::size_t>(id)] != after.points[static_cast<std::size_t>(id)];
+    });
+  }
+  std::vector<Point3> places;
+  for (const Index id : ids_after) places.push_back(after.points[static_cast<std::size_t>(id)]);
+  std::sort(places.begin(), places.end());
   return std::count_if(ids.begin(), ids.end(), [&](Index id) {
-    const auto v = static_cast<std::size_t>(id);
-    return v >= after.points.size() || before.points[v] != after.points[v];
+    return !std::binary_search(places.begin(), places.end(), before.points[static_cast<std::size_t>(id)]);
   });
 }
 
@@ -168,12 +177,14 @@ Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
     c.new_to_old = farthest(new_skin.samples(), old_surface, cpu) / old_skin.mean_edge;
     c.old_to_new = farthest(old_skin.samples(), ClosestTriangle(new_skin.triangles), cpu) / old_skin.mean_edge;
   }
-  c.vertex_tags_kept = before.point_tags == after.point_tags;
+  c.vertex_tags_kept = before.points.size() == after.points.size()
+                           ? before.point_tags == after.point_tags
+                           : nonzero(before.point_tags) == nonzero(after.point_tags);
   c.tet_tags_kept = tag_set(before.tet_tags) == tag_set(after.tet_tags);
   c.triangle_tags_kept = nonzero(before.triangle_tags) == nonzero(after.triangle_tags);
   c.edge_tags_kept = nonzero(before.edge_tags) == nonzero(after.edge_tags);
-  c.required_moved = count_moved(before, after, before.required_vertices);
-  c.corners_moved = count_moved(before, after, before.corners);
+  c.required_moved = count_moved(before, before.required_vertices, after, after.required_vertices);
+  c.corners_moved = count_moved(before, before.corners, after, after.corners);
   return c;
 }
 

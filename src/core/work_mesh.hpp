@@ -15,6 +15,10 @@ using par::Span;
 /// First vertex of a slot that holds no tetrahedron.
 inline constexpr Index kFreeSlot = -1;
 
+/// In vertex2original: of a vertex that is not the caller's, and of one that is in no tetrahedron any more.
+inline constexpr Index kInserted = -1;
+inline constexpr Index kRemoved = -2;
+
 /// What kernels see of the mesh.
 struct MeshView {
   Span<Point> points;
@@ -38,7 +42,7 @@ struct WorkMesh {
   Buffer<Tet> tet2vertex;
   Buffer<Links> tet2tet;
   Buffer<int> tet_tags;
-  /// Work vertex -> caller's vertex.
+  /// Work vertex -> caller's vertex, kInserted or kRemoved.
   Buffer<Index> vertex2original;
   /// Slots without a tetrahedron: the first `free_count` entries.
   Buffer<Index> free_slots;

@@ -6,6 +6,8 @@
 #include "driver/schedule.hpp"
 #include "driver/working_set.inl"
 #include "driver/worst.inl"
+#include "vertices/open_angles.hpp"
+#include "vertices/revise.hpp"
 
 namespace tetune {
 namespace alternate_detail {
@@ -26,6 +28,15 @@ inline constexpr int kWorstSquarings = 2;
 inline constexpr int kWorstRounds = 10;
 /// It ends when a round takes away less than this part of that.
 inline constexpr double kWorstDecrease = 1e-2;
+/// The tetrahedra with the smallest angles are this part of all, and those only that are below about 40 degrees.
+inline constexpr double kSharpPart = 6e-4;
+inline constexpr double kOpenCot = 1.2;
+inline constexpr int kAngleRounds = 6;
+inline constexpr int kOpenings = 2;
+/// Sweeps at the end; the first half of them with flips.
+inline constexpr int kLastSweeps = 4;
+/// Vertices are inserted until there are this many times the tetrahedra of the input.
+inline constexpr double kMostTets = 1.1;
 /// Far above what any mesh needs: each pass lowers the energy, so this bounds a run in which rounding says otherwise.
 inline constexpr int kMaxFlipPasses = 1000;
 
@@ -44,9 +55,10 @@ class Alternation {
         unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1) {}
 
   void run() {
-    const bool whole = options_.effort == Effort::standard && options_.termination == Termination::relative &&
+    const bool whole = options_.effort != Effort::fast && options_.termination == Termination::relative &&
                        options_.energy == Energy::shape && options_.max_iterations > 0;
-    if (alternate() && whole) improve_worst();
+    if (!alternate() || !whole || !improve_worst()) return;
+    if (options_.effort == Effort::best && open_smallest_angles()) lower_energy_above_floor();
   }
 
   /// After the last step, in the caller's unit.
@@ -81,27 +93,23 @@ class Alternation {
     return true;
   }
 
-  /// Works on the worst tetrahedra and around them alone, under a power of the energy that sees little else.
-  void improve_worst() {
+  /// Works on the worst tetrahedra and around them alone, under a power of the energy that sees little else. False when
+  /// the caller cancelled.
+  bool improve_worst() {
     clock_.measure("worst", [&] { sum_up(); });
     const double worst = std::max(kGood, quantile_above(par_, work_.flips.eta.span(), kWorstPart, work_.mesh.tets()));
     work_.mesh.law = shape_law(kWorstSquarings);
     work_.mobilities.spreads = false;
     double last = refresh_energy(par_, work_.mesh, work_.flips);
     const Span<std::uint8_t> awake = work_.mobilities.awake.span();
+    bool go_on = true;
     for (int round = 1; round <= kWorstRounds; ++round) {
       WorstReport r;
       r.round = round;
       double now = last;
       r.seconds = clock_.measure("worst", [&] {
         r.worst = flag_worst(par_, work_.mesh, worst, awake);
-        activate_around(par_, work_.mesh, work_.flips, Span<const std::uint8_t>(awake));
-        for (Size flips = 1; flips > 0 && work_.flips.active.size() > 0;) {
-          const FlipReport f = flip_pass(par_, work_.mesh, work_.flips, awake);
-          count(f);
-          flips = f.flips();
-          r.flips += flips;
-        }
+        r.flips = flip_around(awake);
       });
       if (r.worst == 0) break;
       refresh_rings();
@@ -111,12 +119,104 @@ class Alternation {
         now = refresh_energy(par_, work_.mesh, work_.flips);
       });
       report_.worst_rounds.push_back(r);
-      if (!proceed("worst", report_.sweeps.empty() ? 0 : report_.sweeps.back().iteration)) break;
-      if (now > (1 - kWorstDecrease) * last) break;
+      go_on = proceed("worst", iteration());
+      if (!go_on || now > (1 - kWorstDecrease) * last) break;
       last = now;
     }
     work_.mesh.law = kShapeLaw;
+    return go_on;
   }
+
+  /// Opens the smallest dihedral angles: vertices are inserted, removed and moved, and flips made around them. False
+  /// when the caller cancelled.
+  bool open_smallest_angles() {
+    const auto most_tets = static_cast<Size>(kMostTets * static_cast<double>(report_.tets_before));
+    const double worst_shape = work_.mesh.floor.worst_shape;
+    for (int round = 1; round <= kAngleRounds; ++round) {
+      WorstReport r;
+      r.round = round;
+      double cot = 0;
+      r.seconds = clock_.measure("angles", [&] {
+        // No angle falls below the smallest any more; shapes may become worse on the way.
+        work_.mesh.floor = find_floor(par_, work_.mesh);
+        work_.mesh.floor.worst_shape = worst_shape;
+        work_.mesh.floor.settle();
+        cot = std::max(kOpenCot, sharp_cot(par_, work_.mesh, kSharpPart));
+        par_.fill(work_.mobilities.awake.span(), std::uint8_t{0});
+        if (!options_.keep_vertices) revise(cot, most_tets, r);
+        r.worst = flag_sharp(par_, work_.mesh, cot, work_.mobilities.awake.span());
+        refresh_energy(par_, work_.mesh, work_.flips);
+        r.flips = flip_around(work_.mobilities.awake.span());
+      });
+      refresh_rings();
+      r.seconds += clock_.measure("angles", [&] {
+        sweep_once();
+        const Span<std::uint8_t> sharp = work_.mobilities.awake.span();
+        par_.fill(sharp, std::uint8_t{0});
+        flag_sharp(par_, work_.mesh, cot, sharp);
+        for (int turn = 0; turn < kOpenings; ++turn) {
+          r.moved += open_angles(par_, work_.mesh, work_.rings.view(), work_.coloring, work_.mobilities,
+                                 Span<const std::uint8_t>(sharp), cot);
+        }
+        sum_up();
+      });
+      report_.worst_rounds.push_back(r);
+      if (!proceed("angles", iteration())) return false;
+      if (r.worst + r.inserted + r.removed == 0) break;
+    }
+    return true;
+  }
+
+  void revise(double cot, Size most_tets, WorstReport& r) {
+    const ReviseReport changed = revise_vertices(par_, work_.mesh, work_.flips, work_.mobilities, cot, most_tets);
+    r.inserted = changed.inserted;
+    r.removed = changed.removed;
+    report_.vertices_inserted += r.inserted;
+    report_.vertices_removed += r.removed;
+    rings_stale_ = rings_stale_ || r.inserted + r.removed > 0;
+  }
+
+  /// What was done for the few worst has raised the energy; lowers it again, and lets no tetrahedron become worse than
+  /// the worst now.
+  void lower_energy_above_floor() {
+    clock_.measure("angles", [&] {
+      work_.mesh.floor = find_floor(par_, work_.mesh);
+      work_.mobilities.spreads = true;
+      par_.fill(work_.mobilities.awake.span(), std::uint8_t{1});
+    });
+    for (int sweep = 1; sweep <= kLastSweeps; ++sweep) {
+      refresh_rings();
+      clock_.measure("angles", [&] {
+        sweep_once();
+        if (sweep > kLastSweeps / 2) return;
+        if (sweep == 1) {
+          sum_up();
+          activate_all(par_, work_.mesh, work_.flips);
+        } else {
+          activate_drifted(par_, work_.mesh, work_.flips);
+        }
+        flip_active(work_.mobilities.awake.span());
+      });
+    }
+  }
+
+  /// Flips from the tetrahedra on that have an edge between flagged vertices; flags those whose ring changes. Returns
+  /// their number.
+  Size flip_around(Span<std::uint8_t> flags) {
+    activate_around(par_, work_.mesh, work_.flips, Span<const std::uint8_t>(flags));
+    return flip_active(flags);
+  }
+  Size flip_active(Span<std::uint8_t> flags) {
+    Size all = 0;
+    for (Size flips = 1; flips > 0 && work_.flips.active.size() > 0; all += flips) {
+      const FlipReport f = flip_pass(par_, work_.mesh, work_.flips, flags);
+      count(f);
+      flips = f.flips();
+    }
+    return all;
+  }
+
+  int iteration() const { return report_.sweeps.empty() ? 0 : report_.sweeps.back().iteration; }
 
   /// Rings and colours, where flips have changed the mesh since they were made.
   void refresh_rings() {

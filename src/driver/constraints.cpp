@@ -41,7 +41,8 @@ std::int64_t move_kept(std::vector<T>& items, std::vector<int>& tags, const std:
   return dropped;
 }
 
-void renumber(std::vector<Index>& ids, const std::vector<Index>& old2new) {
+template <class Ids>
+void renumber(Ids& ids, const std::vector<Index>& old2new) {
   for (Index& id : ids) id = old2new[static_cast<std::size_t>(id)];
 }
 
@@ -151,6 +152,17 @@ std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexce
   renumber(mesh.ridges, old2new);
   renumber(mesh.required_edges, old2new);
   return move_kept(mesh.edges, mesh.edge_tags, old2new);
+}
+
+void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
+  move_kept(mesh.points, mesh.point_tags, old2new);
+  for (auto& tet : mesh.tets) renumber(tet, old2new);
+  for (auto& triangle : mesh.triangles) renumber(triangle, old2new);
+  for (auto& edge : mesh.edges) renumber(edge, old2new);
+  for (ElementBlock& block : mesh.others) renumber(block.element2vertex, old2new);
+  renumber(mesh.required_vertices, old2new);
+  renumber(mesh.corners, old2new);
+  mesh.corners.erase(std::remove(mesh.corners.begin(), mesh.corners.end(), -1), mesh.corners.end());
 }
 
 }  // namespace tetune

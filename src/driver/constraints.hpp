@@ -36,4 +36,8 @@ std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep);
 std::int64_t keep_triangles(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
 std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
 
+/// Moves the vertices to their new positions, and renumbers all that refers to them. Those without one are in no
+/// element; as corners they are forgotten.
+void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
+
 }  // namespace tetune

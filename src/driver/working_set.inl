@@ -93,6 +93,36 @@ struct ToOriginal {
   }
 };
 
+/// The caller's vertex ids, extended by those of the inserted vertices.
+struct VertexIds {
+  std::vector<Index> work2extended;  ///< or kRemoved
+  std::vector<Index> extended2new;   ///< where they are once the removed ones are gone; -1 for these
+  std::vector<Index> new2original;   ///< or -1 for inserted ones; empty where all were kept
+  bool removed = false;
+};
+
+inline VertexIds vertex_ids(std::vector<Index> vertex2original, std::size_t originals) {
+  VertexIds ids;
+  std::vector<std::uint8_t> keep(originals, 0);
+  for (Index& v : vertex2original) {
+    if (v == kInserted) {
+      v = static_cast<Index>(keep.size());
+      keep.push_back(1);
+    } else if (v != kRemoved) {
+      keep[static_cast<std::size_t>(v)] = 1;
+    }
+  }
+  ids.removed = std::find(keep.begin(), keep.end(), 0) != keep.end();
+  ids.extended2new = positions_of_kept(keep);
+  if (ids.removed || keep.size() > originals) {
+    for (std::size_t v = 0; v < keep.size(); ++v) {
+      if (keep[v] != 0) ids.new2original.push_back(v < originals ? static_cast<Index>(v) : -1);
+    }
+  }
+  ids.work2extended = std::move(vertex2original);
+  return ids;
+}
+
 /// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
 template <class Backend>
 void check_volumes(const Backend& par, const TetMesh& mesh, int threads, WorkingSet<Backend>& work) {
@@ -234,12 +264,15 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   using namespace working_set_detail;
   // All that may fail comes first, so that the caller's mesh changes as a whole or not at all.
   const std::vector<Index> slot_of = compact_slots(par, work.mesh).download();
+  VertexIds ids = vertex_ids(work.mesh.vertex2original.download(), mesh.points.size());
+  work.mesh.vertex2original.upload(ids.work2extended);
   par.for_each(work.mesh.slots(), ToOriginal{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
   decltype(mesh.tets) tets(static_cast<std::size_t>(work.mesh.slots()));
   Backend::download(tets.data(), work.mesh.tet2vertex.span().data(), tets.size() * sizeof(Tet));
   std::vector<int> tet_tags = work.mesh.tet_tags.download();
   const std::vector<Point> points = work.mesh.points.download();
-  const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
+  mesh.points.reserve(ids.extended2new.size());
+  mesh.point_tags.reserve(ids.extended2new.size());
   std::vector<std::uint8_t> keep(mesh.triangles.size());
   for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
   const std::vector<Index> new_triangles = positions_of_kept(keep);
@@ -248,8 +281,11 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   // From here on nothing fails.
   mesh.tets.swap(tets);
   mesh.tet_tags.swap(tet_tags);
+  mesh.points.resize(ids.extended2new.size());
+  mesh.point_tags.resize(ids.extended2new.size(), 0);
   for (std::size_t v = 0; v < points.size(); ++v) {
-    Point3& p = mesh.points[static_cast<std::size_t>(vertex2original[v])];
+    if (ids.work2extended[v] == kRemoved) continue;
+    Point3& p = mesh.points[static_cast<std::size_t>(ids.work2extended[v])];
     const Vec3 before = work.scale * vec(p);
     const Vec3 now = vec(points[v]);
     if (before.x == now.x && before.y == now.y && before.z == now.z) continue;  // to the last bit
@@ -264,6 +300,8 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
 
   report.triangles_dropped = keep_triangles(mesh, new_triangles);
   report.edges_dropped = keep_edges(mesh, new_edges);
+  if (ids.removed) keep_vertices(mesh, ids.extended2new);
+  report.vertex2original = std::move(ids.new2original);
 }
 
 }  // namespace tetune

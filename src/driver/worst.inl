@@ -7,6 +7,7 @@
 #include "core/work_mesh.hpp"
 #include "energy/harmonic.hpp"
 #include "par/atomic.hpp"
+#include "vertices/angle_ring.hpp"
 
 /// Which tetrahedra are the worst, for work on them alone (docs/method.md, "Worst first").
 namespace tetune {
@@ -60,6 +61,28 @@ struct FlagNeighbours {
   }
 };
 
+/// One over the sine of the smallest dihedral angle; 0 for a free slot.
+struct Sharpness {
+  MeshView mesh;
+  Span<double> values;
+  TETUNE_HD void operator()(Size t) const {
+    const double cot = mesh.alive(t) ? largest_cot(mesh, t) : 0;
+    values[t] = mesh.alive(t) ? std::sqrt(1 + cot * cot) : 0;
+  }
+};
+
+/// Flags the vertices of the tetrahedra with an angle below a bound.
+struct FlagSharp {
+  MeshView mesh;
+  double cot;
+  Span<std::uint8_t> flags;
+  TETUNE_HD WorstCount operator()(Size t) const {
+    if (!mesh.alive(t) || !(largest_cot(mesh, t) > cot)) return {};
+    for (int k = 0; k < 4; ++k) par::store_shared(flags[mesh.tet2vertex[t][k]], std::uint8_t{1});
+    return {1};
+  }
+};
+
 struct CountAbove {
   Span<const double> values;
   double bound;
@@ -89,12 +112,28 @@ double quantile_above(const Backend& par, Span<const double> values, double part
   return low;
 }
 
+/// About the cotangent of the dihedral angle that is larger than the smallest of a part of all tetrahedra.
+template <class Backend>
+double sharp_cot(const Backend& par, WorkMesh<Backend>& mesh, double part) {
+  typename Backend::template Buffer<double> sharpness(mesh.slots());
+  par.for_each(mesh.slots(), worst_detail::Sharpness{mesh.view(), sharpness.span()});
+  const double above = quantile_above(par, Span<const double>(sharpness.span()), part, mesh.tets());
+  return std::sqrt(above * above - 1);
+}
+
 /// The worst shape energy and dihedral angle of a mesh, as what nothing may go below.
 template <class Backend>
 QualityFloor find_floor(const Backend& par, WorkMesh<Backend>& mesh) {
   QualityFloor floor = par.template reduce<QualityFloor>(mesh.slots(), worst_detail::FloorOf{mesh.view()});
   floor.settle();
   return floor;
+}
+
+/// Flags the vertices of the tetrahedra with an angle whose cotangent is above `cot`; returns the number of those.
+template <class Backend>
+Size flag_sharp(const Backend& par, WorkMesh<Backend>& mesh, double cot, Span<std::uint8_t> flags) {
+  return par.template reduce<worst_detail::WorstCount>(mesh.slots(), worst_detail::FlagSharp{mesh.view(), cot, flags})
+      .count;
 }
 
 /// Flags the vertices of the tetrahedra whose shape energy is above `bound`, clears the flags of all others, and

@@ -219,7 +219,7 @@ class Optimize(CliTest):
         report = json.loads(self.read_bytes("r.json"))
         self.assertEqual(report["input"], source)
         self.assertEqual(report["output"], self.path("out.mesh"))
-        self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "effort": "default", "feature_angle_deg": 45,
+        self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "effort": "default", "keep_vertices": False, "feature_angle_deg": 45,
                                              "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
                                              "frozen_patches": [], "relocation": "newton", "termination": "paper",
                                              "device": "auto", "max_iterations": 7, "max_ring": 7, "threads": 2})
@@ -468,6 +468,34 @@ class Slide(CliTest):
         self.assertEqual(runs["fast"]["worst_rounds"], [])
         self.assertLessEqual(len(runs["fast"]["sweeps"]), len(runs["default"]["sweeps"]))
 
+    def test_best_effort_inserts_and_removes_vertices_unless_they_are_kept(self):
+        mesh = unflipped(cube(6, 0.25))
+        source = self.put("in.mesh", mesh)
+        angles = {}
+        for name, options in (("default", []), ("best", ["--effort", "best"]),
+                              ("kept", ["--effort", "best", "--keep-vertices"])):
+            text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), *options, "--report",
+                                self.path("r.json"), "-v", "2").stdout
+            report = json.loads(self.read_bytes("r.json"))
+            run = report["optimization"]
+            after = Mesh.read(self.path("out.mesh"))
+            change = run["vertices_inserted"] - run["vertices_removed"]
+            self.assertEqual(len(after.points), len(mesh.points) + change)
+            self.assertEqual(sum(w["inserted"] for w in run["worst_rounds"]), run["vertices_inserted"])
+            self.assertEqual(sum(w["removed"] for w in run["worst_rounds"]), run["vertices_removed"])
+            self.assertEqual(run["vertices_inserted"] > 0, name == "best")
+            self.assertEqual(" vertices inserted, " in text, name == "best")
+            self.assertEqual(report["options"]["keep_vertices"], name == "kept")
+            self.assertGreater(min(after.volumes()), 0)
+            self.assertAlmostEqual(sum(after.volumes()), 1)
+            angles[name] = report["after"]["dihedral_min_deg"]
+            if name == "best":
+                compared = self.run_cli("compare", source, self.path("out.mesh")).stdout
+                self.assertIn(f"{len(mesh.points)} -> {len(after.points)}", compared)
+                self.assertNotIn("NO", compared)
+        self.assertGreater(angles["best"], angles["default"])
+        self.assertGreaterEqual(angles["kept"], angles["default"])
+
     def test_freeze(self):
         mesh = bent(cube(4))
         mesh.tet_tags = [1 if t < len(mesh.tets) // 2 else 2 for t in range(len(mesh.tets))]
@@ -543,7 +571,10 @@ class Slide(CliTest):
                 (["--boundary", "glide"], ["--boundary", "slide"]),
                 (["--energy", "elastic"], ["--energy", "shape"]),
                 (["--effort", "fast", "--termination", "paper"], ["--effort", "--termination paper"]),
-                (["--effort", "heroic"], ["--effort", "fast", "default"]),
+                (["--effort", "heroic"], ["--effort", "fast", "default", "best"]),
+                (["--effort", "best", "--energy", "harmonic"], ["--effort best", "--energy harmonic"]),
+                (["--effort", "best", "--max-iterations", "0"], ["--effort", "--max-iterations 0"]),
+                (["--keep-vertices"], ["--keep-vertices", "--effort best"]),
                 (["-nosurf", "--boundary", "slide"], ["--boundary"])):
             self.refused("optimize", source, "-o", self.path("out.mesh"), *options, said=said)
             self.assertEqual(self.files(), ["in.mesh"])
@@ -551,7 +582,7 @@ class Slide(CliTest):
     def test_help_names_the_options(self):
         text = self.run_cli("optimize", "--help").stdout
         for option in ("--boundary", "slide", "--feature-angle", "--max-deviation", "--freeze", "--open-boundaries",
-                       "--no-open-boundaries", "--energy", "harmonic"):
+                       "--no-open-boundaries", "--energy", "harmonic", "--effort", "best", "--keep-vertices"):
             self.assertIn(option, text)
 
 

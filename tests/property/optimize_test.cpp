@@ -163,6 +163,96 @@ INSTANTIATE_TEST_SUITE_P(Seeds, OptimizeProperties, testing::ValuesIn(cases()), 
          (c.termination == Termination::paper ? "Paper" : "Relative");
 });
 
+/// With the ids of the input in the place of those of the result.
+TetMesh under_old_ids(TetMesh m, const Report& report) {
+  if (report.vertex2original.empty()) return m;
+  EXPECT_EQ(report.vertex2original.size(), m.points.size());
+  const auto old = [&report](Index& v) { v = report.vertex2original[static_cast<std::size_t>(v)]; };
+  for (auto& t : m.tets) std::for_each(t.begin(), t.end(), old);
+  for (auto& t : m.triangles) std::for_each(t.begin(), t.end(), old);
+  for (auto& e : m.edges) std::for_each(e.begin(), e.end(), old);
+  std::for_each(m.required_vertices.begin(), m.required_vertices.end(), old);
+  return m;
+}
+
+TEST(Optimize, BestKeepsWhatMustBeKept) {
+  std::int64_t inserted = 0;
+  std::int64_t removed = 0;
+  for (std::uint32_t seed = 1; seed <= 16; ++seed) {
+    SCOPED_TRACE(seed);
+    const TetMesh before = varied(seed);
+    TetMesh after = before;
+    Options options;
+    options.effort = Effort::best;
+    options.boundary = seed % 4 == 0 ? Boundary::fixed : seed % 4 == 1 ? Boundary::slide : Boundary::preserve;
+    const Report report = optimize(after, options);
+    inserted += report.vertices_inserted;
+    removed += report.vertices_removed;
+
+    const ValidationReport valid = validate(after);
+    EXPECT_TRUE(valid.ok()) << valid.message(false);
+    const Quality now = quality(after);
+    EXPECT_GE(now.dihedral_min, quality(before).dihedral_min - 1e-9);
+    EXPECT_NEAR(report.energy_after, now.shape_sum, 1e-9 * now.shape_sum);
+    EXPECT_LE(static_cast<double>(after.tets.size()), 1.1 * static_cast<double>(before.tets.size()));
+    EXPECT_EQ(static_cast<std::int64_t>(after.points.size()),
+              static_cast<std::int64_t>(before.points.size()) + report.vertices_inserted - report.vertices_removed);
+    EXPECT_EQ(after.point_tags.size(), after.points.size());
+
+    // Those of the input come first and in their order, and keep their tags; all others are new.
+    Index last = -1;
+    for (std::size_t v = 0; v < report.vertex2original.size(); ++v) {
+      const Index original = report.vertex2original[v];
+      const bool is_new = v >= after.points.size() - static_cast<std::size_t>(report.vertices_inserted);
+      if (original < 0) {
+        EXPECT_EQ(after.point_tags[v], 0);
+        continue;
+      }
+      EXPECT_FALSE(is_new && report.vertices_removed == 0);
+      EXPECT_GT(original, last);
+      last = original;
+      EXPECT_EQ(after.point_tags[v], before.point_tags[static_cast<std::size_t>(original)]);
+    }
+
+    if (options.boundary != Boundary::slide) {
+      const Comparison change = compare(before, after);
+      EXPECT_LT(change.new_to_old, 1e-12);
+      EXPECT_LT(change.old_to_new, 1e-12);
+      EXPECT_LT(change.region_volume_change, 1e-12);
+      EXPECT_EQ(change.required_moved, 0);
+      EXPECT_TRUE(change.tet_tags_kept && change.triangle_tags_kept && change.edge_tags_kept);
+    }
+    expect_present(after);
+    const TetMesh old = under_old_ids(after, report);
+    EXPECT_EQ(old.required_vertices, before.required_vertices);
+    EXPECT_EQ(as_set(before, before.required_tets), as_set(old, old.required_tets));
+    EXPECT_EQ(tagged(before.triangles, before.triangle_tags), tagged(old.triangles, old.triangle_tags));
+    EXPECT_EQ(tagged(before.edges, before.edge_tags), tagged(old.edges, old.edge_tags));
+  }
+  EXPECT_GT(inserted, 20);
+  EXPECT_GT(removed, 0);
+}
+
+TEST(Optimize, BestOpensTheSmallestAngles) {
+  const TetMesh before = test::scrambled(test::cube(8, 0.25), 3);
+  TetMesh standard = before;
+  optimize(standard);
+  Options options;
+  options.effort = Effort::best;
+  TetMesh best = before;
+  const Report report = optimize(best, options);
+  EXPECT_GT(report.vertices_inserted, 0);
+  options.keep_vertices = true;
+  TetMesh kept = before;
+  const Report kept_report = optimize(kept, options);
+  EXPECT_EQ(kept_report.vertices_inserted + kept_report.vertices_removed, 0);
+  EXPECT_TRUE(kept_report.vertex2original.empty());
+  EXPECT_EQ(kept.points.size(), before.points.size());
+  EXPECT_GT(quality(best).dihedral_min, quality(standard).dihedral_min + 3);
+  EXPECT_GT(quality(kept).dihedral_min, quality(standard).dihedral_min);
+  EXPECT_GT(quality(best).mean_ratio, quality(standard).mean_ratio - 0.01);
+}
+
 TEST(Optimize, InFixedModeNoSurfaceVertexMoves) {
   const TetMesh before = test::cube(5, 0.2);
   TetMesh after = before;
@@ -183,17 +273,22 @@ TEST(Optimize, InFixedModeNoSurfaceVertexMoves) {
 }
 
 TEST(Optimize, IsTheSameForAnyNumberOfThreads) {
-  Options options;
-  options.threads = 1;
-  TetMesh one = varied(4);
-  optimize(one, options);
-  for (const int threads : {2, 3, 8}) {
-    options.threads = threads;
-    TetMesh many = varied(4);
-    optimize(many, options);
-    EXPECT_EQ(one.points, many.points);
-    EXPECT_EQ(one.tets, many.tets);
-    EXPECT_EQ(one.tet_tags, many.tet_tags);
+  for (const Effort effort : {Effort::standard, Effort::best}) {
+    const TetMesh before = effort == Effort::standard ? varied(4) : test::scrambled(test::cube(10, 0.25), 2);
+    Options options;
+    options.effort = effort;
+    options.threads = 1;
+    TetMesh one = before;
+    const Report report = optimize(one, options);
+    EXPECT_EQ(report.vertices_inserted > 0, effort == Effort::best);
+    for (const int threads : {2, 3, 8}) {
+      options.threads = threads;
+      TetMesh many = before;
+      optimize(many, options);
+      EXPECT_EQ(one.points, many.points);
+      EXPECT_EQ(one.tets, many.tets);
+      EXPECT_EQ(one.tet_tags, many.tet_tags);
+    }
   }
 }
 
@@ -301,6 +396,7 @@ TEST(Optimize, LeavesTheMeshAsItWasWhereverMemoryRunsOut) {
   Options options;
   options.threads = 1;
   options.max_iterations = 1;
+  options.effort = Effort::best;
   TetMesh after = before;
   bool done = false;
   for (std::size_t granted = 0; !done; ++granted) {

@@ -188,6 +188,8 @@ TEST(Slide, KeepsToTheBoundBothWays) {
         const std::vector<SkinFace> faces = test::skin(before);
         const auto old_skin = test::corners(before, faces);
         options.max_deviation = part * mean_edge(old_skin);
+        options.effort = part == 0.01 ? Effort::best : Effort::standard;
+        options.keep_vertices = true;  // the faces below are known by their ids
         const Report report = optimize(after, options);
         EXPECT_TRUE(validate(after).ok());
         EXPECT_LT(report.energy_after, report.energy_before);
@@ -236,6 +238,8 @@ TEST(Slide, OnARealMeshKeepsItsFeaturesAndBound) {
   options.boundary = Boundary::slide;
   options.max_deviation = 0.02 * mean_edge(old_skin);
   options.max_iterations = 6;
+  options.effort = Effort::best;
+  options.keep_vertices = true;
   optimize(after, options);
   EXPECT_TRUE(validate(after).ok());
   EXPECT_EQ(faces, test::skin(after));
@@ -255,6 +259,7 @@ TEST(Slide, IsTheSameForAnyNumberOfThreads) {
         Options options = options_of({4, 5, relocation, Energy::shape, 45});
         options.threads = threads;
         options.max_deviation = part;
+        options.effort = part > 0 ? Effort::best : Effort::standard;
         optimize(m, options);
         if (threads == 1) {
           one = m;

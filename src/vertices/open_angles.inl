@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vertices/angle_ring.hpp"
+#include "vertices/open_angles.hpp"
+
+namespace tetune {
+namespace open_angles_detail {
+
+struct MovedCount {
+  Size count = 0;
+  TETUNE_HD void merge(const MovedCount& other) { count += other.count; }
+};
+
+struct OpenAngle {
+  MeshView mesh;
+  RingsView rings;
+  Span<const Index> vertices;
+  Span<const Mobility> kind;
+  Span<const Vec3> axis;
+  Span<Site> site;
+  ReferenceView reference;
+  double max_deviation;
+  Span<const std::uint8_t> flags;
+  double enough;
+
+  TETUNE_HD MovedCount operator()(Size i) const {
+    const Index v = vertices[i];
+    const Size begin = rings.offsets[v];
+    const auto count = static_cast<int>(rings.offsets[v + 1] - begin);
+    if (flags[v] == 0 || count == 0) return {};
+    const AngleRing ring(mesh, rings.faces.data() + begin, count);
+    Vec3 x = vec(mesh.points[v]);
+    if (kind[v] == Mobility::curve || kind[v] == Mobility::surface) {
+      SlideWay way{reference, DeviationBound(reference, mesh.points, site, v, max_deviation), kind[v], site[v],
+                   site[v]};
+      if (!ring.open(x, way, enough)) return {};
+      site[v] = way.site;
+    } else {
+      FreeWay way{{kind[v], axis[v]}};
+      if (!ring.open(x, way, enough)) return {};
+    }
+    mesh.points[v] = point(x);
+    return {1};
+  }
+};
+
+}  // namespace open_angles_detail
+
+template <class Backend>
+Size open_angles(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings, const Coloring<Backend>& coloring,
+                 Mobilities<Backend>& mobilities, Span<const std::uint8_t> flags, double enough) {
+  using namespace open_angles_detail;
+  Size moved = 0;
+  for (int c = 0; c < coloring.colors(); ++c) {
+    const Size first = coloring.first[static_cast<std::size_t>(c)];
+    const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
+    const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
+    moved += par.template reduce<MovedCount>(
+                    count, OpenAngle{mesh.view(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
+                                     mobilities.site.span(), mobilities.reference.view(mobilities.kind.span()),
+                                     mobilities.max_deviation, flags, enough})
+                 .count;
+  }
+  return moved;
+}
+
+}  // namespace tetune

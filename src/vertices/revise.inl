@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+
+#include "par/atomic.hpp"
+#include "vertices/revise.hpp"
+#include "vertices/star.hpp"
+
+namespace tetune {
+namespace revise_detail {
+
+/// What a tetrahedron may propose: a vertex on each of its edges; each of its vertices pulled into each other.
+inline constexpr int kInsertions = 6;
+inline constexpr int kProposals = kInsertions + 12;
+/// The cotangent of the smallest angle must fall by this part.
+inline constexpr double kLeastGain = 0.02;
+/// A place for a new vertex is worth more trials when it makes that no worse than so many times what it was.
+inline constexpr double kHope = 1.5;
+
+/// Proposals are compared by gain, rounded to single precision, then by id: the lower one wins.
+TETUNE_HD inline std::uint64_t make_key(double gain, Size id) {
+  const auto rounded = static_cast<float>(gain);
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &rounded, sizeof bits);
+  return (static_cast<std::uint64_t>(bits) << 32) | ~static_cast<std::uint32_t>(id);
+}
+
+/// A cavity and its apex: a vertex, or the place of a new one.
+struct Proposal {
+  double gain;  ///< 0: none
+  Vec3 x;
+  Index apex;
+  Index removed;  ///< vertex, or kNewVertex
+  Index tets[kMaxStarTets];
+  int tet_count;
+};
+
+struct IsSharp {
+  MeshView mesh;
+  double bound;
+  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && largest_cot(mesh, t) > bound; }
+};
+
+struct Propose {
+  MeshView mesh;
+  ConstrainedEdges constrained;
+  Span<const Mobility> kind;
+  Span<const Index> sharp;
+  Span<Proposal> proposals;
+  Span<std::uint64_t> best;
+
+  TETUNE_HD void operator()(Size id) const {
+    const Index t = sharp[id / kProposals];
+    const auto choice = static_cast<int>(id % kProposals);
+    Proposal& p = proposals[id];
+    p.gain = 0;
+    Star star(mesh, constrained);
+    if (choice < kInsertions) {
+      insert(star, t, choice, p);
+    } else {
+      collapse(star, t, choice - kInsertions, p);
+    }
+    if (!(p.gain > 0)) return;
+    p.tet_count = star.tet_count();
+    for (int i = 0; i < p.tet_count; ++i) {
+      p.tets[i] = star.tet(i);
+      par::atomic_max(best[p.tets[i]], make_key(p.gain, id));
+    }
+  }
+
+ private:
+  TETUNE_HD void insert(Star& star, Index t, int edge, Proposal& p) const {
+    if (!star.take_edge(t, edge)) return;
+    const Tet tet = mesh.tet2vertex[t];
+    const EdgeCorners e = edge_corners(edge);
+    const Vec3 x = star.settle(0.5 * (vec(mesh.points[tet[e.i]]) + vec(mesh.points[tet[e.j]])));
+    const double before = star.cot_before();
+    const double hope = kHope * before;
+    if (!(star.cot_after(kNewVertex, x, hope) < hope)) return;
+    propose(star, before, kNewVertex, kNewVertex, star.open_angle(x), p);
+  }
+
+  TETUNE_HD void collapse(Star& star, Index t, int choice, Proposal& p) const {
+    const Tet tet = mesh.tet2vertex[t];
+    const int from = choice / 3;
+    const int to = (from + 1 + choice % 3) % 4;
+    if (kind[tet[from]] != Mobility::free || !star.take_vertex(t, from)) return;
+    propose(star, star.cot_before(), tet[to], tet[from], vec(mesh.points[tet[to]]), p);
+  }
+
+  TETUNE_HD void propose(const Star& star, double before, Index apex, Index removed, const Vec3& x, Proposal& p) const {
+    const double limit = (1 - kLeastGain) * before;
+    const double after = star.cot_after(apex, x, limit);
+    if (!(after < limit)) return;
+    p.gain = before - after;
+    p.x = x;
+    p.apex = apex;
+    p.removed = removed;
+  }
+};
+
+/// A proposal is agreed when all its tetrahedra hold it as their best.
+struct Agreed {
+  Span<const Proposal> proposals;
+  Span<const std::uint64_t> best;
+  TETUNE_HD bool operator()(Size id) const {
+    const Proposal& p = proposals[id];
+    if (!(p.gain > 0)) return false;
+    const std::uint64_t key = make_key(p.gain, id);
+    for (int i = 0; i < p.tet_count; ++i) {
+      if (best[p.tets[i]] != key) return false;
+    }
+    return true;
+  }
+};
+
+/// What a set of fillings adds up to, as a scan needs it.
+struct Counts {
+  std::uint32_t takes = 0;  ///< slots
+  std::uint32_t frees = 0;  ///< slots
+  std::uint32_t inserted = 0;
+  TETUNE_HD friend Counts operator+(Counts x, const Counts& y) { return x += y; }
+  TETUNE_HD Counts& operator+=(const Counts& y) {
+    takes += y.takes;
+    frees += y.frees;
+    inserted += y.inserted;
+    return *this;
+  }
+};
+
+/// One agreed filling on its way through the phases.
+struct Filling {
+  Index apex;
+  Index removed;
+  Vec3 x;
+  int old_count;  ///< tetrahedra before
+  int made;       ///< and after
+  int face_count;
+  Index slots[kMaxStarFaces];  ///< of the old tetrahedra, then those it takes
+  LinkFace faces[kMaxStarFaces];
+  Link sides[kMaxStarFaces];
+  Link across[kMaxStarFaces];
+  std::int8_t place[kMaxStarFaces];  ///< which of the new tetrahedra is on this face; negative where the apex is on it
+
+  /// The side opposite corner k of a face: which face lies beyond it, and which of its corners is opposite.
+  TETUNE_HD Link beyond(int face, int k) const {
+    const Index a = faces[face].v[k == 2 ? 0 : k + 1];
+    const Index b = faces[face].v[k == 0 ? 2 : k - 1];
+    for (int i = 0; i < face_count; ++i) {
+      for (int c = 0; c < 3; ++c) {
+        if (faces[i].v[c == 2 ? 0 : c + 1] == b && faces[i].v[c == 0 ? 2 : c - 1] == a) return make_link(i, c);
+      }
+    }
+    return kNoLink;
+  }
+  /// Where a face of the cavity is afterwards: opposite the apex of the tetrahedron on it; or where the apex is on it,
+  /// in the one beyond the side opposite the apex.
+  TETUNE_HD Link new_side(int face) const {
+    if (place[face] >= 0) return make_link(slots[place[face]], 0);
+    int k = 0;
+    while (faces[face].v[k] != apex) ++k;
+    const Link next = beyond(face, k);
+    return make_link(slots[place[link_tet(next)]], link_face(next) + 1);
+  }
+};
+
+struct Gather {
+  MeshView mesh;
+  ConstrainedEdges constrained;
+  Span<const Proposal> proposals;
+  Span<const Index> agreed;
+  Span<Filling> fillings;
+  Span<Counts> counts;
+
+  TETUNE_HD void operator()(Size i) const {
+    const Proposal& p = proposals[agreed[i]];
+    Star star(mesh, constrained);
+    star.take(p.tets, p.tet_count);
+    Filling& f = fillings[i];
+    f.apex = p.apex;
+    f.removed = p.removed;
+    f.x = p.x;
+    f.old_count = p.tet_count;
+    f.face_count = star.face_count();
+    f.made = 0;
+    for (int k = 0; k < p.tet_count; ++k) f.slots[k] = p.tets[k];
+    for (int k = 0; k < f.face_count; ++k) {
+      f.faces[k] = star.face(k);
+      f.sides[k] = star.side(k);
+      f.across[k] = mesh.tet2tet[link_tet(f.sides[k])][link_face(f.sides[k])];
+      f.place[k] = static_cast<std::int8_t>(star.touches(k, p.apex) ? -1 : f.made++);
+    }
+    const int more = f.made - f.old_count;
+    counts[i] = {static_cast<std::uint32_t>(more > 0 ? more : 0), static_cast<std::uint32_t>(more < 0 ? -more : 0),
+                 p.apex == kNewVertex ? 1U : 0U};
+  }
+};
+
+/// Hands out slots and vertices, and leaves, in each outer face of the old tetrahedra, the address of the new one.
+struct Forward {
+  MeshView mesh;
+  Span<Filling> fillings;
+  Span<const Counts> before;
+  Span<const Index> free_slots;
+  Size free_count;  ///< before this pass
+  Size slots;       ///< before this pass
+  Size vertices;    ///< before this pass
+  TETUNE_HD void operator()(Size i) const {
+    Filling& f = fillings[i];
+    for (int k = f.old_count; k < f.made; ++k) {
+      const Size rank = before[i].takes + k - f.old_count;
+      f.slots[k] =
+          rank < free_count ? free_slots[free_count - 1 - rank] : static_cast<Index>(slots + rank - free_count);
+    }
+    if (f.apex == kNewVertex) f.apex = static_cast<Index>(vertices + before[i].inserted);
+    for (int k = 0; k < f.face_count; ++k) {
+      mesh.tet2tet[link_tet(f.sides[k])][link_face(f.sides[k])] = f.new_side(k);
+    }
+  }
+};
+
+/// Finds what lies across the outer faces now, as flips do.
+struct Resolve {
+  MeshView mesh;
+  Span<Filling> fillings;
+  Span<const std::uint8_t> taken;
+  TETUNE_HD void operator()(Size i) const {
+    Filling& f = fillings[i];
+    for (int k = 0; k < f.face_count; ++k) {
+      const Link old = f.across[k];
+      if (old == kNoLink) continue;
+      Link& there = mesh.tet2tet[link_tet(old)][link_face(old)];
+      if (taken[link_tet(old)] != 0) {
+        f.across[k] = there | (old & kLocked);
+      } else {
+        there = f.new_side(k) | (old & kLocked);
+      }
+    }
+  }
+};
+
+struct Mark {
+  Span<const Filling> fillings;
+  Span<std::uint8_t> taken;
+  TETUNE_HD void operator()(Size i) const {
+    for (int k = 0; k < fillings[i].old_count; ++k) taken[fillings[i].slots[k]] = 1;
+  }
+};
+
+/// Puts the new tetrahedra and vertices in place.
+struct Write {
+  MeshView mesh;
+  Span<const Filling> fillings;
+  Span<const Counts> before;
+  Span<Index> free_slots;
+  Size free_kept;
+  Span<Index> vertex2original;
+  Span<Mobility> kind;
+  Span<Vec3> axis;
+  Span<Site> site;
+  Span<std::uint8_t> constrained_vertex;
+  Span<std::uint8_t> awake;
+
+  TETUNE_HD void operator()(Size i) const {
+    const Filling& f = fillings[i];
+    const int tag = mesh.tet_tags[f.slots[0]];
+    if (f.removed >= 0) {
+      vertex2original[f.removed] = kRemoved;
+    } else {
+      insert(f);
+    }
+    for (int k = 0; k < f.face_count; ++k) {
+      const LinkFace& face = f.faces[k];
+      for (int c = 0; c < 3; ++c) par::store_shared(awake[face.v[c]], 1);
+      if (f.place[k] < 0) continue;
+      const Index s = f.slots[f.place[k]];
+      mesh.tet2vertex[s] = {{f.apex, face.v[0], face.v[1], face.v[2]}};
+      mesh.tet_tags[s] = tag;
+      Links links;
+      links[0] = f.across[k];
+      for (int c = 0; c < 3; ++c) {
+        const Link next = f.beyond(k, c);
+        const int there = f.place[link_tet(next)];
+        links[c + 1] = there < 0 ? f.across[link_tet(next)] : make_link(f.slots[there], link_face(next) + 1);
+      }
+      mesh.tet2tet[s] = links;
+    }
+    par::store_shared(awake[f.apex], 1);
+    for (int k = f.made; k < f.old_count; ++k) {
+      mesh.tet2vertex[f.slots[k]][0] = kFreeSlot;
+      free_slots[free_kept + before[i].frees + k - f.made] = f.slots[k];
+    }
+  }
+
+ private:
+  TETUNE_HD void insert(const Filling& f) const {
+    mesh.points[f.apex] = point(f.x);
+    vertex2original[f.apex] = kInserted;
+    kind[f.apex] = Mobility::free;
+    axis[f.apex] = {0, 0, 0};
+    if (site.size() > 0) site[f.apex] = {};
+    constrained_vertex[f.apex] = 0;
+  }
+};
+
+}  // namespace revise_detail
+
+template <class Backend>
+ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& flips,
+                             Mobilities<Backend>& mobilities, double bound, Size most_tets) {
+  using namespace revise_detail;
+  using Ids = typename Backend::template Buffer<Index>;
+  const Size slots = mesh.slots();
+  const Size vertices = mesh.vertices();
+
+  Ids sharp(slots);
+  const Size count = kProposals * par.compact(slots, IsSharp{mesh.view(), bound}, sharp.span());
+  typename Backend::template Buffer<Proposal> proposals(count);
+  typename Backend::template Buffer<std::uint64_t> best(slots);
+  par.fill(best.span(), std::uint64_t{0});
+  par.for_each(count, Propose{mesh.view(), flips.constrained(), mobilities.kind.span(), sharp.span(), proposals.span(),
+                              best.span()});
+  Ids agreed(count);
+  const Size fills = par.compact(count, Agreed{proposals.span(), best.span()}, agreed.span());
+  typename Backend::template Buffer<Filling> fillings(fills);
+  typename Backend::template Buffer<Counts> before(fills);
+  par.for_each(
+      fills, Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), fillings.span(), before.span()});
+  const Counts counts = par.exclusive_scan(Span<const Counts>(before.span()), before.span());
+  if (fills == 0 || mesh.tets() + counts.takes - counts.frees > most_tets) return {};
+
+  const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
+  const Size needed = slots + std::max<Size>(0, counts.takes - mesh.free_count);
+  check_slots(needed);
+  mesh.tet2vertex.grow(needed);
+  mesh.tet2tet.grow(needed);
+  mesh.tet_tags.grow(needed);
+  mesh.free_slots.grow(std::max(mesh.free_count, free_kept + counts.frees));
+  flips.slack.resize(needed);
+  par.fill(flips.slack.span(), static_cast<float>(kMaxSlack));
+  const Size all = vertices + counts.inserted;
+  mesh.points.grow(all);
+  mesh.vertex2original.grow(all);
+  flips.constrained_vertex.grow(all);
+  mobilities.kind.grow(all);
+  mobilities.axis.grow(all);
+  mobilities.awake.grow(all);
+  if (mobilities.site.size() > 0) mobilities.site.grow(all);
+
+  typename Backend::template Buffer<std::uint8_t> taken(slots);
+  par.fill(taken.span(), std::uint8_t{0});
+  par.for_each(fills, Mark{fillings.span(), taken.span()});
+  par.for_each(fills, Forward{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), mesh.free_count,
+                              slots, vertices});
+  par.for_each(fills, Resolve{mesh.view(), fillings.span(), taken.span()});
+  par.for_each(fills, Write{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), free_kept,
+                            mesh.vertex2original.span(), mobilities.kind.span(), mobilities.axis.span(),
+                            mobilities.site.span(), flips.constrained_vertex.span(), mobilities.awake.span()});
+  mesh.free_count = free_kept + counts.frees;
+  return {static_cast<Size>(counts.inserted), fills - static_cast<Size>(counts.inserted)};
+}
+
+}  // namespace tetune
