@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -18,6 +19,8 @@ namespace {
 struct Arguments {
   std::string input, output, report, trace, max_deviation;
   std::vector<std::string> freeze;
+  std::optional<double> target_dihedral;
+  std::vector<std::pair<double, std::string>> target_quality;
   Options options;
   int verbosity = 1;
   bool quiet = false;
@@ -69,6 +72,8 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
 
 nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, const Quality& after,
                                    const Report& report, double read_seconds, double write_seconds) {
+  nlohmann::ordered_json targets = nlohmann::ordered_json::array();
+  for (const Target& t : a.options.targets) targets.push_back({{"measure", to_string(t.measure)}, {"value", t.value}});
   return {{"tetune", TETUNE_VERSION},
           {"input", a.input},
           {"output", a.output},
@@ -86,6 +91,7 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
             {"device", name_of(kDevices, a.options.device)},
             {"max_iterations", a.options.max_iterations},
             {"max_ring", a.options.max_ring},
+            {"targets", targets},
             {"threads", a.options.threads}}},
           {"read_seconds", read_seconds},
           {"write_seconds", write_seconds},
@@ -97,6 +103,8 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
 int run(const CLI::App& command, Arguments& a) {
   refuse_ineffective(command, a);
   for (const std::string& text : a.freeze) parse_freeze(text, a.options);
+  if (a.target_dihedral) a.options.targets.push_back({Measure::min_dihedral, *a.target_dihedral});
+  for (const auto& [value, name] : a.target_quality) a.options.targets.push_back({parse_measure(name), value});
   const int verbosity = a.quiet ? 0 : a.verbosity;
   check_writable(a.output);
   check_folder(a.report);
@@ -166,6 +174,7 @@ int run(const CLI::App& command, Arguments& a) {
     }
     if (report.edges_dropped > 0) fmt::print("  {} listed edges without tag are gone\n", report.edges_dropped);
     if (change) fmt::print("{}", surface_table(*change));
+    for (const TargetReport& t : report.targets) fmt::print("{}", target_table(t));
     if (verbosity > 1) fmt::print("{}", run_table(report));
     fmt::print("  read {:.3f} s, optimised {:.3f} s on {}{}, written {:.3f} s: {}\n", read_seconds, report.seconds,
                report.device, report.threads > 0 ? fmt::format(" ({} threads)", report.threads) : "", write_seconds,
@@ -177,7 +186,8 @@ int run(const CLI::App& command, Arguments& a) {
     write_text(a.report, json.dump(2) + "\n");
   }
   if (!a.trace.empty()) write_text(a.trace, trace_csv(report));
-  return report.stop == StopReason::cancelled ? kStoppedEarly : kDone;
+  const bool met = std::all_of(report.targets.begin(), report.targets.end(), [](const auto& t) { return t.met(); });
+  return report.stop == StopReason::cancelled || !met ? kStoppedEarly : kDone;
 }
 
 }  // namespace
@@ -236,6 +246,15 @@ void add_optimize(CLI::App& app, int& exit_code) {
                 "Largest ring of tetrahedra around an edge that may be removed; 3: 3-2 flips alone, as in the paper")
       ->check(CLI::Range(3, 7))
       ->capture_default_str();
+  c->add_option("--target-dihedral", a->target_dihedral,
+                "Smallest dihedral angle that every element is to have. It changes nothing in the optimisation: if one "
+                "misses it, the exit code is 1 and the output says which ones, and what constraint holds them")
+      ->option_text("DEG");
+  c->add_option(
+       "--target-quality", a->target_quality,
+       "The same for any measure of `tetune info`, for example 0.2 mean_ratio or 5 radius_ratio; may be repeated")
+      ->option_text("Q MEASURE")
+      ->allow_extra_args(false);
   c->add_option("--threads", a->options.threads, "CPU threads; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();

@@ -91,6 +91,8 @@ Json to_json(const Report& r) {
     worst.push_back(
         {{"round", w.round}, {"worst", w.worst}, {"flips", w.flips}, {"moved", w.moved}, {"seconds", w.seconds}});
   }
+  Json targets = Json::array();
+  for (const TargetReport& t : r.targets) targets.push_back(to_json(t));
   Json phases = Json::object();
   for (const PhaseTime& p : r.phases) phases[p.phase] = p.seconds;
   return {{"device", r.device},
@@ -121,7 +123,30 @@ Json to_json(const Report& r) {
           {"phase_seconds", phases},
           {"sweeps", sweeps},
           {"flip_passes", passes},
-          {"worst_rounds", worst}};
+          {"worst_rounds", worst},
+          {"targets", targets}};
+}
+
+Json to_json(const TargetReport& r) {
+  Json pinned = Json::object();
+  for (std::size_t k = 0; k < kPins; ++k) pinned[to_string(static_cast<Pin>(k))] = r.pinned[k];
+  Json worst = Json::array();
+  for (const MissedTet& m : r.worst) {
+    Json item = {
+        {"tetrahedron", m.tet + 1}, {"value", m.value}, {"centroid", m.centroid}, {"held_by", to_string(m.pin)}};
+    if (m.pin == Pin::surface_angle) {
+      item["edge"] = {m.edge[0] + 1, m.edge[1] + 1};
+      item["surface_angle_deg"] = m.surface_angle;
+    }
+    worst.push_back(item);
+  }
+  return {{"measure", to_string(r.target.measure)},
+          {"value", r.target.value},
+          {"met", r.met()},
+          {"tetrahedra", r.tets},
+          {"missed", r.missed},
+          {"held_by", pinned},
+          {"worst", worst}};
 }
 
 Json to_json(const ValidationReport& report) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tetune/mesh.hpp"
+#include "tetune/targets.hpp"
 
 namespace tetune {
 
@@ -76,6 +77,9 @@ struct Options {
   /// Largest ring of an edge removal, 3 to 7: an edge with that many tetrahedra around it at most may be removed. 3 is
   /// the paper's 3-2 flip.
   int max_ring = 7;
+  /// What every element of the result is to reach. It changes nothing in what is done: Report::targets says which
+  /// elements miss it, and why.
+  std::vector<Target> targets;
 };
 
 /// One relocation sweep over all vertices (Alg. 1).
@@ -146,6 +150,7 @@ struct Report {
   std::vector<FlipReport> flip_passes;
   std::vector<WorstReport> worst_rounds;
   std::vector<PhaseTime> phases;
+  std::vector<TargetReport> targets;  ///< one for each of Options::targets, in order
   double seconds = 0;
   StopReason stop = StopReason::converged;
 };

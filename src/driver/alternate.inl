@@ -4,6 +4,7 @@
 #include "driver/alternate.hpp"
 #include "driver/clock.hpp"
 #include "driver/schedule.hpp"
+#include "driver/targets.hpp"
 #include "driver/working_set.inl"
 #include "driver/worst.inl"
 
@@ -219,6 +220,20 @@ Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, co
   alternate_detail::Alternation<Backend> alternation(par, work, options, context, report);
   alternation.run();
   report.energy_after = alternation.energy();
+  if (!options.targets.empty()) {
+    clock.measure("targets", [&] {
+      const Outcome outcome{work.mesh.points.download(),
+                            work.mesh.tet2vertex.download(),
+                            work.mesh.tet2tet.download(),
+                            work.mesh.tet_tags.download(),
+                            work.mesh.vertex2original.download(),
+                            work.mobilities.kind.download(),
+                            work.frozen,
+                            work.required_slots,
+                            work.scale};
+      report.targets = report_targets(outcome, options);
+    });
+  }
   clock.measure("store", [&] { store(par, work, mesh, report); });
   report.tets_after = static_cast<std::int64_t>(mesh.tets.size());
   return report;

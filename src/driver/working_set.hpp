@@ -21,6 +21,8 @@ struct WorkingSet {
   Coloring<Backend> coloring;
   /// Coordinates inside are the caller's times this power of two: see unit_scale().
   double scale = 1;
+  /// kMovable, kFrozen or kCorner for each work vertex.
+  std::vector<std::uint8_t> frozen;
   /// Work slot of each of the caller's required tetrahedra.
   std::vector<Index> required_slots;
   /// For each of the caller's triangles.

@@ -177,6 +177,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   }
   typename Backend::template Buffer<std::uint8_t> frozen_buffer;
   frozen_buffer.upload(frozen);
+  work.frozen = std::move(frozen);
 
   // Listed edges: all hold against flips.
   std::vector<Index> ends;
