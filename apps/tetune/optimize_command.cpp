@@ -62,6 +62,15 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
         throw OptionError(fmt::format("{} has no effect without --boundary slide; add it, or drop {}", name, name));
     }
   }
+  if (command.count("--boundary-flips") > 0 && a.options.boundary_flips) {
+    const char* other = a.options.boundary == Boundary::fixed ? "--boundary fixed"
+                        : !a.max_deviation.empty()            ? "--max-deviation"
+                        : a.options.max_ring == 3             ? "--max-ring 3"
+                                                              : nullptr;
+    if (other != nullptr) {
+      throw OptionError(fmt::format("--boundary-flips has no effect with {}; drop one of them", other));
+    }
+  }
   if (a.options.termination == Termination::paper && command.count("--effort") > 0) {
     throw OptionError("--effort has no effect with --termination paper; drop one of them");
   }
@@ -91,6 +100,7 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
             {"device", name_of(kDevices, a.options.device)},
             {"max_iterations", a.options.max_iterations},
             {"max_ring", a.options.max_ring},
+            {"boundary_flips", a.options.boundary_flips},
             {"targets", targets},
             {"threads", a.options.threads}}},
           {"read_seconds", read_seconds},
@@ -156,9 +166,11 @@ int run(const CLI::App& command, Arguments& a) {
   if (original && (verbosity > 0 || !a.report.empty())) change = compare(*original, mesh, a.options.threads);
   if (verbosity > 0) {
     fmt::print("{}", quality_table({"before", "after"}, {before, after}));
-    fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {} larger edge removals, {}; {} of {} vertices fixed\n",
-               report.sweeps.size(), report.flips23, report.flips32, report.edge_removals, to_string(report.stop),
-               report.fixed_vertices, report.vertices);
+    fmt::print(
+        "  {} sweeps, {} + {} flips (2-3 + 3-2), {} larger edge removals, {} boundary flips, {}; {} of {} vertices "
+        "fixed\n",
+        report.sweeps.size(), report.flips23, report.flips32, report.edge_removals, report.boundary_flips,
+        to_string(report.stop), report.fixed_vertices, report.vertices);
     if (report.corners_not_held > 0) {
       fmt::print(
           "  {} listed corners lie where the surface has no feature, too many for a list of corners: they may move\n",
@@ -245,6 +257,9 @@ void add_optimize(CLI::App& app, int& exit_code) {
   c->add_option("--max-ring", a->options.max_ring,
                 "Largest ring of tetrahedra around an edge that may be removed; 3: 3-2 flips alone, as in the paper")
       ->check(CLI::Range(3, 7))
+      ->capture_default_str();
+  c->add_flag("--boundary-flips,!--no-boundary-flips", a->options.boundary_flips,
+              "Edges between coplanar triangles of one patch of the boundary may be flipped (the default), or stay")
       ->capture_default_str();
   c->add_option("--target-dihedral", a->target_dihedral,
                 "Smallest dihedral angle that every element is to have. It changes nothing in the optimisation: if one "

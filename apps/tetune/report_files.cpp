@@ -83,6 +83,7 @@ Json to_json(const Report& r) {
                       {"flips_2_3", f.flips23},
                       {"flips_3_2", f.flips32},
                       {"edge_removals", f.edge_removals},
+                      {"boundary_flips", f.boundary_flips},
                       {"decrease", f.decrease},
                       {"seconds", f.seconds}});
   }
@@ -120,6 +121,7 @@ Json to_json(const Report& r) {
           {"flips_2_3", r.flips23},
           {"flips_3_2", r.flips32},
           {"edge_removals", r.edge_removals},
+          {"boundary_flips", r.boundary_flips},
           {"phase_seconds", phases},
           {"sweeps", sweeps},
           {"flip_passes", passes},
@@ -177,20 +179,20 @@ Json counts_json(const TetMesh& mesh) {
 std::string trace_csv(const Report& report) {
   std::string text =
       "event,iteration,pass,energy_before,decrease,gradient_norm,moved,active,evaluated,flips_2_3,flips_3_2,edge_"
-      "removals,seconds\n";
+      "removals,boundary_flips,seconds\n";
   double energy = report.energy_before;
   auto pass = report.flip_passes.begin();
   const auto flips_after = [&](int iteration) {
     for (; pass != report.flip_passes.end() && pass->iteration == iteration; ++pass) {
-      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
+      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
                           pass->decrease, pass->active, pass->evaluated, pass->flips23, pass->flips32,
-                          pass->edge_removals, pass->seconds);
+                          pass->edge_removals, pass->boundary_flips, pass->seconds);
       energy -= pass->decrease;
     }
   };
   flips_after(0);
   for (const SweepReport& s : report.sweeps) {
-    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,,{:.6f}\n", s.iteration, s.energy_before, s.decrease,
+    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,,,{:.6f}\n", s.iteration, s.energy_before, s.decrease,
                         s.gradient_norm, s.moved, s.seconds);
     energy = s.energy_before - s.decrease;
     flips_after(s.iteration);

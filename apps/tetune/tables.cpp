@@ -182,10 +182,11 @@ std::string run_table(const Report& report) {
     text += fmt::format("  {:>5} {:>9} {:>14.8g} {:>14.4g} {:>12.4g} {:>10.4f}\n", s.iteration, s.moved,
                         s.energy_before, s.decrease, s.gradient_norm, s.seconds);
   }
-  text += "  after sweep  pass     active  evaluated     2-3     3-2 removed       decrease     time s\n";
+  text += "  after sweep  pass     active  evaluated     2-3     3-2 removed  border       decrease     time s\n";
   for (const FlipReport& f : report.flip_passes) {
-    text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration, f.pass,
-                        f.active, f.evaluated, f.flips23, f.flips32, f.edge_removals, f.decrease, f.seconds);
+    text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration,
+                        f.pass, f.active, f.evaluated, f.flips23, f.flips32, f.edge_removals, f.boundary_flips,
+                        f.decrease, f.seconds);
   }
   if (!report.worst_rounds.empty()) text += "  round      worst   flips   moved     time s\n";
   for (const WorstReport& w : report.worst_rounds) {

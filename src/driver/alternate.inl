@@ -22,6 +22,8 @@ inline constexpr double kStale = 0.1;
 /// The worst tetrahedra are this part of all, and those only that are worse than good.
 inline constexpr double kWorstPart = 1e-4;
 inline constexpr double kGood = 2;
+/// Flips of boundary edges end when a pass takes away less than this part of the energy.
+inline constexpr double kLittleOnBoundary = 1e-4;
 /// The work on them is done under the shape energy squared so many times.
 inline constexpr int kWorstSquarings = 2;
 inline constexpr int kWorstRounds = 10;
@@ -42,7 +44,8 @@ class Alternation {
         context_(context),
         report_(report),
         clock_(report),
-        unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1) {}
+        unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1),
+        flips_boundary_(work.boundary.triangles.size() > 0) {}
 
   void run() {
     const bool whole = options_.effort == Effort::standard && options_.termination == Termination::relative &&
@@ -97,6 +100,11 @@ class Alternation {
       r.seconds = clock_.measure("worst", [&] {
         r.worst = flag_worst(par_, work_.mesh, worst, awake);
         activate_around(par_, work_.mesh, work_.flips, Span<const std::uint8_t>(awake));
+        if (work_.boundary.triangles.size() > 0) {
+          const FlipReport f = boundary_flip_pass(par_, work_.mesh, work_.flips, work_.boundary, awake);
+          count(f);
+          r.flips += f.flips();
+        }
         for (Size flips = 1; flips > 0 && work_.flips.active.size() > 0;) {
           const FlipReport f = flip_pass(par_, work_.mesh, work_.flips, awake);
           count(f);
@@ -156,10 +164,14 @@ class Alternation {
   /// Flips from the active set on; returns their number, or -1 when the caller cancelled.
   Size flip_until_stable(int iteration) {
     Size flips = 0;
-    for (int pass = 1; pass <= kMaxFlipPasses && work_.flips.active.size() > 0; ++pass) {
+    bool on_boundary = flips_boundary_ && iteration > 0;  // slivers must have gone before
+    for (int pass = 1; pass <= kMaxFlipPasses && (on_boundary || work_.flips.active.size() > 0); ++pass) {
       FlipReport r;
-      const double seconds =
-          clock_.measure("flips", [&] { r = flip_pass(par_, work_.mesh, work_.flips, work_.mobilities.awake.span()); });
+      const double seconds = clock_.measure(on_boundary ? "boundary flips" : "flips", [&] {
+        const Span<std::uint8_t> awake = work_.mobilities.awake.span();
+        r = on_boundary ? boundary_flip_pass(par_, work_.mesh, work_.flips, work_.boundary, awake)
+                        : flip_pass(par_, work_.mesh, work_.flips, awake);
+      });
       energy_ -= r.decrease;
       settle();
       r.iteration = iteration;
@@ -170,7 +182,9 @@ class Alternation {
       report_.flip_passes.push_back(r);
       flips += r.flips();
       if (!proceed("flips", iteration)) return -1;
-      if (r.flips() == 0) break;
+      if (r.flips() == 0 && !on_boundary) break;
+      if (on_boundary && r.decrease < kLittleOnBoundary * unit_ * energy_) flips_boundary_ = false;
+      on_boundary = false;
     }
     return flips;
   }
@@ -179,6 +193,7 @@ class Alternation {
     report_.flips23 += r.flips23;
     report_.flips32 += r.flips32;
     report_.edge_removals += r.edge_removals;
+    report_.boundary_flips += r.boundary_flips;
     rings_stale_ = rings_stale_ || r.flips() > 0;
   }
 
@@ -205,6 +220,7 @@ class Alternation {
   double energy_ = 0;
   double last_sum_ = 0;
   bool rings_stale_ = true;
+  bool flips_boundary_;  ///< while it is worth it
 };
 
 }  // namespace alternate_detail

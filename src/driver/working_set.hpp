@@ -4,6 +4,7 @@
 #include "boundary/classify.hpp"
 #include "boundary/features.hpp"
 #include "core/connect.hpp"
+#include "flips/boundary_flips.hpp"
 #include "flips/flip_pass.hpp"
 #include "relocate/coloring.hpp"
 #include "relocate/sweep.hpp"
@@ -16,6 +17,8 @@ template <class Backend>
 struct WorkingSet {
   WorkMesh<Backend> mesh;
   FlipState<Backend> flips;
+  /// Empty where no boundary edge may be flipped.
+  BoundaryTriangles<Backend> boundary;
   Mobilities<Backend> mobilities;
   Rings<Backend> rings;
   Coloring<Backend> coloring;

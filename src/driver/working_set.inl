@@ -6,6 +6,7 @@
 #include "core/unit_scale.hpp"
 #include "core/upload.hpp"
 #include "core/validate_arrays.hpp"
+#include "driver/boundary_triangles.inl"
 #include "driver/constraints.hpp"
 #include "driver/working_set.hpp"
 #include "par/atomic.hpp"
@@ -93,6 +94,12 @@ struct ToOriginal {
   }
 };
 
+/// The bound on the deviation takes the surface for one of the input's triangles.
+inline bool flips_boundary(const Options& options) {
+  return options.boundary_flips && options.boundary != Boundary::fixed && !(options.max_deviation > 0) &&
+         options.max_ring > 3;
+}
+
 /// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
 template <class Backend>
 void check_volumes(const Backend& par, const TetMesh& mesh, int threads, WorkingSet<Backend>& work) {
@@ -177,6 +184,9 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   }
   typename Backend::template Buffer<std::uint8_t> frozen_buffer;
   frozen_buffer.upload(frozen);
+  if (flips_boundary(options)) {
+    build_boundary(par, work.mesh, surface, listed_buffer.span(), frozen_buffer.span(), work.boundary);
+  }
   work.frozen = std::move(frozen);
 
   // Listed edges: all hold against flips.
@@ -245,10 +255,12 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
   const std::vector<Index> new_triangles = positions_of_kept(keep);
   const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets));
+  auto triangles = listed_after(mesh.triangles, work.boundary.triangles.download(), vertex2original);
 
   // From here on nothing fails.
   mesh.tets.swap(tets);
   mesh.tet_tags.swap(tet_tags);
+  mesh.triangles.swap(triangles);
   for (std::size_t v = 0; v < points.size(); ++v) {
     Point3& p = mesh.points[static_cast<std::size_t>(vertex2original[v])];
     const Vec3 before = work.scale * vec(p);

@@ -21,7 +21,7 @@ from pathlib import Path
 TETUNE = ""
 
 TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gradient_norm", "moved", "active",
-                 "evaluated", "flips_2_3", "flips_3_2", "edge_removals", "seconds"]
+                 "evaluated", "flips_2_3", "flips_3_2", "edge_removals", "boundary_flips", "seconds"]
 QUALITY_KEYS = {"tetrahedra", "dihedral_min_deg", "dihedral_1_percent_deg", "dihedral_5_percent_deg",
                 "dihedral_mean_deg", "dihedral_max_deg", "eta_max", "eta_95_percent", "eta_sum", "shape_sum", "mean_ratio",
                 "mean_ratio_min", "volume", "worst_tetrahedron", "dihedral_histogram_10_deg", "measures", "worst"}
@@ -222,7 +222,7 @@ class Optimize(CliTest):
         self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "effort": "default", "feature_angle_deg": 45,
                                              "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
                                              "frozen_patches": [], "relocation": "newton", "termination": "paper",
-                                             "device": "auto", "max_iterations": 7, "max_ring": 7, "targets": [],
+                                             "device": "auto", "max_iterations": 7, "max_ring": 7, "boundary_flips": True, "targets": [],
                                              "threads": 2})
         self.assertGreaterEqual(report["read_seconds"], 0)
         self.assertGreaterEqual(report["write_seconds"], 0)
@@ -244,7 +244,8 @@ class Optimize(CliTest):
         self.assertGreater(run["flips_3_2"], 0)
         added = run["tetrahedra_after"] - run["tetrahedra_before"]
         self.assertGreaterEqual(added, run["flips_2_3"] - run["flips_3_2"])
-        self.assertLessEqual(added, run["flips_2_3"] - run["flips_3_2"] + 3 * run["edge_removals"])
+        self.assertLessEqual(added, run["flips_2_3"] - run["flips_3_2"] + 3 * run["edge_removals"]
+                             + 4 * run["boundary_flips"])
         self.assertAlmostEqual(run["energy_before"] / before["shape_sum"], 1)
         self.assertAlmostEqual(run["energy_after"] / after["shape_sum"], 1)
         self.assertLess(run["energy_after"], 0.99 * run["energy_before"])
@@ -253,7 +254,7 @@ class Optimize(CliTest):
         self.assertLessEqual(len(run["sweeps"]), 7)
         self.assertEqual([s["iteration"] for s in run["sweeps"]], list(range(1, len(run["sweeps"]) + 1)))
         self.assertEqual(sum(p["flips_2_3"] for p in run["flip_passes"]), run["flips_2_3"])
-        for count in ("flips_3_2", "edge_removals"):
+        for count in ("flips_3_2", "edge_removals", "boundary_flips"):
             self.assertEqual(sum(p[count] for p in run["flip_passes"]), run[count])
         self.assertEqual(self.files(), ["in.mesh", "out.mesh", "r.json"])
 
@@ -271,7 +272,8 @@ class Optimize(CliTest):
         for row in rows:
             self.assertNotIn(None, row)
             self.assertNotIn(None, row.values())
-            empty = {"sweep": {"pass", "active", "evaluated", "flips_2_3", "flips_3_2", "edge_removals"},
+            empty = {"sweep": {"pass", "active", "evaluated", "flips_2_3", "flips_3_2", "edge_removals",
+                               "boundary_flips"},
                      "flips": {"gradient_norm", "moved"}}[row["event"]]
             self.assertEqual({c for c in TRACE_COLUMNS if row[c] == ""}, empty)
         sweeps = [r for r in rows if r["event"] == "sweep"]
@@ -544,6 +546,9 @@ class Slide(CliTest):
                 (["--boundary", "glide"], ["--boundary", "slide"]),
                 (["--energy", "elastic"], ["--energy", "shape"]),
                 (["--effort", "fast", "--termination", "paper"], ["--effort", "--termination paper"]),
+                (["--boundary-flips", "-nosurf"], ["--boundary-flips", "--boundary fixed"]),
+                (["--boundary-flips", "--max-ring", "3"], ["--boundary-flips", "--max-ring 3"]),
+                (["--boundary-flips", "--boundary", "slide", "-hausd", "0.1"], ["--boundary-flips", "--max-deviation"]),
                 (["--effort", "heroic"], ["--effort", "fast", "default"]),
                 (["-nosurf", "--boundary", "slide"], ["--boundary"])):
             self.refused("optimize", source, "-o", self.path("out.mesh"), *options, said=said)
@@ -603,7 +608,8 @@ class Slide(CliTest):
     def test_help_names_the_options(self):
         text = self.run_cli("optimize", "--help").stdout
         for option in ("--boundary", "slide", "--feature-angle", "--max-deviation", "--freeze", "--open-boundaries",
-                       "--no-open-boundaries", "--energy", "harmonic", "--target-dihedral", "--target-quality"):
+                       "--no-open-boundaries", "--energy", "harmonic", "--target-dihedral", "--target-quality",
+                       "--boundary-flips", "--no-boundary-flips"):
             self.assertIn(option, text)
 
 
