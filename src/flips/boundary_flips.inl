@@ -14,10 +14,11 @@ struct VertexOfCorner {
   TETUNE_HD Size operator()(Size corner) const { return triangles[corner / 3].v[corner % 3]; }
 };
 
-struct IsBoundaryFace {
+struct IsAtBoundary {
   MeshView mesh;
-  TETUNE_HD bool operator()(Size item) const {
-    return mesh.alive(item >> 2) && mesh.tet2tet[item >> 2][static_cast<int>(item & 3)] == kNoLink;
+  TETUNE_HD bool operator()(Size t) const {
+    const Links links = mesh.tet2tet[t];
+    return mesh.alive(t) && (links[0] == kNoLink || links[1] == kNoLink || links[2] == kNoLink || links[3] == kNoLink);
   }
 };
 
@@ -26,22 +27,24 @@ TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
 }
 
 /// Where each triangle is in the mesh.
-struct FindFace {
+struct FindFaces {
   MeshView mesh;
-  Span<const Index> faces;
+  Span<const Index> tets;
   Span<const BoundaryTriangle> triangles;
   RowsView vertex2corner;
   Span<Index> triangle2face;
   TETUNE_HD void operator()(Size i) const {
-    const Index face = faces[i];
-    const Tet tet = mesh.tet2vertex[face >> 2];
-    const Index v = tet[face_vertex(face & 3, 0)];
-    for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
-      const Size triangle = vertex2corner.items[c] / 3;
-      const BoundaryTriangle& t = triangles[triangle];
-      if (!has_vertex(t, tet[face_vertex(face & 3, 1)]) || !has_vertex(t, tet[face_vertex(face & 3, 2)])) continue;
-      triangle2face[triangle] = face;
-      return;
+    const Tet tet = mesh.tet2vertex[tets[i]];
+    for (int f = 0; f < 4; ++f) {
+      if (mesh.tet2tet[tets[i]][f] != kNoLink) continue;
+      const Index v = tet[face_vertex(f, 0)];
+      for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
+        const Size triangle = vertex2corner.items[c] / 3;
+        const BoundaryTriangle& t = triangles[triangle];
+        if (has_vertex(t, tet[face_vertex(f, 1)]) && has_vertex(t, tet[face_vertex(f, 2)])) {
+          triangle2face[triangle] = 4 * tets[i] + f;
+        }
+      }
     }
   }
 };
@@ -285,11 +288,11 @@ FlipReport boundary_flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipS
   typename Backend::template Buffer<BoundaryEdge> edges(candidates);
   par.for_each(candidates, FillEdge{find, corners.span(), edges.span()});
 
-  Ids faces(count);
-  par.compact(4 * mesh.slots(), IsBoundaryFace{mesh.view()}, faces.span());
+  Ids tets(mesh.slots());
+  tets.resize(par.compact(mesh.slots(), IsAtBoundary{mesh.view()}, tets.span()));
   Ids triangle2face(count);
-  par.for_each(count, FindFace{mesh.view(), faces.span(), boundary.triangles.span(), boundary.vertex2corner.view(),
-                               triangle2face.span()});
+  par.for_each(tets.size(), FindFaces{mesh.view(), tets.span(), boundary.triangles.span(),
+                                      boundary.vertex2corner.view(), triangle2face.span()});
 
   const FindCavity cavity{mesh.view(), edges.span(), triangle2face.span(), state.max_ring};
   typename Backend::template Buffer<std::uint64_t> offers(candidates);
