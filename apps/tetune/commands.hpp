@@ -8,7 +8,8 @@ namespace tetune::cli {
 /// Exit codes, as Mmg's.
 enum ExitCode : int {
   kDone = 0,          ///< all went well
-  kStoppedEarly = 1,  ///< stopped early; a valid mesh was written. Of `info` and `compare`: the mesh is not valid
+  kStoppedEarly = 1,  ///< stopped early or a target was missed; a valid mesh was written. Of `info` and `compare`: the
+                      ///< mesh is not valid
   kNothingWritten = 2,
 };
 

@@ -17,8 +17,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "tetune " TETUNE_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done; 1 stopped early, a valid mesh was written (of info and compare: the mesh is not "
-      "valid); 2 nothing was written.");
+      "Exit codes: 0 done; 1 stopped early or a target was missed, a valid mesh was written (of info and compare: the "
+      "mesh is not valid); 2 nothing was written.");
   int exit_code = kDone;
   add_optimize(app, exit_code);
   add_info(app, exit_code);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -18,6 +19,8 @@ namespace {
 struct Arguments {
   std::string input, output, report, trace, max_deviation;
   std::vector<std::string> freeze;
+  std::optional<double> target_dihedral;
+  std::vector<std::pair<double, std::string>> target_quality;
   Options options;
   int verbosity = 1;
   bool quiet = false;
@@ -60,6 +63,15 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
         throw OptionError(fmt::format("{} has no effect without --boundary slide; add it, or drop {}", name, name));
     }
   }
+  if (command.count("--boundary-flips") > 0 && a.options.boundary_flips) {
+    const char* other = a.options.boundary == Boundary::fixed ? "--boundary fixed"
+                        : !a.max_deviation.empty()            ? "--max-deviation"
+                        : a.options.max_ring == 3             ? "--max-ring 3"
+                                                              : nullptr;
+    if (other != nullptr) {
+      throw OptionError(fmt::format("--boundary-flips has no effect with {}; drop one of them", other));
+    }
+  }
   if (a.options.termination == Termination::paper && command.count("--effort") > 0) {
     throw OptionError("--effort has no effect with --termination paper; drop one of them");
   }
@@ -76,6 +88,8 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
 
 nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, const Quality& after,
                                    const Report& report, double read_seconds, double write_seconds) {
+  nlohmann::ordered_json targets = nlohmann::ordered_json::array();
+  for (const Target& t : a.options.targets) targets.push_back({{"measure", to_string(t.measure)}, {"value", t.value}});
   return {{"tetune", TETUNE_VERSION},
           {"input", a.input},
           {"output", a.output},
@@ -94,6 +108,8 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
             {"device", name_of(kDevices, a.options.device)},
             {"max_iterations", a.options.max_iterations},
             {"max_ring", a.options.max_ring},
+            {"boundary_flips", a.options.boundary_flips},
+            {"targets", targets},
             {"threads", a.options.threads}}},
           {"read_seconds", read_seconds},
           {"write_seconds", write_seconds},
@@ -105,6 +121,8 @@ nlohmann::ordered_json full_report(const Arguments& a, const Quality& before, co
 int run(const CLI::App& command, Arguments& a) {
   refuse_ineffective(command, a);
   for (const std::string& text : a.freeze) parse_freeze(text, a.options);
+  if (a.target_dihedral) a.options.targets.push_back({Measure::min_dihedral, *a.target_dihedral});
+  for (const auto& [value, name] : a.target_quality) a.options.targets.push_back({parse_measure(name), value});
   const int verbosity = a.quiet ? 0 : a.verbosity;
   check_writable(a.output);
   check_folder(a.report);
@@ -156,9 +174,11 @@ int run(const CLI::App& command, Arguments& a) {
   if (original && (verbosity > 0 || !a.report.empty())) change = compare(*original, mesh, a.options.threads);
   if (verbosity > 0) {
     fmt::print("{}", quality_table({"before", "after"}, {before, after}));
-    fmt::print("  {} sweeps, {} + {} flips (2-3 + 3-2), {} larger edge removals, {}; {} of {} vertices fixed\n",
-               report.sweeps.size(), report.flips23, report.flips32, report.edge_removals, to_string(report.stop),
-               report.fixed_vertices, report.vertices);
+    fmt::print(
+        "  {} sweeps, {} + {} flips (2-3 + 3-2), {} larger edge removals, {} boundary flips, {}; {} of {} vertices "
+        "fixed\n",
+        report.sweeps.size(), report.flips23, report.flips32, report.edge_removals, report.boundary_flips,
+        to_string(report.stop), report.fixed_vertices, report.vertices);
     if (report.vertices_inserted + report.vertices_removed > 0) {
       fmt::print("  {} vertices inserted, {} removed\n", report.vertices_inserted, report.vertices_removed);
     }
@@ -177,6 +197,7 @@ int run(const CLI::App& command, Arguments& a) {
     }
     if (report.edges_dropped > 0) fmt::print("  {} listed edges without tag are gone\n", report.edges_dropped);
     if (change) fmt::print("{}", surface_table(*change));
+    for (const TargetReport& t : report.targets) fmt::print("{}", target_table(t));
     if (verbosity > 1) fmt::print("{}", run_table(report));
     fmt::print("  read {:.3f} s, optimised {:.3f} s on {}{}, written {:.3f} s: {}\n", read_seconds, report.seconds,
                report.device, report.threads > 0 ? fmt::format(" ({} threads)", report.threads) : "", write_seconds,
@@ -188,7 +209,8 @@ int run(const CLI::App& command, Arguments& a) {
     write_text(a.report, json.dump(2) + "\n");
   }
   if (!a.trace.empty()) write_text(a.trace, trace_csv(report));
-  return report.stop == StopReason::cancelled ? kStoppedEarly : kDone;
+  const bool met = std::all_of(report.targets.begin(), report.targets.end(), [](const auto& t) { return t.met(); });
+  return report.stop == StopReason::cancelled || !met ? kStoppedEarly : kDone;
 }
 
 }  // namespace
@@ -249,6 +271,18 @@ void add_optimize(CLI::App& app, int& exit_code) {
                 "Largest ring of tetrahedra around an edge that may be removed; 3: 3-2 flips alone, as in the paper")
       ->check(CLI::Range(3, 7))
       ->capture_default_str();
+  c->add_flag("--boundary-flips,!--no-boundary-flips", a->options.boundary_flips,
+              "Edges between coplanar triangles of one patch of the boundary may be flipped (the default), or stay")
+      ->capture_default_str();
+  c->add_option("--target-dihedral", a->target_dihedral,
+                "Smallest dihedral angle that every element is to have. It changes nothing in the optimisation: if one "
+                "misses it, the exit code is 1 and the output says which ones, and what constraint holds them")
+      ->option_text("DEG");
+  c->add_option(
+       "--target-quality", a->target_quality,
+       "The same for any measure of `tetune info`, for example 0.2 mean_ratio or 5 radius_ratio; may be repeated")
+      ->option_text("Q MEASURE")
+      ->allow_extra_args(false);
   c->add_option("--threads", a->options.threads, "CPU threads; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();

@@ -62,6 +62,16 @@ double parse_length(const std::string& option, const std::string& text, const Te
   return percent ? value / 100 * diagonal(mesh) : value;
 }
 
+Measure parse_measure(const std::string& name) {
+  std::string known;
+  for (std::size_t k = 0; k < kMeasures; ++k) {
+    const auto measure = static_cast<Measure>(k);
+    if (name == to_string(measure)) return measure;
+    known += fmt::format("{}{}", k == 0 ? "" : ", ", to_string(measure));
+  }
+  throw OptionError(fmt::format("--target-quality: '{}' is not a measure; there are {}", name, known));
+}
+
 void parse_freeze(const std::string& text, Options& options) {
   std::vector<int>* tags = nullptr;
   std::size_t begin = 0;

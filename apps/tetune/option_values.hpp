@@ -6,6 +6,7 @@
 
 #include "tetune/mesh.hpp"
 #include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
 
 namespace tetune::cli {
 
@@ -14,6 +15,9 @@ std::vector<std::string> without_aliases(int argc, const char* const* argv);
 
 /// A length as "0.01", in the mesh's unit, or as "0.1%" of the diagonal of its bounding box. Throws OptionError.
 double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh);
+
+/// A measure by its name in reports: "mean_ratio". Throws OptionError.
+Measure parse_measure(const std::string& name);
 
 /// Adds "tag=1,2,patch=7" to the frozen regions and patches. Throws OptionError.
 void parse_freeze(const std::string& text, Options& options);

@@ -83,6 +83,7 @@ Json to_json(const Report& r) {
                       {"flips_2_3", f.flips23},
                       {"flips_3_2", f.flips32},
                       {"edge_removals", f.edge_removals},
+                      {"boundary_flips", f.boundary_flips},
                       {"decrease", f.decrease},
                       {"seconds", f.seconds}});
   }
@@ -96,6 +97,8 @@ Json to_json(const Report& r) {
                      {"moved", w.moved},
                      {"seconds", w.seconds}});
   }
+  Json targets = Json::array();
+  for (const TargetReport& t : r.targets) targets.push_back(to_json(t));
   Json phases = Json::object();
   for (const PhaseTime& p : r.phases) phases[p.phase] = p.seconds;
   return {{"device", r.device},
@@ -123,12 +126,36 @@ Json to_json(const Report& r) {
           {"flips_2_3", r.flips23},
           {"flips_3_2", r.flips32},
           {"edge_removals", r.edge_removals},
+          {"boundary_flips", r.boundary_flips},
           {"vertices_inserted", r.vertices_inserted},
           {"vertices_removed", r.vertices_removed},
           {"phase_seconds", phases},
           {"sweeps", sweeps},
           {"flip_passes", passes},
-          {"worst_rounds", worst}};
+          {"worst_rounds", worst},
+          {"targets", targets}};
+}
+
+Json to_json(const TargetReport& r) {
+  Json pinned = Json::object();
+  for (std::size_t k = 0; k < kPins; ++k) pinned[to_string(static_cast<Pin>(k))] = r.pinned[k];
+  Json worst = Json::array();
+  for (const MissedTet& m : r.worst) {
+    Json item = {
+        {"tetrahedron", m.tet + 1}, {"value", m.value}, {"centroid", m.centroid}, {"held_by", to_string(m.pin)}};
+    if (m.pin == Pin::surface_angle) {
+      item["edge"] = {m.edge[0] + 1, m.edge[1] + 1};
+      item["surface_angle_deg"] = m.surface_angle;
+    }
+    worst.push_back(item);
+  }
+  return {{"measure", to_string(r.target.measure)},
+          {"value", r.target.value},
+          {"met", r.met()},
+          {"tetrahedra", r.tets},
+          {"missed", r.missed},
+          {"held_by", pinned},
+          {"worst", worst}};
 }
 
 Json to_json(const ValidationReport& report) {
@@ -159,20 +186,20 @@ Json counts_json(const TetMesh& mesh) {
 std::string trace_csv(const Report& report) {
   std::string text =
       "event,iteration,pass,energy_before,decrease,gradient_norm,moved,active,evaluated,flips_2_3,flips_3_2,edge_"
-      "removals,seconds\n";
+      "removals,boundary_flips,seconds\n";
   double energy = report.energy_before;
   auto pass = report.flip_passes.begin();
   const auto flips_after = [&](int iteration) {
     for (; pass != report.flip_passes.end() && pass->iteration == iteration; ++pass) {
-      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
+      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
                           pass->decrease, pass->active, pass->evaluated, pass->flips23, pass->flips32,
-                          pass->edge_removals, pass->seconds);
+                          pass->edge_removals, pass->boundary_flips, pass->seconds);
       energy -= pass->decrease;
     }
   };
   flips_after(0);
   for (const SweepReport& s : report.sweeps) {
-    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,,{:.6f}\n", s.iteration, s.energy_before, s.decrease,
+    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,,,{:.6f}\n", s.iteration, s.energy_before, s.decrease,
                         s.gradient_norm, s.moved, s.seconds);
     energy = s.energy_before - s.decrease;
     flips_after(s.iteration);

@@ -12,6 +12,7 @@ namespace tetune::cli {
 nlohmann::ordered_json to_json(const Quality& quality);
 nlohmann::ordered_json to_json(const Comparison& comparison);
 nlohmann::ordered_json to_json(const Report& report);
+nlohmann::ordered_json to_json(const TargetReport& report);
 nlohmann::ordered_json to_json(const ValidationReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
 

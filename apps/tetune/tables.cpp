@@ -153,16 +153,40 @@ std::string comparison_table(const Comparison& c) {
   return text;
 }
 
+std::string target_table(const TargetReport& r) {
+  const Measure measure = r.target.measure;
+  std::string text =
+      fmt::format("  target: {} {} {}: ", to_string(measure), larger_is_better(measure) ? ">=" : "<=", r.target.value);
+  if (r.met()) return text + "met by all\n";
+  text += fmt::format("NOT met by {} of {}\n", r.missed, r.tets);
+  for (std::size_t k = 0; k < kPins; ++k) {
+    if (r.pinned[k] > 0) text += fmt::format("    {:>9} held by: {}\n", r.pinned[k], to_string(static_cast<Pin>(k)));
+  }
+  constexpr std::size_t kShown = 10;
+  text += fmt::format("  {:<22}{:>12}    {:<36}centroid\n", "worst, counted from 1", to_string(measure), "held by");
+  for (std::size_t i = 0; i < std::min(kShown, r.worst.size()); ++i) {
+    const MissedTet& m = r.worst[i];
+    std::string pin = to_string(m.pin);
+    if (m.pin == Pin::surface_angle) {
+      pin = fmt::format("surface: {:.3f} deg at edge {} {}", m.surface_angle, m.edge[0] + 1, m.edge[1] + 1);
+    }
+    text += fmt::format("  {:<22}{:>12}    {:<36}{:.6g} {:.6g} {:.6g}\n", m.tet + 1, figure(measure, m.value), pin,
+                        m.centroid[0], m.centroid[1], m.centroid[2]);
+  }
+  return text;
+}
+
 std::string run_table(const Report& report) {
   std::string text = "  sweep     moved         energy       decrease  |grad tr|^2     time s\n";
   for (const SweepReport& s : report.sweeps) {
     text += fmt::format("  {:>5} {:>9} {:>14.8g} {:>14.4g} {:>12.4g} {:>10.4f}\n", s.iteration, s.moved,
                         s.energy_before, s.decrease, s.gradient_norm, s.seconds);
   }
-  text += "  after sweep  pass     active  evaluated     2-3     3-2 removed       decrease     time s\n";
+  text += "  after sweep  pass     active  evaluated     2-3     3-2 removed  border       decrease     time s\n";
   for (const FlipReport& f : report.flip_passes) {
-    text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration, f.pass,
-                        f.active, f.evaluated, f.flips23, f.flips32, f.edge_removals, f.decrease, f.seconds);
+    text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration,
+                        f.pass, f.active, f.evaluated, f.flips23, f.flips32, f.edge_removals, f.boundary_flips,
+                        f.decrease, f.seconds);
   }
   if (!report.worst_rounds.empty()) text += "  round      worst inserted removed   flips   moved     time s\n";
   for (const WorstReport& w : report.worst_rounds) {

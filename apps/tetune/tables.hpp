@@ -29,6 +29,9 @@ std::string surface_table(const Comparison& comparison);
 /// The same and what was kept.
 std::string comparison_table(const Comparison& comparison);
 
+/// How many elements miss a target, what holds them, and the worst ones.
+std::string target_table(const TargetReport& report);
+
 /// Sweeps, flip passes and phases.
 std::string run_table(const Report& report);
 

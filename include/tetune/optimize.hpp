@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tetune/mesh.hpp"
+#include "tetune/targets.hpp"
 
 namespace tetune {
 
@@ -79,6 +80,12 @@ struct Options {
   /// Largest ring of an edge removal, 3 to 7: an edge with that many tetrahedra around it at most may be removed. 3 is
   /// the paper's 3-2 flip.
   int max_ring = 7;
+  /// Whether edges between coplanar triangles of one patch of the outer boundary may be flipped away. Without effect
+  /// under Boundary::fixed, where max_deviation is given, and where max_ring is 3.
+  bool boundary_flips = true;
+  /// What every element of the result is to reach. It changes nothing in what is done: Report::targets says which
+  /// elements miss it, and why.
+  std::vector<Target> targets;
 };
 
 /// One relocation sweep over all vertices (Alg. 1).
@@ -99,10 +106,11 @@ struct FlipReport {
   std::int64_t active = 0;     ///< tetrahedra examined
   std::int64_t evaluated = 0;  ///< candidate flips evaluated
   std::int64_t flips23 = 0, flips32 = 0;
-  std::int64_t edge_removals = 0;  ///< of edges with four or more tetrahedra
+  std::int64_t edge_removals = 0;   ///< of edges with four or more tetrahedra
+  std::int64_t boundary_flips = 0;  ///< removals of edges within flat parts of the boundary: passes of their own
   double decrease = 0;
   double seconds = 0;
-  std::int64_t flips() const { return flips23 + flips32 + edge_removals; }
+  std::int64_t flips() const { return flips23 + flips32 + edge_removals + boundary_flips; }
 };
 
 /// One round of work on the worst elements, or with Effort::best on those with the smallest angles: vertices inserted
@@ -147,7 +155,7 @@ struct Report {
   std::int64_t triangles_dropped = 0, edges_dropped = 0;
   int colors = 0;
   double energy_before = 0, energy_after = 0;
-  std::int64_t flips23 = 0, flips32 = 0, edge_removals = 0;
+  std::int64_t flips23 = 0, flips32 = 0, edge_removals = 0, boundary_flips = 0;
   std::int64_t vertices_inserted = 0, vertices_removed = 0;  ///< with Effort::best
   /// For each vertex of the result the one of the input, or -1 for an inserted one. Empty where all were kept.
   std::vector<Index> vertex2original;
@@ -155,6 +163,7 @@ struct Report {
   std::vector<FlipReport> flip_passes;
   std::vector<WorstReport> worst_rounds;
   std::vector<PhaseTime> phases;
+  std::vector<TargetReport> targets;  ///< one for each of Options::targets, in order
   double seconds = 0;
   StopReason stop = StopReason::converged;
 };

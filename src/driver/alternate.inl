@@ -4,6 +4,7 @@
 #include "driver/alternate.hpp"
 #include "driver/clock.hpp"
 #include "driver/schedule.hpp"
+#include "driver/targets.hpp"
 #include "driver/working_set.inl"
 #include "driver/worst.inl"
 #include "vertices/open_angles.hpp"
@@ -23,6 +24,8 @@ inline constexpr double kStale = 0.1;
 /// The worst tetrahedra are this part of all, and those only that are worse than good.
 inline constexpr double kWorstPart = 1e-4;
 inline constexpr double kGood = 2;
+/// Flips of boundary edges end when a pass takes away less than this part of the energy.
+inline constexpr double kLittleOnBoundary = 1e-4;
 /// The work on them is done under the shape energy squared so many times.
 inline constexpr int kWorstSquarings = 2;
 inline constexpr int kWorstRounds = 10;
@@ -52,7 +55,8 @@ class Alternation {
         context_(context),
         report_(report),
         clock_(report),
-        unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1) {}
+        unit_(options.energy == Energy::harmonic ? 1 / work.scale : 1),
+        flips_boundary_(work.boundary.triangles.size() > 0) {}
 
   void run() {
     const bool whole = options_.effort != Effort::fast && options_.termination == Termination::relative &&
@@ -204,7 +208,13 @@ class Alternation {
   /// their number.
   Size flip_around(Span<std::uint8_t> flags) {
     activate_around(par_, work_.mesh, work_.flips, Span<const std::uint8_t>(flags));
-    return flip_active(flags);
+    Size all = 0;
+    if (work_.boundary.triangles.size() > 0) {
+      const FlipReport f = boundary_flip_pass(par_, work_.mesh, work_.flips, work_.boundary, flags);
+      count(f);
+      all = f.flips();
+    }
+    return all + flip_active(flags);
   }
   Size flip_active(Span<std::uint8_t> flags) {
     Size all = 0;
@@ -255,10 +265,14 @@ class Alternation {
   /// Flips from the active set on; returns their number, or -1 when the caller cancelled.
   Size flip_until_stable(int iteration) {
     Size flips = 0;
-    for (int pass = 1; pass <= kMaxFlipPasses && work_.flips.active.size() > 0; ++pass) {
+    bool on_boundary = flips_boundary_ && iteration > 0;  // slivers must have gone before
+    for (int pass = 1; pass <= kMaxFlipPasses && (on_boundary || work_.flips.active.size() > 0); ++pass) {
       FlipReport r;
-      const double seconds =
-          clock_.measure("flips", [&] { r = flip_pass(par_, work_.mesh, work_.flips, work_.mobilities.awake.span()); });
+      const double seconds = clock_.measure(on_boundary ? "boundary flips" : "flips", [&] {
+        const Span<std::uint8_t> awake = work_.mobilities.awake.span();
+        r = on_boundary ? boundary_flip_pass(par_, work_.mesh, work_.flips, work_.boundary, awake)
+                        : flip_pass(par_, work_.mesh, work_.flips, awake);
+      });
       energy_ -= r.decrease;
       settle();
       r.iteration = iteration;
@@ -269,7 +283,9 @@ class Alternation {
       report_.flip_passes.push_back(r);
       flips += r.flips();
       if (!proceed("flips", iteration)) return -1;
-      if (r.flips() == 0) break;
+      if (r.flips() == 0 && !on_boundary) break;
+      if (on_boundary && r.decrease < kLittleOnBoundary * unit_ * energy_) flips_boundary_ = false;
+      on_boundary = false;
     }
     return flips;
   }
@@ -278,6 +294,7 @@ class Alternation {
     report_.flips23 += r.flips23;
     report_.flips32 += r.flips32;
     report_.edge_removals += r.edge_removals;
+    report_.boundary_flips += r.boundary_flips;
     rings_stale_ = rings_stale_ || r.flips() > 0;
   }
 
@@ -304,6 +321,7 @@ class Alternation {
   double energy_ = 0;
   double last_sum_ = 0;
   bool rings_stale_ = true;
+  bool flips_boundary_;  ///< while it is worth it
 };
 
 }  // namespace alternate_detail
@@ -319,6 +337,23 @@ Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, co
   alternate_detail::Alternation<Backend> alternation(par, work, options, context, report);
   alternation.run();
   report.energy_after = alternation.energy();
+  if (!options.targets.empty()) {
+    clock.measure("targets", [&] {
+      using namespace working_set_detail;
+      work.frozen.resize(static_cast<std::size_t>(work.mesh.vertices()), kMovable);
+      const VertexIds ids = vertex_ids(work.mesh.vertex2original.download(), mesh.points.size());
+      const Outcome outcome{work.mesh.points.download(),
+                            work.mesh.tet2vertex.download(),
+                            work.mesh.tet2tet.download(),
+                            work.mesh.tet_tags.download(),
+                            ids.work2new(),
+                            work.mobilities.kind.download(),
+                            work.frozen,
+                            work.required_slots,
+                            work.scale};
+      report.targets = report_targets(outcome, options);
+    });
+  }
   clock.measure("store", [&] { store(par, work, mesh, report); });
   report.tets_after = static_cast<std::int64_t>(mesh.tets.size());
   return report;

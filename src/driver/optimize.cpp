@@ -6,6 +6,7 @@
 
 #include "driver/alternate.hpp"
 #include "driver/devices.hpp"
+#include "driver/targets.hpp"
 #include "flips/flip.hpp"
 #include "par/cpu.hpp"
 #include "tetune/error.hpp"
@@ -51,6 +52,7 @@ Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   if (options.max_deviation > 0 && options.boundary != Boundary::slide) {
     throw OptionError("max_deviation has no effect unless the boundary slides; drop it, or set boundary to slide");
   }
+  for (const Target& target : options.targets) check_target(target);
   const auto start = std::chrono::steady_clock::now();
   Report report;
   if (options.device == Device::cuda) {

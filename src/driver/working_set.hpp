@@ -4,6 +4,7 @@
 #include "boundary/classify.hpp"
 #include "boundary/features.hpp"
 #include "core/connect.hpp"
+#include "flips/boundary_flips.hpp"
 #include "flips/flip_pass.hpp"
 #include "relocate/coloring.hpp"
 #include "relocate/sweep.hpp"
@@ -16,11 +17,15 @@ template <class Backend>
 struct WorkingSet {
   WorkMesh<Backend> mesh;
   FlipState<Backend> flips;
+  /// Empty where no boundary edge may be flipped.
+  BoundaryTriangles<Backend> boundary;
   Mobilities<Backend> mobilities;
   Rings<Backend> rings;
   Coloring<Backend> coloring;
   /// Coordinates inside are the caller's times this power of two: see unit_scale().
   double scale = 1;
+  /// kMovable, kFrozen or kCorner for each work vertex.
+  std::vector<std::uint8_t> frozen;
   /// Work slot of each of the caller's required tetrahedra.
   std::vector<Index> required_slots;
   /// For each of the caller's triangles.

@@ -6,6 +6,7 @@
 #include "core/unit_scale.hpp"
 #include "core/upload.hpp"
 #include "core/validate_arrays.hpp"
+#include "driver/boundary_triangles.inl"
 #include "driver/constraints.hpp"
 #include "driver/working_set.hpp"
 #include "par/atomic.hpp"
@@ -99,6 +100,13 @@ struct VertexIds {
   std::vector<Index> extended2new;   ///< where they are once the removed ones are gone; -1 for these
   std::vector<Index> new2original;   ///< or -1 for inserted ones; empty where all were kept
   bool removed = false;
+
+  /// Where each work vertex is in the result; kRemoved for those that are not.
+  std::vector<Index> work2new() const {
+    std::vector<Index> ids = work2extended;
+    for (Index& v : ids) v = v == kRemoved ? v : extended2new[static_cast<std::size_t>(v)];
+    return ids;
+  }
 };
 
 inline VertexIds vertex_ids(std::vector<Index> vertex2original, std::size_t originals) {
@@ -121,6 +129,12 @@ inline VertexIds vertex_ids(std::vector<Index> vertex2original, std::size_t orig
   }
   ids.work2extended = std::move(vertex2original);
   return ids;
+}
+
+/// The bound on the deviation takes the surface for one of the input's triangles.
+inline bool flips_boundary(const Options& options) {
+  return options.boundary_flips && options.boundary != Boundary::fixed && !(options.max_deviation > 0) &&
+         options.max_ring > 3;
 }
 
 /// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
@@ -207,6 +221,10 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   }
   typename Backend::template Buffer<std::uint8_t> frozen_buffer;
   frozen_buffer.upload(frozen);
+  if (flips_boundary(options)) {
+    build_boundary(par, work.mesh, surface, listed_buffer.span(), frozen_buffer.span(), work.boundary);
+  }
+  work.frozen = std::move(frozen);
 
   // Listed edges: all hold against flips.
   std::vector<Index> ends;
@@ -277,12 +295,14 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
   const std::vector<Index> new_triangles = positions_of_kept(keep);
   const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets));
+  auto triangles = listed_after(mesh.triangles, work.boundary.triangles.download(), ids.work2extended);
 
   // From here on nothing fails.
   mesh.tets.swap(tets);
   mesh.tet_tags.swap(tet_tags);
   mesh.points.resize(ids.extended2new.size());
   mesh.point_tags.resize(ids.extended2new.size(), 0);
+  mesh.triangles.swap(triangles);
   for (std::size_t v = 0; v < points.size(); ++v) {
     if (ids.work2extended[v] == kRemoved) continue;
     Point3& p = mesh.points[static_cast<std::size_t>(ids.work2extended[v])];

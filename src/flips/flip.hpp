@@ -7,16 +7,17 @@
 /// The connectivity of the flips (Fig. 1 and beyond). An edge (a, b) and the vertices r_0, r_1, ... around it, with
 /// (a, r_m, r_m+1, b) positive:
 ///   2-3:           (a,p,q,r), (b,p,r,q)  ->  (a,p,q,b), (a,q,r,b), (a,r,p,b)
-///   edge removal:  (a,r_m,r_m+1,b) for all m  ->  (a,r_i,r_j,r_k), (b,r_i,r_k,r_j) for each triangle i < j < k of a
+///   edge removal:  (a,r_m,r_m+1,b) for all m, for an edge in the boundary for all but the last  ->  (a,r_i,r_j,r_k),
+///   (b,r_i,r_k,r_j) for each triangle i < j < k of a
 ///                  triangulation of the ring. With three tetrahedra it is the 3-2 flip.
 namespace tetune {
 
 /// Most tetrahedra around an edge that is removed.
 inline constexpr int kMaxRing = 7;
-/// Slots that the removal of such an edge takes beyond those of its cavity.
-inline constexpr int kMaxExtra = kMaxRing - 4;
+/// Slots that the removal of an edge takes beyond those of its cavity, at most: of one in the boundary.
+inline constexpr int kMaxExtra = kMaxRing - 3;
 
-enum class FlipKind : std::uint8_t { none, face23, edge_removal };
+enum class FlipKind : std::uint8_t { none, face23, edge_removal, boundary_removal };
 
 /// Where the vertices and the tetrahedra of a flip are. In an order that depends on the vertices alone, so that a flip
 /// is worth the same, to the last bit, whoever finds it: a < b, and r_0 is the lowest of the ring.
@@ -28,7 +29,11 @@ struct Cavity {
   Index tets[kMaxRing];  ///< 2-3: (a,p,q,r), (b,p,r,q); edge removal: m holds r_m and r_m+1
 
   /// Tetrahedra before.
-  TETUNE_HD int size() const { return kind == FlipKind::face23 ? 2 : ring_size; }
+  TETUNE_HD int size() const {
+    return kind == FlipKind::face23 ? 2 : kind == FlipKind::edge_removal ? ring_size : ring_size - 1;
+  }
+  /// Sides of the ring that have outer faces: in the boundary the last one has none.
+  TETUNE_HD int sides() const { return kind == FlipKind::boundary_removal ? ring_size - 1 : ring_size; }
   /// Tetrahedra after.
   TETUNE_HD int made() const { return kind == FlipKind::face23 ? 3 : 2 * (ring_size - 2); }
   /// Next place in the ring.

@@ -273,6 +273,18 @@ struct Agreed {
   }
 };
 
+/// What flips add up to, as a scan needs it.
+struct SlotCounts {
+  std::uint32_t takes = 0;  ///< slots
+  std::uint32_t frees = 0;  ///< slots
+  TETUNE_HD friend SlotCounts operator+(SlotCounts x, const SlotCounts& y) { return x += y; }
+  TETUNE_HD SlotCounts& operator+=(const SlotCounts& y) {
+    takes += y.takes;
+    frees += y.frees;
+    return *this;
+  }
+};
+
 /// One agreed flip on its way through the phases.
 struct FlipRecord {
   Cavity cavity;
@@ -280,7 +292,7 @@ struct FlipRecord {
   Index extra[kMaxExtra];     ///< slots it takes
   Link across[2 * kMaxRing];  ///< what lies across the outer faces
 
-  TETUNE_HD int outer_faces() const { return 2 * cavity.ring_size; }
+  TETUNE_HD int outer_faces() const { return 2 * cavity.sides(); }
   /// Slot of new tetrahedron x: those of the old ones are used first.
   TETUNE_HD Index slot(int x) const { return x < cavity.size() ? cavity.tets[x] : extra[x - cavity.size()]; }
   /// Where outer face k is afterwards.
@@ -292,17 +304,17 @@ struct FlipRecord {
     const TriangleSide in = find_side(cavity, triangulation, closing ? 0 : m, closing ? m : m + 1, -1);
     return make_link(slot(2 * in.triangle + side), face_at(in.corner, side));
   }
-};
-
-/// What flips add up to, as a scan needs it.
-struct SlotCounts {
-  std::uint32_t takes = 0;  ///< slots
-  std::uint32_t frees = 0;  ///< slots
-  TETUNE_HD friend SlotCounts operator+(SlotCounts x, const SlotCounts& y) { return x += y; }
-  TETUNE_HD SlotCounts& operator+=(const SlotCounts& y) {
-    takes += y.takes;
-    frees += y.frees;
-    return *this;
+  /// Reads what lies around the cavity before any tetrahedron changes, and marks its tetrahedra.
+  TETUNE_HD void gather(const MeshView& mesh, Span<std::uint64_t> proposal, SlotCounts& counts) {
+    for (int k = 0; k < 2 * cavity.ring_size; ++k) across[k] = kNoLink;
+    for (int k = 0; k < outer_faces(); ++k) {
+      const Link face = old_face(mesh, cavity, k);
+      across[k] = mesh.tet2tet[link_tet(face)][link_face(face)];
+    }
+    for (int k = 0; k < cavity.size(); ++k) proposal[cavity.tets[k]] = kFlipped;
+    const int more = cavity.made() - cavity.size();
+    counts.takes = static_cast<std::uint32_t>(more > 0 ? more : 0);
+    counts.frees = static_cast<std::uint32_t>(more < 0 ? -more : 0);
   }
 };
 
@@ -323,14 +335,7 @@ struct Gather {
     const Cavity& c = f.cavity;
     const double energy = energy_before(c, eta);
     best_energy(mesh, c, energy, (1 + kMaxSlack) * energy, f.triangulation);
-    for (int k = 0; k < f.outer_faces(); ++k) {
-      const Link face = old_face(mesh, c, k);
-      f.across[k] = mesh.tet2tet[link_tet(face)][link_face(face)];
-    }
-    for (int k = 0; k < c.size(); ++k) proposal[c.tets[k]] = kFlipped;
-    const int more = c.made() - c.size();
-    counts[i].takes = static_cast<std::uint32_t>(more > 0 ? more : 0);
-    counts[i].frees = static_cast<std::uint32_t>(more < 0 ? -more : 0);
+    f.gather(mesh, proposal, counts[i]);
     records[i] = f;
   }
 };
@@ -392,12 +397,13 @@ struct Resolve {
 
 struct FlipSum {
   double decrease = 0;
-  Size flips23 = 0, flips32 = 0, edge_removals = 0;
+  Size flips23 = 0, flips32 = 0, edge_removals = 0, boundary_flips = 0;
   TETUNE_HD void merge(const FlipSum& other) {
     decrease += other.decrease;
     flips23 += other.flips23;
     flips32 += other.flips32;
     edge_removals += other.edge_removals;
+    boundary_flips += other.boundary_flips;
   }
 };
 
@@ -437,8 +443,9 @@ struct Write {
       par::store_shared(awake[c.b], 1);
       for (int m = 0; m < c.ring_size; ++m) par::store_shared(awake[c.ring[m]], 1);
     }
-    const bool split = c.kind == FlipKind::face23;
-    return {decrease, split ? 1 : 0, !split && c.ring_size == 3 ? 1 : 0, !split && c.ring_size > 3 ? 1 : 0};
+    const bool removal = c.kind == FlipKind::edge_removal;
+    return {decrease, c.kind == FlipKind::face23 ? 1 : 0, removal && c.ring_size == 3 ? 1 : 0,
+            removal && c.ring_size > 3 ? 1 : 0, c.kind == FlipKind::boundary_removal ? 1 : 0};
   }
 
  private:
@@ -577,6 +584,47 @@ void activate_around(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   activate_where(par, mesh, state, flip_detail::HasFlaggedEdge{mesh.view(), flags});
 }
 
+namespace flip_detail {
+
+/// Carries out agreed flips: `before` holds what each takes and frees. What is made is active afterwards.
+template <class Backend>
+FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                    typename Backend::template Buffer<FlipRecord>& records,
+                    typename Backend::template Buffer<SlotCounts>& before, Span<std::uint8_t> awake) {
+  const SlotCounts counts = par.exclusive_scan(Span<const SlotCounts>(before.span()), before.span());
+  const Size slots = mesh.slots();
+  const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
+  const Size needed = slots + std::max<Size>(0, counts.takes - mesh.free_count);
+  check_slots(needed);
+  mesh.tet2vertex.grow(needed);
+  mesh.tet2tet.grow(needed);
+  mesh.tet_tags.grow(needed);
+  state.eta.grow(needed);
+  state.proposal.grow(needed);
+  state.wanted.grow(needed);
+  par.fill(Span<std::uint32_t>(state.wanted.span().data() + slots, needed - slots), std::uint32_t{0});
+  state.slack.grow(needed);
+  mesh.free_slots.grow(std::max(mesh.free_count, free_kept + counts.frees));
+
+  par.for_each(records.size(),
+               Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), mesh.free_count, slots});
+  par.for_each(records.size(), Resolve{mesh.view(), records.span(), state.proposal.span()});
+  const FlipSum sum = par.template reduce<FlipSum>(
+      records.size(), Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), free_kept,
+                            state.eta.span(), state.slack.span(), awake});
+  mesh.free_count = free_kept + counts.frees;
+
+  par.for_each(
+      records.size(),
+      WantAround{
+          {mesh.view(), state.constrained(), state.max_ring}, records.span(), state.eta.span(), state.wanted.span()});
+  state.active.resize(needed);
+  state.active.resize(par.compact(needed, IsWanted{state.wanted.span()}, state.active.span()));
+  return sum;
+}
+
+}  // namespace flip_detail
+
 template <class Backend>
 FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<std::uint8_t> awake) {
   using namespace flip_detail;
@@ -597,39 +645,10 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   typename Backend::template Buffer<SlotCounts> before(flips);
   par.for_each(flips, Gather{candidates, state.active.span(), agreed.span(), state.eta.span(), state.proposal.span(),
                              records.span(), before.span()});
-  const SlotCounts counts = par.exclusive_scan(Span<const SlotCounts>(before.span()), before.span());
   par.for_each(active,
                KeepRefused{state.active.span(), state.proposal.span(), state.slack.span(), state.wanted.span()});
 
-  const Size slots = mesh.slots();
-  const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
-  const Size needed = slots + std::max<Size>(0, counts.takes - mesh.free_count);
-  check_slots(needed);
-  mesh.tet2vertex.grow(needed);
-  mesh.tet2tet.grow(needed);
-  mesh.tet_tags.grow(needed);
-  state.eta.grow(needed);
-  state.proposal.grow(needed);
-  state.wanted.grow(needed);
-  par.fill(Span<std::uint32_t>(state.wanted.span().data() + slots, needed - slots), std::uint32_t{0});
-  state.slack.grow(needed);
-  mesh.free_slots.grow(std::max(mesh.free_count, free_kept + counts.frees));
-
-  par.for_each(flips,
-               Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), mesh.free_count, slots});
-  par.for_each(flips, Resolve{mesh.view(), records.span(), state.proposal.span()});
-  const FlipSum sum =
-      par.template reduce<FlipSum>(flips, Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(),
-                                                free_kept, state.eta.span(), state.slack.span(), awake});
-  mesh.free_count = free_kept + counts.frees;
-
-  par.for_each(
-      flips,
-      WantAround{
-          {mesh.view(), state.constrained(), state.max_ring}, records.span(), state.eta.span(), state.wanted.span()});
-  state.active.resize(needed);
-  state.active.resize(par.compact(needed, IsWanted{state.wanted.span()}, state.active.span()));
-
+  const FlipSum sum = apply_flips(par, mesh, state, records, before, awake);
   report.flips23 = sum.flips23;
   report.flips32 = sum.flips32;
   report.edge_removals = sum.edge_removals;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "flips/boundary_flips.inl"
 #include "flips/flip_pass.inl"
 #include "par/cpu.hpp"
 
@@ -8,5 +9,7 @@ template void activate_all(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::
 template double activate_drifted(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&);
 template FlipReport flip_pass(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&, Span<std::uint8_t>);
 template void activate_around(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&, Span<const std::uint8_t>);
+template FlipReport boundary_flip_pass(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&,
+                                       BoundaryTriangles<par::Cpu>&, Span<std::uint8_t>);
 
 }  // namespace tetune

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "flips/boundary_flips.inl"
 #include "flips/flip_pass.inl"
 #include "par/cuda.cuh"
 
@@ -8,5 +9,7 @@ template void activate_all(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par
 template double activate_drifted(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
 template FlipReport flip_pass(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Span<std::uint8_t>);
 template void activate_around(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Span<const std::uint8_t>);
+template FlipReport boundary_flip_pass(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&,
+                                       BoundaryTriangles<par::Cuda>&, Span<std::uint8_t>);
 
 }  // namespace tetune

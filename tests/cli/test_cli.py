@@ -21,7 +21,7 @@ from pathlib import Path
 TETUNE = ""
 
 TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gradient_norm", "moved", "active",
-                 "evaluated", "flips_2_3", "flips_3_2", "edge_removals", "seconds"]
+                 "evaluated", "flips_2_3", "flips_3_2", "edge_removals", "boundary_flips", "seconds"]
 QUALITY_KEYS = {"tetrahedra", "dihedral_min_deg", "dihedral_1_percent_deg", "dihedral_5_percent_deg",
                 "dihedral_mean_deg", "dihedral_max_deg", "eta_max", "eta_95_percent", "eta_sum", "shape_sum", "mean_ratio",
                 "mean_ratio_min", "volume", "worst_tetrahedron", "dihedral_histogram_10_deg", "measures", "worst"}
@@ -222,7 +222,8 @@ class Optimize(CliTest):
         self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "effort": "default", "keep_vertices": False, "feature_angle_deg": 45,
                                              "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
                                              "frozen_patches": [], "relocation": "newton", "termination": "paper",
-                                             "device": "auto", "max_iterations": 7, "max_ring": 7, "threads": 2})
+                                             "device": "auto", "max_iterations": 7, "max_ring": 7, "boundary_flips": True, "targets": [],
+                                             "threads": 2})
         self.assertGreaterEqual(report["read_seconds"], 0)
         self.assertGreaterEqual(report["write_seconds"], 0)
         before, after, run = report["before"], report["after"], report["optimization"]
@@ -243,7 +244,8 @@ class Optimize(CliTest):
         self.assertGreater(run["flips_3_2"], 0)
         added = run["tetrahedra_after"] - run["tetrahedra_before"]
         self.assertGreaterEqual(added, run["flips_2_3"] - run["flips_3_2"])
-        self.assertLessEqual(added, run["flips_2_3"] - run["flips_3_2"] + 3 * run["edge_removals"])
+        self.assertLessEqual(added, run["flips_2_3"] - run["flips_3_2"] + 3 * run["edge_removals"]
+                             + 4 * run["boundary_flips"])
         self.assertAlmostEqual(run["energy_before"] / before["shape_sum"], 1)
         self.assertAlmostEqual(run["energy_after"] / after["shape_sum"], 1)
         self.assertLess(run["energy_after"], 0.99 * run["energy_before"])
@@ -252,7 +254,7 @@ class Optimize(CliTest):
         self.assertLessEqual(len(run["sweeps"]), 7)
         self.assertEqual([s["iteration"] for s in run["sweeps"]], list(range(1, len(run["sweeps"]) + 1)))
         self.assertEqual(sum(p["flips_2_3"] for p in run["flip_passes"]), run["flips_2_3"])
-        for count in ("flips_3_2", "edge_removals"):
+        for count in ("flips_3_2", "edge_removals", "boundary_flips"):
             self.assertEqual(sum(p[count] for p in run["flip_passes"]), run[count])
         self.assertEqual(self.files(), ["in.mesh", "out.mesh", "r.json"])
 
@@ -270,7 +272,8 @@ class Optimize(CliTest):
         for row in rows:
             self.assertNotIn(None, row)
             self.assertNotIn(None, row.values())
-            empty = {"sweep": {"pass", "active", "evaluated", "flips_2_3", "flips_3_2", "edge_removals"},
+            empty = {"sweep": {"pass", "active", "evaluated", "flips_2_3", "flips_3_2", "edge_removals",
+                               "boundary_flips"},
                      "flips": {"gradient_norm", "moved"}}[row["event"]]
             self.assertEqual({c for c in TRACE_COLUMNS if row[c] == ""}, empty)
         sweeps = [r for r in rows if r["event"] == "sweep"]
@@ -571,6 +574,9 @@ class Slide(CliTest):
                 (["--boundary", "glide"], ["--boundary", "slide"]),
                 (["--energy", "elastic"], ["--energy", "shape"]),
                 (["--effort", "fast", "--termination", "paper"], ["--effort", "--termination paper"]),
+                (["--boundary-flips", "-nosurf"], ["--boundary-flips", "--boundary fixed"]),
+                (["--boundary-flips", "--max-ring", "3"], ["--boundary-flips", "--max-ring 3"]),
+                (["--boundary-flips", "--boundary", "slide", "-hausd", "0.1"], ["--boundary-flips", "--max-deviation"]),
                 (["--effort", "heroic"], ["--effort", "fast", "default", "best"]),
                 (["--effort", "best", "--energy", "harmonic"], ["--effort best", "--energy harmonic"]),
                 (["--effort", "best", "--max-iterations", "0"], ["--effort", "--max-iterations 0"]),
@@ -579,10 +585,62 @@ class Slide(CliTest):
             self.refused("optimize", source, "-o", self.path("out.mesh"), *options, said=said)
             self.assertEqual(self.files(), ["in.mesh"])
 
+    def test_targets(self):
+        source = self.put("in.mesh", cube(5, 0.25))
+
+        def run(*options, code):
+            text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--report", self.path("r.json"), *options,
+                                code=code).stdout
+            self.assert_improved(Mesh.read(source), Mesh.read(self.path("out.mesh")))
+            return json.loads(self.read_bytes("r.json")), text
+
+        report, text = run("--target-dihedral", "5", "--target-quality", "20", "radius_ratio", code=0)
+        self.assertEqual(report["options"]["targets"], [{"measure": "min_dihedral_deg", "value": 5.0},
+                                                        {"measure": "radius_ratio", "value": 20.0}])
+        self.assertEqual([t["met"] for t in report["optimization"]["targets"]], [True, True])
+        self.assertIn("min_dihedral_deg >= 5: met by all", text)
+        self.assertIn("radius_ratio <= 20: met by all", text)
+        easy = self.read_bytes("out.mesh")
+
+        report, text = run("--target-quality", "0.8", "mean_ratio", "--target-dihedral", "5", "--target-quality", "1.1",
+                           "aspect_ratio", code=1)
+        self.assertEqual(self.read_bytes("out.mesh"), easy)
+        by_name = {t["measure"]: t for t in report["optimization"]["targets"]}
+        self.assertEqual(set(by_name), {"min_dihedral_deg", "mean_ratio", "aspect_ratio"})
+        self.assertTrue(by_name["min_dihedral_deg"]["met"])
+        missed = by_name["mean_ratio"]
+        self.assertFalse(missed["met"])
+        self.assertEqual(sum(missed["held_by"].values()), missed["missed"])
+        self.assertIn(f"mean_ratio >= 0.8: NOT met by {missed['missed']} of {missed['tetrahedra']}", text)
+        worst = missed["worst"][0]
+        self.assertEqual(worst["value"], report["after"]["measures"]["mean_ratio"]["min"])
+        self.assertIn(worst["held_by"], text)
+        self.assertIn(f"  {worst['tetrahedron']} ", text)
+
+        # The surface's own angle: a lone tetrahedron, cut off a cube.
+        corner = self.put("corner.mesh", Mesh([(0., 0., 0.), (1., 0., 0.), (0., 1., 0.), (0., 0., 1.)], [(0, 1, 2, 3)]))
+        text = self.run_cli("optimize", corner, "-o", self.path("out.mesh"), "--target-dihedral", "60", "--report",
+                            self.path("r.json"), code=1).stdout
+        worst = json.loads(self.read_bytes("r.json"))["optimization"]["targets"][0]["worst"][0]
+        self.assertEqual(worst["held_by"], "angle of the surface")
+        self.assertAlmostEqual(worst["surface_angle_deg"], 54.7356, places=4)
+        self.assertIn(f"surface: 54.736 deg at edge {worst['edge'][0]} {worst['edge'][1]}", text)
+        os.remove(self.path("out.mesh"))
+
+        for options, said in ((["--target-dihedral", "75"], ["min_dihedral_deg", "70.528"]),
+                              (["--target-dihedral", "steep"], ["--target-dihedral"]),
+                              (["--target-quality", "0.5", "beauty"], ["--target-quality", "'beauty'", "mean_ratio", "q_h"]),
+                              (["--target-quality", "0.5"], ["--target-quality"]),
+                              (["--target-quality", "0.9", "radius_ratio"], ["radius_ratio", "1 or more"]),
+                              (["--target-quality", "170", "gamma"], ["gamma", "at most 1"])):
+            self.refused("optimize", source, "-o", self.path("out.mesh"), *options, said=said)
+        self.assertNotIn("out.mesh", self.files())
+
     def test_help_names_the_options(self):
         text = self.run_cli("optimize", "--help").stdout
         for option in ("--boundary", "slide", "--feature-angle", "--max-deviation", "--freeze", "--open-boundaries",
-                       "--no-open-boundaries", "--energy", "harmonic", "--effort", "best", "--keep-vertices"):
+                       "--no-open-boundaries", "--energy", "harmonic", "--effort", "best", "--keep-vertices", "--target-dihedral", "--target-quality",
+                       "--boundary-flips", "--no-boundary-flips"):
             self.assertIn(option, text)
 
 

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "boundary/classify.inl"
+#include "flips/boundary_flips.hpp"
+#include "par/atomic.hpp"
+
+/// The triangles of the outer boundary between the caller's list and the flips.
+namespace tetune {
+namespace boundary_triangles_detail {
+
+/// Counts the listed triangles that name a face of the surface, and keeps the last one's position.
+struct CountListed {
+  Span<const Tet> tets;
+  Span<const Index> faces;
+  RowsView vertex2corner;
+  Span<const ListedTriangle> listed;
+  Span<std::uint32_t> counts;
+  Span<std::uint32_t> last;
+  TETUNE_HD void operator()(Size i) const {
+    const ListedTriangle t = listed[i];
+    for (Size c = vertex2corner.begin(t.v[0]); c < vertex2corner.end(t.v[0]); ++c) {
+      const Size s = vertex2corner.items[c] / 3;
+      Index v[3];
+      classify_detail::face_vertices(tets, faces[s], v);
+      if (!classify_detail::same_triangle(v, t.v)) continue;
+      par::atomic_add(counts[s], 1);
+      par::atomic_max(last[s], static_cast<std::uint32_t>(i));
+    }
+  }
+};
+
+struct IsOuter {
+  Span<const Links> links;
+  Span<const Index> faces;
+  TETUNE_HD bool operator()(Size s) const { return links[faces[s] >> 2][faces[s] & 3] == kNoLink; }
+};
+
+struct FillTriangle {
+  Span<const Tet> tets;
+  Span<const Index> faces;
+  Span<const int> tags;
+  Span<const ListedTriangle> listed;
+  Span<const Index> outer;
+  Span<const std::uint32_t> counts;
+  Span<const std::uint32_t> last;
+  Span<const std::uint8_t> frozen;
+  Span<BoundaryTriangle> triangles;
+  TETUNE_HD void operator()(Size i) const {
+    const Index s = outer[i];
+    BoundaryTriangle t{};
+    classify_detail::face_vertices(tets, faces[s], t.v);
+    t.tag = tags[s];
+    t.listed = counts[s] == 0 ? -1 : static_cast<Index>(last[s]);
+    if (t.listed >= 0) {
+      const Index* v = listed[t.listed].v;
+      const int at = v[0] == t.v[0] ? 0 : v[1] == t.v[0] ? 1 : 2;
+      t.turned = v[(at + 1) % 3] == t.v[1] ? 0 : 1;
+    }
+    // Required and frozen triangles have no other vertices.
+    const bool held = frozen[t.v[0]] == kFrozen && frozen[t.v[1]] == kFrozen && frozen[t.v[2]] == kFrozen;
+    t.stays = held || counts[s] > 1 ? 1 : 0;
+    triangles[i] = t;
+  }
+};
+
+}  // namespace boundary_triangles_detail
+
+template <class Backend>
+void build_boundary(const Backend& par, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
+                    Span<const ListedTriangle> listed, Span<const std::uint8_t> frozen,
+                    BoundaryTriangles<Backend>& boundary) {
+  using namespace boundary_triangles_detail;
+  const Size faces = surface.faces.size();
+  typename Backend::template Buffer<std::uint32_t> counts(faces);
+  typename Backend::template Buffer<std::uint32_t> last(faces);
+  par.fill(counts.span(), std::uint32_t{0});
+  par.fill(last.span(), std::uint32_t{0});
+  par.for_each(listed.size(), CountListed{mesh.tet2vertex.span(), surface.faces.span(), surface.vertex2corner.view(),
+                                          listed, counts.span(), last.span()});
+  typename Backend::template Buffer<Index> outer(faces);
+  outer.resize(par.compact(faces, IsOuter{mesh.tet2tet.span(), surface.faces.span()}, outer.span()));
+  boundary.triangles.resize(outer.size());
+  par.for_each(outer.size(), FillTriangle{mesh.tet2vertex.span(), surface.faces.span(), surface.tags.span(), listed,
+                                          outer.span(), counts.span(), last.span(), frozen, boundary.triangles.span()});
+  boundary.flat = kFlat;
+}
+
+/// The caller's listed triangles after flips; each turns the way it did.
+inline std::vector<std::array<Index, 3>> listed_after(std::vector<std::array<Index, 3>> triangles,
+                                                      const std::vector<BoundaryTriangle>& boundary,
+                                                      const std::vector<Index>& vertex2original) {
+  for (const BoundaryTriangle& t : boundary) {
+    if (t.listed < 0) continue;
+    auto& mine = triangles[static_cast<std::size_t>(t.listed)];
+    std::array<Index, 3> now{};
+    for (std::size_t k = 0; k < 3; ++k) now[k] = vertex2original[static_cast<std::size_t>(t.v[k])];
+    if (std::is_permutation(now.begin(), now.end(), mine.begin())) continue;
+    if (t.turned != 0) std::swap(now[1], now[2]);
+    mine = now;
+  }
+  return triangles;
+}
+
+}  // namespace tetune

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "flips/boundary_flips.hpp"
+#include "flips/flip_pass.inl"
+
+namespace tetune {
+namespace boundary_flip_detail {
+
+struct VertexOfCorner {
+  Span<const BoundaryTriangle> triangles;
+  TETUNE_HD Size operator()(Size corner) const { return triangles[corner / 3].v[corner % 3]; }
+};
+
+struct IsAtBoundary {
+  MeshView mesh;
+  TETUNE_HD bool operator()(Size t) const {
+    const Links links = mesh.tet2tet[t];
+    return mesh.alive(t) && (links[0] == kNoLink || links[1] == kNoLink || links[2] == kNoLink || links[3] == kNoLink);
+  }
+};
+
+TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
+  return t.v[0] == v || t.v[1] == v || t.v[2] == v;
+}
+
+/// Where each triangle is in the mesh.
+struct FindFaces {
+  MeshView mesh;
+  Span<const Index> tets;
+  Span<const BoundaryTriangle> triangles;
+  RowsView vertex2corner;
+  Span<Index> triangle2face;
+  TETUNE_HD void operator()(Size i) const {
+    const Tet tet = mesh.tet2vertex[tets[i]];
+    for (int f = 0; f < 4; ++f) {
+      if (mesh.tet2tet[tets[i]][f] != kNoLink) continue;
+      const Index v = tet[face_vertex(f, 0)];
+      for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
+        const Size triangle = vertex2corner.items[c] / 3;
+        const BoundaryTriangle& t = triangles[triangle];
+        if (has_vertex(t, tet[face_vertex(f, 1)]) && has_vertex(t, tet[face_vertex(f, 2)])) {
+          triangle2face[triangle] = 4 * tets[i] + f;
+        }
+      }
+    }
+  }
+};
+
+/// An edge of the boundary and the two triangles at it, (a, b, p) and (b, a, q).
+struct BoundaryEdge {
+  Index a, b, p, q;
+  Index triangle, other;  ///< other -1: there is not just one
+};
+
+struct FindEdge {
+  Span<const Point> points;
+  ConstrainedEdges constrained;
+  Span<const BoundaryTriangle> triangles;
+  RowsView vertex2corner;
+  double flat;
+
+  /// The edge opposite a corner.
+  TETUNE_HD BoundaryEdge operator()(Size corner) const {
+    const auto triangle = static_cast<Index>(corner / 3);
+    const auto k = static_cast<int>(corner % 3);
+    const BoundaryTriangle& t = triangles[triangle];
+    BoundaryEdge e{t.v[(k + 1) % 3], t.v[(k + 2) % 3], t.v[k], -1, triangle, -1};
+    for (Size c = vertex2corner.begin(e.a); c < vertex2corner.end(e.a); ++c) {
+      const auto o = static_cast<Index>(vertex2corner.items[c] / 3);
+      const BoundaryTriangle& u = triangles[o];
+      if (o == triangle || !has_vertex(u, e.b)) continue;
+      if (e.q >= 0) return {e.a, e.b, e.p, -1, triangle, -1};  // sheets touch along the edge
+      for (int j = 0; j < 3; ++j) e.q = u.v[j] != e.a && u.v[j] != e.b ? u.v[j] : e.q;
+      e.other = o;
+    }
+    return e;
+  }
+
+  /// Whether an edge lies within a flat part of one patch.
+  TETUNE_HD bool may_go(const BoundaryEdge& e) const {
+    if (e.other < 0 || constrained.contains(e.a, e.b)) return false;
+    const BoundaryTriangle& t = triangles[e.triangle];
+    const BoundaryTriangle& u = triangles[e.other];
+    const bool alike = t.stays == 0 && u.stays == 0 && t.tag == u.tag && (t.listed < 0) == (u.listed < 0);
+    return alike && is_flat(e) && !is_edge(e.p, e.q);
+  }
+
+ private:
+  /// Flat across the edge, and across the one that a flip would make. Not folded back.
+  TETUNE_HD bool is_flat(const BoundaryEdge& e) const {
+    const Vec3 a = vec(points[e.a]);
+    const Vec3 ab = vec(points[e.b]) - a;
+    const Vec3 ap = vec(points[e.p]) - a;
+    const Vec3 aq = vec(points[e.q]) - a;
+    const Vec3 n1 = cross(ab, ap);
+    const Vec3 n2 = cross(aq, ab);
+    if (!(dot(n1, n2) > 0)) return false;
+    const double volume = std::fabs(dot(n1, aq));
+    const Vec3 m1 = cross(aq, ap);
+    const Vec3 m2 = n1 + n2 - m1;  // of (q, b, p)
+    return volume <= flat * norm(ab) * larger(n1, n2) && volume <= flat * norm(ap - aq) * larger(m1, m2);
+  }
+  TETUNE_HD static double larger(const Vec3& x, const Vec3& y) {
+    const double xx = dot(x, x);
+    const double yy = dot(y, y);
+    return std::sqrt(xx > yy ? xx : yy);
+  }
+  TETUNE_HD bool is_edge(Index p, Index q) const {
+    for (Size c = vertex2corner.begin(p); c < vertex2corner.end(p); ++c) {
+      if (has_vertex(triangles[static_cast<Size>(vertex2corner.items[c] / 3)], q)) return true;
+    }
+    return false;
+  }
+};
+
+/// Marks each edge that may go, at one of its corners.
+struct MarkEdge {
+  FindEdge find;
+  Span<const std::uint8_t> awake;
+  Span<std::uint8_t> marks;
+  TETUNE_HD void operator()(Size corner) const {
+    const BoundaryEdge e = find(corner);
+    marks[corner] = e.triangle < e.other && (awake[e.a] | awake[e.b]) != 0 && find.may_go(e) ? 1 : 0;
+  }
+};
+
+struct IsMarked {
+  Span<const std::uint8_t> marks;
+  TETUNE_HD bool operator()(Size i) const { return marks[i] != 0; }
+};
+
+struct FillEdge {
+  FindEdge find;
+  Span<const Index> corners;
+  Span<BoundaryEdge> edges;
+  TETUNE_HD void operator()(Size i) const { edges[i] = find(corners[i]); }
+};
+
+struct FindCavity {
+  MeshView mesh;
+  Span<const BoundaryEdge> edges;
+  Span<const Index> triangle2face;
+  int max_ring;
+
+  /// Kind none where the fan has more than max_ring vertices, or something else in it is locked.
+  TETUNE_HD Cavity operator()(Size i) const {
+    const BoundaryEdge& edge = edges[i];
+    Cavity c;
+    c.a = edge.a < edge.b ? edge.a : edge.b;
+    c.b = edge.a < edge.b ? edge.b : edge.a;
+    // The fan turns from a to b about the edge: it starts at the triangle that lies behind its first tetrahedron.
+    Index face = triangle2face[edge.triangle];
+    Index end = edge.q;
+    if (opposite_start(face, c) != (face & 3)) {
+      face = triangle2face[edge.other];
+      end = edge.p;
+    }
+    Index t = face >> 2;
+    Index behind = mesh.tet2vertex[t][face & 3];
+    Index front = edge.p == end ? edge.q : edge.p;
+    int n = 0;
+    for (;;) {
+      if (n + 2 > max_ring) return c;
+      c.ring[n] = front;
+      c.tets[n] = t;
+      ++n;
+      const Link link = mesh.tet2tet[t][place_of(mesh.tet2vertex[t], front)];
+      front = behind;
+      if (link == kNoLink) break;
+      if (is_locked(link)) return c;
+      t = link_tet(link);
+      behind = mesh.tet2vertex[t][link_face(link)];
+    }
+    if (n < 2 || front != end) return c;
+    c.ring[n] = front;
+    c.ring_size = static_cast<std::uint8_t>(n + 1);
+    c.kind = FlipKind::boundary_removal;
+    return c;
+  }
+
+ private:
+  /// The face of the tetrahedron at `face` that a fan about (a, b) would start from.
+  TETUNE_HD int opposite_start(Index face, const Cavity& c) const {
+    const Tet tet = mesh.tet2vertex[face >> 2];
+    const int a = local_index(tet, c.a);
+    const int b = local_index(tet, c.b);
+    const EdgeCorners e = edge_corners(edge_of(a < b ? a : b, a < b ? b : a));
+    return a < b ? e.l : e.k;
+  }
+};
+
+/// Offers each flip that is worth it to the tetrahedra of its cavity.
+struct Propose {
+  FindCavity cavity;
+  Span<const Index> corners;
+  Span<const double> eta;
+  Span<std::uint64_t> offers;
+  Span<std::uint64_t> proposal;
+  TETUNE_HD flip_detail::EvaluatedSum operator()(Size i) const {
+    offers[i] = 0;
+    const Cavity c = cavity(i);
+    if (c.kind == FlipKind::none) return {};
+    const double before = flip_detail::energy_before(c, eta);
+    // The shape energy of a tetrahedron is never below 1.
+    if (cavity.mesh.law.shape && before <= c.made()) return {};
+    Triangulation triangulation;
+    const double after = best_energy(cavity.mesh, c, before, (1 + kMaxSlack) * before, triangulation);
+    if (before - after > kMinRelativeGain * before) {
+      offers[i] = flip_detail::make_proposal(before - after, static_cast<std::uint32_t>(corners[i]));
+      for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offers[i]);
+    }
+    return {1};
+  }
+};
+
+struct Agreed {
+  FindCavity cavity;
+  Span<const std::uint64_t> offers;
+  Span<const std::uint64_t> proposal;
+  TETUNE_HD bool operator()(Size i) const {
+    if (offers[i] == 0) return false;
+    const Cavity c = cavity(i);
+    for (int k = 0; k < c.size(); ++k) {
+      if (proposal[c.tets[k]] != offers[i]) return false;
+    }
+    return true;
+  }
+};
+
+struct Gather {
+  FindCavity cavity;
+  Span<const Index> agreed;
+  Span<const double> eta;
+  Span<std::uint64_t> proposal;
+  Span<flip_detail::FlipRecord> records;
+  Span<flip_detail::SlotCounts> counts;
+  TETUNE_HD void operator()(Size i) const {
+    flip_detail::FlipRecord f{};
+    f.cavity = cavity(agreed[i]);
+    const double energy = flip_detail::energy_before(f.cavity, eta);
+    best_energy(cavity.mesh, f.cavity, energy, (1 + kMaxSlack) * energy, f.triangulation);
+    f.gather(cavity.mesh, proposal, counts[i]);
+    records[i] = f;
+  }
+};
+
+/// The two triangles at each edge that goes become those at the new one.
+struct TurnTriangles {
+  Span<const BoundaryEdge> edges;
+  Span<const Index> agreed;
+  Span<BoundaryTriangle> triangles;
+  TETUNE_HD void operator()(Size i) const {
+    const BoundaryEdge& e = edges[agreed[i]];
+    const Index first[3] = {e.a, e.q, e.p};
+    const Index second[3] = {e.q, e.b, e.p};
+    for (int k = 0; k < 3; ++k) {
+      triangles[e.triangle].v[k] = first[k];
+      triangles[e.other].v[k] = second[k];
+    }
+  }
+};
+
+}  // namespace boundary_flip_detail
+
+template <class Backend>
+FlipReport boundary_flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                              BoundaryTriangles<Backend>& boundary, Span<std::uint8_t> awake) {
+  using namespace boundary_flip_detail;
+  using Ids = typename Backend::template Buffer<Index>;
+  FlipReport report;
+  const Size count = boundary.triangles.size();
+  if (boundary.stale) {
+    build_rows(par, mesh.vertices(), 3 * count, VertexOfCorner{boundary.triangles.span()}, boundary.vertex2corner);
+    boundary.stale = false;
+  }
+  const FindEdge find{mesh.points.span(), state.constrained(), boundary.triangles.span(), boundary.vertex2corner.view(),
+                      boundary.flat};
+  typename Backend::template Buffer<std::uint8_t> marks(3 * count);
+  par.for_each(3 * count, MarkEdge{find, awake, marks.span()});
+  Ids corners(3 * count);
+  corners.resize(par.compact(3 * count, IsMarked{marks.span()}, corners.span()));
+  const Size candidates = corners.size();
+  report.active = candidates;
+  if (candidates == 0) return report;
+  typename Backend::template Buffer<BoundaryEdge> edges(candidates);
+  par.for_each(candidates, FillEdge{find, corners.span(), edges.span()});
+
+  Ids tets(mesh.slots());
+  tets.resize(par.compact(mesh.slots(), IsAtBoundary{mesh.view()}, tets.span()));
+  Ids triangle2face(count);
+  par.for_each(tets.size(), FindFaces{mesh.view(), tets.span(), boundary.triangles.span(),
+                                      boundary.vertex2corner.view(), triangle2face.span()});
+
+  const FindCavity cavity{mesh.view(), edges.span(), triangle2face.span(), state.max_ring};
+  typename Backend::template Buffer<std::uint64_t> offers(candidates);
+  par.fill(state.proposal.span(), std::uint64_t{0});
+  report.evaluated =
+      par.template reduce<flip_detail::EvaluatedSum>(
+             candidates, Propose{cavity, corners.span(), state.eta.span(), offers.span(), state.proposal.span()})
+          .evaluated;
+  Ids agreed(candidates);
+  const Size flips = par.compact(candidates, Agreed{cavity, offers.span(), state.proposal.span()}, agreed.span());
+  if (flips == 0) return report;
+  typename Backend::template Buffer<flip_detail::FlipRecord> records(flips);
+  typename Backend::template Buffer<flip_detail::SlotCounts> counts(flips);
+  par.for_each(flips,
+               Gather{cavity, agreed.span(), state.eta.span(), state.proposal.span(), records.span(), counts.span()});
+  const flip_detail::FlipSum sum = flip_detail::apply_flips(par, mesh, state, records, counts, awake);
+  par.for_each(flips, TurnTriangles{edges.span(), agreed.span(), boundary.triangles.span()});
+  boundary.stale = true;
+  report.boundary_flips = sum.boundary_flips;
+  report.decrease = sum.decrease;
+  return report;
+}
+
+}  // namespace tetune
