@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include <cmath>
+
 #include "core/types.hpp"
 
 namespace tetune {
@@ -17,9 +19,37 @@ enum class Mobility : std::uint8_t {
   surface,  ///< on the input surface, not across its feature lines
 };
 
+/// How far from where it was a vertex of the surface may go, so that the surface keeps its sizes (docs/method.md,
+/// "Sizes of the surface").
+struct Leash {
+  static constexpr double kEndless = 1e300;
+  /// Below this part of a step the leash is at its end.
+  static constexpr double kShortest = 1e-2;
+
+  Vec3 home;
+  double length = kEndless;
+
+  TETUNE_HD bool holds(const Vec3& x) const {
+    if (length == kEndless) return true;
+    const Vec3 d = x - home;
+    return dot(d, d) <= length * length;
+  }
+  /// Largest t for which x + t p is not beyond it.
+  TETUNE_HD double reach(const Vec3& x, const Vec3& p) const {
+    if (length == kEndless) return kEndless;
+    const Vec3 d = x - home;
+    const double a = dot(p, p);
+    const double b = dot(d, p);
+    const double c = dot(d, d) - length * length;
+    if (!(a > 0)) return kEndless;
+    return c < 0 ? (std::sqrt(b * b - a * c) - b) / a : b < 0 ? -2 * b / a : 0;
+  }
+};
+
 struct Motion {
   Mobility kind;
   Vec3 axis;  ///< unit tangent of the line, unit normal of the plane; unused otherwise
+  Leash leash = {};
 };
 
 struct PlaneBasis {

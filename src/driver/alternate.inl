@@ -104,6 +104,7 @@ class Alternation {
     const double worst = std::max(kGood, quantile_above(par_, work_.flips.eta.span(), kWorstPart, work_.mesh.tets()));
     work_.mesh.law = shape_law(kWorstSquarings);
     work_.mobilities.spreads = false;
+    work_.mobilities.leashed = false;  // few vertices, which spoil no sizes
     double last = refresh_energy(par_, work_.mesh, work_.flips);
     const Span<std::uint8_t> awake = work_.mobilities.awake.span();
     bool go_on = true;
@@ -185,7 +186,7 @@ class Alternation {
   void lower_energy_above_floor() {
     clock_.measure("angles", [&] {
       work_.mesh.floor = find_floor(par_, work_.mesh);
-      work_.mobilities.spreads = true;
+      work_.mobilities.spreads = work_.mobilities.leashed = true;
       par_.fill(work_.mobilities.awake.span(), std::uint8_t{1});
     });
     for (int sweep = 1; sweep <= kLastSweeps; ++sweep) {

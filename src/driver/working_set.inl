@@ -77,6 +77,35 @@ inline bool are_lines(const std::vector<Index>& ends, std::size_t first, const s
   return count.few();
 }
 
+/// Of the mean length of its edges on the surface: so far may a vertex go there, by way of planes and lines, or over a
+/// curved surface.
+inline constexpr double kLeash = 0.5;
+inline constexpr double kSlideLeash = 0.75;
+
+struct FindLeash {
+  Span<const Point> points;
+  Span<const Tet> tets;
+  Span<const Index> faces;
+  RowsView vertex2corner;
+  double part;
+  Span<Leash> leash;
+  TETUNE_HD void operator()(Size v) const {
+    const Vec3 home = vec(points[v]);
+    double sum = 0;
+    Size edges = 0;
+    for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
+      const Index face = faces[vertex2corner.items[c] / 3];
+      for (int k = 0; k < 3; ++k) {
+        const Index other = tets[face >> 2][face_vertex(face & 3, k)];
+        if (other == v) continue;
+        sum += norm(vec(points[other]) - home);
+        ++edges;
+      }
+    }
+    leash[v] = {home, edges > 0 ? part * sum / static_cast<double>(edges) : Leash::kEndless};
+  }
+};
+
 /// Each vertex starts on its own place of the reference surface.
 struct StartSite {
   Span<Site> site;
@@ -261,6 +290,13 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
     }
   }
   report.corners_not_held = hold_corners(par, frozen_buffer.span(), work.mobilities.kind.span());
+  if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
+    work.mobilities.leash.resize(vertices);
+    par.for_each(vertices,
+                 FindLeash{work.mesh.points.span(), work.mesh.tet2vertex.span(), surface.faces.span(),
+                           surface.vertex2corner.view(), options.boundary == Boundary::slide ? kSlideLeash : kLeash,
+                           work.mobilities.leash.span()});
+  }
   if (options.boundary == Boundary::slide) {
     // A little less, for rounding.
     work.mobilities.max_deviation = (1 - 1e-9) * options.max_deviation * work.scale;

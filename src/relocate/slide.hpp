@@ -48,7 +48,7 @@ struct NewtonSlide {
 
   template <class Ring>
   TETUNE_HD SlideResult operator()(Ring& ring, Vec3 x, Site site, Mobility walker, const ReferenceView& ref,
-                                   const DeviationBound& bound) const {
+                                   const DeviationBound& bound, const Leash& leash) const {
     SlideResult result;
     for (int repeat = 0; repeat < NewtonStep::kMaxRepeats; ++repeat) {
       const RingModel m = ring.model(x);
@@ -64,6 +64,11 @@ struct NewtonSlide {
       double decrease = 0;
       for (int halving = 0; halving < NewtonStep::kMaxHalvings && decrease == 0; ++halving) {
         const slide_detail::Walk walk = descend(ref, walker, m, x, site, first, p, reach);
+        if (!leash.holds(walk.at)) {
+          reach = 0.5 * walk.length;
+          if (reach > Leash::kShortest * length) continue;
+          break;
+        }
         const RingValue v = ring.value(walk.at);
         if (v.certified && v.value < m.value && bound.allows(walk.at, walk.site)) {
           decrease = m.value - v.value;
@@ -116,7 +121,7 @@ struct GradientSlide {
 
   template <class Ring>
   TETUNE_HD SlideResult operator()(Ring& ring, const Vec3& x, const Site& site, Mobility walker,
-                                   const ReferenceView& ref, const DeviationBound& bound) const {
+                                   const ReferenceView& ref, const DeviationBound& bound, const Leash& leash) const {
     SlideResult result;
     result.step.position = x;
     result.site = site;
@@ -137,6 +142,7 @@ struct GradientSlide {
     if (alpha > (1 - kAtEnd) * lambda) alpha = lambda;
     for (int halving = 0; halving < GradientStep::kMaxHalvings; ++halving, alpha *= 0.5) {
       const Landing landing = advance(ref, walker, primitive, site, x, p, alpha);
+      if (!leash.holds(landing.at)) continue;
       const RingValue v = ring.value(landing.at);
       if (v.certified && v.value < m.value && bound.allows(landing.at, landing.site)) {
         result.step.decrease = m.value - v.value;

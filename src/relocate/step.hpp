@@ -110,7 +110,10 @@ struct NewtonStep {
       }
       const Vec3 p = newton_direction(m, motion);
       if (!(-dot(m.gradient, p) > min_gain * m.value)) break;
-      const double bound = kReach * ring.step_bound(x, p);
+      const double leash = motion.leash.reach(x, p);
+      if (!(leash > Leash::kShortest)) break;
+      double bound = kReach * ring.step_bound(x, p);
+      if (leash < bound) bound = leash;
       const Vec3 start = x;
       double decrease = try_steps(ring, m, p, bound < relaxation ? bound : relaxation, x);
       if (decrease == 0) {
@@ -118,7 +121,9 @@ struct NewtonStep {
         const Vec3 g = tangent_gradient(m.gradient, motion);
         const Vec3 down = (-1 / norm(g)) * g;
         const double reach = kReach * ring.step_bound(x, down);
-        const double farthest = kFarthest * std::sqrt(m.length2);
+        double farthest = kFarthest * std::sqrt(m.length2);
+        const double end = motion.leash.reach(x, down);
+        if (end < farthest) farthest = end;
         decrease =
             try_steps(ring, m, down, brent_minimum(ring.ray(x, down), 0, reach < farthest ? reach : farthest), x);
       }
@@ -167,6 +172,9 @@ struct GradientStep {
     const double length = std::sqrt(m.length2);
     // A ring always closes in on its vertex, but a boundary ring may be open along a ray.
     if (!(lambda < 4 * length)) lambda = 4 * length;
+    const double leash = motion.leash.reach(x, p);
+    if (!(leash > Leash::kShortest * length)) return result;
+    if (leash < lambda) lambda = leash;
     for (int halving = 0; halving < kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving) lambda *= 0.5;
     const auto ray = ring.ray(x, p);
     double alpha = brent_minimum(ray, 0, lambda);

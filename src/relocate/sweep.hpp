@@ -29,6 +29,8 @@ struct Mobilities {
   /// Where each vertex is on the reference surface, and that surface; empty unless vertices slide.
   typename Backend::template Buffer<Site> site;
   ReferenceSurface<Backend> reference;
+  /// For each vertex; meaningful on the surface. Empty: endless.
+  typename Backend::template Buffer<Leash> leash;
   /// Most distance between the two surfaces; 0: no bound.
   double max_deviation = 0;
   /// 1: worth a visit: at its last visit the vertex, or since then one of its ring, moved by more than kWake at once,
@@ -36,6 +38,10 @@ struct Mobilities {
   typename Backend::template Buffer<std::uint8_t> awake;
   /// Whether a vertex that moves far wakes its neighbours.
   bool spreads = true;
+  /// Whether the leashes hold.
+  bool leashed = true;
+
+  Span<const Leash> leashes() const { return leashed ? leash.span() : Span<const Leash>(); }
 };
 
 /// A move beyond this part of the local length makes the neighbours worth another visit.

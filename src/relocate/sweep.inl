@@ -30,6 +30,7 @@ struct RelocateVertex {
   Span<const Index> vertices;
   Span<const Mobility> kind;
   Span<const Vec3> axis;
+  Span<const Leash> leash;
   Span<std::uint8_t> awake;
   bool spreads;
   Span<Site> site;
@@ -85,9 +86,11 @@ struct RelocateVertex {
   template <class AnyRing>
   TETUNE_HD StepResult relocate(AnyRing& ring, Index v) const {
     const Vec3 x = vec(points[v]);
-    if (kind[v] != Mobility::curve && kind[v] != Mobility::surface) return step(ring, x, Motion{kind[v], axis[v]});
-    const SlideResult slid =
-        slide_of(step)(ring, x, site[v], kind[v], reference, DeviationBound(reference, points, site, v, max_deviation));
+    const Leash held = leash.size() == 0 || kind[v] == Mobility::free ? Leash{} : leash[v];
+    if (kind[v] != Mobility::curve && kind[v] != Mobility::surface)
+      return step(ring, x, Motion{kind[v], axis[v], held});
+    const DeviationBound bound(reference, points, site, v, max_deviation);
+    const SlideResult slid = slide_of(step)(ring, x, site[v], kind[v], reference, bound, held);
     if (slid.step.decrease > 0) site[v] = slid.site;
     return slid.step;
   }
@@ -111,10 +114,11 @@ SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView
     const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
     const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
     total.merge(par.template reduce<SweepSum>(
-        count, sweep_detail::RelocateVertex<Ring, Step>{
-                   mesh.law, mesh.floor, mesh.points.span(), rings, vertices, mobilities.kind.span(),
-                   mobilities.axis.span(), mobilities.awake.span(), mobilities.spreads, mobilities.site.span(),
-                   mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, step}));
+        count,
+        sweep_detail::RelocateVertex<Ring, Step>{
+            mesh.law, mesh.floor, mesh.points.span(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
+            mobilities.leashes(), mobilities.awake.span(), mobilities.spreads, mobilities.site.span(),
+            mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, step}));
   }
   return total;
 }

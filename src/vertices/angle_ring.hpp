@@ -21,7 +21,7 @@ TETUNE_HD inline double largest_cot(const MeshView& mesh, Size t) {
 struct FreeWay {
   Motion motion;
   TETUNE_HD Vec3 from(const Vec3& x, const Vec3& step) const { return x + tangent_gradient(step, motion); }
-  TETUNE_HD bool take(const Vec3&) const { return true; }
+  TETUNE_HD bool take(const Vec3& x) const { return motion.leash.holds(x); }
 };
 
 /// The same on the input surface, up to the rim of a triangle or segment.
@@ -31,6 +31,7 @@ struct SlideWay {
   Mobility walker;
   Site site;
   Site next;
+  Leash leash;
 
   TETUNE_HD Vec3 from(const Vec3& x, const Vec3& step) {
     const Primitive primitive = steepest(reference, walker, site, -1.0 * step);
@@ -41,7 +42,7 @@ struct SlideWay {
     return landing.at;
   }
   TETUNE_HD bool take(const Vec3& x) {
-    if (!bound.allows(x, next)) return false;
+    if (!leash.holds(x) || !bound.allows(x, next)) return false;
     site = next;
     return true;
   }

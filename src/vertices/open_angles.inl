@@ -18,6 +18,7 @@ struct OpenAngle {
   Span<const Index> vertices;
   Span<const Mobility> kind;
   Span<const Vec3> axis;
+  Span<const Leash> leash;
   Span<Site> site;
   ReferenceView reference;
   double max_deviation;
@@ -31,13 +32,14 @@ struct OpenAngle {
     if (flags[v] == 0 || count == 0) return {};
     const AngleRing ring(mesh, rings.faces.data() + begin, count);
     Vec3 x = vec(mesh.points[v]);
+    const Leash held = leash.size() == 0 || kind[v] == Mobility::free ? Leash{} : leash[v];
     if (kind[v] == Mobility::curve || kind[v] == Mobility::surface) {
-      SlideWay way{reference, DeviationBound(reference, mesh.points, site, v, max_deviation), kind[v], site[v],
-                   site[v]};
+      SlideWay way{reference, DeviationBound(reference, mesh.points, site, v, max_deviation), kind[v], site[v], site[v],
+                   held};
       if (!ring.open(x, way, enough)) return {};
       site[v] = way.site;
     } else {
-      FreeWay way{{kind[v], axis[v]}};
+      FreeWay way{{kind[v], axis[v], held}};
       if (!ring.open(x, way, enough)) return {};
     }
     mesh.points[v] = point(x);
@@ -58,8 +60,9 @@ Size open_angles(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& r
     const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
     moved += par.template reduce<MovedCount>(
                     count, OpenAngle{mesh.view(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
-                                     mobilities.site.span(), mobilities.reference.view(mobilities.kind.span()),
-                                     mobilities.max_deviation, flags, enough})
+                                     mobilities.leashes(), mobilities.site.span(),
+                                     mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, flags,
+                                     enough})
                  .count;
   }
   return moved;
