@@ -4,7 +4,7 @@
 #include "par/cuda.cuh"
 
 namespace tetune {
-template void build_surface(const par::Cuda&, WorkMesh<par::Cuda>&, const par::Cuda::Buffer<ListedTriangle>&,
+template void build_surface(const par::Cuda&, WorkMesh<par::Cuda>&, const ListedTriangles&,
                             par::Cuda::Buffer<Listed>&, Surface<par::Cuda>&);
 template void classify_vertices(const par::Cuda&, WorkMesh<par::Cuda>&, const Surface<par::Cuda>&, Span<const Index>,
                                 const ConstrainedEdges&, Span<const std::uint8_t>, bool, Span<Mobility>, Span<Vec3>);

@@ -27,6 +27,28 @@ struct ListedTriangle {
   std::uint8_t locks;  ///< stays a face where it lies inside one region
 };
 
+/// The caller's list, read in place.
+struct ListedTriangles {
+  Span<const Index> vertices;  ///< three each, in the caller's numbers
+  Span<const int> tags;
+  Span<const std::uint8_t> required;  ///< empty: none is
+  Span<const int> frozen_patches;
+  Span<const Index> original2vertex;
+  bool tags_lock;  ///< tagged triangles stay faces where they lie inside one region
+
+  TETUNE_HD Size size() const { return tags.size(); }
+  TETUNE_HD ListedTriangle operator[](Size i) const {
+    ListedTriangle t;
+    for (int k = 0; k < 3; ++k) t.v[k] = original2vertex[vertices[3 * i + k]];
+    t.tag = tags[i];
+    t.required = required.size() > 0 ? required[i] : 0;
+    bool locks = t.required != 0 || (tags_lock && t.tag != 0);
+    for (Size p = 0; p < frozen_patches.size() && !locks; ++p) locks = frozen_patches[p] == t.tag;
+    t.locks = locks ? 1 : 0;
+    return t;
+  }
+};
+
 /// What became of a listed triangle.
 enum class Listed : std::uint8_t {
   surface,  ///< a face of the boundary, of an interface or of a constraint: stays
@@ -49,8 +71,7 @@ struct Surface {
 /// Finds the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or
 /// required, which it locks. `listed_state` receives a Listed for each listed triangle.
 template <class Backend>
-void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
-                   const typename Backend::template Buffer<ListedTriangle>& listed,
+void build_surface(const Backend& par, WorkMesh<Backend>& mesh, const ListedTriangles& listed,
                    typename Backend::template Buffer<Listed>& listed_state, Surface<Backend>& surface);
 
 /// Decides for each vertex where it may go so that the surface stays as it is (Sect. 4.2, Alg. 2):

@@ -63,7 +63,7 @@ struct MatchListed {
   Span<const Tet> tets;
   Span<const Index> faces;
   RowsView vertex2corner;
-  Span<const ListedTriangle> listed;
+  ListedTriangles listed;
   Span<Listed> state;
   Span<std::uint32_t> face2listed;  ///< position + 1; 0: not listed with a tag
   TETUNE_HD PendingSum operator()(Size i) const {
@@ -88,7 +88,7 @@ struct MatchListed {
 struct LockListed {
   MeshView mesh;
   RowsView vertex2tet;
-  Span<const ListedTriangle> listed;
+  ListedTriangles listed;
   Span<const Listed> state;
   TETUNE_HD void operator()(Size i) const {
     if (state[i] != Listed::absent) return;
@@ -106,7 +106,7 @@ struct LockListed {
 
 struct TagFaces {
   Span<const std::uint32_t> face2listed;
-  Span<const ListedTriangle> listed;
+  ListedTriangles listed;
   Span<int> tags;
   TETUNE_HD void operator()(Size s) const { tags[s] = face2listed[s] == 0 ? 0 : listed[face2listed[s] - 1].tag; }
 };
@@ -303,8 +303,7 @@ void collect_surface(const Backend& par, WorkMesh<Backend>& mesh, Surface<Backen
 }
 
 template <class Backend>
-void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
-                   const typename Backend::template Buffer<ListedTriangle>& listed,
+void build_surface(const Backend& par, WorkMesh<Backend>& mesh, const ListedTriangles& listed,
                    typename Backend::template Buffer<Listed>& listed_state, Surface<Backend>& surface) {
   using namespace classify_detail;
   collect_surface(par, mesh, surface);
@@ -316,18 +315,18 @@ void build_surface(const Backend& par, WorkMesh<Backend>& mesh,
     return par
         .template reduce<PendingSum>(
             listed.size(), MatchListed{mesh.tet2vertex.span(), surface.faces.span(), surface.vertex2corner.view(),
-                                       listed.span(), listed_state.span(), face2listed.span()})
+                                       listed, listed_state.span(), face2listed.span()})
         .pending;
   };
   if (match() > 0) {
     Rows<Backend> vertex2tet;
     build_vertex2tet(par, mesh, vertex2tet);
-    par.for_each(listed.size(), LockListed{mesh.view(), vertex2tet.view(), listed.span(), listed_state.span()});
+    par.for_each(listed.size(), LockListed{mesh.view(), vertex2tet.view(), listed, listed_state.span()});
     collect_surface(par, mesh, surface);
     match();
   }
   surface.tags.resize(surface.faces.size());
-  par.for_each(surface.faces.size(), TagFaces{face2listed.span(), listed.span(), surface.tags.span()});
+  par.for_each(surface.faces.size(), TagFaces{face2listed.span(), listed, surface.tags.span()});
 }
 
 template <class Backend>

@@ -18,7 +18,7 @@ struct CountListed {
   Span<const Tet> tets;
   Span<const Index> faces;
   RowsView vertex2corner;
-  Span<const ListedTriangle> listed;
+  ListedTriangles listed;
   Span<std::uint32_t> counts;
   Span<std::uint32_t> last;
   TETUNE_HD void operator()(Size i) const {
@@ -44,7 +44,7 @@ struct FillTriangle {
   Span<const Tet> tets;
   Span<const Index> faces;
   Span<const int> tags;
-  Span<const ListedTriangle> listed;
+  ListedTriangles listed;
   Span<const Index> outer;
   Span<const std::uint32_t> counts;
   Span<const std::uint32_t> last;
@@ -57,7 +57,8 @@ struct FillTriangle {
     t.tag = tags[s];
     t.listed = counts[s] == 0 ? -1 : static_cast<Index>(last[s]);
     if (t.listed >= 0) {
-      const Index* v = listed[t.listed].v;
+      const ListedTriangle mine = listed[t.listed];
+      const Index* v = mine.v;
       const int at = v[0] == t.v[0] ? 0 : v[1] == t.v[0] ? 1 : 2;
       t.turned = v[(at + 1) % 3] == t.v[1] ? 0 : 1;
     }
@@ -72,7 +73,7 @@ struct FillTriangle {
 
 template <class Backend>
 void build_boundary(const Backend& par, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                    Span<const ListedTriangle> listed, Span<const std::uint8_t> frozen,
+                    const ListedTriangles& listed, Span<const std::uint8_t> frozen,
                     BoundaryTriangles<Backend>& boundary) {
   using namespace boundary_triangles_detail;
   const Size faces = surface.faces.size();

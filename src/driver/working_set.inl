@@ -221,37 +221,39 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   }
 
   // Listed triangles.
-  std::vector<std::uint8_t> triangle_required(mesh.triangles.size(), 0);
-  for (const Index t : mesh.required_triangles) triangle_required[static_cast<std::size_t>(t)] = 1;
-  std::vector<ListedTriangle> listed(mesh.triangles.size());
-  for (std::size_t t = 0; t < listed.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) listed[t].v[k] = to_work(mesh.triangles[t][k]);
-    listed[t].tag = mesh.triangle_tags[t];
-    listed[t].required = triangle_required[t];
-    const bool frozen_patch = std::find(options.frozen_patches.begin(), options.frozen_patches.end(), listed[t].tag) !=
-                              options.frozen_patches.end();
-    const bool open_boundary = options.open_boundaries && listed[t].tag != 0;
-    listed[t].locks = triangle_required[t] != 0 || frozen_patch || open_boundary ? 1 : 0;
+  std::vector<std::uint8_t> required;
+  if (!mesh.required_triangles.empty()) {
+    required.resize(mesh.triangles.size(), 0);
+    for (const Index t : mesh.required_triangles) required[static_cast<std::size_t>(t)] = 1;
   }
-  typename Backend::template Buffer<ListedTriangle> listed_buffer;
+  const typename Backend::template Loan<std::array<Index, 3>> triangles(mesh.triangles);
+  const typename Backend::template Loan<int> tags(mesh.triangle_tags);
+  const typename Backend::template Loan<std::uint8_t> required_loan(required);
+  const typename Backend::template Loan<int> frozen_patches(options.frozen_patches);
+  const typename Backend::template Loan<Index> original2vertex_loan(original2vertex);
+  const ListedTriangles listed{{reinterpret_cast<const Index*>(triangles.span().data()), 3 * triangles.span().size()},
+                               tags.span(),
+                               required_loan.span(),
+                               frozen_patches.span(),
+                               original2vertex_loan.span(),
+                               options.open_boundaries};
   typename Backend::template Buffer<Listed> listed_state;
-  listed_buffer.upload(listed);
   Surface<Backend> surface;
-  build_surface(par, work.mesh, listed_buffer, listed_state, surface);
+  build_surface(par, work.mesh, listed, listed_state, surface);
   work.listed_triangles = listed_state.download();
 
   // Frozen vertices.
   std::vector<std::uint8_t> frozen(mesh.points.size(), kMovable);
   for (std::size_t v = 0; v < frozen.size(); ++v)
     frozen[static_cast<std::size_t>(to_work(static_cast<Index>(v)))] = constraints.frozen[v];
-  for (std::size_t t = 0; t < listed.size(); ++t) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (work.listed_triangles[t] != Listed::absent) continue;
-    for (const Index v : listed[t].v) frozen[static_cast<std::size_t>(v)] = kFrozen;
+    for (const Index v : mesh.triangles[t]) frozen[static_cast<std::size_t>(to_work(v))] = kFrozen;
   }
   typename Backend::template Buffer<std::uint8_t> frozen_buffer;
   frozen_buffer.upload(frozen);
   if (flips_boundary(options)) {
-    build_boundary(par, work.mesh, surface, listed_buffer.span(), frozen_buffer.span(), work.boundary);
+    build_boundary(par, work.mesh, surface, listed, frozen_buffer.span(), work.boundary);
   }
   work.frozen = std::move(frozen);
 

@@ -20,6 +20,17 @@ class Cpu {
   template <class T>
   using Buffer = par::Buffer<T, Cpu>;
 
+  /// A caller's array as kernels see it: here the array itself.
+  template <class T>
+  class Loan {
+   public:
+    explicit Loan(const std::vector<T>& host) : span_(host.data(), static_cast<Size>(host.size())) {}
+    Span<const T> span() const { return span_; }
+
+   private:
+    Span<const T> span_;
+  };
+
   /// `threads` 0 means all that this process may use. There may be fewer, as ThreadPool says.
   explicit Cpu(int threads = 0) {
     if (threads <= 0) threads = static_cast<int>(std::thread::hardware_concurrency());

@@ -57,6 +57,17 @@ class Cuda {
   template <class T>
   using Buffer = par::Buffer<T, Cuda>;
 
+  /// A caller's array as kernels see it: a copy on the device.
+  template <class T>
+  class Loan {
+   public:
+    explicit Loan(const std::vector<T>& host) { copy_.upload(host); }
+    Span<const T> span() const { return copy_.span(); }
+
+   private:
+    Buffer<T> copy_;
+  };
+
   template <class F>
   void for_each(Size n, const F& f) const {
     if (n == 0) return;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include <set>
 
 #include "driver/boundary_triangles.inl"
@@ -36,20 +38,22 @@ struct Fixture {
     }
     state.constrained_keys.upload(keys);
     state.constrained_vertex.upload(on_edge);
-    std::vector<ListedTriangle> listed;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const auto& v = mesh.triangles[t];
-      listed.push_back({{v[0], v[1], v[2]}, mesh.triangle_tags[t], 0, 0});
-    }
-    Cpu::Buffer<ListedTriangle> listed_buffer;
+    std::vector<Index> vertices(mesh.points.size());
+    std::iota(vertices.begin(), vertices.end(), 0);
+    const ListedTriangles listed{
+        {reinterpret_cast<const Index*>(mesh.triangles.data()), 3 * static_cast<Size>(mesh.triangles.size())},
+        {mesh.triangle_tags.data(), static_cast<Size>(mesh.triangle_tags.size())},
+        {},
+        {},
+        {vertices.data(), static_cast<Size>(vertices.size())},
+        false};
     Cpu::Buffer<Listed> state_buffer;
-    listed_buffer.upload(listed);
     Surface<Cpu> surface;
-    build_surface(cpu, work, listed_buffer, state_buffer, surface);
+    build_surface(cpu, work, listed, state_buffer, surface);
     std::vector<std::uint8_t> held(mesh.points.size(), kMovable);
     for (const Index v : frozen) held[static_cast<std::size_t>(v)] = kFrozen;
-    build_boundary(cpu, work, surface, Span<const ListedTriangle>(listed_buffer.span()),
-                   Span<const std::uint8_t>(held.data(), static_cast<Size>(held.size())), boundary);
+    build_boundary(cpu, work, surface, listed, Span<const std::uint8_t>(held.data(), static_cast<Size>(held.size())),
+                   boundary);
     awake.assign(mesh.points.size(), 1);
     energy = refresh_energy(cpu, work, state);
     activate_all(cpu, work, state);

@@ -43,7 +43,7 @@ struct Sliding {
     const par::Cpu cpu(1);
     build_adjacency(cpu, work);
     lock_interfaces(cpu, work);
-    par::Cpu::Buffer<ListedTriangle> listed;
+    const ListedTriangles listed{};
     par::Cpu::Buffer<Listed> state;
     build_surface(cpu, work, listed, state, surface);
     const working_set_detail::EdgeSet<par::Cpu> none({}, work.vertices());

@@ -84,7 +84,7 @@ struct Slider {
     const DeviationBound anywhere(surface.view(), {mesh_points.data(), static_cast<Size>(mesh_points.size())},
                                   {mesh_sites.data(), static_cast<Size>(mesh_sites.size())}, 0, 0);
     const double before = bowl.value(x).value;
-    const SlideResult r = step(bowl, x, site, walker, surface.view(), anywhere);
+    const SlideResult r = step(bowl, x, site, walker, surface.view(), anywhere, Leash{});
     EXPECT_NEAR(r.step.decrease, before - bowl.value(r.step.position).value, 1e-12);
     EXPECT_GE(r.step.decrease, 0);
     if (r.step.decrease == 0) return false;
