@@ -63,13 +63,15 @@ void refuse_ineffective(const CLI::App& command, const Arguments& a) {
         throw OptionError(fmt::format("{} has no effect without --boundary slide; add it, or drop {}", name, name));
     }
   }
-  if (command.count("--boundary-flips") > 0 && a.options.boundary_flips) {
+  if (command.count("--boundary-flips") > 0) {
     const char* other = a.options.boundary == Boundary::fixed ? "--boundary fixed"
                         : !a.max_deviation.empty()            ? "--max-deviation"
                         : a.options.max_ring == 3             ? "--max-ring 3"
+                        : a.options.max_iterations == 0       ? "--max-iterations 0"
                                                               : nullptr;
     if (other != nullptr) {
-      throw OptionError(fmt::format("--boundary-flips has no effect with {}; drop one of them", other));
+      throw OptionError(fmt::format("{} has no effect with {}; drop one of them",
+                                    a.options.boundary_flips ? "--boundary-flips" : "--no-boundary-flips", other));
     }
   }
   if (a.options.termination == Termination::paper && command.count("--effort") > 0) {

@@ -81,7 +81,7 @@ struct Options {
   /// the paper's 3-2 flip.
   int max_ring = 7;
   /// Whether edges between coplanar triangles of one patch of the outer boundary may be flipped away. Without effect
-  /// under Boundary::fixed, where max_deviation is given, and where max_ring is 3.
+  /// under Boundary::fixed, where max_deviation is given, where max_ring is 3, and without sweeps (max_iterations 0).
   bool boundary_flips = true;
   /// What every element of the result is to reach. It changes nothing in what is done: Report::targets says which
   /// elements miss it, and why.
@@ -184,7 +184,8 @@ struct Context {
 
 /// Improves a mesh in place: harmonic flips alternating with vertex relocation (Sect. 4.5).
 ///
-/// On return the mesh is valid, its boundary, tags, vertex order and number of vertices are as they were, and the
+/// On return the mesh is valid; its tags, the order and number of its vertices, and with Boundary::preserve and fixed
+/// the shape of its boundary are as they were (boundary_flips change which triangles it has where it is flat), and the
 /// energy is not larger. Effort::best may change the number of vertices, see Report::vertex2original: those of the
 /// input come first, in their order, inserted ones last, with the tag 0; there are at most 10 % more tetrahedra, no
 /// smaller dihedral angle, and the energy may be larger as there are more of them. Tetrahedra come out in another order

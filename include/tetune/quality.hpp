@@ -118,8 +118,8 @@ struct Comparison {
   double region_volume_change = 0, patch_area_change = 0;
   /// Each tag of listed triangles but 0, in increasing order.
   std::vector<PatchChange> patches;
-  /// Vertices listed as required, and as corners, that are not where they were to the last bit. Where the number of
-  /// vertices has changed: where no vertex listed as such is now.
+  /// Vertices listed as required, and as corners, where now is neither the vertex of their number nor one listed as
+  /// such, to the last bit.
   std::int64_t required_moved = 0, corners_moved = 0;
 };
 

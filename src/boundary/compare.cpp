@@ -131,20 +131,17 @@ std::vector<int> nonzero(std::vector<int> tags) {
   return tag_set(std::move(tags));
 }
 
-/// Vertices of the first mesh's list that are not where they were. Where vertices have come or gone, ids say nothing:
+/// Vertices of the first mesh's list that are not where they were. Where vertices have come or gone, ids say little:
 /// any vertex of the second mesh's list may be there then.
 std::int64_t count_moved(const TetMesh& before, const std::vector<Index>& ids, const TetMesh& after,
                          const std::vector<Index>& ids_after) {
-  if (before.points.size() == after.points.size()) {
-    return std::count_if(ids.begin(), ids.end(), [&](Index id) {
-      return before.points[static_cast<std::size_t>(id)] != after.points[static_cast<std::size_t>(id)];
-    });
-  }
   std::vector<Point3> places;
   for (const Index id : ids_after) places.push_back(after.points[static_cast<std::size_t>(id)]);
   std::sort(places.begin(), places.end());
   return std::count_if(ids.begin(), ids.end(), [&](Index id) {
-    return !std::binary_search(places.begin(), places.end(), before.points[static_cast<std::size_t>(id)]);
+    const auto v = static_cast<std::size_t>(id);
+    if (v < after.points.size() && before.points[v] == after.points[v]) return false;
+    return !std::binary_search(places.begin(), places.end(), before.points[v]);
   });
 }
 

@@ -30,6 +30,8 @@ struct ConstrainedEdges {
     }
     return lo < keys.size() && keys[lo] == key;
   }
+  /// Whether an edge ends at a vertex.
+  TETUNE_HD bool has_end(Index v) const { return keys.size() > 0 && on_vertex[v] != 0; }
   TETUNE_HD static std::uint64_t edge_key(Index a, Index b) {
     const Index low = a < b ? a : b;
     const Index high = a < b ? b : a;

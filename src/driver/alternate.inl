@@ -167,7 +167,7 @@ class Alternation {
       });
       report_.worst_rounds.push_back(r);
       if (!proceed("angles", iteration())) return false;
-      if (r.worst + r.inserted + r.removed == 0) break;
+      if (r.worst == 0 || r.inserted + r.removed + r.flips + r.moved == 0) break;
     }
     return true;
   }
@@ -202,6 +202,7 @@ class Alternation {
         }
         flip_active(work_.mobilities.awake.span());
       });
+      if (!proceed("angles", iteration())) return;
     }
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "core/unit_scale.hpp"
 #include "core/upload.hpp"
@@ -252,7 +253,8 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   }
   typename Backend::template Buffer<std::uint8_t> frozen_buffer;
   frozen_buffer.upload(frozen);
-  if (flips_boundary(options)) {
+  constexpr Size kMostCorners = std::numeric_limits<Index>::max();
+  if (flips_boundary(options) && 3 * surface.faces.size() <= kMostCorners) {
     build_boundary(par, work.mesh, surface, listed, frozen_buffer.span(), work.boundary);
   }
   work.frozen = std::move(frozen);

@@ -51,11 +51,9 @@ class Cache {
     return memory;
   }
 
-  /// False when this is none of the large blocks.
-  bool release(void* memory) noexcept {
+  void release(void* memory) noexcept {
     const std::lock_guard lock(mutex_);
     const auto used = used_.find(memory);
-    if (used == used_.end()) return false;
     const std::size_t size = used->second;
     used_.erase(used);
     bytes_used_ -= size;
@@ -66,7 +64,6 @@ class Cache {
       std::free(memory);
     }
     drop(sessions_ > 0 ? bytes_used_ / kUsedPerKept : 0);
-    return true;
   }
 
   void open() {
@@ -112,8 +109,12 @@ void* allocate(std::size_t bytes) {
   return memory;
 }
 
-void release(void* memory) noexcept {
-  if (memory != nullptr && !cache().release(memory)) std::free(memory);
+void release(void* memory, std::size_t bytes) noexcept {
+  if (bytes >= kHugePage) {
+    cache().release(memory);
+  } else {
+    std::free(memory);
+  }
 }
 
 Session::Session() { cache().open(); }

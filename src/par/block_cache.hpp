@@ -10,7 +10,8 @@ namespace tetune::par::block_cache {
 
 /// Throws std::bad_alloc. From any thread; null for no bytes.
 void* allocate(std::size_t bytes);
-void release(void* memory) noexcept;
+/// `bytes` as asked for.
+void release(void* memory, std::size_t bytes) noexcept;
 
 /// Sessions may overlap; when the last one ends, what was kept goes back to the system.
 class Session {

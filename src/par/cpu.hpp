@@ -171,7 +171,7 @@ class Cpu {
   /// A counting sort in two steps, stable, without atomics: each block of keys belongs to one thread, which reads all
   /// items. counts[key] becomes the number of items with that key; keys beyond the counts are none.
   void count_keys(Span<const std::uint32_t> keys, Span<std::uint32_t> counts) const {
-    for_blocks(counts.size(), threads_, [&](Size, Size begin, Size end) {
+    for_blocks(counts.size(), readers(keys.size()), [&](Size, Size begin, Size end) {
       std::fill(counts.data() + begin, counts.data() + end, 0U);
       for (Size i = 0; i < keys.size(); ++i) {
         if (keys[i] - static_cast<std::uint32_t>(begin) < end - begin) ++counts[keys[i]];
@@ -182,7 +182,7 @@ class Cpu {
   /// is again when this is done.
   template <class F>
   void place_by_key(Span<const std::uint32_t> keys, Span<std::uint32_t> begin, const F& place) const {
-    for_blocks(begin.size(), threads_, [&](Size, Size first, Size last) {
+    for_blocks(begin.size(), readers(keys.size()), [&](Size, Size first, Size last) {
       for (Size i = 0; i < keys.size(); ++i) {
         if (keys[i] - static_cast<std::uint32_t>(first) < last - first) place(i, begin[keys[i]]++);
       }
@@ -198,7 +198,7 @@ class Cpu {
   }
 
   static void* allocate(std::size_t bytes) { return block_cache::allocate(bytes); }
-  static void release(void* memory, std::size_t) { block_cache::release(memory); }
+  static void release(void* memory, std::size_t bytes) { block_cache::release(memory, bytes); }
   static void copy(void* to, const void* from, std::size_t bytes) {
     if (bytes > 0) std::memcpy(to, from, bytes);
   }
@@ -214,6 +214,9 @@ class Cpu {
   static constexpr Size kGrain = 512;
   /// Below this, waking the other threads costs more than they save.
   static constexpr Size kSerial = 2048;
+
+  /// Threads that each read all of n keys: more would read for longer than they sort.
+  Size readers(Size n) const { return std::clamp<Size>(n / kSerial, 1, std::min(threads_, 8)); }
 
   template <class R, class F>
   static R reduce_range(Size begin, Size end, const F& f) {

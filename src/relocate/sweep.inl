@@ -47,7 +47,7 @@ struct RelocateVertex {
     const char* faces = reinterpret_cast<const char*>(rings.faces.data() + row);
     for (int line = 0; line < 5; ++line) __builtin_prefetch(faces + 64 * line);
     const Index near = vertices[i + kPointsAhead];
-    if (awake[near] == 0) return;
+    if (par::load_shared(awake[near]) == 0) return;
     for (Size f = rings.offsets[near]; f < rings.offsets[near + 1]; ++f) {
       __builtin_prefetch(&points[rings.faces[f].v[0]]);
     }
@@ -73,7 +73,7 @@ struct RelocateVertex {
     }
     if (result.decrease > 0) points[v] = point(result.position);
     const bool far = result.relative_move > kWake;
-    awake[v] = far ? 1 : 0;
+    par::store_shared(awake[v], far ? 1 : 0);
     if (far && spreads) {
       for (Size j = 0; j < count; ++j) {
         for (int k = 0; k < 3; ++k) par::store_shared(awake[faces[j].v[k]], 1);

@@ -86,7 +86,7 @@ struct Propose {
     const Tet tet = mesh.tet2vertex[t];
     const int from = choice / 3;
     const int to = (from + 1 + choice % 3) % 4;
-    if (kind[tet[from]] != Mobility::free || !star.take_vertex(t, from)) return;
+    if (kind[tet[from]] != Mobility::free || constrained.has_end(tet[from]) || !star.take_vertex(t, from)) return;
     propose(star, star.cot_before(), tet[to], tet[from], vec(mesh.points[tet[to]]), p);
   }
 
@@ -100,6 +100,9 @@ struct Propose {
     p.removed = removed;
   }
 };
+
+/// Tetrahedra that may propose: so many, and one of so many.
+inline constexpr Size kFew = 400;
 
 /// A proposal is agreed when all its tetrahedra hold it as their best.
 struct Agreed {
@@ -316,7 +319,9 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   const Size vertices = mesh.vertices();
 
   Ids sharp(slots);
-  const Size count = kProposals * par.compact(slots, IsSharp{mesh.view(), bound}, sharp.span());
+  const Size found = par.compact(slots, IsSharp{mesh.view(), bound}, sharp.span());
+  // In a lattice any angle may be that of all.
+  const Size count = kProposals * std::min(found, kFew + mesh.tets() / kFew);
   typename Backend::template Buffer<Proposal> proposals(count);
   typename Backend::template Buffer<std::uint64_t> best(slots);
   par.fill(best.span(), std::uint64_t{0});
@@ -329,11 +334,9 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   par.for_each(
       fills, Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), fillings.span(), before.span()});
   const Counts counts = par.exclusive_scan(Span<const Counts>(before.span()), before.span());
-  if (fills == 0 || mesh.tets() + counts.takes - counts.frees > most_tets) return {};
-
   const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
   const Size needed = slots + std::max<Size>(0, counts.takes - mesh.free_count);
-  check_slots(needed);
+  if (fills == 0 || mesh.tets() + counts.takes - counts.frees > most_tets || needed > kMaxSlots) return {};
   mesh.tet2vertex.grow(needed);
   mesh.tet2tet.grow(needed);
   mesh.tet_tags.grow(needed);

@@ -576,6 +576,7 @@ class Slide(CliTest):
                 (["--effort", "fast", "--termination", "paper"], ["--effort", "--termination paper"]),
                 (["--boundary-flips", "-nosurf"], ["--boundary-flips", "--boundary fixed"]),
                 (["--boundary-flips", "--max-ring", "3"], ["--boundary-flips", "--max-ring 3"]),
+                (["--no-boundary-flips", "--max-iterations", "0"], ["--no-boundary-flips", "--max-iterations 0"]),
                 (["--boundary-flips", "--boundary", "slide", "-hausd", "0.1"], ["--boundary-flips", "--max-deviation"]),
                 (["--effort", "heroic"], ["--effort", "fast", "default", "best"]),
                 (["--effort", "best", "--energy", "harmonic"], ["--effort best", "--energy harmonic"]),

@@ -351,6 +351,26 @@ TEST(Optimize, BestKeepsWhatMustBeKept) {
   EXPECT_GT(removed, 0);
 }
 
+TEST(Optimize, BestKeepsTheEndsOfTaggedEdgesHoweverManyThereAre) {
+  // Too many to be feature lines, so that their vertices may move; the edges stay all the same.
+  TetMesh mesh = test::scrambled(test::cube(18, 0.22), 3);
+  std::set<std::array<Index, 2>> edges;
+  for (std::size_t t = 0; t < mesh.tets.size(); t += 8) {
+    edges.insert({std::min(mesh.tets[t][0], mesh.tets[t][1]), std::max(mesh.tets[t][0], mesh.tets[t][1])});
+  }
+  mesh.edges.assign(edges.begin(), edges.end());
+  mesh.edge_tags.assign(edges.size(), 1);
+  Options options;
+  options.effort = Effort::best;
+  const Report report = optimize(mesh, options);
+  EXPECT_EQ(report.edges_not_held, static_cast<std::int64_t>(edges.size()));
+  EXPECT_GT(report.vertices_removed, 0);
+  const ValidationReport valid = validate(mesh);
+  EXPECT_TRUE(valid.ok()) << valid.message(false);
+  EXPECT_EQ(mesh.edges.size(), edges.size());
+  expect_present(mesh);
+}
+
 TEST(Optimize, BestOpensTheSmallestAngles) {
   const TetMesh before = test::scrambled(test::cube(8, 0.25), 3);
   TetMesh standard = before;

@@ -94,7 +94,7 @@ TEST(Buffer, GrowKeepsItsContent) {
 }
 
 TEST(Rows, HoldEachItemOnceInOrder) {
-  for (const int threads : {1, 3}) {
+  for (const int threads : {1, 3, 40}) {
     Rows<Cpu> rows;
     build_rows(Cpu(threads), 10, 5000, Remainder{10}, rows);
     Size seen = 0;
