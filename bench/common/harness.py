@@ -41,18 +41,19 @@ def provenance():
 
 
 def run(command, timeout=None, env=None, cwd=None):
-    """Runs a command to its end. Returns its exit code (None after a timeout), wall seconds, peak memory in MiB (of the
-    process itself, by the kernel's accounting) and what it printed."""
+    """Runs a command to its end. Returns its exit code (None after a timeout), wall seconds, processor seconds and peak
+    memory in MiB (of the process itself, by the kernel's accounting) and what it printed."""
     with tempfile.TemporaryFile() as out:
         start = time.perf_counter()
         process = subprocess.Popen([str(c) for c in command], stdout=out, stderr=subprocess.STDOUT,
                                    env={**os.environ, **(env or {})}, cwd=cwd)
         deadline = start + timeout if timeout else None
-        code, peak = None, 0
+        code, peak, cpu = None, 0, 0
         while True:
             pid, status, usage = os.wait4(process.pid, os.WNOHANG if deadline else 0)
             if pid != 0:
                 code, peak = os.waitstatus_to_exitcode(status), usage.ru_maxrss / 1024
+                cpu = usage.ru_utime + usage.ru_stime
                 break
             if time.perf_counter() > deadline:
                 process.kill()
@@ -63,7 +64,7 @@ def run(command, timeout=None, env=None, cwd=None):
         seconds = time.perf_counter() - start
         out.seek(0)
         text = out.read().decode(errors="replace")
-    return {"code": code, "seconds": seconds, "peak_mib": peak, "output": text}
+    return {"code": code, "seconds": seconds, "cpu_seconds": cpu, "peak_mib": peak, "output": text}
 
 
 def repeat(command, runs, **kwargs):

@@ -62,11 +62,10 @@ class Tools:
 
     def settings(self):
         tetune = ["tetune", "optimize", "IN", "-o", "OUT", "--quiet", "--report", "REPORT"]
-        rows = [
-            Setting("tetune", "tetune", tetune, all_cores=True),
-            Setting("tetune", "tetune --boundary fixed", [*tetune, "--boundary", "fixed"], all_cores=True),
-            Setting("tetune", "tetune --threads 1", [*tetune, "--threads", "1"]),
-        ]
+        rows = [Setting("tetune", " ".join(["tetune", *options]), [*tetune, *options], all_cores=True) for options in (
+            [], ["--effort", "fast"], ["--effort", "best"], ["--effort", "best", "--keep-vertices"], ["--boundary", "fixed"],
+            ["--boundary", "slide"], ["--boundary", "slide", "--effort", "fast"], ["--boundary", "slide", "--effort", "best"])]
+        rows.append(Setting("tetune", "tetune --threads 1", [*tetune, "--threads", "1"]))
         for options in (["-optim"], ["-optim", "-nosurf"], ["-optim", "-nosurf", "-noinsert"]):
             rows.append(Setting("mmg", " ".join(["mmg", *options]), ["mmg", *options, "IN", "OUT"]))
         gmsh = ["gmsh", "optimize", "IN", "OUT"]
