@@ -8,6 +8,9 @@
 
 namespace tetune {
 
+/// Above any energy.
+inline constexpr double kNever = 1e300;
+
 template <class T>
 TETUNE_HD TETUNE_INLINE T square_root(const T& x) {
   if constexpr (requires { x[0]; }) {

@@ -103,8 +103,7 @@ class Alternation {
     clock_.measure("worst", [&] { sum_up(); });
     const double worst = std::max(kGood, quantile_above(par_, work_.flips.eta.span(), kWorstPart, work_.mesh.tets()));
     work_.mesh.law = shape_law(kWorstSquarings);
-    work_.mobilities.spreads = false;
-    work_.mobilities.leashed = false;  // few vertices, which spoil no sizes
+    work_.mobilities.local = true;
     double last = refresh_energy(par_, work_.mesh, work_.flips);
     const Span<std::uint8_t> awake = work_.mobilities.awake.span();
     bool go_on = true;
@@ -186,7 +185,7 @@ class Alternation {
   void lower_energy_above_floor() {
     clock_.measure("angles", [&] {
       work_.mesh.floor = find_floor(par_, work_.mesh);
-      work_.mobilities.spreads = work_.mobilities.leashed = true;
+      work_.mobilities.local = false;
       par_.fill(work_.mobilities.awake.span(), std::uint8_t{1});
     });
     for (int sweep = 1; sweep <= kLastSweeps; ++sweep) {

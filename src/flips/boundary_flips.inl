@@ -209,7 +209,7 @@ struct Propose {
     Triangulation triangulation;
     const double after = best_energy(cavity.mesh, c, before, (1 + kMaxSlack) * before, triangulation);
     if (before - after > kMinRelativeGain * before) {
-      offers[i] = flip_detail::make_proposal(before - after, static_cast<std::uint32_t>(corners[i]));
+      offers[i] = make_offer(before - after, static_cast<std::uint32_t>(corners[i]));
       for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offers[i]);
     }
     return {1};
@@ -236,7 +236,7 @@ struct Gather {
   Span<const double> eta;
   Span<std::uint64_t> proposal;
   Span<flip_detail::FlipRecord> records;
-  Span<flip_detail::SlotCounts> counts;
+  Span<SlotCounts> counts;
   TETUNE_HD void operator()(Size i) const {
     flip_detail::FlipRecord f{};
     f.cavity = cavity(agreed[i]);
@@ -305,7 +305,7 @@ FlipReport boundary_flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipS
   const Size flips = par.compact(candidates, Agreed{cavity, offers.span(), state.proposal.span()}, agreed.span());
   if (flips == 0) return report;
   typename Backend::template Buffer<flip_detail::FlipRecord> records(flips);
-  typename Backend::template Buffer<flip_detail::SlotCounts> counts(flips);
+  typename Backend::template Buffer<SlotCounts> counts(flips);
   par.for_each(flips,
                Gather{cavity, agreed.span(), state.eta.span(), state.proposal.span(), records.span(), counts.span()});
   const flip_detail::FlipSum sum = flip_detail::apply_flips(par, mesh, state, records, counts, awake);

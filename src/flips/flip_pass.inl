@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-#include <cstring>
-
 #include "flips/flip_pass.hpp"
 #include "flips/least_after.hpp"
+#include "flips/offer.hpp"
 #include "flips/triangulate.hpp"
 #include "par/atomic.hpp"
 
@@ -17,19 +15,6 @@ inline constexpr std::uint32_t kAllCandidates = (1U << kCandidates) - 1;
 inline constexpr float kNeverSeen = -1;
 /// Proposal of a slot whose tetrahedron is being flipped away in this pass.
 inline constexpr std::uint64_t kFlipped = ~std::uint64_t{0};
-
-/// Orders flips by gain, then by id: the lower id wins. The gain is rounded to single precision, so that flips which
-/// are equally good but for round-off count as equal.
-TETUNE_HD inline std::uint64_t make_proposal(double gain, std::uint32_t id) {
-  const auto rounded = static_cast<float>(gain);
-  std::uint32_t bits = 0;
-  static_assert(sizeof bits == sizeof rounded);
-  std::memcpy(&bits, &rounded, sizeof bits);
-  return (static_cast<std::uint64_t>(bits) << 32) | ~id;
-}
-TETUNE_HD inline std::uint32_t proposal_id(std::uint64_t proposal) {
-  return ~static_cast<std::uint32_t>(proposal & 0xffffffffU);
-}
 
 TETUNE_HD inline std::uint32_t flip_id(Index t, int candidate) {
   return static_cast<std::uint32_t>(t) * kCandidates + static_cast<std::uint32_t>(candidate);
@@ -48,7 +33,7 @@ struct Candidates {
                          : edge_cavity(edge_star(mesh, max_ring, t, candidate - 4, Never{}), constrained);
   }
   TETUNE_HD Cavity offered(std::uint64_t proposal) const {
-    const std::uint32_t id = proposal_id(proposal);
+    const std::uint32_t id = offer_id(proposal);
     return cavity(id_tet(id), static_cast<int>(id % kCandidates));
   }
   /// The faces of a tetrahedron that a candidate needs to be free, as bits.
@@ -251,7 +236,7 @@ struct Propose {
     const double ratio = better || after > before ? after / before : 1;
     look.least = ratio < look.least ? ratio : look.least;
     if (!better) return;
-    const std::uint64_t offer = make_proposal(before - after, id);
+    const std::uint64_t offer = make_offer(before - after, id);
     for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
   }
 };
@@ -264,24 +249,12 @@ struct Agreed {
   TETUNE_HD bool operator()(Size i) const {
     const Index t = active[i];
     const std::uint64_t best = proposal[t];
-    if (best == 0 || id_tet(proposal_id(best)) != t) return false;
+    if (best == 0 || id_tet(offer_id(best)) != t) return false;
     const Cavity c = candidates.offered(best);
     for (int k = 0; k < c.size(); ++k) {
       if (proposal[c.tets[k]] != best) return false;
     }
     return true;
-  }
-};
-
-/// What flips add up to, as a scan needs it.
-struct SlotCounts {
-  std::uint32_t takes = 0;  ///< slots
-  std::uint32_t frees = 0;  ///< slots
-  TETUNE_HD friend SlotCounts operator+(SlotCounts x, const SlotCounts& y) { return x += y; }
-  TETUNE_HD SlotCounts& operator+=(const SlotCounts& y) {
-    takes += y.takes;
-    frees += y.frees;
-    return *this;
   }
 };
 
@@ -312,9 +285,7 @@ struct FlipRecord {
       across[k] = mesh.tet2tet[link_tet(face)][link_face(face)];
     }
     for (int k = 0; k < cavity.size(); ++k) proposal[cavity.tets[k]] = kFlipped;
-    const int more = cavity.made() - cavity.size();
-    counts.takes = static_cast<std::uint32_t>(more > 0 ? more : 0);
-    counts.frees = static_cast<std::uint32_t>(more < 0 ? -more : 0);
+    counts = {cavity.size(), cavity.made()};
   }
 };
 
@@ -357,15 +328,12 @@ struct Forward {
   MeshView mesh;
   Span<FlipRecord> records;
   Span<const SlotCounts> before;  ///< counts of the flips before this one
-  Span<Index> free_slots;
-  Size free_count;  ///< before this pass
-  Size slots;       ///< before this pass
+  Span<const Index> free_slots;
+  SlotChange change;
   TETUNE_HD void operator()(Size i) const {
     FlipRecord& f = records[i];
-    const Size rank = before[i].takes;
     for (int x = 0; x < f.cavity.made() - f.cavity.size(); ++x) {
-      f.extra[x] = rank + x < free_count ? free_slots[free_count - 1 - rank - x]
-                                         : static_cast<Index>(slots + rank + x - free_count);
+      f.extra[x] = change.taken(free_slots, Size{before[i].takes} + x);
     }
     for (int k = 0; k < f.outer_faces(); ++k) {
       const Link old = old_face(mesh, f.cavity, k);
@@ -592,34 +560,29 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
                     typename Backend::template Buffer<FlipRecord>& records,
                     typename Backend::template Buffer<SlotCounts>& before, Span<std::uint8_t> awake) {
   const SlotCounts counts = par.exclusive_scan(Span<const SlotCounts>(before.span()), before.span());
-  const Size slots = mesh.slots();
-  const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
-  const Size needed = slots + std::max<Size>(0, counts.takes - mesh.free_count);
-  check_slots(needed);
-  mesh.tet2vertex.grow(needed);
-  mesh.tet2tet.grow(needed);
-  mesh.tet_tags.grow(needed);
-  state.eta.grow(needed);
-  state.proposal.grow(needed);
-  state.wanted.grow(needed);
-  par.fill(Span<std::uint32_t>(state.wanted.span().data() + slots, needed - slots), std::uint32_t{0});
-  state.slack.grow(needed);
-  mesh.free_slots.grow(std::max(mesh.free_count, free_kept + counts.frees));
+  const SlotChange change(mesh, counts);
+  check_slots(change.needed);
+  change.make_room(mesh);
+  state.eta.grow(change.needed);
+  state.proposal.grow(change.needed);
+  state.wanted.grow(change.needed);
+  par.fill(Span<std::uint32_t>(state.wanted.span().data() + change.slots, change.needed - change.slots),
+           std::uint32_t{0});
+  state.slack.grow(change.needed);
 
-  par.for_each(records.size(),
-               Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), mesh.free_count, slots});
+  par.for_each(records.size(), Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), change});
   par.for_each(records.size(), Resolve{mesh.view(), records.span(), state.proposal.span()});
   const FlipSum sum = par.template reduce<FlipSum>(
-      records.size(), Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), free_kept,
+      records.size(), Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), change.free_kept,
                             state.eta.span(), state.slack.span(), awake});
-  mesh.free_count = free_kept + counts.frees;
+  change.finish(mesh);
 
   par.for_each(
       records.size(),
       WantAround{
           {mesh.view(), state.constrained(), state.max_ring}, records.span(), state.eta.span(), state.wanted.span()});
-  state.active.resize(needed);
-  state.active.resize(par.compact(needed, IsWanted{state.wanted.span()}, state.active.span()));
+  state.active.resize(change.needed);
+  state.active.resize(par.compact(change.needed, IsWanted{state.wanted.span()}, state.active.span()));
   return sum;
 }
 

@@ -45,7 +45,6 @@ class LeastAfter {
   }
 
  private:
-  static constexpr double kNever = 1e300;
   bool known_;
 };
 

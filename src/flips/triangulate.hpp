@@ -12,9 +12,6 @@
 /// energy is a sum over triangles.
 namespace tetune {
 
-/// Above any energy.
-inline constexpr double kNever = 1e300;
-
 /// Energy of the tetrahedron (0, u, v, w), over the law's factor; kNever where its volume is not certified positive.
 template <class T>
 TETUNE_HD TETUNE_INLINE T corner_energy(const EnergyLaw& law, const Vec3T<T>& u, const Vec3T<T>& v, const Vec3T<T>& w) {

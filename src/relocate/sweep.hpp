@@ -36,12 +36,10 @@ struct Mobilities {
   /// 1: worth a visit: at its last visit the vertex, or since then one of its ring, moved by more than kWake at once,
   /// or a flip changed its ring.
   typename Backend::template Buffer<std::uint8_t> awake;
-  /// Whether a vertex that moves far wakes its neighbours.
-  bool spreads = true;
-  /// Whether the leashes hold.
-  bool leashed = true;
+  /// Work on a few vertices: one that moves far wakes no neighbours, and leashes do not hold, as few spoil no sizes.
+  bool local = false;
 
-  Span<const Leash> leashes() const { return leashed ? leash.span() : Span<const Leash>(); }
+  Span<const Leash> leashes() const { return local ? Span<const Leash>() : leash.span(); }
 };
 
 /// A move beyond this part of the local length makes the neighbours worth another visit.

@@ -32,7 +32,7 @@ struct RelocateVertex {
   Span<const Vec3> axis;
   Span<const Leash> leash;
   Span<std::uint8_t> awake;
-  bool spreads;
+  bool local;
   Span<Site> site;
   ReferenceView reference;
   double max_deviation;
@@ -74,7 +74,7 @@ struct RelocateVertex {
     if (result.decrease > 0) points[v] = point(result.position);
     const bool far = result.relative_move > kWake;
     par::store_shared(awake[v], far ? 1 : 0);
-    if (far && spreads) {
+    if (far && !local) {
       for (Size j = 0; j < count; ++j) {
         for (int k = 0; k < 3; ++k) par::store_shared(awake[faces[j].v[k]], 1);
       }
@@ -117,7 +117,7 @@ SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView
         count,
         sweep_detail::RelocateVertex<Ring, Step>{
             mesh.law, mesh.floor, mesh.points.span(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
-            mobilities.leashes(), mobilities.awake.span(), mobilities.spreads, mobilities.site.span(),
+            mobilities.leashes(), mobilities.awake.span(), mobilities.local, mobilities.site.span(),
             mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, step}));
   }
   return total;

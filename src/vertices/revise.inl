@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <cstring>
 
+#include "flips/offer.hpp"
 #include "par/atomic.hpp"
 #include "vertices/revise.hpp"
 #include "vertices/star.hpp"
@@ -18,14 +18,6 @@ inline constexpr int kProposals = kInsertions + 12;
 inline constexpr double kLeastGain = 0.02;
 /// A place for a new vertex is worth more trials when it makes that no worse than so many times what it was.
 inline constexpr double kHope = 1.5;
-
-/// Proposals are compared by gain, rounded to single precision, then by id: the lower one wins.
-TETUNE_HD inline std::uint64_t make_key(double gain, Size id) {
-  const auto rounded = static_cast<float>(gain);
-  std::uint32_t bits = 0;
-  std::memcpy(&bits, &rounded, sizeof bits);
-  return (static_cast<std::uint64_t>(bits) << 32) | ~static_cast<std::uint32_t>(id);
-}
 
 /// A cavity and its apex: a vertex, or the place of a new one.
 struct Proposal {
@@ -66,7 +58,7 @@ struct Propose {
     p.tet_count = star.tet_count();
     for (int i = 0; i < p.tet_count; ++i) {
       p.tets[i] = star.tet(i);
-      par::atomic_max(best[p.tets[i]], make_key(p.gain, id));
+      par::atomic_max(best[p.tets[i]], make_offer(p.gain, static_cast<std::uint32_t>(id)));
     }
   }
 
@@ -111,7 +103,7 @@ struct Agreed {
   TETUNE_HD bool operator()(Size id) const {
     const Proposal& p = proposals[id];
     if (!(p.gain > 0)) return false;
-    const std::uint64_t key = make_key(p.gain, id);
+    const std::uint64_t key = make_offer(p.gain, static_cast<std::uint32_t>(id));
     for (int i = 0; i < p.tet_count; ++i) {
       if (best[p.tets[i]] != key) return false;
     }
@@ -121,13 +113,11 @@ struct Agreed {
 
 /// What a set of fillings adds up to, as a scan needs it.
 struct Counts {
-  std::uint32_t takes = 0;  ///< slots
-  std::uint32_t frees = 0;  ///< slots
+  SlotCounts slots;
   std::uint32_t inserted = 0;
   TETUNE_HD friend Counts operator+(Counts x, const Counts& y) { return x += y; }
   TETUNE_HD Counts& operator+=(const Counts& y) {
-    takes += y.takes;
-    frees += y.frees;
+    slots += y.slots;
     inserted += y.inserted;
     return *this;
   }
@@ -195,9 +185,7 @@ struct Gather {
       f.across[k] = mesh.tet2tet[link_tet(f.sides[k])][link_face(f.sides[k])];
       f.place[k] = static_cast<std::int8_t>(star.touches(k, p.apex) ? -1 : f.made++);
     }
-    const int more = f.made - f.old_count;
-    counts[i] = {static_cast<std::uint32_t>(more > 0 ? more : 0), static_cast<std::uint32_t>(more < 0 ? -more : 0),
-                 p.apex == kNewVertex ? 1U : 0U};
+    counts[i] = {{f.old_count, f.made}, p.apex == kNewVertex ? 1U : 0U};
   }
 };
 
@@ -207,15 +195,12 @@ struct Forward {
   Span<Filling> fillings;
   Span<const Counts> before;
   Span<const Index> free_slots;
-  Size free_count;  ///< before this pass
-  Size slots;       ///< before this pass
-  Size vertices;    ///< before this pass
+  SlotChange change;
+  Size vertices;  ///< before this pass
   TETUNE_HD void operator()(Size i) const {
     Filling& f = fillings[i];
     for (int k = f.old_count; k < f.made; ++k) {
-      const Size rank = before[i].takes + k - f.old_count;
-      f.slots[k] =
-          rank < free_count ? free_slots[free_count - 1 - rank] : static_cast<Index>(slots + rank - free_count);
+      f.slots[k] = change.taken(free_slots, Size{before[i].slots.takes} + k - f.old_count);
     }
     if (f.apex == kNewVertex) f.apex = static_cast<Index>(vertices + before[i].inserted);
     for (int k = 0; k < f.face_count; ++k) {
@@ -293,7 +278,7 @@ struct Write {
     par::store_shared(awake[f.apex], 1);
     for (int k = f.made; k < f.old_count; ++k) {
       mesh.tet2vertex[f.slots[k]][0] = kFreeSlot;
-      free_slots[free_kept + before[i].frees + k - f.made] = f.slots[k];
+      free_slots[free_kept + before[i].slots.frees + k - f.made] = f.slots[k];
     }
   }
 
@@ -334,14 +319,11 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   par.for_each(
       fills, Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), fillings.span(), before.span()});
   const Counts counts = par.exclusive_scan(Span<const Counts>(before.span()), before.span());
-  const Size free_kept = std::max<Size>(0, mesh.free_count - counts.takes);
-  const Size needed = slots + std::max<Size>(0, counts.takes - mesh.free_count);
-  if (fills == 0 || mesh.tets() + counts.takes - counts.frees > most_tets || needed > kMaxSlots) return {};
-  mesh.tet2vertex.grow(needed);
-  mesh.tet2tet.grow(needed);
-  mesh.tet_tags.grow(needed);
-  mesh.free_slots.grow(std::max(mesh.free_count, free_kept + counts.frees));
-  flips.slack.resize(needed);
+  const SlotChange change(mesh, counts.slots);
+  const Size tets = mesh.tets() + counts.slots.takes - counts.slots.frees;
+  if (fills == 0 || tets > most_tets || change.needed > kMaxSlots) return {};
+  change.make_room(mesh);
+  flips.slack.resize(change.needed);
   par.fill(flips.slack.span(), static_cast<float>(kMaxSlack));
   const Size all = vertices + counts.inserted;
   mesh.points.grow(all);
@@ -355,13 +337,12 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   typename Backend::template Buffer<std::uint8_t> taken(slots);
   par.fill(taken.span(), std::uint8_t{0});
   par.for_each(fills, Mark{fillings.span(), taken.span()});
-  par.for_each(fills, Forward{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), mesh.free_count,
-                              slots, vertices});
+  par.for_each(fills, Forward{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), change, vertices});
   par.for_each(fills, Resolve{mesh.view(), fillings.span(), taken.span()});
-  par.for_each(fills, Write{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), free_kept,
+  par.for_each(fills, Write{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), change.free_kept,
                             mesh.vertex2original.span(), mobilities.kind.span(), mobilities.axis.span(),
                             mobilities.site.span(), flips.constrained_vertex.span(), mobilities.awake.span()});
-  mesh.free_count = free_kept + counts.frees;
+  change.finish(mesh);
   return {static_cast<Size>(counts.inserted), fills - static_cast<Size>(counts.inserted)};
 }
 

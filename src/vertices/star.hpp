@@ -128,7 +128,6 @@ class Star {
   static constexpr int kTurns = 4;
   /// Part of the energy that a step must promise to take away.
   static constexpr double kMinGain = 1e-3;
-  static constexpr double kNever = 1e300;
 
   TETUNE_HD bool contains(Index t) const {
     for (int i = 0; i < tet_count_; ++i) {
