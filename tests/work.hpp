@@ -19,7 +19,12 @@ using CpuMesh = WorkMesh<par::Cpu>;
 
 inline CpuMesh to_work(const TetMesh& mesh) { return upload_mesh<par::Cpu>(mesh); }
 
-inline TetMesh from_work(CpuMesh& work) {
+inline void lock_interfaces(const par::Cpu& cpu, CpuMesh& work, const TetMesh& original) {
+  tetune::lock_interfaces(cpu, work, par::Cpu::Loan<int>(original.tet_tags).span());
+}
+
+/// `original` is the mesh that it was made from.
+inline TetMesh from_work(CpuMesh& work, const TetMesh& original) {
   TetMesh mesh;
   const MeshView view = work.view();
   for (Size v = 0; v < work.vertices(); ++v)
@@ -28,7 +33,7 @@ inline TetMesh from_work(CpuMesh& work) {
     if (!view.alive(t)) continue;
     const Tet tet = view.tet2vertex[t];
     mesh.tets.push_back({tet[0], tet[1], tet[2], tet[3]});
-    mesh.tet_tags.push_back(view.tet_tags[t]);
+    mesh.tet_tags.push_back(original.tet_tags[static_cast<std::size_t>(view.tet2original[t])]);
   }
   mesh.point_tags.assign(mesh.points.size(), 0);
   return mesh;

@@ -2,11 +2,17 @@
 // info and compare: look, and change no mesh.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "commands.hpp"
+#include "console.hpp"
+#include "mesh_files.hpp"
+#include "option_values.hpp"
 #include "report_files.hpp"
 #include "tables.hpp"
+#include "tetune/io.hpp"
 
 namespace tetune::cli {
 namespace {
@@ -14,16 +20,17 @@ namespace {
 struct Arguments {
   std::vector<std::string> files;
   std::string cell_data;
+  std::vector<std::string> min_quality;
   bool json = false;
+  bool check = false;
   int threads = 0;
   int worst = 10;
 };
 
 TetMesh read(const std::string& path, int threads) {
-  std::vector<std::string> warnings;
-  TetMesh mesh = read_mesh(path, &warnings, threads);
-  for (const std::string& w : warnings) fmt::print(stderr, "tetune: warning: {}\n", w);
-  return mesh;
+  Input input = read_input(path, threads);
+  for (const std::string& w : input.warnings) say(stderr, fmt::format("tetune: warning: {}\n", w));
+  return std::move(input.mesh);
 }
 
 /// What is measured of one file. Quality is that of the elements as they are, and is left out where indices are wild.
@@ -46,19 +53,56 @@ Inspection inspect(const std::string& path, const Arguments& a) {
   return i;
 }
 
+/// How the worst element stands to a bound.
+struct Verdict {
+  Target bound;
+  double worst;
+  bool met;
+};
+
+std::vector<Verdict> judge(const Quality& q, const std::vector<Target>& bounds) {
+  std::vector<Verdict> verdicts;
+  for (const Target& b : bounds) {
+    const bool up = larger_is_better(b.measure);
+    const double worst = up ? q.of(b.measure).min : q.of(b.measure).max;
+    verdicts.push_back({b, worst, up ? worst >= b.value : worst <= b.value});
+  }
+  return verdicts;
+}
+
+std::string to_text(const Verdict& v) {
+  const bool up = larger_is_better(v.bound.measure);
+  return fmt::format("{} {:.6g}, {} {} {:.6g}", to_string(v.bound.measure), v.worst, v.met ? "as asked" : "NOT",
+                     up ? ">=" : "<=", v.bound.value);
+}
+
 int info(const Arguments& a) {
+  const std::string name = shown_name(a.files[0], false);
+  std::vector<Target> bounds;
+  for (const std::string& text : a.min_quality) bounds.push_back(parse_bound(text));
   const Inspection i = inspect(a.files[0], a);
+  const std::vector<Verdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<Verdict>{};
+  const bool met = i.measured && std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.met; });
+  const int code = i.validity.ok() && (met || bounds.empty()) ? kDone : kStoppedEarly;
   if (!a.cell_data.empty()) {
-    if (!i.measured) throw MeshError(a.files[0] + ": " + validity_message(i.validity));
+    if (!i.measured) throw MeshError(name + ": " + validity_message(i.validity));
     write_measures(a.cell_data, i.mesh, a.threads);
   }
   if (a.json) {
     nlohmann::ordered_json json = {
         {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
     if (i.measured) json["quality"] = to_json(i.quality);
+    for (const Verdict& v : verdicts) {
+      json["bounds"].push_back(
+          {{"measure", to_string(v.bound.measure)}, {"value", v.bound.value}, {"worst", v.worst}, {"met", v.met}});
+    }
     fmt::print("{}\n", json.dump(2));
+  } else if (a.check) {
+    std::string text = i.validity.ok() ? "valid" : validity_message(i.validity);
+    for (const Verdict& v : verdicts) text += "; " + to_text(v);
+    fmt::print("{}: {}\n", name, text);
   } else {
-    fmt::print("{}\n{}", a.files[0], mesh_summary(i.mesh));
+    fmt::print("{}\n{}", name, mesh_summary(i.mesh));
     if (i.validity.ok()) {
       fmt::print("  valid: every volume positive, every face on one or two tetrahedra, boundary closed\n");
     } else {
@@ -68,8 +112,9 @@ int info(const Arguments& a) {
       fmt::print("{}{}", quality_table({""}, {i.quality}), measure_table("measures", i.quality));
       if (i.quality.tets > 0) fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
     }
+    for (const Verdict& v : verdicts) fmt::print("  {}\n", to_text(v));
   }
-  return i.validity.ok() ? kDone : kStoppedEarly;
+  return code;
 }
 
 int compare_files(const Arguments& a) {
@@ -113,9 +158,18 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
 void add_info(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = add_common(app, "info", "Counts, tags, validity and quality of a mesh, and its worst tetrahedra.", a);
-  c->add_option("file", a->files, "Mesh: .mesh, .meshb, .ele")->required()->expected(1);
+  c->add_option("file", a->files, "Mesh: " + readable_endings() + "; or - for the standard input (MEDIT)")
+      ->required()
+      ->expected(1)
+      ->option_text("MESH");
   c->add_option("--cell-data", a->cell_data, "Write all measures of every tetrahedron to a MEDIT solution file")
       ->option_text("OUT.sol");
+  c->add_option("--min-quality", a->min_quality,
+                "Exit code 1 unless the worst element has this mean ratio or more; or any measure, for example "
+                "min_dihedral_deg=10 or radius_ratio=5. May be repeated")
+      ->option_text("Q|MEASURE=Q")
+      ->allow_extra_args(false);
+  c->add_flag("--check", a->check, "One line: whether the mesh is valid, and has what --min-quality asks for");
   c->callback([a, &exit_code] { exit_code = info(*a); });
 }
 
@@ -123,7 +177,7 @@ void add_compare(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c =
       add_common(app, "compare", "What changed between two meshes of one shape: quality, volume, surface, tags.", a);
-  c->add_option("files", a->files, "Mesh before, mesh after")->required()->expected(2);
+  c->add_option("files", a->files, "Mesh before, mesh after")->required()->expected(2)->option_text("BEFORE AFTER");
   c->callback([a, &exit_code] { exit_code = compare_files(*a); });
 }
 

@@ -1,16 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/core.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 
+#include "aliases.hpp"
 #include "commands.hpp"
-#include "option_values.hpp"
+#include "console.hpp"
 #include "tetune/error.hpp"
 #include "tetune/version.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+/// Where a standard stream is closed, a file would get its number, and what is said would get into the file.
+void occupy_standard_streams() {
+  int descriptor = 0;
+  while (descriptor >= 0 && descriptor <= STDERR_FILENO) descriptor = ::open("/dev/null", O_RDONLY);
+  ::close(descriptor);
+}
+
+int run(int argc, char** argv) {
   using namespace tetune::cli;
   CLI::App app{"tetune makes a tetrahedral mesh better: harmonic flips and vertex relocation, boundary kept.",
                "tetune"};
@@ -18,26 +33,46 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done; 1 stopped early or a target was missed, a valid mesh was written (of info and compare: the "
-      "mesh is not valid); 2 nothing was written.");
+      "mesh is not valid, or not of the quality asked for; --untangle could not repair all: nothing was written); 2 "
+      "nothing was written. Of several meshes, the largest.");
   int exit_code = kDone;
   add_optimize(app, exit_code);
   add_info(app, exit_code);
   add_compare(app, exit_code);
+  add_report(app);
+  add_completion(app);
+  add_man(app);
   try {
-    std::vector<std::string> words = without_aliases(argc, argv);
+    std::vector<std::string> words = without_aliases(app, argc, argv);
     std::reverse(words.begin(), words.end());  // as CLI11 wants them
     app.parse(std::move(words));
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kNothingWritten;
   } catch (const tetune::Error& e) {
-    fmt::print(stderr, "tetune: {}\n", e.what());
+    say(stderr, fmt::format("tetune: {}\n", e.what()));
     return kNothingWritten;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "tetune: out of memory\n");
+    say(stderr, "tetune: out of memory\n");
     return kNothingWritten;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "tetune: {}\n", e.what());
+    say(stderr, fmt::format("tetune: {}\n", e.what()));
     return kNothingWritten;
   }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    say(stderr, fmt::format("tetune: cannot write standard output: {}\n", std::strerror(errno)));
+    // Of optimize the mesh counts, which was written.
+    if (!app.got_subcommand("optimize")) exit_code = kNothingWritten;
+  }
   return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  occupy_standard_streams();
+  try {
+    return run(argc, argv);
+  } catch (...) {  // no memory, not even to say so
+    return tetune::cli::kNothingWritten;
+  }
 }

@@ -28,26 +28,6 @@ double diagonal(const TetMesh& mesh) {
 
 }  // namespace
 
-std::vector<std::string> without_aliases(int argc, const char* const* argv) {
-  std::vector<std::string> words(argv + 1, argv + argc);
-  if (words.empty() || words[0] != "optimize") return words;
-  std::vector<std::string> ours;
-  for (const std::string& word : words) {
-    if (word == "-ar") {
-      ours.emplace_back("--feature-angle");
-    } else if (word == "-nr") {
-      ours.insert(ours.end(), {"--feature-angle", "180"});
-    } else if (word == "-hausd") {
-      ours.emplace_back("--max-deviation");
-    } else if (word == "-nosurf") {
-      ours.insert(ours.end(), {"--boundary", "fixed"});
-    } else {
-      ours.push_back(word);
-    }
-  }
-  return ours;
-}
-
 double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh) {
   double value = 0;
   const char* end = text.data() + text.size();
@@ -62,14 +42,29 @@ double parse_length(const std::string& option, const std::string& text, const Te
   return percent ? value / 100 * diagonal(mesh) : value;
 }
 
-Measure parse_measure(const std::string& name) {
+Measure parse_measure(const std::string& option, const std::string& name) {
   std::string known;
   for (std::size_t k = 0; k < kMeasures; ++k) {
     const auto measure = static_cast<Measure>(k);
     if (name == to_string(measure)) return measure;
     known += fmt::format("{}{}", k == 0 ? "" : ", ", to_string(measure));
   }
-  throw OptionError(fmt::format("--target-quality: '{}' is not a measure; there are {}", name, known));
+  throw OptionError(fmt::format("{}: '{}' is not a measure; there are {}", option, name, known));
+}
+
+Target parse_bound(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
+  Target target{Measure::mean_ratio, 0};
+  if (equals != std::string::npos) target.measure = parse_measure("--min-quality", text.substr(0, equals));
+  const char* end = number.data() + number.size();
+  const auto [at, error] = std::from_chars(number.data(), end, target.value);
+  if (error != std::errc() || at != end || !std::isfinite(target.value)) {
+    throw OptionError(fmt::format(
+        "--min-quality: '{}' is not understood; give a number, or a measure and a number as min_dihedral_deg=10",
+        text));
+  }
+  return target;
 }
 
 void parse_freeze(const std::string& text, Options& options) {

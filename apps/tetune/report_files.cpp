@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 
 namespace tetune::cli {
@@ -72,6 +71,7 @@ Json to_json(const Report& r) {
                       {"energy_before", s.energy_before},
                       {"decrease", s.decrease},
                       {"gradient_norm", s.gradient_norm},
+                      {"dihedral_min_deg", s.dihedral_min},
                       {"seconds", s.seconds}});
   }
   Json passes = Json::array();
@@ -83,6 +83,7 @@ Json to_json(const Report& r) {
                       {"flips_2_3", f.flips23},
                       {"flips_3_2", f.flips32},
                       {"edge_removals", f.edge_removals},
+                      {"face_removals", f.face_removals},
                       {"boundary_flips", f.boundary_flips},
                       {"decrease", f.decrease},
                       {"seconds", f.seconds}});
@@ -95,6 +96,7 @@ Json to_json(const Report& r) {
                      {"removed", w.removed},
                      {"flips", w.flips},
                      {"moved", w.moved},
+                     {"dihedral_min_deg", w.dihedral_min},
                      {"seconds", w.seconds}});
   }
   Json targets = Json::array();
@@ -126,7 +128,9 @@ Json to_json(const Report& r) {
           {"flips_2_3", r.flips23},
           {"flips_3_2", r.flips32},
           {"edge_removals", r.edge_removals},
+          {"face_removals", r.face_removals},
           {"boundary_flips", r.boundary_flips},
+          {"compound_flips", r.compound_flips},
           {"vertices_inserted", r.vertices_inserted},
           {"vertices_removed", r.vertices_removed},
           {"phase_seconds", phases},
@@ -186,21 +190,21 @@ Json counts_json(const TetMesh& mesh) {
 std::string trace_csv(const Report& report) {
   std::string text =
       "event,iteration,pass,energy_before,decrease,gradient_norm,moved,active,evaluated,flips_2_3,flips_3_2,edge_"
-      "removals,boundary_flips,seconds\n";
+      "removals,face_removals,boundary_flips,seconds\n";
   double energy = report.energy_before;
   auto pass = report.flip_passes.begin();
   const auto flips_after = [&](int iteration) {
     for (; pass != report.flip_passes.end() && pass->iteration == iteration; ++pass) {
-      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
+      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
                           pass->decrease, pass->active, pass->evaluated, pass->flips23, pass->flips32,
-                          pass->edge_removals, pass->boundary_flips, pass->seconds);
+                          pass->edge_removals, pass->face_removals, pass->boundary_flips, pass->seconds);
       energy -= pass->decrease;
     }
   };
   flips_after(0);
   for (const SweepReport& s : report.sweeps) {
-    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,,,{:.6f}\n", s.iteration, s.energy_before, s.decrease,
-                        s.gradient_norm, s.moved, s.seconds);
+    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,,,,{:.6f}\n", s.iteration, s.energy_before,
+                        s.decrease, s.gradient_norm, s.moved, s.seconds);
     energy = s.energy_before - s.decrease;
     flips_after(s.iteration);
   }
@@ -213,19 +217,8 @@ void check_folder(const std::string& path) {
   if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
     throw FileError(path + ": the folder " + folder.string() + " does not exist");
   }
-}
-
-void write_text(const std::string& path, const std::string& text) {
-  const std::string temporary = path + ".tmp";
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  const bool written = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  const bool closed = file != nullptr && std::fclose(file) == 0;
-  std::error_code error;
-  if (written && closed) std::filesystem::rename(temporary, path, error);
-  if (!written || !closed || error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw FileError(path + ": cannot write");
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
+    throw FileError(path + ": is there and is no regular file; give another name");
   }
 }
 

@@ -19,10 +19,8 @@ nlohmann::ordered_json counts_json(const TetMesh& mesh);
 /// One line for each sweep and flip pass, in the order they ran.
 std::string trace_csv(const Report& report);
 
-/// Throws FileError when the folder of `path` is not there: to fail before the work. An empty path is well.
+/// Throws FileError when the folder of `path` is not there, or something at that place that is no file: to fail before
+/// the work. An empty path is well.
 void check_folder(const std::string& path);
-
-/// Writes a text file, under a temporary name first. Throws FileError.
-void write_text(const std::string& path, const std::string& text);
 
 }  // namespace tetune::cli

@@ -31,6 +31,15 @@ std::string figure(Measure measure, double value) {
   return angle ? fmt::format("{:.3f}", value) : fmt::format("{:.5g}", value);
 }
 
+std::string names_of(const std::vector<DataArray>& data) {
+  std::string text;
+  for (const DataArray& array : data) {
+    text += (text.empty() ? "" : ", ") + array.name;
+    if (array.components > 1) text += fmt::format(" ({})", array.components);
+  }
+  return text;
+}
+
 const char* yes(bool value) { return value ? "yes" : "NO"; }
 
 }  // namespace
@@ -51,6 +60,18 @@ std::string mesh_summary(const TetMesh& mesh) {
   line("required edges", mesh.required_edges.size(), "");
   line("required triangles", mesh.required_triangles.size(), "");
   line("required tetrahedra", mesh.required_tets.size(), "");
+  for (const Group& group : mesh.groups) {
+    text += fmt::format("  {:<22}{:>12}   {}{}\n", fmt::format("group of dimension {}", group.dimension), group.number,
+                        group.name.empty() ? "" : fmt::format("\"{}\", ", group.name),
+                        fmt::format("tags {}", fmt::join(group.tags, ", ")));
+  }
+  const auto data = [&text](const char* where, const std::vector<DataArray>& arrays) {
+    if (!arrays.empty()) text += fmt::format("  data on {:<14}{}\n", where, names_of(arrays));
+  };
+  data("vertices", mesh.point_data);
+  data("tetrahedra", mesh.tet_data);
+  data("triangles", mesh.triangle_data);
+  data("edges", mesh.edge_data);
   return text;
 }
 
@@ -176,17 +197,51 @@ std::string target_table(const TargetReport& r) {
   return text;
 }
 
+std::string constraint_table(const Report& r) {
+  std::string text;
+  const auto line = [&text](const char* name, std::int64_t count) {
+    if (count > 0) text += fmt::format("  {:<22}{:>12}\n", name, count);
+  };
+  line("free vertices", r.free_vertices);
+  line("vertices in planes", r.plane_vertices);
+  line("vertices on lines", r.line_vertices);
+  line("vertices on surface", r.surface_vertices);
+  line("vertices on curves", r.curve_vertices);
+  line("fixed vertices", r.fixed_vertices);
+  return text;
+}
+
+std::string notes(const Report& r) {
+  std::string text;
+  if (r.corners_not_held > 0) {
+    text += fmt::format(
+        "  {} listed corners lie where the surface has no feature, too many for a list of corners: they may move\n",
+        r.corners_not_held);
+  }
+  if (r.edges_not_held > 0) {
+    text += fmt::format("  {} tagged edges are too many for feature lines: their vertices may leave them\n",
+                        r.edges_not_held);
+  }
+  if (r.triangles_dropped > 0) {
+    text += fmt::format("  {} listed triangles without tag inside a region are no constraint and are dropped\n",
+                        r.triangles_dropped);
+  }
+  if (r.edges_dropped > 0) text += fmt::format("  {} listed edges without tag are gone\n", r.edges_dropped);
+  return text;
+}
+
 std::string run_table(const Report& report) {
   std::string text = "  sweep     moved         energy       decrease  |grad tr|^2     time s\n";
   for (const SweepReport& s : report.sweeps) {
     text += fmt::format("  {:>5} {:>9} {:>14.8g} {:>14.4g} {:>12.4g} {:>10.4f}\n", s.iteration, s.moved,
                         s.energy_before, s.decrease, s.gradient_norm, s.seconds);
   }
-  text += "  after sweep  pass     active  evaluated     2-3     3-2 removed  border       decrease     time s\n";
+  text +=
+      "  after sweep  pass     active  evaluated     2-3     3-2   edges   faces  border       decrease     time s\n";
   for (const FlipReport& f : report.flip_passes) {
-    text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration,
-                        f.pass, f.active, f.evaluated, f.flips23, f.flips32, f.edge_removals, f.boundary_flips,
-                        f.decrease, f.seconds);
+    text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>7} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration,
+                        f.pass, f.active, f.evaluated, f.flips23, f.flips32, f.edge_removals, f.face_removals,
+                        f.boundary_flips, f.decrease, f.seconds);
   }
   if (!report.worst_rounds.empty()) text += "  round      worst inserted removed   flips   moved     time s\n";
   for (const WorstReport& w : report.worst_rounds) {

@@ -32,6 +32,12 @@ std::string comparison_table(const Comparison& comparison);
 /// How many elements miss a target, what holds them, and the worst ones.
 std::string target_table(const TargetReport& report);
 
+/// How many vertices may go where.
+std::string constraint_table(const Report& report);
+
+/// What of the file's lists does not count, and was dropped.
+std::string notes(const Report& report);
+
 /// Sweeps, flip passes and phases.
 std::string run_table(const Report& report);
 

@@ -29,7 +29,7 @@ const TetMesh& input() {
 
 WorkMesh<Cpu> sorted() {
   WorkMesh<Cpu> work = upload_mesh<Cpu>(input());
-  sort_mesh<Cpu>(Cpu(0), work, nullptr);
+  sort_mesh(Cpu(0), work);
   build_adjacency(Cpu(0), work);
   return work;
 }
@@ -46,7 +46,7 @@ void Sort(benchmark::State& state) {
     state.PauseTiming();
     WorkMesh<Cpu> work = upload_mesh<Cpu>(input());
     state.ResumeTiming();
-    sort_mesh<Cpu>(threads(state), work, nullptr);
+    sort_mesh(threads(state), work);
   }
   per_item(state, "a tet", static_cast<Size>(input().tets.size()));
 }

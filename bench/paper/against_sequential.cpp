@@ -84,11 +84,12 @@ Json result_json(const TetMesh& before, const TetMesh& after, const std::vector<
 TetMesh sorted(const TetMesh& mesh) {
   using namespace tetune;
   WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
-  sort_mesh<par::Cpu>(par::Cpu(0), work, nullptr);
+  sort_mesh(par::Cpu(0), work);
   TetMesh result;
   for (const Point& p : work.points.download()) result.points.push_back({p.x, p.y, p.z});
   for (const Tet& t : work.tet2vertex.download()) result.tets.push_back({t[0], t[1], t[2], t[3]});
-  result.tet_tags = work.tet_tags.download();
+  for (const Index t : work.tet2original.download())
+    result.tet_tags.push_back(mesh.tet_tags[static_cast<std::size_t>(t)]);
   result.point_tags.assign(result.points.size(), 0);
   return result;
 }

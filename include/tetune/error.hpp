@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tetune/mesh.hpp"
 
 namespace tetune {
 
@@ -21,6 +26,18 @@ class FileError : public Error {
 class MeshError : public Error {
  public:
   using Error::Error;
+};
+
+/// Options::untangle could not make every volume positive.
+class UntangleError : public MeshError {
+ public:
+  /// `tangled`: how many tetrahedra were inverted or flat. `left`: those of the input, in increasing order, where some
+  /// still are.
+  UntangleError(std::int64_t tangled, std::vector<Index> left);
+  /// what(), with ids counted from 1 (as MEDIT does) or from 0.
+  std::string message(bool one_based) const;
+  std::int64_t tangled;
+  std::vector<Index> left;
 };
 
 /// An option out of its range, or one that cannot take effect.

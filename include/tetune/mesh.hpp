@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace tetune {
@@ -16,9 +17,37 @@ inline constexpr Index kMaxTets = 400'000'000;
 
 using Point3 = std::array<double, 3>;
 
+/// Values of a data array in the type that they came in.
+using DataValues =
+    std::variant<std::vector<double>, std::vector<float>, std::vector<std::int8_t>, std::vector<std::uint8_t>,
+                 std::vector<std::int16_t>, std::vector<std::uint16_t>, std::vector<std::int32_t>,
+                 std::vector<std::uint32_t>, std::vector<std::int64_t>, std::vector<std::uint64_t>>;
+
+/// A named array on vertices or elements, as files carry it: optimize() hands it on (data.hpp), writers write it back.
+struct DataArray {
+  std::string name;
+  /// Values of one entry: 1 for a scalar, 3 for a vector.
+  int components = 1;
+  /// Entry after entry.
+  DataValues values;
+};
+
+/// A named set of elements of one dimension: all those with one of the tags. Gmsh's physical groups.
+struct Group {
+  /// 0 to 3: points, edges, triangles and quadrilaterals, tetrahedra and other solids.
+  int dimension = 3;
+  /// What the file calls it by: unique in its dimension, positive.
+  int number = 0;
+  /// May be empty.
+  std::string name;
+  std::vector<int> tags;
+};
+
+inline constexpr const char* kPoints = "Points";
+
 /// Elements other than tetrahedra, triangles and edges: kept as they are, their vertices frozen.
 struct ElementBlock {
-  /// MEDIT section, for example "Hexahedra".
+  /// MEDIT section, for example "Hexahedra"; kPoints for elements of one vertex. One block a kind.
   std::string kind;
   /// Vertices of one element.
   int vertices_per_element = 0;
@@ -28,6 +57,8 @@ struct ElementBlock {
   std::vector<int> tags;
   /// Positions of those that the file lists as required.
   std::vector<Index> required;
+  /// One entry an element.
+  std::vector<DataArray> data{};
 };
 
 /// A tetrahedral mesh as a structure of arrays, owned by the caller.
@@ -65,6 +96,21 @@ struct TetMesh {
 
   /// Elements of other kinds.
   std::vector<ElementBlock> others;
+
+  /// Named data, one entry a vertex, tetrahedron, triangle, edge. Names differ within each list.
+  std::vector<DataArray> point_data, tet_data, triangle_data, edge_data;
+
+  /// Names of tags, and sets of them.
+  std::vector<Group> groups;
+
+  /// The names under which the tags came as data, for example "medit:ref", and go out again; empty: the format's own.
+  std::string point_tags_name, cell_tags_name;
+  /// Version and encoding of the file it came from, where its format has several ("msh 2.2 text"): writers of that
+  /// format keep to it.
+  std::string dialect;
+  /// True when the elements of the file had nodes in the middles of their straight edges; readers leave these nodes
+  /// out, writers put new ones in, after all others.
+  bool second_order = false;
 
   /// True when the file listed its tetrahedra with det < 0; readers turn them, writers turn them back.
   bool listed_inside_out = false;

@@ -2,6 +2,7 @@
 #pragma once
 
 /// The whole public API.
+#include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 #include "tetune/mesh.hpp"

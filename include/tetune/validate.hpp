@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tetune/mesh.hpp"
 
 namespace tetune {
+
+/// Most vertices, and most entries of any list but that of the tetrahedra (kMaxTets): ids have 32 bits, and some are
+/// left for vertices that are inserted.
+inline constexpr Index kMaxEntries = 2'000'000'000;
 
 /// What can be wrong with a mesh.
 enum class Defect {
@@ -35,6 +40,8 @@ struct Finding {
   std::vector<Index> first;
   /// What the ids count: "tetrahedra", "vertices", "triangles", ...
   std::string where;
+  /// Centre of the first of them, where they are tetrahedra of finite coordinates.
+  std::optional<Point3> place = std::nullopt;
 };
 
 struct ValidationReport {
@@ -46,16 +53,18 @@ struct ValidationReport {
 
 /// Checks that a mesh is one that the optimiser accepts.
 ///
-/// Checked: array lengths, indices, finite coordinates, four distinct vertices a tetrahedron, each volume exactly
-/// positive (decided in exact arithmetic where rounding leaves doubt) and not below 1e-250 of the cube of the largest
-/// coordinate, where arithmetic underflows, no tetrahedron listed twice, each face on one
-/// or two tetrahedra which lie on opposite sides. The boundary is then closed: the faces on one tetrahedron are the
-/// boundary (modulo 2) of all tetrahedra together, and a boundary has no boundary.
-/// `threads` 0 means all. Safe to call concurrently. Throws nothing but std::bad_alloc.
+/// Checked: array lengths (kMaxTets, kMaxEntries), indices, finite coordinates, four distinct vertices a tetrahedron,
+/// each volume exactly positive (decided in exact arithmetic where rounding leaves doubt) and not below 1e-250 of the
+/// cube of the largest coordinate, where arithmetic underflows, no tetrahedron listed twice, each face on one or two
+/// tetrahedra which lie on opposite sides. The boundary is then closed: the faces on one tetrahedron are the boundary
+/// (modulo 2) of all tetrahedra together, and a boundary has no boundary. `threads` 0 means all. Safe to call
+/// concurrently. Throws nothing but std::bad_alloc.
 ValidationReport validate(const TetMesh& mesh, int threads = 0);
 
-/// Turns every tetrahedron when some are listed inside out (det < 0) and none the right way, and notes it in
-/// `mesh.listed_inside_out`. A mesh of mixed orientation is left alone. Returns whether it turned them.
-bool orient_uniformly(TetMesh& mesh, int threads = 0);
+/// Turns tetrahedra that are listed inside out, by exchanging their last two vertices, so that neighbours agree and
+/// each connected part has a positive volume in all; returns how many. When that is all of them, as some programs list
+/// them, it is noted in `mesh.listed_inside_out`. What is inverted beside neighbours that agree stays so: see
+/// Options::untangle. `threads` 0 means all.
+std::int64_t orient_uniformly(TetMesh& mesh, int threads = 0);
 
 }  // namespace tetune

@@ -52,7 +52,9 @@ Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
     for (int f = 0; f < 4; ++f) {
       const Link link = view.tet2tet[t][f];
       const bool outer = link == kNoLink;
-      if (!outer && (link_tet(link) < t || view.tet_tags[link_tet(link)] == view.tet_tags[t])) continue;
+      if (!outer && (link_tet(link) < t || mesh.tet_tags[static_cast<std::size_t>(link_tet(link))] ==
+                                               mesh.tet_tags[static_cast<std::size_t>(t)]))
+        continue;
       TrianglePoints triangle;
       for (int k = 0; k < 3; ++k) {
         const auto v = static_cast<std::size_t>(view.tet2vertex[t][face_vertex(f, k)]);

@@ -14,10 +14,9 @@ struct AdjacencyReport {
 };
 
 /// Renumbers a freshly uploaded mesh for locality: vertices along a Hilbert curve, tetrahedra by lowest vertex.
-/// `mesh` holds points, tet2vertex and tet_tags in the caller's order; `tet2original`, when given, receives the
-/// caller's id of each tetrahedron.
+/// `mesh` holds points and tet2vertex in the caller's order.
 template <class Backend>
-void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh, typename Backend::template Buffer<Index>* tet2original);
+void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh);
 
 /// Links each face with the one across it. Where a face is crowded or its tetrahedra lie on the same side,
 /// the face is left as boundary and counted.
@@ -28,9 +27,9 @@ AdjacencyReport build_adjacency(const Backend& par, WorkMesh<Backend>& mesh);
 template <class Backend>
 void build_vertex2tet(const Backend& par, WorkMesh<Backend>& mesh, Rows<Backend>& vertex2tet);
 
-/// Locks the faces between tetrahedra of different tags.
+/// Locks the faces between tetrahedra of different tags, given one for each of the caller's.
 template <class Backend>
-void lock_interfaces(const Backend& par, WorkMesh<Backend>& mesh);
+void lock_interfaces(const Backend& par, WorkMesh<Backend>& mesh, Span<const int> tags);
 
 /// Moves the tetrahedra together so that no slot is free, and drops the links.
 /// Returns the old slot of each tetrahedron.

@@ -85,14 +85,14 @@ struct RelabelTet {
 
 struct GatherTets {
   Span<const Tet> from;
-  Span<const int> from_tag;
+  Span<const Index> from_original;
   Span<const Index> order;
   Span<Tet> to;
-  Span<int> to_tag;
+  Span<Index> to_original;
   TETUNE_HD void operator()(Size t) const {
     const Index old = order[t];
     to[t] = from[old];
-    to_tag[t] = from_tag[old];
+    to_original[t] = from_original[old];
   }
 };
 
@@ -229,12 +229,34 @@ struct VertexOfCorner {
   }
 };
 
+struct TagRange {
+  int lowest = std::numeric_limits<int>::max();
+  int highest = std::numeric_limits<int>::min();
+  TETUNE_HD void merge(const TagRange& o) {
+    lowest = o.lowest < lowest ? o.lowest : lowest;
+    highest = o.highest > highest ? o.highest : highest;
+  }
+};
+struct RangeOfTag {
+  Span<const int> tags;
+  TETUNE_HD TagRange operator()(Size t) const { return {tags[t], tags[t]}; }
+};
+
+/// Tags of slots.
+struct GatherTags {
+  Span<const int> tags;
+  Span<const Index> tet2original;
+  Span<int> to;
+  TETUNE_HD void operator()(Size t) const { to[t] = tags[tet2original[t]]; }
+};
+
 struct LockInterface {
   MeshView mesh;
+  Span<const int> tags;
   TETUNE_HD void operator()(Size t) const {
     for (int f = 0; f < 4; ++f) {
       Link& link = mesh.tet2tet[t][f];
-      if (link != kNoLink && mesh.tet_tags[link_tet(link)] != mesh.tet_tags[t]) link |= kLocked;
+      if (link != kNoLink && tags[link_tet(link)] != tags[t]) link |= kLocked;
     }
   }
 };
@@ -247,7 +269,7 @@ struct IsAlive {
 }  // namespace connect_detail
 
 template <class Backend>
-void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh, typename Backend::template Buffer<Index>* tet2original) {
+void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh) {
   using namespace connect_detail;
   const Size vertices = mesh.vertices();
   const Size tets = mesh.slots();
@@ -270,15 +292,14 @@ void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh, typename Backend::te
   while ((Size{1} << bits) < vertices) ++bits;
   par.sort_by_key(lowest, order, bits);
   typename Backend::template Buffer<Tet> sorted;
-  typename Backend::template Buffer<int> sorted_tags;
+  typename Backend::template Buffer<Index> originals;
   sorted.resize(tets, mesh.room());
-  sorted_tags.resize(tets, mesh.room());
-  par.for_each(
-      tets, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), order.span(), sorted.span(), sorted_tags.span()});
+  originals.resize(tets, mesh.room());
+  par.for_each(tets, GatherTets{mesh.tet2vertex.span(), mesh.tet2original.span(), order.span(), sorted.span(),
+                                originals.span()});
   mesh.tet2vertex.swap(sorted);
-  mesh.tet_tags.swap(sorted_tags);
+  mesh.tet2original.swap(originals);
   mesh.free_count = 0;
-  if (tet2original != nullptr) tet2original->swap(order);
 }
 
 template <class Backend>
@@ -299,8 +320,13 @@ void build_vertex2tet(const Backend& par, WorkMesh<Backend>& mesh, Rows<Backend>
 }
 
 template <class Backend>
-void lock_interfaces(const Backend& par, WorkMesh<Backend>& mesh) {
-  par.for_each(mesh.slots(), connect_detail::LockInterface{mesh.view()});
+void lock_interfaces(const Backend& par, WorkMesh<Backend>& mesh, Span<const int> tags) {
+  using namespace connect_detail;
+  const auto range = par.template reduce<TagRange>(tags.size(), RangeOfTag{tags});
+  if (range.lowest >= range.highest) return;
+  typename Backend::template Buffer<int> of_slot(mesh.slots());
+  par.for_each(mesh.slots(), GatherTags{tags, mesh.tet2original.span(), of_slot.span()});
+  par.for_each(mesh.slots(), LockInterface{mesh.view(), of_slot.span()});
 }
 
 template <class Backend>
@@ -310,10 +336,11 @@ typename Backend::template Buffer<Index> compact_slots(const Backend& par, WorkM
   const Size alive = par.compact(mesh.slots(), IsAlive{mesh.tet2vertex.span()}, slots.span());
   slots.resize(alive);
   typename Backend::template Buffer<Tet> tets(alive);
-  typename Backend::template Buffer<int> tags(alive);
-  par.for_each(alive, GatherTets{mesh.tet2vertex.span(), mesh.tet_tags.span(), slots.span(), tets.span(), tags.span()});
+  typename Backend::template Buffer<Index> originals(alive);
+  par.for_each(
+      alive, GatherTets{mesh.tet2vertex.span(), mesh.tet2original.span(), slots.span(), tets.span(), originals.span()});
   mesh.tet2vertex.swap(tets);
-  mesh.tet_tags.swap(tags);
+  mesh.tet2original.swap(originals);
   mesh.tet2tet.resize(0);
   mesh.free_count = 0;
   return slots;

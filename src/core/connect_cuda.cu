@@ -3,9 +3,9 @@
 #include "par/cuda.cuh"
 
 namespace tetune {
-template void sort_mesh(const par::Cuda&, WorkMesh<par::Cuda>&, par::Cuda::Buffer<Index>*);
+template void sort_mesh(const par::Cuda&, WorkMesh<par::Cuda>&);
 template AdjacencyReport build_adjacency(const par::Cuda&, WorkMesh<par::Cuda>&);
 template void build_vertex2tet(const par::Cuda&, WorkMesh<par::Cuda>&, Rows<par::Cuda>&);
-template void lock_interfaces(const par::Cuda&, WorkMesh<par::Cuda>&);
+template void lock_interfaces(const par::Cuda&, WorkMesh<par::Cuda>&, Span<const int>);
 template par::Cuda::Buffer<Index> compact_slots(const par::Cuda&, WorkMesh<par::Cuda>&);
 }  // namespace tetune

@@ -31,6 +31,8 @@ struct EnergyLaw {
   int squarings;  ///< of the shape energy
   double factor;
   double gu, gv, uu, uv, vv;
+  /// Of volumes while a mesh is untangled, relative to the cube of the local length: see SoftRing.
+  double softness = 0;
 
   /// E / c. Written so that nothing overflows that is of the size of a mesh's own lengths.
   template <class T>

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/fetch_ahead.hpp"
 #include "core/tet_measures.hpp"
 #include "core/types.hpp"
 #include "core/unit_scale.hpp"
@@ -28,8 +29,9 @@ struct Part {
   double eta_sum = 0, shape_sum = 0, ratio_sum = 0, ratio_min = 1, volume = 0;
 };
 
-/// `scale` is a power of two that keeps products of coordinates in range.
+/// For loops over all of them. `scale` is a power of two that keeps products of coordinates in range.
 TetShape shape_of(const TetMesh& mesh, double scale, par::Size t) {
+  fetch_ahead(mesh, t);
   const auto& tet = mesh.tets[static_cast<std::size_t>(t)];
   Vec3 p[4];
   for (std::size_t k = 0; k < 4; ++k) p[k] = scale * vec(mesh.points[static_cast<std::size_t>(tet[k])]);

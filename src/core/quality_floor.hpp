@@ -15,6 +15,11 @@ struct QualityFloor {
   /// least (3 - its cosine) / sqrt(8) (docs/method.md, "Never worse").
   double safe_shape = 0;
 
+  /// The least shape energy of a tetrahedron with an angle of this cotangent.
+  TETUNE_HD static double least_shape(double cot) {
+    constexpr double kRounding = 1e-12;
+    return (1 - kRounding) * std::sqrt(0.125) * (3 * std::sqrt(1 + cot * cot) - cot);
+  }
   /// No floor.
   TETUNE_HD static QualityFloor none() { return {1e300, 1e300, 1e300}; }
   TETUNE_HD void merge(const QualityFloor& other) {
@@ -23,7 +28,7 @@ struct QualityFloor {
   }
   TETUNE_HD void settle() {
     constexpr double kRounding = 1e-12;
-    safe_shape = (1 - kRounding) * std::sqrt(0.125) * (3 * std::sqrt(1 + most_cot * most_cot) - most_cot);
+    safe_shape = least_shape(most_cot);
     if (worst_shape < safe_shape) safe_shape = worst_shape;
     worst_shape *= 1 + kRounding;
     most_cot *= 1 + kRounding;

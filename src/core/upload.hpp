@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <numeric>
 #include <vector>
 
 #include "core/work_mesh.hpp"
 
 namespace tetune {
 
-/// Points (times `scale`), tetrahedra and their tags in a backend's memory, in the caller's order. Indices must be in
+/// Points (times `scale`) and tetrahedra in a backend's memory, in the caller's order. Indices must be in
 /// range.
 template <class Backend>
 WorkMesh<Backend> upload_mesh(const TetMesh& mesh, double scale = 1) {
@@ -19,7 +20,9 @@ WorkMesh<Backend> upload_mesh(const TetMesh& mesh, double scale = 1) {
   static_assert(sizeof(Tet) == sizeof(mesh.tets[0]));
   work.tet2vertex.resize(static_cast<Size>(mesh.tets.size()));
   Backend::upload(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  work.tet_tags.upload(mesh.tet_tags);
+  std::vector<Index> ids(mesh.tets.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  work.tet2original.upload(ids);
   return work;
 }
 

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "core/connect.hpp"
+#include "core/fetch_ahead.hpp"
+#include "core/first_ids.hpp"
 #include "core/orient.hpp"
 #include "core/unit_scale.hpp"
 #include "core/upload.hpp"
@@ -14,15 +17,13 @@
 namespace tetune {
 namespace {
 
-constexpr std::size_t kShown = 5;
-
 /// Collects offenders of one kind.
 class Collector {
  public:
   Collector(Defect defect, std::string where) : finding_{defect, 0, {}, std::move(where)} {}
   void add(std::int64_t id) {
     ++finding_.count;
-    if (finding_.first.size() < kShown) finding_.first.push_back(static_cast<Index>(id));
+    if (finding_.first.size() < kShownIds) finding_.first.push_back(static_cast<Index>(id));
   }
   void finish(ValidationReport& report) const {
     if (finding_.count > 0) report.findings.push_back(finding_);
@@ -62,6 +63,20 @@ void check_length(std::size_t tags, std::size_t elements, const std::string& whe
   report.findings.push_back({Defect::bad_array_length, static_cast<std::int64_t>(tags), {}, where});
 }
 
+void check_data(const std::vector<DataArray>& data, std::size_t entries, const std::string& where,
+                ValidationReport& report) {
+  for (const DataArray& array : data) {
+    const std::size_t values = std::visit([](const auto& v) { return v.size(); }, array.values);
+    const auto each = static_cast<std::size_t>(std::max(0, array.components));
+    if (each == 0 || values / each != entries || values % each != 0) {
+      report.findings.push_back({Defect::bad_array_length,
+                                 static_cast<std::int64_t>(values),
+                                 {},
+                                 "values of \"" + array.name + "\" on " + where});
+    }
+  }
+}
+
 /// Sign of a volume; kTiny where it is positive but too small to compute with.
 constexpr std::int8_t kTiny = 2;
 
@@ -82,18 +97,21 @@ std::vector<std::int8_t> orient_all(const TetMesh& mesh, int threads) {
   std::vector<std::int8_t> sign(mesh.tets.size());
   const par::Cpu cpu(threads);
   cpu.for_each(static_cast<Size>(mesh.tets.size()), [&](Size t) {
+    fetch_ahead(mesh, t);
     sign[static_cast<std::size_t>(t)] = orient_tet(mesh, scale, static_cast<std::size_t>(t));
   });
   return sign;
 }
 
-/// The tetrahedra behind crowded or one-sided faces: found by sorting, as this is the path of bad input only.
-void find_bad_faces(const TetMesh& mesh, Collector& crowded, Collector& same_side, Collector& duplicates) {
-  struct Side {
-    std::array<Index, 3> key;
-    Index tet;
-    bool odd;
-  };
+/// One side of a face: its vertices in increasing order, and whether the tetrahedron lists them in an odd permutation.
+struct Side {
+  std::array<Index, 3> key;
+  Index tet;
+  bool odd;
+};
+
+/// All sides, those of one face together, by id of the tetrahedron: for bad input only.
+std::vector<Side> sorted_sides(const TetMesh& mesh) {
   std::vector<Side> sides;
   sides.reserve(4 * mesh.tets.size());
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
@@ -116,6 +134,12 @@ void find_bad_faces(const TetMesh& mesh, Collector& crowded, Collector& same_sid
   }
   std::sort(sides.begin(), sides.end(),
             [](const Side& a, const Side& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
+  return sides;
+}
+
+/// The tetrahedra behind crowded or one-sided faces.
+void find_bad_faces(const TetMesh& mesh, Collector& crowded, Collector& same_side, Collector& duplicates) {
+  const std::vector<Side> sides = sorted_sides(mesh);
   std::vector<Index> in_crowd;
   std::vector<Index> one_sided;
   std::vector<Index> twice;
@@ -149,6 +173,56 @@ void find_bad_faces(const TetMesh& mesh, Collector& crowded, Collector& same_sid
   give(one_sided, same_side);
 }
 
+/// For each tetrahedron whether to turn it, so that neighbours list their common face in opposite senses and each
+/// connected part has a positive volume in all. Where no choice does that, neighbours are left as they disagree.
+std::vector<std::uint8_t> turns_to_orient(const TetMesh& mesh) {
+  const std::vector<Side> sides = sorted_sides(mesh);
+  struct Across {
+    Index tet = -1;
+    bool opposed = false;  ///< the two list the face in opposite senses, as they should
+  };
+  std::vector<std::array<Across, 4>> across(mesh.tets.size());
+  std::vector<std::uint8_t> degree(mesh.tets.size(), 0);
+  const auto link = [&](const Side& from, const Side& to) {
+    const auto t = static_cast<std::size_t>(from.tet);
+    across[t][degree[t]++] = {to.tet, from.odd != to.odd};
+  };
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i + 1;
+    while (end < sides.size() && sides[end].key == sides[i].key) ++end;
+    if (end - i == 2) {
+      link(sides[i], sides[i + 1]);
+      link(sides[i + 1], sides[i]);
+    }
+    i = end;
+  }
+  constexpr std::uint8_t kUnseen = 2;
+  std::vector<std::uint8_t> turned(mesh.tets.size(), kUnseen);
+  std::vector<Index> part;
+  for (std::size_t seed = 0; seed < turned.size(); ++seed) {
+    if (turned[seed] != kUnseen) continue;
+    turned[seed] = 0;
+    part.assign(1, static_cast<Index>(seed));
+    double volume = 0;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const auto t = static_cast<std::size_t>(part[i]);
+      const auto p = [&](std::size_t k) { return vec(mesh.points[static_cast<std::size_t>(mesh.tets[t][k])]); };
+      const double v = dot(cross(p(1) - p(0), p(2) - p(0)), p(3) - p(0));
+      volume += turned[t] != 0 ? -v : v;
+      for (int f = 0; f < degree[t]; ++f) {
+        const Across& a = across[t][static_cast<std::size_t>(f)];
+        std::uint8_t& there = turned[static_cast<std::size_t>(a.tet)];
+        if (there != kUnseen) continue;
+        there = a.opposed ? turned[t] : 1 - turned[t];
+        part.push_back(a.tet);
+      }
+    }
+    if (volume >= 0) continue;
+    for (const Index t : part) turned[static_cast<std::size_t>(t)] ^= 1;
+  }
+  return turned;
+}
+
 }  // namespace
 
 const char* to_string(Defect defect) {
@@ -179,28 +253,51 @@ const char* to_string(Defect defect) {
 
 std::string ValidationReport::message(bool one_based) const {
   std::string text = "the mesh is not valid:";
+  bool repairable = true;
   for (const Finding& f : findings) {
-    text += "\n  " + std::string(to_string(f.defect)) + " in " + f.where + ": " + std::to_string(f.count);
-    for (std::size_t i = 0; i < f.first.size(); ++i) {
-      text += (i == 0 ? (one_based ? " (first, counted from 1: " : " (first, counted from 0: ") : ", ") +
-              std::to_string(f.first[i] + (one_based ? 1 : 0));
+    text += "\n  " + std::string(to_string(f.defect)) + " in " + f.where + ": " + std::to_string(f.count) +
+            first_ids(f.first, one_based);
+    if (f.place) {
+      const auto number = [](double x) {
+        char digits[32];
+        std::snprintf(digits, sizeof digits, "%.6g", x);
+        return std::string(digits);
+      };
+      text += ", the first near " + number((*f.place)[0]) + " " + number((*f.place)[1]) + " " + number((*f.place)[2]);
     }
-    if (!f.first.empty()) text += ")";
+    repairable = repairable && (f.defect == Defect::inverted_tet || f.defect == Defect::flat_tet);
   }
-  return text + "\n  repair or remove these in the program that made the mesh.";
+  return text + (repairable ? "\n  untangle them (--untangle), or repair the mesh in the program that made it."
+                            : "\n  repair or remove these in the program that made the mesh.");
+}
+
+ValidationReport validate_counts(const ArrayCounts& counts) {
+  ValidationReport report;
+  const auto check = [&report](std::size_t entries, Index most, const std::string& where) {
+    if (entries <= static_cast<std::size_t>(most)) return;
+    report.findings.push_back({Defect::bad_array_length,
+                               static_cast<std::int64_t>(entries),
+                               {},
+                               where + " (there can be " + std::to_string(most) + ")"});
+  };
+  check(counts.vertices, kMaxEntries, "vertices");
+  check(counts.tets, kMaxTets, "tetrahedra");
+  check(counts.triangles, kMaxEntries, "triangles");
+  check(counts.edges, kMaxEntries, "edges");
+  check(counts.others, kMaxEntries, "elements of other kinds");
+  return report;
 }
 
 ValidationReport validate_arrays(const TetMesh& mesh) {
-  ValidationReport report;
   const std::size_t vertices = mesh.points.size();
+  ArrayCounts counts{vertices, mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()};
+  for (const ElementBlock& block : mesh.others) counts.others += block.tags.size();
+  ValidationReport report = validate_counts(counts);
+  if (!report.ok()) return report;
   check_length(mesh.point_tags.size(), vertices, "vertex tags", report);
   check_length(mesh.tet_tags.size(), mesh.tets.size(), "tetrahedron tags", report);
   check_length(mesh.triangle_tags.size(), mesh.triangles.size(), "triangle tags", report);
   check_length(mesh.edge_tags.size(), mesh.edges.size(), "edge tags", report);
-  if (mesh.tets.size() > static_cast<std::size_t>(kMaxTets)) {
-    report.findings.push_back(
-        {Defect::bad_array_length, static_cast<std::int64_t>(mesh.tets.size()), {}, "tetrahedra (too many)"});
-  }
   check_elements(mesh.tets, vertices, "tetrahedra", report);
   check_elements(mesh.triangles, vertices, "triangles", report);
   check_elements(mesh.edges, vertices, "edges", report);
@@ -215,7 +312,12 @@ ValidationReport validate_arrays(const TetMesh& mesh) {
     check_length(block.tags.size() * each, block.element2vertex.size(), block.kind, report);
     check_indices(block.element2vertex, vertices, each, block.kind, report);
     check_indices(block.required, block.tags.size(), 1, "required " + block.kind, report);
+    check_data(block.data, block.tags.size(), block.kind, report);
   }
+  check_data(mesh.point_data, vertices, "vertices", report);
+  check_data(mesh.tet_data, mesh.tets.size(), "tetrahedra", report);
+  check_data(mesh.triangle_data, mesh.triangles.size(), "triangles", report);
+  check_data(mesh.edge_data, mesh.edges.size(), "edges", report);
   Collector not_finite(Defect::not_finite, "vertices");
   for (std::size_t v = 0; v < vertices; ++v) {
     const Point3& p = mesh.points[v];
@@ -259,18 +361,28 @@ ValidationReport validate(const TetMesh& mesh, int threads) {
     crowded.finish(report);
     same_side.finish(report);
   }
+  for (Finding& f : report.findings) {
+    Point3 centre{};
+    for (const Index v : mesh.tets[static_cast<std::size_t>(f.first[0])]) {
+      for (std::size_t k = 0; k < 3; ++k) centre[k] += 0.25 * mesh.points[static_cast<std::size_t>(v)][k];
+    }
+    f.place = centre;
+  }
   return report;
 }
 
-bool orient_uniformly(TetMesh& mesh, int threads) {
-  if (mesh.tets.empty() || !validate_arrays(mesh).ok()) return false;
-  // Most meshes are decided by their first tetrahedron.
-  if (orient_tet(mesh, unit_scale(mesh), 0) > 0) return false;
+std::int64_t orient_uniformly(TetMesh& mesh, int threads) {
+  if (mesh.tets.empty() || !validate_arrays(mesh).ok()) return 0;
   const std::vector<std::int8_t> sign = orient_all(mesh, threads);
-  if (*std::max_element(sign.begin(), sign.end()) > 0 || *std::min_element(sign.begin(), sign.end()) == 0) return false;
-  for (auto& tet : mesh.tets) std::swap(tet[2], tet[3]);
-  mesh.listed_inside_out = !mesh.listed_inside_out;
-  return true;
+  if (std::find(sign.begin(), sign.end(), -1) == sign.end()) return 0;
+  const bool all = *std::max_element(sign.begin(), sign.end()) < 0;
+  const std::vector<std::uint8_t> turned = all ? std::vector<std::uint8_t>(mesh.tets.size(), 1) : turns_to_orient(mesh);
+  const std::int64_t count = std::count(turned.begin(), turned.end(), 1);
+  for (std::size_t t = 0; t < turned.size(); ++t) {
+    if (turned[t] != 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);
+  }
+  if (count == static_cast<std::int64_t>(turned.size())) mesh.listed_inside_out = !mesh.listed_inside_out;
+  return count;
 }
 
 }  // namespace tetune

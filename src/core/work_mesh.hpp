@@ -24,7 +24,7 @@ struct MeshView {
   Span<Point> points;
   Span<Tet> tet2vertex;
   Span<Links> tet2tet;
-  Span<int> tet_tags;
+  Span<Index> tet2original;
   EnergyLaw law;
   QualityFloor floor;
 
@@ -41,7 +41,9 @@ struct WorkMesh {
   Buffer<Point> points;
   Buffer<Tet> tet2vertex;
   Buffer<Links> tet2tet;
-  Buffer<int> tet_tags;
+  /// Slot -> the caller's tetrahedron that was there, or that the one there descends from: of the same region always,
+  /// as nothing crosses the faces between two.
+  Buffer<Index> tet2original;
   /// Work vertex -> caller's vertex, kInserted or kRemoved.
   Buffer<Index> vertex2original;
   /// Slots without a tetrahedron: the first `free_count` entries.
@@ -57,7 +59,7 @@ struct WorkMesh {
   Size tets() const { return slots() - free_count; }
   /// Room for slots: that which flips take beyond those that there are is seldom more.
   Size room() const { return slots() + slots() / 16; }
-  MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet_tags.span(), law, floor}; }
+  MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet2original.span(), law, floor}; }
 };
 
 }  // namespace tetune

@@ -9,7 +9,7 @@
 #include "flips/boundary_flips.hpp"
 #include "par/atomic.hpp"
 
-/// The triangles of the outer boundary between the caller's list and the flips.
+/// The triangles of the boundary between the caller's list and the flips.
 namespace tetune {
 namespace boundary_triangles_detail {
 
@@ -34,24 +34,16 @@ struct CountListed {
   }
 };
 
-struct IsOuter {
-  Span<const Links> links;
-  Span<const Index> faces;
-  TETUNE_HD bool operator()(Size s) const { return links[faces[s] >> 2][faces[s] & 3] == kNoLink; }
-};
-
 struct FillTriangle {
   Span<const Tet> tets;
   Span<const Index> faces;
   Span<const int> tags;
   ListedTriangles listed;
-  Span<const Index> outer;
   Span<const std::uint32_t> counts;
   Span<const std::uint32_t> last;
   Span<const std::uint8_t> frozen;
   Span<BoundaryTriangle> triangles;
-  TETUNE_HD void operator()(Size i) const {
-    const Index s = outer[i];
+  TETUNE_HD void operator()(Size s) const {
     BoundaryTriangle t{};
     classify_detail::face_vertices(tets, faces[s], t.v);
     t.tag = tags[s];
@@ -65,7 +57,7 @@ struct FillTriangle {
     // Required and frozen triangles have no other vertices.
     const bool held = frozen[t.v[0]] == kFrozen && frozen[t.v[1]] == kFrozen && frozen[t.v[2]] == kFrozen;
     t.stays = held || counts[s] > 1 ? 1 : 0;
-    triangles[i] = t;
+    triangles[s] = t;
   }
 };
 
@@ -83,11 +75,9 @@ void build_boundary(const Backend& par, WorkMesh<Backend>& mesh, const Surface<B
   par.fill(last.span(), std::uint32_t{0});
   par.for_each(listed.size(), CountListed{mesh.tet2vertex.span(), surface.faces.span(), surface.vertex2corner.view(),
                                           listed, counts.span(), last.span()});
-  typename Backend::template Buffer<Index> outer(faces);
-  outer.resize(par.compact(faces, IsOuter{mesh.tet2tet.span(), surface.faces.span()}, outer.span()));
-  boundary.triangles.resize(outer.size());
-  par.for_each(outer.size(), FillTriangle{mesh.tet2vertex.span(), surface.faces.span(), surface.tags.span(), listed,
-                                          outer.span(), counts.span(), last.span(), frozen, boundary.triangles.span()});
+  boundary.triangles.resize(faces);
+  par.for_each(faces, FillTriangle{mesh.tet2vertex.span(), surface.faces.span(), surface.tags.span(), listed,
+                                   counts.span(), last.span(), frozen, boundary.triangles.span()});
   boundary.flat = kFlat;
 }
 

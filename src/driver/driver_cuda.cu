@@ -31,7 +31,7 @@ Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& co
                       "(--device cpu).");
   }
   std::string name = properties.name;  // before the mesh changes: nothing may fail after that
-  Report report = optimize_on(par::Cuda{}, mesh, options, context);
+  Report report = optimize_on(par::Cuda(context.stop), mesh, options, context);
   report.device.swap(name);
   return report;
 }

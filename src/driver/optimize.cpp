@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 
+#include "core/first_ids.hpp"
 #include "driver/alternate.hpp"
 #include "driver/devices.hpp"
 #include "driver/targets.hpp"
@@ -31,6 +32,21 @@ const char* to_string(StopReason reason) {
   return "unknown";
 }
 
+namespace {
+
+std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, bool one_based) {
+  return "of " + std::to_string(tangled) + " inverted or flat tetrahedra, " + std::to_string(left.size()) +
+         " could not be made positive" + first_ids(left, one_based) +
+         "\n  their vertices have no room: let the boundary slide, freeze less, or repair the surface there.";
+}
+
+}  // namespace
+
+UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest)
+    : MeshError(untangle_message(all, rest, false)), tangled(all), left(std::move(rest)) {}
+
+std::string UntangleError::message(bool one_based) const { return untangle_message(tangled, left, one_based); }
+
 Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   if (options.max_iterations < 0) {
     throw OptionError("max_iterations is " + std::to_string(options.max_iterations) + "; it must be 0 or more");
@@ -38,6 +54,9 @@ Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   if (options.max_ring < 3 || options.max_ring > kMaxRing) {
     throw OptionError("max_ring is " + std::to_string(options.max_ring) + "; it must be 3 to " +
                       std::to_string(kMaxRing));
+  }
+  if (!options.flips && options.max_iterations == 0) {
+    throw OptionError("without flips and with max_iterations 0 there is nothing to do; allow one of them");
   }
   if (options.threads < 0) {
     throw OptionError("threads is " + std::to_string(options.threads) + "; it must be 0 (all) or more");
@@ -58,7 +77,7 @@ Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   if (options.device == Device::cuda) {
     report = optimize_on_cuda(mesh, options, context);
   } else {
-    const par::Cpu cpu(options.threads);
+    const par::Cpu cpu(options.threads, context.stop);
     report = optimize_on(cpu, mesh, options, context);
     report.device = "CPU";
     report.threads = cpu.threads();

@@ -10,13 +10,10 @@ namespace {
 constexpr double kPaperEpsilon = 1e-5;
 constexpr int kPaperMaxInterval = 1 << 3;  // 2^N, N = 3
 
-/// Flips that take away less than this part of the energy are not worth an earlier look.
-constexpr double kLittleGain = 1e-4;
-
 }  // namespace
 
 void Schedule::flips_found(int iteration, std::int64_t flips, double gain) {
-  const bool found = paper_ ? flips > 0 : gain > kLittleGain;
+  const bool found = paper_ ? flips > 0 : gain > little_gain_;
   interval_ = found ? (interval_ + 1) / 2 : 2 * interval_;
   next_flips_ = iteration + interval_;
 }

@@ -5,13 +5,19 @@
 
 namespace tetune {
 
+/// The energy must fall by this part in a sweep for another one to follow: docs/benchmarks/cpu.md, "When to stop".
+inline double least_decrease(const Options& options) {
+  return options.effort == Effort::fast ? 1e-2 : options.effort == Effort::best ? 1e-4 : 1e-3;
+}
+
 /// When to look for flips, and when to stop (Sect. 4.5). Ask after each sweep.
 class Schedule {
  public:
   explicit Schedule(const Options& options)
       : paper_(options.termination == Termination::paper),
         max_(options.max_iterations),
-        least_decrease_(options.effort == Effort::fast ? 1e-3 : 1e-4),
+        least_decrease_(least_decrease(options)),
+        little_gain_(options.effort == Effort::best ? 1e-4 : 5e-4),
         interval_(options.effort == Effort::fast && !paper_ ? 2 : 1),
         next_flips_(interval_) {}
 
@@ -27,8 +33,9 @@ class Schedule {
  private:
   bool paper_;
   int max_;
-  double least_decrease_;  ///< the energy must fall by this part in a sweep to go on
-  int interval_ = 1;       ///< the paper's k_f: sweeps from one look for flips to the next
+  double least_decrease_;
+  double little_gain_;  ///< flips that take away less than this part of the energy are not worth an earlier look
+  int interval_ = 1;  ///< the paper's k_f: sweeps from one look for flips to the next
   int next_flips_;
   double threshold_ = -1;  ///< the paper's eps_c
   double last_gradient_ = -1;

@@ -22,6 +22,8 @@ struct WorkingSet {
   Mobilities<Backend> mobilities;
   Rings<Backend> rings;
   Coloring<Backend> coloring;
+  /// With Options::untangle: how many volumes are not positive.
+  Size tangled = 0;
   /// Coordinates inside are the caller's times this power of two: see unit_scale().
   double scale = 1;
   /// kMovable, kFrozen or kCorner for each work vertex.

@@ -11,6 +11,7 @@
 #include "driver/constraints.hpp"
 #include "driver/working_set.hpp"
 #include "par/atomic.hpp"
+#include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
 
@@ -161,21 +162,78 @@ inline VertexIds vertex_ids(std::vector<Index> vertex2original, std::size_t orig
   return ids;
 }
 
-/// The bound on the deviation takes the surface for one of the input's triangles.
-inline bool flips_boundary(const Options& options) {
-  return options.boundary_flips && options.boundary != Boundary::fixed && !(options.max_deviation > 0) &&
-         options.max_ring > 3;
+/// The inverse of positions_of_kept(); empty where all are.
+inline std::vector<Index> kept_of(const std::vector<Index>& old2new) {
+  std::vector<Index> new2old;
+  for (std::size_t i = 0; i < old2new.size(); ++i) {
+    if (old2new[i] >= 0) new2old.push_back(static_cast<Index>(i));
+  }
+  if (new2old.size() == old2new.size()) new2old.clear();
+  return new2old;
 }
 
-/// Throws unless every volume is positive; the few that rounding leaves in doubt are decided exactly.
+/// The regions of the tetrahedra that these of the caller's became.
+inline std::vector<int> tags_of(const std::vector<Index>& tet2original, const TetMesh& mesh) {
+  std::vector<int> tags;
+  tags.reserve(tet2original.size());
+  for (const Index t : tet2original) tags.push_back(mesh.tet_tags[static_cast<std::size_t>(t)]);
+  return tags;
+}
+
+/// Where the vertices are now. Those that did not move keep their place to the last bit.
+inline void put_points(const std::vector<Point>& points, const VertexIds& ids, double scale,
+                       std::vector<Point3>& extended) {
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    if (ids.work2extended[v] == kRemoved) continue;
+    Point3& p = extended[static_cast<std::size_t>(ids.work2extended[v])];
+    const Vec3 before = scale * vec(p);
+    const Vec3 now = vec(points[v]);
+    if (before.x == now.x && before.y == now.y && before.z == now.z) continue;
+    p = {now.x / scale, now.y / scale, now.z / scale};
+  }
+}
+
+inline std::vector<DataArray> data_of_kept(const std::vector<DataArray>& data, const std::vector<Index>& old2new) {
+  if (data.empty()) return {};
+  std::vector<Index> new2old;
+  for (std::size_t i = 0; i < old2new.size(); ++i) {
+    if (old2new[i] >= 0) new2old.push_back(static_cast<Index>(i));
+  }
+  return take_entries(data, new2old);
+}
+
+/// Data of the vertices in the result. `tets` are in extended ids.
+inline std::vector<DataArray> carried_point_data(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets,
+                                                 const std::vector<Point>& points, const VertexIds& ids, double scale) {
+  if (mesh.point_data.empty() || ids.new2original.empty()) return mesh.point_data;
+  std::vector<Point3> extended = mesh.points;
+  extended.resize(ids.extended2new.size());
+  put_points(points, ids, scale, extended);
+  std::vector<Index> extended2original(extended.size(), -1);
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) extended2original[v] = static_cast<Index>(v);
+  return data_of_kept(carry_point_data(mesh.point_data, extended2original, extended, tets), ids.extended2new);
+}
+
+/// The bound on the deviation takes the surface for one of the input's triangles.
+inline bool flips_boundary(const Options& options) {
+  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed &&
+         !(options.max_deviation > 0) && options.max_ring > 3;
+}
+
+/// Throws unless every volume is positive, or shall be made so; the few that rounding leaves in doubt are decided
+/// exactly.
 template <class Backend>
-void check_volumes(const Backend& par, const TetMesh& mesh, int threads, WorkingSet<Backend>& work) {
+void check_volumes(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work) {
   typename Backend::template Buffer<Index> doubtful(work.mesh.slots());
   const Size count = par.compact(work.mesh.slots(), NotCertified{work.mesh.view()}, doubtful.span());
   if (count == 0) return;
   // Exact arithmetic has the last word.
-  const ValidationReport report = validate(mesh, threads);
-  if (!report.ok()) throw MeshError(report.message(false));
+  const ValidationReport report = validate(mesh, options.threads);
+  for (const Finding& f : report.findings) {
+    const bool repairable = f.defect == Defect::inverted_tet || f.defect == Defect::flat_tet;
+    if (!options.untangle || !repairable) throw MeshError(report.message(false));
+    work.tangled += f.count;
+  }
 }
 
 }  // namespace working_set_detail
@@ -189,16 +247,15 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   work.scale = unit_scale(mesh);
   work.mesh = upload_mesh<Backend>(mesh, work.scale);
   work.mesh.law = law_of(options.energy);
-  typename Backend::template Buffer<Index> sorted2original;
-  sort_mesh(par, work.mesh, &sorted2original);
-  const std::vector<Index> tet2original = sorted2original.download();
+  sort_mesh(par, work.mesh);
   const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
   const AdjacencyReport adjacency = build_adjacency(par, work.mesh);
   if (adjacency.crowded_faces + adjacency.same_side_faces > 0) {
     throw MeshError(validate(mesh, options.threads).message(false));
   }
-  check_volumes(par, mesh, options.threads, work);
-  lock_interfaces(par, work.mesh);
+  check_volumes(par, mesh, options, work);
+  const typename Backend::template Loan<int> tet_tags(mesh.tet_tags);
+  lock_interfaces(par, work.mesh, tet_tags.span());
 
   std::vector<Index> original2vertex(vertex2original.size());
   for (std::size_t v = 0; v < vertex2original.size(); ++v) {
@@ -208,6 +265,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
 
   const Constraints constraints = find_constraints(mesh, options);
   if (!constraints.locked_tets.empty()) {
+    const std::vector<Index> tet2original = work.mesh.tet2original.download();
     std::vector<Index> original2slot(tet2original.size());
     for (std::size_t t = 0; t < tet2original.size(); ++t) {
       original2slot[static_cast<std::size_t>(tet2original[t])] = static_cast<Index>(t);
@@ -327,7 +385,8 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   par.for_each(work.mesh.slots(), ToOriginal{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
   decltype(mesh.tets) tets(static_cast<std::size_t>(work.mesh.slots()));
   Backend::download(tets.data(), work.mesh.tet2vertex.span().data(), tets.size() * sizeof(Tet));
-  std::vector<int> tet_tags = work.mesh.tet_tags.download();
+  std::vector<Index> tet2original = work.mesh.tet2original.download();
+  std::vector<int> tet_tags = tags_of(tet2original, mesh);
   const std::vector<Point> points = work.mesh.points.download();
   mesh.points.reserve(ids.extended2new.size());
   mesh.point_tags.reserve(ids.extended2new.size());
@@ -335,22 +394,25 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
   const std::vector<Index> new_triangles = positions_of_kept(keep);
   const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets));
+  std::vector<Index> triangle2original = kept_of(new_triangles);
+  std::vector<Index> edge2original = kept_of(new_edges);
   auto triangles = listed_after(mesh.triangles, work.boundary.triangles.download(), ids.work2extended);
+  auto point_data = carried_point_data(mesh, tets, points, ids, work.scale);
+  auto tet_data = take_entries(mesh.tet_data, tet2original);
+  auto triangle_data = data_of_kept(mesh.triangle_data, new_triangles);
+  auto edge_data = data_of_kept(mesh.edge_data, new_edges);
 
   // From here on nothing fails.
+  mesh.point_data.swap(point_data);
+  mesh.tet_data.swap(tet_data);
+  mesh.triangle_data.swap(triangle_data);
+  mesh.edge_data.swap(edge_data);
   mesh.tets.swap(tets);
   mesh.tet_tags.swap(tet_tags);
   mesh.points.resize(ids.extended2new.size());
   mesh.point_tags.resize(ids.extended2new.size(), 0);
   mesh.triangles.swap(triangles);
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    if (ids.work2extended[v] == kRemoved) continue;
-    Point3& p = mesh.points[static_cast<std::size_t>(ids.work2extended[v])];
-    const Vec3 before = work.scale * vec(p);
-    const Vec3 now = vec(points[v]);
-    if (before.x == now.x && before.y == now.y && before.z == now.z) continue;  // to the last bit
-    p = {now.x / work.scale, now.y / work.scale, now.z / work.scale};
-  }
+  put_points(points, ids, work.scale, mesh.points);
 
   // Required tetrahedra never left their slots; compaction kept the order of the slots.
   for (std::size_t i = 0; i < mesh.required_tets.size(); ++i) {
@@ -362,6 +424,9 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   report.edges_dropped = keep_edges(mesh, new_edges);
   if (ids.removed) keep_vertices(mesh, ids.extended2new);
   report.vertex2original = std::move(ids.new2original);
+  report.tet2original = std::move(tet2original);
+  report.triangle2original = std::move(triangle2original);
+  report.edge2original = std::move(edge2original);
 }
 
 }  // namespace tetune

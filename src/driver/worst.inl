@@ -18,19 +18,38 @@ struct WorstCount {
   TETUNE_HD void merge(const WorstCount& other) { count += other.count; }
 };
 
-/// Flags the vertices of the tetrahedra whose shape energy is above a bound.
-struct FlagWorst {
-  MeshView mesh;
+struct IsAbove {
+  Span<const double> values;
   double bound;
-  Span<std::uint8_t> flags;
-  TETUNE_HD WorstCount operator()(Size t) const {
-    if (!mesh.alive(t)) return {};
+  TETUNE_HD bool operator()(Size t) const { return values[t] > bound; }
+};
+
+struct HasFlag {
+  MeshView mesh;
+  Span<const std::uint8_t> flags;
+  TETUNE_HD bool operator()(Size t) const {
+    if (!mesh.alive(t)) return false;
     const Tet tet = mesh.tet2vertex[t];
-    const TetEnergy e = tet_energy(mesh.law, vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]),
-                                   vec(mesh.points[tet[2]]), vec(mesh.points[tet[3]]));
-    if (!(e.shape > bound)) return {};
-    for (int k = 0; k < 4; ++k) par::store_shared(flags[tet[k]], std::uint8_t{1});
-    return {1};
+    return (flags[tet[0]] | flags[tet[1]] | flags[tet[2]] | flags[tet[3]]) != 0;
+  }
+};
+
+struct FlagCorners {
+  Span<const Tet> tets;
+  Span<const Index> slots;
+  Span<std::uint8_t> flags;
+  TETUNE_HD void operator()(Size i) const {
+    for (int k = 0; k < 4; ++k) par::store_shared(flags[tets[slots[i]][k]], std::uint8_t{1});
+  }
+};
+
+/// The same of those with an angle whose cotangent is above `cot`.
+struct FlagSharp {
+  MeshView mesh;
+  FlagCorners flag;
+  double cot;
+  TETUNE_HD void operator()(Size i) const {
+    if (largest_cot(mesh, flag.slots[i]) > cot) flag(i);
   }
 };
 
@@ -44,6 +63,16 @@ struct FloorOf {
     const TetEnergy e = tet_energy(mesh.law, p[0], p[1], p[2], p[3]);
     return {e.shape, QualityFloor::largest_cot(p, e.w), 0};
   }
+};
+
+struct MostCot {
+  double cot = -1;
+  TETUNE_HD void merge(const MostCot& other) { cot = other.cot > cot ? other.cot : cot; }
+};
+
+struct CotOf {
+  MeshView mesh;
+  TETUNE_HD MostCot operator()(Size t) const { return {mesh.alive(t) ? largest_cot(mesh, t) : -1}; }
 };
 
 /// Flags with 2 the vertices that share a tetrahedron with one flagged with 1.
@@ -61,25 +90,18 @@ struct FlagNeighbours {
   }
 };
 
-/// One over the sine of the smallest dihedral angle; 0 for a free slot.
-struct Sharpness {
+/// One over the sine of the smallest dihedral angle, where the shape energy leaves room for a cotangent above `least`;
+/// 0 elsewhere.
+struct FindSharpness {
   MeshView mesh;
+  Span<const double> shapes;
+  double least;
+  double least_shape;
   Span<double> values;
-  TETUNE_HD void operator()(Size t) const {
-    const double cot = mesh.alive(t) ? largest_cot(mesh, t) : 0;
-    values[t] = mesh.alive(t) ? std::sqrt(1 + cot * cot) : 0;
-  }
-};
-
-/// Flags the vertices of the tetrahedra with an angle below a bound.
-struct FlagSharp {
-  MeshView mesh;
-  double cot;
-  Span<std::uint8_t> flags;
-  TETUNE_HD WorstCount operator()(Size t) const {
-    if (!mesh.alive(t) || !(largest_cot(mesh, t) > cot)) return {};
-    for (int k = 0; k < 4; ++k) par::store_shared(flags[mesh.tet2vertex[t][k]], std::uint8_t{1});
-    return {1};
+  TETUNE_HD MostCot operator()(Size t) const {
+    const double cot = shapes[t] > least_shape ? largest_cot(mesh, t) : 0;
+    values[t] = cot > least ? std::sqrt(1 + cot * cot) : 0;
+    return {cot};
   }
 };
 
@@ -97,6 +119,14 @@ void flag_neighbours(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uint
   par.for_each(mesh.slots(), worst_detail::FlagNeighbours{mesh.view(), flags});
 }
 
+/// The tetrahedra for which a predicate over the slots holds.
+template <class Backend, class Is>
+typename Backend::template Buffer<Index> find_tets(const Backend& par, WorkMesh<Backend>& mesh, const Is& is) {
+  typename Backend::template Buffer<Index> tets(mesh.slots());
+  tets.resize(par.compact(mesh.slots(), is, tets.span()));
+  return tets;
+}
+
 /// About the value that a part of `count` values, all 1 or more, are above.
 template <class Backend>
 double quantile_above(const Backend& par, Span<const double> values, double part, Size count) {
@@ -112,14 +142,28 @@ double quantile_above(const Backend& par, Span<const double> values, double part
   return low;
 }
 
-/// About the cotangent of the dihedral angle that is larger than the smallest of a part of all tetrahedra.
+/// About the cotangent of the dihedral angle that is larger than the smallest of a part of `count` tetrahedra, of whose
+/// smallest angles one over the sine is given.
 template <class Backend>
-double sharp_cot(const Backend& par, WorkMesh<Backend>& mesh, double part) {
-  typename Backend::template Buffer<double> sharpness(mesh.slots());
-  par.for_each(mesh.slots(), worst_detail::Sharpness{mesh.view(), sharpness.span()});
-  const double above = quantile_above(par, Span<const double>(sharpness.span()), part, mesh.tets());
+double sharp_cot(const Backend& par, Span<const double> sharpness, double part, Size count) {
+  const double above = quantile_above(par, sharpness, part, count);
   return std::sqrt(above * above - 1);
 }
+
+/// One over the sine of the smallest dihedral angle of each slot, where its cotangent is above `least`, and 0
+/// elsewhere; and the largest cotangent, or `least`. `shapes` are the shape energies of all slots.
+template <class Backend>
+struct Sharpness {
+  typename Backend::template Buffer<double> values;
+  double most_cot;
+
+  Sharpness(const Backend& par, WorkMesh<Backend>& mesh, Span<const double> shapes, double least)
+      : values(mesh.slots()) {
+    using namespace worst_detail;
+    const FindSharpness find{mesh.view(), shapes, least, QualityFloor::least_shape(least), values.span()};
+    most_cot = std::max(least, par.template reduce<MostCot>(mesh.slots(), find).cot);
+  }
+};
 
 /// The worst shape energy and dihedral angle of a mesh, as what nothing may go below.
 template <class Backend>
@@ -129,20 +173,37 @@ QualityFloor find_floor(const Backend& par, WorkMesh<Backend>& mesh) {
   return floor;
 }
 
-/// Flags the vertices of the tetrahedra with an angle whose cotangent is above `cot`; returns the number of those.
+/// Cotangent of the smallest dihedral angle.
 template <class Backend>
-Size flag_sharp(const Backend& par, WorkMesh<Backend>& mesh, double cot, Span<std::uint8_t> flags) {
-  return par.template reduce<worst_detail::WorstCount>(mesh.slots(), worst_detail::FlagSharp{mesh.view(), cot, flags})
-      .count;
+double find_most_cot(const Backend& par, WorkMesh<Backend>& mesh) {
+  return par.template reduce<worst_detail::MostCot>(mesh.slots(), worst_detail::CotOf{mesh.view()}).cot;
 }
 
-/// Flags the vertices of the tetrahedra whose shape energy is above `bound`, clears the flags of all others, and
-/// returns the number of those tetrahedra.
+/// The tetrahedra whose value, of those given for all slots, is above `bound`.
 template <class Backend>
-Size flag_worst(const Backend& par, WorkMesh<Backend>& mesh, double bound, Span<std::uint8_t> flags) {
-  par.fill(flags, std::uint8_t{0});
-  return par.template reduce<worst_detail::WorstCount>(mesh.slots(), worst_detail::FlagWorst{mesh.view(), bound, flags})
-      .count;
+typename Backend::template Buffer<Index> tets_above(const Backend& par, WorkMesh<Backend>& mesh,
+                                                    Span<const double> values, double bound) {
+  return find_tets(par, mesh, worst_detail::IsAbove{values, bound});
+}
+
+/// Those that have a flagged vertex.
+template <class Backend>
+typename Backend::template Buffer<Index> flagged_tets(const Backend& par, WorkMesh<Backend>& mesh,
+                                                      Span<const std::uint8_t> flags) {
+  return find_tets(par, mesh, worst_detail::HasFlag{mesh.view(), flags});
+}
+
+/// Flags the vertices of some tetrahedra.
+template <class Backend>
+void flag_corners(const Backend& par, WorkMesh<Backend>& mesh, Span<const Index> tets, Span<std::uint8_t> flags) {
+  par.for_each(tets.size(), worst_detail::FlagCorners{mesh.tet2vertex.span(), tets, flags});
+}
+
+/// The same of those of them that have an angle whose cotangent is above `cot`.
+template <class Backend>
+void flag_sharp(const Backend& par, WorkMesh<Backend>& mesh, Span<const Index> tets, double cot,
+                Span<std::uint8_t> flags) {
+  par.for_each(tets.size(), worst_detail::FlagSharp{mesh.view(), {mesh.tet2vertex.span(), tets, flags}, cot});
 }
 
 }  // namespace tetune

@@ -34,15 +34,15 @@ struct ModelSum {
   Vec3T<T> g;
   Sym3T<T> h;
 
-  /// r = 1 / w of this tetrahedron; weight 1 counts it, 0 leaves it out.
+  /// r = 1 / w of this tetrahedron; weight 1 counts it, 0 leaves it out. `slope`: of w in n . y, 1 unless w is soft.
   TETUNE_HD TETUNE_INLINE void add(const EnergyLaw& law, const OppositeFace<T>& f, const Vec3T<T>& y, const T& r,
-                                   const T& weight) {
+                                   const T& weight, double slope = 1) {
     const AreaTerm<T> term = area_term_gradient(f, y);
     const Sym3T<T> q = area_term_hessian(f);
     const T energy = weight * law.term(term.q, r);
     const T inverse_q = 1.0 / term.q;
     const Vec3T<T> u = inverse_q * term.h;
-    const Vec3T<T> v = r * f.n;
+    const Vec3T<T> v = (slope * r) * f.n;
     e += energy;
     length2 += weight * dot(y, y);
     g = g + energy * (law.gu * u + law.gv * v);

@@ -6,10 +6,12 @@
 
 /// Flips of boundary edges between coplanar triangles of one patch: the tetrahedra (a, r_m, r_m+1, b) around such an
 /// edge (a, b) are a fan from one triangle (a, b, r_0) to the other (a, b, r_n), and its removal triangulates the
-/// polygon r_0, ..., r_n, whose last side lies in the boundary. With two tetrahedra it is the 2-2 flip.
+/// polygon r_0, ..., r_n, whose last side lies in the boundary. With two tetrahedra it is the 2-2 flip. Where the
+/// triangles have tetrahedra on both sides, as those of interfaces do, there is a fan on each side, and both go
+/// together. "Boundary" here is all that flip_pass() must keep: the outer boundary, interfaces, constrained triangles.
 namespace tetune {
 
-/// A triangle of the outer boundary.
+/// A triangle of the boundary.
 struct BoundaryTriangle {
   Index v[3];           ///< in the order of face_vertex()
   int tag;              ///< of its patch
@@ -18,7 +20,7 @@ struct BoundaryTriangle {
   std::uint8_t stays;   ///< must stay as it is
 };
 
-/// The outer boundary, as flips change it.
+/// The boundary, as flips change it.
 template <class Backend>
 struct BoundaryTriangles {
   typename Backend::template Buffer<BoundaryTriangle> triangles;

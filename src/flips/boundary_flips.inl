@@ -18,7 +18,7 @@ struct IsAtBoundary {
   MeshView mesh;
   TETUNE_HD bool operator()(Size t) const {
     const Links links = mesh.tet2tet[t];
-    return mesh.alive(t) && (links[0] == kNoLink || links[1] == kNoLink || links[2] == kNoLink || links[3] == kNoLink);
+    return mesh.alive(t) && (is_locked(links[0]) || is_locked(links[1]) || is_locked(links[2]) || is_locked(links[3]));
   }
 };
 
@@ -26,7 +26,7 @@ TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
   return t.v[0] == v || t.v[1] == v || t.v[2] == v;
 }
 
-/// Where each triangle is in the mesh.
+/// Where each triangle is in the mesh; of one with tetrahedra on both sides, the lower of the two faces.
 struct FindFaces {
   MeshView mesh;
   Span<const Index> tets;
@@ -36,7 +36,8 @@ struct FindFaces {
   TETUNE_HD void operator()(Size i) const {
     const Tet tet = mesh.tet2vertex[tets[i]];
     for (int f = 0; f < 4; ++f) {
-      if (mesh.tet2tet[tets[i]][f] != kNoLink) continue;
+      const Link link = mesh.tet2tet[tets[i]][f];
+      if (!is_locked(link) || (link != kNoLink && link_tet(link) < tets[i])) continue;
       const Index v = tet[face_vertex(f, 0)];
       for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
         const Size triangle = vertex2corner.items[c] / 3;
@@ -139,49 +140,63 @@ struct FillEdge {
   TETUNE_HD void operator()(Size i) const { edges[i] = find(corners[i]); }
 };
 
-struct FindCavity {
+/// The fans of an edge: that which starts at its triangle, and that which starts at the other one. On the outer
+/// boundary there is just one.
+struct Fans {
+  Cavity fan[2];
+  int count = 0;  ///< 0: the edge may not go
+
+  TETUNE_HD bool has(int k) const { return count > 0 && fan[k].kind != FlipKind::none; }
+};
+
+struct FindFans {
   MeshView mesh;
   Span<const BoundaryEdge> edges;
   Span<const Index> triangle2face;
   int max_ring;
 
-  /// Kind none where the fan has more than max_ring vertices, or something else in it is locked.
-  TETUNE_HD Cavity operator()(Size i) const {
-    const BoundaryEdge& edge = edges[i];
-    Cavity c;
+  TETUNE_HD Fans operator()(Size i) const {
+    const BoundaryEdge& e = edges[i];
+    Fans fans;
+    const bool fine = find(e, e.triangle, e.p, e.q, fans.fan[0]) && find(e, e.other, e.q, e.p, fans.fan[1]);
+    for (int k = 0; k < 2 && fine; ++k) fans.count += fans.fan[k].kind != FlipKind::none ? 1 : 0;
+    return fans;
+  }
+
+ private:
+  /// The fan that turns from a to b about the edge, a < b, from a triangle (a, b, front) to (a, b, end); kind none
+  /// where there is no tetrahedron on that side. False where it has more than max_ring vertices, or something else in
+  /// it is locked.
+  TETUNE_HD bool find(const BoundaryEdge& edge, Index triangle, Index front, Index end, Cavity& c) const {
     c.a = edge.a < edge.b ? edge.a : edge.b;
     c.b = edge.a < edge.b ? edge.b : edge.a;
-    // The fan turns from a to b about the edge: it starts at the triangle that lies behind its first tetrahedron.
-    Index face = triangle2face[edge.triangle];
-    Index end = edge.q;
+    Index face = triangle2face[triangle];
     if (opposite_start(face, c) != (face & 3)) {
-      face = triangle2face[edge.other];
-      end = edge.p;
+      const Link across = mesh.tet2tet[face >> 2][face & 3];
+      if (across == kNoLink) return true;
+      face = static_cast<Index>(across & ~kLocked);
     }
     Index t = face >> 2;
     Index behind = mesh.tet2vertex[t][face & 3];
-    Index front = edge.p == end ? edge.q : edge.p;
     int n = 0;
     for (;;) {
-      if (n + 2 > max_ring) return c;
+      if (n + 2 > max_ring) return false;
       c.ring[n] = front;
       c.tets[n] = t;
       ++n;
       const Link link = mesh.tet2tet[t][place_of(mesh.tet2vertex[t], front)];
       front = behind;
-      if (link == kNoLink) break;
-      if (is_locked(link)) return c;
+      if (is_locked(link)) break;
       t = link_tet(link);
       behind = mesh.tet2vertex[t][link_face(link)];
     }
-    if (n < 2 || front != end) return c;
+    if (n < 2 || front != end) return false;
     c.ring[n] = front;
     c.ring_size = static_cast<std::uint8_t>(n + 1);
     c.kind = FlipKind::boundary_removal;
-    return c;
+    return true;
   }
 
- private:
   /// The face of the tetrahedron at `face` that a fan about (a, b) would start from.
   TETUNE_HD int opposite_start(Index face, const Cavity& c) const {
     const Tet tet = mesh.tet2vertex[face >> 2];
@@ -192,46 +207,73 @@ struct FindCavity {
   }
 };
 
-/// Offers each flip that is worth it to the tetrahedra of its cavity.
+/// Offers each flip that is worth it to the tetrahedra of its fans.
 struct Propose {
-  FindCavity cavity;
+  FindFans find;
   Span<const Index> corners;
   Span<const double> eta;
   Span<std::uint64_t> offers;
   Span<std::uint64_t> proposal;
   TETUNE_HD flip_detail::EvaluatedSum operator()(Size i) const {
     offers[i] = 0;
-    const Cavity c = cavity(i);
-    if (c.kind == FlipKind::none) return {};
-    const double before = flip_detail::energy_before(c, eta);
+    const Fans fans = find(i);
+    if (fans.count == 0) return {};
+    double before = 0;
+    int made = 0;
+    for (int k = 0; k < 2; ++k) {
+      if (!fans.has(k)) continue;
+      before += flip_detail::energy_before(fans.fan[k], eta);
+      made += fans.fan[k].made();
+    }
     // The shape energy of a tetrahedron is never below 1.
-    if (cavity.mesh.law.shape && before <= c.made()) return {};
-    Triangulation triangulation;
-    const double after = best_energy(cavity.mesh, c, before, (1 + kMaxSlack) * before, triangulation);
+    if (find.mesh.law.shape && before <= made) return {};
+    // One side may lose what the other one more than gains.
+    double after = 0;
+    for (int k = 0; k < 2; ++k) {
+      Triangulation triangulation;
+      if (fans.has(k)) after += best_energy(find.mesh, fans.fan[k], before, (1 + kMaxSlack) * before, triangulation);
+    }
     if (before - after > kMinRelativeGain * before) {
       offers[i] = make_offer(before - after, static_cast<std::uint32_t>(corners[i]));
-      for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offers[i]);
+      for (int k = 0; k < 2; ++k) {
+        if (fans.has(k)) offer_to(fans.fan[k], offers[i]);
+      }
     }
     return {1};
   }
+
+ private:
+  TETUNE_HD void offer_to(const Cavity& c, std::uint64_t offer) const {
+    for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
+  }
 };
 
+/// The fans of agreed flips, 2 * edge + fan.
 struct Agreed {
-  FindCavity cavity;
+  FindFans find;
   Span<const std::uint64_t> offers;
   Span<const std::uint64_t> proposal;
-  TETUNE_HD bool operator()(Size i) const {
-    if (offers[i] == 0) return false;
-    const Cavity c = cavity(i);
+  TETUNE_HD bool operator()(Size id) const {
+    const std::uint64_t offer = offers[id / 2];
+    if (offer == 0) return false;
+    const Fans fans = find(id / 2);
+    for (int k = 0; k < 2; ++k) {
+      if (fans.has(k) && !holds(fans.fan[k], offer)) return false;
+    }
+    return fans.has(static_cast<int>(id % 2));
+  }
+
+ private:
+  TETUNE_HD bool holds(const Cavity& c, std::uint64_t offer) const {
     for (int k = 0; k < c.size(); ++k) {
-      if (proposal[c.tets[k]] != offers[i]) return false;
+      if (proposal[c.tets[k]] != offer) return false;
     }
     return true;
   }
 };
 
 struct Gather {
-  FindCavity cavity;
+  FindFans find;
   Span<const Index> agreed;
   Span<const double> eta;
   Span<std::uint64_t> proposal;
@@ -239,26 +281,37 @@ struct Gather {
   Span<SlotCounts> counts;
   TETUNE_HD void operator()(Size i) const {
     flip_detail::FlipRecord f{};
-    f.cavity = cavity(agreed[i]);
-    const double energy = flip_detail::energy_before(f.cavity, eta);
-    best_energy(cavity.mesh, f.cavity, energy, (1 + kMaxSlack) * energy, f.triangulation);
-    f.gather(cavity.mesh, proposal, counts[i]);
+    const Fans fans = find(agreed[i] / 2);
+    const int side = agreed[i] % 2;
+    f.cavity = fans.fan[side];
+    if (fans.count == 2) f.twin = static_cast<Index>(side == 0 ? i + 1 : i - 1);
+    double energy = 0;
+    for (int k = 0; k < 2; ++k) energy += fans.has(k) ? flip_detail::energy_before(fans.fan[k], eta) : 0;
+    best_energy(find.mesh, f.cavity, energy, (1 + kMaxSlack) * energy, f.triangulation);
+    f.gather(find.mesh, proposal, counts[i]);
     records[i] = f;
   }
 };
 
-/// The two triangles at each edge that goes become those at the new one.
+/// The two triangles at each edge that goes become those at the new one, each turned as it was.
 struct TurnTriangles {
   Span<const BoundaryEdge> edges;
   Span<const Index> agreed;
+  Span<const flip_detail::FlipRecord> records;
   Span<BoundaryTriangle> triangles;
   TETUNE_HD void operator()(Size i) const {
-    const BoundaryEdge& e = edges[agreed[i]];
+    if (!records[i].leads(i)) return;
+    const BoundaryEdge& e = edges[agreed[i] / 2];
+    BoundaryTriangle& other = triangles[e.other];
+    int a = 0;
+    while (other.v[a] != e.a) ++a;
+    // Triangles of an interface need not turn the same way.
+    const bool alike = other.v[(a + 1) % 3] != e.b;
     const Index first[3] = {e.a, e.q, e.p};
-    const Index second[3] = {e.q, e.b, e.p};
+    const Index second[3] = {e.q, alike ? e.b : e.p, alike ? e.p : e.b};
     for (int k = 0; k < 3; ++k) {
       triangles[e.triangle].v[k] = first[k];
-      triangles[e.other].v[k] = second[k];
+      other.v[k] = second[k];
     }
   }
 };
@@ -284,7 +337,7 @@ FlipReport boundary_flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipS
   corners.resize(par.compact(3 * count, IsMarked{marks.span()}, corners.span()));
   const Size candidates = corners.size();
   report.active = candidates;
-  if (candidates == 0) return report;
+  if (candidates == 0 || par.stop_requested()) return report;
   typename Backend::template Buffer<BoundaryEdge> edges(candidates);
   par.for_each(candidates, FillEdge{find, corners.span(), edges.span()});
 
@@ -294,22 +347,25 @@ FlipReport boundary_flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipS
   par.for_each(tets.size(), FindFaces{mesh.view(), tets.span(), boundary.triangles.span(),
                                       boundary.vertex2corner.view(), triangle2face.span()});
 
-  const FindCavity cavity{mesh.view(), edges.span(), triangle2face.span(), state.max_ring};
+  if (par.stop_requested()) return report;
+  const FindFans fans{mesh.view(), edges.span(), triangle2face.span(), state.max_ring};
   typename Backend::template Buffer<std::uint64_t> offers(candidates);
   par.fill(state.proposal.span(), std::uint64_t{0});
   report.evaluated =
       par.template reduce<flip_detail::EvaluatedSum>(
-             candidates, Propose{cavity, corners.span(), state.eta.span(), offers.span(), state.proposal.span()})
+             candidates, Propose{fans, corners.span(), state.eta.span(), offers.span(), state.proposal.span()})
           .evaluated;
-  Ids agreed(candidates);
-  const Size flips = par.compact(candidates, Agreed{cavity, offers.span(), state.proposal.span()}, agreed.span());
-  if (flips == 0) return report;
-  typename Backend::template Buffer<flip_detail::FlipRecord> records(flips);
-  typename Backend::template Buffer<SlotCounts> counts(flips);
-  par.for_each(flips,
-               Gather{cavity, agreed.span(), state.eta.span(), state.proposal.span(), records.span(), counts.span()});
+  if (par.stop_requested()) return report;
+  Ids agreed(2 * candidates);
+  const Size agreed_fans =
+      par.compact(2 * candidates, Agreed{fans, offers.span(), state.proposal.span()}, agreed.span());
+  if (agreed_fans == 0) return report;
+  typename Backend::template Buffer<flip_detail::FlipRecord> records(agreed_fans);
+  typename Backend::template Buffer<SlotCounts> counts(agreed_fans);
+  par.for_each(agreed_fans,
+               Gather{fans, agreed.span(), state.eta.span(), state.proposal.span(), records.span(), counts.span()});
   const flip_detail::FlipSum sum = flip_detail::apply_flips(par, mesh, state, records, counts, awake);
-  par.for_each(flips, TurnTriangles{edges.span(), agreed.span(), boundary.triangles.span()});
+  par.for_each(agreed_fans, TurnTriangles{edges.span(), agreed.span(), records.span(), boundary.triangles.span()});
   boundary.stale = true;
   report.boundary_flips = sum.boundary_flips;
   report.decrease = sum.decrease;

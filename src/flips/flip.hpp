@@ -6,18 +6,20 @@
 
 /// The connectivity of the flips (Fig. 1 and beyond). An edge (a, b) and the vertices r_0, r_1, ... around it, with
 /// (a, r_m, r_m+1, b) positive:
-///   2-3:           (a,p,q,r), (b,p,r,q)  ->  (a,p,q,b), (a,q,r,b), (a,r,p,b)
 ///   edge removal:  (a,r_m,r_m+1,b) for all m, for an edge in the boundary for all but the last  ->  (a,r_i,r_j,r_k),
-///   (b,r_i,r_k,r_j) for each triangle i < j < k of a
-///                  triangulation of the ring. With three tetrahedra it is the 3-2 flip.
+///                  (b,r_i,r_k,r_j) for each triangle i < j < k of a triangulation of the ring. With three tetrahedra
+///                  it is the 3-2 flip.
+///   face removal:  the inverse. With one face it is the 2-3 flip, with two the 4-4 flip.
 namespace tetune {
 
-/// Most tetrahedra around an edge that is removed.
+/// Most tetrahedra around an edge that is removed or made.
 inline constexpr int kMaxRing = 7;
+/// Most faces that are removed at once.
+inline constexpr int kMaxFaces = kMaxRing - 2;
 /// Slots that the removal of an edge takes beyond those of its cavity, at most: of one in the boundary.
 inline constexpr int kMaxExtra = kMaxRing - 3;
 
-enum class FlipKind : std::uint8_t { none, face23, edge_removal, boundary_removal };
+enum class FlipKind : std::uint8_t { none, face_removal, edge_removal, boundary_removal };
 
 /// Where the vertices and the tetrahedra of a flip are. In an order that depends on the vertices alone, so that a flip
 /// is worth the same, to the last bit, whoever finds it: a < b, and r_0 is the lowest of the ring.
@@ -26,16 +28,15 @@ struct Cavity {
   std::uint8_t ring_size = 3;
   Index a, b;
   Index ring[kMaxRing];
-  Index tets[kMaxRing];  ///< 2-3: (a,p,q,r), (b,p,r,q); edge removal: m holds r_m and r_m+1
+  /// Edge removal: m holds r_m and r_m+1; face removal: 2 s and 2 s + 1 are those on triangle s.
+  Index tets[2 * kMaxFaces];
 
   /// Tetrahedra before.
-  TETUNE_HD int size() const {
-    return kind == FlipKind::face23 ? 2 : kind == FlipKind::edge_removal ? ring_size : ring_size - 1;
-  }
+  TETUNE_HD int size() const { return kind == FlipKind::face_removal ? 2 * (ring_size - 2) : sides(); }
   /// Sides of the ring that have outer faces: in the boundary the last one has none.
   TETUNE_HD int sides() const { return kind == FlipKind::boundary_removal ? ring_size - 1 : ring_size; }
   /// Tetrahedra after.
-  TETUNE_HD int made() const { return kind == FlipKind::face23 ? 3 : 2 * (ring_size - 2); }
+  TETUNE_HD int made() const { return kind == FlipKind::face_removal ? ring_size : 2 * (ring_size - 2); }
   /// Next place in the ring.
   TETUNE_HD int after(int m) const { return m + 1 < ring_size ? m + 1 : 0; }
 };
@@ -51,7 +52,7 @@ TETUNE_HD inline Cavity face_cavity(const MeshView& mesh, Index t, int face) {
   const Link link = mesh.tet2tet[t][face];
   const Index other = link_tet(link);
   const Tet tet = mesh.tet2vertex[t];
-  c.kind = FlipKind::face23;
+  c.kind = FlipKind::face_removal;
   c.a = tet[face];
   c.b = mesh.tet2vertex[other][link_face(link)];
   const bool turned = c.b < c.a;
@@ -153,19 +154,10 @@ TETUNE_HD inline Cavity edge_cavity(const EdgeStar& star, const ConstrainedEdges
   return c;
 }
 
-/// The outer faces before: 2 m and 2 m + 1 are those at ring edge (r_m, r_m+1), on the side of a and of b.
-TETUNE_HD inline Link old_face(const MeshView& mesh, const Cavity& c, int k) {
-  const int m = k / 2;
-  const int side = k % 2;
-  const bool split = c.kind == FlipKind::face23;
-  const Index t = c.tets[split ? side : m];
-  const Index opposite = split ? c.ring[c.after(c.after(m))] : side == 0 ? c.b : c.a;
-  return make_link(t, local_index(mesh.tet2vertex[t], opposite));
-}
-
-/// Which of the new tetrahedra this is: in an edge removal, 2 s and 2 s + 1 are those on triangle s.
+/// Which of the new tetrahedra this is: those on triangle s are 2 s and 2 s + 1, that at ring edge
+/// (r_m, r_m+1) of a face removal is m.
 TETUNE_HD inline Tet new_tet(const Cavity& c, const Triangulation& triangulation, int x) {
-  if (c.kind == FlipKind::face23) return {{c.a, c.ring[x], c.ring[c.after(x)], c.b}};
+  if (c.kind == FlipKind::face_removal) return {{c.a, c.ring[x], c.ring[c.after(x)], c.b}};
   const std::uint8_t* corner = triangulation.corner[x / 2];
   const Index i = c.ring[corner[0]];
   const Index j = c.ring[corner[1]];
@@ -173,7 +165,7 @@ TETUNE_HD inline Tet new_tet(const Cavity& c, const Triangulation& triangulation
   return x % 2 == 0 ? Tet{{c.a, i, j, k}} : Tet{{c.b, i, k, j}};
 }
 
-/// Of the new tetrahedra on a triangle, the face at the side opposite one of its corners.
+/// Of the tetrahedra on a triangle, the face at the side opposite one of its corners.
 TETUNE_HD inline int face_at(int corner, int side) { return side == 0 || corner == 0 ? corner + 1 : 4 - corner; }
 
 /// A side of a triangle of the triangulation: opposite which corner of which triangle.
@@ -192,6 +184,25 @@ TETUNE_HD inline TriangleSide find_side(const Cavity& c, const Triangulation& tr
     if (corner[1] == from && corner[2] == to) return {s, 0};
   }
   return {-1, -1};
+}
+/// Ring edge (r_m, r_m+1).
+TETUNE_HD inline TriangleSide find_ring_edge(const Cavity& c, const Triangulation& triangulation, int m) {
+  const bool closing = m + 1 == c.ring_size;
+  return find_side(c, triangulation, closing ? 0 : m, closing ? m : m + 1, -1);
+}
+
+/// The outer faces before: 2 m and 2 m + 1 are those at ring edge (r_m, r_m+1), on the side of a and of b.
+TETUNE_HD inline Link old_face(const MeshView& mesh, const Cavity& c, const Triangulation& triangulation, int k) {
+  const int m = k / 2;
+  const int side = k % 2;
+  Index t = c.tets[m];
+  Index opposite = side == 0 ? c.b : c.a;
+  if (c.kind == FlipKind::face_removal) {
+    const TriangleSide in = find_ring_edge(c, triangulation, m);
+    t = c.tets[2 * in.triangle + side];
+    opposite = c.ring[triangulation.corner[in.triangle][in.corner]];
+  }
+  return make_link(t, local_index(mesh.tet2vertex[t], opposite));
 }
 
 }  // namespace tetune

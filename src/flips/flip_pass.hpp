@@ -64,6 +64,14 @@ struct FlipState {
 template <class Backend>
 double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
+/// The same of some slots alone.
+template <class Backend>
+void refresh_energy_of(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<const Index> slots);
+
+/// Sums up eta as it is.
+template <class Backend>
+double sum_energy(const Backend& par, FlipState<Backend>& state);
+
 /// Makes every tetrahedron active.
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);

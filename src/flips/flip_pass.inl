@@ -63,6 +63,17 @@ struct RefreshEta {
   }
 };
 
+struct RefreshEtaOf {
+  RefreshEta refresh;
+  Span<const Index> slots;
+  TETUNE_HD void operator()(Size i) const { refresh(slots[i]); }
+};
+
+struct EtaOf {
+  Span<const double> eta;
+  TETUNE_HD EnergySum operator()(Size t) const { return {eta[t]}; }
+};
+
 struct IsWorthALook {
   MeshView mesh;
   LeastAfter bound;
@@ -148,16 +159,13 @@ struct Worse {
   }
 };
 
-/// Each candidate is evaluated once, by the worst tetrahedron of its cavity: its owner.
-struct Propose {
-  Candidates candidates;
-  Span<const Index> active;
-  Span<const std::uint32_t> wanted;
+/// What the loop over the active tetrahedra needs soon: those, their neighbours, and the neighbours of these.
+struct FetchAhead {
+  MeshView mesh;
   Span<const double> eta;
-  Span<std::uint64_t> proposal;
-  Span<float> slack;
+  Span<const Index> active;
 
-  TETUNE_INLINE void prefetch(Size i) const {
+  TETUNE_INLINE void operator()(Size i) const {
     constexpr Size kTetsAhead = 24;
     constexpr Size kNeighboursAhead = 12;
     constexpr Size kFartherAhead = 5;
@@ -168,16 +176,29 @@ struct Propose {
                    [this](Index other) { for_neighbours(other, [this](Index farther) { fetch(farther); }); });
   }
 
+ private:
   TETUNE_INLINE void fetch(Index t) const {
-    __builtin_prefetch(&candidates.mesh.tet2tet[t]);
-    __builtin_prefetch(&candidates.mesh.tet2vertex[t]);
+    __builtin_prefetch(&mesh.tet2tet[t]);
+    __builtin_prefetch(&mesh.tet2vertex[t]);
     __builtin_prefetch(&eta[t]);
   }
   template <class F>
   TETUNE_INLINE void for_neighbours(Index t, const F& f) const {
-    const Links links = candidates.mesh.tet2tet[t];
+    const Links links = mesh.tet2tet[t];
     for (int face = 0; face < 4; ++face) f(is_locked(links[face]) ? t : link_tet(links[face]));
   }
+};
+
+/// Each candidate is evaluated once, by the worst tetrahedron of its cavity: its owner.
+struct Propose {
+  Candidates candidates;
+  Span<const Index> active;
+  Span<const std::uint32_t> wanted;
+  Span<const double> eta;
+  Span<std::uint64_t> proposal;
+  Span<float> slack;
+
+  TETUNE_INLINE void prefetch(Size i) const { FetchAhead{candidates.mesh, eta, active}(i); }
 
   TETUNE_HD EvaluatedSum operator()(Size i) const {
     const Index t = active[i];
@@ -190,7 +211,8 @@ struct Propose {
     unsigned closed = 0;  // faces that are locked, or beyond which an owner lies
     for (int f = 0; f < 4; ++f) {
       const bool locked = is_locked(links[f]);
-      const unsigned no = locked | worse(locked ? t : link_tet(links[f])) ? 1U : 0U;
+      const bool owner_beyond = worse(locked ? t : link_tet(links[f]));
+      const unsigned no = (locked ? 1U : 0U) | (owner_beyond ? 1U : 0U);
       closed |= no << f;
     }
     for (int candidate = 0; candidate < kCandidates; ++candidate) {
@@ -264,24 +286,26 @@ struct FlipRecord {
   Triangulation triangulation;
   Index extra[kMaxExtra];     ///< slots it takes
   Link across[2 * kMaxRing];  ///< what lies across the outer faces
+  Index twin = -1;            ///< the record of the fan on the other side of the boundary; -1: there is none
 
   TETUNE_HD int outer_faces() const { return 2 * cavity.sides(); }
+  /// Of two twins, whether this is the one that stands for both; `i` is its own place.
+  TETUNE_HD bool leads(Size i) const { return twin < 0 || i < twin; }
   /// Slot of new tetrahedron x: those of the old ones are used first.
   TETUNE_HD Index slot(int x) const { return x < cavity.size() ? cavity.tets[x] : extra[x - cavity.size()]; }
   /// Where outer face k is afterwards.
   TETUNE_HD Link new_face(int k) const {
     const int m = k / 2;
     const int side = k % 2;
-    if (cavity.kind == FlipKind::face23) return make_link(slot(m), side == 0 ? 3 : 0);
-    const bool closing = m + 1 == cavity.ring_size;
-    const TriangleSide in = find_side(cavity, triangulation, closing ? 0 : m, closing ? m : m + 1, -1);
+    if (cavity.kind == FlipKind::face_removal) return make_link(slot(m), side == 0 ? 3 : 0);
+    const TriangleSide in = find_ring_edge(cavity, triangulation, m);
     return make_link(slot(2 * in.triangle + side), face_at(in.corner, side));
   }
   /// Reads what lies around the cavity before any tetrahedron changes, and marks its tetrahedra.
   TETUNE_HD void gather(const MeshView& mesh, Span<std::uint64_t> proposal, SlotCounts& counts) {
     for (int k = 0; k < 2 * cavity.ring_size; ++k) across[k] = kNoLink;
     for (int k = 0; k < outer_faces(); ++k) {
-      const Link face = old_face(mesh, cavity, k);
+      const Link face = old_face(mesh, cavity, triangulation, k);
       across[k] = mesh.tet2tet[link_tet(face)][link_face(face)];
     }
     for (int k = 0; k < cavity.size(); ++k) proposal[cavity.tets[k]] = kFlipped;
@@ -314,13 +338,9 @@ struct Gather {
 /// Of the tetrahedra that were active, those stay so that own a flip worth making which was not made.
 struct KeepRefused {
   Span<const Index> active;
-  Span<const std::uint64_t> proposal;
   Span<const float> slack;
   Span<std::uint32_t> wanted;
-  TETUNE_HD void operator()(Size i) const {
-    const Index t = active[i];
-    wanted[t] = slack[t] < 0 && proposal[t] != kFlipped ? kAllCandidates : 0;
-  }
+  TETUNE_HD void operator()(Size i) const { wanted[active[i]] = slack[active[i]] < 0 ? kAllCandidates : 0; }
 };
 
 /// Hands out the slots and leaves, in each outer face of the old tetrahedra, the address of the new one.
@@ -336,7 +356,7 @@ struct Forward {
       f.extra[x] = change.taken(free_slots, Size{before[i].takes} + x);
     }
     for (int k = 0; k < f.outer_faces(); ++k) {
-      const Link old = old_face(mesh, f.cavity, k);
+      const Link old = old_face(mesh, f.cavity, f.triangulation, k);
       mesh.tet2tet[link_tet(old)][link_face(old)] = f.new_face(k);
     }
   }
@@ -360,17 +380,23 @@ struct Resolve {
         there = f.new_face(k) | (old & kLocked);
       }
     }
+    if (f.twin < 0) return;
+    const FlipRecord& twin = records[f.twin];
+    for (int side = 0; side < 2; ++side) {
+      f.across[f.outer_faces() + side] = twin.new_face(twin.outer_faces() + side) | kLocked;
+    }
   }
 };
 
 struct FlipSum {
   double decrease = 0;
-  Size flips23 = 0, flips32 = 0, edge_removals = 0, boundary_flips = 0;
+  Size flips23 = 0, flips32 = 0, edge_removals = 0, face_removals = 0, boundary_flips = 0;
   TETUNE_HD void merge(const FlipSum& other) {
     decrease += other.decrease;
     flips23 += other.flips23;
     flips32 += other.flips32;
     edge_removals += other.edge_removals;
+    face_removals += other.face_removals;
     boundary_flips += other.boundary_flips;
   }
 };
@@ -384,19 +410,21 @@ struct Write {
   Size free_kept;
   Span<double> eta;
   Span<float> slack;
+  Span<std::uint32_t> wanted;
   Span<std::uint8_t> awake;
 
   TETUNE_HD FlipSum operator()(Size i) const {
     const FlipRecord& f = records[i];
     const Cavity& c = f.cavity;
-    const int tag = mesh.tet_tags[c.tets[0]];
+    for (int k = 0; k < c.size(); ++k) wanted[c.tets[k]] = 0;
+    const Index original = mesh.tet2original[c.tets[0]];
     const LeastAfter bound(mesh.law);
     double decrease = energy_before(c, eta);
     for (int x = 0; x < c.made(); ++x) {
       const Index s = f.slot(x);
       mesh.tet2vertex[s] = new_tet(c, f.triangulation, x);
-      mesh.tet2tet[s] = c.kind == FlipKind::face23 ? links_of_split(f, x) : links_on_triangle(f, x);
-      mesh.tet_tags[s] = tag;
+      mesh.tet2tet[s] = c.kind == FlipKind::face_removal ? links_at_edge(f, x) : links_on_triangle(f, x);
+      if (x >= c.size()) mesh.tet2original[s] = original;
       eta[s] = slot_energy(mesh, mesh.tet2vertex[s]).eta;
       decrease -= eta[s];
       slack[s] = bound.worth_a_look(eta[s]) ? static_cast<float>(kMaxSlack) : kNeverSeen;
@@ -411,16 +439,20 @@ struct Write {
       par::store_shared(awake[c.b], 1);
       for (int m = 0; m < c.ring_size; ++m) par::store_shared(awake[c.ring[m]], 1);
     }
-    const bool removal = c.kind == FlipKind::edge_removal;
-    return {decrease, c.kind == FlipKind::face23 ? 1 : 0, removal && c.ring_size == 3 ? 1 : 0,
-            removal && c.ring_size > 3 ? 1 : 0, c.kind == FlipKind::boundary_removal ? 1 : 0};
+    const auto is = [&c](FlipKind kind, bool more) { return c.kind == kind && (c.ring_size > 3) == more ? 1 : 0; };
+    return {decrease,
+            is(FlipKind::face_removal, false),
+            is(FlipKind::edge_removal, false),
+            is(FlipKind::edge_removal, true),
+            is(FlipKind::face_removal, true),
+            c.kind == FlipKind::boundary_removal && f.leads(i) ? 1 : 0};
   }
 
  private:
-  TETUNE_HD static Links links_of_split(const FlipRecord& f, int m) {
-    const int next = f.cavity.after(m);
+  TETUNE_HD static Links links_at_edge(const FlipRecord& f, int m) {
+    const int before = m > 0 ? m - 1 : f.cavity.ring_size - 1;
     return {
-        {f.across[2 * m + 1], make_link(f.slot(next), 2), make_link(f.slot(f.cavity.after(next)), 1), f.across[2 * m]}};
+        {f.across[2 * m + 1], make_link(f.slot(f.cavity.after(m)), 2), make_link(f.slot(before), 1), f.across[2 * m]}};
   }
   TETUNE_HD static Links links_on_triangle(const FlipRecord& f, int x) {
     const int s = x / 2;
@@ -473,8 +505,9 @@ struct WantAround {
       const Tet other = mesh_tet(f, y);
       unsigned shared = 0;
       for (int k = 0; k < 4; ++k) {
-        const bool in = (other[0] == tet[k]) | (other[1] == tet[k]) | (other[2] == tet[k]) | (other[3] == tet[k]);
-        shared |= (in ? 1U : 0U) << k;
+        unsigned in = 0;
+        for (int m = 0; m < 4; ++m) in |= other[m] == tet[k] ? 1U : 0U;
+        shared |= in << k;
       }
       for (int candidate = 0; candidate < kCandidates; ++candidate) {
         // A face has the three vertices that are not opposite, an edge those that its two faces lack.
@@ -513,6 +546,19 @@ double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Bac
   using namespace flip_detail;
   state.eta.resize(mesh.slots(), mesh.room());
   return par.template reduce<EnergySum>(mesh.slots(), RefreshEta{mesh.view(), state.eta.span()}).sum;
+}
+
+template <class Backend>
+void refresh_energy_of(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                       Span<const Index> slots) {
+  using namespace flip_detail;
+  par.for_each(slots.size(), RefreshEtaOf{{mesh.view(), state.eta.span()}, slots});
+}
+
+template <class Backend>
+double sum_energy(const Backend& par, FlipState<Backend>& state) {
+  using namespace flip_detail;
+  return par.template reduce<EnergySum>(state.eta.size(), EtaOf{state.eta.span()}).sum;
 }
 
 template <class Backend, class Keep>
@@ -574,7 +620,7 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   par.for_each(records.size(), Resolve{mesh.view(), records.span(), state.proposal.span()});
   const FlipSum sum = par.template reduce<FlipSum>(
       records.size(), Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), change.free_kept,
-                            state.eta.span(), state.slack.span(), awake});
+                            state.eta.span(), state.slack.span(), state.wanted.span(), awake});
   change.finish(mesh);
 
   par.for_each(
@@ -588,6 +634,9 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
 
 }  // namespace flip_detail
 
+/// Proposals between two looks whether a stop is requested: about a tenth of a second of one core.
+inline constexpr Size kProposeAtOnce = 1 << 16;
+
 template <class Backend>
 FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<std::uint8_t> awake) {
   using namespace flip_detail;
@@ -597,10 +646,14 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   const Size active = state.active.size();
   report.active = active;
   par.fill(state.proposal.span(), std::uint64_t{0});
-  report.evaluated =
-      par.template reduce<EvaluatedSum>(active, Propose{candidates, state.active.span(), state.wanted.span(),
-                                                        state.eta.span(), state.proposal.span(), state.slack.span()})
-          .evaluated;
+  for (Size first = 0; first < active; first += kProposeAtOnce) {
+    if (par.stop_requested()) return report;
+    const Span<const Index> some(state.active.span().data() + first, std::min(kProposeAtOnce, active - first));
+    report.evaluated +=
+        par.template reduce<EvaluatedSum>(some.size(), Propose{candidates, some, state.wanted.span(), state.eta.span(),
+                                                               state.proposal.span(), state.slack.span()})
+            .evaluated;
+  }
 
   Ids agreed(active);
   const Size flips = par.compact(active, Agreed{candidates, state.active.span(), state.proposal.span()}, agreed.span());
@@ -608,8 +661,7 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   typename Backend::template Buffer<SlotCounts> before(flips);
   par.for_each(flips, Gather{candidates, state.active.span(), agreed.span(), state.eta.span(), state.proposal.span(),
                              records.span(), before.span()});
-  par.for_each(active,
-               KeepRefused{state.active.span(), state.proposal.span(), state.slack.span(), state.wanted.span()});
+  par.for_each(active, KeepRefused{state.active.span(), state.slack.span(), state.wanted.span()});
 
   const FlipSum sum = apply_flips(par, mesh, state, records, before, awake);
   report.flips23 = sum.flips23;

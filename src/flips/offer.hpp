@@ -62,7 +62,7 @@ struct SlotChange {
   void make_room(WorkMesh<Backend>& mesh) const {
     mesh.tet2vertex.grow(needed);
     mesh.tet2tet.grow(needed);
-    mesh.tet_tags.grow(needed);
+    mesh.tet2original.grow(needed);
     mesh.free_slots.grow(std::max(free_count, free_kept + freed));
   }
   /// When all are placed.

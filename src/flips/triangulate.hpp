@@ -22,7 +22,7 @@ TETUNE_HD TETUNE_INLINE T corner_energy(const EnergyLaw& law, const Vec3T<T>& u,
   const T det = dot(uv, w);
   const T energy = law.term(dot(uv, uv) + dot(vw, vw) + dot(wu, wu) + dot(face, face), 1.0 / det);
   const T margin = det * det - kVolumeMargin * (dot(u, u) * dot(v, v) * dot(w, w));
-  return (det > 0.0) & (margin > 0.0) ? energy : T{} + kNever;
+  return ((det > 0.0) & (margin > 0.0)) ? energy : T{} + kNever;
 }
 
 /// A ring seen from the two ends of its edge. The ears of its triangulations, that is the triangles of three vertices
@@ -169,7 +169,9 @@ TETUNE_HD inline bool may_be_valid(const MeshView& mesh, const Cavity& c) {
   const Vec3 aq = vec(mesh.points[c.ring[1]]) - a;
   const Vec3 ar = vec(mesh.points[c.ring[2]]) - a;
   const Vec3 apq = cross(ap, aq);
-  if (c.kind == FlipKind::face23) return dot(apq, ab) > 0 && dot(cross(aq, ar), ab) > 0 && dot(cross(ar, ap), ab) > 0;
+  if (c.kind == FlipKind::face_removal) {
+    return dot(apq, ab) > 0 && dot(cross(aq, ar), ab) > 0 && dot(cross(ar, ap), ab) > 0;
+  }
   return dot(apq, ar) > 0 && dot(cross(aq - ap, ar - ap), ab - ap) > 0;
 }
 

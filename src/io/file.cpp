@@ -2,18 +2,82 @@
 #include "io/file.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <random>
 
 #include "tetune/error.hpp"
+#include "tetune/io.hpp"
 
 namespace tetune {
+namespace {
+
+/// Names of the temporary files there are, for remove_temporary_files(). Of more than so many at once the rest is not
+/// known to it.
+std::array<std::atomic<const char*>, 64> temporaries{};
+
+void remember(const char* name) {
+  for (auto& place : temporaries) {
+    const char* none = nullptr;
+    if (place.compare_exchange_strong(none, name)) return;
+  }
+}
+
+void forget(const char* name) {
+  for (auto& place : temporaries) {
+    const char* same = name;
+    if (place.compare_exchange_strong(same, nullptr)) return;
+  }
+}
+
+std::atomic<int> being_created{0};
+std::atomic<bool> leaving{false};
+
+/// While it lives, a file is made and its name remembered as one step: no signal is handled on this thread in between,
+/// a handler on another thread waits for it, and after that handler no file is made any more.
+class Creation {
+ public:
+  Creation() {
+    sigset_t all;
+    sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &old_);
+    ++being_created;
+    if (!leaving) return;
+    --being_created;
+    for (;;) ::pause();  // the process is about to end
+  }
+  ~Creation() {
+    --being_created;
+    ::pthread_sigmask(SIG_SETMASK, &old_, nullptr);
+  }
+  Creation(const Creation&) = delete;
+  Creation& operator=(const Creation&) = delete;
+
+ private:
+  sigset_t old_{};
+};
+
+}  // namespace
+
+bool remove_temporary_files() noexcept {
+  leaving = true;
+  while (being_created > 0) ::poll(nullptr, 0, 1);
+  bool renamed = false;
+  for (const auto& place : temporaries) {
+    const char* name = place.load();
+    if (name != nullptr && ::unlink(name) != 0) renamed = renamed || errno == ENOENT;
+  }
+  return renamed;
+}
 
 MappedFile::MappedFile(const std::string& path) {
   const auto fail = [&path](const char* what) { throw FileError(path + ": " + what + ": " + std::strerror(errno)); };
@@ -46,12 +110,14 @@ MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
 }
 
-FileWriter::FileWriter(std::string path) : path_(std::move(path)) {
+FileWriter::FileWriter(std::string path, const std::string& ending) : path_(std::move(path)) {
   // Created under the user's umask like any other file; mkstemp would make it private.
   std::random_device random;
   do {
-    temporary_ = path_ + "." + std::to_string(random() % 1'000'000) + ".tmp";
+    temporary_ = path_ + "." + std::to_string(random() % 1'000'000) + ".tmp" + ending;
+    const Creation creation;
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0) remember(temporary_.c_str());
   } while (descriptor_ < 0 && errno == EEXIST);
   if (descriptor_ < 0) fail("cannot create a file in the folder of");
   // A file that is replaced hands its permissions on, where the file system has any.
@@ -60,9 +126,10 @@ FileWriter::FileWriter(std::string path) : path_(std::move(path)) {
 }
 
 FileWriter::~FileWriter() {
-  if (descriptor_ < 0) return;
+  if (descriptor_ < 0 || temporary_.empty()) return;
   ::close(descriptor_);
   ::unlink(temporary_.c_str());
+  forget(temporary_.c_str());
 }
 
 void FileWriter::fail(const char* what) const {
@@ -83,9 +150,12 @@ void FileWriter::write(const void* data, std::size_t bytes) {
 }
 
 void FileWriter::commit() {
+  if (temporary_.empty()) return;
   const int descriptor = descriptor_;
   descriptor_ = -1;
-  if (::close(descriptor) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
+  const bool failed = ::close(descriptor) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0;
+  forget(temporary_.c_str());
+  if (failed) {
     const int error = errno;
     ::unlink(temporary_.c_str());
     errno = error;

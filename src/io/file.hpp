@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace tetune {
 
@@ -23,21 +24,25 @@ class MappedFile {
 };
 
 /// Writes a file under a temporary name beside its final one; commit() renames it. Without commit() nothing of it
-/// stays. Throws FileError.
+/// stays. Or writes to a descriptor that is open, and stays open. Throws FileError.
 class FileWriter {
  public:
-  explicit FileWriter(std::string path);
+  /// `ending` is that of the temporary name, for libraries that go by it.
+  explicit FileWriter(std::string path, const std::string& ending = "");
+  FileWriter(int descriptor, std::string name) : path_(std::move(name)), descriptor_(descriptor) {}
   ~FileWriter();
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
   void write(const void* data, std::size_t bytes);
   void write(std::string_view text) { write(text.data(), text.size()); }
   void commit();
+  /// The temporary name.
+  const std::string& temporary() const { return temporary_; }
 
  private:
   [[noreturn]] void fail(const char* what) const;
   std::string path_;
-  std::string temporary_;
+  std::string temporary_;  ///< empty: not a file of ours
   int descriptor_ = -1;
 };
 

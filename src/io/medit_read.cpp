@@ -148,6 +148,12 @@ class MeditReader {
   }
 
  private:
+  std::size_t count(const MeditSection& section, int numbers_each) {
+    const std::size_t n = source_.count(section.name, numbers_each);
+    const std::string excess = too_many(static_cast<std::int64_t>(n), section.code == kMeditTetrahedra.code);
+    if (!excess.empty()) source_.fail("section " + std::string(section.name) + " has " + excess);
+    return n;
+  }
   Index id(std::string_view section) {
     const std::int64_t value = source_.integer("id");
     if (value < 1 || value > std::numeric_limits<Index>::max()) {
@@ -171,7 +177,7 @@ class MeditReader {
 
   bool read_vertices() {
     expect_first(kMeditVertices.name, mesh_.points);
-    const std::size_t n = source_.count(kMeditVertices.name, 4);
+    const std::size_t n = count(kMeditVertices, 4);
     mesh_.points.resize(n);
     mesh_.point_tags.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -184,7 +190,7 @@ class MeditReader {
   template <std::size_t N>
   bool read_elements(const MeditSection& section, std::vector<std::array<Index, N>>& elements, std::vector<int>& tags) {
     expect_first(section.name, elements);
-    const std::size_t n = source_.count(section.name, section.vertices + 1);
+    const std::size_t n = count(section, section.vertices + 1);
     elements.resize(n);
     tags.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -198,7 +204,7 @@ class MeditReader {
     for (const ElementBlock& block : mesh_.others) {
       if (block.kind == section.name) expect_first(section.name, block.tags);
     }
-    const std::size_t n = source_.count(section.name, section.vertices + 1);
+    const std::size_t n = count(section, section.vertices + 1);
     ElementBlock block;
     block.kind = section.name;
     block.vertices_per_element = section.vertices;
@@ -214,7 +220,7 @@ class MeditReader {
 
   bool read_list(const MeditSection& section, std::vector<Index>& ids) {
     expect_first(section.name, ids);
-    const std::size_t n = source_.count(section.name, 1);
+    const std::size_t n = count(section, 1);
     ids.resize(n);
     for (Index& i : ids) i = id(section.name);
     return true;
@@ -229,9 +235,8 @@ constexpr const char* kNoEnd = ": the section End is missing; the file may be cu
 
 }  // namespace
 
-TetMesh read_medit_text(const std::string& path, const ReadContext& context) {
-  const MappedFile file(path);
-  TextCursor cursor(path, file.bytes());
+TetMesh parse_medit_text(const std::string& path, std::string_view bytes, const ReadContext& context) {
+  TextCursor cursor(path, bytes);
   TextSource source(cursor);
   TetMesh mesh;
   MeditReader reader(source, mesh);
@@ -259,9 +264,8 @@ TetMesh read_medit_text(const std::string& path, const ReadContext& context) {
   return mesh;
 }
 
-TetMesh read_medit_binary(const std::string& path, const ReadContext& context) {
-  const MappedFile file(path);
-  BinarySource source(path, file.bytes());
+TetMesh parse_medit_binary(const std::string& path, std::string_view bytes, const ReadContext& context) {
+  BinarySource source(path, bytes);
   TetMesh mesh;
   MeditReader reader(source, mesh);
   source.open();
@@ -284,6 +288,14 @@ TetMesh read_medit_binary(const std::string& path, const ReadContext& context) {
   if (!ended) context.warn(path + kNoEnd);
   reader.finish();
   return mesh;
+}
+
+TetMesh read_medit_text(const std::string& path, const ReadContext& context) {
+  return parse_medit_text(path, MappedFile(path).bytes(), context);
+}
+
+TetMesh read_medit_binary(const std::string& path, const ReadContext& context) {
+  return parse_medit_binary(path, MappedFile(path).bytes(), context);
 }
 
 }  // namespace tetune

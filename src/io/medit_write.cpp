@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <set>
 
 #include "io/medit_sections.hpp"
 #include "io/registry.hpp"
@@ -159,6 +161,21 @@ const Index* flat(const std::vector<std::array<Index, N>>& elements) {
   return elements.empty() ? nullptr : elements.front().data();
 }
 
+/// Elements of one vertex have no section; what they constrain has.
+bool is_points(const ElementBlock& block) { return block.kind == kPoints; }
+
+std::vector<Index> list_of(const TetMesh& mesh, const MeditList& list) {
+  std::vector<Index> ids = mesh.*list.ids;
+  if (list.ids != &TetMesh::required_vertices) return ids;
+  for (const ElementBlock& block : mesh.others) {
+    if (!is_points(block)) continue;
+    ids.insert(ids.end(), block.element2vertex.begin(), block.element2vertex.end());
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  }
+  return ids;
+}
+
 const MeditSection& section_of(const ElementBlock& block) {
   for (const MeditSection& section : kMeditOthers) {
     if (section.name == block.kind) return section;
@@ -166,7 +183,29 @@ const MeditSection& section_of(const ElementBlock& block) {
   throw FileError("MEDIT has no section for elements of kind " + block.kind);
 }
 
+void add_names(const std::vector<DataArray>& data, std::set<std::string>& names) {
+  for (const DataArray& array : data) names.insert(array.name);
+}
+
 }  // namespace
+
+std::vector<std::string> not_kept_by_medit(const TetMesh& mesh) {
+  std::vector<std::string> lost;
+  std::set<std::string> names;
+  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
+    add_names(*data, names);
+  }
+  for (const ElementBlock& block : mesh.others) {
+    add_names(block.data, names);
+    if (is_points(block)) lost.push_back("elements of one vertex are written as required vertices, without their tags");
+  }
+  for (const std::string& name : names) lost.push_back("MEDIT has no room for the data \"" + name + "\"");
+  if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
+    lost.push_back("MEDIT has no room for the names of groups");
+  }
+  if (mesh.second_order) lost.push_back("written as linear elements, without the nodes in the middles of edges");
+  return lost;
+}
 
 void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
   file.write("MeshVersionFormatted 2\n\nDimension 3\n");
@@ -184,6 +223,7 @@ void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
   write_text_elements(file, kMeditTetrahedra, mesh.listed_inside_out ? as_listed(mesh) : mesh.tets, mesh.tet_tags,
                       threads);
   for (const ElementBlock& block : mesh.others) {
+    if (is_points(block)) continue;
     const auto each = static_cast<std::size_t>(section_of(block).vertices);
     write_header(file, block.kind, block.tags.size());
     write_lines(file, block.tags.size(), threads, [&](TextLine& line, std::size_t i) {
@@ -198,7 +238,7 @@ void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
       write_text_list(file, kMeditRequiredQuadrilaterals.name, block.required, threads);
     }
   }
-  for (const MeditList& list : kMeditLists) write_text_list(file, list.section.name, mesh.*list.ids, threads);
+  for (const MeditList& list : kMeditLists) write_text_list(file, list.section.name, list_of(mesh, list), threads);
   file.write("\nEnd\n");
 }
 
@@ -245,10 +285,11 @@ void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
     write_binary_elements(out, kMeditTetrahedra, flat(mesh.tets), mesh.tet_tags);
   }
   for (const ElementBlock& block : mesh.others) {
+    if (is_points(block)) continue;
     write_binary_elements(out, section_of(block), block.element2vertex.data(), block.tags);
     if (block.kind == kMeditOthers[0].name) write_binary_list(out, kMeditRequiredQuadrilaterals, block.required);
   }
-  for (const MeditList& list : kMeditLists) write_binary_list(out, list.section, mesh.*list.ids);
+  for (const MeditList& list : kMeditLists) write_binary_list(out, list.section, list_of(mesh, list));
   out.end();
 }
 

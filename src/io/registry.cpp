@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "io/plugin.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 #include "tetune/validate.hpp"
@@ -13,19 +14,23 @@
 namespace tetune {
 namespace {
 
+std::string endings(bool to_write) {
+  std::string known;
+  for (const Format& format : formats()) {
+    if (!(to_write ? format.writes() : format.reads())) continue;
+    for (const std::string& e : format.endings) known += (known.empty() ? "" : " ") + e;
+  }
+  return known;
+}
+
 const Format& format_of(const std::string& path, bool to_write) {
   const std::string ending = std::filesystem::path(path).extension().string();
   for (const Format& format : formats()) {
     if (std::find(format.endings.begin(), format.endings.end(), ending) == format.endings.end()) continue;
-    if (to_write ? format.write != nullptr : format.read != nullptr) return format;
-  }
-  std::string known;
-  for (const Format& format : formats()) {
-    if (to_write ? format.write == nullptr : format.read == nullptr) continue;
-    for (const std::string& e : format.endings) known += (known.empty() ? "" : " ") + e;
+    if (to_write ? format.writes() : format.reads()) return format;
   }
   throw FileError(path + ": tetune does not " + (to_write ? "write" : "read") + " files of ending \"" + ending +
-                  "\"; known endings: " + known);
+                  "\"; known endings: " + endings(to_write));
 }
 
 /// Writers index tags by element, so their lengths must agree.
@@ -49,6 +54,15 @@ void check_lengths(const std::string& path, const TetMesh& mesh) {
   }
 }
 
+/// Turns tetrahedra that are listed inside out, and tells where only some were.
+void turn(const std::string& path, TetMesh& mesh, const ReadContext& context) {
+  const std::int64_t turned = orient_uniformly(mesh, context.threads);
+  if (turned > 0 && turned < static_cast<std::int64_t>(mesh.tets.size())) {
+    context.warn(path + ": " + std::to_string(turned) + " of " + std::to_string(mesh.tets.size()) +
+                 " tetrahedra are listed inside out, unlike their neighbours; they were turned");
+  }
+}
+
 }  // namespace
 
 const std::vector<Format>& formats() {
@@ -56,14 +70,43 @@ const std::vector<Format>& formats() {
       {"MEDIT text", {".mesh"}, read_medit_text, write_medit_text},
       {"MEDIT binary", {".meshb"}, read_medit_binary, write_medit_binary},
       {"TetGen", {".ele", ".node", ".face"}, read_tetgen, nullptr},
+      {"VTK XML", {".vtu"}, nullptr, nullptr, &kVtkPlugin, true, true},
+      {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false},
+      {"VTK legacy", {".vtk"}, nullptr, nullptr, &kVtkPlugin, true, true},
+      {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true},
+      {"Gmsh", {".msh"}, nullptr, nullptr, &kGmshPlugin, true, true},
+      {"I-deas universal", {".unv"}, nullptr, nullptr, &kGmshPlugin, true, true},
+      {"Abaqus", {".inp"}, nullptr, nullptr, &kGmshPlugin, false, true},
+      {"Nastran", {".bdf"}, nullptr, nullptr, &kGmshPlugin, true, true},
+      {"MED", {".med"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
+      {"CGNS", {".cgns"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
   };
   return list;
 }
 
+std::string too_many(std::int64_t entries, bool tets) {
+  const Index most = tets ? kMaxTets : kMaxEntries;
+  if (entries <= most) return "";
+  return std::to_string(entries) + " entries; tetune takes at most " + std::to_string(most);
+}
+
+std::string readable_endings() { return endings(false); }
+std::string writable_endings() { return endings(true); }
+
 TetMesh read_mesh(const std::string& path, std::vector<std::string>* warnings, int threads) {
   const ReadContext context{threads, warnings};
-  TetMesh mesh = format_of(path, false).read(path, context);
-  orient_uniformly(mesh, threads);
+  const Format& format = format_of(path, false);
+  TetMesh mesh = format.read != nullptr ? format.read(path, context) : read_by_plugin(*format.plugin, path, context);
+  turn(path, mesh, context);
+  return mesh;
+}
+
+TetMesh parse_mesh(const std::string& name, std::string_view bytes, std::vector<std::string>* warnings, int threads) {
+  const ReadContext context{threads, warnings};
+  // A text has no such byte; the first number of a binary file, 1, has three in either byte order.
+  const bool binary = bytes.substr(0, 4).find('\0') != std::string_view::npos;
+  TetMesh mesh = binary ? parse_medit_binary(name, bytes, context) : parse_medit_text(name, bytes, context);
+  turn(name, mesh, context);
   return mesh;
 }
 
@@ -75,22 +118,52 @@ void check_place(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(name, ignored)) throw FileError(path + ": the folder " + name + " does not exist");
   if (std::filesystem::is_directory(path, ignored)) throw FileError(path + ": is a folder; give a file name");
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    throw FileError(path + ": is there and is no regular file; give another name, or - for the standard output");
+  }
   if (::access(name.c_str(), W_OK) != 0) throw FileError(path + ": no permission to write in " + name);
 }
 
 }  // namespace
 
 void check_writable(const std::string& path) {
-  format_of(path, true);
+  const Format& format = format_of(path, true);
+  if (format.write == nullptr) require_plugin(*format.plugin, path);
   check_place(path);
+  if (format.may_lack) require_format(*format.plugin, path);
 }
 
-void write_mesh(const std::string& path, const TetMesh& mesh, int threads) {
+void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
   const Format& format = format_of(path, true);
   check_writable(path);
   check_lengths(path, mesh);
+  const ReadContext context{threads, warnings};
+  if (format.write != nullptr) {
+    for (const std::string& lost : not_kept_by_medit(mesh)) context.warn(path + ": " + lost);
+    FileWriter file(path);
+    format.write(file, mesh, threads);
+    file.commit();
+  } else {
+    FileWriter file(path, std::filesystem::path(path).extension());
+    write_by_plugin(*format.plugin, path, file.temporary(), mesh, context);
+    file.commit();
+  }
+}
+
+void write_mesh(int descriptor, const std::string& name, bool binary, const TetMesh& mesh, int threads,
+                std::vector<std::string>* warnings) {
+  check_lengths(name, mesh);
+  const ReadContext context{threads, warnings};
+  for (const std::string& lost : not_kept_by_medit(mesh)) context.warn(name + ": " + lost);
+  FileWriter file(descriptor, name);
+  (binary ? write_medit_binary : write_medit_text)(file, mesh, threads);
+  file.commit();
+}
+
+void write_text(const std::string& path, std::string_view text) {
+  check_place(path);
   FileWriter file(path);
-  format.write(file, mesh, threads);
+  file.write(text);
   file.commit();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,9 @@
 
 namespace tetune {
 
-/// What a reader is given besides the path.
+struct Plugin;
+
+/// What a reader, or a plugin that writes, is given besides the path.
 struct ReadContext {
   int threads = 0;
   std::vector<std::string>* warnings = nullptr;
@@ -25,15 +28,31 @@ struct Format {
   std::vector<std::string> endings;
   TetMesh (*read)(const std::string& path, const ReadContext& context);
   void (*write)(FileWriter& file, const TetMesh& mesh, int threads);
+  /// Does what it says here where there is no function.
+  const Plugin* plugin = nullptr;
+  bool plugin_reads = false, plugin_writes = false;
+  /// Some builds of the plugin's library do not have the format.
+  bool may_lack = false;
+  bool reads() const { return read != nullptr || plugin_reads; }
+  bool writes() const { return write != nullptr || plugin_writes; }
 };
+
+/// Empty, or why a mesh cannot have so many vertices, tetrahedra or entries of another list: for readers, to refuse a
+/// count before memory is asked for.
+std::string too_many(std::int64_t entries, bool tets);
 
 /// The formats this build has. To add one: docs/adding-a-format.md.
 const std::vector<Format>& formats();
 
 TetMesh read_medit_text(const std::string& path, const ReadContext& context);
 TetMesh read_medit_binary(const std::string& path, const ReadContext& context);
+/// From bytes in memory; `name` is what messages call them.
+TetMesh parse_medit_text(const std::string& name, std::string_view bytes, const ReadContext& context);
+TetMesh parse_medit_binary(const std::string& name, std::string_view bytes, const ReadContext& context);
 void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads);
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, int threads);
+/// What of the mesh a MEDIT file has no room for, a sentence each.
+std::vector<std::string> not_kept_by_medit(const TetMesh& mesh);
 /// Numbers of tetrahedra as a MEDIT solution in text, one scalar field for each of them.
 void write_medit_solution(FileWriter& file, const std::vector<Measures>& values, int threads);
 TetMesh read_tetgen(const std::string& path, const ReadContext& context);

@@ -10,11 +10,16 @@
 namespace tetune {
 namespace {
 
+constexpr std::size_t kNumbersOfTet = 5;
+
 /// A count that the rest of the text cannot hold, at `numbers_each` an entry, is refused before memory is asked for.
 std::size_t checked_count(TextCursor& cursor, const char* what, std::size_t numbers_each) {
   const std::int64_t n = cursor.integer(what);
   if (n < 0 || static_cast<std::uint64_t>(n) > cursor.remaining() / (2 * numbers_each) + 1) {
     cursor.fail(std::string(what) + " is " + std::to_string(n) + ", more than the rest of the file can hold");
+  }
+  if (const std::string excess = too_many(n, numbers_each == kNumbersOfTet); !excess.empty()) {
+    cursor.fail("this file has " + excess);
   }
   return static_cast<std::size_t>(n);
 }
@@ -87,7 +92,7 @@ TetMesh read_tetgen(const std::string& path, const ReadContext& context) {
     const std::string name = sibling(".ele");
     const MappedFile file(name);
     TextCursor cursor(name, file.bytes());
-    const std::size_t n = checked_count(cursor, "number of tetrahedra", 5);
+    const std::size_t n = checked_count(cursor, "number of tetrahedra", kNumbersOfTet);
     const std::int64_t corners = cursor.integer("nodes per tetrahedron");
     if (corners != 4) {
       cursor.fail("tetrahedra have " + std::to_string(corners) +

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -32,7 +33,7 @@ class Cpu {
   };
 
   /// `threads` 0 means all that this process may use. There may be fewer, as ThreadPool says.
-  explicit Cpu(int threads = 0) {
+  explicit Cpu(int threads = 0, std::function<bool()> stop = {}) : stop_(std::move(stop)) {
     if (threads <= 0) threads = static_cast<int>(std::thread::hardware_concurrency());
     if (threads <= 1) return;
     pool_ = std::make_shared<ThreadPool>(threads);
@@ -40,6 +41,9 @@ class Cpu {
   }
 
   int threads() const { return threads_; }
+
+  /// Whether the caller wants an end. To be asked on the calling thread, where the mesh is valid.
+  bool stop_requested() const { return stop_ && stop_(); }
 
   /// f(i) for i in [0, n), in any order.
   template <class F>
@@ -50,6 +54,14 @@ class Cpu {
     }
     for_parts((n + kGrain - 1) / kGrain, [&](Size part) {
       for (Size i = part * kGrain; i < std::min(n, (part + 1) * kGrain); ++i) f(i);
+    });
+  }
+
+  /// The same where each f(i) is as much work as thousands of others: few are worth all threads.
+  template <class F>
+  void for_each_heavy(Size n, const F& f) const {
+    for_parts((n + kHeavyGrain - 1) / kHeavyGrain, [&](Size part) {
+      for (Size i = part * kHeavyGrain; i < std::min(n, (part + 1) * kHeavyGrain); ++i) f(i);
     });
   }
 
@@ -212,6 +224,7 @@ class Cpu {
  private:
   /// Items a thread takes at a time.
   static constexpr Size kGrain = 512;
+  static constexpr Size kHeavyGrain = 8;
   /// Below this, waking the other threads costs more than they save.
   static constexpr Size kSerial = 2048;
 
@@ -235,6 +248,7 @@ class Cpu {
   }
 
   int threads_ = 1;
+  std::function<bool()> stop_;
   std::shared_ptr<ThreadPool> pool_;
   std::shared_ptr<block_cache::Session> memory_ = std::make_shared<block_cache::Session>();
 };

@@ -7,6 +7,7 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -68,11 +69,20 @@ class Cuda {
     Buffer<T> copy_;
   };
 
+  explicit Cuda(std::function<bool()> stop = {}) : stop_(std::move(stop)) {}
+  /// As Cpu's.
+  bool stop_requested() const { return stop_ && stop_(); }
+
   template <class F>
   void for_each(Size n, const F& f) const {
     if (n == 0) return;
     for_each_kernel<<<blocks(n, kThreads), kThreads>>>(n, f);
     check_cuda(cudaGetLastError(), "launch");
+  }
+
+  template <class F>
+  void for_each_heavy(Size n, const F& f) const {
+    for_each(n, f);
   }
 
   template <class R, class F>
@@ -175,6 +185,7 @@ class Cuda {
   }
 
  private:
+  std::function<bool()> stop_;
   static constexpr int kThreads = 256;
   static constexpr int kChunk = 1024;
   static unsigned blocks(Size n, int each) { return static_cast<unsigned>((n + each - 1) / each); }

@@ -31,7 +31,7 @@ OrderedFlips::OrderedFlips(const std::vector<Vec3>& points, const TetMesh& mesh)
   const par::Cpu cpu(1);
   WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
   build_adjacency(cpu, work);
-  lock_interfaces(cpu, work);
+  lock_interfaces(cpu, work, par::Cpu::Loan<int>(mesh.tet_tags).span());
   tets_ = work.tet2vertex.download();
   links_ = work.tet2tet.download();
   eta_.resize(tets_.size());

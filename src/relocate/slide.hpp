@@ -29,8 +29,7 @@ TETUNE_HD inline Vec3 model_direction(const ReferenceView& ref, const RingModel&
   const Vec3 p = newton_direction(here, primitive.motion);
   if (primitive.on.kind != SiteKind::triangle || site.kind == SiteKind::triangle) return p;
   // From an edge or vertex the gradient leads inside; Newton's direction may not.
-  const TriangleFrame frame(ref, primitive.on.item);
-  if (frame.leads_inside(entered_from(ref, site, primitive.on.item), p)) return p;
+  if (primitive.frame.leads_inside(entered_from(ref, site, primitive.on.item), p)) return p;
   const double curvature = dot(primitive.down, m.hessian * primitive.down);
   return (curvature > 0 ? dot(primitive.down, primitive.down) / curvature : 1) * primitive.down;
 }

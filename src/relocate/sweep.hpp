@@ -21,6 +21,11 @@ struct Rings {
 template <class Backend>
 void build_rings(const Backend& par, WorkMesh<Backend>& mesh, Rings<Backend>& rings);
 
+/// The same of the flagged vertices alone, all of whose tetrahedra are given; the others have empty ones.
+template <class Backend>
+void build_rings_of(const Backend& par, WorkMesh<Backend>& mesh, Span<const Index> around,
+                    Span<const std::uint8_t> flags, Rings<Backend>& rings);
+
 /// How far each vertex may go, and which ones are worth a visit.
 template <class Backend>
 struct Mobilities {
@@ -56,9 +61,14 @@ struct SweepSum {
 };
 
 /// One sweep: the colours in turn, the vertices of a colour in parallel (Alg. 1). `Step` is NewtonStep or GradientStep.
-/// Vertices that are asleep are passed over.
+/// Vertices that are asleep are passed over. Ends between two colours when a stop is requested.
 template <class Backend, class Step>
 SweepSum sweep(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings, const Coloring<Backend>& coloring,
                Mobilities<Backend>& mobilities, const Step& step);
+
+/// The same where volumes may be negative: under the law's softness, which must not be 0.
+template <class Backend, class Step>
+SweepSum soft_sweep(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings,
+                    const Coloring<Backend>& coloring, Mobilities<Backend>& mobilities, const Step& step);
 
 }  // namespace tetune

@@ -20,6 +20,24 @@ struct FaceOfCorner {
   }
 };
 
+/// The same two where only some tetrahedra are looked at, and only flagged vertices get a ring.
+struct FaceOfListedCorner {
+  FaceOfCorner face;
+  Span<const Index> slots;
+  TETUNE_HD LinkFace operator()(std::uint32_t corner) const {
+    return face(4 * static_cast<std::uint32_t>(slots[corner >> 2]) + (corner & 3));
+  }
+};
+struct FlaggedVertexOfCorner {
+  Span<const Tet> tets;
+  Span<const Index> slots;
+  Span<const std::uint8_t> flags;
+  TETUNE_HD Size operator()(Size corner) const {
+    const Index v = tets[slots[corner >> 2]][static_cast<int>(corner & 3)];
+    return flags[v] != 0 ? v : -1;
+  }
+};
+
 /// Ring is the backend's own: see each instantiation.
 template <class Ring, class Step>
 struct RelocateVertex {
@@ -105,11 +123,19 @@ void build_rings(const Backend& par, WorkMesh<Backend>& mesh, Rings<Backend>& ri
       par, mesh.vertices(), 4 * mesh.slots(), {tets}, {tets}, rings.offsets, rings.faces);
 }
 
+template <class Backend>
+void build_rings_of(const Backend& par, WorkMesh<Backend>& mesh, Span<const Index> around,
+                    Span<const std::uint8_t> flags, Rings<Backend>& rings) {
+  const Span<const Tet> tets = mesh.tet2vertex.span();
+  group_by_row<Backend, sweep_detail::FlaggedVertexOfCorner, sweep_detail::FaceOfListedCorner, LinkFace>(
+      par, mesh.vertices(), 4 * around.size(), {tets, around, flags}, {{tets}, around}, rings.offsets, rings.faces);
+}
+
 template <class Ring, class Backend, class Step>
 SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings,
                     const Coloring<Backend>& coloring, Mobilities<Backend>& mobilities, const Step& step) {
   SweepSum total;
-  for (int c = 0; c < coloring.colors(); ++c) {
+  for (int c = 0; c < coloring.colors() && !par.stop_requested(); ++c) {
     const Size first = coloring.first[static_cast<std::size_t>(c)];
     const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
     const Span<const Index> vertices(coloring.vertices.span().data() + first, count);

@@ -7,9 +7,10 @@ namespace tetune {
 
 /// A triangle, edge or segment of the reference surface that a vertex may move along from where it is.
 struct Primitive {
-  Site on;        ///< kind none: there is no way down
-  Motion motion;  ///< its plane or line
-  Vec3 down;      ///< steepest descent within it: minus the directional derivative
+  Site on;                ///< kind none: there is no way down
+  Motion motion;          ///< its plane or line
+  Vec3 down;              ///< steepest descent within it: minus the directional derivative
+  TriangleFrame frame{};  ///< of a triangle
 };
 
 /// Barycentric coordinates below this count as zero (Alg. 4).
@@ -54,7 +55,7 @@ struct Best {
     const double d2 = dot(down, down);
     if (!(d2 > slope2)) return;
     slope2 = d2;
-    primitive = {{SiteKind::triangle, triangle}, {Mobility::plane, (1 / std::sqrt(n2)) * frame.normal}, down};
+    primitive = {{SiteKind::triangle, triangle}, {Mobility::plane, (1 / std::sqrt(n2)) * frame.normal}, down, frame};
   }
 
   /// The same for an edge or segment; `from` -1: either way, else away from that end only.
@@ -69,6 +70,49 @@ struct Best {
     if (!(slope * slope > slope2)) return;
     slope2 = slope * slope;
     primitive = {site, {Mobility::line, unit}, slope * unit};
+  }
+
+  /// The triangles and edges at a vertex, from the dot products of their edges alone: a descent leads into a triangle
+  /// when both coordinates of its projection rise.
+  TETUNE_HD void around(const ReferenceView& ref, Index vertex, const Vec3& g) {
+    const Vec3 o = ref.point(vertex);
+    Index in_triangle = -1;
+    Index on_edge = -1;
+    double edge2 = 0;
+    double triangle2 = 0;
+    for (Size i = ref.vertex2corner.begin(vertex); i < ref.vertex2corner.end(vertex); ++i) {
+      const auto corner = static_cast<Index>(ref.vertex2corner.items[i]);
+      const Index triangle = corner / 3;
+      const Index next = 3 * triangle + (corner + 1) % 3;
+      const Index after = 3 * triangle + (corner + 2) % 3;
+      const SurfaceTriangle t = ref.triangles[triangle];
+      const Vec3 a = ref.point(t.v[next - 3 * triangle]) - o;
+      const Vec3 b = ref.point(t.v[after - 3 * triangle]) - o;
+      const double aa = dot(a, a);
+      const double bb = dot(b, b);
+      const double along_a = -dot(g, a);
+      const double along_b = -dot(g, b);
+      // An edge is the one opposite the corner at which neither of its ends is.
+      if (along_a > 0 && along_a * along_a > edge2 * aa) {
+        edge2 = along_a * along_a / aa;
+        on_edge = after;
+      }
+      if (along_b > 0 && along_b * along_b > edge2 * bb) {
+        edge2 = along_b * along_b / bb;
+        on_edge = next;
+      }
+      const double ab = dot(a, b);
+      const double u = along_a * bb - along_b * ab;
+      const double v = along_b * aa - along_a * ab;
+      if (!(u > 0) || !(v > 0)) continue;
+      const double down2 = u * along_a + v * along_b;
+      const double area2 = aa * bb - ab * ab;
+      if (!(area2 > 0) || !(down2 > triangle2 * area2)) continue;
+      triangle2 = down2 / area2;
+      in_triangle = triangle;
+    }
+    if (triangle2 >= edge2 && in_triangle >= 0) triangle(ref, in_triangle, 0, g);
+    if (primitive.on.kind == SiteKind::none && on_edge >= 0) edge(ref, {SiteKind::edge, on_edge}, vertex, g);
   }
 };
 
@@ -99,18 +143,7 @@ TETUNE_HD inline Primitive steepest(const ReferenceView& ref, Mobility walker, c
         for (Index way = 0; way < 2; ++way) best.edge(ref, {SiteKind::segment, 2 * site.item + way}, site.item, g);
         break;
       }
-      for (int edges = 0; edges < 2; ++edges) {
-        for (Size c = ref.vertex2corner.begin(site.item); c < ref.vertex2corner.end(site.item); ++c) {
-          const auto corner = static_cast<Index>(ref.vertex2corner.items[c]);
-          if (edges == 0) {
-            best.triangle(ref, corner / 3, 7U ^ (1U << corner % 3), g);
-          } else {
-            // The edge to the next vertex: opposite the one after that. Around a vertex these are all its edges.
-            best.edge(ref, {SiteKind::edge, corner / 3 * 3 + (corner + 2) % 3}, site.item, g);
-            best.edge(ref, {SiteKind::edge, corner / 3 * 3 + (corner + 1) % 3}, site.item, g);
-          }
-        }
-      }
+      best.around(ref, site.item, g);
       break;
     case SiteKind::none:
       break;
@@ -146,7 +179,7 @@ TETUNE_HD inline Landing advance(const ReferenceView& ref, Mobility walker, cons
   }
 
   const Index triangle = primitive.on.item;
-  const TriangleFrame b(ref, triangle);
+  const TriangleFrame& b = primitive.frame;
   const double inverse_n2 = 1 / dot(b.normal, b.normal);
   double l[3];
   double rate[3];

@@ -51,6 +51,7 @@ struct TriangleFrame {
   Vec3 p[3];
   Vec3 normal;  ///< not unit
 
+  TriangleFrame() = default;
   TETUNE_HD TriangleFrame(const ReferenceView& ref, Index triangle) {
     const SurfaceTriangle t = ref.triangles[triangle];
     for (int k = 0; k < 3; ++k) p[k] = ref.point(t.v[k]);

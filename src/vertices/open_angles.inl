@@ -54,7 +54,7 @@ Size open_angles(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& r
                  Mobilities<Backend>& mobilities, Span<const std::uint8_t> flags, double enough) {
   using namespace open_angles_detail;
   Size moved = 0;
-  for (int c = 0; c < coloring.colors(); ++c) {
+  for (int c = 0; c < coloring.colors() && !par.stop_requested(); ++c) {
     const Size first = coloring.first[static_cast<std::size_t>(c)];
     const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
     const Span<const Index> vertices(coloring.vertices.span().data() + first, count);

@@ -11,67 +11,117 @@
 namespace tetune {
 namespace revise_detail {
 
-/// What a tetrahedron may propose: a vertex on each of its edges; each of its vertices pulled into each other.
+/// What a tetrahedron may propose: one of its edges removed, with a vertex of the ring moved; a vertex on each of its
+/// edges; each of its vertices pulled into each other.
+inline constexpr int kRemovals = 1;
 inline constexpr int kInsertions = 6;
-inline constexpr int kProposals = kInsertions + 12;
+inline constexpr int kProposals = kRemovals + kInsertions + 12;
 /// The cotangent of the smallest angle must fall by this part.
 inline constexpr double kLeastGain = 0.02;
 /// A place for a new vertex is worth more trials when it makes that no worse than so many times what it was.
 inline constexpr double kHope = 1.5;
+/// The same before the cavity is enlarged.
+inline constexpr double kDoubt = 2;
+/// Of a proposal that removes no vertex.
+inline constexpr Index kNoVertex = -1;
+/// Most tetrahedra around an edge that is removed: with more it hardly ever helps.
+inline constexpr int kMaxMovedRing = 6;
 
 /// A cavity and its apex: a vertex, or the place of a new one.
 struct Proposal {
   double gain;  ///< 0: none
   Vec3 x;
-  Index apex;
-  Index removed;  ///< vertex, or kNewVertex
+  Index apex;     ///< vertex, or kNewVertex
+  Index removed;  ///< vertex, or kNoVertex
   Index tets[kMaxStarTets];
   int tet_count;
-};
-
-struct IsSharp {
-  MeshView mesh;
-  double bound;
-  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && largest_cot(mesh, t) > bound; }
 };
 
 struct Propose {
   MeshView mesh;
   ConstrainedEdges constrained;
   Span<const Mobility> kind;
-  Span<const Index> sharp;
+  Span<const Index> around;
   Span<Proposal> proposals;
   Span<std::uint64_t> best;
+  int max_ring;
+  double vertex_cot;
+  int choices;  ///< of each tetrahedron
 
   TETUNE_HD void operator()(Size id) const {
-    const Index t = sharp[id / kProposals];
-    const auto choice = static_cast<int>(id % kProposals);
+    const Index t = around[id / choices];
+    const auto choice = static_cast<int>(id % choices);
     Proposal& p = proposals[id];
     p.gain = 0;
-    Star star(mesh, constrained);
-    if (choice < kInsertions) {
-      insert(star, t, choice, p);
-    } else {
-      collapse(star, t, choice - kInsertions, p);
+    if (choice < kRemovals) {
+      remove_edge(t, p);
+    } else if (largest_cot(mesh, t) > vertex_cot) {
+      Star star(mesh, constrained);
+      if (choice < kRemovals + kInsertions) {
+        insert(star, t, choice - kRemovals, p);
+      } else {
+        collapse(star, t, choice - kRemovals - kInsertions, p);
+      }
     }
     if (!(p.gain > 0)) return;
-    p.tet_count = star.tet_count();
-    for (int i = 0; i < p.tet_count; ++i) {
-      p.tets[i] = star.tet(i);
-      par::atomic_max(best[p.tets[i]], make_offer(p.gain, static_cast<std::uint32_t>(id)));
-    }
+    const std::uint64_t offer = make_offer(p.gain, static_cast<std::uint32_t>(id));
+    for (int i = 0; i < p.tet_count; ++i) par::atomic_max(best[p.tets[i]], offer);
   }
 
  private:
+  /// Of all edges, by each vertex of its ring in turn.
+  TETUNE_HD void remove_edge(Index t, Proposal& p) const {
+    Moved most{Star(mesh, constrained), -1, {}, 0, kHope};
+    const Tet tet = mesh.tet2vertex[t];
+    for (int edge = 0; edge < 6; ++edge) {
+      Star ring(mesh, constrained);
+      if (!ring.take_edge(t, edge) || ring.tet_count() > max_ring) continue;
+      const EdgeCorners e = edge_corners(edge);
+      Index before = tet[e.k];
+      for (int i = 0; i < ring.tet_count(); ++i) {
+        // Tetrahedron i has the vertices before and after the face to the next one.
+        const Tet there = mesh.tet2vertex[ring.tet(i)];
+        Index v = before;
+        for (int k = 0; k < 4; ++k)
+          v = there[k] != tet[e.i] && there[k] != tet[e.j] && there[k] != before ? there[k] : v;
+        before = v;
+        if (kind[v] == Mobility::free && !constrained.has_end(v)) move_over(ring, v, most);
+      }
+    }
+    if (most.v >= 0) propose(most.star, most.before, most.v, kNoVertex, most.star.open_angle(most.x), p);
+  }
+
+  /// A vertex moved so that it may fill a cavity.
+  struct Moved {
+    Star star;
+    Index v;  ///< -1: none
+    Vec3 x;
+    double before;
+    double ratio;  ///< of the cotangents after and before
+  };
+  TETUNE_HD void move_over(Star star, Index v, Moved& most) const {
+    if (!star.spread(v)) return;
+    Vec3 x = vec(mesh.points[v]);
+    if (!star.face_all(x)) return;
+    x = star.relax(x);
+    const double far = kDoubt * most.ratio * star.cot_before();
+    if (!(star.cot_after(v, x, far) < far)) return;
+    x = star.settle(x);
+    const double before = star.cot_before();
+    const double limit = most.ratio * before;
+    const double after = star.cot_after(v, x, limit);
+    if (after < limit && star.keeps_all(v)) most = {star, v, x, before, after / before};
+  }
+
   TETUNE_HD void insert(Star& star, Index t, int edge, Proposal& p) const {
     if (!star.take_edge(t, edge)) return;
     const Tet tet = mesh.tet2vertex[t];
     const EdgeCorners e = edge_corners(edge);
-    const Vec3 x = star.settle(0.5 * (vec(mesh.points[tet[e.i]]) + vec(mesh.points[tet[e.j]])));
+    const Vec3 x = star.settle(star.relax(0.5 * (vec(mesh.points[tet[e.i]]) + vec(mesh.points[tet[e.j]]))));
     const double before = star.cot_before();
     const double hope = kHope * before;
     if (!(star.cot_after(kNewVertex, x, hope) < hope)) return;
-    propose(star, before, kNewVertex, kNewVertex, star.open_angle(x), p);
+    propose(star, before, kNewVertex, kNoVertex, star.open_angle(x), p);
   }
 
   TETUNE_HD void collapse(Star& star, Index t, int choice, Proposal& p) const {
@@ -85,16 +135,18 @@ struct Propose {
   TETUNE_HD void propose(const Star& star, double before, Index apex, Index removed, const Vec3& x, Proposal& p) const {
     const double limit = (1 - kLeastGain) * before;
     const double after = star.cot_after(apex, x, limit);
-    if (!(after < limit)) return;
+    if (!(after < limit) || !(before - after > p.gain)) return;
     p.gain = before - after;
     p.x = x;
     p.apex = apex;
     p.removed = removed;
+    p.tet_count = star.tet_count();
+    for (int i = 0; i < p.tet_count; ++i) p.tets[i] = star.tet(i);
   }
 };
 
 /// Tetrahedra that may propose: so many, and one of so many.
-inline constexpr Size kFew = 400;
+inline constexpr Size kFew = 250;
 
 /// A proposal is agreed when all its tetrahedra hold it as their best.
 struct Agreed {
@@ -115,10 +167,12 @@ struct Agreed {
 struct Counts {
   SlotCounts slots;
   std::uint32_t inserted = 0;
+  std::uint32_t removed = 0;
   TETUNE_HD friend Counts operator+(Counts x, const Counts& y) { return x += y; }
   TETUNE_HD Counts& operator+=(const Counts& y) {
     slots += y.slots;
     inserted += y.inserted;
+    removed += y.removed;
     return *this;
   }
 };
@@ -127,6 +181,7 @@ struct Counts {
 struct Filling {
   Index apex;
   Index removed;
+  bool inserted;
   Vec3 x;
   int old_count;  ///< tetrahedra before
   int made;       ///< and after
@@ -174,6 +229,7 @@ struct Gather {
     Filling& f = fillings[i];
     f.apex = p.apex;
     f.removed = p.removed;
+    f.inserted = p.apex == kNewVertex;
     f.x = p.x;
     f.old_count = p.tet_count;
     f.face_count = star.face_count();
@@ -185,7 +241,7 @@ struct Gather {
       f.across[k] = mesh.tet2tet[link_tet(f.sides[k])][link_face(f.sides[k])];
       f.place[k] = static_cast<std::int8_t>(star.touches(k, p.apex) ? -1 : f.made++);
     }
-    counts[i] = {{f.old_count, f.made}, p.apex == kNewVertex ? 1U : 0U};
+    counts[i] = {{f.old_count, f.made}, f.inserted ? 1U : 0U, f.removed >= 0 ? 1U : 0U};
   }
 };
 
@@ -202,7 +258,7 @@ struct Forward {
     for (int k = f.old_count; k < f.made; ++k) {
       f.slots[k] = change.taken(free_slots, Size{before[i].slots.takes} + k - f.old_count);
     }
-    if (f.apex == kNewVertex) f.apex = static_cast<Index>(vertices + before[i].inserted);
+    if (f.inserted) f.apex = static_cast<Index>(vertices + before[i].inserted);
     for (int k = 0; k < f.face_count; ++k) {
       mesh.tet2tet[link_tet(f.sides[k])][link_face(f.sides[k])] = f.new_side(k);
     }
@@ -244,6 +300,7 @@ struct Write {
   Span<const Counts> before;
   Span<Index> free_slots;
   Size free_kept;
+  Span<double> eta;
   Span<Index> vertex2original;
   Span<Mobility> kind;
   Span<Vec3> axis;
@@ -253,19 +310,23 @@ struct Write {
 
   TETUNE_HD void operator()(Size i) const {
     const Filling& f = fillings[i];
-    const int tag = mesh.tet_tags[f.slots[0]];
+    const Index original = mesh.tet2original[f.slots[0]];
     if (f.removed >= 0) {
       vertex2original[f.removed] = kRemoved;
     } else {
-      insert(f);
+      mesh.points[f.apex] = point(f.x);
     }
+    if (f.inserted) insert(f);
     for (int k = 0; k < f.face_count; ++k) {
       const LinkFace& face = f.faces[k];
       for (int c = 0; c < 3; ++c) par::store_shared(awake[face.v[c]], 1);
       if (f.place[k] < 0) continue;
       const Index s = f.slots[f.place[k]];
       mesh.tet2vertex[s] = {{f.apex, face.v[0], face.v[1], face.v[2]}};
-      mesh.tet_tags[s] = tag;
+      mesh.tet2original[s] = original;
+      eta[s] = tet_energy(mesh.law, vec(mesh.points[f.apex]), vec(mesh.points[face.v[0]]), vec(mesh.points[face.v[1]]),
+                          vec(mesh.points[face.v[2]]))
+                   .eta;
       Links links;
       links[0] = f.across[k];
       for (int c = 0; c < 3; ++c) {
@@ -278,13 +339,13 @@ struct Write {
     par::store_shared(awake[f.apex], 1);
     for (int k = f.made; k < f.old_count; ++k) {
       mesh.tet2vertex[f.slots[k]][0] = kFreeSlot;
+      eta[f.slots[k]] = 0;
       free_slots[free_kept + before[i].slots.frees + k - f.made] = f.slots[k];
     }
   }
 
  private:
   TETUNE_HD void insert(const Filling& f) const {
-    mesh.points[f.apex] = point(f.x);
     vertex2original[f.apex] = kInserted;
     kind[f.apex] = Mobility::free;
     axis[f.apex] = {0, 0, 0};
@@ -297,32 +358,33 @@ struct Write {
 
 template <class Backend>
 ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& flips,
-                             Mobilities<Backend>& mobilities, double bound, Size most_tets) {
+                             Mobilities<Backend>& mobilities, Span<const Index> around, Size most_tets,
+                             double vertex_cot) {
   using namespace revise_detail;
   using Ids = typename Backend::template Buffer<Index>;
   const Size slots = mesh.slots();
   const Size vertices = mesh.vertices();
 
-  Ids sharp(slots);
-  const Size found = par.compact(slots, IsSharp{mesh.view(), bound}, sharp.span());
   // In a lattice any angle may be that of all.
-  const Size count = kProposals * std::min(found, kFew + mesh.tets() / kFew);
+  const int choices = vertex_cot < kNever ? kProposals : kRemovals;
+  const Size count = choices * std::min(around.size(), kFew + mesh.tets() / kFew);
   typename Backend::template Buffer<Proposal> proposals(count);
   typename Backend::template Buffer<std::uint64_t> best(slots);
   par.fill(best.span(), std::uint64_t{0});
-  par.for_each(count, Propose{mesh.view(), flips.constrained(), mobilities.kind.span(), sharp.span(), proposals.span(),
-                              best.span()});
+  par.for_each_heavy(count, Propose{mesh.view(), flips.constrained(), mobilities.kind.span(), around, proposals.span(),
+                                    best.span(), std::min(flips.max_ring, kMaxMovedRing), vertex_cot, choices});
   Ids agreed(count);
   const Size fills = par.compact(count, Agreed{proposals.span(), best.span()}, agreed.span());
   typename Backend::template Buffer<Filling> fillings(fills);
   typename Backend::template Buffer<Counts> before(fills);
-  par.for_each(
+  par.for_each_heavy(
       fills, Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), fillings.span(), before.span()});
   const Counts counts = par.exclusive_scan(Span<const Counts>(before.span()), before.span());
   const SlotChange change(mesh, counts.slots);
   const Size tets = mesh.tets() + counts.slots.takes - counts.slots.frees;
   if (fills == 0 || tets > most_tets || change.needed > kMaxSlots) return {};
   change.make_room(mesh);
+  flips.eta.grow(change.needed);
   flips.slack.resize(change.needed);
   par.fill(flips.slack.span(), static_cast<float>(kMaxSlack));
   const Size all = vertices + counts.inserted;
@@ -339,11 +401,12 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   par.for_each(fills, Mark{fillings.span(), taken.span()});
   par.for_each(fills, Forward{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), change, vertices});
   par.for_each(fills, Resolve{mesh.view(), fillings.span(), taken.span()});
-  par.for_each(fills, Write{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), change.free_kept,
-                            mesh.vertex2original.span(), mobilities.kind.span(), mobilities.axis.span(),
-                            mobilities.site.span(), flips.constrained_vertex.span(), mobilities.awake.span()});
+  par.for_each(fills,
+               Write{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), change.free_kept,
+                     flips.eta.span(), mesh.vertex2original.span(), mobilities.kind.span(), mobilities.axis.span(),
+                     mobilities.site.span(), flips.constrained_vertex.span(), mobilities.awake.span()});
   change.finish(mesh);
-  return {static_cast<Size>(counts.inserted), fills - static_cast<Size>(counts.inserted)};
+  return {counts.inserted, counts.removed, fills - counts.inserted - counts.removed};
 }
 
 }  // namespace tetune

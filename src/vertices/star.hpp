@@ -49,10 +49,14 @@ class Star {
 
   /// Takes all tetrahedra around a vertex of t that is on no surface.
   TETUNE_HD bool take_vertex(Index t, int corner) {
-    const Index v = mesh_.tet2vertex[t][corner];
     tets_[tet_count_++] = t;
+    return spread(mesh_.tet2vertex[t][corner]);
+  }
+  /// The same of a vertex of the cavity, beside what it has.
+  TETUNE_HD bool spread(Index v) {
     for (int i = 0; i < tet_count_; ++i) {
       const Tet tet = mesh_.tet2vertex[tets_[i]];
+      if (tet[place_of(tet, v)] != v) continue;
       const Links links = mesh_.tet2tet[tets_[i]];
       for (int f = 0; f < 4; ++f) {
         if (tet[f] == v) continue;
@@ -107,14 +111,54 @@ class Star {
     return most;
   }
 
-  /// A place for a new vertex, from one that sees all faces: where the energy of the filling is about least, the cavity
-  /// enlarged where that lowers the energy further.
-  TETUNE_HD Vec3 settle(Vec3 x) {
-    for (int turn = 0; turn < kTurns; ++turn) {
-      PlainRing ring(mesh_.law, mesh_.points, faces_, face_count_);
-      x = NewtonStep{1, kMinGain}(ring, x, Motion{Mobility::free, {}}).position;
-      if (!grow(x)) break;
+  /// Moves x to where it sees all faces, by way of the one that it sees least of (relaxation after Motzkin and
+  /// Schoenberg). False where it finds no such place.
+  TETUNE_HD bool face_all(Vec3& x) const {
+    Vec3 normal[kMaxStarFaces];
+    double height[kMaxStarFaces];  // of the plane that x is to be above
+    for (int i = 0; i < face_count_; ++i) {
+      const Vec3 p = vec(mesh_.points[faces_[i].v[0]]);
+      const Vec3 n = opposite_face(p, vec(mesh_.points[faces_[i].v[1]]), vec(mesh_.points[faces_[i].v[2]])).n;
+      const double area = norm(n);
+      normal[i] = (1 / area) * n;
+      height[i] = dot(normal[i], p) + kHeight * std::sqrt(area);
     }
+    for (int step = 0; step < kRelaxations; ++step) {
+      double least = 0;
+      int lowest = -1;
+      for (int i = 0; i < face_count_; ++i) {
+        const double above = dot(normal[i], x) - height[i];
+        lowest = above < least ? i : lowest;
+        least = above < least ? above : least;
+      }
+      if (lowest < 0) return true;
+      x = x - (kOverRelaxation * least) * normal[lowest];
+    }
+    return false;
+  }
+  /// Whether all vertices and constrained edges of the cavity, but for the apex inside it, are on its faces.
+  TETUNE_HD bool keeps_all(Index apex) const {
+    for (int i = 0; i < tet_count_; ++i) {
+      const Tet tet = mesh_.tet2vertex[tets_[i]];
+      for (int k = 0; k < 4; ++k) {
+        if (tet[k] == apex) continue;
+        if (!on_face(tet[k], tet[k])) return false;
+        for (int l = 0; l < k; ++l) {
+          if (constrained_.contains(tet[k], tet[l]) && !on_face(tet[k], tet[l])) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  /// A place for the apex, from one that sees all faces: where the energy of the filling is less.
+  TETUNE_HD Vec3 relax(const Vec3& x) const {
+    PlainRing ring(mesh_.law, mesh_.points, faces_, face_count_);
+    return NewtonStep{1, kMinGain}(ring, x, Motion{Mobility::free, {}}).position;
+  }
+  /// The same, the cavity enlarged where that lowers the energy further.
+  TETUNE_HD Vec3 settle(Vec3 x) {
+    for (int turn = 0; turn < kTurns && grow(x); ++turn) x = relax(x);
     return x;
   }
   /// One with a larger smallest angle.
@@ -125,13 +169,23 @@ class Star {
   }
 
  private:
-  static constexpr int kTurns = 4;
+  static constexpr int kTurns = 3;
+  static constexpr int kRelaxations = 30;
+  static constexpr double kOverRelaxation = 1.5;
+  /// The height over a face that is looked for, in parts of the root of its area.
+  static constexpr double kHeight = 0.1;
   /// Part of the energy that a step must promise to take away.
   static constexpr double kMinGain = 1e-3;
 
   TETUNE_HD bool contains(Index t) const {
     for (int i = 0; i < tet_count_; ++i) {
       if (tets_[i] == t) return true;
+    }
+    return false;
+  }
+  TETUNE_HD bool on_face(Index v, Index w) const {
+    for (int i = 0; i < face_count_; ++i) {
+      if (touches(i, v) && touches(i, w)) return true;
     }
     return false;
   }

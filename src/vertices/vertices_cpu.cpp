@@ -5,7 +5,7 @@
 
 namespace tetune {
 template ReviseReport revise_vertices(const par::Cpu&, WorkMesh<par::Cpu>&, FlipState<par::Cpu>&, Mobilities<par::Cpu>&,
-                                      double, Size);
+                                      Span<const Index>, Size, double);
 template Size open_angles(const par::Cpu&, WorkMesh<par::Cpu>&, const RingsView&, const Coloring<par::Cpu>&,
                           Mobilities<par::Cpu>&, Span<const std::uint8_t>, double);
 

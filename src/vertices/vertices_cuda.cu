@@ -5,7 +5,7 @@
 
 namespace tetune {
 template ReviseReport revise_vertices(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&,
-                                      Mobilities<par::Cuda>&, double, Size);
+                                      Mobilities<par::Cuda>&, Span<const Index>, Size, double);
 template Size open_angles(const par::Cuda&, WorkMesh<par::Cuda>&, const RingsView&, const Coloring<par::Cuda>&,
                           Mobilities<par::Cuda>&, Span<const std::uint8_t>, double);
 

@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzz targets for the readers, and through them for validate() and optimize().
-//
-// Build and run, from the root of the repository:
-//   cmake -S . -B build/fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Debug
-//         -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g" -DTETUNE_TESTS=ON -DTETUNE_FUZZ=ON
-//   ninja -C build/fuzz fuzz_medit_text fuzz_medit_binary fuzz_tetgen
-//   python3 tests/fuzz/make_seeds.py build/fuzz/seeds
-//   mkdir -p build/fuzz/corpus/medit_text
-//   build/fuzz/tests/fuzz/fuzz_medit_text -max_total_time=60 -max_len=4096 -rss_limit_mb=1024
-//         -dict=tests/fuzz/text.dict build/fuzz/corpus/medit_text build/fuzz/seeds/medit_text
-// and likewise for the others (fuzz_medit_binary without the dictionary). A crash leaves its input in the working
-// folder; give that file as the only argument to run it again.
+// Fuzz targets: the readers, what plugins answer, and through them validate() and optimize(); optimize() on any arrays
+// and options; the command line. `tests/fuzz/run 60` builds them with clang and runs each for 60 seconds. A finding is
+// written to build/fuzz/found: give that file as the only argument to run it again, as in
+//   build/fuzz/tests/fuzz/fuzz_optimize build/fuzz/found/optimize-crash-...
 #pragma once
 
 #include <stdlib.h>
@@ -56,15 +48,8 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// Reads a file: it is refused with FileError, or what comes out can be validated; a valid mesh can be optimised and
-/// stays valid. Anything else ends the process.
-inline void check(const std::string& file) {
-  TetMesh mesh;
-  try {
-    mesh = read_mesh(file, nullptr, 1);
-  } catch (const FileError&) {
-    return;
-  }
+/// What a reader made can be validated; a valid mesh can be optimised and stays valid. Anything else ends the process.
+inline void check(TetMesh mesh) {
   if (!validate(mesh, 1).ok() || mesh.tets.size() >= 2000) return;
   const std::size_t vertices = mesh.points.size();
   const Quality before = quality(mesh, 1);
@@ -86,6 +71,17 @@ inline void check(const std::string& file) {
                  energy);
     std::abort();
   }
+}
+
+/// Reads a file: it is refused with FileError, or the mesh is checked.
+inline void check(const std::string& file) {
+  TetMesh mesh;
+  try {
+    mesh = read_mesh(file, nullptr, 1);
+  } catch (const FileError&) {
+    return;
+  }
+  check(std::move(mesh));
 }
 
 inline std::string_view text(const std::uint8_t* data, std::size_t size) {

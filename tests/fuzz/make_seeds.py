@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes a few small inputs for each fuzz target.   python3 make_seeds.py FOLDER"""
 
+import random
 import struct
 import sys
 from pathlib import Path
@@ -79,6 +80,59 @@ def tetgen(points, tets, extra, base):
     return text.encode()
 
 
+def plugin_answer(points, tets, extra):
+    """No error, a warning, and the mesh, as src/io/mesh_stream.hpp has them."""
+    out = bytearray()
+
+    def array(form, rows):
+        flat = [x for row in rows for x in (row if isinstance(row, tuple) else (row,))]
+        out.extend(struct.pack("<Q", len(rows)) + struct.pack(f"<{len(flat)}{form}", *flat))
+
+    def string(text):
+        out.extend(struct.pack("<Q", len(text)) + text.encode())
+
+    def data(count):
+        out.extend(struct.pack("<Q", 1 if extra else 0))
+        if extra:
+            string("heat")
+            out.extend(struct.pack("<iQ", 1, 0))
+            array("d", [0.5] * count)
+
+    triangles = [(0, 1, 2)] if extra else []
+    edges = [(0, 1)] if extra else []
+    string("")
+    out.extend(struct.pack("<Q", 1))
+    string("a warning")
+    for form, rows in (("d", [tuple(map(float, p)) for p in points]), ("i", [0] * len(points)), ("i", tets),
+                       ("i", [1] * len(tets)), ("i", triangles), ("i", [5] * len(triangles)), ("i", edges),
+                       ("i", [7] * len(edges))):
+        array(form, rows)
+    for rows in ([0], [1], [0], [0], [0], [0]) if extra else [[]] * 6:
+        array("i", rows)
+    out.extend(struct.pack("<Q", 1 if extra else 0))
+    if extra:
+        string("Quadrilaterals")
+        out.extend(struct.pack("<i", 4))
+        for rows in ([0, 1, 3, 2], [9], [0]):
+            array("i", rows)
+        out.extend(struct.pack("<Q", 0))
+    for count in (len(points), len(tets), len(triangles), len(edges)):
+        data(count)
+    out.extend(struct.pack("<Q", 1 if extra else 0))
+    if extra:
+        out.extend(struct.pack("<ii", 3, 1))
+        string("steel")
+        array("i", [1])
+    for text in ("medit:ref", "", "msh 4.1 binary"):
+        string(text)
+    return bytes(out) + bytes(2)
+
+
+COMMAND_LINES = ("in.mesh out.mesh --boundary slide --feature-angle 30 --max-deviation 0.1%", "a.mesh b.mesh -o x/ --report {}.json",
+                 "in.mesh -nr -nosurf -hausd 1e-3 -v 5 -m 100", "- - --freeze tag=1,2,patch=7 --target-quality 0.2 mean_ratio",
+                 "in.mesh out.meshb --effort best --keep-vertices --target-dihedral 15 --time-limit 5")
+
+
 def main(folder):
     def put(target, name, content):
         path = folder / target
@@ -89,11 +143,16 @@ def main(folder):
         for extra in (False, True):
             stem = name + ("_all" if extra else "")
             put("medit_text", stem, medit_text(points, tets, extra))
+            put("plugin_answer", stem, plugin_answer(points, tets, extra))
             put("tetgen", stem, tetgen(points, tets, extra, int(extra)))
             for version in (1, 2, 3, 4):
                 for order in "<>":
                     put("medit_binary", f"{stem}_{version}{'le' if order == '<' else 'be'}",
                         medit_binary(points, tets, extra, version, order))
+    for i, line in enumerate(COMMAND_LINES):
+        put("options", str(i), line.replace(" ", "\n").encode())
+    for i in range(8):  # optimize() takes its mesh and options from bytes, whatever they are
+        put("optimize", str(i), random.Random(i).randbytes(200 << i % 4))
 
 
 if __name__ == "__main__":

@@ -69,11 +69,15 @@ TEST_P(RoundTrip, InsideOutIsTurnedAndTurnedBack) {
   EXPECT_EQ(get(std::string("again") + GetParam()), get(std::string("out") + GetParam()));
 }
 
-TEST_P(RoundTrip, MixedOrientationIsLeftAlone) {
+TEST_P(RoundTrip, MixedOrientationIsMadeOne) {
   TetMesh mesh = cube(1);
   std::swap(mesh.tets[3][0], mesh.tets[3][1]);
   write_mesh(file("a"), mesh);
-  expect_same(read_mesh(file("a")), mesh);
+  std::swap(mesh.tets[3][2], mesh.tets[3][3]);
+  std::vector<std::string> warnings;
+  expect_same(read_mesh(file("a"), &warnings), mesh);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("1 of 6 tetrahedra are listed inside out"), std::string::npos) << warnings[0];
 }
 
 TEST_F(IoTest, TextCarriesTheShortestDigits) {

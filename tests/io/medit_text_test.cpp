@@ -99,7 +99,7 @@ TEST_F(IoTest, ThingsThatAreNoFile) {
 }
 
 TEST_F(IoTest, UnknownEndingsAreRefusedWithTheKnownOnes) {
-  for (const char* name : {"a.vtu", "a", "a.MESH", "mesh"}) {
+  for (const char* name : {"a.stl", "a", "a.MESH", "mesh"}) {
     const std::string error = read_error(put(name, kHead + "End\n"));
     EXPECT_TRUE(contains(error, std::string(name) + ": tetune does not read files of ending \"")) << name;
     EXPECT_TRUE(contains(error, ".mesh .meshb .ele .node .face")) << name;

@@ -128,7 +128,7 @@ TEST_F(IoTest, PlacesThatCannotBeWritten) {
     EXPECT_EQ(write_error(file, one_tet()), message);
   };
   refused(path("absent/a.mesh"), "the folder " + path("absent") + " does not exist");
-  refused(path("a.vtu"), "known endings: .mesh .meshb");
+  refused(path("a.stl"), "known endings: .mesh .meshb");
   refused(path("a.ele"), "tetune does not write files of ending \".ele\"");
   std::filesystem::create_directory(path("folder.mesh"));
   refused(path("folder.mesh"), "is a folder");

@@ -38,6 +38,7 @@ TEST(Devices, CudaAgreesWithTheCpu) {
     EXPECT_EQ(on_gpu.flips23, on_cpu.flips23);
     EXPECT_EQ(on_gpu.flips32, on_cpu.flips32);
     EXPECT_EQ(on_gpu.edge_removals, on_cpu.edge_removals);
+    EXPECT_EQ(on_gpu.face_removals, on_cpu.face_removals);
     EXPECT_EQ(on_gpu.boundary_flips, on_cpu.boundary_flips);
   }
 }

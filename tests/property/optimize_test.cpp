@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <ostream>
 #include <set>
+#include <string>
 
 #include "allocation_watch.hpp"
 #include "core/types.hpp"
@@ -109,7 +111,9 @@ TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
   double last = 1e300;
   Context context;
   context.progress = [&last](const Progress& p) {
-    EXPECT_LE(p.energy, last * (1 + 1e-12));
+    // Work on the few worst gives some of it back.
+    const bool on_all = std::string(p.phase) == "sweep" || std::string(p.phase) == "flips";
+    EXPECT_LE(p.energy, last * (on_all ? 1 + 1e-12 : 1.02));
     last = p.energy;
     return true;
   };
@@ -125,8 +129,10 @@ TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
   EXPECT_NEAR(report.energy_before, energy(before), 1e-9 * report.energy_before);
   EXPECT_EQ(static_cast<std::int64_t>(after.tets.size()), report.tets_after);
   const std::int64_t without_removals = report.tets_before + report.flips23 - report.flips32;
-  EXPECT_GE(report.tets_after, without_removals);
-  EXPECT_LE(report.tets_after, without_removals + 3 * report.edge_removals + 4 * report.boundary_flips);
+  // A compound flip has at most 48 tetrahedra before and 64 afterwards.
+  EXPECT_GE(report.tets_after, without_removals - 3 * report.face_removals - 48 * report.compound_flips);
+  EXPECT_LE(report.tets_after,
+            without_removals + 3 * report.edge_removals + 8 * report.boundary_flips + 64 * report.compound_flips);
 
   const Comparison change = compare(before, after);
   EXPECT_LT(change.new_to_old, 1e-12);
@@ -251,7 +257,7 @@ TEST(Optimize, BoundaryFlipsAreTheSameForAnyNumberOfThreads) {
     for (const int threads : {2, 3}) {
       options.threads = threads;
       TetMesh many = before;
-      optimize(many, options);
+      const Report other = optimize(many, options);
       EXPECT_EQ(one.points, many.points);
       EXPECT_EQ(one.tets, many.tets);
       EXPECT_EQ(one.triangles, many.triangles);
@@ -380,6 +386,7 @@ TEST(Optimize, BestOpensTheSmallestAngles) {
   TetMesh best = before;
   const Report report = optimize(best, options);
   EXPECT_GT(report.vertices_inserted, 0);
+  EXPECT_GT(report.compound_flips, 0);
   options.keep_vertices = true;
   TetMesh kept = before;
   const Report kept_report = optimize(kept, options);
@@ -458,6 +465,37 @@ TEST(Optimize, InFixedModeNoSurfaceVertexMoves) {
   EXPECT_EQ(moved, 64U);
 }
 
+Point3 centroid(const TetMesh& mesh, std::size_t tet) {
+  Point3 sum{};
+  for (const Index v : mesh.tets[tet]) {
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += 0.25 * mesh.points[static_cast<std::size_t>(v)][k];
+  }
+  return sum;
+}
+
+TEST(Optimize, EachTetDescendsFromOneNearByOfItsRegion) {
+  for (const Effort effort : {Effort::standard, Effort::best}) {
+    const TetMesh before = test::scrambled(test::cube(10, 0.25), 2);
+    TetMesh regions = before;
+    for (std::size_t t = 0; t < before.tets.size(); ++t) regions.tet_tags[t] = centroid(before, t)[0] < 0.5 ? 3 : 4;
+    TetMesh after = regions;
+    Options options;
+    options.effort = effort;
+    const Report report = optimize(after, options);
+    ASSERT_EQ(report.tet2original.size(), after.tets.size());
+    double far = 0;
+    for (std::size_t t = 0; t < after.tets.size(); ++t) {
+      const auto original = static_cast<std::size_t>(report.tet2original[t]);
+      ASSERT_LT(original, before.tets.size());
+      ASSERT_EQ(after.tet_tags[t], regions.tet_tags[original]);
+      const Point3 a = centroid(after, t);
+      const Point3 b = centroid(before, original);
+      far += std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    }
+    EXPECT_LT(far / static_cast<double>(after.tets.size()), 0.1);  // the length of an edge of the lattice
+  }
+}
+
 TEST(Optimize, IsTheSameForAnyNumberOfThreads) {
   for (const Effort effort : {Effort::standard, Effort::best}) {
     const TetMesh before = effort == Effort::standard ? varied(4) : test::scrambled(test::cube(10, 0.25), 2);
@@ -470,10 +508,11 @@ TEST(Optimize, IsTheSameForAnyNumberOfThreads) {
     for (const int threads : {2, 3, 8}) {
       options.threads = threads;
       TetMesh many = before;
-      optimize(many, options);
+      const Report other = optimize(many, options);
       EXPECT_EQ(one.points, many.points);
       EXPECT_EQ(one.tets, many.tets);
       EXPECT_EQ(one.tet_tags, many.tet_tags);
+      EXPECT_EQ(report.tet2original, other.tet2original);
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include <ostream>
 #include <set>
+#include <string>
 
 #include "curved.hpp"
 #include "tetune/io.hpp"
@@ -94,7 +95,9 @@ TEST_P(SlideProperties, KeepTheSurfaceItsFeaturesAndTheTags) {
   double last = 1e300;
   Context context;
   context.progress = [&last](const Progress& p) {
-    EXPECT_LE(p.energy, last * (1 + 1e-12));
+    // Work on the few worst gives some of it back.
+    const bool on_all = std::string(p.phase) == "sweep" || std::string(p.phase) == "flips";
+    EXPECT_LE(p.energy, last * (on_all ? 1 + 1e-12 : 1.02));
     last = p.energy;
     return true;
   };

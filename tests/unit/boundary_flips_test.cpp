@@ -18,6 +18,7 @@ using par::Cpu;
 
 /// A mesh with its boundary, as load() finds it.
 struct Fixture {
+  TetMesh original;
   Cpu cpu;
   test::CpuMesh work;
   FlipState<Cpu> state;
@@ -27,9 +28,9 @@ struct Fixture {
 
   explicit Fixture(const TetMesh& mesh, const std::vector<Index>& frozen = {},
                    const std::vector<std::array<Index, 2>>& constrained = {}, int threads = 1)
-      : cpu(threads), work(test::to_work(mesh)) {
+      : original(mesh), cpu(threads), work(test::to_work(mesh)) {
     build_adjacency(cpu, work);
-    lock_interfaces(cpu, work);
+    test::lock_interfaces(cpu, work, mesh);
     std::vector<std::uint64_t> keys;
     std::vector<std::uint8_t> on_edge(mesh.points.size(), 0);
     for (const auto& e : constrained) {
@@ -66,32 +67,56 @@ struct Fixture {
     for (std::size_t v = 0; v < same.size(); ++v) same[v] = static_cast<Index>(v);
     return listed_after(mesh.triangles, boundary.triangles.download(), same);
   }
-  /// The boundary's faces, each turned as its tetrahedron has it and from its lowest vertex on.
+  /// The outer faces, each turned as its tetrahedron has it and from its lowest vertex on.
   std::set<std::array<Index, 3>> faces() {
     std::set<std::array<Index, 3>> all;
+    each_face([&](const std::array<Index, 3>& v, Link link) {
+      if (link == kNoLink) all.insert(from_lowest(v));
+    });
+    return all;
+  }
+  /// The faces that must stay inside, sorted.
+  std::set<std::array<Index, 3>> inner_faces() {
+    std::set<std::array<Index, 3>> all;
+    each_face([&](std::array<Index, 3> v, Link link) {
+      std::sort(v.begin(), v.end());
+      if (link != kNoLink && is_locked(link)) all.insert(v);
+    });
+    return all;
+  }
+  template <class Visit>
+  void each_face(const Visit& visit) {
     for (Size t = 0; t < work.slots(); ++t) {
       for (int f = 0; f < 4 && work.view().alive(t); ++f) {
-        if (work.view().tet2tet[t][f] != kNoLink) continue;
         std::array<Index, 3> v{};
         for (int k = 0; k < 3; ++k) v[static_cast<std::size_t>(k)] = work.view().tet2vertex[t][face_vertex(f, k)];
-        all.insert(from_lowest(v));
+        visit(v, work.view().tet2tet[t][f]);
       }
     }
-    return all;
   }
   static std::array<Index, 3> from_lowest(std::array<Index, 3> v) {
     std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
     return v;
   }
+  TetMesh result() { return test::from_work(work, original); }
   void expect_consistent() {
     EXPECT_EQ(test::check_links(work), "");
-    const ValidationReport report = validate(test::from_work(work));
+    const ValidationReport report = validate(result());
     EXPECT_TRUE(report.ok()) << report.message(false);
-    std::set<std::array<Index, 3>> triangles;
+    const auto inside = inner_faces();
+    std::set<std::array<Index, 3>> outer_triangles;
+    std::set<std::array<Index, 3>> inner_triangles;
     for (const BoundaryTriangle& t : boundary.triangles.download()) {
-      triangles.insert(from_lowest({t.v[0], t.v[1], t.v[2]}));
+      std::array<Index, 3> v{t.v[0], t.v[1], t.v[2]};
+      std::sort(v.begin(), v.end());
+      if (inside.count(v) == 1) {
+        inner_triangles.insert(v);
+      } else {
+        outer_triangles.insert(from_lowest({t.v[0], t.v[1], t.v[2]}));
+      }
     }
-    EXPECT_EQ(triangles, faces());
+    EXPECT_EQ(outer_triangles, faces());
+    EXPECT_EQ(inner_triangles, inside);
     EXPECT_NEAR(refresh_energy(cpu, work, state), energy, 1e-9 * energy);
   }
 };
@@ -114,18 +139,29 @@ TetMesh fan(int n, std::uint32_t seed, double height = 0) {
   return test::with_tags(m);
 }
 
-/// Plain oracle: the least energy over all triangulations of the polygon's places i..k.
-double least_energy(const TetMesh& m, int i, int k) {
+/// Plain oracle: the least energy over all triangulations of the places i..k of a polygon around the edge (0, 1).
+double least_energy(const TetMesh& m, const std::vector<Index>& polygon, std::size_t i, std::size_t k) {
   if (k == i + 1) return 0;
-  const auto p = [&m](int v) { return vec(m.points[static_cast<std::size_t>(v)]); };
+  const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
   double least = kNever;
-  for (int j = i + 1; j < k; ++j) {
-    const TetEnergy below = tet_energy(kHarmonicLaw, p(0), p(2 + i), p(2 + j), p(2 + k));
-    const TetEnergy above = tet_energy(kHarmonicLaw, p(1), p(2 + i), p(2 + k), p(2 + j));
+  for (std::size_t j = i + 1; j < k; ++j) {
+    const Vec3 r[3] = {p(polygon[i]), p(polygon[j]), p(polygon[k])};
+    const TetEnergy below = tet_energy(kHarmonicLaw, p(0), r[0], r[1], r[2]);
+    const TetEnergy above = tet_energy(kHarmonicLaw, p(1), r[0], r[2], r[1]);
     if (!below.certified || !above.certified) continue;
-    least = std::min(least, least_energy(m, i, j) + least_energy(m, j, k) + below.eta + above.eta);
+    least = std::min(least, least_energy(m, polygon, i, j) + least_energy(m, polygon, j, k) + below.eta + above.eta);
   }
   return least;
+}
+double least_energy(const TetMesh& m, const std::vector<Index>& polygon) {
+  return least_energy(m, polygon, 0, polygon.size() - 1);
+}
+
+/// The polygon of fan().
+std::vector<Index> fan_polygon(int n) {
+  std::vector<Index> polygon;
+  for (Index v = 2; v <= n + 2; ++v) polygon.push_back(v);
+  return polygon;
 }
 
 TEST(BoundaryFlip, FindsTheBestOfAllTriangulations) {
@@ -136,7 +172,7 @@ TEST(BoundaryFlip, FindsTheBestOfAllTriangulations) {
       const TetMesh m = fan(n, seed);
       if (!validate(m).ok()) continue;
       Fixture f(m);
-      const double best = least_energy(m, 0, n);
+      const double best = least_energy(m, fan_polygon(n));
       const bool expected = best < f.energy * (1 - kMinRelativeGain);
       const FlipReport r = f.pass();
       EXPECT_EQ(r.active, 1);
@@ -219,7 +255,7 @@ TEST(BoundaryFlip, LeavesWhatMustStay) {
   two.tet_tags = {5, 5};
   Fixture f(two);
   EXPECT_EQ(f.pass().flips(), 1);
-  EXPECT_EQ(test::from_work(f.work).tet_tags, (std::vector<int>{5, 5}));
+  EXPECT_EQ(f.result().tet_tags, (std::vector<int>{5, 5}));
 }
 
 TEST(BoundaryFlip, IsRefusedWhereTheQuadrangleIsNotConvex) {
@@ -257,13 +293,116 @@ TEST(BoundaryFlip, ListedTrianglesFollowAndTurnAsTheyDid) {
   }
 }
 
-/// Passes of both kinds on a cube whose vertices have moved within its sides.
-TEST(BoundaryFlip, PassesKeepAllConsistent) {
+/// fan() of n tetrahedra of region 1 above the plane, and one of `below` of region 2 under it about the same edge.
+TetMesh two_fans(int n, int below, std::uint32_t seed) {
+  TetMesh m = fan(n, seed);
+  const TetMesh other = fan(below, seed + 1000);
+  std::vector<Index> polygon{static_cast<Index>(n + 2)};
+  for (std::size_t i = 1; i < static_cast<std::size_t>(below); ++i) {
+    const Point3& p = other.points[2 + i];
+    polygon.push_back(static_cast<Index>(m.points.size()));
+    m.points.push_back({-p[0], p[1], -p[2]});
+  }
+  polygon.push_back(2);
+  m.tet_tags.assign(m.tets.size(), 1);
+  for (std::size_t i = 0; i + 1 < polygon.size(); ++i) {
+    m.tets.push_back({0, polygon[i], polygon[i + 1], 1});
+    m.tet_tags.push_back(2);
+  }
+  return test::with_tags(m);
+}
+std::vector<Index> polygon_below(int n, int below) {
+  std::vector<Index> polygon{static_cast<Index>(n + 2)};
+  for (Index v = 0; v + 1 < below; ++v) polygon.push_back(static_cast<Index>(n + 3 + v));
+  polygon.push_back(2);
+  return polygon;
+}
+
+TEST(BoundaryFlip, FindsTheBestOnBothSidesOfAnInterface) {
+  for (const auto& [n, below] : {std::pair{2, 2}, {2, 3}, {4, 2}, {3, 5}, {6, 6}}) {
+    int flipped = 0;
+    int left = 0;
+    int losing_side = 0;
+    for (std::uint32_t seed = 1; seed <= 600; ++seed) {
+      const TetMesh m = two_fans(n, below, seed);
+      if (!validate(m).ok()) continue;
+      Fixture f(m);
+      const double above = least_energy(m, fan_polygon(n));
+      const double best = above + least_energy(m, polygon_below(n, below));
+      const bool expected = best < f.energy * (1 - kMinRelativeGain);
+      const FlipReport r = f.pass();
+      EXPECT_EQ(r.active, 1);
+      EXPECT_EQ(r.boundary_flips, expected ? 1 : 0);
+      ++(expected ? flipped : left);
+      if (!expected) continue;
+      double above_before = 0;
+      for (int t = 0; t < n; ++t) above_before += Fixture(m).state.eta.span()[t];
+      losing_side += above > above_before || best - above > f.energy - above_before ? 1 : 0;
+      EXPECT_NEAR(r.decrease, f.energy - best, 1e-12 * f.energy);
+      EXPECT_EQ(f.work.tets(), 2 * (n - 1) + 2 * (below - 1));
+      f.energy -= r.decrease;
+      f.expect_consistent();
+      const TetMesh after = f.result();
+      EXPECT_EQ(std::count(after.tet_tags.begin(), after.tet_tags.end(), 1), 2 * (n - 1));
+      EXPECT_EQ(f.pass().flips(), 0);
+    }
+    EXPECT_GT(flipped, 10) << n << below;
+    EXPECT_GT(left, n + below == 4 ? -1 : 50) << n << below;
+    if (n == 2 && below == 3) {
+      EXPECT_GT(losing_side, 0);
+    }
+  }
+}
+
+TEST(BoundaryFlip, TrianglesOfAnInterfaceTurnAsTheyDid) {
+  std::uint32_t seed = 1;
+  while (seed < 1000 && (!validate(two_fans(2, 2, seed)).ok() || Fixture(two_fans(2, 2, seed)).pass().flips() == 0))
+    ++seed;
+  for (const bool turned : {false, true}) {
+    TetMesh m = two_fans(2, 2, seed);
+    m.triangles = {{0, 1, 2}, {0, 1, 4}};  // they turn in opposite senses
+    if (turned) std::swap(m.triangles[0], m.triangles[1]);
+    m.triangle_tags = {7, 7};
+    Fixture f(m);
+    EXPECT_EQ(f.listed_now(m), m.triangles);
+    EXPECT_EQ(f.pass().flips(), 1);
+    const auto listed = f.listed_now(m);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto normal = [&m](const std::array<Index, 3>& t) {
+        const auto p = [&](std::size_t k) { return vec(m.points[static_cast<std::size_t>(t[k])]); };
+        return cross(p(1) - p(0), p(2) - p(0)).z;
+      };
+      EXPECT_GT(normal(listed[i]) * normal(m.triangles[i]), 0);
+      std::array<Index, 3> sorted = listed[i];
+      std::sort(sorted.begin(), sorted.end());
+      EXPECT_EQ(f.inner_faces().count(sorted), 1U);
+    }
+  }
+}
+
+TEST(BoundaryFlip, LeavesAnInterfaceAloneWhereItsTagsDiffer) {
+  std::uint32_t seed = 1;
+  while (seed < 1000 && (!validate(two_fans(2, 2, seed)).ok() || Fixture(two_fans(2, 2, seed)).pass().flips() == 0))
+    ++seed;
+  TetMesh m = two_fans(2, 2, seed);
+  m.triangles = {{0, 1, 2}, {0, 1, 4}};
+  m.triangle_tags = {7, 8};
+  EXPECT_EQ(Fixture(m).pass().flips(), 0);
+  m.triangle_tags = {7, 7};
+  EXPECT_EQ(Fixture(m).pass().flips(), 1);
+  EXPECT_EQ(Fixture(m, {0, 1, 2}).pass().flips(), 0);
+  EXPECT_EQ(Fixture(m, {}, {{0, 1}}).pass().flips(), 0);
+  m.tet_tags[1] = 3;  // a third region
+  EXPECT_EQ(Fixture(m).pass().flips(), 0);
+}
+
+/// Passes of both kinds on a mesh whose vertices have moved within its sides, for several numbers of threads.
+void check_passes(const TetMesh& mesh) {
   std::set<std::vector<std::array<Index, 4>>> results;
   for (const int threads : {1, 2, 3}) {
-    Fixture f(test::sheared(test::scrambled(test::cube(12, 0.2, 3), 3, 3), 1.2), {}, {}, threads);
+    Fixture f(mesh, {}, {}, threads);
     Size flips = 0;
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < 5; ++round) {
       const FlipReport r = f.pass();
       flips += r.flips();
       f.energy -= r.decrease;
@@ -280,9 +419,23 @@ TEST(BoundaryFlip, PassesKeepAllConsistent) {
     // What flips made was looked at.
     activate_all(f.cpu, f.work, f.state);
     EXPECT_EQ(flip_pass(f.cpu, f.work, f.state, {}).flips(), 0);
-    results.insert(test::from_work(f.work).tets);
+    results.insert(f.result().tets);
   }
   EXPECT_EQ(results.size(), 1U);
+}
+
+TEST(BoundaryFlip, PassesKeepAllConsistent) {
+  check_passes(test::sheared(test::scrambled(test::cube(12, 0.2, 3), 3, 3), 1.2));
+}
+
+TEST(BoundaryFlip, PassesKeepInterfacesConsistent) {
+  const TetMesh mesh = test::sheared(test::two_materials(12, 0.2), 1.2);
+  const auto before = Fixture(mesh).inner_faces();
+  Fixture f(mesh);
+  f.pass();
+  EXPECT_NE(f.inner_faces(), before);
+  EXPECT_EQ(f.inner_faces().size(), before.size());
+  check_passes(mesh);
 }
 
 }  // namespace

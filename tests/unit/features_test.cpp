@@ -42,7 +42,7 @@ struct Sliding {
   explicit Sliding(const TetMesh& mesh, double feature_angle) : work(test::to_work(mesh)) {
     const par::Cpu cpu(1);
     build_adjacency(cpu, work);
-    lock_interfaces(cpu, work);
+    test::lock_interfaces(cpu, work, mesh);
     const ListedTriangles listed{};
     par::Cpu::Buffer<Listed> state;
     build_surface(cpu, work, listed, state, surface);

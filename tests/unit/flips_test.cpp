@@ -5,47 +5,18 @@
 #include <random>
 #include <set>
 
-#include "flips/flip_pass.hpp"
+#include "flip_fixture.hpp"
 #include "flips/least_after.hpp"
 #include "flips/triangulate.hpp"
 #include "meshes.hpp"
-#include "tetune/validate.hpp"
-#include "work.hpp"
 
 namespace tetune {
 namespace {
 
 using par::Cpu;
-
-struct Fixture {
-  test::CpuMesh work;
-  FlipState<Cpu> state;
-  Cpu cpu{1};
-  double energy = 0;
-  explicit Fixture(const TetMesh& mesh, const std::vector<std::array<Index, 2>>& constrained = {})
-      : work(test::to_work(mesh)) {
-    build_adjacency(cpu, work);
-    lock_interfaces(cpu, work);
-    std::vector<std::uint64_t> keys;
-    std::vector<std::uint8_t> on_vertex(mesh.points.size(), 0);
-    for (const auto& e : constrained) {
-      keys.push_back(ConstrainedEdges::edge_key(e[0], e[1]));
-      for (const Index v : e) on_vertex[static_cast<std::size_t>(v)] = 1;
-    }
-    std::sort(keys.begin(), keys.end());
-    state.constrained_keys.upload(keys);
-    state.constrained_vertex.upload(on_vertex);
-    energy = refresh_energy(cpu, work, state);
-    activate_all(cpu, work, state);
-  }
-  FlipReport pass() { return flip_pass(cpu, work, state, {}); }
-  void expect_consistent() {
-    EXPECT_EQ(test::check_links(work), "");
-    const TetMesh mesh = test::from_work(work);
-    const ValidationReport report = validate(mesh);
-    EXPECT_TRUE(report.ok()) << report.message(false);
-  }
-};
+using test::locked_faces;
+using test::region_volumes;
+using Fixture = test::FlipFixture;
 
 TEST(Flip, TwoFlatTetsBecomeThreeAroundTheNewEdge) {
   Fixture f(test::two_tets(0.3));
@@ -206,7 +177,7 @@ TEST(EdgeRemoval, NeverCrossesAnInterfaceNorTakesAConstrainedEdge) {
   m.tet_tags = {7, 7, 7, 7, 7};
   Fixture f(m);
   EXPECT_EQ(f.pass().edge_removals, 1);
-  EXPECT_EQ(test::from_work(f.work).tet_tags, std::vector<int>(6, 7));
+  EXPECT_EQ(f.result().tet_tags, std::vector<int>(6, 7));
 }
 
 TEST(LeastAfter, IsBelowWhatAnyRingLeaves) {
@@ -292,32 +263,6 @@ TEST(Flip, RefusesMoreSlotsThanThereAreIds) {
   EXPECT_THROW(check_slots(kMaxSlots + 1), MeshError);
 }
 
-/// The locked faces of a mesh, by their vertices.
-std::set<std::array<Index, 3>> locked_faces(test::CpuMesh& work) {
-  std::set<std::array<Index, 3>> faces;
-  const MeshView view = work.view();
-  for (Size t = 0; t < work.slots(); ++t) {
-    for (int f = 0; f < 4 && view.alive(t); ++f) {
-      if (!is_locked(view.tet2tet[t][f])) continue;
-      std::array<Index, 3> face{};
-      for (int k = 0; k < 3; ++k) face[static_cast<std::size_t>(k)] = view.tet2vertex[t][face_vertex(f, k)];
-      std::sort(face.begin(), face.end());
-      faces.insert(face);
-    }
-  }
-  return faces;
-}
-
-/// Volume of each region, of a mesh whose tags are 0, 1 and 2.
-std::array<double, 3> region_volumes(const TetMesh& m) {
-  std::array<double, 3> volumes{};
-  for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    const auto p = [&](std::size_t k) { return vec(m.points[static_cast<std::size_t>(m.tets[t][k])]); };
-    volumes[static_cast<std::size_t>(m.tet_tags[t])] += orient(p(0), p(1), p(2), p(3)).det / 6;
-  }
-  return volumes;
-}
-
 TEST(FlipPass, KeepsAllThatItMustOnScrambledCubes) {
   Size flips23 = 0;
   Size removals = 0;
@@ -327,7 +272,7 @@ TEST(FlipPass, KeepsAllThatItMustOnScrambledCubes) {
     Fixture f(test::sheared(test::scrambled(two ? test::two_materials(6, 0.15) : test::cube(6, 0.2, seed), 3, seed),
                             seed % 2 == 0 ? 2.5 : 0));
     const auto locked = locked_faces(f.work);
-    const auto volumes = region_volumes(test::from_work(f.work));
+    const auto volumes = region_volumes(f.result());
     double energy = f.energy;
     Size flips = 0;
     for (int pass = 0; pass < 50; ++pass) {
@@ -338,12 +283,12 @@ TEST(FlipPass, KeepsAllThatItMustOnScrambledCubes) {
       flips23 += r.flips23;
       removals += r.edge_removals;
       f.expect_consistent();
-      EXPECT_EQ(f.work.tets(), static_cast<Size>(test::from_work(f.work).tets.size()));
+      EXPECT_EQ(f.work.tets(), static_cast<Size>(f.result().tets.size()));
       EXPECT_GE(f.work.tets(), tets + r.flips23 - r.flips32);
       EXPECT_LE(f.work.tets(), tets + r.flips23 - r.flips32 + kMaxExtra * r.edge_removals);
       EXPECT_NEAR(refresh_energy(f.cpu, f.work, f.state), energy, 1e-9 * energy);
       EXPECT_EQ(locked_faces(f.work), locked);
-      const auto now = region_volumes(test::from_work(f.work));
+      const auto now = region_volumes(f.result());
       for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(now[k], volumes[k], 1e-12);
       if (r.flips() == 0) break;
       EXPECT_GT(r.decrease, 0);
@@ -367,7 +312,7 @@ TEST(FlipPass, IsTheSameForAnyNumberOfThreads) {
     many.cpu = Cpu(threads);
     while (many.pass().flips() > 0) {
     }
-    EXPECT_EQ(test::from_work(one.work).tets, test::from_work(many.work).tets);
+    EXPECT_EQ(one.result().tets, many.result().tets);
     EXPECT_EQ(one.state.slack.download(), many.state.slack.download());
   }
 }

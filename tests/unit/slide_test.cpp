@@ -265,7 +265,7 @@ TEST(Advance, EndsInsideOnAnEdgeOrOnAVertex) {
   TinySurface s = height_field(3, flat);
   std::fill(s.kind.begin(), s.kind.end(), Mobility::surface);
   const ReferenceView ref = s.view();
-  const Primitive primitive{{SiteKind::triangle, 0}, {Mobility::plane, {0, 0, 1}}, {}};
+  const Primitive primitive{{SiteKind::triangle, 0}, {Mobility::plane, {0, 0, 1}}, {}, {ref, 0}};
   const Site inside{SiteKind::triangle, 0};
   const Vec3 y{0.2, 0.1, 0};  // of the triangle (0, 0), (1/3, 0), (1/3, 1/3)
   const auto move = [&](const Vec3& p, double t) {

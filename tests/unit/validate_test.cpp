@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/validate_arrays.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -52,6 +53,17 @@ TEST(Validate, InvertedAndFlat) {
   TetMesh inverted = test::one_tet();
   inverted.points[3] = {0.25, 0.25, -1};
   expect_refused(inverted, Defect::inverted_tet, 1, {0});
+}
+
+TEST(Validate, RefusesMoreThanIdsCanNumber) {
+  EXPECT_TRUE(validate_counts({kMaxEntries, kMaxTets, kMaxEntries, kMaxEntries, kMaxEntries}).ok());
+  // 600 million tetrahedra have 2.4e9 corners.
+  const ValidationReport many = validate_counts({5'000'000'000, 600'000'000, 2'400'000'000, 1ULL << 31, 1ULL << 32});
+  ASSERT_EQ(many.findings.size(), 5U);
+  for (const Finding& f : many.findings) EXPECT_EQ(f.defect, Defect::bad_array_length);
+  EXPECT_EQ(many.findings[0].count, 5'000'000'000);
+  EXPECT_NE(many.message(true).find("tetrahedra (there can be 400000000): 600000000"), std::string::npos)
+      << many.message(true);
 }
 
 TEST(Validate, DecidesByExactArithmetic) {
@@ -129,16 +141,55 @@ TEST(Validate, ShowsTheFirstFewOnly) {
   EXPECT_NE(report.message(true).find("counted from 1: 1, 2, 3, 4, 5"), std::string::npos) << report.message(true);
 }
 
-TEST(OrientUniformly, TurnsOnlyWhatIsWhollyInsideOut) {
+void turn(TetMesh& m, std::size_t tet) { std::swap(m.tets[tet][2], m.tets[tet][3]); }
+
+TEST(OrientUniformly, TurnsAllThatIsInsideOut) {
   TetMesh m = test::cube(2);
   const auto good = m.tets;
-  EXPECT_FALSE(orient_uniformly(m));
-  for (auto& t : m.tets) std::swap(t[2], t[3]);
-  EXPECT_TRUE(orient_uniformly(m));
+  EXPECT_EQ(orient_uniformly(m), 0);
+  for (std::size_t t = 0; t < m.tets.size(); ++t) turn(m, t);
+  EXPECT_EQ(orient_uniformly(m), static_cast<std::int64_t>(m.tets.size()));
   EXPECT_EQ(m.tets, good);
   EXPECT_TRUE(m.listed_inside_out);
-  std::swap(m.tets[0][2], m.tets[0][3]);
-  EXPECT_FALSE(orient_uniformly(m));
+}
+
+TEST(OrientUniformly, TurnsThoseThatDisagreeWithTheirNeighbours) {
+  TetMesh m = test::cube(4, 0.2);
+  const auto good = m.tets;
+  for (std::size_t t = 0; t < m.tets.size(); t += 3) turn(m, t);
+  EXPECT_EQ(validate(m).ok(), false);
+  EXPECT_EQ(orient_uniformly(m), static_cast<std::int64_t>((good.size() + 2) / 3));
+  EXPECT_EQ(m.tets, good);
+  EXPECT_FALSE(m.listed_inside_out);
+}
+
+TEST(OrientUniformly, TurnsAPartThatIsInsideOut) {
+  TetMesh m = test::cube(2);
+  const auto one = static_cast<Index>(m.points.size());
+  const std::size_t tets = m.tets.size();
+  for (Index v = 0; v < one; ++v) {
+    const Point3& p = m.points[static_cast<std::size_t>(v)];
+    m.points.push_back({p[0] + 2, p[1], p[2]});
+  }
+  for (std::size_t t = 0; t < tets; ++t) {
+    auto tet = m.tets[t];
+    for (Index& v : tet) v += one;
+    m.tets.push_back(tet);
+  }
+  m = test::with_tags(m);
+  const auto good = m.tets;
+  for (std::size_t t = tets; t < 2 * tets; ++t) turn(m, t);
+  EXPECT_EQ(orient_uniformly(m), static_cast<std::int64_t>(tets));
+  EXPECT_EQ(m.tets, good);
+}
+
+TEST(OrientUniformly, LeavesWhatIsInvertedBesideNeighboursThatAgree) {
+  TetMesh m = test::cube(4);
+  m.points[62] = {2, 2, 2};  // the middle one, put far outside
+  const auto tangled = m.tets;
+  ASSERT_FALSE(validate(m).ok());
+  EXPECT_EQ(orient_uniformly(m), 0);
+  EXPECT_EQ(m.tets, tangled);
 }
 
 }  // namespace

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aliases.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "definitions.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune::cli {
+namespace {
+
+struct Alias {
+  const char* name;
+  const char* value;  ///< what follows it, for the manual
+  std::vector<std::string> ours;
+};
+
+const std::vector<Alias>& aliases() {
+  static const std::vector<Alias> list{
+      {"-ar", " A", {"--feature-angle"}},
+      {"-nr", "", {"--feature-angle", "180"}},
+      {"-hausd", " D", {"--max-deviation"}},
+      {"-nosurf", "", {"--boundary", "fixed"}},
+      {"-noswap", "", {"--no-flips"}},
+      {"-nomove", "", {"--max-iterations", "0"}},
+      {"-noinsert", "", {"--keep-vertices"}},
+      {"-opnbdy", "", {"--open-boundaries"}},
+      {"-nt", " N", {"--threads"}},
+      {"-val", "", {"--print-options"}},
+      {"-out", " FILE", {"--output"}},
+      {"-in", " FILE", {}},
+      {"-optim", "", {}},
+  };
+  return list;
+}
+
+/// Mmg's that change sizes or shape.
+constexpr const char* kSizes[] = {"-hmax", "-hmin",     "-hsiz", "-hgrad", "-hgradreq", "-sol",
+                                  "-met",  "-optimLES", "-A",    "-ls",    "-lssurf",   "-nosizreq"};
+
+bool is_integer(const std::string& word) {
+  const std::size_t sign = !word.empty() && word[0] == '-' ? 1 : 0;
+  return word.size() > sign && std::all_of(word.begin() + static_cast<std::ptrdiff_t>(sign), word.end(),
+                                           [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/// "-effort=best" as "--effort=best", where there is such an option.
+std::string with_two_dashes(const CLI::App& command, const std::string& word) {
+  if (word.size() < 3 || word[0] != '-' || std::isalpha(static_cast<unsigned char>(word[1])) == 0) return word;
+  const std::string longer = "-" + word;
+  return command.get_option_no_throw(longer.substr(0, longer.find('='))) != nullptr ? longer : word;
+}
+
+}  // namespace
+
+std::vector<std::string> without_aliases(const CLI::App& app, int argc, const char* const* argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const std::vector<const CLI::App*> commands = commands_of(app);
+  const auto at = std::find_if(commands.begin(), commands.end(),
+                               [&](const CLI::App* c) { return !words.empty() && words[0] == c->get_name(); });
+  if (at == commands.end()) return words;
+  const CLI::App* command = *at;
+  std::vector<std::string> ours{words[0]};
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (words[0] == "optimize") {
+      const auto known =
+          std::find_if(aliases().begin(), aliases().end(), [&](const Alias& a) { return word == a.name; });
+      if (known != aliases().end()) {
+        ours.insert(ours.end(), known->ours.begin(), known->ours.end());
+        continue;
+      }
+      if (std::find(std::begin(kSizes), std::end(kSizes), word) != std::end(kSizes)) {
+        throw OptionError(word +
+                          ": tetune keeps the sizes of the elements that it is given, and has no control of sizes, "
+                          "metrics or level sets; drop the option, or have Mmg make the sizes first");
+      }
+    }
+    ours.push_back(with_two_dashes(*command, word));
+    if (ours.back().size() > 2 && ours.back().starts_with("-h")) {
+      throw OptionError(word + ": there is no such option; see tetune " + words[0] + " --help");
+    }
+    // Mmg's -v alone.
+    if (word == "-v" && (i + 1 == words.size() || !is_integer(words[i + 1]))) ours.emplace_back("5");
+  }
+  return ours;
+}
+
+std::vector<std::pair<std::string, std::string>> alias_table() {
+  std::vector<std::pair<std::string, std::string>> table;
+  for (const Alias& a : aliases()) {
+    std::string text;
+    for (const std::string& word : a.ours) text += (text.empty() ? "" : " ") + word;
+    table.emplace_back(std::string(a.name) + a.value, (text.empty() ? "nothing: so it is anyway" : text + a.value));
+  }
+  return table;
+}
+
+}  // namespace tetune::cli

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Completion for shells, from the definitions of the options.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.hpp"
+#include "definitions.hpp"
+
+namespace tetune::cli {
+namespace {
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+    text.replace(at, what.size(), by);
+  }
+  return text;
+}
+
+/// Within single quotes of a shell.
+std::string in_quotes(const std::string& text) { return "'" + replaced(text, "'", R"('\'')") + "'"; }
+
+/// Up to where the first clause ends.
+std::string short_text(const std::string& text) { return text.substr(0, text.find_first_of(".;:")); }
+
+std::string names_of(const CLI::App& app) {
+  std::string names;
+  for (const CLI::App* c : commands_of(app)) names += (names.empty() ? "" : " ") + c->get_name();
+  return names;
+}
+
+std::string bash(const CLI::App& app) {
+  std::string text = fmt::format(
+      "# bash completion of tetune; made by: tetune completion bash\n"
+      "_tetune() {{\n"
+      "  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} choices=\n"
+      "  COMPREPLY=()\n"
+      "  if [[ $COMP_CWORD -eq 1 ]]; then\n"
+      "    COMPREPLY=($(compgen -W '{} --help --version' -- \"$word\"))\n"
+      "    return\n"
+      "  fi\n"
+      "  case ${{COMP_WORDS[1]}} in\n",
+      names_of(app));
+  for (const CLI::App* c : commands_of(app)) {
+    std::string all, values;
+    std::string positional;
+    for (const CLI::Option* o : c->get_options()) {
+      const std::vector<std::string> choices = choices_of(*o);
+      if (is_positional(*o)) {
+        positional = CLI::detail::join(choices, " ");
+        continue;
+      }
+      const std::vector<std::string> names = cli::names_of(*o);
+      all += (all.empty() ? "" : " ") + CLI::detail::join(names, " ");
+      if (!choices.empty()) {
+        values += fmt::format("        {}) choices='{}' ;;\n", CLI::detail::join(names, "|"),
+                              CLI::detail::join(choices, " "));
+      }
+    }
+    text += fmt::format(
+        "    {})\n      case $before in\n{}        *) [[ $word == -* ]] && choices='{}'{} ;;\n      esac ;;\n",
+        c->get_name(), values, all, positional.empty() ? "" : fmt::format(" || choices='{}'", positional));
+  }
+  return text +
+         "  esac\n"
+         "  if [[ -n $choices ]]; then\n"
+         "    COMPREPLY=($(compgen -W \"$choices\" -- \"$word\"))\n"
+         "  else\n"
+         "    COMPREPLY=($(compgen -f -- \"$word\"))\n"
+         "  fi\n"
+         "}\n"
+         "complete -o filenames -F _tetune tetune\n";
+}
+
+std::string zsh(const CLI::App& app) {
+  std::string commands, cases;
+  const auto plain = [](const std::string& text) { return replaced(replaced(text, "[", "("), "]", ")"); };
+  for (const CLI::App* c : commands_of(app)) {
+    commands += fmt::format("    {}\n", in_quotes(c->get_name() + ":" + short_text(c->get_description())));
+    cases += fmt::format("    {})\n      _arguments", c->get_name());
+    for (const CLI::Option* o : c->get_options()) {
+      const std::vector<std::string> choices = choices_of(*o);
+      const std::string action = choices.empty() ? "_files" : "(" + CLI::detail::join(choices, " ") + ")";
+      if (is_positional(*o)) {
+        cases += " \\\n        " + in_quotes("*:" + o->get_name() + ":" + action);
+        continue;
+      }
+      for (const std::string& name : cli::names_of(*o)) {
+        std::string spec = "*" + name + "[" + plain(replaced(short_text(o->get_description()), ":", "")) + "]";
+        if (takes_value(*o)) spec += ":value:" + action;
+        cases += " \\\n        " + in_quotes(spec);
+      }
+    }
+    cases += " ;;\n";
+  }
+  return "#compdef tetune\n# made by: tetune completion zsh\n"
+         "_tetune() {\n"
+         "  local -a commands=(\n" +
+         commands +
+         "  )\n"
+         "  if (( CURRENT == 2 )); then\n"
+         "    _describe command commands\n"
+         "    return\n"
+         "  fi\n"
+         "  local command=$words[2]\n"
+         "  shift words\n"
+         "  (( CURRENT-- ))\n"
+         "  case $command in\n" +
+         cases +
+         "  esac\n"
+         "}\n"
+         "if [[ $funcstack[1] == _tetune ]]; then _tetune \"$@\"; else compdef _tetune tetune; fi\n";
+}
+
+std::string fish(const CLI::App& app) {
+  std::string text = "# made by: tetune completion fish\n";
+  for (const CLI::App* c : commands_of(app)) {
+    text += fmt::format("complete -c tetune -n __fish_use_subcommand -f -a {} -d {}\n", c->get_name(),
+                        in_quotes(short_text(c->get_description())));
+  }
+  for (const CLI::App* c : commands_of(app)) {
+    const std::string when = fmt::format("complete -c tetune -n '__fish_seen_subcommand_from {}'", c->get_name());
+    for (const CLI::Option* o : c->get_options()) {
+      const std::vector<std::string> choices = choices_of(*o);
+      const std::string values = choices.empty() ? "" : " -f -a " + in_quotes(CLI::detail::join(choices, " "));
+      if (is_positional(*o)) {
+        if (!choices.empty()) text += when + values + "\n";
+        continue;
+      }
+      text += when;
+      for (const std::string& name : o->get_snames()) text += " -s " + name;
+      for (const std::string& name : o->get_lnames()) text += " -l " + name;
+      if (takes_value(*o)) text += " -r" + values;
+      text += " -d " + in_quotes(short_text(o->get_description())) + "\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+void add_completion(CLI::App& app) {
+  CLI::App* c = app.add_subcommand("completion", "Print the completion script for a shell.");
+  auto shell = std::make_shared<std::string>();
+  c->add_option("shell", *shell, "bash, zsh or fish; README says where the script goes")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}))
+      ->option_text("bash|zsh|fish");
+  c->callback([&app, shell] {
+    fmt::print("{}", *shell == "bash" ? bash(app) : *shell == "zsh" ? zsh(app) : fish(app));
+  });
+}
+
+}  // namespace tetune::cli

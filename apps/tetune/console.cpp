@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "console.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace tetune::cli {
+
+using Json = nlohmann::ordered_json;
+
+void say(std::FILE* stream, std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stream);
+  std::fflush(stream);
+}
+
+Console::Console(ProgressMode mode, int verbosity, std::FILE* tables)
+    : json_(mode == ProgressMode::json),
+      line_(mode == ProgressMode::automatic && verbosity > 0 && isatty(STDERR_FILENO) == 1),
+      verbosity_(verbosity),
+      tables_(tables) {}
+
+void Console::print(const std::string& text) {
+  clear();
+  if (verbosity_ > 0 && tables_ != nullptr) say(tables_, text);
+}
+
+void Console::warn(const std::string& text) {
+  if (verbosity_ > 0 || json_) message("warning", text);
+}
+
+void Console::error(const std::string& text) { message("error", text); }
+
+void Console::message(const char* kind, const std::string& text) {
+  clear();
+  if (json_) {
+    event({{"event", kind}, {"text", text}});
+  } else {
+    say(stderr, fmt::format("tetune: {}{}\n", std::string_view(kind) == "warning" ? "warning: " : "", text));
+  }
+}
+
+void Console::event(const Json& event) {
+  // File names may hold any bytes.
+  if (json_) say(stderr, event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void Console::phase(const char* what) {
+  event({{"event", "phase"}, {"phase", what}});
+  if (line_) say(stderr, fmt::format("\r\033[K{} ...", what));
+}
+
+void Console::update(const Progress& p) {
+  if (json_) {
+    Json json = {{"event", "progress"},
+                 {"phase", p.phase},
+                 {"fraction", p.fraction},
+                 {"seconds", p.seconds},
+                 {"seconds_left", nullptr},
+                 {"iteration", p.iteration},
+                 {"energy", p.energy},
+                 {"energy_before", p.energy_before},
+                 {"worst_angle_deg", p.worst_angle}};
+    if (p.seconds_left >= 0) json["seconds_left"] = p.seconds_left;
+    event(json);
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (!line_ || now - last_ < std::chrono::milliseconds(50)) return;
+  last_ = now;
+  const double fall = p.energy_before > 0 ? 100 * (1 - p.energy / p.energy_before) : 0;
+  say(stderr, fmt::format("\r\033[K{:>3.0f} %  {:<6} after {:>2} sweeps  energy -{:.2f} %  worst angle {:.2f} deg{}",
+                          100 * p.fraction, p.phase, p.iteration, fall, p.worst_angle,
+                          p.seconds_left < 0 ? "" : fmt::format("  {:.0f} s left", p.seconds_left)));
+}
+
+void Console::clear() {
+  if (line_) say(stderr, "\r\033[K");
+}
+
+}  // namespace tetune::cli

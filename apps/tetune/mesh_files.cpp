@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_files.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <map>
+
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+
+namespace tetune::cli {
+namespace {
+
+constexpr const char* kPlace = "{}";
+
+std::string read_pipe() {
+  std::string bytes;
+  std::size_t size = 0;
+  for (;;) {
+    if (bytes.size() - size < (1U << 16)) bytes.resize(std::max<std::size_t>(1U << 20, 2 * bytes.size()));
+    const ssize_t got = ::read(STDIN_FILENO, bytes.data() + size, bytes.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw FileError(std::string("standard input: cannot read: ") + std::strerror(errno));
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+/// The same for all names of one file.
+std::string identity(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::absolute(path, error);
+  const std::filesystem::path same = error ? whole : std::filesystem::weakly_canonical(whole, error);
+  return error ? path : same.string();
+}
+
+std::string fill_in(const std::string& option, const std::string& pattern, const std::string& input, bool several) {
+  const std::size_t at = pattern.find(kPlace);
+  if (pattern.empty() || (at == std::string::npos && !several)) return pattern;
+  if (at == std::string::npos) {
+    throw OptionError(
+        fmt::format("{} {}: there are several meshes; put {{}} in the name, for that of each mesh", option, pattern));
+  }
+  if (input == kPipe) {
+    throw OptionError(fmt::format("{} {}: the standard input has no name to put in; give one", option, pattern));
+  }
+  return pattern.substr(0, at) + std::filesystem::path(input).stem().string() +
+         pattern.substr(at + std::strlen(kPlace));
+}
+
+std::string output_of(const std::string& pattern, const std::string& input, bool several) {
+  std::error_code ignored;
+  const bool folder = pattern.ends_with('/') || std::filesystem::is_directory(pattern, ignored);
+  if (folder) {
+    if (input == kPipe) {
+      throw OptionError(
+          fmt::format("--output {}: the standard input has no name to use in a folder; give one", pattern));
+    }
+    return (std::filesystem::path(pattern) / std::filesystem::path(input).filename()).string();
+  }
+  if (several && !pattern.empty() && pattern.find(kPlace) == std::string::npos) {
+    throw OptionError(
+        fmt::format("--output {}: there are several meshes; give a folder (with / at its end), or a name with {{}} "
+                    "in it for that of each mesh",
+                    pattern));
+  }
+  return fill_in("--output", pattern, input, several);
+}
+
+}  // namespace
+
+Input read_input(const std::string& path, int threads) {
+  Input input;
+  const std::string bytes = path == kPipe ? read_pipe() : "";
+  const auto start = std::chrono::steady_clock::now();
+  if (path == kPipe) {
+    input.mesh = parse_mesh(shown_name(path, false), bytes, &input.warnings, threads);
+    input.binary = bytes.compare(0, 4, "Mesh") != 0;
+  } else {
+    input.mesh = read_mesh(path, &input.warnings, threads);
+    input.binary = std::filesystem::path(path).extension() == ".meshb";
+  }
+  input.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return input;
+}
+
+std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads) {
+  std::vector<std::string> warnings;
+  if (path == kPipe) {
+    write_mesh(STDOUT_FILENO, shown_name(path, true), binary, mesh, threads, &warnings);
+  } else {
+    write_mesh(path, mesh, threads, &warnings);
+  }
+  return warnings;
+}
+
+std::string shown_name(const std::string& path, bool output) {
+  return path != kPipe ? path : output ? "standard output" : "standard input";
+}
+
+std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern) {
+  const bool several = inputs.size() > 1;
+  std::vector<Job> jobs;
+  std::map<std::string, std::string> read, written;  // which input a file belongs to
+  for (const std::string& input : inputs) {
+    if (input == kPipe && several) throw OptionError("the standard input (-) cannot be one of several meshes");
+    if (!read.emplace(identity(input), input).second) throw OptionError(input + ": this mesh is named twice");
+  }
+  for (const std::string& input : inputs) {
+    const Job job{input, output_of(pattern.output, input, several), fill_in("--report", pattern.report, input, several),
+                  fill_in("--trace", pattern.trace, input, several), fill_in("--map", pattern.map, input, several)};
+    for (const std::string* path : {&job.output, &job.report, &job.trace, &job.map}) {
+      if (path->empty() || *path == kPipe) continue;
+      const std::string same = identity(*path);
+      const auto [other, first] = written.emplace(same, input);
+      if (!first) {
+        throw OptionError(
+            fmt::format("{} would be written {}; give another name", *path,
+                        other->second == input ? "twice" : fmt::format("for {} and for {}", other->second, input)));
+      }
+      const auto source = read.find(same);
+      if (source != read.end() && (source->second != input || path != &job.output)) {
+        throw OptionError(
+            fmt::format("{} would be written for {}, but is read as well; give another name", *path, input));
+      }
+    }
+    jobs.push_back(job);
+  }
+  return jobs;
+}
+
+}  // namespace tetune::cli

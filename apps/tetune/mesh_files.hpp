@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tetune/mesh.hpp"
+
+namespace tetune::cli {
+
+/// The name that stands for standard input and output.
+inline constexpr const char* kPipe = "-";
+
+/// A mesh as it was read.
+struct Input {
+  TetMesh mesh;
+  std::vector<std::string> warnings;
+  bool binary = false;  ///< MEDIT binary
+  double seconds = 0;   ///< that reading took, without waiting for a pipe
+};
+
+/// Of a file, or of kPipe: MEDIT, text or binary. Throws FileError.
+Input read_input(const std::string& path, int threads);
+
+/// To a file, or to kPipe. Returns warnings: what the format has no room for. Throws FileError.
+std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads);
+
+/// Messages name it so.
+std::string shown_name(const std::string& path, bool output);
+
+/// One mesh to optimise, and the names of all files that come of it; empty: none.
+struct Job {
+  std::string input, output, report, trace, map;
+};
+
+/// Fills in the patterns of `pattern` for each input: "{}" is the input's name without folder and ending; an output
+/// that ends in / or is a folder gets the input's name. Throws OptionError where two jobs would write the same file, or
+/// one writes what another reads.
+std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern);
+
+}  // namespace tetune::cli

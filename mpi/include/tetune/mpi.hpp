@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <petscdm.h>
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "tetune/optimize.hpp"
+
+/// Meshes that are distributed over the ranks of MPI. Link with tetune::mpi.
+namespace tetune {
+
+/// One round over all parts.
+struct RoundReport {
+  int round = 0;
+  std::int64_t tets = 0;          ///< worked on: all in the first round, those near former cuts in the others
+  std::int64_t tets_moved = 0;    ///< to another rank before
+  std::int64_t cut_vertices = 0;  ///< in several parts: frozen in this round
+  std::int64_t left_frozen = 0;   ///< of them, frozen in all rounds so far
+  double optimizer_seconds = 0;   ///< of the slowest rank
+  double seconds = 0;
+};
+
+/// What an optimisation of a distributed mesh did, in all; the same on every rank. Members as of Report.
+struct DistributedReport {
+  int ranks = 0;
+  std::int64_t tets_before = 0, tets_after = 0;
+  double energy_before = 0, energy_after = 0;
+  std::int64_t flips23 = 0, flips32 = 0, edge_removals = 0, face_removals = 0, boundary_flips = 0;
+  std::int64_t compound_flips = 0;
+  std::int64_t vertices_inserted = 0, vertices_removed = 0;
+  std::vector<RoundReport> rounds;
+  std::int64_t left_frozen = 0;  ///< vertices that no round could move, as each had them on a cut; 0 but for odd shapes
+  double optimizer_seconds = 0;  ///< in optimize() of the parts: the slowest rank of each round
+  double seconds = 0;
+  StopReason stop = StopReason::converged;
+};
+
+/// Improves a mesh that is a DMPlex of tetrahedra, distributed in any way without overlap. Collective on its
+/// communicator.
+///
+/// `dm` is replaced by a new DMPlex, interpolated if the old one was, with its labels, name, fields and discretizations
+/// (DMCopyDisc); vertices and cells are numbered anew, and some cells are on another rank. Vectors and sections of the
+/// old one do not fit it. Values of labels survive: cells of different values are different regions, labelled faces
+/// and edges constrain as listed triangles and edges do (optimize.hpp). A label that holds the closure of its faces or
+/// cells does so again. Options::frozen_regions are values of "Cell Sets", frozen_patches of "Face Sets".
+///
+/// The result is valid and conforming across ranks, no smaller angle than the smallest of the input, the shape of its
+/// boundary kept as Options::boundary says; with Boundary::slide each round moves vertices on the surface that the
+/// round before left, and max_deviation bounds the sum. The result is bit for bit the same for the same parts, for any
+/// number of threads. Options::threads 0: those of a node are shared among its ranks.
+///
+/// `stop`, if given, is asked on every rank at its safe points (Context::stop); all ranks end when one says true.
+///
+/// Throws on all ranks alike: MeshError, OptionError (also for Options::untangle, frozen_vertices and targets, which
+/// are for whole meshes), DeviceError, or Error where the optimiser runs out of memory; `dm` is then as it was. Where a
+/// call of PETSc fails, or memory runs out on the way between ranks, that rank alone throws Error or std::bad_alloc,
+/// and the program should end by MPI_Abort.
+DistributedReport optimize(DM& dm, const Options& options = {}, const std::function<bool()>& stop = {});
+
+}  // namespace tetune

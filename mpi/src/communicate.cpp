@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "communicate.hpp"
+
+#include <new>
+
+#include "tetune/error.hpp"
+
+namespace tetune::mpi {
+
+Route::Route(MPI_Comm comm, const std::vector<int>& to) : comm_(comm), place_(to.size()) {
+  const auto ranks = static_cast<std::size_t>(size_of(comm));
+  out_.count.assign(ranks, 0);
+  in_.count.assign(ranks, 0);
+  for (const int rank : to) ++out_.count[static_cast<std::size_t>(rank)];
+  MPI_Alltoall(out_.count.data(), 1, MPI_INT, in_.count.data(), 1, MPI_INT, comm);
+  add_up(out_);
+  arriving_ = add_up(in_);
+  std::vector<int> next = out_.begin;
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    place_[i] = static_cast<std::size_t>(next[static_cast<std::size_t>(to[i])]++);
+  }
+}
+
+std::size_t Route::add_up(Counts& counts) {
+  counts.begin.resize(counts.count.size());
+  std::exclusive_scan(counts.count.begin(), counts.count.end(), counts.begin.begin(), 0);
+  return static_cast<std::size_t>(counts.begin.back() + counts.count.back());
+}
+
+void Route::transfer(const void* from, const Counts& out, void* to, const Counts& in, std::size_t bytes) const {
+  MPI_Datatype item = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &item);
+  MPI_Type_commit(&item);
+  MPI_Alltoallv(from, out.count.data(), out.begin.data(), item, to, in.count.data(), in.begin.data(), item, comm_);
+  MPI_Type_free(&item);
+}
+
+std::vector<int> Route::senders() const {
+  std::vector<int> senders;
+  senders.reserve(arriving_);
+  for (std::size_t rank = 0; rank < in_.count.size(); ++rank) {
+    senders.insert(senders.end(), static_cast<std::size_t>(in_.count[rank]), static_cast<int>(rank));
+  }
+  return senders;
+}
+
+namespace {
+
+enum Kind : int { kFine, kFile, kMesh, kOption, kDevice, kMemory, kOther };
+
+}  // namespace
+
+void together(MPI_Comm comm, const std::function<void()>& work) {
+  int kind = kFine;
+  std::string message;
+  const auto failed = [&](Kind k, const std::exception& e) {
+    kind = k;
+    message = e.what();
+  };
+  try {
+    work();
+  } catch (const FileError& e) {
+    failed(kFile, e);
+  } catch (const MeshError& e) {
+    failed(kMesh, e);
+  } catch (const OptionError& e) {
+    failed(kOption, e);
+  } catch (const DeviceError& e) {
+    failed(kDevice, e);
+  } catch (const std::bad_alloc& e) {
+    failed(kMemory, e);
+  } catch (const std::exception& e) {
+    failed(kOther, e);
+  }
+  const int ranks = size_of(comm);
+  int first = all_reduce(comm, kind == kFine ? ranks : rank_of(comm), MPI_MIN);
+  if (first == ranks) return;
+  MPI_Bcast(&kind, 1, MPI_INT, first, comm);
+  auto length = static_cast<int>(message.size());
+  MPI_Bcast(&length, 1, MPI_INT, first, comm);
+  message.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(message.data(), length, MPI_CHAR, first, comm);
+  switch (kind) {
+    case kFile:
+      throw FileError(message);
+    case kMesh:
+      throw MeshError(message);
+    case kOption:
+      throw OptionError(message);
+    case kDevice:
+      throw DeviceError(message);
+    case kMemory:
+      throw Error("rank " + std::to_string(first) + ": out of memory; take more ranks, or nodes with more memory");
+    default:
+      throw Error("rank " + std::to_string(first) + ": " + message);
+  }
+}
+
+}  // namespace tetune::mpi

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "distribute.hpp"
+#include "tetune/mesh.hpp"
+
+namespace tetune::mpi {
+
+/// A mesh as it was read.
+struct Input {
+  Pieces pieces;  ///< each on one rank
+  Totals totals;
+  /// On rank 0: elements of other kinds, names and what else belongs to the file as a whole.
+  TetMesh frame;
+  std::vector<std::string> warnings;
+};
+
+/// MEDIT binary files are read by all ranks at once, each its part; others by rank 0. Throws FileError on all ranks.
+Input read_pieces(MPI_Comm comm, const std::string& path);
+
+/// Writes what collect() made: MEDIT binary files by all ranks at once, others by rank 0, which gathers the mesh.
+/// Under a temporary name, renamed once complete. Throws FileError on all ranks; the old file is then untouched.
+void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const Totals& totals, TetMesh frame,
+                  std::vector<std::string>& warnings);
+
+/// MEDIT binary of version 2, 3 or 4 in this machine's byte order: whether a file is one.
+bool is_plain_meshb(const std::string& path);
+Input read_meshb(MPI_Comm comm, const std::string& path);
+void write_meshb(MPI_Comm comm, const std::string& path, const Pieces& pieces, const Totals& totals);
+
+}  // namespace tetune::mpi

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <exception>
+#include <limits>
+#include <optional>
+
+#include "commands.hpp"
+#include "files.hpp"
+#include "measure.hpp"
+#include "optimize_arguments.hpp"
+#include "option_values.hpp"
+#include "rounds.hpp"
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+#include "tetune/version.hpp"
+
+/// `mpiexec -n N tetune-mpi IN OUT`.
+namespace tetune::mpi {
+namespace {
+
+using Time = std::chrono::steady_clock;
+double seconds_since(Time::time_point start) { return std::chrono::duration<double>(Time::now() - start).count(); }
+
+double peak_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+class Program {
+ public:
+  Program(MPI_Comm comm, const cli::OptimizeArguments& arguments, const cli::Job& job)
+      : comm_(comm), a_(arguments), job_(job), options_(arguments.options), first_(rank_of(comm) == 0) {}
+
+  int run() {
+    together(comm_, [&] {
+      if (!first_) return;
+      check_writable(job_.output);
+      if (!job_.report.empty()) write_text(job_.report, "");  // fails before the work rather than after it
+    });
+    auto start = Time::now();
+    Input input = read_pieces(comm_, job_.input);
+    if (input.totals.cells == 0) throw MeshError(job_.input + ": there is no tetrahedron in this file");
+    for (const std::string& w : input.warnings) warn(w);
+    read_seconds_ = seconds_since(start);
+    start = Time::now();
+    Part part;
+    in_file([&] { part = distribute(comm_, std::move(input.pieces), input.totals); });
+    const bool turned = orient_all(comm_, part);
+    if (first_) input.frame.listed_inside_out = input.frame.listed_inside_out || turned;
+    distribute_seconds_ = seconds_since(start);
+    if (!a_.max_deviation.empty()) find_max_deviation(part);
+    before_ = quality_of_all(comm_, part.mesh, 1);
+
+    const auto begin = Time::now();
+    std::function<bool()> stop;
+    if (a_.time_limit) stop = [&] { return seconds_since(begin_) > *a_.time_limit; };
+    in_file([&] { report_ = optimize_parts(comm_, part, input.totals, options_, stop); });
+    optimize_seconds_ = seconds_since(begin);
+
+    after_ = quality_of_all(comm_, part.mesh, 1);
+    if (!job_.report.empty()) first_cut_ = quality_of_all(comm_, at_first_cut(part), 1);
+    start = Time::now();
+    Pieces pieces = collect(comm_, std::move(part), input.totals);
+    std::vector<std::string> warnings;
+    write_pieces(comm_, job_.output, std::move(pieces), input.totals, std::move(input.frame), warnings);
+    for (const std::string& w : warnings) warn(w);
+    write_seconds_ = seconds_since(start);
+    memory_ = all_gather(comm_, peak_mb());
+    if (first_) tell();
+    return report_.stop == StopReason::cancelled ? cli::kStoppedEarly : cli::kDone;
+  }
+
+ private:
+  /// Names the file in what is wrong with the mesh.
+  template <class F>
+  void in_file(F work) const {
+    try {
+      work();
+    } catch (const MeshError& e) {
+      throw MeshError(job_.input + ": " + e.what());
+    }
+  }
+
+  void warn(const std::string& text) const {
+    if (first_) fmt::print(stderr, "tetune-mpi: warning: {}\n", text);
+  }
+
+  /// A percentage is one of the whole mesh's bounding box.
+  void find_max_deviation(const Part& part) {
+    std::vector<double> box(6, std::numeric_limits<double>::infinity());
+    for (const Point3& x : part.mesh.points) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        box[k] = std::min(box[k], x[k]);
+        box[3 + k] = std::min(box[3 + k], -x[k]);
+      }
+    }
+    box = all_reduce(comm_, std::move(box), MPI_MIN);
+    TetMesh corners;
+    corners.points = {{box[0], box[1], box[2]}, {-box[3], -box[4], -box[5]}};
+    options_.max_deviation = cli::parse_length("--max-deviation", a_.max_deviation, corners);
+  }
+
+  void tell() const {
+    if (!job_.report.empty()) write_text(job_.report, json().dump(2) + "\n");
+    if (a_.verbosity < 1) return;
+    std::string text = fmt::format("  {:<22}{:>14}{:>14}\n", "", "before", "after");
+    const auto line = [&text](const char* name, double before, double after, int digits) {
+      text += fmt::format("  {:<22}{:>14.{}f}{:>14.{}f}\n", name, before, digits, after, digits);
+    };
+    line("tetrahedra", static_cast<double>(before_.tets), static_cast<double>(after_.tets), 0);
+    line("dihedral min  (deg)", before_.dihedral_min, after_.dihedral_min, 3);
+    line("         max", before_.dihedral_max, after_.dihedral_max, 3);
+    line("mean ratio  min", before_.mean_ratio_min, after_.mean_ratio_min, 4);
+    line("            mean", before_.mean_ratio, after_.mean_ratio, 4);
+    text += fmt::format("  {:<7}{:>14}{:>14}{:>14}{:>14}{:>12}{:>12}\n", "round", "tetrahedra", "moved", "cut vertices",
+                        "left frozen", "optimise s", "in all s");
+    for (const RoundReport& r : report_.rounds) {
+      text += fmt::format("  {:<7}{:>14}{:>14}{:>14}{:>14}{:>12.2f}{:>12.2f}\n", r.round, r.tets, r.tets_moved,
+                          r.cut_vertices, r.left_frozen, r.optimizer_seconds, r.seconds);
+    }
+    text += fmt::format(
+        "  {} ranks: read {:.2f} s, distributed {:.2f} s, optimised {:.2f} s, written {:.2f} s; most memory of a rank "
+        "{:.0f} MB\n",
+        report_.ranks, read_seconds_, distribute_seconds_, optimize_seconds_, write_seconds_,
+        *std::max_element(memory_.begin(), memory_.end()));
+    if (report_.stop == StopReason::cancelled) {
+      text += "  stopped early (time limit): a valid mesh was written, but there was more to do\n";
+    }
+    fmt::print("{}", text);
+  }
+
+  static nlohmann::ordered_json to_json(const Quality& q) {
+    return {{"tets", q.tets},
+            {"dihedral_min_deg", q.dihedral_min},
+            {"dihedral_max_deg", q.dihedral_max},
+            {"dihedral_mean_deg", q.dihedral_mean},
+            {"mean_ratio_min", q.mean_ratio_min},
+            {"mean_ratio_mean", q.mean_ratio},
+            {"eta_sum", q.eta_sum},
+            {"shape_sum", q.shape_sum},
+            {"volume", q.volume},
+            {"dihedral_histogram", q.histogram}};
+  }
+
+  nlohmann::ordered_json json() const {
+    nlohmann::ordered_json rounds = nlohmann::ordered_json::array();
+    for (const RoundReport& r : report_.rounds) {
+      rounds.push_back({{"round", r.round},
+                        {"tets", r.tets},
+                        {"tets_moved", r.tets_moved},
+                        {"cut_vertices", r.cut_vertices},
+                        {"left_frozen", r.left_frozen},
+                        {"optimizer_seconds", r.optimizer_seconds},
+                        {"seconds", r.seconds}});
+    }
+    return {{"tetune", TETUNE_VERSION},
+            {"input", job_.input},
+            {"output", job_.output},
+            {"ranks", report_.ranks},
+            {"options", cli::to_json(options_)},
+            {"read_seconds", read_seconds_},
+            {"distribute_seconds", distribute_seconds_},
+            {"write_seconds", write_seconds_},
+            {"peak_mb", memory_},
+            {"before", to_json(before_)},
+            {"after", to_json(after_)},
+            {"after_at_first_cut", to_json(first_cut_)},
+            {"optimization",
+             {{"tets_before", report_.tets_before},
+              {"tets_after", report_.tets_after},
+              {"energy_before", report_.energy_before},
+              {"energy_after", report_.energy_after},
+              {"flips23", report_.flips23},
+              {"flips32", report_.flips32},
+              {"edge_removals", report_.edge_removals},
+              {"face_removals", report_.face_removals},
+              {"boundary_flips", report_.boundary_flips},
+              {"compound_flips", report_.compound_flips},
+              {"vertices_inserted", report_.vertices_inserted},
+              {"vertices_removed", report_.vertices_removed},
+              {"left_frozen", report_.left_frozen},
+              {"optimizer_seconds", report_.optimizer_seconds},
+              {"seconds", report_.seconds},
+              {"stop", to_string(report_.stop)},
+              {"rounds", rounds}}}};
+  }
+
+  MPI_Comm comm_;
+  const cli::OptimizeArguments& a_;
+  const cli::Job& job_;
+  Options options_;
+  bool first_;
+  Time::time_point begin_ = Time::now();
+  Quality before_, after_, first_cut_;
+  DistributedReport report_;
+  std::vector<double> memory_;
+  double read_seconds_ = 0, distribute_seconds_ = 0, optimize_seconds_ = 0, write_seconds_ = 0;
+};
+
+int main_of_rank(int argc, char** argv) {
+  const MPI_Comm comm = MPI_COMM_WORLD;
+  const bool first = rank_of(comm) == 0;
+  CLI::App app{
+      "tetune-mpi makes a tetrahedral mesh better that is distributed over the ranks of MPI:\n"
+      "mpiexec -n N tetune-mpi INPUT OUTPUT",
+      "tetune-mpi"};
+  app.set_version_flag("--version", "tetune-mpi " TETUNE_VERSION);
+  app.footer(
+      "Options are those of `tetune optimize`. Exit codes: 0 done; 1 stopped at the time limit, a valid mesh was "
+      "written; 2 nothing was written, an old output file is untouched.");
+  cli::OptimizeArguments arguments;
+  cli::define(app, arguments);
+  for (const char* name : {"--untangle", "--target-dihedral", "--target-quality", "--max-memory", "--report-html",
+                           "--trace-angles", "--trace", "--map", "--dry-run", "--print-options", "--progress"}) {
+    app.remove_option(app.get_option(name));
+  }
+  try {
+    app.parse(argc, argv);
+    const std::vector<cli::Job> jobs = cli::settle(app, arguments);
+    if (jobs.size() != 1) throw OptionError("one mesh at a time: a batch of meshes is for `tetune optimize`");
+    if (jobs[0].input == cli::kPipe || jobs[0].output == cli::kPipe) {
+      throw OptionError("pipes end at one rank: name files");
+    }
+    return Program(comm, arguments, jobs[0]).run();
+  } catch (const CLI::ParseError& e) {
+    if (first) return app.exit(e) == 0 ? cli::kDone : cli::kNothingWritten;
+    return e.get_exit_code() == 0 ? cli::kDone : cli::kNothingWritten;
+  } catch (const Error& e) {
+    // All ranks are here, with the same message.
+    if (first) fmt::print(stderr, "tetune-mpi: {}\n", e.what());
+    return cli::kNothingWritten;
+  }
+}
+
+}  // namespace
+}  // namespace tetune::mpi
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  int code = 2;
+  try {
+    code = tetune::mpi::main_of_rank(argc, argv);
+  } catch (const std::exception& e) {
+    // This rank alone: the others wait for it, so all must end.
+    fmt::print(stderr, "tetune-mpi: rank {}: {}\n", tetune::mpi::rank_of(MPI_COMM_WORLD), e.what());
+    MPI_Abort(MPI_COMM_WORLD, code);
+  }
+  MPI_Finalize();
+  return code;
+}

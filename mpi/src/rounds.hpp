@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "distribute.hpp"
+#include "tetune/mpi.hpp"
+
+namespace tetune::mpi {
+
+/// Optimises a distributed mesh. Called on all ranks, which all throw where one fails.
+DistributedReport optimize_parts(MPI_Comm comm, Part& part, Totals& totals, Options options,
+                                 const std::function<bool()>& stop);
+
+}  // namespace tetune::mpi

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <gmsh.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "gmsh_mesh.hpp"
+#include "second_order.hpp"
+
+namespace tetune::plugin {
+namespace {
+
+/// Gmsh's tetrahedron numbers its last two middles the other way round.
+constexpr std::array<Pair, 6> kTet10Edges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
+
+/// Numbers of Gmsh, which may have gaps, and what they are here.
+class Numbers {
+ public:
+  explicit Numbers(std::vector<std::size_t> sorted) : sorted_(std::move(sorted)) {}
+  Index find(std::size_t number) const {
+    const auto at = std::lower_bound(sorted_.begin(), sorted_.end(), number);
+    if (at == sorted_.end() || *at != number) return -1;
+    return static_cast<Index>(at - sorted_.begin());
+  }
+
+ private:
+  std::vector<std::size_t> sorted_;
+};
+
+/// The elements of one kind: their data, and their numbers in Gmsh.
+struct Kind {
+  std::vector<int> geometrical;
+  std::vector<std::size_t> elements;
+};
+
+class Reader {
+ public:
+  Reader(TetMesh& mesh, Warnings& warnings) : mesh_(mesh), warnings_(warnings) {
+    for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
+  }
+
+  void read() {
+    const Numbers nodes = read_nodes();
+    read_groups();
+    gmsh::vectorpair entities;
+    gmsh::model::getEntities(entities);
+    for (const auto& [dimension, entity] : entities) read_entity(nodes, dimension, entity);
+    if (grouped_) {
+      // Where the tag is the group's number, what the entity was is kept beside it.
+      add_data(mesh_.tet_data, kGeometrical, tets_.geometrical);
+      add_data(mesh_.triangle_data, kGeometrical, triangles_.geometrical);
+      add_data(mesh_.edge_data, kGeometrical, edges_.geometrical);
+      for (std::size_t k = 0; k < others_.size(); ++k) {
+        add_data(others_[k].data, kGeometrical, other_kinds_[k].geometrical);
+      }
+    }
+    read_views(nodes);
+    leave_out(middles_, mesh_);
+    for (ElementBlock& block : others_) {
+      if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
+    }
+  }
+
+ private:
+  Numbers read_nodes() {
+    std::vector<std::size_t> numbers;
+    std::vector<double> x;
+    std::vector<double> none;
+    gmsh::model::mesh::getNodes(numbers, x, none, -1, -1, false, false);
+    if (numbers.size() > static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
+      throw FileError("more than 2^31 nodes");
+    }
+    std::vector<std::size_t> order(numbers.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return numbers[a] < numbers[b]; });
+    std::vector<std::size_t> sorted;
+    sorted.reserve(order.size());
+    for (const std::size_t i : order) {
+      if (!sorted.empty() && sorted.back() == numbers[i]) {
+        throw FileError("node " + std::to_string(numbers[i]) + " is there twice");
+      }
+      sorted.push_back(numbers[i]);
+      mesh_.points.push_back({x[3 * i], x[3 * i + 1], x[3 * i + 2]});
+    }
+    mesh_.point_tags.assign(mesh_.points.size(), 0);
+    return Numbers(std::move(sorted));
+  }
+
+  void read_groups() {
+    gmsh::vectorpair groups;
+    gmsh::model::getPhysicalGroups(groups);
+    grouped_ = !groups.empty();
+    mesh_.cell_tags_name = grouped_ ? kPhysical : kGeometrical;
+    for (const auto& [dimension, number] : groups) {
+      Group group{dimension, number, {}, {}};
+      gmsh::model::getPhysicalName(dimension, number, group.name);
+      std::vector<int> entities;
+      gmsh::model::getEntitiesForPhysicalGroup(dimension, number, entities);
+      for (const int entity : entities) group.tags.push_back(tag_of(dimension, std::abs(entity)));
+      std::sort(group.tags.begin(), group.tags.end());
+      group.tags.erase(std::unique(group.tags.begin(), group.tags.end()), group.tags.end());
+      mesh_.groups.push_back(std::move(group));
+    }
+  }
+
+  /// The number of the entity's physical group; minus its own where it is in several or in none; its own where the
+  /// file has no groups.
+  int tag_of(int dimension, int entity) const {
+    if (!grouped_) return entity;
+    const std::vector<int> groups = groups_of(dimension, entity);
+    return groups.size() == 1 ? std::abs(groups[0]) : -entity;
+  }
+
+  static std::vector<int> groups_of(int dimension, int entity) {
+    std::vector<int> groups;
+    gmsh::model::getPhysicalGroupsForEntity(dimension, entity, groups);
+    return groups;
+  }
+
+  void read_entity(const Numbers& nodes, int dimension, int entity) {
+    std::vector<int> types;
+    std::vector<std::vector<std::size_t>> elements;
+    std::vector<std::vector<std::size_t>> corners;
+    gmsh::model::mesh::getElements(types, elements, corners, dimension, entity);
+    if (types.empty()) return;
+    const int tag = tag_of(dimension, entity);
+    for (std::size_t i = 0; i < types.size(); ++i)
+      read_elements(nodes, types[i], elements[i], corners[i], tag, dimension, entity);
+  }
+
+  void read_elements(const Numbers& nodes, int type, const std::vector<std::size_t>& elements,
+                     const std::vector<std::size_t>& corners, int tag, int dimension, int entity) {
+    if (elements.empty()) return;
+    const std::size_t each = corners.size() / elements.size();
+    std::vector<Index> v(each);
+    // Version 2.2 lists an element once for each of its groups.
+    const bool repeated = groups_of(dimension, entity).size() > 1;
+    std::set<std::vector<std::size_t>> seen;
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      if (repeated) {
+        const auto first = corners.begin() + static_cast<std::ptrdiff_t>(e * each);
+        if (!seen.emplace(first, first + static_cast<std::ptrdiff_t>(each)).second) continue;
+      }
+      for (std::size_t k = 0; k < each; ++k) {
+        v[k] = nodes.find(corners[e * each + k]);
+        if (v[k] < 0) {
+          throw FileError("element " + std::to_string(elements[e]) + " names node " +
+                          std::to_string(corners[e * each + k]) + ", which is not there");
+        }
+      }
+      add(type, v, elements[e], tag, entity);
+    }
+  }
+
+  void add(int type, const std::vector<Index>& v, std::size_t element, int tag, int entity) {
+    const auto note = [&](Kind& kind, std::vector<int>& tags) {
+      tags.push_back(tag);
+      kind.geometrical.push_back(entity);
+      kind.elements.push_back(element);
+    };
+    switch (type) {
+      case kTet10:
+        add_middles(v, 4, kTet10Edges);
+        [[fallthrough]];
+      case kTet:
+        mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
+        return note(tets_, mesh_.tet_tags);
+      case kTriangle6:
+        add_middles(v, 3, kTriangleEdges);
+        [[fallthrough]];
+      case kTriangle:
+        mesh_.triangles.push_back({v[0], v[1], v[2]});
+        return note(triangles_, mesh_.triangle_tags);
+      case kEdge3:
+        add_middles(v, 2, kEdgeEdges);
+        [[fallthrough]];
+      case kEdge:
+        mesh_.edges.push_back({v[0], v[1]});
+        return note(edges_, mesh_.edge_tags);
+      default:
+        break;
+    }
+    const auto at = std::find(kOtherTypes.begin(), kOtherTypes.end(), type);
+    if (at == kOtherTypes.end()) {
+      std::string name;
+      int dimension = 0;
+      int order = 0;
+      int all = 0;
+      int first_order = 0;
+      std::vector<double> places;
+      gmsh::model::mesh::getElementProperties(type, name, dimension, order, all, places, first_order);
+      throw FileError("element " + std::to_string(element) + " is a \"" + name +
+                      "\", which tetune does not take: tetrahedra, triangles and lines of first or second order; "
+                      "points, quadrilaterals, pyramids, prisms and hexahedra of first order");
+    }
+    const auto k = static_cast<std::size_t>(at - kOtherTypes.begin());
+    others_[k].element2vertex.insert(others_[k].element2vertex.end(), v.begin(), v.end());
+    note(other_kinds_[k], others_[k].tags);
+  }
+
+  template <std::size_t N>
+  void add_middles(const std::vector<Index>& v, std::size_t corners, const std::array<Pair, N>& edges) {
+    for (std::size_t e = 0; e < N; ++e) {
+      middles_.push_back(
+          {v[corners + e], {v[static_cast<std::size_t>(edges[e][0])], v[static_cast<std::size_t>(edges[e][1])]}});
+    }
+  }
+
+  template <class T>
+  static void add_data(std::vector<DataArray>& data, const std::string& name, const std::vector<T>& values) {
+    if (!values.empty()) data.push_back({name, 1, values});
+  }
+
+  /// Data of nodes and elements: the first step of each view.
+  void read_views(const Numbers& nodes) {
+    std::vector<int> views;
+    gmsh::view::getTags(views);
+    for (const int view : views) {
+      const std::string option = "View[" + std::to_string(gmsh::view::getIndex(view)) + "].";
+      std::string name;
+      gmsh::option::getString(option + "Name", name);
+      double steps = 1;
+      gmsh::option::getNumber(option + "NbTimeStep", steps);
+      if (steps > 1) warnings_.push_back("of the data \"" + name + "\" the first step is kept");
+      std::string type;
+      std::vector<std::size_t> numbers;
+      std::vector<std::vector<double>> values;
+      double time = 0;
+      int components = 0;
+      gmsh::view::getModelData(view, 0, type, numbers, values, time, components);
+      if (components < 1 || (type != "NodeData" && type != "ElementData")) {
+        warnings_.push_back("the data \"" + name + "\" of type \"" + type + "\" is not kept");
+        continue;
+      }
+      const auto each = static_cast<std::size_t>(components);
+      const auto add = [&](std::size_t entries, std::vector<DataArray>& data, const auto& find) {
+        std::vector<double> all(entries * each, std::numeric_limits<double>::quiet_NaN());
+        bool found = false;
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+          const Index at = find(numbers[i]);
+          if (at < 0 || values[i].size() != each) continue;
+          found = true;
+          std::copy(values[i].begin(), values[i].end(),
+                    all.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(at) * each));
+        }
+        if (found) data.push_back({name, components, std::move(all)});
+      };
+      if (type == "NodeData") {
+        add(mesh_.points.size(), mesh_.point_data, [&nodes](std::size_t n) { return nodes.find(n); });
+        continue;
+      }
+      const auto add_elements = [&](const Kind& kind, std::vector<DataArray>& data) {
+        std::map<std::size_t, Index> position;
+        for (std::size_t e = 0; e < kind.elements.size(); ++e) position[kind.elements[e]] = static_cast<Index>(e);
+        add(kind.elements.size(), data, [&position](std::size_t n) {
+          const auto at = position.find(n);
+          return at == position.end() ? -1 : at->second;
+        });
+      };
+      add_elements(tets_, mesh_.tet_data);
+      add_elements(triangles_, mesh_.triangle_data);
+      add_elements(edges_, mesh_.edge_data);
+      for (std::size_t k = 0; k < others_.size(); ++k) add_elements(other_kinds_[k], others_[k].data);
+    }
+  }
+
+  TetMesh& mesh_;
+  Warnings& warnings_;
+  bool grouped_ = false;
+  Kind tets_, triangles_, edges_;
+  std::vector<ElementBlock> others_;
+  std::array<Kind, 5> other_kinds_;
+  std::vector<Middle> middles_;
+};
+
+}  // namespace
+
+TetMesh from_gmsh(Warnings& warnings) {
+  TetMesh mesh;
+  Reader(mesh, warnings).read();
+  return mesh;
+}
+
+}  // namespace tetune::plugin

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What reading and writing Exodus share.
+#pragma once
+
+#include <vtk_exodusII.h>
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "plugin.hpp"
+
+namespace tetune::plugin {
+
+/// Sides of a tetrahedron in Exodus' order, seen from outside counter-clockwise.
+inline constexpr std::array<std::array<std::size_t, 3>, 4> kTetSides{{{0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 2, 1}}};
+/// Data on vertices that a set of nodes is kept as: with its number and name.
+inline constexpr const char* kNodeSet = "node_set:";
+
+/// An open file; every call is checked.
+class File {
+ public:
+  explicit File(int id) : id_(id) {
+    ex_opts(0);
+    if (id_ < 0) fail("open");
+    ex_set_max_name_length(id_, kNames - 1);
+  }
+  ~File() { ex_close(id_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  int id() const { return id_; }
+  void check(int status, const char* what) const {
+    if (status < 0) fail(what);
+  }
+  static constexpr int kNames = 256;
+
+ private:
+  [[noreturn]] static void fail(const char* what) {
+    const char* message = nullptr;
+    const char* function = nullptr;
+    int code = 0;
+    ex_get_err(&message, &function, &code);
+    throw FileError(std::string("the Exodus library cannot ") + what + ": " +
+                    (message != nullptr && *message != '\0' ? message : "the file is damaged or of another format"));
+  }
+  int id_;
+};
+
+/// What Exodus calls elements. The first entries are the ones TetMesh has arrays for.
+struct KindOfElement {
+  const char* written;
+  std::vector<const char*> names;
+  int nodes;
+  int corners;
+};
+inline const std::vector<KindOfElement> kKinds{
+    {"TETRA", {"TET"}, 4, 4},
+    {"TETRA10", {"TET"}, 10, 4},
+    {"TRI3", {"TRI", "SHELL"}, 3, 3},
+    {"TRI6", {"TRI", "SHELL"}, 6, 3},
+    {"BAR2", {"BAR", "BEAM", "TRUSS", "ROD", "EDGE"}, 2, 2},
+    {"BAR3", {"BAR", "BEAM", "TRUSS", "ROD", "EDGE"}, 3, 2},
+    {"SPHERE", {"SPHERE", "CIRCLE", "POINT"}, 1, 1},
+    {"QUAD4", {"QUAD", "SHELL"}, 4, 4},
+    {"PYRAMID5", {"PYR"}, 5, 5},
+    {"WEDGE6", {"WED"}, 6, 6},
+    {"HEX8", {"HEX"}, 8, 8},
+};
+inline constexpr std::size_t kTets = 0, kTriangles = 2, kEdges = 4, kOthers = 6;
+
+}  // namespace tetune::plugin

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exodus II through the library that comes with VTK: element blocks, side sets, node sets and variables.
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <limits>
+
+#include "exodus.hpp"
+#include "exodus_file.hpp"
+#include "second_order.hpp"
+
+namespace tetune::plugin {
+namespace {
+
+/// One element block of a file.
+struct Block {
+  int id = 0;
+  std::size_t kind = 0;  ///< position in kKinds
+  std::int64_t elements = 0;
+  std::int64_t first = 0;  ///< number of its first element, from 0
+};
+
+std::size_t kind_of(const ex_block& block) {
+  std::string name = block.topology;
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (std::size_t k = 0; k < kKinds.size(); ++k) {
+    if (block.num_nodes_per_entry != kKinds[k].nodes) continue;
+    for (const char* start : kKinds[k].names) {
+      if (name.rfind(start, 0) == 0) return k;
+    }
+  }
+  throw FileError("element block " + std::to_string(block.id) + " is of type \"" + block.topology + "\" with " +
+                  std::to_string(block.num_nodes_per_entry) +
+                  " nodes, which tetune does not take: tetrahedra, triangles and bars of first or second order; "
+                  "quadrilaterals, pyramids, wedges and hexahedra of first order");
+}
+
+class Reader {
+ public:
+  Reader(const File& file, TetMesh& mesh, Warnings& warnings) : file_(file), mesh_(mesh), warnings_(warnings) {
+    for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
+  }
+
+  void read() {
+    ex_init_params counts{};
+    file_.check(ex_get_init_ext(file_.id(), &counts), "read the sizes");
+    if (counts.num_dim != 3) throw FileError("the mesh has dimension " + std::to_string(counts.num_dim) + ", not 3");
+    constexpr std::int64_t kMost = std::numeric_limits<Index>::max();
+    if (counts.num_nodes > kMost || counts.num_elem > kMost) throw FileError("more than 2^31 nodes or elements");
+    read_points(counts.num_nodes);
+    for (const int id : ids(EX_ELEM_BLOCK, counts.num_elem_blk)) read_block(id);
+    for (const int id : ids(EX_SIDE_SET, counts.num_side_sets)) read_side_set(id);
+    for (const int id : ids(EX_NODE_SET, counts.num_node_sets)) read_node_set(id);
+    read_variables();
+    leave_out(middles_, mesh_);
+    for (ElementBlock& block : others_) {
+      if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
+    }
+  }
+
+ private:
+  std::vector<int> ids(ex_entity_type type, std::int64_t count) const {
+    std::vector<int> result(static_cast<std::size_t>(count));
+    if (count > 0) file_.check(ex_get_ids(file_.id(), type, result.data()), "read the numbers of blocks and sets");
+    return result;
+  }
+
+  std::string name_of(ex_entity_type type, int id) const {
+    std::array<char, File::kNames + 1> name{};
+    if (ex_get_name(file_.id(), type, id, name.data()) < 0) return "";
+    return name.data();
+  }
+
+  void read_points(std::int64_t count) {
+    const auto n = static_cast<std::size_t>(count);
+    std::vector<double> x(n), y(n), z(n);
+    if (n > 0) file_.check(ex_get_coord(file_.id(), x.data(), y.data(), z.data()), "read the coordinates");
+    mesh_.points.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) mesh_.points.push_back({x[i], y[i], z[i]});
+    mesh_.point_tags.assign(n, 0);
+  }
+
+  void read_block(int id) {
+    ex_block info{};
+    info.id = id;
+    info.type = EX_ELEM_BLOCK;
+    file_.check(ex_get_block_param(file_.id(), &info), "read an element block");
+    Block block{id, 0, info.num_entry, elements_};
+    elements_ += block.elements;
+    if (block.elements == 0) return;
+    block.kind = kind_of(info);
+    const auto each = static_cast<std::size_t>(info.num_nodes_per_entry);
+    std::vector<int> nodes(each * static_cast<std::size_t>(block.elements));
+    file_.check(ex_get_conn(file_.id(), EX_ELEM_BLOCK, id, nodes.data(), nullptr, nullptr), "read the elements");
+    for (int& v : nodes) {
+      if (v < 1 || static_cast<std::size_t>(v) > mesh_.points.size()) {
+        throw FileError("element block " + std::to_string(id) + " names node " + std::to_string(v) + "; there are " +
+                        std::to_string(mesh_.points.size()));
+      }
+      --v;
+    }
+    for (std::size_t e = 0; e < nodes.size(); e += each) add(block.kind, nodes.data() + e, id);
+    const int dimension = block.kind < kTriangles ? 3 : block.kind < kEdges ? 2 : block.kind < kOthers ? 1 : -1;
+    add_group(dimension >= 0 ? dimension : kOtherKinds[block.kind - kOthers].dimension, id, name_of(EX_ELEM_BLOCK, id));
+    blocks_.push_back(block);
+  }
+
+  void add_group(int dimension, int id, const std::string& name) {
+    mesh_.groups.push_back({dimension, id, name, {id}});
+  }
+
+  void add(std::size_t kind, const int* v, int tag) {
+    switch (kind) {
+      case kTets + 1:
+        add_middles(v, 4, kTetEdges);
+        [[fallthrough]];
+      case kTets:
+        mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
+        mesh_.tet_tags.push_back(tag);
+        return;
+      case kTriangles + 1:
+        add_middles(v, 3, kTriangleEdges);
+        [[fallthrough]];
+      case kTriangles:
+        mesh_.triangles.push_back({v[0], v[1], v[2]});
+        mesh_.triangle_tags.push_back(tag);
+        return;
+      case kEdges + 1:
+        add_middles(v, 2, kEdgeEdges);
+        [[fallthrough]];
+      case kEdges:
+        mesh_.edges.push_back({v[0], v[1]});
+        mesh_.edge_tags.push_back(tag);
+        return;
+      default:
+        break;
+    }
+    ElementBlock& block = others_[kind - kOthers];
+    block.element2vertex.insert(block.element2vertex.end(), v, v + block.vertices_per_element);
+    block.tags.push_back(tag);
+  }
+
+  template <std::size_t N>
+  void add_middles(const int* v, std::size_t corners, const std::array<Pair, N>& edges) {
+    for (std::size_t e = 0; e < N; ++e) middles_.push_back({v[corners + e], {v[edges[e][0]], v[edges[e][1]]}});
+  }
+
+  /// Sides of tetrahedra become listed triangles.
+  void read_side_set(int id) {
+    std::int64_t n = 0;
+    const std::vector<int> entries = read_set(EX_SIDE_SET, id, n);
+    const auto count = static_cast<std::size_t>(n);
+    std::int64_t left_out = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const int element = entries[i] - 1;
+      const int side = entries[count + i];
+      const auto at = std::find_if(blocks_.begin(), blocks_.end(), [element](const Block& b) {
+        return element >= b.first && element < b.first + b.elements;
+      });
+      if (at == blocks_.end()) {
+        throw FileError("side set " + std::to_string(id) + " names element " + std::to_string(element + 1) +
+                        ", which is not there");
+      }
+      if (at->kind >= kTriangles) {
+        ++left_out;
+        continue;
+      }
+      if (side < 1 || side > 4) {
+        throw FileError("side set " + std::to_string(id) + " names side " + std::to_string(side) +
+                        " of a tetrahedron; there are 4");
+      }
+      const auto& tet = mesh_.tets[tet_number(*at) + static_cast<std::size_t>(element - at->first)];
+      const auto& corners = kTetSides[static_cast<std::size_t>(side - 1)];
+      mesh_.triangles.push_back({tet[corners[0]], tet[corners[1]], tet[corners[2]]});
+      mesh_.triangle_tags.push_back(id);
+    }
+    add_group(2, id, name_of(EX_SIDE_SET, id));
+    if (left_out > 0) {
+      warnings_.push_back(std::to_string(left_out) + " sides of elements that are no tetrahedra, of side set " +
+                          std::to_string(id) + ", are not kept");
+    }
+  }
+
+  /// Position of the block's first tetrahedron.
+  std::size_t tet_number(const Block& block) const {
+    std::int64_t before = 0;
+    for (const Block& b : blocks_) {
+      if (b.kind < kTriangles && b.first < block.first) before += b.elements;
+    }
+    return static_cast<std::size_t>(before);
+  }
+
+  std::vector<int> read_set(ex_entity_type type, int id, std::int64_t& count) const {
+    int n = 0;
+    int factors = 0;
+    file_.check(ex_get_set_param(file_.id(), type, id, &n, &factors), "read a set");
+    count = n;
+    std::vector<int> entries(2 * static_cast<std::size_t>(n));
+    if (n > 0) {
+      file_.check(ex_get_set(file_.id(), type, id, entries.data(), type == EX_SIDE_SET ? entries.data() + n : nullptr),
+                  "read a set");
+    }
+    return entries;
+  }
+
+  void read_node_set(int id) {
+    std::int64_t n = 0;
+    const std::vector<int> entries = read_set(EX_NODE_SET, id, n);
+    std::vector<std::uint8_t> in_set(mesh_.points.size(), 0);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+      const int v = entries[i] - 1;
+      if (v < 0 || static_cast<std::size_t>(v) >= in_set.size()) {
+        throw FileError("node set " + std::to_string(id) + " names node " + std::to_string(v + 1) +
+                        ", which is not there");
+      }
+      in_set[static_cast<std::size_t>(v)] = 1;
+    }
+    const std::string name = name_of(EX_NODE_SET, id);
+    mesh_.point_data.push_back(
+        {kNodeSet + std::to_string(id) + (name.empty() ? "" : ":" + name), 1, std::move(in_set)});
+  }
+
+  std::vector<std::string> variable_names(ex_entity_type type) const {
+    int n = 0;
+    file_.check(ex_get_variable_param(file_.id(), type, &n), "read the variables");
+    std::vector<std::string> names;
+    for (int i = 1; i <= n; ++i) {
+      std::array<char, File::kNames + 1> name{};
+      file_.check(ex_get_variable_name(file_.id(), type, i, name.data()), "read the name of a variable");
+      names.emplace_back(name.data());
+    }
+    return names;
+  }
+
+  /// Three variables name_X, name_Y, name_Z in a row are a vector.
+  static void join_vectors(std::vector<DataArray>& data) {
+    for (std::size_t i = 0; i + 2 < data.size(); ++i) {
+      const std::string& first = data[i].name;
+      if (first.size() < 2 || first.compare(first.size() - 2, 2, "_X") != 0) continue;
+      const std::string base = first.substr(0, first.size() - 2);
+      if (data[i + 1].name != base + "_Y" || data[i + 2].name != base + "_Z") continue;
+      std::vector<double> joined;
+      const std::size_t n = std::get<std::vector<double>>(data[i].values).size();
+      for (std::size_t v = 0; v < n; ++v) {
+        for (std::size_t c = 0; c < 3; ++c) joined.push_back(std::get<std::vector<double>>(data[i + c].values)[v]);
+      }
+      data[i] = {base, 3, std::move(joined)};
+      data.erase(data.begin() + static_cast<std::ptrdiff_t>(i) + 1, data.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+    }
+  }
+
+  /// Values of the first time step.
+  void read_variables() {
+    const std::int64_t steps = ex_inquire_int(file_.id(), EX_INQ_TIME);
+    if (steps < 1) return;
+    if (steps > 1) warnings_.push_back("of " + std::to_string(steps) + " time steps the first is kept");
+    int index = 0;
+    std::vector<DataArray> nodal;
+    for (const std::string& name : variable_names(EX_NODAL)) {
+      std::vector<double> values(mesh_.points.size());
+      file_.check(
+          ex_get_var(file_.id(), 1, EX_NODAL, ++index, 1, static_cast<std::int64_t>(values.size()), values.data()),
+          "read a variable");
+      nodal.push_back({name, 1, std::move(values)});
+    }
+    join_vectors(nodal);
+    std::move(nodal.begin(), nodal.end(), std::back_inserter(mesh_.point_data));
+    index = 0;
+    for (const std::string& name : variable_names(EX_ELEM_BLOCK)) {
+      ++index;
+      std::vector<double> values;
+      for (const Block& block : blocks_) {
+        if (block.kind >= kTriangles) continue;
+        const std::size_t first = values.size();
+        values.resize(first + static_cast<std::size_t>(block.elements), std::numeric_limits<double>::quiet_NaN());
+        // A block may be without: the truth table says so, and the call fails.
+        ex_get_var(file_.id(), 1, EX_ELEM_BLOCK, index, block.id, block.elements, values.data() + first);
+      }
+      if (!values.empty()) mesh_.tet_data.push_back({name, 1, std::move(values)});
+    }
+    join_vectors(mesh_.tet_data);
+    if (index > 0 && std::any_of(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.kind >= kTriangles; })) {
+      warnings_.push_back("variables of elements are kept on tetrahedra alone");
+    }
+  }
+
+  const File& file_;
+  TetMesh& mesh_;
+  Warnings& warnings_;
+  std::int64_t elements_ = 0;
+  std::vector<Block> blocks_;
+  std::vector<ElementBlock> others_;
+  std::vector<Middle> middles_;
+};
+
+}  // namespace
+
+TetMesh read_exodus(const std::string& file, Warnings& warnings) {
+  int computing = sizeof(double);
+  int stored = 0;
+  float version = 0;
+  TetMesh mesh;
+  const File in(ex_open(file.c_str(), EX_READ, &computing, &stored, &version));
+  Reader(in, mesh, warnings).read();
+  return mesh;
+}
+
+}  // namespace tetune::plugin

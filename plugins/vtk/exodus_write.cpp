@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exodus II through the library that comes with VTK, as exodus_read.cpp takes it.
+#include <algorithm>
+#include <cstdlib>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "exodus.hpp"
+#include "exodus_file.hpp"
+#include "second_order.hpp"
+
+namespace tetune::plugin {
+namespace {
+
+/// Elements of one kind and tag, on their way into a block.
+struct OutBlock {
+  int id;
+  std::size_t kind;
+  int dimension;
+  int tag;
+  std::vector<int> nodes;             ///< from 1
+  std::vector<std::size_t> elements;  ///< positions in the mesh's list of the kind
+};
+
+class Writer {
+ public:
+  Writer(const File& file, TetMesh mesh, Warnings& warnings)
+      : file_(file), mesh_(std::move(mesh)), warnings_(warnings) {}
+
+  void write() {
+    const auto middles = mesh_.second_order ? std::make_unique<Middles>(mesh_) : nullptr;
+    collect(middles.get());
+    const std::map<int, std::vector<std::array<int, 2>>> side_sets = find_sides(middles.get());
+    choose_ids();
+    warn_of_lists();
+    find_node_sets();
+    std::int64_t elements = 0;
+    for (const OutBlock& block : blocks_) elements += static_cast<std::int64_t>(block.elements.size());
+    const auto count = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
+    file_.check(ex_put_init(file_.id(), "written by tetune", 3, count(mesh_.points), elements, count(blocks_),
+                            count(node_sets_), count(side_sets)),
+                "write the sizes");
+    write_points();
+    for (const OutBlock& block : blocks_) {
+      file_.check(ex_put_block(file_.id(), EX_ELEM_BLOCK, block.id, kKinds[block.kind].written, count(block.elements),
+                               kKinds[block.kind].nodes, 0, 0, 0),
+                  "write an element block");
+      file_.check(ex_put_conn(file_.id(), EX_ELEM_BLOCK, block.id, block.nodes.data(), nullptr, nullptr),
+                  "write the elements");
+      put_name(EX_ELEM_BLOCK, block.id, group_name(block.dimension, block.tag));
+    }
+    for (const auto& [id, sides] : side_sets) {
+      std::vector<int> of_elements, of_sides;
+      for (const auto& [element, side] : sides) {
+        of_elements.push_back(element);
+        of_sides.push_back(side);
+      }
+      put_set(EX_SIDE_SET, id, of_elements, of_sides.data(), group_name(2, id));
+    }
+    for (const NodeSet& set : node_sets_) put_set(EX_NODE_SET, set.id, set.nodes, nullptr, set.name);
+    write_variables();
+  }
+
+ private:
+  struct NodeSet {
+    int id;
+    std::string name;
+    std::vector<int> nodes;
+  };
+
+  /// Sorts elements into blocks of one kind and tag.
+  void collect(const Middles* middles) {
+    const std::size_t second = middles != nullptr ? 1 : 0;
+    std::map<std::pair<std::size_t, int>, std::size_t> found;
+    const auto add = [&](std::size_t kind, int dimension, int tag, const Index* v, std::size_t n, const auto& pairs,
+                         std::size_t element) {
+      const auto [at, fresh] = found.try_emplace({kind, tag}, blocks_.size());
+      if (fresh) blocks_.push_back({0, kind, dimension, tag, {}, {}});
+      OutBlock& block = blocks_[at->second];
+      for (std::size_t k = 0; k < n; ++k) block.nodes.push_back(v[k] + 1);
+      if (middles != nullptr) {
+        for (const Pair& p : pairs) block.nodes.push_back(middles->of(v[p[0]], v[p[1]]) + 1);
+      }
+      block.elements.push_back(element);
+    };
+    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
+      add(kTets + second, 3, mesh_.tet_tags[t], mesh_.tets[t].data(), 4, kTetEdges, t);
+    }
+    collect_loose_triangles(kTriangles + second, add);
+    for (std::size_t e = 0; e < mesh_.edges.size(); ++e) {
+      add(kEdges + second, 1, mesh_.edge_tags[e], mesh_.edges[e].data(), 2, kEdgeEdges, e);
+    }
+    for (const ElementBlock& block : mesh_.others) {
+      const auto* const kind = std::find_if(std::begin(kOtherKinds), std::end(kOtherKinds),
+                                            [&block](const OtherKind& k) { return k.name == block.kind; });
+      if (kind == std::end(kOtherKinds)) throw FileError("Exodus has no elements of kind " + block.kind);
+      const auto each = static_cast<std::size_t>(kind->vertices);
+      for (std::size_t i = 0; i < block.tags.size(); ++i) {
+        add(kOthers + static_cast<std::size_t>(kind - std::begin(kOtherKinds)), kind->dimension, block.tags[i],
+            block.element2vertex.data() + i * each, each, std::array<Pair, 0>{}, i);
+      }
+    }
+  }
+
+  using Face = std::array<Index, 3>;
+  static Face sorted(Face face) {
+    std::sort(face.begin(), face.end());
+    return face;
+  }
+
+  /// Finds for each listed triangle the tetrahedron whose side it is, of two the one that turns as it does. Those of
+  /// none become elements.
+  template <class Add>
+  void collect_loose_triangles(std::size_t kind, const Add& add) {
+    std::vector<std::pair<Face, std::size_t>> faces;
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) faces.emplace_back(sorted(mesh_.triangles[i]), i);
+    std::sort(faces.begin(), faces.end());
+    triangle2side_.assign(mesh_.triangles.size(), {-1, 0});
+    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
+      for (std::size_t s = 0; s < 4; ++s) {
+        const auto& corners = kTetSides[s];
+        const Face face{mesh_.tets[t][corners[0]], mesh_.tets[t][corners[1]], mesh_.tets[t][corners[2]]};
+        auto at = std::lower_bound(faces.begin(), faces.end(), std::pair<Face, std::size_t>{sorted(face), 0});
+        for (; at != faces.end() && at->first == sorted(face); ++at) {
+          const Face& listed = mesh_.triangles[at->second];
+          const bool turns_alike =
+              face == listed || Face{face[1], face[2], face[0]} == listed || Face{face[2], face[0], face[1]} == listed;
+          auto& side = triangle2side_[at->second];
+          if (side[0] < 0 || turns_alike) side = {static_cast<std::int64_t>(t), static_cast<std::int64_t>(s) + 1};
+        }
+      }
+    }
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+      if (triangle2side_[i][0] >= 0) continue;
+      add(kind, 2, mesh_.triangle_tags[i], mesh_.triangles[i].data(), 3, kTriangleEdges, i);
+    }
+  }
+
+  /// For each tag of triangles the sides with it, by the numbers that the elements have in the file.
+  std::map<int, std::vector<std::array<int, 2>>> find_sides(const Middles* middles) {
+    const std::size_t kind = kTets + (middles != nullptr ? 1 : 0);
+    std::vector<int> tet2element(mesh_.tets.size());
+    int next = 0;
+    for (const OutBlock& block : blocks_) {
+      for (const std::size_t e : block.elements) {
+        ++next;
+        if (block.kind == kind) tet2element[e] = next;
+      }
+    }
+    std::map<int, std::vector<std::array<int, 2>>> sets;
+    int last = 0;
+    for (const int tag : mesh_.triangle_tags) last = std::max(last, tag);
+    std::map<int, int> renumbered;
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+      const auto& [tet, side] = triangle2side_[i];
+      if (tet < 0) continue;
+      int tag = mesh_.triangle_tags[i];
+      if (tag <= 0) tag = renumber(tag, last, renumbered, "side set");
+      sets[tag].push_back({tet2element[static_cast<std::size_t>(tet)], static_cast<int>(side)});
+    }
+    return sets;
+  }
+
+  /// Exodus' numbers are positive.
+  int renumber(int tag, int& last, std::map<int, int>& renumbered, const char* what) {
+    const auto [at, fresh] = renumbered.try_emplace(tag, last + 1);
+    if (fresh) {
+      ++last;
+      warnings_.push_back("Exodus' numbers are positive: the tag " + std::to_string(tag) + " is " + what + " " +
+                          std::to_string(at->second));
+    }
+    return at->second;
+  }
+
+  /// A block has its tag's number, where no other kind of element has it and it is positive.
+  void choose_ids() {
+    int last = 0;
+    for (const OutBlock& block : blocks_) last = std::max(last, block.tag);
+    std::set<int> used;
+    int others = 0;
+    for (OutBlock& block : blocks_) {
+      block.id = block.tag;
+      if (block.tag > 0 && used.insert(block.tag).second) continue;
+      block.id = ++last;
+      ++others;
+    }
+    if (others > 0) {
+      warnings_.push_back(std::to_string(others) +
+                          " element blocks have other numbers than their tags: Exodus' are positive, and different for "
+                          "elements of different kinds");
+    }
+  }
+
+  void warn_of_lists() {
+    const std::vector<Index>* lists[] = {&mesh_.corners,        &mesh_.required_vertices,  &mesh_.ridges,
+                                         &mesh_.required_edges, &mesh_.required_triangles, &mesh_.required_tets};
+    if (std::any_of(std::begin(lists), std::end(lists), [](const auto* list) { return !list->empty(); })) {
+      warnings_.push_back("there is no room for lists of corners, ridges and required entities");
+    }
+    if (std::any_of(mesh_.point_tags.begin(), mesh_.point_tags.end(), [](int t) { return t != 0; })) {
+      warnings_.push_back("there is no room for tags of vertices");
+    }
+    if (!mesh_.triangle_data.empty() || !mesh_.edge_data.empty()) {
+      warnings_.push_back("data are kept on vertices and tetrahedra alone");
+    }
+  }
+
+  void find_node_sets() {
+    std::vector<DataArray> rest;
+    const std::string start = kNodeSet;
+    for (DataArray& array : mesh_.point_data) {
+      const auto* flags = std::get_if<std::vector<std::uint8_t>>(&array.values);
+      if (flags == nullptr || array.components != 1 || array.name.rfind(start, 0) != 0) {
+        rest.push_back(std::move(array));
+        continue;
+      }
+      NodeSet set{std::atoi(array.name.c_str() + start.size()), {}, {}};
+      if (const auto colon = array.name.find(':', start.size()); colon != std::string::npos) {
+        set.name = array.name.substr(colon + 1);
+      }
+      for (std::size_t v = 0; v < flags->size(); ++v) {
+        if ((*flags)[v] != 0) set.nodes.push_back(static_cast<int>(v) + 1);
+      }
+      node_sets_.push_back(std::move(set));
+    }
+    mesh_.point_data = std::move(rest);
+  }
+
+  void write_points() {
+    std::array<std::vector<double>, 3> x;
+    for (std::size_t k = 0; k < 3; ++k) {
+      x[k].reserve(mesh_.points.size());
+      for (const Point3& p : mesh_.points) x[k].push_back(p[k]);
+    }
+    file_.check(ex_put_coord(file_.id(), x[0].data(), x[1].data(), x[2].data()), "write the coordinates");
+  }
+
+  std::string group_name(int dimension, int tag) const {
+    for (const Group& group : mesh_.groups) {
+      if (group.dimension == dimension && group.tags == std::vector<int>{tag}) return group.name;
+    }
+    return "";
+  }
+
+  void put_name(ex_entity_type type, int id, const std::string& name) {
+    if (!name.empty()) file_.check(ex_put_name(file_.id(), type, id, name.c_str()), "write a name");
+  }
+
+  void put_set(ex_entity_type type, int id, const std::vector<int>& entries, const int* extra,
+               const std::string& name) {
+    file_.check(ex_put_set_param(file_.id(), type, id, static_cast<std::int64_t>(entries.size()), 0), "write a set");
+    if (!entries.empty()) file_.check(ex_put_set(file_.id(), type, id, entries.data(), extra), "write a set");
+    put_name(type, id, name);
+  }
+
+  /// Exodus' variables are scalars: one for each component.
+  struct Variable {
+    std::string name;
+    std::vector<double> values;
+  };
+  static std::vector<Variable> variables_of(const std::vector<DataArray>& data) {
+    std::vector<Variable> variables;
+    for (const DataArray& array : data) {
+      const auto each = static_cast<std::size_t>(array.components);
+      for (std::size_t c = 0; c < each; ++c) {
+        Variable variable{array.name, {}};
+        if (each > 1) variable.name.append(1, '_').append(each <= 3 ? std::string(1, "XYZ"[c]) : std::to_string(c + 1));
+        std::visit(
+            [&](const auto& values) {
+              for (std::size_t i = c; i < values.size(); i += each) {
+                variable.values.push_back(static_cast<double>(values[i]));
+              }
+            },
+            array.values);
+        variables.push_back(std::move(variable));
+      }
+    }
+    return variables;
+  }
+
+  void put_names(ex_entity_type type, const std::vector<Variable>& variables) {
+    if (variables.empty()) return;
+    file_.check(ex_put_variable_param(file_.id(), type, static_cast<int>(variables.size())), "write the variables");
+    int index = 0;
+    for (const Variable& v : variables) {
+      file_.check(ex_put_variable_name(file_.id(), type, ++index, v.name.c_str()), "write the name of a variable");
+    }
+  }
+
+  void write_variables() {
+    const std::vector<Variable> nodal = variables_of(mesh_.point_data);
+    const std::vector<Variable> elemental = variables_of(mesh_.tet_data);
+    if (nodal.empty() && elemental.empty()) return;
+    put_names(EX_NODAL, nodal);
+    put_names(EX_ELEM_BLOCK, elemental);
+    if (!elemental.empty()) {
+      std::vector<int> table;
+      for (const OutBlock& block : blocks_)
+        table.insert(table.end(), elemental.size(), block.kind < kTriangles ? 1 : 0);
+      file_.check(ex_put_truth_table(file_.id(), EX_ELEM_BLOCK, static_cast<int>(blocks_.size()),
+                                     static_cast<int>(elemental.size()), table.data()),
+                  "write the variables");
+    }
+    const double time = 0;
+    file_.check(ex_put_time(file_.id(), 1, &time), "write the time");
+    int index = 0;
+    for (const Variable& v : nodal) {
+      file_.check(
+          ex_put_var(file_.id(), 1, EX_NODAL, ++index, 1, static_cast<std::int64_t>(v.values.size()), v.values.data()),
+          "write a variable");
+    }
+    index = 0;
+    for (const Variable& v : elemental) {
+      ++index;
+      for (const OutBlock& block : blocks_) {
+        if (block.kind >= kTriangles) continue;
+        std::vector<double> own;
+        for (const std::size_t e : block.elements) own.push_back(v.values[e]);
+        file_.check(ex_put_var(file_.id(), 1, EX_ELEM_BLOCK, index, block.id, static_cast<std::int64_t>(own.size()),
+                               own.data()),
+                    "write a variable");
+      }
+    }
+  }
+
+  const File& file_;
+  TetMesh mesh_;
+  Warnings& warnings_;
+  std::vector<OutBlock> blocks_;
+  std::vector<std::array<std::int64_t, 2>> triangle2side_;
+  std::vector<NodeSet> node_sets_;
+};
+
+}  // namespace
+
+void write_exodus(const std::string& file, TetMesh mesh, Warnings& warnings) {
+  int computing = sizeof(double);
+  int stored = sizeof(double);
+  const File out(ex_create(file.c_str(), EX_CLOBBER | EX_LARGE_MODEL, &computing, &stored));
+  Writer(out, std::move(mesh), warnings).write();
+}
+
+}  // namespace tetune::plugin

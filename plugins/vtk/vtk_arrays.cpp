@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vtk_arrays.hpp"
+
+#include <vtkAOSDataArrayTemplate.h>
+#include <vtkStringArray.h>
+#include <vtkType.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace tetune::plugin {
+namespace {
+
+template <class T, class From>
+std::vector<T> values_of(vtkDataArray* array) {
+  const auto n = static_cast<std::size_t>(array->GetNumberOfValues());
+  std::vector<T> values(n);
+  const auto* from = static_cast<const From*>(array->GetVoidPointer(0));
+  for (std::size_t i = 0; i < n; ++i) values[i] = static_cast<T>(from[i]);
+  return values;
+}
+
+/// The type of the same width and sign, whatever C++ calls it.
+template <class From>
+DataValues integers_of(vtkDataArray* array) {
+  if constexpr (std::is_signed_v<From>) {
+    if constexpr (sizeof(From) == 1) return values_of<std::int8_t, From>(array);
+    if constexpr (sizeof(From) == 2) return values_of<std::int16_t, From>(array);
+    if constexpr (sizeof(From) == 4) return values_of<std::int32_t, From>(array);
+    if constexpr (sizeof(From) == 8) return values_of<std::int64_t, From>(array);
+  } else {
+    if constexpr (sizeof(From) == 1) return values_of<std::uint8_t, From>(array);
+    if constexpr (sizeof(From) == 2) return values_of<std::uint16_t, From>(array);
+    if constexpr (sizeof(From) == 4) return values_of<std::uint32_t, From>(array);
+    if constexpr (sizeof(From) == 8) return values_of<std::uint64_t, From>(array);
+  }
+}
+
+DataValues bits_of(vtkDataArray* array) {
+  std::vector<std::uint8_t> values;
+  for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i) {
+    for (int c = 0; c < array->GetNumberOfComponents(); ++c) {
+      values.push_back(array->GetComponent(i, c) != 0 ? 1 : 0);
+    }
+  }
+  return values;
+}
+
+/// Where meshio, Gmsh, TetGen's and Mmg's Python packages and Mmg keep tags; the first there is taken.
+constexpr std::array kTagNames{"medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical"};
+
+auto find(std::vector<DataArray>& data, const std::string& name) {
+  return std::find_if(data.begin(), data.end(), [&name](const DataArray& a) { return a.name == name; });
+}
+
+}  // namespace
+
+DataArray from_vtk(vtkDataArray* array) {
+  DataArray result;
+  result.name = array->GetName() != nullptr ? array->GetName() : "";
+  result.components = array->GetNumberOfComponents();
+  switch (array->GetDataType()) {
+    case VTK_DOUBLE:
+      result.values = values_of<double, double>(array);
+      break;
+    case VTK_FLOAT:
+      result.values = values_of<float, float>(array);
+      break;
+    case VTK_CHAR:
+      result.values = integers_of<char>(array);
+      break;
+    case VTK_SIGNED_CHAR:
+      result.values = integers_of<signed char>(array);
+      break;
+    case VTK_UNSIGNED_CHAR:
+      result.values = integers_of<unsigned char>(array);
+      break;
+    case VTK_SHORT:
+      result.values = integers_of<short>(array);
+      break;
+    case VTK_UNSIGNED_SHORT:
+      result.values = integers_of<unsigned short>(array);
+      break;
+    case VTK_INT:
+      result.values = integers_of<int>(array);
+      break;
+    case VTK_UNSIGNED_INT:
+      result.values = integers_of<unsigned int>(array);
+      break;
+    case VTK_LONG:
+      result.values = integers_of<long>(array);
+      break;
+    case VTK_UNSIGNED_LONG:
+      result.values = integers_of<unsigned long>(array);
+      break;
+    case VTK_LONG_LONG:
+      result.values = integers_of<long long>(array);
+      break;
+    case VTK_UNSIGNED_LONG_LONG:
+      result.values = integers_of<unsigned long long>(array);
+      break;
+    case VTK_ID_TYPE:
+      result.values = integers_of<vtkIdType>(array);
+      break;
+    case VTK_BIT:
+      result.values = bits_of(array);
+      break;
+    default:
+      throw FileError("the data \"" + result.name + "\" is of type " + array->GetDataTypeAsString() +
+                      ", which tetune does not know");
+  }
+  return result;
+}
+
+std::size_t length(const DataArray& array) {
+  return std::visit([](const auto& v) { return v.size(); }, array.values) / static_cast<std::size_t>(array.components);
+}
+
+DataArray entries(const DataArray& array, const std::vector<vtkIdType>& positions) {
+  DataArray result{array.name, array.components, {}};
+  const auto each = static_cast<std::size_t>(array.components);
+  std::visit(
+      [&](const auto& from) {
+        std::remove_cvref_t<decltype(from)> to;
+        to.reserve(positions.size() * each);
+        for (const vtkIdType p : positions) {
+          const auto first = from.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(p) * each);
+          to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(each));
+        }
+        result.values = std::move(to);
+      },
+      array.values);
+  return result;
+}
+
+vtkSmartPointer<vtkDataArray> to_vtk(const DataArray& array) {
+  return std::visit(
+      [&](const auto& values) -> vtkSmartPointer<vtkDataArray> {
+        using T = typename std::remove_cvref_t<decltype(values)>::value_type;
+        vtkSmartPointer<vtkDataArray> out;
+        out.TakeReference(vtkDataArray::CreateDataArray(vtkTypeTraits<T>::VTK_TYPE_ID));
+        out->SetName(array.name.c_str());
+        out->SetNumberOfComponents(array.components);
+        out->SetNumberOfTuples(static_cast<vtkIdType>(values.size() / static_cast<std::size_t>(array.components)));
+        std::copy(values.begin(), values.end(), static_cast<T*>(out->GetVoidPointer(0)));
+        return out;
+      },
+      array.values);
+}
+
+std::vector<int> take_tags(std::vector<DataArray>& data, std::string& name, Warnings& warnings) {
+  for (const char* candidate : kTagNames) {
+    const auto at = find(data, candidate);
+    if (at == data.end()) continue;
+    std::vector<int> tags;
+    const bool whole = at->components == 1 &&
+                       std::visit(
+                           [&tags](const auto& values) {
+                             for (const auto v : values) {
+                               const auto x = static_cast<double>(v);
+                               if (!(x >= std::numeric_limits<int>::min() && x <= std::numeric_limits<int>::max()) ||
+                                   x != std::floor(x)) {
+                                 return false;
+                               }
+                               tags.push_back(static_cast<int>(x));
+                             }
+                             return true;
+                           },
+                           at->values);
+    if (!whole) {
+      warnings.push_back("\"" + at->name + "\" does not hold whole numbers of 32 bits: kept as data, not as tags");
+      continue;
+    }
+    name = candidate;
+    data.erase(at);
+    return tags;
+  }
+  return {};
+}
+
+std::vector<vtkIdType> take_flags(std::vector<DataArray>& data, const std::string& name) {
+  const auto at = find(data, name);
+  if (at == data.end() || at->components != 1) return {};
+  std::vector<vtkIdType> flagged;
+  std::visit(
+      [&flagged](const auto& values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          if (values[i] != 0) flagged.push_back(static_cast<vtkIdType>(i));
+        }
+      },
+      at->values);
+  data.erase(at);
+  return flagged;
+}
+
+std::vector<DataArray> arrays_of(vtkDataSetAttributes* attributes, const char* where, Warnings& warnings) {
+  std::vector<DataArray> data;
+  std::set<std::string> names;
+  const auto n = attributes->GetNumberOfTuples();
+  for (int i = 0; i < attributes->GetNumberOfArrays(); ++i) {
+    vtkAbstractArray* any = attributes->GetAbstractArray(i);
+    const std::string name = any->GetName() != nullptr ? any->GetName() : "";
+    vtkDataArray* array = vtkDataArray::SafeDownCast(any);
+    if (array == nullptr) {
+      warnings.push_back("the data \"" + name + "\" on " + where + " is no array of numbers; it is not kept");
+    } else if (!names.insert(name).second) {
+      warnings.push_back("two arrays on " + std::string(where) + " are called \"" + name + "\"; the first is kept");
+    } else if (array->GetNumberOfTuples() != n) {
+      throw FileError("the data \"" + name + "\" on " + where + " has " + std::to_string(array->GetNumberOfTuples()) +
+                      " entries for " + std::to_string(n));
+    } else if (array->GetNumberOfComponents() > 0) {
+      data.push_back(from_vtk(array));
+    }
+  }
+  return data;
+}
+
+}  // namespace tetune::plugin

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes that the tests make themselves."""
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+BRACKET = ROOT / "data" / "bracket.meshb"
+
+# A cube in five tetrahedra, by the corners' numbers (binary: x + 2 y + 4 z), and the same mirrored.
+FIVE = np.array([[0, 1, 2, 4], [3, 2, 1, 7], [5, 4, 7, 1], [6, 7, 4, 2], [1, 2, 4, 7]])
+
+
+def shaken_box(nx=8, ny=4, nz=4, amount=0.55, seed=1):
+    """Points and tetrahedra of a box of unit cubes; inner vertices are shaken, and still all volumes are positive."""
+    index = lambda i, j, k: (k * (ny + 1) + j) * (nx + 1) + i
+    points = np.array([(i, j, k) for k, j, i in product(range(nz + 1), range(ny + 1), range(nx + 1))], dtype=float)
+    tets = []
+    for k, j, i in product(range(nz), range(ny), range(nx)):
+        mirror = (i + j + k) % 2
+        corner = [index(i + (mirror ^ (c & 1)), j + (c >> 1 & 1), k + (c >> 2)) for c in range(8)]
+        cell = np.array(corner)[FIVE]
+        tets.append(cell[:, [0, 1, 3, 2]] if mirror else cell)
+    tets = np.concatenate(tets)
+    inner = np.all((points > 0) & (points < [nx, ny, nz]), axis=1)
+    moves = np.random.default_rng(seed).uniform(-amount / 2, amount / 2, points.shape) * inner[:, None]
+    while (bad := np.unique(tets[volumes(points + moves, tets) < 0.01])).size > 0:
+        moves[bad] *= 0.5
+    return points + moves, tets
+
+
+def volumes(points, tets):
+    a, b, c, d = np.moveaxis(np.asarray(points)[np.asarray(tets)], 1, 0)
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+
+
+def smallest_dihedral(points, tets):
+    """Of each tetrahedron, in degrees, straight from the normals of its faces."""
+    p = np.asarray(points)[np.asarray(tets)]
+    normals = []
+    for f in range(4):
+        a, b, c = (p[:, k] for k in range(4) if k != f)
+        n = np.cross(b - a, c - a)
+        n *= np.sign(np.einsum("ij,ij->i", n, a - p[:, f]))[:, None]
+        normals.append(n / np.linalg.norm(n, axis=1)[:, None])
+    angles = [
+        180 - np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", normals[f], normals[g]), -1, 1)))
+        for f in range(4)
+        for g in range(f)
+    ]
+    return np.min(angles, axis=0)

@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: Apache-2.0
+"""meshio.Mesh and pyvista.UnstructuredGrid, with all their data."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tetune
+from meshes import BRACKET, shaken_box, volumes
+
+meshio = pytest.importorskip("meshio")
+pv = pytest.importorskip("pyvista")
+
+
+def two_regions():
+    points, tets = shaken_box(8, 4, 4)
+    return points, tets, np.where(points[tets].mean(axis=1)[:, 0] > 4, 2, 1)
+
+
+def interface_area(points, tets, tags):
+    """Of the faces between regions 1 and 2."""
+    faces = np.concatenate([np.delete(tets, f, axis=1) for f in range(4)])
+    owner = np.tile(np.arange(len(tets)), 4)
+    order = np.lexsort(np.sort(faces, axis=1).T)
+    faces, owner = faces[order], owner[order]
+    same = np.flatnonzero((np.sort(faces[1:], axis=1) == np.sort(faces[:-1], axis=1)).all(axis=1))
+    between = same[tags[owner[same]] != tags[owner[same + 1]]]
+    a, b, c = np.moveaxis(points[faces[between]], 1, 0)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+
+
+def meshio_mesh(tag="medit:ref"):
+    """Two blocks of tetrahedra, triangles inside and on the boundary, lines, vertices, all with data."""
+    points, tets, region = two_regions()
+    first, second = tets[region == 1], tets[region == 2]
+    triangles = np.array([tets[50][:3], [0, 1, 10], [1, 2, 10]])
+    cells = [("tetra", first), ("triangle", triangles), ("tetra", second), ("line", [[0, 1], [1, 2]]), ("vertex", [[0]])]
+    sizes = [len(c) for _, c in cells]
+    tags = [np.full(sizes[0], 1), np.array([0, 9, 9]), np.full(sizes[2], 2), np.array([4, 4]), np.array([3])]
+    return meshio.Mesh(
+        points, cells,
+        point_data={"id": np.arange(len(points)), "field": points * 2},
+        cell_data={tag: tags, "row": [np.arange(n) for n in sizes]},
+        field_data={"steel": np.array([1, 3])},
+        point_sets={"clamped": np.array([0, 5, 7])},
+        cell_sets={"left": [np.arange(sizes[0]), None, np.array([], int), None, None],
+                   "bottom": [None, np.array([2]), None, None, None]},
+    )
+
+
+@pytest.mark.parametrize("effort", ["standard", "best"])
+def test_meshio(effort):
+    m = meshio_mesh()
+    r = tetune.optimize(m, effort=effort)
+    out = r.mesh
+    assert isinstance(out, meshio.Mesh)
+    assert [b.type for b in out.cells] == ["tetra", "triangle", "tetra", "line", "vertex"]
+    assert r.report.triangles_dropped == 1 and np.array_equal(out.cells[1].data, m.cells[1].data[1:])
+    assert np.array_equal(out.cell_data["row"][1], [1, 2]) and np.array_equal(out.cell_data["medit:ref"][1], [9, 9])
+    kept = r.vertex_map >= 0
+    assert np.array_equal(out.point_data["id"][kept], r.vertex_map[kept])
+    assert np.array_equal(out.point_data["field"][kept], 2 * m.points[r.vertex_map[kept]])
+    assert out.point_data["id"].min() >= 0
+    for b, tag in ((0, 1), (2, 2)):
+        assert (out.cell_data["medit:ref"][b] == tag).all()
+        assert len(out.cell_data["row"][b]) == len(out.cells[b].data)
+        assert (volumes(out.points, out.cells[b].data) > 0).all()
+    all_tets = np.concatenate([out.cells[0].data, out.cells[2].data])
+    assert volumes(out.points, all_tets).sum() == pytest.approx(128)
+    regions = np.repeat([1, 2], [len(out.cells[0].data), len(out.cells[2].data)])
+    assert interface_area(out.points, all_tets, regions) == pytest.approx(interface_area(*two_regions()), rel=1e-9)
+    assert np.array_equal(out.cell_sets["left"][0], np.arange(len(out.cells[0].data)))
+    assert out.cell_sets["left"][2].size == 0 and out.cell_sets["left"][1] is None
+    assert np.array_equal(out.cell_sets["bottom"][1], [1])
+    assert np.array_equal(r.vertex_map[out.point_sets["clamped"]], [0, 5, 7])
+    assert out.field_data.keys() == {"steel"}
+    assert not r.moved[0]
+
+
+def test_data_of_inserted_vertices():
+    b = tetune.read_mesh(str(BRACKET))
+    n = len(b.points)
+    slopes = np.array([[1.0, -2, 3], [0.5, 0, -1]])
+    data = {
+        "id": np.arange(n), "linear": b.points @ slopes.T + 7, "single": b.points[:, 0].astype(np.float32),
+        "even": np.arange(n) % 2 == 0, "tensor": np.multiply.outer(b.points[:, 2], np.eye(3)),
+    }
+    r = tetune.optimize(meshio.Mesh(b.points, [("tetra", b.tets)], point_data=data), effort="best")
+    inserted = np.flatnonzero(r.vertex_map < 0)
+    assert inserted.size > 0, "the test needs an inserted vertex"
+    out, tets = r.mesh.point_data, r.mesh.cells[0].data
+    assert {name: values.dtype for name, values in out.items()} == {name: values.dtype for name, values in data.items()}
+    for name, values in data.items():
+        assert np.array_equal(out[name][r.vertex_map >= 0], values[r.vertex_map[r.vertex_map >= 0]]), name
+    assert np.array_equal(out["even"], out["id"] % 2 == 0)
+    place = {v: i for i, v in enumerate(r.vertex_map) if v >= 0}
+    moved_by = np.abs(r.mesh.points[r.vertex_map >= 0] - b.points[r.vertex_map[r.vertex_map >= 0]]).max()
+    for v in inserted:
+        around = np.setdiff1d(tets[(tets == v).any(axis=1)], v)
+        old = around[r.vertex_map[around] >= 0]
+        if old.size:
+            length = {k: np.linalg.norm(r.mesh.points[k] - r.mesh.points[v]) for k in old}
+            assert length[place[out["id"][v]]] == min(length.values())
+        # A mean of the neighbours: between them, and linear fields of where these were are off by their moves alone.
+        for name in ("linear", "single", "tensor"):
+            near = out[name][around]
+            assert (out[name][v] >= near.min(axis=0) - 1e-5).all() and (out[name][v] <= near.max(axis=0) + 1e-5).all()
+        assert np.abs(out["linear"][v] - slopes @ r.mesh.points[v] - 7).max() < 6 * moved_by
+        assert not (out["linear"][v] == out["linear"][around]).all(axis=1).any()
+    grid = pv.UnstructuredGrid({pv.CellType.TETRA: b.tets}, b.points)
+    for name in ("id", "linear"):
+        grid.point_data[name] = data[name]
+    shown = grid.tetune.optimize(effort="best")
+    for name in ("id", "linear"):
+        assert np.array_equal(shown.point_data[name], out[name])
+
+
+def test_tags_choose_the_regions():
+    points, tets, region = two_regions()
+    # A wavy interface: only tags hold it.
+    shifted = points + np.outer((points[:, 0] == 4) * 0.25 * np.sin(points[:, 1] + points[:, 2]), [1, 0, 0])
+    def area_after(mesh, **options):
+        r = tetune.optimize(mesh, **options)
+        tags = region[r.parent]
+        return interface_area(r.mesh.points, r.mesh.cells[0].data, tags) if tags.min() != tags.max() else 0
+    mesh = meshio.Mesh(shifted, [("tetra", tets)], cell_data={"material": [region.astype(float)]})
+    before = interface_area(shifted, tets, region)
+    assert area_after(mesh, tags="material") == pytest.approx(before, rel=1e-12)
+    assert area_after(mesh) != pytest.approx(before, rel=1e-3)
+    known = meshio.Mesh(shifted, [("tetra", tets)], cell_data={"gmsh:physical": [region]})
+    assert area_after(known) == pytest.approx(before, rel=1e-12)
+    assert area_after(known, tags=False) != pytest.approx(before, rel=1e-3)
+    with pytest.raises(tetune.OptionError, match="tags is 'mat'; the cell data of this mesh are: material"):
+        tetune.optimize(mesh, tags="mat")
+    half = meshio.Mesh(points, [("tetra", tets)], cell_data={"material": [region / 4]})
+    with pytest.raises(tetune.OptionError, match="not whole"):
+        tetune.optimize(half, tags="material")
+    vectors = meshio.Mesh(points, [("tetra", tets)], cell_data={"material": [np.ones((len(tets), 3))]})
+    with pytest.raises(tetune.OptionError, match="has 3 numbers a cell"):
+        tetune.optimize(vectors, tags="material")
+
+
+def grid(points=None):
+    p, tets, region = two_regions()
+    g = pv.UnstructuredGrid({pv.CellType.TETRA: tets}, p if points is None else points)
+    g.point_data["id"] = np.arange(len(p))
+    g.cell_data["region"] = region
+    g.cell_data["row"] = np.arange(len(tets))
+    g.field_data["note"] = ["mine"]
+    g.point_data.active_scalars_name = "id"
+    return g
+
+
+def test_pyvista():
+    g = grid()
+    before = g.copy()
+    r = tetune.optimize(g, tags="region")
+    out = r.mesh
+    assert isinstance(out, pv.UnstructuredGrid)
+    assert g == before
+    assert np.array_equal(out.point_data["id"], np.arange(g.n_points))
+    assert np.array_equal(out.cell_data["row"], r.parent)
+    assert np.array_equal(out.cell_data["region"], g.cell_data["region"][r.parent])
+    assert out.field_data["note"][0] == "mine" and out.point_data.active_scalars_name == "id"
+    sized = out.compute_cell_sizes(length=False, area=False)
+    assert sized.cell_data["Volume"].min() > 0 and sized.volume == pytest.approx(128)
+    assert out.cell_quality("scaled_jacobian")["scaled_jacobian"].min() > g.cell_quality("scaled_jacobian")["scaled_jacobian"].min()
+    arrays = tetune.optimize(tetune.TetMesh(g.points, g.cells_dict[10], tet_tags=g.cell_data["region"]))
+    assert np.array_equal(out.points, arrays.mesh.points) and np.array_equal(out.cells_dict[10], arrays.mesh.tets)
+
+
+def test_pyvista_accessor():
+    g = grid()
+    out = g.tetune.optimize(tags="region", effort="fast")
+    assert out == tetune.optimize(g, tags="region", effort="fast").mesh
+    assert g.tetune.run(max_iterations=1).report.stop == "iteration limit"
+    assert g.tetune.quality().dihedral_min == tetune.quality(g).dihedral_min < out.tetune.quality().dihedral_min
+    assert len(g.tetune.measure_each()["q_h"]) == g.n_cells
+
+
+def test_pyvista_accessor_needs_no_import():
+    import subprocess
+    import sys
+
+    code = "import pyvista as pv; print(pv.examples.cells.Tetrahedron().tetune.quality().tets)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert run.stdout.strip() == "1", run.stderr
+
+
+def test_single_precision_points_come_back_as_doubles():
+    p = two_regions()[0].astype(np.float32)
+    out = grid(p).tetune.optimize()
+    assert out.points.dtype == np.float64
+    assert np.array_equal(out.points[0], p[0])
+
+
+def test_pyvista_mixed_cells():
+    points, tets = shaken_box(4, 4, 4)
+    top = np.arange(100, 125)
+    above = points[top] + [0, 0, 1]
+    quad = lambda i, j: [100 + 5 * j + i, 101 + 5 * j + i, 106 + 5 * j + i, 105 + 5 * j + i]
+    hexes = np.array([quad(i, j) + [v + 25 for v in quad(i, j)] for i in range(4) for j in range(4)])
+    g = pv.UnstructuredGrid(
+        {pv.CellType.HEXAHEDRON: hexes, pv.CellType.TETRA: tets, pv.CellType.TRIANGLE: np.array([[0, 1, 5]])},
+        np.concatenate([points, above]),
+    )
+    g.cell_data["row"] = np.arange(g.n_cells)
+    r = tetune.optimize(g)
+    out = r.mesh
+    assert np.array_equal(out.cells_dict[12], hexes) and np.array_equal(out.cells_dict[5], [[0, 1, 5]])
+    assert not r.moved[hexes].any() and r.moved.any()
+    for t in (5, 12):
+        assert np.array_equal(out.cell_data["row"][out.celltypes == t], g.cell_data["row"][g.celltypes == t])
+    assert np.array_equal(out.cell_data["row"][out.celltypes == 10], np.flatnonzero(g.celltypes == 10)[r.parent])
+
+
+def test_what_is_no_mesh_for_us():
+    points, tets = shaken_box(2, 2, 2)
+    with pytest.raises(tetune.MeshError, match="there is no tetrahedron in this mesh; its cells are: triangle"):
+        tetune.optimize(meshio.Mesh(points, [("triangle", tets[:, :3])]))
+    with pytest.raises(tetune.MeshError, match="cells of type tetra10 are not supported"):
+        tetune.optimize(meshio.Mesh(points, [("tetra10", np.zeros((1, 10), int))]))
+    with pytest.raises(tetune.MeshError, match="cells of VTK type 24 are not supported"):
+        tetune.optimize(pv.examples.cells.QuadraticTetrahedron())
+    with pytest.raises(TypeError, match="this is a pyvista.core.pointset.PolyData"):
+        tetune.optimize(pv.Sphere())
+    with pytest.raises(TypeError, match="tags names data of a meshio or pyvista mesh"):
+        tetune.optimize(points, tets, tags="region")
+
+
+def test_files_of_vtk(tmp_path):
+    if not (Path(tetune.__file__).parent / "libexec/tetune/tetune-vtk").is_file():
+        pytest.skip("built without VTK: install libvtk9-dev")
+    points, tets, region = two_regions()
+    grid = pv.UnstructuredGrid({pv.CellType.TETRA: tets}, points)
+    grid.point_data["x"] = points[:, 0]
+    grid.cell_data["medit:ref"] = region
+    grid.save(tmp_path / "in.vtu")
+    r = tetune.optimize(tetune.read_mesh(str(tmp_path / "in.vtu")))
+    tetune.write_mesh(str(tmp_path / "out.vtu"), r.mesh)
+    out = pv.read(tmp_path / "out.vtu")
+    assert r.moved.any() and np.array_equal(out.points, r.mesh.points)
+    assert np.array_equal(out.point_data["x"], points[:, 0])
+    assert np.array_equal(out.cell_data["medit:ref"], region[r.parent])
+    with pytest.warns(UserWarning, match='MEDIT has no room for the data "x"'):
+        tetune.write_mesh(str(tmp_path / "out.mesh"), r.mesh)

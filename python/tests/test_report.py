@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page, in a browser."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+import tetune
+from meshes import BRACKET, shaken_box
+
+pytest.importorskip("plotly")
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    run = subprocess.run(
+        [sys.executable, "-m", "tetune", "optimize", BRACKET, "-o", "out.mesh", "--report-html", "page.html", "--effort", "best"],
+        cwd=folder, capture_output=True, text=True,
+    )
+    assert run.returncode == 0, run.stderr
+    return folder / "page.html"
+
+
+def test_it_is_small_and_whole(page):
+    assert 2e6 < page.stat().st_size < 5e6
+    assert [f.name for f in page.parent.iterdir() if f.suffix == ".tmp"] == []
+    head = page.read_text(encoding="utf-8")[:3000]
+    assert "<title>tetune: bracket.meshb → out.mesh</title>" in head and "src=" not in head
+
+
+def test_in_a_browser(page):
+    sync = pytest.importorskip("playwright.sync_api")
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    if chromium is None:
+        pytest.skip("chromium is not installed: apt-get install chromium")
+    with sync.sync_playwright() as p:
+        browser = p.chromium.launch(
+            executable_path=chromium, args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        )
+        tab = browser.new_page(viewport={"width": 1300, "height": 900}, color_scheme="dark")
+        errors, requests = [], []
+        tab.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
+        tab.on("pageerror", lambda e: errors.append(str(e)))
+        tab.on("request", lambda r: requests.append(r.url))
+        tab.goto(page.as_uri())
+        tab.wait_for_selector("html[data-ready=true]", state="attached", timeout=120_000)
+
+        q = tetune.quality(tetune.read_mesh(str(BRACKET)))
+        assert f"{q.dihedral_min:.2f}°" in tab.locator("#figures").inner_text()
+        assert tab.locator("#worst0 tbody tr").count() == 12
+        assert tab.locator("#worst0 tbody tr").first.inner_text().startswith(str(q.worst[0].tet + 1))
+        assert tab.locator("#histograms .main-svg .bars").count() == 6
+        assert "vertices inserted" in tab.locator("#summary").inner_text()
+        assert tab.locator("#charts .chart").count() == 4
+        assert "Smallest dihedral angle over sweeps" in tab.locator("#charts").inner_text()
+
+        triangles = "() => document.getElementById('view0').data.map(t => t.i ? t.i.length : 0)"
+        drawn = lambda: tab.evaluate("() => new Promise(r => setTimeout(r, 50))")
+
+        def until(condition):
+            tab.wait_for_function(condition, timeout=60_000)
+            drawn()
+            return tab.evaluate(triangles)
+
+        half = tab.evaluate(triangles)
+        where = tab.locator("#where").inner_text()
+        assert len(half) == 2 and min(half) > 0 and where.startswith("x = ")
+        tab.locator("#plane").focus()
+        tab.keyboard.press("ArrowLeft")
+        less = until(f"() => document.getElementById('view0').data[0].i.length < {half[0]}")
+        assert tab.locator("#where").inner_text() != where
+        tab.locator("#axis").select_option("-1")
+        whole = until("() => document.getElementById('view0').data.length === 1")
+        assert less[0] < half[0] < whole[0]
+        before = tab.evaluate("() => document.getElementById('view1').data[0].cmax")
+        tab.locator("#color").select_option("mean_ratio")
+        until("() => document.getElementById('view1').data[0].cmax === 1")
+        assert before > 70
+
+        tab.locator(f"button[aria-label='Show element {q.worst[0].tet + 1} before']").click()
+        until("() => document.getElementById('view0').data.length === 3")
+        assert f"Element {q.worst[0].tet + 1} before" in tab.locator("#shown").inner_text()
+        assert tab.locator("#worst0 tr[aria-current=true]").count() == 1
+        tab.locator("#whole").click()
+        until("() => document.getElementById('view0').data.length === 1")
+
+        back = lambda: tab.evaluate("() => getComputedStyle(document.body).backgroundColor")
+        dark = back()
+        tab.locator("#theme").click()
+        until("() => document.documentElement.dataset.theme === 'light'")
+        assert back() == "rgb(255, 255, 255)" != dark
+        tab.locator("#log").check()
+        # The cameras follow each other.
+        tab.evaluate("() => Plotly.relayout('view0', {'scene.camera': {eye: {x: 2, y: 0, z: 0}}})")
+        until("() => document.getElementById('view1').layout.scene.camera.eye.x === 2")
+        tab.set_viewport_size({"width": 400, "height": 800})
+        tab.wait_for_function("() => document.documentElement.scrollWidth <= 400", timeout=60_000)
+        browser.close()
+    assert errors == []
+    assert [r for r in requests if not r.startswith(("file:", "data:", "blob:"))] == []
+
+
+def test_report_of_two_files(page, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "tetune", "report", BRACKET, page.parent / "out.mesh", "-o", tmp_path / "r.html"],
+        capture_output=True, text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert '"optimization": null' in (tmp_path / "r.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["no.mesh", str(BRACKET), "-o", "r.html"], "no.mesh"),
+        ([str(BRACKET), str(BRACKET), "-o", "nowhere/r.html"], "there is no folder nowhere"),
+        ([str(BRACKET), str(BRACKET), "-o", "r.html", "--run", str(BRACKET)], "this is not what `tetune optimize --report"),
+    ],
+)
+def test_errors(words, message, tmp_path):
+    done = subprocess.run([sys.executable, "-m", "tetune", "report", *words], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 2 and message in done.stderr and "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_plotly(tmp_path):
+    points, tets = shaken_box(2, 2, 2)
+    for name in "ab":
+        tetune.write_mesh(str(tmp_path / f"{name}.mesh"), tetune.TetMesh(points, tets))
+    code = "import sys; sys.modules['plotly'] = None; from tetune.report.__main__ import main; sys.exit(main(sys.argv[1:]))"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "a.mesh", "b.mesh", "-o", "r.html"], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert done.returncode == 2 and "pip install 'tetune[report]'" in done.stderr
+    assert not os.path.exists(tmp_path / "r.html")
+
+
+def test_the_program_alone_says_what_to_install(tmp_path):
+    from tetune.__main__ import PROGRAM
+
+    for words in (["report", "a", "b", "-o", "c"], ["optimize", "a", "-o", "b.mesh", "--report-html", "c.html"]):
+        done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, cwd=tmp_path)
+        assert done.returncode == 2 and "pip install 'tetune[report]'" in done.stderr

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`grid.tetune` of a pyvista.UnstructuredGrid. pyvista imports this by the entry point `pyvista.accessors`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Unpack
+
+import pyvista as pv
+
+from ._core import Progress, Quality
+from ._optimize import Float64s, Options, Result, measure_each, optimize, quality
+
+if TYPE_CHECKING:
+    from ._adapters import Tags
+
+
+@pv.register_dataset_accessor("tetune", pv.UnstructuredGrid)  # type: ignore[untyped-decorator, unused-ignore]
+class TetuneAccessor:
+    """Optimises and measures the tetrahedra of a grid."""
+
+    def __init__(self, grid: pv.UnstructuredGrid) -> None:
+        self._grid = grid
+
+    def optimize(
+        self,
+        *,
+        tags: Tags = None,
+        progress: bool | Callable[[Progress], object] = False,
+        **options: Unpack[Options],
+    ) -> pv.UnstructuredGrid:
+        """The grid, made better: `tetune.optimize(grid, ...).mesh`."""
+        return self.run(tags=tags, progress=progress, **options).mesh
+
+    def run(
+        self,
+        *,
+        tags: Tags = None,
+        progress: bool | Callable[[Progress], object] = False,
+        **options: Unpack[Options],
+    ) -> Result[pv.UnstructuredGrid]:
+        """`tetune.optimize(grid, ...)`, with the report and the maps."""
+        return optimize(self._grid, tags=tags, progress=progress, **options)
+
+    def quality(self, *, worst: int = 10, threads: int = 0) -> Quality:
+        """`tetune.quality(grid)`."""
+        return quality(self._grid, worst=worst, threads=threads)
+
+    def measure_each(self, *, threads: int = 0) -> dict[str, Float64s]:
+        """`tetune.measure_each(grid)`: all measures of each tetrahedron, in the order of the grid's tetrahedra."""
+        return measure_each(self._grid, threads=threads)

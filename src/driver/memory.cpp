@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+namespace {
+
+std::size_t bytes_of(const std::vector<DataArray>& data) {
+  std::size_t bytes = 0;
+  for (const DataArray& array : data) {
+    bytes += std::visit([](const auto& v) { return v.size() * sizeof v[0]; }, array.values);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
+  // Bytes, fitted to measured peaks: docs/command-line.md, "Memory".
+  std::size_t bytes = (std::size_t{4} << 20) + 930 * mesh.points.size() + 84 * mesh.tets.size() +
+                      40 * mesh.triangles.size() + 40 * mesh.edges.size();
+  for (const ElementBlock& block : mesh.others) bytes += 8 * (block.element2vertex.size() + block.tags.size());
+  if (options.boundary == Boundary::slide) bytes += bytes / 4;  // the reference surface
+  if (options.effort == Effort::best) bytes += bytes / 16;      // room for inserted vertices
+  bytes += bytes / 32;
+  // Data are there twice while they are handed back, those of vertices once more where some are inserted or removed.
+  bytes += 2 * (bytes_of(mesh.tet_data) + bytes_of(mesh.triangle_data) + bytes_of(mesh.edge_data));
+  const bool inserts = options.effort == Effort::best && !options.keep_vertices;
+  bytes += (inserts ? 3 : 2) * bytes_of(mesh.point_data);
+  for (const ElementBlock& block : mesh.others) bytes += bytes_of(block.data);
+  return bytes;
+}
+
+}  // namespace tetune

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/constrained_edges.hpp"
+#include "energy/harmonic.hpp"
+#include "flips/flip.hpp"
+
+/// Which faces go together in a face removal: faces that lie between the same two vertices a and b. Two that share an
+/// edge have four tetrahedra around it, so clusters grow from a face across such edges. Each edge of a cluster carries
+/// one new tetrahedron, each face two old ones: what a cluster is worth is a sum over a tree, and its best part that
+/// has the first face is found from the leaves (Shewchuk, "Two discrete optimization algorithms for the topological
+/// improvement of tetrahedral meshes", 2002).
+namespace tetune {
+
+/// The faces around one, in the memory of one thread.
+class FaceCluster {
+ public:
+  TETUNE_HD FaceCluster(const MeshView& mesh, const ConstrainedEdges& constrained)
+      : mesh_(mesh), constrained_(constrained) {}
+
+  /// Starts from face `face` of t, which must not be locked, and takes at most `most` faces. False where no two others
+  /// are beside it: of a cluster of three or more faces at least one has two beside it, and smaller ones are other
+  /// flips.
+  TETUNE_HD bool grow(Index t, int face, int most) {
+    const Link link = mesh_.tet2tet[t][face];
+    const Tet tet = mesh_.tet2vertex[t];
+    a_ = tet[face];
+    b_ = mesh_.tet2vertex[link_tet(link)][link_face(link)];
+    Index v[3];
+    for (int k = 0; k < 3; ++k) v[k] = tet[face_vertex(face, k)];
+    add({t, link_tet(link)}, v);
+    for (int side = 0; side < 3; ++side) spread(0, side, most);
+    if (count_ < 3) return false;
+    for (int i = 1; i < count_; ++i) {
+      for (int side = 1; side < 3; ++side) spread(i, side, most);
+    }
+    return true;
+  }
+
+  /// The best part of the cluster that has the first face. Returns the energy it would leave less that of its
+  /// tetrahedra, which `eta` holds; kNever or so where there is none with certified volumes.
+  TETUNE_HD double settle(Span<const double> eta) {
+    for (int i = count_ - 1; i >= 0; --i) {
+      Face& f = faces_[i];
+      f.change = -(eta[f.tets[0]] + eta[f.tets[1]]);
+      for (int side = i == 0 ? 0 : 1; side < 3; ++side) {
+        const double kept = energy_at(f.v[side], f.v[after(side)]);
+        const double beyond = f.beyond[side] > 0 ? faces_[f.beyond[side]].change : kNever;
+        if (!(beyond < kept)) f.beyond[side] = 0;
+        f.change += beyond < kept ? beyond : kept;
+      }
+    }
+    return faces_[0].change;
+  }
+
+  /// After settle(), its removal.
+  TETUNE_HD Cavity cavity(Triangulation& triangulation) const {
+    Cavity c;
+    c.kind = FlipKind::face_removal;
+    c.a = a_;
+    c.b = b_;
+    c.ring_size = 0;
+    // Around the cluster: into what lies beyond a side first, then to the next side.
+    int used[kMaxFaces];
+    int faces = 0;
+    struct Step {
+      int face, side;
+    } way[kMaxFaces];
+    int depth = 0;
+    way[0] = {0, 0};
+    used[faces++] = 0;
+    while (depth >= 0) {
+      Step& s = way[depth];
+      if (s.side == 3) {
+        --depth;
+        continue;
+      }
+      const Face& f = faces_[s.face];
+      const int side = s.side++;
+      if (f.beyond[side] > 0) {
+        used[faces++] = f.beyond[side];
+        way[++depth] = {f.beyond[side], 1};
+      } else {
+        c.ring[c.ring_size++] = f.v[side];
+      }
+    }
+    for (int s = 0; s < faces; ++s) {
+      const Face& f = faces_[used[s]];
+      std::uint8_t place[3];
+      for (int k = 0; k < 3; ++k) {
+        place[k] = 0;
+        while (c.ring[place[k]] != f.v[k]) ++place[k];
+      }
+      // In the order of the ring, from the lowest on.
+      int lowest = place[1] < place[0] ? 1 : 0;
+      if (place[2] < place[lowest]) lowest = 2;
+      for (int k = 0; k < 3; ++k) triangulation.corner[s][k] = place[(lowest + k) % 3];
+      c.tets[2 * s] = f.tets[0];
+      c.tets[2 * s + 1] = f.tets[1];
+    }
+    return c;
+  }
+
+ private:
+  /// A face (v0, v1, v2), (a, v0, v1, v2) positive. Side k is from v_k to the next; side 0 leads to the face that it
+  /// was reached from.
+  struct Face {
+    Index v[3];
+    Index tets[2];  ///< on the side of a and of b
+    int beyond[3];  ///< the face there; 0: none
+    double change;  ///< of the energy, at best, when this goes and what lies beyond it
+  };
+  struct Tets {
+    Index above, below;
+  };
+
+  TETUNE_HD static int after(int side) { return side < 2 ? side + 1 : 0; }
+
+  TETUNE_HD void add(const Tets& tets, const Index v[3]) {
+    Face& f = faces_[count_++];
+    for (int k = 0; k < 3; ++k) f.v[k] = v[k], f.beyond[k] = 0;
+    f.tets[0] = tets.above;
+    f.tets[1] = tets.below;
+  }
+
+  /// Takes the face beyond a side of face i, where it lies between a and b as well.
+  TETUNE_HD void spread(int i, int side, int most) {
+    const Face& f = faces_[i];
+    const Index opposite = f.v[side == 0 ? 2 : side - 1];
+    const Link above = across(f.tets[0], opposite);
+    const Link below = across(f.tets[1], opposite);
+    if (count_ == most || is_locked(above) || is_locked(below)) return;
+    const Tet tet = mesh_.tet2vertex[link_tet(above)];
+    const Index apex = tet[link_face(above)];
+    if (mesh_.tet2vertex[link_tet(below)][link_face(below)] != apex) return;
+    if (is_locked(mesh_.tet2tet[link_tet(above)][local_index(tet, a_)])) return;
+    for (int k = 0; k < count_; ++k) {
+      if (faces_[k].tets[0] == link_tet(above)) return;
+    }
+    if (constrained_.contains(f.v[side], f.v[after(side)])) return;
+    const Index v[3] = {f.v[after(side)], f.v[side], apex};
+    faces_[i].beyond[side] = count_;
+    add({link_tet(above), link_tet(below)}, v);
+  }
+  TETUNE_HD Link across(Index t, Index opposite) const {
+    return mesh_.tet2tet[t][local_index(mesh_.tet2vertex[t], opposite)];
+  }
+
+  TETUNE_HD double energy_at(Index from, Index to) const {
+    const TetEnergy e = tet_energy(mesh_.law, vec(mesh_.points[a_]), vec(mesh_.points[from]), vec(mesh_.points[to]),
+                                   vec(mesh_.points[b_]));
+    return e.certified ? e.eta : kNever;
+  }
+
+  MeshView mesh_;
+  ConstrainedEdges constrained_;
+  Index a_, b_;
+  Face faces_[kMaxFaces];
+  int count_ = 0;
+};
+
+}  // namespace tetune

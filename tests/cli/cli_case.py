@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests of the command line share: meshes, and a case that runs tetune as a process.
+
+Run a file of tests:  python3 test_optimize.py path/to/tetune [names of tests]
+"""
+
+import math
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+TETUNE = ""
+
+# Jobs in the background of a shell ignore it, and hand that on.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+QUALITY_KEYS = {"tetrahedra", "dihedral_min_deg", "dihedral_1_percent_deg", "dihedral_5_percent_deg",
+                "dihedral_mean_deg", "dihedral_max_deg", "eta_max", "eta_95_percent", "eta_sum", "shape_sum", "mean_ratio",
+                "mean_ratio_min", "volume", "worst_tetrahedron", "dihedral_histogram_10_deg", "measures", "worst"}
+MEASURES = ["min_dihedral_deg", "max_dihedral_deg", "mean_ratio", "sicn", "gamma", "scaled_jacobian", "radius_ratio",
+            "aspect_ratio", "q_h"]
+
+
+class Mesh:
+    """Vertices and tetrahedra (counted from 0) with their tags."""
+
+    def __init__(self, points, tets, point_tags=None, tet_tags=None):
+        self.points = points
+        self.tets = tets
+        self.point_tags = point_tags or [0] * len(points)
+        self.tet_tags = tet_tags or [0] * len(tets)
+
+    def text(self):
+        lines = ["MeshVersionFormatted 2", "Dimension 3", "Vertices", str(len(self.points))]
+        lines += [" ".join(map(repr, p)) + f" {t}" for p, t in zip(self.points, self.point_tags)]
+        lines += ["Tetrahedra", str(len(self.tets))]
+        lines += [" ".join(str(v + 1) for v in tet) + f" {t}" for tet, t in zip(self.tets, self.tet_tags)]
+        return "\n".join(lines + ["End", ""])
+
+    @staticmethod
+    def read(path):
+        words = Path(path).read_text().split()
+
+        def section(name, each, number):
+            at = words.index(name) + 1
+            values = words[at + 1:at + 1 + int(words[at]) * (each + 1)]
+            rows = [values[i:i + each + 1] for i in range(0, len(values), each + 1)]
+            return [tuple(map(number, r[:each])) for r in rows], [int(r[each]) for r in rows]
+
+        points, point_tags = section("Vertices", 3, float)
+        tets, tet_tags = section("Tetrahedra", 4, lambda w: int(w) - 1)
+        return Mesh(points, tets, point_tags, tet_tags)
+
+    def volumes(self):
+        def volume(tet):
+            p, q, r, s = (self.points[v] for v in tet)
+            a, b, c = ([x - y for x, y in zip(v, p)] for v in (q, r, s))
+            return (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+                    + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6
+        return [volume(tet) for tet in self.tets]
+
+    def boundary_faces(self):
+        count = {}
+        for a, b, c, d in self.tets:
+            for face in ((a, b, c), (a, b, d), (a, c, d), (b, c, d)):
+                key = tuple(sorted(face))
+                count[key] = count.get(key, 0) + 1
+        assert max(count.values()) <= 2, "a face on three tetrahedra"
+        return {face for face, n in count.items() if n == 1}
+
+
+def cube(n, jitter=0.2, seed=1):
+    """n^3 cells of six tetrahedra in the unit cube; inner vertices displaced; two regions; a tag a vertex."""
+    rng = random.Random(seed)
+    points = []
+    for k in range(n + 1):
+        for j in range(n + 1):
+            for i in range(n + 1):
+                points.append(tuple(c / n + (jitter * rng.uniform(-1, 1) / n if 0 < c < n else 0.0) for c in (i, j, k)))
+
+    def vertex(at):
+        return (at[2] * (n + 1) + at[1]) * (n + 1) + at[0]
+
+    tets, tags = [], []
+    for cell in range(n ** 3):
+        corner = [cell % n, cell // n % n, cell // n ** 2]
+        for path in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
+            at = list(corner)
+            tet = [vertex(at)]
+            for axis in path:
+                at[axis] += 1
+                tet.append(vertex(at))
+            if path in ((0, 2, 1), (2, 1, 0), (1, 0, 2)):
+                tet[2], tet[3] = tet[3], tet[2]
+            tets.append(tuple(tet))
+            tags.append(3)
+    return Mesh(points, tets, [i % 5 for i in range(len(points))], tags)
+
+
+def tangled(n):
+    """A cube with an inner vertex far outside."""
+    mesh = cube(n)
+    middle = (len(mesh.points) - 1) // 2
+    mesh.points[middle] = (5, 5, 5)
+    return mesh
+
+
+def unflipped(mesh):
+    """The same shape with pairs of tetrahedra replaced by three around a new edge, where that is possible."""
+    owners = {}
+    for t, tet in enumerate(mesh.tets):
+        for v in tet:
+            owners.setdefault(tuple(sorted(set(tet) - {v})), []).append((t, v))
+    gone, new = set(), []
+    for (a, b, c), sides in owners.items():
+        if len(sides) < 2 or gone & {t for t, _ in sides}:
+            continue
+        top, bottom = (v for _, v in sides)
+        three = Mesh(mesh.points, [(a, b, bottom, top), (b, c, bottom, top), (c, a, bottom, top)])
+        if max(three.volumes()) < -1e-4:
+            three.tets = [(y, x, v, w) for x, y, v, w in three.tets]
+        if min(three.volumes()) > 1e-4:
+            gone |= {t for t, _ in sides}
+            new += three.tets
+    tets = [tet for t, tet in enumerate(mesh.tets) if t not in gone] + new
+    return Mesh(mesh.points, tets, mesh.point_tags, [mesh.tet_tags[0]] * len(tets))
+
+
+def bent(mesh, height=0.1):
+    """Waves in the z direction: the top and the bottom of the cube are curved."""
+    points = [(x, y, z + height * math.sin(5 * x + 1) * math.cos(4 * y)) for x, y, z in mesh.points]
+    return Mesh(points, mesh.tets, mesh.point_tags, mesh.tet_tags)
+
+
+def with_triangles(mesh, triangles):
+    """The text of a mesh with listed triangles (counted from 0) and their tags."""
+    lines = ["Triangles", str(len(triangles))] + [" ".join(str(v + 1) for v in t) + f" {tag}" for t, tag in triangles]
+    return mesh.text().replace("End", "\n".join(lines + ["End"]))
+
+
+class CliTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="tetune_cli_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def path(self, name):
+        return str(self.folder / name)
+
+    def put(self, name, content):
+        Path(self.path(name)).write_text(content.text() if isinstance(content, Mesh) else content)
+        return self.path(name)
+
+    def read_bytes(self, name):
+        return Path(self.path(name)).read_bytes()
+
+    def files(self):
+        return sorted(os.listdir(self.folder))
+
+    def run_cli(self, *args, code=0, **more):
+        done = subprocess.run([TETUNE, *map(str, args)], capture_output=True, text=True, timeout=120, **more)
+        self.assertEqual(done.returncode, code, f"{args}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def refused(self, *args, said=()):
+        """Exit code 2, a message on the standard error, nothing on the standard output."""
+        done = self.run_cli(*args, code=2)
+        self.assertEqual(done.stdout, "")
+        for part in said:
+            self.assertIn(part, done.stderr)
+        return done
+
+    def assert_improved(self, before, after):
+        self.assertEqual(len(after.points), len(before.points))
+        self.assertEqual(after.point_tags, before.point_tags)
+        self.assertEqual(set(after.tet_tags), set(before.tet_tags))
+        self.assertGreater(min(after.volumes()), 0)
+        self.assertAlmostEqual(sum(after.volumes()), sum(before.volumes()), places=12)
+        self.assertEqual(len({tuple(sorted(t)) for t in after.tets}), len(after.tets))
+        after.boundary_faces()
+
+
+def main(doc):
+    global TETUNE
+    if len(sys.argv) < 2:
+        sys.exit(doc)
+    TETUNE = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=1)

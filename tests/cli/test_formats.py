@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Formats through plugins, seen from the command line: what is missing or fails is an error with exit code 2, and what
+other programs write and read goes through.
+
+Run:  python3 test_formats.py path/to/tetune [names of tests]
+
+Conversions are checked with meshio, pyvista and the gmsh module where $TETUNE_PEERS_PYTHON (or this Python) has them.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+TETUNE = ""
+CUBE = """MeshVersionFormatted 2 Dimension 3
+Vertices 5  0 0 0 0  1 0 0 0  0 1 0 0  0 0 1 0  1 1 1 0
+Tetrahedra 2  1 2 3 4 1  2 3 4 5 2
+Triangles 2  2 3 4 7  1 2 3 8
+End
+"""
+# Two boxes side by side with named groups; one surface group, one line and one point.
+BOXES = """import gmsh
+gmsh.initialize(); gmsh.option.setNumber("General.Terminal", 0)
+m, o = gmsh.model, gmsh.model.occ
+o.addBox(0, 0, 0, 1, 1, 1); o.addBox(1, 0, 0, 1, 1, 1)
+o.fragment([(3, 1)], [(3, 2)]); o.synchronize()
+m.addPhysicalGroup(3, [1], 10); m.setPhysicalName(3, 10, "steel")
+m.addPhysicalGroup(3, [2], 11); m.setPhysicalName(3, 11, "air gap")
+m.addPhysicalGroup(3, [1, 2], 12); m.setPhysicalName(3, 12, "all of it")
+outer = [t for _, t in m.getBoundary([(3, 1), (3, 2)], True, False)]
+m.addPhysicalGroup(2, outer[:2], 1); m.setPhysicalName(2, 1, "inlet")
+m.addPhysicalGroup(2, outer[2:], 2); m.setPhysicalName(2, 2, "wall")
+m.addPhysicalGroup(1, [1], 5); m.setPhysicalName(1, 5, "rim")
+m.addPhysicalGroup(0, [1], 7); m.setPhysicalName(0, 7, "probe")
+gmsh.option.setNumber("Mesh.MeshSizeMax", 0.25)
+m.mesh.generate(3)
+for version in (2.2, 4.1):
+    gmsh.option.setNumber("Mesh.MshFileVersion", version); gmsh.write(f"{version}.msh")
+"""
+# One tetrahedron with data on its vertices.
+HEAT = """# vtk DataFile Version 3.0
+one
+ASCII
+DATASET UNSTRUCTURED_GRID
+POINTS 4 double
+0 0 0 1 0 0 0 1 0 0 0 1
+CELLS 1 5
+4 0 1 2 3
+CELL_TYPES 1
+10
+POINT_DATA 4
+SCALARS heat double 1
+LOOKUP_TABLE default
+1 2 3 4
+"""
+# Groups, names, their entities, and elements of the lower dimensions of a file, as JSON.
+SUMMARY = """import gmsh, json, sys
+gmsh.initialize(); gmsh.option.setNumber("General.Terminal", 0); gmsh.open(sys.argv[1])
+m = gmsh.model
+groups = [[d, t, m.getPhysicalName(d, t), sorted(map(int, m.getEntitiesForPhysicalGroup(d, t)))]
+          for d, t in m.getPhysicalGroups()]
+counts = {f"{d} {t}": sum(map(len, m.mesh.getElements(d, t)[1])) for d, t in m.getEntities() if d < 3}
+print(json.dumps([groups, {k: n for k, n in counts.items() if n}]))
+"""
+
+
+def has_plugin(name):
+    return (Path(TETUNE).parent / "../libexec/tetune" / name).is_file()
+
+
+def peers(*modules):
+    """A Python with the modules, or None."""
+    for python in filter(None, [os.environ.get("TETUNE_PEERS_PYTHON"), sys.executable, "/usr/bin/python3"]):
+        code = "import " + ", ".join(modules)
+        if subprocess.run([python, "-c", code], capture_output=True).returncode == 0:
+            return python
+    return None
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="tetune_formats_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        (self.folder / "cube.mesh").write_text(CUBE)
+
+    def run_tetune(self, *arguments, program=None, env=None):
+        return subprocess.run([program or TETUNE, *arguments], cwd=self.folder, capture_output=True, text=True,
+                              errors="replace", timeout=120, env=env)
+
+    def python(self, python, code, *arguments):
+        done = subprocess.run([python, "-c", code, *arguments], cwd=self.folder, capture_output=True, text=True,
+                              timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def installation(self, plugin=None):
+        """A copy of the program alone, with this text as its VTK plugin."""
+        (self.folder / "prefix/bin").mkdir(parents=True)
+        program = Path(shutil.copy(TETUNE, self.folder / "prefix/bin/tetune"))
+        if plugin is not None:
+            self.executable(self.folder / "prefix/libexec/tetune/tetune-vtk", plugin)
+        return str(program)
+
+    def executable(self, path, text):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("#!/bin/sh\n" + text + "\n")
+        path.chmod(0o755)
+
+
+class Plugins(Case):
+    def expect_refused(self, program, *parts, env=None):
+        (self.folder / "out.vtu").write_text("old")
+        done = self.run_tetune("optimize", "cube.mesh", "-o", "out.vtu", program=program, env=env)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        for part in ("out.vtu",) + parts:
+            self.assertIn(part, done.stderr)
+        self.assertEqual((self.folder / "out.vtu").read_text(), "old")
+        self.assertEqual(list(self.folder.glob("*.tmp*")), [])
+
+    def test_a_missing_plugin_is_named_with_its_package(self):
+        self.expect_refused(self.installation(), "VTK", "libvtk9-dev")
+
+    def test_plugins_are_taken_from_the_installation_alone(self):
+        program = self.installation()
+        for folder in (".", "libexec/tetune", "bin/../libexec/tetune", "path"):
+            self.executable(self.folder / folder / "tetune-vtk", f"touch {self.folder}/ran")
+        env = dict(os.environ, PATH=f"{self.folder}/path:{os.environ['PATH']}", LD_LIBRARY_PATH=str(self.folder))
+        self.expect_refused(program, "libvtk9-dev", env=env)
+        self.assertFalse((self.folder / "ran").exists())
+
+    def test_a_missing_library_is_named_with_its_package(self):
+        self.expect_refused(self.installation("exit 127"), "libvtk9.1")
+
+    def test_a_crash_of_the_library_is_an_error(self):
+        self.expect_refused(self.installation("kill -SEGV $$"), "VTK failed")
+
+    def test_no_answer_is_an_error(self):
+        self.expect_refused(self.installation("true"), "no answer")
+
+    def test_a_bad_answer_is_an_error(self):
+        self.expect_refused(self.installation("head -c 200 /dev/zero >/proc/self/fd/3"), "another build")
+
+    def test_a_medit_run_starts_no_plugin(self):
+        program = self.installation(f"touch {self.folder}/ran")
+        done = self.run_tetune("optimize", "cube.mesh", "-o", "out.mesh", program=program)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertFalse((self.folder / "ran").exists())
+
+
+class Conversions(Case):
+    def setUp(self):
+        super().setUp()
+        if not (has_plugin("tetune-vtk") and has_plugin("tetune-gmsh")):
+            self.skipTest("built without VTK or Gmsh: install libvtk9-dev and libgmsh-dev")
+
+    def test_damaged_files_touch_nothing(self):
+        for ending in ("vtu", "vtk", "e", "msh"):
+            self.assertEqual(self.run_tetune("optimize", "cube.mesh", "-o", f"a.{ending}").returncode, 0)
+            whole = (self.folder / f"a.{ending}").read_bytes()
+            (self.folder / f"bad.{ending}").write_bytes(whole[:len(whole) // 3])
+            (self.folder / "out.mesh").write_text("old")
+            done = self.run_tetune("optimize", f"bad.{ending}", "-o", "out.mesh")
+            self.assertEqual(done.returncode, 2, ending)
+            self.assertIn(f"bad.{ending}", done.stderr)
+            self.assertEqual((self.folder / "out.mesh").read_text(), "old")
+
+    def test_formats_that_this_build_of_gmsh_lacks_are_refused_before_the_work(self):
+        for ending in ("med", "cgns"):
+            done = self.run_tetune("optimize", "absent.mesh", "-o", f"out.{ending}")
+            if "absent.mesh" in done.stderr:
+                self.skipTest("this build of Gmsh has them")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(f"out.{ending}: this build of Gmsh has no ", done.stderr)
+
+    def test_what_has_no_room_is_told(self):
+        (self.folder / "in.vtk").write_text(HEAT)
+        for output, named in (("out.vtu", None), ("out.mesh", "out.mesh"), ("-", "standard output")):
+            done = self.run_tetune("optimize", "in.vtk", output)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            told = [line for line in done.stderr.splitlines() if "heat" in line]
+            self.assertEqual(told, [] if named is None else
+                             [f'tetune: warning: {named}: MEDIT has no room for the data "heat"'])
+            self.assertEqual(done.stdout.startswith("MeshVersionFormatted"), output == "-")
+
+    def test_gmsh_finds_its_groups_names_and_entities_again(self):
+        python = peers("gmsh")
+        if python is None:
+            self.skipTest("no Python with the gmsh module: set TETUNE_PEERS_PYTHON")
+        self.python(python, BOXES)
+        for version in ("2.2", "4.1"):
+            done = self.run_tetune("optimize", f"{version}.msh", "-o", f"out{version}.msh")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            before, after = (json.loads(self.python(python, SUMMARY, f)) for f in (f"{version}.msh", f"out{version}.msh"))
+            self.assertEqual(len(before[0]), 7)
+            self.assertEqual(before, after)
+
+    def test_meshio_and_pyvista_read_what_is_written(self):
+        python = peers("meshio", "pyvista")
+        if python is None:
+            self.skipTest("no Python with meshio and pyvista: set TETUNE_PEERS_PYTHON")
+        # Data of every kind, as meshio writes them.
+        self.python(python, """import meshio, numpy as np
+n = 4
+g = np.stack(np.meshgrid(*[np.linspace(0, 1, n)] * 3, indexing="ij"), -1).reshape(-1, 3)
+import scipy.spatial
+tets = scipy.spatial.Delaunay(g + 1e-3 * np.random.default_rng(1).random(g.shape)).simplices
+x = g[tets]
+v = np.einsum("ij,ij->i", np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), x[:, 3] - x[:, 0])
+tets = tets[np.abs(v) > 1e-9]; v = v[np.abs(v) > 1e-9]
+tets[v < 0] = tets[v < 0][:, [0, 1, 3, 2]]
+m = meshio.Mesh(g, [("tetra", tets)], point_data={"temperature": g[:, 0], "id": np.arange(len(g))},
+                cell_data={"gmsh:physical": [(g[tets].mean(1)[:, 0] > .5).astype(int) + 1]})
+m.write("in.vtu")""")
+        for ending in ("vtu", "vtk", "msh", "mesh"):
+            done = self.run_tetune("optimize", "in.vtu", "-o", f"out.{ending}")
+            if "not valid" in done.stderr:
+                self.skipTest("this scipy makes another triangulation")
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.python(python, """import meshio, numpy as np, pyvista
+a = meshio.read("in.vtu")
+for name in ("out.vtu", "out.vtk", "out.msh"):
+    b = meshio.read(name)
+    assert np.array_equal(a.point_data["id"].ravel(), b.point_data["id"].ravel()), name
+    assert np.array_equal(a.point_data["temperature"].ravel(), b.point_data["temperature"].ravel()), name
+    assert set(np.concatenate(b.cell_data["gmsh:physical"])) == {1, 2}, name
+assert set(np.concatenate(meshio.read("out.mesh").cell_data["medit:ref"])) == {1, 2}
+for name in ("out.vtu", "out.vtk"):
+    g = pyvista.read(name)
+    assert set(g.cell_data["gmsh:physical"]) == {1, 2} and "temperature" in g.point_data, name""")
+
+
+if __name__ == "__main__":
+    TETUNE = str(Path(sys.argv.pop(1)).resolve())
+    unittest.main()

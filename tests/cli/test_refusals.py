@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tetune refuses, and that nothing is lost then. Run: see cli_case.py."""
+
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import unittest
+
+import cli_case
+from cli_case import CliTest, Mesh, cube, tangled
+
+
+class Refusals(CliTest):
+    def optimize_refused(self, source, *options, said=()):
+        """The output, old or absent, is as it was, and no report or trace appears."""
+        for old in (None, "an old file"):
+            if old:
+                self.put("out.mesh", old)
+            names = self.files()
+            self.refused("optimize", source, "-o", self.path("out.mesh"), "--report", self.path("r.json"), "--trace",
+                         self.path("t.csv"), *options, said=said)
+            self.assertEqual(self.files(), names)
+            if old:
+                self.assertEqual(self.read_bytes("out.mesh").decode(), old)
+        os.remove(self.path("out.mesh"))
+
+    def test_empty_names(self):
+        for words in (["", "out.mesh"], ["in.mesh", ""], ["in.mesh", "", "-o", "out/"]):
+            self.refused("optimize", *words, said=["name of a mesh is empty"])
+
+    def test_inverted_tetrahedra(self):
+        self.optimize_refused(self.put("in.mesh", tangled(4)), said=[
+            self.path("in.mesh"), "inverted tetrahedra", "counted from 1: ", ", the first near ", "--untangle"])
+
+    def test_untangle(self):
+        name, out = self.put("in.mesh", tangled(4)), self.path("out.mesh")
+        text = self.run_cli("optimize", name, "-o", out, "--untangle").stdout
+        self.assertIn("inverted or flat tetrahedra made positive", text)
+        self.assertTrue(json.loads(self.run_cli("info", "--json", out).stdout)["validity"]["valid"])
+
+    def test_untangling_may_fail(self):
+        """Exit code 1, which ones are left, and nothing written."""
+        mesh = cube(2)
+        mesh.points[4] = (0.5, 0.5, 1.5)  # from the middle of the bottom through the top
+        name = self.put("in.mesh", mesh)
+        self.put("out.mesh", "an old file")
+        run = self.run_cli("optimize", name, "-o", self.path("out.mesh"), "--untangle", "--boundary", "fixed", code=1)
+        self.assertIn("could not be made positive (first, counted from 1: ", run.stderr)
+        self.assertEqual(self.read_bytes("out.mesh").decode(), "an old file")
+
+    def test_mixed_orientation_is_made_one(self):
+        mesh = cube(3)
+        for t in (4, 9, 30, 31, 77, 100):
+            a, b, c, d = mesh.tets[t]
+            mesh.tets[t] = (a, b, d, c)
+        name, out = self.put("in.mesh", mesh), self.path("out.mesh")
+        run = self.run_cli("optimize", name, "-o", out)
+        self.assertIn("6 of 162 tetrahedra are listed inside out, unlike their neighbours; they were turned", run.stderr)
+        self.assertTrue(json.loads(self.run_cli("info", "--json", out).stdout)["validity"]["valid"])
+
+    def test_flat_tetrahedron(self):
+        mesh = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)])
+        self.optimize_refused(self.put("in.mesh", mesh), said=["flat tetrahedra", ": 1 (first, counted from 1: 1)"])
+
+    def test_index_out_of_range(self):
+        mesh = cube(2)
+        mesh.tets[6] = (0, 1, 2, 1000)
+        self.optimize_refused(self.put("in.mesh", mesh), said=["index out of range", ": 1 (first, counted from 1: 7)"])
+
+    def test_no_tetrahedra(self):
+        self.optimize_refused(self.put("in.mesh", Mesh([(0, 0, 0)], [])), said=["no tetrahedron"])
+
+    def test_broken_file(self):
+        text = cube(2).text().split("\n")
+        text[6] = "0.5 half 0.5 1"
+        self.optimize_refused(self.put("in.mesh", "\n".join(text)), said=["in.mesh:7: ", '"half"'])
+
+    def test_absent_file(self):
+        self.optimize_refused(self.path("absent.mesh"), said=["absent.mesh", "No such file"])
+
+    def test_unknown_endings(self):
+        self.optimize_refused(self.put("in.stl", "solid"), said=["in.stl", ".mesh"])
+        self.refused("optimize", self.put("in.mesh", cube(1)), "-o", self.path("out.stl"), said=["out.stl", ".mesh"])
+
+    def test_full_disk(self):
+        """A write that fails midway leaves the old file."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
+        source = self.put("in.mesh", cube(4))
+        self.put("out.mesh", "an old file")
+        # As Python ignores the signal SIGXFSZ, the process does, too, and sees the write fail.
+        done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), code=2, preexec_fn=limit,
+                            restore_signals=False)
+        self.assertIn("cannot write", done.stderr)
+        self.assertEqual(self.files(), ["in.mesh", "out.mesh"])
+        self.assertEqual(self.read_bytes("out.mesh"), b"an old file")
+
+    def test_output_folder_is_checked_before_the_work(self):
+        # The input is absent as well: the folder is what the message is about.
+        for target in (self.path("absent/out.mesh"), self.path("in.mesh/out.mesh")):
+            self.put("in.mesh", "")
+            self.refused("optimize", self.path("absent.mesh"), "-o", target, said=["folder", target])
+        self.assertEqual(self.files(), ["in.mesh"])
+
+    def test_folders_of_report_and_trace_are_checked_before_the_work(self):
+        source = self.put("in.mesh", cube(1))
+        for option in ("--report", "--trace"):
+            target = self.path("absent/figures")
+            self.refused("optimize", source, "-o", self.path("out.mesh"), option, target, said=["folder", target])
+        self.assertEqual(self.files(), ["in.mesh"])
+
+    def test_options(self):
+        source = self.put("in.mesh", cube(1))
+        for options in (["--bogus"], ["--device", "tpu"], ["--boundary", "free"], ["--relocation", "newton2"],
+                        ["--termination", "never"], ["--max-iterations", "-1"], ["--max-iterations", "many"],
+                        ["--max-ring", "2"], ["--max-ring", "8"], ["--threads", "-1"], ["--threads", "100000"],
+                        ["-v", "11"]):
+            self.optimize_refused(source, *options, said=[options[-1]])
+        self.refused("optimize", "-o", self.path("out.mesh"), said=["input"])
+        self.refused("repair", source, said=["subcommand"])
+        self.refused(said=["subcommand"])
+
+    def test_options_without_effect(self):
+        source = self.put("in.mesh", cube(1))
+        for options, said in (
+                (["--max-iterations", "0", "--relocation", "newton"], ["--relocation", "--max-iterations 0"]),
+                (["--max-iterations", "0", "--termination", "paper"], ["--termination", "--max-iterations 0"]),
+                (["--device", "cuda", "--threads", "2"], ["--threads", "--device cuda"]),
+                (["--quiet", "-v", "2"], ["--quiet", "-v"])):
+            self.optimize_refused(source, *options, said=said)
+
+    @unittest.skipIf(shutil.which("nvidia-smi"), "there may be a GPU")
+    def test_cuda_without_a_gpu(self):
+        self.optimize_refused(self.put("in.mesh", cube(2)), "--device", "cuda", said=["CUDA", "--device cpu"])
+
+    def test_killed_process_leaves_the_old_file(self):
+        """Whenever it dies: the output is the old file or the whole new one."""
+        mesh = cube(12)
+        source = self.put("in.mesh", mesh)
+        self.run_cli("optimize", source, "-o", self.path("whole.mesh"), "--quiet")
+        for delay in (0.05, 0.15, 0.3):
+            self.put("out.mesh", "an old file")
+            process = subprocess.Popen([cli_case.TETUNE, "optimize", source, "-o", self.path("out.mesh"), "--quiet"])
+            try:
+                process.wait(timeout=delay)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGKILL)
+                process.wait()
+            self.assertIn(self.read_bytes("out.mesh"), (b"an old file", self.read_bytes("whole.mesh")))
+
+
+if __name__ == "__main__":
+    cli_case.main(__doc__)

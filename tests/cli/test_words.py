@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The words of the command line: help, Mmg's names, completion, manual. Run: see cli_case.py."""
+
+import json
+import re
+import shutil
+import subprocess
+import unittest
+
+import cli_case
+from cli_case import CliTest, Mesh, cube, unflipped
+
+COMMANDS = ["optimize", "info", "compare", "report", "completion", "man"]
+
+
+class Help(CliTest):
+    def test_help_and_version(self):
+        for args in (["--help"], *([command, "--help"] for command in COMMANDS)):
+            done = self.run_cli(*args)
+            self.assertIn("Usage", done.stdout)
+            self.assertEqual(done.stderr, "")
+        self.assertIn("Exit codes", self.run_cli("--help").stdout)
+        self.assertRegex(self.run_cli("--version").stdout, r"^tetune \d+\.\d+\.\d+\n$")
+
+
+class Options(CliTest):
+    def options(self, *words):
+        return json.loads(self.run_cli("optimize", *words, "--print-options").stdout)
+
+    def test_names_of_mmg(self):
+        plain = self.options()
+        self.assertEqual(json.loads(self.run_cli("optimize", "-val").stdout), plain)
+        for words, changed in ((["-ar", "60", "--boundary", "slide"], {"feature_angle_deg": 60, "boundary": "slide"}),
+                               (["-nr", "--boundary", "slide"], {"feature_angle_deg": 180, "boundary": "slide"}),
+                               (["-hausd", "0.1%", "--boundary", "slide"], {"max_deviation": "0.1%", "boundary": "slide"}),
+                               (["-nosurf"], {"boundary": "fixed"}),
+                               (["-noswap"], {"flips": False}),
+                               (["-nomove"], {"max_iterations": 0}),
+                               (["-noinsert"], {"keep_vertices": True}),
+                               (["--untangle"], {"untangle": True}),
+                               (["-opnbdy"], {}),
+                               (["-optim"], {}),
+                               (["-nt", "3"], {"threads": 3}),
+                               (["-m", "500"], {"max_memory_mb": 500}),
+                               (["-v", "-1"], {}),
+                               (["--time-limit", "7"], {"time_limit_seconds": 7}),
+                               # Long names with one dash.
+                               (["-effort", "best"], {"effort": "best"}),
+                               (["-effort=fast"], {"effort": "fast"}),
+                               (["-max-ring=3"], {"max_ring": 3})):
+            self.assertEqual(self.options(*words), {**plain, **changed}, words)
+
+    def test_input_and_output_as_mmg_names_them(self):
+        source = self.put("in.mesh", cube(2))
+        self.run_cli("optimize", "-in", source, "-out", self.path("out.mesh"))
+        self.assertEqual(self.files(), ["in.mesh", "out.mesh"])
+
+    def test_verbosity_of_mmg(self):
+        source = self.put("in.mesh", cube(3))
+
+        def lines(*words):
+            return len(self.run_cli("optimize", *words, source, self.path("out.mesh")).stdout.splitlines())
+        self.assertEqual(lines("-v", "-1"), 0)
+        self.assertEqual(lines("-v", "0"), 0)
+        usual = lines()
+        self.assertEqual(lines("-v", "1"), usual)
+        self.assertGreater(lines("-v", "5"), usual + 5)
+        self.assertEqual(lines("-v"), lines("-v", "5"))
+
+    def test_what_mmg_has_and_tetune_has_not(self):
+        source = self.put("in.mesh", cube(1))
+        for word in ("-hmax", "-hsiz", "-sol", "-ls"):
+            self.refused("optimize", source, self.path("out.mesh"), word, "0.1", said=[word, "sizes", "drop"])
+        # Not the help that begins with the same letter.
+        self.refused("optimize", source, self.path("out.mesh"), "-hfoo", said=["-hfoo", "--help"])
+        self.refused("optimize", source, self.path("out.mesh"), "-xyz", said=["-xyz"])
+
+    def test_no_flips_moves_vertices_alone(self):
+        mesh = unflipped(cube(5))
+        source = self.put("in.mesh", mesh)
+        for effort in ("fast", "default"):
+            self.run_cli("optimize", source, self.path("out.mesh"), "-noswap", "--effort", effort, "--report",
+                         self.path("r.json"))
+            after = Mesh.read(self.path("out.mesh"))
+            self.assertEqual(sorted(tuple(sorted(t)) for t in after.tets), sorted(tuple(sorted(t)) for t in mesh.tets))
+            self.assertNotEqual(after.points, mesh.points)
+            self.assertGreater(min(after.volumes()), 0)
+            run = json.loads(self.read_bytes("r.json"))["optimization"]
+            self.assertEqual(run["flip_passes"], [])
+            self.assertLess(run["energy_after"], run["energy_before"])
+        for words, said in ((["--max-ring", "5"], "--max-ring"), (["-nomove"], "nothing to do"),
+                            (["--boundary-flips"], "--boundary-flips")):
+            self.refused("optimize", source, self.path("x.mesh"), "-noswap", *words, said=["--no-flips", said])
+
+    def test_noinsert_with_every_effort(self):
+        source = self.put("in.mesh", unflipped(cube(6, 0.25)))
+        for effort in ("fast", "default", "best"):
+            self.run_cli("optimize", source, self.path("out.mesh"), "-noinsert", "--effort", effort, "--quiet")
+            self.assertEqual(len(Mesh.read(self.path("out.mesh")).points), 7 ** 3)
+
+
+class Generated(CliTest):
+    """Completion and manual name every option that the help names."""
+
+    def options_of(self, command):
+        text = self.run_cli(command, "--help").stdout
+        return set(re.findall(r"(?m)^  (?:-\w,)?(--[\w-]+)", text)) | set(re.findall(r",(--no-[\w-]+)", text))
+
+    def test_bash(self):
+        script = self.put("tetune.bash", self.run_cli("completion", "bash").stdout)
+
+        def complete(*words):
+            code = (f"source {script}; COMP_WORDS=({' '.join(map(repr, words))}); COMP_CWORD={len(words) - 1}; _tetune; "
+                    'printf "%s\\n" "${COMPREPLY[@]}"')
+            done = subprocess.run(["bash", "-c", code], capture_output=True, text=True, cwd=self.folder, timeout=60)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            return set(done.stdout.split())
+        self.assertEqual(complete("tetune", ""), {*COMMANDS, "--help", "--version"})
+        for command in ("optimize", "info", "compare"):
+            self.assertEqual({o for o in complete("tetune", command, "--") if o.startswith("--")}, self.options_of(command))
+        self.assertEqual(complete("tetune", "optimize", "--boundary", ""), {"preserve", "slide", "fixed"})
+        self.assertEqual(complete("tetune", "optimize", "a.mesh", "--effort", "b"), {"best"})
+        self.assertEqual(complete("tetune", "completion", ""), {"bash", "zsh", "fish"})
+        self.assertEqual(complete("tetune", "optimize", "tet"), {"tetune.bash"})
+
+    def test_zsh_and_fish(self):
+        for shell, check in (("zsh", ["zsh", "-n"]), ("fish", ["fish", "--no-execute"])):
+            text = self.run_cli("completion", shell).stdout
+            for option in self.options_of("optimize"):
+                self.assertIn(option if shell == "zsh" else f"-l {option[2:]} ", text)
+            if shutil.which(shell):
+                done = subprocess.run([*check, self.put(f"c.{shell}", text)], capture_output=True, text=True, timeout=60)
+                self.assertEqual((done.returncode, done.stderr), (0, ""), shell)
+        self.refused("completion", "csh", said=["csh", "fish"])
+
+    @unittest.skipUnless(shutil.which("fish"), "needs fish")
+    def test_fish_completes(self):
+        script = self.put("tetune.fish", self.run_cli("completion", "fish").stdout)
+        done = subprocess.run(["fish", "-c", f"source {script}; complete -C 'tetune optimize --effort '"],
+                              capture_output=True, text=True, timeout=60, env={"HOME": str(self.folder), "PATH": "/usr/bin:/bin"})
+        self.assertEqual({line.split()[0] for line in done.stdout.splitlines()}, {"fast", "default", "best"})
+
+    def test_manual(self):
+        page = self.run_cli("man").stdout
+        for option in self.options_of("optimize") | self.options_of("info"):
+            self.assertIn(option.replace("-", "\\-"), page)
+        for part in (".SH INTERRUPTION", ".SH EXIT STATUS", ".SH EXAMPLES", "\\-hausd"):
+            self.assertIn(part, page)
+        if shutil.which("mandoc"):
+            name = self.put("tetune.1", page)
+            done = subprocess.run(["mandoc", "-T", "lint", "-W", "warning", name], capture_output=True, text=True, timeout=60)
+            self.assertEqual((done.returncode, done.stdout), (0, ""))
+            text = subprocess.run(["mandoc", "-T", "utf8", name], capture_output=True, text=True, timeout=60).stdout
+            self.assertIn("--max-deviation", re.sub(".\b", "", text))
+
+
+if __name__ == "__main__":
+    cli_case.main(__doc__)

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of `tetune optimize`, a word a line: it is understood, or refused with a message. No mesh is read.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "aliases.hpp"
+#include "fuzz.hpp"
+#include "optimize_arguments.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tetune;
+  const std::string_view text = fuzz::text(data, size);
+  if (text.find('\0') != std::string_view::npos) return 0;  // no word of a command line has one
+  std::vector<std::string> lines{"tetune", "optimize"};
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    lines.emplace_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  std::vector<const char*> argv;
+  for (const std::string& line : lines) argv.push_back(line.c_str());
+
+  CLI::App app;
+  cli::OptimizeArguments arguments;
+  CLI::App* command = app.add_subcommand("optimize");
+  cli::define(*command, arguments);
+  try {
+    std::vector<std::string> words = cli::without_aliases(app, static_cast<int>(argv.size()), argv.data());
+    std::reverse(words.begin(), words.end());
+    app.parse(std::move(words));
+    cli::settle(*command, arguments);
+    cli::to_json(arguments.options);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() != 0 && std::string_view(e.what()).empty()) std::abort();
+  } catch (const Error& e) {
+    if (std::string_view(e.what()).empty()) std::abort();
+  }
+  return 0;
+}

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: Apache-2.0
+// Formats through VTK and Gmsh: what comes back of what was written, and what damaged files do.
+#include "io/plugin.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <set>
+
+#include "io_fixture.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune::test {
+namespace {
+
+class Plugins : public IoTest {
+ protected:
+  void SetUp() override {
+    IoTest::SetUp();
+    for (const Plugin& plugin : {kVtkPlugin, kGmshPlugin}) {
+      if (!has_plugin(plugin))
+        GTEST_SKIP() << "built without " << plugin.library << ": install " << plugin.build_package;
+    }
+  }
+};
+
+/// Something of all that any format keeps, all tags different.
+TetMesh rich(bool pyramids = true) {
+  TetMesh m = two_materials(4);
+  m.triangles.clear();
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    std::array<Index, 3> on{};
+    std::size_t n = 0;
+    for (const Index v : m.tets[t]) {
+      if (m.points[static_cast<std::size_t>(v)][0] == 0.5 && n < 3) on[n++] = v;
+    }
+    if (n == 3 && m.tet_tags[t] == 1) m.triangles.push_back(on);
+  }
+  m.triangle_tags.assign(m.triangles.size(), 11);
+  m.triangle_tags[0] = 12;
+  m.edges = {{0, 1}, {1, 2}};
+  m.edge_tags = {21, 22};
+  // An island of other elements.
+  const auto first = static_cast<Index>(m.points.size());
+  const std::array<Point3, 10> corners{{{5 + 1.0 / 3, 0, 0},
+                                        {6, 0, 0},
+                                        {6, 1, 0},
+                                        {5, 1, 0},
+                                        {5, 0, 1},
+                                        {6, 0, 1},
+                                        {6, 1, 1},
+                                        {5, 1, 1},
+                                        {5, 0, -1},
+                                        {6, 0, -1}}};
+  m.points.insert(m.points.end(), corners.begin(), corners.end());
+  const auto island = [first](std::vector<Index> v) {
+    for (Index& i : v) i += first;
+    return v;
+  };
+  m.others = {{kPoints, 1, {0}, {31}, {}},
+              {"Quadrilaterals", 4, island({0, 1, 2, 3}), {13}, {}},
+              {"Pyramids", 5, island({0, 3, 2, 1, 8}), {3}, {}},
+              {"Prisms", 6, island({0, 3, 8, 1, 2, 9}), {4}, {}},
+              {"Hexahedra", 8, island({0, 1, 2, 3, 4, 5, 6, 7}), {5}, {}}};
+  if (!pyramids) m.others.erase(m.others.begin() + 2);
+  m.point_tags.assign(m.points.size(), 0);
+  std::vector<double> heat;
+  for (std::size_t v = 0; v < m.points.size(); ++v) heat.push_back(0.1 * static_cast<double>(v));
+  m.point_data = {{"heat", 1, heat}, {"wind", 3, std::vector<float>(3 * m.points.size(), 0.25F)}};
+  std::vector<double> load;
+  for (std::size_t t = 0; t < m.tets.size(); ++t) load.push_back(1.0 / static_cast<double>(t + 1));
+  m.tet_data = {{"load", 1, load}};
+  m.groups = {{3, 1, "steel", {1}}, {3, 2, "air gap", {2}}, {2, 11, "interface", {11}}, {1, 21, "rim", {21}}};
+  return m;
+}
+
+/// The numbers of a list of elements with their tags and order left out of account.
+template <std::size_t N>
+std::multiset<std::pair<std::vector<Index>, int>> tagged(const std::vector<std::array<Index, N>>& elements,
+                                                         const std::vector<int>& tags) {
+  std::multiset<std::pair<std::vector<Index>, int>> result;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    std::vector<Index> v(elements[i].begin(), elements[i].end());
+    std::sort(v.begin(), v.end());
+    result.emplace(std::move(v), tags[i]);
+  }
+  return result;
+}
+
+const DataArray* find(const std::vector<DataArray>& data, const std::string& name) {
+  const auto at = std::find_if(data.begin(), data.end(), [&name](const DataArray& a) { return a.name == name; });
+  return at == data.end() ? nullptr : &*at;
+}
+
+std::vector<double> doubles(const DataArray& array) {
+  return std::visit([](const auto& v) { return std::vector<double>(v.begin(), v.end()); }, array.values);
+}
+
+bool same_point_data(const TetMesh& a, const TetMesh& b) {
+  return std::all_of(a.point_data.begin(), a.point_data.end(), [&b](const DataArray& array) {
+    const DataArray* same = find(b.point_data, array.name);
+    return same != nullptr && same->components == array.components && doubles(*same) == doubles(array);
+  });
+}
+
+/// The value of each tetrahedron, whatever its place in the list.
+std::map<std::array<Index, 4>, double> by_tet(const TetMesh& m, const std::string& name) {
+  std::map<std::array<Index, 4>, double> result;
+  const DataArray* array = find(m.tet_data, name);
+  if (array == nullptr) return result;
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    auto tet = m.tets[t];
+    std::sort(tet.begin(), tet.end());
+    result[tet] = doubles(*array)[t];
+  }
+  return result;
+}
+
+bool same_groups(const TetMesh& a, const TetMesh& b) {
+  return std::all_of(a.groups.begin(), a.groups.end(), [&b](const Group& g) {
+    return std::any_of(b.groups.begin(), b.groups.end(), [&g](const Group& h) {
+      return g.dimension == h.dimension && g.number == h.number && g.name == h.name && g.tags == h.tags;
+    });
+  });
+}
+
+bool same_others(const TetMesh& a, const TetMesh& b) {
+  return std::all_of(a.others.begin(), a.others.end(), [&b](const ElementBlock& block) {
+    const auto at = std::find_if(b.others.begin(), b.others.end(),
+                                 [&block](const ElementBlock& o) { return o.kind == block.kind; });
+    return block.kind == kPoints ||
+           (at != b.others.end() && at->element2vertex == block.element2vertex && at->tags == block.tags);
+  });
+}
+
+double farthest(const TetMesh& a, const TetMesh& b) {
+  if (a.points.size() != b.points.size()) return 1e300;
+  double most = 0;
+  for (std::size_t v = 0; v < a.points.size(); ++v) {
+    for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::fabs(a.points[v][k] - b.points[v][k]));
+  }
+  return most;
+}
+
+const char* yes(bool kept) { return kept ? "yes" : "no"; }
+
+const std::vector<std::string> kWritten{".mesh", ".meshb", ".vtu", ".vtk", ".e", ".msh", ".unv", ".bdf"};
+
+/// One line of the table in docs/formats.md.
+std::string row(const std::string& ending, const std::string& file) {
+  TetMesh m = rich();
+  const bool no_pyramids = ending == ".unv";
+  if (no_pyramids) {
+    EXPECT_THROW(write_mesh(file, m, 1), FileError);
+    m = rich(false);
+  }
+  write_mesh(file, m, 1);
+  const TetMesh plain = read_mesh(file, nullptr, 1);
+  // A coordinate that needs all digits.
+  const double off = farthest(m, plain);
+  const bool points = std::any_of(plain.others.begin(), plain.others.end(),
+                                  [](const ElementBlock& b) { return b.kind == kPoints && b.tags == std::vector{31}; });
+  TetMesh listed = m;
+  listed.point_tags[5] = 77;
+  listed.corners = {0};
+  listed.required_vertices = {3};
+  listed.ridges = {0};
+  listed.required_edges = {1};
+  listed.required_triangles = {1};
+  write_mesh(file, listed, 1);
+  const TetMesh lists = read_mesh(file, nullptr, 1);
+  TetMesh second = two_materials(2);
+  second.second_order = true;
+  write_mesh(file, second, 1);
+  const TetMesh quadratic = read_mesh(file, nullptr, 1);
+  const auto cells = [&](const TetMesh& n) { return by_tet(n, "load") == by_tet(m, "load"); };
+  std::string line = "| `" + ending + "` |";
+  for (const std::string& cell : std::vector<std::string>{
+           off == 0     ? "exact"
+           : off < 1e-8 ? "rounded"
+                        : "no",
+           yes(tagged(plain.tets, plain.tet_tags) == tagged(m.tets, m.tet_tags)),
+           yes(tagged(plain.triangles, plain.triangle_tags) == tagged(m.triangles, m.triangle_tags)),
+           yes(tagged(plain.edges, plain.edge_tags) == tagged(m.edges, m.edge_tags)),
+           yes(lists.point_tags == listed.point_tags), points ? "yes" : "no",
+           std::string(yes(same_others(m, plain))) + (no_pyramids ? ", no pyramids" : ""),
+           yes(lists.corners == listed.corners && lists.ridges == listed.ridges &&
+               lists.required_edges == listed.required_edges && lists.required_triangles == listed.required_triangles &&
+               std::find(lists.required_vertices.begin(), lists.required_vertices.end(), 3) !=
+                   lists.required_vertices.end()),
+           yes(same_groups(m, plain)), yes(same_point_data(m, plain)), yes(cells(plain)),
+           yes(quadratic.second_order && farthest(second, quadratic) < 1e-8)}) {
+    line += " " + cell + " |";
+  }
+  return line + "\n";
+}
+
+TEST_F(Plugins, TheTableInTheDocumentationIsTrue) {
+  std::string table =
+      "| | coordinates | region tags | triangle tags | edge tags | vertex tags | point elements | other kinds | "
+      "corners, "
+      "ridges, required | names of groups | vertex data | cell data | second order |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const std::string& ending : kWritten) table += row(ending, path("mesh" + ending));
+  std::ifstream file(TETUNE_DOCS "/formats.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(page.find(table), std::string::npos) << "docs/formats.md should have this table:\n" << table;
+}
+
+TEST_F(Plugins, EverythingWrittenIsReadAndComesWithTheRightWarnings) {
+  for (const std::string& ending : kWritten) {
+    SCOPED_TRACE(ending);
+    std::vector<std::string> warnings;
+    write_mesh(path("a" + ending), rich(ending != ".unv"), 1, &warnings);
+    EXPECT_EQ(warnings.empty(), ending == ".msh" || ending == ".e") << warnings.size();
+    for (const std::string& w : warnings) EXPECT_TRUE(contains(w, path("a" + ending)));
+  }
+  // Abaqus is written alone.
+  write_mesh(path("a.inp"), rich(), 1);
+  EXPECT_TRUE(contains(get("a.inp"), "C3D4"));
+  EXPECT_TRUE(contains(read_error(path("a.inp")), "does not read"));
+  for (const std::string& name : files()) EXPECT_EQ(name.find(".tmp"), std::string::npos);
+}
+
+TEST_F(Plugins, OptimizedMeshesKeepGroupsNamesAndLowerDimensions) {
+  TetMesh m = two_materials(6, 0.25);
+  const TetMesh r = rich();
+  m.groups = {{3, 1, "steel", {1}}, {3, 2, "air gap", {2}}, {3, 3, "both", {1, 2}}, {1, 21, "rim", {21}}};
+  m.edges = r.edges;
+  m.edge_tags = r.edge_tags;
+  write_mesh(path("in.msh"), m, 1);
+  TetMesh read = read_mesh(path("in.msh"), nullptr, 1);
+  EXPECT_EQ(read.dialect, "msh 4.1 binary");
+  EXPECT_EQ(read.cell_tags_name, "gmsh:physical");
+  ASSERT_EQ(read.groups.size(), 5U);  // and that of the second edge
+  // Both regions are in two groups: the tags tell the entities.
+  EXPECT_EQ(std::set<int>(read.tet_tags.begin(), read.tet_tags.end()), (std::set<int>{-1, -2}));
+  const Report report = optimize(read);
+  ASSERT_GT(report.flips32 + report.edge_removals, 0);
+  write_mesh(path("out.msh"), read, 1);
+  const TetMesh back = read_mesh(path("out.msh"), nullptr, 1);
+  EXPECT_TRUE(validate(back).ok());
+  EXPECT_TRUE(same_groups(read, back));
+  EXPECT_EQ(back.groups.size(), read.groups.size());
+  EXPECT_EQ(tagged(back.tets, back.tet_tags), tagged(read.tets, read.tet_tags));
+  EXPECT_EQ(tagged(back.edges, back.edge_tags), tagged(read.edges, read.edge_tags));
+  // Version 2.2 lists elements once for each group; they are read once.
+  read.dialect = "msh 2.2 text";
+  write_mesh(path("old.msh"), read, 1);
+  EXPECT_EQ(get("old.msh").substr(0, 17), "$MeshFormat\n2.2 0");
+  const TetMesh old = read_mesh(path("old.msh"), nullptr, 1);
+  EXPECT_EQ(old.dialect, "msh 2.2 text");
+  EXPECT_EQ(tagged(old.tets, old.tet_tags), tagged(read.tets, read.tet_tags));
+  EXPECT_TRUE(same_groups(read, old));
+}
+
+TEST_F(Plugins, TagsComeUnderTheNamesThatOtherProgramsGiveThem) {
+  for (const std::string name : {"medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical"}) {
+    TetMesh m = rich();
+    m.cell_tags_name = name;
+    m.tet_data.push_back({"gmsh:other", 1, std::vector<std::int64_t>(m.tets.size(), 9)});
+    write_mesh(path("a.vtu"), m, 1);
+    const TetMesh back = read_mesh(path("a.vtu"), nullptr, 1);
+    EXPECT_EQ(back.cell_tags_name, name);
+    EXPECT_EQ(back.tet_tags, m.tet_tags);
+    ASSERT_NE(find(back.tet_data, "gmsh:other"), nullptr);
+    EXPECT_EQ(doubles(*find(back.tet_data, "gmsh:other")), std::vector<double>(m.tets.size(), 9));
+  }
+}
+
+TEST_F(Plugins, VtkKeepsTheTypesOfData) {
+  TetMesh m = cube(2);
+  const std::size_t n = m.points.size();
+  m.point_data = {{"f8", 1, std::vector<double>(n, 0.1)},      {"f4", 2, std::vector<float>(2 * n, 0.1F)},
+                  {"i1", 1, std::vector<std::int8_t>(n, -1)},  {"u1", 1, std::vector<std::uint8_t>(n, 255)},
+                  {"i2", 1, std::vector<std::int16_t>(n, -2)}, {"u2", 1, std::vector<std::uint16_t>(n, 65535)},
+                  {"i4", 1, std::vector<std::int32_t>(n, -3)}, {"u4", 1, std::vector<std::uint32_t>(n, 4294967295U)},
+                  {"i8", 1, std::vector<std::int64_t>(n, -4)}, {"u8", 9, std::vector<std::uint64_t>(9 * n, 5)}};
+  write_mesh(path("a.vtu"), m, 1);
+  const TetMesh back = read_mesh(path("a.vtu"), nullptr, 1);
+  ASSERT_EQ(back.point_data.size(), m.point_data.size());
+  for (std::size_t i = 0; i < m.point_data.size(); ++i) {
+    EXPECT_EQ(back.point_data[i].name, m.point_data[i].name);
+    EXPECT_EQ(back.point_data[i].components, m.point_data[i].components);
+    EXPECT_EQ(back.point_data[i].values, m.point_data[i].values) << m.point_data[i].name;
+  }
+}
+
+TEST_F(Plugins, InsideOutMeshesAreWrittenAsTheyCame) {
+  for (const std::string name : {"a.vtu", "a.msh"}) {
+    TetMesh m = cube(2);
+    m.tet_tags.assign(m.tets.size(), 1);
+    m.listed_inside_out = true;
+    write_mesh(path(name), m, 1);
+    const TetMesh back = read_mesh(path(name), nullptr, 1);
+    EXPECT_TRUE(back.listed_inside_out);
+    EXPECT_EQ(back.tets, m.tets);
+  }
+}
+
+/// A tetrahedron of second order as Gmsh writes it; the node in the middle of the first edge at x.
+std::string second_order_tet(const std::string& x) {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 " + x +
+         " 0 0\n6 0.5 0.5 0\n7 0 0.5 0\n8 0 0 0.5\n9 0 0.5 0.5\n10 0.5 0 0.5\n$EndNodes\n$Elements\n1\n"
+         "1 11 2 1 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n";
+}
+
+TEST_F(Plugins, SecondOrderIsRebuiltStraightAndRefusedWhenCurved) {
+  const TetMesh m = read_mesh(put("straight.msh", second_order_tet("0.5")), nullptr, 1);
+  EXPECT_TRUE(m.second_order);
+  EXPECT_EQ(m.points.size(), 4U);
+  for (const std::string name : {"a.vtu", "a.msh", "a.e"}) {
+    write_mesh(path(name), m, 1);
+    const TetMesh back = read_mesh(path(name), nullptr, 1);
+    EXPECT_TRUE(back.second_order);
+    EXPECT_EQ(back.points, m.points);
+    EXPECT_EQ(back.tets, m.tets);
+  }
+  EXPECT_TRUE(contains(read_error(put("curved.msh", second_order_tet("0.6"))), "curved second-order"));
+}
+
+TEST_F(Plugins, PartsAreJoinedWhereTheyMeet) {
+  TetMesh m = two_materials(4);
+  for (int part = 1; part <= 2; ++part) {
+    TetMesh half = m;
+    half.tets.clear();
+    half.tet_tags.clear();
+    std::vector<Index> old2new(m.points.size(), -1);
+    half.points.clear();
+    for (std::size_t t = 0; t < m.tets.size(); ++t) {
+      if (m.tet_tags[t] != part) continue;
+      auto tet = m.tets[t];
+      for (Index& v : tet) {
+        Index& now = old2new[static_cast<std::size_t>(v)];
+        if (now < 0) {
+          now = static_cast<Index>(half.points.size());
+          half.points.push_back(m.points[static_cast<std::size_t>(v)]);
+        }
+        v = now;
+      }
+      half.tets.push_back(tet);
+      half.tet_tags.push_back(part);
+    }
+    half.point_tags.assign(half.points.size(), 0);
+    write_mesh(path("part" + std::to_string(part) + ".vtu"), half, 1);
+  }
+  put("a.pvtu",
+      R"(<VTKFile type="PUnstructuredGrid" version="1.0"><PUnstructuredGrid GhostLevel="0"><PCellData>)"
+      R"(<PDataArray type="Int32" Name="medit:ref"/></PCellData><PPoints><PDataArray type="Float64" NumberOfComponents="3"/>)"
+      R"(</PPoints><Piece Source="part1.vtu"/><Piece Source="part2.vtu"/></PUnstructuredGrid></VTKFile>)");
+  const TetMesh joined = read_mesh(path("a.pvtu"), nullptr, 1);
+  EXPECT_EQ(joined.points.size(), m.points.size());
+  EXPECT_EQ(joined.tets.size(), m.tets.size());
+  EXPECT_TRUE(validate(joined).ok());
+  EXPECT_EQ(std::set<int>(joined.tet_tags.begin(), joined.tet_tags.end()), (std::set<int>{1, 2}));
+}
+
+TEST_F(Plugins, OtherKindsFreezeWhatTheyShare) {
+  // A pyramid on two triangles of the cube's side.
+  TetMesh m = cube(4, 0.2);
+  const TetMesh regular = cube(4);
+  const auto at = [&regular](double y, double z) {
+    for (std::size_t v = 0; v < regular.points.size(); ++v) {
+      if (regular.points[v] == Point3{1, y, z}) return static_cast<Index>(v);
+    }
+    return Index{-1};
+  };
+  const std::vector<Index> base{at(0, 0), at(0.25, 0), at(0.25, 0.25), at(0, 0.25)};
+  m.points.push_back({1.3, 0.1, 0.1});
+  m.point_tags.push_back(0);
+  ElementBlock pyramid{"Pyramids", 5, base, {8}, {}};
+  ASSERT_EQ(std::count(base.begin(), base.end(), -1), 0);
+  pyramid.element2vertex.push_back(static_cast<Index>(m.points.size()) - 1);
+  m.others = {pyramid};
+  write_mesh(path("a.vtu"), m, 1);
+  TetMesh read = read_mesh(path("a.vtu"), nullptr, 1);
+  optimize(read);
+  ASSERT_EQ(read.others.size(), 1U);
+  EXPECT_EQ(read.others[0].element2vertex, pyramid.element2vertex);
+  for (const Index v : pyramid.element2vertex) {
+    EXPECT_EQ(read.points[static_cast<std::size_t>(v)], m.points[static_cast<std::size_t>(v)]);
+  }
+}
+
+TEST_F(Plugins, DamagedFilesAreErrorsAndNothingElse) {
+  const TetMesh m = rich(false);
+  for (const std::string ending : {".vtu", ".vtk", ".e", ".msh", ".unv"}) {
+    SCOPED_TRACE(ending);
+    write_mesh(path("whole" + ending), m, 1);
+    const std::string whole = get("whole" + ending);
+    int refused = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      std::string damaged = whole;
+      if (i < 3) {
+        damaged.resize(whole.size() * (i + 1) / 5);
+      } else {
+        const std::size_t from = whole.size() * (i - 2) / 5;
+        for (std::size_t k = from; k < from + 64; ++k) damaged[k] = static_cast<char>(255 - i);
+      }
+      const std::string error = read_error(put("damaged" + ending, damaged));
+      if (error.empty()) continue;
+      ++refused;
+      EXPECT_TRUE(contains(error, path("damaged" + ending)));
+    }
+    EXPECT_GE(refused, ending == ".unv" ? 2 : 4);
+    EXPECT_NE(read_error(put("empty" + ending, "")), "");
+    EXPECT_NE(read_error(put("text" + ending, "this is no mesh\n")), "");
+  }
+}
+
+TEST_F(Plugins, ScriptsAreNotRun) {
+  for (const std::string ending : {".msh", ".unv", ".bdf", ".vtu"}) {
+    EXPECT_NE(read_error(put("a" + ending, "SystemCall \"touch " + path("ran") + "\";\n")), "");
+  }
+  EXPECT_FALSE(std::filesystem::exists(path("ran")));
+}
+
+TEST_F(Plugins, AFailedWriteLeavesTheOldFile) {
+  TetMesh m = cube(2);
+  m.others = {{"Heptahedra", 7, {0, 1, 2, 3, 4, 5, 6}, {1}, {}}};
+  for (const std::string name : {"a.vtu", "a.msh", "a.e"}) {
+    put(name, "old");
+    EXPECT_THROW(write_mesh(path(name), m, 1), FileError);
+    EXPECT_EQ(get(name), "old");
+  }
+  EXPECT_EQ(files().size(), 3U);
+}
+
+}  // namespace
+}  // namespace tetune::test

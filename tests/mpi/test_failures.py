@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A rank that fails ends the run: one message, exit code 2, the old file as it was and no temporary one left."""
+
+import os
+from pathlib import Path
+
+import mpi_case
+from mpi_case import MpiTest, cli_case
+
+
+class Failures(MpiTest):
+    def refused(self, *args, said):
+        old = self.put("out.mesh", "old")
+        files = sorted(os.listdir(self.folder))
+        done = self.mpi(3, args[0], old, *args[1:], code=2)
+        self.assertEqual(Path(old).read_text(), "old")
+        self.assertEqual(sorted(os.listdir(self.folder)), files)
+        ours = [line for line in done.stderr.splitlines() if line.startswith("tetune-mpi:")]
+        self.assertEqual(len(ours), 1, done.stderr)
+        for part in said:
+            self.assertIn(part, done.stderr)
+
+    def test_no_file(self):
+        self.refused(self.path("none.mesh"), said=["none.mesh"])
+
+    def test_damaged_binary(self):
+        damaged = self.path("damaged.meshb")
+        Path(damaged).write_bytes(Path(mpi_case.BRACKET).read_bytes()[:100000])
+        self.refused(damaged, said=["damaged.meshb", "byte"])
+
+    def test_wrong_vertex(self):
+        cube = cli_case.cube(4)
+        cube.tets[17] = (1, 2, 3, 40000)
+        self.refused(self.put("wrong.mesh", cube), said=["wrong.mesh", "17", "40000"])
+
+    def test_inverted_on_one_rank(self):
+        self.refused(self.put("tangled.mesh", cli_case.tangled(8)), said=["tangled.mesh", "inverted"])
+
+    def test_triangle_that_is_none(self):
+        cube = cli_case.cube(4)
+        self.refused(self.put("none.mesh", cli_case.with_triangles(cube, [((0, 60, 124), 5)])),
+                     said=["1 listed triangles", "first, counted from 0: 0"])
+
+    def test_frozen_tag_that_nothing_has(self):
+        self.refused(self.put("in.mesh", cli_case.cube(4)), "--freeze", "tag=99", said=["99", "no tetrahedron"])
+
+    def test_folder_that_is_none(self):
+        done = self.mpi(2, mpi_case.BRACKET, self.path("nowhere/out.meshb"), code=2)
+        self.assertIn("nowhere", done.stderr)
+
+    def test_options_without_effect(self):
+        self.refused(mpi_case.BRACKET, "--max-deviation", "1", said=["--boundary slide"])
+
+    def test_options_of_one_machine_are_not_offered(self):
+        self.mpi(2, mpi_case.BRACKET, self.path("x.meshb"), "--untangle", code=2)
+
+
+mpi_case.main(__doc__)

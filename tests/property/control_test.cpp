@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run while it lasts: what it tells its caller, and what the caller may ask of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "meshes.hpp"
+#include "tetune/tetune.hpp"
+
+namespace tetune {
+namespace {
+
+TetMesh input() { return test::scrambled(test::cube(5, 0.3), 3, 1); }
+
+Options options_of(Effort effort, Boundary boundary) {
+  Options options;
+  options.effort = effort;
+  options.boundary = boundary;
+  options.threads = 1;
+  return options;
+}
+
+bool same(const TetMesh& a, const TetMesh& b) { return a.points == b.points && a.tets == b.tets; }
+
+/// Wherever a run is stopped: the mesh is valid, and no worse than it was.
+TEST(Control, StopsAtEverySafePoint) {
+  const TetMesh before = input();
+  const double worst = quality(before).dihedral_min;
+  for (const Effort effort : {Effort::standard, Effort::best}) {
+    for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+      const Options options = options_of(effort, boundary);
+      int points = 0;
+      Context context;
+      context.stop = [&points] {
+        ++points;
+        return false;
+      };
+      TetMesh whole = before;
+      ASSERT_NE(optimize(whole, options, context).stop, StopReason::cancelled);
+      EXPECT_GT(points, 50);
+      for (int at = 1; at <= points; at += 1 + at / 4) {
+        int asked = 0;
+        context.stop = [&asked, at] { return ++asked >= at; };
+        TetMesh m = before;
+        const Report report = optimize(m, options, context);
+        EXPECT_EQ(report.stop, StopReason::cancelled);
+        EXPECT_LE(asked, at + 6);  // each loop around the one that asked asks once more
+        const ValidationReport valid = validate(m);
+        ASSERT_TRUE(valid.ok()) << "stopped at " << at << ": " << valid.message(false);
+        EXPECT_GE(quality(m).dihedral_min, worst - 1e-9);
+        if (effort != Effort::best) {
+          EXPECT_LE(report.energy_after, report.energy_before * (1 + 1e-12));
+        }
+        EXPECT_NEAR(report.energy_after, quality(m).shape_sum, 1e-9 * report.energy_after);
+        EXPECT_EQ(report.tet2original.size(), m.tets.size());
+        if (at == 1) {
+          EXPECT_EQ(m.points, before.points);
+          EXPECT_EQ(report.energy_after, report.energy_before);
+        }
+      }
+    }
+  }
+}
+
+TEST(Control, ProgressTellsHowFarTheRunIs) {
+  const TetMesh before = input();
+  for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
+    TetMesh m = before;
+    std::vector<Progress> seen;
+    Context context;
+    context.progress = [&seen](const Progress& p) {
+      seen.push_back(p);
+      return true;
+    };
+    optimize(m, options_of(effort, Boundary::preserve), context);
+    ASSERT_GT(seen.size(), 5U);
+    EXPECT_STREQ(seen[0].phase, "load");
+    EXPECT_NEAR(seen[0].worst_angle, quality(before).dihedral_min, 1e-9);
+    EXPECT_EQ(seen[0].energy, seen[0].energy_before);
+    EXPECT_LT(seen[0].seconds_left, 0);
+    EXPECT_GE(seen.back().seconds_left, 0);
+    EXPECT_GT(seen.back().fraction, 0.7);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      EXPECT_GT(seen[i].fraction, 0);
+      EXPECT_LE(seen[i].fraction, 1);
+      EXPECT_GE(seen[i].worst_angle, quality(before).dihedral_min - 1e-9);
+      if (i == 0) continue;
+      EXPECT_GE(seen[i].fraction, seen[i - 1].fraction);
+      EXPECT_GE(seen[i].seconds, seen[i - 1].seconds);
+    }
+    TetMesh alone = before;
+    optimize(alone, options_of(effort, Boundary::preserve));
+    EXPECT_TRUE(same(m, alone));
+  }
+}
+
+TEST(Control, WithoutFlipsTheTetrahedraStay) {
+  const TetMesh before = input();
+  for (const Termination termination : {Termination::relative, Termination::paper}) {
+    TetMesh m = before;
+    Options options = options_of(Effort::standard, Boundary::preserve);
+    options.flips = false;
+    options.termination = termination;
+    options.max_iterations = 20;
+    const Report report = optimize(m, options);
+    EXPECT_TRUE(report.flip_passes.empty());
+    EXPECT_EQ(report.flips23 + report.flips32 + report.edge_removals + report.face_removals + report.boundary_flips, 0);
+    EXPECT_LT(report.energy_after, report.energy_before);
+    EXPECT_TRUE(validate(m).ok());
+    ASSERT_EQ(m.tets.size(), before.tets.size());
+    for (std::size_t t = 0; t < m.tets.size(); ++t) {
+      auto now = m.tets[t];
+      auto then = before.tets[static_cast<std::size_t>(report.tet2original[t])];
+      std::sort(now.begin(), now.end());
+      std::sort(then.begin(), then.end());
+      EXPECT_EQ(now, then);
+    }
+  }
+  TetMesh m = before;
+  Options nothing;
+  nothing.flips = false;
+  nothing.max_iterations = 0;
+  EXPECT_THROW(optimize(m, nothing), OptionError);
+}
+
+TEST(Control, MemoryNeededGrowsWithTheMeshAndTheWork) {
+  const TetMesh small = test::cube(4);
+  const TetMesh large = test::cube(12);
+  EXPECT_GT(memory_needed(large), memory_needed(small));
+  EXPECT_GT(memory_needed(large), large.tets.size() * 40 + large.points.size() * 40);
+  Options best;
+  best.effort = Effort::best;
+  EXPECT_GT(memory_needed(large, best), memory_needed(large));
+  Options slide;
+  slide.boundary = Boundary::slide;
+  EXPECT_GT(memory_needed(large, slide), memory_needed(large));
+}
+
+/// At the end each array is there before and after, data of vertices once more while those of inserted ones are made.
+TEST(Control, MemoryNeededCountsData) {
+  TetMesh mesh = test::cube(4);
+  const auto with = [&mesh](const Options& options) { return memory_needed(mesh, options); };
+  Options best;
+  best.effort = Effort::best;
+  const std::size_t none = with({});
+  const std::size_t none_best = with(best);
+  mesh.point_data = {{"p", 3, std::vector<double>(3 * mesh.points.size())}};
+  const std::size_t points = 3 * sizeof(double) * mesh.points.size();
+  EXPECT_EQ(with({}), none + 2 * points);
+  EXPECT_EQ(with(best), none_best + 3 * points);
+  mesh.tet_data = {{"t", 1, std::vector<std::int8_t>(mesh.tets.size())}};
+  EXPECT_EQ(with({}), none + 2 * (points + mesh.tets.size()));
+}
+
+}  // namespace
+}  // namespace tetune
