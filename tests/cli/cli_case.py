@@ -147,7 +147,8 @@ def with_triangles(mesh, triangles):
 class CliTest(unittest.TestCase):
     def setUp(self):
         self.folder = Path(tempfile.mkdtemp(prefix="tetune_cli_"))
-        self.addCleanup(shutil.rmtree, self.folder)
+        # A process that a test killed may still be writing there.
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
     def path(self, name):
         return str(self.folder / name)

@@ -152,11 +152,16 @@ class Files(CliTest):
             whole = self.read_bytes(out)
             for _ in range(8):
                 Path(self.path(out)).write_bytes(OLD)
-                with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
+                # A plugin's program ends soon after tetune: when nobody holds the other end of this pipe any more.
+                alive, held = os.pipe()
+                with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, pass_fds=[held]) as process:
+                    os.close(held)
                     while b'"writing"' not in process.stderr.readline():
                         pass
                     time.sleep(1.2 * rng.random() * seconds)
                     process.kill()
+                os.read(alive, 1)
+                os.close(alive)
                 left = self.read_bytes(out)
                 self.assertTrue(left == OLD or len(left) == len(whole), f"{len(left)} bytes of {len(whole)}")
                 if left != OLD:
