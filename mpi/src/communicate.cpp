@@ -28,11 +28,9 @@ std::size_t Route::add_up(Counts& counts) {
 }
 
 void Route::transfer(const void* from, const Counts& out, void* to, const Counts& in, std::size_t bytes) const {
-  MPI_Datatype item = MPI_DATATYPE_NULL;
-  MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &item);
-  MPI_Type_commit(&item);
-  MPI_Alltoallv(from, out.count.data(), out.begin.data(), item, to, in.count.data(), in.begin.data(), item, comm_);
-  MPI_Type_free(&item);
+  const Datatype item(bytes);
+  MPI_Alltoallv(from, out.count.data(), out.begin.data(), item.get(), to, in.count.data(), in.begin.data(), item.get(),
+                comm_);
 }
 
 std::vector<int> Route::senders() const {

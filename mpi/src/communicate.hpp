@@ -54,6 +54,22 @@ inline std::int64_t sum_before(MPI_Comm comm, std::int64_t value) {
   return std::accumulate(values.begin(), values.begin() + rank_of(comm), std::int64_t{0});
 }
 
+/// An item of some bytes.
+class Datatype {
+ public:
+  explicit Datatype(std::size_t bytes) {
+    MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &type_);
+    MPI_Type_commit(&type_);
+  }
+  ~Datatype() { MPI_Type_free(&type_); }
+  Datatype(const Datatype&) = delete;
+  Datatype& operator=(const Datatype&) = delete;
+  MPI_Datatype get() const { return type_; }
+
+ private:
+  MPI_Datatype type_ = MPI_DATATYPE_NULL;
+};
+
 /// Items on their way: item i of this rank goes to rank `to[i]`. What arrives is in the order of the sending ranks, and
 /// for each in the order of its items, so that it is the same every time. Trivially copyable items; fewer than 2^31 a
 /// rank.

@@ -120,123 +120,144 @@ class Bisection {
   std::vector<Cut> cuts_;
 };
 
+/// In increasing order.
 std::vector<Id> unique_vertices(const std::vector<Cell>& cells) {
   std::vector<Id> ids;
-  ids.reserve(4 * cells.size());
-  for (const Cell& c : cells) ids.insert(ids.end(), c.v.begin(), c.v.end());
+  IdMap found;
+  for (const Cell& c : cells) {
+    for (const Id v : c.v) {
+      if (found.add(v)) ids.push_back(v);
+    }
+  }
   std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  ids.shrink_to_fit();
   return ids;
 }
 
-/// The vertices at home, and who has them.
-class Homes {
+/// Hands listed triangles and edges to the parts that have one of their vertices.
+class Offers {
  public:
-  Homes(MPI_Comm comm, std::vector<Vertex> vertices, const Blocks& blocks) : comm_(comm), blocks_(blocks) {
-    std::vector<int> to;
-    for (const Vertex& v : vertices) to.push_back(blocks.home(v.id));
-    vertices_ = Route(comm, to).send(vertices);
-    std::sort(vertices_.begin(), vertices_.end(), [](const Vertex& a, const Vertex& b) { return a.id < b.id; });
-    holders_.resize(vertices_.size());
-  }
+  Offers(MPI_Comm comm, const Part& part, const Blocks& blocks, const Star& vertices)
+      : comm_(comm),
+        part_(part),
+        local_(part.vertex_id),
+        blocks_(blocks),
+        on_surface_(on_surface(part.mesh)),
+        holders_(vertices, blocks, rank_of(comm)),
+        surface_holders_(Star(comm, surface_ids(), blocks), blocks, rank_of(comm)) {}
 
-  /// The vertices of these ids. With `hold`, this rank counts among the holders from now on.
-  std::vector<Vertex> fetch(const std::vector<Id>& ids, bool hold) {
+  /// Those that belong to the part; `what` and `of` for the message about constraining ones that belong to none.
+  template <std::size_t N>
+  std::vector<Element<N>> placed(const std::vector<Element<N>>& elements, const char* what, const char* of) const {
     std::vector<int> to;
-    for (const Id id : ids) to.push_back(blocks_.home(id));
-    const Route route(comm_, to);
-    const std::vector<Id> asked = route.send(ids);
-    const std::vector<int> senders = route.senders();
-    std::vector<Vertex> answers;
-    answers.reserve(asked.size());
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      answers.push_back(vertices_[place(asked[i])]);
-      if (hold) holders_[place(asked[i])].push_back(senders[i]);
-    }
-    return route.answer(answers);
-  }
-
-  /// Hands each side or line to the holders of one of its vertices; `accept` says which of them belong to this rank.
-  /// Returns the constraining ones that no rank accepted, as far as they are at home here.
-  template <std::size_t N, class Accept>
-  std::vector<Element<N>> offer(const std::vector<Element<N>>& elements, Accept accept) {
-    std::vector<int> to;
+    to.reserve(elements.size());
     for (const Element<N>& e : elements) to.push_back(blocks_.home(e.v[0]));
     const std::vector<Element<N>> here = Route(comm_, to).send(elements);
     std::vector<Element<N>> offers;
     std::vector<std::size_t> which;
     to.clear();
     for (std::size_t i = 0; i < here.size(); ++i) {
-      for (const int rank : holders_[place(here[i].v[0])]) {
+      (constrains(here[i]) || N < 3 ? holders_ : surface_holders_).for_each(here[i].v[0], [&](int rank) {
         offers.push_back(here[i]);
         which.push_back(i);
         to.push_back(rank);
-      }
+      });
     }
     const Route route(comm_, to);
-    const std::vector<std::uint8_t> taken = route.answer(accept(route.send(offers)));
+    std::vector<Element<N>> kept;
+    const std::vector<std::uint8_t> taken = route.answer(accept(route.send(offers), kept));
     std::vector<std::uint8_t> placed(here.size(), 0);
     for (std::size_t i = 0; i < taken.size(); ++i) placed[which[i]] |= taken[i];
     std::vector<Element<N>> lost;
     for (std::size_t i = 0; i < here.size(); ++i) {
-      if (placed[i] == 0 && (here[i].tag != 0 || here[i].flags != 0)) lost.push_back(here[i]);
+      if (placed[i] == 0 && constrains(here[i])) lost.push_back(here[i]);
     }
-    return lost;
-  }
-
-  std::vector<Vertex> without_holder() const {
-    std::vector<Vertex> vertices;
-    for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      if (holders_[i].empty()) vertices.push_back(vertices_[i]);
-    }
-    return vertices;
+    refuse(lost, what, of);
+    return kept;
   }
 
  private:
-  /// Ids of a block are there without gaps.
-  std::size_t place(Id id) const { return static_cast<std::size_t>(id - vertices_.front().id); }
+  /// The ranks that have a vertex, of those at home here.
+  class Holders {
+   public:
+    Holders(const Star& star, const Blocks& blocks, int rank) : first_(blocks.begin(rank)) {
+      begin_.push_back(0);
+      for (const int n : star.copies()) begin_.push_back(begin_.back() + static_cast<std::size_t>(n));
+      ranks_.resize(begin_.back());
+      std::vector<std::size_t> next = begin_;
+      star.for_each_copy([&](int holder, std::size_t place) { ranks_[next[place]++] = holder; });
+    }
+    template <class F>
+    void for_each(Id id, F f) const {
+      const auto place = static_cast<std::size_t>(id - first_);
+      for (std::size_t i = begin_[place]; i < begin_[place + 1]; ++i) f(ranks_[i]);
+    }
+
+   private:
+    Id first_;
+    std::vector<std::size_t> begin_;
+    std::vector<int> ranks_;
+  };
+
+  std::vector<Id> surface_ids() const {
+    std::vector<Id> ids;
+    for (std::size_t v = 0; v < on_surface_.size(); ++v) {
+      if (on_surface_[v] != 0) ids.push_back(part_.vertex_id[v]);
+    }
+    return ids;
+  }
+
+  template <std::size_t N>
+  static bool constrains(const Element<N>& e) {
+    return e.tag != 0 || e.flags != 0;
+  }
+
+  /// Those of this part's tetrahedra: told by 1, and appended to `kept`. A triangle inside a region that constrains
+  /// nothing is dropped, as optimize() would.
+  template <std::size_t N>
+  std::vector<std::uint8_t> accept(const std::vector<Element<N>>& offered, std::vector<Element<N>>& kept) const {
+    std::vector<std::array<Index, N>> list;
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < offered.size(); ++i) {
+      const bool anywhere = N < 3 || constrains(offered[i]);
+      std::array<Index, N> v;
+      bool possible = true;
+      for (std::size_t k = 0; k < N && possible; ++k) {
+        v[k] = local_[offered[i].v[k]];
+        possible = v[k] >= 0 && (anywhere || on_surface_[static_cast<std::size_t>(v[k])] != 0);
+      }
+      if (!possible) continue;
+      list.push_back(v);
+      which.push_back(i);
+    }
+    const auto is_in = are_in(list, part_.mesh.tets, part_.mesh.points.size());
+    std::vector<std::uint8_t> taken(offered.size(), 0);
+    for (std::size_t i = 0; i < which.size(); ++i) {
+      if (is_in[i] == 0) continue;
+      taken[which[i]] = 1;
+      kept.push_back(offered[which[i]]);
+    }
+    return taken;
+  }
+
+  template <std::size_t N>
+  void refuse(const std::vector<Element<N>>& lost, const char* what, const char* of) const {
+    const auto count = all_reduce(comm_, static_cast<std::int64_t>(lost.size()), MPI_SUM);
+    if (count == 0) return;
+    Id first = std::numeric_limits<Id>::max();
+    for (const Element<N>& e : lost) first = std::min(first, e.id);
+    first = all_reduce(comm_, first, MPI_MIN);
+    throw MeshError(std::to_string(count) + " listed " + what + " with a tag or required are not " + of +
+                    " of any tetrahedron (first, counted from 0: " + std::to_string(first) +
+                    "); remove them, or optimise the mesh on one machine");
+  }
 
   MPI_Comm comm_;
+  const Part& part_;
+  IdMap local_;
   Blocks blocks_;
-  std::vector<Vertex> vertices_;
-  std::vector<std::vector<int>> holders_;
+  std::vector<std::uint8_t> on_surface_;
+  Holders holders_, surface_holders_;
 };
-
-template <std::size_t N>
-void refuse_lost(MPI_Comm comm, const std::vector<Element<N>>& lost, const char* what, const char* of) {
-  const auto count = all_reduce(comm, static_cast<std::int64_t>(lost.size()), MPI_SUM);
-  if (count == 0) return;
-  Id first = std::numeric_limits<Id>::max();
-  for (const Element<N>& e : lost) first = std::min(first, e.id);
-  first = all_reduce(comm, first, MPI_MIN);
-  throw MeshError(std::to_string(count) + " listed " + what + " with a tag or required are not " + of +
-                  " of any tetrahedron (first, counted from 0: " + std::to_string(first) +
-                  "); remove them, or optimise the mesh on one machine");
-}
-
-/// The sides or lines among those offered that are of this part's tetrahedra: told by 1, and appended to `kept`.
-template <std::size_t N>
-std::vector<std::uint8_t> accept(const std::vector<Element<N>>& offered, const IdMap& local, const Part& part,
-                                 std::vector<Element<N>>& kept) {
-  std::vector<std::array<Index, N>> list;
-  std::vector<std::size_t> which;
-  for (std::size_t i = 0; i < offered.size(); ++i) {
-    std::array<Index, N> v;
-    for (std::size_t k = 0; k < N; ++k) v[k] = local[offered[i].v[k]];
-    if (std::any_of(v.begin(), v.end(), [](Index j) { return j < 0; })) continue;
-    list.push_back(v);
-    which.push_back(i);
-  }
-  const auto is_in = are_in(list, part.mesh.tets, part.mesh.points.size());
-  std::vector<std::uint8_t> taken(offered.size(), 0);
-  for (std::size_t i = 0; i < which.size(); ++i) {
-    if (is_in[i] == 0) continue;
-    taken[which[i]] = 1;
-    kept.push_back(offered[which[i]]);
-  }
-  return taken;
-}
 
 /// Sends entities home and keeps one of each.
 template <class T>
@@ -284,22 +305,26 @@ void check(const Pieces& pieces, Id vertices) {
 
 Part distribute(MPI_Comm comm, Pieces pieces, const Totals& totals) {
   together(comm, [&] { check(pieces, totals.vertices); });
-  const int ranks = size_of(comm);
-  Homes homes(comm, std::move(pieces.vertices), Blocks(totals.vertices, ranks));
-  const Blocks cell_blocks(totals.cells, ranks);
+  const Blocks blocks(totals.vertices, size_of(comm));
+  const std::vector<Vertex> home = at_home(comm, pieces.vertices, totals.vertices);
+  pieces.vertices = {};
+  const Blocks cell_blocks(totals.cells, size_of(comm));
   std::vector<int> to;
+  to.reserve(pieces.cells.size());
   for (const Cell& c : pieces.cells) to.push_back(cell_blocks.home(c.id));
   std::vector<Cell> cells = Route(comm, to).send(pieces.cells);
   pieces.cells = {};
   {
     const std::vector<Id> ids = unique_vertices(cells);
-    const std::vector<Vertex> vertices = homes.fetch(ids, false);
+    const std::vector<Vertex> vertices = Star(comm, ids, blocks).fetch(home);
     const IdMap local(ids);
     std::vector<Point3> centres;
+    centres.reserve(cells.size());
     for (const Cell& c : cells) {
       Point3 centre{};
       for (const Id v : c.v) {
-        for (std::size_t k = 0; k < 3; ++k) centre[k] += 0.25 * vertices[static_cast<std::size_t>(local[v])].x[k];
+        const Point3& x = vertices[static_cast<std::size_t>(local[v])].x;
+        for (std::size_t k = 0; k < 3; ++k) centre[k] += 0.25 * x[k];
       }
       centres.push_back(centre);
     }
@@ -308,18 +333,22 @@ Part distribute(MPI_Comm comm, Pieces pieces, const Totals& totals) {
   Pieces mine;
   mine.cells = Route(comm, to).send(cells);
   cells = {};
-  mine.vertices = homes.fetch(unique_vertices(mine.cells), true);
+  const Star vertices(comm, unique_vertices(mine.cells), blocks);
+  mine.vertices = vertices.fetch(home);
   // Vertices of no tetrahedron stay at home.
-  for (const Vertex& v : homes.without_holder()) mine.vertices.push_back(v);
+  const std::vector<int> copies = vertices.copies();
+  for (std::size_t i = 0; i < home.size(); ++i) {
+    if (copies[i] == 0) mine.vertices.push_back(home[i]);
+  }
   Part part = assemble(std::move(mine));
-  const IdMap local(part.vertex_id);
   std::vector<Side> sides;
   std::vector<Line> lines;
-  refuse_lost(comm, homes.offer(pieces.sides, [&](const auto& o) { return accept(o, local, part, sides); }),
-              "triangles", "a face");
-  refuse_lost(comm, homes.offer(pieces.lines, [&](const auto& o) { return accept(o, local, part, lines); }), "edges",
-              "an edge");
-  add_lists(part, local, std::move(sides), std::move(lines));
+  {
+    const Offers offers(comm, part, blocks, vertices);
+    sides = offers.placed(pieces.sides, "triangles", "a face");
+    lines = offers.placed(pieces.lines, "edges", "an edge");
+  }
+  add_lists(part, IdMap(part.vertex_id), std::move(sides), std::move(lines));
   return part;
 }
 
@@ -335,20 +364,14 @@ Pieces send(MPI_Comm comm, Addressed a) {
 }
 
 void close_gaps(MPI_Comm comm, Part& part, Totals& totals) {
-  const Blocks blocks(totals.vertices, size_of(comm));
-  std::vector<int> to;
-  for (const Id id : part.vertex_id) to.push_back(blocks.home(id));
-  const Route route(comm, to);
-  std::vector<Id> answers = route.send(part.vertex_id);
-  std::vector<Id> different = answers;
-  std::sort(different.begin(), different.end());
-  different.erase(std::unique(different.begin(), different.end()), different.end());
-  const Id first = sum_before(comm, static_cast<Id>(different.size()));
-  for (Id& id : answers) {
-    id = first + (std::lower_bound(different.begin(), different.end(), id) - different.begin());
-  }
-  part.vertex_id = route.answer(answers);
-  totals.vertices = all_reduce(comm, static_cast<Id>(different.size()), MPI_SUM);
+  const Star star(comm, part.vertex_id, Blocks(totals.vertices, size_of(comm)));
+  const std::vector<int> copies = star.copies();
+  const auto used = static_cast<Id>(copies.size()) - std::count(copies.begin(), copies.end(), 0);
+  Id next = sum_before(comm, used);
+  std::vector<Id> ids;
+  for (const int n : copies) ids.push_back(n > 0 ? next++ : -1);
+  part.vertex_id = star.fetch(ids);
+  totals.vertices = all_reduce(comm, used, MPI_SUM);
 }
 
 std::vector<Vertex> vertices_at_home(MPI_Comm comm, const std::vector<Vertex>& vertices, const Totals& totals) {
@@ -368,36 +391,40 @@ Pieces collect(MPI_Comm comm, Part part, Totals& totals) {
   return pieces;
 }
 
-Shared::Shared(MPI_Comm comm, const Part& part)
-    : route_(comm, [&] {
-        std::vector<int> to;
-        for (const Id id : part.vertex_id) to.push_back(static_cast<int>(id % size_of(comm)));
-        return to;
-      }()) {
-  const std::vector<Id> ids = route_.send(part.vertex_id);
-  std::vector<Id> different = ids;
-  std::sort(different.begin(), different.end());
-  different.erase(std::unique(different.begin(), different.end()), different.end());
-  slots_ = different.size();
-  const IdMap local(different);
-  std::vector<int> holders(slots_, 0);
-  for (const Id id : ids) {
-    slot_.push_back(static_cast<std::size_t>(local[id]));
-    ++holders[slot_.back()];
+namespace {
+
+std::vector<std::size_t> maybe_shared(const Part& part) {
+  std::vector<std::size_t> vertices;
+  for (std::size_t v = 0; v < part.vertex_flags.size(); ++v) {
+    if ((part.vertex_flags[v] & kShared) != 0) vertices.push_back(v);
   }
-  std::vector<std::uint8_t> answers;
-  for (const std::size_t s : slot_) answers.push_back(holders[s] > 1 ? 1 : 0);
-  shared_ = route_.answer(answers);
+  return vertices;
+}
+
+template <class T>
+std::vector<T> values_of(const std::vector<std::size_t>& vertices, const std::vector<T>& values) {
+  std::vector<T> result;
+  result.reserve(vertices.size());
+  for (const std::size_t v : vertices) result.push_back(values[v]);
+  return result;
+}
+
+}  // namespace
+
+Shared::Shared(MPI_Comm comm, const Part& part, const Totals& totals)
+    : vertices_(maybe_shared(part)),
+      star_(comm, values_of(vertices_, part.vertex_id), Blocks(totals.vertices, size_of(comm))) {}
+
+void Shared::mark(Part& part) const {
+  const std::vector<int> copies = star_.fetch(star_.copies());
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    if (copies[i] < 2) part.vertex_flags[vertices_[i]] &= static_cast<std::uint8_t>(~kShared);
+  }
 }
 
 void Shared::least(std::vector<int>& values) const {
-  const std::vector<int> received = route_.send(values);
-  std::vector<int> least(slots_, std::numeric_limits<int>::max());
-  for (std::size_t i = 0; i < received.size(); ++i) least[slot_[i]] = std::min(least[slot_[i]], received[i]);
-  std::vector<int> answers;
-  answers.reserve(received.size());
-  for (const std::size_t s : slot_) answers.push_back(least[s]);
-  values = route_.answer(answers);
+  const std::vector<int> least = star_.least(values_of(vertices_, values));
+  for (std::size_t i = 0; i < vertices_.size(); ++i) values[vertices_[i]] = least[i];
 }
 
 }  // namespace tetune::mpi

@@ -1,27 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-
 #include "communicate.hpp"
 #include "part.hpp"
+#include "star.hpp"
 
 namespace tetune::mpi {
 
 /// Numbers of a whole mesh: every id is below its.
 struct Totals {
   Id vertices = 0, cells = 0, sides = 0, lines = 0;
-};
-
-/// Cuts a list into one block of ids a rank, its *home*: where all copies of an entity are asked for.
-class Blocks {
- public:
-  Blocks(Id count, int ranks) : count_(count), each_(std::max<Id>(1, (count + ranks - 1) / ranks)) {}
-  int home(Id id) const { return static_cast<int>(id / each_); }
-  Id begin(int rank) const { return std::min(count_, rank * each_); }
-
- private:
-  Id count_, each_;
 };
 
 /// Gives each rank one part of a mesh whose pieces are anywhere, each on one rank. The cuts are planes of recursive
@@ -43,20 +31,18 @@ std::vector<Vertex> vertices_at_home(MPI_Comm comm, const std::vector<Vertex>& v
 /// Sends pieces to their ranks.
 Pieces send(MPI_Comm comm, Addressed addressed);
 
-/// A value for each vertex, the same in all parts that have it.
+/// The vertices that several parts have: among those of kShared, which is all at first.
 class Shared {
  public:
-  Shared(MPI_Comm comm, const Part& part);
-  /// Replaces each value by the smallest of those that the parts have for the vertex.
+  Shared(MPI_Comm comm, const Part& part, const Totals& totals);
+  /// Leaves kShared to those that several parts have.
+  void mark(Part& part) const;
+  /// Replaces the value of each by the smallest of those that the parts have for it.
   void least(std::vector<int>& values) const;
-  /// Whether several parts have the vertex.
-  const std::vector<std::uint8_t>& shared() const { return shared_; }
 
  private:
-  Route route_;
-  std::vector<std::size_t> slot_;  ///< of each that arrived, among the different ones
-  std::size_t slots_ = 0;
-  std::vector<std::uint8_t> shared_;
+  std::vector<std::size_t> vertices_;
+  Star star_;
 };
 
 }  // namespace tetune::mpi

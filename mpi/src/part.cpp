@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <utility>
 
 namespace tetune::mpi {
@@ -140,6 +141,111 @@ void add_flag(std::vector<int>& flags, const std::vector<Index>& ids, int flag) 
   for (const Index i : ids) flags[static_cast<std::size_t>(i)] |= flag;
 }
 
+/// Where the entities of a part go when it is divided: bits.
+constexpr std::uint8_t kStays = 1, kOut = 2;
+struct Goes {
+  std::vector<std::uint8_t> vertex, tet, triangle, edge;
+};
+
+/// Listed entities go where tetrahedra that have them go.
+template <std::size_t N>
+std::vector<std::uint8_t> go_along(const std::vector<std::array<Index, N>>& list,
+                                   const std::vector<std::array<Index, 4>>& tets, const Goes& goes) {
+  std::vector<std::uint8_t> result(list.size(), kStays);
+  std::vector<std::array<Index, N>> maybe;
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    std::uint8_t all = kOut;
+    for (const Index v : list[i]) all &= goes.vertex[static_cast<std::size_t>(v)];
+    if (all == 0) continue;
+    maybe.push_back(list[i]);
+    which.push_back(i);
+  }
+  std::vector<std::uint8_t> found(maybe.size(), 0);
+  find_in(maybe, tets, goes.vertex.size(),
+          [&](Index i, std::size_t t) { found[static_cast<std::size_t>(i)] |= goes.tet[t]; });
+  for (std::size_t i = 0; i < maybe.size(); ++i) {
+    if (found[i] != 0) result[which[i]] = found[i];
+  }
+  return result;
+}
+
+/// Numbers what goes one way; -1 for the rest.
+std::vector<Index> numbered(const std::vector<std::uint8_t>& goes, std::uint8_t way) {
+  std::vector<Index> places(goes.size(), -1);
+  Index next = 0;
+  for (std::size_t i = 0; i < goes.size(); ++i) {
+    if ((goes[i] & way) != 0) places[i] = next++;
+  }
+  return places;
+}
+
+/// Where each of some entities is in a list, or comes to be when those that are not there are appended.
+std::vector<Index> found_or_appended(const std::vector<Id>& ids, const std::vector<Id>& list) {
+  const IdMap local(ids);
+  std::vector<Index> places(ids.size(), -1);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Index at = local[list[i]];
+    if (at >= 0) places[static_cast<std::size_t>(at)] = static_cast<Index>(i);
+  }
+  auto next = static_cast<Index>(list.size());
+  for (Index& place : places) {
+    if (place < 0) place = next++;
+  }
+  return places;
+}
+
+/// For each entity its place in another part: at the end, in this order, or among what is there already, or none (-1).
+struct Places {
+  std::vector<Index> vertex, tet, triangle, edge;
+};
+
+/// Appends to a part what has its place at the end.
+void append(Part& part, const Part& from, const Places& places) {
+  const auto add = [](auto& list, const auto& items, const std::vector<Index>& place, auto translate) {
+    const auto end = static_cast<Index>(list.size());
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      if (place[i] >= end) list.push_back(translate(items[i]));
+    }
+    return end;
+  };
+  const auto as_it_is = [](const auto& item) { return item; };
+  const auto renumber = [&places](auto element) {
+    for (Index& v : element) v = places.vertex[static_cast<std::size_t>(v)];
+    return element;
+  };
+  const auto add_listed = [](std::vector<Index>& list, const std::vector<Index>& items, const std::vector<Index>& place,
+                             Index end) {
+    for (const Index i : items) {
+      if (place[static_cast<std::size_t>(i)] >= end) list.push_back(place[static_cast<std::size_t>(i)]);
+    }
+  };
+  TetMesh& mesh = part.mesh;
+  const TetMesh& more = from.mesh;
+  Index end = add(mesh.points, more.points, places.vertex, as_it_is);
+  add(mesh.point_tags, more.point_tags, places.vertex, as_it_is);
+  add(part.vertex_id, from.vertex_id, places.vertex, as_it_is);
+  add(part.vertex_flags, from.vertex_flags, places.vertex, as_it_is);
+  add_listed(mesh.corners, more.corners, places.vertex, end);
+  add_listed(mesh.required_vertices, more.required_vertices, places.vertex, end);
+
+  end = add(mesh.tets, more.tets, places.tet, renumber);
+  add(mesh.tet_tags, more.tet_tags, places.tet, as_it_is);
+  add(part.tet_id, from.tet_id, places.tet, as_it_is);
+  add_listed(mesh.required_tets, more.required_tets, places.tet, end);
+
+  end = add(mesh.triangles, more.triangles, places.triangle, renumber);
+  add(mesh.triangle_tags, more.triangle_tags, places.triangle, as_it_is);
+  add(part.triangle_id, from.triangle_id, places.triangle, as_it_is);
+  add_listed(mesh.required_triangles, more.required_triangles, places.triangle, end);
+
+  end = add(mesh.edges, more.edges, places.edge, renumber);
+  add(mesh.edge_tags, more.edge_tags, places.edge, as_it_is);
+  add(part.edge_id, from.edge_id, places.edge, as_it_is);
+  add_listed(mesh.required_edges, more.required_edges, places.edge, end);
+  add_listed(mesh.ridges, more.ridges, places.edge, end);
+}
+
 template <std::size_t N>
 Element<N> element(const std::vector<Id>& vertex_id, const std::array<Index, N>& v, Id id, int tag, int flags) {
   Element<N> e{id, {}, tag, flags};
@@ -149,12 +255,23 @@ Element<N> element(const std::vector<Id>& vertex_id, const std::array<Index, N>&
 
 }  // namespace
 
-IdMap::IdMap(const std::vector<Id>& ids) : slots_(std::bit_ceil(2 * ids.size() + 2)), mask_(slots_.size() - 1) {
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    std::size_t at = hash(ids[i]);
-    while (slots_[at].index >= 0) at = (at + 1) & mask_;
-    slots_[at] = {ids[i], static_cast<Index>(i)};
+IdMap::IdMap(const std::vector<Id>& ids) : slots_(std::bit_ceil(2 * ids.size() + 2)) {
+  for (const Id id : ids) add(id);
+}
+
+bool IdMap::add(Id id) {
+  std::size_t at = place(id);
+  if (slots_[at].index >= 0) return false;
+  if (2 * (count_ + 1) > slots_.size()) {
+    std::vector<Slot> old(2 * slots_.size());
+    old.swap(slots_);
+    for (const Slot& s : old) {
+      if (s.index >= 0) slots_[place(s.id)] = s;
+    }
+    at = place(id);
   }
+  slots_[at] = {id, static_cast<Index>(count_++)};
+  return true;
 }
 
 Part assemble(Pieces pieces) {
@@ -182,6 +299,64 @@ void add_lists(Part& part, const IdMap& local, std::vector<Side> sides, std::vec
   sort_unique(lines);
   put(sides, local, mesh.triangles, mesh.triangle_tags, part.triangle_id, mesh.required_triangles, nullptr);
   put(lines, local, mesh.edges, mesh.edge_tags, part.edge_id, mesh.required_edges, &mesh.ridges);
+}
+
+Part extract(Part& part, const std::vector<std::uint8_t>& marked) {
+  const TetMesh& mesh = part.mesh;
+  Goes goes;
+  goes.tet.reserve(marked.size());
+  for (const std::uint8_t m : marked) goes.tet.push_back(m != 0 ? kOut : kStays);
+  goes.vertex.assign(mesh.points.size(), 0);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (const Index v : mesh.tets[t]) goes.vertex[static_cast<std::size_t>(v)] |= goes.tet[t];
+  }
+  for (std::uint8_t& g : goes.vertex) g = g == 0 ? kStays : g;
+  goes.triangle = go_along(mesh.triangles, mesh.tets, goes);
+  goes.edge = go_along(mesh.edges, mesh.tets, goes);
+  const auto pick = [&](std::uint8_t way) {
+    Part picked;
+    append(
+        picked, part,
+        {numbered(goes.vertex, way), numbered(goes.tet, way), numbered(goes.triangle, way), numbered(goes.edge, way)});
+    return picked;
+  };
+  Part out = pick(kOut);
+  part = pick(kStays);
+  return out;
+}
+
+void absorb(Part& part, const Part& other) {
+  // A tetrahedron is in one part alone. Several may have one id: they descend from the same.
+  std::vector<Index> tets(other.mesh.tets.size());
+  std::iota(tets.begin(), tets.end(), static_cast<Index>(part.mesh.tets.size()));
+  append(part, other,
+         {found_or_appended(other.vertex_id, part.vertex_id), std::move(tets),
+          found_or_appended(other.triangle_id, part.triangle_id), found_or_appended(other.edge_id, part.edge_id)});
+}
+
+std::vector<std::uint8_t> on_surface(const TetMesh& mesh) {
+  const auto mix = [](std::uint64_t x) {
+    x = (x ^ (x >> 32U)) * 0x9E3779B97F4A7C15U;
+    return (x ^ (x >> 29U)) * 0xBF58476D1CE4E5B9U;
+  };
+  // A face inside a region comes twice, and cancels. That others do has odds of 1 to 2^64.
+  std::vector<std::uint64_t> left(mesh.points.size(), 0);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    std::array<std::uint64_t, 4> hash;
+    for (std::size_t k = 0; k < 4; ++k) hash[k] = mix(static_cast<std::uint64_t>(mesh.tets[t][k]) + 1);
+    const std::uint64_t all =
+        hash[0] + hash[1] + hash[2] + hash[3] + mix(~static_cast<std::uint64_t>(mesh.tet_tags[t]));
+    for (std::size_t f = 0; f < 4; ++f) {
+      const std::uint64_t face = mix(all - hash[f]);
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (k != f) left[static_cast<std::size_t>(mesh.tets[t][k])] ^= face;
+      }
+    }
+  }
+  std::vector<std::uint8_t> result;
+  result.reserve(left.size());
+  for (const std::uint64_t l : left) result.push_back(l != 0 ? 1 : 0);
+  return result;
 }
 
 Addressed address(const Part& part, const std::vector<int>& tet_to, int self) {

@@ -18,7 +18,9 @@ inline constexpr int kRidge = 2;      ///< of an edge
 inline constexpr int kPending = 4;    ///< of a vertex: frozen in all rounds so far, as several parts shared it
 inline constexpr int kHeld = 8;       ///< of a vertex: of an element of another kind
 inline constexpr int kFirstCut = 16;  ///< of a vertex: on a cut in the first round
-inline constexpr int kOfPart = kPending | kHeld | kFirstCut;
+inline constexpr int kShared = 32;    ///< of a vertex: several parts have it, or may since tetrahedra moved
+inline constexpr int kNear = 64;      ///< of a vertex: near what is pending
+inline constexpr int kOfPart = kPending | kHeld | kFirstCut | kShared | kNear;
 
 /// Entities as they travel between ranks.
 struct Vertex {
@@ -56,25 +58,27 @@ struct Part {
 /// From global to local numbers.
 class IdMap {
  public:
+  IdMap() : slots_(16) {}
   explicit IdMap(const std::vector<Id>& ids);
   /// -1 where it is not there.
-  Index operator[](Id id) const {
-    for (std::size_t at = hash(id);; at = (at + 1) & mask_) {
-      if (slots_[at].id == id) return slots_[at].index;
-      if (slots_[at].index < 0) return -1;
-    }
-  }
+  Index operator[](Id id) const { return slots_[place(id)].index; }
+  /// Gives the next number to an id that has none yet; whether it had none.
+  bool add(Id id);
 
  private:
   struct Slot {
     Id id = -1;
     Index index = -1;
   };
-  std::size_t hash(Id id) const {
-    return static_cast<std::size_t>((static_cast<std::uint64_t>(id) * 0x9E3779B97F4A7C15U) >> 20U) & mask_;
+  /// Where it is, or would be.
+  std::size_t place(Id id) const {
+    const std::size_t mask = slots_.size() - 1;
+    auto at = static_cast<std::size_t>((static_cast<std::uint64_t>(id) * 0x9E3779B97F4A7C15U) >> 20U) & mask;
+    while (slots_[at].index >= 0 && slots_[at].id != id) at = (at + 1) & mask;
+    return at;
   }
-  std::vector<Slot> slots_;
-  std::size_t mask_;
+  std::vector<Slot> slots_;  ///< a power of two
+  std::size_t count_ = 0;
 };
 
 /// Adds listed triangles and edges to a part that has none.
@@ -82,6 +86,15 @@ void add_lists(Part& part, const IdMap& local, std::vector<Side> sides, std::vec
 
 /// Puts pieces together; those that several sent become one.
 Part assemble(Pieces pieces);
+
+/// Takes the tetrahedra with a mark out of a part. What they share with the rest is in both.
+Part extract(Part& part, const std::vector<std::uint8_t>& marked);
+
+/// Adds another part; what both have becomes one.
+void absorb(Part& part, const Part& other);
+
+/// 1 for each vertex on the surface of the mesh or between two regions.
+std::vector<std::uint8_t> on_surface(const TetMesh& mesh);
 
 /// The pieces of a part, and where each goes when tetrahedron t goes to `tet_to[t]`: vertices, listed triangles and
 /// edges go along with each of theirs, and to `self` if they are in none.

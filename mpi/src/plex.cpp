@@ -254,13 +254,6 @@ Point3 coordinates_of(PetscSection section, const PetscScalar* values, PetscInt 
 
 }  // namespace
 
-void check_petsc(PetscErrorCode code) {
-  if (code == 0) return;
-  const char* text = nullptr;
-  PetscErrorMessage(code, &text, nullptr);
-  throw Error("PETSc error " + std::to_string(static_cast<int>(code)) + ": " + (text != nullptr ? text : "unknown"));
-}
-
 Part part_of(DM dm, Totals& totals, Labels& labels) {
   MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(dm));
   check_plex(comm, dm);

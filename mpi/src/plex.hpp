@@ -36,7 +36,4 @@ Part part_of(DM dm, Totals& totals, Labels& labels);
 /// A DMPlex of parts.
 DM plex_of(MPI_Comm comm, Part part, Totals& totals, const Labels& labels);
 
-/// Throws Error for a code of PETSc's that is one.
-void check_petsc(PetscErrorCode code);
-
 }  // namespace tetune::mpi

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <petscsys.h>
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -243,6 +244,9 @@ int main_of_rank(int argc, char** argv) {
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   int code = 2;
+  if (PetscInitializeNoArguments() != 0) MPI_Abort(MPI_COMM_WORLD, code);
+  PetscPopSignalHandler();
+  PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);  // what fails is thrown, and told once
   try {
     code = tetune::mpi::main_of_rank(argc, argv);
   } catch (const std::exception& e) {
@@ -250,6 +254,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "tetune-mpi: rank {}: {}\n", tetune::mpi::rank_of(MPI_COMM_WORLD), e.what());
     MPI_Abort(MPI_COMM_WORLD, code);
   }
+  PetscFinalize();
   MPI_Finalize();
   return code;
 }

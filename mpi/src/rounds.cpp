@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -151,11 +152,15 @@ class Rounds {
     const auto start = Time::now();
     RoundReport round;
     round.round = 1;
-    const std::vector<std::uint8_t> shared = Shared(comm_, part_).shared();
-    for (std::size_t v = 0; v < shared.size(); ++v) {
-      if (shared[v] != 0) part_.vertex_flags[v] |= kPending | kFirstCut;
+    for (std::uint8_t& flags : part_.vertex_flags) flags |= kShared;
+    Shared(comm_, part_, totals_).mark(part_);
+    std::vector<std::uint8_t> frozen(part_.vertex_flags.size(), 0);
+    for (std::size_t v = 0; v < frozen.size(); ++v) {
+      if ((part_.vertex_flags[v] & kShared) == 0) continue;
+      part_.vertex_flags[v] |= kPending | kFirstCut;
+      frozen[v] = 1;
     }
-    optimise(part_, shared, round);
+    optimise(part_, std::move(frozen), round);
     finish(round, start);
   }
 
@@ -183,7 +188,7 @@ class Rounds {
       for (const Index v : part_.mesh.tets[t]) pending[static_cast<std::size_t>(v)] = 0;
     }
     angles_ = {};
-    Shared(comm_, part_).least(pending);
+    shared_->least(pending);
     for (std::size_t v = 0; v < pending.size(); ++v) {
       if (pending[v] == 0) part_.vertex_flags[v] |= kPending;
     }
@@ -213,13 +218,18 @@ class Rounds {
     RoundReport round;
     round.round = static_cast<int>(report_.rounds.size()) + 1;
     shift(round);
-    const std::vector<std::uint8_t> shared = Shared(comm_, part_).shared();
-    Part band;
+    Part band = take_band();
     std::vector<std::uint8_t> frozen;
-    Pieces rest = split(shared, band, frozen);
-    optimise(band, frozen, round);
-    together(comm_, [&] { merge(std::move(rest), std::move(band)); });
-    clear_touched();
+    for (const std::uint8_t flags : band.vertex_flags) {
+      frozen.push_back((flags & kShared) != 0 || (flags & kNear) == 0 ? 1 : 0);
+    }
+    optimise(band, std::move(frozen), round);
+    together(comm_, [&] { absorb(part_, band); });
+    band = {};
+    // Pending vertices that no other part has were free to move.
+    for (std::uint8_t& flags : part_.vertex_flags) {
+      flags &= static_cast<std::uint8_t>((flags & kShared) != 0 ? ~kNear : ~(kNear | kPending));
+    }
     finish(round, start);
   }
 
@@ -234,12 +244,11 @@ class Rounds {
     const auto own = static_cast<int>(std::find(place2rank.begin(), place2rank.end(), self_) - place2rank.begin());
     constexpr int kFar = std::numeric_limits<int>::max();
     const TetMesh& mesh = part_.mesh;
-    const Shared vertices(comm_, part_);
     std::vector<int> reached(mesh.points.size(), kFar);
     for (std::size_t v = 0; v < reached.size(); ++v) {
       if ((part_.vertex_flags[v] & kPending) != 0) reached[v] = own;
     }
-    vertices.least(reached);
+    shared_->least(reached);
     std::vector<int> owner(mesh.tets.size(), own);
     for (int layer = 0; layer < kLayers; ++layer) {
       const std::vector<int> before = reached;
@@ -253,22 +262,24 @@ class Rounds {
           there = std::min(there, owner[t]);
         }
       }
-      vertices.least(reached);
+      shared_->least(reached);
     }
-    Id moved = 0;
-    for (int& o : owner) {
-      o = place2rank[static_cast<std::size_t>(o)];
-      if (o != self_) ++moved;
+    std::vector<std::uint8_t> leaves(owner.size(), 0);
+    std::vector<int> to;
+    for (std::size_t t = 0; t < owner.size(); ++t) {
+      if (owner[t] == own) continue;
+      leaves[t] = 1;
+      to.push_back(place2rank[static_cast<std::size_t>(owner[t])]);
+      for (const Index v : mesh.tets[t]) part_.vertex_flags[static_cast<std::size_t>(v)] |= kShared;
     }
-    round.tets_moved = all_reduce(comm_, moved, MPI_SUM);
-    Addressed addressed = address(part_, owner, self_);
-    part_ = {};
-    Pieces pieces = send(comm_, std::move(addressed));
-    together(comm_, [&] { part_ = assemble(std::move(pieces)); });
+    round.tets_moved = all_reduce(comm_, static_cast<Id>(to.size()), MPI_SUM);
+    Pieces arrived = send(comm_, address(extract(part_, leaves), to, self_));
+    together(comm_, [&] { absorb(part_, assemble(std::move(arrived))); });
+    Shared(comm_, part_, totals_).mark(part_);
   }
 
-  /// Takes the surroundings of pending vertices out of the part; returns the rest.
-  Pieces split(const std::vector<std::uint8_t>& shared, Part& band, std::vector<std::uint8_t>& frozen) {
+  /// Takes the surroundings of pending vertices out of the part.
+  Part take_band() {
     const TetMesh& mesh = part_.mesh;
     std::vector<std::uint8_t> near(mesh.points.size(), 0);
     for (std::size_t v = 0; v < near.size(); ++v) near[v] = (part_.vertex_flags[v] & kPending) != 0 ? 1 : 0;
@@ -281,50 +292,16 @@ class Rounds {
         for (const Index v : tet) near[static_cast<std::size_t>(v)] = 1;
       }
     }
-    std::vector<int> in_band(mesh.tets.size(), 0);
+    for (std::size_t v = 0; v < near.size(); ++v) {
+      if (near[v] != 0) part_.vertex_flags[v] |= kNear;
+    }
+    std::vector<std::uint8_t> in_band(mesh.tets.size(), 0);
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
       for (const Index v : mesh.tets[t]) {
-        const auto i = static_cast<std::size_t>(v);
-        if (near[i] != 0 && shared[i] == 0) in_band[t] = 1;
+        if ((part_.vertex_flags[static_cast<std::size_t>(v)] & (kNear | kShared)) == kNear) in_band[t] = 1;
       }
     }
-    std::set<Id> held;
-    for (std::size_t v = 0; v < near.size(); ++v) {
-      if (shared[v] != 0 || near[v] == 0) held.insert(part_.vertex_id[v]);
-    }
-    Addressed all = address(part_, in_band, 0);
-    part_ = {};
-    Pieces rest;
-    Pieces inner;
-    const auto deal = [](const auto& items, const std::vector<int>& to, auto& a, auto& b) {
-      for (std::size_t i = 0; i < items.size(); ++i) (to[i] == 0 ? a : b).push_back(items[i]);
-    };
-    deal(all.pieces.vertices, all.vertex_to, rest.vertices, inner.vertices);
-    deal(all.pieces.cells, all.cell_to, rest.cells, inner.cells);
-    deal(all.pieces.sides, all.side_to, rest.sides, inner.sides);
-    deal(all.pieces.lines, all.line_to, rest.lines, inner.lines);
-    band = assemble(std::move(inner));
-    for (const Id id : band.vertex_id) frozen.push_back(held.count(id) > 0 ? 1 : 0);
-    return rest;
-  }
-
-  void merge(Pieces rest, Part band) {
-    Pieces inner = address(band, std::vector<int>(band.mesh.tets.size(), 0), 0).pieces;
-    band = {};
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    append(rest.vertices, inner.vertices);
-    append(rest.cells, inner.cells);
-    append(rest.sides, inner.sides);
-    append(rest.lines, inner.lines);
-    part_ = assemble(std::move(rest));
-  }
-
-  /// Pending vertices that no other part has were free to move.
-  void clear_touched() {
-    const std::vector<std::uint8_t> shared = Shared(comm_, part_).shared();
-    for (std::size_t v = 0; v < shared.size(); ++v) {
-      if (shared[v] == 0) part_.vertex_flags[v] &= static_cast<std::uint8_t>(~kPending);
-    }
+    return extract(part_, in_band);
   }
 
   /// Optimises a mesh whose flagged vertices must not move.
@@ -417,14 +394,14 @@ class Rounds {
   }
 
   void finish(RoundReport& round, Time::time_point start) {
+    shared_.emplace(comm_, part_, totals_);
     // Each counts once: where its part is the lowest that has it.
-    const Shared shared(comm_, part_);
     std::vector<int> lowest(part_.vertex_id.size(), self_);
-    shared.least(lowest);
+    shared_->least(lowest);
     Id cut = 0;
     Id pending = 0;
     for (std::size_t v = 0; v < lowest.size(); ++v) {
-      if (lowest[v] != self_ || shared.shared()[v] == 0) continue;
+      if (lowest[v] != self_ || (part_.vertex_flags[v] & kShared) == 0) continue;
       ++cut;
       pending += (part_.vertex_flags[v] & kPending) != 0 ? 1 : 0;
     }
@@ -451,7 +428,8 @@ class Rounds {
   Context context_;
   bool cancelled_ = false;
   bool last_ = false;
-  std::vector<float> angles_;  ///< smallest dihedral angle of each tetrahedron of the part, degrees
+  std::optional<Shared> shared_;  ///< of the part as the last round left it
+  std::vector<float> angles_;     ///< smallest dihedral angle of each tetrahedron of the part, degrees
   DistributedReport report_;
 };
 
