@@ -8,9 +8,12 @@ endfunction()
 file(REMOVE_RECURSE ${WORK}/prefix ${WORK}/consumer ${WORK}/readme)
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/consumer -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
-  -DCMAKE_CXX_COMPILER=${COMPILER})
+  -DCMAKE_CXX_COMPILER=${COMPILER} -DMPI_PROGRAM=${MPI_PROGRAM})
 run(${CMAKE_COMMAND} --build ${WORK}/consumer)
 run(${WORK}/consumer/consumer)
+if(MPI_PROGRAM)
+  run(${WORK}/consumer/consumer_mpi -n 4)
+endif()
 # The program and the project that README.md shows.
 file(WRITE ${WORK}/readme/in.mesh "MeshVersionFormatted 2 Dimension 3 Vertices 4 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0
   Tetrahedra 1 1 2 3 4 1 End")
