@@ -64,6 +64,7 @@ Input take_apart(TetMesh mesh) {
 }  // namespace
 
 Input read_pieces(MPI_Comm comm, const std::string& path) {
+  if (is_plex_file(path)) return read_plex(comm, path);
   int plain = 0;
   if (rank_of(comm) == 0) plain = is_plain_meshb(path) ? 1 : 0;
   MPI_Bcast(&plain, 1, MPI_INT, 0, comm);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "distribute.hpp"
+#include "plex.hpp"
 #include "tetune/mesh.hpp"
 
 namespace tetune::mpi {
@@ -16,15 +18,26 @@ struct Input {
   /// On rank 0: elements of other kinds, names and what else belongs to the file as a whole.
   TetMesh frame;
   std::vector<std::string> warnings;
+  /// Of a DMPlex: what its tags stand for.
+  std::optional<Labels> labels;
 };
 
-/// MEDIT binary files are read by all ranks at once, each its part; others by rank 0. Throws FileError on all ranks.
+/// MEDIT binary files are read by all ranks at once, each its part; a DMPlex in HDF5 by PETSc; others by rank 0. Throws
+/// FileError on all ranks.
 Input read_pieces(MPI_Comm comm, const std::string& path);
 
 /// Writes what collect() made: MEDIT binary files by all ranks at once, others by rank 0, which gathers the mesh.
 /// Under a temporary name, renamed once complete. Throws FileError on all ranks; the old file is then untouched.
 void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const Totals& totals, TetMesh frame,
                   std::vector<std::string>& warnings);
+
+/// A DMPlex in HDF5 (.h5), or XDMF that refers to one (.xmf).
+bool is_plex_file(const std::string& path);
+void check_plex_writable(const std::string& path);
+Input read_plex(MPI_Comm comm, const std::string& path);
+/// Written by all ranks at once, and renamed once complete. Without `labels` the tags become labels.
+void write_plex(MPI_Comm comm, const std::string& path, Part part, Totals totals, const std::optional<Labels>& labels,
+                std::vector<std::string>& warnings);
 
 /// MEDIT binary of version 2, 3 or 4 in this machine's byte order: whether a file is one.
 bool is_plain_meshb(const std::string& path);

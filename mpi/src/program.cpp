@@ -40,13 +40,18 @@ class Program {
   int run() {
     together(comm_, [&] {
       if (!first_) return;
-      check_writable(job_.output);
+      if (is_plex_file(job_.output)) {
+        check_plex_writable(job_.output);
+      } else {
+        check_writable(job_.output);
+      }
       if (!job_.report.empty()) write_text(job_.report, "");  // fails before the work rather than after it
     });
     auto start = Time::now();
     Input input = read_pieces(comm_, job_.input);
     if (input.totals.cells == 0) throw MeshError(job_.input + ": there is no tetrahedron in this file");
     for (const std::string& w : input.warnings) warn(w);
+    check_what_is_kept(input);
     read_seconds_ = seconds_since(start);
     start = Time::now();
     Part part;
@@ -66,9 +71,13 @@ class Program {
     after_ = quality_of_all(comm_, part.mesh, 1);
     if (!job_.report.empty()) first_cut_ = quality_of_all(comm_, at_first_cut(part), 1);
     start = Time::now();
-    Pieces pieces = collect(comm_, std::move(part), input.totals);
     std::vector<std::string> warnings;
-    write_pieces(comm_, job_.output, std::move(pieces), input.totals, std::move(input.frame), warnings);
+    if (is_plex_file(job_.output)) {
+      write_plex(comm_, job_.output, std::move(part), input.totals, input.labels, warnings);
+    } else {
+      Pieces pieces = collect(comm_, std::move(part), input.totals);
+      write_pieces(comm_, job_.output, std::move(pieces), input.totals, std::move(input.frame), warnings);
+    }
     for (const std::string& w : warnings) warn(w);
     write_seconds_ = seconds_since(start);
     memory_ = all_gather(comm_, peak_mb());
@@ -84,6 +93,28 @@ class Program {
       work();
     } catch (const MeshError& e) {
       throw MeshError(job_.input + ": " + e.what());
+    }
+  }
+
+  /// Between a DMPlex and other formats.
+  void check_what_is_kept(const Input& input) const {
+    const bool to_plex = is_plex_file(job_.output);
+    together(comm_, [&] {
+      if (!to_plex) return;
+      // Cells, faces, edges and vertices.
+      if (input.totals.cells > PETSC_MAX_INT / 5) {
+        throw FileError(job_.output +
+                        ": a DMPlex of this mesh has more points than this PETSc can number; give .meshb");
+      }
+      if (!input.frame.others.empty()) {
+        throw FileError(job_.output + ": a DMPlex is written of tetrahedra alone, and " + job_.input +
+                        " has elements of other kinds; give another format");
+      }
+    });
+    if (to_plex || !input.labels) return;
+    for (const std::string& name : input.labels->names) {
+      if (std::find(kSets.begin(), kSets.end(), name) != kSets.end()) continue;
+      warn(job_.input + ": label \"" + name + "\" becomes tags of numbers of their own; as .h5 it would be kept");
     }
   }
 

@@ -4,9 +4,21 @@
 import json
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mpi_case
 from mpi_case import MpiTest, cli_case
+
+
+def entities(path):
+    """Vertices, triangles and tetrahedra with their tags, whatever their numbers."""
+    mesh = cli_case.Mesh.read(path)
+    words = Path(path).read_text().split()
+    at = words.index("Triangles") + 1
+    rows = [words[i:i + 4] for i in range(at + 1, at + 1 + 4 * int(words[at]), 4)]
+    triangles = {(frozenset(mesh.points[int(v) - 1] for v in row[:3]), int(row[3])) for row in rows}
+    tets = {(frozenset(mesh.points[v] for v in tet), tag) for tet, tag in zip(mesh.tets, mesh.tet_tags)}
+    return set(zip(mesh.points, mesh.point_tags)), triangles, tets
 
 
 class Contract(MpiTest):
@@ -119,6 +131,31 @@ class Contract(MpiTest):
         self.assertEqual(after.points[-1], (3.0, 3.0, 3.0))
         self.assertEqual(after.point_tags, cube.point_tags)
         self.assertLess(max(after.volumes()), 0)
+
+    def test_hdf5_and_xdmf(self):
+        cube = cli_case.cube(6)
+        cube.tet_tags = [7 if all(cube.points[v][0] < 0.5 for v in t) else 3 for t in cube.tets]
+        faces = [(f, 10 + (cube.points[f[0]][2] == 0)) for f in sorted(cube.boundary_faces())]
+        source = self.put("in.mesh", cli_case.with_triangles(cube, faces))
+        self.mpi(3, source, self.path("out.mesh"), "--quiet")
+        try:
+            self.mpi(3, source, self.path("out.xmf"), "--quiet")
+        except AssertionError as e:
+            if "built without HDF5" in str(e):
+                self.skipTest("PETSc without HDF5")
+            raise
+        expected = entities(self.path("out.mesh"))
+        # With all frozen, what is read is what is written.
+        self.mpi(2, self.path("out.h5"), self.path("back.mesh"), "--quiet", "--freeze", "tag=3,tag=7")
+        self.assertEqual(entities(self.path("back.mesh")), expected)
+        self.assertGreater(min(cli_case.Mesh.read(self.path("back.mesh")).volumes()), 0)
+        self.mpi(2, self.path("out.h5"), self.path("again.h5"), "--quiet")
+
+        grid = ElementTree.parse(self.path("out.xmf")).getroot().find("Domain/Grid")
+        items = {item.text: item.get("Dimensions") for item in grid.iter("DataItem")}
+        tets = len(cli_case.Mesh.read(self.path("out.mesh")).tets)
+        self.assertEqual(items, {"out.h5:/viz/topology/cells": f"{tets} 4", "out.h5:/tags": str(tets),
+                                 "out.h5:/geometry/vertices": f"{len(cube.points)} 3"})
 
     def test_more_ranks_than_the_mesh_has_room_for(self):
         cube = cli_case.cube(2)

@@ -28,6 +28,18 @@ class Failures(MpiTest):
         Path(damaged).write_bytes(Path(mpi_case.BRACKET).read_bytes()[:100000])
         self.refused(damaged, said=["damaged.meshb", "byte"])
 
+    def test_hdf5_that_is_none(self):
+        self.refused(self.put("text.h5", "text"), said=["text.h5", "HDF5"])
+        self.refused(self.put("grid.xmf", "<Xdmf/>"), said=["grid.xmf", ".h5 beside it"])
+        done = self.mpi(2, mpi_case.BRACKET, self.path("nowhere/out.h5"), code=2)
+        self.assertIn("nowhere/out.h5", done.stderr)
+
+    def test_other_elements_are_not_for_a_plex(self):
+        prism = "Prisms\n1\n1 2 6 37 38 42 0\nEnd"
+        source = self.put("prism.mesh", cli_case.cube(4).text().replace("End", prism))
+        done = self.mpi(2, source, self.path("out.h5"), code=2)
+        self.assertIn("other kinds", done.stderr)
+
     def test_wrong_vertex(self):
         cube = cli_case.cube(4)
         cube.tets[17] = (1, 2, 3, 40000)
