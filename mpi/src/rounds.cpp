@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -173,6 +174,7 @@ class Rounds {
   /// The smallest angles of a part were opened with its cuts frozen, and by what was the worst of the part: once more,
   /// around the worst of all parts.
   void last_round() {
+    const auto start = Time::now();
     const std::int64_t left_frozen = report_.left_frozen;
     for (std::uint8_t& flags : part_.vertex_flags) flags &= static_cast<std::uint8_t>(~kPending);
     std::vector<int> pending(part_.vertex_id.size(), 1);
@@ -193,7 +195,7 @@ class Rounds {
       if (pending[v] == 0) part_.vertex_flags[v] |= kPending;
     }
     last_ = true;
-    next_round();
+    next_round(start);
     report_.left_frozen = report_.rounds.back().left_frozen = left_frozen;
   }
 
@@ -213,8 +215,7 @@ class Rounds {
     return static_cast<float>(b) * width;
   }
 
-  void next_round() {
-    const auto start = Time::now();
+  void next_round(Time::time_point start = Time::now()) {
     RoundReport round;
     round.round = static_cast<int>(report_.rounds.size()) + 1;
     shift(round);
@@ -315,12 +316,14 @@ class Rounds {
       }
       report = optimise_here(part, std::move(frozen), round.round, last_);
     });
-    round.optimizer_seconds = all_reduce(comm_, seconds_since(start), MPI_MAX);
+    const double stopped = report.stop == StopReason::cancelled ? 1 : 0;
+    const auto most = all_reduce(comm_, std::vector<double>{seconds_since(start), stopped}, MPI_MAX);
+    round.optimizer_seconds = most[0];
+    cancelled_ = most[1] > 0;
     round.tets = all_reduce(comm_, report.tets_before, MPI_SUM);
     const auto energies = all_reduce(comm_, std::vector<double>{report.energy_before, report.energy_after}, MPI_SUM);
     if (round.round == 1) report_.energy_before = report_.energy_after = energies[0];
     report_.energy_after += energies[1] - energies[0];
-    cancelled_ = all_reduce(comm_, report.stop == StopReason::cancelled ? 1 : 0, MPI_MAX) != 0;
     number_inserted(part);
     for (const Count& c : kCounts) report_.*c.all += report.*c.part;
   }
@@ -385,12 +388,13 @@ class Rounds {
   }
 
   void number_inserted(Part& part) {
-    const Id inserted = std::count(part.vertex_id.begin(), part.vertex_id.end(), Id{-1});
-    Id next = totals_.vertices + sum_before(comm_, inserted);
+    const auto inserted =
+        all_gather(comm_, static_cast<Id>(std::count(part.vertex_id.begin(), part.vertex_id.end(), -1)));
+    Id next = std::accumulate(inserted.begin(), inserted.begin() + self_, totals_.vertices);
     for (Id& id : part.vertex_id) {
       if (id < 0) id = next++;
     }
-    totals_.vertices += all_reduce(comm_, inserted, MPI_SUM);
+    totals_.vertices = std::accumulate(inserted.begin(), inserted.end(), totals_.vertices);
   }
 
   void finish(RoundReport& round, Time::time_point start) {
@@ -405,8 +409,9 @@ class Rounds {
       ++cut;
       pending += (part_.vertex_flags[v] & kPending) != 0 ? 1 : 0;
     }
-    round.cut_vertices = all_reduce(comm_, cut, MPI_SUM);
-    report_.left_frozen = round.left_frozen = all_reduce(comm_, pending, MPI_SUM);
+    const auto sums = all_reduce(comm_, std::vector<Id>{cut, pending}, MPI_SUM);
+    round.cut_vertices = sums[0];
+    report_.left_frozen = round.left_frozen = sums[1];
     round.seconds = all_reduce(comm_, seconds_since(start), MPI_MAX);
     report_.optimizer_seconds += round.optimizer_seconds;
     report_.rounds.push_back(round);
