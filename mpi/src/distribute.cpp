@@ -264,6 +264,7 @@ template <class T>
 std::vector<T> at_home(MPI_Comm comm, const std::vector<T>& items, Id total) {
   const Blocks blocks(total, size_of(comm));
   std::vector<int> to;
+  to.reserve(items.size());
   for (const T& item : items) to.push_back(blocks.home(item.id));
   std::vector<T> here = Route(comm, to).send(items);
   std::stable_sort(here.begin(), here.end(), [](const T& a, const T& b) { return a.id < b.id; });
@@ -369,6 +370,7 @@ void close_gaps(MPI_Comm comm, Part& part, Totals& totals) {
   const auto used = static_cast<Id>(copies.size()) - std::count(copies.begin(), copies.end(), 0);
   Id next = sum_before(comm, used);
   std::vector<Id> ids;
+  ids.reserve(copies.size());
   for (const int n : copies) ids.push_back(n > 0 ? next++ : -1);
   part.vertex_id = star.fetch(ids);
   totals.vertices = all_reduce(comm, used, MPI_SUM);
