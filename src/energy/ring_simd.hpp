@@ -17,12 +17,19 @@ class SimdRing {
            const QualityFloor& floor = QualityFloor::none())
       : law_(law), floor_(floor), count_(count), packs_(static_cast<int>((count + kLanes - 1) / kLanes)) {
     for (int k = 0; k < packs_; ++k) {
-      const LinkFace* f[kLanes];
+      const LinkFace* links[kLanes];
       for (int l = 0; l < kLanes; ++l) {
         const Size i = Size{k} * kLanes + l;
-        f[l] = &faces[i < count ? i : count - 1];
+        links[l] = &faces[i < count ? i : count - 1];
       }
-      faces_[k] = opposite_face(gather(points, f, 0), gather(points, f, 1), gather(points, f, 2));
+      // As opposite_face(), but in place.
+      const Vec3T<Lanes> p0 = gather(points, links, 0);
+      const Vec3T<Lanes> a = gather(points, links, 2) - p0;
+      const Vec3T<Lanes> b = gather(points, links, 1) - p0;
+      put(p0, faces_[k].p0);
+      put(a, faces_[k].a);
+      put(b, faces_[k].b);
+      put(cross(a, b), faces_[k].n);
     }
     // The last pack is filled up with copies of the last face, which count for nothing.
     const int used = static_cast<int>(count - Size{packs_ - 1} * kLanes);
@@ -123,6 +130,14 @@ class SimdRing {
     double s = v[0];
     for (int l = 1; l < kLanes; ++l) s = v[l] < s ? v[l] : s;
     return s;
+  }
+
+  /// One coordinate after the other: g++ copies the whole through the stack, in loads that wait for several stores
+  /// each.
+  TETUNE_INLINE static void put(const Vec3T<Lanes>& from, Vec3T<Lanes>& to) {
+    to.x = from.x;
+    to.y = from.y;
+    to.z = from.z;
   }
 
   /// Corner k of kLanes faces: kLanes points in, transposed.

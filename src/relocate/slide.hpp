@@ -21,17 +21,24 @@ struct Walk {
   double length;
 };
 
-/// Newton direction of the ring's model, taken at a place on the surface, within a primitive.
-TETUNE_HD inline Vec3 model_direction(const ReferenceView& ref, const RingModel& m, const Vec3& gradient,
-                                      const Site& site, const Primitive& primitive) {
-  RingModel here = m;
-  here.gradient = gradient;
-  const Vec3 p = newton_direction(here, primitive.motion);
-  if (primitive.on.kind != SiteKind::triangle || site.kind == SiteKind::triangle) return p;
+/// Newton direction within a primitive, for the Hessian there.
+TETUNE_HD inline Vec3 newton_direction(const ReferenceView& ref, const Sym3& hessian, const Site& site,
+                                       const Primitive& primitive) {
+  const Vec3& down = primitive.down;
+  const Vec3 bend = hessian * down;
+  const double curvature = dot(down, bend);
+  const Vec3 along_down = (curvature > 0 ? primitive.down2 / curvature : 1) * down;
+  if (primitive.on.kind != SiteKind::triangle) return along_down;
+  // The gradient has no part along `aside`. The determinant is lifted by less than rounding can tell.
+  const Vec3 aside = cross(primitive.frame.normal, down);
+  const double mixed = dot(aside, bend);
+  const double curvature_aside = dot(aside, hessian * aside);
+  const double det = (1 + 1e-15) * curvature * curvature_aside - mixed * mixed;
+  if (!(det > 0)) return along_down;
+  const Vec3 p = (primitive.down2 / det) * (curvature_aside * down - mixed * aside);
+  if (site.kind == SiteKind::triangle) return p;
   // From an edge or vertex the gradient leads inside; Newton's direction may not.
-  if (primitive.frame.leads_inside(entered_from(ref, site, primitive.on.item), p)) return p;
-  const double curvature = dot(primitive.down, m.hessian * primitive.down);
-  return (curvature > 0 ? dot(primitive.down, primitive.down) / curvature : 1) * primitive.down;
+  return primitive.frame.leads_inside(entered_from(ref, site, primitive.on.item), p) ? p : along_down;
 }
 
 }  // namespace slide_detail
@@ -52,9 +59,9 @@ struct NewtonSlide {
     for (int repeat = 0; repeat < NewtonStep::kMaxRepeats; ++repeat) {
       const RingModel m = ring.model(x);
       const Primitive first = steepest(ref, walker, site, m.gradient);
-      if (repeat == 0) result.step.gradient2 = kTraceFactor * kTraceFactor * dot(first.down, first.down);
+      if (repeat == 0) result.step.gradient2 = kTraceFactor * kTraceFactor * first.down2;
       if (first.on.kind == SiteKind::none) break;
-      const Vec3 p = slide_detail::model_direction(ref, m, m.gradient, site, first);
+      const Vec3 p = slide_detail::newton_direction(ref, m.hessian, site, first);
       if (!(-dot(m.gradient, p) > min_gain * m.value)) break;
       const double length = std::sqrt(m.length2);
       const double inverts = NewtonStep::kReach * ring.step_bound(x, p) * norm(p);
@@ -107,7 +114,7 @@ struct NewtonSlide {
       const Vec3 gradient = m.gradient + m.hessian * (walk.at - x);
       primitive = steepest(ref, walker, walk.site, gradient);
       if (primitive.on.kind == SiteKind::none) break;
-      p = slide_detail::model_direction(ref, m, gradient, walk.site, primitive);
+      p = slide_detail::newton_direction(ref, m.hessian, walk.site, primitive);
     }
     return walk;
   }
@@ -126,8 +133,8 @@ struct GradientSlide {
     result.site = site;
     const RingModel m = ring.model(x);
     const Primitive primitive = steepest(ref, walker, site, m.gradient);
-    const double slope = norm(primitive.down);
-    result.step.gradient2 = kTraceFactor * kTraceFactor * slope * slope;
+    const double slope = std::sqrt(primitive.down2);
+    result.step.gradient2 = kTraceFactor * kTraceFactor * primitive.down2;
     if (primitive.on.kind == SiteKind::none || !(kTraceFactor * slope >= min_gradient)) return result;
     const Vec3 p = (1 / slope) * primitive.down;
     const double length = std::sqrt(m.length2);

@@ -59,16 +59,22 @@ struct RelocateVertex {
   /// Vertices of one colour lie apart in memory, where no hardware looks ahead.
   TETUNE_INLINE void prefetch(Size i) const {
     constexpr Size kRowsAhead = 8;
+    constexpr Size kMotionAhead = 5;
     constexpr Size kPointsAhead = 3;
     if (i + kRowsAhead >= vertices.size()) return;
-    const Size row = rings.offsets[vertices[i + kRowsAhead]];
+    const Index far = vertices[i + kRowsAhead];
+    const Size row = rings.offsets[far];
     const char* faces = reinterpret_cast<const char*>(rings.faces.data() + row);
     for (int line = 0; line < 5; ++line) __builtin_prefetch(faces + 64 * line);
+    __builtin_prefetch(&kind[far]);
+    if (site.size() > 0) __builtin_prefetch(&site[far]);
+    prefetch_motion(vertices[i + kMotionAhead]);
     const Index near = vertices[i + kPointsAhead];
     if (par::load_shared(awake[near]) == 0) return;
     for (Size f = rings.offsets[near]; f < rings.offsets[near + 1]; ++f) {
       __builtin_prefetch(&points[rings.faces[f].v[0]]);
     }
+    if (site.size() > 0) prefetch_corners(site[near]);
   }
 
   TETUNE_HD SweepSum operator()(Size i) const {
@@ -101,6 +107,27 @@ struct RelocateVertex {
   }
 
  private:
+  static Index triangle_of(const Site& s) {
+    return s.kind == SiteKind::triangle ? s.item : s.kind == SiteKind::edge ? s.item / 3 : -1;
+  }
+  TETUNE_INLINE void prefetch_motion(Index v) const {
+    if (kind[v] == Mobility::free) return;
+    if (leash.size() > 0) __builtin_prefetch(&leash[v]);
+    if (site.size() == 0) {
+      __builtin_prefetch(&axis[v]);
+      return;
+    }
+    const Index triangle = triangle_of(site[v]);
+    if (triangle < 0) return;
+    __builtin_prefetch(&reference.triangles[triangle]);
+    __builtin_prefetch(&reference.across[3 * triangle]);
+  }
+  TETUNE_INLINE void prefetch_corners(const Site& s) const {
+    const Index triangle = triangle_of(s);
+    if (triangle < 0) return;
+    for (const Index corner : reference.triangles[triangle].v) __builtin_prefetch(&reference.points[corner]);
+  }
+
   template <class AnyRing>
   TETUNE_HD StepResult relocate(AnyRing& ring, Index v) const {
     const Vec3 x = vec(points[v]);

@@ -267,7 +267,7 @@ class DeviationBound {
     return (p.a == q.a && p.b == q.b) || (p.a == q.b && p.b == q.a);
   }
 
-  ReferenceView ref_;
+  const ReferenceView& ref_;
   Span<const Point> points_;
   Span<const Site> sites_;
   Index vertex_;

@@ -8,8 +8,8 @@ namespace tetune {
 /// A triangle, edge or segment of the reference surface that a vertex may move along from where it is.
 struct Primitive {
   Site on;                ///< kind none: there is no way down
-  Motion motion;          ///< its plane or line
-  Vec3 down;              ///< steepest descent within it: minus the directional derivative
+  Vec3 down{};            ///< steepest descent within it: minus the directional derivative
+  double down2 = 0;       ///< its square
   TriangleFrame frame{};  ///< of a triangle
 };
 
@@ -41,8 +41,7 @@ TETUNE_HD inline unsigned entered_from(const ReferenceView& ref, const Site& sit
 namespace primitive_detail {
 
 struct Best {
-  Primitive primitive{};
-  double slope2 = 0;
+  Primitive& primitive;
 
   /// Takes a triangle if its derivative is the largest so far and leads into it: the coordinates of the corners with a
   /// bit in `enters` must rise.
@@ -53,9 +52,8 @@ struct Best {
     if (!(n2 > 0)) return;
     const Vec3 down = (dot(g, frame.normal) / n2) * frame.normal - g;
     const double d2 = dot(down, down);
-    if (!(d2 > slope2)) return;
-    slope2 = d2;
-    primitive = {{SiteKind::triangle, triangle}, {Mobility::plane, (1 / std::sqrt(n2)) * frame.normal}, down, frame};
+    if (!(d2 > primitive.down2)) return;
+    primitive = {{SiteKind::triangle, triangle}, down, d2, frame};
   }
 
   /// The same for an edge or segment; `from` -1: either way, else away from that end only.
@@ -67,9 +65,8 @@ struct Best {
     const Vec3 unit = (1 / length) * ab;
     const double slope = -dot(g, unit);
     if (from >= 0 && !((from == e.a ? slope : -slope) > 0)) return;
-    if (!(slope * slope > slope2)) return;
-    slope2 = slope * slope;
-    primitive = {site, {Mobility::line, unit}, slope * unit};
+    if (!(slope * slope > primitive.down2)) return;
+    primitive = {site, slope * unit, slope * slope};
   }
 
   /// The triangles and edges at a vertex, from the dot products of their edges alone: a descent leads into a triangle
@@ -123,7 +120,8 @@ struct Best {
 /// the edge of a valley. On an edge it is asked when neither triangle has a way down. At a vertex all are asked, as a
 /// valley may fall more steeply than a triangle elsewhere.
 TETUNE_HD inline Primitive steepest(const ReferenceView& ref, Mobility walker, const Site& site, const Vec3& g) {
-  primitive_detail::Best best;
+  Primitive steepest;
+  primitive_detail::Best best{steepest};
   switch (site.kind) {
     case SiteKind::triangle:
       best.triangle(ref, site.item, 0, g);
@@ -135,7 +133,7 @@ TETUNE_HD inline Primitive steepest(const ReferenceView& ref, Mobility walker, c
       const Index other = ref.across[site.item];
       best.triangle(ref, site.item / 3, 1U << site.item % 3, g);
       if (other != kWall) best.triangle(ref, other / 3, 1U << other % 3, g);
-      if (best.primitive.on.kind == SiteKind::none) best.edge(ref, site, -1, g);
+      if (steepest.on.kind == SiteKind::none) best.edge(ref, site, -1, g);
       break;
     }
     case SiteKind::vertex:
@@ -148,7 +146,7 @@ TETUNE_HD inline Primitive steepest(const ReferenceView& ref, Mobility walker, c
     case SiteKind::none:
       break;
   }
-  return best.primitive;
+  return steepest;
 }
 
 /// Where a move along a primitive ends.
@@ -181,14 +179,14 @@ TETUNE_HD inline Landing advance(const ReferenceView& ref, Mobility walker, cons
   const Index triangle = primitive.on.item;
   const TriangleFrame& b = primitive.frame;
   const double inverse_n2 = 1 / dot(b.normal, b.normal);
-  double l[3];
-  double rate[3];
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 slope = inverse_n2 * b.inward(k);
-    l[k] = 1 + dot(slope, y - b.p[k]);
-    if (l[k] < 0) l[k] = 0;
-    rate[k] = dot(slope, p);
-  }
+  const Vec3 from = y - b.p[0];
+  const Vec3 slope1 = inverse_n2 * b.inward(1);
+  const Vec3 slope2 = inverse_n2 * b.inward(2);
+  double l[3] = {0, dot(slope1, from), dot(slope2, from)};
+  double rate[3] = {0, dot(slope1, p), dot(slope2, p)};
+  l[0] = 1 - l[1] - l[2];
+  rate[0] = -rate[1] - rate[2];
+  for (double& coordinate : l) coordinate = coordinate < 0 ? 0 : coordinate;
   if (site.kind == SiteKind::edge) {
     const Index corner = site.item / 3 == triangle ? site.item : ref.across[site.item];
     l[corner % 3] = 0;

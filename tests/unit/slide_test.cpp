@@ -260,12 +260,38 @@ TEST(Steepest, PassesOverDegenerateTriangles) {
   EXPECT_EQ(steepest(point.view(), Mobility::surface, {SiteKind::vertex, 0}, {1, 1, 1}).on.kind, SiteKind::none);
 }
 
+TEST(NewtonDirection, EndsAtTheModelsMinimumOnThePrimitive) {
+  std::mt19937 random(8);
+  int along_edge = 0;
+  for (int i = 0; i < 300; ++i) {
+    const TinySurface s = folded(3 * (2 * uniform(random) - 1));
+    const Bowl bowl = random_bowl(random);
+    const Vec3 x{0.3 * uniform(random) - 0.4, uniform(random), uniform(random)};
+    const Vec3 g = bowl.model(x).gradient;
+    const Site site{SiteKind::triangle, i % 2};
+    const Primitive inside = steepest(s.view(), Mobility::surface, site, g);
+    const Vec3 p = slide_detail::newton_direction(s.view(), bowl.hessian, site, inside);
+    EXPECT_NEAR(dot(p, inside.frame.normal), 0, 1e-12) << i;
+    for (int k = 0; k < 2; ++k)
+      EXPECT_NEAR(dot(g + bowl.hessian * p, inside.frame.p[k + 1] - inside.frame.p[0]), 0, 1e-11) << i;
+
+    const Site edge{SiteKind::edge, 2};
+    const Primitive along = steepest(s.view(), Mobility::surface, edge, g);
+    if (along.on.kind != SiteKind::edge) continue;
+    ++along_edge;
+    const Vec3 q = slide_detail::newton_direction(s.view(), bowl.hessian, edge, along);
+    EXPECT_EQ(norm(cross(q, {0, 1, 0})), 0) << i;
+    EXPECT_NEAR(g.y + (bowl.hessian * q).y, 0, 1e-12) << i;
+  }
+  EXPECT_GT(along_edge, 30);
+}
+
 TEST(Advance, EndsInsideOnAnEdgeOrOnAVertex) {
   // Alg. 4 on the triangle (0, 1, 2) of a flat grid.
   TinySurface s = height_field(3, flat);
   std::fill(s.kind.begin(), s.kind.end(), Mobility::surface);
   const ReferenceView ref = s.view();
-  const Primitive primitive{{SiteKind::triangle, 0}, {Mobility::plane, {0, 0, 1}}, {}, {ref, 0}};
+  const Primitive primitive{{SiteKind::triangle, 0}, {}, 0, {ref, 0}};
   const Site inside{SiteKind::triangle, 0};
   const Vec3 y{0.2, 0.1, 0};  // of the triangle (0, 0), (1/3, 0), (1/3, 1/3)
   const auto move = [&](const Vec3& p, double t) {
@@ -309,7 +335,7 @@ TEST(Advance, AlongALineStopsAtItsVerticesAndShortOfItsCorner) {
   s.kind[0] = s.kind[2] = Mobility::fixed;
   const Site start{SiteKind::vertex, 1};
   const Vec3 p{0, 1, 0};
-  Primitive segment{{SiteKind::segment, 2 * 1 + 1}, {Mobility::line, p}, p};
+  Primitive segment{{SiteKind::segment, 2 * 1 + 1}, p, 1};
   const Landing inside = advance(s.view(), Mobility::curve, segment, start, {1, 0, 0}, p, 0.5);
   EXPECT_EQ(inside.site.kind, SiteKind::segment);
   EXPECT_EQ(inside.at.y, 0.5);
