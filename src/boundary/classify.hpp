@@ -5,6 +5,7 @@
 #include "core/motion.hpp"
 #include "core/rows.hpp"
 #include "core/work_mesh.hpp"
+#include "surface/reference.hpp"
 
 namespace tetune {
 
@@ -61,11 +62,13 @@ template <class Backend>
 struct Surface {
   template <class T>
   using Buffer = typename Backend::template Buffer<T>;
-  /// The faces as 4 * tet + face, each once, and the tag of each.
-  Buffer<Index> faces;
+  /// Each face once, and its tag.
+  Buffer<SurfaceTriangle> triangles;
   Buffer<int> tags;
-  /// The corners 3 * face + k of each vertex.
+  /// The corners 3 * triangle + k of each vertex.
   Rows<Backend> vertex2corner;
+  /// The triangle that each of the caller's list is; -1: none.
+  Buffer<Index> listed2triangle;
 };
 
 /// Finds the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or

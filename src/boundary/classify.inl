@@ -13,11 +13,6 @@
 namespace tetune {
 namespace classify_detail {
 
-TETUNE_HD inline void face_vertices(const Span<const Tet>& tets, Index face, Index v[3]) {
-  const Tet tet = tets[face >> 2];
-  for (int k = 0; k < 3; ++k) v[k] = tet[face_vertex(face & 3, k)];
-}
-
 TETUNE_HD inline bool same_triangle(const Index a[3], const Index b[3]) {
   for (int k = 0; k < 3; ++k) {
     if (a[k] != b[0] && a[k] != b[1] && a[k] != b[2]) return false;
@@ -44,13 +39,19 @@ inline void check_surface_size(Size faces) {
                   std::to_string(kMost) + " can be handled. Split the mesh, or weld the vertices that coincide.");
 }
 
-struct VertexOfSurfaceCorner {
+struct TriangleOfFace {
   Span<const Tet> tets;
   Span<const Index> faces;
-  TETUNE_HD Size operator()(Size item) const {
-    const Index face = faces[item / 3];
-    return tets[face >> 2][face_vertex(face & 3, static_cast<int>(item % 3))];
+  Span<SurfaceTriangle> triangles;
+  TETUNE_HD void operator()(Size s) const {
+    const Tet tet = tets[faces[s] >> 2];
+    for (int k = 0; k < 3; ++k) triangles[s].v[k] = tet[face_vertex(faces[s] & 3, k)];
   }
+};
+
+struct VertexOfSurfaceCorner {
+  Span<const SurfaceTriangle> triangles;
+  TETUNE_HD Size operator()(Size corner) const { return triangles[corner / 3].v[corner % 3]; }
 };
 
 struct PendingSum {
@@ -60,26 +61,36 @@ struct PendingSum {
 
 /// Looks a listed triangle up in the surface. Where several name one face, the last one with a tag gives it its tag.
 struct MatchListed {
-  Span<const Tet> tets;
-  Span<const Index> faces;
+  Span<const SurfaceTriangle> triangles;
   RowsView vertex2corner;
   ListedTriangles listed;
   Span<Listed> state;
-  Span<std::uint32_t> face2listed;  ///< position + 1; 0: not listed with a tag
+  Span<Index> listed2triangle;
+  Span<std::uint32_t> triangle2listed;  ///< position + 1; 0: not listed with a tag
   TETUNE_HD PendingSum operator()(Size i) const {
     const ListedTriangle t = listed[i];
-    for (Size c = vertex2corner.begin(t.v[0]); c < vertex2corner.end(t.v[0]); ++c) {
-      const Size s = vertex2corner.items[c] / 3;
-      Index v[3];
-      face_vertices(tets, faces[s], v);
-      if (same_triangle(v, t.v)) {
-        state[i] = Listed::surface;
-        if (t.tag != 0) par::atomic_max(face2listed[s], static_cast<std::uint32_t>(i + 1));
-        return {};
-      }
+    const Index s = find(t.v);
+    listed2triangle[i] = s;
+    if (s < 0) {
+      state[i] = t.locks != 0 ? Listed::absent : Listed::loose;
+      return {t.locks};
     }
-    state[i] = t.locks != 0 ? Listed::absent : Listed::loose;
-    return {t.locks};
+    state[i] = Listed::surface;
+    if (t.tag != 0) par::atomic_max(triangle2listed[s], static_cast<std::uint32_t>(i + 1));
+    return {};
+  }
+
+ private:
+  TETUNE_HD Index find(const Index v[3]) const {
+    // Most lists of all faces have few that are on the surface.
+    for (int k = 1; k < 3; ++k) {
+      if (vertex2corner.begin(v[k]) == vertex2corner.end(v[k])) return -1;
+    }
+    for (Size c = vertex2corner.begin(v[0]); c < vertex2corner.end(v[0]); ++c) {
+      const std::uint32_t s = vertex2corner.items[c] / 3;
+      if (same_triangle(triangles[s].v, v)) return static_cast<Index>(s);
+    }
+    return -1;
   }
 };
 
@@ -105,10 +116,12 @@ struct LockListed {
 };
 
 struct TagFaces {
-  Span<const std::uint32_t> face2listed;
+  Span<const std::uint32_t> triangle2listed;
   ListedTriangles listed;
   Span<int> tags;
-  TETUNE_HD void operator()(Size s) const { tags[s] = face2listed[s] == 0 ? 0 : listed[face2listed[s] - 1].tag; }
+  TETUNE_HD void operator()(Size s) const {
+    tags[s] = triangle2listed[s] == 0 ? 0 : listed[triangle2listed[s] - 1].tag;
+  }
 };
 
 struct VertexOfEdgeEnd {
@@ -118,8 +131,7 @@ struct VertexOfEdgeEnd {
 
 struct Classify {
   Span<const Point> points;
-  Span<const Tet> tets;
-  Span<const Index> faces;
+  Span<const SurfaceTriangle> triangles;
   Span<const int> tags;
   RowsView vertex2corner;
   Span<const Index> edges;
@@ -136,11 +148,10 @@ struct Classify {
     int tag;
   };
   TETUNE_HD Wing wing(Size corner_position) const {
-    const Size corner = vertex2corner.items[corner_position];
-    Index v[3];
-    face_vertices(tets, faces[corner / 3], v);
-    const auto k = static_cast<int>(corner % 3);
-    return {v[(k + 1) % 3], v[(k + 2) % 3], tags[corner / 3]};
+    const std::uint32_t corner = vertex2corner.items[corner_position];
+    const SurfaceTriangle t = triangles[corner / 3];
+    const std::uint32_t k = corner % 3;
+    return {t.v[k == 2 ? 0 : k + 1], t.v[k == 0 ? 2 : k - 1], tags[corner / 3]};
   }
 
   /// Directions of the feature edges at a vertex: at most two are kept.
@@ -201,6 +212,8 @@ struct Classify {
       const Wing w = wing(c);
       star_edge(x, static_cast<Index>(v), c, w.q1, w.q2, w.tag, begin, end, features, folds);
       star_edge(x, static_cast<Index>(v), c, w.q2, w.q1, w.tag, begin, end, features, folds);
+      // Fixed, whatever else there is: along a feature, all that is folded beside it would be torn.
+      if (features.count > 2 || folds.count > 2 || (features.count > 0 && folds.count > 0)) return;
     }
 
     // Without the folds, a sheet thinner than the tolerance would count as flat at its very rim.
@@ -209,8 +222,6 @@ struct Classify {
       axis[v] = (1 / size) * normal;
       return;
     }
-    // Along a feature, all that is folded beside it would be torn.
-    if (features.count > 0 && folds.count > 0) return;
     const Features& lines = features.count > 0 ? features : folds;
     if (lines.count != 2) return;
     const Vec3 d0 = lines.direction[0];
@@ -239,19 +250,17 @@ struct Classify {
                            Features& features, Features& folds) const {
     if (constrained.contains(v, q)) return;  // counted already
     Size others = 0;
-    Size first = c;
     Index other_apex = -1;
     int other_tag = 0;
     for (Size o = begin; o < end; ++o) {
       if (o == c) continue;
       const Wing w = wing(o);
       if (w.q1 != q && w.q2 != q) continue;
+      if (o < c) return;  // each edge once, by its first triangle
       ++others;
-      if (o < first) first = o;
       other_apex = w.q1 == q ? w.q2 : w.q1;
       other_tag = w.tag;
     }
-    if (first != c) return;  // each edge once, by its first triangle
     const Vec3 e = vec(points[q]) - x;
     if (others != 1 || other_tag != tag) {
       features.add(e);
@@ -290,16 +299,13 @@ struct HoldCorner {
 template <class Backend>
 void collect_surface(const Backend& par, WorkMesh<Backend>& mesh, Surface<Backend>& surface) {
   using namespace classify_detail;
-  surface.faces.resize(4 * mesh.slots());
+  typename Backend::template Buffer<Index> faces(4 * mesh.slots());
   const Size count =
-      par.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex.span(), mesh.tet2tet.span()}, surface.faces.span());
+      par.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex.span(), mesh.tet2tet.span()}, faces.span());
   check_surface_size(count);
-  typename Backend::template Buffer<Index> faces(count);
-  if (count > 0)
-    Backend::copy(faces.span().data(), surface.faces.span().data(), sizeof(Index) * static_cast<std::size_t>(count));
-  surface.faces.swap(faces);
-  build_rows(par, mesh.vertices(), 3 * count, VertexOfSurfaceCorner{mesh.tet2vertex.span(), surface.faces.span()},
-             surface.vertex2corner);
+  surface.triangles.resize(count);
+  par.for_each(count, TriangleOfFace{mesh.tet2vertex.span(), faces.span(), surface.triangles.span()});
+  build_rows(par, mesh.vertices(), 3 * count, VertexOfSurfaceCorner{surface.triangles.span()}, surface.vertex2corner);
 }
 
 template <class Backend>
@@ -308,14 +314,15 @@ void build_surface(const Backend& par, WorkMesh<Backend>& mesh, const ListedTria
   using namespace classify_detail;
   collect_surface(par, mesh, surface);
   listed_state.resize(listed.size());
-  typename Backend::template Buffer<std::uint32_t> face2listed;
+  surface.listed2triangle.resize(listed.size());
+  typename Backend::template Buffer<std::uint32_t> triangle2listed;
   const auto match = [&]() {
-    face2listed.resize(surface.faces.size());
-    par.fill(face2listed.span(), std::uint32_t{0});
+    triangle2listed.resize(surface.triangles.size());
+    par.fill(triangle2listed.span(), std::uint32_t{0});
     return par
         .template reduce<PendingSum>(
-            listed.size(), MatchListed{mesh.tet2vertex.span(), surface.faces.span(), surface.vertex2corner.view(),
-                                       listed, listed_state.span(), face2listed.span()})
+            listed.size(), MatchListed{surface.triangles.span(), surface.vertex2corner.view(), listed,
+                                       listed_state.span(), surface.listed2triangle.span(), triangle2listed.span()})
         .pending;
   };
   if (match() > 0) {
@@ -325,8 +332,8 @@ void build_surface(const Backend& par, WorkMesh<Backend>& mesh, const ListedTria
     collect_surface(par, mesh, surface);
     match();
   }
-  surface.tags.resize(surface.faces.size());
-  par.for_each(surface.faces.size(), TagFaces{face2listed.span(), listed, surface.tags.span()});
+  surface.tags.resize(surface.triangles.size());
+  par.for_each(surface.triangles.size(), TagFaces{triangle2listed.span(), listed, surface.tags.span()});
 }
 
 template <class Backend>
@@ -336,9 +343,9 @@ void classify_vertices(const Backend& par, WorkMesh<Backend>& mesh, const Surfac
   using namespace classify_detail;
   Rows<Backend> vertex2edge_end;
   build_rows(par, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
-  par.for_each(mesh.vertices(), Classify{mesh.points.span(), mesh.tet2vertex.span(), surface.faces.span(),
-                                         surface.tags.span(), surface.vertex2corner.view(), edges,
-                                         vertex2edge_end.view(), constrained, frozen, surface_fixed, kind, axis});
+  par.for_each(mesh.vertices(),
+               Classify{mesh.points.span(), surface.triangles.span(), surface.tags.span(), surface.vertex2corner.view(),
+                        edges, vertex2edge_end.view(), constrained, frozen, surface_fixed, kind, axis});
 }
 
 template <class Backend>

@@ -10,13 +10,6 @@
 namespace tetune {
 namespace features_detail {
 
-struct CopyTriangle {
-  Span<const Tet> tets;
-  Span<const Index> faces;
-  Span<SurfaceTriangle> triangles;
-  TETUNE_HD void operator()(Size s) const { classify_detail::face_vertices(tets, faces[s], triangles[s].v); }
-};
-
 /// Finds what lies across each edge, or that it is a feature.
 struct FindAcross {
   Span<const Point> points;
@@ -156,16 +149,18 @@ void build_reference(const Backend& par, WorkMesh<Backend>& mesh, const Surface<
                      double feature_angle, Span<Mobility> kind, ReferenceSurface<Backend>& reference) {
   using namespace features_detail;
   const Size vertices = mesh.vertices();
-  const Size triangles = surface.faces.size();
+  const Size triangles = surface.triangles.size();
   reference.points.resize(vertices);
   if (vertices > 0) {
     Backend::copy(reference.points.span().data(), mesh.points.span().data(),
                   sizeof(Point) * static_cast<std::size_t>(vertices));
   }
   reference.triangles.resize(triangles);
-  par.for_each(triangles, CopyTriangle{mesh.tet2vertex.span(), surface.faces.span(), reference.triangles.span()});
-  build_rows(par, vertices, 3 * triangles,
-             classify_detail::VertexOfSurfaceCorner{mesh.tet2vertex.span(), surface.faces.span()},
+  if (triangles > 0) {
+    Backend::copy(reference.triangles.span().data(), surface.triangles.span().data(),
+                  sizeof(SurfaceTriangle) * static_cast<std::size_t>(triangles));
+  }
+  build_rows(par, vertices, 3 * triangles, classify_detail::VertexOfSurfaceCorner{surface.triangles.span()},
              reference.vertex2corner);
   reference.across.resize(3 * triangles);
   // Beyond 180 degrees nothing turns, rounding included.

@@ -99,25 +99,24 @@ struct GatherTets {
 struct FaceKey {
   Index low, middle, high;
   bool odd;  ///< parity of the permutation that sorted the vertices
+
+  TETUNE_HD std::uint64_t pair() const {
+    return (static_cast<std::uint64_t>(middle) << 32) | static_cast<std::uint32_t>(high);
+  }
 };
 
 TETUNE_HD inline FaceKey face_key(const Tet& tet, int face) {
-  Index a = tet[face_vertex(face, 0)];
-  Index b = tet[face_vertex(face, 1)];
-  Index c = tet[face_vertex(face, 2)];
-  bool odd = false;
-  const auto order = [&odd](Index& p, Index& q) {
-    if (q < p) {
-      const Index t = p;
-      p = q;
-      q = t;
-      odd = !odd;
-    }
-  };
-  order(a, b);
-  order(b, c);
-  order(a, b);
-  return {a, b, c, odd};
+  const Index a = tet[face_vertex(face, 0)];
+  const Index b = tet[face_vertex(face, 1)];
+  const Index c = tet[face_vertex(face, 2)];
+  const bool ab = b < a;
+  const bool bc = c < b;
+  const bool ac = c < a;
+  const Index low_ab = ab ? b : a;
+  const Index high_ab = ab ? a : b;
+  const Index low = c < low_ab ? c : low_ab;
+  const Index high = high_ab < c ? c : high_ab;
+  return {low, a ^ b ^ c ^ low ^ high, high, (ab ^ bc ^ ac) != 0};
 }
 
 struct LowestVertexOfFace {
@@ -138,8 +137,7 @@ struct MatchFaces {
   struct Less {
     Span<const Tet> tets;
     TETUNE_HD std::uint64_t key(std::uint32_t item) const {
-      const FaceKey k = face_key(tets[item >> 2], static_cast<int>(item & 3));
-      return (static_cast<std::uint64_t>(k.middle) << 32) | static_cast<std::uint32_t>(k.high);
+      return face_key(tets[item >> 2], static_cast<int>(item & 3)).pair();
     }
     TETUNE_HD bool operator()(std::uint32_t a, std::uint32_t b) const {
       const std::uint64_t ka = key(a);
@@ -169,9 +167,13 @@ struct MatchFaces {
   /// Compares all with all, in vector code, instead of sorting.
   template <Size kMost>
   TETUNE_HD Found match_few(const std::uint32_t* row, int n) const {
-    const Less less{tets};
     std::uint64_t keys[kMost];
-    for (int i = 0; i < n; ++i) keys[i] = less.key(row[i]);
+    bool odd[kMost];
+    for (int i = 0; i < n; ++i) {
+      const FaceKey k = face_key(tets[row[i] >> 2], static_cast<int>(row[i] & 3));
+      keys[i] = k.pair();
+      odd[i] = k.odd;
+    }
     Found found;
     for (int i = 0; i < n; ++i) {
       int same = 0;
@@ -182,7 +184,7 @@ struct MatchFaces {
         other += equal * j;
       }
       other -= i;
-      if (same == 2 && parity(row[i]) != parity(row[other])) {
+      if (same == 2 && odd[i] != odd[other]) {
         connect(row[i], row[other]);
       } else {
         tet2tet[row[i] >> 2][static_cast<int>(row[i] & 3)] = kNoLink;

@@ -15,28 +15,19 @@ namespace boundary_triangles_detail {
 
 /// Counts the listed triangles that name a face of the surface, and keeps the last one's position.
 struct CountListed {
-  Span<const Tet> tets;
-  Span<const Index> faces;
-  RowsView vertex2corner;
-  ListedTriangles listed;
+  Span<const Index> listed2triangle;
   Span<std::uint32_t> counts;
   Span<std::uint32_t> last;
   TETUNE_HD void operator()(Size i) const {
-    const ListedTriangle t = listed[i];
-    for (Size c = vertex2corner.begin(t.v[0]); c < vertex2corner.end(t.v[0]); ++c) {
-      const Size s = vertex2corner.items[c] / 3;
-      Index v[3];
-      classify_detail::face_vertices(tets, faces[s], v);
-      if (!classify_detail::same_triangle(v, t.v)) continue;
-      par::atomic_add(counts[s], 1);
-      par::atomic_max(last[s], static_cast<std::uint32_t>(i));
-    }
+    const Index s = listed2triangle[i];
+    if (s < 0) return;
+    par::atomic_add(counts[s], 1);
+    par::atomic_max(last[s], static_cast<std::uint32_t>(i));
   }
 };
 
 struct FillTriangle {
-  Span<const Tet> tets;
-  Span<const Index> faces;
+  Span<const SurfaceTriangle> surface;
   Span<const int> tags;
   ListedTriangles listed;
   Span<const std::uint32_t> counts;
@@ -45,7 +36,7 @@ struct FillTriangle {
   Span<BoundaryTriangle> triangles;
   TETUNE_HD void operator()(Size s) const {
     BoundaryTriangle t{};
-    classify_detail::face_vertices(tets, faces[s], t.v);
+    for (int k = 0; k < 3; ++k) t.v[k] = surface[s].v[k];
     t.tag = tags[s];
     t.listed = counts[s] == 0 ? -1 : static_cast<Index>(last[s]);
     if (t.listed >= 0) {
@@ -64,20 +55,18 @@ struct FillTriangle {
 }  // namespace boundary_triangles_detail
 
 template <class Backend>
-void build_boundary(const Backend& par, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                    const ListedTriangles& listed, Span<const std::uint8_t> frozen,
-                    BoundaryTriangles<Backend>& boundary) {
+void build_boundary(const Backend& par, const Surface<Backend>& surface, const ListedTriangles& listed,
+                    Span<const std::uint8_t> frozen, BoundaryTriangles<Backend>& boundary) {
   using namespace boundary_triangles_detail;
-  const Size faces = surface.faces.size();
+  const Size faces = surface.triangles.size();
   typename Backend::template Buffer<std::uint32_t> counts(faces);
   typename Backend::template Buffer<std::uint32_t> last(faces);
   par.fill(counts.span(), std::uint32_t{0});
   par.fill(last.span(), std::uint32_t{0});
-  par.for_each(listed.size(), CountListed{mesh.tet2vertex.span(), surface.faces.span(), surface.vertex2corner.view(),
-                                          listed, counts.span(), last.span()});
+  par.for_each(listed.size(), CountListed{surface.listed2triangle.span(), counts.span(), last.span()});
   boundary.triangles.resize(faces);
-  par.for_each(faces, FillTriangle{mesh.tet2vertex.span(), surface.faces.span(), surface.tags.span(), listed,
-                                   counts.span(), last.span(), frozen, boundary.triangles.span()});
+  par.for_each(faces, FillTriangle{surface.triangles.span(), surface.tags.span(), listed, counts.span(), last.span(),
+                                   frozen, boundary.triangles.span()});
   boundary.flat = kFlat;
 }
 

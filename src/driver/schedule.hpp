@@ -7,7 +7,7 @@ namespace tetune {
 
 /// The energy must fall by this part in a sweep for another one to follow: docs/benchmarks/cpu.md, "When to stop".
 inline double least_decrease(const Options& options) {
-  return options.effort == Effort::fast ? 1e-2 : options.effort == Effort::best ? 1e-4 : 1e-3;
+  return options.effort == Effort::fast ? 1e-2 : options.effort == Effort::best ? 1e-4 : 2e-3;
 }
 
 /// When to look for flips, and when to stop (Sect. 4.5). Ask after each sweep.
@@ -17,7 +17,7 @@ class Schedule {
       : paper_(options.termination == Termination::paper),
         max_(options.max_iterations),
         least_decrease_(least_decrease(options)),
-        little_gain_(options.effort == Effort::best ? 1e-4 : 5e-4),
+        little_gain_(options.effort == Effort::best ? 1e-4 : 3e-3),
         interval_(options.effort == Effort::fast && !paper_ ? 2 : 1),
         next_flips_(interval_) {}
 

@@ -86,8 +86,7 @@ inline constexpr double kSlideLeash = 0.75;
 
 struct FindLeash {
   Span<const Point> points;
-  Span<const Tet> tets;
-  Span<const Index> faces;
+  Span<const SurfaceTriangle> triangles;
   RowsView vertex2corner;
   double part;
   Span<Leash> leash;
@@ -96,9 +95,7 @@ struct FindLeash {
     double sum = 0;
     Size edges = 0;
     for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
-      const Index face = faces[vertex2corner.items[c] / 3];
-      for (int k = 0; k < 3; ++k) {
-        const Index other = tets[face >> 2][face_vertex(face & 3, k)];
+      for (const Index other : triangles[vertex2corner.items[c] / 3].v) {
         if (other == v) continue;
         sum += norm(vec(points[other]) - home);
         ++edges;
@@ -312,8 +309,8 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   typename Backend::template Buffer<std::uint8_t> frozen_buffer;
   frozen_buffer.upload(frozen);
   constexpr Size kMostCorners = std::numeric_limits<Index>::max();
-  if (flips_boundary(options) && 3 * surface.faces.size() <= kMostCorners) {
-    build_boundary(par, work.mesh, surface, listed, frozen_buffer.span(), work.boundary);
+  if (flips_boundary(options) && 3 * surface.triangles.size() <= kMostCorners) {
+    build_boundary(par, surface, listed, frozen_buffer.span(), work.boundary);
   }
   work.frozen = std::move(frozen);
 
@@ -355,9 +352,8 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
     work.mobilities.leash.resize(vertices);
     par.for_each(vertices,
-                 FindLeash{work.mesh.points.span(), work.mesh.tet2vertex.span(), surface.faces.span(),
-                           surface.vertex2corner.view(), options.boundary == Boundary::slide ? kSlideLeash : kLeash,
-                           work.mobilities.leash.span()});
+                 FindLeash{work.mesh.points.span(), surface.triangles.span(), surface.vertex2corner.view(),
+                           options.boundary == Boundary::slide ? kSlideLeash : kLeash, work.mobilities.leash.span()});
   }
   if (options.boundary == Boundary::slide) {
     // A little less, for rounding.

@@ -50,6 +50,10 @@ struct FindFaces {
   }
 };
 
+/// Edges are looked at whose opposite angles have cotangents with a sum below this. It is 0 for a Delaunay edge that is
+/// about to become none, and hardly any flip pays above (docs/benchmarks/cpu.md, "Flips of boundary edges").
+inline constexpr double kMostCotSum = 0.3;
+
 /// An edge of the boundary and the two triangles at it, (a, b, p) and (b, a, q).
 struct BoundaryEdge {
   Index a, b, p, q;
@@ -78,6 +82,18 @@ struct FindEdge {
       e.other = o;
     }
     return e;
+  }
+
+  /// Of the angle at p.
+  TETUNE_HD double cot(Index a, Index b, Index p) const {
+    const Vec3 pa = vec(points[a]) - vec(points[p]);
+    const Vec3 pb = vec(points[b]) - vec(points[p]);
+    return dot(pa, pb) / norm(cross(pa, pb));
+  }
+  TETUNE_HD double cot(Size corner) const {
+    const BoundaryTriangle& t = triangles[corner / 3];
+    const auto k = static_cast<int>(corner % 3);
+    return cot(t.v[(k + 1) % 3], t.v[(k + 2) % 3], t.v[k]);
   }
 
   /// Whether an edge lies within a flat part of one patch.
@@ -117,14 +133,23 @@ struct FindEdge {
   }
 };
 
-/// Marks each edge that may go, at one of its corners.
+/// Marks each edge that may go and that a look may be worth, at the corner with the larger angle: most corners need
+/// only their own.
 struct MarkEdge {
   FindEdge find;
   Span<const std::uint8_t> awake;
   Span<std::uint8_t> marks;
-  TETUNE_HD void operator()(Size corner) const {
+  TETUNE_HD void operator()(Size corner) const { marks[corner] = is_worth_a_look(corner) ? 1 : 0; }
+
+ private:
+  TETUNE_HD bool is_worth_a_look(Size corner) const {
+    const double cot = find.cot(corner);
+    if (!(2 * cot < kMostCotSum)) return false;
     const BoundaryEdge e = find(corner);
-    marks[corner] = e.triangle < e.other && (awake[e.a] | awake[e.b]) != 0 && find.may_go(e) ? 1 : 0;
+    if (e.other < 0 || (awake[e.a] | awake[e.b]) == 0) return false;
+    const double other = find.cot(e.a, e.b, e.q);
+    const bool larger = cot < other || (cot == other && e.triangle < e.other);
+    return larger && cot + other < kMostCotSum && find.may_go(e);
   }
 };
 

@@ -54,6 +54,8 @@ struct FlipState {
   Buffer<float> slack;
   /// The positions that drift is measured from.
   Buffer<Point> seen;
+  /// Tetrahedra look for flips while their energy is above this.
+  double least = 0;
   /// Largest ring of an edge removal, 3 to kMaxRing.
   int max_ring = kMaxRing;
 
@@ -72,9 +74,10 @@ void refresh_energy_of(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Ba
 template <class Backend>
 double sum_energy(const Backend& par, FlipState<Backend>& state);
 
-/// Makes every tetrahedron active.
+/// Makes every tetrahedron active whose energy is above `least`, and lets no others look for flips until tetrahedra are
+/// made active again.
 template <class Backend>
-void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
+void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least = 0);
 
 /// After vertices have moved: computes eta of each slot again, and makes the tetrahedra active that have drifted so far
 /// that a flip around them may have become worth it. Returns the sum of eta.

@@ -78,7 +78,8 @@ struct IsWorthALook {
   MeshView mesh;
   LeastAfter bound;
   Span<const double> eta;
-  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && bound.worth_a_look(eta[t]); }
+  double least;
+  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && bound.worth_a_look(eta[t]) && eta[t] > least; }
 };
 
 /// Computes eta anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the
@@ -480,7 +481,9 @@ struct WantAround {
   Candidates candidates;
   Span<const FlipRecord> records;
   Span<const double> eta;
+  double least;
   Span<std::uint32_t> wanted;
+  Span<float> slack;
   TETUNE_HD void operator()(Size i) const {
     const MeshView& mesh = candidates.mesh;
     const FlipRecord& f = records[i];
@@ -535,7 +538,12 @@ struct WantAround {
     want_from(owner, 4 + edge_of(local_index(tet, star.a), local_index(tet, star.b)));
   }
   TETUNE_HD void want_from(Index owner, int candidate) const {
-    if (LeastAfter(candidates.mesh.law).worth_a_look(eta[owner])) par::atomic_or(wanted[owner], 1U << candidate);
+    if (!LeastAfter(candidates.mesh.law).worth_a_look(eta[owner])) return;
+    if (eta[owner] > least) {
+      par::atomic_or(wanted[owner], 1U << candidate);
+    } else {
+      par::store_shared(slack[owner], kNeverSeen);
+    }
   }
 };
 
@@ -562,8 +570,10 @@ double sum_energy(const Backend& par, FlipState<Backend>& state) {
 }
 
 template <class Backend, class Keep>
-void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep) {
+void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep,
+                    double least = 0) {
   const Size slots = mesh.slots();
+  state.least = least;
   state.active.resize(slots, mesh.room());
   state.wanted.resize(slots, mesh.room());
   state.proposal.resize(slots, mesh.room());
@@ -577,10 +587,11 @@ void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
 }
 
 template <class Backend>
-void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least) {
   state.slack.resize(mesh.slots(), mesh.room());
   par.fill(state.slack.span(), flip_detail::kNeverSeen);
-  activate_where(par, mesh, state, flip_detail::IsWorthALook{mesh.view(), LeastAfter(mesh.law), state.eta.span()});
+  activate_where(par, mesh, state,
+                 flip_detail::IsWorthALook{mesh.view(), LeastAfter(mesh.law), state.eta.span(), least}, least);
 }
 
 template <class Backend>
@@ -623,10 +634,8 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
                             state.eta.span(), state.slack.span(), state.wanted.span(), awake});
   change.finish(mesh);
 
-  par.for_each(
-      records.size(),
-      WantAround{
-          {mesh.view(), state.constrained(), state.max_ring}, records.span(), state.eta.span(), state.wanted.span()});
+  par.for_each(records.size(), WantAround{{mesh.view(), state.constrained(), state.max_ring}, records.span(),
+                                          state.eta.span(), state.least, state.wanted.span(), state.slack.span()});
   state.active.resize(change.needed);
   state.active.resize(par.compact(change.needed, IsWanted{state.wanted.span()}, state.active.span()));
   return sum;

@@ -8,7 +8,7 @@ namespace tetune {
 template double refresh_energy(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
 template void refresh_energy_of(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Span<const Index>);
 template double sum_energy(const par::Cuda&, FlipState<par::Cuda>&);
-template void activate_all(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
+template void activate_all(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, double);
 template double activate_drifted(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&);
 template FlipReport flip_pass(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Span<std::uint8_t>);
 template void activate_around(const par::Cuda&, WorkMesh<par::Cuda>&, FlipState<par::Cuda>&, Span<const std::uint8_t>);

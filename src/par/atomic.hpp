@@ -53,7 +53,8 @@ TETUNE_HD inline void store_shared(T& target, U value) {
 #if defined(__CUDA_ARCH__)
   *const_cast<volatile T*>(&target) = static_cast<T>(value);
 #else
-  __atomic_store_n(&target, static_cast<T>(value), __ATOMIC_RELAXED);
+  T stored = static_cast<T>(value);
+  __atomic_store(&target, &stored, __ATOMIC_RELAXED);
 #endif
 }
 

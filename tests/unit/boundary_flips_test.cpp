@@ -53,7 +53,7 @@ struct Fixture {
     build_surface(cpu, work, listed, state_buffer, surface);
     std::vector<std::uint8_t> held(mesh.points.size(), kMovable);
     for (const Index v : frozen) held[static_cast<std::size_t>(v)] = kFrozen;
-    build_boundary(cpu, work, surface, listed, Span<const std::uint8_t>(held.data(), static_cast<Size>(held.size())),
+    build_boundary(cpu, surface, listed, Span<const std::uint8_t>(held.data(), static_cast<Size>(held.size())),
                    boundary);
     awake.assign(mesh.points.size(), 1);
     energy = refresh_energy(cpu, work, state);
