@@ -144,7 +144,9 @@ class Files(CliTest):
                      "json", "--threads", "1"]
             start = time.monotonic()
             with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
-                while b'"writing"' not in process.stderr.readline():
+                for line in process.stderr:
+                    if b'"writing"' in line:
+                        break
                     start = time.monotonic()
                 process.stderr.read()
             self.assertEqual(process.returncode, 0)
@@ -156,8 +158,9 @@ class Files(CliTest):
                 alive, held = os.pipe()
                 with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, pass_fds=[held]) as process:
                     os.close(held)
-                    while b'"writing"' not in process.stderr.readline():
-                        pass
+                    for line in process.stderr:
+                        if b'"writing"' in line:
+                            break
                     time.sleep(1.2 * rng.random() * seconds)
                     process.kill()
                 os.read(alive, 1)
