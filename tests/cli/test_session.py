@@ -38,7 +38,7 @@ class LongRuns(CliTest):
         self.fail("the event did not come")
 
     def end(self, process):
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=cli_case.HANG)
         return process.returncode, out.decode(), [json.loads(line) for line in err.splitlines()]
 
     def assert_valid_output(self):
@@ -100,7 +100,7 @@ class LongRuns(CliTest):
         """As under nohup, or in the background of a shell."""
         source = self.put("in.mesh", cube(8))
         done = subprocess.run(["sh", "-c", 'trap "" INT; "$@" & p=$!; kill -INT $p; wait $p', "sh", cli_case.TETUNE, "optimize",
-                               source, self.path("out.mesh"), "--quiet"], timeout=60)
+                               source, self.path("out.mesh"), "--quiet"], timeout=cli_case.HANG)
         self.assertEqual(done.returncode, 0)
 
     def test_several_meshes(self):
@@ -205,7 +205,7 @@ class ProgressEvents(CliTest):
                 break
             text += got
         os.close(ours)
-        self.assertEqual(process.wait(timeout=60), 0)
+        self.assertEqual(process.wait(timeout=cli_case.HANG), 0)
         return text.decode()
 
     def test_line_on_a_terminal(self):
