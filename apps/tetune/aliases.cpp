@@ -57,7 +57,7 @@ std::string with_two_dashes(const CLI::App& command, const std::string& word) {
 }  // namespace
 
 std::vector<std::string> without_aliases(const CLI::App& app, int argc, const char* const* argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
+  std::vector<std::string> words(argv + 1, argv + argc);
   const std::vector<const CLI::App*> commands = commands_of(app);
   const auto at = std::find_if(commands.begin(), commands.end(),
                                [&](const CLI::App* c) { return !words.empty() && words[0] == c->get_name(); });

@@ -242,8 +242,8 @@ def test_interrupt_without_callback():
     points, tets = shaken_box(28, 28, 28)
     mesh = tetune.TetMesh(points, tets)
     timer = threading.Timer(0.15, lambda: os.kill(os.getpid(), signal.SIGINT))
-    timer.start()
     with pytest.raises(KeyboardInterrupt):
+        timer.start()
         for _ in range(100):
             tetune.optimize(mesh, effort="best")
     timer.join()
@@ -261,11 +261,11 @@ def test_other_threads_run_meanwhile():
     thread = threading.Thread(target=tick)
     thread.start()
     before = len(ticks)
-    r = tetune.optimize(points, tets)
+    tetune.optimize(points, tets)
     during = len(ticks) - before
     done.set()
     thread.join()
-    assert during > 100 * r.report.seconds  # 500 a second where nobody disturbs
+    assert during > 5  # hundreds where nobody disturbs, one or two where the lock is held
 
 
 def test_arrays_outlive_the_mesh():

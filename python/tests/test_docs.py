@@ -88,6 +88,7 @@ def test_in_a_browser(site):
         browser = p.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         for scheme, width in (("light", 1300), ("dark", 400)):
             tab = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+            tab.set_default_timeout(120_000)
             tab.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
             tab.on("pageerror", lambda e: errors.append(str(e)))
             tab.on("request", lambda r: requests.append(r.url))
@@ -100,7 +101,7 @@ def test_in_a_browser(site):
             if scheme == "light":
                 tab.locator("input.md-search__input").click()
                 tab.locator("input.md-search__input").press_sequentially("max_deviation")
-                tab.wait_for_selector(".md-search-result__item", timeout=60_000)
+                tab.wait_for_selector(".md-search-result__item")
         browser.close()
     server.shutdown()
     assert errors == []

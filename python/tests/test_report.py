@@ -42,12 +42,13 @@ def test_in_a_browser(page):
             executable_path=chromium, args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
         )
         tab = browser.new_page(viewport={"width": 1300, "height": 900}, color_scheme="dark")
+        tab.set_default_timeout(120_000)
         errors, requests = [], []
         tab.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
         tab.on("pageerror", lambda e: errors.append(str(e)))
         tab.on("request", lambda r: requests.append(r.url))
         tab.goto(page.as_uri())
-        tab.wait_for_selector("html[data-ready=true]", state="attached", timeout=120_000)
+        tab.wait_for_selector("html[data-ready=true]", state="attached")
 
         q = tetune.quality(tetune.read_mesh(str(BRACKET)))
         assert f"{q.dihedral_min:.2f}°" in tab.locator("#figures").inner_text()
@@ -62,7 +63,7 @@ def test_in_a_browser(page):
         drawn = lambda: tab.evaluate("() => new Promise(r => setTimeout(r, 50))")
 
         def until(condition):
-            tab.wait_for_function(condition, timeout=60_000)
+            tab.wait_for_function(condition)
             drawn()
             return tab.evaluate(triangles)
 
@@ -98,7 +99,7 @@ def test_in_a_browser(page):
         tab.evaluate("() => Plotly.relayout('view0', {'scene.camera': {eye: {x: 2, y: 0, z: 0}}})")
         until("() => document.getElementById('view1').layout.scene.camera.eye.x === 2")
         tab.set_viewport_size({"width": 400, "height": 800})
-        tab.wait_for_function("() => document.documentElement.scrollWidth <= 400", timeout=60_000)
+        tab.wait_for_function("() => document.documentElement.scrollWidth <= 400")
         browser.close()
     assert errors == []
     assert [r for r in requests if not r.startswith(("file:", "data:", "blob:"))] == []

@@ -354,7 +354,7 @@ struct Forward {
   TETUNE_HD void operator()(Size i) const {
     FlipRecord& f = records[i];
     for (int x = 0; x < f.cavity.made() - f.cavity.size(); ++x) {
-      f.extra[x] = change.taken(free_slots, Size{before[i].takes} + x);
+      f.extra[x] = change.taken(free_slots, static_cast<Size>(before[i].takes) + x);
     }
     for (int k = 0; k < f.outer_faces(); ++k) {
       const Link old = old_face(mesh, f.cavity, f.triangulation, k);
@@ -459,7 +459,7 @@ struct Write {
     const int s = x / 2;
     const int side = x % 2;
     const std::uint8_t* corner = f.triangulation.corner[s];
-    Links links;
+    Links links{};
     links[0] = make_link(f.slot(2 * s + 1 - side), 0);
     for (int opposite = 0; opposite < 3; ++opposite) {
       const int from = corner[opposite == 0 ? 1 : 0];

@@ -256,7 +256,7 @@ struct Forward {
   TETUNE_HD void operator()(Size i) const {
     Filling& f = fillings[i];
     for (int k = f.old_count; k < f.made; ++k) {
-      f.slots[k] = change.taken(free_slots, Size{before[i].slots.takes} + k - f.old_count);
+      f.slots[k] = change.taken(free_slots, static_cast<Size>(before[i].slots.takes) + k - f.old_count);
     }
     if (f.inserted) f.apex = static_cast<Index>(vertices + before[i].inserted);
     for (int k = 0; k < f.face_count; ++k) {
@@ -327,7 +327,7 @@ struct Write {
       eta[s] = tet_energy(mesh.law, vec(mesh.points[f.apex]), vec(mesh.points[face.v[0]]), vec(mesh.points[face.v[1]]),
                           vec(mesh.points[face.v[2]]))
                    .eta;
-      Links links;
+      Links links{};
       links[0] = f.across[k];
       for (int c = 0; c < 3; ++c) {
         const Link next = f.beyond(k, c);

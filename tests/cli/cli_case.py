@@ -16,6 +16,7 @@ import unittest
 from pathlib import Path
 
 TETUNE = ""
+HANG = 300  # seconds; no machine is so busy that a process of these tests takes longer
 
 # Jobs in the background of a shell ignore it, and hand that on.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -164,7 +165,7 @@ class CliTest(unittest.TestCase):
         return sorted(os.listdir(self.folder))
 
     def run_cli(self, *args, code=0, **more):
-        done = subprocess.run([TETUNE, *map(str, args)], capture_output=True, text=True, timeout=120, **more)
+        done = subprocess.run([TETUNE, *map(str, args)], capture_output=True, text=True, timeout=HANG, **more)
         self.assertEqual(done.returncode, code, f"{args}\n{done.stdout}\n{done.stderr}")
         return done
 

@@ -99,7 +99,7 @@ class Several(CliTest):
 
 class Pipes(CliTest):
     def piped(self, data, *words, code=0):
-        done = subprocess.run([cli_case.TETUNE, *words], input=data, capture_output=True, timeout=120)
+        done = subprocess.run([cli_case.TETUNE, *words], input=data, capture_output=True, timeout=cli_case.HANG)
         self.assertEqual(done.returncode, code, done.stderr)
         return done
 

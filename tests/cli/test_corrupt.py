@@ -24,7 +24,6 @@ OWN_VARIANTS, PLUGIN_VARIANTS = VARIANTS or 100, VARIANTS or 8
 # What a process may take beyond the sound file's, and in all where it starts VTK or Gmsh.
 OWN_MEMORY_KB = 32 << 10
 PLUGIN_MEMORY_KB = 300_000
-SECONDS = 60
 
 WORDS = ("nan", "-inf", "1e400", "-1", "0", "1", "4", "999999999", "2147483647", "2147483648", "4294967296",
          "9223372036854775807", "99999999999999999999", "half", "0x10", "1.5", "--2", "\u00e9", "$", "<", "#")
@@ -131,7 +130,7 @@ class Corrupt(CliTest):
     def start(self, *arguments):
         """Exit code, standard output and error, and the most memory of the process and its plugin, in kB."""
         with subprocess.Popen([cli_case.TETUNE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-            limit = threading.Timer(SECONDS, process.kill)
+            limit = threading.Timer(cli_case.HANG, process.kill)
             limit.start()
             out, error = (stream.read().decode("utf-8", "replace") for stream in (process.stdout, process.stderr))
             _, status, usage = os.wait4(process.pid, 0)

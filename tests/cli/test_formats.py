@@ -90,11 +90,11 @@ class Case(unittest.TestCase):
 
     def run_tetune(self, *arguments, program=None, env=None):
         return subprocess.run([program or TETUNE, *arguments], cwd=self.folder, capture_output=True, text=True,
-                              errors="replace", timeout=120, env=env)
+                              errors="replace", timeout=300, env=env)
 
     def python(self, python, code, *arguments):
         done = subprocess.run([python, "-c", code, *arguments], cwd=self.folder, capture_output=True, text=True,
-                              timeout=120)
+                              timeout=300)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 

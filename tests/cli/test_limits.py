@@ -38,7 +38,7 @@ class Mounts(CliTest):
         words = shlex.join([cli_case.TETUNE, "optimize", "in.mesh", name, "--max-iterations", "1", "--threads", "1"])
         script = (f"mount -t tmpfs -o size=40k none disk && printf '{OLD.decode()}' > {name} && mount -o remount,{options} disk\n"
                   f"{words} > log 2>&1; echo $? > code; ls disk > names; cp {name} left")
-        subprocess.run(["unshare", "-rm", "sh", "-c", script], cwd=self.folder, check=True, timeout=60)
+        subprocess.run(["unshare", "-rm", "sh", "-c", script], cwd=self.folder, check=True, timeout=cli_case.HANG)
         names = (self.folder / "names").read_text().split()
         return int((self.folder / "code").read_text()), (self.folder / "log").read_text(), names, self.read_bytes("left")
 
@@ -65,7 +65,7 @@ class Mounts(CliTest):
 class Streams(CliTest):
     def shell(self, script, **more):
         return subprocess.run(["bash", "-c", script, "sh", cli_case.TETUNE], cwd=self.folder, capture_output=True,
-                              text=True, timeout=60, **more)
+                              text=True, timeout=cli_case.HANG, **more)
 
     def setUp(self):
         super().setUp()
@@ -130,7 +130,7 @@ class Files(CliTest):
             results.add(self.read_bytes("out.mesh"))
         for _ in range(5):
             runs = [subprocess.Popen([cli_case.TETUNE, "optimize", s, self.path("out.mesh"), "--quiet"]) for s in sources]
-            self.assertEqual([run.wait(timeout=60) for run in runs], [0, 0])
+            self.assertEqual([run.wait(timeout=cli_case.HANG) for run in runs], [0, 0])
             self.assertIn(self.read_bytes("out.mesh"), results)
         self.assertEqual(self.files(), ["a.mesh", "b.mesh", "out.mesh"])
 
@@ -144,7 +144,9 @@ class Files(CliTest):
                      "json", "--threads", "1"]
             start = time.monotonic()
             with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
-                while b'"writing"' not in process.stderr.readline():
+                for line in process.stderr:
+                    if b'"writing"' in line:
+                        break
                     start = time.monotonic()
                 process.stderr.read()
             self.assertEqual(process.returncode, 0)
@@ -156,8 +158,9 @@ class Files(CliTest):
                 alive, held = os.pipe()
                 with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, pass_fds=[held]) as process:
                     os.close(held)
-                    while b'"writing"' not in process.stderr.readline():
-                        pass
+                    for line in process.stderr:
+                        if b'"writing"' in line:
+                            break
                     time.sleep(1.2 * rng.random() * seconds)
                     process.kill()
                 os.read(alive, 1)

@@ -112,7 +112,7 @@ class Generated(CliTest):
         def complete(*words):
             code = (f"source {script}; COMP_WORDS=({' '.join(map(repr, words))}); COMP_CWORD={len(words) - 1}; _tetune; "
                     'printf "%s\\n" "${COMPREPLY[@]}"')
-            done = subprocess.run(["bash", "-c", code], capture_output=True, text=True, cwd=self.folder, timeout=60)
+            done = subprocess.run(["bash", "-c", code], capture_output=True, text=True, cwd=self.folder, timeout=cli_case.HANG)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             return set(done.stdout.split())
         self.assertEqual(complete("tetune", ""), {*COMMANDS, "--help", "--version"})
@@ -129,7 +129,7 @@ class Generated(CliTest):
             for option in self.options_of("optimize"):
                 self.assertIn(option if shell == "zsh" else f"-l {option[2:]} ", text)
             if shutil.which(shell):
-                done = subprocess.run([*check, self.put(f"c.{shell}", text)], capture_output=True, text=True, timeout=60)
+                done = subprocess.run([*check, self.put(f"c.{shell}", text)], capture_output=True, text=True, timeout=cli_case.HANG)
                 self.assertEqual((done.returncode, done.stderr), (0, ""), shell)
         self.refused("completion", "csh", said=["csh", "fish"])
 
@@ -137,7 +137,7 @@ class Generated(CliTest):
     def test_fish_completes(self):
         script = self.put("tetune.fish", self.run_cli("completion", "fish").stdout)
         done = subprocess.run(["fish", "-c", f"source {script}; complete -C 'tetune optimize --effort '"],
-                              capture_output=True, text=True, timeout=60, env={"HOME": str(self.folder), "PATH": "/usr/bin:/bin"})
+                              capture_output=True, text=True, timeout=cli_case.HANG, env={"HOME": str(self.folder), "PATH": "/usr/bin:/bin"})
         self.assertEqual({line.split()[0] for line in done.stdout.splitlines()}, {"fast", "default", "best"})
 
     def test_manual(self):
@@ -148,9 +148,9 @@ class Generated(CliTest):
             self.assertIn(part, page)
         if shutil.which("mandoc"):
             name = self.put("tetune.1", page)
-            done = subprocess.run(["mandoc", "-T", "lint", "-W", "warning", name], capture_output=True, text=True, timeout=60)
+            done = subprocess.run(["mandoc", "-T", "lint", "-W", "warning", name], capture_output=True, text=True, timeout=cli_case.HANG)
             self.assertEqual((done.returncode, done.stdout), (0, ""))
-            text = subprocess.run(["mandoc", "-T", "utf8", name], capture_output=True, text=True, timeout=60).stdout
+            text = subprocess.run(["mandoc", "-T", "utf8", name], capture_output=True, text=True, timeout=cli_case.HANG).stdout
             self.assertIn("--max-deviation", re.sub(".\b", "", text))
 
 

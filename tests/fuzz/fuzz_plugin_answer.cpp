@@ -31,6 +31,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   reader(again);
   if (bytes_of(again) != bytes) std::abort();
   tetune::orient_uniformly(mesh, 1);
-  tetune::fuzz::check(std::move(mesh));
+  tetune::fuzz::check(mesh);
   return 0;
 }

@@ -23,7 +23,7 @@ class MpiTest(cli_case.CliTest):
         done = subprocess.run(
             ["mpiexec", "--allow-run-as-root", "--oversubscribe", "--mca", "btl", "self,vader", "--mca",
              "btl_vader_single_copy_mechanism", "none", "-n", str(ranks), program or PROGRAM, *map(str, args)],
-            capture_output=True, text=True, timeout=200, cwd=cwd,
+            capture_output=True, text=True, timeout=cli_case.HANG, cwd=cwd,
             env={**os.environ, "OMPI_MCA_rmaps_base_oversubscribe": "1"})
         self.assertEqual(done.returncode, code, f"{args}\n{done.stdout}\n{done.stderr}")
         return done
