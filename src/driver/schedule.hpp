@@ -7,7 +7,7 @@ namespace tetune {
 
 /// The energy must fall by this part in a sweep for another one to follow: docs/benchmarks/cpu.md, "When to stop".
 inline double least_decrease(const Options& options) {
-  return options.effort == Effort::fast ? 1e-2 : options.effort == Effort::best ? 1e-4 : 2e-3;
+  return options.effort == Effort::fast ? 2e-2 : options.effort == Effort::best ? 1e-4 : 2e-3;
 }
 
 /// When to look for flips, and when to stop (Sect. 4.5). Ask after each sweep.
