@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
-
 #include <set>
 
 #include "driver/boundary_triangles.inl"
@@ -260,12 +260,25 @@ TEST(BoundaryFlip, LeavesWhatMustStay) {
 
 TEST(BoundaryFlip, IsRefusedWhereTheQuadrangleIsNotConvex) {
   TetMesh m;
-  m.points = {{0, -1, 0}, {0, 1, 0}, {-0.2, 1.5, 0}, {0, 0, 1}, {0.2, 1.5, 0}};
+  m.points = {{0, -20, 0}, {0, 0, 0}, {-1, 0.02, 0}, {0, -1, 1}, {1, 0.02, 0}};
   m.tets = {{0, 2, 3, 1}, {0, 3, 4, 1}};
   ASSERT_TRUE(validate(test::with_tags(m)).ok());
   Fixture f(test::with_tags(m));
   EXPECT_EQ(f.pass().active, 1);
   EXPECT_EQ(f.pass().flips(), 0);
+}
+
+TEST(BoundaryFlip, EdgesCloseToDelaunayAreNotLookedAt) {
+  // The angles opposite the edge are a right one and one of atan(1 / s), so that their cotangents add up to s.
+  for (const double s : {0.25, 0.35}) {
+    TetMesh m;
+    m.points = {{0, -1, 0}, {0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, 0}};
+    m.points[4] = {s + std::sqrt(s * s + 1), 0, 0};
+    m.tets = {{0, 2, 3, 1}, {0, 3, 4, 1}};
+    ASSERT_TRUE(validate(test::with_tags(m)).ok());
+    Fixture f(test::with_tags(m));
+    EXPECT_EQ(f.pass().active, s < 0.3 ? 1 : 0);
+  }
 }
 
 TEST(BoundaryFlip, ListedTrianglesFollowAndTurnAsTheyDid) {

@@ -302,6 +302,29 @@ TEST(FlipPass, KeepsAllThatItMustOnScrambledCubes) {
   EXPECT_GT(removals, 500);
 }
 
+TEST(FlipPass, AFirstLookAtTheWorstLeavesAllElseToTheNext) {
+  Fixture f(test::scrambled(test::cube(8, 0.2, 3), 2, 3));
+  f.work.law = kShapeLaw;
+  refresh_energy(f.cpu, f.work, f.state);
+  const auto flip = [&f] {
+    Size flips = 0;
+    for (Size found = 1; found > 0; flips += found) found = f.pass().flips();
+    return flips;
+  };
+  double worst = 0;
+  for (const double e : f.state.eta.download()) worst = std::max(worst, e);
+  activate_all(f.cpu, f.work, f.state, worst);
+  EXPECT_EQ(f.state.active.size(), 0);
+  activate_all(f.cpu, f.work, f.state, 8);
+  EXPECT_GT(flip(), 50);
+  const std::vector<double> eta = f.state.eta.download();
+  for (const Index t : f.state.active.download()) EXPECT_GT(eta[static_cast<std::size_t>(t)], 8);
+  activate_drifted(f.cpu, f.work, f.state);
+  EXPECT_GT(flip(), 50);
+  activate_all(f.cpu, f.work, f.state);
+  EXPECT_EQ(flip(), 0);
+}
+
 TEST(FlipPass, IsTheSameForAnyNumberOfThreads) {
   const TetMesh m = test::sheared(test::scrambled(test::cube(12, 0.2, 3), 3, 3), 1);
   Fixture one(m);
