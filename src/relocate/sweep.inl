@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "core/connect.inl"
 #include "core/rows.hpp"
 #include "par/atomic.hpp"
@@ -65,7 +67,8 @@ struct RelocateVertex {
     const Index far = vertices[i + kRowsAhead];
     const Size row = rings.offsets[far];
     const char* faces = reinterpret_cast<const char*>(rings.faces.data() + row);
-    for (int line = 0; line < 5; ++line) __builtin_prefetch(faces + 64 * line);
+    const Size bytes = std::min<Size>(5 * 64, (rings.faces.size() - row) * static_cast<Size>(sizeof(LinkFace)));
+    for (Size at = 0; at < bytes; at += 64) __builtin_prefetch(faces + at);
     __builtin_prefetch(&kind[far]);
     if (site.size() > 0) __builtin_prefetch(&site[far]);
     prefetch_motion(vertices[i + kMotionAhead]);

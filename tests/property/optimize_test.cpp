@@ -601,6 +601,12 @@ TEST(Optimize, HandlesTheSmallestMeshes) {
   EXPECT_EQ(optimize(two).flips23, 1);
   TetMesh none;
   EXPECT_EQ(optimize(none).tets_after, 0);
+  TetMesh points;
+  for (int i = 0; i < 100; ++i) points.points.push_back({0.1 * i, std::sin(i), std::cos(3 * i)});
+  points.point_tags.assign(points.points.size(), 0);
+  const std::vector<Point3> before = points.points;
+  EXPECT_EQ(optimize(points).tets_after, 0);
+  EXPECT_EQ(points.points, before);
   TetMesh loose = test::one_tet();
   loose.points.push_back({9, 9, 9});
   loose.point_tags.push_back(0);
