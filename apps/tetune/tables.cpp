@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace tetune::cli {
@@ -143,7 +144,7 @@ std::string histogram(const Quality& quality) {
   std::string text = "  dihedral angles\n";
   for (std::size_t b = 0; b < quality.histogram.size(); ++b) {
     const double share = quality.histogram[b];
-    const auto bar = most > 0 ? static_cast<std::size_t>(40 * share / most + 0.5) : 0;
+    const auto bar = most > 0 ? static_cast<std::size_t>(std::lround(40 * share / most)) : 0;
     text +=
         fmt::format("  {:>4} -{:>4} deg {:>7.3f} %  {}\n", 10 * b, 10 * (b + 1), 100 * share, std::string(bar, '#'));
   }

@@ -138,6 +138,7 @@ std::vector<int> nonzero(std::vector<int> tags) {
 std::int64_t count_moved(const TetMesh& before, const std::vector<Index>& ids, const TetMesh& after,
                          const std::vector<Index>& ids_after) {
   std::vector<Point3> places;
+  places.reserve(ids_after.size());
   for (const Index id : ids_after) places.push_back(after.points[static_cast<std::size_t>(id)]);
   std::sort(places.begin(), places.end());
   return std::count_if(ids.begin(), ids.end(), [&](Index id) {

@@ -331,7 +331,7 @@ struct Write {
       links[0] = f.across[k];
       for (int c = 0; c < 3; ++c) {
         const Link next = f.beyond(k, c);
-        const int there = f.place[link_tet(next)];
+        const std::int8_t there = f.place[link_tet(next)];
         links[c + 1] = there < 0 ? f.across[link_tet(next)] : make_link(f.slots[there], link_face(next) + 1);
       }
       mesh.tet2tet[s] = links;
