@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "flips/boundary_flips.hpp"
-#include "flips/flip_pass.inl"
+#include "flips/apply_flips.inl"
 
 namespace tetune {
 namespace boundary_flip_detail {

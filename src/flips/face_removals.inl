@@ -3,7 +3,7 @@
 
 #include "flips/face_cluster.hpp"
 #include "flips/face_removals.hpp"
-#include "flips/flip_pass.inl"
+#include "flips/apply_flips.inl"
 
 namespace tetune {
 namespace face_removal_detail {

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "flips/candidates.hpp"
+#include "flips/least_after.hpp"
+
+/// Energies of the slots, and the set of tetrahedra that look for flips.
+namespace tetune {
+namespace flip_detail {
+
+struct EnergySum {
+  double sum = 0;
+  TETUNE_HD void merge(const EnergySum& other) { sum += other.sum; }
+};
+
+struct RefreshEta {
+  MeshView mesh;
+  Span<double> eta;
+  TETUNE_HD EnergySum operator()(Size t) const {
+    eta[t] = mesh.alive(t) ? slot_energy(mesh, mesh.tet2vertex[t]).eta : 0;
+    return {eta[t]};
+  }
+};
+
+struct RefreshEtaOf {
+  RefreshEta refresh;
+  Span<const Index> slots;
+  TETUNE_HD void operator()(Size i) const { refresh(slots[i]); }
+};
+
+struct EtaOf {
+  Span<const double> eta;
+  TETUNE_HD EnergySum operator()(Size t) const { return {eta[t]}; }
+};
+
+struct IsWorthALook {
+  MeshView mesh;
+  LeastAfter bound;
+  Span<const double> eta;
+  double least;
+  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && bound.worth_a_look(eta[t]) && eta[t] > least; }
+};
+
+/// Computes eta anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the
+/// squared areas and w six times the volume, each height is at least w / sqrt(q), so that no height changes by a larger
+/// part.
+struct Drift {
+  MeshView mesh;
+  Span<const Point> seen;
+  Span<double> eta;
+  Span<float> slack;
+  TETUNE_HD EnergySum operator()(Size t) const {
+    if (!mesh.alive(t)) return {};
+    const Tet tet = mesh.tet2vertex[t];
+    const TetEnergy e = slot_energy(mesh, tet);
+    eta[t] = e.eta;
+    double move2 = 0;
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 move = vec(mesh.points[tet[k]]) - vec(seen[tet[k]]);
+      const double length2 = dot(move, move);
+      move2 = length2 > move2 ? length2 : move2;
+    }
+    slack[t] -= static_cast<float>(drift_rate(mesh.law) * std::sqrt(move2 * e.q) / e.w);
+    return {eta[t]};
+  }
+};
+
+struct HasFlaggedEdge {
+  MeshView mesh;
+  Span<const std::uint8_t> flags;
+  TETUNE_HD bool operator()(Size t) const {
+    if (!mesh.alive(t)) return false;
+    const Tet tet = mesh.tet2vertex[t];
+    return flags[tet[0]] + flags[tet[1]] + flags[tet[2]] + flags[tet[3]] >= 2;
+  }
+};
+
+struct HasDrifted {
+  MeshView mesh;
+  LeastAfter bound;
+  Span<const double> eta;
+  Span<const float> slack;
+  TETUNE_HD bool operator()(Size t) const {
+    // Slack is not a number where a volume is in doubt.
+    return mesh.alive(t) && bound.worth_a_look(eta[t]) && !(slack[t] >= 0);
+  }
+};
+
+struct WantAll {
+  Span<const Index> slots;
+  Span<std::uint32_t> wanted;
+  TETUNE_HD void operator()(Size i) const { wanted[slots[i]] = kAllCandidates; }
+};
+
+}  // namespace flip_detail
+
+template <class Backend>
+double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+  using namespace flip_detail;
+  state.eta.resize(mesh.slots(), mesh.room());
+  return par.template reduce<EnergySum>(mesh.slots(), RefreshEta{mesh.view(), state.eta.span()}).sum;
+}
+
+template <class Backend>
+void refresh_energy_of(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                       Span<const Index> slots) {
+  using namespace flip_detail;
+  par.for_each(slots.size(), RefreshEtaOf{{mesh.view(), state.eta.span()}, slots});
+}
+
+template <class Backend>
+double sum_energy(const Backend& par, FlipState<Backend>& state) {
+  using namespace flip_detail;
+  return par.template reduce<EnergySum>(state.eta.size(), EtaOf{state.eta.span()}).sum;
+}
+
+template <class Backend, class Keep>
+void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, const Keep& keep,
+                    double least = 0) {
+  const Size slots = mesh.slots();
+  state.least = least;
+  state.active.resize(slots, mesh.room());
+  state.wanted.resize(slots, mesh.room());
+  state.proposal.resize(slots, mesh.room());
+  par.fill(state.wanted.span(), std::uint32_t{0});
+  const Size count = par.compact(slots, keep, state.active.span());
+  state.active.resize(count);
+  par.for_each(count, flip_detail::WantAll{state.active.span(), state.wanted.span()});
+  state.seen.resize(mesh.vertices());
+  Backend::copy(state.seen.span().data(), mesh.points.span().data(),
+                static_cast<std::size_t>(mesh.vertices()) * sizeof(Point));
+}
+
+template <class Backend>
+void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least) {
+  state.slack.resize(mesh.slots(), mesh.room());
+  par.fill(state.slack.span(), flip_detail::kNeverSeen);
+  activate_where(par, mesh, state,
+                 flip_detail::IsWorthALook{mesh.view(), LeastAfter(mesh.law), state.eta.span(), least}, least);
+}
+
+template <class Backend>
+double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+  using namespace flip_detail;
+  const EnergySum energy = par.template reduce<EnergySum>(
+      mesh.slots(), Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
+  activate_where(par, mesh, state, HasDrifted{mesh.view(), LeastAfter(mesh.law), state.eta.span(), state.slack.span()});
+  return energy.sum;
+}
+
+template <class Backend>
+void activate_around(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                     Span<const std::uint8_t> flags) {
+  activate_where(par, mesh, state, flip_detail::HasFlaggedEdge{mesh.view(), flags});
+}
+
+}  // namespace tetune

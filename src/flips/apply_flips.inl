@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "flips/candidates.hpp"
+#include "flips/least_after.hpp"
+#include "flips/triangulate.hpp"
+#include "par/atomic.hpp"
+
+/// Agreed flips of every kind are carried out in place.
+namespace tetune {
+namespace flip_detail {
+
+/// Proposal of a slot whose tetrahedron is being flipped away in this pass.
+inline constexpr std::uint64_t kFlipped = ~std::uint64_t{0};
+
+/// One agreed flip on its way through the phases.
+struct FlipRecord {
+  Cavity cavity;
+  Triangulation triangulation;
+  Index extra[kMaxExtra];     ///< slots it takes
+  Link across[2 * kMaxRing];  ///< what lies across the outer faces
+  Index twin = -1;            ///< the record of the fan on the other side of the boundary; -1: there is none
+
+  TETUNE_HD int outer_faces() const { return 2 * cavity.sides(); }
+  /// Of two twins, whether this is the one that stands for both; `i` is its own place.
+  TETUNE_HD bool leads(Size i) const { return twin < 0 || i < twin; }
+  /// Slot of new tetrahedron x: those of the old ones are used first.
+  TETUNE_HD Index slot(int x) const { return x < cavity.size() ? cavity.tets[x] : extra[x - cavity.size()]; }
+  /// Where outer face k is afterwards.
+  TETUNE_HD Link new_face(int k) const {
+    const int m = k / 2;
+    const int side = k % 2;
+    if (cavity.kind == FlipKind::face_removal) return make_link(slot(m), side == 0 ? 3 : 0);
+    const TriangleSide in = find_ring_edge(cavity, triangulation, m);
+    return make_link(slot(2 * in.triangle + side), face_at(in.corner, side));
+  }
+  /// Reads what lies around the cavity before any tetrahedron changes, and marks its tetrahedra.
+  TETUNE_HD void gather(const MeshView& mesh, Span<std::uint64_t> proposal, SlotCounts& counts) {
+    for (int k = 0; k < 2 * cavity.ring_size; ++k) across[k] = kNoLink;
+    for (int k = 0; k < outer_faces(); ++k) {
+      const Link face = old_face(mesh, cavity, triangulation, k);
+      across[k] = mesh.tet2tet[link_tet(face)][link_face(face)];
+    }
+    for (int k = 0; k < cavity.size(); ++k) proposal[cavity.tets[k]] = kFlipped;
+    counts = {cavity.size(), cavity.made()};
+  }
+};
+
+/// Hands out the slots and leaves, in each outer face of the old tetrahedra, the address of the new one.
+struct Forward {
+  MeshView mesh;
+  Span<FlipRecord> records;
+  Span<const SlotCounts> before;  ///< counts of the flips before this one
+  Span<const Index> free_slots;
+  SlotChange change;
+  TETUNE_HD void operator()(Size i) const {
+    FlipRecord& f = records[i];
+    for (int x = 0; x < f.cavity.made() - f.cavity.size(); ++x) {
+      f.extra[x] = change.taken(free_slots, static_cast<Size>(before[i].takes) + x);
+    }
+    for (int k = 0; k < f.outer_faces(); ++k) {
+      const Link old = old_face(mesh, f.cavity, f.triangulation, k);
+      mesh.tet2tet[link_tet(old)][link_face(old)] = f.new_face(k);
+    }
+  }
+};
+
+/// Finds what lies across the outer faces now: a neighbour that stayed is told, one that was flipped in this pass as
+/// well left its new address.
+struct Resolve {
+  MeshView mesh;
+  Span<FlipRecord> records;
+  Span<const std::uint64_t> proposal;
+  TETUNE_HD void operator()(Size i) const {
+    FlipRecord& f = records[i];
+    for (int k = 0; k < f.outer_faces(); ++k) {
+      const Link old = f.across[k];
+      if (old == kNoLink) continue;
+      Link& there = mesh.tet2tet[link_tet(old)][link_face(old)];
+      if (proposal[link_tet(old)] == kFlipped) {
+        f.across[k] = there | (old & kLocked);
+      } else {
+        there = f.new_face(k) | (old & kLocked);
+      }
+    }
+    if (f.twin < 0) return;
+    const FlipRecord& twin = records[f.twin];
+    for (int side = 0; side < 2; ++side) {
+      f.across[f.outer_faces() + side] = twin.new_face(twin.outer_faces() + side) | kLocked;
+    }
+  }
+};
+
+struct FlipSum {
+  double decrease = 0;
+  Size flips23 = 0, flips32 = 0, edge_removals = 0, face_removals = 0, boundary_flips = 0;
+  TETUNE_HD void merge(const FlipSum& other) {
+    decrease += other.decrease;
+    flips23 += other.flips23;
+    flips32 += other.flips32;
+    edge_removals += other.edge_removals;
+    face_removals += other.face_removals;
+    boundary_flips += other.boundary_flips;
+  }
+};
+
+/// Puts the new tetrahedra in place.
+struct Write {
+  MeshView mesh;
+  Span<const FlipRecord> records;
+  Span<const SlotCounts> before;
+  Span<Index> free_slots;
+  Size free_kept;
+  Span<double> eta;
+  Span<float> slack;
+  Span<std::uint32_t> wanted;
+  Span<std::uint8_t> awake;
+
+  TETUNE_HD FlipSum operator()(Size i) const {
+    const FlipRecord& f = records[i];
+    const Cavity& c = f.cavity;
+    for (int k = 0; k < c.size(); ++k) wanted[c.tets[k]] = 0;
+    const Index original = mesh.tet2original[c.tets[0]];
+    const LeastAfter bound(mesh.law);
+    double decrease = energy_before(c, eta);
+    for (int x = 0; x < c.made(); ++x) {
+      const Index s = f.slot(x);
+      mesh.tet2vertex[s] = new_tet(c, f.triangulation, x);
+      mesh.tet2tet[s] = c.kind == FlipKind::face_removal ? links_at_edge(f, x) : links_on_triangle(f, x);
+      if (x >= c.size()) mesh.tet2original[s] = original;
+      eta[s] = slot_energy(mesh, mesh.tet2vertex[s]).eta;
+      decrease -= eta[s];
+      slack[s] = bound.worth_a_look(eta[s]) ? static_cast<float>(kMaxSlack) : kNeverSeen;
+    }
+    for (int x = c.made(); x < c.size(); ++x) {
+      mesh.tet2vertex[c.tets[x]][0] = kFreeSlot;
+      eta[c.tets[x]] = 0;
+      free_slots[free_kept + before[i].frees + x - c.made()] = c.tets[x];
+    }
+    if (awake.size() > 0) {
+      par::store_shared(awake[c.a], 1);
+      par::store_shared(awake[c.b], 1);
+      for (int m = 0; m < c.ring_size; ++m) par::store_shared(awake[c.ring[m]], 1);
+    }
+    const auto is = [&c](FlipKind kind, bool more) { return c.kind == kind && (c.ring_size > 3) == more ? 1 : 0; };
+    return {decrease,
+            is(FlipKind::face_removal, false),
+            is(FlipKind::edge_removal, false),
+            is(FlipKind::edge_removal, true),
+            is(FlipKind::face_removal, true),
+            c.kind == FlipKind::boundary_removal && f.leads(i) ? 1 : 0};
+  }
+
+ private:
+  TETUNE_HD static Links links_at_edge(const FlipRecord& f, int m) {
+    const int before = m > 0 ? m - 1 : f.cavity.ring_size - 1;
+    return {
+        {f.across[2 * m + 1], make_link(f.slot(f.cavity.after(m)), 2), make_link(f.slot(before), 1), f.across[2 * m]}};
+  }
+  TETUNE_HD static Links links_on_triangle(const FlipRecord& f, int x) {
+    const int s = x / 2;
+    const int side = x % 2;
+    const std::uint8_t* corner = f.triangulation.corner[s];
+    Links links{};
+    links[0] = make_link(f.slot(2 * s + 1 - side), 0);
+    for (int opposite = 0; opposite < 3; ++opposite) {
+      const int from = corner[opposite == 0 ? 1 : 0];
+      const int to = corner[opposite == 2 ? 1 : 2];
+      Link& link = links[face_at(opposite, side)];
+      if (to == from + 1 || to == from + f.cavity.ring_size - 1) {
+        link = f.across[2 * (to == from + 1 ? from : to) + side];
+      } else {
+        const TriangleSide in = find_side(f.cavity, f.triangulation, from, to, s);
+        link = make_link(f.slot(2 * in.triangle + side), face_at(in.corner, side));
+      }
+    }
+    return links;
+  }
+};
+
+/// Makes the owners evaluate all candidates that have a new tetrahedron in their cavity.
+struct WantAround {
+  Candidates candidates;
+  Span<const FlipRecord> records;
+  Span<const double> eta;
+  double least;
+  Span<std::uint32_t> wanted;
+  Span<float> slack;
+  TETUNE_HD void operator()(Size i) const {
+    const MeshView& mesh = candidates.mesh;
+    const FlipRecord& f = records[i];
+    for (int x = 0; x < f.cavity.made(); ++x) {
+      const Index t = f.slot(x);
+      const Links links = mesh.tet2tet[t];
+      unsigned closed = 0;  // faces that are locked
+      for (int face = 0; face < 4; ++face) closed |= is_locked(links[face]) ? 1U << face : 0;
+      const unsigned done = seen_before(f, x);
+      for (int candidate = 0; candidate < kCandidates; ++candidate) {
+        if ((done >> candidate & 1U) == 0 && (closed & Candidates::faces(candidate)) == 0) want(t, candidate);
+      }
+    }
+  }
+
+ private:
+  /// The candidates of a new tetrahedron that one before it has as well.
+  TETUNE_HD unsigned seen_before(const FlipRecord& f, int x) const {
+    const Tet tet = mesh_tet(f, x);
+    unsigned seen = 0;
+    for (int y = 0; y < x; ++y) {
+      const Tet other = mesh_tet(f, y);
+      unsigned shared = 0;
+      for (int k = 0; k < 4; ++k) {
+        unsigned in = 0;
+        for (int m = 0; m < 4; ++m) in |= other[m] == tet[k] ? 1U : 0U;
+        shared |= in << k;
+      }
+      for (int candidate = 0; candidate < kCandidates; ++candidate) {
+        // A face has the three vertices that are not opposite, an edge those that its two faces lack.
+        const unsigned needs = candidate < 4 ? 15U & ~(1U << candidate) : 15U & ~Candidates::faces(candidate);
+        if ((shared & needs) == needs) seen |= 1U << candidate;
+      }
+    }
+    return seen;
+  }
+  TETUNE_HD Tet mesh_tet(const FlipRecord& f, int x) const { return candidates.mesh.tet2vertex[f.slot(x)]; }
+
+  TETUNE_HD void want(Index t, int candidate) const {
+    const MeshView& mesh = candidates.mesh;
+    Index owner = t;
+    if (candidate < 4) {
+      const Link link = mesh.tet2tet[t][candidate];
+      const bool other = Worse{eta, t, eta[t]}(link_tet(link));
+      want_from(other ? link_tet(link) : t, other ? link_face(link) : candidate);
+      return;
+    }
+    const EdgeStar star = edge_star(mesh, candidates.max_ring, t, candidate - 4, Candidates::Never{});
+    if (star.size == 0) return;
+    for (int m = 1; m < star.size; ++m) owner = Worse{eta, owner, eta[owner]}(star.tets[m]) ? star.tets[m] : owner;
+    const Tet tet = mesh.tet2vertex[owner];
+    want_from(owner, 4 + edge_of(local_index(tet, star.a), local_index(tet, star.b)));
+  }
+  TETUNE_HD void want_from(Index owner, int candidate) const {
+    if (!LeastAfter(candidates.mesh.law).worth_a_look(eta[owner])) return;
+    if (eta[owner] > least) {
+      par::atomic_or(wanted[owner], 1U << candidate);
+    } else {
+      par::store_shared(slack[owner], kNeverSeen);
+    }
+  }
+};
+
+struct IsWanted {
+  Span<const std::uint32_t> wanted;
+  TETUNE_HD bool operator()(Size t) const { return wanted[t] != 0; }
+};
+
+/// Carries out agreed flips: `before` holds what each takes and frees. What is made is active afterwards.
+template <class Backend>
+FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                    typename Backend::template Buffer<FlipRecord>& records,
+                    typename Backend::template Buffer<SlotCounts>& before, Span<std::uint8_t> awake) {
+  const SlotCounts counts = par.exclusive_scan(Span<const SlotCounts>(before.span()), before.span());
+  const SlotChange change(mesh, counts);
+  check_slots(change.needed);
+  change.make_room(mesh);
+  state.eta.grow(change.needed);
+  state.proposal.grow(change.needed);
+  state.wanted.grow(change.needed);
+  par.fill(Span<std::uint32_t>(state.wanted.span().data() + change.slots, change.needed - change.slots),
+           std::uint32_t{0});
+  state.slack.grow(change.needed);
+
+  par.for_each(records.size(), Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), change});
+  par.for_each(records.size(), Resolve{mesh.view(), records.span(), state.proposal.span()});
+  const FlipSum sum = par.template reduce<FlipSum>(
+      records.size(), Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), change.free_kept,
+                            state.eta.span(), state.slack.span(), state.wanted.span(), awake});
+  change.finish(mesh);
+
+  par.for_each(records.size(), WantAround{{mesh.view(), state.constrained(), state.max_ring},
+                                          records.span(),
+                                          state.eta.span(),
+                                          state.least,
+                                          state.wanted.span(),
+                                          state.slack.span()});
+  state.active.resize(change.needed);
+  state.active.resize(par.compact(change.needed, IsWanted{state.wanted.span()}, state.active.span()));
+  return sum;
+}
+
+}  // namespace flip_detail
+}  // namespace tetune

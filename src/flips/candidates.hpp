@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "energy/harmonic.hpp"
+#include "flips/flip_pass.hpp"
+#include "flips/offer.hpp"
+
+/// What may be flipped: the faces and edges of each tetrahedron, and which tetrahedron answers for them.
+namespace tetune {
+
+/// Proposals between two looks whether a stop is requested: about a tenth of a second of one core.
+inline constexpr Size kProposeAtOnce = 1 << 16;
+
+namespace flip_detail {
+
+inline constexpr std::uint32_t kAllCandidates = (1U << kCandidates) - 1;
+/// Slack of a tetrahedron that was too good for a look so far: it is due when it no longer is.
+inline constexpr float kNeverSeen = -1;
+
+TETUNE_HD inline std::uint32_t flip_id(Index t, int candidate) {
+  return static_cast<std::uint32_t>(t) * kCandidates + static_cast<std::uint32_t>(candidate);
+}
+TETUNE_HD inline Index id_tet(std::uint32_t id) { return static_cast<Index>(id / kCandidates); }
+
+/// What flips are found in.
+struct Candidates {
+  MeshView mesh;
+  ConstrainedEdges constrained;
+  int max_ring;
+
+  /// Candidates 0 to 3 of a tetrahedron are its faces, 4 to 9 its edges.
+  TETUNE_HD Cavity cavity(Index t, int candidate) const {
+    return candidate < 4 ? face_cavity(mesh, t, candidate)
+                         : edge_cavity(edge_star(mesh, max_ring, t, candidate - 4, Never{}), constrained);
+  }
+  TETUNE_HD Cavity offered(std::uint64_t proposal) const {
+    const std::uint32_t id = offer_id(proposal);
+    return cavity(id_tet(id), static_cast<int>(id % kCandidates));
+  }
+  /// The faces of a tetrahedron that a candidate needs to be free, as bits.
+  TETUNE_HD static unsigned faces(int candidate) { return candidate < 4 ? 1U << candidate : edge_faces(candidate - 4); }
+
+  struct Never {
+    TETUNE_HD bool operator()(Index) const { return false; }
+  };
+};
+
+TETUNE_HD inline TetEnergy slot_energy(const MeshView& mesh, const Tet& t) {
+  return tet_energy(mesh.law, vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]),
+                    vec(mesh.points[t[3]]));
+}
+
+TETUNE_HD inline double energy_before(const Cavity& c, Span<const double> eta) {
+  double sum = 0;
+  for (int k = 0; k < c.size(); ++k) sum += eta[c.tets[k]];
+  return sum;
+}
+
+struct EvaluatedSum {
+  Size evaluated = 0;
+  TETUNE_HD void merge(const EvaluatedSum& other) { evaluated += other.evaluated; }
+};
+
+/// The order that decides which tetrahedron of a cavity evaluates its flip: the worst, the lowest of equals.
+struct Worse {
+  Span<const double> eta;
+  Index t;
+  double eta_t;
+  TETUNE_HD bool operator()(Index other) const {
+    const double there = eta[other];
+    return (there > eta_t) | ((there == eta_t) & (other < t));
+  }
+};
+
+/// What the loop over the active tetrahedra needs soon: those, their neighbours, and the neighbours of these.
+struct FetchAhead {
+  MeshView mesh;
+  Span<const double> eta;
+  Span<const Index> active;
+
+  TETUNE_INLINE void operator()(Size i) const {
+    constexpr Size kTetsAhead = 24;
+    constexpr Size kNeighboursAhead = 12;
+    constexpr Size kFartherAhead = 5;
+    if (i + kTetsAhead >= active.size()) return;
+    fetch(active[i + kTetsAhead]);
+    for_neighbours(active[i + kNeighboursAhead], [this](Index other) { fetch(other); });
+    for_neighbours(active[i + kFartherAhead],
+                   [this](Index other) { for_neighbours(other, [this](Index farther) { fetch(farther); }); });
+  }
+
+ private:
+  TETUNE_INLINE void fetch(Index t) const {
+    __builtin_prefetch(&mesh.tet2tet[t]);
+    __builtin_prefetch(&mesh.tet2vertex[t]);
+    __builtin_prefetch(&eta[t]);
+  }
+  template <class F>
+  TETUNE_INLINE void for_neighbours(Index t, const F& f) const {
+    const Links links = mesh.tet2tet[t];
+    for (int face = 0; face < 4; ++face) f(is_locked(links[face]) ? t : link_tet(links[face]));
+  }
+};
+
+}  // namespace flip_detail
+}  // namespace tetune
