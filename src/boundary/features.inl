@@ -150,18 +150,10 @@ void build_reference(const Backend& par, WorkMesh<Backend>& mesh, const Surface<
   using namespace features_detail;
   const Size vertices = mesh.vertices();
   const Size triangles = surface.triangles.size();
-  reference.points.resize(vertices);
-  if (vertices > 0) {
-    Backend::copy(reference.points.span().data(), mesh.points.span().data(),
-                  sizeof(Point) * static_cast<std::size_t>(vertices));
-  }
-  reference.triangles.resize(triangles);
-  if (triangles > 0) {
-    Backend::copy(reference.triangles.span().data(), surface.triangles.span().data(),
-                  sizeof(SurfaceTriangle) * static_cast<std::size_t>(triangles));
-  }
-  build_rows(par, vertices, 3 * triangles, classify_detail::VertexOfSurfaceCorner{surface.triangles.span()},
-             reference.vertex2corner);
+  reference.points.assign(mesh.points);
+  reference.triangles.assign(surface.triangles);
+  reference.vertex2corner.offsets.assign(surface.vertex2corner.offsets);
+  reference.vertex2corner.items.assign(surface.vertex2corner.items);
   reference.across.resize(3 * triangles);
   // Beyond 180 degrees nothing turns, rounding included.
   const double cos_angle = feature_angle >= 180 ? -2 : std::cos(feature_angle * std::numbers::pi / 180);

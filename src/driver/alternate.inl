@@ -26,15 +26,15 @@ inline constexpr double kMinGain = 1e-10;
 inline constexpr double kMinGradient = 1e-5;
 /// Below this part of its last sum, the energy is summed up anew.
 inline constexpr double kStale = 0.1;
-/// The worst tetrahedra are this part of all, and those only that are worse than good.
-inline constexpr double kWorstPart = 3e-4;
-inline constexpr double kGood = 2;
 /// Before the first sweep, tetrahedra look for flips that are worse than this: sweeps move all others first, and end
 /// lower than flips before them (docs/benchmarks/cpu.md, "The first flips").
 inline constexpr double kFirstLook = 8;
 /// Flips of boundary edges end when a pass takes away less than this part of the energy, and so do removals of faces.
 inline constexpr double kLittle = 5e-4;
 inline constexpr double kBestLittle = 1e-4;
+/// The worst tetrahedra are this part of all, and those only that are worse than good.
+inline constexpr double kWorstPart = 3e-4;
+inline constexpr double kGood = 2;
 /// The work on them is done under the shape energy squared so many times.
 inline constexpr int kWorstSquarings = 2;
 inline constexpr int kWorstRounds = 10;

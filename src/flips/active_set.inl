@@ -128,9 +128,7 @@ void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   const Size count = par.compact(slots, keep, state.active.span());
   state.active.resize(count);
   par.for_each(count, flip_detail::WantAll{state.active.span(), state.wanted.span()});
-  state.seen.resize(mesh.vertices());
-  Backend::copy(state.seen.span().data(), mesh.points.span().data(),
-                static_cast<std::size_t>(mesh.vertices()) * sizeof(Point));
+  state.seen.assign(mesh.points);
 }
 
 template <class Backend>

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "flips/boundary_flips.hpp"
 #include "flips/apply_flips.inl"
+#include "flips/boundary_flips.hpp"
 
 namespace tetune {
 namespace boundary_flip_detail {

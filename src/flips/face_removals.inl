@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "flips/apply_flips.inl"
 #include "flips/face_cluster.hpp"
 #include "flips/face_removals.hpp"
-#include "flips/apply_flips.inl"
 
 namespace tetune {
 namespace face_removal_detail {

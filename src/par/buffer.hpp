@@ -55,6 +55,12 @@ class Buffer {
     size_ = size;
   }
 
+  /// The same content as another array.
+  void assign(const Buffer& other) {
+    resize(other.size_);
+    if (size_ > 0) Backend::copy(data_, other.data_, bytes(size_));
+  }
+
   Size size() const { return size_; }
   Span<T> span() { return {data_, size_}; }
   Span<const T> span() const { return {data_, size_}; }
