@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -64,6 +65,24 @@ inline TetMesh two_materials(int n, double jitter = 0) {
   // The interface stays plane.
   for (auto& p : m.points) {
     if (std::fabs(p[0] - 0.5) < 0.5 / n) p[0] = 0.5;
+  }
+  return m;
+}
+
+/// Off the boundary of the unit cube, and off its middle plane.
+inline bool is_inner(const Point3& p) {
+  return std::all_of(p.begin(), p.end(), [](double x) { return x > 1e-9 && x < 1 - 1e-9; }) &&
+         std::fabs(p[0] - 0.5) > 1e-9;
+}
+
+/// two_materials() whose inner vertices have gone astray by up to `noise` of an edge.
+inline TetMesh tangled(int n, double noise, std::uint32_t seed) {
+  TetMesh m = two_materials(n);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> offset(-noise / n, noise / n);
+  for (Point3& p : m.points) {
+    if (!is_inner(p)) continue;
+    for (double& x : p) x += offset(random);
   }
   return m;
 }

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
 #include "meshes.hpp"
 #include "tetune/error.hpp"
@@ -15,22 +14,9 @@ namespace {
 
 constexpr int kCells = 8;
 
-bool is_inner(const Point3& p) {
-  return std::all_of(p.begin(), p.end(), [](double x) { return x > 1e-9 && x < 1 - 1e-9; }) &&
-         std::abs(p[0] - 0.5) > 1e-9;
-}
+using test::is_inner;
 
-/// Two materials whose inner vertices have gone astray by up to `noise` of an edge.
-TetMesh tangled(double noise, std::uint32_t seed) {
-  TetMesh m = test::two_materials(kCells);
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> offset(-noise / kCells, noise / kCells);
-  for (Point3& p : m.points) {
-    if (!is_inner(p)) continue;
-    for (double& x : p) x += offset(random);
-  }
-  return m;
-}
+TetMesh tangled(double noise, std::uint32_t seed) { return test::tangled(kCells, noise, seed); }
 
 std::int64_t inverted(const TetMesh& m) {
   std::int64_t count = 0;

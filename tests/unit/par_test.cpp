@@ -11,6 +11,7 @@
 
 #include "allocation_watch.hpp"
 #include "core/rows.hpp"
+#include "emulation/emulation.hpp"
 #include "par/cpu.hpp"
 
 namespace tetune {
@@ -26,6 +27,13 @@ struct Sum {
 struct Harmonic {
   Sum operator()(Size i) const { return {1.0 / static_cast<double>(i + 1)}; }
 };
+struct Count {
+  Size value = 0;
+  void merge(const Count& other) { value += other.value; }
+};
+struct One {
+  Count operator()(Size) const { return {1}; }
+};
 struct IsThird {
   bool operator()(Size i) const { return i % 3 == 0; }
 };
@@ -34,36 +42,80 @@ struct Remainder {
   Size operator()(Size i) const { return i % 7 == 0 ? -1 : i % rows; }
 };
 
-TEST(Cpu, ReduceGivesTheSameBitsForAnyNumberOfThreads) {
-  const double one = Cpu(1).reduce<Sum>(100000, Harmonic{}).value;
-  EXPECT_NEAR(one, 12.090146129863, 1e-9);
-  for (const int threads : {2, 3, 7}) EXPECT_EQ(Cpu(threads).reduce<Sum>(100000, Harmonic{}).value, one);
-  EXPECT_EQ(Cpu(2).reduce<Sum>(0, Harmonic{}).value, 0);
-}
+/// What every backend promises.
+template <class Setting>
+struct Primitives : testing::Test, Setting {};
 
-TEST(Cpu, ScanAddsWhatCameBefore) {
-  for (const int threads : {1, 3}) {
-    for (const Size n : {Size{0}, Size{1}, Size{5000}}) {
-      std::vector<std::uint32_t> host(static_cast<std::size_t>(n));
-      std::iota(host.begin(), host.end(), 1U);
-      Cpu::Buffer<std::uint32_t> in;
-      in.upload(host);
-      const std::uint32_t total = Cpu(threads).exclusive_scan(Span<const std::uint32_t>(in.span()), in.span());
-      EXPECT_EQ(total, static_cast<std::uint32_t>(n * (n + 1) / 2));
-      for (Size i = 0; i < n; ++i) ASSERT_EQ(in.span()[i], static_cast<std::uint32_t>(i * (i + 1) / 2));
-    }
+template <int kThreads>
+struct Threads {
+  using Backend = Cpu;
+  Cpu par{kThreads};
+};
+template <int kSeed>
+struct Shuffled {
+  using Backend = par::Emulation;
+  par::Emulation par{kSeed};
+};
+using Settings = testing::Types<Threads<1>, Threads<3>, Threads<40>, Shuffled<1>, Shuffled<2>>;
+TYPED_TEST_SUITE(Primitives, Settings);
+
+constexpr Size kSizes[] = {0, 1, 2, 255, 256, 257, 1024, 1025, 20000};
+
+struct AddSquare {
+  Span<Size> out;
+  void operator()(Size i) const { out[i] += i * i; }
+};
+
+TYPED_TEST(Primitives, ForEachTakesEachOnce) {
+  using Here = typename TypeParam::Backend;
+  for (const Size n : kSizes) {
+    typename Here::template Buffer<Size> out(n);
+    this->par.fill(out.span(), Size{5});
+    this->par.for_each(n, AddSquare{out.span()});
+    this->par.for_each_heavy(n, AddSquare{out.span()});
+    const std::vector<Size> host = out.download();
+    for (Size i = 0; i < n; ++i) ASSERT_EQ(host[static_cast<std::size_t>(i)], 5 + 2 * i * i) << n;
   }
 }
 
-TEST(Cpu, CompactKeepsOrder) {
-  for (const int threads : {1, 3}) {
-    Cpu::Buffer<Index> out(10000);
-    ASSERT_EQ(Cpu(threads).compact(10000, IsThird{}, out.span()), 3334);
-    for (Size i = 0; i < 3334; ++i) ASSERT_EQ(out.span()[i], 3 * i);
+TYPED_TEST(Primitives, ReduceMergesEachOnce) {
+  for (const Size n : kSizes) {
+    double plain = 0;
+    for (Size i = 0; i < n; ++i) plain += 1.0 / static_cast<double>(i + 1);
+    EXPECT_NEAR(this->par.template reduce<Sum>(n, Harmonic{}).value, plain, 1e-12 * plain) << n;
   }
 }
 
-TEST(Cpu, SortIsStable) {
+TYPED_TEST(Primitives, ReduceOfMoreThanAChunkOfChunks) {
+  EXPECT_EQ(this->par.template reduce<Count>(1500000, One{}).value, 1500000);
+}
+
+TYPED_TEST(Primitives, ScanAddsWhatCameBefore) {
+  for (const Size n : kSizes) {
+    std::vector<std::uint32_t> host(static_cast<std::size_t>(n));
+    std::iota(host.begin(), host.end(), 1U);
+    typename TypeParam::Backend::template Buffer<std::uint32_t> in;
+    in.upload(host);
+    typename TypeParam::Backend::template Buffer<std::uint32_t> out(n);
+    EXPECT_EQ(this->par.exclusive_scan(Span<const std::uint32_t>(in.span()), out.span()), n * (n + 1) / 2);
+    EXPECT_EQ(this->par.exclusive_scan(Span<const std::uint32_t>(in.span()), in.span()), n * (n + 1) / 2);
+    EXPECT_EQ(in.download(), out.download());
+    host = in.download();
+    for (Size i = 0; i < n; ++i) ASSERT_EQ(host[static_cast<std::size_t>(i)], i * (i + 1) / 2);
+  }
+}
+
+TYPED_TEST(Primitives, CompactKeepsOrder) {
+  for (const Size n : kSizes) {
+    typename TypeParam::Backend::template Buffer<Index> out(n);
+    const Size kept = this->par.compact(n, IsThird{}, out.span());
+    ASSERT_EQ(kept, (n + 2) / 3);
+    const std::vector<Index> host = out.download();
+    for (Size i = 0; i < kept; ++i) ASSERT_EQ(host[static_cast<std::size_t>(i)], 3 * i);
+  }
+}
+
+TYPED_TEST(Primitives, SortIsStable) {
   std::mt19937_64 random(3);
   std::vector<std::uint64_t> keys(20000);
   for (auto& k : keys) k = random() % 1000 + ((random() % 3) << 40);
@@ -73,42 +125,55 @@ TEST(Cpu, SortIsStable) {
   std::stable_sort(expected.begin(), expected.end(), [&](Index a, Index b) {
     return keys[static_cast<std::size_t>(a)] < keys[static_cast<std::size_t>(b)];
   });
-  for (const int threads : {1, 2, 3}) {
-    Cpu::Buffer<std::uint64_t> k;
-    Cpu::Buffer<Index> v;
-    k.upload(keys);
-    v.upload(ids);
-    Cpu(threads).sort_by_key(k, v, 48);
-    EXPECT_EQ(v.download(), expected);
-    EXPECT_TRUE(std::is_sorted(k.span().data(), k.span().data() + k.size()));
-  }
+  typename TypeParam::Backend::template Buffer<std::uint64_t> k;
+  typename TypeParam::Backend::template Buffer<Index> v;
+  this->par.sort_by_key(k, v, 48);
+  EXPECT_EQ(v.size(), 0);
+  k.upload(keys);
+  v.upload(ids);
+  this->par.sort_by_key(k, v, 48);
+  EXPECT_EQ(v.download(), expected);
+  keys = k.download();
+  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
 }
 
-TEST(Buffer, GrowKeepsItsContent) {
-  Cpu::Buffer<int> b;
+TYPED_TEST(Primitives, BuffersKeepTheirContentWhenTheyGrow) {
+  typename TypeParam::Backend::template Buffer<int> b;
   b.upload({1, 2, 3});
   b.grow(1000);
   EXPECT_EQ(b.size(), 1000);
-  EXPECT_EQ(b.span()[0], 1);
-  EXPECT_EQ(b.span()[2], 3);
+  b.grow(3);
+  EXPECT_EQ(b.download(), (std::vector<int>{1, 2, 3}));
 }
 
-TEST(Rows, HoldEachItemOnceInOrder) {
-  for (const int threads : {1, 3, 40}) {
-    Rows<Cpu> rows;
-    build_rows(Cpu(threads), 10, 5000, Remainder{10}, rows);
-    Size seen = 0;
-    for (Size r = 0; r < 10; ++r) {
-      for (Size i = rows.view().begin(r); i < rows.view().end(r); ++i) {
-        const Size item = rows.items.span()[i];
-        ASSERT_EQ(Remainder{10}(item), r);
-        if (i > rows.view().begin(r)) {
-          ASSERT_GT(item, rows.items.span()[i - 1]);
-        }
-        ++seen;
+TYPED_TEST(Primitives, RowsHoldEachItemOnceInOrder) {
+  using Here = typename TypeParam::Backend;
+  Rows<Here> rows;
+  build_rows(this->par, 10, 5000, Remainder{10}, rows);
+  const auto offsets = rows.offsets.download();
+  const auto items = rows.items.download();
+  ASSERT_EQ(offsets.size(), 11U);
+  EXPECT_EQ(offsets[10], 5000U - 715U);
+  ASSERT_EQ(items.size(), offsets[10]);
+  for (std::size_t r = 0; r < 10; ++r) {
+    for (std::size_t i = offsets[r]; i < offsets[r + 1]; ++i) {
+      ASSERT_EQ(Remainder{10}(items[i]), static_cast<Size>(r));
+      if (i > offsets[r]) {
+        ASSERT_GT(items[i], items[i - 1]);
       }
     }
-    EXPECT_EQ(seen, 5000 - 715);
+  }
+}
+
+TEST(Cpu, ReduceGivesTheSameBitsForAnyNumberOfThreads) {
+  const double one = Cpu(1).reduce<Sum>(100000, Harmonic{}).value;
+  for (const int threads : {2, 3, 7}) EXPECT_EQ(Cpu(threads).reduce<Sum>(100000, Harmonic{}).value, one);
+}
+
+TEST(Emulation, ReduceGivesTheSameBitsForAnyOrder) {
+  const double one = par::Emulation(1).reduce<Sum>(100000, Harmonic{}).value;
+  for (const std::uint64_t seed : {2U, 3U, 7U}) {
+    EXPECT_EQ(par::Emulation(seed).reduce<Sum>(100000, Harmonic{}).value, one);
   }
 }
 

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "emulation/device_memory.hpp"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <new>
+
+namespace tetune::par {
+namespace {
+
+/// Not a number as a double and as a float; beyond all ids.
+constexpr std::uint32_t kPoison = 0x7ff4deadU;
+
+constexpr std::size_t kPage = 4096;
+
+char* reserve(std::size_t bytes) {
+  void* block =
+      mmap(nullptr, std::max(bytes, kPage), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (block == MAP_FAILED) throw std::bad_alloc();
+  return static_cast<char*>(block);
+}
+
+void poison(void* memory, std::size_t bytes) {
+  std::memset(memory, 0xde, bytes);
+  std::fill_n(static_cast<std::uint32_t*>(memory), bytes / sizeof kPoison, kPoison);
+}
+
+}  // namespace
+
+thread_local DeviceMemory* DeviceMemory::current_ = nullptr;
+
+DeviceMemory::DeviceMemory(std::size_t bytes, bool guard)
+    : outer_(current_), bytes_(bytes), guard_(guard), block_(reserve(bytes)), pool_(block_, bytes) {
+  current_ = this;
+  protect(true);
+}
+
+DeviceMemory::~DeviceMemory() {
+  current_ = outer_;
+  munmap(block_, std::max(bytes_, kPage));
+}
+
+void* DeviceMemory::allocate(std::size_t bytes) {
+  void* memory = pool_.allocate(bytes);
+  const Open open(*this);
+  if (bytes > 0) poison(memory, bytes);
+  return memory;
+}
+
+void DeviceMemory::release(void* memory, std::size_t bytes) noexcept {
+  pool_.release(memory);
+  const Open open(*this);
+  if (bytes > 0) poison(memory, bytes);
+}
+
+void DeviceMemory::copy(void* to, const void* from, std::size_t bytes) const {
+  if (!holds(to, bytes) || !holds(from, bytes)) throw std::logic_error("a copy on the device that is none");
+  const Open open(*this);
+  std::memcpy(to, from, bytes);
+}
+
+void DeviceMemory::upload(void* to, const void* from, std::size_t bytes) {
+  if (!holds(to, bytes) || holds(from, bytes)) throw std::logic_error("an upload that is none");
+  ++traffic_.uploads;
+  traffic_.bytes_up += bytes;
+  const Open open(*this);
+  if (bytes > 0) std::memcpy(to, from, bytes);
+}
+
+void DeviceMemory::download(void* to, const void* from, std::size_t bytes) {
+  if (holds(to, bytes) || !holds(from, bytes)) throw std::logic_error("a download that is none");
+  ++traffic_.downloads;
+  traffic_.bytes_down += bytes;
+  traffic_.largest_download = std::max(traffic_.largest_download, bytes);
+  const Open open(*this);
+  if (bytes > 0) std::memcpy(to, from, bytes);
+}
+
+void DeviceMemory::protect(bool on) const {
+  // What was never in use is not touched by anybody, and is many pages.
+  const std::size_t used = std::min((pool_.peak() + kPage - 1) / kPage * kPage, bytes_);
+  if (guard_ && used > 0) mprotect(block_, used, on ? PROT_NONE : PROT_READ | PROT_WRITE);
+}
+
+bool DeviceMemory::holds(const void* begin, std::size_t bytes) const {
+  const char* at = static_cast<const char*>(begin);
+  return bytes > 0 ? at >= block_ && at + bytes <= block_ + bytes_ : at >= block_ && at <= block_ + bytes_;
+}
+
+bool DeviceMemory::carries_host_address(const void* object, std::size_t bytes) const {
+  // Where systems of 64 bits put programs, their heaps and stacks. As doubles these are no normal numbers, as two ids
+  // the second one is beyond what tests have.
+  constexpr std::uint64_t kLowest = 0x500000000000U;
+  constexpr std::uint64_t kHighest = 0x7fffffffffffU;
+  for (std::size_t at = 0; at + sizeof(std::uint64_t) <= bytes; at += sizeof(std::uint64_t)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, static_cast<const char*>(object) + at, sizeof word);
+    if (word >= kLowest && word <= kHighest && !holds(reinterpret_cast<const void*>(word), 0)) return true;
+  }
+  return false;
+}
+
+}  // namespace tetune::par
