@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import platform
+import shutil
 import statistics
 import subprocess
 import sys
@@ -19,6 +20,8 @@ TETUNE = ROOT / "build/release/bin/tetune"
 def provenance():
     """Commit, machine, command and time: goes into every JSON file."""
     def git(*args):
+        if shutil.which("git") is None:
+            return "unknown"
         result = subprocess.run(["git", "-C", str(ROOT), *args], capture_output=True, text=True)
         return result.stdout.strip()
 

@@ -4,12 +4,14 @@
 #include "energy/harmonic.hpp"
 #include "flips/flip_pass.hpp"
 #include "flips/offer.hpp"
+#include "par/beside_host.hpp"
 
 /// What may be flipped: the faces and edges of each tetrahedron, and which tetrahedron answers for them.
 namespace tetune {
 
-/// Proposals between two looks whether a stop is requested: about a tenth of a second of one core.
-inline constexpr Size kProposeAtOnce = 1 << 16;
+/// Proposals between two looks whether a stop is requested: about a tenth of a second of one core, or of a GPU.
+template <class Backend>
+inline constexpr Size kProposeAtOnce = Size{1} << (par::kBesideHost<Backend> ? 26 : 16);
 
 namespace flip_detail {
 

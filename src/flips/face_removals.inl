@@ -123,9 +123,9 @@ FlipReport face_removal_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   if (find.most_faces < 3) return report;
   const Span<const Index> active = state.active.span();
   par.fill(state.proposal.span(), std::uint64_t{0});
-  for (Size first = 0; first < active.size(); first += kProposeAtOnce) {
+  for (Size first = 0; first < active.size(); first += kProposeAtOnce<Backend>) {
     if (par.stop_requested()) return report;
-    const Span<const Index> some(active.data() + first, std::min(kProposeAtOnce, active.size() - first));
+    const Span<const Index> some(active.data() + first, std::min(kProposeAtOnce<Backend>, active.size() - first));
     report.evaluated +=
         par.template reduce<flip_detail::EvaluatedSum>(some.size(), Propose{find, some, state.proposal.span()})
             .evaluated;

@@ -140,9 +140,9 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   const Size active = state.active.size();
   report.active = active;
   par.fill(state.proposal.span(), std::uint64_t{0});
-  for (Size first = 0; first < active; first += kProposeAtOnce) {
+  for (Size first = 0; first < active; first += kProposeAtOnce<Backend>) {
     if (par.stop_requested()) return report;
-    const Span<const Index> some(state.active.span().data() + first, std::min(kProposeAtOnce, active - first));
+    const Span<const Index> some(state.active.span().data() + first, std::min(kProposeAtOnce<Backend>, active - first));
     report.evaluated +=
         par.template reduce<EvaluatedSum>(some.size(), Propose{candidates, some, state.wanted.span(), state.eta.span(),
                                                                state.proposal.span(), state.slack.span()})

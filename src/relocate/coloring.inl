@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "par/beside_host.hpp"
 #include "relocate/coloring.hpp"
 #include "tetune/error.hpp"
 
@@ -14,6 +15,9 @@ inline constexpr std::uint8_t kNotMovable = 254;
 inline constexpr int kMaxColors = 128;
 /// Free colours are taken at random among the lowest so many: fewer rounds than always the lowest.
 inline constexpr int kWindow = 8;
+/// Rounds before the host learns how many are left.
+template <class Backend>
+inline constexpr std::uint32_t kRoundsAtOnce = par::kBesideHost<Backend> ? 4 : 1;
 
 /// A fixed pseudo-random order of the vertices (a bijection on 32 bits).
 TETUNE_HD inline std::uint32_t priority(Index vertex) {
@@ -71,6 +75,7 @@ struct Wish {
   std::uint32_t round;
   TETUNE_HD void operator()(Size i) const {
     const Index v = todo[i];
+    if (color[v] != kUncolored) return;
     std::uint64_t taken[kMaxColors / 64] = {0, 0};
     for (Size j = rings.offsets[v]; j < rings.offsets[v + 1]; ++j) {
       const LinkFace f = rings.faces[j];
@@ -95,7 +100,8 @@ struct Wish {
   }
 };
 
-/// A wish is granted unless a neighbour of higher priority has the same.
+/// A wish is granted unless a neighbour of higher priority has the same. What was granted before is no such wish: it is
+/// a colour by now.
 struct Grant {
   RingsView rings;
   Span<const Index> todo;
@@ -103,6 +109,7 @@ struct Grant {
   Span<std::uint8_t> color;
   TETUNE_HD void operator()(Size i) const {
     const Index v = todo[i];
+    if (color[v] != kUncolored) return;
     const std::uint8_t mine = wish[v];
     for (Size j = rings.offsets[v]; j < rings.offsets[v + 1]; ++j) {
       const LinkFace f = rings.faces[j];
@@ -111,15 +118,6 @@ struct Grant {
       }
     }
     color[v] = mine;
-  }
-};
-
-struct Settle {
-  Span<const Index> todo;
-  Span<const std::uint8_t> color;
-  Span<std::uint8_t> wish;
-  TETUNE_HD void operator()(Size i) const {
-    if (color[todo[i]] != kUncolored) wish[todo[i]] = kUncolored;
   }
 };
 
@@ -178,10 +176,11 @@ void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobil
   par.for_each(n, FindConflict{rings, color, lost.span()});
   par.for_each(n, TakeAway{lost.span(), color, wish.span()});
   Size count = par.compact(n, IsLost{lost.span()}, todo.span());
-  for (std::uint32_t round = 0; count > 0; ++round) {
-    par.for_each(count, Wish{rings, todo.span(), color, wish.span(), round});
-    par.for_each(count, Grant{rings, todo.span(), wish.span(), color});
-    par.for_each(count, Settle{todo.span(), color, wish.span()});
+  for (std::uint32_t round = 0; count > 0;) {
+    for (std::uint32_t turn = 0; turn < kRoundsAtOnce<Backend>; ++turn, ++round) {
+      par.for_each(count, Wish{rings, todo.span(), color, wish.span(), round});
+      par.for_each(count, Grant{rings, todo.span(), wish.span(), color});
+    }
     const Size left = par.compact(count, StillUncolored{todo.span(), color}, positions.span());
     if (left == count) throw MeshError("a vertex has too many neighbours to be coloured");
     par.for_each(left, Pick{todo.span(), positions.span(), rest.span()});

@@ -116,17 +116,7 @@ struct NewtonStep {
       if (leash < bound) bound = leash;
       const Vec3 start = x;
       double decrease = try_steps(ring, m, p, bound < relaxation ? bound : relaxation, x);
-      if (decrease == 0) {
-        // Beside a volume that rounding hides, the Hessian is all noise but for one direction: look along the gradient.
-        const Vec3 g = tangent_gradient(m.gradient, motion);
-        const Vec3 down = (-1 / norm(g)) * g;
-        const double reach = kReach * ring.step_bound(x, down);
-        double farthest = kFarthest * std::sqrt(m.length2);
-        const double end = motion.leash.reach(x, down);
-        if (end < farthest) farthest = end;
-        decrease =
-            try_steps(ring, m, down, brent_minimum(ring.ray(x, down), 0, reach < farthest ? reach : farthest), x);
-      }
+      if (decrease == 0) decrease = search_down(ring, m, motion, x);
       if (decrease == 0) break;
       result.decrease += decrease;
       result.relative_move += norm(x - start) / std::sqrt(m.length2);
@@ -137,6 +127,19 @@ struct NewtonStep {
   }
 
  private:
+  /// Beside a volume that rounding hides, the Hessian is all noise but for one direction: looks along the gradient. So
+  /// seldom that it is a function of its own in the machine code, which needs no registers elsewhere.
+  template <class Ring>
+  TETUNE_HD __attribute__((noinline)) static double search_down(Ring& ring, const RingModel& m, const Motion& motion,
+                                                                Vec3& x) {
+    const Vec3 g = tangent_gradient(m.gradient, motion);
+    const Vec3 down = (-1 / norm(g)) * g;
+    const double reach = kReach * ring.step_bound(x, down);
+    double farthest = kFarthest * std::sqrt(m.length2);
+    const double end = motion.leash.reach(x, down);
+    if (end < farthest) farthest = end;
+    return try_steps(ring, m, down, brent_minimum(ring.ray(x, down), 0, reach < farthest ? reach : farthest), x);
+  }
   /// Halves t until x + t p is certified and lower; moves x there and returns the decrease, or 0.
   template <class Ring>
   TETUNE_HD static double try_steps(Ring& ring, const RingModel& m, const Vec3& p, double t, Vec3& x) {

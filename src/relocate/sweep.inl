@@ -6,6 +6,7 @@
 #include "core/connect.inl"
 #include "core/rows.hpp"
 #include "par/atomic.hpp"
+#include "relocate/reduce_colors.hpp"
 #include "relocate/slide.hpp"
 #include "relocate/sweep.hpp"
 
@@ -40,8 +41,9 @@ struct FlaggedVertexOfCorner {
   }
 };
 
-/// Ring is the backend's own: see each instantiation.
-template <class Ring, class Step>
+/// Ring is the backend's own: see each instantiation. Without `kSlides` no vertex slides: a kernel of its own, as what
+/// sliding takes of registers and of each thread's memory would be taken in any sweep.
+template <class Ring, class Step, bool kSlides>
 struct RelocateVertex {
   EnergyLaw law;
   QualityFloor floor;
@@ -135,8 +137,13 @@ struct RelocateVertex {
   TETUNE_HD StepResult relocate(AnyRing& ring, Index v) const {
     const Vec3 x = vec(points[v]);
     const Leash held = leash.size() == 0 || kind[v] == Mobility::free ? Leash{} : leash[v];
-    if (kind[v] != Mobility::curve && kind[v] != Mobility::surface)
-      return step(ring, x, Motion{kind[v], axis[v], held});
+    if constexpr (kSlides) {
+      if (kind[v] == Mobility::curve || kind[v] == Mobility::surface) return slide(ring, v, x, held);
+    }
+    return step(ring, x, Motion{kind[v], axis[v], held});
+  }
+  template <class AnyRing>
+  TETUNE_HD __attribute__((noinline)) StepResult slide(AnyRing& ring, Index v, const Vec3& x, const Leash& held) const {
     const DeviationBound bound(reference, points, site, v, max_deviation);
     const SlideResult slid = slide_of(step)(ring, x, site[v], kind[v], reference, bound, held);
     if (slid.step.decrease > 0) site[v] = slid.site;
@@ -161,22 +168,37 @@ void build_rings_of(const Backend& par, WorkMesh<Backend>& mesh, Span<const Inde
       par, mesh.vertices(), 4 * around.size(), {tets, around, flags}, {{tets}, around}, rings.offsets, rings.faces);
 }
 
+namespace sweep_detail {
+
+template <class Ring, bool kSlides, class Backend, class Step>
+SweepSum sweep_colors(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings,
+                      const Coloring<Backend>& coloring, Mobilities<Backend>& mobilities, const Step& step) {
+  return reduce_colors<SweepSum>(par, coloring, [&](Span<const Index> vertices) {
+    return RelocateVertex<Ring, Step, kSlides>{mesh.law,
+                                               mesh.floor,
+                                               mesh.points.span(),
+                                               rings,
+                                               vertices,
+                                               mobilities.kind.span(),
+                                               mobilities.axis.span(),
+                                               mobilities.leashes(),
+                                               mobilities.awake.span(),
+                                               mobilities.local,
+                                               mobilities.site.span(),
+                                               mobilities.reference.view(mobilities.kind.span()),
+                                               mobilities.max_deviation,
+                                               step};
+  });
+}
+
+}  // namespace sweep_detail
+
 template <class Ring, class Backend, class Step>
 SweepSum sweep_with(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings,
                     const Coloring<Backend>& coloring, Mobilities<Backend>& mobilities, const Step& step) {
-  SweepSum total;
-  for (int c = 0; c < coloring.colors() && !par.stop_requested(); ++c) {
-    const Size first = coloring.first[static_cast<std::size_t>(c)];
-    const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
-    const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
-    total.merge(par.template reduce<SweepSum>(
-        count,
-        sweep_detail::RelocateVertex<Ring, Step>{
-            mesh.law, mesh.floor, mesh.points.span(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
-            mobilities.leashes(), mobilities.awake.span(), mobilities.local, mobilities.site.span(),
-            mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, step}));
-  }
-  return total;
+  using namespace sweep_detail;
+  return mobilities.site.size() > 0 ? sweep_colors<Ring, true>(par, mesh, rings, coloring, mobilities, step)
+                                    : sweep_colors<Ring, false>(par, mesh, rings, coloring, mobilities, step);
 }
 
 }  // namespace tetune

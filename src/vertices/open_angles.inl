@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "relocate/reduce_colors.hpp"
 #include "vertices/angle_ring.hpp"
 #include "vertices/open_angles.hpp"
 
@@ -53,19 +54,21 @@ template <class Backend>
 Size open_angles(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& rings, const Coloring<Backend>& coloring,
                  Mobilities<Backend>& mobilities, Span<const std::uint8_t> flags, double enough) {
   using namespace open_angles_detail;
-  Size moved = 0;
-  for (int c = 0; c < coloring.colors() && !par.stop_requested(); ++c) {
-    const Size first = coloring.first[static_cast<std::size_t>(c)];
-    const Size count = coloring.first[static_cast<std::size_t>(c) + 1] - first;
-    const Span<const Index> vertices(coloring.vertices.span().data() + first, count);
-    moved += par.template reduce<MovedCount>(
-                    count, OpenAngle{mesh.view(), rings, vertices, mobilities.kind.span(), mobilities.axis.span(),
-                                     mobilities.leashes(), mobilities.site.span(),
-                                     mobilities.reference.view(mobilities.kind.span()), mobilities.max_deviation, flags,
-                                     enough})
-                 .count;
-  }
-  return moved;
+  return reduce_colors<MovedCount>(par, coloring,
+                                   [&](Span<const Index> vertices) {
+                                     return OpenAngle{mesh.view(),
+                                                      rings,
+                                                      vertices,
+                                                      mobilities.kind.span(),
+                                                      mobilities.axis.span(),
+                                                      mobilities.leashes(),
+                                                      mobilities.site.span(),
+                                                      mobilities.reference.view(mobilities.kind.span()),
+                                                      mobilities.max_deviation,
+                                                      flags,
+                                                      enough};
+                                   })
+      .count;
 }
 
 }  // namespace tetune

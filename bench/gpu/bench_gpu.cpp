@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// The GPU beside the CPU, for bench/gpu/run: one line of JSON for each thing measured, on the standard output.
+//   bench_gpu ceilings                       the card, and what it reaches at best
+//   bench_gpu parity [FILE ...]              both backends on small meshes: exit code 1 where they differ
+//   bench_gpu small                          small meshes through the kernels, for compute-sanitizer
+//   bench_gpu mesh TETS|FILE RUNS            times, after validity; TETS: a generated mesh of about so many
+//   bench_gpu once TETS|FILE                 one run after one to warm up, for profilers
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+
+#include "bench/gpu/device.hpp"
+#include "reference/generate.hpp"
+#include "tetune/tetune.hpp"
+
+namespace tetune::gpu_bench {
+namespace {
+
+/// One object of JSON.
+class Json {
+ public:
+  Json& add(const char* key, const std::string& json) {
+    text_ += (text_.empty() ? "\"" : ", \"") + std::string(key) + "\": " + json;
+    return *this;
+  }
+  Json& text(const char* key, const std::string& value) {
+    std::string quoted = "\"";
+    for (const char c : value) quoted += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
+    return add(key, quoted + "\"");
+  }
+  Json& number(const char* key, double value) { return add(key, digits(value)); }
+  Json& numbers(const char* key, const std::vector<double>& values) {
+    std::string list;
+    for (const double v : values) list += (list.empty() ? "" : ", ") + digits(v);
+    return add(key, "[" + list + "]");
+  }
+  std::string str() const { return "{" + text_ + "}"; }
+  void print() const {
+    std::printf("%s\n", str().c_str());
+    std::fflush(stdout);
+  }
+
+ private:
+  static std::string digits(double value) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%.12g", value);
+    return buffer;
+  }
+  std::string text_;
+};
+
+/// What must hold does not: the run ends, and no time is printed.
+[[noreturn]] void fail(const std::string& what) { throw Error("FAILED: " + what); }
+
+/// A cube of two regions spoilt by random flips: all kinds of flips find work, on an interface too.
+TetMesh generated(double tets) {
+  // A round of flips makes about a sixth more tetrahedra.
+  const int n = std::max(2, static_cast<int>(std::lround(std::cbrt(tets / 7))));
+  TetMesh mesh = reference::lattice(n, 0.2);
+  for (std::size_t t = mesh.tets.size() / 2; t < mesh.tets.size(); ++t) mesh.tet_tags[t] = 1;
+  return reference::scrambled(std::move(mesh), 1);
+}
+
+TetMesh mesh_of(const std::string& source) {
+  char* end = nullptr;
+  const double tets = std::strtod(source.c_str(), &end);
+  return *end == '\0' && tets > 0 ? generated(tets) : read_mesh(source);
+}
+
+std::vector<double> flips_of(const Report& r) {
+  return {static_cast<double>(r.flips23),           static_cast<double>(r.flips32),
+          static_cast<double>(r.edge_removals),     static_cast<double>(r.face_removals),
+          static_cast<double>(r.boundary_flips),    static_cast<double>(r.compound_flips),
+          static_cast<double>(r.vertices_inserted), static_cast<double>(r.vertices_removed)};
+}
+
+double energy_difference(const Report& a, const Report& b) {
+  return std::fabs(a.energy_after - b.energy_after) / b.energy_after;
+}
+
+void check_valid(const TetMesh& mesh, const std::string& what) {
+  const ValidationReport report = validate(mesh);
+  if (!report.ok()) fail(what + " is invalid: " + report.message(false));
+}
+
+bool same_bits(const TetMesh& a, const TetMesh& b) {
+  return a.tets == b.tets && a.points.size() == b.points.size() &&
+         std::memcmp(a.points.data(), b.points.data(), a.points.size() * sizeof a.points[0]) == 0;
+}
+
+void check_parity(const std::string& name, const TetMesh& mesh) {
+  constexpr double kMostDifference = 1e-9;
+  const std::pair<Boundary, const char*> boundaries[] = {
+      {Boundary::fixed, "fixed"}, {Boundary::preserve, "preserve"}, {Boundary::slide, "slide"}};
+  const std::pair<Effort, const char*> efforts[] = {
+      {Effort::fast, "fast"}, {Effort::standard, "standard"}, {Effort::best, "best"}};
+  std::string failed;
+  for (const auto& [boundary, boundary_name] : boundaries) {
+    for (const auto& [effort, effort_name] : efforts) {
+      Options options;
+      options.boundary = boundary;
+      options.effort = effort;
+      const std::string what = name + ", " + boundary_name + ", " + effort_name;
+      options.device = Device::cpu;
+      TetMesh on_cpu = mesh;
+      const Report cpu = optimize(on_cpu, options);
+      options.device = Device::cuda;
+      TetMesh on_gpu = mesh;
+      const Report gpu = optimize(on_gpu, options);
+      TetMesh again = mesh;
+      optimize(again, options);
+      check_valid(on_cpu, what + ", by the CPU");
+      check_valid(on_gpu, what + ", by the GPU");
+      const double difference = energy_difference(gpu, cpu);
+      const bool same_flips = flips_of(cpu) == flips_of(gpu);
+      const bool repeats = same_bits(on_gpu, again);
+      Json line;
+      line.text("mesh", name).text("boundary", boundary_name).text("effort", effort_name);
+      line.number("tets", static_cast<double>(mesh.tets.size())).number("energy_difference", difference);
+      line.numbers("flips_cpu", flips_of(cpu)).numbers("flips_gpu", flips_of(gpu));
+      line.add("same_flips", same_flips ? "true" : "false").add("same_bits_twice", repeats ? "true" : "false");
+      line.print();
+      if (!(difference <= kMostDifference) || !same_flips || !repeats) failed += "\n  " + what;
+    }
+  }
+  if (!failed.empty()) fail("CPU and GPU differ, or two runs on the GPU do:" + failed);
+}
+
+/// Medians of the seconds of the same thing in several runs.
+class Times {
+ public:
+  void add(const std::string& name, double seconds) { seconds_[name].push_back(seconds); }
+  Json medians() const {
+    Json json;
+    for (const auto& [name, seconds] : seconds_) json.number(name.c_str(), median(seconds));
+    return json;
+  }
+
+ private:
+  std::map<std::string, std::vector<double>> seconds_;
+};
+
+/// Every pass and sweep ends with a download of its sums, which waits for the device: the library's own clock on the
+/// host therefore tells device time, with the gaps between launches. So do "load" and "store", the host's work and
+/// transfers, and "rings" together with "colouring".
+void measure(const std::string& source, const TetMesh& mesh, int runs, bool flips_alone) {
+  const auto tets = static_cast<double>(mesh.tets.size());
+  Options options;
+  options.max_iterations = flips_alone ? 0 : options.max_iterations;
+  options.device = Device::cpu;
+  TetMesh on_cpu = mesh;
+  const Report cpu = optimize(on_cpu, options);
+  check_valid(on_cpu, source + ", by the CPU");
+  on_cpu = {};
+
+  options.device = Device::cuda;
+  const std::size_t free_before = free_bytes();
+  std::size_t least_free = free_before;
+  Context watch;
+  watch.progress = [&least_free](const Progress&) {
+    least_free = std::min(least_free, free_bytes());
+    return true;
+  };
+  TetMesh first = mesh;
+  const Report warm_up = optimize(first, options, watch);
+  const auto peak = static_cast<double>(free_before - least_free);
+  check_valid(first, source + ", by the GPU");
+
+  Times phases;
+  std::vector<double> seconds;
+  std::vector<std::vector<double>> passes(warm_up.flip_passes.size());
+  std::vector<std::vector<double>> sweeps(warm_up.sweeps.size());
+  for (int run = 0; run < runs; ++run) {
+    TetMesh again = mesh;
+    const Report r = optimize(again, options);
+    if (!same_bits(again, first)) fail(source + ": two runs on the GPU have different bits");
+    seconds.push_back(r.seconds);
+    for (const PhaseTime& p : r.phases) phases.add(p.phase, p.seconds);
+    for (std::size_t i = 0; i < passes.size(); ++i) passes[i].push_back(r.flip_passes[i].seconds);
+    for (std::size_t i = 0; i < sweeps.size(); ++i) sweeps[i].push_back(r.sweeps[i].seconds);
+  }
+  const auto medians = [](const std::vector<std::vector<double>>& all) {
+    std::vector<double> values;
+    for (const auto& one : all) values.push_back(median(one));
+    return values;
+  };
+  Times cpu_phases;
+  for (const PhaseTime& p : cpu.phases) cpu_phases.add(p.phase, p.seconds);
+  Json line;
+  line.text("mesh", source).add("flips_alone", flips_alone ? "true" : "false");
+  line.number("tets", tets).number("vertices", static_cast<double>(mesh.points.size())).number("runs", runs);
+  line.number("seconds", median(seconds)).add("phase_seconds", phases.medians().str());
+  line.numbers("pass_seconds", medians(passes)).numbers("sweep_seconds", medians(sweeps));
+  line.number("peak_bytes", peak).number("bytes_per_tet", peak / tets);
+  line.number("cpu_threads", cpu.threads).number("cpu_seconds", cpu.seconds);
+  line.add("cpu_phase_seconds", cpu_phases.medians().str());
+  line.number("energy_difference", energy_difference(warm_up, cpu));
+  line.numbers("flips_cpu", flips_of(cpu)).numbers("flips_gpu", flips_of(warm_up));
+  if (!flips_alone) {
+    Json stages;
+    for (const auto& [name, time] : measure_stages(mesh, runs)) stages.number(name.c_str(), time);
+    line.add("stage_seconds", stages.str());
+  }
+  line.print();
+}
+
+void run_on_gpu(const TetMesh& mesh, Options options, int times) {
+  options.device = Device::cuda;
+  for (int i = 0; i < times; ++i) {
+    TetMesh again = mesh;
+    optimize(again, options);
+    check_valid(again, "a mesh by the GPU");
+  }
+}
+
+void run_small() {
+  constexpr double kTets = 3000;
+  Options options;
+  options.effort = Effort::best;
+  run_on_gpu(generated(kTets), options, 1);
+  options.boundary = Boundary::slide;
+  options.max_deviation = 0.01;
+  run_on_gpu(generated(kTets), options, 1);
+  Options other;
+  other.relocation = Relocation::gradient;
+  other.energy = Energy::harmonic;
+  run_on_gpu(generated(kTets), other, 1);
+  Options untangling;
+  untangling.untangle = true;
+  run_on_gpu(reference::lattice(6, 0.5), untangling, 1);
+  Json().add("valid", "true").print();
+}
+
+void print_ceilings() {
+  const Card c = card();
+  Json line;
+  line.text("card", c.name).number("compute_capability", c.major + 0.1 * c.minor).number("processors", c.processors);
+  line.number("memory_bytes", static_cast<double>(c.memory));
+  line.number("free_bytes", static_cast<double>(c.free_memory));
+  line.number("driver_cuda", c.driver / 1000 + 0.01 * (c.driver % 1000));
+  line.number("toolkit_cuda", c.runtime / 1000 + 0.01 * (c.runtime % 1000));
+  const Ceilings m = measure_ceilings();
+  line.number("copy_gb_s", 1e-9 * m.copy_bytes).number("upload_gb_s", 1e-9 * m.upload_bytes);
+  line.number("download_gb_s", 1e-9 * m.download_bytes).number("single_tflops", 1e-12 * m.single_flops);
+  line.number("double_tflops", 1e-12 * m.double_flops).number("launch_us", 1e6 * m.launch_seconds);
+  line.number("round_trip_us", 1e6 * m.round_trip_seconds).print();
+}
+
+/// Throws the library's own words where no GPU can be used.
+void require_gpu() { run_on_gpu(reference::lattice(1), {}, 1); }
+
+int usage() {
+  std::fprintf(stderr,
+               "usage: bench_gpu ceilings | parity [FILE ...] | small | mesh TETS|FILE RUNS | once TETS|FILE\n");
+  return 2;
+}
+
+int run(const std::vector<std::string>& args) {
+  const std::string command = args.empty() ? "" : args[0];
+  const std::map<std::string, std::size_t> arguments{{"ceilings", 1}, {"small", 1}, {"once", 2}, {"mesh", 3}};
+  const auto expected = arguments.find(command);
+  if (command != "parity" && (expected == arguments.end() || expected->second != args.size())) return usage();
+  const int runs = command == "mesh" ? std::atoi(args[2].c_str()) : 1;
+  if (runs < 1) return usage();
+  require_gpu();
+  if (command == "ceilings") print_ceilings();
+  if (command == "small") run_small();
+  if (command == "once") run_on_gpu(mesh_of(args[1]), {}, 2);
+  if (command == "mesh") {
+    const TetMesh mesh = mesh_of(args[1]);
+    for (const bool flips_alone : {true, false}) measure(args[1], mesh, runs, flips_alone);
+  }
+  if (command == "parity") {
+    check_parity("cube", generated(12000));
+    for (std::size_t i = 1; i < args.size(); ++i) check_parity(args[i], read_mesh(args[i]));
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace tetune::gpu_bench
+
+int main(int argc, char** argv) {
+  try {
+    return tetune::gpu_bench::run({argv + 1, argv + argc});
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "bench_gpu: %s\n", e.what());
+    return 1;
+  }
+}
