@@ -92,6 +92,8 @@ class Run {
                            ": stopped before all tetrahedra were made positive, nothing was written");
       }
       throw NotUntangled(shown_name(job_.input, false) + ": " + e.message(true));
+    } catch (const OverlapError& e) {
+      throw MeshError(shown_name(job_.input, false) + ": " + e.message(true));
     } catch (const MeshError&) {
       throw MeshError(shown_name(job_.input, false) + ": " + validity_message(validate(input_.mesh, options_.threads)));
     }

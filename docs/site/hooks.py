@@ -47,7 +47,7 @@ PYTHON = """# Python
 ## What the results are made of
 {tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison}
 ## Errors
-{tetune.Error tetune.MeshError tetune.UntangleError tetune.OptionError tetune.FileError tetune.DeviceError}
+{tetune.Error tetune.MeshError tetune.UntangleError tetune.OverlapError tetune.OptionError tetune.FileError tetune.DeviceError}
 """
 
 

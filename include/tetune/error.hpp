@@ -40,6 +40,16 @@ class UntangleError : public MeshError {
   std::vector<Index> left;
 };
 
+/// The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.
+class OverlapError : public MeshError {
+ public:
+  /// `tets`: some of the input there, in increasing order.
+  explicit OverlapError(std::vector<Index> tets);
+  /// As UntangleError's.
+  std::string message(bool one_based) const;
+  std::vector<Index> tets;
+};
+
 /// An option out of its range, or one that cannot take effect.
 class OptionError : public Error {
  public:

@@ -185,6 +185,8 @@ void bind_errors(nb::module_& m) {
   mesh_error.doc() = "A mesh that breaks the contract of validate().";
   nb::exception<UntangleError>(m, "UntangleError", mesh_error).doc() =
       "The option untangle could not make every volume positive.";
+  nb::exception<OverlapError>(m, "OverlapError", mesh_error).doc() =
+      "The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.";
   nb::exception<OptionError>(m, "OptionError", error).doc() =
       "An option out of its range, or one that cannot take effect.";
   nb::exception<DeviceError>(m, "DeviceError", error).doc() = "A device that is absent, unusable or out of memory.";

@@ -158,6 +158,7 @@ def optimize(
 
     Raises:
         MeshError: the mesh is not valid: inverted elements, wild indices and the like.
+        OverlapError: flips would make faces that three or more tetrahedra share, as the mesh overlaps itself.
         UntangleError: the option untangle could not make every volume positive.
         OptionError: an option out of its range, or one that cannot take effect.
     """

@@ -18,6 +18,11 @@ struct AdjacencyReport {
 template <class Backend>
 void sort_mesh(const Backend& par, WorkMesh<Backend>& mesh);
 
+/// How many faces seem to have the three vertices of another one, as flips make where a mesh overlaps itself. 0 is
+/// certain, any other number is to be checked. The mesh is linked.
+template <class Backend>
+Size count_doubled_faces(const Backend& par, WorkMesh<Backend>& mesh);
+
 /// Links each face with the one across it. Where a face is crowded or its tetrahedra lie on the same side,
 /// the face is left as boundary and counted.
 template <class Backend>

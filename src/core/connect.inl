@@ -119,6 +119,43 @@ TETUNE_HD inline FaceKey face_key(const Tet& tet, int face) {
   return {low, a ^ b ^ c ^ low ^ high, high, (ab ^ bc ^ ac) != 0};
 }
 
+/// Notes each face once, in a set with open addressing. Where a face is looked for follows its lowest vertex, so that
+/// what is near in the mesh is near there.
+struct NoteFaces {
+  struct Found {
+    Size again = 0;
+    TETUNE_HD void merge(const Found& other) { again += other.again; }
+  };
+  Span<const Tet> tets;
+  Span<const Links> links;
+  Span<std::uint32_t> notes;
+  Size places;  ///< for each vertex
+
+  TETUNE_HD Found operator()(Size t) const {
+    Found found;
+    if (tets[t][0] == kFreeSlot) return found;
+    for (int face = 0; face < 4; ++face) {
+      const Link across = links[t][face];
+      if (across != kNoLink && link_tet(across) < t) continue;
+      const FaceKey key = face_key(tets[t], face);
+      std::uint64_t hash =
+          (key.pair() + 0x9e3779b97f4a7c15U * static_cast<std::uint64_t>(key.low + 1)) ^ key.pair() >> 29;
+      hash *= 0xbf58476d1ce4e5b9U;
+      hash ^= hash >> 31;
+      const auto note = static_cast<std::uint32_t>(hash >> 32) | 1U;
+      Size at = key.low * places + static_cast<Size>((hash & 0xffffffffU) % static_cast<std::uint64_t>(places));
+      for (std::uint32_t there = 1; there != 0; at = at + 1 < notes.size() ? at + 1 : 0) {
+        there = par::atomic_compare_exchange(notes[at], 0, note);
+        if (there == note) {
+          ++found.again;
+          break;
+        }
+      }
+    }
+    return found;
+  }
+};
+
 struct LowestVertexOfFace {
   Span<const Tet> tets;
   TETUNE_HD Size operator()(Size item) const {
@@ -313,6 +350,18 @@ AdjacencyReport build_adjacency(const Backend& par, WorkMesh<Backend>& mesh) {
   const auto found = par.template reduce<MatchFaces::Found>(
       mesh.vertices(), MatchFaces{mesh.tet2vertex.span(), rows.offsets.span(), rows.items.span(), mesh.tet2tet.span()});
   return {found.boundary, found.crowded, found.same_side};
+}
+
+template <class Backend>
+Size count_doubled_faces(const Backend& par, WorkMesh<Backend>& mesh) {
+  using namespace connect_detail;
+  if (mesh.vertices() == 0) return 0;
+  // No tetrahedron notes more than four faces, so that there is room; most note two, so that half of it stays free.
+  const Size places = 1 + 4 * mesh.slots() / mesh.vertices();
+  typename Backend::template Buffer<std::uint32_t> notes(mesh.vertices() * places);
+  par.fill(notes.span(), std::uint32_t{0});
+  const NoteFaces note{mesh.tet2vertex.span(), mesh.tet2tet.span(), notes.span(), places};
+  return par.template reduce<NoteFaces::Found>(mesh.slots(), note).again;
 }
 
 template <class Backend>

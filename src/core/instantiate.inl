@@ -5,6 +5,7 @@
 namespace tetune {
 template void sort_mesh(const Instance&, WorkMesh<Instance>&);
 template AdjacencyReport build_adjacency(const Instance&, WorkMesh<Instance>&);
+template Size count_doubled_faces(const Instance&, WorkMesh<Instance>&);
 template void build_vertex2tet(const Instance&, WorkMesh<Instance>&, Rows<Instance>&);
 template void lock_interfaces(const Instance&, WorkMesh<Instance>&, Span<const int>);
 template Instance::Buffer<Index> compact_slots(const Instance&, WorkMesh<Instance>&);

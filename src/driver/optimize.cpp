@@ -40,12 +40,23 @@ std::string untangle_message(std::int64_t tangled, const std::vector<Index>& lef
          "\n  their vertices have no room: let the boundary slide, freeze less, or repair the surface there.";
 }
 
+std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
+  return "the mesh overlaps itself: flips would make faces that three or more tetrahedra share, near tetrahedra" +
+         first_ids(tets, one_based) +
+         "\n  repair it in the program that made it, or leave its connectivity as it is (--no-flips --keep-vertices).";
+}
+
 }  // namespace
 
 UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest)
     : MeshError(untangle_message(all, rest, false)), tangled(all), left(std::move(rest)) {}
 
 std::string UntangleError::message(bool one_based) const { return untangle_message(tangled, left, one_based); }
+
+OverlapError::OverlapError(std::vector<Index> there)
+    : MeshError(overlap_message(there, false)), tets(std::move(there)) {}
+
+std::string OverlapError::message(bool one_based) const { return overlap_message(tets, one_based); }
 
 Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   if (options.max_iterations < 0) {

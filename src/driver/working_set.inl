@@ -217,6 +217,26 @@ inline bool flips_boundary(const Options& options) {
          !(options.max_deviation > 0) && options.max_ring > 3;
 }
 
+/// Throws OverlapError where flips have made faces of three and more tetrahedra.
+inline void check_faces(const TetMesh& before, const std::vector<Point>& points, const VertexIds& ids, double scale,
+                        const decltype(TetMesh::tets)& tets, const std::vector<Index>& tet2original) {
+  TetMesh after;
+  after.points = before.points;
+  after.points.resize(ids.extended2new.size());
+  put_points(points, ids, scale, after.points);
+  after.point_tags.resize(after.points.size());
+  after.tets = tets;
+  after.tet_tags.resize(tets.size());
+  std::vector<Index> there;
+  for (const Finding& finding : validate(after).findings) {
+    for (const Index t : finding.first) there.push_back(tet2original[static_cast<std::size_t>(t)]);
+  }
+  if (there.empty()) return;
+  std::sort(there.begin(), there.end());
+  there.erase(std::unique(there.begin(), there.end()), there.end());
+  throw OverlapError(std::move(there));
+}
+
 /// Throws unless every volume is positive, or shall be made so; the few that rounding leaves in doubt are decided
 /// exactly.
 template <class Backend>
@@ -375,6 +395,7 @@ template <class Backend>
 void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report& report) {
   using namespace working_set_detail;
   // All that may fail comes first, so that the caller's mesh changes as a whole or not at all.
+  const bool check = count_doubled_faces(par, work.mesh) > 0;
   const std::vector<Index> slot_of = compact_slots(par, work.mesh).download();
   VertexIds ids = vertex_ids(work.mesh.vertex2original.download(), mesh.points.size());
   work.mesh.vertex2original.upload(ids.work2extended);
@@ -384,6 +405,7 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   std::vector<Index> tet2original = work.mesh.tet2original.download();
   std::vector<int> tet_tags = tags_of(tet2original, mesh);
   const std::vector<Point> points = work.mesh.points.download();
+  if (check) check_faces(mesh, points, ids, work.scale, tets, tet2original);
   mesh.points.reserve(ids.extended2new.size());
   mesh.point_tags.reserve(ids.extended2new.size());
   std::vector<std::uint8_t> keep(mesh.triangles.size());

@@ -47,6 +47,17 @@ TETUNE_HD inline void atomic_max(std::uint64_t& target, std::uint64_t value) {
 #endif
 }
 
+/// Stores `value` where `expected` is; returns what was there.
+TETUNE_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t& target, std::uint32_t expected,
+                                                       std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicCAS(&target, expected, value);
+#else
+  __atomic_compare_exchange_n(&target, &expected, value, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
+  return expected;
+#endif
+}
+
 /// For values that several threads may store at once, all the same one.
 template <class T, class U>
 TETUNE_HD inline void store_shared(T& target, U value) {

@@ -651,6 +651,36 @@ TEST(Optimize, LeavesTheMeshAsItWasWhereverMemoryRunsOut) {
   EXPECT_LT(after.edges.size(), before.edges.size());
 }
 
+TEST(Optimize, AMeshThatOverlapsItselfKeepsItsFacesOrIsRefused) {
+  // A 2-3 flip of the third and the last makes the face of the first a second time.
+  TetMesh before;
+  before.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {2, 1, 5}};
+  before.tets = {{0, 1, 2, 5}, {3, 2, 1, 7}, {5, 1, 4, 7}, {6, 4, 2, 7}, {1, 2, 4, 7}};
+  before = test::with_tags(std::move(before));
+  orient_uniformly(before);
+  ASSERT_TRUE(validate(before).ok()) << validate(before).message(false);
+  TetMesh m = before;
+  try {
+    optimize(m);
+    ADD_FAILURE() << "not refused";
+  } catch (const OverlapError& e) {
+    EXPECT_FALSE(e.tets.empty());
+    EXPECT_NE(e.message(true).find("--no-flips"), std::string::npos) << e.message(true);
+  }
+  EXPECT_EQ(m.tets, before.tets);
+  EXPECT_EQ(m.points, before.points);
+  Options options;
+  options.flips = false;
+  options.keep_vertices = true;
+  for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
+    options.effort = effort;
+    m = before;
+    optimize(m, options);
+    EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
+    EXPECT_EQ(m.tets, before.tets);
+  }
+}
+
 TEST(Optimize, RefusesOptionsOutOfRange) {
   TetMesh m = test::one_tet();
   Options options;

@@ -128,6 +128,24 @@ TEST(Adjacency, ALargeFanIsMatchedToo) {
   EXPECT_EQ(check_links(work), "");
 }
 
+TEST(Adjacency, FindsFacesThatAreThereTwice) {
+  for (const TetMesh& m : {test::one_tet(), test::two_tets(1), test::cube(9, 0.2)}) {
+    auto work = to_work(m);
+    build_adjacency(par::Cpu(2), work);
+    EXPECT_EQ(count_doubled_faces(par::Cpu(2), work), 0);
+  }
+  // A tetrahedron over a face of an inner one, not linked with it.
+  TetMesh m = test::cube(4);
+  m.points.push_back({2, 3, 5});
+  const auto inner = m.tets[m.tets.size() / 2];
+  m.tets.push_back({inner[0], inner[1], inner[2], static_cast<Index>(m.points.size() - 1)});
+  m.tet_tags.push_back(0);
+  m.point_tags.resize(m.points.size());
+  auto work = to_work(m);
+  build_adjacency(par::Cpu(1), work);
+  EXPECT_EQ(count_doubled_faces(par::Cpu(1), work), 2) << "sides of the face beyond the first";
+}
+
 TEST(Adjacency, CountsCrowdedAndOneSidedFaces) {
   TetMesh m = test::two_tets(1);
   m.points.push_back({0, 0, 2});
