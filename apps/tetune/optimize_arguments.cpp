@@ -186,9 +186,10 @@ void define(CLI::App& c, OptimizeArguments& a) {
   c.add_option("--threads", a.options.threads, "CPU threads; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  c.add_option("--device", a.options.device, "Where to compute")
+  c.add_option("--device", a.options.device,
+               "Where to compute; auto: on a GPU from a million tetrahedra on, where there is one with enough memory")
       ->transform(CLI::CheckedTransformer(kDevices).description("{auto,cpu,cuda}"))
-      ->default_str("auto");
+      ->default_str("cpu");
   c.add_option("-m,--max-memory", a.max_memory,
                "Refuse a mesh for which more than so many MB (of 1024 * 1024 bytes) of memory would be needed")
       ->check(CLI::PositiveNumber)

@@ -212,6 +212,9 @@ class Run {
                         report_.seconds, report_.device,
                         report_.threads > 0 ? fmt::format(" ({} threads)", report_.threads) : "", write_seconds_,
                         shown_name(job_.output, true));
+    if (!report_.device_reason.empty()) {
+      text += fmt::format("  on {}: {}\n", report_.device, report_.device_reason);
+    }
     if (stopped) {
       text += fmt::format("  stopped early ({}): a valid mesh was written, but there was more to do\n", outcome_.what);
     }

@@ -104,6 +104,7 @@ Json to_json(const Report& r) {
   Json phases = Json::object();
   for (const PhaseTime& p : r.phases) phases[p.phase] = p.seconds;
   return {{"device", r.device},
+          {"device_reason", r.device_reason},
           {"threads", r.threads},
           {"stopped", to_string(r.stop)},
           {"seconds", r.seconds},

@@ -13,7 +13,7 @@
 namespace tetune {
 
 enum class Device {
-  automatic,  ///< the CPU; a GPU where that is known to be faster
+  automatic,  ///< as cuda for 1000000 tetrahedra or more where that can be, else the CPU
   cpu,        ///< threads
   cuda,       ///< the calling thread's current NVIDIA GPU, compute capability 7.5 or newer
 };
@@ -51,7 +51,7 @@ enum class Effort {
 
 /// What optimize() shall do.
 struct Options {
-  Device device = Device::automatic;
+  Device device = Device::cpu;
   Boundary boundary = Boundary::preserve;
   Energy energy = Energy::shape;
   /// Without effect under Termination::paper. Energy::harmonic leaves out the work on the worst elements.
@@ -157,7 +157,8 @@ struct PhaseTime {
 
 /// What optimize() did.
 struct Report {
-  std::string device;
+  std::string device;         ///< "CPU", or the name of the GPU
+  std::string device_reason;  ///< why that one, with Device::automatic; empty otherwise
   int threads = 0;            ///< that ran: fewer than asked for where the system gives no more; 0 on a GPU
   std::int64_t vertices = 0;  ///< of the input
   std::int64_t tets_before = 0, tets_after = 0;
@@ -232,5 +233,9 @@ Report optimize(TetMesh& mesh, const Options& options = {}, const Context& conte
 /// About the most bytes of main memory that optimize() has in use at once, the mesh included: to refuse a mesh before
 /// the work. Measured on meshes of 80 thousand to 1.5 million tetrahedra: docs/command-line.md, "Memory".
 std::size_t memory_needed(const TetMesh& mesh, const Options& options = {});
+
+/// The bytes of its own memory that a GPU sets aside for optimize(), whatever Options::device is. Where they are not
+/// free, optimize() throws DeviceError before the work.
+std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options = {});
 
 }  // namespace tetune

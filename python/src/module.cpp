@@ -398,6 +398,7 @@ void bind_report(nb::module_& m) {
       .def_prop_ro("met", &TargetReport::met);
   nb::class_<Report>(m, "Report", "What optimize() did.")
       .def_ro("device", &Report::device)
+      .def_ro("device_reason", &Report::device_reason, "Why that one, where the choice was automatic.")
       .def_ro("threads", &Report::threads)
       .def_ro("vertices", &Report::vertices, "Of the input.")
       .def_ro("tets_before", &Report::tets_before)

@@ -143,6 +143,13 @@ def test_options_take_effect():
     assert r.report.energy_after < r.report.energy_before
 
 
+def test_the_automatic_device_says_why():
+    points, tets = shaken_box(2, 2, 2)
+    assert tetune.optimize(points, tets).report.device_reason == ""
+    report = tetune.optimize(points, tets, device="automatic").report
+    assert (report.device, report.device_reason) == ("CPU", "below 1000000 tetrahedra")
+
+
 def test_traced_angles():
     points, tets = shaken_box()
     r = tetune.optimize(points, tets, trace_angles=True)

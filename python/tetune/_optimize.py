@@ -26,7 +26,7 @@ class Options(TypedDict, total=False):
     """Options of optimize(): names, meaning and defaults as in C++ (`tetune/optimize.hpp`)."""
 
     device: Literal["automatic", "cpu", "cuda"]
-    """Where to compute; automatic is the CPU."""
+    """Where to compute; cpu (default); automatic: cuda for a million tetrahedra or more where that can be, else cpu."""
     boundary: Literal["preserve", "slide", "fixed"]
     """preserve (default): vertices move in the surface's planes and along its straight lines; slide: on the input
     surface and along its feature lines; fixed: not at all."""

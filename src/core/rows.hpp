@@ -151,6 +151,7 @@ void group_by_row(const Backend& par, Size row_count, Size item_count, const Row
     Ids ids(par.exclusive_scan(Span<const std::uint32_t>(counts.span()), offsets.span()));
     par.for_each(row_count, Shift{counts.span(), offsets.span()});
     par.for_each(item_count, Fill{rows, offsets.span(), ids.span()});
+    row = Ids();  // for the memory
     par.for_each(row_count, SortRow{offsets.span(), ids.span()});
     grouped.resize(ids.size());
     par.for_each(ids.size(), MakeItems<Make, T>{make, ids.span(), grouped.span()});

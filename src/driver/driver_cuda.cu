@@ -4,34 +4,48 @@
 #include "par/cuda.cuh"
 
 namespace tetune {
+namespace {
 
-template Report optimize_on(const par::Cuda&, TetMesh&, const Options&, const Context&);
+CudaSystem cuda_system() {
+  CudaSystem system;
+  cudaDriverGetVersion(&system.driver);
+  cudaRuntimeGetVersion(&system.runtime);
+  const cudaError_t status = cudaGetDeviceCount(&system.devices);
+  if (status != cudaSuccess) system.error = cudaGetErrorString(status);
+  return system;
+}
 
-Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context) {
-  cudaGetLastError();  // what the caller left unread is not ours
-  int count = 0;
-  const cudaError_t status = cudaGetDeviceCount(&count);
-  if (status != cudaSuccess || count == 0) {
-    cudaGetLastError();
-    throw DeviceError(std::string("no usable NVIDIA GPU: ") +
-                      (status != cudaSuccess ? cudaGetErrorString(status) : "none found") +
-                      ". Check `nvidia-smi`, or use the CPU (--device cpu).");
-  }
+Gpu current_gpu() {
   int device = 0;
   par::check_cuda(cudaGetDevice(&device), "device query");
   cudaDeviceProp properties{};
   par::check_cuda(cudaGetDeviceProperties(&properties, device), "device query");
-  if (properties.major * 10 + properties.minor < 75) {
-    throw DeviceError(std::string(properties.name) + " has compute capability " + std::to_string(properties.major) +
-                      "." + std::to_string(properties.minor) + "; 7.5 or newer is needed. Use the CPU (--device cpu).");
+  Gpu gpu{properties.name, properties.major, properties.minor};
+  gpu.resident_threads = static_cast<std::size_t>(properties.multiProcessorCount) *
+                         static_cast<std::size_t>(properties.maxThreadsPerMultiProcessor);
+  par::check_cuda(cudaMemGetInfo(&gpu.free_memory, &gpu.total_memory), "memory query");
+  return gpu;
+}
+
+}  // namespace
+
+template Report optimize_on(const par::Cuda&, TetMesh&, const Options&, const Context&);
+
+std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
+  std::string why = why_no_gpu(cuda_system());
+  cudaGetLastError();  // told here, and what the caller left unread is not ours
+  if (!why.empty()) return why;
+  try {
+    return why_unusable(current_gpu(), memory_needed_on_device(mesh, options));
+  } catch (const DeviceError& e) {
+    return e.what();
   }
-  if (properties.memoryPoolsSupported == 0) {
-    throw DeviceError(std::string(properties.name) +
-                      " has no memory pools (cudaMallocAsync) under this driver; they are needed. Use the CPU "
-                      "(--device cpu).");
-  }
-  std::string name = properties.name;  // before the mesh changes: nothing may fail after that
-  Report report = optimize_on(par::Cuda(context.stop), mesh, options, context);
+}
+
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context) {
+  if (const std::string why = why_not_on_cuda(mesh, options); !why.empty()) throw DeviceError(why);
+  std::string name = current_gpu().name;  // before the mesh changes: nothing may fail after that
+  Report report = optimize_on(par::Cuda(memory_needed_on_device(mesh, options), context.stop), mesh, options, context);
   report.device.swap(name);
   return report;
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "tetune/optimize.hpp"
 
 namespace tetune {
@@ -28,6 +30,19 @@ std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
   bytes += (inserts ? 3 : 2) * bytes_of(mesh.point_data);
   for (const ElementBlock& block : mesh.others) bytes += bytes_of(block.data);
   return bytes;
+}
+
+std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options) {
+  // Bytes, fitted to the peaks of the pool, with a tenth to spare: docs/benchmarks/gpu-memory.md. Vertices count for
+  // more than they take, as where there are many for the tetrahedra, there is much surface.
+  const std::size_t vertices = mesh.points.size();
+  const std::size_t tets = mesh.tets.size();
+  std::size_t loop = 132 * tets + 300 * vertices;
+  if (options.boundary == Boundary::slide) loop += 100 * vertices;  // the reference surface
+  if (options.effort == Effort::best) loop += loop / 6;             // room for inserted vertices
+  const std::size_t load = 70 * tets + 100 * vertices + 24 * mesh.triangles.size();
+  const std::size_t bytes = (std::size_t{4} << 20) + std::max(loop, load) + 32 * mesh.edges.size();
+  return bytes + bytes / 10;
 }
 
 }  // namespace tetune

@@ -5,10 +5,13 @@
 
 namespace tetune {
 
-Report optimize_on_cuda(TetMesh&, const Options&, const Context&) {
-  throw DeviceError(
-      "this build of tetune has no CUDA backend. Build with the `cuda` preset where nvcc is installed, or use the CPU "
-      "(--device cpu).");
+std::string why_not_on_cuda(const TetMesh&, const Options&) {
+  return "this build of tetune has no CUDA backend. Build with the `cuda` preset where nvcc is installed, or use the CPU "
+         "(--device cpu).";
+}
+
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context&) {
+  throw DeviceError(why_not_on_cuda(mesh, options));
 }
 
 }  // namespace tetune

@@ -84,8 +84,10 @@ Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   }
   for (const Target& target : options.targets) check_target(target);
   const auto start = std::chrono::steady_clock::now();
+  DeviceChoice choice{options.device, ""};
+  if (options.device == Device::automatic) choice = choose_device(mesh, options);
   Report report;
-  if (options.device == Device::cuda) {
+  if (choice.device == Device::cuda) {
     report = optimize_on_cuda(mesh, options, context);
   } else {
     const par::Cpu cpu(options.threads, context.stop);
@@ -93,6 +95,7 @@ Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
     report.device = "CPU";
     report.threads = cpu.threads();
   }
+  report.device_reason.swap(choice.reason);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

@@ -8,10 +8,13 @@
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
 #include <functional>
+#include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "par/buffer.hpp"
+#include "par/pool.hpp"
 #include "par/span.hpp"
 #include "tetune/error.hpp"
 
@@ -29,15 +32,15 @@ __global__ void for_each_kernel(Size n, F f) {
   if (i < n) f(i);
 }
 
-/// One block merges one chunk of fixed length, as a tree of fixed shape: the same bits on every run.
-template <class R, class F, int kThreads, int kChunk>
+/// One block merges one chunk of fixed length, as a tree of fixed shape: the same bits on every run. A thread has one
+/// item: the vertices of a colour are few for a GPU.
+template <class R, class F, int kThreads>
 __global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial) {
   __shared__ alignas(16) unsigned char storage[sizeof(R) * kThreads];
   R* shared = reinterpret_cast<R*>(storage);
-  const Size begin = static_cast<Size>(blockIdx.x) * kChunk;
-  const Size end = begin + kChunk < n ? begin + kChunk : n;
+  const Size i = static_cast<Size>(blockIdx.x) * kThreads + threadIdx.x;
   R r{};
-  for (Size i = begin + threadIdx.x; i < end; i += kThreads) r.merge(f(i));
+  if (i < n) r.merge(f(i));
   shared[threadIdx.x] = r;
   for (int half = kThreads / 2; half > 0; half /= 2) {
     __syncthreads();
@@ -52,7 +55,10 @@ struct ReadPartial {
   TETUNE_HD R operator()(Size i) const { return partial[i]; }
 };
 
-/// The CUDA backend: the current device, one stream (the default one), memory from the driver's pool.
+/// The CUDA backend: the current device, one stream (the default one), memory from a pool that is had at the start.
+///
+/// A buffer may go back to the pool, and its memory to the next one, while kernels that use it have yet to run: all that
+/// uses the memory afterwards, transfers too, is in the same stream, and so comes after them.
 class Cuda {
  public:
   template <class T>
@@ -69,38 +75,30 @@ class Cuda {
     Buffer<T> copy_;
   };
 
-  explicit Cuda(std::function<bool()> stop = {}) : stop_(std::move(stop)) {}
+  /// With so many bytes for buffers and scratch. Throws DeviceError.
+  explicit Cuda(std::size_t memory, std::function<bool()> stop = {})
+      : stop_(std::move(stop)), block_(allocate_block(memory)), pool_(block_.get(), memory) {}
   /// As Cpu's.
   bool stop_requested() const { return stop_ && stop_(); }
 
   template <class F>
   void for_each(Size n, const F& f) const {
-    if (n == 0) return;
-    for_each_kernel<<<blocks(n, kThreads), kThreads>>>(n, f);
-    check_cuda(cudaGetLastError(), "launch");
+    launch(n, f, kThreads);
   }
 
+  /// On as many multiprocessors as there can be.
   template <class F>
   void for_each_heavy(Size n, const F& f) const {
-    for_each(n, f);
+    launch(n, f, kWarp);
   }
 
   template <class R, class F>
   R reduce(Size n, const F& f) const {
+    static_assert(std::is_trivially_copyable_v<F> && std::is_trivially_copyable_v<R>);
+    static_assert(kThreads * sizeof(R) <= 48 * 1024, "a block's partial results must fit its shared memory");
     if (n == 0) return R{};
-    Size chunks = blocks(n, kChunk);
-    Buffer<R> partial(chunks);
-    reduce_kernel<R, F, kThreads, kChunk><<<static_cast<unsigned>(chunks), kThreads>>>(n, f, partial.span().data());
-    check_cuda(cudaGetLastError(), "launch");
-    while (chunks > 1) {
-      const Size fewer = blocks(chunks, kChunk);
-      Buffer<R> merged(fewer);
-      reduce_kernel<R, ReadPartial<R>, kThreads, kChunk><<<static_cast<unsigned>(fewer), kThreads>>>(
-          chunks, ReadPartial<R>{partial.span().data()}, merged.span().data());
-      check_cuda(cudaGetLastError(), "launch");
-      partial.swap(merged);
-      chunks = fewer;
-    }
+    Buffer<R> partial = reduce_chunks<R>(n, f);
+    while (partial.size() > 1) partial = reduce_chunks<R>(partial.size(), ReadPartial<R>{partial.span().data()});
     R result{};
     download(&result, partial.span().data(), sizeof(R));
     return result;
@@ -110,15 +108,17 @@ class Cuda {
   T exclusive_scan(Span<const T> in, Span<T> out) const {
     const Size n = in.size();
     if (n == 0) return T{};
-    T last_in{};
-    T last_out{};
-    download(&last_in, in.data() + n - 1, sizeof(T));
+    // The last of each, next to each other: one transfer. Before the scan, as that may be in place.
+    Buffer<T> ends(2);
+    copy(ends.span().data(), in.data() + n - 1, sizeof(T));
     std::size_t bytes = 0;
     check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, in.data(), out.data(), n), "scan");
     Buffer<unsigned char> scratch(static_cast<Size>(bytes));
     check_cuda(cub::DeviceScan::ExclusiveSum(scratch.span().data(), bytes, in.data(), out.data(), n), "scan");
-    download(&last_out, out.data() + n - 1, sizeof(T));
-    return last_out + last_in;
+    copy(ends.span().data() + 1, out.data() + n - 1, sizeof(T));
+    T last[2];
+    download(last, ends.span().data(), sizeof last);
+    return last[1] + last[0];
   }
 
   template <class F>
@@ -142,16 +142,15 @@ class Cuda {
     if (n == 0) return;
     Buffer<K> keys_out(n);
     Buffer<Index32> values_out(n);
+    // Between the two of each: what is sorted out of place needs a third.
+    cub::DoubleBuffer<K> key(keys.span().data(), keys_out.span().data());
+    cub::DoubleBuffer<Index32> value(values.span().data(), values_out.span().data());
     std::size_t bytes = 0;
-    check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, bytes, keys.span().data(), keys_out.span().data(),
-                                               values.span().data(), values_out.span().data(), n, 0, bits),
-               "sort");
+    check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, bytes, key, value, n, 0, bits), "sort");
     Buffer<unsigned char> scratch(static_cast<Size>(bytes));
-    check_cuda(cub::DeviceRadixSort::SortPairs(scratch.span().data(), bytes, keys.span().data(), keys_out.span().data(),
-                                               values.span().data(), values_out.span().data(), n, 0, bits),
-               "sort");
-    keys.swap(keys_out);
-    values.swap(values_out);
+    check_cuda(cub::DeviceRadixSort::SortPairs(scratch.span().data(), bytes, key, value, n, 0, bits), "sort");
+    if (key.Current() != keys.span().data()) keys.swap(keys_out);
+    if (value.Current() != values.span().data()) values.swap(values_out);
   }
 
   template <class T>
@@ -165,14 +164,9 @@ class Cuda {
     for_each(out.size(), Fill<T>{out, value});
   }
 
-  static void* allocate(std::size_t bytes) {
-    if (bytes == 0) return nullptr;
-    void* memory = nullptr;
-    check_cuda(cudaMallocAsync(&memory, bytes, nullptr), "allocation");
-    return memory;
-  }
+  static void* allocate(std::size_t bytes) { return Pool::current().allocate(bytes); }
   static void release(void* memory, std::size_t) {
-    if (memory != nullptr) cudaFreeAsync(memory, nullptr);
+    if (memory != nullptr) Pool::current().release(memory);
   }
   static void copy(void* to, const void* from, std::size_t bytes) {
     check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, nullptr), "copy");
@@ -185,10 +179,40 @@ class Cuda {
   }
 
  private:
-  std::function<bool()> stop_;
-  static constexpr int kThreads = 256;
-  static constexpr int kChunk = 1024;
+  struct FreeBlock {
+    void operator()(void* block) const { cudaFree(block); }
+  };
+  using Block = std::unique_ptr<void, FreeBlock>;
+  static Block allocate_block(std::size_t bytes) {
+    void* block = nullptr;
+    check_cuda(cudaMalloc(&block, bytes), "allocation");
+    return Block(block);
+  }
+
+  template <class F>
+  static void launch(Size n, const F& f, int threads) {
+    static_assert(std::is_trivially_copyable_v<F>);
+    if (n == 0) return;
+    for_each_kernel<<<blocks(n, threads), static_cast<unsigned>(threads)>>>(n, f);
+    check_cuda(cudaGetLastError(), "launch");
+  }
+
+  template <class R, class F>
+  static Buffer<R> reduce_chunks(Size n, const F& f) {
+    Buffer<R> partial(blocks(n, kThreads));
+    reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data());
+    check_cuda(cudaGetLastError(), "launch");
+    return partial;
+  }
+
+  static constexpr int kWarp = 32;
+  static constexpr int kThreads = 128;
+  /// What is numbered by 32 bits makes far fewer than the 2^31 - 1 that there may be.
   static unsigned blocks(Size n, int each) { return static_cast<unsigned>((n + each - 1) / each); }
+
+  std::function<bool()> stop_;
+  Block block_;
+  Pool pool_;
 };
 
 }  // namespace tetune::par

@@ -53,7 +53,6 @@ void* Pool::allocate(std::size_t bytes) {
 }
 
 void Pool::release(void* part) noexcept {
-  if (part == nullptr) return;
   auto here = parts_.find(static_cast<std::size_t>(static_cast<char*>(part) - block_));
   here->second.is_free = true;
   in_use_ -= here->second.bytes;

@@ -26,6 +26,7 @@ class Pool {
 
   /// Throws DeviceError where there is no room. Null for no bytes.
   void* allocate(std::size_t bytes);
+  /// Not null.
   void release(void* part) noexcept;
 
   std::size_t in_use() const { return in_use_; }

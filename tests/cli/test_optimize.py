@@ -55,6 +55,19 @@ class Optimize(CliTest):
             self.assertNotIn(part, plain)
         self.assertGreater(len(loud.splitlines()), len(plain.splitlines()) + 5)
 
+    def test_the_automatic_device_says_why(self):
+        source = self.put("in.mesh", cube(3))
+        said = {}
+        for device in ("auto", "cpu"):
+            done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--device", device,
+                                "--report", self.path("run.json"))
+            with open(self.path("run.json"), encoding="utf-8") as file:
+                said[device] = json.load(file)["optimization"]
+            self.assertEqual("on CPU: below 1000000 tetrahedra" in done.stdout, device == "auto")
+        self.assertEqual(said["auto"]["device"], "CPU")
+        self.assertEqual(said["auto"]["device_reason"], "below 1000000 tetrahedra")
+        self.assertEqual(said["cpu"]["device_reason"], "")
+
     def test_report(self):
         mesh = unflipped(cube(4))
         source = self.put("in.mesh", mesh)
@@ -66,7 +79,7 @@ class Optimize(CliTest):
         self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "effort": "default", "keep_vertices": False, "untangle": False, "feature_angle_deg": 45,
                                              "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
                                              "frozen_patches": [], "relocation": "newton", "termination": "paper",
-                                             "device": "auto", "max_iterations": 7, "flips": True, "max_ring": 7, "boundary_flips": True, "targets": [],
+                                             "device": "cpu", "max_iterations": 7, "flips": True, "max_ring": 7, "boundary_flips": True, "targets": [],
                                              "threads": 2})
         self.assertGreaterEqual(report["read_seconds"], 0)
         self.assertGreaterEqual(report["write_seconds"], 0)

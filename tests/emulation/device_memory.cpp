@@ -51,7 +51,7 @@ void* DeviceMemory::allocate(std::size_t bytes) {
 void DeviceMemory::release(void* memory, std::size_t bytes) noexcept {
   pool_.release(memory);
   const Open open(*this);
-  if (bytes > 0) poison(memory, bytes);
+  poison(memory, bytes);
 }
 
 void DeviceMemory::copy(void* to, const void* from, std::size_t bytes) const {

@@ -46,7 +46,7 @@ class Emulation {
 
   template <class F>
   void for_each(Size n, const F& f) const {
-    launch(f, blocks(n, kThreads), [&](Size block, const F& kernel) {
+    launch(n, f, [&](Size block, const F& kernel) {
       for_each_thread([&](Size thread) {
         const Size i = block * kThreads + thread;
         if (i < n) kernel(i);
@@ -61,16 +61,9 @@ class Emulation {
   template <class R, class F>
   R reduce(Size n, const F& f) const {
     if (n == 0) return R{};
-    Size chunks = blocks(n, kChunk);
-    Buffer<R> partial(chunks);
-    reduce_chunks(n, f, partial.span());
-    while (chunks > 1) {
-      const Size fewer = blocks(chunks, kChunk);
-      Buffer<R> merged(fewer);
-      reduce_chunks(chunks, ReadPartial<R>{partial.span()}, merged.span());
-      partial.swap(merged);
-      chunks = fewer;
-    }
+    Buffer<R> partial = reduce_chunks<R>(n, f);
+    while (partial.size() > 1)
+      partial = reduce_chunks<R>(partial.size(), ReadPartial<R>{std::as_const(partial).span()});
     R result{};
     download(&result, partial.span().data(), sizeof(R));
     return result;
@@ -105,7 +98,7 @@ class Emulation {
     Buffer<Size> count(1);
     Buffer<unsigned char> scratch(scratch_bytes(n));
     std::vector<Size> place(static_cast<std::size_t>(n));
-    launch(keep, blocks(n, kThreads), [&](Size block, const F& kernel) {
+    launch(n, keep, [&](Size block, const F& kernel) {
       for_each_thread([&](Size thread) {
         const Size i = block * kThreads + thread;
         if (i < n) place[static_cast<std::size_t>(i)] = kernel(i) ? 1 : 0;
@@ -113,7 +106,7 @@ class Emulation {
     });
     std::exclusive_scan(place.begin(), place.end(), place.begin(), Size{0});
     const Size before_last = place.back();
-    launch(keep, blocks(n, kThreads), [&](Size block, const F& kernel) {
+    launch(n, keep, [&](Size block, const F& kernel) {
       for_each_thread([&](Size thread) {
         const Size i = block * kThreads + thread;
         if (i >= n) return;
@@ -164,7 +157,9 @@ class Emulation {
   }
 
   static void* allocate(std::size_t bytes) { return DeviceMemory::current().allocate(bytes); }
-  static void release(void* memory, std::size_t bytes) { DeviceMemory::current().release(memory, bytes); }
+  static void release(void* memory, std::size_t bytes) {
+    if (memory != nullptr) DeviceMemory::current().release(memory, bytes);
+  }
   static void copy(void* to, const void* from, std::size_t bytes) { DeviceMemory::current().copy(to, from, bytes); }
   static void upload(void* to, const void* from, std::size_t bytes) { DeviceMemory::current().upload(to, from, bytes); }
   static void download(void* to, const void* from, std::size_t bytes) {
@@ -172,10 +167,9 @@ class Emulation {
   }
 
  private:
-  // Of par/cuda.cuh.
-  static constexpr int kThreads = 256;
-  static constexpr int kChunk = 1024;
-  static Size blocks(Size n, int each) { return (n + each - 1) / each; }
+  /// Of a block, as in par/cuda.cuh.
+  static constexpr int kThreads = 128;
+  static Size blocks(Size n) { return (n + kThreads - 1) / kThreads; }
   /// A little more than what CUB asks for.
   static Size scratch_bytes(Size n) { return n / 16 + 65536; }
 
@@ -201,14 +195,14 @@ class Emulation {
 
   /// The kernel is copied, as a launch does.
   template <class F, class Block>
-  void launch(const F& f, Size blocks, const Block& run) const {
+  void launch(Size n, const F& f, const Block& run) const {
     static_assert(std::is_trivially_copyable_v<F>);
-    if (blocks == 0) return;
+    if (n == 0) return;
     F kernel(f);
     memory_.check_arguments(kernel);
     const DeviceMemory::Open open(memory_);
-    const Order order(blocks, next());
-    for (Size b = 0; b < blocks; ++b) run(order(b), std::as_const(kernel));
+    const Order order(blocks(n), next());
+    for (Size b = 0; b < blocks(n); ++b) run(order(b), std::as_const(kernel));
   }
   template <class Thread>
   void for_each_thread(const Thread& run) const {
@@ -217,21 +211,22 @@ class Emulation {
   }
 
   template <class R, class F>
-  void reduce_chunks(Size n, const F& f, Span<R> partial) const {
-    launch(f, blocks(n, kChunk), [&](Size block, const F& kernel) {
+  Buffer<R> reduce_chunks(Size n, const F& f) const {
+    Buffer<R> partial(blocks(n));
+    launch(n, f, [&](Size block, const F& kernel) {
       R shared[kThreads];
-      const Size begin = block * kChunk;
-      const Size end = std::min(begin + kChunk, n);
       for_each_thread([&](Size thread) {
+        const Size i = block * kThreads + thread;
         R r{};
-        for (Size i = begin + thread; i < end; i += kThreads) r.merge(kernel(i));
+        if (i < n) r.merge(kernel(i));
         shared[thread] = r;
       });
       for (int half = kThreads / 2; half > 0; half /= 2) {
         for (int t = 0; t < half; ++t) shared[t].merge(shared[t + half]);
       }
-      partial[block] = shared[0];
+      partial.span()[block] = shared[0];
     });
+    return partial;
   }
 
   /// splitmix64.

@@ -98,7 +98,9 @@ TEST_P(EmulationAgainstCpu, Agrees) {
   TetMesh cpu = c.mesh;
   const Report on_cpu = optimize(cpu, c.options);
   TetMesh first = c.mesh;
-  const Report report = optimize_on(Emulation(1), first, c.options, {});
+  // In the memory that a GPU would set aside.
+  const std::size_t memory = memory_needed_on_device(c.mesh, c.options);
+  const Report report = optimize_on(Emulation(1, memory), first, c.options, {});
   EXPECT_TRUE(validate(first).ok()) << validate(first).message(false);
   EXPECT_LT(std::min(report.energy_after, on_cpu.energy_after), on_cpu.energy_before) << "nothing was done";
   EXPECT_NEAR(report.energy_after, on_cpu.energy_after, 1e-9 * on_cpu.energy_after);
@@ -169,6 +171,25 @@ TEST(Transfers, TheMeshCrossesAFewTimes) {
   const std::size_t bytes = mesh.points.size() * sizeof(Point3) + mesh.tets.size() * sizeof(mesh.tets[0]);
   EXPECT_LT(gpu.memory().traffic().bytes_up, 3 * bytes);
   EXPECT_LT(gpu.memory().traffic().bytes_down, 3 * bytes);
+}
+
+TEST(EmulationMemory, TheEstimateIsEnoughAndNotFarAbove) {
+  const TetMesh mesh = test::waved(test::cube(20, 0.2));
+  for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
+    for (const Effort effort : {Effort::fast, Effort::best}) {
+      Options options;
+      options.boundary = boundary;
+      options.effort = effort;
+      TetMesh m = mesh;
+      const Emulation gpu(1);
+      optimize_on(gpu, m, options, {});
+      const std::size_t peak = gpu.memory().pool().peak();
+      const std::size_t needed = memory_needed_on_device(mesh, options);
+      EXPECT_GT(needed, peak);
+      // But for the 4 MiB that are for small meshes.
+      EXPECT_LT(needed - (std::size_t{5} << 20), 2 * peak);
+    }
+  }
 }
 
 TEST(EmulationMemory, TheHostTouchesNoneOfItInAWholeRun) {

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/devices.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr std::size_t kMiB = std::size_t{1} << 20;
+
+std::string version(int number) { return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10); }
+
+/// Local memory of a thread, bytes, a little more than what the kernel with the most has:
+/// docs/benchmarks/gpu-memory.md. The driver keeps as much for every thread that a GPU can have at once.
+constexpr std::size_t kLocalMemory = 8192;
+/// For the driver's own needs, such as the code of the kernels.
+constexpr std::size_t kSpare = 128 * kMiB;
+
+}  // namespace
+
+std::string why_no_gpu(const CudaSystem& system) {
+  if (system.driver == 0) {
+    return "no usable GPU for CUDA: there is no NVIDIA driver. Install one (`nvidia-smi` then lists the GPU), or use "
+           "the "
+           "CPU (--device cpu).";
+  }
+  // Drivers run all that was built for their major version.
+  if (system.driver / 1000 < system.runtime / 1000) {
+    return "no usable GPU for CUDA: the driver is too old. It runs CUDA " + version(system.driver) +
+           ", and tetune was built with CUDA " + version(system.runtime) +
+           ". Install a newer driver, or use the CPU (--device cpu).";
+  }
+  if (system.error.empty() && system.devices > 0) return "";
+  return "no usable GPU for CUDA: " + (system.error.empty() ? "none found" : system.error) +
+         ". Look at `nvidia-smi` and at CUDA_VISIBLE_DEVICES, or use the CPU (--device cpu).";
+}
+
+std::string why_unusable(const Gpu& gpu, std::size_t memory) {
+  if (gpu.major * 10 + gpu.minor < 75) {
+    return gpu.name + " has compute capability " + std::to_string(gpu.major) + "." + std::to_string(gpu.minor) +
+           "; 7.5 or newer is needed. Use the CPU (--device cpu).";
+  }
+  const std::size_t needed = memory + gpu.resident_threads * kLocalMemory + kSpare;
+  if (needed <= gpu.free_memory) return "";
+  return gpu.name + " has too little memory: about " + std::to_string((needed + kMiB - 1) / kMiB) +
+         " MiB are needed, and " + std::to_string(gpu.free_memory / kMiB) + " of its " +
+         std::to_string(gpu.total_memory / kMiB) +
+         " MiB are free. End what else uses it, do less (--effort fast), or use the CPU (--device cpu).";
+}
+
+DeviceChoice choose_device(const TetMesh& mesh, const Options& options) {
+  if (mesh.tets.size() < kAutoTets) {
+    return {Device::cpu, "below " + std::to_string(kAutoTets) + " tetrahedra"};
+  }
+  const std::string why_not = why_not_on_cuda(mesh, options);
+  if (!why_not.empty()) return {Device::cpu, why_not};
+  return {Device::cuda, std::to_string(kAutoTets) + " tetrahedra or more, and a GPU with enough memory"};
+}
+
+}  // namespace tetune

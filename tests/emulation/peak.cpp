@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What runs need on the device, as the emulation of it counts: docs/benchmarks/gpu-memory.md.
+//   emulation_peak MESH fixed|preserve|slide fast|default|best
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+
+#include "driver/alternate.hpp"
+#include "emulation/emulation.hpp"
+#include "tetune/io.hpp"
+
+using namespace tetune;
+
+int main(int argc, char** argv) try {
+  if (argc != 4) throw std::runtime_error("usage: emulation_peak MESH fixed|preserve|slide fast|default|best");
+  const std::string boundary = argv[2];
+  const std::string effort = argv[3];
+  Options options;
+  options.boundary = boundary == "fixed" ? Boundary::fixed : boundary == "slide" ? Boundary::slide : Boundary::preserve;
+  options.effort = effort == "fast" ? Effort::fast : effort == "best" ? Effort::best : Effort::standard;
+  TetMesh mesh = read_mesh(argv[1]);
+  const auto vertices = mesh.points.size();
+  const auto tets = mesh.tets.size();
+  const auto triangles = mesh.triangles.size();
+  const par::Emulation gpu(1, std::size_t{32} << 30);
+  std::size_t peak = 0;
+  const auto tell = [&](const char* phase) {
+    if (gpu.memory().pool().peak() == peak) return true;
+    peak = gpu.memory().pool().peak();
+    std::printf("%10s: %6.1f bytes a tetrahedron\n", phase, static_cast<double>(peak) / static_cast<double>(tets));
+    return true;
+  };
+  Context context;
+  context.progress = [&](const Progress& p) { return tell(p.phase); };
+  optimize_on(gpu, mesh, options, context);
+  tell("store");
+  std::printf("%zu bytes for %zu vertices, %zu tetrahedra, %zu triangles listed\n", peak, vertices, tets, triangles);
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "emulation_peak: %s\n", e.what());
+  return 2;
+}
