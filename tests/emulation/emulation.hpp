@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "emulation/device_memory.hpp"
+#include "par/beside_host.hpp"
 #include "par/buffer.hpp"
 #include "par/pool.hpp"
 #include "par/span.hpp"
@@ -241,5 +242,9 @@ class Emulation {
   mutable std::uint64_t random_;
   DeviceMemory memory_;
 };
+
+/// As the CUDA backend: its ways are those to be tested.
+template <>
+inline constexpr bool kBesideHost<Emulation> = true;
 
 }  // namespace tetune::par
