@@ -22,23 +22,26 @@ struct Walk {
 };
 
 /// Newton direction within a primitive, for the Hessian there.
-TETUNE_HD inline Vec3 newton_direction(const ReferenceView& ref, const Sym3& hessian, const Site& site,
-                                       const Primitive& primitive) {
-  const Vec3& down = primitive.down;
-  const Vec3 bend = hessian * down;
-  const double curvature = dot(down, bend);
-  const Vec3 along_down = (curvature > 0 ? primitive.down2 / curvature : 1) * down;
-  if (primitive.on.kind != SiteKind::triangle) return along_down;
-  // The gradient has no part along `aside`. The determinant is lifted by less than rounding can tell.
-  const Vec3 aside = cross(primitive.frame.normal, down);
-  const double mixed = dot(aside, bend);
-  const double curvature_aside = dot(aside, hessian * aside);
-  const double det = (1 + 1e-15) * curvature * curvature_aside - mixed * mixed;
-  if (!(det > 0)) return along_down;
-  const Vec3 p = (primitive.down2 / det) * (curvature_aside * down - mixed * aside);
-  if (site.kind == SiteKind::triangle) return p;
-  // From an edge or vertex the gradient leads inside; Newton's direction may not.
-  return primitive.frame.leads_inside(entered_from(ref, site, primitive.on.item), p) ? p : along_down;
+TETUNE_HD inline Way newton_direction(const ReferenceView& ref, const Sym3& hessian, const Site& site,
+                                      const Primitive& primitive) {
+  const Frame& frame = primitive.frame;
+  const Way& fall = primitive.fall;
+  const Way& down = primitive.down;
+  const Vec3 bend = hessian * frame.along;
+  const double along = dot(frame.along, bend);
+  if (primitive.on.kind != SiteKind::triangle) return along > 0 ? Way{fall.along / along, 0} : down;
+  const double mixed = dot(frame.aside, bend);
+  const double aside = dot(frame.aside, hessian * frame.aside);
+  // The determinant is lifted by less than rounding can tell.
+  const double det = (1 + 1e-15) * along * aside - mixed * mixed;
+  if (det > 0) {
+    const Way p = (1 / det) * Way{aside * fall.along - mixed * fall.aside, along * fall.aside - mixed * fall.along};
+    // From an edge or vertex the gradient leads inside; Newton's direction may not.
+    if (site.kind == SiteKind::triangle || frame.leads_inside(entered_from(ref, site, primitive.on.item), p)) return p;
+  }
+  const double curvature =
+      dot(down, Way{along * down.along + mixed * down.aside, mixed * down.along + aside * down.aside});
+  return (curvature > 0 ? primitive.down2 / curvature : 1) * down;
 }
 
 }  // namespace slide_detail
@@ -61,14 +64,12 @@ struct NewtonSlide {
       const Primitive first = steepest(ref, walker, site, m.gradient);
       if (repeat == 0) result.step.gradient2 = kTraceFactor * kTraceFactor * first.down2;
       if (first.on.kind == SiteKind::none) break;
-      const Vec3 p = slide_detail::newton_direction(ref, m.hessian, site, first);
-      if (!(-dot(m.gradient, p) > min_gain * m.value)) break;
+      const Way p = slide_detail::newton_direction(ref, m.hessian, site, first);
+      if (!(dot(first.fall, p) > min_gain * m.value)) break;
       const double length = std::sqrt(m.length2);
-      const double inverts = NewtonStep::kReach * ring.step_bound(x, p) * norm(p);
       double reach = NewtonStep::kFarthest * length;
-      if (inverts < reach) reach = inverts;
       double decrease = 0;
-      for (int halving = 0; halving < NewtonStep::kMaxHalvings && decrease == 0; ++halving) {
+      for (int halving = 0; halving < NewtonStep::kMaxHalvings; ++halving) {
         const slide_detail::Walk walk = descend(ref, walker, m, x, site, first, p, reach);
         if (!leash.holds(walk.at)) {
           reach = 0.5 * walk.length;
@@ -81,8 +82,13 @@ struct NewtonSlide {
           result.step.relative_move += walk.length / length;
           x = walk.at;
           site = walk.site;
+          break;
         }
         reach = 0.5 * walk.length;
+        if (halving > 0) continue;
+        // Where the ring inverts is only asked when a walk failed, as few do.
+        const double inverts = NewtonStep::kReach * ring.step_bound(x, first.frame.in_space(p)) * first.frame.length(p);
+        if (inverts < walk.length) reach = inverts;
       }
       if (decrease == 0) break;
       result.step.decrease += decrease;
@@ -94,29 +100,36 @@ struct NewtonSlide {
   }
 
  private:
-  /// Walks the model down from x, at most `reach` far.
+  /// Walks the model down from x, at most `reach` far: first along p.
   TETUNE_HD slide_detail::Walk descend(const ReferenceView& ref, Mobility walker, const RingModel& m, const Vec3& x,
-                                       const Site& start, Primitive primitive, Vec3 p, double reach) const {
+                                       const Site& start, const Primitive& first, const Way& p, double reach) const {
     slide_detail::Walk walk{x, start, 0};
-    double omega = relaxation;
-    for (int hop = 0; hop < kMaxHops; ++hop) {
-      const double speed = norm(p);
-      const double left = (reach - walk.length) / speed;
-      if (!(left > 0)) break;
-      const Landing landing = advance(ref, walker, primitive, walk.site, walk.at, p, left < omega ? left : omega);
-      walk.at = landing.at;
-      walk.site = landing.site;
-      walk.length += landing.t * speed;
-      // Beyond the model's minimum there is no way on that leads down.
-      if (!landing.at_rim || !(landing.t < 1)) break;
-      omega = (omega - landing.t) / (1 - landing.t);
-      if (omega > kMostRelaxed) omega = kMostRelaxed;
-      const Vec3 gradient = m.gradient + m.hessian * (walk.at - x);
-      primitive = steepest(ref, walker, walk.site, gradient);
-      if (primitive.on.kind == SiteKind::none) break;
-      p = slide_detail::newton_direction(ref, m.hessian, walk.site, primitive);
+    double omega = hop(ref, walker, first, p, relaxation, reach, walk);
+    for (int hops = 1; omega > 0 && hops < kMaxHops; ++hops) {
+      const Primitive next = steepest(ref, walker, walk.site, m.gradient + m.hessian * (walk.at - x));
+      if (next.on.kind == SiteKind::none) break;
+      omega =
+          hop(ref, walker, next, slide_detail::newton_direction(ref, m.hessian, walk.site, next), omega, reach, walk);
     }
     return walk;
+  }
+
+  /// Goes by omega p, to the primitive's rim or to the end of the reach; returns the omega to go on with, or 0.
+  TETUNE_HD double hop(const ReferenceView& ref, Mobility walker, const Primitive& primitive, const Way& p,
+                       double omega, double reach, slide_detail::Walk& walk) const {
+    const double speed = primitive.frame.length(p);
+    const double left = reach - walk.length;
+    if (!(left > 0)) return 0;
+    double t = omega;
+    if (omega * speed > left) t = left / speed;
+    const Landing landing = advance(ref, walker, primitive, walk.site, walk.at, p, t);
+    walk.at = landing.at;
+    walk.site = landing.site;
+    walk.length += landing.t * speed;
+    // Beyond the model's minimum there is no way on that leads down.
+    if (!landing.at_rim || !(landing.t < 1)) return 0;
+    const double rest = (omega - landing.t) / (1 - landing.t);
+    return rest < kMostRelaxed ? rest : kMostRelaxed;
   }
 };
 
@@ -136,18 +149,19 @@ struct GradientSlide {
     const double slope = std::sqrt(primitive.down2);
     result.step.gradient2 = kTraceFactor * kTraceFactor * primitive.down2;
     if (primitive.on.kind == SiteKind::none || !(kTraceFactor * slope >= min_gradient)) return result;
-    const Vec3 p = (1 / slope) * primitive.down;
+    const Way way = (1 / slope) * primitive.down;
+    const Vec3 p = primitive.frame.in_space(way);
     const double length = std::sqrt(m.length2);
     double lambda = GradientStep::kReach * ring.step_bound(x, p);
     if (!(lambda < NewtonStep::kFarthest * length)) lambda = NewtonStep::kFarthest * length;
-    lambda = advance(ref, walker, primitive, site, x, p, lambda).t;
+    lambda = advance(ref, walker, primitive, site, x, way, lambda).t;
     for (int halving = 0; halving < GradientStep::kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving)
       lambda *= 0.5;
     double alpha = brent_minimum(ring.ray(x, p), 0, lambda);
     // Brent's method never returns the end of its interval.
     if (alpha > (1 - kAtEnd) * lambda) alpha = lambda;
     for (int halving = 0; halving < GradientStep::kMaxHalvings; ++halving, alpha *= 0.5) {
-      const Landing landing = advance(ref, walker, primitive, site, x, p, alpha);
+      const Landing landing = advance(ref, walker, primitive, site, x, way, alpha);
       if (!leash.holds(landing.at)) continue;
       const RingValue v = ring.value(landing.at);
       if (v.certified && v.value < m.value && bound.allows(landing.at, landing.site)) {

@@ -46,28 +46,6 @@ struct ReferenceView {
   TETUNE_HD Vec3 point(Index v) const { return vec(points[v]); }
 };
 
-/// One reference triangle, in place.
-struct TriangleFrame {
-  Vec3 p[3];
-  Vec3 normal;  ///< not unit
-
-  TriangleFrame() = default;
-  TETUNE_HD TriangleFrame(const ReferenceView& ref, Index triangle) {
-    const SurfaceTriangle t = ref.triangles[triangle];
-    for (int k = 0; k < 3; ++k) p[k] = ref.point(t.v[k]);
-    normal = cross(p[1] - p[0], p[2] - p[0]);
-  }
-  /// Along which the affine coordinate of corner k rises; its length is that of the edge opposite times the normal.
-  TETUNE_HD Vec3 inward(int k) const { return cross(normal, p[(k + 2) % 3] - p[(k + 1) % 3]); }
-  /// Whether the coordinates of the corners with a bit in `enters` rise along a direction.
-  TETUNE_HD bool leads_inside(unsigned enters, const Vec3& direction) const {
-    for (int k = 0; k < 3; ++k) {
-      if ((enters >> k & 1) != 0 && !(dot(direction, inward(k)) > 0)) return false;
-    }
-    return true;
-  }
-};
-
 /// Owns the reference surface, in a backend's memory. Empty unless vertices slide.
 template <class Backend>
 struct ReferenceSurface {

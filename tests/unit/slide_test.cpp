@@ -173,6 +173,8 @@ TinySurface folded(double apex_height) {
   return {{{0, 0, 0}, {0, 1, 0}, {-1, 0.5, apex_height}, {1, 0.5, apex_height}}, {{0, 1, 2}, {1, 0, 3}}};
 }
 
+Vec3 descent(const Primitive& p) { return p.frame.in_space(p.down); }
+
 TEST(Steepest, OfAVertexIsTheLargestDerivativeAround) {
   std::mt19937 random(1);
   int on_edges = 0;
@@ -181,8 +183,8 @@ TEST(Steepest, OfAVertexIsTheLargestDerivativeAround) {
     const TinySurface s = fan(3 + i % 6, heights[i % 4], random);
     const Vec3 g = random_vec(random);
     const Primitive best = steepest(s.view(), Mobility::surface, {SiteKind::vertex, 0}, g);
-    EXPECT_NEAR(norm(best.down), steepest_by_listing(s, {SiteKind::vertex, 0}, g), 1e-12) << i;
-    EXPECT_GE(-dot(best.down, g), 0);
+    EXPECT_NEAR(norm(descent(best)), steepest_by_listing(s, {SiteKind::vertex, 0}, g), 1e-12) << i;
+    EXPECT_GE(-dot(descent(best), g), 0);
     on_edges += best.on.kind == SiteKind::edge ? 1 : 0;
   }
   EXPECT_GT(on_edges, 50);
@@ -194,13 +196,13 @@ TEST(Steepest, OnAPlaneIsTheGradientWhereverTheSite) {
   for (int i = 0; i < 300; ++i) {
     const Vec3 g = random_vec(random);
     for (const Site& site : {Site{SiteKind::vertex, 4}, Site{SiteKind::triangle, 3}}) {
-      EXPECT_NEAR(norm(steepest(s.view(), Mobility::surface, site, g).down - Vec3{-g.x, -g.y, 0}), 0, 1e-14);
+      EXPECT_NEAR(norm(descent(steepest(s.view(), Mobility::surface, site, g)) - Vec3{-g.x, -g.y, 0}), 0, 1e-14);
     }
     // Inner edges: from one of the two triangles.
     for (Index c = 0; c < 24; ++c) {
       if (s.across[static_cast<std::size_t>(c)] == kWall) continue;
       const Primitive best = steepest(s.view(), Mobility::surface, {SiteKind::edge, c}, g);
-      EXPECT_NEAR(norm(best.down - Vec3{-g.x, -g.y, 0}), 0, 1e-14);
+      EXPECT_NEAR(norm(descent(best) - Vec3{-g.x, -g.y, 0}), 0, 1e-14);
       EXPECT_TRUE(best.on.item == c / 3 || best.on.item == s.across[static_cast<std::size_t>(c)] / 3);
     }
   }
@@ -214,7 +216,7 @@ TEST(Steepest, OnAnEdgeIsTheLargestDerivativeOfItAndItsTriangles) {
     const Vec3 g = random_vec(random);
     const Site site{SiteKind::edge, 2};
     const Primitive best = steepest(s.view(), Mobility::surface, site, g);
-    EXPECT_NEAR(norm(best.down), steepest_by_listing(s, site, g), 1e-13);
+    EXPECT_NEAR(norm(descent(best)), steepest_by_listing(s, site, g), 1e-13);
     along += best.on.kind == SiteKind::edge ? 1 : 0;
   }
   EXPECT_GT(along, 100);  // the bottom of a valley
@@ -235,14 +237,14 @@ TEST(Steepest, OfAVertexOnAFeatureLineLeadsAlongIt) {
   const Primitive towards_2 = steepest(s.view(), Mobility::curve, {SiteKind::vertex, 1}, {2, -1, 5});
   EXPECT_EQ(towards_2.on.kind, SiteKind::segment);
   // Down along (0,1)-(1,1) is 2 long, towards vertex 0; along (1)-(2) only 1.
-  EXPECT_NEAR(norm(towards_2.down - Vec3{-2, 0, 0}), 0, 1e-15);
-  EXPECT_NEAR(norm(steepest(s.view(), Mobility::curve, {SiteKind::vertex, 1}, {1, -2, 5}).down - Vec3{0, 2, 0}), 0,
+  EXPECT_NEAR(norm(descent(towards_2) - Vec3{-2, 0, 0}), 0, 1e-15);
+  EXPECT_NEAR(norm(descent(steepest(s.view(), Mobility::curve, {SiteKind::vertex, 1}, {1, -2, 5})) - Vec3{0, 2, 0}), 0,
               1e-15);
   EXPECT_EQ(steepest(s.view(), Mobility::curve, {SiteKind::vertex, 1}, {-1, 2, 5}).on.kind, SiteKind::none);
   // Between two vertices: either way.
   for (const double g : {3.0, -3.0}) {
     const Primitive p = steepest(s.view(), Mobility::curve, {SiteKind::segment, 2 * 1 + 1}, {7, g, 7});
-    EXPECT_NEAR(norm(p.down - Vec3{0, -g, 0}), 0, 1e-15);
+    EXPECT_NEAR(norm(descent(p) - Vec3{0, -g, 0}), 0, 1e-15);
   }
 }
 
@@ -270,16 +272,16 @@ TEST(NewtonDirection, EndsAtTheModelsMinimumOnThePrimitive) {
     const Vec3 g = bowl.model(x).gradient;
     const Site site{SiteKind::triangle, i % 2};
     const Primitive inside = steepest(s.view(), Mobility::surface, site, g);
-    const Vec3 p = slide_detail::newton_direction(s.view(), bowl.hessian, site, inside);
-    EXPECT_NEAR(dot(p, inside.frame.normal), 0, 1e-12) << i;
-    for (int k = 0; k < 2; ++k)
-      EXPECT_NEAR(dot(g + bowl.hessian * p, inside.frame.p[k + 1] - inside.frame.p[0]), 0, 1e-11) << i;
+    const Frame& frame = inside.frame;
+    const Vec3 p = frame.in_space(slide_detail::newton_direction(s.view(), bowl.hessian, site, inside));
+    EXPECT_NEAR(dot(p, cross(frame.along, frame.edge2)), 0, 1e-12) << i;
+    for (const Vec3& edge : {frame.along, frame.edge2}) EXPECT_NEAR(dot(g + bowl.hessian * p, edge), 0, 1e-11) << i;
 
     const Site edge{SiteKind::edge, 2};
     const Primitive along = steepest(s.view(), Mobility::surface, edge, g);
     if (along.on.kind != SiteKind::edge) continue;
     ++along_edge;
-    const Vec3 q = slide_detail::newton_direction(s.view(), bowl.hessian, edge, along);
+    const Vec3 q = along.frame.in_space(slide_detail::newton_direction(s.view(), bowl.hessian, edge, along));
     EXPECT_EQ(norm(cross(q, {0, 1, 0})), 0) << i;
     EXPECT_NEAR(g.y + (bowl.hessian * q).y, 0, 1e-12) << i;
   }
@@ -291,11 +293,15 @@ TEST(Advance, EndsInsideOnAnEdgeOrOnAVertex) {
   TinySurface s = height_field(3, flat);
   std::fill(s.kind.begin(), s.kind.end(), Mobility::surface);
   const ReferenceView ref = s.view();
-  const Primitive primitive{{SiteKind::triangle, 0}, {}, 0, {ref, 0}};
   const Site inside{SiteKind::triangle, 0};
+  const Primitive primitive(ref, inside, {});
   const Vec3 y{0.2, 0.1, 0};  // of the triangle (0, 0), (1/3, 0), (1/3, 1/3)
+  const auto way = [&](const Vec3& p) {
+    const Frame& f = primitive.frame;
+    return Way{f.inverse_along2 * dot(f.along, p), f.inverse_aside2 * dot(f.aside, p)};
+  };
   const auto move = [&](const Vec3& p, double t) {
-    return advance(ref, Mobility::surface, primitive, inside, y, p, t);
+    return advance(ref, Mobility::surface, primitive, inside, y, way(p), t);
   };
 
   const Landing short_of_it = move({0.1, 0, 0}, 1);
@@ -324,7 +330,7 @@ TEST(Advance, EndsInsideOnAnEdgeOrOnAVertex) {
 
   // Nor onto a vertex of another kind.
   s.kind[5] = Mobility::fixed;
-  const Landing at_corner = advance(s.view(), Mobility::surface, primitive, inside, y, vec(s.points[5]) - y, 100);
+  const Landing at_corner = advance(s.view(), Mobility::surface, primitive, inside, y, way(vec(s.points[5]) - y), 100);
   EXPECT_EQ(at_corner.site.kind, SiteKind::triangle);
   EXPECT_NEAR(at_corner.t, kShort, 1e-9);
 }
@@ -334,8 +340,8 @@ TEST(Advance, AlongALineStopsAtItsVerticesAndShortOfItsCorner) {
   s.add_line({0, 1, 2});
   s.kind[0] = s.kind[2] = Mobility::fixed;
   const Site start{SiteKind::vertex, 1};
-  const Vec3 p{0, 1, 0};
-  Primitive segment{{SiteKind::segment, 2 * 1 + 1}, p, 1};
+  const Way p{0.5, 0};  // of a segment of length 2
+  const Primitive segment(s.view(), {SiteKind::segment, 2 * 1 + 1}, {});
   const Landing inside = advance(s.view(), Mobility::curve, segment, start, {1, 0, 0}, p, 0.5);
   EXPECT_EQ(inside.site.kind, SiteKind::segment);
   EXPECT_EQ(inside.at.y, 0.5);
@@ -343,7 +349,7 @@ TEST(Advance, AlongALineStopsAtItsVerticesAndShortOfItsCorner) {
   EXPECT_EQ(at_corner.site.kind, SiteKind::segment);
   EXPECT_FALSE(at_corner.at_rim);
   EXPECT_NEAR(at_corner.at.y, 2 * kShort, 1e-15);
-  const Landing back = advance(s.view(), Mobility::curve, segment, inside.site, inside.at, {0, -1, 0}, 50);
+  const Landing back = advance(s.view(), Mobility::curve, segment, inside.site, inside.at, {-0.5, 0}, 50);
   EXPECT_EQ(back.site.kind, SiteKind::vertex);
   EXPECT_EQ(back.site.item, 1);
   EXPECT_TRUE(back.at_rim);
@@ -481,7 +487,7 @@ struct SlidSurface {
     for (int hop = 0; hop < 4; ++hop) {
       const Primitive p = steepest(s.view(), s.kind[i], at.site, random_vec(random));
       if (p.on.kind == SiteKind::none) continue;
-      at = advance(s.view(), s.kind[i], p, at.site, at.at, (1 / norm(p.down)) * p.down, far * uniform(random));
+      at = advance(s.view(), s.kind[i], p, at.site, at.at, (1 / norm(descent(p))) * p.down, far * uniform(random));
     }
     return at;
   }
