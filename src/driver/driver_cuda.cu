@@ -5,9 +5,9 @@
 
 namespace tetune {
 
-template Report optimize_on(const par::Cuda&, TetMesh&, const Options&, const Context&);
+template Report optimize_on(const par::Cuda&, TetMesh&, const Options&, const Context&, SlideSurface*);
 
-Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context) {
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface) {
   cudaGetLastError();  // what the caller left unread is not ours
   int count = 0;
   const cudaError_t status = cudaGetDeviceCount(&count);
@@ -31,7 +31,7 @@ Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& co
                       "(--device cpu).");
   }
   std::string name = properties.name;  // before the mesh changes: nothing may fail after that
-  Report report = optimize_on(par::Cuda(context.stop), mesh, options, context);
+  Report report = optimize_on(par::Cuda(context.stop), mesh, options, context, surface);
   report.device.swap(name);
   return report;
 }

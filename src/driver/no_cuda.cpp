@@ -5,7 +5,7 @@
 
 namespace tetune {
 
-Report optimize_on_cuda(TetMesh&, const Options&, const Context&) {
+Report optimize_on_cuda(TetMesh&, const Options&, const Context&, SlideSurface*) {
   throw DeviceError(
       "this build of tetune has no CUDA backend. Build with the `cuda` preset where nvcc is installed, or use the CPU "
       "(--device cpu).");
