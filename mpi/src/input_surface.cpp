@@ -142,7 +142,6 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, std::vector<st
   SlideSurface& surface = piece.surface;
   TetMesh& mesh = part.mesh;
   const std::size_t count = piece.id.size();
-  surface.site.assign(count, kNoSite);
 
   // What is near, and its places in the mesh.
   std::vector<std::uint8_t> near(vertices_.size(), 0);
@@ -168,7 +167,7 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, std::vector<st
     return at < 0 ? -1 : place[static_cast<std::size_t>(at)];
   };
   frozen.resize(all, 1);
-  surface.site.resize(all, kNoSite);
+  surface.site.assign(all, kNoSite);
   for (std::size_t v = 0; v < count; ++v) {
     const Index seat = seat_at_[piece.id[v]];
     if (seat < 0) continue;
