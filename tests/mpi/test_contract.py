@@ -102,6 +102,15 @@ class Contract(MpiTest):
             self.mpi(3, mpi_case.BRACKET, b, "--quiet", "--effort", "fast", "--boundary", boundary, "--threads", "2")
             self.assertEqual(Path(a).read_bytes(), Path(b).read_bytes())
 
+    def test_one_rank_does_what_one_machine_does(self):
+        for options in ([], ["--boundary", "slide"], ["--boundary", "slide", "--max-deviation", "0.05"]):
+            with self.subTest(options=options):
+                alone, one = self.path("alone.mesh"), self.path("one.mesh")
+                options = ["--quiet", "--effort", "fast", *options]
+                subprocess.run([mpi_case.TETUNE, "optimize", mpi_case.BRACKET, alone, *options], check=True)
+                self.mpi(1, mpi_case.BRACKET, one, *options)
+                self.assertEqual(Path(alone).read_bytes(), Path(one).read_bytes())
+
     def test_text_and_binary_are_the_same_mesh(self):
         text = self.path("in.mesh")
         subprocess.run([mpi_case.TETUNE, "optimize", "--quiet", mpi_case.BRACKET, text, "--effort", "fast"], check=True)
@@ -248,10 +257,11 @@ class Contract(MpiTest):
     def test_more_ranks_than_the_mesh_has_room_for(self):
         cube = cli_case.cube(2)
         out = self.path("out.mesh")
-        self.mpi(4, self.put("in.mesh", cube), out, "--quiet")
-        after = cli_case.Mesh.read(out)
-        self.assertGreater(min(after.volumes()), 0)
-        self.assertAlmostEqual(sum(after.volumes()), 1, places=12)
+        for boundary in ("preserve", "slide"):
+            self.mpi(4, self.put("in.mesh", cube), out, "--quiet", "--boundary", boundary)
+            after = cli_case.Mesh.read(out)
+            self.assertGreater(min(after.volumes()), 0)
+            self.assertAlmostEqual(sum(after.volumes()), 1, places=12)
 
 
 mpi_case.main(__doc__)
