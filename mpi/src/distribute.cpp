@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -133,6 +134,28 @@ std::vector<Id> unique_vertices(const std::vector<Cell>& cells) {
   return ids;
 }
 
+/// The ranks that have a vertex, of those at home here.
+class Holders {
+ public:
+  Holders(const Star& star, const Blocks& blocks, int rank) : first_(blocks.begin(rank)) {
+    begin_.push_back(0);
+    for (const int n : star.copies()) begin_.push_back(begin_.back() + static_cast<std::size_t>(n));
+    ranks_.resize(begin_.back());
+    std::vector<std::size_t> next = begin_;
+    star.for_each_copy([&](int holder, std::size_t place) { ranks_[next[place]++] = holder; });
+  }
+  template <class F>
+  void for_each(Id id, F f) const {
+    const auto place = static_cast<std::size_t>(id - first_);
+    for (std::size_t i = begin_[place]; i < begin_[place + 1]; ++i) f(ranks_[i]);
+  }
+
+ private:
+  Id first_;
+  std::vector<std::size_t> begin_;
+  std::vector<int> ranks_;
+};
+
 /// Hands listed triangles and edges to the parts that have one of their vertices.
 class Offers {
  public:
@@ -176,28 +199,6 @@ class Offers {
   }
 
  private:
-  /// The ranks that have a vertex, of those at home here.
-  class Holders {
-   public:
-    Holders(const Star& star, const Blocks& blocks, int rank) : first_(blocks.begin(rank)) {
-      begin_.push_back(0);
-      for (const int n : star.copies()) begin_.push_back(begin_.back() + static_cast<std::size_t>(n));
-      ranks_.resize(begin_.back());
-      std::vector<std::size_t> next = begin_;
-      star.for_each_copy([&](int holder, std::size_t place) { ranks_[next[place]++] = holder; });
-    }
-    template <class F>
-    void for_each(Id id, F f) const {
-      const auto place = static_cast<std::size_t>(id - first_);
-      for (std::size_t i = begin_[place]; i < begin_[place + 1]; ++i) f(ranks_[i]);
-    }
-
-   private:
-    Id first_;
-    std::vector<std::size_t> begin_;
-    std::vector<int> ranks_;
-  };
-
   std::vector<Id> surface_ids() const {
     std::vector<Id> ids;
     for (std::size_t v = 0; v < on_surface_.size(); ++v) {
@@ -411,7 +412,71 @@ std::vector<T> values_of(const std::vector<std::size_t>& vertices, const std::ve
   return result;
 }
 
+/// A vertex, and another rank that has it.
+struct Copy {
+  Id id;
+  int rank;
+};
+
+void join(Addressed& all, const Addressed& more) {
+  const auto add = [](auto& list, const auto& items) { list.insert(list.end(), items.begin(), items.end()); };
+  add(all.pieces.vertices, more.pieces.vertices);
+  add(all.pieces.cells, more.pieces.cells);
+  add(all.pieces.sides, more.pieces.sides);
+  add(all.pieces.lines, more.pieces.lines);
+  add(all.vertex_to, more.vertex_to);
+  add(all.cell_to, more.cell_to);
+  add(all.side_to, more.side_to);
+  add(all.line_to, more.line_to);
+}
+
+/// The tetrahedra around marked vertices, each addressed to one rank.
+Addressed around(const Part& part, const std::vector<std::uint8_t>& vertices, int rank) {
+  const Part some = copied(part, tets_around(part.mesh, vertices));
+  return address(some, std::vector<int>(some.mesh.tets.size(), rank), rank);
+}
+
 }  // namespace
+
+Part shell_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::vector<int>& frozen_regions) {
+  // Which ranks have a vertex is known at its home.
+  const Blocks blocks(totals.vertices, size_of(comm));
+  const std::vector<std::size_t> shared = maybe_shared(part);
+  const Star star(comm, values_of(shared, part.vertex_id), blocks);
+  const Holders holders(star, blocks, rank_of(comm));
+  std::vector<Copy> copies;
+  std::vector<int> to;
+  for (Id id = blocks.begin(rank_of(comm)); id < blocks.begin(rank_of(comm) + 1); ++id) {
+    holders.for_each(id, [&](int one) {
+      holders.for_each(id, [&](int other) {
+        if (one == other) return;
+        copies.push_back({id, other});
+        to.push_back(one);
+      });
+    });
+  }
+  copies = Route(comm, to).send(copies);
+
+  Addressed all;
+  Part shell;
+  together(comm, [&] {
+    std::vector<std::uint8_t> vertices(part.vertex_id.size(), 0);
+    for (const std::size_t v : shared) vertices[v] = 1;
+    const Part rim = copied(part, tets_around(part.mesh, vertices));
+    const IdMap in_rim(rim.vertex_id);
+    std::map<int, std::vector<std::uint8_t>> shared_with;
+    for (const Copy& c : copies) {
+      std::vector<std::uint8_t>& some = shared_with[c.rank];
+      some.resize(rim.vertex_id.size(), 0);
+      some[static_cast<std::size_t>(in_rim[c.id])] = 1;
+    }
+    for (const auto& [rank, some] : shared_with) join(all, around(rim, some, rank));
+    shell = copied(part, tets_around(part.mesh, held_vertices(part.mesh, frozen_regions)));
+  });
+  Pieces arrived = send(comm, std::move(all));
+  together(comm, [&] { absorb(shell, assemble(std::move(arrived))); });
+  return shell;
+}
 
 Shared::Shared(MPI_Comm comm, const Part& part, const Totals& totals)
     : vertices_(maybe_shared(part)),

@@ -31,6 +31,10 @@ std::vector<Vertex> vertices_at_home(MPI_Comm comm, const std::vector<Vertex>& v
 /// Sends pieces to their ranks.
 Pieces send(MPI_Comm comm, Addressed addressed);
 
+/// The tetrahedra around the held_vertices() of a part, those of other parts too: enough to tell what is held, and how.
+/// kShared says which vertices other parts have.
+Part shell_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::vector<int>& frozen_regions);
+
 /// The vertices that several parts have: among those of kShared, which is all at first.
 class Shared {
  public:

@@ -253,6 +253,29 @@ Element<N> element(const std::vector<Id>& vertex_id, const std::array<Index, N>&
   return e;
 }
 
+Goes ways_of(const Part& part, const std::vector<std::uint8_t>& marked) {
+  const TetMesh& mesh = part.mesh;
+  Goes goes;
+  goes.tet.reserve(marked.size());
+  for (const std::uint8_t m : marked) goes.tet.push_back(m != 0 ? kOut : kStays);
+  goes.vertex.assign(mesh.points.size(), 0);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (const Index v : mesh.tets[t]) goes.vertex[static_cast<std::size_t>(v)] |= goes.tet[t];
+  }
+  for (std::uint8_t& g : goes.vertex) g = g == 0 ? kStays : g;
+  goes.triangle = go_along(mesh.triangles, mesh.tets, goes);
+  goes.edge = go_along(mesh.edges, mesh.tets, goes);
+  return goes;
+}
+
+/// What goes one way.
+Part picked(const Part& part, const Goes& goes, std::uint8_t way) {
+  Part result;
+  append(result, part,
+         {numbered(goes.vertex, way), numbered(goes.tet, way), numbered(goes.triangle, way), numbered(goes.edge, way)});
+  return result;
+}
+
 }  // namespace
 
 IdMap::IdMap(const std::vector<Id>& ids) : slots_(std::bit_ceil(2 * ids.size() + 2)) {
@@ -301,27 +324,14 @@ void add_lists(Part& part, const IdMap& local, std::vector<Side> sides, std::vec
   put(lines, local, mesh.edges, mesh.edge_tags, part.edge_id, mesh.required_edges, &mesh.ridges);
 }
 
+Part copied(const Part& part, const std::vector<std::uint8_t>& marked) {
+  return picked(part, ways_of(part, marked), kOut);
+}
+
 Part extract(Part& part, const std::vector<std::uint8_t>& marked) {
-  const TetMesh& mesh = part.mesh;
-  Goes goes;
-  goes.tet.reserve(marked.size());
-  for (const std::uint8_t m : marked) goes.tet.push_back(m != 0 ? kOut : kStays);
-  goes.vertex.assign(mesh.points.size(), 0);
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (const Index v : mesh.tets[t]) goes.vertex[static_cast<std::size_t>(v)] |= goes.tet[t];
-  }
-  for (std::uint8_t& g : goes.vertex) g = g == 0 ? kStays : g;
-  goes.triangle = go_along(mesh.triangles, mesh.tets, goes);
-  goes.edge = go_along(mesh.edges, mesh.tets, goes);
-  const auto pick = [&](std::uint8_t way) {
-    Part picked;
-    append(
-        picked, part,
-        {numbered(goes.vertex, way), numbered(goes.tet, way), numbered(goes.triangle, way), numbered(goes.edge, way)});
-    return picked;
-  };
-  Part out = pick(kOut);
-  part = pick(kStays);
+  const Goes goes = ways_of(part, marked);
+  Part out = picked(part, goes, kOut);
+  part = picked(part, goes, kStays);
   return out;
 }
 
@@ -357,6 +367,36 @@ std::vector<std::uint8_t> on_surface(const TetMesh& mesh) {
   result.reserve(left.size());
   for (const std::uint64_t l : left) result.push_back(l != 0 ? 1 : 0);
   return result;
+}
+
+std::vector<std::uint8_t> held_vertices(const TetMesh& mesh, const std::vector<int>& frozen_regions) {
+  std::vector<std::uint8_t> held = on_surface(mesh);
+  const auto hold = [&held](const auto& vertices) {
+    for (const Index v : vertices) held[static_cast<std::size_t>(v)] = 1;
+  };
+  for (const auto& triangle : mesh.triangles) hold(triangle);
+  for (const auto& edge : mesh.edges) hold(edge);
+  hold(mesh.corners);
+  hold(mesh.required_vertices);
+  for (const Index t : mesh.required_tets) hold(mesh.tets[static_cast<std::size_t>(t)]);
+  if (frozen_regions.empty()) return held;
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    if (std::find(frozen_regions.begin(), frozen_regions.end(), mesh.tet_tags[t]) != frozen_regions.end()) {
+      hold(mesh.tets[t]);
+    }
+  }
+  return held;
+}
+
+std::vector<std::uint8_t> tets_around(const TetMesh& mesh, const std::vector<std::uint8_t>& vertices) {
+  std::vector<std::uint8_t> around;
+  around.reserve(mesh.tets.size());
+  for (const auto& tet : mesh.tets) {
+    std::uint8_t any = 0;
+    for (const Index v : tet) any |= vertices[static_cast<std::size_t>(v)];
+    around.push_back(any);
+  }
+  return around;
 }
 
 Addressed address(const Part& part, const std::vector<int>& tet_to, int self) {

@@ -87,6 +87,9 @@ void add_lists(Part& part, const IdMap& local, std::vector<Side> sides, std::vec
 /// Puts pieces together; those that several sent become one.
 Part assemble(Pieces pieces);
 
+/// The tetrahedra with a mark, and what they have.
+Part copied(const Part& part, const std::vector<std::uint8_t>& marked);
+
 /// Takes the tetrahedra with a mark out of a part. What they share with the rest is in both.
 Part extract(Part& part, const std::vector<std::uint8_t>& marked);
 
@@ -95,6 +98,12 @@ void absorb(Part& part, const Part& other);
 
 /// 1 for each vertex on the surface of the mesh or between two regions.
 std::vector<std::uint8_t> on_surface(const TetMesh& mesh);
+
+/// 1 for these, and for the vertices of all else that may hold vertices: lists, and regions that are frozen.
+std::vector<std::uint8_t> held_vertices(const TetMesh& mesh, const std::vector<int>& frozen_regions);
+
+/// 1 for each tetrahedron with a marked vertex.
+std::vector<std::uint8_t> tets_around(const TetMesh& mesh, const std::vector<std::uint8_t>& vertices);
 
 /// The pieces of a part, and where each goes when tetrahedron t goes to `tet_to[t]`: vertices, listed triangles and
 /// edges go along with each of theirs, and to `self` if they are in none.

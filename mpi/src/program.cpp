@@ -216,6 +216,7 @@ class Program {
               {"vertices_inserted", report_.vertices_inserted},
               {"vertices_removed", report_.vertices_removed},
               {"left_frozen", report_.left_frozen},
+              {"surface_triangles", report_.surface_triangles},
               {"optimizer_seconds", report_.optimizer_seconds},
               {"seconds", report_.seconds},
               {"stop", to_string(report_.stop)},

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -13,6 +12,9 @@
 #include <thread>
 #include <utility>
 
+#include "driver/constraints.hpp"
+#include "driver/slide_on.hpp"
+#include "input_surface.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
@@ -77,6 +79,23 @@ void drop_seam(TetMesh& mesh, std::size_t count) {
   mesh.triangles.resize(mesh.triangles.size() - count);
   mesh.triangle_tags.resize(mesh.triangles.size());
   mesh.required_triangles.resize(mesh.required_triangles.size() - count);
+}
+
+/// Takes out what was appended to the vertices of a mesh before it was optimised: from `first` to `end`.
+void drop_appended(TetMesh& mesh, std::vector<Index>& vertex2original, std::size_t first, std::size_t end) {
+  if (first == end) return;
+  if (vertex2original.empty()) {
+    mesh.points.resize(first);
+    mesh.point_tags.resize(first);
+    return;
+  }
+  std::vector<std::uint8_t> keep;
+  for (const Index v : vertex2original) {
+    keep.push_back(v >= static_cast<Index>(first) && v < static_cast<Index>(end) ? 0 : 1);
+  }
+  keep_vertices(mesh, positions_of_kept(keep));
+  std::erase_if(vertex2original,
+                [&](Index v) { return v >= static_cast<Index>(first) && v < static_cast<Index>(end); });
 }
 
 template <class T, class Map>
@@ -155,6 +174,7 @@ class Rounds {
     round.round = 1;
     for (std::uint8_t& flags : part_.vertex_flags) flags |= kShared;
     Shared(comm_, part_, totals_).mark(part_);
+    if (report_.ranks > 1 && options_.boundary == Boundary::slide) find_surface();
     std::vector<std::uint8_t> frozen(part_.vertex_flags.size(), 0);
     for (std::size_t v = 0; v < frozen.size(); ++v) {
       if ((part_.vertex_flags[v] & kShared) == 0) continue;
@@ -163,6 +183,24 @@ class Rounds {
     }
     optimise(part_, std::move(frozen), round);
     finish(round, start);
+  }
+
+  /// Before any vertex moves.
+  void find_surface() {
+    const Part shell = shell_of(comm_, part_, totals_, options_.frozen_regions);
+    surface_.emplace();
+    together(comm_, [&] {
+      if (shell.mesh.tets.empty()) return;
+      Options options = options_for(shell.mesh);
+      for (const std::uint8_t flags : shell.vertex_flags) {
+        options.frozen_vertices.push_back((flags & kHeld) != 0 ? 1 : 0);
+      }
+      try {
+        surface_.emplace(part_, shell, options_.frozen_regions, find_slide_surface(shell.mesh, options));
+      } catch (const MeshError&) {
+        throw MeshError(defects(shell));
+      }
+    });
   }
 
   /// As optimize() does.
@@ -194,7 +232,6 @@ class Rounds {
     for (std::size_t v = 0; v < pending.size(); ++v) {
       if (pending[v] == 0) part_.vertex_flags[v] |= kPending;
     }
-    last_ = true;
     next_round(start);
     report_.left_frozen = report_.rounds.back().left_frozen = left_frozen;
   }
@@ -274,8 +311,13 @@ class Rounds {
       for (const Index v : mesh.tets[t]) part_.vertex_flags[static_cast<std::size_t>(v)] |= kShared;
     }
     round.tets_moved = all_reduce(comm_, static_cast<Id>(to.size()), MPI_SUM);
-    Pieces arrived = send(comm_, address(extract(part_, leaves), to, self_));
-    together(comm_, [&] { absorb(part_, assemble(std::move(arrived))); });
+    Addressed leaving = address(extract(part_, leaves), to, self_);
+    if (surface_) surface_->send(comm_, leaving);
+    Pieces arrived = send(comm_, std::move(leaving));
+    together(comm_, [&] {
+      absorb(part_, assemble(std::move(arrived)));
+      if (surface_) surface_->keep(part_);
+    });
     Shared(comm_, part_, totals_).mark(part_);
   }
 
@@ -314,7 +356,7 @@ class Rounds {
       for (std::size_t v = 0; v < frozen.size(); ++v) {
         if ((part.vertex_flags[v] & kHeld) != 0) frozen[v] = 1;
       }
-      report = optimise_here(part, std::move(frozen), round.round, last_);
+      report = optimise_here(part, std::move(frozen));
     });
     const double stopped = report.stop == StopReason::cancelled ? 1 : 0;
     const auto most = all_reduce(comm_, std::vector<double>{seconds_since(start), stopped}, MPI_MAX);
@@ -328,24 +370,27 @@ class Rounds {
     for (const Count& c : kCounts) report_.*c.all += report.*c.part;
   }
 
-  Report optimise_here(Part& part, std::vector<std::uint8_t> frozen, int round, bool last) {
+  Report optimise_here(Part& part, std::vector<std::uint8_t> frozen) {
     TetMesh& mesh = part.mesh;
-    Options options = options_;
-    // Distances of the rounds add up, and together stay below what is allowed: 3/4, 1/16, 1/32, ..., twice 1/16 at
-    // last.
-    options.max_deviation = options_.max_deviation * (round == 1 ? 0.75 : std::ldexp(1.0, last ? -4 : -2 - round));
-    options.frozen_regions = present(options_.frozen_regions, mesh.tet_tags);
-    options.frozen_patches = present(options_.frozen_patches, mesh.triangle_tags);
+    Options options = options_for(mesh);
+    const std::size_t vertices = mesh.points.size();
     const std::size_t seam = list_seam(mesh, frozen);
+    InputSurface::Piece piece;
+    if (surface_) piece = surface_->under(part, options.max_deviation > 0, frozen);
     options.frozen_vertices = std::move(frozen);
     Report report;
     try {
-      report = tetune::optimize(mesh, options, context_);
+      report = surface_ ? tetune::optimize(mesh, options, context_, piece.surface)
+                        : tetune::optimize(mesh, options, context_);
     } catch (const MeshError&) {
       drop_seam(mesh, seam);
       throw MeshError(defects(part));
     }
     drop_seam(mesh, seam);
+    if (surface_) {
+      surface_->settle(piece);
+      drop_appended(mesh, report.vertex2original, vertices, piece.id.size());
+    }
     if (!report.vertex2original.empty()) {
       std::vector<Id> ids;
       std::vector<std::uint8_t> flags;
@@ -364,6 +409,14 @@ class Rounds {
       part.edge_id = picked(part.edge_id, report.edge2original, mesh.edges.size());
     }
     return report;
+  }
+
+  /// A part may lack a tag that the whole mesh has.
+  Options options_for(const TetMesh& mesh) const {
+    Options options = options_;
+    options.frozen_regions = present(options_.frozen_regions, mesh.tet_tags);
+    options.frozen_patches = present(options_.frozen_patches, mesh.triangle_tags);
+    return options;
   }
 
   static std::vector<int> present(const std::vector<int>& wanted, const std::vector<int>& tags) {
@@ -412,6 +465,10 @@ class Rounds {
     const auto sums = all_reduce(comm_, std::vector<Id>{cut, pending}, MPI_SUM);
     round.cut_vertices = sums[0];
     report_.left_frozen = round.left_frozen = sums[1];
+    if (surface_) {
+      const auto triangles = all_reduce(comm_, static_cast<Id>(surface_->triangles()), MPI_MAX);
+      report_.surface_triangles = std::max(report_.surface_triangles, triangles);
+    }
     round.seconds = all_reduce(comm_, seconds_since(start), MPI_MAX);
     report_.optimizer_seconds += round.optimizer_seconds;
     report_.rounds.push_back(round);
@@ -432,9 +489,10 @@ class Rounds {
   Options options_;
   Context context_;
   bool cancelled_ = false;
-  bool last_ = false;
   std::optional<Shared> shared_;  ///< of the part as the last round left it
-  std::vector<float> angles_;     ///< smallest dihedral angle of each tetrahedron of the part, degrees
+  /// With Boundary::slide on several ranks: what the part slides on.
+  std::optional<InputSurface> surface_;
+  std::vector<float> angles_;  ///< smallest dihedral angle of each tetrahedron of the part, degrees
   DistributedReport report_;
 };
 

@@ -10,6 +10,26 @@
 namespace tetune {
 namespace features_detail {
 
+/// What lies across the edge of a corner; kWall where it is not on exactly two triangles.
+TETUNE_HD inline Index opposite_corner(Span<const SurfaceTriangle> triangles, const RowsView& vertex2corner,
+                                       Size corner) {
+  const Size triangle = corner / 3;
+  const SurfaceTriangle t = triangles[triangle];
+  const Index a = t.v[(corner + 1) % 3];
+  const Index b = t.v[(corner + 2) % 3];
+  Index opposite = kWall;
+  for (Size c = vertex2corner.begin(a); c < vertex2corner.end(a); ++c) {
+    const Size other = vertex2corner.items[c] / 3;
+    if (other == triangle) continue;
+    const SurfaceTriangle q = triangles[other];
+    const int at_b = q.v[0] == b ? 0 : q.v[1] == b ? 1 : q.v[2] == b ? 2 : -1;
+    if (at_b < 0) continue;
+    if (opposite != kWall) return kWall;
+    opposite = static_cast<Index>(3 * other + 3 - at_b - vertex2corner.items[c] % 3);
+  }
+  return opposite;
+}
+
 /// Finds what lies across each edge, or that it is a feature.
 struct FindAcross {
   Span<const Point> points;
@@ -28,25 +48,14 @@ struct FindAcross {
     const Index a = t.v[(k + 1) % 3];
     const Index b = t.v[(k + 2) % 3];
     if (constrained.contains(a, b)) return;
-    Size other = -1;
-    int other_k = 0;
-    for (Size c = vertex2corner.begin(a); c < vertex2corner.end(a); ++c) {
-      const Size o = vertex2corner.items[c] / 3;
-      if (o == triangle) continue;
-      const SurfaceTriangle q = triangles[o];
-      const int at_b = q.v[0] == b ? 0 : q.v[1] == b ? 1 : q.v[2] == b ? 2 : -1;
-      if (at_b < 0) continue;
-      if (other >= 0) return;  // more than two triangles
-      other = o;
-      other_k = 3 - at_b - static_cast<int>(vertex2corner.items[c] % 3);
-    }
-    if (other < 0 || tags[other] != tags[triangle]) return;
+    const Index opposite = opposite_corner(triangles, vertex2corner, corner);
+    if (opposite == kWall || tags[opposite / 3] != tags[triangle]) return;
     const Vec3 x = vec(points[a]);
     const Vec3 e = vec(points[b]) - x;
     const Vec3 n1 = cross(e, vec(points[t.v[k]]) - x);
-    const Vec3 n2 = cross(vec(points[triangles[other].v[other_k]]) - x, e);
+    const Vec3 n2 = cross(vec(points[triangles[opposite / 3].v[opposite % 3]]) - x, e);
     if (dot(n1, n2) < cos_angle * std::sqrt(dot(n1, n1) * dot(n2, n2))) return;
-    across[corner] = static_cast<Index>(3 * other + other_k);
+    across[corner] = opposite;
   }
 };
 

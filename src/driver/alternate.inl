@@ -433,14 +433,15 @@ class Alternation {
 }  // namespace alternate_detail
 
 template <class Backend>
-Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, const Context& context) {
+Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, const Context& context,
+                   SlideSurface* surface) {
   const auto start = Monitor::Time::now();
   Report report;
   Clock clock(report);
   report.vertices = static_cast<std::int64_t>(mesh.points.size());
   report.tets_before = static_cast<std::int64_t>(mesh.tets.size());
   WorkingSet<Backend> work;
-  clock.measure("load", [&] { load(par, mesh, options, work, report); });
+  clock.measure("load", [&] { load(par, mesh, options, surface, work, report); });
   alternate_detail::Alternation<Backend> alternation(par, work, options, context, report, start);
   alternation.run();
   report.energy_after = alternation.energy();
@@ -461,7 +462,7 @@ Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, co
       report.targets = report_targets(outcome, options);
     });
   }
-  clock.measure("store", [&] { store(par, work, mesh, report); });
+  clock.measure("store", [&] { store(par, work, mesh, surface, report); });
   report.tets_after = static_cast<std::int64_t>(mesh.tets.size());
   return report;
 }

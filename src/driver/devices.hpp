@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "surface/slide_surface.hpp"
 #include "tetune/optimize.hpp"
 
 /// Where an optimisation runs. Nothing but driver_cuda.cu asks the system.
@@ -37,8 +38,8 @@ std::string why_unusable(const Gpu& gpu, std::size_t memory);
 /// Why optimize_on_cuda() would refuse at once: no GPU, or none for this mesh. Empty where it would not.
 std::string why_not_on_cuda(const TetMesh& mesh, const Options& options);
 
-/// optimize() on the calling thread's current NVIDIA GPU. Throws DeviceError.
-Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context);
+/// optimize() on the calling thread's current NVIDIA GPU; `surface` as of optimize_on(). Throws DeviceError.
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface);
 
 /// Of Device::automatic.
 struct DeviceChoice {

@@ -29,7 +29,7 @@ Gpu current_gpu() {
 
 }  // namespace
 
-template Report optimize_on(const par::Cuda&, TetMesh&, const Options&, const Context&);
+template Report optimize_on(const par::Cuda&, TetMesh&, const Options&, const Context&, SlideSurface*);
 
 std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
   std::string why = why_no_gpu(cuda_system());
@@ -42,10 +42,11 @@ std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
   }
 }
 
-Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context) {
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface) {
   if (const std::string why = why_not_on_cuda(mesh, options); !why.empty()) throw DeviceError(why);
   std::string name = current_gpu().name;  // before the mesh changes: nothing may fail after that
-  Report report = optimize_on(par::Cuda(memory_needed_on_device(mesh, options), context.stop), mesh, options, context);
+  const par::Cuda cuda(memory_needed_on_device(mesh, options), context.stop);
+  Report report = optimize_on(cuda, mesh, options, context, surface);
   report.device.swap(name);
   return report;
 }

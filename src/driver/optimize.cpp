@@ -7,6 +7,7 @@
 #include "core/first_ids.hpp"
 #include "driver/alternate.hpp"
 #include "driver/devices.hpp"
+#include "driver/slide_on.hpp"
 #include "driver/targets.hpp"
 #include "flips/flip.hpp"
 #include "par/cpu.hpp"
@@ -58,7 +59,10 @@ OverlapError::OverlapError(std::vector<Index> there)
 
 std::string OverlapError::message(bool one_based) const { return overlap_message(tets, one_based); }
 
-Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
+namespace {
+
+/// `surface`: what to slide on, if not what the mesh comes with.
+Report run(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface) {
   if (options.max_iterations < 0) {
     throw OptionError("max_iterations is " + std::to_string(options.max_iterations) + "; it must be 0 or more");
   }
@@ -88,16 +92,26 @@ Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
   if (options.device == Device::automatic) choice = choose_device(mesh, options);
   Report report;
   if (choice.device == Device::cuda) {
-    report = optimize_on_cuda(mesh, options, context);
+    report = optimize_on_cuda(mesh, options, context, surface);
   } else {
     const par::Cpu cpu(options.threads, context.stop);
-    report = optimize_on(cpu, mesh, options, context);
+    report = optimize_on(cpu, mesh, options, context, surface);
     report.device = "CPU";
     report.threads = cpu.threads();
   }
   report.device_reason.swap(choice.reason);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
+}
+
+}  // namespace
+
+Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
+  return run(mesh, options, context, nullptr);
+}
+
+Report optimize(TetMesh& mesh, const Options& options, const Context& context, SlideSurface& surface) {
+  return run(mesh, options, context, &surface);
 }
 
 }  // namespace tetune

@@ -8,6 +8,7 @@
 #include "flips/flip_pass.hpp"
 #include "relocate/coloring.hpp"
 #include "relocate/sweep.hpp"
+#include "surface/slide_surface.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {
@@ -34,12 +35,15 @@ struct WorkingSet {
   std::vector<Listed> listed_triangles;
 };
 
-/// Takes a mesh in: checks it, renumbers it, finds its surface and what each vertex may do. Throws MeshError.
+/// Takes a mesh in: checks it, renumbers it, finds its surface and what each vertex may do.
+/// `slides_on`: the surface for Boundary::slide, null for the mesh's own. Throws MeshError.
 template <class Backend>
-void load(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work, Report& report);
+void load(const Backend& par, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
+          WorkingSet<Backend>& work, Report& report);
 
-/// Gives the result back to the caller's mesh, under the caller's vertex ids.
+/// Gives the result back to the caller's mesh, under the caller's vertex ids, and tells the surface where the vertices
+/// are on it.
 template <class Backend>
-void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report& report);
+void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSurface* slides_on, Report& report);
 
 }  // namespace tetune

@@ -9,6 +9,7 @@
 #include "core/validate_arrays.hpp"
 #include "driver/boundary_triangles.inl"
 #include "driver/constraints.hpp"
+#include "driver/slide_surface.inl"
 #include "driver/working_set.hpp"
 #include "par/atomic.hpp"
 #include "tetune/data.hpp"
@@ -256,7 +257,8 @@ void check_volumes(const Backend& par, const TetMesh& mesh, const Options& optio
 }  // namespace working_set_detail
 
 template <class Backend>
-void load(const Backend& par, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work, Report& report) {
+void load(const Backend& par, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
+          WorkingSet<Backend>& work, Report& report) {
   using namespace working_set_detail;
   const ValidationReport arrays = validate_arrays(mesh);
   if (!arrays.ok()) throw MeshError(arrays.message(false));
@@ -347,39 +349,47 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
   work.mobilities.axis.resize(vertices);
   work.mobilities.awake.resize(vertices);
   par.fill(work.mobilities.awake.span(), std::uint8_t{1});
-  const auto classify = [&](Span<const Index> feature_ends, const ConstrainedEdges& features) {
-    if (options.boundary == Boundary::slide) {
-      build_reference(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(), options.feature_angle,
-                      work.mobilities.kind.span(), work.mobilities.reference);
-    } else {
-      classify_vertices(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(),
-                        options.boundary == Boundary::fixed, work.mobilities.kind.span(), work.mobilities.axis.span());
-    }
-  };
-  // Ridges and required edges are features; tagged ones as well, unless they are too many to be lines.
-  const EdgeSet<Backend> ridges({ends.begin(), ends.begin() + 2 * static_cast<std::ptrdiff_t>(constraints.ridges)},
-                                vertices);
-  classify(ridges.ends.span(), ridges.view());
-  const auto tagged = static_cast<std::int64_t>(constraints.edges.size() - constraints.ridges);
-  if (tagged > 0) {
-    if (are_lines(ends, 2 * constraints.ridges, work.mobilities.kind.download())) {
-      classify(edges.ends.span(), work.flips.constrained());
-    } else {
-      report.edges_not_held = tagged;
-    }
-  }
-  report.corners_not_held = hold_corners(par, frozen_buffer.span(), work.mobilities.kind.span());
-  if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
-    work.mobilities.leash.resize(vertices);
-    par.for_each(vertices,
-                 FindLeash{work.mesh.points.span(), surface.triangles.span(), surface.vertex2corner.view(),
-                           options.boundary == Boundary::slide ? kSlideLeash : kLeash, work.mobilities.leash.span()});
-  }
-  if (options.boundary == Boundary::slide) {
+  const bool slides = options.boundary == Boundary::slide;
+  if (slides) {
     // A little less, for rounding.
     work.mobilities.max_deviation = (1 - 1e-9) * options.max_deviation * work.scale;
     work.mobilities.site.resize(vertices);
-    par.for_each(vertices, StartSite{work.mobilities.site.span()});
+  }
+  if (slides_on != nullptr) {
+    take_surface(par, *slides_on, original2vertex, frozen_buffer.span(), work);
+  } else {
+    const auto classify = [&](Span<const Index> feature_ends, const ConstrainedEdges& features) {
+      if (slides) {
+        build_reference(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(), options.feature_angle,
+                        work.mobilities.kind.span(), work.mobilities.reference);
+      } else {
+        classify_vertices(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(),
+                          options.boundary == Boundary::fixed, work.mobilities.kind.span(),
+                          work.mobilities.axis.span());
+      }
+    };
+    // Ridges and required edges are features; tagged ones as well, unless they are too many to be lines.
+    const EdgeSet<Backend> ridges({ends.begin(), ends.begin() + 2 * static_cast<std::ptrdiff_t>(constraints.ridges)},
+                                  vertices);
+    classify(ridges.ends.span(), ridges.view());
+    const auto tagged = static_cast<std::int64_t>(constraints.edges.size() - constraints.ridges);
+    if (tagged > 0) {
+      if (are_lines(ends, 2 * constraints.ridges, work.mobilities.kind.download())) {
+        classify(edges.ends.span(), work.flips.constrained());
+      } else {
+        report.edges_not_held = tagged;
+      }
+    }
+    report.corners_not_held = hold_corners(par, frozen_buffer.span(), work.mobilities.kind.span());
+    if (slides) {
+      work.mobilities.reference.kind.assign(work.mobilities.kind);
+      par.for_each(vertices, StartSite{work.mobilities.site.span()});
+    }
+  }
+  if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
+    work.mobilities.leash.resize(vertices);
+    par.for_each(vertices, FindLeash{work.mesh.points.span(), surface.triangles.span(), surface.vertex2corner.view(),
+                                     slides ? kSlideLeash : kLeash, work.mobilities.leash.span()});
   }
   for (const Mobility kind : work.mobilities.kind.download()) {
     ++(kind == Mobility::free      ? report.free_vertices
@@ -392,7 +402,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, Worki
 }
 
 template <class Backend>
-void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report& report) {
+void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSurface* slides_on, Report& report) {
   using namespace working_set_detail;
   // All that may fail comes first, so that the caller's mesh changes as a whole or not at all.
   const bool check = count_doubled_faces(par, work.mesh) > 0;
@@ -419,8 +429,11 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, Report&
   auto tet_data = take_entries(mesh.tet_data, tet2original);
   auto triangle_data = data_of_kept(mesh.triangle_data, new_triangles);
   auto edge_data = data_of_kept(mesh.edge_data, new_edges);
+  std::vector<std::array<Index, 3>> sites;
+  if (slides_on != nullptr) sites = tell_sites(par, work, ids.work2extended);
 
   // From here on nothing fails.
+  if (slides_on != nullptr) slides_on->site.swap(sites);
   mesh.point_data.swap(point_data);
   mesh.tet_data.swap(tet_data);
   mesh.triangle_data.swap(triangle_data);

@@ -185,7 +185,7 @@ SweepSum sweep_colors(const Backend& par, WorkMesh<Backend>& mesh, const RingsVi
                                                mobilities.awake.span(),
                                                mobilities.local,
                                                mobilities.site.span(),
-                                               mobilities.reference.view(mobilities.kind.span()),
+                                               mobilities.reference.view(),
                                                mobilities.max_deviation,
                                                step};
   });

@@ -56,10 +56,11 @@ struct ReferenceSurface {
   Buffer<Index> across;
   Rows<Backend> vertex2corner;
   Buffer<LineVertex> line;
+  Buffer<Mobility> kind;  ///< where vertices may go, those aside that are held where they are for now
 
   bool empty() const { return points.size() == 0; }
-  ReferenceView view(Span<const Mobility> kind) const {
-    return {points.span(), triangles.span(), across.span(), vertex2corner.view(), line.span(), kind};
+  ReferenceView view() const {
+    return {points.span(), triangles.span(), across.span(), vertex2corner.view(), line.span(), kind.span()};
   }
 };
 

@@ -63,7 +63,7 @@ Size open_angles(const Backend& par, WorkMesh<Backend>& mesh, const RingsView& r
                                                       mobilities.axis.span(),
                                                       mobilities.leashes(),
                                                       mobilities.site.span(),
-                                                      mobilities.reference.view(mobilities.kind.span()),
+                                                      mobilities.reference.view(),
                                                       mobilities.max_deviation,
                                                       flags,
                                                       enough};

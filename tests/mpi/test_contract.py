@@ -21,6 +21,47 @@ def entities(path):
     return set(zip(mesh.points, mesh.point_tags)), triangles, tets
 
 
+def surface_faces(mesh):
+    """Of the boundary, and between regions."""
+    regions = {}
+    for (a, b, c, d), tag in zip(mesh.tets, mesh.tet_tags):
+        for face in ((a, b, c), (a, b, d), (a, c, d), (b, c, d)):
+            regions.setdefault(tuple(sorted(face)), []).append(tag)
+    return [face for face, tags in regions.items() if len(tags) == 1 or tags[0] != tags[1]]
+
+
+def minus(p, q):
+    return p[0] - q[0], p[1] - q[1], p[2] - q[2]
+
+
+def dot(p, q):
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+
+
+def mean_edge(mesh):
+    """Of the boundary: the unit of distances."""
+    edges = {tuple(sorted(e)) for a, b, c in mesh.boundary_faces() for e in ((a, b), (b, c), (c, a))}
+    return sum(dot(d, d) ** 0.5 for d in (minus(mesh.points[a], mesh.points[b]) for a, b in edges)) / len(edges)
+
+
+def to_segment(p, a, b):
+    along, d = minus(b, a), minus(p, a)
+    s = min(1.0, max(0.0, dot(d, along) / dot(along, along)))
+    off = minus(d, tuple(s * x for x in along))
+    return dot(off, off) ** 0.5
+
+
+def to_triangle(p, a, b, c):
+    u, v, d = minus(b, a), minus(c, a), minus(p, a)
+    uu, uv, vv, du, dv = dot(u, u), dot(u, v), dot(v, v), dot(d, u), dot(d, v)
+    det = uu * vv - uv * uv
+    s, t = (vv * du - uv * dv) / det, (uu * dv - uv * du) / det
+    if s >= 0 and t >= 0 and s + t <= 1:
+        off = minus(d, tuple(s * x + t * y for x, y in zip(u, v)))
+        return dot(off, off) ** 0.5
+    return min(to_segment(p, a, b), to_segment(p, b, c), to_segment(p, c, a))
+
+
 class Contract(MpiTest):
     def judged(self, out, slide=False):
         """Valid, nothing lost, the shape as it was."""
@@ -56,9 +97,19 @@ class Contract(MpiTest):
 
     def test_same_bits(self):
         a, b = self.path("a.meshb"), self.path("b.meshb")
-        self.mpi(3, mpi_case.BRACKET, a, "--quiet", "--effort", "fast")
-        self.mpi(3, mpi_case.BRACKET, b, "--quiet", "--effort", "fast", "--threads", "2")
-        self.assertEqual(Path(a).read_bytes(), Path(b).read_bytes())
+        for boundary in ("preserve", "slide"):
+            self.mpi(3, mpi_case.BRACKET, a, "--quiet", "--effort", "fast", "--boundary", boundary)
+            self.mpi(3, mpi_case.BRACKET, b, "--quiet", "--effort", "fast", "--boundary", boundary, "--threads", "2")
+            self.assertEqual(Path(a).read_bytes(), Path(b).read_bytes())
+
+    def test_one_rank_does_what_one_machine_does(self):
+        for options in ([], ["--boundary", "slide"], ["--boundary", "slide", "--max-deviation", "0.05"]):
+            with self.subTest(options=options):
+                alone, one = self.path("alone.mesh"), self.path("one.mesh")
+                options = ["--quiet", "--effort", "fast", *options]
+                subprocess.run([mpi_case.TETUNE, "optimize", mpi_case.BRACKET, alone, *options], check=True)
+                self.mpi(1, mpi_case.BRACKET, one, *options)
+                self.assertEqual(Path(alone).read_bytes(), Path(one).read_bytes())
 
     def test_text_and_binary_are_the_same_mesh(self):
         text = self.path("in.mesh")
@@ -75,20 +126,65 @@ class Contract(MpiTest):
         self.mpi(3, mpi_case.BRACKET, out, "--quiet", "--boundary", "slide", "--max-deviation", "0.05")
         self.judged(out, slide=True)
         change = self.compare(mpi_case.BRACKET, out)["change"]
-        length = self.mean_edge()
+        length = mean_edge(self.bracket_as_text())
         for distance in ("distance_new_to_old", "distance_old_to_new"):
             self.assertLess(change[distance] * length, 0.05)
         alone = self.on_one_machine(mpi_case.BRACKET, "--boundary", "slide", "--max-deviation", "0.05")["quality"]
         self.assertLess(abs(self.info(out)["quality"]["eta_sum"] / alone["eta_sum"] - 1), 0.005)
 
-    def mean_edge(self):
-        """Of the boundary: the unit of distances."""
+    def test_all_rounds_slide_on_the_surface_of_the_input(self):
+        flat = cli_case.cube(8)
+        before = cli_case.bent(flat)
+        before.tet_tags = [7 if sum(flat.points[v][0] for v in tet) < 2 else 3 for tet in before.tets]
+        source = self.put("in.mesh", before)
+        triangles = [[before.points[v] for v in face] for face in surface_faces(before)]
+
+        def sides(v):
+            return {(k, x) for k, x in enumerate(flat.points[v]) if x in (0, 1)}
+
+        lines = [(a, b) for face in before.boundary_faces() for a, b in zip(face, face[1:] + face[:1])
+                 if len(sides(a) & sides(b)) == 2]
+        for ranks, options in ((2, []), (4, ["--effort", "fast"]), (3, ["--effort", "best"]), (4, ["--max-deviation", "0.01"])):
+            with self.subTest(ranks=ranks, options=options):
+                out, report = self.path("out.mesh"), self.path("report.json")
+                self.mpi(ranks, source, out, "--boundary", "slide", "--report", report, *options)
+                run = json.loads(Path(report).read_text())["optimization"]
+                self.assertGreater(len(run["rounds"]), 1)
+                after = cli_case.Mesh.read(out)
+                self.assertGreater(min(after.volumes()), 0)
+                moved = 0
+                for v in {v for face in surface_faces(after) for v in face}:
+                    p = after.points[v]
+                    near = [t for t in triangles if dot(minus(p, t[0]), minus(p, t[0])) < 0.25]
+                    self.assertLess(min(to_triangle(p, *t) for t in near), 1e-12)
+                    moved += p not in before.points
+                self.assertGreater(moved, 100)
+                if "best" in options:  # which inserts vertices
+                    continue
+                for v in {v for line in lines for v in line}:
+                    on_line = min(to_segment(after.points[v], before.points[a], before.points[b]) for a, b in lines)
+                    self.assertLess(on_line, 1e-12)
+                if "--max-deviation" in options:
+                    change = self.compare(source, out)["change"]
+                    for distance in ("distance_new_to_old", "distance_old_to_new"):
+                        self.assertLess(change[distance] * mean_edge(before), 0.01)
+
+    def test_a_rank_has_its_piece_of_the_surface_alone(self):
+        most = {}
+        for ranks in (2, 4):
+            report = self.path("report.json")
+            self.mpi(ranks, mpi_case.BRACKET, self.path("out.meshb"), "--boundary", "slide", "--report", report)
+            most[ranks] = json.loads(Path(report).read_text())["optimization"]["surface_triangles"]
+        whole = len(surface_faces(self.bracket_as_text()))
+        # A cut's surroundings go to one of its ranks, which makes parts unequal.
+        self.assertLess(most[2], 0.8 * whole)
+        self.assertLess(most[4], 0.65 * whole)
+
+    def bracket_as_text(self):
         text = self.path("edges.mesh")
         subprocess.run([mpi_case.TETUNE, "optimize", "--quiet", "--boundary", "fixed", "--effort", "fast",
                         mpi_case.BRACKET, text], check=True)
-        mesh = cli_case.Mesh.read(text)
-        edges = {tuple(sorted(e)) for a, b, c in mesh.boundary_faces() for e in ((a, b), (b, c), (c, a))}
-        return sum(sum((x - y) ** 2 for x, y in zip(mesh.points[a], mesh.points[b])) ** 0.5 for a, b in edges) / len(edges)
+        return cli_case.Mesh.read(text)
 
     def test_vertices_inserted_and_removed(self):
         out, report = self.path("out.meshb"), self.path("report.json")
@@ -109,16 +205,17 @@ class Contract(MpiTest):
         listed = "RequiredVertices\n%d\n%s\nEnd" % (len(inner), "\n".join(str(v + 1) for v in inner))
         source = self.put("in.mesh", cube.text().replace("End", listed))
         out = self.path("out.mesh")
-        self.mpi(4, source, out, "--quiet", "--freeze", "tag=7")
-        after = cli_case.Mesh.read(out)
         frozen = {tuple(sorted(t)) for t, tag in zip(cube.tets, cube.tet_tags) if tag == 7}
-        kept = {tuple(sorted(t)) for t, tag in zip(after.tets, after.tet_tags) if tag == 7}
-        self.assertEqual(frozen, kept)
-        for v in set(inner) | {v for t in frozen for v in t}:
-            self.assertEqual(cube.points[v], after.points[v])
-        moved = sum(p != q for p, q in zip(cube.points, after.points))
-        self.assertGreater(moved, 50)
-        self.assertEqual(after.point_tags, cube.point_tags)
+        for options in ([], ["--boundary", "slide"], ["--boundary", "slide", "--max-deviation", "0.01"]):
+            self.mpi(4, source, out, "--quiet", "--freeze", "tag=7", *options)
+            after = cli_case.Mesh.read(out)
+            kept = {tuple(sorted(t)) for t, tag in zip(after.tets, after.tet_tags) if tag == 7}
+            self.assertEqual(frozen, kept)
+            for v in set(inner) | {v for t in frozen for v in t}:
+                self.assertEqual(cube.points[v], after.points[v])
+            moved = sum(p != q for p, q in zip(cube.points, after.points))
+            self.assertGreater(moved, 50)
+            self.assertEqual(after.point_tags, cube.point_tags)
 
     def test_inside_out_and_unused_vertices(self):
         cube = cli_case.cube(6)
@@ -160,10 +257,11 @@ class Contract(MpiTest):
     def test_more_ranks_than_the_mesh_has_room_for(self):
         cube = cli_case.cube(2)
         out = self.path("out.mesh")
-        self.mpi(4, self.put("in.mesh", cube), out, "--quiet")
-        after = cli_case.Mesh.read(out)
-        self.assertGreater(min(after.volumes()), 0)
-        self.assertAlmostEqual(sum(after.volumes()), 1, places=12)
+        for boundary in ("preserve", "slide"):
+            self.mpi(4, self.put("in.mesh", cube), out, "--quiet", "--boundary", boundary)
+            after = cli_case.Mesh.read(out)
+            self.assertGreater(min(after.volumes()), 0)
+            self.assertAlmostEqual(sum(after.volumes()), 1, places=12)
 
 
 mpi_case.main(__doc__)

@@ -123,6 +123,41 @@ TEST(Part, TakenOutAndPutBackIsTheSame) {
   EXPECT_EQ(contents(part), before);
 }
 
+TEST(Part, CopiedIsWhatWouldBeTakenOut) {
+  Part part = make();
+  const auto before = contents(part);
+  const auto marked = left_half(part.mesh);
+  const auto copy = contents(copied(part, marked));
+  EXPECT_EQ(contents(part), before);
+  EXPECT_EQ(copy, contents(extract(part, marked)));
+}
+
+TEST(Part, HeldAreTheSurfaceListsAndFrozenRegions) {
+  Part part = make();
+  TetMesh& mesh = part.mesh;
+  mesh.triangles.clear();
+  mesh.edges.resize(1);
+  mesh.corners = {60};
+  mesh.required_vertices.clear();
+  mesh.required_tets.clear();
+  std::vector<std::uint8_t> expected = on_surface(mesh);
+  for (const Index v : {mesh.edges[0][0], mesh.edges[0][1], Index{60}}) expected[static_cast<std::size_t>(v)] = 1;
+  EXPECT_EQ(held_vertices(mesh, {}), expected);
+  const int region = mesh.tet_tags.front();
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    if (mesh.tet_tags[t] != region) continue;
+    for (const Index v : mesh.tets[t]) expected[static_cast<std::size_t>(v)] = 1;
+  }
+  EXPECT_EQ(held_vertices(mesh, {region}), expected);
+  std::vector<std::uint8_t> one(mesh.points.size(), 0);
+  one[static_cast<std::size_t>(mesh.tets[5][2])] = 1;
+  const auto around = tets_around(mesh, one);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    const auto& tet = mesh.tets[t];
+    EXPECT_EQ(around[t] != 0, std::find(tet.begin(), tet.end(), mesh.tets[5][2]) != tet.end());
+  }
+}
+
 TEST(Part, ListedEntitiesGoWithTheirTetrahedra) {
   Part part = make();
   const Part out = extract(part, left_half(part.mesh));

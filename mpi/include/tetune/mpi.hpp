@@ -33,6 +33,8 @@ struct DistributedReport {
   std::int64_t vertices_inserted = 0, vertices_removed = 0;
   std::vector<RoundReport> rounds;
   std::int64_t left_frozen = 0;  ///< vertices that no round could move, as each had them on a cut; 0 but for odd shapes
+  /// With Boundary::slide on several ranks: of the input's surface, the most triangles that a rank had at once.
+  std::int64_t surface_triangles = 0;
   double optimizer_seconds = 0;  ///< in optimize() of the parts: the slowest rank of each round
   double seconds = 0;
   StopReason stop = StopReason::converged;
@@ -48,9 +50,9 @@ struct DistributedReport {
 /// cells does so again. Options::frozen_regions are values of "Cell Sets", frozen_patches of "Face Sets".
 ///
 /// The result is valid and conforming across ranks, no smaller angle than the smallest of the input, the shape of its
-/// boundary kept as Options::boundary says; with Boundary::slide each round moves vertices on the surface that the
-/// round before left, and max_deviation bounds the sum. The result is bit for bit the same for the same parts, for any
-/// number of threads. Options::threads 0: those of a node are shared among its ranks.
+/// boundary kept as Options::boundary says; with Boundary::slide all rounds move vertices on the surface of the input,
+/// and max_deviation bounds how far the result is from it. The result is bit for bit the same for the same parts, for
+/// any number of threads. Options::threads 0: those of a node are shared among its ranks.
 ///
 /// `stop`, if given, is asked on every rank at its safe points (Context::stop); all ranks end when one says true.
 ///
