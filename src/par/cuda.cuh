@@ -80,11 +80,6 @@ class Cuda {
     check_cuda(cudaGetLastError(), "launch");
   }
 
-  template <class F>
-  void for_each_heavy(Size n, const F& f) const {
-    for_each(n, f);
-  }
-
   template <class R, class F>
   R reduce(Size n, const F& f) const {
     if (n == 0) return R{};
