@@ -164,6 +164,23 @@ struct Classify {
     }
   };
 
+  /// The wings of a vertex, each looked at from all others: those of most vertices fit here.
+  class Wings {
+   public:
+    TETUNE_HD Wings(const Classify& classify, Size begin, Size end)
+        : classify_(classify), begin_(begin), few_(end - begin <= kFew) {
+      for (Size c = begin; few_ && c < end; ++c) kept_[c - begin] = classify.wing(c);
+    }
+    TETUNE_HD Wing operator()(Size c) const { return few_ ? kept_[c - begin_] : classify_.wing(c); }
+
+   private:
+    static constexpr Size kFew = 16;
+    const Classify& classify_;
+    Size begin_;
+    bool few_;
+    Wing kept_[kFew];
+  };
+
   TETUNE_HD void operator()(Size v) const {
     axis[v] = {0, 0, 0};
     const Size begin = vertex2corner.begin(v);
@@ -178,10 +195,11 @@ struct Classify {
     }
 
     const Vec3 x = vec(points[v]);
+    const Wings wings(*this, begin, end);
     Vec3 normal{0, 0, 0};
     double length = 0;
     for (Size c = begin; c < end; ++c) {
-      const Wing w = wing(c);
+      const Wing w = wings(c);
       const Vec3 e1 = vec(points[w.q1]) - x;
       const Vec3 e2 = vec(points[w.q2]) - x;
       Vec3 n = cross(e1, e2);
@@ -200,7 +218,7 @@ struct Classify {
     }
     bool flat = size > 0;
     for (Size c = begin; c < end; ++c) {
-      const Wing w = wing(c);
+      const Wing w = wings(c);
       if (flat) {
         const double height = dot(normal, vec(points[w.q1]) - x) / size;
         const double height2 = dot(normal, vec(points[w.q2]) - x) / size;
@@ -209,9 +227,9 @@ struct Classify {
     }
     Features folds;
     for (Size c = begin; c < end; ++c) {
-      const Wing w = wing(c);
-      star_edge(x, static_cast<Index>(v), c, w.q1, w.q2, w.tag, begin, end, features, folds);
-      star_edge(x, static_cast<Index>(v), c, w.q2, w.q1, w.tag, begin, end, features, folds);
+      const Wing w = wings(c);
+      star_edge(wings, x, static_cast<Index>(v), c, w.q1, w.q2, w.tag, begin, end, features, folds);
+      star_edge(wings, x, static_cast<Index>(v), c, w.q2, w.q1, w.tag, begin, end, features, folds);
       // Fixed, whatever else there is: along a feature, all that is folded beside it would be torn.
       if (features.count > 2 || folds.count > 2 || (features.count > 0 && folds.count > 0)) return;
     }
@@ -234,7 +252,7 @@ struct Classify {
     if (norm(cross(d0, unit)) > kFlat * l0 || norm(cross(d1, unit)) > kFlat * l1) return;
     // Moving along the line leaves a triangle in its plane only if the plane contains the line.
     for (Size c = begin; c < end; ++c) {
-      const Wing w = wing(c);
+      const Wing w = wings(c);
       const Vec3 e1 = vec(points[w.q1]) - x;
       const Vec3 e2 = vec(points[w.q2]) - x;
       const double longest = dot(e1, e1) > dot(e2, e2) ? dot(e1, e1) : dot(e2, e2);
@@ -246,15 +264,15 @@ struct Classify {
 
  private:
   /// Looks at the edge (v, q) of the star, seen from the triangle at `c` whose third vertex is `apex`.
-  TETUNE_HD void star_edge(const Vec3& x, Index v, Size c, Index q, Index apex, int tag, Size begin, Size end,
-                           Features& features, Features& folds) const {
+  TETUNE_HD void star_edge(const Wings& wings, const Vec3& x, Index v, Size c, Index q, Index apex, int tag, Size begin,
+                           Size end, Features& features, Features& folds) const {
     if (constrained.contains(v, q)) return;  // counted already
     Size others = 0;
     Index other_apex = -1;
     int other_tag = 0;
     for (Size o = begin; o < end; ++o) {
       if (o == c) continue;
-      const Wing w = wing(o);
+      const Wing w = wings(o);
       if (w.q1 != q && w.q2 != q) continue;
       if (o < c) return;  // each edge once, by its first triangle
       ++others;

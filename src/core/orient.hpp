@@ -22,10 +22,20 @@ struct Orient {
   TETUNE_HD bool certified() const { return det > bound; }
 };
 
-TETUNE_HD TETUNE_INLINE double permanent(const Vec3& a, const Vec3& b, const Vec3& c) {
-  using std::fabs;
-  return (fabs(a.y * b.z) + fabs(a.z * b.y)) * fabs(c.x) + (fabs(a.z * b.x) + fabs(a.x * b.z)) * fabs(c.y) +
-         (fabs(a.x * b.y) + fabs(a.y * b.x)) * fabs(c.z);
+template <class T>
+TETUNE_HD TETUNE_INLINE T magnitude(const T& x) {
+  if constexpr (requires { x[0]; }) {
+    return x > 0.0 ? x : 0.0 - x;  // never -0, as std::fabs
+  } else {
+    return std::fabs(x);
+  }
+}
+
+template <class T>
+TETUNE_HD TETUNE_INLINE T permanent(const Vec3T<T>& a, const Vec3T<T>& b, const Vec3T<T>& c) {
+  return (magnitude(a.y * b.z) + magnitude(a.z * b.y)) * magnitude(c.x) +
+         (magnitude(a.z * b.x) + magnitude(a.x * b.z)) * magnitude(c.y) +
+         (magnitude(a.x * b.y) + magnitude(a.y * b.x)) * magnitude(c.z);
 }
 
 TETUNE_HD TETUNE_INLINE Orient orient(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3) {

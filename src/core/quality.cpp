@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <mutex>
 
 #include "core/fetch_ahead.hpp"
 #include "core/tet_measures.hpp"
@@ -23,7 +24,6 @@ constexpr par::Size kParts = 64;
 par::Size part_begin(par::Size tets, par::Size part) { return tets * part / kParts; }
 
 struct Part {
-  std::vector<std::int64_t> bins = std::vector<std::int64_t>(kBins, 0);
   double min = 180, max = 0, sum = 0;
   par::Size worst = -1;
   double eta_sum = 0, shape_sum = 0, ratio_sum = 0, ratio_min = 1, volume = 0;
@@ -38,9 +38,9 @@ TetShape shape_of(const TetMesh& mesh, double scale, par::Size t) {
   return TetShape(p);
 }
 
-void add(const TetShape& shape, par::Size t, Part& part, double& eta) {
+void add(const TetShape& shape, par::Size t, Part& part, std::vector<std::int64_t>& bins, double& eta) {
   for (const double angle : shape.angles) {
-    ++part.bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
+    ++bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
     part.sum += angle;
     if (angle < part.min) {
       part.min = angle;
@@ -167,19 +167,23 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   const double scale = unit_scale(mesh);
   std::vector<double> eta(mesh.tets.size());
   std::vector<Part> parts(static_cast<std::size_t>(kParts));
+  std::vector<std::int64_t> bins(kBins, 0);
+  std::mutex bins_mutex;
   const par::Cpu cpu(threads);
   cpu.for_parts(kParts, [&](par::Size p) {
     Part& part = parts[static_cast<std::size_t>(p)];
+    std::vector<std::int64_t> part_bins(kBins, 0);
     const par::Size begin = part_begin(tets, p);
     for (par::Size t = begin; t < part_begin(tets, p + 1); ++t) {
       const TetShape shape = shape_of(mesh, scale, t);
-      add(shape, t, part, eta[static_cast<std::size_t>(t)]);
+      add(shape, t, part, part_bins, eta[static_cast<std::size_t>(t)]);
       if (table != nullptr) table->add(shape, t, p, t == begin);
     }
+    const std::lock_guard lock(bins_mutex);
+    std::transform(bins.begin(), bins.end(), part_bins.begin(), bins.begin(), std::plus<>());
   });
   Part total;
   for (const Part& part : parts) {
-    for (std::size_t b = 0; b < kBins; ++b) total.bins[b] += part.bins[b];
     if (part.min < total.min) {
       total.min = part.min;
       total.worst = part.worst;
@@ -195,8 +199,8 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   const std::int64_t angles = 6 * tets;
   q.dihedral_min = total.min;
   q.worst_tet = static_cast<Index>(total.worst);
-  q.dihedral_1 = percentile(total.bins, angles, 0.01);
-  q.dihedral_5 = percentile(total.bins, angles, 0.05);
+  q.dihedral_1 = percentile(bins, angles, 0.01);
+  q.dihedral_5 = percentile(bins, angles, 0.05);
   q.dihedral_mean = total.sum / static_cast<double>(angles);
   q.dihedral_max = total.max;
   q.eta_sum = total.eta_sum / scale;
@@ -212,7 +216,7 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   q.volume = total.volume / scale / scale / scale;
   for (std::size_t b = 0; b < kBins; ++b) {
     q.histogram[std::min<std::size_t>(17, b / (10 * kBinsPerDegree))] +=
-        static_cast<double>(total.bins[b]) / static_cast<double>(angles);
+        static_cast<double>(bins[b]) / static_cast<double>(angles);
   }
   if (table != nullptr) table->summarize(mesh, cpu, q);
   return q;

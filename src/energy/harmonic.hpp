@@ -75,24 +75,27 @@ TETUNE_HD TETUNE_INLINE T volume_margin(const OppositeFace<T>& f, const Vec3T<T>
 
 /// The energy of a tetrahedron with vertices in positive order, and whether its volume is certified positive. Where it
 /// is not, the energy is what the smallest volume that rounding leaves possible would give: large, and finite.
-struct TetEnergy {
-  double eta;
-  bool certified;
-  double shape;  ///< the shape energy, whatever the law
-  double q, w;   ///< four times the sum of the squared areas, six times the volume
+template <class T>
+struct TetEnergyT {
+  T eta;
+  decltype(T{} > T{}) certified;
+  T shape;  ///< the shape energy, whatever the law
+  T q, w;   ///< four times the sum of the squared areas, six times the volume
 };
+using TetEnergy = TetEnergyT<double>;
 
-TETUNE_HD TETUNE_INLINE TetEnergy tet_energy(const EnergyLaw& law, const Vec3& x, const Vec3& p0, const Vec3& p1,
-                                             const Vec3& p2) {
-  const OppositeFace<double> f = opposite_face(p0, p1, p2);
-  const Vec3 y = x - p0;
-  const double volume = dot(f.n, y);
-  const double bound = kOrientBound * permanent(f.a, f.b, y);
-  const bool certified = volume > bound;
-  const double w = certified ? volume : bound;
-  const double q = area_term(f, y);
-  double shape = 0;
-  const double energy = law.factor * law.term(q, 1 / w, shape);
+template <class T = double>
+TETUNE_HD TETUNE_INLINE TetEnergyT<T> tet_energy(const EnergyLaw& law, const Vec3T<T>& x, const Vec3T<T>& p0,
+                                                 const Vec3T<T>& p1, const Vec3T<T>& p2) {
+  const OppositeFace<T> f = opposite_face(p0, p1, p2);
+  const Vec3T<T> y = x - p0;
+  const T volume = dot(f.n, y);
+  const T bound = kOrientBound * permanent(f.a, f.b, y);
+  const auto certified = volume > bound;
+  const T w = certified ? volume : bound;
+  const T q = area_term(f, y);
+  T shape{};
+  const T energy = law.factor * law.term(q, 1.0 / w, shape);
   return {energy, certified, kShapeFactor * shape, q, w};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/gather.hpp"
 #include "energy/ring.hpp"
 
 namespace tetune {
@@ -140,17 +141,9 @@ class SimdRing {
     to.z = from.z;
   }
 
-  /// Corner k of kLanes faces: kLanes points in, transposed.
+  /// Corner k of kLanes faces.
   TETUNE_INLINE static Vec3T<Lanes> gather(Span<const Point> points, const LinkFace* const f[], int k) {
-    static_assert(kLanes == 4 && sizeof(Point) == sizeof(Lanes));
-    Lanes r[kLanes];
-    for (int l = 0; l < kLanes; ++l) r[l] = *reinterpret_cast<const Lanes*>(points.data() + f[l]->v[k]);
-    const Lanes xy01 = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5);
-    const Lanes xy23 = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5);
-    const Lanes z01 = __builtin_shufflevector(r[0], r[1], 2, 6, 2, 6);
-    const Lanes z23 = __builtin_shufflevector(r[2], r[3], 2, 6, 2, 6);
-    return {__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5), __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7),
-            __builtin_shufflevector(z01, z23, 0, 1, 4, 5)};
+    return tetune::gather<Lanes>(points, {f[0]->v[k], f[1]->v[k], f[2]->v[k], f[3]->v[k]});
   }
 
   OppositeFace<double> face(Size i) const {

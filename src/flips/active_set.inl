@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/gather.hpp"
 #include "flips/candidates.hpp"
 #include "flips/least_after.hpp"
 
@@ -15,19 +16,70 @@ struct EnergySum {
   TETUNE_HD void merge(const EnergySum& other) { sum += other.sum; }
 };
 
+/// Some slots in a row, and their vertices, one slot a lane. Beyond the last slot, and of free ones, anything.
+template <class Pack>
+class SlotPack {
+ public:
+  TETUNE_HD TETUNE_INLINE SlotPack(const MeshView& mesh, Size pack)
+      : mesh_(mesh),
+        first_(kLanes * pack),
+        count_(mesh.tet2vertex.size() - first_ < kLanes ? static_cast<int>(mesh.tet2vertex.size() - first_) : kLanes) {
+    for (int l = 0; l < kLanes; ++l) {
+      const Tet tet = mesh.tet2vertex[first_ + (l < count_ ? l : 0)];
+      alive_[l] = tet[0] != kFreeSlot;
+      for (int k = 0; k < 4; ++k) ids_[k][l] = alive_[l] ? tet[k] : 0;
+    }
+  }
+  TETUNE_HD TETUNE_INLINE static Size packs(Size slots) { return (slots + kLanes - 1) / kLanes; }
+
+  TETUNE_HD TETUNE_INLINE Vec3T<Pack> corner(int k, Span<const Point> points) const {
+    return gather<Pack>(points, ids_[k]);
+  }
+  TETUNE_HD TETUNE_INLINE TetEnergyT<Pack> energy() const {
+    return tet_energy(mesh_.law, corner(0, mesh_.points), corner(1, mesh_.points), corner(2, mesh_.points),
+                      corner(3, mesh_.points));
+  }
+  /// Stores what the slots have of it, 0 for free ones, and sums it up.
+  TETUNE_HD TETUNE_INLINE EnergySum put(const Pack& values, Span<double> to) const {
+    EnergySum total;
+    for_each([&](Size slot, int l) {
+      to[slot] = alive_[l] ? lane(values, l) : 0;
+      total.merge({to[slot]});
+    });
+    return total;
+  }
+  /// f(slot, lane)
+  template <class F>
+  TETUNE_HD TETUNE_INLINE void for_each(const F& f) const {
+    for (int l = 0; l < count_; ++l) f(first_ + l, l);
+  }
+
+ private:
+  static constexpr int kLanes = kLanesOf<Pack>;
+  const MeshView& mesh_;
+  Size first_;
+  int count_;
+  bool alive_[kLanes];
+  Index ids_[4][kLanes];
+};
+
 struct RefreshEta {
   MeshView mesh;
   Span<double> eta;
-  TETUNE_HD EnergySum operator()(Size t) const {
-    eta[t] = mesh.alive(t) ? slot_energy(mesh, mesh.tet2vertex[t]).eta : 0;
-    return {eta[t]};
+  TETUNE_HD EnergySum operator()(Size pack) const {
+    const SlotPack<par::Pack> slots(mesh, pack);
+    return slots.put(slots.energy().eta, eta);
   }
 };
 
 struct RefreshEtaOf {
-  RefreshEta refresh;
+  MeshView mesh;
+  Span<double> eta;
   Span<const Index> slots;
-  TETUNE_HD void operator()(Size i) const { refresh(slots[i]); }
+  TETUNE_HD void operator()(Size i) const {
+    const Index t = slots[i];
+    eta[t] = mesh.alive(t) ? slot_energy(mesh, mesh.tet2vertex[t]).eta : 0;
+  }
 };
 
 struct EtaOf {
@@ -51,19 +103,20 @@ struct Drift {
   Span<const Point> seen;
   Span<double> eta;
   Span<float> slack;
-  TETUNE_HD EnergySum operator()(Size t) const {
-    if (!mesh.alive(t)) return {};
-    const Tet tet = mesh.tet2vertex[t];
-    const TetEnergy e = slot_energy(mesh, tet);
-    eta[t] = e.eta;
-    double move2 = 0;
+  TETUNE_HD EnergySum operator()(Size pack) const {
+    using Pack = par::Pack;
+    const SlotPack<Pack> slots(mesh, pack);
+    const TetEnergyT<Pack> e = slots.energy();
+    Pack move2{};
     for (int k = 0; k < 4; ++k) {
-      const Vec3 move = vec(mesh.points[tet[k]]) - vec(seen[tet[k]]);
-      const double length2 = dot(move, move);
+      const Vec3T<Pack> move = slots.corner(k, mesh.points) - slots.corner(k, seen);
+      const Pack length2 = dot(move, move);
       move2 = length2 > move2 ? length2 : move2;
     }
-    slack[t] -= static_cast<float>(drift_rate(mesh.law) * std::sqrt(move2 * e.q) / e.w);
-    return {eta[t]};
+    const Pack moved = move2 * e.q;
+    const Pack drift = drift_rate(mesh.law) * square_root(moved) / e.w;
+    slots.for_each([&](Size slot, int l) { slack[slot] -= static_cast<float>(lane(drift, l)); });
+    return slots.put(e.eta, eta);
   }
 };
 
@@ -100,14 +153,16 @@ template <class Backend>
 double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
   using namespace flip_detail;
   state.eta.resize(mesh.slots(), mesh.room());
-  return par.template reduce<EnergySum>(mesh.slots(), RefreshEta{mesh.view(), state.eta.span()}).sum;
+  return par
+      .template reduce<EnergySum>(SlotPack<par::Pack>::packs(mesh.slots()), RefreshEta{mesh.view(), state.eta.span()})
+      .sum;
 }
 
 template <class Backend>
 void refresh_energy_of(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
                        Span<const Index> slots) {
   using namespace flip_detail;
-  par.for_each(slots.size(), RefreshEtaOf{{mesh.view(), state.eta.span()}, slots});
+  par.for_each(slots.size(), RefreshEtaOf{mesh.view(), state.eta.span(), slots});
 }
 
 template <class Backend>
@@ -142,8 +197,9 @@ void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend
 template <class Backend>
 double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
   using namespace flip_detail;
-  const EnergySum energy = par.template reduce<EnergySum>(
-      mesh.slots(), Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
+  const EnergySum energy =
+      par.template reduce<EnergySum>(SlotPack<par::Pack>::packs(mesh.slots()),
+                                     Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
   activate_where(par, mesh, state, HasDrifted{mesh.view(), LeastAfter(mesh.law), state.eta.span(), state.slack.span()});
   return energy.sum;
 }

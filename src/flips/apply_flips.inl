@@ -48,6 +48,7 @@ struct FlipRecord {
 
 /// Hands out the slots and leaves, in each outer face of the old tetrahedra, the address of the new one.
 struct Forward {
+  static constexpr Size kGrain = 32;
   MeshView mesh;
   Span<FlipRecord> records;
   Span<const SlotCounts> before;  ///< counts of the flips before this one
@@ -68,6 +69,7 @@ struct Forward {
 /// Finds what lies across the outer faces now: a neighbour that stayed is told, one that was flipped in this pass as
 /// well left its new address.
 struct Resolve {
+  static constexpr Size kGrain = 32;
   MeshView mesh;
   Span<FlipRecord> records;
   Span<const std::uint64_t> proposal;
@@ -91,6 +93,22 @@ struct Resolve {
   }
 };
 
+/// What lies around the cavities, in the order of the records: anywhere in memory.
+struct FetchAcross {
+  MeshView mesh;
+  Span<const FlipRecord> records;
+  TETUNE_INLINE void operator()(Size i) const {
+    constexpr Size kAhead = 3;
+    if (i + kAhead >= records.size()) return;
+    const FlipRecord& f = records[i + kAhead];
+    for (int k = 0; k < f.outer_faces(); ++k) {
+      const Index t = f.across[k] == kNoLink ? 0 : link_tet(f.across[k]);
+      __builtin_prefetch(&mesh.tet2tet[t]);
+      __builtin_prefetch(&mesh.tet2vertex[t]);
+    }
+  }
+};
+
 struct FlipSum {
   double decrease = 0;
   Size flips23 = 0, flips32 = 0, edge_removals = 0, face_removals = 0, boundary_flips = 0;
@@ -106,6 +124,7 @@ struct FlipSum {
 
 /// Puts the new tetrahedra in place.
 struct Write {
+  static constexpr Size kGrain = 32;
   MeshView mesh;
   Span<const FlipRecord> records;
   Span<const SlotCounts> before;
@@ -180,12 +199,14 @@ struct Write {
 
 /// Makes the owners evaluate all candidates that have a new tetrahedron in their cavity.
 struct WantAround {
+  static constexpr Size kGrain = 32;
   Candidates candidates;
   Span<const FlipRecord> records;
   Span<const double> eta;
   double least;
   Span<std::uint32_t> wanted;
   Span<float> slack;
+  TETUNE_INLINE void prefetch(Size i) const { FetchAcross{candidates.mesh, records}(i); }
   TETUNE_HD void operator()(Size i) const {
     const MeshView& mesh = candidates.mesh;
     const FlipRecord& f = records[i];

@@ -159,6 +159,7 @@ struct IsMarked {
 };
 
 struct FillEdge {
+  static constexpr Size kGrain = 32;
   FindEdge find;
   Span<const Index> corners;
   Span<BoundaryEdge> edges;
@@ -175,6 +176,7 @@ struct Fans {
 };
 
 struct FindFans {
+  static constexpr Size kGrain = 32;
   MeshView mesh;
   Span<const BoundaryEdge> edges;
   Span<const Index> triangle2face;
@@ -234,6 +236,7 @@ struct FindFans {
 
 /// Offers each flip that is worth it to the tetrahedra of its fans.
 struct Propose {
+  static constexpr Size kGrain = 32;
   FindFans find;
   Span<const Index> corners;
   Span<const double> eta;
@@ -298,6 +301,7 @@ struct Agreed {
 };
 
 struct Gather {
+  static constexpr Size kGrain = 32;
   FindFans find;
   Span<const Index> agreed;
   Span<const double> eta;

@@ -29,6 +29,7 @@ struct FindCluster {
 
 /// Each face is looked at by the worse of its two tetrahedra.
 struct Propose {
+  static constexpr Size kGrain = 32;
   FindCluster find;
   Span<const Index> active;
   Span<std::uint64_t> proposal;
@@ -95,6 +96,7 @@ struct Agreed {
 };
 
 struct Gather {
+  static constexpr Size kGrain = 32;
   FindCluster find;
   Span<const Index> active;
   Span<const Index> agreed;

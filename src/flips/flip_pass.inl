@@ -10,6 +10,7 @@ namespace flip_detail {
 
 /// Each candidate is evaluated once, by the worst tetrahedron of its cavity: its owner.
 struct Propose {
+  static constexpr Size kGrain = 32;
   Candidates candidates;
   Span<const Index> active;
   Span<const std::uint32_t> wanted;
@@ -101,6 +102,7 @@ struct Agreed {
 
 /// Reads all that a flip needs before any tetrahedron changes, and marks its tetrahedra.
 struct Gather {
+  static constexpr Size kGrain = 32;
   Candidates candidates;
   Span<const Index> active;
   Span<const Index> agreed;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // MEDIT meshes, text and binary, versions 1 to 4 (libMeshb's format).
+#include <atomic>
 #include <cstring>
 #include <limits>
 #include <type_traits>
@@ -7,6 +8,7 @@
 #include "io/medit_sections.hpp"
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
+#include "par/cpu.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -15,7 +17,7 @@ namespace {
 /// Numbers of a text file.
 class TextSource {
  public:
-  explicit TextSource(TextCursor& cursor) : cursor_(cursor) {}
+  TextSource(TextCursor& cursor, int threads) : cursor_(cursor), threads_(threads) {}
   double real() { return cursor_.real("coordinate"); }
   std::int64_t integer(const char* what) { return cursor_.integer(what); }
   /// A length that cannot be true, given what is left of the file, is refused before memory is asked for.
@@ -28,10 +30,41 @@ class TextSource {
     }
     return static_cast<std::size_t>(n);
   }
+  /// Calls read(source, i) for the n entries that come next.
+  template <class Read>
+  void entries(std::size_t n, const Read& read) {
+    if (n >= kMany && read_lines(n, read)) return;
+    for (std::size_t i = 0; i < n; ++i) read(*this, i);
+  }
   [[noreturn]] void fail(const std::string& what) const { cursor_.fail(what); }
 
  private:
+  static constexpr std::size_t kMany = 4096;
+  static constexpr std::size_t kBytesEach = 1 << 16;
+
+  /// Most programs write an entry a line, so that parts of the lines can be read on all threads. False where some part
+  /// does not hold as many entries as lines: reading one after another can say why.
+  template <class Read>
+  bool read_lines(std::size_t n, const Read& read) {
+    std::vector<TextCursor::Lines> parts = cursor_.next_lines(n, kBytesEach);
+    if (parts.empty()) return false;
+    std::atomic<bool> as_expected = true;
+    par::Cpu(threads_).for_parts(static_cast<par::Size>(parts.size()), [&](par::Size p) {
+      TextCursor::Lines& lines = parts[static_cast<std::size_t>(p)];
+      try {
+        TextSource source(lines.cursor, 1);
+        for (std::size_t i = lines.first; i < lines.first + lines.count; ++i) read(source, i);
+        if (lines.cursor.at_end()) return;
+      } catch (const FileError&) {
+      }
+      as_expected = false;
+    });
+    if (as_expected) cursor_.go_on_after(parts.back().cursor);
+    return as_expected;
+  }
+
   TextCursor& cursor_;
+  int threads_;
 };
 
 /// Numbers of a binary file.
@@ -82,6 +115,10 @@ class BinarySource {
       fail("section " + std::string(section) + " claims " + std::to_string(n) + " entries, more than it can hold");
     }
     return static_cast<std::size_t>(n);
+  }
+  template <class Read>
+  void entries(std::size_t n, const Read& read) {
+    for (std::size_t i = 0; i < n; ++i) read(*this, i);
   }
   [[noreturn]] void fail(const std::string& what) const {
     throw FileError(path_ + ", byte " + std::to_string(at_) + ": " + what);
@@ -154,17 +191,17 @@ class MeditReader {
     if (!excess.empty()) source_.fail("section " + std::string(section.name) + " has " + excess);
     return n;
   }
-  Index id(std::string_view section) {
-    const std::int64_t value = source_.integer("id");
+  static Index id(Source& source, std::string_view section) {
+    const std::int64_t value = source.integer("id");
     if (value < 1 || value > std::numeric_limits<Index>::max()) {
-      source_.fail("id " + std::to_string(value) + " in section " + std::string(section) + "; ids count from 1");
+      source.fail("id " + std::to_string(value) + " in section " + std::string(section) + "; ids count from 1");
     }
     return static_cast<Index>(value - 1);
   }
-  int tag() {
-    const std::int64_t value = source_.integer("reference");
+  static int tag(Source& source) {
+    const std::int64_t value = source.integer("reference");
     if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max()) {
-      source_.fail("reference " + std::to_string(value) + " does not fit 32 bits");
+      source.fail("reference " + std::to_string(value) + " does not fit 32 bits");
     }
     return static_cast<int>(value);
   }
@@ -180,10 +217,10 @@ class MeditReader {
     const std::size_t n = count(kMeditVertices, 4);
     mesh_.points.resize(n);
     mesh_.point_tags.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      for (double& x : mesh_.points[i]) x = source_.real();
-      mesh_.point_tags[i] = tag();
-    }
+    source_.entries(n, [this](Source& source, std::size_t i) {
+      for (double& x : mesh_.points[i]) x = source.real();
+      mesh_.point_tags[i] = tag(source);
+    });
     return true;
   }
 
@@ -193,10 +230,10 @@ class MeditReader {
     const std::size_t n = count(section, section.vertices + 1);
     elements.resize(n);
     tags.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      for (Index& v : elements[i]) v = id(section.name);
-      tags[i] = tag();
-    }
+    source_.entries(n, [&](Source& source, std::size_t i) {
+      for (Index& v : elements[i]) v = id(source, section.name);
+      tags[i] = tag(source);
+    });
     return true;
   }
 
@@ -211,8 +248,8 @@ class MeditReader {
     block.element2vertex.reserve(n * static_cast<std::size_t>(section.vertices));
     block.tags.reserve(n);
     for (std::size_t i = 0; i < n; ++i) {
-      for (int k = 0; k < section.vertices; ++k) block.element2vertex.push_back(id(section.name));
-      block.tags.push_back(tag());
+      for (int k = 0; k < section.vertices; ++k) block.element2vertex.push_back(id(source_, section.name));
+      block.tags.push_back(tag(source_));
     }
     if (n > 0) mesh_.others.push_back(std::move(block));
     return true;
@@ -222,7 +259,7 @@ class MeditReader {
     expect_first(section.name, ids);
     const std::size_t n = count(section, 1);
     ids.resize(n);
-    for (Index& i : ids) i = id(section.name);
+    source_.entries(n, [&](Source& source, std::size_t i) { ids[i] = id(source, section.name); });
     return true;
   }
 
@@ -237,7 +274,7 @@ constexpr const char* kNoEnd = ": the section End is missing; the file may be cu
 
 TetMesh parse_medit_text(const std::string& path, std::string_view bytes, const ReadContext& context) {
   TextCursor cursor(path, bytes);
-  TextSource source(cursor);
+  TextSource source(cursor, context.threads);
   TetMesh mesh;
   MeditReader reader(source, mesh);
   std::string_view word = cursor.word();

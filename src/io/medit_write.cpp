@@ -98,9 +98,13 @@ class BinaryWriter {
   }
   template <class T>
   void put(T value) {
+    std::memcpy(room(sizeof(T)), &value, sizeof(T));
+  }
+  /// Room for so many bytes, to be filled at once.
+  char* room(std::size_t bytes) {
     const std::size_t at = bytes_.size();
-    bytes_.resize(at + sizeof(T));
-    std::memcpy(bytes_.data() + at, &value, sizeof(T));
+    bytes_.resize(at + bytes);
+    return bytes_.data() + at;
   }
   void section(int code, std::size_t body_bytes) {
     put<std::int32_t>(code);
@@ -141,9 +145,14 @@ void write_binary_elements(BinaryWriter& out, const MeditSection& section, const
   const auto each = static_cast<std::size_t>(section.vertices);
   out.section(section.code, 4 + tags.size() * (each + 1) * 4);
   out.put(static_cast<std::int32_t>(tags.size()));
+  char* to = out.room(tags.size() * (each + 1) * 4);
+  const auto put = [&to](std::int32_t value) {
+    std::memcpy(to, &value, sizeof value);
+    to += sizeof value;
+  };
   for (std::size_t i = 0; i < tags.size(); ++i) {
-    for (std::size_t k = 0; k < each; ++k) out.put<std::int32_t>(element2vertex[i * each + k] + 1);
-    out.put<std::int32_t>(tags[i]);
+    for (std::size_t k = 0; k < each; ++k) put(element2vertex[i * each + k] + 1);
+    put(tags[i]);
   }
   out.flush();
 }
@@ -272,9 +281,11 @@ void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
   out.flush();
   out.section(kMeditVertices.code, 4 + mesh.points.size() * 28);
   out.put(static_cast<std::int32_t>(mesh.points.size()));
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    for (const double x : mesh.points[i]) out.put(x);
-    out.put<std::int32_t>(mesh.point_tags[i]);
+  char* to = out.room(mesh.points.size() * 28);
+  for (std::size_t i = 0; i < mesh.points.size(); ++i, to += 28) {
+    const std::int32_t tag = mesh.point_tags[i];
+    std::memcpy(to, mesh.points[i].data(), 24);
+    std::memcpy(to + 24, &tag, sizeof tag);
   }
   out.flush();
   write_binary_elements(out, kMeditEdges, flat(mesh.edges), mesh.edge_tags);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tetune/error.hpp"
 
@@ -81,6 +83,15 @@ class TextCursor {
     while (at_ < end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r')) ++at_;
     return at_ >= end_ || *at_ == '\n' || *at_ == '#';
   }
+
+  /// Some of the lines that follow this one, to be read by a cursor of their own.
+  struct Lines;
+  /// The n lines that follow this one, in parts of about as many bytes; none where something follows on this one, or
+  /// there are fewer.
+  std::vector<Lines> next_lines(std::size_t n, std::size_t bytes_each);
+  /// Goes on where a cursor over some of its text is.
+  void go_on_after(const TextCursor& part) { at_ = part.at_; }
+
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -135,5 +146,35 @@ class TextCursor {
   const char* at_;
   const char* end_;
 };
+
+struct TextCursor::Lines {
+  std::size_t first, count;
+  TextCursor cursor;
+};
+
+inline std::vector<TextCursor::Lines> TextCursor::next_lines(std::size_t n, std::size_t bytes_each) {
+  const auto past_line = [this](const char* from) {
+    const void* found = from < end_ ? std::memchr(from, '\n', static_cast<std::size_t>(end_ - from)) : nullptr;
+    return found != nullptr ? static_cast<const char*>(found) + 1 : end_;
+  };
+  std::vector<Lines> parts;
+  if (!line_done()) return parts;
+  const char* from = past_line(at_);
+  for (std::size_t first = 0; first < n;) {
+    if (from == end_) return {};
+    const char* to = past_line(from + std::min(bytes_each, static_cast<std::size_t>(end_ - from)) - 1);
+    auto count = static_cast<std::size_t>(std::count(from, to, '\n'));
+    if (count > n - first) {
+      count = n - first;
+      to = from;
+      for (std::size_t line = 0; line < count; ++line) to = past_line(to);
+    }
+    if (count == 0) return {};
+    parts.push_back({first, count, TextCursor(path_, {from, static_cast<std::size_t>(to - from)})});
+    first += count;
+    from = to;
+  }
+  return parts;
+}
 
 }  // namespace tetune

@@ -15,13 +15,16 @@ namespace tetune::par::block_cache {
 namespace {
 
 constexpr std::size_t kHugePage = std::size_t{1} << 21;
+/// Blocks from here on are kept; the C library keeps smaller ones itself. In steps of this, so that they serve again.
+constexpr std::size_t kLeast = std::size_t{1} << 16;
 /// Blocks that are kept have at most this part of the memory in use, as its inverse.
 constexpr std::size_t kUsedPerKept = 4;
 
 class Cache {
  public:
   void* allocate(std::size_t bytes) {
-    bytes = (bytes + kHugePage - 1) / kHugePage * kHugePage;
+    const std::size_t step = 2 * bytes > kHugePage ? kHugePage : kLeast;
+    bytes = (bytes + step - 1) / step * step;
     const std::lock_guard lock(mutex_);
     // Not much larger than asked for, or what is small would sit on what is large.
     if (const auto kept = kept_.lower_bound(bytes); kept != kept_.end() && kept->first <= bytes + bytes / 2) {
@@ -32,14 +35,15 @@ class Cache {
       bytes_used_ += size;
       return memory;
     }
-    void* memory = std::aligned_alloc(kHugePage, bytes);
+    const std::size_t alignment = bytes >= kHugePage ? kHugePage : 64;
+    void* memory = std::aligned_alloc(alignment, bytes);
     if (memory == nullptr) {
       drop(0);
-      memory = std::aligned_alloc(kHugePage, bytes);
+      memory = std::aligned_alloc(alignment, bytes);
       if (memory == nullptr) throw std::bad_alloc();
     }
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
-    madvise(memory, bytes, MADV_HUGEPAGE);
+    if (bytes >= kHugePage) madvise(memory, bytes, MADV_HUGEPAGE);
 #endif
     try {
       used_.emplace(memory, bytes);
@@ -103,14 +107,14 @@ Cache& cache() {
 
 void* allocate(std::size_t bytes) {
   if (bytes == 0) return nullptr;
-  if (bytes >= kHugePage) return cache().allocate(bytes);
+  if (bytes >= kLeast) return cache().allocate(bytes);
   void* memory = std::aligned_alloc(64, (bytes + 63) / 64 * 64);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 
 void release(void* memory, std::size_t bytes) noexcept {
-  if (bytes >= kHugePage) {
+  if (bytes >= kLeast) {
     cache().release(memory);
   } else {
     std::free(memory);

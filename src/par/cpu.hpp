@@ -48,21 +48,12 @@ class Cpu {
   /// f(i) for i in [0, n), in any order.
   template <class F>
   void for_each(Size n, const F& f) const {
-    if (threads_ == 1 || n <= kSerial) {
-      for (Size i = 0; i < n; ++i) f(i);
+    const Size each = grain<F>(n);
+    if (threads_ == 1 || n <= kSerialGrains * each) {
+      for_range(0, n, f);
       return;
     }
-    for_parts((n + kGrain - 1) / kGrain, [&](Size part) {
-      for (Size i = part * kGrain; i < std::min(n, (part + 1) * kGrain); ++i) f(i);
-    });
-  }
-
-  /// The same where each f(i) is as much work as thousands of others: few are worth all threads.
-  template <class F>
-  void for_each_heavy(Size n, const F& f) const {
-    for_parts((n + kHeavyGrain - 1) / kHeavyGrain, [&](Size part) {
-      for (Size i = part * kHeavyGrain; i < std::min(n, (part + 1) * kHeavyGrain); ++i) f(i);
-    });
+    for_parts((n + each - 1) / each, [&](Size part) { for_range(part * each, std::min(n, (part + 1) * each), f); });
   }
 
   /// f(part) for part in [0, parts), each a good piece of work.
@@ -78,12 +69,13 @@ class Cpu {
   /// Merges f(i) for i in [0, n) into R{}: within chunks of fixed length, then over the chunks in order.
   template <class R, class F>
   R reduce(Size n, const F& f) const {
-    const Size chunks = (n + kGrain - 1) / kGrain;
+    const Size each = grain<F>(n);
+    const Size chunks = (n + each - 1) / each;
     std::vector<R> partial(static_cast<std::size_t>(chunks));
     const auto merge_chunk = [&](Size c) {
-      partial[static_cast<std::size_t>(c)] = reduce_range<R>(c * kGrain, std::min(n, (c + 1) * kGrain), f);
+      partial[static_cast<std::size_t>(c)] = reduce_range<R>(c * each, std::min(n, (c + 1) * each), f);
     };
-    if (n > kSerial) {
+    if (n > kSerialGrains * each) {
       for_parts(chunks, merge_chunk);
     } else {
       for (Size c = 0; c < chunks; ++c) merge_chunk(c);
@@ -224,12 +216,31 @@ class Cpu {
  private:
   /// Items a thread takes at a time.
   static constexpr Size kGrain = 512;
-  static constexpr Size kHeavyGrain = 8;
+  /// Few items that are much work each are shared out as well: kernels of such have a smaller `kGrain`, the least that
+  /// a thread takes. Depends on the number of items alone, as sums do on this.
+  static constexpr Size kHeavyParts = 64;
+  template <class F>
+  static constexpr Size grain(Size n) {
+    if constexpr (requires { F::kGrain; }) {
+      return std::clamp(n / kHeavyParts, F::kGrain, kGrain);
+    } else {
+      return kGrain;
+    }
+  }
   /// Below this, waking the other threads costs more than they save.
-  static constexpr Size kSerial = 2048;
+  static constexpr Size kSerialGrains = 4;
+  static constexpr Size kSerial = kSerialGrains * kGrain;
 
   /// Threads that each read all of n keys: more would read for longer than they sort.
   Size readers(Size n) const { return std::clamp<Size>(n / kSerial, 1, std::min(threads_, 8)); }
+
+  template <class F>
+  static void for_range(Size begin, Size end, const F& f) {
+    for (Size i = begin; i < end; ++i) {
+      if constexpr (requires { f.prefetch(i); }) f.prefetch(i);
+      f(i);
+    }
+  }
 
   template <class R, class F>
   static R reduce_range(Size begin, Size end, const F& f) {

@@ -83,13 +83,7 @@ class Cuda {
 
   template <class F>
   void for_each(Size n, const F& f) const {
-    launch(n, f, kThreads);
-  }
-
-  /// On as many multiprocessors as there can be.
-  template <class F>
-  void for_each_heavy(Size n, const F& f) const {
-    launch(n, f, kWarp);
+    launch(n, f, n < kFew ? kWarp : kThreads);
   }
 
   template <class R, class F>
@@ -205,8 +199,10 @@ class Cuda {
     return partial;
   }
 
-  static constexpr int kWarp = 32;
   static constexpr int kThreads = 128;
+  /// Few threads go in blocks of a warp, to as many multiprocessors as there can be.
+  static constexpr int kWarp = 32;
+  static constexpr Size kFew = 16384;
   /// What is numbered by 32 bits makes far fewer than the 2^31 - 1 that there may be.
   static unsigned blocks(Size n, int each) { return static_cast<unsigned>((n + each - 1) / each); }
 

@@ -45,6 +45,7 @@ struct FlaggedVertexOfCorner {
 /// sliding takes of registers and of each thread's memory would be taken in any sweep.
 template <class Ring, class Step, bool kSlides>
 struct RelocateVertex {
+  static constexpr Size kGrain = 16;
   EnergyLaw law;
   QualityFloor floor;
   Span<Point> points;

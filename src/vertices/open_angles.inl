@@ -14,6 +14,7 @@ struct MovedCount {
 };
 
 struct OpenAngle {
+  static constexpr Size kGrain = 16;
   MeshView mesh;
   RingsView rings;
   Span<const Index> vertices;

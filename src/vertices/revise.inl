@@ -38,6 +38,7 @@ struct Proposal {
 };
 
 struct Propose {
+  static constexpr Size kGrain = 4;
   MeshView mesh;
   ConstrainedEdges constrained;
   Span<const Mobility> kind;
@@ -215,6 +216,7 @@ struct Filling {
 };
 
 struct Gather {
+  static constexpr Size kGrain = 1;
   MeshView mesh;
   ConstrainedEdges constrained;
   Span<const Proposal> proposals;
@@ -371,13 +373,13 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   typename Backend::template Buffer<Proposal> proposals(count);
   typename Backend::template Buffer<std::uint64_t> best(slots);
   par.fill(best.span(), std::uint64_t{0});
-  par.for_each_heavy(count, Propose{mesh.view(), flips.constrained(), mobilities.kind.span(), around, proposals.span(),
+  par.for_each(count, Propose{mesh.view(), flips.constrained(), mobilities.kind.span(), around, proposals.span(),
                                     best.span(), std::min(flips.max_ring, kMaxMovedRing), vertex_cot, choices});
   Ids agreed(count);
   const Size fills = par.compact(count, Agreed{proposals.span(), best.span()}, agreed.span());
   typename Backend::template Buffer<Filling> fillings(fills);
   typename Backend::template Buffer<Counts> before(fills);
-  par.for_each_heavy(
+  par.for_each(
       fills, Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), fillings.span(), before.span()});
   const Counts counts = par.exclusive_scan(Span<const Counts>(before.span()), before.span());
   const SlotChange change(mesh, counts.slots);

@@ -54,10 +54,6 @@ class Emulation {
       });
     });
   }
-  template <class F>
-  void for_each_heavy(Size n, const F& f) const {
-    for_each(n, f);
-  }
 
   template <class R, class F>
   R reduce(Size n, const F& f) const {

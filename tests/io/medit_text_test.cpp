@@ -2,6 +2,7 @@
 // MEDIT text as others write it, and what is said of broken files.
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -37,6 +38,39 @@ TEST_F(IoTest, LineBreaksAreBlanks) {
   }
   expect_same(read_mesh(put("b.mesh", windows)), one);
   expect_same(read_mesh(put("c.mesh", spaced)), one);
+}
+
+/// Long sections are read in parts of lines, whatever the lines hold.
+TEST_F(IoTest, LongSectionsReadInPartsAreTheSame) {
+  write_mesh(path("a.mesh"), two_materials(12, 0.2));
+  const TetMesh mesh = read_mesh(path("a.mesh"), nullptr, 1);
+  const std::string text = get("a.mesh");
+  // In the middle of the tetrahedra: a comment, an empty line, two entries on one line, an entry on two.
+  const std::size_t middle = text.find('\n', (text.find("Tetrahedra") + text.size()) / 2);
+  const std::size_t next = text.find('\n', middle + 1);
+  std::string with_comment = text, with_gap = text, joined = text, split = text;
+  with_comment.replace(middle, 1, " # 1 2 3\n# 4 5\n");
+  with_gap.replace(middle, 1, "\n\n");
+  joined[middle] = ' ';
+  split.replace(text.find(' ', middle), 1, "\n");
+  for (const int threads : {1, 2, 3}) {
+    for (const std::string& same : {text, with_comment, with_gap, joined, split}) {
+      expect_same(read_mesh(put("b.mesh", same), nullptr, threads), mesh);
+    }
+    std::string broken = text;
+    broken.replace(middle + 1, next - middle - 1, std::string("1 2 x 4 0"));
+    put("c.mesh", broken);
+    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(middle) + 1, '\n') + 1;
+    std::string error;
+    try {
+      read_mesh(path("c.mesh"), nullptr, threads);
+    } catch (const FileError& e) {
+      error = e.what();
+    }
+    const std::string where = std::to_string(line);
+    EXPECT_TRUE(contains(error, ("c.mesh:" + where).c_str()));
+    EXPECT_TRUE(contains(error, "expected an integer (id), found \"x\""));
+  }
 }
 
 TEST_F(IoTest, UnknownTextSectionsAreSkippedWithAWarning) {

@@ -76,6 +76,32 @@ TEST(HarmonicIndex, OfTheRegularTetrahedronWithUnitEdge) {
   EXPECT_NEAR(e.certified ? e.eta : turned.eta, 4.5 * std::sqrt(2.0), 1e-14);
 }
 
+TEST(HarmonicIndex, OfAPackIsThatOfEachLaneToTheLastBit) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coordinate(-1, 1);
+  for (const EnergyLaw& law : {kHarmonicLaw, kShapeLaw, shape_law(2)}) {
+    for (int i = 0; i < 200; ++i) {
+      std::vector<Point> points;
+      for (int k = 0; k < 16; ++k)
+        points.push_back(point({coordinate(random), coordinate(random), coordinate(random)}));
+      // Flat ones too: all in a plane, where rounding leaves the volume in doubt.
+      for (std::size_t k = 0; k < 4 && i % 4 == 0; ++k) points[k].z = 0.25 * points[k].x;
+      const Span<const Point> all(points.data(), 16);
+      const auto corner = [&](Index k) { return gather<par::Pack>(all, {k, k + 4, k + 8, k + 12}); };
+      const TetEnergyT<par::Pack> pack = tet_energy(law, corner(0), corner(1), corner(2), corner(3));
+      for (int l = 0; l < 4; ++l) {
+        const auto at = [&](int k) { return vec(points[static_cast<std::size_t>(4 * l + k)]); };
+        const TetEnergy one = tet_energy(law, at(0), at(1), at(2), at(3));
+        EXPECT_EQ(pack.eta[l], one.eta);
+        EXPECT_EQ(pack.certified[l] != 0, one.certified);
+        EXPECT_EQ(pack.shape[l], one.shape);
+        EXPECT_EQ(pack.q[l], one.q);
+        EXPECT_EQ(pack.w[l], one.w);
+      }
+    }
+  }
+}
+
 TEST(HarmonicIndex, AgreesWithItsDefinition) {
   std::mt19937 random(11);
   int positive = 0;

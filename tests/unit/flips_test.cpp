@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <set>
 
@@ -44,6 +45,20 @@ TEST(Flip, ThreeTetsAroundALongEdgeBecomeTwo) {
   EXPECT_EQ(f.work.tets(), 2);
   EXPECT_EQ(f.work.free_count, 1);
   f.expect_consistent();
+}
+
+TEST(Flip, EnergiesOfAllSlotsAreThoseOfEach) {
+  for (const TetMesh& mesh : {test::three_tets(1), test::cube(3, 0.2)}) {
+    Fixture f(mesh);
+    while (f.pass().flips() > 0) {
+    }
+    EXPECT_EQ(f.work.free_count, mesh.tets.size() == 3 ? 1 : 0);
+    // Flips have left what each tetrahedron has by itself.
+    const std::vector<double> each = f.state.eta.download();
+    const double sum = refresh_energy(f.cpu, f.work, f.state);
+    EXPECT_EQ(f.state.eta.download(), each);
+    EXPECT_NEAR(sum, std::accumulate(each.begin(), each.end(), 0.0), 1e-12 * sum);
+  }
 }
 
 TEST(Flip, LeavesTheBetterOfTheTwoAlone) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -33,6 +34,9 @@ struct Count {
 };
 struct One {
   Count operator()(Size) const { return {1}; }
+};
+struct FewHeavy : Harmonic {
+  static constexpr Size kGrain = 4;
 };
 struct IsThird {
   bool operator()(Size i) const { return i % 3 == 0; }
@@ -72,9 +76,8 @@ TYPED_TEST(Primitives, ForEachTakesEachOnce) {
     typename Here::template Buffer<Size> out(n);
     this->par.fill(out.span(), Size{5});
     this->par.for_each(n, AddSquare{out.span()});
-    this->par.for_each_heavy(n, AddSquare{out.span()});
     const std::vector<Size> host = out.download();
-    for (Size i = 0; i < n; ++i) ASSERT_EQ(host[static_cast<std::size_t>(i)], 5 + 2 * i * i) << n;
+    for (Size i = 0; i < n; ++i) ASSERT_EQ(host[static_cast<std::size_t>(i)], 5 + i * i) << n;
   }
 }
 
@@ -175,6 +178,37 @@ TEST(Emulation, ReduceGivesTheSameBitsForAnyOrder) {
   for (const std::uint64_t seed : {2U, 3U, 7U}) {
     EXPECT_EQ(par::Emulation(seed).reduce<Sum>(100000, Harmonic{}).value, one);
   }
+}
+
+TEST(Cpu, FewHeavyItemsGiveTheSameBitsForAnyNumberOfThreads) {
+  for (const Size n : {Size{3}, Size{100}, Size{1000}, Size{100000}}) {
+    const double few = Cpu(1).reduce<Sum>(n, FewHeavy{}).value;
+    EXPECT_NEAR(few, Cpu(1).reduce<Sum>(n, Harmonic{}).value, 1e-12 * few);
+    for (const int threads : {2, 3, 7}) EXPECT_EQ(Cpu(threads).reduce<Sum>(n, FewHeavy{}).value, few);
+  }
+}
+
+/// The first item waits until another has started, which only another thread can do.
+struct Meet {
+  static constexpr Size kGrain = 1;
+  std::atomic<int>* started;
+  std::atomic<bool>* met;
+  void operator()(Size) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    ++*started;
+    while (*started < 2 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    if (*started < 2) *met = false;
+  }
+};
+
+TEST(Cpu, FewHeavyItemsRunOnSeveralThreads) {
+  const Cpu cpu(2);
+  ASSERT_EQ(cpu.threads(), 2);
+  std::atomic<int> started = 0;
+  std::atomic<bool> met = true;
+  cpu.for_each(8, Meet{&started, &met});
+  EXPECT_TRUE(met);
+  EXPECT_EQ(started, 8);
 }
 
 TEST(ThreadPool, RunsEachPartOnceRoundAfterRound) {
