@@ -11,6 +11,6 @@ namespace tetune {
 /// brought up to date; null: the surface of the mesh.
 template <class Backend>
 Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, const Context& context,
-                   SlideSurface* surface);
+                   SlideSurface* surface = nullptr);
 
 }  // namespace tetune

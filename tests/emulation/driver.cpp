@@ -3,5 +3,5 @@
 #include "emulation/emulation.hpp"
 
 namespace tetune {
-template Report optimize_on(const par::Emulation&, TetMesh&, const Options&, const Context&);
+template Report optimize_on(const par::Emulation&, TetMesh&, const Options&, const Context&, SlideSurface*);
 }  // namespace tetune
