@@ -89,13 +89,11 @@ void drop_appended(TetMesh& mesh, std::vector<Index>& vertex2original, std::size
     mesh.point_tags.resize(first);
     return;
   }
+  const auto appended = [&](Index v) { return v >= static_cast<Index>(first) && v < static_cast<Index>(end); };
   std::vector<std::uint8_t> keep;
-  for (const Index v : vertex2original) {
-    keep.push_back(v >= static_cast<Index>(first) && v < static_cast<Index>(end) ? 0 : 1);
-  }
+  for (const Index v : vertex2original) keep.push_back(appended(v) ? 0 : 1);
   keep_vertices(mesh, positions_of_kept(keep));
-  std::erase_if(vertex2original,
-                [&](Index v) { return v >= static_cast<Index>(first) && v < static_cast<Index>(end); });
+  std::erase_if(vertex2original, appended);
 }
 
 template <class T, class Map>
@@ -384,6 +382,7 @@ class Rounds {
                         : tetune::optimize(mesh, options, context_);
     } catch (const MeshError&) {
       drop_seam(mesh, seam);
+      drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());
       throw MeshError(defects(part));
     }
     drop_seam(mesh, seam);

@@ -8,6 +8,7 @@
 
 #include "curved.hpp"
 #include "driver/alternate.hpp"
+#include "driver/slide_on.hpp"
 #include "emulation/emulation.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
@@ -121,6 +122,11 @@ TEST_P(EmulationAgainstCpu, Agrees) {
   const Report again = optimize_on(Emulation(2), second, c.options, {});
   EXPECT_EQ(again.energy_after, report.energy_after);
   expect_same(first, second);
+  if (c.options.boundary != Boundary::slide) return;
+  SlideSurface surface = find_slide_surface(c.mesh, c.options);
+  TetMesh given = c.mesh;
+  optimize_on(Emulation(3), given, c.options, {}, &surface);
+  expect_same(first, given);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EmulationAgainstCpu, testing::ValuesIn(cases()),
