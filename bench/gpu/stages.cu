@@ -9,7 +9,7 @@ namespace tetune::gpu_bench {
 
 std::vector<std::pair<std::string, double>> measure_stages(const TetMesh& mesh, int runs) {
   const Stopwatch watch;
-  const par::Cuda par;
+  const par::Cuda par(memory_needed_on_device(mesh, {}));
   std::vector<std::pair<std::string, std::vector<double>>> stages;
   const auto measure = [&](const char* name, bool counts, const auto& work) {
     const double seconds = watch.seconds(work);
