@@ -33,7 +33,7 @@ __global__ void for_each_kernel(Size n, F f) {
 }
 
 /// One block merges one chunk of fixed length, as a tree of fixed shape: the same bits on every run. A thread has one
-/// item: the vertices of a colour are few for a GPU.
+/// item: what there is to do may be little for a GPU.
 template <class R, class F, int kThreads>
 __global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial) {
   __shared__ alignas(16) unsigned char storage[sizeof(R) * kThreads];

@@ -17,6 +17,10 @@
 
 namespace tetune::par {
 
+class Emulation;
+template <>
+inline constexpr bool kBesideHost<Emulation> = true;
+
 /// The CUDA backend without CUDA, for tests: the same blocks of threads, chunks, scratch and order of merging as
 /// par/cuda.cuh, one thread of them after the other, in an order that a seed shuffles. Its memory is apart: the host
 /// may not touch it, kernels may touch nothing else that they carry an address of, and what was never written is not a
