@@ -18,6 +18,7 @@
 namespace tetune::par {
 
 class Emulation;
+/// As the CUDA backend: its ways are those to be tested.
 template <>
 inline constexpr bool kBesideHost<Emulation> = true;
 
@@ -242,9 +243,5 @@ class Emulation {
   mutable std::uint64_t random_;
   DeviceMemory memory_;
 };
-
-/// As the CUDA backend: its ways are those to be tested.
-template <>
-inline constexpr bool kBesideHost<Emulation> = true;
 
 }  // namespace tetune::par

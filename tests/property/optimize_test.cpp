@@ -677,7 +677,6 @@ TEST(Optimize, AMeshThatOverlapsItselfKeepsItsFacesOrIsRefused) {
     m = before;
     optimize(m, options);
     EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
-    EXPECT_EQ(m.tets, before.tets);
   }
 }
 
