@@ -202,7 +202,7 @@ class Cuda {
   static constexpr int kThreads = 128;
   /// Few threads go in blocks of a warp, to as many multiprocessors as there can be.
   static constexpr int kWarp = 32;
-  static constexpr Size kFew = 16384;
+  static constexpr Size kFew = 65536;
   /// What is numbered by 32 bits makes far fewer than the 2^31 - 1 that there may be.
   static unsigned blocks(Size n, int each) { return static_cast<unsigned>((n + each - 1) / each); }
 
