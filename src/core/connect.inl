@@ -143,7 +143,7 @@ struct NoteFaces {
       hash *= 0xbf58476d1ce4e5b9U;
       hash ^= hash >> 31;
       const auto note = static_cast<std::uint32_t>(hash >> 32) | 1U;
-      Size at = key.low * places + static_cast<Size>((hash & 0xffffffffU) % static_cast<std::uint64_t>(places));
+      Size at = key.low * places + static_cast<Size>((hash & 0xffffffffU) * static_cast<std::uint64_t>(places) >> 32);
       for (std::uint32_t there = 1; there != 0; at = at + 1 < notes.size() ? at + 1 : 0) {
         there = par::atomic_compare_exchange(notes[at], 0, note);
         if (there == note) {

@@ -57,8 +57,8 @@ struct ReadPartial {
 
 /// The CUDA backend: the current device, one stream (the default one), memory from a pool that is had at the start.
 ///
-/// A buffer may go back to the pool, and its memory to the next one, while kernels that use it have yet to run: all that
-/// uses the memory afterwards, transfers too, is in the same stream, and so comes after them.
+/// A buffer may go back to the pool, and its memory to the next one, while kernels that use it have yet to run: all
+/// that uses the memory afterwards, transfers too, is in the same stream, and so comes after them.
 class Cuda {
  public:
   template <class T>
