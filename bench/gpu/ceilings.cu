@@ -89,15 +89,12 @@ Ceilings measure_ceilings() {
   const Block from(bytes);
   const Block to(bytes);
   const auto both = 2.0 * static_cast<double>(bytes);
-  ceilings.copy_bytes =
-      both / seconds_of([&] { par::Cuda::copy(to.data(), from.data(), bytes); });
+  ceilings.copy_bytes = both / seconds_of([&] { par::Cuda::copy(to.data(), from.data(), bytes); });
   std::vector<unsigned char> host(bytes / 4);
-  ceilings.upload_bytes = static_cast<double>(host.size()) / seconds_of([&] {
-                            par::Cuda::upload(to.data(), host.data(), host.size());
-                          });
-  ceilings.download_bytes = static_cast<double>(host.size()) / seconds_of([&] {
-                              par::Cuda::download(host.data(), to.data(), host.size());
-                            });
+  ceilings.upload_bytes =
+      static_cast<double>(host.size()) / seconds_of([&] { par::Cuda::upload(to.data(), host.data(), host.size()); });
+  ceilings.download_bytes =
+      static_cast<double>(host.size()) / seconds_of([&] { par::Cuda::download(host.data(), to.data(), host.size()); });
   ceilings.single_flops = flops<float>();
   ceilings.double_flops = flops<double>();
   constexpr int kLaunches = 1000;

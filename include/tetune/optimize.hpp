@@ -227,7 +227,8 @@ struct Context {
 /// untagged listed edges that no longer exist. The result is bit for bit the same for any number of threads.
 ///
 /// Throws MeshError when `validate(mesh)` finds something, UntangleError, OverlapError, OptionError, DeviceError or
-/// std::bad_alloc, and hands on what the caller's hooks throw; the mesh is then as it was. Not for concurrent calls on the same mesh.
+/// std::bad_alloc, and hands on what the caller's hooks throw; the mesh is then as it was. Not for concurrent calls on
+/// the same mesh.
 Report optimize(TetMesh& mesh, const Options& options = {}, const Context& context = {});
 
 /// About the most bytes of main memory that optimize() has in use at once, the mesh included: to refuse a mesh before

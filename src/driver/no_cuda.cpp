@@ -6,7 +6,8 @@
 namespace tetune {
 
 std::string why_not_on_cuda(const TetMesh&, const Options&) {
-  return "this build of tetune has no CUDA backend. Build with the `cuda` preset where nvcc is installed, or use the CPU "
+  return "this build of tetune has no CUDA backend. Build with the `cuda` preset where nvcc is installed, or use the "
+         "CPU "
          "(--device cpu).";
 }
 

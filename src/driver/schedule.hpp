@@ -35,7 +35,7 @@ class Schedule {
   int max_;
   double least_decrease_;
   double little_gain_;  ///< flips that take away less than this part of the energy are not worth an earlier look
-  int interval_ = 1;  ///< the paper's k_f: sweeps from one look for flips to the next
+  int interval_ = 1;    ///< the paper's k_f: sweeps from one look for flips to the next
   int next_flips_;
   double threshold_ = -1;  ///< the paper's eps_c
   double last_gradient_ = -1;

@@ -374,7 +374,7 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   typename Backend::template Buffer<std::uint64_t> best(slots);
   par.fill(best.span(), std::uint64_t{0});
   par.for_each(count, Propose{mesh.view(), flips.constrained(), mobilities.kind.span(), around, proposals.span(),
-                                    best.span(), std::min(flips.max_ring, kMaxMovedRing), vertex_cot, choices});
+                              best.span(), std::min(flips.max_ring, kMaxMovedRing), vertex_cot, choices});
   Ids agreed(count);
   const Size fills = par.compact(count, Agreed{proposals.span(), best.span()}, agreed.span());
   typename Backend::template Buffer<Filling> fillings(fills);
