@@ -20,23 +20,15 @@ TETUNE_HD TETUNE_INLINE double lane(const Pack& pack, int l) {
   }
 }
 
-/// A point for each lane: they come in whole and are transposed.
+/// A point for each lane.
 template <class Pack>
 TETUNE_HD TETUNE_INLINE Vec3T<Pack> gather(par::Span<const Point> points, const Index (&ids)[kLanesOf<Pack>]) {
-  if constexpr (kLanesOf<Pack> == 1) {
-    return vec(points[ids[0]]);
-  } else {
-    typedef double Row __attribute__((vector_size(sizeof(Point)), may_alias));
-    static_assert(sizeof(Pack) == sizeof(Row));
-    Pack r[4];
-    for (int l = 0; l < 4; ++l) r[l] = *reinterpret_cast<const Row*>(&points[ids[l]]);
-    const Pack xy01 = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5);
-    const Pack xy23 = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5);
-    const Pack z01 = __builtin_shufflevector(r[0], r[1], 2, 6, 2, 6);
-    const Pack z23 = __builtin_shufflevector(r[2], r[3], 2, 6, 2, 6);
-    return {__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5), __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7),
-            __builtin_shufflevector(z01, z23, 0, 1, 4, 5)};
-  }
+  static_assert(sizeof(Point) == 4 * sizeof(double));
+  const double* row[kLanesOf<Pack>];
+  for (int l = 0; l < kLanesOf<Pack>; ++l) row[l] = &points[ids[l]].x;
+  Pack column[3];
+  par::load_columns(row, column);
+  return {column[0], column[1], column[2]};
 }
 
 }  // namespace tetune
