@@ -306,8 +306,7 @@ class Alternation {
     clock_.measure("rings", [&] { build_rings(par_, work_.mesh, work_.rings); });
     if (par_.stop_requested()) return false;
     rings_stale_ = false;
-    clock_.measure("colouring",
-                   [&] { color_vertices(par_, work_.rings.view(), work_.mobilities.kind.span(), work_.coloring); });
+    clock_.measure("colouring", [&] { color(); });
     report_.colors = work_.coloring.colors();
     return true;
   }
@@ -317,7 +316,11 @@ class Alternation {
   void refresh_rings_of(Span<const Index> near, Span<const std::uint8_t> flags) {
     rings_stale_ = true;
     build_rings_of(par_, work_.mesh, near, flags, work_.rings);
-    color_vertices(par_, work_.rings.view(), work_.mobilities.kind.span(), work_.coloring);
+    color();
+  }
+  void color() {
+    const Mobilities<Backend>& m = work_.mobilities;
+    color_vertices(par_, work_.rings.view(), m.kind.span(), work_.coloring, m.stars());
   }
 
   const SweepReport& relocate(int iteration) {

@@ -74,7 +74,7 @@ std::vector<Index> untangle(const Backend& par, WorkingSet<Backend>& work, const
       tangled = flag_tangled(par, mesh, awake);
     }
     build_rings(par, mesh, work.rings);
-    color_vertices(par, work.rings.view(), work.mobilities.kind.span(), work.coloring);
+    color_vertices(par, work.rings.view(), work.mobilities.kind.span(), work.coloring, work.mobilities.stars());
     mesh.law.softness = kSoft;
     for (int sweep = 0; sweep < kSweeps && tangled > 0 && go_on; ++sweep) {
       flag_neighbours(par, mesh, awake);

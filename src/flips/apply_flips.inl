@@ -206,7 +206,7 @@ struct WantAround {
   double least;
   Span<std::uint32_t> wanted;
   Span<float> slack;
-  TETUNE_INLINE void prefetch(Size i) const { FetchAcross{candidates.mesh, records}(i); }
+  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAcross{candidates.mesh, records}(i); }
   TETUNE_HD void operator()(Size i) const {
     const MeshView& mesh = candidates.mesh;
     const FlipRecord& f = records[i];

@@ -237,7 +237,7 @@ class Cpu {
   template <class F>
   static void for_range(Size begin, Size end, const F& f) {
     for (Size i = begin; i < end; ++i) {
-      if constexpr (requires { f.prefetch(i); }) f.prefetch(i);
+      if constexpr (requires { f.prefetch(i, end); }) f.prefetch(i, end);
       f(i);
     }
   }
@@ -246,7 +246,7 @@ class Cpu {
   static R reduce_range(Size begin, Size end, const F& f) {
     R r{};
     for (Size i = begin; i < end; ++i) {
-      if constexpr (requires { f.prefetch(i); }) f.prefetch(i);
+      if constexpr (requires { f.prefetch(i, end); }) f.prefetch(i, end);
       r.merge(f(i));
     }
     return r;

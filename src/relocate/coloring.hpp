@@ -6,8 +6,15 @@
 #include "core/motion.hpp"
 #include "core/work_mesh.hpp"
 #include "energy/ring.hpp"
+#include "surface/reference.hpp"
 
 namespace tetune {
+
+/// The triangles of the mesh's surface, and the corners of each vertex.
+struct SurfaceStars {
+  Span<const SurfaceTriangle> triangles;
+  RowsView vertex2corner;
+};
 
 /// Independent sets of vertices: no two of one colour share a tetrahedron (Sect. 4.1). Vertices that cannot move
 /// have no colour.
@@ -22,9 +29,11 @@ struct Coloring {
 };
 
 /// Colours a mesh. Colours that are there already are kept where they do not conflict, so that after a few flips there
-/// is little to do. Does not depend on the number of threads.
+/// is little to do. Does not depend on the number of threads. With `stars`, vertices of one colour are also three edges
+/// of the surface apart or more, as the bound on its deviation asks for positions two edges away; those for which there
+/// is no such colour stay where they are.
 template <class Backend>
 void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobility> mobility,
-                    Coloring<Backend>& coloring);
+                    Coloring<Backend>& coloring, const SurfaceStars& stars = {});
 
 }  // namespace tetune

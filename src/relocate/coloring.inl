@@ -33,19 +33,47 @@ struct Start {
   TETUNE_HD void operator()(Size v) const { color[v] = mobility[v] == Mobility::fixed ? kNotMovable : kUncolored; }
 };
 
+/// The vertices that may not have the colour of another one.
+struct Apart {
+  RingsView rings;
+  SurfaceStars stars;
+
+  /// Hands them to `go_on`, some of them again, until that is false.
+  template <class GoOn>
+  TETUNE_HD TETUNE_INLINE void visit(Index v, const GoOn& go_on) const {
+    for (Size i = rings.offsets[v]; i < rings.offsets[v + 1]; ++i) {
+      const LinkFace f = rings.faces[i];
+      for (int k = 0; k < 3; ++k) {
+        if (!go_on(f.v[k])) return;
+      }
+    }
+    const RowsView& rows = stars.vertex2corner;
+    if (Size{v} + 1 >= rows.offsets.size()) return;  // none were asked for, or the vertex was inserted
+    for (Size c = rows.begin(v); c < rows.end(v); ++c) {
+      for (const Index near : stars.triangles[rows.items[c] / 3].v) {
+        for (Size d = rows.begin(near); d < rows.end(near); ++d) {
+          for (const Index far : stars.triangles[rows.items[d] / 3].v) {
+            if (far != v && !go_on(far)) return;
+          }
+        }
+      }
+    }
+  }
+};
+
 /// Finds vertices that have the colour of a neighbour of higher priority.
 struct FindConflict {
-  RingsView rings;
+  Apart apart;
   Span<const std::uint8_t> color;
   Span<std::uint8_t> lost;
   TETUNE_HD void operator()(Size v) const {
     bool conflict = false;
     if (color[v] < kMaxColors) {
       const std::uint32_t mine = priority(static_cast<Index>(v));
-      for (Size i = rings.offsets[v]; i < rings.offsets[v + 1] && !conflict; ++i) {
-        const LinkFace f = rings.faces[i];
-        for (int k = 0; k < 3; ++k) conflict = conflict || (color[f.v[k]] == color[v] && priority(f.v[k]) > mine);
-      }
+      apart.visit(static_cast<Index>(v), [&](Index other) {
+        conflict = color[other] == color[v] && priority(other) > mine;
+        return !conflict;
+      });
     }
     lost[v] = conflict || color[v] == kUncolored ? 1 : 0;
   }
@@ -68,7 +96,7 @@ struct IsLost {
 
 /// Each uncoloured vertex wishes for a colour that no coloured neighbour has.
 struct Wish {
-  RingsView rings;
+  Apart apart;
   Span<const Index> todo;
   Span<const std::uint8_t> color;
   Span<std::uint8_t> wish;
@@ -77,13 +105,11 @@ struct Wish {
     const Index v = todo[i];
     if (color[v] != kUncolored) return;
     std::uint64_t taken[kMaxColors / 64] = {0, 0};
-    for (Size j = rings.offsets[v]; j < rings.offsets[v + 1]; ++j) {
-      const LinkFace f = rings.faces[j];
-      for (int k = 0; k < 3; ++k) {
-        const std::uint8_t c = color[f.v[k]];
-        if (c < kMaxColors) taken[c >> 6] |= std::uint64_t{1} << (c & 63);
-      }
-    }
+    apart.visit(v, [&](Index other) {
+      const std::uint8_t c = color[other];
+      if (c < kMaxColors) taken[c >> 6] |= std::uint64_t{1} << (c & 63);
+      return true;
+    });
     const auto is_free = [&taken](int c) { return ((taken[c >> 6] >> (c & 63)) & 1) == 0; };
     int free_in_window = 0;
     for (int c = 0; c < kWindow; ++c) free_in_window += is_free(c) ? 1 : 0;
@@ -103,7 +129,7 @@ struct Wish {
 /// A wish is granted unless a neighbour of higher priority has the same. What was granted before is no such wish: it is
 /// a colour by now.
 struct Grant {
-  RingsView rings;
+  Apart apart;
   Span<const Index> todo;
   Span<const std::uint8_t> wish;
   Span<std::uint8_t> color;
@@ -111,14 +137,19 @@ struct Grant {
     const Index v = todo[i];
     if (color[v] != kUncolored) return;
     const std::uint8_t mine = wish[v];
-    for (Size j = rings.offsets[v]; j < rings.offsets[v + 1]; ++j) {
-      const LinkFace f = rings.faces[j];
-      for (int k = 0; k < 3; ++k) {
-        if (wish[f.v[k]] == mine && priority(f.v[k]) > priority(v)) return;
-      }
-    }
-    color[v] = mine;
+    bool granted = true;
+    apart.visit(v, [&](Index other) {
+      granted = wish[other] != mine || priority(other) <= priority(v);
+      return granted;
+    });
+    if (granted) color[v] = mine;
   }
+};
+
+struct GiveUp {
+  Span<const Index> todo;
+  Span<std::uint8_t> color;
+  TETUNE_HD void operator()(Size i) const { color[todo[i]] = kNotMovable; }
 };
 
 struct StillUncolored {
@@ -158,7 +189,7 @@ struct FindFirst {
 
 template <class Backend>
 void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobility> mobility,
-                    Coloring<Backend>& coloring) {
+                    Coloring<Backend>& coloring, const SurfaceStars& stars) {
   using namespace coloring_detail;
   using Bytes = typename Backend::template Buffer<std::uint8_t>;
   using Ids = typename Backend::template Buffer<Index>;
@@ -173,16 +204,21 @@ void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobil
   Ids rest(n);
   Ids positions(n);
   const Span<std::uint8_t> color = coloring.color.span();
-  par.for_each(n, FindConflict{rings, color, lost.span()});
+  const Apart apart{rings, stars};
+  par.for_each(n, FindConflict{apart, color, lost.span()});
   par.for_each(n, TakeAway{lost.span(), color, wish.span()});
   Size count = par.compact(n, IsLost{lost.span()}, todo.span());
   for (std::uint32_t round = 0; count > 0;) {
     for (std::uint32_t turn = 0; turn < kRoundsAtOnce<Backend>; ++turn, ++round) {
-      par.for_each(count, Wish{rings, todo.span(), color, wish.span(), round});
-      par.for_each(count, Grant{rings, todo.span(), wish.span(), color});
+      par.for_each(count, Wish{apart, todo.span(), color, wish.span(), round});
+      par.for_each(count, Grant{apart, todo.span(), wish.span(), color});
     }
     const Size left = par.compact(count, StillUncolored{todo.span(), color}, positions.span());
-    if (left == count) throw MeshError("a vertex has too many neighbours to be coloured");
+    if (left == count) {
+      if (stars.triangles.size() == 0) throw MeshError("a vertex has too many neighbours to be coloured");
+      par.for_each(count, GiveUp{todo.span(), color});
+      break;
+    }
     par.for_each(left, Pick{todo.span(), positions.span(), rest.span()});
     todo.swap(rest);
     count = left;

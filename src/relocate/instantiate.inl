@@ -18,7 +18,8 @@ SweepSum soft_sweep(const Backend& par, WorkMesh<Backend>& mesh, const RingsView
   return sweep_with<SoftRing>(par, mesh, rings, coloring, mobilities, step);
 }
 
-template void color_vertices(const Instance&, const RingsView&, Span<const Mobility>, Coloring<Instance>&);
+template void color_vertices(const Instance&, const RingsView&, Span<const Mobility>, Coloring<Instance>&,
+                             const SurfaceStars&);
 template void build_rings(const Instance&, WorkMesh<Instance>&, Rings<Instance>&);
 template void build_rings_of(const Instance&, WorkMesh<Instance>&, Span<const Index>, Span<const std::uint8_t>,
                              Rings<Instance>&);

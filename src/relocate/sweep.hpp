@@ -38,6 +38,11 @@ struct Mobilities {
   typename Backend::template Buffer<Leash> leash;
   /// Most distance between the two surfaces; 0: no bound.
   double max_deviation = 0;
+  /// What color_vertices() needs of the surface.
+  SurfaceStars stars() const {
+    if (!(max_deviation > 0)) return {};
+    return {reference.triangles.span(), reference.vertex2corner.view()};
+  }
   /// 1: worth a visit: at its last visit the vertex, or since then one of its ring, moved by more than kWake at once,
   /// or a flip changed its ring.
   typename Backend::template Buffer<std::uint8_t> awake;

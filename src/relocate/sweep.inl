@@ -61,8 +61,9 @@ struct RelocateVertex {
   double max_deviation;
   Step step;
 
-  /// Vertices of one colour lie apart in memory, where no hardware looks ahead.
-  TETUNE_INLINE void prefetch(Size i) const {
+  /// Vertices of one colour lie apart in memory, where no hardware looks ahead. Sites from `end` on are another
+  /// thread's.
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
     constexpr Size kRowsAhead = 8;
     constexpr Size kMotionAhead = 5;
     constexpr Size kPointsAhead = 3;
@@ -74,13 +75,13 @@ struct RelocateVertex {
     for (Size at = 0; at < bytes; at += 64) __builtin_prefetch(faces + at);
     __builtin_prefetch(&kind[far]);
     if (site.size() > 0) __builtin_prefetch(&site[far]);
-    prefetch_motion(vertices[i + kMotionAhead]);
+    prefetch_motion(vertices[i + kMotionAhead], i + kMotionAhead < end);
     const Index near = vertices[i + kPointsAhead];
     if (par::load_shared(awake[near]) == 0) return;
     for (Size f = rings.offsets[near]; f < rings.offsets[near + 1]; ++f) {
       __builtin_prefetch(&points[rings.faces[f].v[0]]);
     }
-    if (site.size() > 0) prefetch_corners(site[near]);
+    if (site.size() > 0 && i + kPointsAhead < end) prefetch_corners(site[near]);
   }
 
   TETUNE_HD SweepSum operator()(Size i) const {
@@ -116,14 +117,14 @@ struct RelocateVertex {
   static Index triangle_of(const Site& s) {
     return s.kind == SiteKind::triangle ? s.item : s.kind == SiteKind::edge ? s.item / 3 : -1;
   }
-  TETUNE_INLINE void prefetch_motion(Index v) const {
+  TETUNE_INLINE void prefetch_motion(Index v, bool may_read) const {
     if (kind[v] == Mobility::free) return;
     if (leash.size() > 0) __builtin_prefetch(&leash[v]);
     if (site.size() == 0) {
       __builtin_prefetch(&axis[v]);
       return;
     }
-    const Index triangle = triangle_of(site[v]);
+    const Index triangle = may_read ? triangle_of(site[v]) : -1;
     if (triangle < 0) return;
     __builtin_prefetch(&reference.triangles[triangle]);
     __builtin_prefetch(&reference.across[3 * triangle]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "core/connect.hpp"
 #include "energy/ring_simd.hpp"
 #include "meshes.hpp"
 #include "relocate/brent.hpp"
@@ -180,6 +181,67 @@ TEST(Coloring, GivesIndependentSetsWhichHoldEachMovableVertexOnce) {
     EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), n - 2);
     if (first_run.empty()) first_run = coloring.color.download();
     EXPECT_EQ(coloring.color.download(), first_run);
+  }
+}
+
+TEST(Coloring, KeepsTheSurfaceThreeEdgesApartWhereAsked) {
+  Fixture f(test::cube(6, 0.2));
+  build_adjacency(par::Cpu(1), f.work);
+  const auto n = static_cast<std::size_t>(f.work.vertices());
+  par::Cpu::Buffer<Mobility> mobility;
+  mobility.upload(std::vector<Mobility>(n, Mobility::surface));
+  // The mesh's boundary, in the numbers of the work mesh.
+  std::vector<SurfaceTriangle> triangles;
+  const auto tets = f.work.tet2vertex.download();
+  const auto links = f.work.tet2tet.download();
+  std::vector<std::vector<std::uint32_t>> corners(n);
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    for (int face = 0; face < 4; ++face) {
+      if (links[t][face] != kNoLink) continue;
+      SurfaceTriangle triangle;
+      for (int k = 0; k < 3; ++k) {
+        triangle.v[k] = tets[t][face_vertex(face, k)];
+        corners[static_cast<std::size_t>(triangle.v[k])].push_back(static_cast<std::uint32_t>(3 * triangles.size()) +
+                                                                   static_cast<std::uint32_t>(k));
+      }
+      triangles.push_back(triangle);
+    }
+  }
+  ASSERT_FALSE(triangles.empty());
+  std::vector<std::uint32_t> offsets{0};
+  std::vector<std::uint32_t> items;
+  for (const auto& row : corners) {
+    items.insert(items.end(), row.begin(), row.end());
+    offsets.push_back(static_cast<std::uint32_t>(items.size()));
+  }
+  const SurfaceStars stars{
+      {triangles.data(), static_cast<Size>(triangles.size())},
+      {{offsets.data(), static_cast<Size>(offsets.size())}, {items.data(), static_cast<Size>(items.size())}}};
+  const auto too_near = [&](const Coloring<par::Cpu>& coloring) {
+    const std::vector<std::uint8_t> color = coloring.color.download();
+    int count = 0;
+    for (std::size_t v = 0; v < n; ++v) {
+      for (const std::uint32_t c : corners[v]) {
+        for (const Index near : triangles[c / 3].v) {
+          for (const std::uint32_t d : corners[static_cast<std::size_t>(near)]) {
+            for (const Index far : triangles[d / 3].v) {
+              if (static_cast<std::size_t>(far) != v && color[static_cast<std::size_t>(far)] == color[v]) ++count;
+            }
+          }
+        }
+      }
+    }
+    return count;
+  };
+  Coloring<par::Cpu> plain;
+  color_vertices(par::Cpu(2), f.rings.view(), mobility.span(), plain);
+  EXPECT_GT(too_near(plain), 0);
+  for (const int threads : {1, 3}) {
+    Coloring<par::Cpu> apart;
+    color_vertices(par::Cpu(threads), f.rings.view(), mobility.span(), apart, stars);
+    expect_proper(f, apart, mobility.span());
+    EXPECT_EQ(too_near(apart), 0);
+    EXPECT_EQ(apart.vertices.size(), static_cast<Size>(n));
   }
 }
 
