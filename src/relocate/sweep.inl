@@ -90,7 +90,7 @@ struct RelocateVertex {
     const Size begin = rings.offsets[v];
     const Size count = rings.offsets[v + 1] - begin;
     if (count == 0) {
-      awake[v] = 0;
+      par::store_shared(awake[v], 0);
       return {};
     }
     const LinkFace* faces = rings.faces.data() + begin;
