@@ -380,6 +380,11 @@ class Rounds {
     try {
       report = surface_ ? tetune::optimize(mesh, options, context_, piece.surface)
                         : tetune::optimize(mesh, options, context_);
+    } catch (const OverlapError& e) {
+      std::vector<Index> tets;
+      for (const Index t : e.tets) tets.push_back(static_cast<Index>(part.tet_id[static_cast<std::size_t>(t)]));
+      std::sort(tets.begin(), tets.end());
+      throw OverlapError(std::move(tets));
     } catch (const MeshError&) {
       drop_seam(mesh, seam);
       drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());

@@ -104,6 +104,28 @@ def cube(n, jitter=0.2, seed=1):
     return Mesh(points, tets, [i % 5 for i in range(len(points))], tags)
 
 
+# Valid, and folded over itself: a 2-3 flip of two of them makes a face of the first a second time.
+OVERLAPPING = """MeshVersionFormatted 2
+Dimension 3
+Vertices 8
+0 0 0 0
+1 0 0 0
+0 1 0 0
+1 1 0 0
+0 0 1 0
+1 0 1 0
+0 1 1 0
+2 1 5 0
+Tetrahedra 5
+1 2 3 6 0
+4 3 2 8 0
+6 2 5 8 0
+7 5 3 8 0
+2 3 5 8 0
+End
+"""
+
+
 def tangled(n):
     """A cube with an inner vertex far outside."""
     mesh = cube(n)

@@ -27,6 +27,11 @@ class Refusals(CliTest):
                 self.assertEqual(self.read_bytes("out.mesh").decode(), old)
         os.remove(self.path("out.mesh"))
 
+    def test_mesh_that_overlaps_itself(self):
+        source = self.put("overlapping.mesh", cli_case.OVERLAPPING)
+        self.optimize_refused(source, said=["overlapping.mesh", "overlaps itself", "first, counted from 1: ", "--no-flips"])
+        self.run_cli("optimize", source, "-o", self.path("kept.mesh"), "--no-flips", "--keep-vertices")
+
     def test_empty_names(self):
         for words in (["", "out.mesh"], ["in.mesh", ""], ["in.mesh", "", "-o", "out/"]):
             self.refused("optimize", *words, said=["name of a mesh is empty"])

@@ -48,6 +48,13 @@ class Failures(MpiTest):
     def test_inverted_on_one_rank(self):
         self.refused(self.put("tangled.mesh", cli_case.tangled(8)), said=["tangled.mesh", "inverted"])
 
+    def test_mesh_that_overlaps_itself(self):
+        source = self.put("overlapping.mesh", cli_case.OVERLAPPING)
+        done = self.mpi(1, source, self.path("out.mesh"), code=2)
+        self.assertIn("overlaps itself", done.stderr)
+        self.assertIn("first, counted from 0: ", done.stderr)
+        self.assertFalse(os.path.exists(self.path("out.mesh")))
+
     def test_triangle_that_is_none(self):
         cube = cli_case.cube(4)
         self.refused(self.put("none.mesh", cli_case.with_triangles(cube, [((0, 60, 124), 5)])),
