@@ -89,4 +89,15 @@ class Buffer {
   Size capacity_ = 0;
 };
 
+/// The Loan of a backend whose memory is apart from the host's: a copy.
+template <class T, class Backend>
+class LoanedCopy {
+ public:
+  explicit LoanedCopy(const std::vector<T>& host) { copy_.upload(host); }
+  Span<const T> span() const { return copy_.span(); }
+
+ private:
+  Buffer<T, Backend> copy_;
+};
+
 }  // namespace tetune::par

@@ -64,16 +64,9 @@ class Cuda {
   template <class T>
   using Buffer = par::Buffer<T, Cuda>;
 
-  /// A caller's array as kernels see it: a copy on the device.
+  /// A caller's array as kernels see it.
   template <class T>
-  class Loan {
-   public:
-    explicit Loan(const std::vector<T>& host) { copy_.upload(host); }
-    Span<const T> span() const { return copy_.span(); }
-
-   private:
-    Buffer<T> copy_;
-  };
+  using Loan = LoanedCopy<T, Cuda>;
 
   /// With so many bytes for buffers and scratch. Throws DeviceError.
   explicit Cuda(std::size_t memory, std::function<bool()> stop = {})

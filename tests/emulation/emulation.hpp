@@ -31,16 +31,9 @@ class Emulation {
   template <class T>
   using Buffer = par::Buffer<T, Emulation>;
 
-  /// A caller's array as kernels see it: a copy on the device.
+  /// A caller's array as kernels see it.
   template <class T>
-  class Loan {
-   public:
-    explicit Loan(const std::vector<T>& host) { copy_.upload(host); }
-    Span<const T> span() const { return copy_.span(); }
-
-   private:
-    Buffer<T> copy_;
-  };
+  using Loan = LoanedCopy<T, Emulation>;
 
   /// `guard`: an access of the host ends the process; this costs some system calls a primitive.
   explicit Emulation(std::uint64_t seed = 1, std::size_t memory = std::size_t{1} << 30, bool guard = false,
