@@ -19,8 +19,7 @@ constexpr std::size_t kSpare = 128 * kMiB;
 std::string why_no_gpu(const CudaSystem& system) {
   if (system.driver == 0) {
     return "no usable GPU for CUDA: there is no NVIDIA driver. Install one (`nvidia-smi` then lists the GPU), or use "
-           "the "
-           "CPU (--device cpu).";
+           "the CPU (--device cpu).";
   }
   // Drivers run all that was built for their major version.
   if (system.driver / 1000 < system.runtime / 1000) {

@@ -7,8 +7,7 @@ namespace tetune {
 
 std::string why_not_on_cuda(const TetMesh&, const Options&) {
   return "this build of tetune has no CUDA backend. Build with the `cuda` preset where nvcc is installed, or use the "
-         "CPU "
-         "(--device cpu).";
+         "CPU (--device cpu).";
 }
 
 Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context&, SlideSurface*) {

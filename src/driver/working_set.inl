@@ -191,6 +191,15 @@ inline void put_points(const std::vector<Point>& points, const VertexIds& ids, d
   }
 }
 
+/// Where all vertices are, removed ones too, under extended ids.
+inline std::vector<Point3> extended_points(const TetMesh& before, const std::vector<Point>& points,
+                                           const VertexIds& ids, double scale) {
+  std::vector<Point3> extended = before.points;
+  extended.resize(ids.extended2new.size());
+  put_points(points, ids, scale, extended);
+  return extended;
+}
+
 inline std::vector<DataArray> data_of_kept(const std::vector<DataArray>& data, const std::vector<Index>& old2new) {
   if (data.empty()) return {};
   std::vector<Index> new2old;
@@ -204,9 +213,7 @@ inline std::vector<DataArray> data_of_kept(const std::vector<DataArray>& data, c
 inline std::vector<DataArray> carried_point_data(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets,
                                                  const std::vector<Point>& points, const VertexIds& ids, double scale) {
   if (mesh.point_data.empty() || ids.new2original.empty()) return mesh.point_data;
-  std::vector<Point3> extended = mesh.points;
-  extended.resize(ids.extended2new.size());
-  put_points(points, ids, scale, extended);
+  const std::vector<Point3> extended = extended_points(mesh, points, ids, scale);
   std::vector<Index> extended2original(extended.size(), -1);
   for (std::size_t v = 0; v < mesh.points.size(); ++v) extended2original[v] = static_cast<Index>(v);
   return data_of_kept(carry_point_data(mesh.point_data, extended2original, extended, tets), ids.extended2new);
@@ -222,9 +229,7 @@ inline bool flips_boundary(const Options& options) {
 inline void check_faces(const TetMesh& before, const std::vector<Point>& points, const VertexIds& ids, double scale,
                         const decltype(TetMesh::tets)& tets, const std::vector<Index>& tet2original) {
   TetMesh after;
-  after.points = before.points;
-  after.points.resize(ids.extended2new.size());
-  put_points(points, ids, scale, after.points);
+  after.points = extended_points(before, points, ids, scale);
   after.point_tags.resize(after.points.size());
   after.tets = tets;
   after.tet_tags.resize(tets.size());
