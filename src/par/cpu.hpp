@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "par/block_cache.hpp"
@@ -172,27 +173,53 @@ class Cpu {
     }
   }
 
-  /// A counting sort in two steps, stable, without atomics: each block of keys belongs to one thread, which reads all
-  /// items. counts[key] becomes the number of items with that key; keys beyond the counts are none.
-  void count_keys(Span<const std::uint32_t> keys, Span<std::uint32_t> counts) const {
-    for_blocks(counts.size(), readers(keys.size()), [&](Size, Size begin, Size end) {
-      std::fill(counts.data() + begin, counts.data() + end, 0U);
-      for (Size i = 0; i < keys.size(); ++i) {
-        if (keys[i] - static_cast<std::uint32_t>(begin) < end - begin) ++counts[keys[i]];
+  /// A counting sort in two steps, stable, without atomics: blocks of items count and place by themselves. The first
+  /// writes row[i] = row_of(i), no_row where that is negative, and where each row begins in the order by rows; returns
+  /// the number of items that have one.
+  template <class RowOf>
+  Size count_by_row(const RowOf& row_of, std::uint32_t no_row, Span<std::uint32_t> row, Span<std::uint32_t> offsets,
+                    Buffer<std::uint32_t>& places) const {
+    const Size n = row.size();
+    const Size rows = offsets.size();
+    // The counts of all blocks take no more room than the items.
+    const Size blocks = std::max<Size>(1, std::min<Size>({threads_, n / kSerial, n / rows}));
+    places.resize(blocks * rows);
+    std::uint32_t* const counts = places.span().data();
+    for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
+      std::uint32_t* const mine = counts + b * rows;
+      std::fill(mine, mine + rows, 0U);
+      for (Size i = begin; i < end; ++i) {
+        const Size r = row_of(i);
+        row[i] = r < 0 ? no_row : static_cast<std::uint32_t>(r);
+        if (r >= 0) ++mine[r];
       }
     });
+    for_blocks(rows, blocks, [&](Size, Size begin, Size end) {
+      for (Size r = begin; r < end; ++r) {
+        offsets[r] = 0;
+        for (Size b = 0; b < blocks; ++b) offsets[r] += counts[b * rows + r];
+      }
+    });
+    const Size total = exclusive_scan(Span<const std::uint32_t>(offsets), offsets);
+    for_blocks(rows, blocks, [&](Size, Size begin, Size end) {
+      for (Size r = begin; r < end; ++r) {
+        std::uint32_t place = offsets[r];
+        for (Size b = 0; b < blocks; ++b) place += std::exchange(counts[b * rows + r], place);
+      }
+    });
+    return total;
   }
-  /// place(i, begin[keys[i]] + rank of i among the items of its key). `begin` is the exclusive scan of the counts, and
-  /// is again when this is done.
+  /// The second: place(i, rank of item i in the order by rows), once for each `places`.
   template <class F>
-  void place_by_key(Span<const std::uint32_t> keys, Span<std::uint32_t> begin, const F& place) const {
-    for_blocks(begin.size(), readers(keys.size()), [&](Size, Size first, Size last) {
-      for (Size i = 0; i < keys.size(); ++i) {
-        if (keys[i] - static_cast<std::uint32_t>(first) < last - first) place(i, begin[keys[i]]++);
+  void place_by_row(Span<const std::uint32_t> row, std::uint32_t no_row, Size rows, Buffer<std::uint32_t>& places,
+                    const F& place) const {
+    std::uint32_t* const next = places.span().data();
+    for_blocks(row.size(), places.size() / rows, [&](Size b, Size begin, Size end) {
+      std::uint32_t* const mine = next + b * rows;
+      for (Size i = begin; i < end; ++i) {
+        if (row[i] != no_row) place(i, mine[row[i]]++);
       }
     });
-    std::memmove(begin.data() + 1, begin.data(), static_cast<std::size_t>(begin.size() - 1) * sizeof(std::uint32_t));
-    begin[0] = 0;
   }
 
   template <class T>
@@ -230,9 +257,6 @@ class Cpu {
   /// Below this, waking the other threads costs more than they save.
   static constexpr Size kSerialGrains = 4;
   static constexpr Size kSerial = kSerialGrains * kGrain;
-
-  /// Threads that each read all of n keys: more would read for longer than they sort.
-  Size readers(Size n) const { return std::clamp<Size>(n / kSerial, 1, std::min(threads_, 8)); }
 
   template <class F>
   static void for_range(Size begin, Size end, const F& f) {
