@@ -15,7 +15,7 @@ constexpr int kPaperMaxInterval = 1 << 3;  // 2^N, N = 3
 void Schedule::flips_found(int iteration, std::int64_t flips, double gain) {
   const bool found = paper_ ? flips > 0 : gain > little_gain_;
   interval_ = found ? (interval_ + 1) / 2 : 2 * interval_;
-  next_flips_ = iteration + interval_;
+  next_flips_ = once_ ? max_ + 1 : iteration + interval_;
 }
 
 bool Schedule::stop(const SweepReport& sweep, double energy_before_round, double energy, StopReason& reason) {
