@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <mutex>
+#include <numeric>
 
 #include "core/fetch_ahead.hpp"
 #include "core/tet_measures.hpp"
@@ -19,9 +21,13 @@ namespace {
 
 constexpr int kBinsPerDegree = 100;
 constexpr std::size_t kBins = 180 * kBinsPerDegree + 1;
-/// Tetrahedra are measured in parts of this many, each with its own counts; sums then run over the parts in order.
-constexpr par::Size kParts = 64;
-par::Size part_begin(par::Size tets, par::Size part) { return tets * part / kParts; }
+/// Counts of angles.
+using Bins = std::vector<std::uint32_t>;
+static_assert(6 * std::int64_t{kMaxTets} <= std::numeric_limits<std::uint32_t>::max());
+/// Tetrahedra are measured in parts, each with its own counts; sums then run over the parts in order. A part's counts
+/// take as long as some hundred tetrahedra.
+par::Size part_count(par::Size tets) { return std::clamp<par::Size>(tets / 512, 1, 64); }
+par::Size part_begin(par::Size tets, par::Size part) { return tets * part / part_count(tets); }
 
 struct Part {
   double min = 180, max = 0, sum = 0;
@@ -38,7 +44,7 @@ TetShape shape_of(const TetMesh& mesh, double scale, par::Size t) {
   return TetShape(p);
 }
 
-void add(const TetShape& shape, par::Size t, Part& part, std::vector<std::int64_t>& bins, double& eta) {
+void add(const TetShape& shape, par::Size t, Part& part, Bins& bins, double& eta) {
   for (const double angle : shape.angles) {
     ++bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
     part.sum += angle;
@@ -57,7 +63,7 @@ void add(const TetShape& shape, par::Size t, Part& part, std::vector<std::int64_
   part.volume += shape.volume;
 }
 
-double percentile(const std::vector<std::int64_t>& bins, std::int64_t count, double share) {
+double percentile(const Bins& bins, std::int64_t count, double share) {
   const auto wanted = static_cast<std::int64_t>(share * static_cast<double>(count));
   std::int64_t below = 0;
   for (std::size_t b = 0; b < bins.size(); ++b) {
@@ -90,7 +96,9 @@ void offer(std::vector<WorstTet>& worst, std::size_t most, const WorstTet& tet) 
 /// The measures of every tetrahedron in single precision, one array a measure, and their sums by part.
 class MeasureTable {
  public:
-  MeasureTable(std::size_t tets, int worst) : most_(static_cast<std::size_t>(std::max(0, worst))), parts_(kParts) {
+  MeasureTable(std::size_t tets, int worst)
+      : most_(static_cast<std::size_t>(std::max(0, worst))),
+        parts_(static_cast<std::size_t>(part_count(static_cast<par::Size>(tets)))) {
     for (auto& column : columns_) column.resize(tets);
   }
 
@@ -108,7 +116,6 @@ class MeasureTable {
     offer(part.worst, most_, {static_cast<Index>(t), at(Measure::min_dihedral), at(Measure::harmonic), {}});
   }
 
-  /// Parts without tetrahedra are left out: their extents say nothing.
   void summarize(const TetMesh& mesh, const par::Cpu& cpu, Quality& q) {
     cpu.for_parts(static_cast<par::Size>(kMeasures), [&](par::Size k) { summarize(static_cast<std::size_t>(k), q); });
     for (const MeasuredPart& part : parts_) {
@@ -128,9 +135,8 @@ class MeasureTable {
     MeasureSummary& s = q.measures[k];
     bool first = true;
     double sum = 0;
-    for (par::Size p = 0; p < kParts; ++p) {
-      if (part_begin(tets, p) == part_begin(tets, p + 1)) continue;
-      const MeasuredPart::Extent& e = parts_[static_cast<std::size_t>(p)].extents[k];
+    for (const MeasuredPart& part : parts_) {
+      const MeasuredPart::Extent& e = part.extents[k];
       s.min = first ? e.min : std::min(s.min, e.min);
       s.max = first ? e.max : std::max(s.max, e.max);
       sum += e.sum;
@@ -166,13 +172,14 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   if (tets == 0) return q;
   const double scale = unit_scale(mesh);
   std::vector<double> eta(mesh.tets.size());
-  std::vector<Part> parts(static_cast<std::size_t>(kParts));
-  std::vector<std::int64_t> bins(kBins, 0);
+  const par::Size part_total = part_count(tets);
+  std::vector<Part> parts(static_cast<std::size_t>(part_total));
+  Bins bins(kBins, 0);
   std::mutex bins_mutex;
   const par::Cpu cpu(threads);
-  cpu.for_parts(kParts, [&](par::Size p) {
+  cpu.for_parts(part_total, [&](par::Size p) {
     Part& part = parts[static_cast<std::size_t>(p)];
-    std::vector<std::int64_t> part_bins(kBins, 0);
+    Bins part_bins(kBins, 0);
     const par::Size begin = part_begin(tets, p);
     for (par::Size t = begin; t < part_begin(tets, p + 1); ++t) {
       const TetShape shape = shape_of(mesh, scale, t);
@@ -214,9 +221,11 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   q.mean_ratio = total.ratio_sum / static_cast<double>(tets);
   q.mean_ratio_min = total.ratio_min;
   q.volume = total.volume / scale / scale / scale;
-  for (std::size_t b = 0; b < kBins; ++b) {
-    q.histogram[std::min<std::size_t>(17, b / (10 * kBinsPerDegree))] +=
-        static_cast<double>(bins[b]) / static_cast<double>(angles);
+  for (std::size_t h = 0; h < q.histogram.size(); ++h) {
+    const auto begin = bins.begin() + static_cast<std::ptrdiff_t>(10 * kBinsPerDegree * h);
+    // 180 degrees count with the last.
+    const auto end = h + 1 < q.histogram.size() ? begin + 10 * kBinsPerDegree : bins.end();
+    q.histogram[h] = static_cast<double>(std::accumulate(begin, end, std::int64_t{0})) / static_cast<double>(angles);
   }
   if (table != nullptr) table->summarize(mesh, cpu, q);
   return q;
@@ -272,7 +281,7 @@ std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
   const double scale = unit_scale(mesh);
   std::vector<Measures> measures(mesh.tets.size());
   const auto tets = static_cast<par::Size>(mesh.tets.size());
-  par::Cpu(threads).for_parts(kParts, [&](par::Size p) {
+  par::Cpu(threads).for_parts(part_count(tets), [&](par::Size p) {
     for (par::Size t = part_begin(tets, p); t < part_begin(tets, p + 1); ++t) {
       measures[static_cast<std::size_t>(t)] = all_measures(shape_of(mesh, scale, t));
     }
