@@ -9,11 +9,14 @@
 namespace tetune {
 namespace untangle_detail {
 
-/// A round begins as soft as this, and each sweep is harder by this factor.
-inline constexpr double kSoft = 0.3;
+/// Rounds begin as soft as these in turn, as what is stuck at one softness comes free at another; each sweep is harder
+/// by a factor.
+inline constexpr double kSoft[] = {0.3, 0.9, 3, 0.09};
 inline constexpr double kHarder = 0.7;
 inline constexpr int kSweeps = 16;
 inline constexpr int kRounds = 12;
+/// Not before this round: where much is tangled flips make knots that no position of the vertices undoes.
+inline constexpr int kFirstFlips = 2;
 
 /// Its volume is not certified positive.
 struct IsTangled {
@@ -63,8 +66,7 @@ std::vector<Index> untangle(const Backend& par, WorkingSet<Backend>& work, const
   bool go_on = true;
   for (int round = 0; round < kRounds && tangled > 0 && go_on; ++round) {
     mesh.law = kShapeLaw;
-    if (round > 0 && work.flips.max_ring > 0) {
-      // Not before, as where much is tangled flips make knots that no position of the vertices undoes.
+    if (round >= kFirstFlips && work.flips.max_ring > 0) {
       refresh_energy(par, mesh, work.flips);
       activate_all(par, mesh, work.flips);
       activate_around(par, mesh, work.flips, Span<const std::uint8_t>(awake));
@@ -75,7 +77,7 @@ std::vector<Index> untangle(const Backend& par, WorkingSet<Backend>& work, const
     }
     build_rings(par, mesh, work.rings);
     color_vertices(par, work.rings.view(), work.mobilities.kind.span(), work.coloring, work.mobilities.stars());
-    mesh.law.softness = kSoft;
+    mesh.law.softness = kSoft[static_cast<std::size_t>(round) % std::size(kSoft)];
     for (int sweep = 0; sweep < kSweeps && tangled > 0 && go_on; ++sweep) {
       flag_neighbours(par, mesh, awake);
       soft_sweep(par, mesh, work.rings.view(), work.coloring, work.mobilities, NewtonStep{1, 1e-10});
