@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "core/fetch_ahead.hpp"
+#include "core/gather.hpp"
 #include "core/tet_measures.hpp"
 #include "core/types.hpp"
 #include "core/unit_scale.hpp"
@@ -35,6 +36,8 @@ struct Part {
   double eta_sum = 0, shape_sum = 0, ratio_sum = 0, ratio_min = 1, volume = 0;
 };
 
+constexpr int kLanes = kLanesOf<par::Pack>;
+
 /// For loops over all of them. `scale` is a power of two that keeps products of coordinates in range.
 TetShape shape_of(const TetMesh& mesh, double scale, par::Size t) {
   fetch_ahead(mesh, t);
@@ -44,23 +47,50 @@ TetShape shape_of(const TetMesh& mesh, double scale, par::Size t) {
   return TetShape(p);
 }
 
-void add(const TetShape& shape, par::Size t, Part& part, Bins& bins, double& eta) {
-  for (const double angle : shape.angles) {
-    ++bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
-    part.sum += angle;
-    if (angle < part.min) {
-      part.min = angle;
-      part.worst = t;
+/// Some tetrahedra in a row, one a lane; the last one again where there are no more.
+TetShapeT<par::Pack> shapes_of(const TetMesh& mesh, double scale, par::Size first, par::Size last) {
+  Vec3T<par::Pack> p[4];
+  for (int l = 0; l < kLanes; ++l) {
+    const par::Size t = std::min(first + l, last);
+    fetch_ahead(mesh, t);
+    const auto& tet = mesh.tets[static_cast<std::size_t>(t)];
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Point3& at = mesh.points[static_cast<std::size_t>(tet[k])];
+      p[k].x[l] = scale * at[0];
+      p[k].y[l] = scale * at[1];
+      p[k].z[l] = scale * at[2];
     }
-    part.max = std::max(part.max, angle);
   }
-  eta = shape.eta();
-  part.eta_sum += eta;
-  part.shape_sum += shape.shape_energy();
-  const double ratio = shape.mean_ratio();
-  part.ratio_sum += ratio;
-  part.ratio_min = std::min(part.ratio_min, ratio);
-  part.volume += shape.volume;
+  return TetShapeT<par::Pack>(p);
+}
+
+/// Counts tetrahedra [begin, end).
+void measure_part(const TetMesh& mesh, double scale, par::Size begin, par::Size end, Part& part, Bins& bins,
+                  double* eta) {
+  for (par::Size first = begin; first < end; first += kLanes) {
+    const TetShapeT<par::Pack> shapes = shapes_of(mesh, scale, first, end - 1);
+    const par::Pack etas = shapes.eta();
+    const par::Pack energies = shapes.shape_energy();
+    for (int l = 0; l < kLanes && first + l < end; ++l) {
+      for (const par::Pack& angles : shapes.angles) {
+        const double angle = angles[l];
+        ++bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
+        part.sum += angle;
+        if (angle < part.min) {
+          part.min = angle;
+          part.worst = first + l;
+        }
+        part.max = std::max(part.max, angle);
+      }
+      eta[first + l] = etas[l];
+      part.eta_sum += etas[l];
+      part.shape_sum += energies[l];
+      const double ratio = mean_ratio(shapes.volume[l], shapes.length2[l]);
+      part.ratio_sum += ratio;
+      part.ratio_min = std::min(part.ratio_min, ratio);
+      part.volume += shapes.volume[l];
+    }
+  }
 }
 
 double percentile(const Bins& bins, std::int64_t count, double share) {
@@ -178,13 +208,12 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   std::mutex bins_mutex;
   const par::Cpu cpu(threads);
   cpu.for_parts(part_total, [&](par::Size p) {
-    Part& part = parts[static_cast<std::size_t>(p)];
     Bins part_bins(kBins, 0);
     const par::Size begin = part_begin(tets, p);
-    for (par::Size t = begin; t < part_begin(tets, p + 1); ++t) {
-      const TetShape shape = shape_of(mesh, scale, t);
-      add(shape, t, part, part_bins, eta[static_cast<std::size_t>(t)]);
-      if (table != nullptr) table->add(shape, t, p, t == begin);
+    const par::Size end = part_begin(tets, p + 1);
+    measure_part(mesh, scale, begin, end, parts[static_cast<std::size_t>(p)], part_bins, eta.data());
+    for (par::Size t = begin; table != nullptr && t < end; ++t) {
+      table->add(shape_of(mesh, scale, t), t, p, t == begin);
     }
     const std::lock_guard lock(bins_mutex);
     std::transform(bins.begin(), bins.end(), part_bins.begin(), bins.begin(), std::plus<>());

@@ -6,58 +6,61 @@
 #include <numbers>
 
 #include "core/arc.hpp"
+#include "core/energy_law.hpp"
 #include "core/types.hpp"
 #include "tetune/quality.hpp"
 
 /// The measures of one tetrahedron. Formulas and where they come from: docs/quality.md.
 namespace tetune {
 
-/// What all measures are made of.
-struct TetShape {
-  Vec3 p[4];
-  Vec3 n[4];         ///< area vectors of the faces
-  double volume;     ///< signed
-  double area2;      ///< sum of squared face areas
-  double length2;    ///< sum of squared edge lengths
-  double angles[6];  ///< dihedral, in degrees
+/// What all measures are made of, of one tetrahedron or of one a lane.
+template <class Real>
+struct TetShapeT {
+  Vec3T<Real> p[4];
+  Vec3T<Real> n[4];  ///< area vectors of the faces
+  Real volume;       ///< signed
+  Real area2{};      ///< sum of squared face areas
+  Real length2{};    ///< sum of squared edge lengths
+  Real angles[6];    ///< dihedral, in degrees
 
-  explicit TetShape(const Vec3 (&points)[4]) : p{points[0], points[1], points[2], points[3]} {
+  TETUNE_INLINE explicit TetShapeT(const Vec3T<Real> (&points)[4]) : p{points[0], points[1], points[2], points[3]} {
     constexpr double kDegrees = 57.29577951308232;
-    area2 = 0;
     for (int f = 0; f < 4; ++f) {
-      const Vec3& a = p[face_vertex(f, 0)];
+      const Vec3T<Real>& a = p[face_vertex(f, 0)];
       n[f] = 0.5 * cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
       area2 += dot(n[f], n[f]);
     }
     volume = dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) / 6;
-    length2 = 0;
-    double sines[6];
-    double cosines[6];
+    Real sines[6];
+    Real cosines[6];
     int edge = 0;
     for (int i = 0; i < 4; ++i) {
       for (int j = i + 1; j < 4; ++j) {
-        const Vec3 both = cross(n[i], n[j]);
+        const Vec3T<Real> both = cross(n[i], n[j]);
         sines[edge] = dot(both, both);
         cosines[edge++] = -dot(n[i], n[j]);
-        const Vec3 e = p[j] - p[i];
+        const Vec3T<Real> e = p[j] - p[i];
         length2 += dot(e, e);
       }
     }
-    for (int k = 0; k < 6; ++k) angles[k] = kDegrees * arc(std::sqrt(sines[k]), cosines[k]);
+    for (int k = 0; k < 6; ++k) angles[k] = kDegrees * arc(square_root(sines[k]), cosines[k]);
   }
 
-  double min_angle() const { return *std::min_element(angles, angles + 6); }
-  double max_angle() const { return *std::max_element(angles, angles + 6); }
-  double eta() const { return area2 / std::fabs(volume); }
+  Real eta() const { return area2 / (volume < 0 ? -volume : volume); }
   /// relative_eta() to the power of 1.5.
-  double shape_energy() const { return area2 * std::sqrt(area2) / (27 * std::numbers::sqrt3 * volume * volume); }
-  /// eta over that of the regular tetrahedron of this volume: its edge is (6 sqrt(2) V)^(1/3), its eta 9 edge /
-  /// sqrt(2).
-  double relative_eta() const {
-    return eta() / (4.5 * std::numbers::sqrt2 * std::cbrt(6 * std::numbers::sqrt2 * std::fabs(volume)));
-  }
-  double mean_ratio() const { return volume > 0 ? 12 * std::cbrt(9 * volume * volume) / length2 : 0; }
+  Real shape_energy() const { return area2 * square_root(area2) / (27 * std::numbers::sqrt3 * volume * volume); }
 };
+using TetShape = TetShapeT<double>;
+
+inline double min_angle(const TetShape& s) { return *std::min_element(s.angles, s.angles + 6); }
+inline double max_angle(const TetShape& s) { return *std::max_element(s.angles, s.angles + 6); }
+/// eta over that of the regular tetrahedron of this volume: its edge is (6 sqrt(2) V)^(1/3), its eta 9 edge / sqrt(2).
+inline double relative_eta(const TetShape& s) {
+  return s.eta() / (4.5 * std::numbers::sqrt2 * std::cbrt(6 * std::numbers::sqrt2 * std::fabs(s.volume)));
+}
+inline double mean_ratio(double volume, double length2) {
+  return volume > 0 ? 12 * std::cbrt(9 * volume * volume) / length2 : 0;
+}
 
 inline Measures all_measures(const TetShape& s) {
   const bool positive = s.volume > 0;
@@ -88,16 +91,16 @@ inline Measures all_measures(const TetShape& s) {
   const auto set = [&m](Measure which, bool solid, double value, double flat) {
     m[static_cast<std::size_t>(which)] = solid && std::isfinite(value) ? value : flat;
   };
-  set(Measure::min_dihedral, true, s.min_angle(), 0);
-  set(Measure::max_dihedral, true, s.max_angle(), 180);
-  set(Measure::mean_ratio, positive, s.mean_ratio(), 0);
+  set(Measure::min_dihedral, true, min_angle(s), 0);
+  set(Measure::max_dihedral, true, max_angle(s), 180);
+  set(Measure::mean_ratio, positive, mean_ratio(s.volume, s.length2), 0);
   set(Measure::sicn, true, 18 * s.volume / std::sqrt(s.length2 * s.area2), 0);
   set(Measure::gamma, positive, radii, 0);
   set(Measure::scaled_jacobian, true, std::numbers::sqrt2 * 6 * s.volume / std::sqrt(product2), 0);
   set(Measure::radius_ratio, positive, std::min(1 / radii, kFlatRatio), kFlatRatio);
   set(Measure::aspect_ratio, positive, std::min(std::sqrt(6 * longest2) / 36 * area / s.volume, kFlatRatio),
       kFlatRatio);
-  set(Measure::harmonic, positive, 1 / s.relative_eta(), 0);
+  set(Measure::harmonic, positive, 1 / relative_eta(s), 0);
   return m;
 }
 
