@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/arc.hpp"
+#include "core/gather.hpp"
 #include "core/hilbert.hpp"
 #include "core/orient.hpp"
 #include "meshes.hpp"
@@ -202,10 +203,17 @@ TEST(Arc, IsTheAngle) {
       ASSERT_NEAR(arc(length * std::sin(angle), length * std::cos(angle)), angle, 4e-15);
     }
   }
-  for (const double small : {1e-300, 1e-20, 1e-10}) EXPECT_NEAR(arc(small, 1), small, 1e-14 * small);
-  EXPECT_EQ(arc(0, 0), 0);
-  EXPECT_EQ(arc(0, 1), 0);
-  EXPECT_NEAR(arc(0, -1), std::numbers::pi, 1e-15);
+  for (const double small : {1e-300, 1e-20, 1e-10}) EXPECT_NEAR(arc(small, 1.0), small, 1e-14 * small);
+  EXPECT_EQ(arc(0.0, 0.0), 0);
+  EXPECT_EQ(arc(0.0, 1.0), 0);
+  EXPECT_NEAR(arc(0.0, -1.0), std::numbers::pi, 1e-15);
+}
+
+TEST(Arc, OfPacksIsThatOfEachLane) {
+  const par::Pack y{0, 1, 0.25, 1e-9};
+  const par::Pack x{-2, 0, -3, 1};
+  const par::Pack angles = arc(y, x);
+  for (int l = 0; l < kLanesOf<par::Pack>; ++l) EXPECT_EQ(angles[l], arc(lane(y, l), lane(x, l)));
 }
 
 }  // namespace
