@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
@@ -36,6 +37,11 @@ class TextCursor {
 
   std::int64_t integer(const char* what) {
     skip_space();
+    if (const int count = few_digits(); count > 0 && (at_[count] == ' ' || at_[count] == '\n')) {
+      const std::uint64_t value = eight_digits(digits_at() << 8 * (8 - count));
+      at_ += count;
+      return static_cast<std::int64_t>(value);
+    }
     const char* start = at_;
     bool negative = false;
     if (at_ < end_ && (*at_ == '-' || *at_ == '+')) negative = *at_++ == '-';
@@ -108,6 +114,26 @@ class TextCursor {
       if (at_ >= end_ || *at_ != '#') return;
       while (at_ < end_ && *at_ != '\n') ++at_;
     }
+  }
+  /// The next eight bytes, digits as their values.
+  std::uint64_t digits_at() const {
+    std::uint64_t bytes = 0;
+    std::memcpy(&bytes, at_, sizeof bytes);
+    return bytes ^ 0x3030303030303030U;
+  }
+  /// How many digits come next, where they are less than eight; 0: look at them one by one. Most numbers of a mesh are
+  /// such.
+  int few_digits() const {
+    if (std::endian::native != std::endian::little || end_ - at_ < 9) return 0;
+    const std::uint64_t digits = digits_at();
+    const std::uint64_t others = ((digits + 0x7676767676767676U) | digits) & 0x8080808080808080U;
+    return others == 0 ? 0 : std::countr_zero(others) / 8;
+  }
+  /// The number that eight values from 0 to 9 write, the first in the lowest byte: pairs, then fours, then all.
+  static std::uint64_t eight_digits(std::uint64_t digits) {
+    digits = digits * 10 + (digits >> 8);
+    digits = (digits & 0x00ff00ff00ff00ffU) * 100 + (digits >> 16 & 0x00ff00ff00ff00ffU);
+    return (digits & 0xffffU) * 10000 + (digits >> 32 & 0xffffU);
   }
   [[noreturn]] void fail_token(const char* start, const char* wanted, const char* what) {
     at_ = start;
