@@ -82,6 +82,7 @@ void leave_out_points(TetMesh& mesh, Warnings& warnings) {
                                    [](const ElementBlock& block) { return block.kind == kPoints; });
   if (points == mesh.others.end()) return;
   mesh.others.erase(points);
+  std::erase_if(mesh.groups, [](const Group& group) { return group.dimension == 0; });
   warnings.emplace_back("there is no room for elements of one vertex");
 }
 

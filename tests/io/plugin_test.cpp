@@ -216,6 +216,19 @@ TEST_F(Plugins, EverythingWrittenIsReadAndComesWithTheRightWarnings) {
     EXPECT_EQ(warnings.empty(), ending == ".msh" || ending == ".e") << warnings.size();
     for (const std::string& w : warnings) EXPECT_TRUE(contains(w, path("a" + ending)));
   }
+  // What there is no room for is said once: points, and not their groups too.
+  TetMesh probed = rich(false);
+  probed.groups.push_back({0, 31, "probe", {31}});
+  for (const std::string ending : {".unv", ".bdf", ".inp"}) {
+    std::vector<std::string> warnings;
+    write_mesh(path("a" + ending), probed, 1, &warnings);
+    const auto about = [&warnings](const char* what) {
+      return std::count_if(warnings.begin(), warnings.end(),
+                           [what](const std::string& w) { return contains(w, what); });
+    };
+    EXPECT_EQ(about("elements of one vertex"), 1) << ending;
+    EXPECT_EQ(about("probe"), 0) << ending;
+  }
   // Abaqus is written alone.
   write_mesh(path("a.inp"), rich(), 1);
   EXPECT_TRUE(contains(get("a.inp"), "C3D4"));
