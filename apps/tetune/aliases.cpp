@@ -61,7 +61,13 @@ std::vector<std::string> without_aliases(const CLI::App& app, int argc, const ch
   const std::vector<const CLI::App*> commands = commands_of(app);
   const auto at = std::find_if(commands.begin(), commands.end(),
                                [&](const CLI::App* c) { return !words.empty() && words[0] == c->get_name(); });
-  if (at == commands.end()) return words;
+  if (at == commands.end()) {
+    if (!words.empty() && words[0].starts_with("-")) return words;
+    std::string known;
+    for (const CLI::App* c : commands) known += (known.empty() ? "" : ", ") + c->get_name();
+    throw OptionError(fmt::format("{}; there are {}: to improve a mesh, tetune optimize IN OUT",
+                                  words.empty() ? "no command" : "'" + words[0] + "' is not a command", known));
+  }
   const CLI::App* command = *at;
   std::vector<std::string> ours{words[0]};
   for (std::size_t i = 1; i < words.size(); ++i) {

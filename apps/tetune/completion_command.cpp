@@ -82,7 +82,7 @@ std::string zsh(const CLI::App& app) {
       const std::vector<std::string> choices = choices_of(*o);
       const std::string action = choices.empty() ? "_files" : "(" + CLI::detail::join(choices, " ") + ")";
       if (is_positional(*o)) {
-        cases += " \\\n        " + in_quotes("*:" + o->get_name() + ":" + action);
+        cases += " \\\n        " + in_quotes((o->get_expected_max() > 1 ? "*:" : ":") + o->get_name() + ":" + action);
         continue;
       }
       for (const std::string& name : cli::names_of(*o)) {

@@ -41,6 +41,7 @@ inline std::vector<std::string> choices_of(const CLI::Option& option) {
 /// What stands for its value.
 inline std::string value_of(const CLI::Option& option) {
   if (!option.get_option_text().empty()) return option.get_option_text();
+  if (is_positional(option)) return option.get_name();
   const std::vector<std::string> choices = choices_of(option);
   if (!choices.empty()) return CLI::detail::join(choices, "|");
   return "N";

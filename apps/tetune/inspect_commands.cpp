@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 
@@ -18,7 +19,7 @@ namespace tetune::cli {
 namespace {
 
 struct Arguments {
-  std::vector<std::string> files;
+  std::array<std::string, 2> files;  ///< the second of compare alone
   std::string cell_data;
   std::vector<std::string> min_quality;
   bool json = false;
@@ -158,10 +159,8 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
 void add_info(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = add_common(app, "info", "Counts, tags, validity and quality of a mesh, and its worst tetrahedra.", a);
-  c->add_option("file", a->files, "Mesh: " + readable_endings() + "; or - for the standard input (MEDIT)")
-      ->required()
-      ->expected(1)
-      ->option_text("MESH");
+  c->add_option("MESH", a->files[0], "Mesh: " + readable_endings() + "; or - for the standard input (MEDIT)")
+      ->required();
   c->add_option("--cell-data", a->cell_data, "Write all measures of every tetrahedron to a MEDIT solution file")
       ->option_text("OUT.sol");
   c->add_option("--min-quality", a->min_quality,
@@ -177,7 +176,8 @@ void add_compare(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c =
       add_common(app, "compare", "What changed between two meshes of one shape: quality, volume, surface, tags.", a);
-  c->add_option("files", a->files, "Mesh before, mesh after")->required()->expected(2)->option_text("BEFORE AFTER");
+  c->add_option("BEFORE", a->files[0], "Mesh before")->required();
+  c->add_option("AFTER", a->files[1], "Mesh after")->required();
   c->callback([a, &exit_code] { exit_code = compare_files(*a); });
 }
 

@@ -18,6 +18,13 @@
 
 namespace {
 
+/// What CLI11 says of a command line, as the other messages are.
+std::string failure(const CLI::App* app, const CLI::Error& e) {
+  const std::vector<CLI::App*> command = app->get_subcommands();
+  return fmt::format("tetune: {}; see tetune{} --help\n", e.what(),
+                     command.empty() ? "" : " " + command[0]->get_name());
+}
+
 /// Where a standard stream is closed, a file would get its number, and what is said would get into the file.
 void occupy_standard_streams() {
   int descriptor = 0;
@@ -31,6 +38,7 @@ int run(int argc, char** argv) {
                "tetune"};
   app.set_version_flag("--version", "tetune " TETUNE_VERSION);
   app.require_subcommand(1);
+  app.failure_message(failure);
   app.footer(
       "Exit codes: 0 done; 1 stopped early or a target was missed, a valid mesh was written (of info and compare: the "
       "mesh is not valid, or not of the quality asked for; --untangle could not repair all: nothing was written); 2 "

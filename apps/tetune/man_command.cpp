@@ -29,7 +29,7 @@ std::string troff(const std::string& text) {
 std::string option_item(const CLI::Option& o) {
   std::string head;
   if (is_positional(o)) {
-    head = "\\fI" + troff(o.get_option_text()) + "\\fR";
+    head = "\\fI" + troff(value_of(o)) + "\\fR";
   } else {
     for (const std::string& name : names_of(o)) head += (head.empty() ? "" : ", ") + ("\\fB" + troff(name) + "\\fR");
     if (takes_value(o)) head += " \\fI" + troff(value_of(o)) + "\\fR";
@@ -110,7 +110,7 @@ std::string page(const CLI::App& app) {
     std::string free;
     for (const CLI::Option* o : c->get_options()) {
       options = options || (!is_positional(*o) && o->get_name() != "--help");
-      if (is_positional(*o)) free += ".I " + troff(o->get_option_text()) + "\n";
+      if (is_positional(*o)) free += ".I " + troff(value_of(*o)) + "\n";
     }
     text += (options ? ".RI [ OPTIONS ]\n" : "") + free;
   }

@@ -43,6 +43,9 @@ std::string identity(const std::string& path) {
 
 std::string fill_in(const std::string& option, const std::string& pattern, const std::string& input, bool several) {
   const std::size_t at = pattern.find(kPlace);
+  if (pattern == kPipe && option != "--output") {
+    throw OptionError(option + " -: the mesh alone can go to the standard output; give a file name");
+  }
   if (pattern.empty() || (at == std::string::npos && !several)) return pattern;
   if (at == std::string::npos) {
     throw OptionError(

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "commands.hpp"
@@ -14,26 +15,51 @@
 namespace tetune::cli {
 namespace {
 
-const std::map<std::string, Boundary> kBoundaries{
-    {"preserve", Boundary::preserve}, {"slide", Boundary::slide}, {"fixed", Boundary::fixed}};
-const std::map<std::string, Energy> kEnergies{{"shape", Energy::shape}, {"harmonic", Energy::harmonic}};
-const std::map<std::string, Effort> kEfforts{
-    {"fast", Effort::fast}, {"default", Effort::standard}, {"best", Effort::best}};
-const std::map<std::string, Relocation> kRelocations{{"newton", Relocation::newton},
-                                                     {"gradient", Relocation::gradient}};
-const std::map<std::string, Termination> kTerminations{{"relative", Termination::relative},
-                                                       {"paper", Termination::paper}};
-const std::map<std::string, Device> kDevices{{"auto", Device::automatic}, {"cpu", Device::cpu}, {"cuda", Device::cuda}};
+/// The words for the values of an option, in the order in which they are offered.
+template <class T>
+using Names = std::vector<std::pair<std::string, T>>;
 
-const std::map<std::string, ProgressMode> kProgressModes{
+const Names<Boundary> kBoundaries{
+    {"preserve", Boundary::preserve}, {"slide", Boundary::slide}, {"fixed", Boundary::fixed}};
+const Names<Energy> kEnergies{{"shape", Energy::shape}, {"harmonic", Energy::harmonic}};
+const Names<Effort> kEfforts{{"fast", Effort::fast}, {"default", Effort::standard}, {"best", Effort::best}};
+const Names<Relocation> kRelocations{{"newton", Relocation::newton}, {"gradient", Relocation::gradient}};
+const Names<Termination> kTerminations{{"relative", Termination::relative}, {"paper", Termination::paper}};
+const Names<Device> kDevices{{"auto", Device::automatic}, {"cpu", Device::cpu}, {"cuda", Device::cuda}};
+const Names<ProgressMode> kProgressModes{
     {"auto", ProgressMode::automatic}, {"none", ProgressMode::none}, {"json", ProgressMode::json}};
 
 template <class T>
-std::string name_of(const std::map<std::string, T>& names, T value) {
+std::string name_of(const Names<T>& names, T value) {
   for (const auto& [name, v] : names) {
     if (v == value) return name;
   }
   return "";
+}
+
+/// Takes one of the names, and no number as CLI::CheckedTransformer does.
+template <class T>
+CLI::Validator one_of(const Names<T>& names) {
+  std::string known;
+  for (const auto& [name, value] : names) known += (known.empty() ? "" : ",") + name;
+  const auto transform = [&names, known](std::string& word) -> std::string {
+    for (const auto& [name, value] : names) {
+      if (name != word) continue;
+      word = std::to_string(static_cast<int>(value));
+      return "";
+    }
+    return fmt::format("'{}' is not one of {}", word, known);
+  };
+  return CLI::Validator(transform, "{" + known + "}");
+}
+
+CLI::Validator positive() {
+  const auto check = [](std::string& word) -> std::string {
+    double value = 0;
+    const bool ok = CLI::detail::lexical_cast(word, value) && value > 0 && std::isfinite(value);
+    return ok ? "" : fmt::format("'{}' is not a positive number", word);
+  };
+  return CLI::Validator(check, "");
 }
 
 /// Options that cannot take effect together with others are refused rather than ignored.
@@ -45,9 +71,12 @@ void refuse_ineffective(const CLI::App& command, const OptimizeArguments& a) {
     }
   }
   if (a.options.boundary != Boundary::slide) {
-    for (const char* name : {"--feature-angle", "--max-deviation"}) {
-      if (command.count(name) > 0)
-        throw OptionError(fmt::format("{} has no effect without --boundary slide; add it, or drop {}", name, name));
+    for (const auto& [name, alias] :
+         {std::pair("--feature-angle", "-ar, -nr"), std::pair("--max-deviation", "-hausd")}) {
+      if (command.count(name) > 0) {
+        throw OptionError(
+            fmt::format("{} (Mmg's {}) has no effect without --boundary slide; add it, or drop {}", name, alias, name));
+      }
     }
   }
   if (command.count("--boundary-flips") > 0) {
@@ -90,7 +119,7 @@ std::vector<std::string> find_inputs(OptimizeArguments& a) {
     a.names.output = inputs.back();
     inputs.pop_back();
   }
-  if (a.names.output.empty() && inputs.size() > 2) {
+  if (a.names.output.empty() && inputs.size() > 2 && !a.dry_run) {
     throw OptionError("no output: with several meshes, name a folder with -o FOLDER/, or names with -o new_{}.mesh");
   }
   if (a.names.output.empty() && !a.dry_run) {
@@ -117,7 +146,7 @@ void define(CLI::App& c, OptimizeArguments& a) {
                "preserve: vertices move within the surface's planes and straight lines, the surface stays as it is; "
                "slide: they move on the input surface and along its features, the surface follows it closely; "
                "fixed: none moves")
-      ->transform(CLI::CheckedTransformer(kBoundaries).description("{preserve,slide,fixed}"))
+      ->transform(one_of(kBoundaries))
       ->default_str("preserve");
   c.add_option(
        "--feature-angle", a.options.feature_angle,
@@ -138,14 +167,14 @@ void define(CLI::App& c, OptimizeArguments& a) {
       ->capture_default_str();
   c.add_option("--energy", a.options.energy,
                "shape: scale-free, small elements count as much as large ones; harmonic: sum of eta, as in the paper")
-      ->transform(CLI::CheckedTransformer(kEnergies).description("{shape,harmonic}"))
+      ->transform(one_of(kEnergies))
       ->default_str("shape");
   c.add_option(
        "--effort", a.options.effort,
        "fast: stop when a sweep lowers the energy by less than 2e-2 of it; default: 2e-3, then work on the worst "
        "elements and the smallest dihedral angles alone; best: 1e-4, then more of that, and vertices are inserted and "
        "removed there")
-      ->transform(CLI::CheckedTransformer(kEfforts).description("{fast,default,best}"))
+      ->transform(one_of(kEfforts))
       ->default_str("default");
   c.add_flag("--keep-vertices", a.options.keep_vertices,
              "With --effort best: no vertex is inserted or removed, those there are moved alone (as with the others)");
@@ -156,11 +185,11 @@ void define(CLI::App& c, OptimizeArguments& a) {
       ->capture_default_str();
   c.add_option("--relocation", a.options.relocation,
                "newton: over-relaxed Newton steps; gradient: as in the paper, slower")
-      ->transform(CLI::CheckedTransformer(kRelocations).description("{newton,gradient}"))
+      ->transform(one_of(kRelocations))
       ->default_str("newton");
   c.add_option("--termination", a.options.termination,
                "relative: stop when a sweep lowers the energy by little, as --effort says; paper: conditions C1 to C3")
-      ->transform(CLI::CheckedTransformer(kTerminations).description("{relative,paper}"))
+      ->transform(one_of(kTerminations))
       ->default_str("relative");
   c.add_option("--max-iterations", a.options.max_iterations, "Most relocation sweeps; 0: flips alone")
       ->check(CLI::Range(0, 1000000))
@@ -188,17 +217,17 @@ void define(CLI::App& c, OptimizeArguments& a) {
       ->capture_default_str();
   c.add_option("--device", a.options.device,
                "Where to compute; auto: on a GPU from a million tetrahedra on, where there is one with enough memory")
-      ->transform(CLI::CheckedTransformer(kDevices).description("{auto,cpu,cuda}"))
+      ->transform(one_of(kDevices))
       ->default_str("cpu");
   c.add_option("-m,--max-memory", a.max_memory,
                "Refuse a mesh for which more than so many MB (of 1024 * 1024 bytes) of memory would be needed")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->option_text("MB");
   c.add_option(
        "--time-limit", a.time_limit,
        "Stop when it is time to write, so that a mesh is read, improved and written in about so many seconds; exit "
        "code 1 if there was more to do")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->option_text("SECONDS");
   c.add_option("--report", a.names.report, "Write all figures of the run to this file, as JSON")
       ->option_text("FILE.json");
@@ -220,7 +249,7 @@ void define(CLI::App& c, OptimizeArguments& a) {
   c.add_option(
        "--progress", a.progress,
        "auto: a line that follows the work, on a terminal; none; json: one JSON object a line on the standard error")
-      ->transform(CLI::CheckedTransformer(kProgressModes).description("{auto,none,json}"))
+      ->transform(one_of(kProgressModes))
       ->default_str("auto");
   auto* v = c.add_option("-v", a.verbosity,
                          "0 or less: nothing; 1: before and after; 2 to 10: each sweep and flip pass, and times")

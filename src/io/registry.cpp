@@ -29,6 +29,8 @@ const Format& format_of(const std::string& path, bool to_write) {
     if (std::find(format.endings.begin(), format.endings.end(), ending) == format.endings.end()) continue;
     if (to_write ? format.writes() : format.reads()) return format;
   }
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) throw FileError(path + ": is a folder; give a file name");
   throw FileError(path + ": tetune does not " + (to_write ? "write" : "read") + " files of ending \"" + ending +
                   "\"; known endings: " + endings(to_write));
 }

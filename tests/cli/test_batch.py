@@ -130,6 +130,11 @@ class Pipes(CliTest):
         for output in (self.path("{}.mesh"), str(self.folder)):
             self.assertIn(b"the standard input has no name", self.piped(b"", "optimize", "-", "-o", output, code=2).stderr)
 
+    def test_nothing_but_a_mesh_goes_there(self):
+        source = self.put("in.mesh", cube(1))
+        for option in ("--report", "--trace", "--map"):
+            self.refused("optimize", source, self.path("out.mesh"), option, "-", said=[option + " -: ", "file name"])
+
     def test_json_and_a_mesh(self):
         done = self.piped(cube(2).text().encode(), "optimize", "-", "-", "--progress", "json")
         self.assertTrue(done.stdout.startswith(b"MeshVersionFormatted"))

@@ -132,7 +132,8 @@ class Info(CliTest):
 
     def test_refusals(self):
         self.refused("info", self.path("absent.mesh"), said=["absent.mesh"])
-        self.refused("info", said=["file"])
+        self.refused("info", said=["MESH is required"])
+        self.refused("info", self.path("a.mesh"), self.path("b.mesh"), said=["b.mesh"])
 
 
 class Compare(CliTest):
@@ -187,7 +188,7 @@ class Compare(CliTest):
         self.assertFalse(result["after"]["validity"]["valid"])
 
     def test_refusals(self):
-        self.refused("compare", self.put("a.mesh", cube(1)), said=["files"])
+        self.refused("compare", self.put("a.mesh", cube(1)), said=["AFTER is required"])
         self.refused("compare", self.path("a.mesh"), self.path("absent.mesh"), said=["absent.mesh"])
 
 

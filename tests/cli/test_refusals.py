@@ -125,8 +125,6 @@ class Refusals(CliTest):
                         ["-v", "11"]):
             self.optimize_refused(source, *options, said=[options[-1]])
         self.refused("optimize", "-o", self.path("out.mesh"), said=["input"])
-        self.refused("repair", source, said=["subcommand"])
-        self.refused(said=["subcommand"])
 
     def test_options_without_effect(self):
         source = self.put("in.mesh", cube(1))

@@ -150,6 +150,12 @@ class Limits(CliTest):
         self.run_cli("optimize", source, self.path("out.mesh"), "--dry-run", "--map", self.path("m"), "--report",
                      self.path("r.json"))
         self.assertEqual(self.files(), ["in.mesh"])
+        several = [source, self.put("b.mesh", cube(2)), self.put("c.mesh", cube(3))]
+        done = self.run_cli("optimize", *several, "--dry-run")
+        for name in several:
+            self.assertIn(f"{name}: nothing is written", done.stdout)
+            self.assertRegex(done.stdout, rf"(?m)^  {name} +checked$")
+        self.assertEqual(self.files(), ["b.mesh", "c.mesh", "in.mesh"])
         # What would fail fails.
         self.refused("optimize", source, self.path("absent/out.mesh"), "--dry-run", said=["absent"])
         self.refused("optimize", self.put("bad.mesh", tangled(4)), "--dry-run", said=["inverted"])

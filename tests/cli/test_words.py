@@ -99,6 +99,38 @@ class Options(CliTest):
             self.assertEqual(len(Mesh.read(self.path("out.mesh")).points), 7 ** 3)
 
 
+class Mistakes(CliTest):
+    """Each message says what is wrong, and what to do or where to look."""
+
+    def test_no_command(self):
+        for words, said in (([], "no command"), (["in.mesh", "out.mesh"], "'in.mesh' is not a command"), ([""], "'' is not")):
+            self.refused(*words, said=["tetune: ", said, ", ".join(COMMANDS), "tetune optimize IN OUT"])
+        self.refused("--quiet", said=["tetune: ", "see tetune --help"])
+
+    def test_values(self):
+        source = self.put("in.mesh", cube(1))
+        for words, said in ((["--boundary", "sliding"], "--boundary: 'sliding' is not one of preserve,slide,fixed"),
+                            (["--boundary", "1"], "--boundary: '1' is not one of"),
+                            (["--progress", "yes"], "--progress: 'yes' is not one of auto,none,json"),
+                            (["--time-limit", "nan"], "--time-limit: 'nan' is not a positive number"),
+                            (["--time-limit", "inf"], "--time-limit: 'inf' is not a positive number"),
+                            (["-m", "0"], "--max-memory: '0' is not a positive number"),
+                            (["--threads", "-1"], "--threads: "),
+                            (["--bogus"], "--bogus"),
+                            (["--effort"], "--effort: ")):
+            done = self.refused("optimize", source, self.path("out.mesh"), *words, said=["tetune: ", said,
+                                "; see tetune optimize --help"])
+            self.assertEqual(len(done.stderr.splitlines()), 1)
+
+    def test_names_of_mmg_in_messages(self):
+        source = self.put("in.mesh", cube(1))
+        for word, ours in (("-hausd", "--max-deviation"), ("-ar", "--feature-angle")):
+            self.refused("optimize", source, self.path("out.mesh"), word, "1", said=[word, ours, "--boundary slide"])
+
+    def test_a_folder_is_no_mesh(self):
+        self.refused("info", str(self.folder), said=[str(self.folder), "is a folder"])
+
+
 class Generated(CliTest):
     """Completion and manual name every option that the help names."""
 
