@@ -107,10 +107,40 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   return result;
 }
 
+OtherElements::OtherElements(const TetMesh& mesh) {
+  std::size_t element = 0;
+  for (const ElementBlock& block : mesh.others) {
+    const auto each = static_cast<std::size_t>(std::max(1, block.vertices_per_element));
+    for (std::size_t i = 0; i < block.element2vertex.size(); ++i) {
+      vertex2element_.emplace_back(block.element2vertex[i], element + i / each);
+    }
+    element += block.element2vertex.size() / each;
+  }
+  std::sort(vertex2element_.begin(), vertex2element_.end());
+}
+
+std::span<const std::pair<Index, std::size_t>> OtherElements::of(Index vertex) const {
+  const auto begin =
+      std::lower_bound(vertex2element_.begin(), vertex2element_.end(), std::pair{vertex, std::size_t{0}});
+  const auto end = std::find_if(begin, vertex2element_.end(), [vertex](const auto& e) { return e.first != vertex; });
+  return {begin, end};
+}
+
+bool OtherElements::have(std::span<const Index> vertices) const {
+  const auto candidates = of(vertices[0]);
+  return std::any_of(candidates.begin(), candidates.end(), [&](const auto& candidate) {
+    return std::all_of(vertices.begin() + 1, vertices.end(), [&](Index v) {
+      return std::binary_search(vertex2element_.begin(), vertex2element_.end(), std::pair{v, candidate.second});
+    });
+  });
+}
+
 std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets) {
   std::vector<std::uint8_t> keep = constraining_edges(mesh);
+  const OtherElements others(mesh);
   std::vector<std::array<Index, 2>> sought;
   for (std::size_t e = 0; e < keep.size(); ++e) {
+    if (keep[e] == 0 && others.have(mesh.edges[e])) keep[e] = 1;
     if (keep[e] == 0) sought.push_back(sorted(mesh.edges[e]));
   }
   if (sought.empty()) return keep;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "tetune/mesh.hpp"
@@ -25,7 +27,20 @@ struct Constraints {
 /// Throws OptionError where the options name what is not there.
 Constraints find_constraints(const TetMesh& mesh, const Options& options);
 
-/// 1 for each listed edge that stays: it has a tag, is a ridge or required, or is an edge of one of `tets`.
+/// Which elements of other kinds have which vertices.
+class OtherElements {
+ public:
+  explicit OtherElements(const TetMesh& mesh);
+  /// Whether one of them has all of these vertices, so that a triangle or edge of them is a side of it.
+  bool have(std::span<const Index> vertices) const;
+
+ private:
+  std::span<const std::pair<Index, std::size_t>> of(Index vertex) const;
+  std::vector<std::pair<Index, std::size_t>> vertex2element_;  ///< sorted
+};
+
+/// 1 for each listed edge that stays: it has a tag, is a ridge or required, or is an edge of one of `tets` or of an
+/// element of another kind.
 std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets);
 
 /// Where the entries of a list go when those with keep[i] 0 are dropped: their new positions, or -1.

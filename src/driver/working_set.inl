@@ -424,7 +424,10 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSu
   mesh.points.reserve(ids.extended2new.size());
   mesh.point_tags.reserve(ids.extended2new.size());
   std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = work.listed_triangles[t] == Listed::loose ? 0 : 1;
+  const OtherElements others(mesh);
+  for (std::size_t t = 0; t < keep.size(); ++t) {
+    keep[t] = work.listed_triangles[t] != Listed::loose || others.have(mesh.triangles[t]) ? 1 : 0;
+  }
   const std::vector<Index> new_triangles = positions_of_kept(keep);
   const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets));
   std::vector<Index> triangle2original = kept_of(new_triangles);

@@ -161,6 +161,30 @@ TEST(Classification, ATriangleInsideConstrainsIfTagged) {
   EXPECT_EQ(r.free_vertices, 24);
 }
 
+TEST(Classification, SidesOfOtherElementsStayWithoutTags) {
+  TetMesh m = test::cube(4);
+  // A prism on a face of the cube's top.
+  const auto id = [](int i, int j, int k) { return static_cast<Index>((k * 5 + j) * 5 + i); };
+  const std::array<Index, 3> below{id(1, 1, 4), id(2, 1, 4), id(2, 2, 4)};
+  const auto first = static_cast<Index>(m.points.size());
+  for (const Index v : below) {
+    const Point3 p = m.points[static_cast<std::size_t>(v)];
+    m.points.push_back({p[0], p[1], p[2] + 0.25});
+    m.point_tags.push_back(0);
+  }
+  m.others.push_back({"Prisms", 6, {below[0], below[1], below[2], first, first + 1, first + 2}, {0}, {}});
+  m.triangles = {{id(1, 2, 1), id(2, 2, 1), id(2, 2, 2)}, {first, first + 1, first + 2}};
+  m.triangle_tags = {0, 0};
+  m.edges = {{first, first + 1}, {below[0], first}, {first, id(3, 3, 3)}};
+  m.edge_tags = {0, 0, 0};
+  const TetMesh before = m;
+  const Report r = optimize(m);
+  EXPECT_EQ(r.triangles_dropped, 1);
+  EXPECT_EQ(r.edges_dropped, 1);
+  EXPECT_EQ(m.triangles, (decltype(m.triangles){before.triangles[1]}));
+  EXPECT_EQ(m.edges, (decltype(m.edges){before.edges[0], before.edges[1]}));
+}
+
 TEST(Classification, ElementsOfOtherKindsFreezeTheirVertices) {
   TetMesh m = test::cube(4);
   m.others.push_back({"Quadrilaterals", 4, {6, 7, 12, 11}, {2}, {}});
