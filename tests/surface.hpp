@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <random>
 #include <set>
 #include <utility>
 #include <vector>
@@ -95,5 +97,24 @@ TinySurface height_field(int n, const Height& z, const std::set<std::pair<Index,
   }
   return {std::move(points), std::move(triangles), walls};
 }
+
+/// Two triangles over the common edge (0, 1), folded upwards at it.
+inline TinySurface folded(double apex_height) {
+  return {{{0, 0, 0}, {0, 1, 0}, {-1, 0.5, apex_height}, {1, 0.5, apex_height}}, {{0, 1, 2}, {1, 0, 3}}};
+}
+
+inline double uniform(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
+
+inline Vec3 random_vec(std::mt19937& random) {
+  const double x = 2 * uniform(random) - 1;
+  const double y = 2 * uniform(random) - 1;
+  return {x, y, 2 * uniform(random) - 1};
+}
+
+inline double flat(double, double) { return 0; }
+
+inline double bumpy(double x, double y) { return 0.08 * std::sin(7 * x) * std::cos(5 * y + 1); }
+
+inline Vec3 descent(const Primitive& p) { return p.frame.in_space(p.down); }
 
 }  // namespace tetune::test
