@@ -171,7 +171,8 @@ void define(CLI::App& c, OptimizeArguments& a) {
       ->default_str("shape");
   c.add_option(
        "--effort", a.options.effort,
-       "fast: stop when a sweep lowers the energy by less than 2e-2 of it; default: 2e-3, then work on the worst "
+       "fast: look for flips once, and stop when a sweep lowers the energy by less than 2e-2 of it; default: 2e-3, "
+       "then work on the worst "
        "elements and the smallest dihedral angles alone; best: 1e-4, then more of that, and vertices are inserted and "
        "removed there")
       ->transform(one_of(kEfforts))

@@ -44,7 +44,7 @@ enum class Termination {
 
 /// How much is done.
 enum class Effort {
-  fast,      ///< flips and sweeps until a sweep lowers the energy by less than 2e-2 of it
+  fast,      ///< one look for flips, and sweeps until one lowers the energy by less than 2e-2 of it
   standard,  ///< until 2e-3, then work on the worst elements and the smallest dihedral angles alone
   best,      ///< until 1e-4, then more of that, and vertices are inserted and removed there
 };
