@@ -7,6 +7,7 @@ import os
 import pathlib
 import platform
 import shutil
+import signal
 import statistics
 import subprocess
 import sys
@@ -45,7 +46,7 @@ def provenance():
 
 def run(command, timeout=None, env=None, cwd=None):
     """Runs a command to its end. Returns its exit code (None after a timeout), wall seconds, processor seconds and peak
-    memory in MiB (of the process itself, by the kernel's accounting) and what it printed."""
+    memory in MiB (of the process, or the largest that it waited for, by the kernel's accounting) and what it printed."""
     with tempfile.TemporaryFile() as out:
         start = time.perf_counter()
         process = subprocess.Popen([str(c) for c in command], stdout=out, stderr=subprocess.STDOUT,
@@ -68,6 +69,18 @@ def run(command, timeout=None, env=None, cwd=None):
         out.seek(0)
         text = out.read().decode(errors="replace")
     return {"code": code, "seconds": seconds, "cpu_seconds": cpu, "peak_mib": peak, "output": text}
+
+
+def failure(record):
+    """Why a run gave no result, or None."""
+    if record["code"] is None:
+        return f"no result after {record['seconds']:.0f} s"
+    if record["code"] < 0:
+        return f"crashed ({signal.Signals(-record['code']).name})"
+    if record["code"] > 0:
+        lines = record["output"].strip().splitlines()
+        return f"exit code {record['code']}" + (f": {lines[-1].strip()[:120]}" if lines else "")
+    return None
 
 
 def repeat(command, runs, **kwargs):
@@ -94,6 +107,12 @@ def compare(before, after):
     if not result.stdout:
         raise RuntimeError(f"tetune compare {before} {after}: {result.stderr.strip()}")
     return json.loads(result.stdout)
+
+
+def lost_tags(change):
+    kinds = {"V": "vertex_tags_kept", "E": "edge_tags_kept", "T": "triangle_tags_kept", "R": "tetrahedron_tags_kept"}
+    lost = "".join(letter for letter, key in kinds.items() if not change[key])
+    return f"not {lost}" if lost else "yes"
 
 
 def write_json(path, data):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Meshes on their way into and out of the rivals, all outside the timed part. Standard library alone.
 
-  meshes.py prepare SOURCE MESH STEM     the input as every rival gets it: MESH, and STEM.node, .ele, .face, .edge
+  meshes.py prepare SOURCE MESH [STEM]   the input as every rival gets it: MESH (.mesh or .meshb), and STEM.node, .ele,
+                                         .face, .edge
   meshes.py from-tetgen STEM IN OUT      TetGen's result STEM.1.* as the MEDIT file OUT
   meshes.py vertices-kept IN OUT         whether vertex i is still vertex i
 Each call is a process of its own: the kernel's peak memory of a process is at least that of the one that started it, so
@@ -10,10 +11,13 @@ the file, so that no bit is lost."""
 
 import pathlib
 import re
+import struct
 import sys
 
 WIDTHS = {"Vertices": 4, "Edges": 3, "Triangles": 4, "Tetrahedra": 5, "Corners": 1, "Ridges": 1, "RequiredVertices": 1,
           "RequiredEdges": 1, "RequiredTriangles": 1, "RequiredTetrahedra": 1}
+CODES = {"Vertices": 4, "Edges": 5, "Triangles": 6, "Tetrahedra": 8, "Corners": 13, "Ridges": 14,
+         "RequiredVertices": 15, "RequiredEdges": 16, "RequiredTriangles": 17, "RequiredTetrahedra": 12}  # in .meshb
 
 
 def read_medit(path):
@@ -47,6 +51,24 @@ def write_medit(path, mesh):
                 out.write(f"{name}\n{len(table)}\n")
                 out.writelines(" ".join(row) + "\n" for row in table)
         out.write("End\n")
+
+
+def write_meshb(path, mesh):
+    def section(code, body):
+        out.write(struct.pack("=ii", code, out.tell() + 8 + len(body)) + body)
+
+    with open(path, "wb") as out:
+        out.write(struct.pack("=ii", 1, 2))  # Mmg reads no version 3
+        section(3, struct.pack("=i", 3))
+        for name in WIDTHS:
+            if mesh.get(name):
+                table = rows(mesh, name)
+                if name == "Vertices":
+                    body = b"".join(struct.pack("=dddi", *map(float, row[:3]), int(row[3])) for row in table)
+                else:
+                    body = struct.pack(f"={len(mesh[name])}i", *map(int, mesh[name]))
+                section(CODES[name], struct.pack("=i", len(table)) + body)
+        out.write(struct.pack("=ii", 54, 0))
 
 
 def rows(mesh, name):
@@ -136,8 +158,9 @@ def main(command, *paths):
     if command == "prepare":
         mesh = read_medit(paths[0])
         print(keep_surface_triangles(mesh))
-        write_medit(paths[1], mesh)
-        write_tetgen(paths[2], mesh)
+        (write_meshb if paths[1].suffix == ".meshb" else write_medit)(paths[1], mesh)
+        if paths[2:]:
+            write_tetgen(paths[2], mesh)
     elif command == "from-tetgen":
         write_medit(paths[2], read_tetgen(f"{paths[0]}.1", read_medit(paths[1])))
     elif command == "vertices-kept":
