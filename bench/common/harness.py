@@ -46,7 +46,7 @@ def provenance():
 
 def run(command, timeout=None, env=None, cwd=None):
     """Runs a command to its end. Returns its exit code (None after a timeout), wall seconds, processor seconds and peak
-    memory in MiB (of the process, or the largest that it waited for, by the kernel's accounting) and what it printed."""
+    memory in MiB (by the kernel's accounting, of the process or the largest that it waited for) and what it printed."""
     with tempfile.TemporaryFile() as out:
         start = time.perf_counter()
         process = subprocess.Popen([str(c) for c in command], stdout=out, stderr=subprocess.STDOUT,
