@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <cstring>
+
 #include "par/macros.hpp"
 
 namespace tetune::par {
@@ -9,8 +12,18 @@ namespace tetune::par {
 /// elsewhere.
 #if defined(__CUDACC__)
 using Pack = double;
+using PackBits = std::uint64_t;
+TETUNE_HD TETUNE_INLINE PackBits where(bool condition, PackBits bits) { return condition ? bits : 0; }
+TETUNE_HD TETUNE_INLINE std::uint64_t merged(PackBits bits) { return bits; }
 #else
 typedef double Pack __attribute__((vector_size(4 * sizeof(double))));
+/// A word beside each double of a pack.
+typedef std::uint64_t PackBits __attribute__((vector_size(4 * sizeof(std::uint64_t))));
+/// The words beside which a comparison holds; 0 elsewhere.
+TETUNE_INLINE PackBits where(const decltype(Pack{} < Pack{}) & condition, const PackBits& bits) {
+  return reinterpret_cast<const PackBits&>(condition) & bits;
+}
+TETUNE_INLINE std::uint64_t merged(const PackBits& bits) { return (bits[0] | bits[1]) | (bits[2] | bits[3]); }
 
 /// The first three of the four doubles at each place: a pack of the first ones, of the second ones, of the third ones.
 /// They come in whole and are transposed.
@@ -29,6 +42,13 @@ TETUNE_INLINE void load_columns(const double* const (&row)[4], Pack (&column)[3]
 #endif
 TETUNE_HD TETUNE_INLINE void load_columns(const double* const (&row)[1], double (&column)[3]) {
   for (int k = 0; k < 3; ++k) column[k] = row[0][k];
+}
+
+template <class T>
+TETUNE_HD TETUNE_INLINE T load(const void* from) {
+  T pack;
+  std::memcpy(&pack, from, sizeof(T));
+  return pack;
 }
 
 }  // namespace tetune::par

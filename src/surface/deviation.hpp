@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "surface/primitive.hpp"
+#include "surface/star_cover.hpp"
 
 namespace tetune {
 
@@ -26,6 +26,20 @@ class DeviationBound {
     if (ref_.kind[vertex_] == Mobility::curve) {
       for (int way = 0; way < 2; ++way) {
         if (!line_is_close(x, site, ref_.line[vertex_].next[way])) return false;
+      }
+    }
+    if (slides(vertex_)) {
+      StarCover star(ref_, points_, sites_, limit_);
+      if (star.take(vertex_, x)) {
+        const auto wedge_at = [&](std::uint32_t corner, const Vec3& p, const double l[3]) {
+          return wedge_of(corner, x, p, l);
+        };
+        StarCover::Mask in_doubt = 0;
+        if (!star.is_close(site, wedge_at, in_doubt)) return false;
+        for (int i = 0; i < star.size(); ++i) {
+          if ((in_doubt >> i & 1) != 0 && !triangle_is_close(star.corner(i), x, site)) return false;
+        }
+        return true;
       }
     }
     for (Size c = ref_.vertex2corner.begin(vertex_); c < ref_.vertex2corner.end(vertex_); ++c) {
@@ -160,7 +174,6 @@ class DeviationBound {
   }
   TETUNE_HD Vec3 at(Index v, const Vec3& x) const { return v == vertex_ ? x : vec(points_[v]); }
 
-  enum class Wedge { none, close, far };
   /// A corner of the reference that was looked at.
   struct Asked {
     Index vertex;

@@ -89,6 +89,65 @@ struct SlidSurface {
   }
 };
 
+TEST(SmallSet, FindsWhatSharesASlot) {
+  SmallSet<100> set;
+  // 256 slots: all ids but the first few share theirs.
+  const auto id = [](int i) { return static_cast<Index>(256 * (i / 4) + i % 4); };
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_LT(set.find(id(i)), 0);
+    EXPECT_EQ(set.add(id(i)), i);
+  }
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(set.find(id(i)), i);
+    EXPECT_EQ(set[i], id(i));
+  }
+  EXPECT_LT(set.find(id(100)), 0);
+  EXPECT_LT(set.find(5), 0);
+  EXPECT_EQ(set.add(5), SmallSet<100>::kAbsent);
+  EXPECT_EQ(set.size(), 100);
+}
+
+/// Whether the look at all triangles of a vertex at once decides, and how.
+enum class Decision { close, far, open };
+Decision cover_of(const SlidSurface& mesh, Index v, const Landing& landing, double limit) {
+  const ReferenceView ref = mesh.s.view();
+  StarCover star(ref, {mesh.points.data(), static_cast<Size>(mesh.points.size())},
+                 {mesh.sites.data(), static_cast<Size>(mesh.sites.size())}, limit);
+  if (!star.take(v, landing.at)) return Decision::open;
+  const auto unknown = [](std::uint32_t, const Vec3&, const double*) { return Wedge::close; };
+  StarCover::Mask in_doubt = 0;
+  if (!star.is_close(landing.site, unknown, in_doubt)) return Decision::far;
+  return in_doubt == 0 ? Decision::close : Decision::open;
+}
+
+TEST(StarCover, KeepsToTheBoundByItself) {
+  std::mt19937 random(11);
+  for (const double limit : {0.02, 0.005}) {
+    const TinySurface s = height_field(9, bumpy);
+    SlidSurface mesh(s);
+    int count[3] = {0, 0, 0};
+    for (int i = 0; i < 3000; ++i) {
+      const auto v = static_cast<Index>(random() % s.points.size());
+      if (s.kind[static_cast<std::size_t>(v)] != Mobility::surface) continue;
+      const Landing landing = mesh.wander(v, 0.1, random);
+      SlidSurface moved = mesh;
+      moved.put(v, landing);
+      if (!moved.upright()) continue;
+      const Decision decision = cover_of(mesh, v, landing, limit);
+      ++count[static_cast<int>(decision)];
+      if (decision != Decision::close) continue;
+      mesh.put(v, landing);
+      if (count[0] % 10 == 0) {
+        ASSERT_LE(mesh.distance(), limit);
+      }
+    }
+    EXPECT_LE(mesh.distance(), limit);
+    EXPECT_GT(mesh.distance(), 0.2 * limit);
+    EXPECT_GT(count[0], 50) << limit;
+    EXPECT_GT(count[1], 50) << limit;
+  }
+}
+
 TEST(DeviationBound, LetsVerticesOfAPlaneGoAnywhere) {
   std::mt19937 random(7);
   const TinySurface s = height_field(6, flat);
