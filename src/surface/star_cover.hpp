@@ -78,8 +78,8 @@ class StarCover {
 
  private:
   static constexpr int kLanes = sizeof(par::Pack) / sizeof(double);
-  static constexpr int kMostTriangles = 128;
-  static constexpr int kMostVertices = 128;
+  static constexpr int kMostTriangles = 64;
+  static constexpr int kMostVertices = 64;
   /// As for DeviationBound.
   static constexpr double kInset = 1e-6;
 
