@@ -10,7 +10,7 @@ std::string version(int number) { return std::to_string(number / 1000) + "." + s
 
 /// Local memory of a thread, bytes, a little more than what the kernel with the most has:
 /// docs/benchmarks/gpu-memory.md. The driver keeps as much for every thread that a GPU can have at once.
-constexpr std::size_t kLocalMemory = 8192;
+constexpr std::size_t kLocalMemory = 11264;
 /// For the driver's own needs, such as the code of the kernels.
 constexpr std::size_t kSpare = 128 * kMiB;
 
