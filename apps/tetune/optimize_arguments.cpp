@@ -172,9 +172,8 @@ void define(CLI::App& c, OptimizeArguments& a) {
   c.add_option(
        "--effort", a.options.effort,
        "fast: look for flips once, and stop when a sweep lowers the energy by less than 2e-2 of it; default: 2e-3, "
-       "then work on the worst "
-       "elements and the smallest dihedral angles alone; best: 1e-4, then more of that, and vertices are inserted and "
-       "removed there")
+       "then work on the worst elements and the smallest dihedral angles alone; best: 1e-4, then more of that, and "
+       "vertices are inserted and removed there")
       ->transform(one_of(kEfforts))
       ->default_str("default");
   c.add_flag("--keep-vertices", a.options.keep_vertices,

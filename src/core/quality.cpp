@@ -38,16 +38,8 @@ struct Part {
 
 constexpr int kLanes = kLanesOf<par::Pack>;
 
-/// For loops over all of them. `scale` is a power of two that keeps products of coordinates in range.
-TetShape shape_of(const TetMesh& mesh, double scale, par::Size t) {
-  fetch_ahead(mesh, t);
-  const auto& tet = mesh.tets[static_cast<std::size_t>(t)];
-  Vec3 p[4];
-  for (std::size_t k = 0; k < 4; ++k) p[k] = scale * vec(mesh.points[static_cast<std::size_t>(tet[k])]);
-  return TetShape(p);
-}
-
-/// Some tetrahedra in a row, one a lane; the last one again where there are no more.
+/// Some tetrahedra in a row, one a lane; the last one again where there are no more. For loops over all of them.
+/// `scale` is a power of two that keeps products of coordinates in range.
 TetShapeT<par::Pack> shapes_of(const TetMesh& mesh, double scale, par::Size first, par::Size last) {
   Vec3T<par::Pack> p[4];
   for (int l = 0; l < kLanes; ++l) {
@@ -62,35 +54,6 @@ TetShapeT<par::Pack> shapes_of(const TetMesh& mesh, double scale, par::Size firs
     }
   }
   return TetShapeT<par::Pack>(p);
-}
-
-/// Counts tetrahedra [begin, end).
-void measure_part(const TetMesh& mesh, double scale, par::Size begin, par::Size end, Part& part, Bins& bins,
-                  double* eta) {
-  for (par::Size first = begin; first < end; first += kLanes) {
-    const TetShapeT<par::Pack> shapes = shapes_of(mesh, scale, first, end - 1);
-    const par::Pack etas = shapes.eta();
-    const par::Pack energies = shapes.shape_energy();
-    for (int l = 0; l < kLanes && first + l < end; ++l) {
-      for (const par::Pack& angles : shapes.angles) {
-        const double angle = angles[l];
-        ++bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
-        part.sum += angle;
-        if (angle < part.min) {
-          part.min = angle;
-          part.worst = first + l;
-        }
-        part.max = std::max(part.max, angle);
-      }
-      eta[first + l] = etas[l];
-      part.eta_sum += etas[l];
-      part.shape_sum += energies[l];
-      const double ratio = mean_ratio(shapes.volume[l], shapes.length2[l]);
-      part.ratio_sum += ratio;
-      part.ratio_min = std::min(part.ratio_min, ratio);
-      part.volume += shapes.volume[l];
-    }
-  }
 }
 
 double percentile(const Bins& bins, std::int64_t count, double share) {
@@ -195,6 +158,39 @@ class MeasureTable {
   std::vector<MeasuredPart> parts_;
 };
 
+/// Measures the tetrahedra of a part.
+void measure_part(const TetMesh& mesh, double scale, par::Size p, Part& part, Bins& bins, double* eta,
+                  MeasureTable* table) {
+  const auto tets = static_cast<par::Size>(mesh.tets.size());
+  const par::Size begin = part_begin(tets, p);
+  const par::Size end = part_begin(tets, p + 1);
+  for (par::Size first = begin; first < end; first += kLanes) {
+    const TetShapeT<par::Pack> shapes = shapes_of(mesh, scale, first, end - 1);
+    const par::Pack etas = shapes.eta();
+    const par::Pack energies = shapes.shape_energy();
+    for (int l = 0; l < kLanes && first + l < end; ++l) {
+      for (const par::Pack& angles : shapes.angles) {
+        const double angle = angles[l];
+        ++bins[static_cast<std::size_t>(angle * kBinsPerDegree)];
+        part.sum += angle;
+        if (angle < part.min) {
+          part.min = angle;
+          part.worst = first + l;
+        }
+        part.max = std::max(part.max, angle);
+      }
+      eta[first + l] = etas[l];
+      part.eta_sum += etas[l];
+      part.shape_sum += energies[l];
+      const double ratio = mean_ratio(shapes.volume[l], shapes.length2[l]);
+      part.ratio_sum += ratio;
+      part.ratio_min = std::min(part.ratio_min, ratio);
+      part.volume += shapes.volume[l];
+      if (table != nullptr) table->add(lane(shapes, l), first + l, p, first + l == begin);
+    }
+  }
+}
+
 Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   Quality q;
   const auto tets = static_cast<par::Size>(mesh.tets.size());
@@ -209,12 +205,7 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   const par::Cpu cpu(threads);
   cpu.for_parts(part_total, [&](par::Size p) {
     Bins part_bins(kBins, 0);
-    const par::Size begin = part_begin(tets, p);
-    const par::Size end = part_begin(tets, p + 1);
-    measure_part(mesh, scale, begin, end, parts[static_cast<std::size_t>(p)], part_bins, eta.data());
-    for (par::Size t = begin; table != nullptr && t < end; ++t) {
-      table->add(shape_of(mesh, scale, t), t, p, t == begin);
-    }
+    measure_part(mesh, scale, p, parts[static_cast<std::size_t>(p)], part_bins, eta.data(), table);
     const std::lock_guard lock(bins_mutex);
     std::transform(bins.begin(), bins.end(), part_bins.begin(), bins.begin(), std::plus<>());
   });
@@ -311,8 +302,12 @@ std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
   std::vector<Measures> measures(mesh.tets.size());
   const auto tets = static_cast<par::Size>(mesh.tets.size());
   par::Cpu(threads).for_parts(part_count(tets), [&](par::Size p) {
-    for (par::Size t = part_begin(tets, p); t < part_begin(tets, p + 1); ++t) {
-      measures[static_cast<std::size_t>(t)] = all_measures(shape_of(mesh, scale, t));
+    const par::Size end = part_begin(tets, p + 1);
+    for (par::Size first = part_begin(tets, p); first < end; first += kLanes) {
+      const TetShapeT<par::Pack> shapes = shapes_of(mesh, scale, first, end - 1);
+      for (int l = 0; l < kLanes && first + l < end; ++l) {
+        measures[static_cast<std::size_t>(first + l)] = all_measures(lane(shapes, l));
+      }
     }
   });
   return measures;

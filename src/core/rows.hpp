@@ -135,16 +135,17 @@ void group_by_row(const Backend& par, Size row_count, Size item_count, const Row
   using namespace rows_detail;
   using Ids = typename Backend::template Buffer<std::uint32_t>;
   Ids row(item_count);
+  const FindRow<RowOf> find{row_of, row.span()};
+  const Span<const std::uint32_t> rows = row.span();
   offsets.resize(row_count + 1);
   Ids places;
-  if constexpr (requires { par.count_by_row(row_of, kNoRow, row.span(), offsets.span(), places); }) {
-    grouped.resize(par.count_by_row(row_of, kNoRow, row.span(), offsets.span(), places));
+  if constexpr (requires { par.count_by_row(find, kNoRow, rows, offsets.span(), places); }) {
+    grouped.resize(par.count_by_row(find, kNoRow, rows, offsets.span(), places));
     const Span<T> out = grouped.span();
-    par.place_by_row(Span<const std::uint32_t>(row.span()), kNoRow, offsets.size(), places,
+    par.place_by_row(rows, kNoRow, offsets.size(), places,
                      [&](Size item, std::uint32_t place) { out[place] = make(static_cast<std::uint32_t>(item)); });
   } else {
-    par.for_each(item_count, FindRow<RowOf>{row_of, row.span()});
-    const Span<const std::uint32_t> rows = row.span();
+    par.for_each(item_count, find);
     Ids counts(row_count + 1);
     par.fill(counts.span(), std::uint32_t{0});
     par.for_each(item_count, Count{rows, counts.span()});

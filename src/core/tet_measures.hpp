@@ -7,6 +7,7 @@
 
 #include "core/arc.hpp"
 #include "core/energy_law.hpp"
+#include "core/gather.hpp"
 #include "core/types.hpp"
 #include "tetune/quality.hpp"
 
@@ -18,11 +19,12 @@ template <class Real>
 struct TetShapeT {
   Vec3T<Real> p[4];
   Vec3T<Real> n[4];  ///< area vectors of the faces
-  Real volume;       ///< signed
+  Real volume{};     ///< signed
   Real area2{};      ///< sum of squared face areas
   Real length2{};    ///< sum of squared edge lengths
   Real angles[6];    ///< dihedral, in degrees
 
+  TetShapeT() = default;
   TETUNE_INLINE explicit TetShapeT(const Vec3T<Real> (&points)[4]) : p{points[0], points[1], points[2], points[3]} {
     constexpr double kDegrees = 57.29577951308232;
     for (int f = 0; f < 4; ++f) {
@@ -51,6 +53,22 @@ struct TetShapeT {
   Real shape_energy() const { return area2 * square_root(area2) / (27 * std::numbers::sqrt3 * volume * volume); }
 };
 using TetShape = TetShapeT<double>;
+
+/// One of some tetrahedra.
+template <class Pack>
+TetShape lane(const TetShapeT<Pack>& shapes, int l) {
+  TetShape s;
+  const auto of = [l](const Vec3T<Pack>& v) { return Vec3{lane(v.x, l), lane(v.y, l), lane(v.z, l)}; };
+  for (int k = 0; k < 4; ++k) {
+    s.p[k] = of(shapes.p[k]);
+    s.n[k] = of(shapes.n[k]);
+  }
+  s.volume = lane(shapes.volume, l);
+  s.area2 = lane(shapes.area2, l);
+  s.length2 = lane(shapes.length2, l);
+  for (int k = 0; k < 6; ++k) s.angles[k] = lane(shapes.angles[k], l);
+  return s;
+}
 
 inline double min_angle(const TetShape& s) { return *std::min_element(s.angles, s.angles + 6); }
 inline double max_angle(const TetShape& s) { return *std::max_element(s.angles, s.angles + 6); }

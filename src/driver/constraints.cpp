@@ -135,9 +135,9 @@ bool OtherElements::have(std::span<const Index> vertices) const {
   });
 }
 
-std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets) {
+std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets,
+                                        const OtherElements& others) {
   std::vector<std::uint8_t> keep = constraining_edges(mesh);
-  const OtherElements others(mesh);
   std::vector<std::array<Index, 2>> sought;
   for (std::size_t e = 0; e < keep.size(); ++e) {
     if (keep[e] == 0 && others.have(mesh.edges[e])) keep[e] = 1;

@@ -39,9 +39,10 @@ class OtherElements {
   std::vector<std::pair<Index, std::size_t>> vertex2element_;  ///< sorted
 };
 
-/// 1 for each listed edge that stays: it has a tag, is a ridge or required, or is an edge of one of `tets` or of an
-/// element of another kind.
-std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets);
+/// 1 for each listed edge that stays: it has a tag, is a ridge or required, or is an edge of one of `tets` or of the
+/// `others`.
+std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets,
+                                        const OtherElements& others);
 
 /// Where the entries of a list go when those with keep[i] 0 are dropped: their new positions, or -1.
 std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep);

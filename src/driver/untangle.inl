@@ -33,17 +33,40 @@ Size flag_tangled(const Backend& par, WorkMesh<Backend>& mesh, Span<std::uint8_t
   return tets.size();
 }
 
-/// The slots whose volume is not positive in exact arithmetic.
-template <class Backend>
-std::vector<Index> exactly_tangled(const Backend& par, WorkMesh<Backend>& mesh) {
-  std::vector<Index> slots = find_tets(par, mesh, IsTangled{mesh.view()}).download();
-  if (slots.empty()) return slots;
-  const std::vector<Point> points = mesh.points.download();
-  const std::vector<Tet> tets = mesh.tet2vertex.download();
+/// A mesh as the host sees it.
+struct HostMesh {
+  std::vector<Point> points;
+  std::vector<Tet> tets;
+  std::vector<Links> links;
+
+  template <class Backend>
+  explicit HostMesh(const WorkMesh<Backend>& mesh)
+      : points(mesh.points.download()), tets(mesh.tet2vertex.download()), links(mesh.tet2tet.download()) {}
+
+  /// Calls f(slot, tetrahedron, face, normal) for the faces of the boundary.
+  template <class F>
+  void for_boundary_faces(const F& f) const {
+    for (std::size_t slot = 0; slot < tets.size(); ++slot) {
+      if (tets[slot][0] == kFreeSlot) continue;
+      for (int face = 0; face < 4; ++face) {
+        if (links[slot][face] != kNoLink) continue;
+        Vec3 corner[3];
+        for (int k = 0; k < 3; ++k) {
+          corner[k] = vec(points[static_cast<std::size_t>(tets[slot][face_vertex(face, k)])]);
+        }
+        f(static_cast<Index>(slot), tets[slot], face, cross(corner[1] - corner[0], corner[2] - corner[0]));
+      }
+    }
+  }
+};
+
+/// Those of some slots whose volume is not positive in exact arithmetic.
+inline std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slots) {
   const auto positive = [&](Index slot) {
     std::array<Point3, 4> p;
     for (std::size_t k = 0; k < 4; ++k) {
-      const Point& at = points[static_cast<std::size_t>(tets[static_cast<std::size_t>(slot)][static_cast<int>(k)])];
+      const Tet& tet = mesh.tets[static_cast<std::size_t>(slot)];
+      const Point& at = mesh.points[static_cast<std::size_t>(tet[static_cast<int>(k)])];
       p[k] = {at.x, at.y, at.z};
     }
     return orient_sign(p[0], p[1], p[2], p[3]) > 0;
@@ -52,31 +75,11 @@ std::vector<Index> exactly_tangled(const Backend& par, WorkMesh<Backend>& mesh) 
   return slots;
 }
 
-/// Calls f(slot, tetrahedron, face, normal) for the faces of the boundary.
-template <class Backend, class F>
-void for_boundary_faces(const WorkMesh<Backend>& mesh, const F& f) {
-  const std::vector<Point> points = mesh.points.download();
-  const std::vector<Tet> tets = mesh.tet2vertex.download();
-  const std::vector<Links> links = mesh.tet2tet.download();
-  for (std::size_t slot = 0; slot < tets.size(); ++slot) {
-    if (tets[slot][0] == kFreeSlot) continue;
-    for (int face = 0; face < 4; ++face) {
-      if (links[slot][face] != kNoLink) continue;
-      Vec3 corner[3];
-      for (int k = 0; k < 3; ++k) {
-        corner[k] = vec(points[static_cast<std::size_t>(tets[slot][face_vertex(face, k)])]);
-      }
-      f(static_cast<Index>(slot), tets[slot], face, cross(corner[1] - corner[0], corner[2] - corner[0]));
-    }
-  }
-}
-
 /// For each vertex that keeps to a plane, whether the faces of the boundary around it do not all face the same way.
-template <class Backend>
-std::vector<std::uint8_t> folded_vertices(const WorkMesh<Backend>& mesh, const std::vector<Mobility>& kind) {
+inline std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<Mobility>& kind) {
   std::vector<Vec3> first(kind.size(), Vec3{});
   std::vector<std::uint8_t> folded(kind.size(), 0);
-  for_boundary_faces(mesh, [&](Index, const Tet& tet, int face, const Vec3& normal) {
+  mesh.for_boundary_faces([&](Index, const Tet& tet, int face, const Vec3& normal) {
     for (int k = 0; k < 3; ++k) {
       const auto v = static_cast<std::size_t>(tet[face_vertex(face, k)]);
       if (kind[v] != Mobility::plane) continue;
@@ -89,13 +92,12 @@ std::vector<std::uint8_t> folded_vertices(const WorkMesh<Backend>& mesh, const s
 
 /// The slots with a face of the boundary that folds over the rim of its plane, where it did not before: the volumes are
 /// positive, but the surface is another one.
-template <class Backend>
-std::vector<Index> newly_folded(const WorkMesh<Backend>& mesh, const std::vector<Mobility>& kind,
-                                const std::vector<std::uint8_t>& before) {
+inline std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<Mobility>& kind,
+                                       const std::vector<std::uint8_t>& before) {
   const std::vector<std::uint8_t> folded = folded_vertices(mesh, kind);
   std::vector<Index> slots;
   if (std::find(folded.begin(), folded.end(), 1) == folded.end()) return slots;
-  for_boundary_faces(mesh, [&](Index slot, const Tet& tet, int face, const Vec3&) {
+  mesh.for_boundary_faces([&](Index slot, const Tet& tet, int face, const Vec3&) {
     for (int k = 0; k < 3; ++k) {
       const auto v = static_cast<std::size_t>(tet[face_vertex(face, k)]);
       if (folded[v] != 0 && before[v] == 0) slots.push_back(slot);
@@ -115,7 +117,7 @@ std::vector<Index> untangle(const Backend& par, WorkingSet<Backend>& work, const
   const Span<std::uint8_t> awake = work.mobilities.awake.span();
   work.mobilities.local = true;
   const std::vector<Mobility> kind = work.mobilities.kind.download();
-  const std::vector<std::uint8_t> folded = folded_vertices(mesh, kind);
+  const std::vector<std::uint8_t> folded = folded_vertices(HostMesh(mesh), kind);
   Size tangled = flag_tangled(par, mesh, awake);
   bool go_on = true;
   for (int round = 0; round < kRounds && tangled > 0 && go_on; ++round) {
@@ -143,8 +145,9 @@ std::vector<Index> untangle(const Backend& par, WorkingSet<Backend>& work, const
   mesh.law = law;
   work.mobilities.local = false;
   par.fill(awake, std::uint8_t{1});
-  const std::vector<Index> left = exactly_tangled(par, mesh);
-  return left.empty() ? newly_folded(mesh, kind, folded) : left;
+  const HostMesh result(mesh);
+  const std::vector<Index> left = exactly_tangled(result, find_tets(par, mesh, IsTangled{mesh.view()}).download());
+  return left.empty() ? newly_folded(result, kind, folded) : left;
 }
 
 }  // namespace tetune

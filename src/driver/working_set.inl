@@ -429,7 +429,7 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSu
     keep[t] = work.listed_triangles[t] != Listed::loose || others.have(mesh.triangles[t]) ? 1 : 0;
   }
   const std::vector<Index> new_triangles = positions_of_kept(keep);
-  const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets));
+  const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets, others));
   std::vector<Index> triangle2original = kept_of(new_triangles);
   std::vector<Index> edge2original = kept_of(new_edges);
   auto triangles = listed_after(mesh.triangles, work.boundary.triangles.download(), ids.work2extended);

@@ -174,10 +174,10 @@ class Cpu {
   }
 
   /// A counting sort in two steps, stable, without atomics: blocks of items count and place by themselves. The first
-  /// writes row[i] = row_of(i), no_row where that is negative, and where each row begins in the order by rows; returns
-  /// the number of items that have one.
-  template <class RowOf>
-  Size count_by_row(const RowOf& row_of, std::uint32_t no_row, Span<std::uint32_t> row, Span<std::uint32_t> offsets,
+  /// lets find(i) write row[i], which may be no_row, and writes where each row begins in the order by rows; returns the
+  /// number of items that have one.
+  template <class Find>
+  Size count_by_row(const Find& find, std::uint32_t no_row, Span<const std::uint32_t> row, Span<std::uint32_t> offsets,
                     Buffer<std::uint32_t>& places) const {
     const Size n = row.size();
     const Size rows = offsets.size();
@@ -189,9 +189,8 @@ class Cpu {
       std::uint32_t* const mine = counts + b * rows;
       std::fill(mine, mine + rows, 0U);
       for (Size i = begin; i < end; ++i) {
-        const Size r = row_of(i);
-        row[i] = r < 0 ? no_row : static_cast<std::uint32_t>(r);
-        if (r >= 0) ++mine[r];
+        find(i);
+        if (row[i] != no_row) ++mine[row[i]];
       }
     });
     for_blocks(rows, blocks, [&](Size, Size begin, Size end) {
