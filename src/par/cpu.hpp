@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "par/block_cache.hpp"
+#include "par/host_memory.hpp"
 #include "par/buffer.hpp"
 #include "par/span.hpp"
 #include "par/thread_pool.hpp"
@@ -227,8 +227,8 @@ class Cpu {
                [&](Size, Size begin, Size end) { std::fill(out.data() + begin, out.data() + end, value); });
   }
 
-  static void* allocate(std::size_t bytes) { return block_cache::allocate(bytes); }
-  static void release(void* memory, std::size_t bytes) { block_cache::release(memory, bytes); }
+  static void* allocate(std::size_t bytes) { return host_memory::allocate(bytes); }
+  static void release(void* memory, std::size_t bytes) { host_memory::release(memory, bytes); }
   static void copy(void* to, const void* from, std::size_t bytes) {
     if (bytes > 0) std::memcpy(to, from, bytes);
   }
@@ -284,7 +284,7 @@ class Cpu {
   int threads_ = 1;
   std::function<bool()> stop_;
   std::shared_ptr<ThreadPool> pool_;
-  std::shared_ptr<block_cache::Session> memory_ = std::make_shared<block_cache::Session>();
+  std::shared_ptr<host_memory::Session> memory_ = std::make_shared<host_memory::Session>();
 };
 
 }  // namespace tetune::par

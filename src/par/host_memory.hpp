@@ -4,16 +4,16 @@
 #include <cstddef>
 
 /// Memory of the CPU backend's arrays. The system hands out fresh pages, which it must clear: that costs more than many
-/// a pass over them. So large blocks that are given back are kept, while a session is open, for the next array of about
-/// their size.
-namespace tetune::par::block_cache {
+/// a pass over them. So arrays lie in regions of address space, and while a session is open, what one gives back serves
+/// the next ones, whatever their sizes.
+namespace tetune::par::host_memory {
 
 /// Throws std::bad_alloc. From any thread; null for no bytes.
 void* allocate(std::size_t bytes);
 /// `bytes` as asked for.
 void release(void* memory, std::size_t bytes) noexcept;
 
-/// Sessions may overlap; when the last one ends, what was kept goes back to the system.
+/// Sessions may overlap; when the last one ends, what is not in use goes back to the system.
 class Session {
  public:
   Session();
@@ -22,4 +22,4 @@ class Session {
   Session& operator=(const Session&) = delete;
 };
 
-}  // namespace tetune::par::block_cache
+}  // namespace tetune::par::host_memory

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "par/host_memory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <map>
+#include <new>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "allocation_watch.hpp"
+
+namespace tetune {
+namespace {
+
+namespace memory = par::host_memory;
+
+constexpr std::size_t kMiB = std::size_t{1} << 20;
+
+struct Array {
+  std::size_t bytes;
+  unsigned char* at;
+  explicit Array(std::size_t n) : bytes(n), at(static_cast<unsigned char*>(memory::allocate(n))) {}
+  void release() const { memory::release(at, bytes); }
+};
+
+TEST(HostMemory, ArraysKeepWhatIsWrittenAndAreAligned) {
+  const memory::Session session;
+  std::mt19937 random(3);
+  std::map<unsigned char, Array> live;
+  for (int step = 0; step < 2000; ++step) {
+    const auto id = static_cast<unsigned char>(random() % 40);
+    if (const auto old = live.find(id); old != live.end()) {
+      EXPECT_EQ(old->second.at[0], id);
+      EXPECT_EQ(old->second.at[old->second.bytes - 1], id);
+      old->second.release();
+      live.erase(old);
+      continue;
+    }
+    const Array array(1 + random() % (step % 10 == 0 ? 3 * kMiB : 200000));
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(array.at) % 64, 0U);
+    std::memset(array.at, id, array.bytes);
+    live.emplace(id, array);
+  }
+  for (const auto& [id, array] : live) {
+    for (std::size_t k = 0; k < array.bytes; k += 4096) EXPECT_EQ(array.at[k], id);
+    array.release();
+  }
+  EXPECT_EQ(memory::allocate(0), nullptr);
+}
+
+TEST(HostMemory, OneLargeArrayIsServedByWhatSmallerOnesGaveBack) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "each array is a block of its own";
+#endif
+  const memory::Session session;
+  std::vector<Array> small;
+  for (int i = 0; i < 8; ++i) small.emplace_back(kMiB);
+  const Array after(kMiB);
+  for (const Array& array : small) array.release();
+  const Array large(8 * kMiB);
+  EXPECT_LT(large.at, after.at);
+  large.release();
+  after.release();
+}
+
+TEST(HostMemory, BelongsToAllThreads) {
+  const memory::Session session;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t) {
+    threads.emplace_back([t] {
+      for (std::size_t round = 1; round < 200; ++round) {
+        const Array array(round * 10000);
+        std::memset(array.at, t, array.bytes);
+        EXPECT_EQ(array.at[array.bytes / 2], t);
+        array.release();
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+TEST(HostMemory, MoreThanThereIsIsRefused) {
+  const memory::Session session;
+  EXPECT_THROW(memory::allocate(std::numeric_limits<std::size_t>::max() / 4), std::bad_alloc);
+  if (!test::AllocationWatch::works()) return;
+  const test::AllocationWatch watch(0);
+  EXPECT_THROW(memory::allocate(std::size_t{3} << 40), std::bad_alloc);
+}
+
+}  // namespace
+}  // namespace tetune
