@@ -40,6 +40,9 @@ inline constexpr int kWorstSquarings = 2;
 inline constexpr int kWorstRounds = 10;
 /// It ends when a round takes away less than this part of that.
 inline constexpr double kWorstDecrease = 1e-2;
+/// Or when so many have been worked on, a round each: where they are many that are equally bad, as in an even layer.
+inline constexpr Size kWorstWork = 300;
+inline constexpr double kWorstWorkPart = 1e-2;
 /// The tetrahedra with the smallest angles are this part of all, and those only that are below about 40 degrees.
 inline constexpr double kSharpPart = 3e-4;
 inline constexpr double kBestSharpPart = 4e-3;
@@ -139,6 +142,7 @@ class Alternation {
   bool improve_worst() {
     double bound = 0;
     double last = 0;
+    Size left = kWorstWork + static_cast<Size>(kWorstWorkPart * static_cast<double>(work_.mesh.tets()));
     clock_.measure("worst", [&] {
       sum_up();
       bound = std::pow(std::max(kGood, quantile_above(par_, shapes(), kWorstPart, work_.mesh.tets())),
@@ -164,7 +168,8 @@ class Alternation {
       report_.worst_rounds.push_back(r);
       monitor_.course.worst(round);
       go_on = proceed("worst", iteration());
-      if (!go_on || now > (1 - kWorstDecrease) * last) break;
+      left -= r.worst;
+      if (!go_on || now > (1 - kWorstDecrease) * last || (left < 0 && options_.effort != Effort::best)) break;
       last = now;
     }
     work_.mesh.law = kShapeLaw;

@@ -218,6 +218,22 @@ TEST(Optimize, WithoutIterationsOnlyFlips) {
   EXPECT_TRUE(report.worst_rounds.empty());
 }
 
+TEST(Optimize, ManyThatAreEquallyBadAreWorkedOnOnce) {
+  TetMesh plate = test::cube(10);
+  for (std::size_t v = 0; v < plate.points.size(); ++v) {
+    plate.points[v][2] *= 0.03;
+    if (v * 2654435761U % 64 < 32) plate.required_vertices.push_back(static_cast<Index>(v));
+  }
+  TetMesh same = plate;
+  const Report report = optimize(plate);
+  ASSERT_FALSE(report.worst_rounds.empty());
+  EXPECT_GT(report.worst_rounds[0].worst, 300 + static_cast<std::int64_t>(plate.tets.size()) / 100);
+  EXPECT_EQ(report.worst_rounds.size(), 2U);  // one of them on angles
+  Options best;
+  best.effort = Effort::best;
+  EXPECT_GT(optimize(same, best).worst_rounds.size(), 2U);
+}
+
 TEST(Optimize, NewtonAndGradientFindTheSameMinimum) {
   Options options;
   options.max_iterations = 0;
