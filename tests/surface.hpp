@@ -98,6 +98,20 @@ TinySurface height_field(int n, const Height& z, const std::set<std::pair<Index,
   return {std::move(points), std::move(triangles), walls};
 }
 
+/// The same with a feature line across the middle, x = 1/2; n is even.
+template <class Height>
+TinySurface height_field_with_line(int n, const Height& z) {
+  std::vector<Index> line;
+  std::set<std::pair<Index, Index>> walls;
+  for (int j = 0; j <= n; ++j) {
+    line.push_back(static_cast<Index>(j * (n + 1) + n / 2));
+    if (j > 0) walls.insert({line[static_cast<std::size_t>(j - 1)], line.back()});
+  }
+  TinySurface surface = height_field(n, z, walls);
+  surface.add_line(line);
+  return surface;
+}
+
 /// Two triangles over the common edge (0, 1), folded upwards at it.
 inline TinySurface folded(double apex_height) {
   return {{{0, 0, 0}, {0, 1, 0}, {-1, 0.5, apex_height}, {1, 0.5, apex_height}}, {{0, 1, 2}, {1, 0, 3}}};

@@ -32,7 +32,7 @@ class MeshError : public Error {
 class UntangleError : public MeshError {
  public:
   /// `tangled`: how many tetrahedra were inverted or flat. `left`: those of the input, in increasing order, where some
-  /// still are.
+  /// still are, or where the surface would fold.
   UntangleError(std::int64_t tangled, std::vector<Index> left);
   /// what(), with ids counted from 1 (as MEDIT does) or from 0.
   std::string message(bool one_based) const;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "constrained.hpp"
+#include "energy_watch.hpp"
 #include "meshes.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -42,16 +43,7 @@ TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
     const Quality q = quality(m);
     return options.energy == Energy::shape ? q.shape_sum : q.eta_sum;
   };
-  double last = 1e300;
-  Context context;
-  context.progress = [&last](const Progress& p) {
-    // Work on the few worst gives some of it back.
-    const bool on_all = std::string(p.phase) == "sweep" || std::string(p.phase) == "flips";
-    EXPECT_LE(p.energy, last * (on_all ? 1 + 1e-12 : 1.02));
-    last = p.energy;
-    return true;
-  };
-  const Report report = optimize(after, options, context);
+  const Report report = optimize(after, options, test::energy_watch());
 
   const ValidationReport valid = validate(after);
   EXPECT_TRUE(valid.ok()) << valid.message(false);

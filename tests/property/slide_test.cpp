@@ -9,6 +9,7 @@
 
 #include "curved.hpp"
 #include "driver/slide_on.hpp"
+#include "energy_watch.hpp"
 #include "tetune/io.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -93,16 +94,7 @@ TEST_P(SlideProperties, KeepTheSurfaceItsFeaturesAndTheTags) {
   ASSERT_TRUE(validate(before).ok()) << validate(before).message(false);
   TetMesh after = before;
   const Options options = options_of(c);
-  double last = 1e300;
-  Context context;
-  context.progress = [&last](const Progress& p) {
-    // Work on the few worst gives some of it back.
-    const bool on_all = std::string(p.phase) == "sweep" || std::string(p.phase) == "flips";
-    EXPECT_LE(p.energy, last * (on_all ? 1 + 1e-12 : 1.02));
-    last = p.energy;
-    return true;
-  };
-  const Report report = optimize(after, options, context);
+  const Report report = optimize(after, options, test::energy_watch());
   EXPECT_TRUE(validate(after).ok()) << validate(after).message(false);
 
   // Fig. 7: no sweep and no pass of flips raises the energy.

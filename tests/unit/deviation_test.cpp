@@ -16,6 +16,7 @@ using test::bumpy;
 using test::descent;
 using test::flat;
 using test::height_field;
+using test::height_field_with_line;
 using test::random_vec;
 using test::TinySurface;
 using test::uniform;
@@ -32,6 +33,19 @@ struct SlidSurface {
     return DeviationBound(s.view(), {points.data(), static_cast<Size>(points.size())},
                           {sites.data(), static_cast<Size>(sites.size())}, v, limit)
         .allows(landing.at, landing.site);
+  }
+  /// Calls f(vertex, where it may go) for each of `tries` random walks that leave the surface upright.
+  template <class F>
+  void for_walks(int tries, double far, std::mt19937& random, const F& f) {
+    for (int i = 0; i < tries; ++i) {
+      const auto v = static_cast<Index>(random() % s.points.size());
+      if (s.kind[static_cast<std::size_t>(v)] == Mobility::fixed) continue;
+      const Landing landing = wander(v, far, random);
+      SlidSurface moved = *this;
+      moved.put(v, landing);
+      if (moved.upright()) f(v, landing);
+      if (testing::Test::HasFatalFailure()) return;
+    }
   }
   /// A random walk of a few hops from where the vertex is.
   Landing wander(Index v, double far, std::mt19937& random) const {
@@ -126,21 +140,15 @@ TEST(StarCover, KeepsToTheBoundByItself) {
     const TinySurface s = height_field(9, bumpy);
     SlidSurface mesh(s);
     int count[3] = {0, 0, 0};
-    for (int i = 0; i < 3000; ++i) {
-      const auto v = static_cast<Index>(random() % s.points.size());
-      if (s.kind[static_cast<std::size_t>(v)] != Mobility::surface) continue;
-      const Landing landing = mesh.wander(v, 0.1, random);
-      SlidSurface moved = mesh;
-      moved.put(v, landing);
-      if (!moved.upright()) continue;
+    mesh.for_walks(3000, 0.1, random, [&](Index v, const Landing& landing) {
       const Decision decision = cover_of(mesh, v, landing, limit);
       ++count[static_cast<int>(decision)];
-      if (decision != Decision::close) continue;
+      if (decision != Decision::close) return;
       mesh.put(v, landing);
       if (count[0] % 10 == 0) {
         ASSERT_LE(mesh.distance(), limit);
       }
-    }
+    });
     EXPECT_LE(mesh.distance(), limit);
     EXPECT_GT(mesh.distance(), 0.2 * limit);
     EXPECT_GT(count[0], 50) << limit;
@@ -153,17 +161,11 @@ TEST(DeviationBound, LetsVerticesOfAPlaneGoAnywhere) {
   const TinySurface s = height_field(6, flat);
   SlidSurface mesh(s);
   int moves = 0;
-  for (int i = 0; i < 2000; ++i) {
-    const auto v = static_cast<Index>(random() % s.points.size());
-    if (s.kind[static_cast<std::size_t>(v)] != Mobility::surface) continue;
-    const Landing landing = mesh.wander(v, 0.05, random);
-    SlidSurface moved = mesh;
-    moved.put(v, landing);
-    if (!moved.upright()) continue;
+  mesh.for_walks(2000, 0.05, random, [&](Index v, const Landing& landing) {
     ASSERT_TRUE(mesh.allows(v, landing, 1e-9));
     mesh.put(v, landing);
     ++moves;
-  }
+  });
   EXPECT_GT(moves, 500);
 }
 
@@ -174,21 +176,15 @@ TEST(DeviationBound, HoldsBothWaysOnACurvedSurface) {
     SlidSurface mesh(s);
     int allowed = 0;
     int refused = 0;
-    for (int i = 0; i < 3000; ++i) {
-      const auto v = static_cast<Index>(random() % s.points.size());
-      if (s.kind[static_cast<std::size_t>(v)] != Mobility::surface) continue;
-      const Landing landing = mesh.wander(v, 0.1, random);
-      SlidSurface moved = mesh;
-      moved.put(v, landing);
-      if (!moved.upright()) continue;
+    mesh.for_walks(3000, 0.1, random, [&](Index v, const Landing& landing) {
       const bool fine = mesh.allows(v, landing, limit);
       (fine ? allowed : refused) += 1;
-      if (!fine) continue;
+      if (!fine) return;
       mesh.put(v, landing);
       if (allowed % 10 == 0) {
         ASSERT_LE(mesh.distance(), limit) << limit;
       }
-    }
+    });
     EXPECT_LE(mesh.distance(), limit);
     EXPECT_GT(mesh.distance(), 0.2 * limit);
     EXPECT_GT(allowed, limit > 0.001 ? 200 : 20) << limit;
@@ -200,56 +196,42 @@ TEST(DeviationBound, HoldsAlongAFeatureLine) {
   std::mt19937 random(9);
   // The line x = 1/2 over a fold of varying height: of a bent polyline every chord leaves something out.
   const auto roof = [](double x, double y) { return 0.4 * std::fabs(x - 0.5) + 0.06 * std::sin(9 * y); };
-  std::set<std::pair<Index, Index>> walls;
-  for (Index j = 0; j < 8; ++j) walls.insert({j * 9 + 4, (j + 1) * 9 + 4});
-  TinySurface s = height_field(8, roof, walls);
-  std::vector<Index> wall;
-  for (Index j = 0; j <= 8; ++j) wall.push_back(j * 9 + 4);
-  s.add_line(wall);
+  const TinySurface s = height_field_with_line(8, roof);
   for (const double limit : {0.05, 0.01, 0.003}) {
     SlidSurface mesh(s);
     int allowed[2] = {0, 0};
     int refused = 0;
-    for (int i = 0; i < 6000; ++i) {
-      const auto v = static_cast<Index>(random() % s.points.size());
-      const Mobility kind = s.kind[static_cast<std::size_t>(v)];
-      if (kind == Mobility::fixed) continue;
-      const Landing landing = mesh.wander(v, 0.1, random);
-      SlidSurface moved = mesh;
-      moved.put(v, landing);
-      if (!moved.upright()) continue;
+    mesh.for_walks(6000, 0.1, random, [&](Index v, const Landing& landing) {
       if (!mesh.allows(v, landing, limit)) {
         ++refused;
-        continue;
+        return;
       }
       mesh.put(v, landing);
-      ++allowed[kind == Mobility::curve ? 1 : 0];
-    }
+      ++allowed[s.kind[static_cast<std::size_t>(v)] == Mobility::curve ? 1 : 0];
+    });
     EXPECT_LE(mesh.distance(), limit);
     EXPECT_GT(mesh.distance(), 0.2 * limit);
     EXPECT_GT(allowed[0], 50) << limit;
     EXPECT_GT(allowed[1], 10) << limit;
     EXPECT_GT(refused, 10) << limit;
     // The line itself, both ways.
-    double off = 0;
-    for (Index j = 0; j < 8; ++j) {
-      for (int k = 0; k <= 20; ++k) {
-        const auto at = [&](const std::vector<Point>& p) {
-          const Vec3 a = vec(p[static_cast<std::size_t>(j * 9 + 4)]);
-          return a + (k / 20.0) * (vec(p[static_cast<std::size_t>((j + 1) * 9 + 4)]) - a);
-        };
-        const auto lines = [&](const std::vector<Point>& p) {
-          std::vector<TrianglePoints> all;
-          for (std::size_t i = 0; i + 1 < wall.size(); ++i) {
-            const Vec3 b = vec(p[static_cast<std::size_t>(wall[i + 1])]);
-            all.push_back({vec(p[static_cast<std::size_t>(wall[i])]), b, b});
-          }
-          return ClosestTriangle(all);
-        };
-        off = std::max(off, lines(s.points).distance2(at(mesh.points)));
-        off = std::max(off, lines(mesh.points).distance2(at(s.points)));
+    const auto segments = [](const std::vector<Point>& p) {
+      std::vector<TrianglePoints> all;
+      for (std::size_t j = 0; j < 8; ++j) {
+        const Vec3 end = vec(p[(j + 1) * 9 + 4]);
+        all.push_back({vec(p[j * 9 + 4]), end, end});
       }
-    }
+      return all;
+    };
+    double off = 0;
+    const auto look = [&](const std::vector<Point>& from, const std::vector<Point>& to) {
+      const ClosestTriangle line(segments(to));
+      for (const TrianglePoints& p : segments(from)) {
+        for (int k = 0; k <= 20; ++k) off = std::max(off, line.distance2(p[0] + (k / 20.0) * (p[1] - p[0])));
+      }
+    };
+    look(s.points, mesh.points);
+    look(mesh.points, s.points);
     EXPECT_LE(std::sqrt(off), limit);
   }
 }

@@ -15,6 +15,7 @@ using test::bumpy;
 using test::flat;
 using test::folded;
 using test::height_field;
+using test::height_field_with_line;
 using test::random_vec;
 using test::TinySurface;
 using test::uniform;
@@ -185,12 +186,7 @@ TEST(Slide, StaysOnABumpySurfaceToTheLastBitOverManyVisits) {
 TEST(Slide, NeverCrossesAWall) {
   std::mt19937 random(6);
   // A wall across the middle, x = 1/2, which is no fold.
-  std::set<std::pair<Index, Index>> walls;
-  for (Index j = 0; j < 8; ++j) walls.insert({j * 9 + 4, (j + 1) * 9 + 4});
-  TinySurface s = height_field(8, bumpy, walls);
-  std::vector<Index> wall;
-  for (Index j = 0; j <= 8; ++j) wall.push_back(j * 9 + 4);
-  s.add_line(wall);
+  const TinySurface s = height_field_with_line(8, bumpy);
   const auto check = [&](const auto& step) {
     Slider left(s, 4 * 9 + 1);
     Slider right(s, 4 * 9 + 7);
