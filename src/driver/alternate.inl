@@ -470,7 +470,13 @@ Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, co
       report.targets = report_targets(outcome, options);
     });
   }
-  clock.measure("store", [&] { store(par, work, mesh, surface, report); });
+  clock.measure("store", [&] {
+    // Memory for what storing needs.
+    work.rings = {};
+    work.coloring = {};
+    work.flips = {};
+    store(par, work, mesh, surface, report);
+  });
   report.tets_after = static_cast<std::int64_t>(mesh.tets.size());
   return report;
 }

@@ -70,10 +70,9 @@ void build_boundary(const Backend& par, const Surface<Backend>& surface, const L
   boundary.flat = kFlat;
 }
 
-/// The caller's listed triangles after flips; each turns the way it did.
-inline std::vector<std::array<Index, 3>> listed_after(std::vector<std::array<Index, 3>> triangles,
-                                                      const std::vector<BoundaryTriangle>& boundary,
-                                                      const std::vector<Index>& vertex2original) {
+/// Brings the caller's listed triangles to where flips have put them; each turns the way it did.
+inline void follow_flips(const std::vector<BoundaryTriangle>& boundary, const std::vector<Index>& vertex2original,
+                         std::vector<std::array<Index, 3>>& triangles) noexcept {
   for (const BoundaryTriangle& t : boundary) {
     if (t.listed < 0) continue;
     auto& mine = triangles[static_cast<std::size_t>(t.listed)];
@@ -83,7 +82,6 @@ inline std::vector<std::array<Index, 3>> listed_after(std::vector<std::array<Ind
     if (t.turned != 0) std::swap(now[1], now[2]);
     mine = now;
   }
-  return triangles;
 }
 
 }  // namespace tetune

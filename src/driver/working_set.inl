@@ -432,7 +432,7 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSu
   const std::vector<Index> new_edges = positions_of_kept(lasting_edges(mesh, tets, others));
   std::vector<Index> triangle2original = kept_of(new_triangles);
   std::vector<Index> edge2original = kept_of(new_edges);
-  auto triangles = listed_after(mesh.triangles, work.boundary.triangles.download(), ids.work2extended);
+  const std::vector<BoundaryTriangle> boundary = work.boundary.triangles.download();
   auto point_data = carried_point_data(mesh, tets, points, ids, work.scale);
   auto tet_data = take_entries(mesh.tet_data, tet2original);
   auto triangle_data = data_of_kept(mesh.triangle_data, new_triangles);
@@ -450,7 +450,7 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSu
   mesh.tet_tags.swap(tet_tags);
   mesh.points.resize(ids.extended2new.size());
   mesh.point_tags.resize(ids.extended2new.size(), 0);
-  mesh.triangles.swap(triangles);
+  follow_flips(boundary, ids.work2extended, mesh.triangles);
   put_points(points, ids, work.scale, mesh.points);
 
   // Required tetrahedra never left their slots; compaction kept the order of the slots.
