@@ -96,16 +96,28 @@ struct Resolve {
 /// What lies around the cavities, in the order of the records: anywhere in memory.
 struct FetchAcross {
   MeshView mesh;
+  Span<const double> eta;
   Span<const FlipRecord> records;
   TETUNE_INLINE void operator()(Size i) const {
-    constexpr Size kAhead = 3;
+    constexpr Size kAhead = 5;
+    constexpr Size kFartherAhead = 2;
     if (i + kAhead >= records.size()) return;
-    const FlipRecord& f = records[i + kAhead];
-    for (int k = 0; k < f.outer_faces(); ++k) {
-      const Index t = f.across[k] == kNoLink ? 0 : link_tet(f.across[k]);
-      __builtin_prefetch(&mesh.tet2tet[t]);
-      __builtin_prefetch(&mesh.tet2vertex[t]);
-    }
+    for_across(records[i + kAhead], [this](Index t) { fetch(t); });
+    for_across(records[i + kFartherAhead], [this](Index t) {
+      const Links links = mesh.tet2tet[t];
+      for (int face = 0; face < 4; ++face) fetch(is_locked(links[face]) ? t : link_tet(links[face]));
+    });
+  }
+
+ private:
+  TETUNE_INLINE void fetch(Index t) const {
+    __builtin_prefetch(&mesh.tet2tet[t]);
+    __builtin_prefetch(&mesh.tet2vertex[t]);
+    __builtin_prefetch(&eta[t]);
+  }
+  template <class F>
+  TETUNE_INLINE static void for_across(const FlipRecord& f, const F& fetch_one) {
+    for (int k = 0; k < f.outer_faces(); ++k) fetch_one(f.across[k] == kNoLink ? 0 : link_tet(f.across[k]));
   }
 };
 
@@ -206,7 +218,7 @@ struct WantAround {
   double least;
   Span<std::uint32_t> wanted;
   Span<float> slack;
-  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAcross{candidates.mesh, records}(i); }
+  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAcross{candidates.mesh, eta, records}(i); }
   TETUNE_HD void operator()(Size i) const {
     const MeshView& mesh = candidates.mesh;
     const FlipRecord& f = records[i];
