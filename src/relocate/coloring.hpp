@@ -31,7 +31,7 @@ struct Coloring {
 /// Colours a mesh. Colours that are there already are kept where they do not conflict, so that after a few flips there
 /// is little to do. Does not depend on the number of threads. With `stars`, vertices of one colour are also three edges
 /// of the surface apart or more, as the bound on its deviation asks for positions two edges away; those for which there
-/// is no such colour stay where they are.
+/// is no such colour stay where they are. Colours that are there already were made with the same `stars`.
 template <class Backend>
 void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobility> mobility,
                     Coloring<Backend>& coloring, const SurfaceStars& stars = {});

@@ -41,16 +41,12 @@ struct Apart {
   /// Hands them to `go_on`, some of them again, until that is false.
   template <class GoOn>
   TETUNE_HD TETUNE_INLINE void visit(Index v, const GoOn& go_on) const {
-    for (Size i = rings.offsets[v]; i < rings.offsets[v + 1]; ++i) {
-      const LinkFace f = rings.faces[i];
-      for (int k = 0; k < 3; ++k) {
-        if (!go_on(f.v[k])) return;
-      }
-    }
+    if (!visit_ring(v, go_on)) return;
     const RowsView& rows = stars.vertex2corner;
     if (Size{v} + 1 >= rows.offsets.size()) return;  // none were asked for, or the vertex was inserted
     for (Size c = rows.begin(v); c < rows.end(v); ++c) {
       for (const Index near : stars.triangles[rows.items[c] / 3].v) {
+        if (near == v) continue;
         for (Size d = rows.begin(near); d < rows.end(near); ++d) {
           for (const Index far : stars.triangles[rows.items[d] / 3].v) {
             if (far != v && !go_on(far)) return;
@@ -59,9 +55,21 @@ struct Apart {
       }
     }
   }
+  /// Those of its ring alone; returns whether to go on.
+  template <class GoOn>
+  TETUNE_HD TETUNE_INLINE bool visit_ring(Index v, const GoOn& go_on) const {
+    for (Size i = rings.offsets[v]; i < rings.offsets[v + 1]; ++i) {
+      const LinkFace f = rings.faces[i];
+      for (int k = 0; k < 3; ++k) {
+        if (!go_on(f.v[k])) return false;
+      }
+    }
+    return true;
+  }
 };
 
-/// Finds vertices that have the colour of a neighbour of higher priority.
+/// Finds vertices that have the colour of a neighbour of higher priority. Only rings change from one colouring to the
+/// next.
 struct FindConflict {
   Apart apart;
   Span<const std::uint8_t> color;
@@ -70,7 +78,7 @@ struct FindConflict {
     bool conflict = false;
     if (color[v] < kMaxColors) {
       const std::uint32_t mine = priority(static_cast<Index>(v));
-      apart.visit(static_cast<Index>(v), [&](Index other) {
+      apart.visit_ring(static_cast<Index>(v), [&](Index other) {
         conflict = color[other] == color[v] && priority(other) > mine;
         return !conflict;
       });
