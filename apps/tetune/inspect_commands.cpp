@@ -21,6 +21,7 @@ namespace {
 struct Arguments {
   std::array<std::string, 2> files;  ///< the second of compare alone
   std::string cell_data;
+  std::string tags;
   std::vector<std::string> min_quality;
   bool json = false;
   bool check = false;
@@ -28,8 +29,8 @@ struct Arguments {
   int worst = 10;
 };
 
-TetMesh read(const std::string& path, int threads) {
-  Input input = read_input(path, threads);
+TetMesh read(const std::string& path, const Arguments& a) {
+  Input input = read_input(path, a.threads, a.tags);
   for (const std::string& w : input.warnings) say(stderr, fmt::format("tetune: warning: {}\n", w));
   return std::move(input.mesh);
 }
@@ -44,7 +45,7 @@ struct Inspection {
 
 Inspection inspect(const std::string& path, const Arguments& a) {
   Inspection i;
-  i.mesh = read(path, a.threads);
+  i.mesh = read(path, a);
   i.validity = validate(i.mesh, a.threads);
   try {
     i.quality = measure_all(i.mesh, a.threads, a.worst);
@@ -148,6 +149,7 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
   CLI::App* c = app.add_subcommand(name, description);
   c->add_flag("--json", a->json, "Print JSON");
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
+  c->add_option("--tags", a->tags, kTagsHelp)->option_text("NAME");
   c->add_option("--worst", a->worst, "How many of the worst tetrahedra to list")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();

@@ -4,12 +4,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <set>
+#include <type_traits>
 
+#include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 
@@ -77,9 +82,32 @@ std::string output_of(const std::string& pattern, const std::string& input, bool
   return fill_in("--output", pattern, input, several);
 }
 
+/// The name of data that may well tell regions apart in a mesh whose tags do not: few integers, each of many
+/// tetrahedra.
+std::string unused_regions(const TetMesh& mesh) {
+  constexpr std::size_t kMost = 50;
+  const auto all_same = [](const auto& values) {
+    return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+  };
+  if (!all_same(mesh.tet_tags)) return "";
+  const auto is_few_integers = [](const auto& values) {
+    using T = typename std::remove_cvref_t<decltype(values)>::value_type;
+    if constexpr (std::is_integral_v<T>) {
+      std::set<T> different;
+      for (std::size_t i = 0; i < values.size() && different.size() <= kMost; ++i) different.insert(values[i]);
+      return different.size() > 1 && different.size() <= kMost && 10 * different.size() <= values.size();
+    }
+    return false;
+  };
+  for (const DataArray& array : mesh.tet_data) {
+    if (array.components == 1 && std::visit(is_few_integers, array.values)) return array.name;
+  }
+  return "";
+}
+
 }  // namespace
 
-Input read_input(const std::string& path, int threads) {
+Input read_input(const std::string& path, int threads, const std::string& tags) {
   Input input;
   const std::string bytes = path == kPipe ? read_pipe() : "";
   const auto start = std::chrono::steady_clock::now();
@@ -89,6 +117,19 @@ Input read_input(const std::string& path, int threads) {
   } else {
     input.mesh = read_mesh(path, &input.warnings, threads);
     input.binary = std::filesystem::path(path).extension() == ".meshb";
+  }
+  if (!tags.empty()) {
+    try {
+      use_as_tags(input.mesh, tags);
+    } catch (const OptionError& e) {
+      throw OptionError(fmt::format("--tags {}: {}: {}", tags, shown_name(path, false), e.what()));
+    }
+  } else if (const std::string data = unused_regions(input.mesh); !data.empty()) {
+    input.warnings.push_back(
+        fmt::format("the cell data \"{0}\" look like numbers of regions, but are kept as data alone: with --tags {0} "
+                    "the interfaces "
+                    "between these stay",
+                    data));
   }
   input.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return input;

@@ -11,6 +11,11 @@ namespace tetune::cli {
 /// The name that stands for standard input and output.
 inline constexpr const char* kPipe = "-";
 
+/// Of the option --tags.
+inline constexpr const char* kTagsHelp =
+    "Cell data of the file (VTK, for example) that number its regions, patches and lines: they are the tags then, in "
+    "the place of those that the file has";
+
 /// A mesh as it was read.
 struct Input {
   TetMesh mesh;
@@ -19,8 +24,9 @@ struct Input {
   double seconds = 0;   ///< that reading took, without waiting for a pipe
 };
 
-/// Of a file, or of kPipe: MEDIT, text or binary. Throws FileError.
-Input read_input(const std::string& path, int threads);
+/// Of a file, or of kPipe: MEDIT, text or binary. `tags`: the cell data to take for the tags; empty: as the file has
+/// it. Throws FileError, OptionError.
+Input read_input(const std::string& path, int threads, const std::string& tags);
 
 /// To a file, or to kPipe. Returns warnings: what the format has no room for. Throws FileError.
 std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads);

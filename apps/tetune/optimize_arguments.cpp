@@ -159,6 +159,7 @@ void define(CLI::App& c, OptimizeArguments& a) {
        "With --boundary slide: most distance of the new surface from the old one and of the old from the new; a "
        "length, or a part of the bounding box's diagonal as 0.1%")
       ->option_text("LENGTH|PERCENT");
+  c.add_option("--tags", a.tags, kTagsHelp)->option_text("NAME");
   c.add_option("--freeze", a.freeze,
                "Regions and patches to keep as they are to the last bit, by their tags: tag=1,2,patch=7")
       ->option_text("tag=N,...,patch=N,...");
@@ -258,7 +259,8 @@ void define(CLI::App& c, OptimizeArguments& a) {
   c.add_flag("--quiet", a.quiet, "The same as -v 0")->excludes(v);
   for (const auto& [group, names] : std::map<std::string, std::vector<const char*>>{
            {"Surface and constraints",
-            {"--boundary", "--feature-angle", "--max-deviation", "--freeze", "--open-boundaries", "--boundary-flips"}},
+            {"--boundary", "--feature-angle", "--max-deviation", "--tags", "--freeze", "--open-boundaries",
+             "--boundary-flips"}},
            {"Method",
             {"--effort", "--keep-vertices", "--untangle", "--flips", "--energy", "--relocation", "--termination",
              "--max-iterations", "--max-ring"}},

@@ -18,6 +18,7 @@ namespace tetune::cli {
 struct OptimizeArguments {
   std::vector<std::string> files;  ///< inputs; without --output, one input and the output
   Job names;                       ///< of what is written, before they are filled in; no input
+  std::string tags;                ///< the cell data to take for the tags; empty: the file's own
   std::string max_deviation;
   std::vector<std::string> freeze;
   std::optional<double> target_dihedral;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "tetune/mesh.hpp"
@@ -23,5 +24,13 @@ std::vector<DataArray> take_entries(const std::vector<DataArray>& data, const st
 std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, const std::vector<Index>& vertex2original,
                                         const std::vector<Point3>& points,
                                         const std::vector<std::array<Index, 4>>& tets);
+
+/// Makes the cell data of this name the tags of tetrahedra, triangles, edges and other elements, and the name that
+/// writers give them (TetMesh::cell_tags_name). What were tags become data under the name that they had.
+///
+/// Each value must be one whole number of 32 bits; what is not a number counts as 0, "no tag", as does each element of
+/// a kind without such data. Throws OptionError where no tetrahedra have data of this name or the values are others,
+/// and where the mesh has groups, which name the tags that it has.
+void use_as_tags(TetMesh& mesh, const std::string& name);
 
 }  // namespace tetune

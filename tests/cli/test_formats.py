@@ -16,6 +16,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from cli_case import Mesh, cube
+
 TETUNE = ""
 CUBE = """MeshVersionFormatted 2 Dimension 3
 Vertices 5  0 0 0 0  1 0 0 0  0 1 0 0  0 0 1 0  1 1 1 0
@@ -186,6 +188,34 @@ class Conversions(Case):
             self.assertEqual(told, [] if named is None else
                              [f'tetune: warning: {named}: MEDIT has no room for the data "heat"'])
             self.assertEqual(done.stdout.startswith("MeshVersionFormatted"), output == "-")
+
+    def test_data_of_any_name_number_the_regions(self):
+        """--tags: interfaces stay, the name too; without it the user is told."""
+        mesh = cube(4)
+        regions = [1 + (sum(mesh.points[v][0] for v in t) > 2) for t in mesh.tets]
+        lines = ["# vtk DataFile Version 3.0", "cube", "ASCII", "DATASET UNSTRUCTURED_GRID", f"POINTS {len(mesh.points)} double",
+                 *(" ".join(map(repr, p)) for p in mesh.points), f"CELLS {len(mesh.tets)} {5 * len(mesh.tets)}",
+                 *("4 " + " ".join(map(str, t)) for t in mesh.tets), f"CELL_TYPES {len(mesh.tets)}", *["10"] * len(mesh.tets),
+                 f"CELL_DATA {len(mesh.tets)}", "SCALARS steel int 1", "LOOKUP_TABLE default", *map(str, regions)]
+        (self.folder / "in.vtk").write_text("\n".join(lines) + "\n")
+
+        def volume_change(output):
+            told = self.run_tetune("compare", "in.vtk", output, "--json", "--tags", "steel").stdout
+            return json.loads(told)["change"]["region_volume_change"]
+
+        done = self.run_tetune("optimize", "in.vtk", "-o", "plain.vtu")
+        self.assertIn('the cell data "steel" look like numbers of regions', done.stderr)
+        self.assertGreater(volume_change("plain.vtu"), 1e-6)
+        for output in ("out.vtu", "out.mesh"):
+            done = self.run_tetune("optimize", "in.vtk", "-o", output, "--tags", "steel")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertLess(volume_change("out.vtu"), 1e-12)
+        self.assertEqual(set(Mesh.read(self.folder / "out.mesh").tet_tags), {1, 2})
+
+        done = self.run_tetune("optimize", "in.vtk", "-o", "no.mesh", "--tags", "iron")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--tags iron: in.vtk: the tetrahedra have no data \"iron\"; theirs are: steel", done.stderr)
+        self.assertFalse((self.folder / "no.mesh").exists())
 
     def test_gmsh_finds_its_groups_names_and_entities_again(self):
         python = peers("gmsh")

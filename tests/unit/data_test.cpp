@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
 
 #include "meshes.hpp"
@@ -108,6 +109,71 @@ TEST(Data, FollowsVerticesAndElements) {
   EXPECT_EQ(ints(m.tet_data[1]), report.tet2original);
   EXPECT_EQ(ints(m.triangle_data[0]), m.triangle_tags);
   EXPECT_EQ(ints(m.edge_data[0]), (std::vector<std::int32_t>{0, 2}));
+}
+
+/// Two tetrahedra and one of their triangles, with a field and numbers of regions.
+TetMesh with_regions() {
+  TetMesh m = two_tets(0.5);
+  m.triangles = {{m.tets[0][0], m.tets[0][1], m.tets[0][2]}};
+  m.triangle_tags = {4};
+  m.tet_tags = {1, 2};
+  m.tet_data = {{"heat", 1, std::vector<double>{0.5, 1.5}}, {"material", 1, std::vector<float>{7, 9}}};
+  return m;
+}
+
+TEST(DataAsTags, ArrayAndTagsChangePlaces) {
+  TetMesh m = with_regions();
+  use_as_tags(m, "material");
+  EXPECT_EQ(m.tet_tags, (std::vector<int>{7, 9}));
+  EXPECT_EQ(m.triangle_tags, (std::vector<int>{0}));
+  EXPECT_EQ(m.cell_tags_name, "material");
+  ASSERT_EQ(m.tet_data.size(), 2U);
+  EXPECT_EQ(m.tet_data[0].name, "heat");
+  EXPECT_EQ(m.tet_data[1].name, "medit:ref");
+  EXPECT_EQ(ints(m.tet_data[1]), (std::vector<std::int32_t>{1, 2}));
+  ASSERT_EQ(m.triangle_data.size(), 1U);
+  EXPECT_EQ(ints(m.triangle_data[0]), (std::vector<std::int32_t>{4}));
+  // And back.
+  use_as_tags(m, "medit:ref");
+  EXPECT_EQ(m.tet_tags, (std::vector<int>{1, 2}));
+  EXPECT_EQ(m.triangle_tags, (std::vector<int>{4}));
+  EXPECT_EQ(ints(m.tet_data[1]), (std::vector<std::int32_t>{7, 9}));
+}
+
+TEST(DataAsTags, WithoutTagsBeforeThereIsNoNewData) {
+  TetMesh m = with_regions();
+  m.tet_tags = {0, 0};
+  m.triangle_tags = {0};
+  m.tet_data[1].values = std::vector<double>{std::numeric_limits<double>::quiet_NaN(), -3};
+  use_as_tags(m, "material");
+  EXPECT_EQ(m.tet_tags, (std::vector<int>{0, -3}));
+  EXPECT_EQ(m.tet_data.size(), 1U);
+  EXPECT_TRUE(m.triangle_data.empty());
+}
+
+TEST(DataAsTags, OthersAreRefusedAndNothingChanges) {
+  const TetMesh before = with_regions();
+  const auto refused = [&](TetMesh m, const char* name, const char* said) {
+    const std::vector<int> tags = m.tet_tags;
+    try {
+      use_as_tags(m, name);
+      ADD_FAILURE() << name;
+    } catch (const OptionError& e) {
+      EXPECT_NE(std::string(e.what()).find(said), std::string::npos) << e.what();
+    }
+    EXPECT_EQ(m.tet_tags, tags);
+    EXPECT_EQ(m.cell_tags_name, "");
+  };
+  refused(before, "Material", "heat, material");
+  refused(before, "heat", "it holds 0.5");
+  TetMesh m = before;
+  m.tet_data[1] = {"material", 1, std::vector<std::int64_t>{7, std::int64_t{1} << 40}};
+  refused(m, "material", "32 bits");
+  m.tet_data[1] = {"material", 3, std::vector<std::int32_t>{1, 1, 1, 2, 2, 2}};
+  refused(m, "material", "3 numbers a cell");
+  m = before;
+  m.groups = {{3, 1, "steel", {1}}};
+  refused(m, "material", "named groups");
 }
 
 }  // namespace
