@@ -2,6 +2,7 @@
 #pragma once
 
 #include "par/pack.hpp"
+#include "par/prefetch.hpp"
 #include "surface/primitive.hpp"
 
 namespace tetune {
@@ -130,6 +131,9 @@ class StarCover {
       edge_.set(i, vec(points_[ring_[i]]) - x_);
       const Index outer = ref_.across[corner];
       walled_[i] = outer == kWall;
+      // What has not slid far is over what it was.
+      par::prefetch(&ref_.points[ring_[i]]);
+      if (!walled_[i]) par::prefetch(&ref_.points[ref_.triangles[outer / 3].v[outer % 3]]);
       outer_.set(i, walled_[i] ? Vec3{} : vec(points_[ref_.triangles[outer / 3].v[outer % 3]]) - x_);
       const Index next = ref_.across[corner - k + (k + 1) % 3];
       if (next == kWall) return false;
@@ -186,6 +190,7 @@ class StarCover {
     }
   }
   TETUNE_HD void add(Index triangle, Mask over) {
+    par::prefetch(&ref_.across[3 * triangle]);
     if (triangles_.find(triangle) < 0 && triangles_.add(triangle) < 0) doubt_ |= over;
   }
 
