@@ -9,6 +9,9 @@ namespace tetune {
 
 /// The worst of a mesh: no move and no flip may leave anything worse behind.
 struct QualityFloor {
+  /// The part by which rounding may make the worst worse.
+  static constexpr double kRounding = 1e-12;
+
   double worst_shape = 0;  ///< largest shape energy
   double most_cot = -1;    ///< cotangent of the smallest dihedral angle
   /// Tetrahedra below this shape energy have no smaller angle: shape energy times the sine of any dihedral angle is at
@@ -17,7 +20,6 @@ struct QualityFloor {
 
   /// The least shape energy of a tetrahedron with an angle of this cotangent.
   TETUNE_HD static double least_shape(double cot) {
-    constexpr double kRounding = 1e-12;
     return (1 - kRounding) * std::sqrt(0.125) * (3 * std::sqrt(1 + cot * cot) - cot);
   }
   /// No floor.
@@ -26,12 +28,16 @@ struct QualityFloor {
     worst_shape = other.worst_shape > worst_shape ? other.worst_shape : worst_shape;
     most_cot = other.most_cot > most_cot ? other.most_cot : most_cot;
   }
+  /// Once, when the worst are found.
   TETUNE_HD void settle() {
-    constexpr double kRounding = 1e-12;
-    safe_shape = least_shape(most_cot);
-    if (worst_shape < safe_shape) safe_shape = worst_shape;
     worst_shape *= 1 + kRounding;
     most_cot *= 1 + kRounding;
+    find_safe_shape();
+  }
+  /// No larger cotangent either: not settle() again, as what it allows for rounding would add up.
+  TETUNE_HD void limit_cot(double cot) {
+    most_cot = cot < most_cot ? cot : most_cot;
+    find_safe_shape();
   }
 
   /// Whether a tetrahedron of this shape energy, with w = 6 * volume, is no worse.
@@ -58,6 +64,12 @@ struct QualityFloor {
       }
     }
     return most;
+  }
+
+ private:
+  TETUNE_HD void find_safe_shape() {
+    safe_shape = least_shape(most_cot);
+    if (worst_shape < safe_shape) safe_shape = worst_shape;
   }
 };
 

@@ -195,8 +195,7 @@ class Alternation {
         r.worst = sharp.size();
         // No angle falls below the smallest any more; shapes may become worse on the way.
         QualityFloor& floor = work_.mesh.floor;
-        floor.most_cot = std::min(floor.most_cot, sharpness.most_cot);
-        floor.settle();
+        floor.limit_cot((1 + QualityFloor::kRounding) * sharpness.most_cot);
         const bool keep = !best || options_.keep_vertices;
         const Ids changed = work_around(sharp.span(), keep ? kNever : cot_of(kVertexPart), r);
         const Span<std::uint8_t> flags = work_.mobilities.awake.span();
@@ -254,7 +253,9 @@ class Alternation {
   /// the worst now.
   void lower_energy_above_floor() {
     clock_.measure("angles", [&] {
+      const double most_cot = work_.mesh.floor.most_cot;
       work_.mesh.floor = find_floor(par_, work_.mesh);
+      work_.mesh.floor.limit_cot(most_cot);
       work_.mobilities.local = false;
       par_.fill(work_.mobilities.awake.span(), std::uint8_t{1});
     });

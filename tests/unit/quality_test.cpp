@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "core/quality_floor.hpp"
 #include "core/types.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
@@ -381,6 +382,19 @@ TEST(WriteMeasures, AsAMeditSolution) {
   const std::filesystem::directory_iterator entries(folder);
   EXPECT_EQ(std::distance(begin(entries), end(entries)), 1);  // nothing half written
   std::filesystem::remove_all(folder);
+}
+
+TEST(QualityFloor, WhatItAllowsForRoundingDoesNotAddUp) {
+  QualityFloor floor{3, 1.5, 0};
+  floor.settle();
+  const double most = floor.most_cot;
+  EXPECT_GT(most, 1.5);
+  EXPECT_NEAR(most, 1.5, 2e-12);
+  for (int round = 0; round < 5; ++round) floor.limit_cot((1 + QualityFloor::kRounding) * floor.most_cot);
+  EXPECT_EQ(floor.most_cot, most);
+  floor.limit_cot(1.25);
+  EXPECT_EQ(floor.most_cot, 1.25);
+  EXPECT_EQ(floor.safe_shape, QualityFloor::least_shape(1.25));
 }
 
 }  // namespace
