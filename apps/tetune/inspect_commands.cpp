@@ -29,8 +29,12 @@ struct Arguments {
   int worst = 10;
 };
 
+/// --tags names data of the first file; the second, where it lacks them, has them as its tags.
 TetMesh read(const std::string& path, const Arguments& a) {
-  Input input = read_input(path, a.threads, a.tags);
+  Input input = read_input(path, a.threads);
+  const auto& data = input.mesh.tet_data;
+  const bool lacks = std::none_of(data.begin(), data.end(), [&](const DataArray& d) { return d.name == a.tags; });
+  choose_tags(input, path, lacks && path != a.files[0] ? "" : a.tags);
   for (const std::string& w : input.warnings) say(stderr, fmt::format("tetune: warning: {}\n", w));
   return std::move(input.mesh);
 }

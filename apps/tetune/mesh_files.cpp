@@ -89,7 +89,7 @@ std::string unused_regions(const TetMesh& mesh) {
   const auto all_same = [](const auto& values) {
     return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
   };
-  if (!all_same(mesh.tet_tags)) return "";
+  if (!all_same(mesh.tet_tags) || !mesh.groups.empty()) return "";
   const auto is_few_integers = [](const auto& values) {
     using T = typename std::remove_cvref_t<decltype(values)>::value_type;
     if constexpr (std::is_integral_v<T>) {
@@ -107,7 +107,7 @@ std::string unused_regions(const TetMesh& mesh) {
 
 }  // namespace
 
-Input read_input(const std::string& path, int threads, const std::string& tags) {
+Input read_input(const std::string& path, int threads) {
   Input input;
   const std::string bytes = path == kPipe ? read_pipe() : "";
   const auto start = std::chrono::steady_clock::now();
@@ -118,21 +118,23 @@ Input read_input(const std::string& path, int threads, const std::string& tags) 
     input.mesh = read_mesh(path, &input.warnings, threads);
     input.binary = std::filesystem::path(path).extension() == ".meshb";
   }
+  input.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return input;
+}
+
+void choose_tags(Input& input, const std::string& path, const std::string& tags) {
   if (!tags.empty()) {
     try {
       use_as_tags(input.mesh, tags);
     } catch (const OptionError& e) {
-      throw OptionError(fmt::format("--tags {}: {}: {}", tags, shown_name(path, false), e.what()));
+      throw OptionError(fmt::format("--tags \"{}\": {}: {}", tags, shown_name(path, false), e.what()));
     }
   } else if (const std::string data = unused_regions(input.mesh); !data.empty()) {
     input.warnings.push_back(
-        fmt::format("the cell data \"{0}\" look like numbers of regions, but are kept as data alone: with --tags {0} "
-                    "the interfaces "
-                    "between these stay",
+        fmt::format("the cell data \"{0}\" look like numbers of regions, but are kept as data alone: with "
+                    "--tags \"{0}\" the interfaces between these stay",
                     data));
   }
-  input.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return input;
 }
 
 std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads) {

@@ -24,9 +24,12 @@ struct Input {
   double seconds = 0;   ///< that reading took, without waiting for a pipe
 };
 
-/// Of a file, or of kPipe: MEDIT, text or binary. `tags`: the cell data to take for the tags; empty: as the file has
-/// it. Throws FileError, OptionError.
-Input read_input(const std::string& path, int threads, const std::string& tags);
+/// Of a file, or of kPipe: MEDIT, text or binary. Throws FileError.
+Input read_input(const std::string& path, int threads);
+
+/// Takes cell data for the tags; `tags` empty: leaves these, and warns where they may not be what is meant. Throws
+/// OptionError.
+void choose_tags(Input& input, const std::string& path, const std::string& tags);
 
 /// To a file, or to kPipe. Returns warnings: what the format has no room for. Throws FileError.
 std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads);

@@ -59,7 +59,8 @@ class Run {
     if (!job_.output.empty() && job_.output != kPipe) check_writable(job_.output);
     for (const std::string& path : {job_.report, job_.trace, job_.map}) check_folder(path);
     console_.phase("reading");
-    input_ = read_input(job_.input, options_.threads, a_.tags);
+    input_ = read_input(job_.input, options_.threads);
+    choose_tags(input_, job_.input, a_.tags);
     for (const std::string& w : input_.warnings) console_.warn(w);
     const std::string name = shown_name(job_.input, false);
     if (input_.mesh.tets.empty()) throw MeshError(name + ": there is no tetrahedron in this file");

@@ -25,8 +25,8 @@ std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, cons
                                         const std::vector<Point3>& points,
                                         const std::vector<std::array<Index, 4>>& tets);
 
-/// Makes the cell data of this name the tags of tetrahedra, triangles, edges and other elements, and the name that
-/// writers give them (TetMesh::cell_tags_name). What were tags become data under the name that they had.
+/// Makes the cell data of this name the tags of tetrahedra, triangles, edges and other elements; they are data still.
+/// What were tags, if there were any, become data too, under the name that they had with ":before" after it.
 ///
 /// Each value must be one whole number of 32 bits; what is not a number counts as 0, "no tag", as does each element of
 /// a kind without such data. Throws OptionError where no tetrahedra have data of this name or the values are others,

@@ -31,8 +31,8 @@ class MeshError : public Error {
 /// Options::untangle could not make every volume positive.
 class UntangleError : public MeshError {
  public:
-  /// `tangled`: how many tetrahedra were inverted or flat. `left`: those of the input, in increasing order, where some
-  /// still are, or where the surface would fold.
+  /// `tangled`: how many tetrahedra were inverted or flat. `left`: those of the input, in increasing order, that what
+  /// is left descends from: tetrahedra still not positive, or else those at the surface where it would fold.
   UntangleError(std::int64_t tangled, std::vector<Index> left);
   /// what(), with ids counted from 1 (as MEDIT does) or from 0.
   std::string message(bool one_based) const;

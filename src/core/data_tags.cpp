@@ -29,7 +29,8 @@ std::string names_of(const Data& data) {
 
 int to_tag(double value) {
   if (std::isnan(value)) return 0;
-  if (std::trunc(value) != value || std::fabs(value) > std::numeric_limits<int>::max()) {
+  using Limits = std::numeric_limits<int>;
+  if (std::trunc(value) != value || value < Limits::min() || value > Limits::max()) {
     throw OptionError("it holds " + std::to_string(value));
   }
   return static_cast<int>(value);
@@ -54,18 +55,15 @@ std::vector<int> to_tags(const DataArray& array) {
   }
 }
 
-/// Of one kind of elements: data and tags with the two exchanged.
-std::pair<Data, std::vector<int>> exchanged(const Data& data, const std::vector<int>& tags, const std::string& name,
-                                            const std::string& old_name) {
-  std::pair<Data, std::vector<int>> result{data, std::vector<int>(tags.size(), 0)};
-  auto& [rest, now] = result;
-  if (const auto at = find(data, name); at != data.end()) {
-    now = to_tags(*at);
-    now.resize(tags.size(), 0);
-    rest.erase(rest.begin() + (at - data.begin()));
-  }
-  if (!tags.empty() && !old_name.empty() && find(rest, old_name) == rest.end()) {
-    rest.push_back({old_name, 1, std::vector<std::int32_t>(tags.begin(), tags.end())});
+/// Of one kind of elements: their new tags, and their data with the old ones under a name, unless that is empty.
+std::pair<std::vector<int>, Data> retagged(const Data& data, const std::vector<int>& tags, const std::string& name,
+                                           const std::string& old_name) {
+  std::pair<std::vector<int>, Data> result{std::vector<int>(tags.size(), 0), data};
+  auto& [now, all] = result;
+  if (const auto at = find(data, name); at != data.end()) now = to_tags(*at);
+  now.resize(tags.size(), 0);
+  if (!old_name.empty() && !tags.empty()) {
+    all.push_back({old_name, 1, std::vector<std::int32_t>(tags.begin(), tags.end())});
   }
   return result;
 }
@@ -73,7 +71,6 @@ std::pair<Data, std::vector<int>> exchanged(const Data& data, const std::vector<
 }  // namespace
 
 void use_as_tags(TetMesh& mesh, const std::string& name) {
-  if (name == mesh.cell_tags_name && !name.empty()) return;
   if (find(mesh.tet_data, name) == mesh.tet_data.end()) {
     throw OptionError("the tetrahedra have no data \"" + name + "\"; theirs are: " + names_of(mesh.tet_data));
   }
@@ -86,22 +83,27 @@ void use_as_tags(TetMesh& mesh, const std::string& name) {
   };
   bool tagged = any(mesh.tet_tags) || any(mesh.triangle_tags) || any(mesh.edge_tags);
   for (const ElementBlock& block : mesh.others) tagged = tagged || any(block.tags);
-  const std::string old_name = !mesh.cell_tags_name.empty() ? mesh.cell_tags_name : tagged ? kNameless : "";
+  std::string old_name;
+  if (tagged) {
+    const auto taken = [&](const Data& data) { return find(data, old_name) != data.end(); };
+    old_name = mesh.cell_tags_name.empty() ? kNameless : mesh.cell_tags_name;
+    do {
+      old_name += ":before";
+    } while (taken(mesh.tet_data) || taken(mesh.triangle_data) || taken(mesh.edge_data));
+  }
 
   // All that may throw comes first.
-  auto tets = exchanged(mesh.tet_data, mesh.tet_tags, name, old_name);
-  auto triangles = exchanged(mesh.triangle_data, mesh.triangle_tags, name, old_name);
-  auto edges = exchanged(mesh.edge_data, mesh.edge_tags, name, old_name);
+  auto tets = retagged(mesh.tet_data, mesh.tet_tags, name, old_name);
+  auto triangles = retagged(mesh.triangle_data, mesh.triangle_tags, name, old_name);
+  auto edges = retagged(mesh.edge_data, mesh.edge_tags, name, old_name);
   std::vector<ElementBlock> others = mesh.others;
   for (ElementBlock& block : others) {
-    std::tie(block.data, block.tags) = exchanged(block.data, block.tags, name, old_name);
+    std::tie(block.tags, block.data) = retagged(block.data, block.tags, name, old_name);
   }
-  std::string new_name = name;
-  std::tie(mesh.tet_data, mesh.tet_tags) = std::move(tets);
-  std::tie(mesh.triangle_data, mesh.triangle_tags) = std::move(triangles);
-  std::tie(mesh.edge_data, mesh.edge_tags) = std::move(edges);
+  std::tie(mesh.tet_tags, mesh.tet_data) = std::move(tets);
+  std::tie(mesh.triangle_tags, mesh.triangle_data) = std::move(triangles);
+  std::tie(mesh.edge_tags, mesh.edge_data) = std::move(edges);
   mesh.others = std::move(others);
-  mesh.cell_tags_name = std::move(new_name);
 }
 
 }  // namespace tetune

@@ -40,7 +40,8 @@ inline constexpr int kWorstSquarings = 2;
 inline constexpr int kWorstRounds = 10;
 /// It ends when a round takes away less than this part of that.
 inline constexpr double kWorstDecrease = 1e-2;
-/// Or when so many have been worked on, a round each: where they are many that are equally bad, as in an even layer.
+/// Or when the tetrahedra worked on, summed over the rounds, are more than so many and this part of all: where many are
+/// equally bad, as in an even layer.
 inline constexpr Size kWorstWork = 300;
 inline constexpr double kWorstWorkPart = 1e-2;
 /// The tetrahedra with the smallest angles are this part of all, and those only that are below about 40 degrees.

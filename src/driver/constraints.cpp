@@ -126,7 +126,7 @@ std::span<const std::pair<Index, std::size_t>> OtherElements::of(Index vertex) c
   return {begin, end};
 }
 
-bool OtherElements::find(std::span<const Index> vertices) const {
+bool OtherElements::any_has(std::span<const Index> vertices) const {
   const auto candidates = of(vertices[0]);
   return std::any_of(candidates.begin(), candidates.end(), [&](const auto& candidate) {
     return std::all_of(vertices.begin() + 1, vertices.end(), [&](Index v) {

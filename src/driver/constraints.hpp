@@ -32,10 +32,10 @@ class OtherElements {
  public:
   explicit OtherElements(const TetMesh& mesh);
   /// Whether one of them has all of these vertices, so that a triangle or edge of them is a side of it.
-  bool have(std::span<const Index> vertices) const { return !vertex2element_.empty() && find(vertices); }
+  bool have(std::span<const Index> vertices) const { return !vertex2element_.empty() && any_has(vertices); }
 
  private:
-  bool find(std::span<const Index> vertices) const;
+  bool any_has(std::span<const Index> vertices) const;
   std::span<const std::pair<Index, std::size_t>> of(Index vertex) const;
   std::vector<std::pair<Index, std::size_t>> vertex2element_;  ///< sorted
 };

@@ -36,8 +36,9 @@ const char* to_string(StopReason reason) {
 namespace {
 
 std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, bool one_based) {
-  return "of " + std::to_string(tangled) + " inverted or flat tetrahedra, " + std::to_string(left.size()) +
-         " could not be made positive, or not without folding the surface there" + first_ids(left, one_based) +
+  return "of " + std::to_string(tangled) +
+         " inverted or flat tetrahedra some could not be made positive, or not without folding the surface: " +
+         std::to_string(left.size()) + " tetrahedra there" + first_ids(left, one_based) +
          "\n  their vertices have no room: let the boundary slide, freeze less, or repair the surface there.";
 }
 

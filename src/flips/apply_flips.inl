@@ -93,17 +93,18 @@ struct Resolve {
   }
 };
 
-/// What lies around the cavities, in the order of the records: anywhere in memory.
+/// What lies around the cavities, in the order of the records: anywhere in memory. What lies beyond is found in what
+/// was fetched before.
 struct FetchAcross {
   MeshView mesh;
   Span<const double> eta;
   Span<const FlipRecord> records;
   TETUNE_INLINE void operator()(Size i) const {
-    constexpr Size kAhead = 5;
-    constexpr Size kFartherAhead = 2;
-    if (i + kAhead >= records.size()) return;
-    for_across(records[i + kAhead], [this](Index t) { fetch(t); });
-    for_across(records[i + kFartherAhead], [this](Index t) {
+    constexpr Size kAcrossAhead = 5;
+    constexpr Size kBeyondAhead = 2;
+    if (i + kAcrossAhead >= records.size()) return;
+    for_across(records[i + kAcrossAhead], [this](Index t) { fetch(t); });
+    for_across(records[i + kBeyondAhead], [this](Index t) {
       const Links links = mesh.tet2tet[t];
       for (int face = 0; face < 4; ++face) fetch(is_locked(links[face]) ? t : link_tet(links[face]));
     });

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "par/host_memory.hpp"
 #include "par/buffer.hpp"
+#include "par/host_memory.hpp"
 #include "par/span.hpp"
 #include "par/thread_pool.hpp"
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <mutex>
 #include <new>
 #include <utility>
@@ -29,13 +30,13 @@
 namespace tetune::par::host_memory {
 namespace {
 
-/// Arrays from here on lie in regions, in steps of this; the C library keeps smaller blocks itself.
-constexpr std::size_t kLeast = std::size_t{1} << 16;
-constexpr std::size_t kHugePage = std::size_t{1} << 21;
-
 std::size_t rounded_up(std::size_t bytes, std::size_t step) { return (bytes + step - 1) / step * step; }
 
 #if TETUNE_REGIONS
+
+/// Arrays from here on lie in regions, in steps of this; the C library keeps smaller blocks itself.
+constexpr std::size_t kLeast = std::size_t{1} << 16;
+constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
 /// Address space: the system gives it memory page by page, as it is touched.
 class Region {
@@ -66,6 +67,7 @@ class Region {
   }
 
   bool mapped() const { return base_ != nullptr; }
+  std::size_t bytes() const { return parts_.block_bytes(); }
   bool in_use() const { return parts_.in_use() > 0; }
   bool has(const void* memory) const { return memory >= base_ && memory < base_ + parts_.block_bytes(); }
   /// Null where there is no room.
@@ -90,13 +92,12 @@ class Regions {
     for (Region& region : regions_) {
       if (void* memory = region.take(bytes)) return memory;
     }
-    const std::size_t least = rounded_up(bytes, kHugePage);
     regions_.reserve(regions_.size() + 1);
-    Region region(std::max(least, usual_size()));
-    if (!region.mapped()) region = Region(least);
+    Region region(std::max(bytes, usual_size()));
+    if (!region.mapped()) region = Region(bytes);
     if (!region.mapped()) {
       drop_unused();
-      region = Region(least);
+      region = Region(bytes);
     }
     void* const memory = region.mapped() ? region.take(bytes) : nullptr;
     if (memory == nullptr) throw std::bad_alloc();
@@ -107,8 +108,10 @@ class Regions {
   void release(void* memory) noexcept {
     const std::lock_guard lock(mutex_);
     const auto has_it = [memory](const Region& region) { return region.has(memory); };
-    std::find_if(regions_.begin(), regions_.end(), has_it)->give_back(memory);
-    if (sessions_ == 0) drop_unused();
+    const auto region = std::find_if(regions_.begin(), regions_.end(), has_it);
+    region->give_back(memory);
+    // One made for a single large array may never serve another.
+    if (!region->in_use() && (sessions_ == 0 || region->bytes() > usual_size())) regions_.erase(region);
   }
 
   void open() {
@@ -121,11 +124,14 @@ class Regions {
   }
 
  private:
-  /// Where address space is limited the rest of the process needs it as well.
+  /// Nothing where address space is limited: the rest of the process needs it as well, so each array gets what it
+  /// takes.
   static std::size_t usual_size() {
-    rlimit limit{};
-    const bool limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
-    return std::size_t{1} << (limited ? 25 : 30);
+    for (const int resource : {RLIMIT_AS, RLIMIT_DATA}) {
+      rlimit limit{};
+      if (getrlimit(resource, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY) return 0;
+    }
+    return std::size_t{1} << 30;
   }
   void drop_unused() noexcept {
     const auto unused = [](const Region& region) { return !region.in_use(); };
@@ -137,47 +143,40 @@ class Regions {
   std::vector<Region> regions_;
 };
 
-#else
-
-class Regions {
- public:
-  void* allocate(std::size_t bytes) {
-    void* const memory = std::aligned_alloc(kLeast, rounded_up(bytes, kLeast));
-    if (memory == nullptr) throw std::bad_alloc();
-    return memory;
-  }
-  void release(void* memory) noexcept { std::free(memory); }
-  void open() {}
-  void close() {}
-};
-
-#endif
-
 /// Never destroyed: arrays may outlive what is static elsewhere.
 Regions& regions() {
   static Regions& the = *new Regions;
   return the;
 }
 
+#endif
+
 }  // namespace
 
 void* allocate(std::size_t bytes) {
   if (bytes == 0) return nullptr;
+  if (bytes > std::numeric_limits<std::size_t>::max() / 2) throw std::bad_alloc();
+#if TETUNE_REGIONS
   if (bytes >= kLeast) return regions().allocate(bytes);
+#endif
   void* memory = std::aligned_alloc(64, rounded_up(bytes, 64));
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 
-void release(void* memory, std::size_t bytes) noexcept {
-  if (bytes >= kLeast) {
-    regions().release(memory);
-  } else {
-    std::free(memory);
-  }
+void release(void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#if TETUNE_REGIONS
+  if (bytes >= kLeast) return regions().release(memory);
+#endif
+  std::free(memory);
 }
 
+#if TETUNE_REGIONS
 Session::Session() { regions().open(); }
 Session::~Session() { regions().close(); }
+#else
+Session::Session() = default;
+Session::~Session() = default;
+#endif
 
 }  // namespace tetune::par::host_memory

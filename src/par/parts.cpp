@@ -30,21 +30,19 @@ std::size_t Parts::take(std::size_t bytes) {
   return room->first;
 }
 
-std::size_t Parts::give_back(std::size_t begin) noexcept {
+void Parts::give_back(std::size_t begin) noexcept {
   auto here = parts_.find(begin);
-  const std::size_t bytes = here->second.bytes;
   here->second.is_free = true;
-  in_use_ -= bytes;
+  in_use_ -= here->second.bytes;
   if (const auto next = std::next(here); next != parts_.end() && next->second.is_free) {
     here->second.bytes += next->second.bytes;
     parts_.erase(next);
   }
-  if (here == parts_.begin()) return bytes;
+  if (here == parts_.begin()) return;
   if (const auto previous = std::prev(here); previous->second.is_free) {
     previous->second.bytes += here->second.bytes;
     parts_.erase(here);
   }
-  return bytes;
 }
 
 }  // namespace tetune::par

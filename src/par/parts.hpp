@@ -17,8 +17,7 @@ class Parts {
 
   /// Where the part begins, or kNowhere.
   std::size_t take(std::size_t bytes);
-  /// Returns the size of the part.
-  std::size_t give_back(std::size_t begin) noexcept;
+  void give_back(std::size_t begin) noexcept;
 
   std::size_t block_bytes() const { return block_bytes_; }
   std::size_t in_use() const { return in_use_; }

@@ -121,23 +121,25 @@ TetMesh with_regions() {
   return m;
 }
 
-TEST(DataAsTags, ArrayAndTagsChangePlaces) {
+TEST(DataAsTags, TheyAreDataStillAndSoAreTheTagsBefore) {
   TetMesh m = with_regions();
+  m.cell_tags_name = "refs";
   use_as_tags(m, "material");
   EXPECT_EQ(m.tet_tags, (std::vector<int>{7, 9}));
   EXPECT_EQ(m.triangle_tags, (std::vector<int>{0}));
-  EXPECT_EQ(m.cell_tags_name, "material");
-  ASSERT_EQ(m.tet_data.size(), 2U);
-  EXPECT_EQ(m.tet_data[0].name, "heat");
-  EXPECT_EQ(m.tet_data[1].name, "medit:ref");
-  EXPECT_EQ(ints(m.tet_data[1]), (std::vector<std::int32_t>{1, 2}));
+  EXPECT_EQ(m.cell_tags_name, "refs");
+  ASSERT_EQ(m.tet_data.size(), 3U);
+  EXPECT_EQ(m.tet_data[1].name, "material");
+  EXPECT_EQ(m.tet_data[2].name, "refs:before");
+  EXPECT_EQ(ints(m.tet_data[2]), (std::vector<std::int32_t>{1, 2}));
   ASSERT_EQ(m.triangle_data.size(), 1U);
   EXPECT_EQ(ints(m.triangle_data[0]), (std::vector<std::int32_t>{4}));
-  // And back.
-  use_as_tags(m, "medit:ref");
+  // And back, under a name that is free.
+  use_as_tags(m, "refs:before");
   EXPECT_EQ(m.tet_tags, (std::vector<int>{1, 2}));
   EXPECT_EQ(m.triangle_tags, (std::vector<int>{4}));
-  EXPECT_EQ(ints(m.tet_data[1]), (std::vector<std::int32_t>{7, 9}));
+  ASSERT_EQ(m.tet_data.size(), 4U);
+  EXPECT_EQ(m.tet_data[3].name, "refs:before:before");
 }
 
 TEST(DataAsTags, WithoutTagsBeforeThereIsNoNewData) {
@@ -147,31 +149,31 @@ TEST(DataAsTags, WithoutTagsBeforeThereIsNoNewData) {
   m.tet_data[1].values = std::vector<double>{std::numeric_limits<double>::quiet_NaN(), -3};
   use_as_tags(m, "material");
   EXPECT_EQ(m.tet_tags, (std::vector<int>{0, -3}));
-  EXPECT_EQ(m.tet_data.size(), 1U);
+  EXPECT_EQ(m.tet_data.size(), 2U);
   EXPECT_TRUE(m.triangle_data.empty());
 }
 
 TEST(DataAsTags, OthersAreRefusedAndNothingChanges) {
-  const TetMesh before = with_regions();
+  const TetMesh sound = with_regions();
   const auto refused = [&](TetMesh m, const char* name, const char* said) {
-    const std::vector<int> tags = m.tet_tags;
+    const TetMesh before = m;
     try {
       use_as_tags(m, name);
       ADD_FAILURE() << name;
     } catch (const OptionError& e) {
       EXPECT_NE(std::string(e.what()).find(said), std::string::npos) << e.what();
     }
-    EXPECT_EQ(m.tet_tags, tags);
-    EXPECT_EQ(m.cell_tags_name, "");
+    EXPECT_EQ(m.tet_tags, before.tet_tags);
+    EXPECT_EQ(m.tet_data.size(), before.tet_data.size());
   };
-  refused(before, "Material", "heat, material");
-  refused(before, "heat", "it holds 0.5");
-  TetMesh m = before;
+  refused(sound, "Material", "heat, material");
+  refused(sound, "heat", "it holds 0.5");
+  TetMesh m = sound;
   m.tet_data[1] = {"material", 1, std::vector<std::int64_t>{7, std::int64_t{1} << 40}};
   refused(m, "material", "32 bits");
   m.tet_data[1] = {"material", 3, std::vector<std::int32_t>{1, 1, 1, 2, 2, 2}};
   refused(m, "material", "3 numbers a cell");
-  m = before;
+  m = sound;
   m.groups = {{3, 1, "steel", {1}}};
   refused(m, "material", "named groups");
 }

@@ -185,7 +185,8 @@ TEST(Coloring, GivesIndependentSetsWhichHoldEachMovableVertexOnce) {
 }
 
 TEST(Coloring, KeepsTheSurfaceThreeEdgesApartWhereAsked) {
-  Fixture f(test::cube(6, 0.2));
+  const TetMesh mesh = test::cube(6, 0.2);
+  Fixture f(mesh);
   build_adjacency(par::Cpu(1), f.work);
   const auto n = static_cast<std::size_t>(f.work.vertices());
   par::Cpu::Buffer<Mobility> mobility;
@@ -240,8 +241,15 @@ TEST(Coloring, KeepsTheSurfaceThreeEdgesApartWhereAsked) {
     Coloring<par::Cpu> apart;
     color_vertices(par::Cpu(threads), f.rings.view(), mobility.span(), apart, stars);
     expect_proper(f, apart, mobility.span());
+    const std::vector<std::uint8_t> before = apart.color.download();
     EXPECT_EQ(too_near(apart), 0);
     EXPECT_EQ(apart.vertices.size(), static_cast<Size>(n));
+    // Rings change: the colours that are new keep apart as well.
+    Fixture flipped(test::scrambled(mesh, 3));
+    color_vertices(par::Cpu(threads), flipped.rings.view(), mobility.span(), apart, stars);
+    expect_proper(flipped, apart, mobility.span());
+    EXPECT_EQ(too_near(apart), 0);
+    EXPECT_NE(apart.color.download(), before);
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/connect.inl"
 #include "meshes.hpp"
 #include "work.hpp"
