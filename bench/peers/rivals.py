@@ -18,7 +18,7 @@ MESHES = pathlib.Path(__file__).resolve().parent / "meshes.py"
 
 @dataclasses.dataclass
 class Setting:
-    """One row of the table. The words IN, OUT, STEM and REPORT of the command stand for files."""
+    """One row of the table. The words IN, OUT and STEM of the command stand for files."""
     tool: str
     name: str
     command: list
@@ -61,7 +61,7 @@ class Tools:
         return None
 
     def settings(self):
-        tetune = ["tetune", "optimize", "IN", "-o", "OUT", "--quiet", "--report", "REPORT"]
+        tetune = ["tetune", "optimize", "IN", "-o", "OUT"]
         rows = [Setting("tetune", " ".join(["tetune", *options]), [*tetune, *options], all_cores=True) for options in (
             [], ["--effort", "fast"], ["--effort", "best"], ["--effort", "best", "--keep-vertices"], ["--boundary", "fixed"],
             ["--boundary", "slide"], ["--boundary", "slide", "--effort", "fast"], ["--boundary", "slide", "--effort", "best"])]
@@ -104,11 +104,14 @@ def last_json(record):
         return None
 
 
-def optimise_seconds(tool, record, files):
+TETUNE_TOLD = re.compile(r"optimised ([\d.]+) s on .*\((\d+) threads\)")
+
+
+def optimise_seconds(tool, record):
     """All that the tool does between reading and writing, by its own account; None where it does not tell."""
     text = record["output"]
     if tool == "tetune":
-        return json.loads(files["REPORT"].read_text())["optimization"]["seconds"]
+        return float(TETUNE_TOLD.search(text).group(1))
     if tool == "gmsh":
         return (last_json(record) or {}).get("seconds")
     if tool == "mmg":
@@ -119,9 +122,9 @@ def optimise_seconds(tool, record, files):
     return float(total.group(1)) - float(output.group(1)) if total and output else None
 
 
-def threads(setting, files):
+def threads(setting, record):
     if setting.tool == "tetune":
-        return json.loads(files["REPORT"].read_text())["optimization"]["threads"]
+        return int(TETUNE_TOLD.search(record["output"]).group(2))
     return os.cpu_count() if setting.all_cores else 1
 
 
@@ -137,5 +140,5 @@ def collect(setting, files):
 
 def clear(files):
     """Removes what an earlier run left, so that a result is always this run's."""
-    for path in [files["OUT"], files["REPORT"], *files["STEM"].parent.glob(files["STEM"].name + ".1.*")]:
+    for path in [files["OUT"], *files["STEM"].parent.glob(files["STEM"].name + ".1.*")]:
         path.unlink(missing_ok=True)
