@@ -30,11 +30,12 @@ struct Arguments {
 };
 
 /// --tags names data of the first file; the second, where it lacks them, has them as its tags.
-TetMesh read(const std::string& path, const Arguments& a) {
+TetMesh read(const Arguments& a, std::size_t file) {
+  const std::string& path = a.files[file];
   Input input = read_input(path, a.threads);
   const auto& data = input.mesh.tet_data;
   const bool lacks = std::none_of(data.begin(), data.end(), [&](const DataArray& d) { return d.name == a.tags; });
-  choose_tags(input, path, lacks && path != a.files[0] ? "" : a.tags);
+  choose_tags(input, path, file > 0 && lacks ? "" : a.tags);
   for (const std::string& w : input.warnings) say(stderr, fmt::format("tetune: warning: {}\n", w));
   return std::move(input.mesh);
 }
@@ -47,9 +48,9 @@ struct Inspection {
   bool measured = true;
 };
 
-Inspection inspect(const std::string& path, const Arguments& a) {
+Inspection inspect(const Arguments& a, std::size_t file) {
   Inspection i;
-  i.mesh = read(path, a);
+  i.mesh = read(a, file);
   i.validity = validate(i.mesh, a.threads);
   try {
     i.quality = measure_all(i.mesh, a.threads, a.worst);
@@ -86,7 +87,7 @@ int info(const Arguments& a) {
   const std::string name = shown_name(a.files[0], false);
   std::vector<Target> bounds;
   for (const std::string& text : a.min_quality) bounds.push_back(parse_bound(text));
-  const Inspection i = inspect(a.files[0], a);
+  const Inspection i = inspect(a, 0);
   const std::vector<Verdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<Verdict>{};
   const bool met = i.measured && std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.met; });
   const int code = i.validity.ok() && (met || bounds.empty()) ? kDone : kStoppedEarly;
@@ -124,8 +125,8 @@ int info(const Arguments& a) {
 }
 
 int compare_files(const Arguments& a) {
-  const Inspection before = inspect(a.files[0], a);
-  const Inspection after = inspect(a.files[1], a);
+  const Inspection before = inspect(a, 0);
+  const Inspection after = inspect(a, 1);
   if (!before.measured || !after.measured) {
     const bool first = !before.measured;
     throw MeshError(a.files[first ? 0 : 1] + ": " + validity_message(first ? before.validity : after.validity));

@@ -7,9 +7,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
+#include <optional>
 #include <set>
+
+#include "core/whole_number.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -156,20 +157,17 @@ std::vector<int> take_tags(std::vector<DataArray>& data, std::string& name, Warn
     const auto at = find(data, candidate);
     if (at == data.end()) continue;
     std::vector<int> tags;
-    const bool whole = at->components == 1 &&
-                       std::visit(
-                           [&tags](const auto& values) {
-                             for (const auto v : values) {
-                               const auto x = static_cast<double>(v);
-                               if (!(x >= std::numeric_limits<int>::min() && x <= std::numeric_limits<int>::max()) ||
-                                   x != std::floor(x)) {
-                                 return false;
-                               }
-                               tags.push_back(static_cast<int>(x));
-                             }
-                             return true;
-                           },
-                           at->values);
+    const bool whole = at->components == 1 && std::visit(
+                                                  [&tags](const auto& values) {
+                                                    for (const auto v : values) {
+                                                      const std::optional<int> tag =
+                                                          whole_number(static_cast<double>(v));
+                                                      if (!tag) return false;
+                                                      tags.push_back(*tag);
+                                                    }
+                                                    return true;
+                                                  },
+                                                  at->values);
     if (!whole) {
       warnings.push_back("\"" + at->name + "\" does not hold whole numbers of 32 bits: kept as data, not as tags");
       continue;

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <tuple>
+#include <optional>
 #include <utility>
 
+#include "core/whole_number.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 
@@ -29,11 +29,8 @@ std::string names_of(const Data& data) {
 
 int to_tag(double value) {
   if (std::isnan(value)) return 0;
-  using Limits = std::numeric_limits<int>;
-  if (std::trunc(value) != value || value < Limits::min() || value > Limits::max()) {
-    throw OptionError("it holds " + std::to_string(value));
-  }
-  return static_cast<int>(value);
+  if (const std::optional<int> tag = whole_number(value)) return *tag;
+  throw OptionError("it holds " + std::to_string(value));
 }
 
 std::vector<int> to_tags(const DataArray& array) {
@@ -55,18 +52,11 @@ std::vector<int> to_tags(const DataArray& array) {
   }
 }
 
-/// Of one kind of elements: their new tags, and their data with the old ones under a name, unless that is empty.
-std::pair<std::vector<int>, Data> retagged(const Data& data, const std::vector<int>& tags, const std::string& name,
-                                           const std::string& old_name) {
-  std::pair<std::vector<int>, Data> result{std::vector<int>(tags.size(), 0), data};
-  auto& [now, all] = result;
-  if (const auto at = find(data, name); at != data.end()) now = to_tags(*at);
-  now.resize(tags.size(), 0);
-  if (!old_name.empty() && !tags.empty()) {
-    all.push_back({old_name, 1, std::vector<std::int32_t>(tags.begin(), tags.end())});
-  }
-  return result;
-}
+/// Data and tags of one kind of elements.
+struct Kind {
+  Data* data;
+  std::vector<int>* tags;
+};
 
 }  // namespace
 
@@ -78,32 +68,32 @@ void use_as_tags(TetMesh& mesh, const std::string& name) {
     throw OptionError("the tags of this mesh are those of its named groups; its data \"" + name +
                       "\" cannot replace them");
   }
-  const auto any = [](const std::vector<int>& tags) {
-    return std::any_of(tags.begin(), tags.end(), [](int tag) { return tag != 0; });
-  };
-  bool tagged = any(mesh.tet_tags) || any(mesh.triangle_tags) || any(mesh.edge_tags);
-  for (const ElementBlock& block : mesh.others) tagged = tagged || any(block.tags);
-  std::string old_name;
-  if (tagged) {
-    const auto taken = [&](const Data& data) { return find(data, old_name) != data.end(); };
-    old_name = mesh.cell_tags_name.empty() ? kNameless : mesh.cell_tags_name;
-    do {
-      old_name += ":before";
-    } while (taken(mesh.tet_data) || taken(mesh.triangle_data) || taken(mesh.edge_data));
-  }
+  std::vector<Kind> kinds{
+      {&mesh.tet_data, &mesh.tet_tags}, {&mesh.triangle_data, &mesh.triangle_tags}, {&mesh.edge_data, &mesh.edge_tags}};
+  for (ElementBlock& block : mesh.others) kinds.push_back({&block.data, &block.tags});
+  const bool tagged = std::any_of(kinds.begin(), kinds.end(), [](const Kind& kind) {
+    return std::any_of(kind.tags->begin(), kind.tags->end(), [](int tag) { return tag != 0; });
+  });
+  std::string old_name = mesh.cell_tags_name.empty() ? kNameless : mesh.cell_tags_name;
+  const auto is_taken = [&](const Kind& kind) { return find(*kind.data, old_name) != kind.data->end(); };
+  do {
+    old_name += ":before";
+  } while (std::any_of(kinds.begin(), kinds.end(), is_taken));
 
   // All that may throw comes first.
-  auto tets = retagged(mesh.tet_data, mesh.tet_tags, name, old_name);
-  auto triangles = retagged(mesh.triangle_data, mesh.triangle_tags, name, old_name);
-  auto edges = retagged(mesh.edge_data, mesh.edge_tags, name, old_name);
-  std::vector<ElementBlock> others = mesh.others;
-  for (ElementBlock& block : others) {
-    std::tie(block.tags, block.data) = retagged(block.data, block.tags, name, old_name);
+  std::vector<std::vector<int>> tags;
+  Data before;
+  for (const Kind& kind : kinds) {
+    const auto at = find(*kind.data, name);
+    tags.push_back(at != kind.data->end() ? to_tags(*at) : std::vector<int>());
+    tags.back().resize(kind.tags->size(), 0);
+    before.push_back({old_name, 1, std::vector<std::int32_t>(kind.tags->begin(), kind.tags->end())});
+    kind.data->reserve(kind.data->size() + 1);
   }
-  std::tie(mesh.tet_tags, mesh.tet_data) = std::move(tets);
-  std::tie(mesh.triangle_tags, mesh.triangle_data) = std::move(triangles);
-  std::tie(mesh.edge_tags, mesh.edge_data) = std::move(edges);
-  mesh.others = std::move(others);
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    kinds[k].tags->swap(tags[k]);
+    if (tagged && !tags[k].empty()) kinds[k].data->push_back(std::move(before[k]));
+  }
 }
 
 }  // namespace tetune

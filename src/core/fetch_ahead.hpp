@@ -2,6 +2,7 @@
 #pragma once
 
 #include "par/macros.hpp"
+#include "par/prefetch.hpp"
 #include "par/span.hpp"
 #include "tetune/mesh.hpp"
 
@@ -12,7 +13,7 @@ TETUNE_INLINE void fetch_ahead(const TetMesh& mesh, par::Size t) {
   constexpr par::Size kAhead = 12;
   if (t + kAhead >= static_cast<par::Size>(mesh.tets.size())) return;
   for (const Index v : mesh.tets[static_cast<std::size_t>(t + kAhead)]) {
-    __builtin_prefetch(&mesh.points[static_cast<std::size_t>(v)]);
+    par::prefetch(&mesh.points[static_cast<std::size_t>(v)]);
   }
 }
 

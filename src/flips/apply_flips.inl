@@ -96,29 +96,20 @@ struct Resolve {
 /// What lies around the cavities, in the order of the records: anywhere in memory. What lies beyond is found in what
 /// was fetched before.
 struct FetchAcross {
-  MeshView mesh;
-  Span<const double> eta;
+  FetchTets tets;
   Span<const FlipRecord> records;
   TETUNE_INLINE void operator()(Size i) const {
     constexpr Size kAcrossAhead = 5;
     constexpr Size kBeyondAhead = 2;
     if (i + kAcrossAhead >= records.size()) return;
-    for_across(records[i + kAcrossAhead], [this](Index t) { fetch(t); });
-    for_across(records[i + kBeyondAhead], [this](Index t) {
-      const Links links = mesh.tet2tet[t];
-      for (int face = 0; face < 4; ++face) fetch(is_locked(links[face]) ? t : link_tet(links[face]));
-    });
+    for_across(records[i + kAcrossAhead], [this](Index t) { tets.fetch(t); });
+    for_across(records[i + kBeyondAhead], [this](Index t) { tets.fetch_neighbours(t); });
   }
 
  private:
-  TETUNE_INLINE void fetch(Index t) const {
-    __builtin_prefetch(&mesh.tet2tet[t]);
-    __builtin_prefetch(&mesh.tet2vertex[t]);
-    __builtin_prefetch(&eta[t]);
-  }
   template <class F>
-  TETUNE_INLINE static void for_across(const FlipRecord& f, const F& fetch_one) {
-    for (int k = 0; k < f.outer_faces(); ++k) fetch_one(f.across[k] == kNoLink ? 0 : link_tet(f.across[k]));
+  TETUNE_INLINE static void for_across(const FlipRecord& f, const F& f_of_tet) {
+    for (int k = 0; k < f.outer_faces(); ++k) f_of_tet(f.across[k] == kNoLink ? 0 : link_tet(f.across[k]));
   }
 };
 
@@ -219,7 +210,7 @@ struct WantAround {
   double least;
   Span<std::uint32_t> wanted;
   Span<float> slack;
-  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAcross{candidates.mesh, eta, records}(i); }
+  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAcross{{candidates.mesh, eta}, records}(i); }
   TETUNE_HD void operator()(Size i) const {
     const MeshView& mesh = candidates.mesh;
     const FlipRecord& f = records[i];

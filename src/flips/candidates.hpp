@@ -5,6 +5,7 @@
 #include "flips/flip_pass.hpp"
 #include "flips/offer.hpp"
 #include "par/beside_host.hpp"
+#include "par/prefetch.hpp"
 
 /// What may be flipped: the faces and edges of each tetrahedron, and which tetrahedron answers for them.
 namespace tetune {
@@ -74,10 +75,30 @@ struct Worse {
   }
 };
 
-/// What the loop over the active tetrahedra needs soon: those, their neighbours, and the neighbours of these.
-struct FetchAhead {
+/// Has tetrahedra in the cache before a loop comes to them.
+struct FetchTets {
   MeshView mesh;
   Span<const double> eta;
+
+  TETUNE_INLINE void fetch(Index t) const {
+    par::prefetch(&mesh.tet2tet[t]);
+    par::prefetch(&mesh.tet2vertex[t]);
+    par::prefetch(&eta[t]);
+  }
+  /// Reads what lies across the faces of t itself.
+  TETUNE_INLINE void fetch_neighbours(Index t) const {
+    for_neighbours(t, [this](Index other) { fetch(other); });
+  }
+  template <class F>
+  TETUNE_INLINE void for_neighbours(Index t, const F& f) const {
+    const Links links = mesh.tet2tet[t];
+    for (int face = 0; face < 4; ++face) f(is_locked(links[face]) ? t : link_tet(links[face]));
+  }
+};
+
+/// What the loop over the active tetrahedra needs soon: those, their neighbours, and the neighbours of these.
+struct FetchAhead {
+  FetchTets tets;
   Span<const Index> active;
 
   TETUNE_INLINE void operator()(Size i) const {
@@ -85,22 +106,9 @@ struct FetchAhead {
     constexpr Size kNeighboursAhead = 12;
     constexpr Size kFartherAhead = 5;
     if (i + kTetsAhead >= active.size()) return;
-    fetch(active[i + kTetsAhead]);
-    for_neighbours(active[i + kNeighboursAhead], [this](Index other) { fetch(other); });
-    for_neighbours(active[i + kFartherAhead],
-                   [this](Index other) { for_neighbours(other, [this](Index farther) { fetch(farther); }); });
-  }
-
- private:
-  TETUNE_INLINE void fetch(Index t) const {
-    __builtin_prefetch(&mesh.tet2tet[t]);
-    __builtin_prefetch(&mesh.tet2vertex[t]);
-    __builtin_prefetch(&eta[t]);
-  }
-  template <class F>
-  TETUNE_INLINE void for_neighbours(Index t, const F& f) const {
-    const Links links = mesh.tet2tet[t];
-    for (int face = 0; face < 4; ++face) f(is_locked(links[face]) ? t : link_tet(links[face]));
+    tets.fetch(active[i + kTetsAhead]);
+    tets.fetch_neighbours(active[i + kNeighboursAhead]);
+    tets.for_neighbours(active[i + kFartherAhead], [this](Index other) { tets.fetch_neighbours(other); });
   }
 };
 

@@ -6,6 +6,7 @@
 #include "core/connect.inl"
 #include "core/rows.hpp"
 #include "par/atomic.hpp"
+#include "par/prefetch.hpp"
 #include "relocate/reduce_colors.hpp"
 #include "relocate/slide.hpp"
 #include "relocate/sweep.hpp"
@@ -72,14 +73,14 @@ struct RelocateVertex {
     const Size row = rings.offsets[far];
     const char* faces = reinterpret_cast<const char*>(rings.faces.data() + row);
     const Size bytes = std::min<Size>(5 * 64, (rings.faces.size() - row) * static_cast<Size>(sizeof(LinkFace)));
-    for (Size at = 0; at < bytes; at += 64) __builtin_prefetch(faces + at);
-    __builtin_prefetch(&kind[far]);
-    if (site.size() > 0) __builtin_prefetch(&site[far]);
+    for (Size at = 0; at < bytes; at += 64) par::prefetch(faces + at);
+    par::prefetch(&kind[far]);
+    if (site.size() > 0) par::prefetch(&site[far]);
     prefetch_motion(vertices[i + kMotionAhead], i + kMotionAhead < end);
     const Index near = vertices[i + kPointsAhead];
     if (par::load_shared(awake[near]) == 0) return;
     for (Size f = rings.offsets[near]; f < rings.offsets[near + 1]; ++f) {
-      __builtin_prefetch(&points[rings.faces[f].v[0]]);
+      par::prefetch(&points[rings.faces[f].v[0]]);
     }
     if (site.size() > 0 && i + kPointsAhead < end) prefetch_corners(site[near]);
   }
@@ -119,20 +120,20 @@ struct RelocateVertex {
   }
   TETUNE_INLINE void prefetch_motion(Index v, bool may_read) const {
     if (kind[v] == Mobility::free) return;
-    if (leash.size() > 0) __builtin_prefetch(&leash[v]);
+    if (leash.size() > 0) par::prefetch(&leash[v]);
     if (site.size() == 0) {
-      __builtin_prefetch(&axis[v]);
+      par::prefetch(&axis[v]);
       return;
     }
     const Index triangle = may_read ? triangle_of(site[v]) : -1;
     if (triangle < 0) return;
-    __builtin_prefetch(&reference.triangles[triangle]);
-    __builtin_prefetch(&reference.across[3 * triangle]);
+    par::prefetch(&reference.triangles[triangle]);
+    par::prefetch(&reference.across[3 * triangle]);
   }
   TETUNE_INLINE void prefetch_corners(const Site& s) const {
     const Index triangle = triangle_of(s);
     if (triangle < 0) return;
-    for (const Index corner : reference.triangles[triangle].v) __builtin_prefetch(&reference.points[corner]);
+    for (const Index corner : reference.triangles[triangle].v) par::prefetch(&reference.points[corner]);
   }
 
   template <class AnyRing>

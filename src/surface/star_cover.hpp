@@ -129,12 +129,17 @@ class StarCover {
       corner_[i] = static_cast<std::uint32_t>(corner);
       ring_[i] = ref_.triangles[corner / 3].v[(k + 1) % 3];
       edge_.set(i, vec(points_[ring_[i]]) - x_);
-      const Index outer = ref_.across[corner];
-      walled_[i] = outer == kWall;
       // What has not slid far is over what it was.
       par::prefetch(&ref_.points[ring_[i]]);
-      if (!walled_[i]) par::prefetch(&ref_.points[ref_.triangles[outer / 3].v[outer % 3]]);
-      outer_.set(i, walled_[i] ? Vec3{} : vec(points_[ref_.triangles[outer / 3].v[outer % 3]]) - x_);
+      const Index outer = ref_.across[corner];
+      walled_[i] = outer == kWall;
+      if (walled_[i]) {
+        outer_.set(i, {});
+      } else {
+        const Index apex = ref_.triangles[outer / 3].v[outer % 3];
+        par::prefetch(&ref_.points[apex]);
+        outer_.set(i, vec(points_[apex]) - x_);
+      }
       const Index next = ref_.across[corner - k + (k + 1) % 3];
       if (next == kWall) return false;
       corner = next - next % 3 + (next + 1) % 3;

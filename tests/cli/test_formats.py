@@ -190,7 +190,7 @@ class Conversions(Case):
             self.assertEqual(done.stdout.startswith("MeshVersionFormatted"), output == "-")
 
     def test_data_of_any_name_number_the_regions(self):
-        """--tags: interfaces stay, the name too; without it the user is told."""
+        """--tags: interfaces stay, and so do the data; without it the user is told."""
         mesh = cube(4)
         regions = [1 + (sum(mesh.points[v][0] for v in t) > 2) for t in mesh.tets]
         lines = ["# vtk DataFile Version 3.0", "cube", "ASCII", "DATASET UNSTRUCTURED_GRID", f"POINTS {len(mesh.points)} double",

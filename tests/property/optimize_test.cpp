@@ -226,12 +226,12 @@ TEST(Optimize, ManyThatAreEquallyBadAreWorkedOnOnce) {
   }
   TetMesh same = plate;
   const Report report = optimize(plate);
-  ASSERT_FALSE(report.worst_rounds.empty());
+  ASSERT_GE(report.worst_rounds.size(), 2U);
   EXPECT_GT(report.worst_rounds[0].worst, 300 + static_cast<std::int64_t>(plate.tets.size()) / 100);
   EXPECT_EQ(report.worst_rounds[1].round, 1);  // the first on angles
   Options best;
   best.effort = Effort::best;
-  EXPECT_EQ(optimize(same, best).worst_rounds[1].round, 2);
+  EXPECT_EQ(optimize(same, best).worst_rounds.at(1).round, 2);
 }
 
 TEST(Optimize, NewtonAndGradientFindTheSameMinimum) {
