@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "core/orient.hpp"
@@ -19,6 +20,7 @@ struct FlipFixture {
   FlipState<par::Cpu> state;
   par::Cpu cpu{1};
   double energy = 0;
+  std::vector<std::uint8_t> flipped;  ///< vertices whose ring has changed
   explicit FlipFixture(const TetMesh& mesh, const std::vector<std::array<Index, 2>>& constrained = {})
       : original(mesh), work(to_work(mesh)) {
     build_adjacency(cpu, work);
@@ -32,10 +34,28 @@ struct FlipFixture {
     std::sort(keys.begin(), keys.end());
     state.constrained_keys.upload(keys);
     state.constrained_vertex.upload(on_vertex);
+    flipped.assign(mesh.points.size(), 0);
     energy = refresh_energy(cpu, work, state);
     activate_all(cpu, work, state);
   }
-  FlipReport pass() { return flip_pass(cpu, work, state, {}); }
+  FlipReport pass() { return flip_pass(cpu, work, state, flags()); }
+  Span<std::uint8_t> flags() { return {flipped.data(), static_cast<Size>(flipped.size())}; }
+  /// After passes near flips: has all look that may own a candidate which they changed. False: there was no flip since
+  /// the last time.
+  bool look_around() {
+    if (std::count(flipped.begin(), flipped.end(), 1) == 0) return false;
+    activate_around(cpu, work, state, Span<const std::uint8_t>(flags()));
+    std::fill(flipped.begin(), flipped.end(), std::uint8_t{0});
+    return true;
+  }
+  /// Passes until there is no flip left.
+  Size flip_to_the_last() {
+    Size all = 0;
+    do {
+      for (Size found = 1; found > 0; all += found) found = pass().flips();
+    } while (look_around());
+    return all;
+  }
   TetMesh result() { return from_work(work, original); }
   void expect_consistent() {
     EXPECT_EQ(check_links(work), "");

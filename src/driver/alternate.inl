@@ -87,6 +87,9 @@ class Alternation {
  private:
   using Ids = typename Backend::template Buffer<Index>;
 
+  /// Whether passes go on until no tetrahedron has a flip that lowers the energy. Otherwise a few may be left that lie
+  /// near others, but not beside them.
+  bool to_the_last_flip() const { return options_.termination == Termination::paper || options_.max_iterations == 0; }
   bool works_on_worst() const {
     return options_.effort != Effort::fast && options_.termination == Termination::relative &&
            options_.energy == Energy::shape && options_.max_iterations > 0;
@@ -305,6 +308,17 @@ class Alternation {
     return all;
   }
 
+  /// With to_the_last_flip() all vertices are awake for a sweep, whatever the flags say: they tell where flips were
+  /// made.
+  void forget_flips() {
+    if (to_the_last_flip()) par_.fill(work_.mobilities.awake.span(), std::uint8_t{0});
+  }
+  /// All that may own a candidate with a tetrahedron made by those flips look again.
+  void look_around_flips() {
+    activate_around(par_, work_.mesh, work_.flips, Span<const std::uint8_t>(work_.mobilities.awake.span()));
+    forget_flips();
+  }
+
   int iteration() const { return report_.sweeps.empty() ? 0 : report_.sweeps.back().iteration; }
 
   /// Rings and colours, where flips have changed the mesh since they were made. False where a stop left them undone.
@@ -361,6 +375,8 @@ class Alternation {
     // Slivers must have gone before.
     bool on_boundary = flips_boundary_ && iteration > 0;
     bool at_faces = removes_faces_ && iteration > 0;
+    bool flipped = false;
+    if (!on_boundary) forget_flips();
     for (int pass = 1; pass <= kMaxFlipPasses && (on_boundary || work_.flips.active.size() > 0); ++pass) {
       FlipReport r;
       const double seconds = clock_.measure(on_boundary ? "boundary flips" : "flips", [&] {
@@ -384,11 +400,17 @@ class Alternation {
       if (on_boundary) {
         flips_boundary_ = !little;
         on_boundary = false;
+        forget_flips();
       } else if (at_faces) {
         removes_faces_ = !little;
         at_faces = false;
-      } else if (r.flips() == 0) {
+      } else if (r.flips() > 0) {
+        flipped = true;
+      } else if (!flipped || !to_the_last_flip()) {
         break;
+      } else {
+        clock_.measure("flips", [&] { look_around_flips(); });
+        flipped = false;
       }
     }
     return flips;

@@ -87,14 +87,6 @@ struct EtaOf {
   TETUNE_HD EnergySum operator()(Size t) const { return {eta[t]}; }
 };
 
-struct IsWorthALook {
-  MeshView mesh;
-  LeastAfter bound;
-  Span<const double> eta;
-  double least;
-  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && bound.worth_a_look(eta[t]) && eta[t] > least; }
-};
-
 /// Computes eta anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the
 /// squared areas and w six times the volume, each height is at least w / sqrt(q), so that no height changes by a larger
 /// part.
@@ -141,10 +133,10 @@ struct HasDrifted {
   }
 };
 
-struct WantAll {
+struct Want {
   Span<const Index> slots;
-  Span<std::uint32_t> wanted;
-  TETUNE_HD void operator()(Size i) const { wanted[slots[i]] = kAllCandidates; }
+  Span<std::uint8_t> wanted;
+  TETUNE_HD void operator()(Size i) const { wanted[slots[i]] = kWanted; }
 };
 
 }  // namespace flip_detail
@@ -179,10 +171,10 @@ void activate_where(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   state.active.resize(slots, mesh.room());
   state.wanted.resize(slots, mesh.room());
   state.proposal.resize(slots, mesh.room());
-  par.fill(state.wanted.span(), std::uint32_t{0});
+  par.fill(state.wanted.span(), std::uint8_t{0});
   const Size count = par.compact(slots, keep, state.active.span());
   state.active.resize(count);
-  par.for_each(count, flip_detail::WantAll{state.active.span(), state.wanted.span()});
+  par.for_each(count, flip_detail::Want{state.active.span(), state.wanted.span()});
   state.seen.assign(mesh.points);
 }
 

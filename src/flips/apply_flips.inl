@@ -93,26 +93,6 @@ struct Resolve {
   }
 };
 
-/// What lies around the cavities, in the order of the records: anywhere in memory. What lies beyond is found in what
-/// was fetched before.
-struct FetchAcross {
-  FetchTets tets;
-  Span<const FlipRecord> records;
-  TETUNE_INLINE void operator()(Size i) const {
-    constexpr Size kAcrossAhead = 5;
-    constexpr Size kBeyondAhead = 2;
-    if (i + kAcrossAhead >= records.size()) return;
-    for_across(records[i + kAcrossAhead], [this](Index t) { tets.fetch(t); });
-    for_across(records[i + kBeyondAhead], [this](Index t) { tets.fetch_neighbours(t); });
-  }
-
- private:
-  template <class F>
-  TETUNE_INLINE static void for_across(const FlipRecord& f, const F& f_of_tet) {
-    for (int k = 0; k < f.outer_faces(); ++k) f_of_tet(f.across[k] == kNoLink ? 0 : link_tet(f.across[k]));
-  }
-};
-
 struct FlipSum {
   double decrease = 0;
   Size flips23 = 0, flips32 = 0, edge_removals = 0, face_removals = 0, boundary_flips = 0;
@@ -135,8 +115,7 @@ struct Write {
   Span<Index> free_slots;
   Size free_kept;
   Span<double> eta;
-  Span<float> slack;
-  Span<std::uint32_t> wanted;
+  Span<std::uint8_t> wanted;
   Span<std::uint8_t> awake;
 
   TETUNE_HD FlipSum operator()(Size i) const {
@@ -144,7 +123,6 @@ struct Write {
     const Cavity& c = f.cavity;
     for (int k = 0; k < c.size(); ++k) wanted[c.tets[k]] = 0;
     const Index original = mesh.tet2original[c.tets[0]];
-    const LeastAfter bound(mesh.law);
     double decrease = energy_before(c, eta);
     for (int x = 0; x < c.made(); ++x) {
       const Index s = f.slot(x);
@@ -153,7 +131,6 @@ struct Write {
       if (x >= c.size()) mesh.tet2original[s] = original;
       eta[s] = slot_energy(mesh, mesh.tet2vertex[s]).eta;
       decrease -= eta[s];
-      slack[s] = bound.worth_a_look(eta[s]) ? static_cast<float>(kMaxSlack) : kNeverSeen;
     }
     for (int x = c.made(); x < c.size(); ++x) {
       mesh.tet2vertex[c.tets[x]][0] = kFreeSlot;
@@ -201,82 +178,31 @@ struct Write {
   }
 };
 
-/// Makes the owners evaluate all candidates that have a new tetrahedron in their cavity.
-struct WantAround {
-  static constexpr Size kGrain = 32;
-  Candidates candidates;
+/// Has the new tetrahedra look for flips, and those beside them: of the candidates whose cavity has changed, few have
+/// an owner that lies farther away.
+struct WantNear {
   Span<const FlipRecord> records;
-  Span<const double> eta;
-  double least;
-  Span<std::uint32_t> wanted;
+  Span<std::uint8_t> wanted;
   Span<float> slack;
-  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAcross{{candidates.mesh, eta}, records}(i); }
   TETUNE_HD void operator()(Size i) const {
-    const MeshView& mesh = candidates.mesh;
     const FlipRecord& f = records[i];
-    for (int x = 0; x < f.cavity.made(); ++x) {
-      const Index t = f.slot(x);
-      const Links links = mesh.tet2tet[t];
-      unsigned closed = 0;  // faces that are locked
-      for (int face = 0; face < 4; ++face) closed |= is_locked(links[face]) ? 1U << face : 0;
-      const unsigned done = seen_before(f, x);
-      for (int candidate = 0; candidate < kCandidates; ++candidate) {
-        if ((done >> candidate & 1U) == 0 && (closed & Candidates::faces(candidate)) == 0) want(t, candidate);
-      }
+    for (int x = 0; x < f.cavity.made(); ++x) want(f.slot(x));
+    for (int k = 0; k < f.outer_faces(); ++k) {
+      if (!is_locked(f.across[k])) want(link_tet(f.across[k]));
     }
   }
 
  private:
-  /// The candidates of a new tetrahedron that one before it has as well.
-  TETUNE_HD unsigned seen_before(const FlipRecord& f, int x) const {
-    const Tet tet = mesh_tet(f, x);
-    unsigned seen = 0;
-    for (int y = 0; y < x; ++y) {
-      const Tet other = mesh_tet(f, y);
-      unsigned shared = 0;
-      for (int k = 0; k < 4; ++k) {
-        unsigned in = 0;
-        for (int m = 0; m < 4; ++m) in |= other[m] == tet[k] ? 1U : 0U;
-        shared |= in << k;
-      }
-      for (int candidate = 0; candidate < kCandidates; ++candidate) {
-        // A face has the three vertices that are not opposite, an edge those that its two faces lack.
-        const unsigned needs = candidate < 4 ? 15U & ~(1U << candidate) : 15U & ~Candidates::faces(candidate);
-        if ((shared & needs) == needs) seen |= 1U << candidate;
-      }
-    }
-    return seen;
-  }
-  TETUNE_HD Tet mesh_tet(const FlipRecord& f, int x) const { return candidates.mesh.tet2vertex[f.slot(x)]; }
-
-  TETUNE_HD void want(Index t, int candidate) const {
-    const MeshView& mesh = candidates.mesh;
-    Index owner = t;
-    if (candidate < 4) {
-      const Link link = mesh.tet2tet[t][candidate];
-      const bool other = Worse{eta, t, eta[t]}(link_tet(link));
-      want_from(other ? link_tet(link) : t, other ? link_face(link) : candidate);
-      return;
-    }
-    const EdgeStar star = edge_star(mesh, candidates.max_ring, t, candidate - 4, Candidates::Never{});
-    if (star.size == 0) return;
-    for (int m = 1; m < star.size; ++m) owner = Worse{eta, owner, eta[owner]}(star.tets[m]) ? star.tets[m] : owner;
-    const Tet tet = mesh.tet2vertex[owner];
-    want_from(owner, 4 + edge_of(local_index(tet, star.a), local_index(tet, star.b)));
-  }
-  TETUNE_HD void want_from(Index owner, int candidate) const {
-    if (!LeastAfter(candidates.mesh.law).worth_a_look(eta[owner])) return;
-    if (eta[owner] > least) {
-      par::atomic_or(wanted[owner], 1U << candidate);
-    } else {
-      par::store_shared(slack[owner], kNeverSeen);
-    }
+  TETUNE_HD void want(Index t) const {
+    par::store_shared(wanted[t], kWantedIfWorth);
+    par::store_shared(slack[t], kNeverSeen);
   }
 };
 
 struct IsWanted {
-  Span<const std::uint32_t> wanted;
-  TETUNE_HD bool operator()(Size t) const { return wanted[t] != 0; }
+  Span<const std::uint8_t> wanted;
+  IsWorthALook worth;
+  TETUNE_HD bool operator()(Size t) const { return wanted[t] == kWanted || (wanted[t] == kWantedIfWorth && worth(t)); }
 };
 
 /// Carries out agreed flips: `before` holds what each takes and frees. What is made is active afterwards.
@@ -291,25 +217,21 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   state.eta.grow(change.needed);
   state.proposal.grow(change.needed);
   state.wanted.grow(change.needed);
-  par.fill(Span<std::uint32_t>(state.wanted.span().data() + change.slots, change.needed - change.slots),
-           std::uint32_t{0});
+  par.fill(Span<std::uint8_t>(state.wanted.span().data() + change.slots, change.needed - change.slots),
+           std::uint8_t{0});
   state.slack.grow(change.needed);
 
   par.for_each(records.size(), Forward{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), change});
   par.for_each(records.size(), Resolve{mesh.view(), records.span(), state.proposal.span()});
   const FlipSum sum = par.template reduce<FlipSum>(
       records.size(), Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), change.free_kept,
-                            state.eta.span(), state.slack.span(), state.wanted.span(), awake});
+                            state.eta.span(), state.wanted.span(), awake});
   change.finish(mesh);
 
-  par.for_each(records.size(), WantAround{{mesh.view(), state.constrained(), state.max_ring},
-                                          records.span(),
-                                          state.eta.span(),
-                                          state.least,
-                                          state.wanted.span(),
-                                          state.slack.span()});
+  par.for_each(records.size(), WantNear{records.span(), state.wanted.span(), state.slack.span()});
+  const IsWorthALook worth{mesh.view(), LeastAfter(mesh.law), state.eta.span(), state.least};
   state.active.resize(change.needed);
-  state.active.resize(par.compact(change.needed, IsWanted{state.wanted.span()}, state.active.span()));
+  state.active.resize(par.compact(change.needed, IsWanted{state.wanted.span(), worth}, state.active.span()));
   return sum;
 }
 

@@ -3,6 +3,7 @@
 
 #include "energy/harmonic.hpp"
 #include "flips/flip_pass.hpp"
+#include "flips/least_after.hpp"
 #include "flips/offer.hpp"
 #include "par/beside_host.hpp"
 #include "par/prefetch.hpp"
@@ -16,7 +17,9 @@ inline constexpr Size kProposeAtOnce = Size{1} << (par::kBesideHost<Backend> ? 2
 
 namespace flip_detail {
 
-inline constexpr std::uint32_t kAllCandidates = (1U << kCandidates) - 1;
+/// A tetrahedron that looks for flips in the next pass, and one that does if it is worth a look.
+inline constexpr std::uint8_t kWanted = 1;
+inline constexpr std::uint8_t kWantedIfWorth = 2;
 /// Slack of a tetrahedron that was too good for a look so far: it is due when it no longer is.
 inline constexpr float kNeverSeen = -1;
 
@@ -73,6 +76,15 @@ struct Worse {
     const double there = eta[other];
     return (there > eta_t) | ((there == eta_t) & (other < t));
   }
+};
+
+/// Whether a tetrahedron looks for flips at all.
+struct IsWorthALook {
+  MeshView mesh;
+  LeastAfter bound;
+  Span<const double> eta;
+  double least;
+  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && bound.worth_a_look(eta[t]) && eta[t] > least; }
 };
 
 /// Has tetrahedra in the cache before a loop comes to them.

@@ -43,9 +43,9 @@ struct FlipState {
   Buffer<double> eta;
   /// The best flip proposed for each slot: gain in the high half, flip id in the low one. 0: none.
   Buffer<std::uint64_t> proposal;
-  /// The slots to examine, and for each slot the candidates to evaluate, as bits.
+  /// The slots to examine, and what each slot has to do with the next of them: 0, kWanted or kWantedIfWorth.
   Buffer<Index> active;
-  Buffer<std::uint32_t> wanted;
+  Buffer<std::uint8_t> wanted;
   /// Edges inside a region that must stay.
   Buffer<std::uint64_t> constrained_keys;
   Buffer<std::uint8_t> constrained_vertex;

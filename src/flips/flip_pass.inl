@@ -13,7 +13,6 @@ struct Propose {
   static constexpr Size kGrain = 32;
   Candidates candidates;
   Span<const Index> active;
-  Span<const std::uint32_t> wanted;
   Span<const double> eta;
   Span<std::uint64_t> proposal;
   Span<float> slack;
@@ -36,7 +35,7 @@ struct Propose {
       closed |= no << f;
     }
     for (int candidate = 0; candidate < kCandidates; ++candidate) {
-      if ((wanted[t] >> candidate & 1U) == 0 || (closed & Candidates::faces(candidate)) != 0) continue;
+      if ((closed & Candidates::faces(candidate)) != 0) continue;
       if (candidate < 4) {
         const double before = worse.eta_t + eta[link_tet(links[candidate])];
         if (look.possible(bound.split(), before)) {
@@ -52,8 +51,7 @@ struct Propose {
         if (c.kind != FlipKind::none) evaluate(c, energy_before(c, eta), flip_id(t, candidate), look);
       }
     }
-    const auto now = static_cast<float>(look.least - 1);
-    slack[t] = wanted[t] == kAllCandidates || now < slack[t] ? now : slack[t];
+    slack[t] = static_cast<float>(look.least - 1);
     return look.sum;
   }
 
@@ -127,8 +125,8 @@ struct Gather {
 struct KeepRefused {
   Span<const Index> active;
   Span<const float> slack;
-  Span<std::uint32_t> wanted;
-  TETUNE_HD void operator()(Size i) const { wanted[active[i]] = slack[active[i]] < 0 ? kAllCandidates : 0; }
+  Span<std::uint8_t> wanted;
+  TETUNE_HD void operator()(Size i) const { wanted[active[i]] = slack[active[i]] < 0 ? kWanted : 0; }
 };
 
 }  // namespace flip_detail
@@ -146,8 +144,8 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
     if (par.stop_requested()) return report;
     const Span<const Index> some(state.active.span().data() + first, std::min(kProposeAtOnce<Backend>, active - first));
     report.evaluated +=
-        par.template reduce<EvaluatedSum>(some.size(), Propose{candidates, some, state.wanted.span(), state.eta.span(),
-                                                               state.proposal.span(), state.slack.span()})
+        par.template reduce<EvaluatedSum>(
+               some.size(), Propose{candidates, some, state.eta.span(), state.proposal.span(), state.slack.span()})
             .evaluated;
   }
 

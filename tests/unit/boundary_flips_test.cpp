@@ -422,16 +422,23 @@ void check_passes(const TetMesh& mesh) {
       flips += r.flips();
       f.energy -= r.decrease;
       f.expect_consistent();
-      for (Size more = 1; more > 0;) {
-        const FlipReport inside = flip_pass(f.cpu, f.work, f.state, {});
-        more = inside.flips();
-        f.energy -= inside.decrease;
-      }
+      // Those near flips look, then all around them.
+      std::vector<std::uint8_t> flipped(f.awake.size(), 1);
+      do {
+        const Span<std::uint8_t> flags(flipped.data(), static_cast<Size>(flipped.size()));
+        for (Size more = 1; more > 0;) {
+          const FlipReport inside = flip_pass(f.cpu, f.work, f.state, flags);
+          more = inside.flips();
+          f.energy -= inside.decrease;
+        }
+        activate_around(f.cpu, f.work, f.state, Span<const std::uint8_t>(flags));
+        std::fill(flipped.begin(), flipped.end(), std::uint8_t{0});
+      } while (f.state.active.size() > 0);
       f.expect_consistent();
     }
     EXPECT_GT(flips, 100);
     EXPECT_EQ(f.pass().flips(), 0);
-    // What flips made was looked at.
+    // None is left.
     activate_all(f.cpu, f.work, f.state);
     EXPECT_EQ(flip_pass(f.cpu, f.work, f.state, {}).flips(), 0);
     results.insert(f.result().tets);

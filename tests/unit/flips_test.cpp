@@ -306,8 +306,11 @@ TEST(FlipPass, KeepsAllThatItMustOnScrambledCubes) {
       EXPECT_EQ(locked_faces(f.work), locked);
       const auto now = region_volumes(f.result());
       for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(now[k], volumes[k], 1e-12);
-      if (r.flips() == 0) break;
-      EXPECT_GT(r.decrease, 0);
+      if (r.flips() > 0) {
+        EXPECT_GT(r.decrease, 0);
+      } else if (!f.look_around()) {
+        break;
+      }
     }
     EXPECT_GT(flips, 500);
     // The active sets missed nothing: a full look finds no flip either.
@@ -322,23 +325,20 @@ TEST(FlipPass, AFirstLookAtTheWorstLeavesAllElseToTheNext) {
   Fixture f(test::scrambled(test::cube(8, 0.2, 3), 2, 3));
   f.work.law = kShapeLaw;
   refresh_energy(f.cpu, f.work, f.state);
-  const auto flip = [&f] {
-    Size flips = 0;
-    for (Size found = 1; found > 0; flips += found) found = f.pass().flips();
-    return flips;
-  };
   double worst = 0;
   for (const double e : f.state.eta.download()) worst = std::max(worst, e);
   activate_all(f.cpu, f.work, f.state, worst);
   EXPECT_EQ(f.state.active.size(), 0);
   activate_all(f.cpu, f.work, f.state, 8);
-  EXPECT_GT(flip(), 50);
+  Size first = 0;
+  for (Size found = 1; found > 0; first += found) found = f.pass().flips();
+  EXPECT_GT(first, 50);
   const std::vector<double> eta = f.state.eta.download();
   for (const Index t : f.state.active.download()) EXPECT_GT(eta[static_cast<std::size_t>(t)], 8);
   activate_drifted(f.cpu, f.work, f.state);
-  EXPECT_GT(flip(), 50);
+  EXPECT_GT(f.flip_to_the_last(), 50);
   activate_all(f.cpu, f.work, f.state);
-  EXPECT_EQ(flip(), 0);
+  EXPECT_EQ(f.flip_to_the_last(), 0);
 }
 
 TEST(FlipPass, IsTheSameForAnyNumberOfThreads) {
