@@ -14,12 +14,17 @@ inline constexpr double kOrientBound = 8 * 1.1102230246251565e-16;
 /// and the bound no longer holds.
 inline constexpr double kOrientUnderflow = 1e-250;
 
+/// Whether a volume is positive whatever the rounding, given the bound on its error. Over doubles, or over packs.
+template <class T>
+TETUNE_HD TETUNE_INLINE auto is_certified(const T& volume, const T& bound) {
+  return static_cast<decltype(volume > bound)>((volume > bound) & (bound > kOrientUnderflow));
+}
+
 /// Six times the signed volume of a tetrahedron, and a bound on its rounding error.
 struct Orient {
   double det;
   double bound;
-  /// The volume is positive whatever the rounding.
-  TETUNE_HD bool certified() const { return det > bound; }
+  TETUNE_HD bool certified() const { return is_certified(det, bound); }
 };
 
 template <class T>

@@ -25,7 +25,7 @@ struct NotCertified {
     const Tet tet = mesh.tet2vertex[t];
     const Orient o =
         orient(vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]), vec(mesh.points[tet[3]]));
-    return !o.certified() || !(o.bound > kOrientUnderflow);
+    return !o.certified();
   }
 };
 

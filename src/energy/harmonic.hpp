@@ -91,7 +91,7 @@ TETUNE_HD TETUNE_INLINE TetEnergyT<T> tet_energy(const EnergyLaw& law, const Vec
   const Vec3T<T> y = x - p0;
   const T volume = dot(f.n, y);
   const T bound = kOrientBound * permanent(f.a, f.b, y);
-  const auto certified = volume > bound;
+  const auto certified = is_certified(volume, bound);
   const T w = certified ? volume : bound;
   const T q = area_term(f, y);
   T shape{};

@@ -337,6 +337,33 @@ TEST(Optimize, AMeshThatOverlapsItselfKeepsItsFacesOrIsRefused) {
   }
 }
 
+TEST(Optimize, MakesNoVolumeThatIsTooSmallToComputeWith) {
+  // Found by fuzzing: beside the one far vertex all others are so close together that a flip at vertices 1 and 5 makes
+  // a volume in which products underflow.
+  TetMesh before;
+  before.points = {{0, 0, 0},
+                   {1, 0, 0},
+                   {131072, 1.4843376004141983e48, 0},
+                   {1, 2.93873e-39, 0},
+                   {0, 0, 1},
+                   {1, 0, 3.7092e-68},
+                   {0, 2.32831e-10, 1},
+                   {1, 0.6875, 1.015625},
+                   {0.4, 0.55, 0.5998779296875}};
+  before.tets = {{0, 1, 3, 8}, {0, 3, 2, 8}, {4, 7, 5, 8}, {4, 6, 7, 8}, {0, 5, 1, 8}, {0, 4, 5, 8},
+                 {2, 3, 7, 8}, {2, 7, 6, 8}, {0, 2, 6, 8}, {0, 6, 4, 8}, {1, 5, 7, 8}, {1, 7, 3, 8}};
+  before = test::with_tags(std::move(before));
+  ASSERT_TRUE(validate(before).ok()) << validate(before).message(false);
+  for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
+    Options options;
+    options.effort = effort;
+    TetMesh m = before;
+    optimize(m, options);
+    EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
+    EXPECT_NE(m.tets, before.tets);
+  }
+}
+
 TEST(Optimize, RefusesOptionsOutOfRange) {
   TetMesh m = test::one_tet();
   Options options;
