@@ -12,33 +12,37 @@ inline constexpr int kHilbertBitsPerAxis = 16;
 inline constexpr int kHilbertBits = 3 * kHilbertBitsPerAxis;
 inline constexpr double kHilbertCells = 1 << kHilbertBitsPerAxis;
 
+/// Bit i of a number below kHilbertCells at bit 3 i.
+TETUNE_HD inline std::uint64_t every_third_bit(std::uint32_t number) {
+  static_assert(kHilbertBitsPerAxis == 16);
+  std::uint64_t bits = number;
+  bits = (bits | bits << 16) & 0x0000'ff00'00ffULL;
+  bits = (bits | bits << 8) & 0x00f0'0f00'f00fULL;
+  bits = (bits | bits << 4) & 0x0c30'c30c'30c3ULL;
+  bits = (bits | bits << 2) & 0x2492'4924'9249ULL;
+  return bits;
+}
+
 /// Position along the three-dimensional Hilbert curve of a grid cell, coordinates in [0, kHilbertCells).
 /// After Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707, 2004.
 TETUNE_HD inline std::uint64_t hilbert_index(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   std::uint32_t axis[3] = {x, y, z};
-  for (std::uint32_t bit = 1U << (kHilbertBitsPerAxis - 1); bit > 1; bit >>= 1) {
-    const std::uint32_t below = bit - 1;
+  for (int bit = kHilbertBitsPerAxis - 1; bit > 0; --bit) {
+    const std::uint32_t below = (1U << bit) - 1;
     for (int i = 0; i < 3; ++i) {
-      if ((axis[i] & bit) != 0) {
-        axis[0] ^= below;
-      } else {
-        const std::uint32_t swapped = (axis[0] ^ axis[i]) & below;
-        axis[0] ^= swapped;
-        axis[i] ^= swapped;
-      }
+      // Where the bit is set, the bits below it of the first axis are inverted, else exchanged with those of axis i:
+      // without branches, which nothing could predict.
+      const std::uint32_t set = 0U - ((axis[i] >> bit) & 1U);
+      const std::uint32_t change = below & (set | (axis[0] ^ axis[i]));
+      axis[0] ^= change;
+      axis[i] ^= change & ~set;
     }
   }
   axis[1] ^= axis[0];
   axis[2] ^= axis[1];
-  std::uint32_t flip = 0;
-  for (std::uint32_t bit = 1U << (kHilbertBitsPerAxis - 1); bit > 1; bit >>= 1) {
-    if ((axis[2] & bit) != 0) flip ^= bit - 1;
-  }
-  std::uint64_t index = 0;
-  for (int b = kHilbertBitsPerAxis - 1; b >= 0; --b) {
-    for (int i = 0; i < 3; ++i) index = (index << 1) | (((axis[i] ^ flip) >> b) & 1U);
-  }
-  return index;
+  std::uint32_t flip = axis[2] >> 1;
+  for (int bits = 1; bits < kHilbertBitsPerAxis; bits *= 2) flip ^= flip >> bits;
+  return every_third_bit(axis[0] ^ flip) << 2 | every_third_bit(axis[1] ^ flip) << 1 | every_third_bit(axis[2] ^ flip);
 }
 
 }  // namespace tetune

@@ -24,10 +24,6 @@ struct QualityFloor {
   }
   /// No floor.
   TETUNE_HD static QualityFloor none() { return {1e300, 1e300, 1e300}; }
-  TETUNE_HD void merge(const QualityFloor& other) {
-    worst_shape = other.worst_shape > worst_shape ? other.worst_shape : worst_shape;
-    most_cot = other.most_cot > most_cot ? other.most_cot : most_cot;
-  }
   /// Once, when the worst are found.
   TETUNE_HD void settle() {
     worst_shape *= 1 + kRounding;

@@ -29,7 +29,10 @@ inline constexpr double kStale = 0.1;
 /// Before the first sweep, tetrahedra look for flips that are worse than this: sweeps move all others first, and end
 /// lower than flips before them (docs/benchmarks/cpu.md, "The first flips").
 inline constexpr double kFirstLook = 8;
-/// Flips of boundary edges end when a pass takes away less than this part of the energy, and so do removals of faces.
+/// And after it, with Effort::fast.
+inline constexpr double kFastLook = 1.5;
+/// Flips end when a pass takes away less than this part of the energy, those of boundary edges and removals of faces
+/// for good.
 inline constexpr double kLittle = 5e-4;
 inline constexpr double kBestLittle = 1e-4;
 /// The worst tetrahedra are this part of all, and those only that are worse than good.
@@ -110,11 +113,12 @@ class Alternation {
 
   /// Flips and sweeps in turn, until the energy falls no more. False when the caller cancelled.
   bool alternate() {
-    if (options_.energy == Energy::shape) {
-      const double seconds = clock_.measure("load", [&] { work_.mesh.floor = find_floor(par_, work_.mesh); });
+    const bool floor = options_.energy == Energy::shape;
+    clock_.measure("load", [&] { sum_up(); });
+    if (floor) {
+      const double seconds = clock_.measure("load", [&] { work_.mesh.floor = find_floor(par_, work_.mesh, shapes()); });
       monitor_.set_worst(work_.mesh.floor.most_cot, seconds);
     }
-    sum_up();
     report_.energy_before = unit_ * energy_;
     if (!proceed("load", 0)) return false;
     const bool sweeps = options_.termination == Termination::relative && options_.max_iterations > 0;
@@ -130,7 +134,8 @@ class Alternation {
       last_energy = energy_;
       if (!proceed("sweep", iteration)) return false;
       if (options_.flips && schedule.flips_due(iteration)) {
-        clock_.measure("flips", [&] { energy_ = last_sum_ = activate_drifted(par_, work_.mesh, work_.flips); });
+        clock_.measure("flips",
+                       [&] { energy_ = last_sum_ = activate_drifted(par_, work_.mesh, work_.flips, worth_a_look()); });
         const double energy_before_flips = energy_;
         const Size flips = flip_until_stable(iteration);
         if (flips < 0) return false;
@@ -258,7 +263,8 @@ class Alternation {
   void lower_energy_above_floor() {
     clock_.measure("angles", [&] {
       const double most_cot = work_.mesh.floor.most_cot;
-      work_.mesh.floor = find_floor(par_, work_.mesh);
+      sum_up();
+      work_.mesh.floor = find_floor(par_, work_.mesh, shapes());
       work_.mesh.floor.limit_cot(most_cot);
       work_.mobilities.local = false;
       par_.fill(work_.mobilities.awake.span(), std::uint8_t{1});
@@ -308,6 +314,10 @@ class Alternation {
     return all;
   }
 
+  /// Tetrahedra look for flips after a sweep that are worse than this.
+  double worth_a_look() const {
+    return options_.effort == Effort::fast && options_.energy == Energy::shape && !to_the_last_flip() ? kFastLook : 0;
+  }
   /// With to_the_last_flip() all vertices are awake for a sweep, whatever the flags say: they tell where flips were
   /// made.
   void forget_flips() {
@@ -404,9 +414,11 @@ class Alternation {
       } else if (at_faces) {
         removes_faces_ = !little;
         at_faces = false;
+      } else if (!to_the_last_flip()) {
+        if (little) break;
       } else if (r.flips() > 0) {
         flipped = true;
-      } else if (!flipped || !to_the_last_flip()) {
+      } else if (!flipped) {
         break;
       } else {
         clock_.measure("flips", [&] { look_around_flips(); });

@@ -36,7 +36,7 @@ bool Schedule::stop(const SweepReport& sweep, double energy_before_round, double
       reason = StopReason::no_flips;
       return true;
     }
-  } else if (energy_before_round - energy < least_decrease_ * energy && !(once_ && next_flips_ <= max_)) {
+  } else if (energy_before_round - energy < least_decrease_ * energy) {
     reason = StopReason::converged;
     return true;
   }

@@ -18,9 +18,7 @@ class Schedule {
         max_(options.max_iterations),
         least_decrease_(least_decrease(options)),
         little_gain_(options.effort == Effort::best ? 1e-4 : 3e-3),
-        once_(options.effort == Effort::fast && options.flips && !paper_),
-        interval_(once_ ? 2 : 1),
-        next_flips_(interval_) {}
+        once_(options.effort == Effort::fast && options.flips && !paper_) {}
 
   /// Whether the sweep just done is to be followed by flips.
   bool flips_due(int iteration) const { return iteration >= next_flips_; }
@@ -36,9 +34,9 @@ class Schedule {
   int max_;
   double least_decrease_;
   double little_gain_;  ///< flips that take away less than this part of the energy are not worth an earlier look
-  bool once_;           ///< one look for flips is all, and never left out
+  bool once_;           ///< one look for flips is all
   int interval_ = 1;    ///< the paper's k_f: sweeps from one look for flips to the next
-  int next_flips_;
+  int next_flips_ = 1;
   double threshold_ = -1;  ///< the paper's eps_c
   double last_gradient_ = -1;
 };

@@ -53,21 +53,25 @@ struct FlagSharp {
   }
 };
 
-struct FloorOf {
-  MeshView mesh;
-  TETUNE_HD QualityFloor operator()(Size t) const {
-    if (!mesh.alive(t)) return {};
-    const Tet tet = mesh.tet2vertex[t];
-    const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
-                       vec(mesh.points[tet[3]])};
-    const TetEnergy e = tet_energy(mesh.law, p[0], p[1], p[2], p[3]);
-    return {e.shape, QualityFloor::largest_cot(p, e.w), 0};
-  }
+struct Most {
+  double value = 0;
+  TETUNE_HD void merge(const Most& other) { value = other.value > value ? other.value : value; }
+};
+
+struct ValueOf {
+  Span<const double> values;
+  TETUNE_HD Most operator()(Size t) const { return {values[t]}; }
 };
 
 struct MostCot {
   double cot = -1;
   TETUNE_HD void merge(const MostCot& other) { cot = other.cot > cot ? other.cot : cot; }
+};
+
+struct CotAbove {
+  MeshView mesh;
+  IsAbove above;
+  TETUNE_HD MostCot operator()(Size t) const { return {above(t) ? largest_cot(mesh, t) : -1}; }
 };
 
 struct CotOf {
@@ -165,10 +169,18 @@ struct Sharpness {
   }
 };
 
-/// The worst shape energy and dihedral angle of a mesh, as what nothing may go below.
+/// The worst shape energy and dihedral angle of a mesh, as what nothing may go below. `shapes` are the shape energies
+/// of all slots: only where they are large the angles may be small.
 template <class Backend>
-QualityFloor find_floor(const Backend& par, WorkMesh<Backend>& mesh) {
-  QualityFloor floor = par.template reduce<QualityFloor>(mesh.slots(), worst_detail::FloorOf{mesh.view()});
+QualityFloor find_floor(const Backend& par, WorkMesh<Backend>& mesh, Span<const double> shapes) {
+  using namespace worst_detail;
+  const auto most_cot = [&](double above) {
+    return par.template reduce<MostCot>(mesh.slots(), CotAbove{mesh.view(), {shapes, above}}).cot;
+  };
+  QualityFloor floor;
+  floor.worst_shape = par.template reduce<Most>(mesh.slots(), ValueOf{shapes}).value;
+  const double among_worst = most_cot(0.5 * floor.worst_shape);
+  floor.most_cot = std::max(among_worst, most_cot(QualityFloor::least_shape(among_worst)));
   floor.settle();
   return floor;
 }

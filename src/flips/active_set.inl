@@ -123,13 +123,11 @@ struct HasFlaggedEdge {
 };
 
 struct HasDrifted {
-  MeshView mesh;
-  LeastAfter bound;
-  Span<const double> eta;
+  IsWorthALook worth;
   Span<const float> slack;
   TETUNE_HD bool operator()(Size t) const {
     // Slack is not a number where a volume is in doubt.
-    return mesh.alive(t) && bound.worth_a_look(eta[t]) && !(slack[t] >= 0);
+    return worth(t) && !(slack[t] >= 0);
   }
 };
 
@@ -187,12 +185,13 @@ void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend
 }
 
 template <class Backend>
-double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least) {
   using namespace flip_detail;
   const EnergySum energy =
       par.template reduce<EnergySum>(SlotPack<par::Pack>::packs(mesh.slots()),
                                      Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
-  activate_where(par, mesh, state, HasDrifted{mesh.view(), LeastAfter(mesh.law), state.eta.span(), state.slack.span()});
+  const IsWorthALook worth{mesh.view(), LeastAfter(mesh.law), state.eta.span(), least};
+  activate_where(par, mesh, state, HasDrifted{worth, state.slack.span()}, least);
   return energy.sum;
 }
 

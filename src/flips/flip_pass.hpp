@@ -80,9 +80,9 @@ template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least = 0);
 
 /// After vertices have moved: computes eta of each slot again, and makes the tetrahedra active that have drifted so far
-/// that a flip around them may have become worth it. Returns the sum of eta.
+/// that a flip around them may have become worth it, and whose energy is above `least`. Returns the sum of eta.
 template <class Backend>
-double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
+double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least = 0);
 
 /// Makes the tetrahedra active that have an edge between flagged vertices.
 template <class Backend>

@@ -9,7 +9,7 @@ template double refresh_energy(const Instance&, WorkMesh<Instance>&, FlipState<I
 template void refresh_energy_of(const Instance&, WorkMesh<Instance>&, FlipState<Instance>&, Span<const Index>);
 template double sum_energy(const Instance&, FlipState<Instance>&);
 template void activate_all(const Instance&, WorkMesh<Instance>&, FlipState<Instance>&, double);
-template double activate_drifted(const Instance&, WorkMesh<Instance>&, FlipState<Instance>&);
+template double activate_drifted(const Instance&, WorkMesh<Instance>&, FlipState<Instance>&, double);
 template FlipReport flip_pass(const Instance&, WorkMesh<Instance>&, FlipState<Instance>&, Span<std::uint8_t>);
 template void activate_around(const Instance&, WorkMesh<Instance>&, FlipState<Instance>&, Span<const std::uint8_t>);
 template FlipReport boundary_flip_pass(const Instance&, WorkMesh<Instance>&, FlipState<Instance>&,

@@ -109,15 +109,25 @@ struct Wish {
   Span<const std::uint8_t> color;
   Span<std::uint8_t> wish;
   std::uint32_t round;
+  bool none_colored;
   TETUNE_HD void operator()(Size i) const {
     const Index v = todo[i];
     if (color[v] != kUncolored) return;
     std::uint64_t taken[kMaxColors / 64] = {0, 0};
-    apart.visit(v, [&](Index other) {
-      const std::uint8_t c = color[other];
-      if (c < kMaxColors) taken[c >> 6] |= std::uint64_t{1} << (c & 63);
-      return true;
-    });
+    if (!none_colored) {
+      // In registers: places in memory would wait for each other.
+      std::uint64_t low = 0;
+      std::uint64_t high = 0;
+      apart.visit(v, [&](Index other) {
+        const std::uint8_t c = color[other];
+        const std::uint64_t bit = std::uint64_t{1} << (c & 63);
+        low |= c < 64 ? bit : 0;
+        high |= c >= 64 && c < kMaxColors ? bit : 0;
+        return true;
+      });
+      taken[0] = low;
+      taken[1] = high;
+    }
     const auto is_free = [&taken](int c) { return ((taken[c >> 6] >> (c & 63)) & 1) == 0; };
     int free_in_window = 0;
     for (int c = 0; c < kWindow; ++c) free_in_window += is_free(c) ? 1 : 0;
@@ -202,7 +212,8 @@ void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobil
   using Bytes = typename Backend::template Buffer<std::uint8_t>;
   using Ids = typename Backend::template Buffer<Index>;
   const Size n = mobility.size();
-  if (coloring.color.size() != n) {
+  const bool first_time = coloring.color.size() != n;
+  if (first_time) {
     coloring.color.resize(n);
     par.for_each(n, Start{mobility, coloring.color.span()});
   }
@@ -218,7 +229,8 @@ void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobil
   Size count = par.compact(n, IsLost{lost.span()}, todo.span());
   for (std::uint32_t round = 0; count > 0;) {
     for (std::uint32_t turn = 0; turn < kRoundsAtOnce<Backend>; ++turn, ++round) {
-      par.for_each(count, Wish{apart, todo.span(), color, wish.span(), round});
+      const bool none_colored = first_time && round == 0;
+      par.for_each(count, Wish{apart, todo.span(), color, wish.span(), round, none_colored});
       par.for_each(count, Grant{apart, todo.span(), wish.span(), color});
     }
     const Size left = par.compact(count, StillUncolored{todo.span(), color}, positions.span());
