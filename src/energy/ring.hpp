@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "core/quality_floor.hpp"
 #include "core/rows.hpp"
 #include "core/work_mesh.hpp"
 #include "energy/harmonic.hpp"
+#include "par/prefetch.hpp"
 
 namespace tetune {
 
@@ -17,6 +20,14 @@ struct LinkFace {
 struct RingsView {
   Span<const std::uint32_t> offsets;
   Span<const LinkFace> faces;
+
+  /// The first faces of the ring of v, most rings whole.
+  TETUNE_INLINE void prefetch(Index v) const {
+    const Size row = offsets[v];
+    const char* const first = reinterpret_cast<const char*>(faces.data() + row);
+    const Size bytes = std::min<Size>(5 * 64, (faces.size() - row) * static_cast<Size>(sizeof(LinkFace)));
+    for (Size at = 0; at < bytes; at += 64) par::prefetch(first + at);
+  }
 };
 
 /// f = sum of the energies over the ring, to second order around a position.

@@ -199,10 +199,17 @@ struct WantNear {
   }
 };
 
+struct SettleWanted {
+  Span<std::uint8_t> wanted;
+  IsWorthALook worth;
+  TETUNE_HD void operator()(Size t) const {
+    if (wanted[t] == kWantedIfWorth) wanted[t] = worth(t) ? kWanted : 0;
+  }
+};
+
 struct IsWanted {
   Span<const std::uint8_t> wanted;
-  IsWorthALook worth;
-  TETUNE_HD bool operator()(Size t) const { return wanted[t] == kWanted || (wanted[t] == kWantedIfWorth && worth(t)); }
+  TETUNE_HD bool operator()(Size t) const { return wanted[t] != 0; }
 };
 
 /// Carries out agreed flips: `before` holds what each takes and frees. What is made is active afterwards.
@@ -230,8 +237,9 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
 
   par.for_each(records.size(), WantNear{records.span(), state.wanted.span(), state.slack.span()});
   const IsWorthALook worth{mesh.view(), LeastAfter(mesh.law), state.eta.span(), state.least};
+  par.for_each(change.needed, SettleWanted{state.wanted.span(), worth});
   state.active.resize(change.needed);
-  state.active.resize(par.compact(change.needed, IsWanted{state.wanted.span(), worth}, state.active.span()));
+  state.active.resize(par.compact(change.needed, IsWanted{state.wanted.span()}, state.active.span()));
   return sum;
 }
 

@@ -38,6 +38,10 @@ struct Apart {
   RingsView rings;
   SurfaceStars stars;
 
+  TETUNE_INLINE void prefetch(Span<const Index> vertices, Size i) const {
+    constexpr Size kAhead = 8;
+    if (i + kAhead < vertices.size()) rings.prefetch(vertices[i + kAhead]);
+  }
   /// Hands them to `go_on`, some of them again, until that is false.
   template <class GoOn>
   TETUNE_HD TETUNE_INLINE void visit(Index v, const GoOn& go_on) const {
@@ -110,6 +114,7 @@ struct Wish {
   Span<std::uint8_t> wish;
   std::uint32_t round;
   bool none_colored;
+  TETUNE_INLINE void prefetch(Size i, Size) const { apart.prefetch(todo, i); }
   TETUNE_HD void operator()(Size i) const {
     const Index v = todo[i];
     if (color[v] != kUncolored) return;
@@ -151,6 +156,7 @@ struct Grant {
   Span<const Index> todo;
   Span<const std::uint8_t> wish;
   Span<std::uint8_t> color;
+  TETUNE_INLINE void prefetch(Size i, Size) const { apart.prefetch(todo, i); }
   TETUNE_HD void operator()(Size i) const {
     const Index v = todo[i];
     if (color[v] != kUncolored) return;
@@ -228,18 +234,19 @@ void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobil
   par.for_each(n, TakeAway{lost.span(), color, wish.span()});
   Size count = par.compact(n, IsLost{lost.span()}, todo.span());
   for (std::uint32_t round = 0; count > 0;) {
+    const Span<const Index> uncolored(todo.span().data(), count);
     for (std::uint32_t turn = 0; turn < kRoundsAtOnce<Backend>; ++turn, ++round) {
       const bool none_colored = first_time && round == 0;
-      par.for_each(count, Wish{apart, todo.span(), color, wish.span(), round, none_colored});
-      par.for_each(count, Grant{apart, todo.span(), wish.span(), color});
+      par.for_each(count, Wish{apart, uncolored, color, wish.span(), round, none_colored});
+      par.for_each(count, Grant{apart, uncolored, wish.span(), color});
     }
-    const Size left = par.compact(count, StillUncolored{todo.span(), color}, positions.span());
+    const Size left = par.compact(count, StillUncolored{uncolored, color}, positions.span());
     if (left == count) {
       if (stars.triangles.size() == 0) throw MeshError("a vertex has too many neighbours to be coloured");
-      par.for_each(count, GiveUp{todo.span(), color});
+      par.for_each(count, GiveUp{uncolored, color});
       break;
     }
-    par.for_each(left, Pick{todo.span(), positions.span(), rest.span()});
+    par.for_each(left, Pick{uncolored, positions.span(), rest.span()});
     todo.swap(rest);
     count = left;
   }

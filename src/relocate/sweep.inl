@@ -70,10 +70,7 @@ struct RelocateVertex {
     constexpr Size kPointsAhead = 3;
     if (i + kRowsAhead >= vertices.size()) return;
     const Index far = vertices[i + kRowsAhead];
-    const Size row = rings.offsets[far];
-    const char* faces = reinterpret_cast<const char*>(rings.faces.data() + row);
-    const Size bytes = std::min<Size>(5 * 64, (rings.faces.size() - row) * static_cast<Size>(sizeof(LinkFace)));
-    for (Size at = 0; at < bytes; at += 64) par::prefetch(faces + at);
+    rings.prefetch(far);
     par::prefetch(&kind[far]);
     if (site.size() > 0) par::prefetch(&site[far]);
     prefetch_motion(vertices[i + kMotionAhead], i + kMotionAhead < end);
