@@ -180,8 +180,7 @@ template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least) {
   state.slack.resize(mesh.slots(), mesh.room());
   par.fill(state.slack.span(), flip_detail::kNeverSeen);
-  activate_where(par, mesh, state,
-                 flip_detail::IsWorthALook{mesh.view(), LeastAfter(mesh.law), state.eta.span(), least}, least);
+  activate_where(par, mesh, state, flip_detail::IsWorthALook{LeastAfter(mesh.law), state.eta.span(), least}, least);
 }
 
 template <class Backend>
@@ -190,7 +189,7 @@ double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<B
   const EnergySum energy =
       par.template reduce<EnergySum>(SlotPack<par::Pack>::packs(mesh.slots()),
                                      Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
-  const IsWorthALook worth{mesh.view(), LeastAfter(mesh.law), state.eta.span(), least};
+  const IsWorthALook worth{LeastAfter(mesh.law), state.eta.span(), least};
   activate_where(par, mesh, state, HasDrifted{worth, state.slack.span()}, least);
   return energy.sum;
 }

@@ -199,11 +199,19 @@ struct WantNear {
   }
 };
 
+/// Of so many slots in a row: most are none of those.
 struct SettleWanted {
+  static constexpr Size kSlots = 8;
   Span<std::uint8_t> wanted;
   IsWorthALook worth;
-  TETUNE_HD void operator()(Size t) const {
-    if (wanted[t] == kWantedIfWorth) wanted[t] = worth(t) ? kWanted : 0;
+  TETUNE_HD void operator()(Size i) const {
+    const Size first = kSlots * i;
+    const Size count = wanted.size() - first < kSlots ? wanted.size() - first : kSlots;
+    unsigned any = 0;
+    for (Size k = 0; k < count; ++k) any |= wanted[first + k];
+    for (Size t = first; any != 0 && t < first + count; ++t) {
+      if (wanted[t] == kWantedIfWorth) wanted[t] = worth(t) ? kWanted : 0;
+    }
   }
 };
 
@@ -236,8 +244,9 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   change.finish(mesh);
 
   par.for_each(records.size(), WantNear{records.span(), state.wanted.span(), state.slack.span()});
-  const IsWorthALook worth{mesh.view(), LeastAfter(mesh.law), state.eta.span(), state.least};
-  par.for_each(change.needed, SettleWanted{state.wanted.span(), worth});
+  const IsWorthALook worth{LeastAfter(mesh.law), state.eta.span(), state.least};
+  par.for_each((change.needed + SettleWanted::kSlots - 1) / SettleWanted::kSlots,
+               SettleWanted{state.wanted.span(), worth});
   state.active.resize(change.needed);
   state.active.resize(par.compact(change.needed, IsWanted{state.wanted.span()}, state.active.span()));
   return sum;

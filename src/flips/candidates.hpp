@@ -78,13 +78,12 @@ struct Worse {
   }
 };
 
-/// Whether a tetrahedron looks for flips at all.
+/// Whether a tetrahedron looks for flips at all. Free slots, of energy 0, do not.
 struct IsWorthALook {
-  MeshView mesh;
   LeastAfter bound;
   Span<const double> eta;
   double least;
-  TETUNE_HD bool operator()(Size t) const { return mesh.alive(t) && bound.worth_a_look(eta[t]) && eta[t] > least; }
+  TETUNE_HD bool operator()(Size t) const { return bound.worth_a_look(eta[t]) && eta[t] > least; }
 };
 
 /// Has tetrahedra in the cache before a loop comes to them.
