@@ -224,6 +224,7 @@ class Run {
 
   nlohmann::ordered_json full_report() const {
     return {{"tetune", TETUNE_VERSION},
+            {"instructions", instruction_set()},
             {"input", job_.input},
             {"output", job_.output},
             {"options", to_json(options_)},

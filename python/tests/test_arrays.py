@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 import gc
+import json
 import os
+import platform
 import re
 import signal
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -334,6 +337,29 @@ def test_command_line(tmp_path):
     out = tetune.read_mesh(str(tmp_path / "out.mesh"))
     r = tetune.optimize(points, tets)
     assert np.array_equal(out.points, r.mesh.points) and np.array_equal(out.tets, r.mesh.tets)
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64" or platform.libc_ver()[0] != "glibc", reason="levels of x86-64")
+def test_the_processor_decides_which_library_runs(tmp_path):
+    points, tets = shaken_box()
+    tetune.write_mesh(str(tmp_path / "in.mesh"), tetune.TetMesh(points, tets))
+
+    def run(without=""):
+        report = tmp_path / "report.json"
+        subprocess.run(
+            [sys.executable, "-m", "tetune", "optimize", "in.mesh", "-o", "out.meshb", "--report", report],
+            env={**os.environ, "GLIBC_TUNABLES": f"glibc.cpu.hwcaps={without}"}, cwd=tmp_path, check=True, timeout=100,
+        )
+        return json.loads(report.read_text())["instructions"], (tmp_path / "out.meshb").read_bytes()
+
+    flags = set(re.search(r"^flags\s*:(.*)$", Path("/proc/cpuinfo").read_text(), re.M)[1].split())
+    level, result = run()
+    if not {"avx2", "bmi2", "fma", "movbe"} <= flags or tuple(map(int, platform.libc_ver()[1].split("."))) < (2, 33):
+        assert level == "x86-64"
+        return
+    assert level == ("x86-64-v4" if {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"} <= flags else "x86-64-v3")
+    assert run("-AVX512F") == ("x86-64-v3", result)
+    assert run("-AVX2") == ("x86-64", result)
 
 
 def test_numpy_alone_is_enough():

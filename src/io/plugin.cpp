@@ -37,7 +37,10 @@ fs::path own_folder() {
     object = map->l_name;
   }
   std::error_code ignored;
-  return fs::canonical(object, ignored).parent_path();
+  const fs::path folder = fs::canonical(object, ignored).parent_path();
+  // A library for some processors is two folders below that for all.
+  const fs::path above = folder.parent_path();
+  return above.filename() == "glibc-hwcaps" ? above.parent_path() : folder;
 }
 
 /// Where the program is, or an empty path. Never the working folder, never a folder that the environment names.
