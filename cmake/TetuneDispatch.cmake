@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 # The shared library once more for processors with AVX2 and with AVX-512 (x86-64-v3 and -v4). They lie where the
 # system's loader looks first on such a processor (glibc 2.33 or newer); on all others the one for any x86-64 runs.
-if(NOT BUILD_SHARED_LIBS OR TETUNE_NATIVE OR TETUNE_CUDA)
-  message(FATAL_ERROR "TETUNE_DISPATCH needs -DBUILD_SHARED_LIBS=ON -DTETUNE_NATIVE=OFF and a build without CUDA")
+if(NOT CMAKE_SYSTEM_NAME STREQUAL Linux OR NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|amd64|AMD64)$")
+  set(why_not "Linux on x86-64")
+elseif(NOT BUILD_SHARED_LIBS OR TETUNE_NATIVE OR TETUNE_CUDA)
+  set(why_not "-DBUILD_SHARED_LIBS=ON -DTETUNE_NATIVE=OFF and a build without CUDA")
 endif()
-if(CMAKE_SYSTEM_NAME STREQUAL Linux AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|amd64|AMD64)$")
+if(NOT why_not)
   set(levels v3 v4)
+  # Nor do programs that were compiled for any x86-64 lend it their functions.
+  target_link_options(tetune PRIVATE LINKER:-Bsymbolic-functions)
+elseif(TETUNE_DISPATCH STREQUAL "AUTO")
+  message(STATUS "TETUNE_DISPATCH: one library; more need ${why_not}")
 else()
-  set(levels)
-  message(STATUS "TETUNE_DISPATCH: one library, as there are no levels of this processor")
+  message(FATAL_ERROR "TETUNE_DISPATCH needs ${why_not}")
 endif()
 
 # All that the first library is made of, for another level.
@@ -21,8 +26,9 @@ foreach(level ${levels})
   target_link_libraries(tetune_${level} PRIVATE Threads::Threads)
   tetune_target_options(tetune_${level})
   target_compile_options(tetune_${level} PRIVATE -march=x86-64-${level})
+  target_link_options(tetune_${level} PRIVATE LINKER:-Bsymbolic-functions)
   set_target_properties(tetune_${level} PROPERTIES OUTPUT_NAME tetune
-    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/${folder})
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${folder})
   install(TARGETS tetune_${level} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder})
   add_dependencies(tetune tetune_${level})
 endforeach()

@@ -114,11 +114,11 @@ class Alternation {
   /// Flips and sweeps in turn, until the energy falls no more. False when the caller cancelled.
   bool alternate() {
     const bool floor = options_.energy == Energy::shape;
-    clock_.measure("load", [&] { sum_up(); });
-    if (floor) {
-      const double seconds = clock_.measure("load", [&] { work_.mesh.floor = find_floor(par_, work_.mesh, shapes()); });
-      monitor_.set_worst(work_.mesh.floor.most_cot, seconds);
-    }
+    const double seconds = clock_.measure("load", [&] {
+      sum_up();
+      if (floor) work_.mesh.floor = find_floor(par_, work_.mesh, shapes());
+    });
+    if (floor) monitor_.set_worst(work_.mesh.floor.most_cot, seconds);
     report_.energy_before = unit_ * energy_;
     if (!proceed("load", 0)) return false;
     const bool sweeps = options_.termination == Termination::relative && options_.max_iterations > 0;
@@ -135,7 +135,7 @@ class Alternation {
       if (!proceed("sweep", iteration)) return false;
       if (options_.flips && schedule.flips_due(iteration)) {
         clock_.measure("flips",
-                       [&] { energy_ = last_sum_ = activate_drifted(par_, work_.mesh, work_.flips, worth_a_look()); });
+                       [&] { energy_ = last_sum_ = activate_drifted(par_, work_.mesh, work_.flips, look_above()); });
         const double energy_before_flips = energy_;
         const Size flips = flip_until_stable(iteration);
         if (flips < 0) return false;
@@ -315,7 +315,7 @@ class Alternation {
   }
 
   /// Tetrahedra look for flips after a sweep that are worse than this.
-  double worth_a_look() const {
+  double look_above() const {
     return options_.effort == Effort::fast && options_.energy == Energy::shape && !to_the_last_flip() ? kFastLook : 0;
   }
   /// With to_the_last_flip() all vertices are awake for a sweep, whatever the flags say: they tell where flips were
@@ -323,10 +323,16 @@ class Alternation {
   void forget_flips() {
     if (to_the_last_flip()) par_.fill(work_.mobilities.awake.span(), std::uint8_t{0});
   }
-  /// All that may own a candidate with a tetrahedron made by those flips look again.
-  void look_around_flips() {
-    activate_around(par_, work_.mesh, work_.flips, Span<const std::uint8_t>(work_.mobilities.awake.span()));
+  /// With to_the_last_flip(), all that may own a candidate with a tetrahedron made by those flips look again. False
+  /// where there is none.
+  bool look_around_flips(bool& flipped) {
+    if (!flipped || !to_the_last_flip()) return false;
+    clock_.measure("flips", [&] {
+      activate_around(par_, work_.mesh, work_.flips, Span<const std::uint8_t>(work_.mobilities.awake.span()));
+    });
     forget_flips();
+    flipped = false;
+    return work_.flips.active.size() > 0;
   }
 
   int iteration() const { return report_.sweeps.empty() ? 0 : report_.sweeps.back().iteration; }
@@ -385,9 +391,10 @@ class Alternation {
     // Slivers must have gone before.
     bool on_boundary = flips_boundary_ && iteration > 0;
     bool at_faces = removes_faces_ && iteration > 0;
-    bool flipped = false;
+    bool flipped = false;  // since all around flips looked
     if (!on_boundary) forget_flips();
-    for (int pass = 1; pass <= kMaxFlipPasses && (on_boundary || work_.flips.active.size() > 0); ++pass) {
+    for (int pass = 1; pass <= kMaxFlipPasses; ++pass) {
+      if (!on_boundary && work_.flips.active.size() == 0 && !look_around_flips(flipped)) break;
       FlipReport r;
       const double seconds = clock_.measure(on_boundary ? "boundary flips" : "flips", [&] {
         const Span<std::uint8_t> awake = work_.mobilities.awake.span();
@@ -405,24 +412,19 @@ class Alternation {
       count(r);
       report_.flip_passes.push_back(r);
       flips += r.flips();
+      flipped = flipped || r.flips() > 0;
       if (iteration == 0) monitor_.course.first_flips(pass);
       if (!proceed("flips", iteration)) return -1;
       if (on_boundary) {
         flips_boundary_ = !little;
         on_boundary = false;
-        forget_flips();
+        // All were flagged for this pass. Where it has made flips, all look once more at the end.
+        if (!flipped) forget_flips();
       } else if (at_faces) {
         removes_faces_ = !little;
         at_faces = false;
-      } else if (!to_the_last_flip()) {
-        if (little) break;
-      } else if (r.flips() > 0) {
-        flipped = true;
-      } else if (!flipped) {
+      } else if (to_the_last_flip() ? r.flips() == 0 && !look_around_flips(flipped) : little) {
         break;
-      } else {
-        clock_.measure("flips", [&] { look_around_flips(); });
-        flipped = false;
       }
     }
     return flips;

@@ -71,7 +71,13 @@ struct MostCot {
 struct CotAbove {
   MeshView mesh;
   IsAbove above;
-  TETUNE_HD MostCot operator()(Size t) const { return {above(t) ? largest_cot(mesh, t) : -1}; }
+  TETUNE_HD MostCot operator()(Size t) const {
+    if (!above(t)) return {};
+    const Tet tet = mesh.tet2vertex[t];
+    const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
+                       vec(mesh.points[tet[3]])};
+    return {QualityFloor::largest_cot(p, tet_energy(mesh.law, p[0], p[1], p[2], p[3]).w)};
+  }
 };
 
 struct CotOf {

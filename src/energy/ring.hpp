@@ -77,7 +77,8 @@ TETUNE_HD inline RingModel to_model(const EnergyLaw& law, const ModelSum<double>
           s.length2 / static_cast<double>(count)};
 }
 
-/// w = 6 v; where rounding may have made it, the bound on the error stands for it, as in tet_energy().
+/// w = 6 v; where rounding may have made it, the bound on the error stands for it, as in tet_energy() but where
+/// products underflow.
 TETUNE_HD TETUNE_INLINE double safe_volume(const OppositeFace<double>& f, const Vec3& y) {
   const double w = dot(f.n, y);
   const double bound = kOrientBound * permanent(f.a, f.b, y);

@@ -193,8 +193,9 @@ struct WantNear {
   }
 
  private:
+  /// Those that look anyway go on, worth it or not.
   TETUNE_HD void want(Index t) const {
-    par::store_shared(wanted[t], kWantedIfWorth);
+    if (par::load_shared(wanted[t]) == 0) par::store_shared(wanted[t], kWantedIfWorth);
     par::store_shared(slack[t], kNeverSeen);
   }
 };

@@ -20,7 +20,8 @@ namespace flip_detail {
 /// A tetrahedron that looks for flips in the next pass, and one that does if it is worth a look.
 inline constexpr std::uint8_t kWanted = 1;
 inline constexpr std::uint8_t kWantedIfWorth = 2;
-/// Slack of a tetrahedron that was too good for a look so far: it is due when it no longer is.
+/// Slack of a tetrahedron that has not looked since it was made or a flip was made beside it: it is due when it is
+/// worth a look.
 inline constexpr float kNeverSeen = -1;
 
 TETUNE_HD inline std::uint32_t flip_id(Index t, int candidate) {
@@ -86,11 +87,23 @@ struct IsWorthALook {
   TETUNE_HD bool operator()(Size t) const { return bound.worth_a_look(eta[t]) && eta[t] > least; }
 };
 
-/// Has tetrahedra in the cache before a loop comes to them.
-struct FetchTets {
+/// What the loop over the active tetrahedra needs soon: those, their neighbours, and the neighbours of these.
+struct FetchAhead {
   MeshView mesh;
   Span<const double> eta;
+  Span<const Index> active;
 
+  TETUNE_INLINE void operator()(Size i) const {
+    constexpr Size kTetsAhead = 24;
+    constexpr Size kNeighboursAhead = 12;
+    constexpr Size kFartherAhead = 5;
+    if (i + kTetsAhead >= active.size()) return;
+    fetch(active[i + kTetsAhead]);
+    fetch_neighbours(active[i + kNeighboursAhead]);
+    for_neighbours(active[i + kFartherAhead], [this](Index other) { fetch_neighbours(other); });
+  }
+
+ private:
   TETUNE_INLINE void fetch(Index t) const {
     par::prefetch(&mesh.tet2tet[t]);
     par::prefetch(&mesh.tet2vertex[t]);
@@ -104,22 +117,6 @@ struct FetchTets {
   TETUNE_INLINE void for_neighbours(Index t, const F& f) const {
     const Links links = mesh.tet2tet[t];
     for (int face = 0; face < 4; ++face) f(is_locked(links[face]) ? t : link_tet(links[face]));
-  }
-};
-
-/// What the loop over the active tetrahedra needs soon: those, their neighbours, and the neighbours of these.
-struct FetchAhead {
-  FetchTets tets;
-  Span<const Index> active;
-
-  TETUNE_INLINE void operator()(Size i) const {
-    constexpr Size kTetsAhead = 24;
-    constexpr Size kNeighboursAhead = 12;
-    constexpr Size kFartherAhead = 5;
-    if (i + kTetsAhead >= active.size()) return;
-    tets.fetch(active[i + kTetsAhead]);
-    tets.fetch_neighbours(active[i + kNeighboursAhead]);
-    tets.for_neighbours(active[i + kFartherAhead], [this](Index other) { tets.fetch_neighbours(other); });
   }
 };
 

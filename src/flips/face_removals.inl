@@ -34,7 +34,7 @@ struct Propose {
   Span<const Index> active;
   Span<std::uint64_t> proposal;
 
-  TETUNE_INLINE void prefetch(Size i, Size) const { flip_detail::FetchAhead{{find.mesh, find.eta}, active}(i); }
+  TETUNE_INLINE void prefetch(Size i, Size) const { flip_detail::FetchAhead{find.mesh, find.eta, active}(i); }
 
   TETUNE_HD flip_detail::EvaluatedSum operator()(Size i) const {
     const Index t = active[i];

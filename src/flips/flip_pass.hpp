@@ -90,10 +90,10 @@ void activate_around(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
                      Span<const std::uint8_t> flags);
 
 /// One pass of Alg. 5 over the active set: every active tetrahedron proposes its flips, a flip is carried out when it
-/// is the best one of all its tetrahedra, and the next active set is what changed or was refused. In place: a 2-3 flip
-/// takes a slot, a 3-2 flip frees one, an edge removal with n > 4 tetrahedra takes n - 4, and the links are kept up to
-/// date. `awake`, when given, is set for the vertices whose ring changed. Throws MeshError, before anything is changed,
-/// when there can be no such number of slots.
+/// is the best one of all its tetrahedra, and the next active set is what changed, what is beside it, and what was
+/// refused. In place: a 2-3 flip takes a slot, a 3-2 flip frees one, an edge removal with n > 4 tetrahedra takes n - 4,
+/// and the links are kept up to date. `awake`, when given, is set for the vertices whose ring changed. Throws
+/// MeshError, before anything is changed, when there can be no such number of slots.
 template <class Backend>
 FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<std::uint8_t> awake);
 

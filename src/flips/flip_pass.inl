@@ -17,7 +17,7 @@ struct Propose {
   Span<std::uint64_t> proposal;
   Span<float> slack;
 
-  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAhead{{candidates.mesh, eta}, active}(i); }
+  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAhead{candidates.mesh, eta, active}(i); }
 
   TETUNE_HD EvaluatedSum operator()(Size i) const {
     const Index t = active[i];

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-
 #include "core/connect.inl"
 #include "core/rows.hpp"
 #include "par/atomic.hpp"

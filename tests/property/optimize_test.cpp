@@ -337,6 +337,26 @@ TEST(Optimize, AMeshThatOverlapsItselfKeepsItsFacesOrIsRefused) {
   }
 }
 
+TEST(Optimize, FlipsAloneLeaveNone) {
+  Options options;
+  options.max_iterations = 0;
+  for (const Energy energy : {Energy::shape, Energy::harmonic}) {
+    options.energy = energy;
+    for (const std::uint32_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+      const bool two = seed % 3 == 0;
+      TetMesh m =
+          test::sheared(test::scrambled(two ? test::two_materials(10, 0.15) : test::cube(10, 0.2, seed), 3, seed),
+                        seed % 2 == 0 ? 2.5 : 0);
+      const Report first = optimize(m, options);
+      EXPECT_GT(first.flips23 + first.flips32 + first.edge_removals, 500);
+      const auto tets = m.tets;
+      const Report second = optimize(m, options);
+      EXPECT_EQ(second.flips23 + second.flips32 + second.edge_removals, 0) << seed;
+      EXPECT_EQ(m.tets.size(), tets.size());
+    }
+  }
+}
+
 TEST(Optimize, MakesNoVolumeThatIsTooSmallToComputeWith) {
   // Found by fuzzing: beside the one far vertex all others are so close together that a flip at vertices 1 and 5 makes
   // a volume in which products underflow.
