@@ -134,11 +134,14 @@ struct RelocateVertex {
   template <class AnyRing>
   TETUNE_HD StepResult relocate(AnyRing& ring, Index v) const {
     const Vec3 x = vec(points[v]);
-    const Leash held = leash.size() == 0 || kind[v] == Mobility::free ? Leash{} : leash[v];
+    const Mobility where = kind[v];
+    // Most vertices are free. What they do not need would not be in the cache.
+    if (where == Mobility::free) return step(ring, x, Motion{where, {}});
+    const Leash held = leash.size() == 0 ? Leash{} : leash[v];
     if constexpr (kSlides) {
-      if (kind[v] == Mobility::curve || kind[v] == Mobility::surface) return slide(ring, v, x, held);
+      if (where == Mobility::curve || where == Mobility::surface) return slide(ring, v, x, held);
     }
-    return step(ring, x, Motion{kind[v], axis[v], held});
+    return step(ring, x, Motion{where, axis[v], held});
   }
   template <class AnyRing>
   TETUNE_HD __attribute__((noinline)) StepResult slide(AnyRing& ring, Index v, const Vec3& x, const Leash& held) const {
