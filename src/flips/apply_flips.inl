@@ -46,6 +46,9 @@ struct FlipRecord {
   }
 };
 
+/// Records so many ahead have what they need fetched: their cavities lie anywhere in memory.
+inline constexpr Size kRecordsAhead = 6;
+
 /// Hands out the slots and leaves, in each outer face of the old tetrahedra, the address of the new one.
 struct Forward {
   static constexpr Size kGrain = 32;
@@ -54,6 +57,11 @@ struct Forward {
   Span<const SlotCounts> before;  ///< counts of the flips before this one
   Span<const Index> free_slots;
   SlotChange change;
+  TETUNE_INLINE void prefetch(Size i, Size) const {
+    if (i + kRecordsAhead >= records.size()) return;
+    const Cavity& c = records[i + kRecordsAhead].cavity;
+    for (int k = 0; k < c.size(); ++k) par::prefetch(&mesh.tet2tet[c.tets[k]]);
+  }
   TETUNE_HD void operator()(Size i) const {
     FlipRecord& f = records[i];
     for (int x = 0; x < f.cavity.made() - f.cavity.size(); ++x) {
@@ -73,6 +81,16 @@ struct Resolve {
   MeshView mesh;
   Span<FlipRecord> records;
   Span<const std::uint64_t> proposal;
+  /// Records from `end` on are another thread's.
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if (i + kRecordsAhead >= end) return;
+    const FlipRecord& f = records[i + kRecordsAhead];
+    for (int k = 0; k < f.outer_faces(); ++k) {
+      const Index t = f.across[k] == kNoLink ? 0 : link_tet(f.across[k]);
+      par::prefetch(&proposal[t]);
+      par::prefetch(&mesh.tet2tet[t]);
+    }
+  }
   TETUNE_HD void operator()(Size i) const {
     FlipRecord& f = records[i];
     for (int k = 0; k < f.outer_faces(); ++k) {
@@ -118,6 +136,19 @@ struct Write {
   Span<std::uint8_t> wanted;
   Span<std::uint8_t> awake;
 
+  TETUNE_INLINE void prefetch(Size i, Size) const {
+    if (i + kRecordsAhead >= records.size()) return;
+    const Cavity& c = records[i + kRecordsAhead].cavity;
+    for (int k = 0; k < c.size(); ++k) {
+      par::prefetch(&eta[c.tets[k]]);
+      par::prefetch(&mesh.tet2vertex[c.tets[k]]);
+      par::prefetch(&mesh.tet2tet[c.tets[k]]);
+    }
+    par::prefetch(&mesh.tet2original[c.tets[0]]);
+    par::prefetch(&mesh.points[c.a]);
+    par::prefetch(&mesh.points[c.b]);
+    for (int m = 0; m < c.ring_size; ++m) par::prefetch(&mesh.points[c.ring[m]]);
+  }
   TETUNE_HD FlipSum operator()(Size i) const {
     const FlipRecord& f = records[i];
     const Cavity& c = f.cavity;
