@@ -117,7 +117,7 @@ class Run {
     text += fmt::format("  memory                 about {:.0f} MB\n", need_mb_);
     if (options_.termination == Termination::relative && options_.relocation == Relocation::newton) {
       // A run takes about so many times what loading does: docs/command-line.md, "A look before the work".
-      const double times = options_.effort == Effort::best ? 11 : options_.effort == Effort::fast ? 4 : 6;
+      const double times = options_.effort == Effort::best ? 42 : options_.effort == Effort::fast ? 4.5 : 9;
       text += fmt::format("  time                   about {:.2g} s on {} threads\n",
                           2 * input_.seconds + times * load_seconds, report_.threads);
     }
