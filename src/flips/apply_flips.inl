@@ -231,7 +231,7 @@ struct WantNear {
   }
 };
 
-/// Of so many slots in a row: most are none of those.
+/// Decides who looks if it is worth it, eight slots at a time, as in most there is nothing to decide.
 struct SettleWanted {
   static constexpr Size kSlots = 8;
   Span<std::uint8_t> wanted;
