@@ -93,10 +93,8 @@ std::int8_t orient_tet(const TetMesh& mesh, double scale, std::size_t t) {
   const auto& tet = mesh.tets[t];
   const auto p = [&](std::size_t k) -> const Point3& { return mesh.points[static_cast<std::size_t>(tet[k])]; };
   const Orient o = orient(scale * vec(p(0)), scale * vec(p(1)), scale * vec(p(2)), scale * vec(p(3)));
-  if (o.bound > kOrientUnderflow) {
-    if (o.det > o.bound) return 1;
-    if (o.det < -o.bound) return -1;
-  }
+  if (o.certified()) return 1;
+  if (is_certified(-o.det, o.bound)) return -1;
   const int sign = orient_sign(p(0), p(1), p(2), p(3));
   return static_cast<std::int8_t>(sign > 0 && !(o.bound > kOrientUnderflow) ? kTiny : sign);
 }

@@ -5,7 +5,6 @@
 
 #include "core/quality_floor.hpp"
 #include "core/work_mesh.hpp"
-#include "energy/harmonic.hpp"
 #include "par/atomic.hpp"
 #include "vertices/angle_ring.hpp"
 
@@ -54,7 +53,7 @@ struct FlagSharp {
 };
 
 struct Most {
-  double value = 0;
+  double value = -1;
   TETUNE_HD void merge(const Most& other) { value = other.value > value ? other.value : value; }
 };
 
@@ -63,26 +62,15 @@ struct ValueOf {
   TETUNE_HD Most operator()(Size t) const { return {values[t]}; }
 };
 
-struct MostCot {
-  double cot = -1;
-  TETUNE_HD void merge(const MostCot& other) { cot = other.cot > cot ? other.cot : cot; }
-};
-
 struct CotAbove {
   MeshView mesh;
   IsAbove above;
-  TETUNE_HD MostCot operator()(Size t) const {
-    if (!above(t)) return {};
-    const Tet tet = mesh.tet2vertex[t];
-    const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
-                       vec(mesh.points[tet[3]])};
-    return {QualityFloor::largest_cot(p, tet_energy(mesh.law, p[0], p[1], p[2], p[3]).w)};
-  }
+  TETUNE_HD Most operator()(Size t) const { return {above(t) ? largest_cot(mesh, t) : -1}; }
 };
 
 struct CotOf {
   MeshView mesh;
-  TETUNE_HD MostCot operator()(Size t) const { return {mesh.alive(t) ? largest_cot(mesh, t) : -1}; }
+  TETUNE_HD Most operator()(Size t) const { return {mesh.alive(t) ? largest_cot(mesh, t) : -1}; }
 };
 
 /// Flags with 2 the vertices that share a tetrahedron with one flagged with 1.
@@ -108,7 +96,7 @@ struct FindSharpness {
   double least;
   double least_shape;
   Span<double> values;
-  TETUNE_HD MostCot operator()(Size t) const {
+  TETUNE_HD Most operator()(Size t) const {
     const double cot = shapes[t] > least_shape ? largest_cot(mesh, t) : 0;
     values[t] = cot > least ? std::sqrt(1 + cot * cot) : 0;
     return {cot};
@@ -171,7 +159,7 @@ struct Sharpness {
       : values(mesh.slots()) {
     using namespace worst_detail;
     const FindSharpness find{mesh.view(), shapes, least, QualityFloor::least_shape(least), values.span()};
-    most_cot = std::max(least, par.template reduce<MostCot>(mesh.slots(), find).cot);
+    most_cot = std::max(least, par.template reduce<Most>(mesh.slots(), find).value);
   }
 };
 
@@ -181,7 +169,7 @@ template <class Backend>
 QualityFloor find_floor(const Backend& par, WorkMesh<Backend>& mesh, Span<const double> shapes) {
   using namespace worst_detail;
   const auto most_cot = [&](double above) {
-    return par.template reduce<MostCot>(mesh.slots(), CotAbove{mesh.view(), {shapes, above}}).cot;
+    return par.template reduce<Most>(mesh.slots(), CotAbove{mesh.view(), {shapes, above}}).value;
   };
   QualityFloor floor;
   floor.worst_shape = par.template reduce<Most>(mesh.slots(), ValueOf{shapes}).value;
@@ -194,7 +182,7 @@ QualityFloor find_floor(const Backend& par, WorkMesh<Backend>& mesh, Span<const 
 /// Cotangent of the smallest dihedral angle.
 template <class Backend>
 double find_most_cot(const Backend& par, WorkMesh<Backend>& mesh) {
-  return par.template reduce<worst_detail::MostCot>(mesh.slots(), worst_detail::CotOf{mesh.view()}).cot;
+  return par.template reduce<worst_detail::Most>(mesh.slots(), worst_detail::CotOf{mesh.view()}).value;
 }
 
 /// The tetrahedra whose value, of those given for all slots, is above `bound`.

@@ -139,11 +139,7 @@ struct Write {
   TETUNE_INLINE void prefetch(Size i, Size) const {
     if (i + kRecordsAhead >= records.size()) return;
     const Cavity& c = records[i + kRecordsAhead].cavity;
-    for (int k = 0; k < c.size(); ++k) {
-      par::prefetch(&eta[c.tets[k]]);
-      par::prefetch(&mesh.tet2vertex[c.tets[k]]);
-      par::prefetch(&mesh.tet2tet[c.tets[k]]);
-    }
+    for (int k = 0; k < c.size(); ++k) fetch_tet(mesh, eta, c.tets[k]);
     par::prefetch(&mesh.tet2original[c.tets[0]]);
     par::prefetch(&mesh.points[c.a]);
     par::prefetch(&mesh.points[c.b]);

@@ -87,6 +87,13 @@ struct IsWorthALook {
   TETUNE_HD bool operator()(Size t) const { return bound.worth_a_look(eta[t]) && eta[t] > least; }
 };
 
+/// All of a tetrahedron that flips read and write.
+TETUNE_INLINE void fetch_tet(const MeshView& mesh, Span<const double> eta, Index t) {
+  par::prefetch(&mesh.tet2tet[t]);
+  par::prefetch(&mesh.tet2vertex[t]);
+  par::prefetch(&eta[t]);
+}
+
 /// What the loop over the active tetrahedra needs soon: those, their neighbours, and the neighbours of these.
 struct FetchAhead {
   MeshView mesh;
@@ -98,20 +105,15 @@ struct FetchAhead {
     constexpr Size kNeighboursAhead = 12;
     constexpr Size kFartherAhead = 5;
     if (i + kTetsAhead >= active.size()) return;
-    fetch(active[i + kTetsAhead]);
+    fetch_tet(mesh, eta, active[i + kTetsAhead]);
     fetch_neighbours(active[i + kNeighboursAhead]);
     for_neighbours(active[i + kFartherAhead], [this](Index other) { fetch_neighbours(other); });
   }
 
  private:
-  TETUNE_INLINE void fetch(Index t) const {
-    par::prefetch(&mesh.tet2tet[t]);
-    par::prefetch(&mesh.tet2vertex[t]);
-    par::prefetch(&eta[t]);
-  }
   /// Reads what lies across the faces of t itself.
   TETUNE_INLINE void fetch_neighbours(Index t) const {
-    for_neighbours(t, [this](Index other) { fetch(other); });
+    for_neighbours(t, [this](Index other) { fetch_tet(mesh, eta, other); });
   }
   template <class F>
   TETUNE_INLINE void for_neighbours(Index t, const F& f) const {

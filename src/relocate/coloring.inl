@@ -118,22 +118,19 @@ struct Wish {
   TETUNE_HD void operator()(Size i) const {
     const Index v = todo[i];
     if (color[v] != kUncolored) return;
-    std::uint64_t taken[kMaxColors / 64] = {0, 0};
-    if (!none_colored) {
-      // In registers: places in memory would wait for each other.
-      std::uint64_t low = 0;
-      std::uint64_t high = 0;
-      apart.visit(v, [&](Index other) {
-        const std::uint8_t c = color[other];
-        const std::uint64_t bit = std::uint64_t{1} << (c & 63);
-        low |= c < 64 ? bit : 0;
-        high |= c >= 64 && c < kMaxColors ? bit : 0;
-        return true;
-      });
-      taken[0] = low;
-      taken[1] = high;
-    }
-    const auto is_free = [&taken](int c) { return ((taken[c >> 6] >> (c & 63)) & 1) == 0; };
+    // Colours that are taken, in two registers: places in memory would wait for each other.
+    static_assert(kMaxColors == 128);
+    std::uint64_t low = 0;
+    std::uint64_t high = 0;
+    const auto take = [&](Index other) {
+      const std::uint8_t c = color[other];
+      const std::uint64_t bit = std::uint64_t{1} << (c & 63);
+      low |= c < 64 ? bit : 0;
+      high |= c >= 64 && c < kMaxColors ? bit : 0;
+      return true;
+    };
+    if (!none_colored) apart.visit(v, take);
+    const auto is_free = [low, high](int c) { return (((c < 64 ? low : high) >> (c & 63)) & 1) == 0; };
     int free_in_window = 0;
     for (int c = 0; c < kWindow; ++c) free_in_window += is_free(c) ? 1 : 0;
     int skip = free_in_window > 0 ? static_cast<int>(priority(static_cast<Index>(priority(v) + round)) %

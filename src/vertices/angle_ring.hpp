@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/motion.hpp"
+#include "core/orient.hpp"
 #include "core/work_mesh.hpp"
 #include "energy/ring.hpp"
 #include "relocate/step.hpp"
@@ -9,12 +10,14 @@
 
 namespace tetune {
 
-/// Cotangent of the smallest dihedral angle of a tetrahedron.
+/// Cotangent of the smallest dihedral angle of a tetrahedron; where its volume is in doubt, of the smallest volume that
+/// rounding leaves possible.
 TETUNE_HD inline double largest_cot(const MeshView& mesh, Size t) {
   const Tet tet = mesh.tet2vertex[t];
   const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
                      vec(mesh.points[tet[3]])};
-  return QualityFloor::largest_cot(p, dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]));
+  const Orient o = orient(p[0], p[1], p[2], p[3]);
+  return QualityFloor::largest_cot(p, o.certified() ? o.det : o.bound);
 }
 
 /// Where a vertex may go from a place: within its space of motion.
