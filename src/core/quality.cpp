@@ -200,13 +200,14 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   std::vector<double> eta(mesh.tets.size());
   const par::Size part_total = part_count(tets);
   std::vector<Part> parts(static_cast<std::size_t>(part_total));
-  Bins bins(kBins, 0);
+  Bins bins;
   std::mutex bins_mutex;
   const par::Cpu cpu(threads);
   cpu.for_parts(part_total, [&](par::Size p) {
     Bins part_bins(kBins, 0);
     measure_part(mesh, scale, p, parts[static_cast<std::size_t>(p)], part_bins, eta.data(), table);
     const std::lock_guard lock(bins_mutex);
+    if (bins.empty()) return bins.swap(part_bins);
     std::transform(bins.begin(), bins.end(), part_bins.begin(), bins.begin(), std::plus<>());
   });
   Part total;

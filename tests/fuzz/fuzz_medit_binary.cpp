@@ -2,7 +2,7 @@
 #include "fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const tetune::fuzz::Folder folder;
+  static tetune::fuzz::Folder folder;
   tetune::fuzz::check(folder.put("in.meshb", tetune::fuzz::text(data, size)));
   return 0;
 }
