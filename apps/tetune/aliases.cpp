@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <numeric>
+#include <utility>
 
 #include "definitions.hpp"
 #include "tetune/error.hpp"
@@ -37,6 +39,9 @@ const std::vector<Alias>& aliases() {
   return list;
 }
 
+/// Mmg's that say how it works inside, or what it does beside optimising: nothing here corresponds.
+constexpr const char* kForeign[] = {"-octree", "-lag", "-nreg", "-xreg", "-rmc", "-nsd", "-3dMedit"};
+
 /// Mmg's that change sizes or shape.
 constexpr const char* kSizes[] = {"-hmax", "-hmin",     "-hsiz", "-hgrad", "-hgradreq", "-sol",
                                   "-met",  "-optimLES", "-A",    "-ls",    "-lssurf",   "-nosizreq"};
@@ -54,6 +59,41 @@ std::string with_two_dashes(const CLI::App& command, const std::string& word) {
   return command.get_option_no_throw(longer.substr(0, longer.find('='))) != nullptr ? longer : word;
 }
 
+/// The number of characters to change, add or leave out.
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t other = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, other}));
+    }
+  }
+  return row.back();
+}
+
+/// Refuses an option that is none, and says which one may be meant.
+void check_name(const CLI::App& command, const std::string& word) {
+  constexpr std::size_t kMostTypos = 3;
+  const std::string name = word.substr(0, word.find('='));
+  if (!word.starts_with("--") || word == "--" || command.get_option_no_throw(name) != nullptr) return;
+  std::string nearest;
+  std::size_t least = kMostTypos + 1;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& known : names_of(*option)) {
+      const std::size_t d = distance(name, known);
+      if (d >= least) continue;
+      least = d;
+      nearest = known;
+    }
+  }
+  throw OptionError(fmt::format("{}: there is no such option{}; see tetune{}{} --help", name,
+                                nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest),
+                                command.get_name() == "tetune" ? "" : " ",
+                                command.get_name() == "tetune" ? "" : command.get_name()));
+}
+
 }  // namespace
 
 std::vector<std::string> without_aliases(const CLI::App& app, int argc, const char* const* argv) {
@@ -62,7 +102,10 @@ std::vector<std::string> without_aliases(const CLI::App& app, int argc, const ch
   const auto at = std::find_if(commands.begin(), commands.end(),
                                [&](const CLI::App* c) { return !words.empty() && words[0] == c->get_name(); });
   if (at == commands.end()) {
-    if (!words.empty() && words[0].starts_with("-")) return words;
+    if (!words.empty() && words[0].starts_with("-")) {
+      check_name(app, words[0]);
+      return words;
+    }
     std::string known;
     for (const CLI::App* c : commands) known += (known.empty() ? "" : ", ") + c->get_name();
     throw OptionError(fmt::format("{}; there are {}: to improve a mesh, tetune optimize IN OUT",
@@ -79,13 +122,20 @@ std::vector<std::string> without_aliases(const CLI::App& app, int argc, const ch
         ours.insert(ours.end(), known->ours.begin(), known->ours.end());
         continue;
       }
-      if (std::find(std::begin(kSizes), std::end(kSizes), word) != std::end(kSizes)) {
+      const auto is_one_of = [&word](const auto& names) {
+        return std::any_of(std::begin(names), std::end(names),
+                           [&](const char* name) { return word == name || word == std::string("-") + name; });
+      };
+      if (is_one_of(kForeign))
+        throw OptionError(word + ": nothing in tetune corresponds to this option of Mmg; drop it");
+      if (is_one_of(kSizes)) {
         throw OptionError(word +
                           ": tetune keeps the sizes of the elements that it is given, and has no control of sizes, "
                           "metrics or level sets; drop the option, or have Mmg make the sizes first");
       }
     }
     ours.push_back(with_two_dashes(*command, word));
+    check_name(*command, ours.back());
     if (ours.back().size() > 2 && ours.back().starts_with("-h")) {
       throw OptionError(word + ": there is no such option; see tetune " + words[0] + " --help");
     }

@@ -25,7 +25,7 @@ void Console::print(const std::string& text) {
 }
 
 void Console::warn(const std::string& text) {
-  if (verbosity_ > 0 || json_) message("warning", text);
+  if (verbosity_ >= 0 || json_) message("warning", text);
 }
 
 void Console::error(const std::string& text) { message("error", text); }

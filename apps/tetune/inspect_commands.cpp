@@ -90,7 +90,8 @@ int info(const Arguments& a) {
   const Inspection i = inspect(a, 0);
   const std::vector<Verdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<Verdict>{};
   const bool met = i.measured && std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.met; });
-  const int code = i.validity.ok() && (met || bounds.empty()) ? kDone : kStoppedEarly;
+  const bool some = !i.mesh.tets.empty();
+  const int code = some && i.validity.ok() && (met || bounds.empty()) ? kDone : kStoppedEarly;
   if (!a.cell_data.empty()) {
     if (!i.measured) throw MeshError(name + ": " + validity_message(i.validity));
     write_measures(a.cell_data, i.mesh, a.threads);
@@ -105,19 +106,23 @@ int info(const Arguments& a) {
     }
     fmt::print("{}\n", json.dump(2));
   } else if (a.check) {
-    std::string text = i.validity.ok() ? "valid" : validity_message(i.validity);
+    std::string text = !i.validity.ok() ? validity_message(i.validity) : some ? "valid" : "there is no tetrahedron";
+    for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) text.replace(at, 3, at > 0 ? "; " : "");
     for (const Verdict& v : verdicts) text += "; " + to_text(v);
     fmt::print("{}: {}\n", name, text);
   } else {
     fmt::print("{}\n{}", name, mesh_summary(i.mesh));
-    if (i.validity.ok()) {
+    if (i.validity.ok() && !some) {
+      fmt::print("  there is no tetrahedron\n");
+    } else if (i.validity.ok()) {
       fmt::print("  valid: every volume positive, every face on one or two tetrahedra, boundary closed\n");
     } else {
       fmt::print("  {}\n", validity_message(i.validity));
     }
-    if (i.measured) {
+    if (i.measured && some) {
+      if (!i.validity.ok()) fmt::print("  inverted tetrahedra are measured as if they were not\n");
       fmt::print("{}{}", quality_table({""}, {i.quality}), measure_table("measures", i.quality));
-      if (i.quality.tets > 0) fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
+      fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
     }
     for (const Verdict& v : verdicts) fmt::print("  {}\n", to_text(v));
   }

@@ -151,6 +151,17 @@ std::string shown_name(const std::string& path, bool output) {
   return path != kPipe ? path : output ? "standard output" : "standard input";
 }
 
+void make_folder(const std::string& pattern) {
+  if (!pattern.ends_with('/')) return;
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::path(pattern).parent_path();
+  std::filesystem::create_directory(folder, error);
+  if (!std::filesystem::is_directory(folder)) {
+    throw OptionError(fmt::format("--output {}: there is no such folder, and it cannot be made{}", pattern,
+                                  error ? ": " + error.message() : ""));
+  }
+}
+
 std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern) {
   const bool several = inputs.size() > 1;
   std::vector<Job> jobs;

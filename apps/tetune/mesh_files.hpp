@@ -42,6 +42,9 @@ struct Job {
   std::string input, output, report, trace, map;
 };
 
+/// Where the pattern of an output ends in /: makes that folder unless it is there. Throws OptionError.
+void make_folder(const std::string& pattern);
+
 /// Fills in the patterns of `pattern` for each input: "{}" is the input's name without folder and ending; an output
 /// that ends in / or is a folder gets the input's name. Throws OptionError where two jobs would write the same file, or
 /// one writes what another reads.

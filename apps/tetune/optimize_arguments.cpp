@@ -103,6 +103,9 @@ void refuse_ineffective(const CLI::App& command, const OptimizeArguments& a) {
   if (a.options.energy == Energy::harmonic && a.options.effort == Effort::best) {
     throw OptionError("--effort best has no effect with --energy harmonic; drop one of them");
   }
+  if (a.options.trace_angles && a.names.report.empty()) {
+    throw OptionError("--trace-angles has no effect without --report; add it, or drop --trace-angles");
+  }
   if (a.options.device == Device::cuda && command.count("--threads") > 0) {
     throw OptionError("--threads has no effect with --device cuda; drop one of them");
   }
@@ -134,13 +137,13 @@ void define(CLI::App& c, OptimizeArguments& a) {
   c.add_option("files", a.files,
                "Mesh to read: " + readable_endings() +
                    "; or - for the standard input (MEDIT); then the mesh to write, unless -o names it. With -o, any "
-                   "number of meshes to read")
+                   "number of meshes to read: use it with names as *.mesh, of which there may be two")
       ->option_text("INPUT [OUTPUT]");
   c.add_option(
        "-o,--output", a.names.output,
        "Mesh to write: " + writable_endings() +
            "; or - for the standard output (MEDIT text, or binary where the input is). For several meshes a folder "
-           "with / at its end, or a name in which {} is the name of each without its ending")
+           "with / at its end, made if it is not there, or a name in which {} is the name of each without its ending")
       ->option_text("FILE");
   c.add_option("--boundary", a.options.boundary,
                "preserve: vertices move within the surface's planes and straight lines, the surface stays as it is; "
@@ -161,8 +164,9 @@ void define(CLI::App& c, OptimizeArguments& a) {
       ->option_text("LENGTH|PERCENT");
   c.add_option("--tags", a.tags, kTagsHelp)->option_text("NAME");
   c.add_option("--freeze", a.freeze,
-               "Regions and patches to keep as they are to the last bit, by their tags: tag=1,2,patch=7")
-      ->option_text("tag=N,...,patch=N,...");
+               "Regions and patches to keep as they are to the last bit, by their tags or the names of their groups: "
+               "tag=1,2,patch=inlet")
+      ->option_text("tag=N|NAME,...,patch=N|NAME,...");
   c.add_flag("--open-boundaries,!--no-open-boundaries", a.options.open_boundaries,
              "Tagged triangles with the same region on both sides stay faces of the mesh (the default), or are dropped")
       ->capture_default_str();
@@ -252,11 +256,13 @@ void define(CLI::App& c, OptimizeArguments& a) {
        "auto: a line that follows the work, on a terminal; none; json: one JSON object a line on the standard error")
       ->transform(one_of(kProgressModes))
       ->default_str("auto");
-  auto* v = c.add_option("-v", a.verbosity,
-                         "0 or less: nothing; 1: before and after; 2 to 10: each sweep and flip pass, and times")
-                ->check(CLI::Range(-1, 10))
-                ->capture_default_str();
-  c.add_flag("--quiet", a.quiet, "The same as -v 0")->excludes(v);
+  auto* v =
+      c.add_option(
+           "-v", a.verbosity,
+           "-1: errors alone; 0: these and warnings; 1: before and after; 2 to 10: each sweep and flip pass, and times")
+          ->check(CLI::Range(-1, 10))
+          ->capture_default_str();
+  c.add_flag("--quiet", a.quiet, "Warnings and errors alone: -v 0")->excludes(v);
   for (const auto& [group, names] : std::map<std::string, std::vector<const char*>>{
            {"Surface and constraints",
             {"--boundary", "--feature-angle", "--max-deviation", "--tags", "--freeze", "--open-boundaries",
@@ -272,7 +278,7 @@ void define(CLI::App& c, OptimizeArguments& a) {
 
 std::vector<Job> settle(const CLI::App& command, OptimizeArguments& a) {
   refuse_ineffective(command, a);
-  for (const std::string& text : a.freeze) parse_freeze(text, a.options);
+  for (const std::string& text : a.freeze) parse_freeze(text, a.frozen);
   if (a.target_dihedral) a.options.targets.push_back({Measure::min_dihedral, *a.target_dihedral});
   for (const auto& [value, name] : a.target_quality) {
     a.options.targets.push_back({parse_measure("--target-quality", name), value});

@@ -10,6 +10,7 @@
 
 #include "console.hpp"
 #include "mesh_files.hpp"
+#include "option_values.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune::cli {
@@ -21,6 +22,7 @@ struct OptimizeArguments {
   std::string tags;                ///< the cell data to take for the tags; empty: the file's own
   std::string max_deviation;
   std::vector<std::string> freeze;
+  std::vector<Frozen> frozen;  ///< what these say
   std::optional<double> target_dihedral;
   std::vector<std::pair<double, std::string>> target_quality;
   Options options;

@@ -56,14 +56,16 @@ class Run {
 
  private:
   void read() {
-    if (!job_.output.empty() && job_.output != kPipe) check_writable(job_.output);
+    const bool folder_comes = a_.dry_run && a_.names.output.ends_with('/');
+    if (!job_.output.empty() && job_.output != kPipe && !folder_comes) check_writable(job_.output);
     for (const std::string& path : {job_.report, job_.trace, job_.map}) check_folder(path);
     console_.phase("reading");
     input_ = read_input(job_.input, options_.threads);
     choose_tags(input_, job_.input, a_.tags);
-    for (const std::string& w : input_.warnings) console_.warn(w);
+    for (const std::string& w : input_.warnings) warn(w);
     const std::string name = shown_name(job_.input, false);
     if (input_.mesh.tets.empty()) throw MeshError(name + ": there is no tetrahedron in this file");
+    freeze(a_.frozen, name, input_.mesh, options_);
     if (!a_.max_deviation.empty()) {
       options_.max_deviation = parse_length("--max-deviation", a_.max_deviation, input_.mesh);
     }
@@ -88,16 +90,39 @@ class Run {
       measured_at_ = Time::now();
       report_ = optimize(input_.mesh, options_, context);
     } catch (const UntangleError& e) {
-      if (late_ || interrupt::requested()) {
+      if (e.reason == UntangleError::Reason::stopped) {
         throw NotUntangled(shown_name(job_.input, false) +
                            ": stopped before all tetrahedra were made positive, nothing was written");
       }
-      throw NotUntangled(shown_name(job_.input, false) + ": " + e.message(true));
+      fail_to_untangle(e);
     } catch (const OverlapError& e) {
       throw MeshError(shown_name(job_.input, false) + ": " + e.message(true));
     } catch (const MeshError&) {
       throw MeshError(shown_name(job_.input, false) + ": " + validity_message(validate(input_.mesh, options_.threads)));
     }
+  }
+
+  /// The report then lists all that the message only counts.
+  [[noreturn]] void fail_to_untangle(const UntangleError& e) {
+    if (!job_.report.empty()) {
+      nlohmann::ordered_json left = nlohmann::ordered_json::array();
+      for (const Index t : e.left) left.push_back(t + 1);
+      nlohmann::ordered_json json = report_head();
+      json["warnings"] = warnings_;
+      json["untangling"] = {{"inverted_or_flat", e.tangled}, {"left", left}};
+      write_text(job_.report, json.dump(2) + "\n");
+    }
+    Point3 centre{};
+    for (const Index v : input_.mesh.tets[static_cast<std::size_t>(e.left.at(0))]) {
+      for (std::size_t k = 0; k < 3; ++k) centre[k] += 0.25 * input_.mesh.points[static_cast<std::size_t>(v)][k];
+    }
+    throw NotUntangled(fmt::format("{}: {}\n  The first is near {:.6g} {:.6g} {:.6g}. No mesh was written.",
+                                   shown_name(job_.input, false), e.message(true), centre[0], centre[1], centre[2]));
+  }
+
+  void warn(const std::string& text) {
+    console_.warn(text);
+    warnings_.push_back(text);
   }
 
   Outcome tell_what_would_be_done() {
@@ -151,7 +176,8 @@ class Run {
   /// done: loading it (a part of that) and reading.
   Time::time_point end_of_work() const {
     const double reserved = 0.25 * seconds_since(measured_at_) + 1.2 * input_.seconds;
-    const auto limit = std::chrono::duration<double>(std::max(0.0, *a_.time_limit - reserved));
+    constexpr double kForever = 1e9;  // more would not fit
+    const auto limit = std::chrono::duration<double>(std::clamp(*a_.time_limit - reserved, 0.0, kForever));
     return start_ + std::chrono::duration_cast<Time::duration>(limit);
   }
 
@@ -161,7 +187,7 @@ class Run {
     const auto warnings = write_output(job_.output, input_.binary, input_.mesh, options_.threads);
     interrupt::enter(interrupt::Stage::written);
     write_seconds_ = seconds_since(start);
-    for (const std::string& w : warnings) console_.warn(w);
+    for (const std::string& w : warnings) warn(w);
     if (!job_.map.empty()) {
       write_text(job_.map, map_text(report_, input_.mesh.points.size(), input_.mesh.tets.size()));
     }
@@ -184,7 +210,6 @@ class Run {
       write_text(job_.report, json.dump(2) + "\n");
     }
     if (!job_.trace.empty()) write_text(job_.trace, trace_csv(report_));
-    outcome_.seconds = seconds_since(start_);
     console_.print(text(change));
   }
 
@@ -203,10 +228,17 @@ class Run {
       text += fmt::format("  {} vertices inserted, {} removed\n", report_.vertices_inserted, report_.vertices_removed);
     }
     if (report_.tets_untangled > 0) {
-      text += fmt::format("  {} inverted or flat tetrahedra made positive\n", report_.tets_untangled);
+      text += fmt::format(
+          "  {} inverted or flat tetrahedra made positive; \"before\" measures inverted ones as if they were not\n",
+          report_.tets_untangled);
     }
     text += notes(report_);
     if (change) text += surface_table(*change);
+    if (change && options_.max_deviation > 0) {
+      const double most = change->mean_edge * std::max(change->new_to_old, change->old_to_new);
+      text += fmt::format("  --max-deviation        {:.2e}{}\n", options_.max_deviation,
+                          most <= options_.max_deviation ? ", kept" : ", EXCEEDED");
+    }
     for (const TargetReport& t : report_.targets) text += target_table(t);
     if (console_.verbosity() > 1) text += run_table(report_);
     text += fmt::format("  read {:.3f} s, optimised {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
@@ -222,17 +254,22 @@ class Run {
     return text;
   }
 
-  nlohmann::ordered_json full_report() const {
+  nlohmann::ordered_json report_head() const {
     return {{"tetune", TETUNE_VERSION},
             {"instructions", instruction_set()},
             {"input", job_.input},
             {"output", job_.output},
-            {"options", to_json(options_)},
-            {"read_seconds", input_.seconds},
-            {"write_seconds", write_seconds_},
-            {"before", to_json(outcome_.before)},
-            {"after", to_json(outcome_.after)},
-            {"optimization", to_json(report_)}};
+            {"options", to_json(options_)}};
+  }
+  nlohmann::ordered_json full_report() const {
+    nlohmann::ordered_json json = report_head();
+    json["warnings"] = warnings_;
+    json["read_seconds"] = input_.seconds;
+    json["write_seconds"] = write_seconds_;
+    json["before"] = to_json(outcome_.before);
+    json["after"] = to_json(outcome_.after);
+    json["optimization"] = to_json(report_);
+    return json;
   }
 
   const OptimizeArguments& a_;
@@ -242,6 +279,7 @@ class Run {
   Time::time_point start_ = Time::now();
   Time::time_point measured_at_;
   Input input_;
+  std::vector<std::string> warnings_;
   double need_mb_ = 0;
   /// To say afterwards what became of the surface.
   std::unique_ptr<const TetMesh> original_;
@@ -256,6 +294,7 @@ Outcome attempt(const OptimizeArguments& a, const Job& job, Console& console) {
   interrupt::enter(interrupt::Stage::nothing);
   console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
   Outcome outcome;
+  const auto start = Time::now();
   try {
     outcome = Run(a, job, console).run();
   } catch (const std::bad_alloc&) {
@@ -265,6 +304,7 @@ Outcome attempt(const OptimizeArguments& a, const Job& job, Console& console) {
     outcome.code = dynamic_cast<const NotUntangled*>(&e) != nullptr ? kStoppedEarly : kNothingWritten;
   }
   console.clear();
+  outcome.seconds = seconds_since(start);
   nlohmann::ordered_json end = {{"event", "end"},
                                 {"input", job.input},
                                 {"result", outcome.what},
@@ -318,11 +358,13 @@ int run(const CLI::App& command, OptimizeArguments& a) {
   if (a.print_options) {
     nlohmann::ordered_json json = to_json(a.options);
     if (!a.max_deviation.empty()) json["max_deviation"] = a.max_deviation;
+    if (!a.freeze.empty()) json["freeze"] = a.freeze;
     if (a.time_limit) json["time_limit_seconds"] = *a.time_limit;
     if (a.max_memory) json["max_memory_mb"] = *a.max_memory;
     fmt::print("{}\n", json.dump(2));
     return kDone;
   }
+  if (!a.dry_run) make_folder(a.names.output);
   const bool to_pipe = jobs[0].output == kPipe;
   Console console(a.progress, a.verbosity, !to_pipe ? stdout : a.progress == ProgressMode::json ? nullptr : stderr);
   interrupt::install(console.json());

@@ -7,6 +7,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <optional>
+#include <set>
 
 #include "tetune/error.hpp"
 
@@ -24,6 +27,25 @@ double diagonal(const TetMesh& mesh) {
     }
   }
   return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+}
+
+/// The tags of regions or patches, and the names of their groups: 10 "steel", 20.
+std::string tags_there(const TetMesh& mesh, bool regions) {
+  constexpr std::size_t kShown = 20;
+  const std::vector<int>& all = regions ? mesh.tet_tags : mesh.triangle_tags;
+  const std::set<int> tags(all.begin(), all.end());
+  std::string text;
+  std::size_t shown = 0;
+  for (const int tag : tags) {
+    if (shown++ == kShown) return text + fmt::format(", ... ({} tags)", tags.size());
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", tag);
+    for (const Group& group : mesh.groups) {
+      const bool has = std::find(group.tags.begin(), group.tags.end(), tag) != group.tags.end();
+      if (has && group.dimension == (regions ? 3 : 2) && !group.name.empty())
+        text += fmt::format(" \"{}\"", group.name);
+    }
+  }
+  return text.empty() ? "none" : text;
 }
 
 }  // namespace
@@ -67,28 +89,52 @@ Target parse_bound(const std::string& text) {
   return target;
 }
 
-void parse_freeze(const std::string& text, Options& options) {
-  std::vector<int>* tags = nullptr;
+void parse_freeze(const std::string& text, std::vector<Frozen>& frozen) {
+  std::optional<bool> region;
   std::size_t begin = 0;
   while (begin <= text.size()) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     std::string item = text.substr(begin, end - begin);
     begin = end + 1;
     if (item.starts_with("tag=")) {
-      tags = &options.frozen_regions;
+      region = true;
       item.erase(0, std::strlen("tag="));
     } else if (item.starts_with("patch=")) {
-      tags = &options.frozen_patches;
+      region = false;
       item.erase(0, std::strlen("patch="));
+    }
+    if (!region || item.empty()) {
+      throw OptionError(
+          fmt::format("--freeze: '{}' is not understood; give the tags or names of regions as tag=1,2,steel and those "
+                      "of patches as "
+                      "patch=3,inlet",
+                      text));
     }
     int tag = 0;
     const auto [at, error] = std::from_chars(item.data(), item.data() + item.size(), tag);
-    if (tags == nullptr || error != std::errc() || at != item.data() + item.size()) {
-      throw OptionError(fmt::format(
-          "--freeze: '{}' is not understood; give the tags of regions as tag=1,2 and those of patches as patch=3,4",
-          text));
+    const bool number = error == std::errc() && at == item.data() + item.size();
+    frozen.push_back({*region, number ? tag : 0, number ? "" : item});
+  }
+}
+
+void freeze(const std::vector<Frozen>& frozen, const std::string& mesh_name, const TetMesh& mesh, Options& options) {
+  for (const Frozen& f : frozen) {
+    const std::vector<int>& tags = f.region ? mesh.tet_tags : mesh.triangle_tags;
+    std::vector<int> wanted{f.tag};
+    if (!f.name.empty()) {
+      const auto group = std::find_if(mesh.groups.begin(), mesh.groups.end(), [&f](const Group& g) {
+        return g.name == f.name && g.dimension == (f.region ? 3 : 2);
+      });
+      wanted = group != mesh.groups.end() ? group->tags : std::vector<int>{};
     }
-    tags->push_back(tag);
+    const auto is_there = [&tags](int tag) { return std::find(tags.begin(), tags.end(), tag) != tags.end(); };
+    if (!std::any_of(wanted.begin(), wanted.end(), is_there)) {
+      throw OptionError(fmt::format("--freeze: {} has no {} {}; it has {}", mesh_name, f.region ? "region" : "patch",
+                                    f.name.empty() ? std::to_string(f.tag) : "\"" + f.name + "\"",
+                                    tags_there(mesh, f.region)));
+    }
+    auto& to = f.region ? options.frozen_regions : options.frozen_patches;
+    std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(to), is_there);
   }
 }
 

@@ -19,7 +19,17 @@ Measure parse_measure(const std::string& option, const std::string& name);
 /// A bound for `info --min-quality`: "0.2", of the mean ratio, or "radius_ratio=5". Throws OptionError.
 Target parse_bound(const std::string& text);
 
-/// Adds "tag=1,2,patch=7" to the frozen regions and patches. Throws OptionError.
-void parse_freeze(const std::string& text, Options& options);
+/// What is frozen: regions, or patches.
+struct Frozen {
+  bool region;
+  int tag;           ///< if there is no name
+  std::string name;  ///< of a group
+};
+
+/// Adds what "tag=1,2,patch=7,tag=steel" names. Throws OptionError.
+void parse_freeze(const std::string& text, std::vector<Frozen>& frozen);
+
+/// Freezes the tags that these stand for in a mesh, which has to have them. Throws OptionError that says what there is.
+void freeze(const std::vector<Frozen>& frozen, const std::string& mesh_name, const TetMesh& mesh, Options& options);
 
 }  // namespace tetune::cli

@@ -50,6 +50,7 @@ Json to_json(const Comparison& c) {
           {"region_volume_change", c.region_volume_change},
           {"patch_area_change", c.patch_area_change},
           {"patches", patches},
+          {"mean_boundary_edge", c.mean_edge},
           {"distance_vertices_to_old", c.vertices_to_old},
           {"distance_new_to_old", c.new_to_old},
           {"distance_old_to_new", c.old_to_new},
@@ -174,7 +175,8 @@ Json to_json(const ValidationReport& report) {
 }
 
 Json counts_json(const TetMesh& mesh) {
-  Json json = {{"vertices", mesh.points.size()},
+  Json json = {{"listed_inside_out", mesh.listed_inside_out},
+               {"vertices", mesh.points.size()},
                {"tetrahedra", mesh.tets.size()},
                {"triangles", mesh.triangles.size()},
                {"edges", mesh.edges.size()},

@@ -73,6 +73,9 @@ std::string mesh_summary(const TetMesh& mesh) {
   data("tetrahedra", mesh.tet_data);
   data("triangles", mesh.triangle_data);
   data("edges", mesh.edge_data);
+  if (mesh.listed_inside_out) {
+    text += "  all tetrahedra are listed inside out (negative volumes), and are written so\n";
+  }
   return text;
 }
 
@@ -157,10 +160,13 @@ std::string surface_table(const Comparison& c) {
                       c.region_volume_change);
   text += fmt::format("  surface area change    {:+.2e} (largest of a tagged patch {:.2e})\n", c.area_change,
                       c.patch_area_change);
-  text += fmt::format(
-      "  surface distance       new to old {:.2e}, old to new {:.2e}, vertices to old {:.2e} of the mean boundary "
-      "edge\n",
-      c.new_to_old, c.old_to_new, c.vertices_to_old);
+  const auto distance = [&](const char* name, const char* what, double edges) {
+    text +=
+        fmt::format("  {:<22} {} {:.2e} ({:.2e} of the mean boundary edge)\n", name, what, edges * c.mean_edge, edges);
+  };
+  distance("surface distance", "new to old", c.new_to_old);
+  distance("", "old to new", c.old_to_new);
+  distance("", "vertices to old", c.vertices_to_old);
   return text;
 }
 

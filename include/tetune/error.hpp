@@ -31,13 +31,16 @@ class MeshError : public Error {
 /// Options::untangle could not make every volume positive.
 class UntangleError : public MeshError {
  public:
+  /// There is no room for the vertices, with a boundary that stays or one that slides; or the caller wanted an end.
+  enum class Reason { no_room, no_room_though_sliding, stopped };
   /// `tangled`: how many tetrahedra were inverted or flat. `left`: those of the input, in increasing order, that what
   /// is left descends from: tetrahedra still not positive, or else those at the surface where it would fold.
-  UntangleError(std::int64_t tangled, std::vector<Index> left);
+  UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason);
   /// what(), with ids counted from 1 (as MEDIT does) or from 0.
   std::string message(bool one_based) const;
   std::int64_t tangled;
   std::vector<Index> left;
+  Reason reason;
 };
 
 /// The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.

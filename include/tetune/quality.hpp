@@ -110,6 +110,8 @@ struct Comparison {
   /// boundary's mean edge length: the largest from a vertex of the new one to the old one, and the largest from any of
   /// vertices, edge middles and triangle centres of one to the other.
   double vertices_to_old = 0, new_to_old = 0, old_to_new = 0;
+  /// The length that these are divided by.
+  double mean_edge = 0;
   std::int64_t old_vertices = 0, new_vertices = 0, old_tets = 0, new_tets = 0;
   /// The set of tags (and for regions, patches and lines each one's presence) is the same; of vertices each one's tag,
   /// unless their number has changed.

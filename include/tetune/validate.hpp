@@ -54,7 +54,7 @@ struct ValidationReport {
 /// Checks that a mesh is one that the optimiser accepts.
 ///
 /// Checked: array lengths (kMaxTets, kMaxEntries), indices, finite coordinates, four distinct vertices a tetrahedron,
-/// each volume exactly positive (decided in exact arithmetic where rounding leaves doubt) and not below 1e-250 of the
+/// each volume exactly positive (decided in exact arithmetic where rounding leaves doubt) and not below 1e-255 of the
 /// cube of the largest coordinate, where arithmetic underflows, no tetrahedron listed twice, each face on one or two
 /// tetrahedra which lie on opposite sides. The boundary is then closed: the faces on one tetrahedron are the boundary
 /// (modulo 2) of all tetrahedra together, and a boundary has no boundary. `threads` 0 means all. Safe to call

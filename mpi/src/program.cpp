@@ -39,6 +39,7 @@ class Program {
 
   int run() {
     together(comm_, [&] {
+      take_frozen();
       if (!first_) return;
       if (is_plex_file(job_.output)) {
         check_plex_writable(job_.output);
@@ -86,6 +87,13 @@ class Program {
   }
 
  private:
+  void take_frozen() {
+    for (const cli::Frozen& f : a_.frozen) {
+      if (!f.name.empty()) throw OptionError("--freeze: '" + f.name + "' is no tag; tetune-mpi takes no names of groups");
+      (f.region ? options_.frozen_regions : options_.frozen_patches).push_back(f.tag);
+    }
+  }
+
   /// Names the file in what is wrong with the mesh.
   template <class F>
   void in_file(F work) const {

@@ -18,27 +18,37 @@
 namespace tetune::plugin {
 namespace {
 
-/// Keeps the first error that VTK reports.
+/// Keeps the first error that VTK reports, and what it only warns of where a file ends too early.
 class Messages : public vtkOutputWindow {
  public:
   static Messages* New();
   void DisplayErrorText(const char* text) override {
-    if (first_.empty()) first_ = text;
+    // Which filter failed tells nobody anything.
+    if (std::strstr(text, "returned failure for request") != nullptr) {
+      damaged_ = true;
+    } else if (first_.empty()) {
+      first_ = text;
+    }
   }
-  void DisplayWarningText(const char*) override {}
+  void DisplayWarningText(const char* text) override {
+    if (std::strstr(text, "Error reading") != nullptr) damaged_ = true;
+  }
+  void DisplayGenericWarningText(const char* text) override { DisplayWarningText(text); }
   void DisplayText(const char*) override {}
   /// Throws when there was one. VTK's text starts with the line of its own source.
   void check() const {
+    if (first_.empty() && damaged_) throw FileError("the file is damaged or cut short");
     if (first_.empty()) return;
     std::string text = first_;
     if (const auto at = text.find("): "); at != std::string::npos) text = text.substr(at + 3);
     while (!text.empty() && text.back() == '\n') text.pop_back();
     for (char& c : text) c = c == '\n' ? ' ' : c;
-    throw FileError("VTK says: " + text);
+    throw FileError((damaged_ ? "the file is damaged or cut short; VTK says: " : "VTK says: ") + text);
   }
 
  private:
   std::string first_;
+  bool damaged_ = false;
 };
 vtkStandardNewMacro(Messages)
 

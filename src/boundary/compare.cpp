@@ -171,6 +171,7 @@ Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
   auto new_areas = patch_areas(after);
   c.patch_area_change = largest_change(old_areas, new_areas);
   for (const auto& [tag, size] : old_areas) c.patches.push_back({tag, size, relative(new_areas[tag], size)});
+  c.mean_edge = old_skin.mean_edge;
   if (old_skin.mean_edge > 0 && !new_skin.triangles.empty()) {
     const ClosestTriangle old_surface(old_skin.triangles);
     c.vertices_to_old = farthest(new_skin.vertices, old_surface, cpu) / old_skin.mean_edge;

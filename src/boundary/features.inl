@@ -159,6 +159,11 @@ void build_reference(const Backend& par, WorkMesh<Backend>& mesh, const Surface<
   using namespace features_detail;
   const Size vertices = mesh.vertices();
   const Size triangles = surface.triangles.size();
+  constexpr Size kMost = std::numeric_limits<Index>::max() / 3;
+  if (triangles > kMost) {
+    throw MeshError("the mesh has " + std::to_string(triangles) + " faces on its boundary and interfaces; at most " +
+                    std::to_string(kMost) + " can slide. Preserve the boundary, or split the mesh.");
+  }
   reference.points.assign(mesh.points);
   reference.triangles.assign(surface.triangles);
   reference.vertex2corner.offsets.assign(surface.vertex2corner.offsets);

@@ -62,6 +62,7 @@ struct Kind {
 
 void use_as_tags(TetMesh& mesh, const std::string& name) {
   if (find(mesh.tet_data, name) == mesh.tet_data.end()) {
+    if (name == (mesh.cell_tags_name.empty() ? kNameless : mesh.cell_tags_name)) return;  // they are already
     throw OptionError("the tetrahedra have no data \"" + name + "\"; theirs are: " + names_of(mesh.tet_data));
   }
   if (!mesh.groups.empty()) {

@@ -227,8 +227,9 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   const std::int64_t angles = 6 * tets;
   q.dihedral_min = total.min;
   q.worst_tet = static_cast<Index>(total.worst);
-  q.dihedral_1 = percentile(bins, angles, 0.01);
-  q.dihedral_5 = percentile(bins, angles, 0.05);
+  // The middle of a bin may lie beyond all angles.
+  q.dihedral_1 = std::clamp(percentile(bins, angles, 0.01), total.min, total.max);
+  q.dihedral_5 = std::clamp(percentile(bins, angles, 0.05), total.min, total.max);
   q.dihedral_mean = total.sum / static_cast<double>(angles);
   q.dihedral_max = total.max;
   q.eta_sum = total.eta_sum / scale;

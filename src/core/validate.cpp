@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "core/connect.hpp"
 #include "core/fetch_ahead.hpp"
@@ -88,6 +89,9 @@ void check_data(const std::vector<DataArray>& data, std::size_t entries, const s
 
 /// Sign of a volume; kTiny where it is positive but too small to compute with.
 constexpr std::int8_t kTiny = 2;
+/// The bound of such a volume. It depends on the order of the vertices, and flips choose that by themselves: of a
+/// volume that is certified in one order, it is above kOrientBound * kOrientUnderflow / 8 in all.
+constexpr double kTinyBound = 1e-270;
 
 std::int8_t orient_tet(const TetMesh& mesh, double scale, std::size_t t) {
   const auto& tet = mesh.tets[t];
@@ -96,7 +100,7 @@ std::int8_t orient_tet(const TetMesh& mesh, double scale, std::size_t t) {
   if (o.certified()) return 1;
   if (is_certified(-o.det, o.bound)) return -1;
   const int sign = orient_sign(p(0), p(1), p(2), p(3));
-  return static_cast<std::int8_t>(sign > 0 && !(o.bound > kOrientUnderflow) ? kTiny : sign);
+  return static_cast<std::int8_t>(sign > 0 && !(o.bound > kTinyBound) ? kTiny : sign);
 }
 
 std::vector<std::int8_t> orient_all(const TetMesh& mesh, int threads) {
@@ -155,13 +159,16 @@ void find_bad_faces(const TetMesh& mesh, Collector& crowded, Collector& same_sid
     std::sort(v.begin(), v.end());
     return v;
   };
+  std::vector<std::pair<std::array<Index, 4>, Index>> there;  // at one face; all tetrahedra may be at one
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].key == sides[i].key) ++end;
-    for (std::size_t j = i; j < end; ++j) {
-      for (std::size_t k = i; k < j; ++k) {
-        if (sorted_vertices(sides[j].tet) == sorted_vertices(sides[k].tet)) twice.push_back(sides[j].tet);
-      }
+    there.clear();
+    for (std::size_t j = i; j < end; ++j) there.emplace_back(sorted_vertices(sides[j].tet), sides[j].tet);
+    std::sort(there.begin(), there.end());
+    for (std::size_t j = 1; j < there.size(); ++j) {
+      if (there[j].first == there[j - 1].first && there[j].second != there[j - 1].second)
+        twice.push_back(there[j].second);
     }
     if (end - i > 2) {
       for (std::size_t j = i; j < end; ++j) in_crowd.push_back(sides[j].tet);

@@ -108,7 +108,11 @@ class Alternation {
     for (Index& t : left) t = tet2original[static_cast<std::size_t>(t)];
     std::sort(left.begin(), left.end());
     left.erase(std::unique(left.begin(), left.end()), left.end());
-    throw UntangleError(work_.tangled, std::move(left));
+    using Reason = UntangleError::Reason;
+    throw UntangleError(work_.tangled, std::move(left),
+                        par_.stop_requested()                  ? Reason::stopped
+                        : options_.boundary == Boundary::slide ? Reason::no_room_though_sliding
+                                                               : Reason::no_room);
   }
 
   /// Flips and sweeps in turn, until the energy falls no more. False when the caller cancelled.
@@ -513,7 +517,7 @@ Report optimize_on(const Backend& par, TetMesh& mesh, const Options& options, co
     work.rings = {};
     work.coloring = {};
     work.flips = {};
-    store(par, work, mesh, surface, report);
+    store(par, work, options, mesh, surface, report);
   });
   report.tets_after = static_cast<std::int64_t>(mesh.tets.size());
   return report;

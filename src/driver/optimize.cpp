@@ -35,11 +35,19 @@ const char* to_string(StopReason reason) {
 
 namespace {
 
-std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, bool one_based) {
+std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, UntangleError::Reason reason,
+                             bool one_based) {
+  if (reason == UntangleError::Reason::stopped) {
+    return "stopped before all of " + std::to_string(tangled) +
+           " inverted or flat tetrahedra were made positive: " + std::to_string(left.size()) + " are left" +
+           first_ids(left, one_based);
+  }
+  const bool slides = reason == UntangleError::Reason::no_room_though_sliding;
   return "of " + std::to_string(tangled) +
          " inverted or flat tetrahedra some could not be made positive, or not without folding the surface: " +
          std::to_string(left.size()) + " tetrahedra there" + first_ids(left, one_based) +
-         "\n  their vertices have no room: let the boundary slide, freeze less, or repair the surface there.";
+         "\n  their vertices have no room: " + (slides ? "" : "let the boundary slide (--boundary slide), ") +
+         "free what is frozen there, or repair the surface.";
 }
 
 std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
@@ -50,10 +58,10 @@ std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
 
 }  // namespace
 
-UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest)
-    : MeshError(untangle_message(all, rest, false)), tangled(all), left(std::move(rest)) {}
+UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, Reason why)
+    : MeshError(untangle_message(all, rest, why, false)), tangled(all), left(std::move(rest)), reason(why) {}
 
-std::string UntangleError::message(bool one_based) const { return untangle_message(tangled, left, one_based); }
+std::string UntangleError::message(bool one_based) const { return untangle_message(tangled, left, reason, one_based); }
 
 OverlapError::OverlapError(std::vector<Index> there)
     : MeshError(overlap_message(there, false)), tets(std::move(there)) {}
@@ -88,15 +96,22 @@ Report run(TetMesh& mesh, const Options& options, const Context& context, SlideS
     throw OptionError("max_deviation has no effect unless the boundary slides; drop it, or set boundary to slide");
   }
   for (const Target& target : options.targets) check_target(target);
+  // Who asks to stop need not go on asking: what was left undone then is no result to go on from.
+  bool stopped = false;
+  Context until_stopped;
+  until_stopped.stop = [&] { return stopped = stopped || (context.stop && context.stop()); };
+  if (context.progress) {
+    until_stopped.progress = [&](const Progress& p) { return !(stopped = stopped || !context.progress(p)); };
+  }
   const auto start = std::chrono::steady_clock::now();
   DeviceChoice choice{options.device, ""};
   if (options.device == Device::automatic) choice = choose_device(mesh, options);
   Report report;
   if (choice.device == Device::cuda) {
-    report = optimize_on_cuda(mesh, options, context, surface);
+    report = optimize_on_cuda(mesh, options, until_stopped, surface);
   } else {
-    const par::Cpu cpu(options.threads, context.stop);
-    report = optimize_on(cpu, mesh, options, context, surface);
+    const par::Cpu cpu(options.threads, until_stopped.stop);
+    report = optimize_on(cpu, mesh, options, until_stopped, surface);
     report.device = "CPU";
     report.threads = cpu.threads();
   }

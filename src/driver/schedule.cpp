@@ -15,7 +15,8 @@ constexpr int kPaperMaxInterval = 1 << 3;  // 2^N, N = 3
 void Schedule::flips_found(int iteration, std::int64_t flips, double gain) {
   const bool found = paper_ ? flips > 0 : gain > little_gain_;
   interval_ = found ? (interval_ + 1) / 2 : 2 * interval_;
-  next_flips_ = once_ ? max_ + 1 : iteration + interval_;
+  next_flips_ = iteration + interval_;
+  looked_ = true;
 }
 
 bool Schedule::stop(const SweepReport& sweep, double energy_before_round, double energy, StopReason& reason) {
@@ -36,12 +37,8 @@ bool Schedule::stop(const SweepReport& sweep, double energy_before_round, double
       reason = StopReason::no_flips;
       return true;
     }
-  } else if (energy_before_round - energy < least_decrease_ * energy) {
+  } else if (!(energy_before_round - energy > least_decrease_ * energy)) {  // as where there is no element
     reason = StopReason::converged;
-    return true;
-  }
-  if (sweep.iteration >= max_) {
-    reason = StopReason::iteration_limit;
     return true;
   }
   return false;

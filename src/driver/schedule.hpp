@@ -15,13 +15,12 @@ class Schedule {
  public:
   explicit Schedule(const Options& options)
       : paper_(options.termination == Termination::paper),
-        max_(options.max_iterations),
         least_decrease_(least_decrease(options)),
         little_gain_(options.effort == Effort::best ? 1e-4 : 3e-3),
         once_(options.effort == Effort::fast && options.flips && !paper_) {}
 
   /// Whether the sweep just done is to be followed by flips.
-  bool flips_due(int iteration) const { return iteration >= next_flips_; }
+  bool flips_due(int iteration) const { return !(once_ && looked_) && iteration >= next_flips_; }
 
   /// Tells how many flips were found after this sweep, and which part of the energy they took away.
   void flips_found(int iteration, std::int64_t flips, double gain);
@@ -31,12 +30,12 @@ class Schedule {
 
  private:
   bool paper_;
-  int max_;
   double least_decrease_;
   double little_gain_;  ///< flips that take away less than this part of the energy are not worth an earlier look
   bool once_;           ///< one look for flips is all
   int interval_ = 1;    ///< the paper's k_f: sweeps from one look for flips to the next
   int next_flips_ = 1;
+  bool looked_ = false;
   double threshold_ = -1;  ///< the paper's eps_c
   double last_gradient_ = -1;
 };

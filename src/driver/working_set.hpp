@@ -44,6 +44,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, const
 /// Gives the result back to the caller's mesh, under the caller's vertex ids, and tells the surface where the vertices
 /// are on it.
 template <class Backend>
-void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSurface* slides_on, Report& report);
+void store(const Backend& par, WorkingSet<Backend>& work, const Options& options, TetMesh& mesh,
+           SlideSurface* slides_on, Report& report);
 
 }  // namespace tetune

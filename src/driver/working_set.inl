@@ -227,14 +227,14 @@ inline bool flips_boundary(const Options& options) {
 
 /// Throws OverlapError where flips have made faces of three and more tetrahedra.
 inline void check_faces(const TetMesh& before, const std::vector<Point>& points, const VertexIds& ids, double scale,
-                        const decltype(TetMesh::tets)& tets, const std::vector<Index>& tet2original) {
+                        const decltype(TetMesh::tets)& tets, const std::vector<Index>& tet2original, int threads) {
   TetMesh after;
   after.points = extended_points(before, points, ids, scale);
   after.point_tags.resize(after.points.size());
   after.tets = tets;
   after.tet_tags.resize(tets.size());
   std::vector<Index> there;
-  for (const Finding& finding : validate(after).findings) {
+  for (const Finding& finding : validate(after, threads).findings) {
     for (const Index t : finding.first) there.push_back(tet2original[static_cast<std::size_t>(t)]);
   }
   if (there.empty()) return;
@@ -267,6 +267,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, const
   using namespace working_set_detail;
   const ValidationReport arrays = validate_arrays(mesh);
   if (!arrays.ok()) throw MeshError(arrays.message(false));
+  const Constraints constraints = find_constraints(mesh, options);
 
   work.scale = unit_scale(mesh);
   work.mesh = upload_mesh<Backend>(mesh, work.scale);
@@ -287,7 +288,6 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, const
   }
   const auto to_work = [&original2vertex](Index v) { return original2vertex[static_cast<std::size_t>(v)]; };
 
-  const Constraints constraints = find_constraints(mesh, options);
   if (!constraints.locked_tets.empty()) {
     const std::vector<Index> tet2original = work.mesh.tet2original.download();
     std::vector<Index> original2slot(tet2original.size());
@@ -407,7 +407,8 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, const
 }
 
 template <class Backend>
-void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSurface* slides_on, Report& report) {
+void store(const Backend& par, WorkingSet<Backend>& work, const Options& options, TetMesh& mesh,
+           SlideSurface* slides_on, Report& report) {
   using namespace working_set_detail;
   // All that may fail comes first, so that the caller's mesh changes as a whole or not at all.
   const bool check = count_doubled_faces(par, work.mesh) > 0;
@@ -420,7 +421,7 @@ void store(const Backend& par, WorkingSet<Backend>& work, TetMesh& mesh, SlideSu
   std::vector<Index> tet2original = work.mesh.tet2original.download();
   std::vector<int> tet_tags = tags_of(tet2original, mesh);
   const std::vector<Point> points = work.mesh.points.download();
-  if (check) check_faces(mesh, points, ids, work.scale, tets, tet2original);
+  if (check) check_faces(mesh, points, ids, work.scale, tets, tet2original, options.threads);
   mesh.points.reserve(ids.extended2new.size());
   mesh.point_tags.reserve(ids.extended2new.size());
   std::vector<std::uint8_t> keep(mesh.triangles.size());

@@ -118,7 +118,9 @@ struct HasFlaggedEdge {
   TETUNE_HD bool operator()(Size t) const {
     if (!mesh.alive(t)) return false;
     const Tet tet = mesh.tet2vertex[t];
-    return flags[tet[0]] + flags[tet[1]] + flags[tet[2]] + flags[tet[3]] >= 2;
+    int flagged = 0;
+    for (int k = 0; k < 4; ++k) flagged += flags[tet[k]] != 0 ? 1 : 0;
+    return flagged >= 2;
   }
 };
 

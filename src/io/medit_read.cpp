@@ -24,7 +24,8 @@ class TextSource {
   std::size_t count(std::string_view section, int numbers_each) {
     const std::int64_t n = cursor_.integer("number of entries");
     const std::size_t smallest = 2 * static_cast<std::size_t>(numbers_each);
-    if (n < 0 || static_cast<std::uint64_t>(n) > cursor_.remaining() / smallest + 1) {
+    if (n < 0) fail("section " + std::string(section) + " claims " + std::to_string(n) + " entries");
+    if (static_cast<std::uint64_t>(n) > cursor_.remaining() / smallest + 1) {
       fail("section " + std::string(section) + " claims " + std::to_string(n) +
            " entries, more than the rest of the file can hold");
     }
@@ -77,7 +78,7 @@ class BinarySource {
     if (code == 16777216) {
       swap_ = true;
     } else if (code != 1) {
-      fail("this is not a MEDIT binary mesh (.meshb)");
+      fail("this is not a MEDIT mesh, neither in text nor binary");
     }
     version_ = take<std::int32_t>();
     if (version_ < 1 || version_ > 4) fail("version " + std::to_string(version_) + " is not one of 1 to 4");
@@ -270,14 +271,15 @@ class MeditReader {
 
 constexpr const char* kNoEnd = ": the section End is missing; the file may be cut short";
 
-}  // namespace
-
-TetMesh parse_medit_text(const std::string& path, std::string_view bytes, const ReadContext& context) {
+TetMesh parse_text(const std::string& path, std::string_view bytes, const ReadContext& context) {
+  constexpr std::string_view kMarkOfUtf8 = "\xEF\xBB\xBF";
+  if (bytes.starts_with(kMarkOfUtf8)) bytes.remove_prefix(kMarkOfUtf8.size());
   TextCursor cursor(path, bytes);
   TextSource source(cursor, context.threads);
   TetMesh mesh;
   MeditReader reader(source, mesh);
   std::string_view word = cursor.word();
+  if (bytes.empty()) cursor.fail("the file is empty");
   if (word != "MeshVersionFormatted") {
     cursor.fail("this is not a MEDIT mesh: it does not start with MeshVersionFormatted");
   }
@@ -301,7 +303,7 @@ TetMesh parse_medit_text(const std::string& path, std::string_view bytes, const 
   return mesh;
 }
 
-TetMesh parse_medit_binary(const std::string& path, std::string_view bytes, const ReadContext& context) {
+TetMesh parse_binary(const std::string& path, std::string_view bytes, const ReadContext& context) {
   BinarySource source(path, bytes);
   TetMesh mesh;
   MeditReader reader(source, mesh);
@@ -327,12 +329,20 @@ TetMesh parse_medit_binary(const std::string& path, std::string_view bytes, cons
   return mesh;
 }
 
-TetMesh read_medit_text(const std::string& path, const ReadContext& context) {
-  return parse_medit_text(path, MappedFile(path).bytes(), context);
+/// A text has no such byte in its first word; the first number of a binary file, 1, has three in either byte order.
+bool is_binary(std::string_view bytes) { return bytes.substr(0, 4).find('\0') != std::string_view::npos; }
+
+bool is_utf16(std::string_view bytes) { return bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"); }
+
+}  // namespace
+
+TetMesh parse_medit(const std::string& name, std::string_view bytes, const ReadContext& context) {
+  if (is_utf16(bytes)) throw FileError(name + ": this is text in UTF-16; save it as plain text (UTF-8)");
+  return is_binary(bytes) ? parse_binary(name, bytes, context) : parse_text(name, bytes, context);
 }
 
-TetMesh read_medit_binary(const std::string& path, const ReadContext& context) {
-  return parse_medit_binary(path, MappedFile(path).bytes(), context);
+TetMesh read_medit(const std::string& path, const ReadContext& context) {
+  return parse_medit(path, MappedFile(path).bytes(), context);
 }
 
 }  // namespace tetune

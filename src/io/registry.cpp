@@ -25,13 +25,19 @@ std::string endings(bool to_write) {
 
 const Format& format_of(const std::string& path, bool to_write) {
   const std::string ending = std::filesystem::path(path).extension().string();
+  bool other_way = false;
   for (const Format& format : formats()) {
     if (std::find(format.endings.begin(), format.endings.end(), ending) == format.endings.end()) continue;
     if (to_write ? format.writes() : format.reads()) return format;
+    other_way = true;
   }
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) throw FileError(path + ": is a folder; give a file name");
-  throw FileError(path + ": tetune does not " + (to_write ? "write" : "read") + " files of ending \"" + ending +
+  throw FileError(path + ": tetune " +
+                  (!other_way ? "does not "
+                   : to_write ? "reads, but does not "
+                              : "writes, but does not ") +
+                  (to_write ? "write" : "read") + " files of ending \"" + ending +
                   "\"; known endings: " + endings(to_write));
 }
 
@@ -69,8 +75,8 @@ void turn(const std::string& path, TetMesh& mesh, const ReadContext& context) {
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> list = {
-      {"MEDIT text", {".mesh"}, read_medit_text, write_medit_text},
-      {"MEDIT binary", {".meshb"}, read_medit_binary, write_medit_binary},
+      {"MEDIT text", {".mesh"}, read_medit, write_medit_text},
+      {"MEDIT binary", {".meshb"}, read_medit, write_medit_binary},
       {"TetGen", {".ele", ".node", ".face"}, read_tetgen, nullptr},
       {"VTK XML", {".vtu"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false},
@@ -105,9 +111,7 @@ TetMesh read_mesh(const std::string& path, std::vector<std::string>* warnings, i
 
 TetMesh parse_mesh(const std::string& name, std::string_view bytes, std::vector<std::string>* warnings, int threads) {
   const ReadContext context{threads, warnings};
-  // A text has no such byte; the first number of a binary file, 1, has three in either byte order.
-  const bool binary = bytes.substr(0, 4).find('\0') != std::string_view::npos;
-  TetMesh mesh = binary ? parse_medit_binary(name, bytes, context) : parse_medit_text(name, bytes, context);
+  TetMesh mesh = parse_medit(name, bytes, context);
   turn(name, mesh, context);
   return mesh;
 }

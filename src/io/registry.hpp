@@ -44,11 +44,10 @@ std::string too_many(std::int64_t entries, bool tets);
 /// The formats this build has. To add one: docs/adding-a-format.md.
 const std::vector<Format>& formats();
 
-TetMesh read_medit_text(const std::string& path, const ReadContext& context);
-TetMesh read_medit_binary(const std::string& path, const ReadContext& context);
+/// Text or binary, whichever it is.
+TetMesh read_medit(const std::string& path, const ReadContext& context);
 /// From bytes in memory; `name` is what messages call them.
-TetMesh parse_medit_text(const std::string& name, std::string_view bytes, const ReadContext& context);
-TetMesh parse_medit_binary(const std::string& name, std::string_view bytes, const ReadContext& context);
+TetMesh parse_medit(const std::string& name, std::string_view bytes, const ReadContext& context);
 void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads);
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, int threads);
 /// What of the mesh a MEDIT file has no room for, a sentence each.

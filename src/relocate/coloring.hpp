@@ -10,10 +10,12 @@
 
 namespace tetune {
 
-/// The triangles of the mesh's surface, and the corners of each vertex.
+/// The triangles of the mesh's surface, the corners of each vertex, and the neighbours on lines: these need not share a
+/// tetrahedron.
 struct SurfaceStars {
   Span<const SurfaceTriangle> triangles;
   RowsView vertex2corner;
+  Span<const LineVertex> line;
 };
 
 /// Independent sets of vertices: no two of one colour share a tetrahedron (Sect. 4.1). Vertices that cannot move

@@ -48,6 +48,9 @@ struct Apart {
     if (!visit_ring(v, go_on)) return;
     const RowsView& rows = stars.vertex2corner;
     if (Size{v} + 1 >= rows.offsets.size()) return;  // none were asked for, or the vertex was inserted
+    for (const Index next : stars.line[v].next) {
+      if (next >= 0 && !go_on(next)) return;
+    }
     for (Size c = rows.begin(v); c < rows.end(v); ++c) {
       for (const Index near : stars.triangles[rows.items[c] / 3].v) {
         if (near == v) continue;

@@ -41,7 +41,7 @@ struct Mobilities {
   /// What color_vertices() needs of the surface.
   SurfaceStars stars() const {
     if (!(max_deviation > 0)) return {};
-    return {reference.triangles.span(), reference.vertex2corner.view()};
+    return {reference.triangles.span(), reference.vertex2corner.view(), reference.line.span()};
   }
   /// 1: worth a visit: at its last visit the vertex, or since then one of its ring, moved by more than kWake at once,
   /// or a flip changed its ring.

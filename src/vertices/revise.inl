@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 #include "flips/offer.hpp"
 #include "par/atomic.hpp"
@@ -26,6 +27,11 @@ inline constexpr double kDoubt = 2;
 inline constexpr Index kNoVertex = -1;
 /// Most tetrahedra around an edge that is removed: with more it hardly ever helps.
 inline constexpr int kMaxMovedRing = 6;
+/// In place of the best offer of a tetrahedron that is taken away.
+inline constexpr std::uint64_t kTaken = ~std::uint64_t{0};
+/// Proposals between two questions whether to stop: some tenths of a second of one thread.
+template <class Backend>
+inline constexpr Size kReviseAtOnce = Size{1} << (par::kBesideHost<Backend> ? 26 : 12);
 
 /// A cavity and its apex: a vertex, or the place of a new one.
 struct Proposal {
@@ -48,8 +54,10 @@ struct Propose {
   int max_ring;
   double vertex_cot;
   int choices;  ///< of each tetrahedron
+  Size first;   ///< id of the first proposal
 
-  TETUNE_HD void operator()(Size id) const {
+  TETUNE_HD void operator()(Size offset) const {
+    const Size id = first + offset;
     const Index t = around[id / choices];
     const auto choice = static_cast<int>(id % choices);
     Proposal& p = proposals[id];
@@ -221,6 +229,7 @@ struct Gather {
   ConstrainedEdges constrained;
   Span<const Proposal> proposals;
   Span<const Index> agreed;
+  Span<std::uint64_t> best;
   Span<Filling> fillings;
   Span<Counts> counts;
 
@@ -236,7 +245,10 @@ struct Gather {
     f.old_count = p.tet_count;
     f.face_count = star.face_count();
     f.made = 0;
-    for (int k = 0; k < p.tet_count; ++k) f.slots[k] = p.tets[k];
+    for (int k = 0; k < p.tet_count; ++k) {
+      f.slots[k] = p.tets[k];
+      best[p.tets[k]] = kTaken;
+    }
     for (int k = 0; k < f.face_count; ++k) {
       f.faces[k] = star.face(k);
       f.sides[k] = star.side(k);
@@ -271,27 +283,19 @@ struct Forward {
 struct Resolve {
   MeshView mesh;
   Span<Filling> fillings;
-  Span<const std::uint8_t> taken;
+  Span<const std::uint64_t> best;
   TETUNE_HD void operator()(Size i) const {
     Filling& f = fillings[i];
     for (int k = 0; k < f.face_count; ++k) {
       const Link old = f.across[k];
       if (old == kNoLink) continue;
       Link& there = mesh.tet2tet[link_tet(old)][link_face(old)];
-      if (taken[link_tet(old)] != 0) {
+      if (best[link_tet(old)] == kTaken) {
         f.across[k] = there | (old & kLocked);
       } else {
         there = f.new_side(k) | (old & kLocked);
       }
     }
-  }
-};
-
-struct Mark {
-  Span<const Filling> fillings;
-  Span<std::uint8_t> taken;
-  TETUNE_HD void operator()(Size i) const {
-    for (int k = 0; k < fillings[i].old_count; ++k) taken[fillings[i].slots[k]] = 1;
   }
 };
 
@@ -373,14 +377,18 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   typename Backend::template Buffer<Proposal> proposals(count);
   typename Backend::template Buffer<std::uint64_t> best(slots);
   par.fill(best.span(), std::uint64_t{0});
-  par.for_each(count, Propose{mesh.view(), flips.constrained(), mobilities.kind.span(), around, proposals.span(),
-                              best.span(), std::min(flips.max_ring, kMaxMovedRing), vertex_cot, choices});
+  for (Size first = 0; first < count; first += kReviseAtOnce<Backend>) {
+    if (par.stop_requested()) return {};
+    par.for_each(std::min(kReviseAtOnce<Backend>, count - first),
+                 Propose{mesh.view(), flips.constrained(), mobilities.kind.span(), around, proposals.span(),
+                         best.span(), std::min(flips.max_ring, kMaxMovedRing), vertex_cot, choices, first});
+  }
   Ids agreed(count);
   const Size fills = par.compact(count, Agreed{proposals.span(), best.span()}, agreed.span());
   typename Backend::template Buffer<Filling> fillings(fills);
   typename Backend::template Buffer<Counts> before(fills);
-  par.for_each(
-      fills, Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), fillings.span(), before.span()});
+  par.for_each(fills, Gather{mesh.view(), flips.constrained(), proposals.span(), agreed.span(), best.span(),
+                             fillings.span(), before.span()});
   const Counts counts = par.exclusive_scan(Span<const Counts>(before.span()), before.span());
   const SlotChange change(mesh, counts.slots);
   const Size tets = mesh.tets() + counts.slots.takes - counts.slots.frees;
@@ -398,11 +406,8 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   mobilities.awake.grow(all);
   if (mobilities.site.size() > 0) mobilities.site.grow(all);
 
-  typename Backend::template Buffer<std::uint8_t> taken(slots);
-  par.fill(taken.span(), std::uint8_t{0});
-  par.for_each(fills, Mark{fillings.span(), taken.span()});
   par.for_each(fills, Forward{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), change, vertices});
-  par.for_each(fills, Resolve{mesh.view(), fillings.span(), taken.span()});
+  par.for_each(fills, Resolve{mesh.view(), fillings.span(), best.span()});
   par.for_each(fills,
                Write{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), change.free_kept,
                      flips.eta.span(), mesh.vertex2original.span(), mobilities.kind.span(), mobilities.axis.span(),

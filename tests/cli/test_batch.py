@@ -30,7 +30,11 @@ class Files(CliTest):
             self.run_cli("optimize", source, "-o", self.path("new") + slash, "--quiet")
             self.assertEqual(os.listdir(self.path("new")), ["in.mesh"])
             os.remove(self.path("new/in.mesh"))
-        self.refused("optimize", source, "-o", self.path("absent") + "/", said=["absent", "does not exist"])
+        self.run_cli("optimize", source, "-o", self.path("made") + "/", "--dry-run")
+        self.assertFalse(os.path.exists(self.path("made")))
+        self.run_cli("optimize", source, "-o", self.path("made") + "/", "--quiet")
+        self.assertEqual(os.listdir(self.path("made")), ["in.mesh"])
+        self.refused("optimize", source, "-o", self.path("absent/made") + "/", said=["absent/made", "no such folder"])
 
 
 class Several(CliTest):

@@ -164,12 +164,14 @@ class Conversions(Case):
         for ending in ("vtu", "vtk", "e", "msh"):
             self.assertEqual(self.run_tetune("optimize", "cube.mesh", "-o", f"a.{ending}").returncode, 0)
             whole = (self.folder / f"a.{ending}").read_bytes()
-            (self.folder / f"bad.{ending}").write_bytes(whole[:len(whole) // 3])
-            (self.folder / "out.mesh").write_text("old")
-            done = self.run_tetune("optimize", f"bad.{ending}", "-o", "out.mesh")
-            self.assertEqual(done.returncode, 2, ending)
-            self.assertIn(f"bad.{ending}", done.stderr)
-            self.assertEqual((self.folder / "out.mesh").read_text(), "old")
+            for part in (0.33, 0.6, 0.9, 0.97):
+                (self.folder / f"bad.{ending}").write_bytes(whole[:int(part * len(whole))])
+                (self.folder / "out.mesh").write_text("old")
+                done = self.run_tetune("optimize", f"bad.{ending}", "-o", "out.mesh")
+                self.assertEqual(done.returncode, 2, (ending, part))
+                self.assertIn(f"bad.{ending}", done.stderr)
+                self.assertNotIn("vtkInformation", done.stderr)
+                self.assertEqual((self.folder / "out.mesh").read_text(), "old")
 
     def test_formats_that_this_build_of_gmsh_lacks_are_refused_before_the_work(self):
         for ending in ("med", "cgns"):
@@ -216,6 +218,10 @@ class Conversions(Case):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertLess(volume_change("again.vtu"), 1e-12)
         self.assertEqual(set(Mesh.read(self.folder / "out.mesh").tet_tags), {1, 2})
+
+        # Those that are the tags already may be named.
+        done = self.run_tetune("optimize", "again.vtu", "-o", "named.vtu", "--tags", "medit:ref")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
 
         done = self.run_tetune("optimize", "in.vtk", "-o", "no.mesh", "--tags", "iron")
         self.assertEqual(done.returncode, 2)

@@ -215,9 +215,14 @@ class Optimize(CliTest):
         after = Mesh.read(self.path("out.mesh"))
         self.assertEqual(set(after.tet_tags), {4})
         self.assertGreater(min(after.volumes()), 0)
-        # Nothing of warnings when quiet.
-        done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"), "--quiet")
-        self.assertEqual(done.stderr, "")
+        # Warnings alone when quiet, and not even these.
+        done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"), "--quiet", "--report",
+                            self.path("r.json"))
+        self.assertIn("m.face is not there", done.stderr)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(["m.face is not there" in w for w in json.loads(self.read_bytes("r.json"))["warnings"]], [True])
+        done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"), "-v", "-1")
+        self.assertEqual(done.stdout + done.stderr, "")
 
 
 if __name__ == "__main__":

@@ -127,9 +127,22 @@ TEST_F(IoTest, ThingsThatAreNoFile) {
   // A pipe without a writer would block whoever opens it.
   ASSERT_EQ(::mkfifo(path("pipe.mesh").c_str(), 0600), 0);
   EXPECT_TRUE(contains(read_error(path("pipe.mesh")), "not a regular file"));
-  EXPECT_TRUE(contains(read_error(put("empty.mesh", "")), "MeshVersionFormatted"));
-  EXPECT_TRUE(contains(read_error(put("empty.meshb", "")), "the file ends too early"));
+  EXPECT_TRUE(contains(read_error(put("empty.mesh", "")), "the file is empty"));
+  EXPECT_TRUE(contains(read_error(put("empty.meshb", "")), "the file is empty"));
+  EXPECT_TRUE(contains(read_error(put("wide.mesh", std::string("\xFF\xFEM\0e\0", 6))), "UTF-16"));
   EXPECT_TRUE(contains(read_error(put("other.mesh", "solid cube\n")), "other.mesh:1: this is not a MEDIT mesh"));
+}
+
+/// Text and binary are told apart by what they hold, and the mark that some editors put before a text is passed over.
+TEST_F(IoTest, WhatTheFileHoldsDecides) {
+  const std::string text = "MeshVersionFormatted 2\nDimension 3\nVertices 1\n0.5 0 0 7\nEnd\n";
+  for (const std::string& name : {put("a.mesh", "\xEF\xBB\xBF" + text), put("a.meshb", text)}) {
+    EXPECT_EQ(read_mesh(name).point_tags, std::vector<int>{7});
+  }
+  const TetMesh mesh = read_mesh(path("a.mesh"));
+  write_mesh(path("b.meshb"), mesh);
+  std::filesystem::rename(path("b.meshb"), path("b.mesh"));
+  EXPECT_EQ(read_mesh(path("b.mesh")).points, mesh.points);
 }
 
 TEST_F(IoTest, UnknownEndingsAreRefusedWithTheKnownOnes) {

@@ -372,15 +372,25 @@ TEST(Optimize, MakesNoVolumeThatIsTooSmallToComputeWith) {
                    {0.4, 0.55, 0.5998779296875}};
   before.tets = {{0, 1, 3, 8}, {0, 3, 2, 8}, {4, 7, 5, 8}, {4, 6, 7, 8}, {0, 5, 1, 8}, {0, 4, 5, 8},
                  {2, 3, 7, 8}, {2, 7, 6, 8}, {0, 2, 6, 8}, {0, 6, 4, 8}, {1, 5, 7, 8}, {1, 7, 3, 8}};
-  before = test::with_tags(std::move(before));
-  ASSERT_TRUE(validate(before).ok()) << validate(before).message(false);
-  for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
-    Options options;
-    options.effort = effort;
-    TetMesh m = before;
-    optimize(m, options);
-    EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
-    EXPECT_NE(m.tets, before.tets);
+  // The same, where the order of its vertices decides whether they do.
+  TetMesh ordered;
+  ordered.points = {{0, 0, 0}, {5, 0, 0}, {0, 1e79 / 3, 0}, {1, 1, 0},       {0.1, 0, 2},
+                    {1, 0, 1}, {0, 1, 1}, {2, 1, 1},        {0.4, 0.55, 0.6}};
+  ordered.tets = {{0, 1, 3, 8}, {0, 3, 2, 8}, {4, 7, 5, 8}, {4, 6, 7, 8}, {0, 5, 1, 8}, {0, 5, 4, 8},
+                  {2, 3, 7, 8}, {2, 7, 6, 8}, {0, 2, 8, 6}, {0, 6, 4, 8}, {1, 5, 7, 8}, {1, 7, 3, 8}};
+  ordered = test::with_tags(std::move(ordered));
+  orient_uniformly(ordered);
+  for (const TetMesh& mesh : {before, ordered}) {
+    TetMesh tagged = test::with_tags(mesh);
+    ASSERT_TRUE(validate(tagged).ok()) << validate(tagged).message(false);
+    for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
+      Options options;
+      options.effort = effort;
+      TetMesh m = tagged;
+      optimize(m, options);
+      EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
+      EXPECT_NE(m.tets, tagged.tets);
+    }
   }
 }
 

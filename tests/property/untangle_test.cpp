@@ -109,6 +109,30 @@ TEST(Untangle, SaysWhatIsLeftAndChangesNothing) {
   EXPECT_EQ(m.tets, before.tets);
 }
 
+TEST(Untangle, SaysWhyItEnded) {
+  const auto reason = [](const Options& options, const Context& context) {
+    TetMesh m = test::two_tets(0.5);
+    std::swap(m.points[0], m.points[1]);
+    m.required_vertices = {0, 1, 2, 3, 4};
+    try {
+      optimize(m, options, context);
+    } catch (const UntangleError& e) {
+      return std::pair(e.reason, e.message(true).find("no room") != std::string::npos);
+    }
+    throw std::logic_error("it did not fail");
+  };
+  using Reason = UntangleError::Reason;
+  EXPECT_EQ(reason(untangling(), {}), std::pair(Reason::no_room, true));
+  EXPECT_EQ(reason(untangling(Boundary::slide), {}), std::pair(Reason::no_room_though_sliding, true));
+  int asked = 0;
+  Context context;
+  context.stop = [&asked] { return ++asked == 1; };
+  EXPECT_EQ(reason(untangling(), context), std::pair(Reason::stopped, false));
+  context.stop = {};
+  context.progress = [](const Progress&) { return false; };
+  EXPECT_EQ(reason(untangling(), context), std::pair(Reason::stopped, false));
+}
+
 TEST(Untangle, DoesNothingToAValidMesh) {
   TetMesh plain = test::cube(5, 0.2);
   TetMesh asked = plain;

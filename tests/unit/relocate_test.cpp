@@ -184,6 +184,34 @@ TEST(Coloring, GivesIndependentSetsWhichHoldEachMovableVertexOnce) {
   }
 }
 
+/// They need not share a tetrahedron, and the bound on the deviation asks for both.
+TEST(Coloring, KeepsNeighboursOnLinesApart) {
+  Fixture f(test::cube(6, 0.2));
+  build_adjacency(par::Cpu(1), f.work);
+  const Index n = static_cast<Index>(f.work.vertices());
+  par::Cpu::Buffer<Mobility> mobility;
+  mobility.upload(std::vector<Mobility>(static_cast<std::size_t>(n), Mobility::curve));
+  constexpr Index kFar = 25;
+  std::vector<LineVertex> line;
+  for (Index v = 0; v < n; ++v) line.push_back({{v - kFar, v + kFar < n ? v + kFar : -1}});
+  const std::vector<std::uint32_t> offsets(static_cast<std::size_t>(n) + 1, 0);
+  const SurfaceStars stars{{}, {{offsets.data(), Size{n} + 1}, {}}, {line.data(), static_cast<Size>(line.size())}};
+  const auto alike = [&](const SurfaceStars& apart) {
+    Rings<par::Cpu> rings;
+    build_rings(par::Cpu(1), f.work, rings);
+    Coloring<par::Cpu> coloring;
+    color_vertices(par::Cpu(1), rings.view(), mobility.span(), coloring, apart);
+    const std::vector<std::uint8_t> color = coloring.color.download();
+    int count = 0;
+    for (Index v = kFar; v < n; ++v) {
+      count += color[static_cast<std::size_t>(v)] == color[static_cast<std::size_t>(v - kFar)] ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_GT(alike({}), 10);
+  EXPECT_EQ(alike(stars), 0);
+}
+
 TEST(Coloring, KeepsTheSurfaceThreeEdgesApartWhereAsked) {
   const TetMesh mesh = test::cube(6, 0.2);
   Fixture f(mesh);
@@ -215,9 +243,11 @@ TEST(Coloring, KeepsTheSurfaceThreeEdgesApartWhereAsked) {
     items.insert(items.end(), row.begin(), row.end());
     offsets.push_back(static_cast<std::uint32_t>(items.size()));
   }
+  const std::vector<LineVertex> line(corners.size(), LineVertex{{-1, -1}});
   const SurfaceStars stars{
       {triangles.data(), static_cast<Size>(triangles.size())},
-      {{offsets.data(), static_cast<Size>(offsets.size())}, {items.data(), static_cast<Size>(items.size())}}};
+      {{offsets.data(), static_cast<Size>(offsets.size())}, {items.data(), static_cast<Size>(items.size())}},
+      {line.data(), static_cast<Size>(line.size())}};
   const auto too_near = [&](const Coloring<par::Cpu>& coloring) {
     const std::vector<std::uint8_t> color = coloring.color.download();
     int count = 0;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace tetune {
 namespace {
 
@@ -22,6 +24,21 @@ TEST(Schedule, FastLooksForFlipsAfterTheFirstSweepAlone) {
   EXPECT_FALSE(schedule.stop(sweep(1), 1, 0.9, reason));
   for (int iteration = 2; iteration < 100; ++iteration) EXPECT_FALSE(schedule.flips_due(iteration));
   EXPECT_TRUE(schedule.stop(sweep(2), 0.9, 0.89, reason));
+  EXPECT_EQ(reason, StopReason::converged);
+}
+
+TEST(Schedule, FastLooksOnceHoweverManySweepsThereMayBe) {
+  Options options;
+  options.effort = Effort::fast;
+  options.max_iterations = std::numeric_limits<int>::max();
+  Schedule schedule(options);
+  schedule.flips_found(1, 100, 0.1);
+  EXPECT_FALSE(schedule.flips_due(2));
+}
+
+TEST(Schedule, WithoutElementsThereIsNothingToDo) {
+  StopReason reason = StopReason::iteration_limit;
+  EXPECT_TRUE(Schedule(Options{}).stop(sweep(1), 0, 0, reason));
   EXPECT_EQ(reason, StopReason::converged);
 }
 

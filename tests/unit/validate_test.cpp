@@ -112,6 +112,20 @@ TEST(Validate, IndicesLengthsAndNumbers) {
   expect_refused(m, Defect::repeated_vertex, 1, {0});
 }
 
+TEST(Validate, ManyTetrahedraAtOneFace) {
+  TetMesh m = test::two_tets(0.5);
+  const std::array<Index, 4> tet = m.tets[0];
+  for (int i = 0; i < 100'000; ++i) m.tets.push_back(tet);
+  m.tets.push_back({0, 0, 0, 0});
+  m.tet_tags.assign(m.tets.size(), 0);
+  const ValidationReport report = validate(m);
+  ASSERT_GE(report.findings.size(), 2U);
+  EXPECT_EQ(report.findings[0].defect, Defect::repeated_vertex);
+  EXPECT_EQ(report.findings[1].defect, Defect::duplicate_tet);
+  EXPECT_EQ(report.findings[1].count, 100'000);
+  EXPECT_EQ(report.findings[1].first, (std::vector<Index>{2, 3, 4, 5, 6}));
+}
+
 TEST(Validate, DuplicatesAndCrowds) {
   TetMesh m = test::one_tet();
   m.tets.push_back({1, 2, 0, 3});
