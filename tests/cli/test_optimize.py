@@ -3,6 +3,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import cli_case
 from cli_case import MEASURES, QUALITY_KEYS, CliTest, Mesh, cube, unflipped
@@ -202,6 +203,14 @@ class Optimize(CliTest):
         turned = Mesh(mesh.points, [(a, b, d, c) for a, b, c, d in mesh.tets])
         self.run_cli("optimize", self.put("in.mesh", turned), "-o", self.path("out.mesh"), "--quiet")
         self.assertLess(max(Mesh.read(self.path("out.mesh")).volumes()), 0)
+
+    def test_what_the_readme_shows(self):
+        """The result is the same everywhere, so the figures of the demonstration are."""
+        root = Path(__file__).resolve().parents[2]
+        shown = (root / "README.md").read_text().split("and prints this:\n\n```\n")[1].split("```")[0].splitlines()
+        self.assertGreater(len(shown), 3)
+        printed = self.run_cli("optimize", root / "data/bracket.meshb", self.path("out.mesh")).stdout.splitlines()
+        self.assertEqual([line for line in shown if line not in printed], [])
 
     def test_tetgen_files(self):
         mesh = cube(3)
