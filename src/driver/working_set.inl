@@ -259,6 +259,88 @@ void check_volumes(const Backend& par, const TetMesh& mesh, const Options& optio
   }
 }
 
+/// From the caller's ids to those of the work mesh.
+inline std::vector<Index> inverse(const std::vector<Index>& to_original) {
+  std::vector<Index> ids(to_original.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) ids[static_cast<std::size_t>(to_original[i])] = static_cast<Index>(i);
+  return ids;
+}
+
+/// Required tetrahedra and frozen regions.
+template <class Backend>
+void lock_tets(const Backend& par, const std::vector<Index>& tets, std::size_t required, WorkingSet<Backend>& work) {
+  if (tets.empty()) return;
+  const std::vector<Index> original2slot = inverse(work.mesh.tet2original.download());
+  std::vector<Index> locked;
+  for (const Index t : tets) locked.push_back(original2slot[static_cast<std::size_t>(t)]);
+  typename Backend::template Buffer<Index> slots;
+  slots.upload(locked);
+  par.for_each(slots.size(), LockTet{work.mesh.view(), slots.span()});
+  locked.resize(required);  // they come first
+  work.required_slots = std::move(locked);
+}
+
+/// kMovable, kFrozen or kCorner for each work vertex. Listed triangles that are no faces hold their vertices.
+inline std::vector<std::uint8_t> frozen_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& by_original,
+                                                 const std::vector<Listed>& triangles,
+                                                 const std::vector<Index>& original2vertex) {
+  std::vector<std::uint8_t> frozen(mesh.points.size(), kMovable);
+  const auto of = [&](std::size_t v) -> std::uint8_t& { return frozen[static_cast<std::size_t>(original2vertex[v])]; };
+  for (std::size_t v = 0; v < frozen.size(); ++v) of(v) = by_original[v];
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (triangles[t] != Listed::absent) continue;
+    for (const Index v : mesh.triangles[t]) of(static_cast<std::size_t>(v)) = kFrozen;
+  }
+  return frozen;
+}
+
+/// What vertices on the mesh's own surface may do. `ends`: those of the constrained edges, of which the first `ridges`
+/// are ridges and required ones.
+template <class Backend>
+void find_mobilities(const Backend& par, const Options& options, const Surface<Backend>& surface,
+                     const std::vector<Index>& ends, std::size_t ridges, const EdgeSet<Backend>& edges,
+                     Span<std::uint8_t> frozen, WorkingSet<Backend>& work, Report& report) {
+  Mobilities<Backend>& m = work.mobilities;
+  const bool slides = options.boundary == Boundary::slide;
+  const auto classify = [&](Span<const Index> feature_ends, const ConstrainedEdges& features) {
+    if (slides) {
+      build_reference(par, work.mesh, surface, feature_ends, features, frozen, options.feature_angle, m.kind.span(),
+                      m.reference);
+    } else {
+      classify_vertices(par, work.mesh, surface, feature_ends, features, frozen, options.boundary == Boundary::fixed,
+                        m.kind.span(), m.axis.span());
+    }
+  };
+  // Ridges and required edges are features; tagged ones as well, unless they are too many to be lines.
+  const EdgeSet<Backend> sharp({ends.begin(), ends.begin() + 2 * static_cast<std::ptrdiff_t>(ridges)},
+                               work.mesh.vertices());
+  classify(sharp.ends.span(), sharp.view());
+  const auto tagged = static_cast<std::int64_t>(ends.size() / 2 - ridges);
+  if (tagged > 0) {
+    if (are_lines(ends, 2 * ridges, m.kind.download())) {
+      classify(edges.ends.span(), work.flips.constrained());
+    } else {
+      report.edges_not_held = tagged;
+    }
+  }
+  report.corners_not_held = hold_corners(par, frozen, m.kind.span());
+  if (slides) {
+    m.reference.kind.assign(m.kind);
+    par.for_each(work.mesh.vertices(), StartSite{m.site.span()});
+  }
+}
+
+inline void count_mobilities(const std::vector<Mobility>& kinds, Report& report) {
+  for (const Mobility kind : kinds) {
+    ++(kind == Mobility::free      ? report.free_vertices
+       : kind == Mobility::plane   ? report.plane_vertices
+       : kind == Mobility::line    ? report.line_vertices
+       : kind == Mobility::surface ? report.surface_vertices
+       : kind == Mobility::curve   ? report.curve_vertices
+                                   : report.fixed_vertices);
+  }
+}
+
 }  // namespace working_set_detail
 
 template <class Backend>
@@ -273,7 +355,7 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, const
   work.mesh = upload_mesh<Backend>(mesh, work.scale);
   work.mesh.law = law_of(options.energy);
   sort_mesh(par, work.mesh);
-  const std::vector<Index> vertex2original = work.mesh.vertex2original.download();
+  const std::vector<Index> original2vertex = inverse(work.mesh.vertex2original.download());
   const AdjacencyReport adjacency = build_adjacency(par, work.mesh);
   if (adjacency.crowded_faces + adjacency.same_side_faces > 0) {
     throw MeshError(validate(mesh, options.threads).message(false));
@@ -281,29 +363,9 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, const
   check_volumes(par, mesh, options, work);
   const typename Backend::template Loan<int> tet_tags(mesh.tet_tags);
   lock_interfaces(par, work.mesh, tet_tags.span());
+  lock_tets(par, constraints.locked_tets, mesh.required_tets.size(), work);
 
-  std::vector<Index> original2vertex(vertex2original.size());
-  for (std::size_t v = 0; v < vertex2original.size(); ++v) {
-    original2vertex[static_cast<std::size_t>(vertex2original[v])] = static_cast<Index>(v);
-  }
-  const auto to_work = [&original2vertex](Index v) { return original2vertex[static_cast<std::size_t>(v)]; };
-
-  if (!constraints.locked_tets.empty()) {
-    const std::vector<Index> tet2original = work.mesh.tet2original.download();
-    std::vector<Index> original2slot(tet2original.size());
-    for (std::size_t t = 0; t < tet2original.size(); ++t) {
-      original2slot[static_cast<std::size_t>(tet2original[t])] = static_cast<Index>(t);
-    }
-    std::vector<Index> locked;
-    for (const Index t : constraints.locked_tets) locked.push_back(original2slot[static_cast<std::size_t>(t)]);
-    typename Backend::template Buffer<Index> slots;
-    slots.upload(locked);
-    par.for_each(slots.size(), LockTet{work.mesh.view(), slots.span()});
-    locked.resize(mesh.required_tets.size());  // they come first
-    work.required_slots = std::move(locked);
-  }
-
-  // Listed triangles.
+  // The surface, and the listed triangles.
   std::vector<std::uint8_t> required;
   if (!mesh.required_triangles.empty()) {
     required.resize(mesh.triangles.size(), 0);
@@ -325,85 +387,46 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, const
   build_surface(par, work.mesh, listed, listed_state, surface);
   work.listed_triangles = listed_state.download();
 
-  // Frozen vertices.
-  std::vector<std::uint8_t> frozen(mesh.points.size(), kMovable);
-  for (std::size_t v = 0; v < frozen.size(); ++v)
-    frozen[static_cast<std::size_t>(to_work(static_cast<Index>(v)))] = constraints.frozen[v];
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (work.listed_triangles[t] != Listed::absent) continue;
-    for (const Index v : mesh.triangles[t]) frozen[static_cast<std::size_t>(to_work(v))] = kFrozen;
-  }
-  typename Backend::template Buffer<std::uint8_t> frozen_buffer;
-  frozen_buffer.upload(frozen);
+  work.frozen = frozen_vertices(mesh, constraints.frozen, work.listed_triangles, original2vertex);
+  typename Backend::template Buffer<std::uint8_t> frozen;
+  frozen.upload(work.frozen);
   constexpr Size kMostCorners = std::numeric_limits<Index>::max();
   if (flips_boundary(options) && 3 * surface.triangles.size() <= kMostCorners) {
-    build_boundary(par, surface, listed, frozen_buffer.span(), work.boundary);
+    build_boundary(par, surface, listed, frozen.span(), work.boundary);
   }
-  work.frozen = std::move(frozen);
 
   // Listed edges: all hold against flips.
   std::vector<Index> ends;
-  for (const auto& edge : constraints.edges) ends.insert(ends.end(), {to_work(edge[0]), to_work(edge[1])});
+  for (const auto& edge : constraints.edges) {
+    for (const Index v : edge) ends.push_back(original2vertex[static_cast<std::size_t>(v)]);
+  }
   EdgeSet<Backend> edges(ends, work.mesh.vertices());
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);
 
   // What the vertices may do.
   const Size vertices = work.mesh.vertices();
-  work.mobilities.kind.resize(vertices);
-  work.mobilities.axis.resize(vertices);
-  work.mobilities.awake.resize(vertices);
-  par.fill(work.mobilities.awake.span(), std::uint8_t{1});
+  Mobilities<Backend>& m = work.mobilities;
+  m.kind.resize(vertices);
+  m.axis.resize(vertices);
+  m.awake.resize(vertices);
+  par.fill(m.awake.span(), std::uint8_t{1});
   const bool slides = options.boundary == Boundary::slide;
   if (slides) {
-    // A little less, for rounding.
-    work.mobilities.max_deviation = (1 - 1e-9) * options.max_deviation * work.scale;
-    work.mobilities.site.resize(vertices);
+    m.max_deviation = (1 - 1e-9) * options.max_deviation * work.scale;  // a little less, for rounding
+    m.site.resize(vertices);
   }
   if (slides_on != nullptr) {
-    take_surface(par, *slides_on, original2vertex, frozen_buffer.span(), work);
+    take_surface(par, *slides_on, original2vertex, frozen.span(), work);
   } else {
-    const auto classify = [&](Span<const Index> feature_ends, const ConstrainedEdges& features) {
-      if (slides) {
-        build_reference(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(), options.feature_angle,
-                        work.mobilities.kind.span(), work.mobilities.reference);
-      } else {
-        classify_vertices(par, work.mesh, surface, feature_ends, features, frozen_buffer.span(),
-                          options.boundary == Boundary::fixed, work.mobilities.kind.span(),
-                          work.mobilities.axis.span());
-      }
-    };
-    // Ridges and required edges are features; tagged ones as well, unless they are too many to be lines.
-    const EdgeSet<Backend> ridges({ends.begin(), ends.begin() + 2 * static_cast<std::ptrdiff_t>(constraints.ridges)},
-                                  vertices);
-    classify(ridges.ends.span(), ridges.view());
-    const auto tagged = static_cast<std::int64_t>(constraints.edges.size() - constraints.ridges);
-    if (tagged > 0) {
-      if (are_lines(ends, 2 * constraints.ridges, work.mobilities.kind.download())) {
-        classify(edges.ends.span(), work.flips.constrained());
-      } else {
-        report.edges_not_held = tagged;
-      }
-    }
-    report.corners_not_held = hold_corners(par, frozen_buffer.span(), work.mobilities.kind.span());
-    if (slides) {
-      work.mobilities.reference.kind.assign(work.mobilities.kind);
-      par.for_each(vertices, StartSite{work.mobilities.site.span()});
-    }
+    find_mobilities(par, options, surface, ends, constraints.ridges, edges, frozen.span(), work, report);
   }
   if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
-    work.mobilities.leash.resize(vertices);
+    m.leash.resize(vertices);
     par.for_each(vertices, FindLeash{work.mesh.points.span(), surface.triangles.span(), surface.vertex2corner.view(),
-                                     slides ? kSlideLeash : kLeash, work.mobilities.leash.span()});
+                                     slides ? kSlideLeash : kLeash, m.leash.span()});
   }
-  for (const Mobility kind : work.mobilities.kind.download()) {
-    ++(kind == Mobility::free      ? report.free_vertices
-       : kind == Mobility::plane   ? report.plane_vertices
-       : kind == Mobility::line    ? report.line_vertices
-       : kind == Mobility::surface ? report.surface_vertices
-       : kind == Mobility::curve   ? report.curve_vertices
-                                   : report.fixed_vertices);
-  }
+  count_mobilities(m.kind.download(), report);
 }
 
 template <class Backend>
