@@ -59,8 +59,6 @@ inline constexpr int kOpenings = 2;
 inline constexpr int kLastSweeps = 4;
 /// Vertices are inserted until there are this many times the tetrahedra of the input.
 inline constexpr double kMostTets = 1.1;
-/// Far above what any mesh needs: each pass lowers the energy, so this bounds a run in which rounding says otherwise.
-inline constexpr int kMaxFlipPasses = 1000;
 
 /// The alternation of Sect. 4.5 on one backend.
 template <class Backend>
@@ -309,13 +307,9 @@ class Alternation {
     if (!options_.flips) return 0;
     const FlipReport faces = face_removal_pass(par_, work_.mesh, work_.flips, flags);
     count(faces);
-    Size all = faces.flips();
-    for (Size flips = 1; flips > 0 && work_.flips.active.size() > 0; all += flips) {
-      const FlipReport f = flip_pass(par_, work_.mesh, work_.flips, flags);
-      count(f);
-      flips = f.flips();
-    }
-    return all;
+    const FlipReport others = flip_until_none(par_, work_.mesh, work_.flips, flags);
+    count(others);
+    return faces.flips() + others.flips();
   }
 
   /// Tetrahedra look for flips after a sweep that are worse than this.

@@ -126,9 +126,7 @@ std::vector<Index> untangle(const Backend& par, WorkingSet<Backend>& work, const
       refresh_energy(par, mesh, work.flips);
       activate_all(par, mesh, work.flips);
       activate_around(par, mesh, work.flips, Span<const std::uint8_t>(awake));
-      for (Size flips = 1; flips > 0 && work.flips.active.size() > 0;) {
-        flips = flip_pass(par, mesh, work.flips, awake).flips();
-      }
+      flip_until_none(par, mesh, work.flips, awake);
       tangled = flag_tangled(par, mesh, awake);
     }
     build_rings(par, mesh, work.rings);

@@ -97,4 +97,22 @@ void activate_around(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
 template <class Backend>
 FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<std::uint8_t> awake);
 
+/// Far above what any mesh needs: each pass lowers the energy, so this bounds a run in which rounding says otherwise.
+inline constexpr int kMaxFlipPasses = 1000;
+
+/// Passes until one makes no flip; the flips of all.
+template <class Backend>
+FlipReport flip_until_none(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
+                           Span<std::uint8_t> awake) {
+  FlipReport all;
+  for (int pass = 0; pass < kMaxFlipPasses && state.active.size() > 0; ++pass) {
+    const FlipReport f = flip_pass(par, mesh, state, awake);
+    if (f.flips() == 0) break;
+    all.flips23 += f.flips23;
+    all.flips32 += f.flips32;
+    all.edge_removals += f.edge_removals;
+  }
+  return all;
+}
+
 }  // namespace tetune
