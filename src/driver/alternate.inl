@@ -446,7 +446,7 @@ class Alternation {
   }
 
   /// Of all slots, when they are up to date; or under another law its energies.
-  Span<const double> shapes() const { return work_.flips.eta.span(); }
+  Span<const double> shapes() const { return work_.flips.energies.span(); }
   void sum_up() { energy_ = last_sum_ = refresh_energy(par_, work_.mesh, work_.flips); }
   /// Sums the energy up anew where what is left is small next to what was taken away: rounding hides it.
   void settle() {

@@ -77,7 +77,7 @@ TETUNE_HD TETUNE_INLINE T volume_margin(const OppositeFace<T>& f, const Vec3T<T>
 /// is not, the energy is what the smallest volume that rounding leaves possible would give: large, and finite.
 template <class T>
 struct TetEnergyT {
-  T eta;
+  T energy;
   decltype(T{} > T{}) certified;
   T shape;  ///< the shape energy, whatever the law
   T q, w;   ///< four times the sum of the squared areas, six times the volume

@@ -63,37 +63,37 @@ class SlotPack {
   Index ids_[4][kLanes];
 };
 
-struct RefreshEta {
+struct RefreshEnergy {
   MeshView mesh;
-  Span<double> eta;
+  Span<double> energies;
   TETUNE_HD EnergySum operator()(Size pack) const {
     const SlotPack<par::Pack> slots(mesh, pack);
-    return slots.put(slots.energy().eta, eta);
+    return slots.put(slots.energy().energy, energies);
   }
 };
 
-struct RefreshEtaOf {
+struct RefreshEnergyOf {
   MeshView mesh;
-  Span<double> eta;
+  Span<double> energies;
   Span<const Index> slots;
   TETUNE_HD void operator()(Size i) const {
     const Index t = slots[i];
-    eta[t] = mesh.alive(t) ? slot_energy(mesh, mesh.tet2vertex[t]).eta : 0;
+    energies[t] = mesh.alive(t) ? slot_energy(mesh, mesh.tet2vertex[t]).energy : 0;
   }
 };
 
-struct EtaOf {
-  Span<const double> eta;
-  TETUNE_HD EnergySum operator()(Size t) const { return {eta[t]}; }
+struct EnergyOf {
+  Span<const double> energies;
+  TETUNE_HD EnergySum operator()(Size t) const { return {energies[t]}; }
 };
 
-/// Computes eta anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of the
-/// squared areas and w six times the volume, each height is at least w / sqrt(q), so that no height changes by a larger
-/// part.
+/// Computes energies anew, and takes from the slack of a tetrahedron what it has drifted. With q four times the sum of
+/// the squared areas and w six times the volume, each height is at least w / sqrt(q), so that no height changes by a
+/// larger part.
 struct Drift {
   MeshView mesh;
   Span<const Point> seen;
-  Span<double> eta;
+  Span<double> energies;
   Span<float> slack;
   TETUNE_HD EnergySum operator()(Size pack) const {
     using Pack = par::Pack;
@@ -108,7 +108,7 @@ struct Drift {
     const Pack moved = move2 * e.q;
     const Pack drift = drift_rate(mesh.law) * square_root(moved) / e.w;
     slots.for_each([&](Size slot, int l) { slack[slot] -= static_cast<float>(lane(drift, l)); });
-    return slots.put(e.eta, eta);
+    return slots.put(e.energy, energies);
   }
 };
 
@@ -144,9 +144,10 @@ struct Want {
 template <class Backend>
 double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
   using namespace flip_detail;
-  state.eta.resize(mesh.slots(), mesh.room());
+  state.energies.resize(mesh.slots(), mesh.room());
   return par
-      .template reduce<EnergySum>(SlotPack<par::Pack>::packs(mesh.slots()), RefreshEta{mesh.view(), state.eta.span()})
+      .template reduce<EnergySum>(SlotPack<par::Pack>::packs(mesh.slots()),
+                                  RefreshEnergy{mesh.view(), state.energies.span()})
       .sum;
 }
 
@@ -154,13 +155,13 @@ template <class Backend>
 void refresh_energy_of(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
                        Span<const Index> slots) {
   using namespace flip_detail;
-  par.for_each(slots.size(), RefreshEtaOf{mesh.view(), state.eta.span(), slots});
+  par.for_each(slots.size(), RefreshEnergyOf{mesh.view(), state.energies.span(), slots});
 }
 
 template <class Backend>
 double sum_energy(const Backend& par, FlipState<Backend>& state) {
   using namespace flip_detail;
-  return par.template reduce<EnergySum>(state.eta.size(), EtaOf{state.eta.span()}).sum;
+  return par.template reduce<EnergySum>(state.energies.size(), EnergyOf{state.energies.span()}).sum;
 }
 
 template <class Backend, class Keep>
@@ -182,7 +183,8 @@ template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least) {
   state.slack.resize(mesh.slots(), mesh.room());
   par.fill(state.slack.span(), flip_detail::kNeverSeen);
-  activate_where(par, mesh, state, flip_detail::IsWorthALook{LeastAfter(mesh.law), state.eta.span(), least}, least);
+  activate_where(par, mesh, state, flip_detail::IsWorthALook{LeastAfter(mesh.law), state.energies.span(), least},
+                 least);
 }
 
 template <class Backend>
@@ -190,8 +192,8 @@ double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<B
   using namespace flip_detail;
   const EnergySum energy =
       par.template reduce<EnergySum>(SlotPack<par::Pack>::packs(mesh.slots()),
-                                     Drift{mesh.view(), state.seen.span(), state.eta.span(), state.slack.span()});
-  const IsWorthALook worth{LeastAfter(mesh.law), state.eta.span(), least};
+                                     Drift{mesh.view(), state.seen.span(), state.energies.span(), state.slack.span()});
+  const IsWorthALook worth{LeastAfter(mesh.law), state.energies.span(), least};
   activate_where(par, mesh, state, HasDrifted{worth, state.slack.span()}, least);
   return energy.sum;
 }

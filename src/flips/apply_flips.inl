@@ -132,14 +132,14 @@ struct Write {
   Span<const SlotCounts> before;
   Span<Index> free_slots;
   Size free_kept;
-  Span<double> eta;
+  Span<double> energies;
   Span<std::uint8_t> wanted;
   Span<std::uint8_t> awake;
 
   TETUNE_INLINE void prefetch(Size i, Size) const {
     if (i + kRecordsAhead >= records.size()) return;
     const Cavity& c = records[i + kRecordsAhead].cavity;
-    for (int k = 0; k < c.size(); ++k) fetch_tet(mesh, eta, c.tets[k]);
+    for (int k = 0; k < c.size(); ++k) fetch_tet(mesh, energies, c.tets[k]);
     par::prefetch(&mesh.tet2original[c.tets[0]]);
     par::prefetch(&mesh.points[c.a]);
     par::prefetch(&mesh.points[c.b]);
@@ -150,18 +150,18 @@ struct Write {
     const Cavity& c = f.cavity;
     for (int k = 0; k < c.size(); ++k) wanted[c.tets[k]] = 0;
     const Index original = mesh.tet2original[c.tets[0]];
-    double decrease = energy_before(c, eta);
+    double decrease = energy_before(c, energies);
     for (int x = 0; x < c.made(); ++x) {
       const Index s = f.slot(x);
       mesh.tet2vertex[s] = new_tet(c, f.triangulation, x);
       mesh.tet2tet[s] = c.kind == FlipKind::face_removal ? links_at_edge(f, x) : links_on_triangle(f, x);
       if (x >= c.size()) mesh.tet2original[s] = original;
-      eta[s] = slot_energy(mesh, mesh.tet2vertex[s]).eta;
-      decrease -= eta[s];
+      energies[s] = slot_energy(mesh, mesh.tet2vertex[s]).energy;
+      decrease -= energies[s];
     }
     for (int x = c.made(); x < c.size(); ++x) {
       mesh.tet2vertex[c.tets[x]][0] = kFreeSlot;
-      eta[c.tets[x]] = 0;
+      energies[c.tets[x]] = 0;
       free_slots[free_kept + before[i].frees + x - c.made()] = c.tets[x];
     }
     if (awake.size() > 0) {
@@ -257,7 +257,7 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   const SlotChange change(mesh, counts);
   check_slots(change.needed);
   change.make_room(mesh);
-  state.eta.grow(change.needed);
+  state.energies.grow(change.needed);
   state.proposal.grow(change.needed);
   state.wanted.grow(change.needed);
   par.fill(Span<std::uint8_t>(state.wanted.span().data() + change.slots, change.needed - change.slots),
@@ -268,11 +268,11 @@ FlipSum apply_flips(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backe
   par.for_each(records.size(), Resolve{mesh.view(), records.span(), state.proposal.span()});
   const FlipSum sum = par.template reduce<FlipSum>(
       records.size(), Write{mesh.view(), records.span(), before.span(), mesh.free_slots.span(), change.free_kept,
-                            state.eta.span(), state.wanted.span(), awake});
+                            state.energies.span(), state.wanted.span(), awake});
   change.finish(mesh);
 
   par.for_each(records.size(), WantNear{records.span(), state.wanted.span(), state.slack.span()});
-  const IsWorthALook worth{LeastAfter(mesh.law), state.eta.span(), state.least};
+  const IsWorthALook worth{LeastAfter(mesh.law), state.energies.span(), state.least};
   par.for_each((change.needed + SettleWanted::kSlots - 1) / SettleWanted::kSlots,
                SettleWanted{state.wanted.span(), worth});
   state.active.resize(change.needed);

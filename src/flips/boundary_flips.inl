@@ -239,7 +239,7 @@ struct Propose {
   static constexpr Size kGrain = 32;
   FindFans find;
   Span<const Index> corners;
-  Span<const double> eta;
+  Span<const double> energies;
   Span<std::uint64_t> offers;
   Span<std::uint64_t> proposal;
   TETUNE_HD flip_detail::EvaluatedSum operator()(Size i) const {
@@ -250,7 +250,7 @@ struct Propose {
     int made = 0;
     for (int k = 0; k < 2; ++k) {
       if (!fans.has(k)) continue;
-      before += flip_detail::energy_before(fans.fan[k], eta);
+      before += flip_detail::energy_before(fans.fan[k], energies);
       made += fans.fan[k].made();
     }
     // The shape energy of a tetrahedron is never below 1.
@@ -304,7 +304,7 @@ struct Gather {
   static constexpr Size kGrain = 32;
   FindFans find;
   Span<const Index> agreed;
-  Span<const double> eta;
+  Span<const double> energies;
   Span<std::uint64_t> proposal;
   Span<flip_detail::FlipRecord> records;
   Span<SlotCounts> counts;
@@ -315,7 +315,7 @@ struct Gather {
     f.cavity = fans.fan[side];
     if (fans.count == 2) f.twin = static_cast<Index>(side == 0 ? i + 1 : i - 1);
     double energy = 0;
-    for (int k = 0; k < 2; ++k) energy += fans.has(k) ? flip_detail::energy_before(fans.fan[k], eta) : 0;
+    for (int k = 0; k < 2; ++k) energy += fans.has(k) ? flip_detail::energy_before(fans.fan[k], energies) : 0;
     best_energy(find.mesh, f.cavity, energy, (1 + kMaxSlack) * energy, f.triangulation);
     f.gather(find.mesh, proposal, counts[i]);
     records[i] = f;
@@ -382,7 +382,7 @@ FlipReport boundary_flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipS
   par.fill(state.proposal.span(), std::uint64_t{0});
   report.evaluated =
       par.template reduce<flip_detail::EvaluatedSum>(
-             candidates, Propose{fans, corners.span(), state.eta.span(), offers.span(), state.proposal.span()})
+             candidates, Propose{fans, corners.span(), state.energies.span(), offers.span(), state.proposal.span()})
           .evaluated;
   if (par.stop_requested()) return report;
   Ids agreed(2 * candidates);
@@ -391,8 +391,8 @@ FlipReport boundary_flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipS
   if (agreed_fans == 0) return report;
   typename Backend::template Buffer<flip_detail::FlipRecord> records(agreed_fans);
   typename Backend::template Buffer<SlotCounts> counts(agreed_fans);
-  par.for_each(agreed_fans,
-               Gather{fans, agreed.span(), state.eta.span(), state.proposal.span(), records.span(), counts.span()});
+  par.for_each(agreed_fans, Gather{fans, agreed.span(), state.energies.span(), state.proposal.span(), records.span(),
+                                   counts.span()});
   const flip_detail::FlipSum sum = flip_detail::apply_flips(par, mesh, state, records, counts, awake);
   par.for_each(agreed_fans, TurnTriangles{edges.span(), agreed.span(), records.span(), boundary.triangles.span()});
   boundary.stale = true;

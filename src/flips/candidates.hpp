@@ -57,9 +57,9 @@ TETUNE_HD inline TetEnergy slot_energy(const MeshView& mesh, const Tet& t) {
                     vec(mesh.points[t[3]]));
 }
 
-TETUNE_HD inline double energy_before(const Cavity& c, Span<const double> eta) {
+TETUNE_HD inline double energy_before(const Cavity& c, Span<const double> energies) {
   double sum = 0;
-  for (int k = 0; k < c.size(); ++k) sum += eta[c.tets[k]];
+  for (int k = 0; k < c.size(); ++k) sum += energies[c.tets[k]];
   return sum;
 }
 
@@ -70,34 +70,34 @@ struct EvaluatedSum {
 
 /// The order that decides which tetrahedron of a cavity evaluates its flip: the worst, the lowest of equals.
 struct Worse {
-  Span<const double> eta;
+  Span<const double> energies;
   Index t;
-  double eta_t;
+  double energy_t;
   TETUNE_HD bool operator()(Index other) const {
-    const double there = eta[other];
-    return (there > eta_t) | ((there == eta_t) & (other < t));
+    const double there = energies[other];
+    return (there > energy_t) | ((there == energy_t) & (other < t));
   }
 };
 
 /// Whether a tetrahedron looks for flips at all. Free slots, of energy 0, do not.
 struct IsWorthALook {
   LeastAfter bound;
-  Span<const double> eta;
+  Span<const double> energies;
   double least;
-  TETUNE_HD bool operator()(Size t) const { return bound.worth_a_look(eta[t]) && eta[t] > least; }
+  TETUNE_HD bool operator()(Size t) const { return bound.worth_a_look(energies[t]) && energies[t] > least; }
 };
 
 /// All of a tetrahedron that flips read and write.
-TETUNE_INLINE void fetch_tet(const MeshView& mesh, Span<const double> eta, Index t) {
+TETUNE_INLINE void fetch_tet(const MeshView& mesh, Span<const double> energies, Index t) {
   par::prefetch(&mesh.tet2tet[t]);
   par::prefetch(&mesh.tet2vertex[t]);
-  par::prefetch(&eta[t]);
+  par::prefetch(&energies[t]);
 }
 
 /// What the loop over the active tetrahedra needs soon: those, their neighbours, and the neighbours of these.
 struct FetchAhead {
   MeshView mesh;
-  Span<const double> eta;
+  Span<const double> energies;
   Span<const Index> active;
 
   TETUNE_INLINE void operator()(Size i) const {
@@ -105,7 +105,7 @@ struct FetchAhead {
     constexpr Size kNeighboursAhead = 12;
     constexpr Size kFartherAhead = 5;
     if (i + kTetsAhead >= active.size()) return;
-    fetch_tet(mesh, eta, active[i + kTetsAhead]);
+    fetch_tet(mesh, energies, active[i + kTetsAhead]);
     fetch_neighbours(active[i + kNeighboursAhead]);
     for_neighbours(active[i + kFartherAhead], [this](Index other) { fetch_neighbours(other); });
   }
@@ -113,7 +113,7 @@ struct FetchAhead {
  private:
   /// Reads what lies across the faces of t itself.
   TETUNE_INLINE void fetch_neighbours(Index t) const {
-    for_neighbours(t, [this](Index other) { fetch_tet(mesh, eta, other); });
+    for_neighbours(t, [this](Index other) { fetch_tet(mesh, energies, other); });
   }
   template <class F>
   TETUNE_INLINE void for_neighbours(Index t, const F& f) const {

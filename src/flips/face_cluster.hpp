@@ -38,11 +38,11 @@ class FaceCluster {
   }
 
   /// The best part of the cluster that has the first face. Returns the energy it would leave less that of its
-  /// tetrahedra, which `eta` holds; kNever or so where there is none with certified volumes.
-  TETUNE_HD double settle(Span<const double> eta) {
+  /// tetrahedra, which `energies` holds; kNever or so where there is none with certified volumes.
+  TETUNE_HD double settle(Span<const double> energies) {
     for (int i = count_ - 1; i >= 0; --i) {
       Face& f = faces_[i];
-      f.change = -(eta[f.tets[0]] + eta[f.tets[1]]);
+      f.change = -(energies[f.tets[0]] + energies[f.tets[1]]);
       for (int side = i == 0 ? 0 : 1; side < 3; ++side) {
         const double kept = energy_at(f.v[side], f.v[after(side)]);
         const double beyond = f.beyond[side] > 0 ? faces_[f.beyond[side]].change : kNever;
@@ -149,7 +149,7 @@ class FaceCluster {
   TETUNE_HD double energy_at(Index from, Index to) const {
     const TetEnergy e = tet_energy(mesh_.law, vec(mesh_.points[a_]), vec(mesh_.points[from]), vec(mesh_.points[to]),
                                    vec(mesh_.points[b_]));
-    return e.certified ? e.eta : kNever;
+    return e.certified ? e.energy : kNever;
   }
 
   MeshView mesh_;

@@ -12,16 +12,16 @@ namespace face_removal_detail {
 struct FindCluster {
   MeshView mesh;
   ConstrainedEdges constrained;
-  Span<const double> eta;
+  Span<const double> energies;
   int most_faces;
 
   /// What the removal takes from the energy; 0: nothing.
   TETUNE_HD __attribute__((noinline)) double operator()(Index t, int face, Cavity& c,
                                                         Triangulation& triangulation) const {
     FaceCluster cluster(mesh, constrained);
-    if (!cluster.grow(t, face, most_faces) || !(cluster.settle(eta) < 0)) return 0;
+    if (!cluster.grow(t, face, most_faces) || !(cluster.settle(energies) < 0)) return 0;
     c = cluster.cavity(triangulation);
-    const double before = flip_detail::energy_before(c, eta);
+    const double before = flip_detail::energy_before(c, energies);
     const double gain = before - energy_after(mesh, c, triangulation, before);
     return gain > kMinRelativeGain * before ? gain : 0;
   }
@@ -34,14 +34,14 @@ struct Propose {
   Span<const Index> active;
   Span<std::uint64_t> proposal;
 
-  TETUNE_INLINE void prefetch(Size i, Size) const { flip_detail::FetchAhead{find.mesh, find.eta, active}(i); }
+  TETUNE_INLINE void prefetch(Size i, Size) const { flip_detail::FetchAhead{find.mesh, find.energies, active}(i); }
 
   TETUNE_HD flip_detail::EvaluatedSum operator()(Size i) const {
     const Index t = active[i];
     const MeshView& mesh = find.mesh;
     const Tet tet = mesh.tet2vertex[t];
     const Links links = mesh.tet2tet[t];
-    const flip_detail::Worse worse{find.eta, t, find.eta[t]};
+    const flip_detail::Worse worse{find.energies, t, find.energies[t]};
     Index beyond[4];  // the vertex across each face; -1: locked
     for (int face = 0; face < 4; ++face) beyond[face] = is_locked(links[face]) ? -1 : far_vertex(links[face]);
     flip_detail::EvaluatedSum sum;
@@ -121,7 +121,7 @@ FlipReport face_removal_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   using Ids = typename Backend::template Buffer<Index>;
   FlipReport report;
   report.active = state.active.size();
-  const FindCluster find{mesh.view(), state.constrained(), state.eta.span(), state.max_ring - 2};
+  const FindCluster find{mesh.view(), state.constrained(), state.energies.span(), state.max_ring - 2};
   if (find.most_faces < 3) return report;
   const Span<const Index> active = state.active.span();
   par.fill(state.proposal.span(), std::uint64_t{0});

@@ -39,8 +39,8 @@ template <class Backend>
 struct FlipState {
   template <class T>
   using Buffer = typename Backend::template Buffer<T>;
-  /// Harmonic index of each slot; 0 for a free one.
-  Buffer<double> eta;
+  /// Energy of each slot under the law of the mesh; 0 for a free one.
+  Buffer<double> energies;
   /// The best flip proposed for each slot: gain in the high half, flip id in the low one. 0: none.
   Buffer<std::uint64_t> proposal;
   /// The slots to examine, and what each slot has to do with the next of them: 0, kWanted or kWantedIfWorth.
@@ -62,7 +62,7 @@ struct FlipState {
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
 };
 
-/// Computes eta of each slot from the positions, and returns the sum.
+/// Computes the energy of each slot from the positions, and returns the sum.
 template <class Backend>
 double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state);
 
@@ -70,7 +70,7 @@ double refresh_energy(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Bac
 template <class Backend>
 void refresh_energy_of(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, Span<const Index> slots);
 
-/// Sums up eta as it is.
+/// Sums up the energies as they are.
 template <class Backend>
 double sum_energy(const Backend& par, FlipState<Backend>& state);
 
@@ -79,8 +79,8 @@ double sum_energy(const Backend& par, FlipState<Backend>& state);
 template <class Backend>
 void activate_all(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least = 0);
 
-/// After vertices have moved: computes eta of each slot again, and makes the tetrahedra active that have drifted so far
-/// that a flip around them may have become worth it, and whose energy is above `least`. Returns the sum of eta.
+/// After vertices have moved: computes the energy of each slot again, and makes the tetrahedra active that have drifted
+/// so far that a flip around them may have become worth it, and whose energy is above `least`. Returns their sum.
 template <class Backend>
 double activate_drifted(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Backend>& state, double least = 0);
 

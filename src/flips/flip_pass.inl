@@ -13,19 +13,19 @@ struct Propose {
   static constexpr Size kGrain = 32;
   Candidates candidates;
   Span<const Index> active;
-  Span<const double> eta;
+  Span<const double> energies;
   Span<std::uint64_t> proposal;
   Span<float> slack;
 
-  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAhead{candidates.mesh, eta, active}(i); }
+  TETUNE_INLINE void prefetch(Size i, Size) const { FetchAhead{candidates.mesh, energies, active}(i); }
 
   TETUNE_HD EvaluatedSum operator()(Size i) const {
     const Index t = active[i];
     const MeshView& mesh = candidates.mesh;
     const Links links = mesh.tet2tet[t];
-    const Worse worse{eta, t, eta[t]};
+    const Worse worse{energies, t, energies[t]};
     const LeastAfter bound(mesh.law);
-    const RingLimit limit = bound.ring_limit(worse.eta_t, candidates.max_ring);
+    const RingLimit limit = bound.ring_limit(worse.energy_t, candidates.max_ring);
     Look look{1 + kMaxSlack < limit.ratio ? 1 + kMaxSlack : limit.ratio, {}};
     unsigned closed = 0;  // faces that are locked, or beyond which an owner lies
     for (int f = 0; f < 4; ++f) {
@@ -37,7 +37,7 @@ struct Propose {
     for (int candidate = 0; candidate < kCandidates; ++candidate) {
       if ((closed & Candidates::faces(candidate)) != 0) continue;
       if (candidate < 4) {
-        const double before = worse.eta_t + eta[link_tet(links[candidate])];
+        const double before = worse.energy_t + energies[link_tet(links[candidate])];
         if (look.possible(bound.split(), before)) {
           evaluate(face_cavity(mesh, t, candidate), before, flip_id(t, candidate), look);
         }
@@ -45,10 +45,10 @@ struct Propose {
         const EdgeStar star = edge_star(mesh, limit.ring, t, candidate - 4, worse);
         if (star.size == 0) continue;
         double before = 0;
-        for (int m = 0; m < star.size; ++m) before += eta[star.tets[m]];
+        for (int m = 0; m < star.size; ++m) before += energies[star.tets[m]];
         if (!look.possible(bound.removal(star.size), before)) continue;
         const Cavity c = edge_cavity(star, candidates.constrained);
-        if (c.kind != FlipKind::none) evaluate(c, energy_before(c, eta), flip_id(t, candidate), look);
+        if (c.kind != FlipKind::none) evaluate(c, energy_before(c, energies), flip_id(t, candidate), look);
       }
     }
     slack[t] = static_cast<float>(look.least - 1);
@@ -104,7 +104,7 @@ struct Gather {
   Candidates candidates;
   Span<const Index> active;
   Span<const Index> agreed;
-  Span<const double> eta;
+  Span<const double> energies;
   Span<std::uint64_t> proposal;
   Span<FlipRecord> records;
   Span<SlotCounts> counts;
@@ -114,7 +114,7 @@ struct Gather {
     FlipRecord f{};
     f.cavity = candidates.offered(proposal[active[agreed[i]]]);
     const Cavity& c = f.cavity;
-    const double energy = energy_before(c, eta);
+    const double energy = energy_before(c, energies);
     best_energy(mesh, c, energy, (1 + kMaxSlack) * energy, f.triangulation);
     f.gather(mesh, proposal, counts[i]);
     records[i] = f;
@@ -145,7 +145,7 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
     const Span<const Index> some(state.active.span().data() + first, std::min(kProposeAtOnce<Backend>, active - first));
     report.evaluated +=
         par.template reduce<EvaluatedSum>(
-               some.size(), Propose{candidates, some, state.eta.span(), state.proposal.span(), state.slack.span()})
+               some.size(), Propose{candidates, some, state.energies.span(), state.proposal.span(), state.slack.span()})
             .evaluated;
   }
 
@@ -153,8 +153,8 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   const Size flips = par.compact(active, Agreed{candidates, state.active.span(), state.proposal.span()}, agreed.span());
   typename Backend::template Buffer<FlipRecord> records(flips);
   typename Backend::template Buffer<SlotCounts> before(flips);
-  par.for_each(flips, Gather{candidates, state.active.span(), agreed.span(), state.eta.span(), state.proposal.span(),
-                             records.span(), before.span()});
+  par.for_each(flips, Gather{candidates, state.active.span(), agreed.span(), state.energies.span(),
+                             state.proposal.span(), records.span(), before.span()});
   par.for_each(active, KeepRefused{state.active.span(), state.slack.span(), state.wanted.span()});
 
   const FlipSum sum = apply_flips(par, mesh, state, records, before, awake);

@@ -154,7 +154,7 @@ TETUNE_HD inline double energy_after(const MeshView& mesh, const Cavity& c, cons
     const Tet t = new_tet(c, triangulation, x);
     const Vec3 p[4] = {vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]), vec(mesh.points[t[3]])};
     const TetEnergy e = tet_energy(mesh.law, p[0], p[1], p[2], p[3]);
-    sum += e.eta;
+    sum += e.energy;
     if (!e.certified || !(sum < limit)) return limit;
     if (e.shape > mesh.floor.safe_shape && !mesh.floor.allows(e.shape, p, e.w)) return limit;
   }

@@ -72,7 +72,7 @@ class Descent {
     before_ = points_;
     worst_ = 0;
     for (const Tet& t : flips_.tets()) {
-      if (t[0] >= 0) worst_ = std::max(worst_, energy_of(t).eta);
+      if (t[0] >= 0) worst_ = std::max(worst_, energy_of(t).energy);
     }
     if (lambda > 0) {
       const double alpha = brent_minimum(Energy{*this}, 0, lambda);
@@ -89,7 +89,7 @@ class Descent {
   double energy() const {
     double sum = 0;
     for (const Tet& t : flips_.tets()) {
-      if (t[0] >= 0) sum += energy_of(t).eta;
+      if (t[0] >= 0) sum += energy_of(t).energy;
     }
     return sum;
   }
@@ -177,7 +177,7 @@ class Descent {
   /// Worse than the worst before the step, or inverted.
   bool damaged(const Tet& t) const {
     const TetEnergy e = energy_of(t);
-    return !e.certified || e.eta > worst_;
+    return !e.certified || e.energy > worst_;
   }
 
   /// Vertices of tetrahedra that reprojection damaged go back to where they were: those on the boundary first.

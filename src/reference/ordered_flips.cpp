@@ -40,7 +40,7 @@ OrderedFlips::OrderedFlips(const std::vector<Vec3>& points, const TetMesh& mesh)
 double OrderedFlips::eta(const Tet& t) const {
   const auto p = [&](int k) -> const Vec3& { return points_[static_cast<std::size_t>(t[k])]; };
   const TetEnergy e = tet_energy(kHarmonicLaw, p(0), p(1), p(2), p(3));
-  return e.certified ? e.eta : -1;
+  return e.certified ? e.energy : -1;
 }
 
 void OrderedFlips::offer(Candidate c, const Tet* after, int count_after) {
@@ -196,7 +196,7 @@ FlipResult OrderedFlips::run() {
   for (std::size_t t = 0; t < tets_.size(); ++t) {
     if (!alive(t) || eta_[t] > 0) continue;
     const auto p = [&](int k) -> const Vec3& { return points_[static_cast<std::size_t>(tets_[t][k])]; };
-    eta_[t] = tet_energy(kHarmonicLaw, p(0), p(1), p(2), p(3)).eta;
+    eta_[t] = tet_energy(kHarmonicLaw, p(0), p(1), p(2), p(3)).energy;
   }
   for (std::size_t t = 0; t < tets_.size(); ++t) {
     if (!alive(t)) continue;

@@ -11,7 +11,7 @@ namespace tetune {
 
 struct StepResult {
   Vec3 position;
-  double decrease = 0;       ///< of the sum of eta over the ring; 0 when the vertex stays
+  double decrease = 0;       ///< of the sum of the energy over the ring; 0 when the vertex stays
   double gradient2 = 0;      ///< squared norm of grad tr = grad eta / 9 within the space of motion, before the step
   double relative_move = 0;  ///< length of the move by the local length
 };

@@ -306,7 +306,7 @@ struct Write {
   Span<const Counts> before;
   Span<Index> free_slots;
   Size free_kept;
-  Span<double> eta;
+  Span<double> energies;
   Span<Index> vertex2original;
   Span<Mobility> kind;
   Span<Vec3> axis;
@@ -330,9 +330,9 @@ struct Write {
       const Index s = f.slots[f.place[k]];
       mesh.tet2vertex[s] = {{f.apex, face.v[0], face.v[1], face.v[2]}};
       mesh.tet2original[s] = original;
-      eta[s] = tet_energy(mesh.law, vec(mesh.points[f.apex]), vec(mesh.points[face.v[0]]), vec(mesh.points[face.v[1]]),
-                          vec(mesh.points[face.v[2]]))
-                   .eta;
+      energies[s] = tet_energy(mesh.law, vec(mesh.points[f.apex]), vec(mesh.points[face.v[0]]),
+                               vec(mesh.points[face.v[1]]), vec(mesh.points[face.v[2]]))
+                        .energy;
       Links links{};
       links[0] = f.across[k];
       for (int c = 0; c < 3; ++c) {
@@ -345,7 +345,7 @@ struct Write {
     par::store_shared(awake[f.apex], 1);
     for (int k = f.made; k < f.old_count; ++k) {
       mesh.tet2vertex[f.slots[k]][0] = kFreeSlot;
-      eta[f.slots[k]] = 0;
+      energies[f.slots[k]] = 0;
       free_slots[free_kept + before[i].slots.frees + k - f.made] = f.slots[k];
     }
   }
@@ -394,7 +394,7 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   const Size tets = mesh.tets() + counts.slots.takes - counts.slots.frees;
   if (fills == 0 || tets > most_tets || change.needed > kMaxSlots) return {};
   change.make_room(mesh);
-  flips.eta.grow(change.needed);
+  flips.energies.grow(change.needed);
   flips.slack.resize(change.needed);
   par.fill(flips.slack.span(), static_cast<float>(kMaxSlack));
   const Size all = vertices + counts.inserted;
@@ -410,7 +410,7 @@ ReviseReport revise_vertices(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   par.for_each(fills, Resolve{mesh.view(), fillings.span(), best.span()});
   par.for_each(fills,
                Write{mesh.view(), fillings.span(), before.span(), mesh.free_slots.span(), change.free_kept,
-                     flips.eta.span(), mesh.vertex2original.span(), mobilities.kind.span(), mobilities.axis.span(),
+                     flips.energies.span(), mesh.vertex2original.span(), mobilities.kind.span(), mobilities.axis.span(),
                      mobilities.site.span(), flips.constrained_vertex.span(), mobilities.awake.span()});
   change.finish(mesh);
   return {counts.inserted, counts.removed, fills - counts.inserted - counts.removed};

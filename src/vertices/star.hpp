@@ -200,7 +200,7 @@ class Star {
   TETUNE_HD double energy(const LinkFace& f, const Vec3& x) const {
     const TetEnergy e =
         tet_energy(mesh_.law, x, vec(mesh_.points[f.v[0]]), vec(mesh_.points[f.v[1]]), vec(mesh_.points[f.v[2]]));
-    return e.certified ? e.eta : kNever;
+    return e.certified ? e.energy : kNever;
   }
 
   TETUNE_HD bool find_faces() {

@@ -151,7 +151,8 @@ double least_energy(const TetMesh& m, const std::vector<Index>& polygon, std::si
     const TetEnergy below = tet_energy(kHarmonicLaw, p(0), r[0], r[1], r[2]);
     const TetEnergy above = tet_energy(kHarmonicLaw, p(1), r[0], r[2], r[1]);
     if (!below.certified || !above.certified) continue;
-    least = std::min(least, least_energy(m, polygon, i, j) + least_energy(m, polygon, j, k) + below.eta + above.eta);
+    least =
+        std::min(least, least_energy(m, polygon, i, j) + least_energy(m, polygon, j, k) + below.energy + above.energy);
   }
   return least;
 }
@@ -351,7 +352,7 @@ TEST(BoundaryFlip, FindsTheBestOnBothSidesOfAnInterface) {
       ++(expected ? flipped : left);
       if (!expected) continue;
       double above_before = 0;
-      for (int t = 0; t < n; ++t) above_before += Fixture(m).state.eta.span()[t];
+      for (int t = 0; t < n; ++t) above_before += Fixture(m).state.energies.span()[t];
       losing_side += above > above_before || best - above > f.energy - above_before ? 1 : 0;
       EXPECT_NEAR(r.decrease, f.energy - best, 1e-12 * f.energy);
       EXPECT_EQ(f.work.tets(), 2 * (n - 1) + 2 * (below - 1));

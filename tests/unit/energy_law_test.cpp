@@ -107,7 +107,7 @@ TEST(ShapeEnergy, OfARegularTetrahedronIsOneWhateverItsSize) {
                        {0, 0.5 * edge, 0.5 * s * edge}};
     const TetEnergy e = tet_energy(kShapeLaw, p[0], p[1], p[2], p[3]);
     EXPECT_TRUE(e.certified);
-    EXPECT_NEAR(e.eta, 1, 1e-14) << edge;
+    EXPECT_NEAR(e.energy, 1, 1e-14) << edge;
   }
 }
 
@@ -120,10 +120,10 @@ TEST(ShapeEnergy, OfAnyOtherTetrahedronIsMoreAndHasNoUnit) {
     const TetEnergy e = tet_energy(kShapeLaw, p[0], p[1], p[2], p[3]);
     if (!e.certified) continue;
     ++positive;
-    EXPECT_GT(e.eta, 1);
+    EXPECT_GT(e.energy, 1);
     for (const double scale : {1e-30, 1000.0, 1e30}) {
       const TetEnergy scaled = tet_energy(kShapeLaw, scale * p[0], scale * p[1], scale * p[2], scale * p[3]);
-      EXPECT_NEAR(scaled.eta, e.eta, 1e-10 * e.eta);
+      EXPECT_NEAR(scaled.energy, e.energy, 1e-10 * e.energy);
     }
   }
   EXPECT_GT(positive, 300);
@@ -145,7 +145,7 @@ TEST(EnergyLaw, IsItsDefinitionOnAnyTetrahedronAndOnSlivers) {
         if (!e.certified) continue;
         ++positive;
         const auto expected = static_cast<double>(plain_energy(law, {wide(p[0]), wide(p[1]), wide(p[2]), wide(p[3])}));
-        EXPECT_NEAR(e.eta, expected, (1e-13 + 4 * o.bound / o.det) * expected);
+        EXPECT_NEAR(e.energy, expected, (1e-13 + 4 * o.bound / o.det) * expected);
       }
       EXPECT_GT(positive, 100);
     }

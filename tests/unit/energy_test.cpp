@@ -73,7 +73,7 @@ TEST(HarmonicIndex, OfTheRegularTetrahedronWithUnitEdge) {
   const TetEnergy e = tet_energy(kHarmonicLaw, p[0], p[1], p[2], p[3]);
   const TetEnergy turned = tet_energy(kHarmonicLaw, p[0], p[1], p[3], p[2]);
   EXPECT_NE(e.certified, turned.certified);
-  EXPECT_NEAR(e.certified ? e.eta : turned.eta, 4.5 * std::sqrt(2.0), 1e-14);
+  EXPECT_NEAR(e.certified ? e.energy : turned.energy, 4.5 * std::sqrt(2.0), 1e-14);
 }
 
 TEST(HarmonicIndex, OfAPackIsThatOfEachLaneToTheLastBit) {
@@ -92,7 +92,7 @@ TEST(HarmonicIndex, OfAPackIsThatOfEachLaneToTheLastBit) {
       for (int l = 0; l < 4; ++l) {
         const auto at = [&](int k) { return vec(points[static_cast<std::size_t>(4 * l + k)]); };
         const TetEnergy one = tet_energy(law, at(0), at(1), at(2), at(3));
-        EXPECT_EQ(pack.eta[l], one.eta);
+        EXPECT_EQ(pack.energy[l], one.energy);
         EXPECT_EQ(pack.certified[l] != 0, one.certified);
         EXPECT_EQ(pack.shape[l], one.shape);
         EXPECT_EQ(pack.q[l], one.q);
@@ -112,7 +112,7 @@ TEST(HarmonicIndex, AgreesWithItsDefinition) {
     if (!e.certified) continue;
     ++positive;
     const double expected = static_cast<double>(plain_eta(p));
-    EXPECT_NEAR(e.eta, expected, 1e-10 * expected);
+    EXPECT_NEAR(e.energy, expected, 1e-10 * expected);
   }
   EXPECT_GT(positive, 800);
 }
@@ -129,7 +129,7 @@ TEST(HarmonicIndex, OfSliversStaysWithinTheErrorOfTheVolume) {
       const TetEnergy e = tet_energy(kHarmonicLaw, p[0], p[1], p[2], p[3]);
       const double expected = static_cast<double>(plain_eta(p));
       EXPECT_TRUE(e.certified);
-      EXPECT_NEAR(e.eta, expected, (4 * o.bound / std::fabs(o.det) + 1e-13) * expected);
+      EXPECT_NEAR(e.energy, expected, (4 * o.bound / std::fabs(o.det) + 1e-13) * expected);
     }
   }
 }
@@ -137,8 +137,8 @@ TEST(HarmonicIndex, OfSliversStaysWithinTheErrorOfTheVolume) {
 TEST(HarmonicIndex, IsFiniteWhereTheVolumeIsLostInRounding) {
   const TetEnergy e = tet_energy(kHarmonicLaw, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-17});
   EXPECT_FALSE(tet_energy(kHarmonicLaw, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 0}).certified);
-  EXPECT_TRUE(std::isfinite(e.eta));
-  EXPECT_GT(e.eta, 1e10);
+  EXPECT_TRUE(std::isfinite(e.energy));
+  EXPECT_GT(e.energy, 1e10);
 }
 
 template <class R>

@@ -66,7 +66,7 @@ double best_change(const TetMesh& m, std::size_t root) {
   const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
   const auto energy = [&](Index a, Index b, Index c, Index d) {
     const TetEnergy e = tet_energy(kHarmonicLaw, p(a), p(b), p(c), p(d));
-    return e.certified ? e.eta : kNever;
+    return e.certified ? e.energy : kNever;
   };
   const std::size_t count = m.tets.size() / 2;
   double best = kNever;
@@ -102,10 +102,11 @@ TEST(FaceRemoval, ThreeFacesOfAPentagonBecomeAnEdge) {
   double before = 0;
   double after = 0;
   const auto p = [&f](std::size_t v) { return vec(f.original.points[v]); };
-  for (std::size_t i = 0; i < 5; ++i) after += tet_energy(kHarmonicLaw, p(0), p(2 + i), p(2 + (i + 1) % 5), p(1)).eta;
+  for (std::size_t i = 0; i < 5; ++i)
+    after += tet_energy(kHarmonicLaw, p(0), p(2 + i), p(2 + (i + 1) % 5), p(1)).energy;
   for (std::size_t i = 1; i < 4; ++i) {
-    before += tet_energy(kHarmonicLaw, p(0), p(2), p(2 + i), p(3 + i)).eta;
-    before += tet_energy(kHarmonicLaw, p(1), p(2), p(3 + i), p(2 + i)).eta;
+    before += tet_energy(kHarmonicLaw, p(0), p(2), p(2 + i), p(3 + i)).energy;
+    before += tet_energy(kHarmonicLaw, p(1), p(2), p(3 + i), p(2 + i)).energy;
   }
   ASSERT_LT(after, before);
   const FlipReport r = remove_faces(f);
@@ -150,7 +151,7 @@ TEST(FaceRemoval, FindsTheBestOfAllClusters) {
         for (Index side = 0; side < 2; ++side) {
           FaceCluster cluster(view, f.state.constrained());
           if (!cluster.grow(static_cast<Index>(2 * root) + side, 0, kMaxFaces)) continue;
-          const double change = cluster.settle(f.state.eta.span());
+          const double change = cluster.settle(f.state.energies.span());
           const double expected = best_change(m, root);
           ASSERT_NEAR(std::min(change, 1e3), std::min(expected, 1e3), 1e-9 * f.energy) << n << ' ' << seed;
           best = std::min(best, change);

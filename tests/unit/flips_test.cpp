@@ -54,9 +54,9 @@ TEST(Flip, EnergiesOfAllSlotsAreThoseOfEach) {
     }
     EXPECT_EQ(f.work.free_count, mesh.tets.size() == 3 ? 1 : 0);
     // Flips have left what each tetrahedron has by itself.
-    const std::vector<double> each = f.state.eta.download();
+    const std::vector<double> each = f.state.energies.download();
     const double sum = refresh_energy(f.cpu, f.work, f.state);
-    EXPECT_EQ(f.state.eta.download(), each);
+    EXPECT_EQ(f.state.energies.download(), each);
     EXPECT_NEAR(sum, std::accumulate(each.begin(), each.end(), 0.0), 1e-12 * sum);
   }
 }
@@ -145,7 +145,7 @@ double least_energy(const TetMesh& m, int i, int k) {
     const TetEnergy below = tet_energy(kHarmonicLaw, p(0), a, b, c);
     const TetEnergy above = tet_energy(kHarmonicLaw, p(1), a, c, b);
     if (!below.certified || !above.certified) continue;
-    least = std::min(least, least_energy(m, i, j) + least_energy(m, j, k) + below.eta + above.eta);
+    least = std::min(least, least_energy(m, i, j) + least_energy(m, j, k) + below.energy + above.energy);
   }
   return least;
 }
@@ -234,8 +234,8 @@ TEST(LeastAfter, OfASplitIsThatOfThreeAroundAnEdge) {
     const Vec3 q{-0.5, s, 0};
     const Vec3 a{0, 0, h};
     const Vec3 b{0, 0, -h};
-    const double e = tet_energy(kShapeLaw, a, q, p, b).eta;
-    least = std::min(least, 3 * std::min(e, tet_energy(kShapeLaw, a, p, q, b).eta));
+    const double e = tet_energy(kShapeLaw, a, q, p, b).energy;
+    least = std::min(least, 3 * std::min(e, tet_energy(kShapeLaw, a, p, q, b).energy));
   }
   EXPECT_NEAR(LeastAfter(kShapeLaw).split(), least, 1e-4);
   EXPECT_LE(LeastAfter(kShapeLaw).split(), least);
@@ -326,15 +326,15 @@ TEST(FlipPass, AFirstLookAtTheWorstLeavesAllElseToTheNext) {
   f.work.law = kShapeLaw;
   refresh_energy(f.cpu, f.work, f.state);
   double worst = 0;
-  for (const double e : f.state.eta.download()) worst = std::max(worst, e);
+  for (const double e : f.state.energies.download()) worst = std::max(worst, e);
   activate_all(f.cpu, f.work, f.state, worst);
   EXPECT_EQ(f.state.active.size(), 0);
   activate_all(f.cpu, f.work, f.state, 8);
   Size first = 0;
   for (Size found = 1; found > 0; first += found) found = f.pass().flips();
   EXPECT_GT(first, 50);
-  const std::vector<double> eta = f.state.eta.download();
-  for (const Index t : f.state.active.download()) EXPECT_GT(eta[static_cast<std::size_t>(t)], 8);
+  const std::vector<double> energies = f.state.energies.download();
+  for (const Index t : f.state.active.download()) EXPECT_GT(energies[static_cast<std::size_t>(t)], 8);
   activate_drifted(f.cpu, f.work, f.state);
   EXPECT_GT(f.flip_to_the_last(), 50);
   activate_all(f.cpu, f.work, f.state);

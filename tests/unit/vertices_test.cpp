@@ -160,11 +160,11 @@ ReviseReport check_revisions(const TetMesh& before, int passes, double cot, doub
     EXPECT_TRUE(valid.ok()) << valid.message(false);
     EXPECT_EQ(surface(after), old_surface);
     // The energies are those of the new tetrahedra.
-    std::vector<double> eta = work.flips.eta.download();
+    std::vector<double> energies = work.flips.energies.download();
     refresh_energy(par::Cpu(1), work.mesh, work.flips);
-    for (std::size_t t = 0; t < eta.size(); ++t) {
-      const double exact = work.flips.eta.span()[static_cast<Size>(t)];
-      EXPECT_NEAR(eta[t], exact, 1e-12 * exact);
+    for (std::size_t t = 0; t < energies.size(); ++t) {
+      const double exact = work.flips.energies.span()[static_cast<Size>(t)];
+      EXPECT_NEAR(energies[t], exact, 1e-12 * exact);
     }
     const Quality now = quality(after);
     EXPECT_NEAR(now.volume, old_quality.volume, 1e-12 * old_quality.volume);
