@@ -94,11 +94,15 @@ int info(const Arguments& a) {
   const int code = some && i.validity.ok() && (met || bounds.empty()) ? kDone : kStoppedEarly;
   if (!a.cell_data.empty()) {
     if (!i.measured) throw MeshError(name + ": " + validity_message(i.validity));
-    write_measures(a.cell_data, i.mesh, a.threads);
+    std::vector<std::string> warnings;
+    write_measures(a.cell_data, i.mesh, a.threads, &warnings);
+    for (const std::string& w : warnings) say(stderr, fmt::format("tetune: warning: {}\n", w));
   }
   if (a.json) {
     nlohmann::ordered_json json = {
         {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
+    const Box box = bounding_box(i.mesh);
+    json["box"] = {{"low", box.low}, {"high", box.high}, {"diagonal", box.diagonal()}};
     if (i.measured) json["quality"] = to_json(i.quality);
     for (const Verdict& v : verdicts) {
       json["bounds"].push_back(
@@ -111,7 +115,11 @@ int info(const Arguments& a) {
     for (const Verdict& v : verdicts) text += "; " + to_text(v);
     fmt::print("{}: {}\n", name, text);
   } else {
+    const Box box = bounding_box(i.mesh);
     fmt::print("{}\n{}", name, mesh_summary(i.mesh));
+    fmt::print("  box                     {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}, diagonal {:.6g}\n", box.low[0],
+               box.low[1], box.low[2], box.high[0], box.high[1], box.high[2], box.diagonal());
+    if (i.measured && some) fmt::print("  volume                  {:.6g}\n", i.quality.volume);
     if (i.validity.ok() && !some) {
       fmt::print("  there is no tetrahedron\n");
     } else if (i.validity.ok()) {
@@ -173,8 +181,10 @@ void add_info(CLI::App& app, int& exit_code) {
   CLI::App* c = add_common(app, "info", "Counts, tags, validity and quality of a mesh, and its worst tetrahedra.", a);
   c->add_option("MESH", a->files[0], "Mesh: " + readable_endings() + "; or - for the standard input (MEDIT)")
       ->required();
-  c->add_option("--cell-data", a->cell_data, "Write all measures of every tetrahedron to a MEDIT solution file")
-      ->option_text("OUT.sol");
+  c->add_option("--cell-data", a->cell_data,
+                "Write all measures of every tetrahedron: to a MEDIT solution file (.sol), or with the mesh (.vtu, "
+                ".vtk, .e, .msh)")
+      ->option_text("OUT");
   c->add_option("--min-quality", a->min_quality,
                 "Exit code 1 unless the worst element has this mean ratio or more; or any measure, for example "
                 "min_dihedral_deg=10 or radius_ratio=5. May be repeated")

@@ -16,19 +16,6 @@
 namespace tetune::cli {
 namespace {
 
-double diagonal(const TetMesh& mesh) {
-  if (mesh.points.empty()) return 0;
-  Point3 low = mesh.points[0];
-  Point3 high = low;
-  for (const Point3& p : mesh.points) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
-    }
-  }
-  return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-}
-
 /// The tags of regions or patches, and the names of their groups: 10 "steel", 20.
 std::string tags_there(const TetMesh& mesh, bool regions) {
   constexpr std::size_t kShown = 20;
@@ -50,6 +37,20 @@ std::string tags_there(const TetMesh& mesh, bool regions) {
 
 }  // namespace
 
+double Box::diagonal() const { return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]); }
+
+Box bounding_box(const TetMesh& mesh) {
+  if (mesh.points.empty()) return {};
+  Box box{mesh.points[0], mesh.points[0]};
+  for (const Point3& p : mesh.points) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.low[k] = std::min(box.low[k], p[k]);
+      box.high[k] = std::max(box.high[k], p[k]);
+    }
+  }
+  return box;
+}
+
 double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh) {
   double value = 0;
   const char* end = text.data() + text.size();
@@ -61,7 +62,7 @@ double parse_length(const std::string& option, const std::string& text, const Te
         "bounding box's diagonal",
         option, text));
   }
-  return percent ? value / 100 * diagonal(mesh) : value;
+  return percent ? value / 100 * bounding_box(mesh).diagonal() : value;
 }
 
 Measure parse_measure(const std::string& option, const std::string& name) {

@@ -10,6 +10,13 @@
 
 namespace tetune::cli {
 
+/// The box around all vertices; of none, a point at 0.
+struct Box {
+  Point3 low{}, high{};
+  double diagonal() const;
+};
+Box bounding_box(const TetMesh& mesh);
+
 /// A length as "0.01", in the mesh's unit, or as "0.1%" of the diagonal of its bounding box. Throws OptionError.
 double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh);
 

@@ -91,9 +91,11 @@ Quality measure_all(const TetMesh& mesh, int threads = 0, int worst = 10);
 std::vector<Measures> measure_each(const TetMesh& mesh, int threads = 0);
 
 /// Writes measure_each() as a MEDIT solution file (.sol, text) that viewers load beside the mesh: one line for each
-/// tetrahedron in the mesh's order, one number for each measure in the order of Measure. Written under a temporary name
-/// and renamed. Throws as quality() does, and FileError.
-void write_measures(const std::string& path, const TetMesh& mesh, int threads = 0);
+/// tetrahedron in the mesh's order, one number for each measure in the order of Measure. As .vtu, .vtk, .e or .msh the
+/// mesh itself with the measures as data of its tetrahedra, under the names of to_string(); `warnings`: what the format
+/// has no room for. Written under a temporary name and renamed. Throws as quality() does, and FileError.
+void write_measures(const std::string& path, const TetMesh& mesh, int threads = 0,
+                    std::vector<std::string>* warnings = nullptr);
 
 /// What became of the listed triangles of one tag.
 struct PatchChange {

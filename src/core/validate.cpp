@@ -281,7 +281,7 @@ std::string ValidationReport::message(bool one_based) const {
     }
     repairable = repairable && (f.defect == Defect::inverted_tet || f.defect == Defect::flat_tet);
   }
-  return text + (repairable ? "\n  untangle them (--untangle), or repair the mesh in the program that made it."
+  return text + (repairable ? "\n  untangle them (tetune optimize --untangle), or repair the mesh in the program that made it."
                             : "\n  repair or remove these in the program that made the mesh.");
 }
 

@@ -58,7 +58,6 @@ struct ReferenceSurface {
   Buffer<LineVertex> line;
   Buffer<Mobility> kind;  ///< where vertices may go, those aside that are held where they are for now
 
-  bool empty() const { return points.size() == 0; }
   ReferenceView view() const {
     return {points.span(), triangles.span(), across.span(), vertex2corner.view(), line.span(), kind.span()};
   }

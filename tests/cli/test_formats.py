@@ -181,6 +181,17 @@ class Conversions(Case):
             self.assertEqual(done.returncode, 2)
             self.assertIn(f"out.{ending}: this build of Gmsh has no ", done.stderr)
 
+    def test_measures_come_with_the_mesh(self):
+        told = json.loads(self.run_tetune("info", "--json", "cube.mesh").stdout)["quality"]
+        for ending in ("vtu", "vtk", "e", "msh"):
+            done = self.run_tetune("info", "cube.mesh", "--cell-data", f"q.{ending}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            done = self.run_tetune("info", f"q.{ending}")
+            for measure in told["measures"]:
+                self.assertIn(measure, done.stdout.split("data on tetrahedra")[1].splitlines()[0], ending)
+            again = json.loads(self.run_tetune("info", "--json", f"q.{ending}").stdout)["quality"]
+            self.assertEqual(again["measures"], told["measures"], ending)
+
     def test_what_has_no_room_is_told(self):
         (self.folder / "in.vtk").write_text(HEAT)
         for output, named in (("out.vtu", None), ("out.mesh", "out.mesh"), ("-", "standard output")):

@@ -77,6 +77,17 @@ class Info(CliTest):
             self.assertIn(measure, text)
         self.assertRegex(text, rf"least angle +q_h +centroid\n +{worst['tetrahedron']} +{worst['min_dihedral_deg']:.3f} ")
 
+    def test_box_and_volume(self):
+        mesh = cube(2)
+        mesh.points = [(2 * x - 1, y, z) for x, y, z in mesh.points]
+        name = self.put("in.mesh", mesh)
+        text = self.run_cli("info", name).stdout
+        self.assertIn("box                     -1 0 0 to 1 1 1, diagonal 2.44949\n", text)
+        self.assertIn("volume                  2\n", text)
+        box = json.loads(self.run_cli("info", "--json", name).stdout)["box"]
+        self.assertEqual((box["low"], box["high"]), ([-1, 0, 0], [1, 1, 1]))
+        self.assertAlmostEqual(box["diagonal"], 6 ** 0.5)
+
     def test_cell_data(self):
         name = self.put("in.mesh", cube(2))
         done = self.run_cli("info", "--json", name, "--cell-data", self.path("q.sol"))
@@ -94,7 +105,7 @@ class Info(CliTest):
 
     def test_cell_data_refused(self):
         name = self.put("in.mesh", cube(1))
-        self.refused("info", name, "--cell-data", self.path("q.vtk"), said=["q.vtk", ".sol"])
+        self.refused("info", name, "--cell-data", self.path("q.mesh"), said=["q.mesh", ".sol", ".vtu"])
         self.refused("info", name, "--cell-data", self.path("absent/q.sol"), said=["absent"])
         mesh = cube(1)
         mesh.tets[0] = (0, 1, 2, 99)
