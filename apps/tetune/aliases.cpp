@@ -75,15 +75,15 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 /// Refuses an option that is none, and says which one may be meant.
 void check_name(const CLI::App& command, const std::string& word) {
-  constexpr std::size_t kMostTypos = 3;
   const std::string name = word.substr(0, word.find('='));
+  const std::size_t typos = std::min<std::size_t>(3, name.size() / 3);
   if (!word.starts_with("--") || word == "--" || command.get_option_no_throw(name) != nullptr) return;
   std::string nearest;
-  std::size_t least = kMostTypos + 1;
+  std::size_t least = typos + 1;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& known : names_of(*option)) {
       const std::size_t d = distance(name, known);
-      if (d >= least) continue;
+      if (d >= least || !known.starts_with("--")) continue;
       least = d;
       nearest = known;
     }
@@ -113,13 +113,23 @@ std::vector<std::string> without_aliases(const CLI::App& app, int argc, const ch
   }
   const CLI::App* command = *at;
   std::vector<std::string> ours{words[0]};
+  bool is_value = false;  // of the option before it
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& word = words[i];
+    if (std::exchange(is_value, false)) {
+      ours.push_back(word);
+      continue;
+    }
+    if (word == "--") {  // no options after it
+      ours.insert(ours.end(), words.begin() + static_cast<std::ptrdiff_t>(i), words.end());
+      break;
+    }
     if (words[0] == "optimize") {
       const auto known =
           std::find_if(aliases().begin(), aliases().end(), [&](const Alias& a) { return word == a.name; });
       if (known != aliases().end()) {
         ours.insert(ours.end(), known->ours.begin(), known->ours.end());
+        is_value = *known->value != '\0';
         continue;
       }
       const auto is_one_of = [&word](const auto& names) {
@@ -135,12 +145,18 @@ std::vector<std::string> without_aliases(const CLI::App& app, int argc, const ch
       }
     }
     ours.push_back(with_two_dashes(*command, word));
-    check_name(*command, ours.back());
+    // Those of the Python package are not known here.
+    if (!command->get_prefix_command()) check_name(*command, ours.back());
     if (ours.back().size() > 2 && ours.back().starts_with("-h")) {
       throw OptionError(word + ": there is no such option; see tetune " + words[0] + " --help");
     }
+    const CLI::Option* option = word[0] == '-' ? command->get_option_no_throw(ours.back()) : nullptr;
+    is_value = option != nullptr && takes_value(*option);
     // Mmg's -v alone.
-    if (word == "-v" && (i + 1 == words.size() || !is_integer(words[i + 1]))) ours.emplace_back("5");
+    if (word == "-v" && (i + 1 == words.size() || !is_integer(words[i + 1]))) {
+      ours.emplace_back("5");
+      is_value = false;
+    }
   }
   return ours;
 }

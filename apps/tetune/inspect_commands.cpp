@@ -108,10 +108,12 @@ int info(const Arguments& a) {
       json["bounds"].push_back(
           {{"measure", to_string(v.bound.measure)}, {"value", v.bound.value}, {"worst", v.worst}, {"met", v.met}});
     }
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}", json_text(json));
   } else if (a.check) {
     std::string text = !i.validity.ok() ? validity_message(i.validity) : some ? "valid" : "there is no tetrahedron";
-    for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) text.replace(at, 3, at > 0 ? "; " : "");
+    for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) {
+      text.replace(at, 3, text[at - 1] == ':' ? " " : "; ");
+    }
     for (const Verdict& v : verdicts) text += "; " + to_text(v);
     fmt::print("{}: {}\n", name, text);
   } else {
@@ -128,7 +130,10 @@ int info(const Arguments& a) {
       fmt::print("  {}\n", validity_message(i.validity));
     }
     if (i.measured && some) {
-      if (!i.validity.ok()) fmt::print("  inverted tetrahedra are measured as if they were not\n");
+      const auto& findings = i.validity.findings;
+      const bool inverted = std::any_of(findings.begin(), findings.end(),
+                                        [](const Finding& f) { return f.defect == Defect::inverted_tet; });
+      if (inverted) fmt::print("  inverted tetrahedra are measured as if they were not\n");
       fmt::print("{}{}", quality_table({""}, {i.quality}), measure_table("measures", i.quality));
       fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
     }
@@ -151,7 +156,7 @@ int compare_files(const Arguments& a) {
          {{"file", a.files[0]}, {"validity", to_json(before.validity)}, {"quality", to_json(before.quality)}}},
         {"after", {{"file", a.files[1]}, {"validity", to_json(after.validity)}, {"quality", to_json(after.quality)}}},
         {"change", to_json(c)}};
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}", json_text(json));
   } else {
     fmt::print("{}{}{}{}{}{}", quality_table({"before", "after"}, {before.quality, after.quality}),
                measure_table("measures before", before.quality), measure_table("measures after", after.quality),

@@ -41,7 +41,9 @@ int run(int argc, char** argv) {
   app.failure_message(failure);
   app.footer(
       "Exit codes: 0 done; 1 stopped early or a target was missed, a valid mesh was written (of info and compare: the "
-      "mesh is not valid, or not of the quality asked for; --untangle could not repair all: nothing was written); 2 "
+      "mesh has no tetrahedron, is not valid, or not of the quality asked for; --untangle could not repair all: no "
+      "mesh "
+      "was written); 2 "
       "nothing was written. Of several meshes, the largest.");
   int exit_code = kDone;
   add_optimize(app, exit_code);

@@ -67,11 +67,14 @@ Done.
 .TP
 .B 1
 Stopped early, or a target was missed; a valid mesh was written.
+Or
+.B \-\-untangle
+could not repair all; no mesh was written.
 Of
 .B info
 and
 .BR compare :
-the mesh is not valid, or not of the quality asked for.
+the mesh has no tetrahedron, is not valid, or not of the quality asked for.
 .TP
 .B 2
 Nothing was written.

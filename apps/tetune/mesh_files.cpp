@@ -113,7 +113,7 @@ Input read_input(const std::string& path, int threads) {
   const auto start = std::chrono::steady_clock::now();
   if (path == kPipe) {
     input.mesh = parse_mesh(shown_name(path, false), bytes, &input.warnings, threads);
-    input.binary = bytes.compare(0, 4, "Mesh") != 0;
+    input.binary = bytes.substr(0, 4).find('\0') != std::string::npos;
   } else {
     input.mesh = read_mesh(path, &input.warnings, threads);
     input.binary = std::filesystem::path(path).extension() == ".meshb";
@@ -151,15 +151,21 @@ std::string shown_name(const std::string& path, bool output) {
   return path != kPipe ? path : output ? "standard output" : "standard input";
 }
 
-void make_folder(const std::string& pattern) {
+MadeFolder::MadeFolder(const std::string& pattern, bool for_a_look) {
   if (!pattern.ends_with('/')) return;
   std::error_code error;
   const std::filesystem::path folder = std::filesystem::path(pattern).parent_path();
-  std::filesystem::create_directory(folder, error);
+  const bool made = std::filesystem::create_directory(folder, error);
   if (!std::filesystem::is_directory(folder)) {
     throw OptionError(fmt::format("--output {}: there is no such folder, and it cannot be made{}", pattern,
                                   error ? ": " + error.message() : ""));
   }
+  if (made && for_a_look) remove_ = folder;
+}
+
+MadeFolder::~MadeFolder() {
+  std::error_code ignored;
+  if (!remove_.empty()) std::filesystem::remove(remove_, ignored);
 }
 
 std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,18 @@ struct Job {
   std::string input, output, report, trace, map;
 };
 
-/// Where the pattern of an output ends in /: makes that folder unless it is there. Throws OptionError.
-void make_folder(const std::string& pattern);
+/// Where the pattern of an output ends in /: makes that folder unless it is there, and takes it away again if it was
+/// made for a look alone. Throws OptionError.
+class MadeFolder {
+ public:
+  MadeFolder(const std::string& pattern, bool for_a_look);
+  ~MadeFolder();
+  MadeFolder(const MadeFolder&) = delete;
+  MadeFolder& operator=(const MadeFolder&) = delete;
+
+ private:
+  std::filesystem::path remove_;
+};
 
 /// Fills in the patterns of `pattern` for each input: "{}" is the input's name without folder and ending; an output
 /// that ends in / or is a folder gets the input's name. Throws OptionError where two jobs would write the same file, or

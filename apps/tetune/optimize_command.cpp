@@ -56,8 +56,7 @@ class Run {
 
  private:
   void read() {
-    const bool folder_comes = a_.dry_run && a_.names.output.ends_with('/');
-    if (!job_.output.empty() && job_.output != kPipe && !folder_comes) check_writable(job_.output);
+    if (!job_.output.empty() && job_.output != kPipe) check_writable(job_.output);
     for (const std::string& path : {job_.report, job_.trace, job_.map}) check_folder(path);
     console_.phase("reading");
     input_ = read_input(job_.input, options_.threads);
@@ -97,20 +96,25 @@ class Run {
       fail_to_untangle(e);
     } catch (const OverlapError& e) {
       throw MeshError(shown_name(job_.input, false) + ": " + e.message(true));
-    } catch (const MeshError&) {
-      throw MeshError(shown_name(job_.input, false) + ": " + validity_message(validate(input_.mesh, options_.threads)));
+    } catch (const MeshError& e) {
+      const ValidationReport valid = validate(input_.mesh, options_.threads);
+      throw MeshError(shown_name(job_.input, false) + ": " + (valid.ok() ? e.what() : validity_message(valid)));
     }
   }
 
   /// The report then lists all that the message only counts.
   [[noreturn]] void fail_to_untangle(const UntangleError& e) {
-    if (!job_.report.empty()) {
+    if (!job_.report.empty() && !a_.dry_run) {
       nlohmann::ordered_json left = nlohmann::ordered_json::array();
       for (const Index t : e.left) left.push_back(t + 1);
       nlohmann::ordered_json json = report_head();
       json["warnings"] = warnings_;
       json["untangling"] = {{"inverted_or_flat", e.tangled}, {"left", left}};
-      write_text(job_.report, json.dump(2) + "\n");
+      try {
+        write_text(job_.report, json_text(json));
+      } catch (const FileError& file_error) {
+        console_.warn(file_error.what());
+      }
     }
     Point3 centre{};
     for (const Index v : input_.mesh.tets[static_cast<std::size_t>(e.left.at(0))]) {
@@ -207,7 +211,7 @@ class Run {
     if (!job_.report.empty()) {
       nlohmann::ordered_json json = full_report();
       if (change) json["surface"] = to_json(*change);
-      write_text(job_.report, json.dump(2) + "\n");
+      write_text(job_.report, json_text(json));
     }
     if (!job_.trace.empty()) write_text(job_.trace, trace_csv(report_));
     console_.print(text(change));
@@ -235,9 +239,10 @@ class Run {
     text += notes(report_);
     if (change) text += surface_table(*change);
     if (change && options_.max_deviation > 0) {
+      constexpr double kRounding = 1e-6;  // of distances, far from the origin
       const double most = change->mean_edge * std::max(change->new_to_old, change->old_to_new);
       text += fmt::format("  --max-deviation        {:.2e}{}\n", options_.max_deviation,
-                          most <= options_.max_deviation ? ", kept" : ", EXCEEDED");
+                          most <= (1 + kRounding) * options_.max_deviation ? ", kept" : ", EXCEEDED");
     }
     for (const TargetReport& t : report_.targets) text += target_table(t);
     if (console_.verbosity() > 1) text += run_table(report_);
@@ -356,15 +361,18 @@ int run_all(const OptimizeArguments& a, const std::vector<Job>& jobs, Console& s
 int run(const CLI::App& command, OptimizeArguments& a) {
   const std::vector<Job> jobs = settle(command, a);
   if (a.print_options) {
+    for (const Frozen& f : a.frozen) {
+      if (f.name.empty()) (f.region ? a.options.frozen_regions : a.options.frozen_patches).push_back(f.tag);
+    }
     nlohmann::ordered_json json = to_json(a.options);
     if (!a.max_deviation.empty()) json["max_deviation"] = a.max_deviation;
     if (!a.freeze.empty()) json["freeze"] = a.freeze;
     if (a.time_limit) json["time_limit_seconds"] = *a.time_limit;
     if (a.max_memory) json["max_memory_mb"] = *a.max_memory;
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}", json_text(json));
     return kDone;
   }
-  if (!a.dry_run) make_folder(a.names.output);
+  const MadeFolder folder(a.names.output, a.dry_run);
   const bool to_pipe = jobs[0].output == kPipe;
   Console console(a.progress, a.verbosity, !to_pipe ? stdout : a.progress == ProgressMode::json ? nullptr : stderr);
   interrupt::install(console.json());

@@ -123,10 +123,11 @@ void freeze(const std::vector<Frozen>& frozen, const std::string& mesh_name, con
     const std::vector<int>& tags = f.region ? mesh.tet_tags : mesh.triangle_tags;
     std::vector<int> wanted{f.tag};
     if (!f.name.empty()) {
-      const auto group = std::find_if(mesh.groups.begin(), mesh.groups.end(), [&f](const Group& g) {
-        return g.name == f.name && g.dimension == (f.region ? 3 : 2);
-      });
-      wanted = group != mesh.groups.end() ? group->tags : std::vector<int>{};
+      wanted.clear();
+      for (const Group& g : mesh.groups) {
+        if (g.name != f.name || g.dimension != (f.region ? 3 : 2)) continue;
+        wanted.insert(wanted.end(), g.tags.begin(), g.tags.end());
+      }
     }
     const auto is_there = [&tags](int tag) { return std::find(tags.begin(), tags.end(), tag) != tags.end(); };
     if (!std::any_of(wanted.begin(), wanted.end(), is_there)) {

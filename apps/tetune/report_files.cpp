@@ -190,6 +190,8 @@ Json counts_json(const TetMesh& mesh) {
   return json;
 }
 
+std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
 std::string trace_csv(const Report& report) {
   std::string text =
       "event,iteration,pass,energy_before,decrease,gradient_norm,moved,active,evaluated,flips_2_3,flips_3_2,edge_"

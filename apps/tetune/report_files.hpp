@@ -16,6 +16,9 @@ nlohmann::ordered_json to_json(const TargetReport& report);
 nlohmann::ordered_json to_json(const ValidationReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
 
+/// As files and the standard output have it, with a line's end. Names from files may hold any bytes.
+std::string json_text(const nlohmann::ordered_json& json);
+
 /// One line for each sweep and flip pass, in the order they ran.
 std::string trace_csv(const Report& report);
 

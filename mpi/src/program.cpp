@@ -41,6 +41,7 @@ class Program {
     together(comm_, [&] {
       take_frozen();
       if (!first_) return;
+      const cli::MadeFolder folder(a_.names.output, false);
       if (is_plex_file(job_.output)) {
         check_plex_writable(job_.output);
       } else {
@@ -89,7 +90,8 @@ class Program {
  private:
   void take_frozen() {
     for (const cli::Frozen& f : a_.frozen) {
-      if (!f.name.empty()) throw OptionError("--freeze: '" + f.name + "' is no tag; tetune-mpi takes no names of groups");
+      if (!f.name.empty())
+        throw OptionError("--freeze: '" + f.name + "' is no tag; tetune-mpi takes no names of groups");
       (f.region ? options_.frozen_regions : options_.frozen_patches).push_back(f.tag);
     }
   }
@@ -127,7 +129,7 @@ class Program {
   }
 
   void warn(const std::string& text) const {
-    if (first_) fmt::print(stderr, "tetune-mpi: warning: {}\n", text);
+    if (first_ && a_.verbosity >= 0) fmt::print(stderr, "tetune-mpi: warning: {}\n", text);
   }
 
   /// A percentage is one of the whole mesh's bounding box.
@@ -146,7 +148,8 @@ class Program {
   }
 
   void tell() const {
-    if (!job_.report.empty()) write_text(job_.report, json().dump(2) + "\n");
+    if (!job_.report.empty())
+      write_text(job_.report, json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     if (a_.verbosity < 1) return;
     std::string text = fmt::format("  {:<22}{:>14}{:>14}\n", "", "before", "after");
     const auto line = [&text](const char* name, double before, double after, int digits) {

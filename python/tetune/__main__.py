@@ -33,7 +33,9 @@ def _optimize_with_page(words: list[str], page: str) -> int:
         done = subprocess.run([PROGRAM, *words, "--trace-angles", "--report", figures]).returncode
         if done not in (0, 1):
             return done
-        run = json.loads(Path(figures).read_text(encoding="utf-8"))
+        run = json.loads(Path(figures).read_text(encoding="utf-8")) if os.path.exists(figures) else {}
+        if "optimization" not in run:  # not all could be untangled: there is no mesh
+            return done
         return report([run["input"], run["output"], "-o", page, "--run", figures]) or done
 
 

@@ -32,6 +32,9 @@ class Files(CliTest):
             os.remove(self.path("new/in.mesh"))
         self.run_cli("optimize", source, "-o", self.path("made") + "/", "--dry-run")
         self.assertFalse(os.path.exists(self.path("made")))
+        self.refused("optimize", self.put("m.vtp", ""), "-o", self.path("made") + "/", "--dry-run", said=[".vtp"])
+        self.assertFalse(os.path.exists(self.path("made")))
+        os.remove(self.path("m.vtp"))
         self.run_cli("optimize", source, "-o", self.path("made") + "/", "--quiet")
         self.assertEqual(os.listdir(self.path("made")), ["in.mesh"])
         self.refused("optimize", source, "-o", self.path("absent/made") + "/", said=["absent/made", "no such folder"])
@@ -119,6 +122,8 @@ class Pipes(CliTest):
             self.assertIn(b"dihedral min", done.stderr)
             self.assertIn(b"standard output", done.stderr)
             self.assertEqual(self.piped(data, "optimize", "-", "-", "--quiet").stderr, b"")
+            if ending == "mesh":  # with the mark that some editors put before a text
+                self.assertEqual(self.piped(b"\xef\xbb\xbf" + data, "optimize", "-", "-", "--quiet").stdout, again)
             self.assertEqual(self.piped(b"", "optimize", self.path(f"out.{ending}"), "-", "--quiet").stdout, again)
             self.piped(data, "optimize", "-", self.path("x.mesh"), "--quiet")
             self.assertEqual(Mesh.read(self.path("x.mesh")).points, Mesh.read(self.path("again.mesh")).points)

@@ -230,6 +230,11 @@ class Conversions(Case):
         self.assertLess(volume_change("again.vtu"), 1e-12)
         self.assertEqual(set(Mesh.read(self.folder / "out.mesh").tet_tags), {1, 2})
 
+        # Names may hold any bytes: the report is written all the same.
+        (self.folder / "latin.vtk").write_bytes((self.folder / "in.vtk").read_bytes().replace(b"steel", b"st\xe9el"))
+        done = self.run_tetune("optimize", "latin.vtk", "-o", "latin.vtu", "--report", "latin.json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("look like numbers of regions", json.loads((self.folder / "latin.json").read_text())["warnings"][0])
         # Those that are the tags already may be named.
         done = self.run_tetune("optimize", "again.vtu", "-o", "named.vtu", "--tags", "medit:ref")
         self.assertEqual((done.returncode, done.stderr), (0, ""))

@@ -55,7 +55,17 @@ class Refusals(CliTest):
         run = self.run_cli("optimize", name, "-o", self.path("out.mesh"), "--untangle", "--boundary", "fixed", code=1)
         self.assertRegex(run.stderr, r"of \d+ inverted or flat tetrahedra some could not be made positive, or not without "
                                      r"folding the surface: \d+ tetrahedra there \(first, counted from 1: ")
+        self.assertIn("The first is near ", run.stderr)
+        self.assertIn("let the boundary slide", run.stderr)
         self.assertEqual(self.read_bytes("out.mesh").decode(), "an old file")
+        # The report lists all that are left; a look writes none.
+        report = ("--report", self.path("r.json"), "--untangle", "--boundary", "fixed")
+        self.run_cli("optimize", name, "-o", self.path("out.mesh"), *report, "--dry-run", code=1)
+        self.assertEqual(self.files(), ["in.mesh", "out.mesh"])
+        self.run_cli("optimize", name, "-o", self.path("out.mesh"), *report, code=1)
+        told = json.loads(self.read_bytes("r.json"))["untangling"]
+        self.assertEqual(told["left"], sorted(set(told["left"])))
+        self.assertIn(f"{len(told['left'])} tetrahedra there", run.stderr)
 
     def test_mixed_orientation_is_made_one(self):
         mesh = cube(3)

@@ -14,6 +14,18 @@ COMMANDS = ["optimize", "info", "compare", "report", "completion", "man"]
 
 
 class Help(CliTest):
+    def test_a_mistyped_option_is_guessed(self):
+        source = self.put("in.mesh", cube(1))
+        for words, said in ((["optimize", source, "--untangel"], "did you mean --untangle?"),
+                            (["optimize", source, "-effrot=best"], "effrot"), (["info", source, "--cehck"], "did you mean --check?"),
+                            (["--versio"], "did you mean --version?"), (["optimize", source, "-octree", "3"], "-octree: nothing")):
+            self.refused(*words, said=[said])
+        self.assertNotIn("did you mean", self.refused("optimize", source, "--foo", said=["--foo: there is no such option"]).stderr)
+        # Words that are no options: values, what follows --, and what the Python package knows.
+        self.run_cli("optimize", source, "-o", self.path("--out.mesh"), "--quiet")
+        self.run_cli("optimize", "-o", self.path("b.mesh"), "--", source)
+        self.refused("report", "a.mesh", "b.mesh", "--run", "r.json", said=["pip install"])
+
     def test_help_and_version(self):
         for args in (["--help"], *([command, "--help"] for command in COMMANDS)):
             done = self.run_cli(*args)
