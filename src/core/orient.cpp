@@ -1,74 +1,89 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/orient.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
+#include <cstdint>
 
 namespace tetune {
 namespace {
 
-/// A sum of doubles that is exact: components do not overlap and grow in magnitude.
-class Expansion {
+__extension__ typedef unsigned __int128 Wide;
+
+/// x = sign * mantissa * 2^exponent, exactly.
+struct Scaled {
+  std::uint64_t mantissa;
+  int exponent;
+  bool negative;
+  explicit Scaled(double x) : negative(x < 0) {
+    constexpr int kDigits = 53;
+    mantissa = static_cast<std::uint64_t>(std::ldexp(std::frexp(std::fabs(x), &exponent), kDigits));
+    exponent -= kDigits;
+  }
+};
+
+/// A sum of products of three doubles that is exact, whatever their magnitudes: a whole number in two's complement, as
+/// wide as such products reach (Kulisch, "Computer Arithmetic and Validity", 2008).
+class ExactSum {
  public:
-  /// Adds a double (Shewchuk 1997, GROW-EXPANSION).
-  void add(double value) {
-    double carry = value;
-    std::size_t kept = 0;
-    for (const double component : components_) {
-      const double sum = carry + component;
-      const double rounded_off = sum - carry;
-      const double error = (carry - (sum - rounded_off)) + (component - rounded_off);
-      if (error != 0) components_[kept++] = error;
-      carry = sum;
+  /// Adds a * b * c, or takes it away.
+  void add_product(bool negative, const Scaled& a, const Scaled& b, const Scaled& c) {
+    const Wide ab = static_cast<Wide>(a.mantissa) * b.mantissa;
+    const Wide low = static_cast<Wide>(static_cast<std::uint64_t>(ab)) * c.mantissa;
+    const Wide high = (ab >> 64) * c.mantissa + (low >> 64);
+    const std::uint64_t limbs[3] = {static_cast<std::uint64_t>(low), static_cast<std::uint64_t>(high),
+                                    static_cast<std::uint64_t>(high >> 64)};
+    const int bit = a.exponent + b.exponent + c.exponent - kLowest;
+    const int shift = bit % 64;
+    std::uint64_t shifted[4];
+    for (int k = 0; k < 4; ++k) {
+      const std::uint64_t upper = k < 3 ? limbs[k] << shift : 0;
+      shifted[k] = upper | (k > 0 && shift > 0 ? limbs[k - 1] >> (64 - shift) : 0);
     }
-    components_.resize(kept);
-    if (carry != 0) components_.push_back(carry);
+    add(static_cast<std::size_t>(bit / 64), shifted, negative != (a.negative != (b.negative != c.negative)));
   }
 
-  /// Adds sign * a * b * c.
-  void add_product(double sign, double a, double b, double c) {
-    const double ab = a * b;
-    const double ab_error = std::fma(a, b, -ab);
-    for (const double part : {ab, ab_error}) {
-      const double product = part * c;
-      add(sign * product);
-      add(sign * std::fma(part, c, -product));
+  int sign() const {
+    if (words_.back() >> 63 != 0) return -1;
+    for (const std::uint64_t word : words_) {
+      if (word != 0) return 1;
     }
+    return 0;
   }
-
-  int sign() const { return components_.empty() ? 0 : components_.back() > 0 ? 1 : -1; }
 
  private:
-  std::vector<double> components_;
+  void add(std::size_t first, const std::uint64_t addend[4], bool negative) {
+    std::uint64_t carry = 0;
+    for (std::size_t k = first; k < words_.size(); ++k) {
+      if (k >= first + 4 && carry == 0) return;
+      const Wide more = static_cast<Wide>(k < first + 4 ? addend[k - first] : 0) + carry;
+      const Wide sum = negative ? words_[k] - more : words_[k] + more;
+      words_[k] = static_cast<std::uint64_t>(sum);
+      carry = sum >> 64 != 0 ? 1 : 0;
+    }
+  }
+
+  static constexpr int kLowest = -3 * (1074 + 53);  ///< exponent of the last bit, with some to spare
+  static constexpr std::size_t kWords = (3 * (1024 + 1074 + 53) + 64) / 64 + 1;
+  std::array<std::uint64_t, kWords> words_{};
 };
 
 }  // namespace
 
 int orient_sign(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3) {
-  const Point3* points[4] = {&p0, &p1, &p2, &p3};
-  double largest = 0;
-  for (const Point3* p : points) {
-    for (const double x : *p) largest = std::max(largest, std::fabs(x));
-  }
-  if (largest == 0) return 0;
-  // A power of two brings products of three into range and changes nothing else.
-  const int exponent = -std::ilogb(largest);
-  double x[4][3];
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 3; ++k) x[i][k] = std::ldexp((*points[i])[static_cast<std::size_t>(k)], exponent);
-  }
+  const auto scaled = [](const Point3& p) { return std::array<Scaled, 3>{Scaled(p[0]), Scaled(p[1]), Scaled(p[2])}; };
+  const std::array<Scaled, 3> x[4] = {scaled(p0), scaled(p1), scaled(p2), scaled(p3)};
   // det(p1-p0, p2-p0, p3-p0) is the alternating sum of the determinants of three points each.
   static constexpr int kTriples[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
-  Expansion sum;
+  ExactSum sum;
   for (int i = 0; i < 4; ++i) {
-    const double sign = i % 2 == 0 ? 1 : -1;
-    const double* a = x[kTriples[i][0]];
-    const double* b = x[kTriples[i][1]];
-    const double* c = x[kTriples[i][2]];
-    for (int k = 0; k < 3; ++k) {
-      sum.add_product(sign, a[k], b[(k + 1) % 3], c[(k + 2) % 3]);
-      sum.add_product(-sign, a[k], b[(k + 2) % 3], c[(k + 1) % 3]);
+    const bool odd = i % 2 != 0;
+    const auto& a = x[kTriples[i][0]];
+    const auto& b = x[kTriples[i][1]];
+    const auto& c = x[kTriples[i][2]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum.add_product(odd, a[k], b[(k + 1) % 3], c[(k + 2) % 3]);
+      sum.add_product(!odd, a[k], b[(k + 2) % 3], c[(k + 1) % 3]);
     }
   }
   return sum.sign();

@@ -50,8 +50,8 @@ TETUNE_HD TETUNE_INLINE Orient orient(const Vec3& p0, const Vec3& p1, const Vec3
   return {dot(cross(a, b), c), kOrientBound * permanent(a, b, c)};
 }
 
-/// The sign of det(p1-p0, p2-p0, p3-p0) in exact arithmetic, barring underflow. Host only; for what the filter
-/// above leaves in doubt.
+/// The sign of det(p1-p0, p2-p0, p3-p0), exactly, for any finite coordinates. Host only; for what the filter above
+/// leaves in doubt.
 int orient_sign(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3);
 
 }  // namespace tetune

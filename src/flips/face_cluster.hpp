@@ -133,7 +133,9 @@ class FaceCluster {
     const Tet tet = mesh_.tet2vertex[link_tet(above)];
     const Index apex = tet[link_face(above)];
     if (mesh_.tet2vertex[link_tet(below)][link_face(below)] != apex) return;
-    if (is_locked(mesh_.tet2tet[link_tet(above)][local_index(tet, a_)])) return;
+    // In a mesh that overlaps itself the two need not lie on one face.
+    const Link between = mesh_.tet2tet[link_tet(above)][local_index(tet, a_)];
+    if (is_locked(between) || link_tet(between) != link_tet(below)) return;
     for (int k = 0; k < count_; ++k) {
       if (faces_[k].tets[0] == link_tet(above)) return;
     }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -94,6 +96,36 @@ TEST(Orient, ExactSignDoesNotUnderflow) {
   EXPECT_EQ(orient_sign({0, 0, 0}, {1e-150, 0, 0}, {0, 1e-150, 0}, {0, 0, 1e-150}), 1);
   EXPECT_EQ(orient_sign({0, 0, 0}, {1e-150, 0, 0}, {0, 0, 1e-150}, {0, 1e-150, 0}), -1);
   EXPECT_EQ(orient_sign({0, 0, 0}, {1e150, 0, 0}, {0, 1e150, 0}, {1e150, 1e150, 0}), 0);
+}
+
+TEST(Orient, ExactSignHoldsForAnyMagnitudes) {
+  std::mt19937_64 random(13);
+  const auto any = [&random] {
+    for (;;) {
+      const double x = std::bit_cast<double>(random());
+      if (std::isfinite(x)) return random() % 4 == 0 ? std::ldexp(x, -1000) : x;
+    }
+  };
+  int solid = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Point3 p[4];
+    for (Point3& q : p) q = {any(), any(), any()};
+    const int sign = orient_sign(p[0], p[1], p[2], p[3]);
+    EXPECT_EQ(orient_sign(p[0], p[1], p[3], p[2]), -sign);
+    EXPECT_EQ(orient_sign(p[1], p[2], p[3], p[0]), -sign);
+    solid += sign != 0 ? 1 : 0;
+    EXPECT_EQ(orient_sign(p[0], p[1], p[2], p[1]), 0);
+    EXPECT_EQ(orient_sign(p[0], p[0], p[2], p[1]), 0);
+    for (Point3& q : p) q[2] = q[0];
+    EXPECT_EQ(orient_sign(p[0], p[1], p[2], p[3]), 0);
+  }
+  EXPECT_GT(solid, 19000);
+  const double least = std::numeric_limits<double>::denorm_min();
+  EXPECT_EQ(orient_sign({1, 1, 0}, {2, 1, 0}, {1, 2, 0}, {3, 3, least}), 1);
+  EXPECT_EQ(orient_sign({1, 1, 0}, {2, 1, 0}, {1, 2, 0}, {3, 3, -least}), -1);
+  EXPECT_EQ(orient_sign({0, 0, 0}, {least, 0, 0}, {0, least, 0}, {0, 0, least}), 1);
+  const double most = std::numeric_limits<double>::max();
+  EXPECT_EQ(orient_sign({-most, -most, -most}, {most, -most, -most}, {-most, most, -most}, {-most, -most, most}), 1);
 }
 
 TEST(Adjacency, TwoTetsShareOneFace) {

@@ -112,6 +112,13 @@ TEST(Validate, IndicesLengthsAndNumbers) {
   expect_refused(m, Defect::repeated_vertex, 1, {0});
 }
 
+TEST(Validate, AVertexTwiceWhoseCoordinateIsNextToNothing) {
+  TetMesh m = test::one_tet();
+  m.points = {{1, 0, 5}, {1, 1, 1.9999999999999993e-308}, {0, 2, 0}, {0, 0, 10.5}};
+  m.tets = {{0, 1, 2, 1}};
+  expect_refused(m, Defect::repeated_vertex, 1, {0});
+}
+
 TEST(Validate, ManyTetrahedraAtOneFace) {
   TetMesh m = test::two_tets(0.5);
   const std::array<Index, 4> tet = m.tets[0];
