@@ -264,15 +264,10 @@ struct Propose {
     if (before - after > kMinRelativeGain * before) {
       offers[i] = make_offer(before - after, static_cast<std::uint32_t>(corners[i]));
       for (int k = 0; k < 2; ++k) {
-        if (fans.has(k)) offer_to(fans.fan[k], offers[i]);
+        if (fans.has(k)) offer_to(fans.fan[k].tets, fans.fan[k].size(), offers[i], proposal);
       }
     }
     return {1};
-  }
-
- private:
-  TETUNE_HD void offer_to(const Cavity& c, std::uint64_t offer) const {
-    for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
   }
 };
 
@@ -286,17 +281,9 @@ struct Agreed {
     if (offer == 0) return false;
     const Fans fans = find(id / 2);
     for (int k = 0; k < 2; ++k) {
-      if (fans.has(k) && !holds(fans.fan[k], offer)) return false;
+      if (fans.has(k) && !all_hold(fans.fan[k].tets, fans.fan[k].size(), offer, proposal)) return false;
     }
     return fans.has(static_cast<int>(id % 2));
-  }
-
- private:
-  TETUNE_HD bool holds(const Cavity& c, std::uint64_t offer) const {
-    for (int k = 0; k < c.size(); ++k) {
-      if (proposal[c.tets[k]] != offer) return false;
-    }
-    return true;
   }
 };
 

@@ -68,6 +68,17 @@ struct EvaluatedSum {
   TETUNE_HD void merge(const EvaluatedSum& other) { evaluated += other.evaluated; }
 };
 
+/// Has the active tetrahedra propose by what `propose` makes for a part of them. False where a stop was requested.
+template <class Backend, class Make>
+bool propose_all(const Backend& par, Span<const Index> active, const Make& propose, FlipReport& report) {
+  for (Size first = 0; first < active.size(); first += kProposeAtOnce<Backend>) {
+    if (par.stop_requested()) return false;
+    const Span<const Index> part(active.data() + first, std::min(kProposeAtOnce<Backend>, active.size() - first));
+    report.evaluated += par.template reduce<EvaluatedSum>(part.size(), propose(part)).evaluated;
+  }
+  return true;
+}
+
 /// The order that decides which tetrahedron of a cavity evaluates its flip: the worst, the lowest of equals.
 struct Worse {
   Span<const double> energies;

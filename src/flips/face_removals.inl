@@ -53,8 +53,7 @@ struct Propose {
       Triangulation triangulation;
       const double gain = find(t, face, c, triangulation);
       if (!(gain > 0)) continue;
-      const std::uint64_t offer = make_offer(gain, flip_detail::flip_id(t, face));
-      for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
+      offer_to(c.tets, c.size(), make_offer(gain, flip_detail::flip_id(t, face)), proposal);
     }
     return sum;
   }
@@ -77,7 +76,7 @@ struct Propose {
   }
 };
 
-/// The tetrahedra whose proposal is their own and agreed by all of its cavity.
+/// The tetrahedra whose best offer is their own and agreed.
 struct Agreed {
   FindCluster find;
   Span<const Index> active;
@@ -88,10 +87,7 @@ struct Agreed {
     Cavity c;
     Triangulation triangulation;
     find(active[i], static_cast<int>(offer_id(best) % kCandidates), c, triangulation);
-    for (int k = 0; k < c.size(); ++k) {
-      if (proposal[c.tets[k]] != best) return false;
-    }
-    return true;
+    return all_hold(c.tets, c.size(), best, proposal);
   }
 };
 
@@ -125,13 +121,8 @@ FlipReport face_removal_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipSt
   if (find.most_faces < 3) return report;
   const Span<const Index> active = state.active.span();
   par.fill(state.proposal.span(), std::uint64_t{0});
-  for (Size first = 0; first < active.size(); first += kProposeAtOnce<Backend>) {
-    if (par.stop_requested()) return report;
-    const Span<const Index> some(active.data() + first, std::min(kProposeAtOnce<Backend>, active.size() - first));
-    report.evaluated +=
-        par.template reduce<flip_detail::EvaluatedSum>(some.size(), Propose{find, some, state.proposal.span()})
-            .evaluated;
-  }
+  const auto propose = [&](Span<const Index> part) { return Propose{find, part, state.proposal.span()}; };
+  if (!flip_detail::propose_all(par, active, propose, report)) return report;
   Ids agreed(active.size());
   const Size flips = par.compact(active.size(), Agreed{find, active, state.proposal.span()}, agreed.span());
   typename Backend::template Buffer<flip_detail::FlipRecord> records(flips);

@@ -76,12 +76,11 @@ struct Propose {
     const double ratio = better || after > before ? after / before : 1;
     look.least = ratio < look.least ? ratio : look.least;
     if (!better) return;
-    const std::uint64_t offer = make_offer(before - after, id);
-    for (int k = 0; k < c.size(); ++k) par::atomic_max(proposal[c.tets[k]], offer);
+    offer_to(c.tets, c.size(), make_offer(before - after, id), proposal);
   }
 };
 
-/// A flip is agreed when all its tetrahedra hold it as their best (Alg. 5, lines 21 to 33). Its evaluator decides.
+/// The tetrahedra whose best offer is their own and agreed.
 struct Agreed {
   Candidates candidates;
   Span<const Index> active;
@@ -91,10 +90,7 @@ struct Agreed {
     const std::uint64_t best = proposal[t];
     if (best == 0 || id_tet(offer_id(best)) != t) return false;
     const Cavity c = candidates.offered(best);
-    for (int k = 0; k < c.size(); ++k) {
-      if (proposal[c.tets[k]] != best) return false;
-    }
-    return true;
+    return all_hold(c.tets, c.size(), best, proposal);
   }
 };
 
@@ -137,25 +133,21 @@ FlipReport flip_pass(const Backend& par, WorkMesh<Backend>& mesh, FlipState<Back
   using Ids = typename Backend::template Buffer<Index>;
   FlipReport report;
   const Candidates candidates{mesh.view(), state.constrained(), state.max_ring};
-  const Size active = state.active.size();
-  report.active = active;
+  const Span<const Index> active = state.active.span();
+  report.active = active.size();
   par.fill(state.proposal.span(), std::uint64_t{0});
-  for (Size first = 0; first < active; first += kProposeAtOnce<Backend>) {
-    if (par.stop_requested()) return report;
-    const Span<const Index> some(state.active.span().data() + first, std::min(kProposeAtOnce<Backend>, active - first));
-    report.evaluated +=
-        par.template reduce<EvaluatedSum>(
-               some.size(), Propose{candidates, some, state.energies.span(), state.proposal.span(), state.slack.span()})
-            .evaluated;
-  }
+  const auto propose = [&](Span<const Index> part) {
+    return Propose{candidates, part, state.energies.span(), state.proposal.span(), state.slack.span()};
+  };
+  if (!propose_all(par, active, propose, report)) return report;
 
-  Ids agreed(active);
-  const Size flips = par.compact(active, Agreed{candidates, state.active.span(), state.proposal.span()}, agreed.span());
+  Ids agreed(active.size());
+  const Size flips = par.compact(active.size(), Agreed{candidates, active, state.proposal.span()}, agreed.span());
   typename Backend::template Buffer<FlipRecord> records(flips);
   typename Backend::template Buffer<SlotCounts> before(flips);
-  par.for_each(flips, Gather{candidates, state.active.span(), agreed.span(), state.energies.span(),
-                             state.proposal.span(), records.span(), before.span()});
-  par.for_each(active, KeepRefused{state.active.span(), state.slack.span(), state.wanted.span()});
+  par.for_each(flips, Gather{candidates, active, agreed.span(), state.energies.span(), state.proposal.span(),
+                             records.span(), before.span()});
+  par.for_each(active.size(), KeepRefused{active, state.slack.span(), state.wanted.span()});
 
   const FlipSum sum = apply_flips(par, mesh, state, records, before, awake);
   report.flips23 = sum.flips23;

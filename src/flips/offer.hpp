@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/work_mesh.hpp"
+#include "par/atomic.hpp"
 
 /// What flips and revisions of vertices share: offers, of which every tetrahedron keeps the best, and slots for what
 /// is made.
@@ -22,6 +23,19 @@ TETUNE_HD inline std::uint64_t make_offer(double gain, std::uint32_t id) {
 }
 TETUNE_HD inline std::uint32_t offer_id(std::uint64_t offer) {
   return ~static_cast<std::uint32_t>(offer & 0xffffffffU);
+}
+
+/// Each of the tetrahedra keeps the best of what it is offered.
+TETUNE_HD inline void offer_to(const Index* tets, int count, std::uint64_t offer, Span<std::uint64_t> best) {
+  for (int k = 0; k < count; ++k) par::atomic_max(best[tets[k]], offer);
+}
+/// What is offered is agreed when all the tetrahedra hold it as their best (Stroeter et al. 2022, Alg. 5, lines 21 to
+/// 33).
+TETUNE_HD inline bool all_hold(const Index* tets, int count, std::uint64_t offer, Span<const std::uint64_t> best) {
+  for (int k = 0; k < count; ++k) {
+    if (best[tets[k]] != offer) return false;
+  }
+  return true;
 }
 
 /// What changes add up to, as a scan needs it.

@@ -73,8 +73,7 @@ struct Propose {
       }
     }
     if (!(p.gain > 0)) return;
-    const std::uint64_t offer = make_offer(p.gain, static_cast<std::uint32_t>(id));
-    for (int i = 0; i < p.tet_count; ++i) par::atomic_max(best[p.tets[i]], offer);
+    offer_to(p.tets, p.tet_count, make_offer(p.gain, static_cast<std::uint32_t>(id)), best);
   }
 
  private:
@@ -157,18 +156,14 @@ struct Propose {
 /// Tetrahedra that may propose: so many, and one of so many.
 inline constexpr Size kFew = 250;
 
-/// A proposal is agreed when all its tetrahedra hold it as their best.
+/// The proposals that are agreed.
 struct Agreed {
   Span<const Proposal> proposals;
   Span<const std::uint64_t> best;
   TETUNE_HD bool operator()(Size id) const {
     const Proposal& p = proposals[id];
     if (!(p.gain > 0)) return false;
-    const std::uint64_t key = make_offer(p.gain, static_cast<std::uint32_t>(id));
-    for (int i = 0; i < p.tet_count; ++i) {
-      if (best[p.tets[i]] != key) return false;
-    }
-    return true;
+    return all_hold(p.tets, p.tet_count, make_offer(p.gain, static_cast<std::uint32_t>(id)), best);
   }
 };
 
