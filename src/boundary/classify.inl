@@ -182,110 +182,117 @@ struct Classify {
   };
 
   TETUNE_HD void operator()(Size v) const {
-    axis[v] = {0, 0, 0};
+    Vec3 direction{0, 0, 0};
+    kind[v] = mobility(static_cast<Index>(v), direction);
+    axis[v] = direction;
+  }
+
+ private:
+  struct Around {
+    Index v;
+    Vec3 x;
+    Size begin, end;
+    Wings wings;
+  };
+
+  TETUNE_HD Mobility mobility(Index v, Vec3& direction) const {
     const Size begin = vertex2corner.begin(v);
     const Size end = vertex2corner.end(v);
     const Size edge_begin = vertex2edge_end.begin(v);
     const Size edge_end = vertex2edge_end.end(v);
-    kind[v] = Mobility::fixed;
-    if (frozen[v] == kFrozen || (surface_fixed && end > begin)) return;
-    if (begin == end && edge_begin == edge_end) {
-      kind[v] = Mobility::free;
-      return;
-    }
+    if (frozen[v] == kFrozen || (surface_fixed && end > begin)) return Mobility::fixed;
+    if (begin == end && edge_begin == edge_end) return Mobility::free;
 
-    const Vec3 x = vec(points[v]);
-    const Wings wings(*this, begin, end);
+    const Around around{v, vec(points[v]), begin, end, Wings(*this, begin, end)};
+    // Edges that are features whatever their angle.
+    Features features;
+    for (Size e = edge_begin; e < edge_end; ++e) {
+      features.add(vec(points[edges[static_cast<Size>(vertex2edge_end.items[e]) ^ 1]]) - around.x);
+    }
+    Features folds;
+    for (Size c = begin; c < end; ++c) {
+      const Wing w = around.wings(c);
+      star_edge(around, c, w.q1, w.q2, w.tag, features, folds);
+      star_edge(around, c, w.q2, w.q1, w.tag, features, folds);
+      // Fixed, whatever else there is: along a feature, all that is folded beside it would be torn.
+      if (features.count > 2 || folds.count > 2 || (features.count > 0 && folds.count > 0)) return Mobility::fixed;
+    }
+    // Without the folds, a sheet thinner than the tolerance would count as flat at its very rim.
+    if (features.count == 0 && folds.count == 0 && is_flat(around, direction)) return Mobility::plane;
+    return is_straight(around, features.count > 0 ? features : folds, direction) ? Mobility::line : Mobility::fixed;
+  }
+
+  /// Whether the triangles around lie in one plane, and its normal.
+  TETUNE_HD bool is_flat(const Around& around, Vec3& unit) const {
     Vec3 normal{0, 0, 0};
     double length = 0;
-    for (Size c = begin; c < end; ++c) {
-      const Wing w = wings(c);
-      const Vec3 e1 = vec(points[w.q1]) - x;
-      const Vec3 e2 = vec(points[w.q2]) - x;
+    for (Size c = around.begin; c < around.end; ++c) {
+      const Wing w = around.wings(c);
+      const Vec3 e1 = vec(points[w.q1]) - around.x;
+      const Vec3 e2 = vec(points[w.q2]) - around.x;
       Vec3 n = cross(e1, e2);
       // Interface triangles come from either side: take all normals to one half space.
       if (dot(n, normal) < 0) n = -1.0 * n;
       normal = normal + n;
       length += 0.5 * (norm(e1) + norm(e2));
     }
-    length /= static_cast<double>(end > begin ? end - begin : 1);
     const double size = norm(normal);
-
-    // Edges that are features whatever their angle.
-    Features features;
-    for (Size e = edge_begin; e < edge_end; ++e) {
-      features.add(vec(points[edges[static_cast<Size>(vertex2edge_end.items[e]) ^ 1]]) - x);
+    if (!(size > 0)) return false;
+    length /= static_cast<double>(around.end - around.begin);
+    for (Size c = around.begin; c < around.end; ++c) {
+      const Wing w = around.wings(c);
+      const double height = dot(normal, vec(points[w.q1]) - around.x) / size;
+      const double height2 = dot(normal, vec(points[w.q2]) - around.x) / size;
+      if (!(std::fabs(height) <= kFlat * length && std::fabs(height2) <= kFlat * length)) return false;
     }
-    bool flat = size > 0;
-    for (Size c = begin; c < end; ++c) {
-      const Wing w = wings(c);
-      if (flat) {
-        const double height = dot(normal, vec(points[w.q1]) - x) / size;
-        const double height2 = dot(normal, vec(points[w.q2]) - x) / size;
-        flat = std::fabs(height) <= kFlat * length && std::fabs(height2) <= kFlat * length;
-      }
-    }
-    Features folds;
-    for (Size c = begin; c < end; ++c) {
-      const Wing w = wings(c);
-      star_edge(wings, x, static_cast<Index>(v), c, w.q1, w.q2, w.tag, begin, end, features, folds);
-      star_edge(wings, x, static_cast<Index>(v), c, w.q2, w.q1, w.tag, begin, end, features, folds);
-      // Fixed, whatever else there is: along a feature, all that is folded beside it would be torn.
-      if (features.count > 2 || folds.count > 2 || (features.count > 0 && folds.count > 0)) return;
-    }
-
-    // Without the folds, a sheet thinner than the tolerance would count as flat at its very rim.
-    if (features.count == 0 && folds.count == 0 && flat) {
-      kind[v] = Mobility::plane;
-      axis[v] = (1 / size) * normal;
-      return;
-    }
-    const Features& lines = features.count > 0 ? features : folds;
-    if (lines.count != 2) return;
-    const Vec3 d0 = lines.direction[0];
-    const Vec3 d1 = lines.direction[1];
-    const double l0 = norm(d0);
-    const double l1 = norm(d1);
-    if (dot(d0, d1) >= 0) return;
-    const Vec3 along = d0 - d1;
-    const Vec3 unit = (1 / norm(along)) * along;
-    if (norm(cross(d0, unit)) > kFlat * l0 || norm(cross(d1, unit)) > kFlat * l1) return;
-    // Moving along the line leaves a triangle in its plane only if the plane contains the line.
-    for (Size c = begin; c < end; ++c) {
-      const Wing w = wings(c);
-      const Vec3 e1 = vec(points[w.q1]) - x;
-      const Vec3 e2 = vec(points[w.q2]) - x;
-      const double longest = dot(e1, e1) > dot(e2, e2) ? dot(e1, e1) : dot(e2, e2);
-      if (std::fabs(dot(cross(e1, e2), unit)) > kFlat * longest) return;
-    }
-    kind[v] = Mobility::line;
-    axis[v] = unit;
+    unit = (1 / size) * normal;
+    return true;
   }
 
- private:
+  /// Whether two lines go on in one, along which the vertex can move in the planes of all triangles, and which way.
+  TETUNE_HD bool is_straight(const Around& around, const Features& lines, Vec3& unit) const {
+    if (lines.count != 2) return false;
+    const Vec3 d0 = lines.direction[0];
+    const Vec3 d1 = lines.direction[1];
+    if (dot(d0, d1) >= 0) return false;
+    const Vec3 way = d0 - d1;
+    const Vec3 along = (1 / norm(way)) * way;
+    if (norm(cross(d0, along)) > kFlat * norm(d0) || norm(cross(d1, along)) > kFlat * norm(d1)) return false;
+    // Moving along the line leaves a triangle in its plane only if the plane contains the line.
+    for (Size c = around.begin; c < around.end; ++c) {
+      const Wing w = around.wings(c);
+      const Vec3 e1 = vec(points[w.q1]) - around.x;
+      const Vec3 e2 = vec(points[w.q2]) - around.x;
+      const double longest = dot(e1, e1) > dot(e2, e2) ? dot(e1, e1) : dot(e2, e2);
+      if (std::fabs(dot(cross(e1, e2), along)) > kFlat * longest) return false;
+    }
+    unit = along;
+    return true;
+  }
+
   /// Looks at the edge (v, q) of the star, seen from the triangle at `c` whose third vertex is `apex`.
-  TETUNE_HD void star_edge(const Wings& wings, const Vec3& x, Index v, Size c, Index q, Index apex, int tag, Size begin,
-                           Size end, Features& features, Features& folds) const {
-    if (constrained.contains(v, q)) return;  // counted already
+  TETUNE_HD void star_edge(const Around& around, Size c, Index q, Index apex, int tag, Features& features,
+                           Features& folds) const {
+    if (constrained.contains(around.v, q)) return;  // counted already
     Size others = 0;
     Index other_apex = -1;
     int other_tag = 0;
-    for (Size o = begin; o < end; ++o) {
+    for (Size o = around.begin; o < around.end; ++o) {
       if (o == c) continue;
-      const Wing w = wings(o);
+      const Wing w = around.wings(o);
       if (w.q1 != q && w.q2 != q) continue;
       if (o < c) return;  // each edge once, by its first triangle
       ++others;
       other_apex = w.q1 == q ? w.q2 : w.q1;
       other_tag = w.tag;
     }
-    const Vec3 e = vec(points[q]) - x;
+    const Vec3 e = vec(points[q]) - around.x;
     if (others != 1 || other_tag != tag) {
       features.add(e);
       return;
     }
-    const Vec3 p1 = vec(points[apex]) - x;
-    const Vec3 p2 = vec(points[other_apex]) - x;
+    const Vec3 p1 = vec(points[apex]) - around.x;
+    const Vec3 p2 = vec(points[other_apex]) - around.x;
     const Vec3 n1 = cross(e, p1);
     const Vec3 n2 = cross(p2, e);
     const bool first_larger = dot(n1, n1) > dot(n2, n2);
