@@ -82,11 +82,8 @@ struct MatchListed {
 
  private:
   TETUNE_HD Index find(const Index v[3]) const {
-    // Most lists of all faces have few that are on the surface.
-    for (int k = 1; k < 3; ++k) {
-      if (vertex2corner.begin(v[k]) == vertex2corner.end(v[k])) return -1;
-    }
-    for (Size c = vertex2corner.begin(v[0]); c < vertex2corner.end(v[0]); ++c) {
+    const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
+    for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
       const std::uint32_t s = vertex2corner.items[c] / 3;
       if (same_triangle(triangles[s].v, v)) return static_cast<Index>(s);
     }
@@ -104,7 +101,8 @@ struct LockListed {
   TETUNE_HD void operator()(Size i) const {
     if (state[i] != Listed::absent) return;
     const ListedTriangle t = listed[i];
-    for (Size c = vertex2tet.begin(t.v[0]); c < vertex2tet.end(t.v[0]); ++c) {
+    const Index from = vertex2tet.shorter(vertex2tet.shorter(t.v[0], t.v[1]), t.v[2]);
+    for (Size c = vertex2tet.begin(from); c < vertex2tet.end(from); ++c) {
       const auto tet = static_cast<Index>(vertex2tet.items[c] >> 2);
       for (int f = 0; f < 4; ++f) {
         Index v[3];
@@ -164,13 +162,14 @@ struct Classify {
     }
   };
 
-  /// The wings of a vertex, each looked at from all others: those of most vertices fit here.
+  /// The wings of a vertex, each looked at from all others where they fit here, as those of most vertices do.
   class Wings {
    public:
     TETUNE_HD Wings(const Classify& classify, Size begin, Size end)
         : classify_(classify), begin_(begin), few_(end - begin <= kFew) {
       for (Size c = begin; few_ && c < end; ++c) kept_[c - begin] = classify.wing(c);
     }
+    TETUNE_HD bool kept() const { return few_; }
     TETUNE_HD Wing operator()(Size c) const { return few_ ? kept_[c - begin_] : classify_.wing(c); }
 
    private:
@@ -270,29 +269,49 @@ struct Classify {
     return true;
   }
 
-  /// Looks at the edge (v, q) of the star, seen from the triangle at `c` whose third vertex is `apex`.
-  TETUNE_HD void star_edge(const Around& around, Size c, Index q, Index apex, int tag, Features& features,
-                           Features& folds) const {
-    if (constrained.contains(around.v, q)) return;  // counted already
-    Size others = 0;
-    Index other_apex = -1;
-    int other_tag = 0;
+  /// The other triangles at an edge of the star: how many, and what is known of one.
+  struct Other {
+    Size count = 0;
+    Index apex = -1;
+    int tag = 0;
+  };
+  /// Of edge (v, q), besides the triangle at `c`. False where that is not the first: each edge is looked at once.
+  TETUNE_HD bool find_other(const Around& around, Size c, Index q, Other& other) const {
     for (Size o = around.begin; o < around.end; ++o) {
       if (o == c) continue;
       const Wing w = around.wings(o);
       if (w.q1 != q && w.q2 != q) continue;
-      if (o < c) return;  // each edge once, by its first triangle
-      ++others;
-      other_apex = w.q1 == q ? w.q2 : w.q1;
-      other_tag = w.tag;
+      if (o < c) return false;
+      other = {other.count + 1, w.q1 == q ? w.q2 : w.q1, w.tag};
     }
+    return true;
+  }
+  /// The same from the other end, where v has many triangles.
+  TETUNE_HD bool find_other_at(Index q, const Around& around, Size c, Other& other) const {
+    const std::uint32_t own = vertex2corner.items[c] / 3;
+    for (Size o = vertex2corner.begin(q); o < vertex2corner.end(q); ++o) {
+      const std::uint32_t triangle = vertex2corner.items[o] / 3;
+      const Wing w = wing(o);
+      if (triangle == own || (w.q1 != around.v && w.q2 != around.v)) continue;
+      if (triangle < own) return false;
+      other = {other.count + 1, w.q1 == around.v ? w.q2 : w.q1, w.tag};
+    }
+    return true;
+  }
+
+  /// Looks at the edge (v, q) of the star, seen from the triangle at `c` whose third vertex is `apex`.
+  TETUNE_HD void star_edge(const Around& around, Size c, Index q, Index apex, int tag, Features& features,
+                           Features& folds) const {
+    if (constrained.contains(around.v, q)) return;  // counted already
+    Other other;
+    if (!(around.wings.kept() ? find_other(around, c, q, other) : find_other_at(q, around, c, other))) return;
     const Vec3 e = vec(points[q]) - around.x;
-    if (others != 1 || other_tag != tag) {
+    if (other.count != 1 || other.tag != tag) {
       features.add(e);
       return;
     }
     const Vec3 p1 = vec(points[apex]) - around.x;
-    const Vec3 p2 = vec(points[other_apex]) - around.x;
+    const Vec3 p2 = vec(points[other.apex]) - around.x;
     const Vec3 n1 = cross(e, p1);
     const Vec3 n2 = cross(p2, e);
     const bool first_larger = dot(n1, n1) > dot(n2, n2);

@@ -17,15 +17,17 @@ TETUNE_HD inline Index opposite_corner(Span<const SurfaceTriangle> triangles, co
   const SurfaceTriangle t = triangles[triangle];
   const Index a = t.v[(corner + 1) % 3];
   const Index b = t.v[(corner + 2) % 3];
+  const Index from = vertex2corner.shorter(a, b);
+  const Index to = a ^ b ^ from;
   Index opposite = kWall;
-  for (Size c = vertex2corner.begin(a); c < vertex2corner.end(a); ++c) {
+  for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
     const Size other = vertex2corner.items[c] / 3;
     if (other == triangle) continue;
     const SurfaceTriangle q = triangles[other];
-    const int at_b = q.v[0] == b ? 0 : q.v[1] == b ? 1 : q.v[2] == b ? 2 : -1;
-    if (at_b < 0) continue;
+    const int end = q.v[0] == to ? 0 : q.v[1] == to ? 1 : q.v[2] == to ? 2 : -1;
+    if (end < 0) continue;
     if (opposite != kWall) return kWall;
-    opposite = static_cast<Index>(3 * other + 3 - at_b - vertex2corner.items[c] % 3);
+    opposite = static_cast<Index>(3 * other + 3 - end - vertex2corner.items[c] % 3);
   }
   return opposite;
 }

@@ -120,7 +120,7 @@ TETUNE_HD inline FaceKey face_key(const Tet& tet, int face) {
 }
 
 /// Notes each face once, in a set with open addressing. Where a face is looked for follows its lowest vertex, so that
-/// what is near in the mesh is near there.
+/// what is near in the mesh is near there; where a vertex has too many, they go anywhere.
 struct NoteFaces {
   struct Found {
     Size again = 0;
@@ -130,6 +130,7 @@ struct NoteFaces {
   Span<const Links> links;
   Span<std::uint32_t> notes;
   Size places;  ///< for each vertex
+  static constexpr int kNear = 32;
 
   TETUNE_HD Found operator()(Size t) const {
     Found found;
@@ -144,11 +145,15 @@ struct NoteFaces {
       hash ^= hash >> 31;
       const auto note = static_cast<std::uint32_t>(hash >> 32) | 1U;
       Size at = key.low * places + static_cast<Size>((hash & 0xffffffffU) * static_cast<std::uint64_t>(places) >> 32);
-      for (std::uint32_t there = 1; there != 0; at = at + 1 < notes.size() ? at + 1 : 0) {
-        there = par::atomic_compare_exchange(notes[at], 0, note);
-        if (there == note) {
-          ++found.again;
-          break;
+      for (int looks = 1;; ++looks) {
+        const std::uint32_t there = par::atomic_compare_exchange(notes[at], 0, note);
+        if (there == note) ++found.again;
+        if (there == note || there == 0) break;
+        if (looks % kNear != 0) {
+          at = at + 1 < notes.size() ? at + 1 : 0;
+        } else {
+          hash = (hash ^ hash >> 29) * 0xbf58476d1ce4e5b9U + 0x9e3779b97f4a7c15U;
+          at = static_cast<Size>((hash >> 32) * static_cast<std::uint64_t>(notes.size()) >> 32);
         }
       }
     }

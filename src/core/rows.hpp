@@ -17,6 +17,12 @@ struct RowsView {
   Span<const std::uint32_t> items;
   TETUNE_HD Size begin(Size row) const { return offsets[row]; }
   TETUNE_HD Size end(Size row) const { return offsets[row + 1]; }
+  TETUNE_HD Size size(Size row) const { return end(row) - begin(row); }
+  /// The row with fewer items of two: what belongs to both is in either, and one may have thousands.
+  template <class Id>
+  TETUNE_HD Id shorter(Id a, Id b) const {
+    return size(b) < size(a) ? b : a;
+  }
 };
 
 template <class Backend>

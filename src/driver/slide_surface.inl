@@ -51,10 +51,12 @@ struct PlaceVertex {
     if (a < 0) return {};
     if (s.v[1] < 0) return reference.kind[a] == walker ? Site{SiteKind::vertex, a} : Site{};
     if (walker == Mobility::curve) return s.v[2] < 0 ? segment(a, s.v[1]) : Site{};
-    for (Size c = reference.vertex2corner.begin(a); c < reference.vertex2corner.end(a); ++c) {
+    const Index from = reference.vertex2corner.shorter(a, s.v[1]);
+    const Index to = a ^ s.v[1] ^ from;
+    for (Size c = reference.vertex2corner.begin(from); c < reference.vertex2corner.end(from); ++c) {
       const auto corner = static_cast<Index>(reference.vertex2corner.items[c]);
       const SurfaceTriangle t = reference.triangles[corner / 3];
-      const int b = place(t, s.v[1]);
+      const int b = place(t, to);
       if (b < 0) continue;
       if (s.v[2] >= 0) {
         if (place(t, s.v[2]) >= 0) return {SiteKind::triangle, corner / 3};

@@ -38,11 +38,12 @@ struct FindFaces {
     for (int f = 0; f < 4; ++f) {
       const Link link = mesh.tet2tet[tets[i]][f];
       if (!is_locked(link) || (link != kNoLink && link_tet(link) < tets[i])) continue;
-      const Index v = tet[face_vertex(f, 0)];
-      for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
+      const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
+      const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
+      for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
         const Size triangle = vertex2corner.items[c] / 3;
         const BoundaryTriangle& t = triangles[triangle];
-        if (has_vertex(t, tet[face_vertex(f, 1)]) && has_vertex(t, tet[face_vertex(f, 2)])) {
+        if (has_vertex(t, v[0]) && has_vertex(t, v[1]) && has_vertex(t, v[2])) {
           triangle2face[triangle] = 4 * tets[i] + f;
         }
       }
@@ -73,10 +74,11 @@ struct FindEdge {
     const auto k = static_cast<int>(corner % 3);
     const BoundaryTriangle& t = triangles[triangle];
     BoundaryEdge e{t.v[(k + 1) % 3], t.v[(k + 2) % 3], t.v[k], -1, triangle, -1};
-    for (Size c = vertex2corner.begin(e.a); c < vertex2corner.end(e.a); ++c) {
+    const Index end = vertex2corner.shorter(e.a, e.b);
+    for (Size c = vertex2corner.begin(end); c < vertex2corner.end(end); ++c) {
       const auto o = static_cast<Index>(vertex2corner.items[c] / 3);
       const BoundaryTriangle& u = triangles[o];
-      if (o == triangle || !has_vertex(u, e.b)) continue;
+      if (o == triangle || !has_vertex(u, e.a) || !has_vertex(u, e.b)) continue;
       if (e.q >= 0) return {e.a, e.b, e.p, -1, triangle, -1};  // sheets touch along the edge
       for (int j = 0; j < 3; ++j) e.q = u.v[j] != e.a && u.v[j] != e.b ? u.v[j] : e.q;
       e.other = o;
@@ -126,8 +128,9 @@ struct FindEdge {
     return std::sqrt(xx > yy ? xx : yy);
   }
   TETUNE_HD bool is_edge(Index p, Index q) const {
-    for (Size c = vertex2corner.begin(p); c < vertex2corner.end(p); ++c) {
-      if (has_vertex(triangles[static_cast<Size>(vertex2corner.items[c] / 3)], q)) return true;
+    const Index end = vertex2corner.shorter(p, q);
+    for (Size c = vertex2corner.begin(end); c < vertex2corner.end(end); ++c) {
+      if (has_vertex(triangles[static_cast<Size>(vertex2corner.items[c] / 3)], p ^ q ^ end)) return true;
     }
     return false;
   }

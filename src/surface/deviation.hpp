@@ -90,10 +90,12 @@ class DeviationBound {
     } else if (site.kind == SiteKind::vertex || site.kind == SiteKind::segment) {
       const bool vertex = site.kind == SiteKind::vertex;
       const Ends ends = vertex ? Ends{site.item, site.item} : ends_of(ref_, site);
-      for (Size c = ref_.vertex2corner.begin(ends.a); c < ref_.vertex2corner.end(ends.a); ++c) {
+      const Index from = ref_.vertex2corner.shorter(ends.a, ends.b);
+      const Index to = ends.a ^ ends.b ^ from;
+      for (Size c = ref_.vertex2corner.begin(from); c < ref_.vertex2corner.end(from); ++c) {
         const auto triangle = static_cast<Index>(ref_.vertex2corner.items[c] / 3);
         const SurfaceTriangle t = ref_.triangles[triangle];
-        if (t.v[0] == ends.b || t.v[1] == ends.b || t.v[2] == ends.b) found.add(triangle);
+        if (t.v[0] == to || t.v[1] == to || t.v[2] == to) found.add(triangle);
       }
     }
   }
