@@ -51,6 +51,7 @@ class DeviationBound {
  private:
   static constexpr int kMostTriangles = 96;
   static constexpr int kMostSegments = 64;
+  static constexpr Index kNone = -1;
   /// Of the prism over a triangle: reference triangles that only touch it do not count.
   static constexpr double kInset = 1e-6;
   /// Part of a triangle that may lie beyond the patch.
@@ -67,6 +68,7 @@ class DeviationBound {
   /// The reference triangles found so far.
   struct Found {
     Index triangle[kMostTriangles];
+    bool taken[kMostTriangles];  ///< of those looked at: over the triangle, or in a wedge beside it
     int count = 0;
     bool full = false;
     TETUNE_HD void add(Index t) {
@@ -98,6 +100,17 @@ class DeviationBound {
         if (t.v[0] == to || t.v[1] == to || t.v[2] == to) found.add(triangle);
       }
     }
+  }
+
+  /// Whether one of the first i triangles that was taken is a neighbour of triangle i within the patch.
+  TETUNE_HD bool is_beside_taken(const Found& found, int i) const {
+    for (Index k = 0; k < 3; ++k) {
+      const Index next = ref_.across[3 * found.triangle[i] + k];
+      for (int j = 0; next != kWall && j < i; ++j) {
+        if (found.triangle[j] == next / 3 && found.taken[j]) return true;
+      }
+    }
+    return false;
   }
 
   TETUNE_HD bool triangle_is_close(std::uint32_t corner, const Vec3& x, const Site& site) const {
@@ -135,8 +148,12 @@ class DeviationBound {
         corners[k] = polygon[k];
       }
       for (int side = 0; side < 3 && n > 0; ++side) n = clip(polygon, n, side);
-      // Where the search starts, there are also triangles of other patches.
-      if (n < 3 && i < starts) continue;
+      found.taken[i] = false;
+      // Where the search starts, there are also triangles of other patches. One of this patch may be reached later.
+      if (n < 3 && i < starts && !is_beside_taken(found, i)) {
+        found.triangle[i] = kNone;
+        continue;
+      }
       bool in_wedge = false;
       for (int k = 0; k < 3; ++k) {
         const double* l = corners[k].l;
@@ -149,6 +166,7 @@ class DeviationBound {
         in_wedge = in_wedge || asked[place].wedge == Wedge::close;
       }
       if (n < 3 && !in_wedge) continue;
+      found.taken[i] = true;
       double twice_area = 0;
       for (int k = 0; k < n; ++k) {
         const double height = std::fabs(polygon[k].height);

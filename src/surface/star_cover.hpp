@@ -70,7 +70,8 @@ class StarCover {
     start_at(site);
     const int starts = triangles_.size();
     for (int i = 0; i < triangles_.size() && doubt_ != all_; ++i) {
-      if (!visit(triangles_[i], i < starts, wedge_of)) return false;
+      over_[i] = 0;
+      if (!visit(i, i < starts, wedge_of)) return false;
     }
     if (doubt_ != all_) doubt_ |= away_from_sites();
     in_doubt = doubt_;
@@ -102,6 +103,7 @@ class StarCover {
     Mask beyond[3];  ///< outside the prism over the triangle
     Mask high;       ///< farther from its plane than the bound
     Mask wedge;      ///< it may be beside one, where no prism is
+    Mask at;         ///< triangles with a part of the reference over them that has this corner
     Mask behind;     ///< beyond ring vertex i, where the same may be true of triangles i - 1 and i
   };
 
@@ -240,6 +242,7 @@ class StarCover {
     const Mask at_edge = to_next(out_a) & out_b & mask(par::merged(reach), 0) & ~behind;
     const Mask folded = mask(par::merged(off), 0);
     p.d = d;
+    p.at = 0;
     for (int k = 0; k < 3; ++k) p.beyond[k] = mask(side, 16 * k);
     p.high = mask(side, 48);
     p.wedge = (out_a | out_b) == all_ ? all_ : folded | at_edge | to_last(at_edge);
@@ -258,7 +261,8 @@ class StarCover {
   /// Goes on from a reference triangle to its neighbours. As all are upright over the triangles, and none over them has
   /// an edge without a neighbour, these are covered. False: it is too far.
   template <class WedgeOf>
-  TETUNE_HD bool visit(Index triangle, bool start, const WedgeOf& wedge_of) {
+  TETUNE_HD bool visit(int found, bool start, const WedgeOf& wedge_of) {
+    const Index triangle = triangles_[found];
     const SurfaceTriangle t = ref_.triangles[triangle];
     Place* corner[3];
     Place* apex[3];
@@ -272,6 +276,8 @@ class StarCover {
     for (int k = 0; k < 3; ++k) over &= ~(corner[0]->beyond[k] & corner[1]->beyond[k] & corner[2]->beyond[k]);
     if (over == 0) return true;
     if (!start) doubt_ |= not_upright(corner, over);
+    over_[found] = over;
+    for (Place* p : corner) p->at |= over;
     const Mask high = over & (corner[0]->high | corner[1]->high | corner[2]->high);
     for (int i = 0; i < count_; ++i) {
       if ((high >> i & 1) != 0 && !keeps_low(corner, i)) return false;
@@ -311,7 +317,7 @@ class StarCover {
     for (int i = 0; i < count_; ++i) {
       const Mask bit = Mask{1} << i;
       if ((asked & bit) == 0) continue;
-      if (wedge_of(corner_[i], x_ + p->d, over_triangle(i, p->d).l) == Wedge::none) {
+      if (wedge_of(corner_[i], x_ + p->d, place_over(i, p->d).l) == Wedge::none) {
         p->wedge &= ~bit;
       } else {
         doubt_ |= bit;
@@ -325,7 +331,7 @@ class StarCover {
     return closer(outer_[i]) || closer(outer_[before(i)]) || closer(edge_[after(i)]) || closer(edge_[before(i)]);
   }
 
-  TETUNE_HD Over over_triangle(int i, const Vec3& d) const {
+  TETUNE_HD Over place_over(int i, const Vec3& d) const {
     const double la = slope_a_.dot(i, d);
     const double lb = slope_b_.dot(i, d);
     return {{1 - la - lb, la, lb}, unit_.dot(i, d)};
@@ -333,7 +339,7 @@ class StarCover {
   /// Whether the part of a reference triangle over triangle i is within the bound: at its corners inside, where its
   /// edges cross the rim, and above the corners of triangle i.
   TETUNE_HD bool keeps_low(Place* const corner[3], int i) const {
-    const Over p[3] = {over_triangle(i, corner[0]->d), over_triangle(i, corner[1]->d), over_triangle(i, corner[2]->d)};
+    const Over p[3] = {place_over(i, corner[0]->d), place_over(i, corner[1]->d), place_over(i, corner[2]->d)};
     // For each vertex of triangle i, its coordinates over the reference triangle, times twice the area.
     double weight[3][3];
     for (int k = 0; k < 3; ++k) {
@@ -360,7 +366,11 @@ class StarCover {
       weight[1][k] = a.l[2] * b.l[0] - a.l[0] * b.l[2];
       weight[2][k] = a.l[0] * b.l[1] - a.l[1] * b.l[0];
     }
-    for (const auto& w : weight) {
+    for (int j = 0; j < 3; ++j) {
+      // As far inside as the edges above, or rounding could pass by both.
+      double w[3];
+      for (int k = 0; k < 3; ++k)
+        w[k] = (1 - 3 * kInset) * weight[j][k] + kInset * (weight[0][k] + weight[1][k] + weight[2][k]);
       if (w[0] < 0 || w[1] < 0 || w[2] < 0) continue;
       const double sum = w[0] * p[0].height + w[1] * p[1].height + w[2] * p[2].height;
       const double most = (w[0] + w[1] + w[2]) * limit_;
@@ -382,29 +392,39 @@ class StarCover {
     return fallen & over;
   }
 
-  /// The triangles with a vertex that is not on what was found.
+  /// The triangles that have not, over them, what their vertices are on.
   TETUNE_HD Mask away_from_sites() const {
     Mask away = 0;
     for (int i = 0; i < count_; ++i) {
-      if (!is_found(sites_[ring_[i]])) away |= Mask{1} << i;
+      const Mask over = over_site(sites_[ring_[i]]);
+      const Mask bit = Mask{1} << i;
+      away |= ~over & (bit | to_last(bit));
     }
-    return away | to_last(away);
+    return away;
   }
-  TETUNE_HD bool is_found(const Site& site) const {
+  TETUNE_HD Mask over_site(const Site& site) const {
     switch (site.kind) {
       case SiteKind::triangle:
-        return triangles_.find(site.item) >= 0;
+        return over_triangle(site.item);
       case SiteKind::edge: {
         const Index other = ref_.across[site.item];
-        return triangles_.find(site.item / 3) >= 0 || (other != kWall && triangles_.find(other / 3) >= 0);
+        return over_triangle(site.item / 3) | (other != kWall ? over_triangle(other / 3) : 0);
       }
       case SiteKind::vertex:
-        return vertices_.find(site.item) >= 0;
+        return over_vertex(site.item);
       case SiteKind::segment:
-        return vertices_.find(site.item / 2) >= 0;
+        return over_vertex(site.item / 2);
       default:
-        return false;
+        return 0;
     }
+  }
+  TETUNE_HD Mask over_triangle(Index triangle) const {
+    const int i = triangles_.find(triangle);
+    return i < 0 ? 0 : over_[i];
+  }
+  TETUNE_HD Mask over_vertex(Index v) const {
+    const int i = vertices_.find(v);
+    return i < 0 ? 0 : places_[i].at;
   }
 
   const ReferenceView& ref_;
@@ -432,6 +452,7 @@ class StarCover {
 
   Mask doubt_ = 0;
   SmallSet<kMostTriangles> triangles_;
+  Mask over_[kMostTriangles];  ///< of those visited, the triangles of the mesh that they have a part over
   SmallSet<kMostVertices> vertices_;
   Place places_[kMostVertices];
 };

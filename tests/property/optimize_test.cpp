@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "allocation_watch.hpp"
 #include "constrained.hpp"
@@ -17,6 +19,33 @@
 
 namespace tetune {
 namespace {
+
+/// Tetrahedra about one edge, a fan from the lowest corner of the box on: the vertices of the edge have all of them.
+TetMesh fan(int count) {
+  TetMesh m;
+  m.points = {{0, 0, 0}, {0, 0, 1}};
+  for (int i = 0; i <= count; ++i) {
+    const double angle = std::numbers::pi / 2 * i / count;
+    m.points.push_back({std::cos(angle), std::sin(angle), 0.5});
+    if (i > 0) m.tets.push_back({0, 1, i + 1, i + 2});
+  }
+  return test::with_tags(std::move(m));
+}
+
+TEST(Optimize, VerticesOfManyTetrahedraTakeNoSquaredTime) {
+  // What is in proportion to the square takes minutes here.
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    TetMesh m = fan(100'000);
+    ASSERT_TRUE(validate(m).ok());
+    Options options;
+    options.boundary = boundary;
+    options.max_iterations = 2;
+    const auto start = std::chrono::steady_clock::now();
+    optimize(m, options);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+    EXPECT_TRUE(validate(m).ok());
+  }
+}
 
 TEST(Optimize, BestOpensTheSmallestAngles) {
   const TetMesh before = test::scrambled(test::cube(8, 0.25), 3);

@@ -260,6 +260,28 @@ TEST(Slide, OnARealMeshKeepsItsFeaturesAndBound) {
   EXPECT_LE(test::sampled_distance(old_skin, ClosestTriangle(new_skin), 4), options.max_deviation);
 }
 
+TEST(Slide, ABoundHoldsCornersThatAreNoFeatures) {
+  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+    // A bent bar, or a bent sheet as thick as the larger bound.
+    const bool thin = seed % 4 == 3;
+    TetMesh m = test::cube(3 + static_cast<int>(seed % 3), 0.15, seed);
+    for (Point3& p : m.points) {
+      const double angle = (2 * p[1] - 1) * (0.4 + 0.01 * seed);
+      p = {(1 + p[0]) * std::cos(angle), (1 + p[0]) * std::sin(angle), (thin ? 1e-3 : 1) * p[2]};
+    }
+    const auto old_skin = test::corners(m, test::skin(m));
+    Options options;
+    options.boundary = Boundary::slide;
+    options.effort = seed % 2 == 0 ? Effort::best : Effort::fast;
+    options.feature_angle = seed % 3 == 0 ? 120 : 180;
+    options.max_deviation = thin ? 1e-3 : 1e-5;
+    optimize(m, options);
+    const auto new_skin = test::corners(m, test::skin(m));
+    EXPECT_LE(test::sampled_distance(new_skin, ClosestTriangle(old_skin), 6), 1.01 * options.max_deviation) << seed;
+    EXPECT_LE(test::sampled_distance(old_skin, ClosestTriangle(new_skin), 6), 1.01 * options.max_deviation) << seed;
+  }
+}
+
 TEST(Slide, IsTheSameForAnyNumberOfThreads) {
   for (const Relocation relocation : {Relocation::newton, Relocation::gradient}) {
     for (const double part : {0.0, 0.02}) {
