@@ -10,7 +10,7 @@
 namespace tetune {
 
 /// The entries `new2old` of each array, in that order. optimize() does so with the data of tetrahedra (by
-/// Report::tet2original), of triangles and of edges. Throws MeshError when an entry is not there.
+/// Report::tet2original), of triangles and of edges. Throws MeshError when an entry is not there or has no components.
 std::vector<DataArray> take_entries(const std::vector<DataArray>& data, const std::vector<Index>& new2old);
 
 /// Data of vertices after some were inserted and removed, as optimize() does it: each vertex keeps its entry wherever
@@ -20,7 +20,8 @@ std::vector<DataArray> take_entries(const std::vector<DataArray>& data, const st
 /// Schaefer, Warren 2005): its floating-point values are those of any linear field, and lie within its neighbours'. Its
 /// integer values are those of the nearest vertex that it shares an edge with, through other inserted ones if need be.
 ///
-/// `points` and `tets` are the result's. Throws MeshError when an entry is not there.
+/// `points` and `tets` are the result's. Throws MeshError when an entry is not there or has no components, and when
+/// `vertex2original` is not as long as `points`.
 std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, const std::vector<Index>& vertex2original,
                                         const std::vector<Point3>& points,
                                         const std::vector<std::array<Index, 4>>& tets);

@@ -7,6 +7,7 @@
 
 #include "boundary/closest_triangle.hpp"
 #include "core/connect.hpp"
+#include "core/unit_scale.hpp"
 #include "core/upload.hpp"
 #include "core/validate_arrays.hpp"
 #include "par/cpu.hpp"
@@ -40,7 +41,7 @@ struct Skin {
   }
 };
 
-Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
+Skin find_skin(const TetMesh& mesh, double scale, const par::Cpu& cpu) {
   WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
   build_adjacency(cpu, work);
   Skin skin;
@@ -58,8 +59,8 @@ Skin find_skin(const TetMesh& mesh, const par::Cpu& cpu) {
       TrianglePoints triangle;
       for (int k = 0; k < 3; ++k) {
         const auto v = static_cast<std::size_t>(view.tet2vertex[t][face_vertex(f, k)]);
-        triangle[static_cast<std::size_t>(k)] = vec(mesh.points[v]);
-        if (seen[v] == 0) skin.vertices.push_back(vec(mesh.points[v]));
+        triangle[static_cast<std::size_t>(k)] = scale * vec(mesh.points[v]);
+        if (seen[v] == 0) skin.vertices.push_back(triangle[static_cast<std::size_t>(k)]);
         seen[v] = 1;
       }
       skin.triangles.push_back(triangle);
@@ -94,20 +95,22 @@ std::vector<int> tag_set(std::vector<int> tags) {
 
 double relative(double now, double before) { return before != 0 ? now / before - 1 : now != 0 ? 1 : 0; }
 
-std::map<int, double> region_volumes(const TetMesh& mesh) {
+std::map<int, double> region_volumes(const TetMesh& mesh, double scale) {
   std::map<int, double> volumes;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    const auto p = [&](std::size_t k) { return vec(mesh.points[static_cast<std::size_t>(mesh.tets[t][k])]); };
+    const auto p = [&](std::size_t k) { return scale * vec(mesh.points[static_cast<std::size_t>(mesh.tets[t][k])]); };
     volumes[mesh.tet_tags[t]] += dot(cross(p(1) - p(0), p(2) - p(0)), p(3) - p(0)) / 6;
   }
   return volumes;
 }
 
-std::map<int, double> patch_areas(const TetMesh& mesh) {
+std::map<int, double> patch_areas(const TetMesh& mesh, double scale) {
   std::map<int, double> areas;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangle_tags[t] == 0) continue;
-    const auto p = [&](std::size_t k) { return vec(mesh.points[static_cast<std::size_t>(mesh.triangles[t][k])]); };
+    const auto p = [&](std::size_t k) {
+      return scale * vec(mesh.points[static_cast<std::size_t>(mesh.triangles[t][k])]);
+    };
     areas[mesh.triangle_tags[t]] += area({p(0), p(1), p(2)});
   }
   return areas;
@@ -155,23 +158,26 @@ Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
     if (const ValidationReport arrays = validate_arrays(*mesh); !arrays.ok()) throw MeshError(arrays.message(false));
   }
   const par::Cpu cpu(threads);
-  const Skin old_skin = find_skin(before, cpu);
-  const Skin new_skin = find_skin(after, cpu);
+  // In a unit of which squares and cubes neither vanish nor overflow.
+  const double scale = std::min(unit_scale(before), unit_scale(after));
+  const Skin old_skin = find_skin(before, scale, cpu);
+  const Skin new_skin = find_skin(after, scale, cpu);
   Comparison c;
   c.old_vertices = static_cast<std::int64_t>(before.points.size());
   c.new_vertices = static_cast<std::int64_t>(after.points.size());
   c.old_tets = static_cast<std::int64_t>(before.tets.size());
   c.new_tets = static_cast<std::int64_t>(after.tets.size());
-  const auto old_volumes = region_volumes(before);
-  const auto new_volumes = region_volumes(after);
+  const auto old_volumes = region_volumes(before, scale);
+  const auto new_volumes = region_volumes(after, scale);
   c.volume_change = relative(total(new_volumes), total(old_volumes));
   c.area_change = relative(new_skin.area, old_skin.area);
   c.region_volume_change = largest_change(old_volumes, new_volumes);
-  const auto old_areas = patch_areas(before);
-  auto new_areas = patch_areas(after);
+  const auto old_areas = patch_areas(before, scale);
+  auto new_areas = patch_areas(after, scale);
   c.patch_area_change = largest_change(old_areas, new_areas);
-  for (const auto& [tag, size] : old_areas) c.patches.push_back({tag, size, relative(new_areas[tag], size)});
-  c.mean_edge = old_skin.mean_edge;
+  for (const auto& [tag, size] : old_areas)
+    c.patches.push_back({tag, size / scale / scale, relative(new_areas[tag], size)});
+  c.mean_edge = old_skin.mean_edge / scale;
   if (old_skin.mean_edge > 0 && !new_skin.triangles.empty()) {
     const ClosestTriangle old_surface(old_skin.triangles);
     c.vertices_to_old = farthest(new_skin.vertices, old_surface, cpu) / old_skin.mean_edge;

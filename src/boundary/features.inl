@@ -56,7 +56,8 @@ struct FindAcross {
     const Vec3 e = vec(points[b]) - x;
     const Vec3 n1 = cross(e, vec(points[t.v[k]]) - x);
     const Vec3 n2 = cross(vec(points[triangles[opposite / 3].v[opposite % 3]]) - x, e);
-    if (dot(n1, n2) < cos_angle * std::sqrt(dot(n1, n1) * dot(n2, n2))) return;
+    // Of their lengths, as the product of their squares underflows in a small part of a large mesh.
+    if (dot(n1, n2) < cos_angle * (norm(n1) * norm(n2))) return;
     across[corner] = opposite;
   }
 };

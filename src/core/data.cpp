@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "core/types.hpp"
+#include "core/unit_scale.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -14,6 +15,10 @@ namespace {
 
 /// Entries in the order of `new2old`; zeros where that is -1.
 DataArray gather(const DataArray& array, const std::vector<Index>& new2old) {
+  if (array.components < 1) {
+    throw MeshError("data \"" + array.name + "\" has " + std::to_string(array.components) +
+                    " components; it must have at least one");
+  }
   DataArray result{array.name, array.components, {}};
   const auto each = static_cast<std::size_t>(array.components);
   std::visit(
@@ -78,10 +83,8 @@ std::vector<Stencil> find_stencils(const std::vector<Index>& vertex2original, co
     vertex2stencil[v] = static_cast<Index>(stencils.size());
     stencils.push_back({static_cast<Index>(v), {}, {}, {}});
   }
-  const auto at = [&points](Index v) {
-    const Point3& p = points[static_cast<std::size_t>(v)];
-    return Vec3{p[0], p[1], p[2]};
-  };
+  const double scale = unit_scale(points);
+  const auto at = [&points, scale](Index v) { return scale * vec(points[static_cast<std::size_t>(v)]); };
   for (const auto& tet : tets) {
     for (std::size_t k = 0; k < 4; ++k) {
       const Index slot = vertex2stencil[static_cast<std::size_t>(tet[k])];
@@ -168,6 +171,10 @@ std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, cons
                                         const std::vector<Point3>& points,
                                         const std::vector<std::array<Index, 4>>& tets) {
   if (data.empty() || vertex2original.empty()) return data;
+  if (vertex2original.size() != points.size()) {
+    throw MeshError("there are " + std::to_string(points.size()) + " vertices, and " +
+                    std::to_string(vertex2original.size()) + " entries that say where they come from");
+  }
   const bool inserted = std::find(vertex2original.begin(), vertex2original.end(), -1) != vertex2original.end();
   if (!inserted) return take_entries(data, vertex2original);
   const std::vector<Stencil> stencils = find_stencils(vertex2original, points, tets);

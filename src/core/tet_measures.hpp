@@ -102,7 +102,8 @@ inline Measures all_measures(const TetShape& s) {
   const Vec3 c = s.p[3] - s.p[0];
   // 12 V times the way from vertex 0 to the centre of the circumscribed sphere.
   const double to_center = norm(dot(c, c) * cross(a, b) + dot(b, b) * cross(c, a) + dot(a, a) * cross(b, c));
-  const double radii = 108 * s.volume * s.volume / (area * to_center);  // 3 r / R
+  double radii = 108 * s.volume * s.volume / (area * to_center);  // 3 r / R
+  if (!std::isfinite(radii)) radii = 0;
 
   // Where it is flat, or so small beside the mesh that products of its lengths vanish: as bad as can be.
   Measures m{};

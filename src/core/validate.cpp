@@ -213,6 +213,7 @@ std::vector<std::uint8_t> turns_to_orient(const TetMesh& mesh) {
   constexpr std::uint8_t kUnseen = 2;
   std::vector<std::uint8_t> turned(mesh.tets.size(), kUnseen);
   std::vector<Index> part;
+  const double scale = unit_scale(mesh);
   for (std::size_t seed = 0; seed < turned.size(); ++seed) {
     if (turned[seed] != kUnseen) continue;
     turned[seed] = 0;
@@ -220,7 +221,7 @@ std::vector<std::uint8_t> turns_to_orient(const TetMesh& mesh) {
     double volume = 0;
     for (std::size_t i = 0; i < part.size(); ++i) {
       const auto t = static_cast<std::size_t>(part[i]);
-      const auto p = [&](std::size_t k) { return vec(mesh.points[static_cast<std::size_t>(mesh.tets[t][k])]); };
+      const auto p = [&](std::size_t k) { return scale * vec(mesh.points[static_cast<std::size_t>(mesh.tets[t][k])]); };
       const double v = dot(cross(p(1) - p(0), p(2) - p(0)), p(3) - p(0));
       volume += turned[t] != 0 ? -v : v;
       for (int f = 0; f < degree[t]; ++f) {
@@ -281,8 +282,9 @@ std::string ValidationReport::message(bool one_based) const {
     }
     repairable = repairable && (f.defect == Defect::inverted_tet || f.defect == Defect::flat_tet);
   }
-  return text + (repairable ? "\n  untangle them (tetune optimize --untangle), or repair the mesh in the program that made it."
-                            : "\n  repair or remove these in the program that made the mesh.");
+  return text + (repairable
+                     ? "\n  untangle them (tetune optimize --untangle), or repair the mesh in the program that made it."
+                     : "\n  repair or remove these in the program that made the mesh.");
 }
 
 ValidationReport validate_counts(const ArrayCounts& counts) {
@@ -323,6 +325,10 @@ ValidationReport validate_arrays(const TetMesh& mesh) {
   check_indices(mesh.required_tets, mesh.tets.size(), 1, "required tetrahedra", report);
   for (const ElementBlock& block : mesh.others) {
     const auto each = static_cast<std::size_t>(std::max(1, block.vertices_per_element));
+    if (block.vertices_per_element < 1) {
+      report.findings.push_back(
+          {Defect::bad_array_length, block.vertices_per_element, {}, "vertices of " + block.kind});
+    }
     check_length(block.tags.size() * each, block.element2vertex.size(), block.kind, report);
     check_indices(block.element2vertex, vertices, each, block.kind, report);
     check_indices(block.required, block.tags.size(), 1, "required " + block.kind, report);

@@ -414,6 +414,8 @@ void load(const Backend& par, const TetMesh& mesh, const Options& options, const
   const bool slides = options.boundary == Boundary::slide;
   if (slides) {
     m.max_deviation = (1 - 1e-9) * options.max_deviation * work.scale;  // a little less, for rounding
+    // 0 would be none.
+    if (options.max_deviation > 0) m.max_deviation = std::max(m.max_deviation, std::numeric_limits<double>::min());
     m.site.resize(vertices);
   }
   if (slides_on != nullptr) {

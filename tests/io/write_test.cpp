@@ -112,6 +112,10 @@ TEST_F(IoTest, MeshesThatNoFileHolds) {
   lengths = one_tet();
   lengths.others.push_back({"Prisms", 6, {0, 1, 2}, {0}, {}});
   EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "Prisms"));
+  TetMesh narrow = one_tet();
+  narrow.others.push_back({"Hexahedra", 4, {0, 1, 2, 3}, {0}, {}});
+  EXPECT_TRUE(contains(write_error(path("a.mesh"), narrow), "Hexahedra have 8 vertices each, and not 4"));
+  EXPECT_TRUE(contains(write_error(path("a.meshb"), narrow), "Hexahedra have 8 vertices each, and not 4"));
   EXPECT_EQ(get("a.mesh"), "old");
   EXPECT_EQ(files(), std::vector<std::string>{"a.mesh"});
 }

@@ -282,6 +282,18 @@ TEST(Slide, ABoundHoldsCornersThatAreNoFeatures) {
   }
 }
 
+TEST(Slide, ABoundThatVanishesBesideTheMeshIsNotNone) {
+  TetMesh m = test::ball(4);
+  for (Point3& p : m.points) p = {1e10 * p[0], 1e10 * p[1], 1e10 * p[2]};
+  const auto old_skin = test::corners(m, test::skin(m));
+  Options options;
+  options.boundary = Boundary::slide;
+  options.max_deviation = 1e-320;
+  optimize(m, options);
+  const auto new_skin = test::corners(m, test::skin(m));
+  EXPECT_LT(test::sampled_distance(old_skin, ClosestTriangle(new_skin), 4), 1e-4);
+}
+
 TEST(Slide, IsTheSameForAnyNumberOfThreads) {
   for (const Relocation relocation : {Relocation::newton, Relocation::gradient}) {
     for (const double part : {0.0, 0.02}) {

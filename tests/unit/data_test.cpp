@@ -60,8 +60,25 @@ TEST(Data, InsertedVerticesTakeLinearFieldsExactlyAndIntegersFromTheNearest) {
   }
 }
 
+TEST(Data, InsertedVerticesTakeValuesInAnyUnit) {
+  TetMesh m = cube(4, 0.25);
+  std::vector<Index> vertex2original = counted<Index>(m.points.size());
+  vertex2original[62] = -1;
+  const std::vector<double> field(m.points.size(), 3);
+  for (const double unit : {1e-200, 1e160}) {
+    TetMesh scaled = m;
+    for (Point3& p : scaled.points) p = {unit * p[0], unit * p[1], unit * p[2]};
+    const auto data = carry_point_data({{"three", 1, field}}, vertex2original, scaled.points, scaled.tets);
+    EXPECT_NEAR(std::get<std::vector<double>>(data[0].values)[62], 3, 1e-12);
+  }
+}
+
 TEST(Data, EntriesThatAreNotThereAreRefused) {
   EXPECT_THROW(take_entries({{"short", 2, std::vector<float>(5)}}, {0, 1, 2}), MeshError);
+  EXPECT_THROW(take_entries({{"none", 0, std::vector<float>(5)}}, {0}), MeshError);
+  EXPECT_THROW(take_entries({{"fewer", -1, std::vector<float>(5)}}, {0}), MeshError);
+  const TetMesh m = one_tet();
+  EXPECT_THROW(carry_point_data({{"x", 1, std::vector<float>(4)}}, {0, 1, 2, 3, -1}, m.points, m.tets), MeshError);
 }
 
 TEST(Data, LengthsAreValidated) {
@@ -71,6 +88,9 @@ TEST(Data, LengthsAreValidated) {
   std::get<std::vector<float>>(m.tet_data[0].values).pop_back();
   EXPECT_NE(validate(m).message(false).find("\"heat\" on tetrahedra"), std::string::npos);
   EXPECT_THROW(optimize(m), MeshError);
+  m = cube(2);
+  m.others.push_back({"Prisms", 0, {}, {}, {}});
+  EXPECT_NE(validate(m).message(false).find("vertices of Prisms"), std::string::npos);
 }
 
 TEST(Data, FollowsVerticesAndElements) {

@@ -66,6 +66,19 @@ TEST(Features, OfACube) {
   expect(classify(test::cube(4), 180), 0, 0, 98, 27);
 }
 
+TEST(Features, OfAPartMuchSmallerThanTheMeshAreTheSame) {
+  TetMesh m = test::cube(4);
+  const auto one = static_cast<Index>(m.points.size());
+  const TetMesh large = m;
+  for (Point3& p : m.points) p = {1e-45 * p[0], 1e-45 * p[1], 1e-45 * p[2]};
+  for (const Point3& p : large.points) m.points.push_back({p[0] - 2, p[1], p[2]});
+  for (auto tet : large.tets) {
+    for (Index& v : tet) v += one;
+    m.tets.push_back(tet);
+  }
+  expect(classify(test::with_tags(m)), 16, 72, 108, 54);
+}
+
 TEST(Features, OfATurnedAndStretchedCubeAreTheSame) {
   TetMesh m = test::cube(4);
   const double c = std::cos(0.7);

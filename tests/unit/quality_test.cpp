@@ -12,6 +12,7 @@
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
 
 namespace tetune {
 namespace {
@@ -88,6 +89,19 @@ TEST(Compare, SeesWhatChanged) {
   const double mean_edge = (0.25 * 2 + 0.25 * std::sqrt(2.0)) / 3;
   EXPECT_NEAR(c.new_to_old, 0.1 / mean_edge, 0.01);
   EXPECT_GT(c.old_to_new, 0);
+
+  for (const double unit : {0x1p-400, 0x1p400}) {
+    const auto in_unit = [unit](TetMesh m) {
+      for (Point3& p : m.points) p = {unit * p[0], unit * p[1], unit * p[2]};
+      return m;
+    };
+    const Comparison scaled = compare(in_unit(before), in_unit(after));
+    EXPECT_EQ(scaled.volume_change, c.volume_change);
+    EXPECT_EQ(scaled.area_change, c.area_change);
+    EXPECT_EQ(scaled.mean_edge, unit * c.mean_edge);
+    EXPECT_EQ(scaled.new_to_old, c.new_to_old);
+    EXPECT_EQ(scaled.old_to_new, c.old_to_new);
+  }
 
   after.tet_tags[0] = 4;
   after.point_tags[3] = 2;
@@ -236,6 +250,15 @@ TEST(Measures, OfFlatAndInvertedOnesAreTheWorst) {
   EXPECT_NEAR(at(inverted, Measure::scaled_jacobian), -1, 1e-14);
   EXPECT_EQ(at(inverted, Measure::mean_ratio), 0);
   EXPECT_EQ(at(inverted, Measure::radius_ratio), kFlatRatio);
+  // Beside a mesh so large, the radius of the sphere around it vanishes.
+  TetMesh tiny = test::one_tet();
+  const std::array<Point3, 4> thin = sliver(0.003);
+  tiny.points.assign(thin.begin(), thin.end());
+  for (Point3& p : tiny.points) p = {1e-45 * p[0], 1e-45 * p[1], 1e-45 * p[2]};
+  tiny.points.push_back({1, 0, 0});
+  tiny.point_tags.push_back(0);
+  ASSERT_TRUE(validate(tiny).ok());
+  EXPECT_EQ(at(measure_each(tiny, 1).at(0), Measure::radius_ratio), kFlatRatio);
 }
 
 /// docs/method.md, "Never worse": the shape energy holds every dihedral angle in.

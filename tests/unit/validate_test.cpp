@@ -204,6 +204,21 @@ TEST(OrientUniformly, TurnsAPartThatIsInsideOut) {
   EXPECT_EQ(m.tets, good);
 }
 
+TEST(OrientUniformly, TurnsPartsInAnyUnit) {
+  // Volumes vanish in one unit, and overflow in the other.
+  for (const double unit : {1e-110, 1e105}) {
+    TetMesh m = test::cube(3, 0.2);
+    for (Point3& p : m.points) {
+      for (double& x : p) x *= unit;
+    }
+    const auto good = m.tets;
+    std::int64_t turned = 0;
+    for (std::size_t t = 0; t < m.tets.size(); t += 2, ++turned) turn(m, t);
+    EXPECT_EQ(orient_uniformly(m), turned);
+    EXPECT_EQ(m.tets, good);
+  }
+}
+
 TEST(OrientUniformly, LeavesWhatIsInvertedBesideNeighboursThatAgree) {
   TetMesh m = test::cube(4);
   m.points[62] = {2, 2, 2};  // the middle one, put far outside
