@@ -29,6 +29,18 @@ inline bool takes_value(const CLI::Option& option) {
   return option.get_expected_max() > 0 && option.get_type_size() > 0;
 }
 
+/// An empty value, as of a variable of the shell that is not set, is refused: it would count as an option not given.
+inline void refuse_empty_values(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (!takes_value(*option)) continue;
+    const std::string what = is_positional(*option) ? "the name of a mesh" : "the value";
+    const auto check = [what](const std::string& word) {
+      return word.empty() ? what + " is empty (a variable of the shell that is not set?)" : "";
+    };
+    option->check(check, "");
+  }
+}
+
 /// The words it may have, where these are listed: {a,b,c}.
 inline std::vector<std::string> choices_of(const CLI::Option& option) {
   const std::string type = option.get_type_name();

@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "definitions.hpp"
 #include "mesh_files.hpp"
 #include "option_values.hpp"
 #include "report_files.hpp"
@@ -196,6 +197,7 @@ void add_info(CLI::App& app, int& exit_code) {
       ->option_text("Q|MEASURE=Q")
       ->allow_extra_args(false);
   c->add_flag("--check", a->check, "One line: whether the mesh is valid, and has what --min-quality asks for");
+  refuse_empty_values(*c);
   c->callback([a, &exit_code] { exit_code = info(*a); });
 }
 
@@ -205,6 +207,7 @@ void add_compare(CLI::App& app, int& exit_code) {
       add_common(app, "compare", "What changed between two meshes of one shape: quality, volume, surface, tags.", a);
   c->add_option("BEFORE", a->files[0], "Mesh before")->required();
   c->add_option("AFTER", a->files[1], "Mesh after")->required();
+  refuse_empty_values(*c);
   c->callback([a, &exit_code] { exit_code = compare_files(*a); });
 }
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -24,6 +25,9 @@ std::string failure(const CLI::App* app, const CLI::Error& e) {
   return fmt::format("tetune: {}; see tetune{} --help\n", e.what(),
                      command.empty() ? "" : " " + command[0]->get_name());
 }
+
+/// Options of optimize with which it writes no mesh.
+constexpr std::array kSays{"--help", "--print-options", "--dry-run"};
 
 /// Where a standard stream is closed, a file would get its number, and what is said would get into the file.
 void occupy_standard_streams() {
@@ -57,7 +61,7 @@ int run(int argc, char** argv) {
     std::reverse(words.begin(), words.end());  // as CLI11 wants them
     app.parse(std::move(words));
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kDone : kNothingWritten;
+    exit_code = app.exit(e) == 0 ? kDone : kNothingWritten;
   } catch (const tetune::Error& e) {
     say(stderr, fmt::format("tetune: {}\n", e.what()));
     return kNothingWritten;
@@ -70,8 +74,12 @@ int run(int argc, char** argv) {
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
     say(stderr, fmt::format("tetune: cannot write standard output: {}\n", std::strerror(errno)));
-    // Of optimize the mesh counts, which was written.
-    if (!app.got_subcommand("optimize")) exit_code = kNothingWritten;
+    // Of optimize the mesh counts, where one was written.
+    const CLI::App* optimize = app.get_subcommand("optimize");
+    const bool only_said = !optimize->parsed() || std::any_of(kSays.begin(), kSays.end(), [&](const char* name) {
+      return optimize->count(name) > 0;
+    });
+    if (only_said) exit_code = kNothingWritten;
   }
   return exit_code;
 }

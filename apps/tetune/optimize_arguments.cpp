@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 
 #include "commands.hpp"
+#include "definitions.hpp"
 #include "option_values.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
@@ -114,11 +116,11 @@ void refuse_ineffective(const CLI::App& command, const OptimizeArguments& a) {
 /// Inputs, and the output where it is the second of two free words.
 std::vector<std::string> find_inputs(OptimizeArguments& a) {
   if (a.files.empty()) throw OptionError("no input: name a mesh to read, or - for the standard input");
-  if (std::find(a.files.begin(), a.files.end(), "") != a.files.end()) {
-    throw OptionError("the name of a mesh is empty (a variable of the shell that is not set?)");
-  }
   std::vector<std::string> inputs = a.files;
-  if (a.names.output.empty() && inputs.size() == 2) {
+  // A look at two meshes: one that is not there can only be an output.
+  std::error_code ignored;
+  const bool both = a.dry_run && inputs.size() == 2 && std::filesystem::exists(inputs.back(), ignored);
+  if (a.names.output.empty() && inputs.size() == 2 && !both) {
     a.names.output = inputs.back();
     inputs.pop_back();
   }
@@ -154,7 +156,7 @@ void define(CLI::App& c, OptimizeArguments& a) {
   c.add_option(
        "--feature-angle", a.options.feature_angle,
        "With --boundary slide: edges where the surface turns by more degrees are features, which vertices do not "
-       "leave; 180: none")
+       "leave; above 0, up to 180: none")
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();
   c.add_option(
@@ -274,6 +276,7 @@ void define(CLI::App& c, OptimizeArguments& a) {
            {"Resources", {"--threads", "--device", "--max-memory", "--time-limit"}}}) {
     for (const char* name : names) c.get_option(name)->group(group);
   }
+  refuse_empty_values(c);
 }
 
 std::vector<Job> settle(const CLI::App& command, OptimizeArguments& a) {

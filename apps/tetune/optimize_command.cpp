@@ -208,9 +208,22 @@ class Run {
     if (original_ && !stopped && (console_.verbosity() > 0 || !job_.report.empty())) {
       change = compare(*original_, input_.mesh, options_.threads);
     }
+    if (change && options_.max_deviation > 0) {
+      constexpr double kRounding = 1e-6;  // of distances, far from the origin
+      deviation_ = change->mean_edge * std::max(change->new_to_old, change->old_to_new);
+      kept_ = deviation_ <= (1 + kRounding) * options_.max_deviation;
+      if (!kept_) {
+        warn(
+            fmt::format("{}: the surface is {:.3e} from the old one, and --max-deviation allows {:.3e}; list the "
+                        "edges of parts that are thinner than that, or allow less",
+                        shown_name(job_.input, false), deviation_, options_.max_deviation));
+      }
+    }
     if (!job_.report.empty()) {
       nlohmann::ordered_json json = full_report();
+      json["optimization"]["stopped"] = stopped ? outcome_.what : to_string(report_.stop);
       if (change) json["surface"] = to_json(*change);
+      if (change && options_.max_deviation > 0) json["surface"]["max_deviation_kept"] = kept_;
       write_text(job_.report, json_text(json));
     }
     if (!job_.trace.empty()) write_text(job_.trace, trace_csv(report_));
@@ -239,10 +252,8 @@ class Run {
     text += notes(report_);
     if (change) text += surface_table(*change);
     if (change && options_.max_deviation > 0) {
-      constexpr double kRounding = 1e-6;  // of distances, far from the origin
-      const double most = change->mean_edge * std::max(change->new_to_old, change->old_to_new);
-      text += fmt::format("  --max-deviation        {:.2e}{}\n", options_.max_deviation,
-                          most <= (1 + kRounding) * options_.max_deviation ? ", kept" : ", EXCEEDED");
+      text +=
+          fmt::format("  --max-deviation        {:.2e}{}\n", options_.max_deviation, kept_ ? ", kept" : ", EXCEEDED");
     }
     for (const TargetReport& t : report_.targets) text += target_table(t);
     if (console_.verbosity() > 1) text += run_table(report_);
@@ -290,6 +301,8 @@ class Run {
   std::unique_ptr<const TetMesh> original_;
   Report report_;
   bool late_ = false;
+  double deviation_ = 0;  ///< a length; where it is bounded
+  bool kept_ = true;
   double write_seconds_ = 0;
   Outcome outcome_;
 };

@@ -3,11 +3,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace tetune::cli {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// Angles of sweeps are measured with --trace-angles alone.
+Json if_measured(double angle) { return angle > 0 ? Json(angle) : Json(); }
+
+}  // namespace
 
 Json to_json(const Quality& q) {
   Json measures = Json::object();
@@ -54,6 +62,7 @@ Json to_json(const Comparison& c) {
           {"distance_vertices_to_old", c.vertices_to_old},
           {"distance_new_to_old", c.new_to_old},
           {"distance_old_to_new", c.old_to_new},
+          {"deviation", c.mean_edge * std::max(c.new_to_old, c.old_to_new)},
           {"vertices_before", c.old_vertices},
           {"vertices_after", c.new_vertices},
           {"vertex_tags_kept", c.vertex_tags_kept},
@@ -72,7 +81,7 @@ Json to_json(const Report& r) {
                       {"energy_before", s.energy_before},
                       {"decrease", s.decrease},
                       {"gradient_norm", s.gradient_norm},
-                      {"dihedral_min_deg", s.dihedral_min},
+                      {"dihedral_min_deg", if_measured(s.dihedral_min)},
                       {"seconds", s.seconds}});
   }
   Json passes = Json::array();
@@ -97,7 +106,7 @@ Json to_json(const Report& r) {
                      {"removed", w.removed},
                      {"flips", w.flips},
                      {"moved", w.moved},
-                     {"dihedral_min_deg", w.dihedral_min},
+                     {"dihedral_min_deg", if_measured(w.dihedral_min)},
                      {"seconds", w.seconds}});
   }
   Json targets = Json::array();
@@ -122,8 +131,6 @@ Json to_json(const Report& r) {
           {"tetrahedra_after", r.tets_after},
           {"triangles_dropped", r.triangles_dropped},
           {"edges_dropped", r.edges_dropped},
-          {"corners_not_held", r.corners_not_held},
-          {"edges_not_held", r.edges_not_held},
           {"colors", r.colors},
           {"energy_before", r.energy_before},
           {"energy_after", r.energy_after},

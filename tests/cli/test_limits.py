@@ -74,7 +74,8 @@ class Streams(CliTest):
     def test_a_full_disk_behind_the_standard_output(self):
         done = self.shell('"$1" optimize in.mesh - --max-iterations 1 > /dev/full')
         self.assertEqual((done.returncode, done.stderr), (2, "tetune: cannot write standard output: No space left on device\n"))
-        for words in ("info in.mesh", "info --json in.mesh", "compare in.mesh in.mesh", "man"):
+        for words in ("info in.mesh", "info --json in.mesh", "compare in.mesh in.mesh", "man", "optimize --help",
+                      "optimize --print-options in.mesh -", "optimize in.mesh --dry-run"):
             done = self.shell(f'"$1" {words} > /dev/full')
             self.assertEqual(done.returncode, 2, words)
             self.assertIn("No space left on device", done.stderr)

@@ -85,6 +85,7 @@ class Optimize(CliTest):
         self.assertGreaterEqual(report["read_seconds"], 0)
         self.assertGreaterEqual(report["write_seconds"], 0)
         before, after, run = report["before"], report["after"], report["optimization"]
+        self.assertEqual({s["dihedral_min_deg"] for s in run["sweeps"]}, {None})
         for quality in (before, after):
             self.assertEqual(set(quality), QUALITY_KEYS)
             self.assertAlmostEqual(sum(quality["dihedral_histogram_10_deg"]), 1)

@@ -35,6 +35,15 @@ class Refusals(CliTest):
     def test_empty_names(self):
         for words in (["", "out.mesh"], ["in.mesh", ""], ["in.mesh", "", "-o", "out/"]):
             self.refused("optimize", *words, said=["name of a mesh is empty"])
+        self.refused("info", "", said=["name of a mesh is empty"])
+
+    def test_empty_values(self):
+        self.put("in.mesh", cube(2))
+        self.put("other.mesh", cube(2))
+        for name in ("-o", "--max-deviation", "--target-dihedral", "--tags", "--report", "--map", "--trace"):
+            self.refused("optimize", self.path("in.mesh"), self.path("other.mesh"), name, "",
+                         said=["is empty (a variable of the shell that is not set?)"])
+        self.refused("info", self.path("in.mesh"), "--cell-data", "", said=["is empty"])
 
     def test_inverted_tetrahedra(self):
         self.optimize_refused(self.put("in.mesh", tangled(4)), said=[

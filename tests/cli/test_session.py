@@ -120,7 +120,9 @@ class LongRuns(CliTest):
         for limit in ("0.01", "1000"):
             done = self.run_cli("optimize", source, self.path("out.mesh"), "--threads", "1", "--time-limit", limit, "--report",
                                 self.path("r.json"), code=0 if limit == "1000" else 1)
-            sweeps[limit] = len(json.loads(self.read_bytes("r.json"))["optimization"]["sweeps"])
+            run = json.loads(self.read_bytes("r.json"))["optimization"]
+            sweeps[limit] = len(run["sweeps"])
+            self.assertEqual(run["stopped"], "time limit" if limit == "0.01" else "converged")
             self.assertEqual("stopped early (time limit)" in done.stdout, limit == "0.01")
             self.assert_valid_output()
         self.assertLess(sweeps["0.01"], sweeps["1000"])
@@ -151,10 +153,11 @@ class Limits(CliTest):
                      self.path("r.json"))
         self.assertEqual(self.files(), ["in.mesh"])
         several = [source, self.put("b.mesh", cube(2)), self.put("c.mesh", cube(3))]
-        done = self.run_cli("optimize", *several, "--dry-run")
-        for name in several:
-            self.assertIn(f"{name}: nothing is written", done.stdout)
-            self.assertRegex(done.stdout, rf"(?m)^  {name} +checked$")
+        for names in (several, several[:2]):
+            done = self.run_cli("optimize", *names, "--dry-run")
+            for name in names:
+                self.assertIn(f"{name}: nothing is written", done.stdout)
+                self.assertRegex(done.stdout, rf"(?m)^  {name} +checked$")
         self.assertEqual(self.files(), ["b.mesh", "c.mesh", "in.mesh"])
         # What would fail fails.
         self.refused("optimize", source, self.path("absent/out.mesh"), "--dry-run", said=["absent"])

@@ -10,7 +10,7 @@ from cli_case import CliTest, Mesh, bent, cube, unflipped, with_triangles
 
 
 SURFACE_KEYS = {"volume_change", "area_change", "region_volume_change", "patch_area_change", "patches",
-                "mean_boundary_edge", "distance_vertices_to_old", "distance_new_to_old", "distance_old_to_new", "vertices_before",
+                "mean_boundary_edge", "distance_vertices_to_old", "distance_new_to_old", "deviation", "distance_old_to_new", "vertices_before",
                 "vertices_after", "vertex_tags_kept", "edge_tags_kept", "triangle_tags_kept",
                 "tetrahedron_tags_kept", "required_vertices_moved", "corners_moved"}
 
@@ -64,7 +64,12 @@ class Slide(CliTest):
             for text, value in (("0.002", 0.002), ("0.1%", 0.001 * diagonal), ("2e-3", 0.002)):
                 report, _ = self.slide(source, "--boundary", "slide", option, text)
                 self.assertAlmostEqual(report["options"]["max_deviation"], value, places=12)
-                mean = report["surface"]["distance_new_to_old"]
+                surface = report["surface"]
+                self.assertTrue(surface["max_deviation_kept"])
+                self.assertLessEqual(surface["deviation"], value)
+                self.assertAlmostEqual(surface["deviation"], surface["mean_boundary_edge"] * max(
+                    surface["distance_new_to_old"], surface["distance_old_to_new"]))
+                mean = surface["distance_new_to_old"]
                 self.assertLess(mean, 0.5 * free["surface"]["distance_new_to_old"])
         self.refused("optimize", source, "-o", self.path("o.mesh"), "--boundary", "slide", "--max-deviation",
                      said=["--max-deviation"])
