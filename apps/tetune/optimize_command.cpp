@@ -71,7 +71,7 @@ class Run {
     need_mb_ = static_cast<double>(memory_needed(input_.mesh, options_)) / (1024 * 1024);
     if (a_.max_memory && need_mb_ > *a_.max_memory) {
       throw MeshError(
-          fmt::format("{}: needs about {:.0f} MB of memory, and --max-memory allows {:.0f}; allow more, or take a "
+          fmt::format("{}: needs about {:.0f} MB of memory, and --max-memory allows {:.6g}; allow more, or take a "
                       "smaller mesh",
                       name, need_mb_, *a_.max_memory));
     }

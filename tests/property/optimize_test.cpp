@@ -33,16 +33,18 @@ TetMesh fan(int count) {
 }
 
 TEST(Optimize, VerticesOfManyTetrahedraTakeNoSquaredTime) {
-  // What is in proportion to the square takes minutes here.
+  // What is in proportion to the square took a minute here; this takes half a second, and 30 times that under
+  // sanitizers.
   for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
-    TetMesh m = fan(100'000);
+    TetMesh m = fan(60'000);
     ASSERT_TRUE(validate(m).ok());
     Options options;
     options.boundary = boundary;
     options.max_iterations = 2;
+    options.threads = 1;
     const auto start = std::chrono::steady_clock::now();
     optimize(m, options);
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
     EXPECT_TRUE(validate(m).ok());
   }
 }
