@@ -33,7 +33,7 @@ TetMesh fan(int count) {
 }
 
 TEST(Optimize, VerticesOfManyTetrahedraTakeNoSquaredTime) {
-  // What is in proportion to the square took a minute here; this takes half a second, and 30 times that under
+  // What is in proportion to the square took a minute here; this takes a second or two, and 20 times that under
   // sanitizers.
   for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
     TetMesh m = fan(60'000);
