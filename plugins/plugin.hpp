@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tetune/error.hpp"
@@ -29,5 +31,21 @@ struct OtherKind {
 };
 inline constexpr OtherKind kOtherKinds[] = {
     {kPoints, 1, 0}, {"Quadrilaterals", 4, 2}, {"Pyramids", 5, 3}, {"Prisms", 6, 3}, {"Hexahedra", 8, 3}};
+
+/// Positive numbers that are not taken yet, from the lowest up.
+class FreeNumbers {
+ public:
+  explicit FreeNumbers(std::set<int> taken) : taken_(std::move(taken)) {}
+  /// Whether the number was free; now it is taken.
+  bool take(int number) { return taken_.insert(number).second; }
+  int take_lowest() {
+    while (!take(lowest_)) ++lowest_;
+    return lowest_;
+  }
+
+ private:
+  std::set<int> taken_;
+  int lowest_ = 1;
+};
 
 }  // namespace tetune::plugin

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <array>
+#include <limits>
+#include <map>
+#include <utility>
 
 #include "plugin.hpp"
 
@@ -15,10 +18,27 @@ inline constexpr int kEdge = 1, kTriangle = 2, kTet = 4, kEdge3 = 8, kTriangle6 
 /// In the order of kOtherKinds.
 inline constexpr std::array<int, 5> kOtherTypes{15, 3, 7, 6, 5};
 
-/// Reads what Gmsh has opened, and hands a mesh over to Gmsh.
-TetMesh from_gmsh(Warnings& warnings);
-/// `classify`: nodes are given to entities. Returns whether each element is in a physical group.
-bool to_gmsh(TetMesh mesh, bool classify, Warnings& warnings);
+/// Tags of entities, which are named by dimension and number.
+using EntityTags = std::map<std::pair<int, int>, int>;
+
+/// What a format has room for.
+struct Format {
+  double msh_version = 0;  ///< 0: none of Gmsh's own, and the number of an entity is the tag of its elements
+  bool groups = true;
+  int largest = std::numeric_limits<int>::max();  ///< number of an entity
+};
+
+/// How a mesh was handed over.
+struct Handover {
+  bool all_grouped = true;
+  /// Of entities in no group, where from_gmsh() would give them others.
+  EntityTags loose_tags;
+};
+
+/// Reads what Gmsh has opened; `loose_tags` are those of entities in no group, where they are known.
+TetMesh from_gmsh(const EntityTags& loose_tags, Warnings& warnings);
+/// Hands a mesh over to Gmsh. Raises the version where that of the format has no room for what is in no group.
+Handover to_gmsh(TetMesh mesh, Format& format, Warnings& warnings);
 /// Names the data that other formats than .msh have no room for.
 void warn_of_data(const TetMesh& mesh, Warnings& warnings);
 /// Appends point and element data to an .msh file.

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include "closed_files.hpp"
 #include "gmsh_mesh.hpp"
@@ -33,6 +36,94 @@ std::string dialect_of(const std::string& file) {
   int binary = 0;
   if (!(in >> version >> binary)) return "";
   return std::string(version < 4 ? "msh 2.2" : "msh 4.1") + (binary != 0 ? " binary" : " text");
+}
+
+/// In .msh files of tetune these lines, last of all, give the tags of entities in no group, as `dimension entity tag`.
+/// Gmsh passes over them.
+constexpr const char* kLooseTags = "$Comments\ntetune: tags of entities in no physical group\n";
+constexpr const char* kEndLooseTags = "$EndComments\n";
+
+EntityTags read_loose_tags(const std::string& file) {
+  constexpr std::uintmax_t kMost = 1'000'000;
+  std::ifstream in(file, std::ios::binary);
+  const std::uintmax_t size = std::filesystem::file_size(file);
+  std::string end(static_cast<std::size_t>(std::min(size, kMost)), '\0');
+  in.seekg(static_cast<std::streamoff>(size - end.size()));
+  in.read(end.data(), static_cast<std::streamsize>(end.size()));
+  const auto at = end.rfind(kLooseTags);
+  if (!in || at == std::string::npos || !end.ends_with(kEndLooseTags)) return {};
+  std::istringstream lines(end.substr(at + std::strlen(kLooseTags)));
+  EntityTags tags;
+  int dimension = 0;
+  int entity = 0;
+  int tag = 0;
+  while (lines >> dimension >> entity >> tag) tags[{dimension, entity}] = tag;
+  return tags;
+}
+
+void append_loose_tags(const std::string& file, const EntityTags& tags) {
+  if (tags.empty()) return;
+  std::ofstream out(file, std::ios::binary | std::ios::app);
+  out << kLooseTags;
+  for (const auto& [entity, tag] : tags) out << entity.first << ' ' << entity.second << ' ' << tag << '\n';
+  out << kEndLooseTags << std::flush;
+  if (!out) throw FileError(std::string("cannot write: ") + std::strerror(errno));
+}
+
+/// The second line is the name of the file, which is a temporary one: this one is the same in every run.
+void replace_heading(const std::string& file) {
+  const std::string heading = "*Heading\ntetune\n";
+  std::ifstream in(file, std::ios::binary);
+  std::string line;
+  std::getline(in, line);
+  std::getline(in, line);
+  if (!in || in.tellg() < static_cast<std::streamoff>(heading.size())) return;
+  // The rest moves towards the start: what is written is never ahead of what was read.
+  std::fstream out(file, std::ios::binary | std::ios::in | std::ios::out);
+  out << heading;
+  std::vector<char> block(std::size_t{1} << 20);
+  while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0) {
+    out.write(block.data(), in.gcount());
+  }
+  const std::streamoff size = out.tellp();
+  out.close();
+  if (!out) throw FileError(std::string("cannot write: ") + std::strerror(errno));
+  std::filesystem::resize_file(file, static_cast<std::uintmax_t>(size));
+}
+
+/// What the other formats than Gmsh's have room for.
+Format format_of(const std::string& ending) {
+  constexpr int kMostOf8Digits = 99'999'999;
+  constexpr int kMostOf9Digits = 999'999'999;  // of ten, but the next number must not follow without a blank
+  Format format;
+  if (ending == ".bdf") {
+    format.groups = false;
+    format.largest = kMostOf8Digits;
+  }
+  if (ending == ".unv") format.largest = kMostOf9Digits;
+  return format;
+}
+
+void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& warnings) {
+  if (ending == ".bdf") {
+    warnings.emplace_back("Nastran's fields have 16 characters: coordinates are rounded to about 9 digits");
+    const bool named = std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return g.name != ""; });
+    if (named) warnings.emplace_back("there is no room for the names of groups");
+  }
+  if (ending == ".inp") warnings.emplace_back("coordinates are rounded to 14 digits");
+  if (ending != ".unv") return;
+  gmsh::vectorpair groups;
+  gmsh::model::getPhysicalGroups(groups);
+  std::map<int, std::string> names;
+  for (const auto& [dimension, number] : groups) {
+    std::string name;
+    gmsh::model::getPhysicalName(dimension, number, name);
+    const auto [at, fresh] = names.try_emplace(number, name);
+    if (fresh || at->second == name) continue;
+    warnings.push_back("groups of different dimensions have the number " + std::to_string(number) +
+                       ": one name may be read for all of them");
+    return;
+  }
 }
 
 /// These formats have no counts: only their last line tells that nothing is missing.
@@ -86,10 +177,11 @@ void leave_out_points(TetMesh& mesh, Warnings& warnings) {
   warnings.emplace_back("there is no room for elements of one vertex");
 }
 
-void refuse_pyramids(const TetMesh& mesh) {
+void refuse_pyramids(const TetMesh& mesh, const std::string& ending) {
+  if (ending != ".unv" && ending != ".inp") return;
   for (const ElementBlock& block : mesh.others) {
     if (block.kind != "Pyramids") continue;
-    throw FileError("Gmsh writes no pyramids to I-deas universal files; choose .msh or .vtu");
+    throw FileError("Gmsh writes no pyramids to " + ending + " files; choose .msh or .vtu");
   }
 }
 
@@ -122,7 +214,7 @@ TetMesh read(const std::string& file, Warnings& warnings) {
   guarded([&] {
     gmsh::open(file);
     check_log();
-    mesh = from_gmsh(warnings);
+    mesh = from_gmsh(ending == ".msh" ? read_loose_tags(file) : EntityTags(), warnings);
   });
   check_end(file, ending, warnings);
   if (ending == ".msh") mesh.dialect = dialect_of(file);
@@ -132,28 +224,30 @@ TetMesh read(const std::string& file, Warnings& warnings) {
 void write(const std::string& file, TetMesh mesh, Warnings& warnings) {
   const std::string ending = ending_of(file);
   if (ending != ".msh") leave_out_points(mesh, warnings);
-  if (ending == ".unv") refuse_pyramids(mesh);
+  refuse_pyramids(mesh, ending);
   start_gmsh();
   check_support(ending);
   guarded([&] {
-    const double version = mesh.dialect.rfind("msh 2.2", 0) == 0 ? 2.2 : 4.1;
-    const bool all_grouped = to_gmsh(mesh, ending == ".msh" && version > 4, warnings);
+    Format format = format_of(ending);
+    if (ending == ".msh") format.msh_version = mesh.dialect.rfind("msh 2.2", 0) == 0 ? 2.2 : 4.1;
+    const Handover done = to_gmsh(mesh, format, warnings);
     // Gmsh leaves elements out that are in no group when there are groups.
-    gmsh::option::setNumber("Mesh.SaveAll", all_grouped ? 0 : 1);
-    gmsh::option::setNumber("Mesh.MshFileVersion", version);
+    gmsh::option::setNumber("Mesh.SaveAll", done.all_grouped ? 0 : 1);
+    if (ending == ".msh") gmsh::option::setNumber("Mesh.MshFileVersion", format.msh_version);
     const bool text = mesh.dialect.rfind("msh", 0) == 0 && mesh.dialect.find("text") != std::string::npos;
     gmsh::option::setNumber("Mesh.Binary", ending == ".msh" && !text ? 1 : 0);
     gmsh::option::setNumber("Mesh.BdfFieldFormat", 2);  // 16 characters a number, not 8
-    if (ending == ".bdf")
-      warnings.push_back("Nastran's fields have 16 characters: coordinates are rounded to about 9 digits");
+    warn_of_format(mesh, ending, warnings);
     gmsh::write(file);
     if (ending == ".msh") {
       append_data(file, mesh, warnings);
+      append_loose_tags(file, done.loose_tags);
     } else {
       warn_of_data(mesh, warnings);
     }
   });
   check_closed_files();
+  if (ending == ".inp") replace_heading(file);
   if (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) throw FileError("Gmsh wrote nothing");
 }
 

@@ -39,7 +39,8 @@ struct Kind {
 
 class Reader {
  public:
-  Reader(TetMesh& mesh, Warnings& warnings) : mesh_(mesh), warnings_(warnings) {
+  Reader(TetMesh& mesh, const EntityTags& loose_tags, Warnings& warnings)
+      : mesh_(mesh), loose_tags_(loose_tags), warnings_(warnings) {
     for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
   }
 
@@ -96,6 +97,7 @@ class Reader {
     grouped_ = !groups.empty();
     mesh_.cell_tags_name = grouped_ ? kPhysical : kGeometrical;
     for (const auto& [dimension, number] : groups) {
+      if (number == 0) continue;  // in I-deas' files this is what is in no group
       Group group{dimension, number, {}, {}};
       gmsh::model::getPhysicalName(dimension, number, group.name);
       std::vector<int> entities;
@@ -108,10 +110,12 @@ class Reader {
   }
 
   /// The number of the entity's physical group; minus its own where it is in several or in none; its own where the
-  /// file has no groups.
+  /// file has no groups. What the file says of entities in no group goes before.
   int tag_of(int dimension, int entity) const {
-    if (!grouped_) return entity;
     const std::vector<int> groups = groups_of(dimension, entity);
+    const auto loose = loose_tags_.find({dimension, entity});
+    if (groups.empty() && loose != loose_tags_.end()) return loose->second;
+    if (!grouped_) return entity;
     return groups.size() == 1 ? std::abs(groups[0]) : -entity;
   }
 
@@ -269,6 +273,7 @@ class Reader {
   }
 
   TetMesh& mesh_;
+  const EntityTags& loose_tags_;
   Warnings& warnings_;
   bool grouped_ = false;
   Kind tets_, triangles_, edges_;
@@ -279,9 +284,9 @@ class Reader {
 
 }  // namespace
 
-TetMesh from_gmsh(Warnings& warnings) {
+TetMesh from_gmsh(const EntityTags& loose_tags, Warnings& warnings) {
   TetMesh mesh;
-  Reader(mesh, warnings).read();
+  Reader(mesh, loose_tags, warnings).read();
   return mesh;
 }
 

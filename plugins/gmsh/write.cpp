@@ -68,11 +68,10 @@ std::vector<Kind> kinds_of(const TetMesh& mesh) {
   return kinds;
 }
 
-/// Gives each element the entity that it came from; where that is not known, or elements of different tags would share
-/// one, an entity for each tag: of the tag's number if that can be one.
-std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension) {
+/// Gives each element the entity that it came from, if that is known and all elements of one have the same tag. Returns
+/// the entities with their tags; none if it is not so.
+std::map<int, int> known_entities(std::vector<Kind>& kinds, int dimension) {
   std::map<int, int> entity2tag;
-  bool known = true;
   for (Kind& kind : kinds) {
     if (kind.dimension != dimension || kind.size() == 0) continue;
     const DataArray* array = find(*kind.data, kGeometrical);
@@ -80,29 +79,40 @@ std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension) {
     if (array != nullptr && array->components == 1) {
       std::visit(
           [&kind](const auto& values) {
-            for (const auto v : values) kind.entities.push_back(static_cast<int>(v));
+            for (const auto v : values) {
+              const auto number = static_cast<double>(v);
+              const bool possible = number >= 1 && number <= std::numeric_limits<int>::max();
+              kind.entities.push_back(possible ? static_cast<int>(number) : 0);
+            }
           },
           array->values);
     }
-    known = known && kind.entities.size() == kind.size();
-    for (std::size_t e = 0; known && e < kind.size(); ++e) {
+    if (kind.entities.size() != kind.size()) return {};
+    for (std::size_t e = 0; e < kind.size(); ++e) {
       const auto [at, fresh] = entity2tag.try_emplace(kind.entities[e], (*kind.tags)[e]);
-      known = kind.entities[e] > 0 && at->second == (*kind.tags)[e];
+      if (kind.entities[e] <= 0 || at->second != (*kind.tags)[e]) return {};
     }
   }
-  if (known) return entity2tag;
+  return entity2tag;
+}
+
+/// Gives the elements of each tag an entity of the tag's number; where that cannot be one, of minus that number, as
+/// from_gmsh() takes entities in no group, or of one that is not taken. Returns the entities with their tags.
+std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std::set<int> taken, int largest) {
   std::map<int, int> tag2entity;
-  int last = 0;
   for (const Kind& kind : kinds) {
     if (kind.dimension != dimension) continue;
-    for (const int tag : *kind.tags) {
-      tag2entity[tag] = tag;
-      last = std::max(last, tag);
-    }
+    for (const int tag : *kind.tags) tag2entity[tag] = 0;
+    taken.insert(kind.tags->begin(), kind.tags->end());
   }
-  entity2tag.clear();
+  FreeNumbers free_numbers(std::move(taken));
   for (auto& [tag, entity] : tag2entity) {
-    if (tag <= 0) entity = ++last;
+    if (tag > 0 && tag <= largest) entity = tag;
+    if (tag < 0 && tag >= -largest && free_numbers.take(-tag)) entity = -tag;
+  }
+  std::map<int, int> entity2tag;
+  for (auto& [tag, entity] : tag2entity) {
+    if (entity == 0) entity = free_numbers.take_lowest();
     entity2tag[entity] = tag;
   }
   for (Kind& kind : kinds) {
@@ -111,6 +121,20 @@ std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension) {
     for (const int tag : *kind.tags) kind.entities.push_back(tag2entity[tag]);
   }
   return entity2tag;
+}
+
+std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups,
+                                 const Format& format) {
+  if (format.msh_version > 0) {
+    std::map<int, int> known = known_entities(kinds, dimension);
+    if (!known.empty()) return known;
+  }
+  // add_groups() makes groups of such numbers, and I-deas' files have one list of groups for all dimensions.
+  std::set<int> taken;
+  for (const Group& group : groups) {
+    if (format.msh_version == 0 && format.groups) taken.insert(group.number);
+  }
+  return entities_of_tags(kinds, dimension, std::move(taken), format.largest);
 }
 
 /// For each entity of a dimension those one lower that bound it: that share a side with it.
@@ -156,10 +180,12 @@ class Boundaries {
   std::map<int, std::set<int>> entity2sides_;
 };
 
-/// Enters the physical groups of one dimension; returns the entities that are in none.
-std::set<int> add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& entity2tag, Warnings& warnings) {
-  std::set<int> loose;
+/// Enters the physical groups of one dimension; returns the entities that are in none, with their tags.
+std::map<int, int> add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& entity2tag,
+                              const Format& format, Warnings& warnings) {
+  std::map<int, int> loose;
   std::map<int, std::vector<int>> number2entities;
+  std::vector<std::string> renumbered;
   for (const auto& [entity, tag] : entity2tag) {
     bool grouped = false;
     for (const Group& group : mesh.groups) {
@@ -169,17 +195,31 @@ std::set<int> add_groups(const TetMesh& mesh, int dimension, const std::map<int,
       number2entities[group.number].push_back(entity);
       grouped = true;
     }
-    // A tag is a group, unless it came as an entity's number.
-    if (!grouped && tag > 0 && mesh.cell_tags_name != kGeometrical) {
-      number2entities[tag].push_back(entity);
+    if (format.msh_version == 0 && entity != tag && !(grouped && format.groups)) {
+      // Where there are groups, a positive tag is that of its group, and what has no tag is in none.
+      if (tag < 0 || !format.groups) {
+        renumbered.push_back(std::to_string(tag) + " is written as " + std::to_string(entity));
+      }
+    }
+    // A tag is a group, unless it came as an entity's number. Other formats than .msh tell what is in no group from
+    // what is in another by nothing else.
+    const bool from_entity = format.msh_version > 0 && mesh.cell_tags_name == kGeometrical;
+    if (!grouped && !from_entity && (tag > 0 || (tag < 0 && format.msh_version == 0))) {
+      number2entities[tag > 0 ? tag : entity].push_back(entity);
       grouped = true;
     }
-    if (!grouped) loose.insert(entity);
+    if (!grouped) loose[entity] = tag;
     if (!grouped && tag < 0 && !mesh.cell_tags_name.starts_with("gmsh")) {
       warnings.push_back("Gmsh's groups have positive numbers: elements of dimension " + std::to_string(dimension) +
                          " with the tag " + std::to_string(tag) + " are entity " + std::to_string(entity) +
                          ", in no group");
     }
+  }
+  if (!renumbered.empty()) {
+    const std::string rest = renumbered.size() == 1 ? "" : ", and " + std::to_string(renumbered.size() - 1) + " more";
+    warnings.push_back("the format's numbers are from 1 to " + std::to_string(format.largest) +
+                       ": of elements of dimension " + std::to_string(dimension) + " the tag " + renumbered.front() +
+                       rest);
   }
   for (const auto& [number, entities] : number2entities) {
     gmsh::model::addPhysicalGroup(dimension, entities, number);
@@ -215,8 +255,7 @@ std::vector<std::uint8_t> used_nodes(const TetMesh& mesh, const std::vector<Kind
   return used;
 }
 
-/// With `classify` each node belongs to the entity of lowest dimension that has it, without it all belong to `home`:
-/// Gmsh numbers nodes entity by entity in formats that do not tell their entities.
+/// With `classify` each node belongs to the entity of lowest dimension that has it, without it all belong to `home`.
 void add_nodes(const TetMesh& mesh, const std::vector<Kind>& kinds, const Middles* middles, std::pair<int, int> home,
                bool classify) {
   std::vector<std::pair<int, int>> owner(mesh.points.size() + 1, {-1, 0});
@@ -279,31 +318,49 @@ void warn_of_lists(const TetMesh& mesh, Warnings& warnings) {
 
 }  // namespace
 
-bool to_gmsh(TetMesh mesh, bool classify, Warnings& warnings) {
+Handover to_gmsh(TetMesh mesh, Format& format, Warnings& warnings) {
   warn_of_lists(mesh, warnings);
   const auto middles = mesh.second_order ? std::make_unique<Middles>(mesh) : nullptr;
   std::vector<Kind> kinds = kinds_of(mesh);
   number_elements(kinds);
   gmsh::model::add("tetune");
-  bool all_grouped = true;
+  EntityTags loose;
   std::pair<int, int> home{-1, 0};  // an entity of the highest dimension, for the nodes to start on
   for (int dimension = 0; dimension <= 3; ++dimension) {
-    const std::map<int, int> entity2tag = find_entities(kinds, dimension);
+    const std::map<int, int> entity2tag = find_entities(kinds, dimension, mesh.groups, format);
     const Boundaries boundaries(kinds, dimension);
     for (const auto& [entity, tag] : entity2tag) {
       gmsh::model::addDiscreteEntity(dimension, entity, boundaries.of(entity));
       home = {dimension, entity};
     }
-    all_grouped = add_groups(mesh, dimension, entity2tag, warnings).empty() && all_grouped;
+    for (const auto& [entity, tag] : add_groups(mesh, dimension, entity2tag, format, warnings)) {
+      loose[{dimension, entity}] = tag;
+    }
   }
   if (home.first < 0) throw FileError("the mesh has no elements; Gmsh writes none without");
   const std::vector<std::uint8_t> used = used_nodes(mesh, kinds, middles.get());
   if (const auto unused = std::count(used.begin() + 1, used.end(), 0); unused > 0) {
     warnings.push_back(std::to_string(unused) + " vertices are in no element; Gmsh does not write them");
   }
-  add_nodes(mesh, kinds, middles.get(), home, classify);
+  Handover done;
+  gmsh::vectorpair groups;
+  gmsh::model::getPhysicalGroups(groups);
+  const bool any_group = !groups.empty();
+  done.all_grouped = loose.empty();
+  for (const auto& [entity, tag] : loose) {
+    if (tag != (any_group ? -entity.second : entity.second)) done.loose_tags[entity] = tag;
+  }
+  if (format.msh_version == 0 && format.groups && !any_group) {
+    warnings.emplace_back("nothing has a tag: the number 1 is written for it");
+  }
+  if (format.msh_version > 0 && format.msh_version < 4 && any_group && !done.all_grouped) {
+    format.msh_version = 4.1;
+    warnings.emplace_back("Gmsh writes no groups to version 2.2 where elements are in none; this is version 4.1");
+  }
+  // In formats that do not tell the entities of nodes, Gmsh numbers nodes entity by entity: all are on one.
+  add_nodes(mesh, kinds, middles.get(), home, format.msh_version > 4);
   for (const Kind& kind : kinds) add_elements(kind, middles.get());
-  return all_grouped;
+  return done;
 }
 
 void warn_of_data(const TetMesh& mesh, Warnings& warnings) {

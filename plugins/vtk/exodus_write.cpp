@@ -150,24 +150,23 @@ class Writer {
       }
     }
     std::map<int, std::vector<std::array<int, 2>>> sets;
-    int last = 0;
-    for (const int tag : mesh_.triangle_tags) last = std::max(last, tag);
+    FreeNumbers free_numbers({mesh_.triangle_tags.begin(), mesh_.triangle_tags.end()});
     std::map<int, int> renumbered;
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
       const auto& [tet, side] = triangle2side_[i];
       if (tet < 0) continue;
       int tag = mesh_.triangle_tags[i];
-      if (tag <= 0) tag = renumber(tag, last, renumbered, "side set");
+      if (tag <= 0) tag = renumber(tag, free_numbers, renumbered, "side set");
       sets[tag].push_back({tet2element[static_cast<std::size_t>(tet)], static_cast<int>(side)});
     }
     return sets;
   }
 
   /// Exodus' numbers are positive.
-  int renumber(int tag, int& last, std::map<int, int>& renumbered, const char* what) {
-    const auto [at, fresh] = renumbered.try_emplace(tag, last + 1);
+  int renumber(int tag, FreeNumbers& free_numbers, std::map<int, int>& renumbered, const char* what) {
+    const auto [at, fresh] = renumbered.try_emplace(tag, 0);
     if (fresh) {
-      ++last;
+      at->second = free_numbers.take_lowest();
       warnings_.push_back("Exodus' numbers are positive: the tag " + std::to_string(tag) + " is " + what + " " +
                           std::to_string(at->second));
     }
@@ -176,14 +175,15 @@ class Writer {
 
   /// A block has its tag's number, where no other kind of element has it and it is positive.
   void choose_ids() {
-    int last = 0;
-    for (const OutBlock& block : blocks_) last = std::max(last, block.tag);
+    std::set<int> tags;
+    for (const OutBlock& block : blocks_) tags.insert(block.tag);
+    FreeNumbers free_numbers(tags);
     std::set<int> used;
     int others = 0;
     for (OutBlock& block : blocks_) {
       block.id = block.tag;
       if (block.tag > 0 && used.insert(block.tag).second) continue;
-      block.id = ++last;
+      block.id = free_numbers.take_lowest();
       ++others;
     }
     if (others > 0) {

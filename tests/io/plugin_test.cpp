@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "io_fixture.hpp"
 #include "tetune/optimize.hpp"
@@ -147,16 +149,97 @@ const char* yes(bool kept) { return kept ? "yes" : "no"; }
 
 const std::vector<std::string> kWritten{".mesh", ".meshb", ".vtu", ".vtk", ".e", ".msh", ".unv", ".bdf"};
 
+/// What is in an Abaqus file as Gmsh writes it: tags are the numbers in the names of the sets of elements.
+TetMesh read_abaqus(const std::string& path) {
+  struct Type {
+    std::size_t vertices;
+    int dimension;
+    const char* other;
+  };
+  static const std::map<std::string, Type> kTypes{
+      {"C3D4", {4, 3, nullptr}},          {"C3D10", {4, 3, nullptr}}, {"CPS3", {3, 2, nullptr}},
+      {"CPS6", {3, 2, nullptr}},          {"T3D2", {2, 1, nullptr}},  {"T3D3", {2, 1, nullptr}},
+      {"CPS4", {4, 2, "Quadrilaterals"}}, {"C3D6", {6, 3, "Prisms"}}, {"C3D8", {8, 3, "Hexahedra"}}};
+  TetMesh m;
+  std::map<int, std::pair<int, int>> element2tag;  // with its dimension
+  Type type{};
+  std::string keyword, type_name, set;
+  Index last = -1;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    const auto after = [&line](const std::string& name) {
+      const auto at = line.find(name);
+      return at == std::string::npos ? "" : line.substr(at + name.size(), line.find(',', at) - at - name.size());
+    };
+    if (line[0] == '*') {
+      keyword = line.substr(0, line.find(','));
+      type_name = after("type=");
+      set = after(",ELSET=") + after(" ELSET=");
+      if (keyword == "*ELEMENT") type = kTypes.at(type_name);
+      if (keyword == "*ELSET" && set.rfind("Physical", 0) != 0) m.groups.push_back({-1, -1, set, {}});
+      continue;
+    }
+    if (keyword == "*Heading") continue;
+    std::vector<double> x;
+    std::istringstream numbers(line);
+    for (std::string word; std::getline(numbers, word, ',');) {
+      if (word.find_first_not_of(' ') != std::string::npos) x.push_back(std::stod(word));
+    }
+    if (keyword == "*NODE") m.points.push_back({x[1], x[2], x[3]});
+    if (keyword == "*ELSET" && set.rfind("Physical", 0) != 0) {
+      for (const double element : x) {
+        Group& group = m.groups.back();
+        const auto [dimension, tag] = element2tag.at(static_cast<int>(element));
+        if (group.tags != std::vector{tag}) group.tags.push_back(tag);
+        group.dimension = dimension;
+        group.number = tag;
+      }
+    }
+    if (keyword != "*ELEMENT") continue;
+    const int tag = std::stoi(set.substr(set.find_first_of("0123456789")));
+    element2tag[static_cast<int>(x[0])] = {type.dimension, tag};
+    std::vector<Index> v;
+    for (std::size_t k = 1; k <= type.vertices; ++k) v.push_back(static_cast<Index>(x[k]) - 1);
+    last = std::max(last, *std::max_element(v.begin(), v.end()));
+    if (type_name == "C3D10") m.second_order = true;
+    if (type.other != nullptr) {
+      m.others.push_back({type.other, static_cast<int>(type.vertices), v, {tag}, {}});
+    } else if (type.dimension == 3) {
+      m.tets.push_back({v[0], v[1], v[2], v[3]});
+      m.tet_tags.push_back(tag);
+    } else if (type.dimension == 2) {
+      m.triangles.push_back({v[0], v[1], v[2]});
+      m.triangle_tags.push_back(tag);
+    } else {
+      m.edges.push_back({v[0], v[1]});
+      m.edge_tags.push_back(tag);
+    }
+  }
+  m.points.resize(static_cast<std::size_t>(last) + 1);  // without the middles of edges
+  return m;
+}
+
+TetMesh read_back(const std::string& file) {
+  return file.ends_with(".inp") ? read_abaqus(file) : read_mesh(file, nullptr, 1);
+}
+
+/// How the names of groups come back.
+std::string names_kept(TetMesh m, const TetMesh& back) {
+  if (same_groups(m, back)) return "yes";
+  for (Group& g : m.groups) std::replace(g.name.begin(), g.name.end(), ' ', '_');
+  return same_groups(m, back) ? "yes, blanks as `_`" : "no";
+}
+
 /// One line of the table in docs/formats.md.
 std::string row(const std::string& ending, const std::string& file) {
   TetMesh m = rich();
-  const bool no_pyramids = ending == ".unv";
+  const bool no_pyramids = ending == ".unv" || ending == ".inp";
   if (no_pyramids) {
     EXPECT_THROW(write_mesh(file, m, 1), FileError);
     m = rich(false);
   }
   write_mesh(file, m, 1);
-  const TetMesh plain = read_mesh(file, nullptr, 1);
+  const TetMesh plain = read_back(file);
   // A coordinate that needs all digits.
   const double off = farthest(m, plain);
   const bool points = std::any_of(plain.others.begin(), plain.others.end(),
@@ -169,11 +252,11 @@ std::string row(const std::string& ending, const std::string& file) {
   listed.required_edges = {1};
   listed.required_triangles = {1};
   write_mesh(file, listed, 1);
-  const TetMesh lists = read_mesh(file, nullptr, 1);
+  const TetMesh lists = read_back(file);
   TetMesh second = two_materials(2);
   second.second_order = true;
   write_mesh(file, second, 1);
-  const TetMesh quadratic = read_mesh(file, nullptr, 1);
+  const TetMesh quadratic = read_back(file);
   const auto cells = [&](const TetMesh& n) { return by_tet(n, "load") == by_tet(m, "load"); };
   std::string line = "| `" + ending + "` |";
   for (const std::string& cell : std::vector<std::string>{
@@ -189,7 +272,7 @@ std::string row(const std::string& ending, const std::string& file) {
                lists.required_edges == listed.required_edges && lists.required_triangles == listed.required_triangles &&
                std::find(lists.required_vertices.begin(), lists.required_vertices.end(), 3) !=
                    lists.required_vertices.end()),
-           yes(same_groups(m, plain)), yes(same_point_data(m, plain)), yes(cells(plain)),
+           names_kept(m, plain), yes(same_point_data(m, plain)), yes(cells(plain)),
            yes(quadratic.second_order && farthest(second, quadratic) < 1e-8)}) {
     line += " " + cell + " |";
   }
@@ -203,6 +286,7 @@ TEST_F(Plugins, TheTableInTheDocumentationIsTrue) {
       "ridges, required | names of groups | vertex data | cell data | second order |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const std::string& ending : kWritten) table += row(ending, path("mesh" + ending));
+  table += row(".inp", path("mesh.inp"));
   std::ifstream file(TETUNE_DOCS "/formats.md");
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   EXPECT_NE(page.find(table), std::string::npos) << "docs/formats.md should have this table:\n" << table;
@@ -230,10 +314,141 @@ TEST_F(Plugins, EverythingWrittenIsReadAndComesWithTheRightWarnings) {
     EXPECT_EQ(about("probe"), 0) << ending;
   }
   // Abaqus is written alone.
-  write_mesh(path("a.inp"), rich(), 1);
   EXPECT_TRUE(contains(get("a.inp"), "C3D4"));
   EXPECT_TRUE(contains(read_error(path("a.inp")), "does not read"));
   for (const std::string& name : files()) EXPECT_EQ(name.find(".tmp"), std::string::npos);
+}
+
+/// A mesh whose tetrahedra in slices along x have the tags, in turn; the first triangles those of `of_triangles`.
+TetMesh with_tags(const std::vector<int>& tags, const std::vector<int>& of_triangles = {}) {
+  TetMesh m = cube(4);
+  m.tet_tags.clear();
+  for (const auto& tet : m.tets) {
+    double x = 0;
+    for (const Index v : tet) x += m.points[static_cast<std::size_t>(v)][0] / 4;
+    const auto slice = static_cast<std::size_t>(x * static_cast<double>(tags.size()));
+    m.tet_tags.push_back(tags[std::min(slice, tags.size() - 1)]);
+  }
+  m.triangles.clear();
+  for (std::size_t i = 0; i < of_triangles.size(); ++i) {
+    m.triangles.push_back({m.tets[i][0], m.tets[i][1], m.tets[i][2]});
+  }
+  m.triangle_tags = of_triangles;
+  return m;
+}
+
+bool same_tags(const TetMesh& a, const TetMesh& b) {
+  return tagged(a.tets, a.tet_tags) == tagged(b.tets, b.tet_tags) &&
+         tagged(a.triangles, a.triangle_tags) == tagged(b.triangles, b.triangle_tags);
+}
+
+std::set<int> distinct(const std::vector<int>& tags) { return {tags.begin(), tags.end()}; }
+
+TEST_F(Plugins, WhereThereAreNoEntitiesTheNumbersAreTheTags) {
+  // Three volumes in two groups, as from Gmsh.
+  TetMesh m = with_tags({1, 2, 3}, {1, 2});
+  m.cell_tags_name = "gmsh:physical";
+  m.tet_data = {{"gmsh:geometrical", 1, std::vector<std::int32_t>(m.tet_tags.begin(), m.tet_tags.end())}};
+  m.triangle_data = {{"gmsh:geometrical", 1, std::vector<std::int32_t>{1, 2}}};
+  for (int& tag : m.tet_tags) tag = tag == 2 ? 60 : 50;
+  m.triangle_tags = {70, 70};
+  m.groups = {{3, 50, "a", {50}}, {3, 60, "b", {60}}, {2, 70, "inlet", {70}}};
+  for (const std::string ending : {".bdf", ".unv", ".inp", ".msh"}) {
+    write_mesh(path("a" + ending), m, 1);
+    EXPECT_TRUE(same_tags(m, read_back(path("a" + ending)))) << ending;
+  }
+}
+
+TEST_F(Plugins, GmshKeepsWhatHasNoTagOrANegativeOne) {
+  for (const std::string dialect : {"", "msh 4.1 text", "msh 2.2 text", "msh 2.2 binary"}) {
+    for (const std::vector<int>& tags : {std::vector{0}, {0, -7}, {0, 3, -7}, {1, -1, -2, 2}}) {
+      SCOPED_TRACE(dialect + " " + std::to_string(tags.size()));
+      TetMesh m = with_tags(tags, {0, 5, -2});
+      m.dialect = dialect;
+      m.tet_data = {{"load", 1, std::vector<double>(m.tets.size(), 0.5)}};
+      write_mesh(path("a.msh"), m, 1);
+      TetMesh back = read_mesh(path("a.msh"), nullptr, 1);
+      EXPECT_TRUE(same_tags(m, back));
+      EXPECT_NE(find(back.tet_data, "load"), nullptr);
+      write_mesh(path("again.msh"), back, 1);
+      EXPECT_TRUE(same_tags(m, read_mesh(path("again.msh"), nullptr, 1)));
+      m.triangles.clear();
+      m.triangle_tags.clear();
+      write_mesh(path("a.msh"), m, 1);
+      EXPECT_TRUE(same_tags(m, read_mesh(path("a.msh"), nullptr, 1)));
+    }
+  }
+}
+
+TEST_F(Plugins, EntitiesOfOtherProgramsInNoGroupStayEntities) {
+  const std::string two =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 0 0\n6 6 0 0\n"
+      "7 5 1 0\n8 5 0 1\n$EndNodes\n$Elements\n2\n1 4 2 3 3 1 2 3 4\n2 4 2 0 4 5 6 7 8\n$EndElements\n";
+  const TetMesh m = read_mesh(put("a.msh", two), nullptr, 1);
+  EXPECT_EQ(m.tet_tags, (std::vector{3, -4}));
+  // Version 2.2 as Gmsh writes it would lose the group.
+  std::vector<std::string> warnings;
+  write_mesh(path("b.msh"), m, 1, &warnings);
+  EXPECT_EQ(warnings.size(), 1U);
+  EXPECT_FALSE(contains(get("b.msh"), "$Comments"));
+  EXPECT_TRUE(same_tags(m, read_mesh(path("b.msh"), nullptr, 1)));
+  // Comments of others are comments.
+  const std::string odd = "$Comments\ntetune: tags of entities in no physical group\n3 4 x\n$EndComments\n";
+  EXPECT_EQ(read_mesh(put("c.msh", two + odd), nullptr, 1).tet_tags, (std::vector{3, -4}));
+}
+
+TEST_F(Plugins, NumbersThatNoTagCanHaveAreChangedWithAWarning) {
+  const auto warned = [](const std::vector<std::string>& warnings, const char* what) {
+    return std::any_of(warnings.begin(), warnings.end(), [what](const std::string& w) { return contains(w, what); });
+  };
+  const TetMesh m = with_tags({0, 3, -7, -3});
+  std::vector<std::string> warnings;
+  write_mesh(path("a.bdf"), m, 1, &warnings);
+  EXPECT_TRUE(warned(warnings, "and 2 more"));
+  EXPECT_EQ(distinct(read_mesh(path("a.bdf"), nullptr, 1).tet_tags), (std::set{1, 2, 3, 7}));
+  warnings.clear();
+  write_mesh(path("a.unv"), m, 1, &warnings);
+  EXPECT_TRUE(warned(warnings, "and 1 more"));
+  const TetMesh back = read_mesh(path("a.unv"), nullptr, 1);
+  EXPECT_EQ(distinct(back.tet_tags).size(), 4U);
+  EXPECT_EQ(distinct(back.tet_tags).count(0), 1U);
+  write_mesh(path("a.msh"), back, 1);
+  EXPECT_TRUE(same_tags(back, read_mesh(path("a.msh"), nullptr, 1)));
+  warnings.clear();
+  write_mesh(path("a.inp"), m, 1, &warnings);
+  EXPECT_TRUE(warned(warnings, "and 1 more"));
+}
+
+TEST_F(Plugins, TheLargestTagLeavesRoomForOthers) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  const TetMesh m = with_tags({kMost, 0, std::numeric_limits<int>::min()}, {kMost, 0});
+  for (const std::string ending : {".msh", ".unv", ".bdf", ".inp", ".e"}) {
+    write_mesh(path("a" + ending), m, 1);
+    const TetMesh back = read_back(path("a" + ending));
+    const std::set<int> regions = distinct(back.tet_tags);
+    const std::set<int> patches = distinct(back.triangle_tags);
+    EXPECT_EQ(regions.size(), 3U) << ending;
+    EXPECT_EQ(patches.size(), 2U) << ending;
+    if (ending == ".msh") {
+      EXPECT_TRUE(same_tags(m, back));
+    } else {
+      EXPECT_GE(*regions.begin(), 0) << ending;
+      EXPECT_GE(*patches.begin(), 0) << ending;
+    }
+    EXPECT_EQ(regions.count(kMost), ending == ".bdf" ? 0U : 1U) << ending;
+  }
+}
+
+TEST_F(Plugins, AbaqusFilesAreTheSameWhateverTheirName) {
+  std::vector<std::string> warnings;
+  write_mesh(path("a.inp"), rich(false), 1, &warnings);
+  write_mesh(path("another.inp"), rich(false), 1);
+  EXPECT_EQ(get("a.inp"), get("another.inp"));
+  EXPECT_FALSE(contains(get("a.inp"), ".tmp"));
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const auto& w) { return contains(w, "14 digits"); }));
+  // More than is moved at once.
+  write_mesh(path("large.inp"), cube(24), 1);
+  EXPECT_EQ(read_back(path("large.inp")).tets, cube(24).tets);
 }
 
 TEST_F(Plugins, OptimizedMeshesKeepGroupsNamesAndLowerDimensions) {
