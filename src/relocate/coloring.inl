@@ -29,8 +29,26 @@ TETUNE_HD inline std::uint32_t priority(Index vertex) {
 
 struct Start {
   Span<const Mobility> mobility;
+  SurfaceStars stars;
   Span<std::uint8_t> color;
-  TETUNE_HD void operator()(Size v) const { color[v] = mobility[v] == Mobility::fixed ? kNotMovable : kUncolored; }
+  TETUNE_HD void operator()(Size v) const {
+    color[v] = mobility[v] == Mobility::fixed || is_crowded(v) ? kNotMovable : kUncolored;
+  }
+
+ private:
+  static constexpr Size kMostTriangles = 256;
+  /// Whether a vertex with too many triangles is in a triangle at v: those around it would all be apart from each
+  /// other, which takes squared time, and there are not so many colours.
+  TETUNE_HD bool is_crowded(Size v) const {
+    const RowsView& rows = stars.vertex2corner;
+    if (v + 1 >= rows.offsets.size()) return false;
+    for (Size c = rows.begin(v); c < rows.end(v); ++c) {
+      for (const Index near : stars.triangles[rows.items[c] / 3].v) {
+        if (rows.size(near) > kMostTriangles) return true;
+      }
+    }
+    return false;
+  }
 };
 
 /// The vertices that may not have the colour of another one.
@@ -221,7 +239,7 @@ void color_vertices(const Backend& par, const RingsView& rings, Span<const Mobil
   const bool first_time = coloring.color.size() != n;
   if (first_time) {
     coloring.color.resize(n);
-    par.for_each(n, Start{mobility, coloring.color.span()});
+    par.for_each(n, Start{mobility, stars, coloring.color.span()});
   }
   Bytes lost(n);
   Bytes wish(n);
