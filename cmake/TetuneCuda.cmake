@@ -5,19 +5,21 @@ if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
 endif()
 enable_language(CUDA)
 find_package(CUDAToolkit REQUIRED)
-set_target_properties(tetune PROPERTIES CUDA_ARCHITECTURES "${CMAKE_CUDA_ARCHITECTURES}")
-target_sources(tetune PRIVATE
-  src/boundary/boundary_cuda.cu
-  src/core/connect_cuda.cu
-  src/driver/driver_cuda.cu
-  src/flips/flips_cuda.cu
-  src/relocate/relocate_cuda.cu
-  src/vertices/vertices_cuda.cu)
 # CMake 3.25 does not know how to ask nvcc 12 and newer for C++20, hence the flag below. Without contracted multiply-adds
 # a kernel rounds as the same code does on the CPU, and so as the emulation that the tests run.
-target_link_libraries(tetune PRIVATE CUDA::cudart_static)
-target_compile_options(tetune PRIVATE
-  $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20 -fmad=false -t=0 -Xcompiler=-Wall,-Wextra>)
-if(TETUNE_WERROR)
-  target_compile_options(tetune PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings -Xcompiler=-Werror>)
-endif()
+foreach(library ${TETUNE_LIBRARIES})
+  set_target_properties(${library} PROPERTIES CUDA_ARCHITECTURES "${CMAKE_CUDA_ARCHITECTURES}")
+  target_sources(${library} PRIVATE
+    src/boundary/boundary_cuda.cu
+    src/mesh/mesh_cuda.cu
+    src/driver/driver_cuda.cu
+    src/energy/energy_cuda.cu
+    src/operators/operators_cuda.cu
+    src/relocation/relocation_cuda.cu)
+  target_link_libraries(${library} PRIVATE CUDA::cudart_static)
+  target_compile_options(${library} PRIVATE
+    $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20 -fmad=false -t=0 -Xcompiler=-Wall,-Wextra>)
+  if(TETUNE_WERROR)
+    target_compile_options(${library} PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings -Xcompiler=-Werror>)
+  endif()
+endforeach()

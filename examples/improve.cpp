@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Improves a mesh whose vertices may slide on the surface, and tells how far it is: improve IN OUT
+// Improves a mesh whose vertices may slide on the surface, and reports progress: improve IN OUT
 #include <cstdio>
 
 #include "tetune/tetune.hpp"

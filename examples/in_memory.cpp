@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Optimises a mesh that a program has in memory: a rod of cubes, each cut into five tetrahedra, with its vertices
-// shaken.
+// Optimizes a mesh that a program has in memory: a rod of cubes, each cut into five tetrahedra, with displaced
+// vertices.
 #include <cstdio>
 
 #include "tetune/tetune.hpp"
@@ -25,7 +25,7 @@ int main() {
   for (int k = 0; k < kSide; ++k) {
     for (int j = 0; j < kSide; ++j) {
       for (int i = 0; i < kLength; ++i) {
-        const int turn = (i + j + k) % 2;  // neighbours mirror each other, so that their faces match
+        const int turn = (i + j + k) % 2;  // neighbors mirror each other, so that their faces match
         const auto v = [&](int a, int b, int c) { return id(i + (turn == 0 ? a : 1 - a), j + b, k + c); };
         std::array<std::array<int, 4>, 5> cell{{{v(0, 0, 0), v(1, 0, 0), v(0, 1, 0), v(0, 0, 1)},
                                                 {v(1, 1, 0), v(0, 1, 0), v(1, 0, 0), v(1, 1, 1)},

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,19 +12,37 @@
 #include "tetune/error.hpp"
 #include "tetune/mesh.hpp"
 
-/// What each plugin defines; program.cpp calls it. Messages do not name the file, tetune does.
+/// The functions that each plugin defines for program.cpp. Messages do not name the file; tetune adds its name.
 namespace tetune::plugin {
 
 using Warnings = std::vector<std::string>;
 
-/// All throw FileError. check(): unless the library has the format of this name.
+/// check() throws FileError unless the library has the format of this name; the others where they fail.
 void check(const std::string& file);
 TetMesh read(const std::string& file, Warnings& warnings);
 void write(const std::string& file, TetMesh mesh, Warnings& warnings);
 
+/// Entry i of a list, for the signed indices of meshes and libraries.
+template <class List, class Integer>
+decltype(auto) item(List& list, Integer i) {
+  return list[static_cast<std::size_t>(i)];
+}
+/// The length of a list as an index of a mesh, which is below 2^31.
+template <class List>
+Index index_count(const List& list) {
+  return static_cast<Index>(list.size());
+}
+/// The range of a list that holds entry i of `size` values.
+template <class List>
+auto entry_of(List& list, std::int64_t i, std::size_t size) {
+  return std::span(list).subspan(static_cast<std::size_t>(i) * size, size);
+}
+/// The number of values per entry.
+inline std::size_t components_of(const DataArray& array) { return static_cast<std::size_t>(array.components); }
+
 inline std::string ending_of(const std::string& file) { return std::filesystem::path(file).extension().string(); }
 
-/// Kinds of elements that are kept as they are, by their number of vertices.
+/// Kinds of elements that are kept unchanged.
 struct OtherKind {
   const char* name;
   int vertices;
@@ -32,11 +51,11 @@ struct OtherKind {
 inline constexpr OtherKind kOtherKinds[] = {
     {kPoints, 1, 0}, {"Quadrilaterals", 4, 2}, {"Pyramids", 5, 3}, {"Prisms", 6, 3}, {"Hexahedra", 8, 3}};
 
-/// Positive numbers that are not taken yet, from the lowest up.
+/// Positive numbers that are not in use.
 class FreeNumbers {
  public:
   explicit FreeNumbers(std::set<int> taken) : taken_(std::move(taken)) {}
-  /// Whether the number was free; now it is taken.
+  /// Takes a number into use; returns whether it was free.
   bool take(int number) { return taken_.insert(number).second; }
   int take_lowest() {
     while (!take(lowest_)) ++lowest_;

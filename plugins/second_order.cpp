@@ -5,12 +5,13 @@
 #include <cmath>
 #include <string>
 
+#include "plugin.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune::plugin {
 namespace {
 
-/// Nodes this far from the middle, as a part of the edge, are there but for rounding.
+/// The largest distance of a node from the middle of its edge, relative to the edge, that rounding explains.
 constexpr double kStraight = 1e-4;
 
 std::array<Index, 2> sorted(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
@@ -29,24 +30,23 @@ void for_each_list(TetMesh& mesh, const Function& f) {
 
 }  // namespace
 
-void leave_out(const std::vector<Middle>& middles, TetMesh& mesh) {
+void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   if (middles.empty()) return;
   mesh.second_order = true;
   std::vector<Index> old2new(mesh.points.size(), 0);
   for (const Middle& m : middles) {
-    const auto at = [&mesh](Index v) -> const Point3& { return mesh.points[static_cast<std::size_t>(v)]; };
-    const Point3& p = at(m.ends[0]);
-    const Point3& q = at(m.ends[1]);
+    const Point3& p = item(mesh.points, m.ends[0]);
+    const Point3& q = item(mesh.points, m.ends[1]);
     const Point3 middle{(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2};
-    if (!(distance(middle, at(m.node)) <= kStraight * distance(p, q))) {
+    if (!(distance(middle, item(mesh.points, m.node)) <= kStraight * distance(p, q))) {
       throw FileError("it has curved second-order elements: node " + std::to_string(m.node + 1) +
                       " is not in the middle of its edge; tetune takes straight ones (in Gmsh, set "
                       "Mesh.SecondOrderLinear=1 before making them)");
     }
-    old2new[static_cast<std::size_t>(m.node)] = -1;
+    item(old2new, m.node) = -1;
   }
   const auto drop = [&](const Index* ids, std::size_t n) {
-    if (std::any_of(ids, ids + n, [&](Index v) { return old2new[static_cast<std::size_t>(v)] < 0; })) {
+    if (std::any_of(ids, ids + n, [&](Index v) { return item(old2new, v) < 0; })) {
       throw FileError("a node is in the middle of one element's edge and a vertex of another element");
     }
   };
@@ -54,28 +54,26 @@ void leave_out(const std::vector<Middle>& middles, TetMesh& mesh) {
   std::vector<Index> new2old;
   for (std::size_t v = 0; v < old2new.size(); ++v) {
     if (old2new[v] < 0) continue;
-    old2new[v] = static_cast<Index>(new2old.size());
-    new2old.push_back(static_cast<Index>(v));
+    old2new[v] = index_count(new2old);
+    new2old.push_back(Index(v));
   }
   const auto take = [&new2old](auto& values, std::size_t each) {
     for (std::size_t v = 0; v < new2old.size(); ++v) {
-      for (std::size_t c = 0; c < each; ++c) {
-        values[v * each + c] = values[static_cast<std::size_t>(new2old[v]) * each + c];
-      }
+      std::copy_n(entry_of(values, new2old[v], each).begin(), each, &values[v * each]);
     }
     values.resize(new2old.size() * each);
   };
   take(mesh.points, 1);
   take(mesh.point_tags, 1);
   for (DataArray& array : mesh.point_data) {
-    std::visit([&](auto& values) { take(values, static_cast<std::size_t>(array.components)); }, array.values);
+    std::visit([&](auto& values) { take(values, components_of(array)); }, array.values);
   }
   for_each_list(mesh, [&](Index* ids, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) ids[i] = old2new[static_cast<std::size_t>(ids[i])];
+    for (std::size_t i = 0; i < n; ++i) ids[i] = item(old2new, ids[i]);
   });
 }
 
-Middles::Middles(TetMesh& mesh) : first_(static_cast<Index>(mesh.points.size())) {
+Middles::Middles(TetMesh& mesh) : first_(index_count(mesh.points)) {
   const auto add = [this](const Index* v, const auto& pairs) {
     for (const Pair& p : pairs) edges_.push_back(sorted(v[p[0]], v[p[1]]));
   };
@@ -85,23 +83,23 @@ Middles::Middles(TetMesh& mesh) : first_(static_cast<Index>(mesh.points.size()))
   std::sort(edges_.begin(), edges_.end());
   edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
   for (const auto& [a, b] : edges_) {
-    const Point3& p = mesh.points[static_cast<std::size_t>(a)];
-    const Point3& q = mesh.points[static_cast<std::size_t>(b)];
+    const Point3& p = item(mesh.points, a);
+    const Point3& q = item(mesh.points, b);
     const Point3 middle{(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2};
     mesh.points.push_back(middle);
   }
   mesh.point_tags.resize(mesh.points.size(), 0);
   for (DataArray& array : mesh.point_data) {
-    const auto each = static_cast<std::size_t>(array.components);
+    const std::size_t each = components_of(array);
     std::visit(
         [&](auto& values) {
           using T = typename std::remove_cvref_t<decltype(values)>::value_type;
           values.reserve(mesh.points.size() * each);
           for (const auto& [a, b] : edges_) {
             for (std::size_t c = 0; c < each; ++c) {
-              const T x = values[static_cast<std::size_t>(a) * each + c];
-              const T y = values[static_cast<std::size_t>(b) * each + c];
-              values.push_back(std::is_floating_point_v<T> ? static_cast<T>((x + y) / 2) : x);
+              const T x = entry_of(values, a, each)[c];
+              const T y = entry_of(values, b, each)[c];
+              values.push_back(std::is_floating_point_v<T> ? T((x + y) / 2) : x);
             }
           }
         },
@@ -110,7 +108,7 @@ Middles::Middles(TetMesh& mesh) : first_(static_cast<Index>(mesh.points.size()))
 }
 
 Index Middles::of(Index a, Index b) const {
-  return first_ + static_cast<Index>(std::lower_bound(edges_.begin(), edges_.end(), sorted(a, b)) - edges_.begin());
+  return first_ + Index(std::lower_bound(edges_.begin(), edges_.end(), sorted(a, b)) - edges_.begin());
 }
 
 }  // namespace tetune::plugin

@@ -8,8 +8,8 @@
 
 namespace tetune::plugin {
 
-/// The edges of a tetrahedron, triangle and edge as both VTK's second-order elements number their middles (Gmsh's
-/// tetrahedron: the last two the other way round).
+/// The edges of a tetrahedron, triangle and edge in the order in which second-order elements of VTK and Exodus number
+/// their middle nodes. Gmsh's tetrahedron has the last two exchanged.
 using Pair = std::array<int, 2>;
 inline constexpr std::array<Pair, 6> kTetEdges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
 inline constexpr std::array<Pair, 3> kTriangleEdges{{{0, 1}, {1, 2}, {2, 0}}};
@@ -21,12 +21,12 @@ struct Middle {
   std::array<Index, 2> ends;
 };
 
-/// Leaves out the nodes in the middles of edges, and their data. Throws FileError where one is not in the middle: the
-/// element is curved; or where one is a vertex of another element.
-void leave_out(const std::vector<Middle>& middles, TetMesh& mesh);
+/// Erases the nodes in the middles of edges, and their data. Throws FileError where a node is not in the middle, so
+/// that the element is curved, or where it is a vertex of another element.
+void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh);
 
-/// Puts a node into the middle of each edge of the tetrahedra, listed triangles and edges, after all others. Data there
-/// are means; integers those of the first end.
+/// Adds a node in the middle of each edge of the tetrahedra, listed triangles and edges, after all others. Its data are
+/// the means of both ends, or the integers of the first end.
 class Middles {
  public:
   explicit Middles(TetMesh& mesh);

@@ -13,7 +13,7 @@ std::atomic<std::size_t> requests_left{0};
 
 }  // namespace
 
-// Clang's sanitizers bring an operator new that cannot be replaced: under them nothing is watched.
+// The sanitizers of clang define an operator new that cannot be replaced.
 #define TETUNE_OWN_NEW 1
 #if defined(__clang__)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -23,7 +23,7 @@ std::atomic<std::size_t> requests_left{0};
 #endif
 
 #if TETUNE_OWN_NEW
-// The default array forms call these. So does the default nothrow form, but not that of GCC's address sanitizer.
+// The default array forms call these functions; so does the default nothrow form, except with GCC's address sanitizer.
 void* operator new(std::size_t bytes) {
   if (watching) {
     std::size_t seen = largest_request;

@@ -6,11 +6,12 @@
 
 namespace tetune::test {
 
-/// Watches operator new while an instance lives. The largest single request shows that a wild count is refused before
-/// memory is asked for; granting only some requests shows what happens when memory runs out. One instance at a time.
+/// Observes operator new during the lifetime of an instance. The largest single request shows that an invalid count is
+/// rejected before an allocation; a limited number of granted requests simulates that memory runs out. At most one
+/// instance at a time.
 class AllocationWatch {
  public:
-  /// False under the sanitizers of clang: nothing is watched then, and all requests are granted.
+  /// False under the sanitizers of clang: nothing is observed then, and all requests are granted.
   static bool works();
 
   /// Requests beyond the first `granted` throw std::bad_alloc.

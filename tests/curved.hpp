@@ -7,14 +7,14 @@
 #include <numbers>
 #include <vector>
 
-#include "boundary/closest_triangle.hpp"
-#include "core/types.hpp"
+#include "mesh/tet.hpp"
 #include "meshes.hpp"
+#include "quality/closest_triangle.hpp"
 
-/// Curved meshes, and plain judges of what became of their surfaces.
+/// Curved meshes, and plain oracles for their surfaces after optimization.
 namespace tetune::test {
 
-/// A lattice pressed into a ball of radius 1, vertices displaced at random.
+/// A lattice mapped to a ball of radius 1, with vertices displaced at random.
 inline TetMesh ball(int n, double jitter = 0.15, std::uint32_t seed = 1) {
   TetMesh m = cube(n, jitter, seed);
   for (Point3& p : m.points) {
@@ -28,7 +28,7 @@ inline TetMesh ball(int n, double jitter = 0.15, std::uint32_t seed = 1) {
   return scrambled(std::move(m), 2, seed);
 }
 
-/// Bends a lattice of the unit cube: waves in z, and a bulge along x.
+/// Deforms a lattice of the unit cube by waves in z and a bulge along x.
 inline TetMesh waved(TetMesh mesh, std::uint32_t seed = 1, double height = 0.08) {
   for (Point3& p : mesh.points) {
     p[2] += height * std::sin(5 * p[0] + 1) * std::cos(4 * p[1]);
@@ -83,7 +83,7 @@ inline TrianglePoints corners(const TetMesh& m, const SkinFace& f) {
   return {at(m, f.v[0]), at(m, f.v[1]), at(m, f.v[2])};
 }
 
-/// The feature edges of a surface and what they make of its vertices, found the plain way.
+/// Oracle: the feature edges of a surface and the classification of its vertices.
 struct PlainFeatures {
   std::vector<std::array<Index, 2>> edges;
   std::map<Index, int> degree;  ///< of each vertex of the surface: number of feature edges
@@ -94,16 +94,16 @@ struct PlainFeatures {
 
 inline PlainFeatures plain_features(const TetMesh& m, const std::vector<SkinFace>& faces, double angle) {
   PlainFeatures result;
-  std::map<std::array<Index, 2>, std::vector<const SkinFace*>> around;
+  std::map<std::array<Index, 2>, std::vector<const SkinFace*>> edge2faces;
   for (const SkinFace& f : faces) {
     for (std::size_t k = 0; k < 3; ++k) {
       std::array<Index, 2> e{f.v[k], f.v[(k + 1) % 3]};
       std::sort(e.begin(), e.end());
-      around[e].push_back(&f);
+      edge2faces[e].push_back(&f);
       result.degree[f.v[k]];
     }
   }
-  const auto off_edge = [&m](const std::array<Index, 2>& e, const SkinFace& f) {
+  const auto from_edge = [&m](const std::array<Index, 2>& e, const SkinFace& f) {
     Vec3 apex{};
     for (const Index v : f.v) {
       if (v != e[0] && v != e[1]) apex = at(m, v);
@@ -114,10 +114,10 @@ inline PlainFeatures plain_features(const TetMesh& m, const std::vector<SkinFace
     return (1 / norm(off)) * off;
   };
   std::map<Index, std::vector<Vec3>> leaving;
-  for (const auto& [e, sides] : around) {
+  for (const auto& [e, sides] : edge2faces) {
     bool feature = sides.size() != 2 || sides[0]->tag != sides[1]->tag;
     if (!feature) {
-      const double cosine = -dot(off_edge(e, *sides[0]), off_edge(e, *sides[1]));
+      const double cosine = -dot(from_edge(e, *sides[0]), from_edge(e, *sides[1]));
       feature = angle < 180 && cosine < std::cos(angle * std::numbers::pi / 180);
     }
     if (!feature) continue;
@@ -136,17 +136,17 @@ inline PlainFeatures plain_features(const TetMesh& m, const std::vector<SkinFace
 
 /// The largest distance of points of one set of triangles from another, by dense sampling.
 inline double sampled_distance(const std::vector<TrianglePoints>& from, const ClosestTriangle& to, int samples) {
-  double most = 0;
+  double max2 = 0;
   for (const TrianglePoints& t : from) {
     for (int a = 0; a <= samples; ++a) {
       for (int b = 0; a + b <= samples; ++b) {
         const double s = static_cast<double>(a) / samples;
         const double r = static_cast<double>(b) / samples;
-        most = std::max(most, to.distance2(t[0] + s * (t[1] - t[0]) + r * (t[2] - t[0])));
+        max2 = std::max(max2, to.distance2(t[0] + s * (t[1] - t[0]) + r * (t[2] - t[0])));
       }
     }
   }
-  return std::sqrt(most);
+  return std::sqrt(max2);
 }
 
 inline std::vector<TrianglePoints> corners(const TetMesh& m, const std::vector<SkinFace>& faces) {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
-#include "core/orient.hpp"
-#include "flips/flip_pass.hpp"
+#include "math/orient.hpp"
+#include "operators/flip_pass.hpp"
 #include "tetune/validate.hpp"
 #include "work.hpp"
 
@@ -17,8 +17,9 @@ namespace tetune::test {
 struct FlipFixture {
   TetMesh original;
   CpuMesh work;
-  FlipState<par::Cpu> state;
-  par::Cpu cpu{1};
+  Criterion criterion;
+  FlipState<backend::Cpu> state;
+  backend::Cpu cpu{1};
   double energy = 0;
   std::vector<std::uint8_t> flipped;  ///< vertices whose ring has changed
   explicit FlipFixture(const TetMesh& mesh, const std::vector<std::array<Index, 2>>& constrained = {})
@@ -32,17 +33,17 @@ struct FlipFixture {
       for (const Index v : e) on_vertex[static_cast<std::size_t>(v)] = 1;
     }
     std::sort(keys.begin(), keys.end());
-    state.constrained_keys.upload(keys);
-    state.constrained_vertex.upload(on_vertex);
+    state.constrained_keys.upload(cpu, keys);
+    state.constrained_vertex.upload(cpu, on_vertex);
     flipped.assign(mesh.points.size(), 0);
-    energy = refresh_energy(cpu, work, state);
-    activate_all(cpu, work, state);
+    energy = refresh_energy(cpu, work, criterion, state.energies);
+    activate_all(cpu, work, criterion, state);
   }
-  FlipReport pass() { return flip_pass(cpu, work, state, flags()); }
+  PassResult pass() { return flip_pass(cpu, work, criterion, state, flags()); }
   Span<std::uint8_t> flags() { return {flipped.data(), static_cast<Size>(flipped.size())}; }
-  /// After passes near flips: has all look that may own a candidate which they changed. False: there was no flip since
-  /// the last time.
-  bool look_around() {
+  /// After passes near flips: activates all tetrahedra that may own a candidate changed by them. Returns false if there
+  /// was no flip since the last call.
+  bool activate_around_flips() {
     if (std::count(flipped.begin(), flipped.end(), 1) == 0) return false;
     activate_around(cpu, work, state, Span<const std::uint8_t>(flags()));
     std::fill(flipped.begin(), flipped.end(), std::uint8_t{0});
@@ -52,13 +53,13 @@ struct FlipFixture {
   Size flip_to_the_last() {
     Size all = 0;
     do {
-      for (Size found = 1; found > 0; all += found) found = pass().flips();
-    } while (look_around());
+      for (Size found = 1; found > 0; all += found) found = pass().counts.flips();
+    } while (activate_around_flips());
     return all;
   }
   TetMesh result() { return from_work(work, original); }
   void expect_consistent() {
-    EXPECT_EQ(check_links(work), "");
+    EXPECT_EQ(check_adjacency(work), "");
     for (const Index t : state.active.download()) EXPECT_TRUE(work.view().alive(t));
     const TetMesh mesh = result();
     const ValidationReport report = validate(mesh);

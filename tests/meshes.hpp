@@ -10,7 +10,7 @@
 #include "reference/generate.hpp"
 #include "tetune/mesh.hpp"
 
-/// Meshes for tests: tiny exact ones, and a generator of any size.
+/// Meshes for tests: small ones with exact coordinates, and generated ones of any size.
 namespace tetune::test {
 
 inline TetMesh with_tags(TetMesh mesh) {
@@ -28,7 +28,7 @@ inline TetMesh one_tet() {
   return with_tags(m);
 }
 
-/// Vertices 0 and 1 above and below the triangle 2, 3, 4: as two tetrahedra that share the triangle.
+/// Two tetrahedra with apexes 0 and 1 above and below their common triangle 2, 3, 4.
 inline TetMesh two_tets(double apex_height) {
   TetMesh m;
   const double s = std::sqrt(3.0) / 2;
@@ -49,7 +49,7 @@ using reference::scrambled;
 /// An n x n x n cube of unit edge: see reference::lattice().
 inline TetMesh cube(int n, double jitter = 0, std::uint32_t seed = 1) { return reference::lattice(n, jitter, seed); }
 
-/// Moves every vertex by the affine map x += shear * y: all volumes stay as they are.
+/// Applies the affine map x += shear * y, which preserves all volumes.
 inline TetMesh sheared(TetMesh mesh, double shear) {
   for (Point3& p : mesh.points) p[0] += shear * p[1];
   return mesh;
@@ -62,20 +62,20 @@ inline TetMesh two_materials(int n, double jitter = 0) {
   for (int c = 0; c < cells; ++c) {
     for (int p = 0; p < 6; ++p) m.tet_tags[static_cast<std::size_t>(6 * c + p)] = c % n < n / 2 ? 1 : 2;
   }
-  // The interface stays plane.
+  // The interface remains planar.
   for (auto& p : m.points) {
     if (std::fabs(p[0] - 0.5) < 0.5 / n) p[0] = 0.5;
   }
   return m;
 }
 
-/// Off the boundary of the unit cube, and off its middle plane.
+/// Whether a point is neither on the boundary of the unit cube nor on its middle plane.
 inline bool is_inner(const Point3& p) {
   return std::all_of(p.begin(), p.end(), [](double x) { return x > 1e-9 && x < 1 - 1e-9; }) &&
          std::fabs(p[0] - 0.5) > 1e-9;
 }
 
-/// two_materials() whose inner vertices have gone astray by up to `noise` of an edge.
+/// two_materials() with inner vertices displaced by up to `noise` edges.
 inline TetMesh tangled(int n, double noise, std::uint32_t seed) {
   TetMesh m = two_materials(n);
   std::mt19937 random(seed);

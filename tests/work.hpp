@@ -7,23 +7,23 @@
 #include <string>
 #include <vector>
 
-#include "core/connect.hpp"
-#include "core/upload.hpp"
-#include "par/cpu.hpp"
+#include "backend/cpu.hpp"
+#include "mesh/connect.hpp"
+#include "mesh/upload.hpp"
 #include "tetune/mesh.hpp"
 
-/// A mesh in the optimiser's inner form, in the caller's order.
+/// The working mesh of the optimizer, in the caller's order.
 namespace tetune::test {
 
-using CpuMesh = WorkMesh<par::Cpu>;
+using CpuMesh = WorkMesh<backend::Cpu>;
 
-inline CpuMesh to_work(const TetMesh& mesh) { return upload_mesh<par::Cpu>(mesh); }
+inline CpuMesh to_work(const TetMesh& mesh) { return upload_mesh(backend::Cpu(1), mesh); }
 
-inline void lock_interfaces(const par::Cpu& cpu, CpuMesh& work, const TetMesh& original) {
-  tetune::lock_interfaces(cpu, work, par::Cpu::Loan<int>(original.tet_tags).span());
+inline void lock_interfaces(const backend::Cpu& cpu, CpuMesh& work, const TetMesh& original) {
+  tetune::lock_interfaces(cpu, work, backend::Cpu::DeviceView<int>(cpu, original.tet_tags).span());
 }
 
-/// `original` is the mesh that it was made from.
+/// The inverse of to_work(); `original` is the mesh that `work` was made from.
 inline TetMesh from_work(CpuMesh& work, const TetMesh& original) {
   TetMesh mesh;
   const MeshView view = work.view();
@@ -39,28 +39,30 @@ inline TetMesh from_work(CpuMesh& work, const TetMesh& original) {
   return mesh;
 }
 
-/// Plain oracle of adjacency: every face by its sorted vertices. Returns the first difference in words, or nothing.
-inline std::string check_links(CpuMesh& work) {
-  std::map<std::array<Index, 3>, std::vector<Link>> sides;
+/// Compares adjacency with a plain oracle, a map from sorted vertices to half-faces. Returns a description of the first
+/// difference, or an empty string.
+inline std::string check_adjacency(CpuMesh& work) {
+  std::map<std::array<Index, 3>, std::vector<HalfFace>> faces;
   const MeshView view = work.view();
-  for (Size t = 0; t < work.slots(); ++t) {
+  for (Index t = 0; t < work.slots(); ++t) {
     if (!view.alive(t)) continue;
     for (int f = 0; f < 4; ++f) {
       std::array<Index, 3> key{};
-      for (int k = 0; k < 3; ++k) key[static_cast<std::size_t>(k)] = view.tet2vertex[t][face_vertex(f, k)];
+      for (std::size_t k = 0; k < 3; ++k) key[k] = view.tet2vertex[t][face_vertex(f, static_cast<int>(k))];
       std::sort(key.begin(), key.end());
-      sides[key].push_back(make_link(static_cast<Index>(t), f));
+      faces[key].push_back(make_half_face(t, f));
     }
   }
-  for (const auto& [key, links] : sides) {
-    if (links.size() > 2) return "a face on three tetrahedra";
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      const Link across = view.tet2tet[link_tet(links[i])][link_face(links[i])];
-      const Link expected = links.size() == 1 ? kNoLink : links[1 - i];
-      const Link found = across == kNoLink ? across : across & ~kLocked;
-      if (found != expected)
-        return "tetrahedron " + std::to_string(link_tet(links[i])) + " links wrongly at face " +
-               std::to_string(link_face(links[i]));
+  for (const auto& [key, half_faces] : faces) {
+    if (half_faces.size() > 2) return "a face on three tetrahedra";
+    for (std::size_t i = 0; i < half_faces.size(); ++i) {
+      const Index tet = tet_of(half_faces[i]);
+      const int face = face_of(half_faces[i]);
+      const HalfFace across = view.tet2tet[tet][face];
+      const HalfFace expected = half_faces.size() == 1 ? kNoHalfFace : half_faces[1 - i];
+      if ((across == kNoHalfFace ? across : across & ~kLocked) != expected) {
+        return "tetrahedron " + std::to_string(tet) + " has a wrong neighbor at face " + std::to_string(face);
+      }
     }
   }
   return "";

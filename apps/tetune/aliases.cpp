@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <numeric>
 #include <utility>
@@ -14,10 +15,11 @@
 namespace tetune::cli {
 namespace {
 
+/// An option of Mmg.
 struct Alias {
   const char* name;
-  const char* value;  ///< what follows it, for the manual
-  std::vector<std::string> ours;
+  const char* value;               ///< placeholder, for the manual; empty: it has none
+  std::vector<std::string> words;  ///< of tetune
 };
 
 const std::vector<Alias>& aliases() {
@@ -39,134 +41,143 @@ const std::vector<Alias>& aliases() {
   return list;
 }
 
-/// Mmg's that say how it works inside, or what it does beside optimising: nothing here corresponds.
-constexpr const char* kForeign[] = {"-octree", "-lag", "-nreg", "-xreg", "-rmc", "-nsd", "-3dMedit"};
+/// Options of Mmg about its algorithms or tasks other than optimization.
+constexpr std::array kForeign{"-octree", "-lag", "-nreg", "-xreg", "-rmc", "-nsd", "-3dMedit"};
 
-/// Mmg's that change sizes or shape.
-constexpr const char* kSizes[] = {"-hmax", "-hmin",     "-hsiz", "-hgrad", "-hgradreq", "-sol",
-                                  "-met",  "-optimLES", "-A",    "-ls",    "-lssurf",   "-nosizreq"};
+/// Options of Mmg that change sizes or shape.
+constexpr std::array kSizes{"-hmax", "-hmin",     "-hsiz", "-hgrad", "-hgradreq", "-sol",
+                            "-met",  "-optimLES", "-A",    "-ls",    "-lssurf",   "-nosizreq"};
 
 bool is_integer(const std::string& word) {
-  const std::size_t sign = !word.empty() && word[0] == '-' ? 1 : 0;
-  return word.size() > sign && std::all_of(word.begin() + static_cast<std::ptrdiff_t>(sign), word.end(),
-                                           [](unsigned char c) { return std::isdigit(c) != 0; });
+  const std::string_view digits = std::string_view(word).substr(word.starts_with('-') ? 1 : 0);
+  return !digits.empty() && digits.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// "-effort=best" as "--effort=best", where there is such an option.
+/// Adds the second dash to "-effort=best", if the command has such an option.
 std::string with_two_dashes(const CLI::App& command, const std::string& word) {
   if (word.size() < 3 || word[0] != '-' || std::isalpha(static_cast<unsigned char>(word[1])) == 0) return word;
   const std::string longer = "-" + word;
   return command.get_option_no_throw(longer.substr(0, longer.find('='))) != nullptr ? longer : word;
 }
 
-/// The number of characters to change, add or leave out.
+/// The Levenshtein distance: the number of characters to change, add or remove.
 std::size_t distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
     std::size_t diagonal = std::exchange(row[0], i);
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t other = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, other}));
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, substituted}));
     }
   }
   return row.back();
 }
 
-/// Refuses an option that is none, and says which one may be meant.
+/// Refuses an unknown long option, with the most similar name. (CLI11 2.1 has no suggestions.)
 void check_name(const CLI::App& command, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
-  const std::size_t typos = std::min<std::size_t>(3, name.size() / 3);
   if (!word.starts_with("--") || word == "--" || command.get_option_no_throw(name) != nullptr) return;
   std::string nearest;
-  std::size_t least = typos + 1;
+  std::size_t min_distance = std::min<std::size_t>(3, name.size() / 3) + 1;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& known : names_of(*option)) {
       const std::size_t d = distance(name, known);
-      if (d >= least || !known.starts_with("--")) continue;
-      least = d;
+      if (d >= min_distance || !known.starts_with("--")) continue;
+      min_distance = d;
       nearest = known;
     }
   }
-  throw OptionError(fmt::format("{}: there is no such option{}; see tetune{}{} --help", name,
+  const bool is_program = command.get_name() == "tetune";
+  throw OptionError(fmt::format("{}: there is no such option{}; see tetune{} --help", name,
                                 nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest),
-                                command.get_name() == "tetune" ? "" : " ",
-                                command.get_name() == "tetune" ? "" : command.get_name()));
+                                is_program ? "" : " " + command.get_name()));
+}
+
+/// The command that the first word names; null if that is an option of the program itself. Throws OptionError.
+const CLI::App* find_command(const CLI::App& app, const std::vector<std::string>& words) {
+  const std::vector<const CLI::App*> commands = commands_of(app);
+  std::string known;
+  for (const CLI::App* c : commands) {
+    if (!words.empty() && words[0] == c->get_name()) return c;
+    known += (known.empty() ? "" : ", ") + c->get_name();
+  }
+  if (!words.empty() && words[0].starts_with("-")) {
+    check_name(app, words[0]);
+    return nullptr;
+  }
+  throw OptionError(fmt::format("{}; the commands are {}. To improve a mesh: tetune optimize IN OUT",
+                                words.empty() ? "no command" : "'" + words[0] + "' is not a command", known));
+}
+
+/// Throws OptionError for options of Mmg that tetune does not have.
+void refuse_foreign(const std::string& word) {
+  const auto is_one_of = [&word](const auto& names) {
+    return std::any_of(names.begin(), names.end(),
+                       [&](const char* name) { return word == name || word == std::string("-") + name; });
+  };
+  if (is_one_of(kForeign)) {
+    throw OptionError(word + ": nothing in tetune corresponds to this option of Mmg; remove it");
+  }
+  if (is_one_of(kSizes)) {
+    throw OptionError(word +
+                      ": tetune keeps the sizes of the elements of the input, and has no control of sizes, metrics or "
+                      "level sets; remove the option, or let Mmg change the sizes first");
+  }
 }
 
 }  // namespace
 
-std::vector<std::string> without_aliases(const CLI::App& app, int argc, const char* const* argv) {
-  std::vector<std::string> words(argv + 1, argv + argc);
-  const std::vector<const CLI::App*> commands = commands_of(app);
-  const auto at = std::find_if(commands.begin(), commands.end(),
-                               [&](const CLI::App* c) { return !words.empty() && words[0] == c->get_name(); });
-  if (at == commands.end()) {
-    if (!words.empty() && words[0].starts_with("-")) {
-      check_name(app, words[0]);
-      return words;
-    }
-    std::string known;
-    for (const CLI::App* c : commands) known += (known.empty() ? "" : ", ") + c->get_name();
-    throw OptionError(fmt::format("{}; there are {}: to improve a mesh, tetune optimize IN OUT",
-                                  words.empty() ? "no command" : "'" + words[0] + "' is not a command", known));
-  }
-  const CLI::App* command = *at;
-  std::vector<std::string> ours{words[0]};
+std::vector<std::string> expand_aliases(const CLI::App& app, int argc, const char* const* argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const CLI::App* command = find_command(app, words);
+  if (command == nullptr) return words;
+  std::vector<std::string> expanded{words[0]};
   bool is_value = false;  // of the option before it
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& word = words[i];
     if (std::exchange(is_value, false)) {
-      ours.push_back(word);
+      expanded.push_back(word);
       continue;
     }
     if (word == "--") {  // no options after it
-      ours.insert(ours.end(), words.begin() + static_cast<std::ptrdiff_t>(i), words.end());
+      while (i < words.size()) expanded.push_back(words[i++]);
       break;
     }
     if (words[0] == "optimize") {
-      const auto known =
+      const auto alias =
           std::find_if(aliases().begin(), aliases().end(), [&](const Alias& a) { return word == a.name; });
-      if (known != aliases().end()) {
-        ours.insert(ours.end(), known->ours.begin(), known->ours.end());
-        is_value = *known->value != '\0';
+      if (alias != aliases().end()) {
+        expanded.insert(expanded.end(), alias->words.begin(), alias->words.end());
+        is_value = *alias->value != '\0';
         continue;
       }
-      const auto is_one_of = [&word](const auto& names) {
-        return std::any_of(std::begin(names), std::end(names),
-                           [&](const char* name) { return word == name || word == std::string("-") + name; });
-      };
-      if (is_one_of(kForeign))
-        throw OptionError(word + ": nothing in tetune corresponds to this option of Mmg; drop it");
-      if (is_one_of(kSizes)) {
-        throw OptionError(word +
-                          ": tetune keeps the sizes of the elements that it is given, and has no control of sizes, "
-                          "metrics or level sets; drop the option, or have Mmg make the sizes first");
-      }
+      refuse_foreign(word);
     }
-    ours.push_back(with_two_dashes(*command, word));
-    // Those of the Python package are not known here.
-    if (!command->get_prefix_command()) check_name(*command, ours.back());
-    if (ours.back().size() > 2 && ours.back().starts_with("-h")) {
+    expanded.push_back(with_two_dashes(*command, word));
+    const std::string& last = expanded.back();
+    // Options of the Python package are not known here.
+    if (!command->get_prefix_command()) check_name(*command, last);
+    if (last.size() > 2 && last.starts_with("-h")) {  // CLI11 would print the help
       throw OptionError(word + ": there is no such option; see tetune " + words[0] + " --help");
     }
-    const CLI::Option* option = word[0] == '-' ? command->get_option_no_throw(ours.back()) : nullptr;
+    const CLI::Option* option = word[0] == '-' ? command->get_option_no_throw(last) : nullptr;
     is_value = option != nullptr && takes_value(*option);
-    // Mmg's -v alone.
+    // Mmg's -v without a value.
     if (word == "-v" && (i + 1 == words.size() || !is_integer(words[i + 1]))) {
-      ours.emplace_back("5");
+      expanded.emplace_back("5");
       is_value = false;
     }
   }
-  return ours;
+  return expanded;
 }
 
 std::vector<std::pair<std::string, std::string>> alias_table() {
   std::vector<std::pair<std::string, std::string>> table;
   for (const Alias& a : aliases()) {
     std::string text;
-    for (const std::string& word : a.ours) text += (text.empty() ? "" : " ") + word;
-    table.emplace_back(std::string(a.name) + a.value, (text.empty() ? "nothing: so it is anyway" : text + a.value));
+    for (const std::string& word : a.words) text += (text.empty() ? "" : " ") + word;
+    table.emplace_back(std::string(a.name) + a.value, (text.empty() ? "no option: it is the default" : text + a.value));
   }
   return table;
 }

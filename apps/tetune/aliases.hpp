@@ -3,16 +3,17 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tetune::cli {
 
-/// The words of a command line as CLI11 understands them: after `optimize`, the names that Mmg's users know become
-/// ours; and every long name may have one dash. Throws OptionError for what Mmg has and tetune has not, and where the
+/// The words of a command line for CLI11: options of Mmg after `optimize` are replaced by those of tetune, and a long
+/// name with one dash gets the second. Throws OptionError for options that do not exist, with a suggestion, and if the
 /// first word is no command.
-std::vector<std::string> without_aliases(const CLI::App& app, int argc, const char* const* argv);
+std::vector<std::string> expand_aliases(const CLI::App& app, int argc, const char* const* argv);
 
-/// What aliases stand for, for help and manual: pairs as "-ar A", "--feature-angle A".
+/// Mmg's options and their replacements, for the manual: "-ar A", "--feature-angle A".
 std::vector<std::pair<std::string, std::string>> alias_table();
 
 }  // namespace tetune::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Completion for shells, from the definitions of the options.
+// Completion scripts for shells, generated from the definitions of the options.
 #include <fmt/format.h>
 
 #include <memory>
@@ -17,10 +17,10 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-/// Within single quotes of a shell.
+/// The text as a single-quoted word of a shell.
 std::string in_quotes(const std::string& text) { return "'" + replaced(text, "'", R"('\'')") + "'"; }
 
-/// Up to where the first clause ends.
+/// The first clause of a help text.
 std::string short_text(const std::string& text) { return text.substr(0, text.find_first_of(".;:")); }
 
 std::string names_of(const CLI::App& app) {

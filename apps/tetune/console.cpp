@@ -8,7 +8,7 @@ namespace tetune::cli {
 
 using Json = nlohmann::ordered_json;
 
-void say(std::FILE* stream, std::string_view text) {
+void print_to(std::FILE* stream, std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stream);
   std::fflush(stream);
 }
@@ -21,7 +21,7 @@ Console::Console(ProgressMode mode, int verbosity, std::FILE* tables)
 
 void Console::print(const std::string& text) {
   clear();
-  if (verbosity_ > 0 && tables_ != nullptr) say(tables_, text);
+  if (verbosity_ > 0 && tables_ != nullptr) print_to(tables_, text);
 }
 
 void Console::warn(const std::string& text) {
@@ -35,18 +35,18 @@ void Console::message(const char* kind, const std::string& text) {
   if (json_) {
     event({{"event", kind}, {"text", text}});
   } else {
-    say(stderr, fmt::format("tetune: {}{}\n", std::string_view(kind) == "warning" ? "warning: " : "", text));
+    print_to(stderr, fmt::format("tetune: {}{}\n", std::string_view(kind) == "warning" ? "warning: " : "", text));
   }
 }
 
 void Console::event(const Json& event) {
-  // File names may hold any bytes.
-  if (json_) say(stderr, event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  // Names of files need not be UTF-8.
+  if (json_) print_to(stderr, event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-void Console::phase(const char* what) {
-  event({{"event", "phase"}, {"phase", what}});
-  if (line_) say(stderr, fmt::format("\r\033[K{} ...", what));
+void Console::phase(const char* name) {
+  event({{"event", "phase"}, {"phase", name}});
+  if (line_) print_to(stderr, fmt::format("\r\033[K{} ...", name));
 }
 
 void Console::update(const Progress& p) {
@@ -66,14 +66,15 @@ void Console::update(const Progress& p) {
   const auto now = std::chrono::steady_clock::now();
   if (!line_ || now - last_ < std::chrono::milliseconds(50)) return;
   last_ = now;
-  const double fall = p.energy_before > 0 ? 100 * (1 - p.energy / p.energy_before) : 0;
-  say(stderr, fmt::format("\r\033[K{:>3.0f} %  {:<6} after {:>2} sweeps  energy -{:.2f} %  worst angle {:.2f} deg{}",
-                          100 * p.fraction, p.phase, p.iteration, fall, p.worst_angle,
-                          p.seconds_left < 0 ? "" : fmt::format("  {:.0f} s left", p.seconds_left)));
+  const double decrease = p.energy_before > 0 ? 100 * (1 - p.energy / p.energy_before) : 0;
+  print_to(stderr,
+           fmt::format("\r\033[K{:>3.0f} %  {:<6} after {:>2} sweeps  energy -{:.2f} %  worst angle {:.2f} deg{}",
+                       100 * p.fraction, p.phase, p.iteration, decrease, p.worst_angle,
+                       p.seconds_left < 0 ? "" : fmt::format("  {:.0f} s left", p.seconds_left)));
 }
 
 void Console::clear() {
-  if (line_) say(stderr, "\r\033[K");
+  if (line_) print_to(stderr, "\r\033[K");
 }
 
 }  // namespace tetune::cli

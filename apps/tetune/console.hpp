@@ -7,20 +7,19 @@
 #include <string>
 #include <string_view>
 
+#include "optimize_arguments.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune::cli {
 
-enum class ProgressMode { automatic, none, json };
+/// Writes text to a standard stream. A failure, as on a full disk, does not end a run: main() reports it.
+void print_to(std::FILE* stream, std::string_view text);
 
-/// Writes text to a standard stream. One that takes none, as on a full disk, is no reason to end a run: main() tells.
-void say(std::FILE* stream, std::string_view text);
-
-/// What the user sees: tables, warnings and errors, and how far the work is: a line on a terminal, or one JSON object a
-/// line on the standard error (docs/command-line.md, "Progress").
+/// Output to the user: tables, warnings, errors and progress; the latter as an updated line on a terminal, or as one
+/// JSON object per line on the standard error (docs/command-line.md, "Progress").
 class Console {
  public:
-  /// `tables` is null where the standard output belongs to the mesh and the standard error to JSON.
+  /// `tables` is null if the standard output is used for the mesh and the standard error for JSON.
   Console(ProgressMode mode, int verbosity, std::FILE* tables);
   ~Console() { clear(); }
   Console(const Console&) = delete;
@@ -28,19 +27,18 @@ class Console {
 
   int verbosity() const { return verbosity_; }
   bool json() const { return json_; }
-  /// Whether anyone looks at the progress.
-  bool watched() const { return json_ || line_; }
+  bool shows_progress() const { return json_ || line_; }
 
   void print(const std::string& text);
   void warn(const std::string& text);
   void error(const std::string& text);
-  /// An event, in JSON mode alone.
+  /// Prints an event, in JSON mode only.
   void event(const nlohmann::ordered_json& event);
 
-  /// "reading", "optimising", "writing".
-  void phase(const char* what);
+  /// Prints the name of a phase of the program: "reading", "optimizing", "writing".
+  void phase(const char* name);
   void update(const Progress& progress);
-  /// Takes the line away.
+  /// Erases the line.
   void clear();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// info and compare: look, and change no mesh.
+// The commands info and compare.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "definitions.hpp"
+#include "exit_code.hpp"
 #include "mesh_files.hpp"
 #include "option_values.hpp"
 #include "report_files.hpp"
@@ -20,7 +21,7 @@ namespace tetune::cli {
 namespace {
 
 struct Arguments {
-  std::array<std::string, 2> files;  ///< the second of compare alone
+  std::array<std::string, 2> files;  ///< `info` has only the first
   std::string cell_data;
   std::string tags;
   std::vector<std::string> min_quality;
@@ -30,18 +31,23 @@ struct Arguments {
   int worst = 10;
 };
 
-/// --tags names data of the first file; the second, where it lacks them, has them as its tags.
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& w : warnings) print_to(stderr, fmt::format("tetune: warning: {}\n", w));
+}
+
+/// --tags names cell data of the first file. If the second file lacks them, they are its tags already.
 TetMesh read(const Arguments& a, std::size_t file) {
   const std::string& path = a.files[file];
   Input input = read_input(path, a.threads);
   const auto& data = input.mesh.tet_data;
   const bool lacks = std::none_of(data.begin(), data.end(), [&](const DataArray& d) { return d.name == a.tags; });
   choose_tags(input, path, file > 0 && lacks ? "" : a.tags);
-  for (const std::string& w : input.warnings) say(stderr, fmt::format("tetune: warning: {}\n", w));
+  print_warnings(input.warnings);
   return std::move(input.mesh);
 }
 
-/// What is measured of one file. Quality is that of the elements as they are, and is left out where indices are wild.
+/// The measurements of one file. The quality is that of the elements as listed; it is not available if indices are out
+/// of range.
 struct Inspection {
   TetMesh mesh;
   ValidationReport validity;
@@ -61,7 +67,7 @@ Inspection inspect(const Arguments& a, std::size_t file) {
   return i;
 }
 
-/// How the worst element stands to a bound.
+/// The worst element compared to a bound.
 struct Verdict {
   Target bound;
   double worst;
@@ -80,8 +86,58 @@ std::vector<Verdict> judge(const Quality& q, const std::vector<Target>& bounds) 
 
 std::string to_text(const Verdict& v) {
   const bool up = larger_is_better(v.bound.measure);
-  return fmt::format("{} {:.6g}, {} {} {:.6g}", to_string(v.bound.measure), v.worst, v.met ? "as asked" : "NOT",
+  return fmt::format("{} {:.6g}, {}: {} {:.6g}", to_string(v.bound.measure), v.worst, v.met ? "met" : "NOT met",
                      up ? ">=" : "<=", v.bound.value);
+}
+
+void print_json(const Arguments& a, const Inspection& i, const std::vector<Verdict>& verdicts) {
+  nlohmann::ordered_json json = {
+      {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
+  const Box box = bounding_box(i.mesh);
+  json["box"] = {{"low", box.low}, {"high", box.high}, {"diagonal", box.diagonal()}};
+  if (i.measured) json["quality"] = to_json(i.quality);
+  for (const Verdict& v : verdicts) {
+    json["bounds"].push_back(
+        {{"measure", to_string(v.bound.measure)}, {"value", v.bound.value}, {"worst", v.worst}, {"met", v.met}});
+  }
+  fmt::print("{}", json_text(json));
+}
+
+/// One line, for --check.
+void print_verdict(const std::string& name, const Inspection& i, const std::vector<Verdict>& verdicts) {
+  std::string text = !i.validity.ok()       ? validity_message(i.validity)
+                     : !i.mesh.tets.empty() ? "valid"
+                                            : "there is no tetrahedron";
+  for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) {
+    text.replace(at, 3, text[at - 1] == ':' ? " " : "; ");
+  }
+  for (const Verdict& v : verdicts) text += "; " + to_text(v);
+  fmt::print("{}: {}\n", name, text);
+}
+
+void print_tables(const std::string& name, const Inspection& i, const std::vector<Verdict>& verdicts) {
+  const bool has_tets = !i.mesh.tets.empty();
+  const Box box = bounding_box(i.mesh);
+  fmt::print("{}\n{}", name, mesh_summary(i.mesh));
+  fmt::print("  box                     {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}, diagonal {:.6g}\n", box.low[0],
+             box.low[1], box.low[2], box.high[0], box.high[1], box.high[2], box.diagonal());
+  if (i.measured && has_tets) fmt::print("  volume                  {:.6g}\n", i.quality.volume);
+  if (i.validity.ok() && !has_tets) {
+    fmt::print("  there is no tetrahedron\n");
+  } else if (i.validity.ok()) {
+    fmt::print("  valid: every volume positive, every face on one or two tetrahedra, boundary closed\n");
+  } else {
+    fmt::print("  {}\n", validity_message(i.validity));
+  }
+  if (i.measured && has_tets) {
+    const auto& findings = i.validity.findings;
+    const bool inverted = std::any_of(findings.begin(), findings.end(),
+                                      [](const Finding& f) { return f.defect == Defect::inverted_tet; });
+    if (inverted) fmt::print("  inverted tetrahedra are measured by their absolute volume\n");
+    fmt::print("{}{}", quality_table({""}, {i.quality}), measure_table("measures", i.quality));
+    fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
+  }
+  for (const Verdict& v : verdicts) fmt::print("  {}\n", to_text(v));
 }
 
 int info(const Arguments& a) {
@@ -91,56 +147,20 @@ int info(const Arguments& a) {
   const Inspection i = inspect(a, 0);
   const std::vector<Verdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<Verdict>{};
   const bool met = i.measured && std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.met; });
-  const bool some = !i.mesh.tets.empty();
-  const int code = some && i.validity.ok() && (met || bounds.empty()) ? kDone : kStoppedEarly;
   if (!a.cell_data.empty()) {
     if (!i.measured) throw MeshError(name + ": " + validity_message(i.validity));
     std::vector<std::string> warnings;
     write_measures(a.cell_data, i.mesh, a.threads, &warnings);
-    for (const std::string& w : warnings) say(stderr, fmt::format("tetune: warning: {}\n", w));
+    print_warnings(warnings);
   }
   if (a.json) {
-    nlohmann::ordered_json json = {
-        {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
-    const Box box = bounding_box(i.mesh);
-    json["box"] = {{"low", box.low}, {"high", box.high}, {"diagonal", box.diagonal()}};
-    if (i.measured) json["quality"] = to_json(i.quality);
-    for (const Verdict& v : verdicts) {
-      json["bounds"].push_back(
-          {{"measure", to_string(v.bound.measure)}, {"value", v.bound.value}, {"worst", v.worst}, {"met", v.met}});
-    }
-    fmt::print("{}", json_text(json));
+    print_json(a, i, verdicts);
   } else if (a.check) {
-    std::string text = !i.validity.ok() ? validity_message(i.validity) : some ? "valid" : "there is no tetrahedron";
-    for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) {
-      text.replace(at, 3, text[at - 1] == ':' ? " " : "; ");
-    }
-    for (const Verdict& v : verdicts) text += "; " + to_text(v);
-    fmt::print("{}: {}\n", name, text);
+    print_verdict(name, i, verdicts);
   } else {
-    const Box box = bounding_box(i.mesh);
-    fmt::print("{}\n{}", name, mesh_summary(i.mesh));
-    fmt::print("  box                     {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}, diagonal {:.6g}\n", box.low[0],
-               box.low[1], box.low[2], box.high[0], box.high[1], box.high[2], box.diagonal());
-    if (i.measured && some) fmt::print("  volume                  {:.6g}\n", i.quality.volume);
-    if (i.validity.ok() && !some) {
-      fmt::print("  there is no tetrahedron\n");
-    } else if (i.validity.ok()) {
-      fmt::print("  valid: every volume positive, every face on one or two tetrahedra, boundary closed\n");
-    } else {
-      fmt::print("  {}\n", validity_message(i.validity));
-    }
-    if (i.measured && some) {
-      const auto& findings = i.validity.findings;
-      const bool inverted = std::any_of(findings.begin(), findings.end(),
-                                        [](const Finding& f) { return f.defect == Defect::inverted_tet; });
-      if (inverted) fmt::print("  inverted tetrahedra are measured as if they were not\n");
-      fmt::print("{}{}", quality_table({""}, {i.quality}), measure_table("measures", i.quality));
-      fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
-    }
-    for (const Verdict& v : verdicts) fmt::print("  {}\n", to_text(v));
+    print_tables(name, i, verdicts);
   }
-  return code;
+  return !i.mesh.tets.empty() && i.validity.ok() && (met || bounds.empty()) ? kDone : kStoppedEarly;
 }
 
 int compare_files(const Arguments& a) {
@@ -174,7 +194,7 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
   c->add_flag("--json", a->json, "Print JSON");
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
   c->add_option("--tags", a->tags, kTagsHelp)->option_text("NAME");
-  c->add_option("--worst", a->worst, "How many of the worst tetrahedra to list")
+  c->add_option("--worst", a->worst, "Number of the worst tetrahedra to list")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   return c;
@@ -184,19 +204,22 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
 
 void add_info(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = add_common(app, "info", "Counts, tags, validity and quality of a mesh, and its worst tetrahedra.", a);
+  CLI::App* c = add_common(app, "info",
+                           "Numbers of elements, tags, validity and quality of a mesh, and its worst tetrahedra.", a);
   c->add_option("MESH", a->files[0], "Mesh: " + readable_endings() + "; or - for the standard input (MEDIT)")
       ->required();
-  c->add_option("--cell-data", a->cell_data,
-                "Write all measures of every tetrahedron: to a MEDIT solution file (.sol), or with the mesh (.vtu, "
-                ".vtk, .e, .msh)")
+  c->add_option(
+       "--cell-data", a->cell_data,
+       "Write all measures of each tetrahedron: to a MEDIT solution file (.sol), or with the mesh (.vtu, .vtk, "
+       ".e, .msh)")
       ->option_text("OUT");
-  c->add_option("--min-quality", a->min_quality,
-                "Exit code 1 unless the worst element has this mean ratio or more; or any measure, for example "
-                "min_dihedral_deg=10 or radius_ratio=5. May be repeated")
+  c->add_option(
+       "--min-quality", a->min_quality,
+       "Exit code 1 unless the worst element has this mean ratio, or this value of any measure, or a better one: "
+       "0.2, min_dihedral_deg=10, radius_ratio=5. May be repeated")
       ->option_text("Q|MEASURE=Q")
       ->allow_extra_args(false);
-  c->add_flag("--check", a->check, "One line: whether the mesh is valid, and has what --min-quality asks for");
+  c->add_flag("--check", a->check, "Print one line: whether the mesh is valid, and meets --min-quality");
   refuse_empty_values(*c);
   c->callback([a, &exit_code] { exit_code = info(*a); });
 }
@@ -204,7 +227,7 @@ void add_info(CLI::App& app, int& exit_code) {
 void add_compare(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c =
-      add_common(app, "compare", "What changed between two meshes of one shape: quality, volume, surface, tags.", a);
+      add_common(app, "compare", "Differences of two meshes of the same shape: quality, volume, surface, tags.", a);
   c->add_option("BEFORE", a->files[0], "Mesh before")->required();
   c->add_option("AFTER", a->files[1], "Mesh after")->required();
   refuse_empty_values(*c);

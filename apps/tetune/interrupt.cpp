@@ -7,8 +7,7 @@
 #include <csignal>
 #include <string_view>
 
-#include "commands.hpp"
-#include "tetune/io.hpp"
+#include "exit_code.hpp"
 
 namespace tetune::cli::interrupt {
 namespace {
@@ -17,12 +16,11 @@ std::atomic<Stage> stage{Stage::nothing};
 std::atomic<bool> was_requested{false};
 std::atomic<bool> as_json{false};
 
-// Only what a signal handler may do.
+// Calls only async-signal-safe functions.
 void handle(int) {
   const Stage now = stage;
   if (!was_requested.exchange(true) && now == Stage::worth_writing) return;
-  const bool renamed = remove_temporary_files();
-  const bool written = now == Stage::written || (now == Stage::worth_writing && renamed);
+  const bool written = now == Stage::written;
   const std::string_view text = written
                                     ? (as_json ? R"({"event":"error","text":"interrupted after the mesh was written"})"
                                                : "\ntetune: interrupted after the mesh was written")
@@ -43,7 +41,7 @@ void install(bool json) {
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM}) {
     struct sigaction old {};
-    // One that is ignored (nohup, background jobs of a shell) stays so.
+    // A signal that is ignored (nohup, background jobs of a shell) stays ignored.
     if (::sigaction(signal, nullptr, &old) == 0 && old.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
   }
 }

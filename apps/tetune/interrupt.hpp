@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// SIGINT (Ctrl-C) and SIGTERM. While there is a mesh worth writing, the first one asks for it and an end; else, and
-/// the second time, the process ends at once, and leaves old files and no temporary ones.
+/// SIGINT (Ctrl-C) and SIGTERM. While there is a mesh worth writing, the first signal requests a stop. Otherwise, and
+/// at the second signal, the process ends at once: old files are unchanged, and temporary files are removed.
 namespace tetune::cli::interrupt {
 
-/// `json`: last words as an event of --progress json.
+/// Installs the signal handler. `json`: it prints its message as an event of --progress json.
 void install(bool json);
 
 enum class Stage {
@@ -15,7 +15,7 @@ enum class Stage {
 };
 void enter(Stage stage);
 
-/// Whether a signal has come.
+/// Whether a stop was requested.
 bool requested();
 
 }  // namespace tetune::cli::interrupt

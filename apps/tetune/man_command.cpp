@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The manual page, from the definitions of the options and what stands here.
+// The manual page: the definitions of the options, and the sections below.
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
 
 #include "aliases.hpp"
 #include "commands.hpp"
@@ -10,7 +14,7 @@
 namespace tetune::cli {
 namespace {
 
-/// As troff takes it: no line starts with a dot or quote, dashes are dashes.
+/// Escapes backslashes and dashes, and a dot or quote at the beginning, for troff.
 std::string troff(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -29,10 +33,10 @@ std::string troff(const std::string& text) {
 std::string option_item(const CLI::Option& o) {
   std::string head;
   if (is_positional(o)) {
-    head = "\\fI" + troff(value_of(o)) + "\\fR";
+    head = "\\fI" + troff(placeholder_of(o)) + "\\fR";
   } else {
     for (const std::string& name : names_of(o)) head += (head.empty() ? "" : ", ") + ("\\fB" + troff(name) + "\\fR");
-    if (takes_value(o)) head += " \\fI" + troff(value_of(o)) + "\\fR";
+    if (takes_value(o)) head += " \\fI" + troff(placeholder_of(o)) + "\\fR";
   }
   std::string text = o.get_description();
   if (takes_value(o) && !o.get_default_str().empty()) text += " (default: " + o.get_default_str() + ")";
@@ -41,40 +45,39 @@ std::string option_item(const CLI::Option& o) {
 
 constexpr const char* kDescription = R"(.SH DESCRIPTION
 .B tetune optimize
-takes a mesh of tetrahedra and makes it better: it flips edges and faces and moves vertices until the elements are good
-for a solver.
-No element is ever inverted, the smallest dihedral angle does not become smaller, and the boundary is kept as
+improves a tetrahedral mesh: it flips edges and faces and moves vertices until the elements are suitable for a solver.
+No element is inverted, the smallest dihedral angle does not decrease, and
 .B \-\-boundary
-says.
+says how the boundary may change.
 The result is the same file for any number of threads.
 .PP
-Meshes are read and written in the formats of MEDIT, VTK, Exodus, Gmsh and others, and read in TetGen's; the ending says
-which.
+Meshes are read and written in the formats of MEDIT, VTK, Exodus, Gmsh and others, and read in TetGen's; the ending of
+the name selects the format.
 .B \-
 is the standard input or output.
-Every file is written under a temporary name and then renamed: a run that fails leaves the old one.
+Every file is written under a temporary name and then renamed: a run that fails leaves the old file.
 )";
 
 constexpr const char* kSections = R"(.SH INTERRUPTION
-On SIGINT (Ctrl\-C) and SIGTERM, and at the time limit, the work stops within about half a second; the mesh is written as
-it is then, which is as valid as any result, and the exit code is 1.
-A second signal, and one before there is anything to write, ends the process at once: no file is written, and none is left
-behind.
+On SIGINT (Ctrl\-C) and SIGTERM, and at the time limit, the work stops within about half a second; the mesh at that time,
+which is as valid as any result, is written, and the exit code is 1.
+A second signal, or one before there is anything to write, ends the process at once: no file is written, and temporary
+files are removed.
 .SH EXIT STATUS
 .TP
 .B 0
-Done.
+Success.
 .TP
 .B 1
 Stopped early, or a target was missed; a valid mesh was written.
 Or
 .B \-\-untangle
-could not repair all; no mesh was written.
-Of
+could not repair all tetrahedra; no mesh was written.
+Or, of
 .B info
 and
-.BR compare :
-the mesh has no tetrahedron, is not valid, or not of the quality asked for.
+.BR compare ,
+the mesh has no tetrahedron, is not valid, or not of the required quality.
 .TP
 .B 2
 Nothing was written.
@@ -86,7 +89,7 @@ Of several meshes, the largest of their codes.
 Improve a mesh.
 .TP
 .B tetune optimize part.mesh out.mesh \-\-boundary slide \-\-max\-deviation 0.1%
-Let vertices slide on a curved surface, and say how far it may go.
+Let vertices slide on a curved surface, and bound its deviation.
 .TP
 .B tetune optimize parts/*.mesh \-o better/
 Improve several meshes.
@@ -95,50 +98,55 @@ Improve several meshes.
 Improve a mesh in a pipe.
 .TP
 .B tetune info \-\-check \-\-min\-quality min_dihedral_deg=5 out.mesh
-Fail where an element has a smaller dihedral angle.
+Exit with 1 if an element has a smaller dihedral angle.
 .SH SEE ALSO
 The project's
 .IR docs/ :
 method, formats, quality, command line.
 )";
 
-std::string page(const CLI::App& app) {
-  std::string text = ".TH TETUNE 1 2026-11-21 \"tetune " TETUNE_VERSION
-                     "\"\n.SH NAME\ntetune \\- make a tetrahedral mesh better\n.SH SYNOPSIS\n";
-  const char* between = "";
-  for (const CLI::App* c : commands_of(app)) {
-    text += fmt::format("{}.B tetune {}\n", between, c->get_name());
-    between = ".br\n";
-    bool options = false;
-    std::string free;
-    for (const CLI::Option* o : c->get_options()) {
-      options = options || (!is_positional(*o) && o->get_name() != "--help");
-      if (is_positional(*o)) free += ".I " + troff(value_of(*o)) + "\n";
-    }
-    text += (options ? ".RI [ OPTIONS ]\n" : "") + free;
+std::string synopsis(const CLI::App& command) {
+  std::string text = fmt::format(".B tetune {}\n", command.get_name());
+  bool has_options = false;
+  std::string positionals;
+  for (const CLI::Option* o : command.get_options()) {
+    has_options = has_options || (!is_positional(*o) && o->get_name() != "--help");
+    if (is_positional(*o)) positionals += ".I " + troff(placeholder_of(*o)) + "\n";
   }
-  text += kDescription;
-  for (const CLI::App* c : commands_of(app)) {
-    std::string title = c->get_name();
-    for (char& ch : title) ch = static_cast<char>(std::toupper(static_cast<unsigned char>(ch)));
-    text += fmt::format(".SH {}\n{}\n", title, troff(c->get_description()));
-    std::string group = "Options";
-    for (const CLI::Option* o : c->get_options([](const CLI::Option* each) { return is_positional(*each); })) {
+  return text + (has_options ? ".RI [ OPTIONS ]\n" : "") + positionals;
+}
+
+/// The section of a command: its options by groups.
+std::string section(const CLI::App& command) {
+  std::string title = command.get_name();
+  std::transform(title.begin(), title.end(), title.begin(), [](unsigned char c) { return std::toupper(c); });
+  std::string text = fmt::format(".SH {}\n{}\n", title, troff(command.get_description()));
+  for (const CLI::Option* o : command.get_options()) {
+    if (is_positional(*o)) text += option_item(*o);
+  }
+  for (const std::string& group : command.get_groups()) {
+    bool has_title = group == "Options";
+    for (const CLI::Option* o : command.get_options()) {
+      if (is_positional(*o) || o->get_group() != group) continue;
+      if (!std::exchange(has_title, true)) text += ".SS " + troff(group) + "\n";
       text += option_item(*o);
     }
-    for (const std::string& each : c->get_groups()) {
-      bool first = true;
-      for (const CLI::Option* o : c->get_options()) {
-        if (is_positional(*o) || o->get_group() != each) continue;
-        if (first && each != group) text += ".SS " + troff(each) + "\n";
-        first = false;
-        text += option_item(*o);
-      }
-    }
+  }
+  return text;
+}
+
+std::string page(const CLI::App& app) {
+  std::string text = ".TH TETUNE 1 " TETUNE_DATE " \"tetune " TETUNE_VERSION
+                     "\"\n.SH NAME\ntetune \\- improve a tetrahedral mesh\n.SH SYNOPSIS\n";
+  const char* between = "";
+  for (const CLI::App* c : commands_of(app)) text += std::exchange(between, ".br\n") + synopsis(*c);
+  text += kDescription;
+  for (const CLI::App* c : commands_of(app)) {
+    text += section(*c);
     if (c->get_name() != "optimize") continue;
-    text += ".SS Names that users of Mmg know\nA long option may have one dash.\n";
-    for (const auto& [alias, ours] : alias_table()) {
-      text += fmt::format(".TP\n\\fB{}\\fR\n{}.\n", troff(alias), troff(ours));
+    text += ".SS Options of Mmg\nA long option may have one dash.\n";
+    for (const auto& [alias, words] : alias_table()) {
+      text += fmt::format(".TP\n\\fB{}\\fR\n{}.\n", troff(alias), troff(words));
     }
   }
   return text + kSections;

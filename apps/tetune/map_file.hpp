@@ -7,7 +7,8 @@
 
 namespace tetune::cli {
 
-/// Which vertex and tetrahedron became which (docs/formats.md, "Map"). `vertices` and `tets` are those of the result.
+/// The correspondence between old and new vertices and tetrahedra, as text (docs/formats.md, "Map"). `vertices` and
+/// `tets` are the numbers of the result.
 std::string map_text(const Report& report, std::size_t vertices, std::size_t tets);
 
 }  // namespace tetune::cli

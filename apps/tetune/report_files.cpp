@@ -12,8 +12,55 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Angles of sweeps are measured with --trace-angles alone.
+/// Angles of sweeps are measured only with --trace-angles.
 Json if_measured(double angle) { return angle > 0 ? Json(angle) : Json(); }
+
+template <class Counts, std::size_t kSize>
+void add_counts(Json& json, const std::array<CountInfo<Counts>, kSize>& kinds, const Counts& counts) {
+  for (const auto& kind : kinds) json[kind.key] = counts.*kind.count;
+}
+
+Json sweeps_json(const Report& r) {
+  Json sweeps = Json::array();
+  for (const SweepReport& s : r.sweeps) {
+    sweeps.push_back({{"iteration", s.iteration},
+                      {"moved", s.moved},
+                      {"energy_before", s.energy_before},
+                      {"decrease", s.decrease},
+                      {"gradient_norm2", s.gradient_norm2},
+                      {"gradient_norm", s.gradient_norm2},  // the former name, until version 0.3
+                      {"dihedral_min_deg", if_measured(s.dihedral_min)},
+                      {"seconds", s.seconds}});
+  }
+  return sweeps;
+}
+
+Json flip_passes_json(const Report& r) {
+  Json passes = Json::array();
+  for (const FlipReport& f : r.flip_passes) {
+    Json& pass = passes.emplace_back(
+        Json{{"after_iteration", f.iteration}, {"pass", f.pass}, {"active", f.active}, {"evaluated", f.evaluated}});
+    add_counts<FlipCounts>(pass, kFlipCounts, f);
+    pass["decrease"] = f.decrease;
+    pass["seconds"] = f.seconds;
+  }
+  return passes;
+}
+
+Json worst_rounds_json(const Report& r) {
+  Json rounds = Json::array();
+  for (const WorstReport& w : r.worst_rounds) {
+    rounds.push_back({{"round", w.round},
+                      {"worst", w.worst},
+                      {"inserted", w.inserted},
+                      {"removed", w.removed},
+                      {"flips", w.flips},
+                      {"moved", w.moved},
+                      {"dihedral_min_deg", if_measured(w.dihedral_min)},
+                      {"seconds", w.seconds}});
+  }
+  return rounds;
+}
 
 }  // namespace
 
@@ -31,8 +78,8 @@ Json to_json(const Quality& q) {
   }
   return {{"tetrahedra", q.tets},
           {"dihedral_min_deg", q.dihedral_min},
-          {"dihedral_1_percent_deg", q.dihedral_1},
-          {"dihedral_5_percent_deg", q.dihedral_5},
+          {"dihedral_1_percent_deg", q.dihedral_p1},
+          {"dihedral_5_percent_deg", q.dihedral_p5},
           {"dihedral_mean_deg", q.dihedral_mean},
           {"dihedral_max_deg", q.dihedral_max},
           {"eta_max", q.eta_max},
@@ -74,89 +121,48 @@ Json to_json(const Comparison& c) {
 }
 
 Json to_json(const Report& r) {
-  Json sweeps = Json::array();
-  for (const SweepReport& s : r.sweeps) {
-    sweeps.push_back({{"iteration", s.iteration},
-                      {"moved", s.moved},
-                      {"energy_before", s.energy_before},
-                      {"decrease", s.decrease},
-                      {"gradient_norm", s.gradient_norm},
-                      {"dihedral_min_deg", if_measured(s.dihedral_min)},
-                      {"seconds", s.seconds}});
-  }
-  Json passes = Json::array();
-  for (const FlipReport& f : r.flip_passes) {
-    passes.push_back({{"after_iteration", f.iteration},
-                      {"pass", f.pass},
-                      {"active", f.active},
-                      {"evaluated", f.evaluated},
-                      {"flips_2_3", f.flips23},
-                      {"flips_3_2", f.flips32},
-                      {"edge_removals", f.edge_removals},
-                      {"face_removals", f.face_removals},
-                      {"boundary_flips", f.boundary_flips},
-                      {"decrease", f.decrease},
-                      {"seconds", f.seconds}});
-  }
-  Json worst = Json::array();
-  for (const WorstReport& w : r.worst_rounds) {
-    worst.push_back({{"round", w.round},
-                     {"worst", w.worst},
-                     {"inserted", w.inserted},
-                     {"removed", w.removed},
-                     {"flips", w.flips},
-                     {"moved", w.moved},
-                     {"dihedral_min_deg", if_measured(w.dihedral_min)},
-                     {"seconds", w.seconds}});
-  }
-  Json targets = Json::array();
-  for (const TargetReport& t : r.targets) targets.push_back(to_json(t));
-  Json phases = Json::object();
-  for (const PhaseTime& p : r.phases) phases[p.phase] = p.seconds;
-  return {{"device", r.device},
-          {"device_reason", r.device_reason},
-          {"threads", r.threads},
-          {"stopped", to_string(r.stop)},
-          {"seconds", r.seconds},
-          {"vertices", r.vertices},
-          {"vertices_free", r.free_vertices},
-          {"vertices_in_plane", r.plane_vertices},
-          {"vertices_on_line", r.line_vertices},
-          {"vertices_on_surface", r.surface_vertices},
-          {"vertices_on_curve", r.curve_vertices},
-          {"vertices_fixed", r.fixed_vertices},
-          {"corners_not_held", r.corners_not_held},
-          {"edges_not_held", r.edges_not_held},
-          {"tetrahedra_before", r.tets_before},
-          {"tetrahedra_after", r.tets_after},
-          {"triangles_dropped", r.triangles_dropped},
-          {"edges_dropped", r.edges_dropped},
-          {"colors", r.colors},
-          {"energy_before", r.energy_before},
-          {"energy_after", r.energy_after},
-          {"flips_2_3", r.flips23},
-          {"flips_3_2", r.flips32},
-          {"edge_removals", r.edge_removals},
-          {"face_removals", r.face_removals},
-          {"boundary_flips", r.boundary_flips},
-          {"compound_flips", r.compound_flips},
-          {"vertices_inserted", r.vertices_inserted},
-          {"vertices_removed", r.vertices_removed},
-          {"phase_seconds", phases},
-          {"sweeps", sweeps},
-          {"flip_passes", passes},
-          {"worst_rounds", worst},
-          {"targets", targets}};
+  Json json = {{"device", r.device},
+               {"device_reason", r.device_reason},
+               {"threads", r.threads},
+               {"stopped", to_string(r.stop)},
+               {"seconds", r.seconds},
+               {"vertices", r.vertices},
+               {"vertices_free", r.free_vertices},
+               {"vertices_in_plane", r.plane_vertices},
+               {"vertices_on_line", r.line_vertices},
+               {"vertices_on_surface", r.surface_vertices},
+               {"vertices_on_curve", r.curve_vertices},
+               {"vertices_fixed", r.fixed_vertices},
+               {"corners_not_held", r.corners_not_held},
+               {"edges_not_held", r.edges_not_held},
+               {"tetrahedra_before", r.tets_before},
+               {"tetrahedra_after", r.tets_after},
+               {"triangles_dropped", r.triangles_dropped},
+               {"edges_dropped", r.edges_dropped},
+               {"colors", r.colors},
+               {"energy_before", r.energy_before},
+               {"energy_after", r.energy_after}};
+  add_counts<OperationCounts>(json, kOperationCounts, r);
+  json["phase_seconds"] = Json::object();
+  for (const PhaseTime& p : r.phases) json["phase_seconds"][p.phase] = p.seconds;
+  json["sweeps"] = sweeps_json(r);
+  json["flip_passes"] = flip_passes_json(r);
+  json["worst_rounds"] = worst_rounds_json(r);
+  json["targets"] = Json::array();
+  for (const TargetReport& t : r.targets) json["targets"].push_back(to_json(t));
+  return json;
 }
 
 Json to_json(const TargetReport& r) {
-  Json pinned = Json::object();
-  for (std::size_t k = 0; k < kPins; ++k) pinned[to_string(static_cast<Pin>(k))] = r.pinned[k];
+  Json held_by = Json::object();
+  for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
+    held_by[to_string(static_cast<LimitingConstraint>(k))] = r.held_by[k];
+  }
   Json worst = Json::array();
   for (const MissedTet& m : r.worst) {
     Json item = {
-        {"tetrahedron", m.tet + 1}, {"value", m.value}, {"centroid", m.centroid}, {"held_by", to_string(m.pin)}};
-    if (m.pin == Pin::surface_angle) {
+        {"tetrahedron", m.tet + 1}, {"value", m.value}, {"centroid", m.centroid}, {"held_by", to_string(m.held_by)}};
+    if (m.held_by == LimitingConstraint::surface_angle) {
       item["edge"] = {m.edge[0] + 1, m.edge[1] + 1};
       item["surface_angle_deg"] = m.surface_angle;
     }
@@ -167,7 +173,7 @@ Json to_json(const TargetReport& r) {
           {"met", r.met()},
           {"tetrahedra", r.tets},
           {"missed", r.missed},
-          {"held_by", pinned},
+          {"held_by", held_by},
           {"worst", worst}};
 }
 
@@ -200,23 +206,24 @@ Json counts_json(const TetMesh& mesh) {
 std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 std::string trace_csv(const Report& report) {
-  std::string text =
-      "event,iteration,pass,energy_before,decrease,gradient_norm,moved,active,evaluated,flips_2_3,flips_3_2,edge_"
-      "removals,face_removals,boundary_flips,seconds\n";
+  std::string text = "event,iteration,pass,energy_before,decrease,gradient_norm2,moved,active,evaluated";
+  for (const auto& kind : kFlipCounts) text += fmt::format(",{}", kind.key);
+  text += ",seconds\n";
   double energy = report.energy_before;
   auto pass = report.flip_passes.begin();
   const auto flips_after = [&](int iteration) {
     for (; pass != report.flip_passes.end() && pass->iteration == iteration; ++pass) {
-      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{},{},{},{},{},{},{:.6f}\n", iteration, pass->pass, energy,
-                          pass->decrease, pass->active, pass->evaluated, pass->flips23, pass->flips32,
-                          pass->edge_removals, pass->face_removals, pass->boundary_flips, pass->seconds);
+      text += fmt::format("flips,{},{},{:.17g},{:.17g},,,{},{}", iteration, pass->pass, energy, pass->decrease,
+                          pass->active, pass->evaluated);
+      for (const auto& kind : kFlipCounts) text += fmt::format(",{}", (*pass).*kind.count);
+      text += fmt::format(",{:.6f}\n", pass->seconds);
       energy -= pass->decrease;
     }
   };
   flips_after(0);
   for (const SweepReport& s : report.sweeps) {
-    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,,,,,,,{:.6f}\n", s.iteration, s.energy_before,
-                        s.decrease, s.gradient_norm, s.moved, s.seconds);
+    text += fmt::format("sweep,{},,{:.17g},{:.17g},{:.17g},{},,{},{:.6f}\n", s.iteration, s.energy_before, s.decrease,
+                        s.gradient_norm2, s.moved, std::string(kFlipCounts.size(), ','), s.seconds);
     energy = s.energy_before - s.decrease;
     flips_after(s.iteration);
   }
@@ -230,7 +237,7 @@ void check_folder(const std::string& path) {
     throw FileError(path + ": the folder " + folder.string() + " does not exist");
   }
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
-    throw FileError(path + ": is there and is no regular file; give another name");
+    throw FileError(path + ": exists and is not a regular file; give another name");
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace tetune::cli {
 
-/// Of what measure_all() measured.
+/// Of the result of measure_all().
 nlohmann::ordered_json to_json(const Quality& quality);
 nlohmann::ordered_json to_json(const Comparison& comparison);
 nlohmann::ordered_json to_json(const Report& report);
@@ -16,14 +16,14 @@ nlohmann::ordered_json to_json(const TargetReport& report);
 nlohmann::ordered_json to_json(const ValidationReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
 
-/// As files and the standard output have it, with a line's end. Names from files may hold any bytes.
+/// The JSON text with a final line break. Bytes that are not UTF-8 (in names from files) are replaced.
 std::string json_text(const nlohmann::ordered_json& json);
 
-/// One line for each sweep and flip pass, in the order they ran.
+/// One line per sweep and flip pass, in the order in which they ran.
 std::string trace_csv(const Report& report);
 
-/// Throws FileError when the folder of `path` is not there, or something at that place that is no file: to fail before
-/// the work. An empty path is well.
+/// Throws FileError if the folder of `path` does not exist, or if `path` exists and is not a regular file: to fail
+/// before the work. An empty path is accepted.
 void check_folder(const std::string& path);
 
 }  // namespace tetune::cli

@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+
+#include "option_flags.hpp"
 
 namespace tetune::cli {
 namespace {
@@ -26,8 +29,8 @@ std::string tag_counts(const std::vector<int>& tags) {
   return text;
 }
 
-/// Six digits, and angles to a thousandth of a degree.
-std::string figure(Measure measure, double value) {
+/// Five significant digits; angles to a thousandth of a degree.
+std::string format_value(Measure measure, double value) {
   const bool angle = measure == Measure::min_dihedral || measure == Measure::max_dihedral;
   return angle ? fmt::format("{:.3f}", value) : fmt::format("{:.5g}", value);
 }
@@ -74,44 +77,43 @@ std::string mesh_summary(const TetMesh& mesh) {
   data("triangles", mesh.triangle_data);
   data("edges", mesh.edge_data);
   if (mesh.listed_inside_out) {
-    text += "  all tetrahedra are listed inside out (negative volumes), and are written so\n";
+    text += "  all tetrahedra are listed inside out (negative volumes), and are written in the same way\n";
   }
   return text;
 }
 
 std::string quality_table(const std::vector<std::string>& titles, const std::vector<Quality>& columns) {
+  struct Row {
+    const char* name;
+    double Quality::*value;
+    int digits;
+    char type;
+  };
+  static constexpr std::array kRows{Row{"dihedral min  (deg)", &Quality::dihedral_min, 3, 'f'},
+                                    Row{"         1 %", &Quality::dihedral_p1, 2, 'f'},
+                                    Row{"         5 %", &Quality::dihedral_p5, 2, 'f'},
+                                    Row{"         mean", &Quality::dihedral_mean, 2, 'f'},
+                                    Row{"         max", &Quality::dihedral_max, 3, 'f'},
+                                    Row{"eta      max", &Quality::eta_max, 5, 'g'},
+                                    Row{"         95 %", &Quality::eta_95, 5, 'g'},
+                                    Row{"         sum", &Quality::eta_sum, 8, 'g'},
+                                    Row{"shape energy  sum", &Quality::shape_sum, 8, 'g'},
+                                    Row{"mean ratio  mean", &Quality::mean_ratio, 4, 'f'},
+                                    Row{"            min", &Quality::mean_ratio_min, 4, 'f'}};
   std::string text = fmt::format("  {:<22}", "");
   for (const std::string& title : titles) text += fmt::format("{:>14}", title);
+  text += fmt::format("\n  {:<22}", "tetrahedra");
+  for (const Quality& q : columns) text += fmt::format("{:>14}", q.tets);
   text += '\n';
-  const auto row = [&](const char* name, auto value, const char* format) {
-    text += fmt::format("  {:<22}", name);
-    for (const Quality& q : columns) text += fmt::format("{:>14}", fmt::format(fmt::runtime(format), value(q)));
+  for (const Row& row : kRows) {
+    text += fmt::format("  {:<22}", row.name);
+    for (const Quality& q : columns) {
+      const double value = q.*row.value;
+      text +=
+          row.type == 'f' ? fmt::format("{:>14.{}f}", value, row.digits) : fmt::format("{:>14.{}g}", value, row.digits);
+    }
     text += '\n';
-  };
-  row(
-      "tetrahedra", [](const Quality& q) { return q.tets; }, "{}");
-  row(
-      "dihedral min  (deg)", [](const Quality& q) { return q.dihedral_min; }, "{:.3f}");
-  row(
-      "         1 %", [](const Quality& q) { return q.dihedral_1; }, "{:.2f}");
-  row(
-      "         5 %", [](const Quality& q) { return q.dihedral_5; }, "{:.2f}");
-  row(
-      "         mean", [](const Quality& q) { return q.dihedral_mean; }, "{:.2f}");
-  row(
-      "         max", [](const Quality& q) { return q.dihedral_max; }, "{:.3f}");
-  row(
-      "eta      max", [](const Quality& q) { return q.eta_max; }, "{:.5g}");
-  row(
-      "         95 %", [](const Quality& q) { return q.eta_95; }, "{:.5g}");
-  row(
-      "         sum", [](const Quality& q) { return q.eta_sum; }, "{:.8g}");
-  row(
-      "shape energy  sum", [](const Quality& q) { return q.shape_sum; }, "{:.8g}");
-  row(
-      "mean ratio  mean", [](const Quality& q) { return q.mean_ratio; }, "{:.4f}");
-  row(
-      "            min", [](const Quality& q) { return q.mean_ratio_min; }, "{:.4f}");
+  }
   return text;
 }
 
@@ -125,7 +127,7 @@ std::string measure_table(const std::string& title, const Quality& quality) {
     const bool low = larger_is_better(measure);
     text += fmt::format("  {:<22}", to_string(measure));
     for (const double value : {low ? s.min : s.max, s.p1, s.p5, s.mean, low ? s.max : s.min}) {
-      text += fmt::format("{:>12}", figure(measure, value));
+      text += fmt::format("{:>12}", format_value(measure, value));
     }
     text += '\n';
   }
@@ -134,7 +136,7 @@ std::string measure_table(const std::string& title, const Quality& quality) {
 
 std::string worst_table(const std::string& title, const Quality& quality) {
   if (quality.worst.empty()) return "";
-  std::string text = fmt::format("  {:<22}{:>12}{:>12}    centroid\n", title, "least angle", "q_h");
+  std::string text = fmt::format("  {:<22}{:>12}{:>12}    centroid\n", title, "min angle", "q_h");
   for (const WorstTet& w : quality.worst) {
     text += fmt::format("  {:<22}{:>12.3f}{:>12.4g}    {:.6g} {:.6g} {:.6g}\n", w.tet + 1, w.dihedral, w.harmonic,
                         w.centroid[0], w.centroid[1], w.centroid[2]);
@@ -143,11 +145,11 @@ std::string worst_table(const std::string& title, const Quality& quality) {
 }
 
 std::string histogram(const Quality& quality) {
-  const double most = *std::max_element(quality.histogram.begin(), quality.histogram.end());
+  const double max_share = *std::max_element(quality.histogram.begin(), quality.histogram.end());
   std::string text = "  dihedral angles\n";
   for (std::size_t b = 0; b < quality.histogram.size(); ++b) {
     const double share = quality.histogram[b];
-    const auto bar = most > 0 ? static_cast<std::size_t>(std::lround(40 * share / most)) : 0;
+    const auto bar = max_share > 0 ? static_cast<std::size_t>(std::lround(40 * share / max_share)) : 0;
     text +=
         fmt::format("  {:>4} -{:>4} deg {:>7.3f} %  {}\n", 10 * b, 10 * (b + 1), 100 * share, std::string(bar, '#'));
   }
@@ -187,19 +189,20 @@ std::string target_table(const TargetReport& r) {
       fmt::format("  target: {} {} {}: ", to_string(measure), larger_is_better(measure) ? ">=" : "<=", r.target.value);
   if (r.met()) return text + "met by all\n";
   text += fmt::format("NOT met by {} of {}\n", r.missed, r.tets);
-  for (std::size_t k = 0; k < kPins; ++k) {
-    if (r.pinned[k] > 0) text += fmt::format("    {:>9} held by: {}\n", r.pinned[k], to_string(static_cast<Pin>(k)));
+  for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
+    if (r.held_by[k] == 0) continue;
+    text += fmt::format("    {:>9} held by: {}\n", r.held_by[k], to_string(static_cast<LimitingConstraint>(k)));
   }
   constexpr std::size_t kShown = 10;
   text += fmt::format("  {:<22}{:>12}    {:<36}centroid\n", "worst, counted from 1", to_string(measure), "held by");
   for (std::size_t i = 0; i < std::min(kShown, r.worst.size()); ++i) {
     const MissedTet& m = r.worst[i];
-    std::string pin = to_string(m.pin);
-    if (m.pin == Pin::surface_angle) {
-      pin = fmt::format("surface: {:.3f} deg at edge {} {}", m.surface_angle, m.edge[0] + 1, m.edge[1] + 1);
+    std::string constraint = to_string(m.held_by);
+    if (m.held_by == LimitingConstraint::surface_angle) {
+      constraint = fmt::format("surface: {:.3f} deg at edge {} {}", m.surface_angle, m.edge[0] + 1, m.edge[1] + 1);
     }
-    text += fmt::format("  {:<22}{:>12}    {:<36}{:.6g} {:.6g} {:.6g}\n", m.tet + 1, figure(measure, m.value), pin,
-                        m.centroid[0], m.centroid[1], m.centroid[2]);
+    text += fmt::format("  {:<22}{:>12}    {:<36}{:.6g} {:.6g} {:.6g}\n", m.tet + 1, format_value(measure, m.value),
+                        constraint, m.centroid[0], m.centroid[1], m.centroid[2]);
   }
   return text;
 }
@@ -218,11 +221,12 @@ std::string constraint_table(const Report& r) {
   return text;
 }
 
-std::string notes(const Report& r) {
+std::string constraint_notes(const Report& r) {
   std::string text;
   if (r.corners_not_held > 0) {
     text += fmt::format(
-        "  {} listed corners lie where the surface has no feature, too many for a list of corners: they may move\n",
+        "  {} listed corners lie where the surface has no feature and are too many for a list of corners: they may "
+        "move\n",
         r.corners_not_held);
   }
   if (r.edges_not_held > 0) {
@@ -230,10 +234,25 @@ std::string notes(const Report& r) {
                         r.edges_not_held);
   }
   if (r.triangles_dropped > 0) {
-    text += fmt::format("  {} listed triangles without tag inside a region are no constraint and are dropped\n",
+    text += fmt::format("  {} listed triangles without a tag inside a region are no constraint and were dropped\n",
                         r.triangles_dropped);
   }
-  if (r.edges_dropped > 0) text += fmt::format("  {} listed edges without tag are gone\n", r.edges_dropped);
+  if (r.edges_dropped > 0)
+    text += fmt::format("  {} listed edges without a tag no longer exist and were dropped\n", r.edges_dropped);
+  return text;
+}
+
+std::string count_line(const Report& r, const char* reason) {
+  std::string text = fmt::format("  {} sweeps", r.sweeps.size());
+  for (const auto& kind : kOperationCounts) {
+    if (r.*kind.count > 0) text += fmt::format(", {} {}", r.*kind.count, kind.title);
+  }
+  text += fmt::format(", {}; {} of {} vertices fixed\n", reason, r.fixed_vertices, r.vertices);
+  if (r.tets_untangled > 0) {
+    text += fmt::format(
+        "  {} inverted or flat tetrahedra made positive; \"before\" uses the absolute volume of inverted ones\n",
+        r.tets_untangled);
+  }
   return text;
 }
 
@@ -241,14 +260,15 @@ std::string run_table(const Report& report) {
   std::string text = "  sweep     moved         energy       decrease  |grad tr|^2     time s\n";
   for (const SweepReport& s : report.sweeps) {
     text += fmt::format("  {:>5} {:>9} {:>14.8g} {:>14.4g} {:>12.4g} {:>10.4f}\n", s.iteration, s.moved,
-                        s.energy_before, s.decrease, s.gradient_norm, s.seconds);
+                        s.energy_before, s.decrease, s.gradient_norm2, s.seconds);
   }
-  text +=
-      "  after sweep  pass     active  evaluated     2-3     3-2   edges   faces  border       decrease     time s\n";
+  text += "  after sweep  pass     active  evaluated";
+  for (const auto& kind : kFlipCounts) text += fmt::format(" {:>14}", kind.name);
+  text += "       decrease     time s\n";
   for (const FlipReport& f : report.flip_passes) {
-    text += fmt::format("  {:>11} {:>5} {:>10} {:>10} {:>7} {:>7} {:>7} {:>7} {:>7} {:>14.4g} {:>10.4f}\n", f.iteration,
-                        f.pass, f.active, f.evaluated, f.flips23, f.flips32, f.edge_removals, f.face_removals,
-                        f.boundary_flips, f.decrease, f.seconds);
+    text += fmt::format("  {:>11} {:>5} {:>10} {:>10}", f.iteration, f.pass, f.active, f.evaluated);
+    for (const auto& kind : kFlipCounts) text += fmt::format(" {:>14}", f.*kind.count);
+    text += fmt::format(" {:>14.4g} {:>10.4f}\n", f.decrease, f.seconds);
   }
   if (!report.worst_rounds.empty()) text += "  round      worst inserted removed   flips   moved     time s\n";
   for (const WorstReport& w : report.worst_rounds) {
@@ -260,6 +280,6 @@ std::string run_table(const Report& report) {
   return text;
 }
 
-std::string validity_message(const ValidationReport& report) { return report.message(true); }
+std::string validity_message(const ValidationReport& report) { return with_flags(report.message(true)); }
 
 }  // namespace tetune::cli

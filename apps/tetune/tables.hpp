@@ -8,40 +8,43 @@
 
 namespace tetune::cli {
 
-/// Counts and tags of a mesh.
+/// Numbers of elements of each kind, their tags, groups and data.
 std::string mesh_summary(const TetMesh& mesh);
 
-/// One column of figures a mesh: `titles` and `columns` are as long as each other.
+/// One column per mesh; `titles` and `columns` have the same length.
 std::string quality_table(const std::vector<std::string>& titles, const std::vector<Quality>& columns);
 
-/// All measures of a mesh that measure_all() measured, under a title.
+/// All measures of the result of measure_all().
 std::string measure_table(const std::string& title, const Quality& quality);
 
-/// Its worst tetrahedra with their places, under a title.
+/// The worst tetrahedra of the result of measure_all(), with their centroids.
 std::string worst_table(const std::string& title, const Quality& quality);
 
-/// Dihedral angles in bins of 10 degrees.
+/// A histogram of the dihedral angles, in bins of 10 degrees.
 std::string histogram(const Quality& quality);
 
-/// What became of volume, area and place of the surface.
+/// Changes of volume and surface area, and distances of the surfaces.
 std::string surface_table(const Comparison& comparison);
 
-/// The same and what was kept.
+/// surface_table(), numbers of elements, and whether tags and listed vertices were kept.
 std::string comparison_table(const Comparison& comparison);
 
-/// How many elements miss a target, what holds them, and the worst ones.
+/// The number of elements that miss a target, their constraints, and the worst of them.
 std::string target_table(const TargetReport& report);
 
-/// How many vertices may go where.
+/// Numbers of vertices by their freedom to move.
 std::string constraint_table(const Report& report);
 
-/// What of the file's lists does not count, and was dropped.
-std::string notes(const Report& report);
+/// Listed elements that do not constrain or were dropped.
+std::string constraint_notes(const Report& report);
 
-/// Sweeps, flip passes and phases.
+/// The line of all counters. `reason`: why the run ended.
+std::string count_line(const Report& report, const char* reason);
+
+/// Sweeps, flip passes, rounds on the worst elements, and phases.
 std::string run_table(const Report& report);
 
-/// MEDIT counts from 1, and so do these messages.
+/// The defects in words, with ids that start from 1 as in MEDIT files, and options as flags.
 std::string validity_message(const ValidationReport& report);
 
 }  // namespace tetune::cli

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every benchmark needs: run a program and account for it, judge a mesh, write down where a figure came from."""
+"""Functions of all benchmarks: run a program and measure it, evaluate a mesh, record where a figure comes from."""
 
 import datetime
 import json
@@ -19,7 +19,7 @@ TETUNE = ROOT / "build/release/bin/tetune"
 
 
 def provenance():
-    """Commit, machine, command and time: goes into every JSON file."""
+    """Commit, machine, command and time: part of every JSON file."""
     def git(*args):
         if shutil.which("git") is None:
             return "unknown"
@@ -94,7 +94,7 @@ def repeat(command, runs, **kwargs):
 
 
 def info(mesh):
-    """tetune's own view of a mesh: counts, validity, quality."""
+    """Counts, validity and quality of a mesh by tetune info."""
     result = subprocess.run([str(TETUNE), "info", "--json", str(mesh)], capture_output=True, text=True)
     if not result.stdout:
         raise RuntimeError(f"tetune info {mesh}: {result.stderr.strip()}")

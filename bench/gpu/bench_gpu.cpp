@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GPU beside the CPU, for bench/gpu/run: one line of JSON for each thing measured, on the standard output.
-//   bench_gpu ceilings                       the card, and what it reaches at best
-//   bench_gpu parity [FILE ...]              both backends on small meshes: exit code 1 where they differ
-//   bench_gpu small                          small meshes through the kernels, for compute-sanitizer
-//   bench_gpu mesh TETS|FILE RUNS            times, after validity; TETS: a generated mesh of about so many
-//   bench_gpu once TETS|FILE                 one run after one to warm up, for profilers
+// Compares the GPU with the CPU, for bench/gpu/run: prints one line of JSON per measurement.
+//   bench_gpu ceilings                       the device and its peak rates
+//   bench_gpu parity [FILE ...]              both backends on small meshes: exit code 1 if they differ
+//   bench_gpu small                          small meshes that run all kernels, for compute-sanitizer
+//   bench_gpu mesh TETS|FILE RUNS            times of valid results; TETS: the approximate size of a generated mesh
+//   bench_gpu once TETS|FILE                 one run after a warm-up run, for profilers
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -19,7 +19,7 @@
 namespace tetune::gpu_bench {
 namespace {
 
-/// One object of JSON.
+/// A JSON object.
 class Json {
  public:
   Json& add(const char* key, const std::string& json) {
@@ -52,29 +52,28 @@ class Json {
   std::string text_;
 };
 
-/// What must hold does not: the run ends, and no time is printed.
+/// Reports a failed check: the program ends without printing times.
 [[noreturn]] void fail(const std::string& what) { throw Error("FAILED: " + what); }
 
-/// A cube of two regions spoilt by random flips: all kinds of flips find work, on an interface too.
+/// A cube of two regions after random flips, on which all kinds of flips apply, at the interface too.
 TetMesh generated(double tets) {
-  // A round of flips makes about a sixth more tetrahedra.
+  // One round of flips adds about one sixth of the tetrahedra.
   const int n = std::max(2, static_cast<int>(std::lround(std::cbrt(tets / 7))));
   TetMesh mesh = reference::lattice(n, 0.2);
   for (std::size_t t = mesh.tets.size() / 2; t < mesh.tets.size(); ++t) mesh.tet_tags[t] = 1;
   return reference::scrambled(std::move(mesh), 1);
 }
 
-TetMesh mesh_of(const std::string& source) {
+TetMesh load_or_generate(const std::string& source) {
   char* end = nullptr;
   const double tets = std::strtod(source.c_str(), &end);
   return *end == '\0' && tets > 0 ? generated(tets) : read_mesh(source);
 }
 
 std::vector<double> flips_of(const Report& r) {
-  return {static_cast<double>(r.flips23),           static_cast<double>(r.flips32),
-          static_cast<double>(r.edge_removals),     static_cast<double>(r.face_removals),
-          static_cast<double>(r.boundary_flips),    static_cast<double>(r.compound_flips),
-          static_cast<double>(r.vertices_inserted), static_cast<double>(r.vertices_removed)};
+  std::vector<double> counts;
+  for (const auto& kind : kOperationCounts) counts.push_back(static_cast<double>(r.*kind.count));
+  return counts;
 }
 
 double energy_difference(const Report& a, const Report& b) {
@@ -92,7 +91,7 @@ bool same_bits(const TetMesh& a, const TetMesh& b) {
 }
 
 void check_parity(const std::string& name, const TetMesh& mesh) {
-  constexpr double kMostDifference = 1e-9;
+  constexpr double kMaxDifference = 1e-9;
   const std::pair<Boundary, const char*> boundaries[] = {
       {Boundary::fixed, "fixed"}, {Boundary::preserve, "preserve"}, {Boundary::slide, "slide"}};
   const std::pair<Effort, const char*> efforts[] = {
@@ -123,13 +122,13 @@ void check_parity(const std::string& name, const TetMesh& mesh) {
       line.numbers("flips_cpu", flips_of(cpu)).numbers("flips_gpu", flips_of(gpu));
       line.add("same_flips", same_flips ? "true" : "false").add("same_bits_twice", repeats ? "true" : "false");
       line.print();
-      if (!(difference <= kMostDifference) || !same_flips || !repeats) failed += "\n  " + what;
+      if (!(difference <= kMaxDifference) || !same_flips || !repeats) failed += "\n  " + what;
     }
   }
   if (!failed.empty()) fail("CPU and GPU differ, or two runs on the GPU do:" + failed);
 }
 
-/// Medians of the seconds of the same thing in several runs.
+/// Medians of named times over several runs.
 class Times {
  public:
   void add(const std::string& name, double seconds) { seconds_[name].push_back(seconds); }
@@ -143,9 +142,9 @@ class Times {
   std::map<std::string, std::vector<double>> seconds_;
 };
 
-/// Every pass and sweep ends with a download of its sums, which waits for the device: the library's own clock on the
-/// host therefore tells device time, with the gaps between launches. So do "load" and "store", the host's work and
-/// transfers, and "rings" together with "colouring".
+/// Each pass and sweep ends with a download of its sums, which synchronizes: the times that the library measures on the
+/// host are device times including launch gaps. The same holds for "load" and "store", host work and transfers, and for
+/// "rings" together with "coloring".
 void measure(const std::string& source, const TetMesh& mesh, int runs, bool flips_alone) {
   const auto tets = static_cast<double>(mesh.tets.size());
   Options options;
@@ -158,15 +157,15 @@ void measure(const std::string& source, const TetMesh& mesh, int runs, bool flip
 
   options.device = Device::cuda;
   const std::size_t free_before = free_bytes();
-  std::size_t least_free = free_before;
+  std::size_t min_free = free_before;
   Context watch;
-  watch.progress = [&least_free](const Progress&) {
-    least_free = std::min(least_free, free_bytes());
+  watch.progress = [&min_free](const Progress&) {
+    min_free = std::min(min_free, free_bytes());
     return true;
   };
   TetMesh first = mesh;
   const Report warm_up = optimize(first, options, watch);
-  const auto peak = static_cast<double>(free_before - least_free);
+  const auto peak = static_cast<double>(free_before - min_free);
   check_valid(first, source + ", by the GPU");
 
   Times phases;
@@ -231,7 +230,7 @@ void run_small() {
   Options untangling;
   untangling.untangle = true;
   TetMesh tangled = reference::lattice(6);
-  tangled.points[tangled.points.size() / 2][0] += 0.25;  // beyond its neighbours
+  tangled.points[tangled.points.size() / 2][0] += 0.25;  // beyond its neighbors
   run_on_gpu(tangled, untangling, 1);
   Json().add("valid", "true").print();
 }
@@ -251,7 +250,7 @@ void print_ceilings() {
   line.number("round_trip_us", 1e6 * m.round_trip_seconds).print();
 }
 
-/// Throws the library's own words where no GPU can be used.
+/// Throws the DeviceError of the library if no GPU can be used.
 void require_gpu() { run_on_gpu(reference::lattice(1), {}, 1); }
 
 int usage() {
@@ -270,9 +269,9 @@ int run(const std::vector<std::string>& args) {
   require_gpu();
   if (command == "ceilings") print_ceilings();
   if (command == "small") run_small();
-  if (command == "once") run_on_gpu(mesh_of(args[1]), {}, 2);
+  if (command == "once") run_on_gpu(load_or_generate(args[1]), {}, 2);
   if (command == "mesh") {
-    const TetMesh mesh = mesh_of(args[1]);
+    const TetMesh mesh = load_or_generate(args[1]);
     for (const bool flips_alone : {true, false}) measure(args[1], mesh, runs, flips_alone);
   }
   if (command == "parity") {

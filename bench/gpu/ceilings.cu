@@ -11,7 +11,7 @@ constexpr int kThreads = 256;
 constexpr int kChains = 8;
 constexpr int kSteps = 4096;
 
-/// Independent chains of multiply-adds: enough of them to hide their latency.
+/// Independent chains of multiply-adds, enough to hide their latency.
 template <class T>
 __global__ void multiply_add(T factor, T summand, T* out) {
   T x[kChains];
@@ -22,23 +22,23 @@ __global__ void multiply_add(T factor, T summand, T* out) {
   }
   T sum{};
   for (int c = 0; c < kChains; ++c) sum += x[c];
-  if (sum == T{-1}) *out = sum;  // never, but the compiler cannot know
+  if (sum == T{-1}) *out = sum;  // never true; keeps the compiler from removing the loop
 }
 
-__global__ void nothing() {}
+__global__ void empty_kernel() {}
 
 cudaDeviceProp properties() {
   int device = 0;
-  par::check_cuda(cudaGetDevice(&device), "device query");
+  backend::check_cuda(cudaGetDevice(&device), "device query");
   cudaDeviceProp p{};
-  par::check_cuda(cudaGetDeviceProperties(&p, device), "device query");
+  backend::check_cuda(cudaGetDeviceProperties(&p, device), "device query");
   return p;
 }
 
-/// Device memory.
+/// A block of device memory.
 class Block {
  public:
-  explicit Block(std::size_t bytes) { par::check_cuda(cudaMalloc(&data_, bytes), "allocation"); }
+  explicit Block(std::size_t bytes) { backend::check_cuda(cudaMalloc(&data_, bytes), "allocation"); }
   Block(const Block&) = delete;
   Block& operator=(const Block&) = delete;
   ~Block() { cudaFree(data_); }
@@ -63,7 +63,7 @@ double flops() {
   const Block out(sizeof(T));
   const double seconds =
       seconds_of([&] { multiply_add<T><<<blocks, kThreads>>>(T(0.999), T(0.001), static_cast<T*>(out.data())); });
-  par::check_cuda(cudaGetLastError(), "launch");
+  backend::check_cuda(cudaGetLastError(), "launch");
   return 2.0 * kChains * kSteps * kThreads * blocks / seconds;
 }
 
@@ -77,9 +77,9 @@ double median(std::vector<double> values) {
 Card card() {
   const cudaDeviceProp p = properties();
   Card card{p.name, p.major, p.minor, p.multiProcessorCount};
-  par::check_cuda(cudaMemGetInfo(&card.free_memory, &card.memory), "device query");
-  par::check_cuda(cudaDriverGetVersion(&card.driver), "device query");
-  par::check_cuda(cudaRuntimeGetVersion(&card.runtime), "device query");
+  backend::check_cuda(cudaMemGetInfo(&card.free_memory, &card.memory), "device query");
+  backend::check_cuda(cudaDriverGetVersion(&card.driver), "device query");
+  backend::check_cuda(cudaRuntimeGetVersion(&card.runtime), "device query");
   return card;
 }
 
@@ -89,29 +89,29 @@ Ceilings measure_ceilings() {
   const Block from(bytes);
   const Block to(bytes);
   const auto both = 2.0 * static_cast<double>(bytes);
-  ceilings.copy_bytes = both / seconds_of([&] { par::Cuda::copy(to.data(), from.data(), bytes); });
+  ceilings.copy_bytes = both / seconds_of([&] { backend::CudaMemory::copy(to.data(), from.data(), bytes); });
   std::vector<unsigned char> host(bytes / 4);
-  ceilings.upload_bytes =
-      static_cast<double>(host.size()) / seconds_of([&] { par::Cuda::upload(to.data(), host.data(), host.size()); });
-  ceilings.download_bytes =
-      static_cast<double>(host.size()) / seconds_of([&] { par::Cuda::download(host.data(), to.data(), host.size()); });
+  ceilings.upload_bytes = static_cast<double>(host.size()) /
+                          seconds_of([&] { backend::CudaMemory::upload(to.data(), host.data(), host.size()); });
+  ceilings.download_bytes = static_cast<double>(host.size()) /
+                            seconds_of([&] { backend::CudaMemory::download(host.data(), to.data(), host.size()); });
   ceilings.single_flops = flops<float>();
   ceilings.double_flops = flops<double>();
   constexpr int kLaunches = 1000;
   ceilings.launch_seconds = seconds_of([] {
-                              for (int i = 0; i < kLaunches; ++i) nothing<<<1, 32>>>();
+                              for (int i = 0; i < kLaunches; ++i) empty_kernel<<<1, 32>>>();
                             }) /
                             kLaunches;
   constexpr int kTrips = 100;
   ceilings.round_trip_seconds = seconds_of([&] {
                                   double value = 0;
                                   for (int i = 0; i < kTrips; ++i) {
-                                    nothing<<<1, 32>>>();
-                                    par::Cuda::download(&value, to.data(), sizeof value);
+                                    empty_kernel<<<1, 32>>>();
+                                    backend::CudaMemory::download(&value, to.data(), sizeof value);
                                   }
                                 }) /
                                 kTrips;
-  par::check_cuda(cudaGetLastError(), "launch");
+  backend::check_cuda(cudaGetLastError(), "launch");
   return ceilings;
 }
 

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/gpu/stopwatch.cuh"
-#include "core/connect.hpp"
-#include "core/upload.hpp"
-#include "flips/flip_pass.hpp"
-#include "relocate/sweep.hpp"
+#include "driver/devices.hpp"
+#include "energy/mesh_energy.hpp"
+#include "mesh/connect.hpp"
+#include "mesh/upload.hpp"
+#include "operators/flip_pass.hpp"
+#include "relocation/sweep.hpp"
 
 namespace tetune::gpu_bench {
 
 std::vector<std::pair<std::string, double>> measure_stages(const TetMesh& mesh, int runs) {
   const Stopwatch watch;
-  const par::Cuda par(memory_needed_on_device(mesh, {}));
+  const backend::Cuda backend(memory_needed_on_device(mesh, {}));
   std::vector<std::pair<std::string, std::vector<double>>> stages;
   const auto measure = [&](const char* name, bool counts, const auto& work) {
     const double seconds = watch.seconds(work);
@@ -23,30 +25,30 @@ std::vector<std::pair<std::string, double>> measure_stages(const TetMesh& mesh, 
   for (const Point3& p : mesh.points) points.push_back(point(vec(p)));
   for (int run = 0; run <= runs; ++run) {
     const bool counts = run > 0;
-    WorkMesh<par::Cuda> work = upload_mesh<par::Cuda>(mesh);
-    work.law = kShapeLaw;
+    WorkMesh<backend::Cuda> work = upload_mesh(backend, mesh);
+    const Criterion criterion{kShapeObjective, QualityFloor::none()};
     measure("upload", counts, [&] {
-      work.points.upload(points);
-      par::Cuda::upload(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
+      work.points.upload(backend, points);
+      backend.memory().upload(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
     });
-    measure("sorting", counts, [&] { sort_mesh(par, work); });
-    measure("connectivity", counts, [&] { build_adjacency(par, work); });
-    Rings<par::Cuda> rings;
-    measure("rings", counts, [&] { build_rings(par, work, rings); });
-    par::Cuda::Buffer<Mobility> mobility(work.vertices());
-    par.fill(mobility.span(), Mobility::free);
-    Coloring<par::Cuda> coloring;
-    measure("colouring", counts, [&] { color_vertices(par, rings.view(), mobility.span(), coloring); });
-    FlipState<par::Cuda> flips;
-    measure("energies", counts, [&] { refresh_energy(par, work, flips); });
+    measure("sorting", counts, [&] { sort_mesh(backend, work); });
+    measure("connectivity", counts, [&] { build_adjacency(backend, work); });
+    Rings<backend::Cuda> rings;
+    measure("rings", counts, [&] { build_rings(backend, work, rings); });
+    backend::Cuda::Buffer<VertexDof> dof(backend, work.vertices());
+    backend.fill(dof.span(), VertexDof::free);
+    Coloring<backend::Cuda> coloring;
+    measure("coloring", counts, [&] { color_vertices(backend, rings.view(), dof.span(), coloring); });
+    FlipState<backend::Cuda> flips;
+    measure("energies", counts, [&] { refresh_energy(backend, work, criterion, flips.energies); });
     measure("first flip pass", counts, [&] {
-      activate_all(par, work, flips);
-      flip_pass(par, work, flips, {});
+      activate_all(backend, work, criterion, flips);
+      flip_pass(backend, work, criterion, flips, {});
     });
-    std::vector<Tet> tets(static_cast<std::size_t>(work.slots()));
+    std::vector<Tet> tets(backend::to_size_t(work.slots()));
     measure("download", counts, [&] {
-      par::Cuda::download(points.data(), work.points.span().data(), points.size() * sizeof(Point));
-      par::Cuda::download(tets.data(), work.tet2vertex.span().data(), tets.size() * sizeof(Tet));
+      backend::CudaMemory::download(points.data(), work.points.span().data(), points.size() * sizeof(Point));
+      backend::CudaMemory::download(tets.data(), work.tet2vertex.span().data(), tets.size() * sizeof(Tet));
     });
     for (std::size_t v = 0; v < points.size(); ++v) points[v] = point(vec(mesh.points[v]));
   }

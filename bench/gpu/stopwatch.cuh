@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "backend/cuda.cuh"
 #include "bench/gpu/device.hpp"
-#include "par/cuda.cuh"
 
 namespace tetune::gpu_bench {
 
-/// Device time between two events on the default stream.
+/// Measures device time between two events on the default stream.
 class Stopwatch {
  public:
   Stopwatch() {
-    par::check_cuda(cudaEventCreate(&start_), "event");
-    par::check_cuda(cudaEventCreate(&end_), "event");
+    backend::check_cuda(cudaEventCreate(&start_), "event");
+    backend::check_cuda(cudaEventCreate(&end_), "event");
   }
   Stopwatch(const Stopwatch&) = delete;
   Stopwatch& operator=(const Stopwatch&) = delete;
@@ -22,12 +22,12 @@ class Stopwatch {
 
   template <class F>
   double seconds(const F& work) const {
-    par::check_cuda(cudaEventRecord(start_), "event");
+    backend::check_cuda(cudaEventRecord(start_), "event");
     work();
-    par::check_cuda(cudaEventRecord(end_), "event");
-    par::check_cuda(cudaEventSynchronize(end_), "event");
+    backend::check_cuda(cudaEventRecord(end_), "event");
+    backend::check_cuda(cudaEventSynchronize(end_), "event");
     float milliseconds = 0;
-    par::check_cuda(cudaEventElapsedTime(&milliseconds, start_, end_), "event");
+    backend::check_cuda(cudaEventElapsedTime(&milliseconds, start_, end_), "event");
     return 1e-3 * static_cast<double>(milliseconds);
   }
 

@@ -11,19 +11,19 @@
 #include <limits>
 #include <map>
 
-#include "core/connect.hpp"
-#include "core/upload.hpp"
-#include "flips/flip_pass.hpp"
-#include "par/cpu.hpp"
+#include "backend/cpu.hpp"
+#include "mesh/connect.hpp"
+#include "mesh/upload.hpp"
+#include "operators/flip_pass.hpp"
 #include "reference/generate.hpp"
-#include "relocate/coloring.hpp"
-#include "relocate/sweep.hpp"
+#include "relocation/coloring.hpp"
+#include "relocation/sweep.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {
 namespace {
 
-using par::Cpu;
+using backend::Cpu;
 
 /// 57^3 cells, some 1.3 M tetrahedra and 195 k vertices.
 const TetMesh& input() {
@@ -32,7 +32,7 @@ const TetMesh& input() {
 }
 
 WorkMesh<Cpu> sorted() {
-  WorkMesh<Cpu> work = upload_mesh<Cpu>(input());
+  WorkMesh<Cpu> work = upload_mesh(Cpu(1), input());
   sort_mesh(Cpu(0), work);
   build_adjacency(Cpu(0), work);
   return work;
@@ -44,7 +44,8 @@ double ring_bytes(const Rings<Cpu>& rings) {
   return static_cast<double>(rings.faces.size()) * sizeof(*rings.faces.span().data()) + vertices() * sizeof(Index);
 }
 
-Cpu threads(const benchmark::State& state) { return Cpu(static_cast<int>(state.range(0))); }
+int thread_count(const benchmark::State& state) { return static_cast<int>(state.range(0)); }
+Cpu threads(const benchmark::State& state) { return Cpu(thread_count(state)); }
 
 void per_item(benchmark::State& state, const char* item, Size items) {
   state.counters[item] = benchmark::Counter(
@@ -100,8 +101,8 @@ Ceilings measure_ceilings(int threads) {
   constexpr Size kBlocks = 8192;  // 256 MiB each way, far beyond the caches
   constexpr Size kItems = 4096;
   const Cpu cpu(threads);
-  Cpu::Buffer<double> from(CopyKernel::kBlock * kBlocks);
-  Cpu::Buffer<double> to(CopyKernel::kBlock * kBlocks);
+  Cpu::Buffer<double> from(cpu, CopyKernel::kBlock * kBlocks);
+  Cpu::Buffer<double> to(cpu, CopyKernel::kBlock * kBlocks);
   cpu.fill(from.span(), 1.0);
   cpu.fill(to.span(), 0.0);
   const CopyKernel copy{from.span().data(), to.span().data()};
@@ -121,7 +122,7 @@ const Ceilings& ceilings(int threads) {
 /// Beside its roofline: the part of the time that the fewest bytes (what is read and written, each once) and the
 /// arithmetic would take at the machine's ceilings, the longer of the two.
 void roofline(benchmark::State& state, double bytes, double flops = 0) {
-  const Ceilings& top = ceilings(static_cast<int>(state.range(0)));
+  const Ceilings& top = ceilings(thread_count(state));
   const auto rate = [](double each) { return benchmark::Counter(each, benchmark::Counter::kIsIterationInvariantRate); };
   state.counters["GB/s"] = rate(1e-9 * bytes);
   if (flops > 0) state.counters["Gflop/s"] = rate(1e-9 * flops);
@@ -129,19 +130,19 @@ void roofline(benchmark::State& state, double bytes, double flops = 0) {
 }
 
 void Machine(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(ceilings(static_cast<int>(state.range(0))));
-  state.counters["GB/s"] = 1e-9 * ceilings(static_cast<int>(state.range(0))).bytes_a_second;
-  state.counters["Gflop/s"] = 1e-9 * ceilings(static_cast<int>(state.range(0))).flops_a_second;
+  for (auto _ : state) benchmark::DoNotOptimize(ceilings(thread_count(state)));
+  state.counters["GB/s"] = 1e-9 * ceilings(thread_count(state)).bytes_a_second;
+  state.counters["Gflop/s"] = 1e-9 * ceilings(thread_count(state)).flops_a_second;
 }
 
 void Sort(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
-    WorkMesh<Cpu> work = upload_mesh<Cpu>(input());
+    WorkMesh<Cpu> work = upload_mesh(Cpu(1), input());
     state.ResumeTiming();
     sort_mesh(threads(state), work);
   }
-  per_item(state, "a tet", static_cast<Size>(input().tets.size()));
+  per_item(state, "a tet", std::ssize(input().tets));
   roofline(state, tets() * (2 * sizeof(Tet) + sizeof(Index)) + vertices() * (2 * sizeof(Point) + sizeof(Index)));
 }
 
@@ -149,10 +150,10 @@ void Adjacency(benchmark::State& state) {
   WorkMesh<Cpu> work = sorted();
   for (auto _ : state) {
     const AdjacencyReport r = build_adjacency(threads(state), work);
-    if (r.crowded_faces + r.same_side_faces > 0) state.SkipWithError("broken adjacency");
+    if (r.non_manifold_faces + r.misoriented_faces > 0) state.SkipWithError("broken adjacency");
   }
   per_item(state, "a tet", work.slots());
-  roofline(state, tets() * (sizeof(Tet) + sizeof(Links)));
+  roofline(state, tets() * (sizeof(Tet) + sizeof(FaceAdjacency)));
 }
 
 void VertexRings(benchmark::State& state) {
@@ -168,11 +169,11 @@ void Colouring(benchmark::State& state) {
   WorkMesh<Cpu> work = sorted();
   Rings<Cpu> rings;
   build_rings(Cpu(0), work, rings);
-  Cpu::Buffer<Mobility> kind;
-  kind.upload(std::vector<Mobility>(static_cast<std::size_t>(work.vertices()), Mobility::free));
+  Cpu::Buffer<VertexDof> kind;
+  kind.upload(backend::Cpu(1), std::vector<VertexDof>(static_cast<std::size_t>(work.vertices()), VertexDof::free));
   for (auto _ : state) {
     Coloring<Cpu> coloring;
-    color_vertices(threads(state), rings.view(), Span<const Mobility>(kind.span()), coloring);
+    color_vertices(threads(state), rings.view(), Span<const VertexDof>(kind.span()), coloring);
     if (coloring.vertices.size() != work.vertices()) state.SkipWithError("a vertex without colour");
     state.counters["colours"] = coloring.colors();
   }
@@ -186,19 +187,19 @@ void FirstFlipPass(benchmark::State& state) {
     state.PauseTiming();
     WorkMesh<Cpu> work = sorted();
     FlipState<Cpu> flips;
-    const double energy = refresh_energy(cpu, work, flips);
-    activate_all(cpu, work, flips);
+    const double energy = refresh_energy(cpu, work, Criterion{}, flips.energies);
+    activate_all(cpu, work, Criterion{}, flips);
     state.ResumeTiming();
-    const FlipReport r = flip_pass(cpu, work, flips, {});
+    const PassResult r = flip_pass(cpu, work, Criterion{}, flips, {});
     state.PauseTiming();
-    if (std::abs(refresh_energy(cpu, work, flips) - (energy - r.decrease)) > 1e-9 * energy)
+    if (std::abs(refresh_energy(cpu, work, Criterion{}, flips.energies) - (energy - r.decrease)) > 1e-9 * energy)
       state.SkipWithError("energy is off");
-    state.counters["flips"] = static_cast<double>(r.flips());
+    state.counters["flips"] = static_cast<double>(r.counts.flips());
     state.ResumeTiming();
   }
-  per_item(state, "a tet", static_cast<Size>(input().tets.size()));
+  per_item(state, "a tet", std::ssize(input().tets));
   // Read, and for most written: a tetrahedron, its links, energy and slack; beside it the points.
-  roofline(state, tets() * (sizeof(Tet) + sizeof(Links) + 2 * sizeof(double) + 2 * sizeof(float)) +
+  roofline(state, tets() * (sizeof(Tet) + sizeof(FaceAdjacency) + 2 * sizeof(double) + 2 * sizeof(float)) +
                       vertices() * sizeof(Point));
 }
 
@@ -210,26 +211,26 @@ void sweep_with(benchmark::State& state, const Step& step) {
   build_rings(cpu, work, rings);
   const auto n = static_cast<std::size_t>(work.vertices());
   // The vertices of the cube's faces are fixed, as in `--boundary fixed`.
-  std::vector<Mobility> kinds(n, Mobility::free);
+  std::vector<VertexDof> kinds(n, VertexDof::free);
   for (std::size_t v = 0; v < n; ++v) {
     const Point p = work.points.span()[static_cast<Size>(v)];
     for (const double x : {p.x, p.y, p.z}) {
-      if (x == 0 || x == 1) kinds[v] = Mobility::fixed;
+      if (x == 0 || x == 1) kinds[v] = VertexDof::fixed;
     }
   }
-  Mobilities<Cpu> m;
-  m.kind.upload(kinds);
-  m.axis.upload(std::vector<Vec3>(n, Vec3{0, 0, 0}));
-  m.awake.upload(std::vector<std::uint8_t>(n, 1));
+  VertexDofs<Cpu> m;
+  m.kind.upload(cpu, kinds);
+  m.axis.upload(cpu, std::vector<Vec3>(n, Vec3{0, 0, 0}));
+  m.active.upload(cpu, std::vector<std::uint8_t>(n, 1));
   Coloring<Cpu> coloring;
-  color_vertices(cpu, rings.view(), Span<const Mobility>(m.kind.span()), coloring);
+  color_vertices(cpu, rings.view(), Span<const VertexDof>(m.kind.span()), coloring);
   const std::vector<Point> start = work.points.download();
   for (auto _ : state) {
     state.PauseTiming();
-    work.points.upload(start);
-    cpu.fill(m.awake.span(), std::uint8_t{1});
+    work.points.upload(cpu, start);
+    cpu.fill(m.active.span(), std::uint8_t{1});
     state.ResumeTiming();
-    const SweepSum sum = sweep(cpu, work, rings.view(), coloring, m, step);
+    const SweepSum sum = sweep<SweepRing<Cpu>>(cpu, work, Criterion{}, rings.view(), coloring, m, step);
     if (!(sum.decrease > 0)) state.SkipWithError("the energy did not fall");
   }
   per_item(state, "a vertex", coloring.vertices.size());
@@ -250,10 +251,10 @@ void file_speed(benchmark::State& state, const char* ending, bool reading) {
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   for (auto _ : state) {
     if (reading) {
-      if (read_mesh(path, nullptr, static_cast<int>(state.range(0))).tets != input().tets)
+      if (read_mesh(path, nullptr, thread_count(state)).tets != input().tets)
         state.SkipWithError("read something else");
     } else {
-      write_mesh(path, input(), static_cast<int>(state.range(0)));
+      write_mesh(path, input(), thread_count(state));
     }
   }
   std::filesystem::remove(path);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// One mesh through one experiment of the paper, as JSON on standard output:
+// Runs one experiment of the paper on one mesh and prints the result as JSON:
 //   bench_paper MESH --what flips|no-flips|descended|preserve|slide [--runs N] [--threads T] [--device cpu|cuda]
-// flips: the ordered queue and ours. no-flips, descended: the method of Alexa (2019), by its two ends. preserve, slide:
-// ours, as in the paper's Table 2 and Table 3. A time is given only for a result that is valid. What runs on one thread
-// is timed by its processor time, which other programs on the machine change little; more threads are by the clock.
+// flips: the sequential queue and the parallel flips. no-flips, descended: the method of Alexa (2019) with its two
+// termination criteria. preserve, slide: optimize(), as in Tables 2 and 3 of the paper. A time is printed only for a
+// valid result. Runs on one thread are measured in processor time, which other programs hardly affect; runs on several
+// threads in wall time.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -11,9 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/connect.hpp"
-#include "core/upload.hpp"
-#include "par/cpu.hpp"
+#include "backend/cpu.hpp"
+#include "mesh/connect.hpp"
+#include "mesh/upload.hpp"
 #include "reference/alexa.hpp"
 #include "tetune/tetune.hpp"
 
@@ -23,13 +24,13 @@ using Json = nlohmann::ordered_json;
 using tetune::TetMesh;
 
 struct Arguments {
-  std::string mesh, what = "flips";
+  std::string mesh, experiment = "flips";
   int runs = 1;
   int threads = 0;
   tetune::Device device = tetune::Device::cpu;
 };
 
-/// What the paper minimises and allows. Every run of "ours" but those of our own defaults starts from here.
+/// The objective, features and flips of the paper: the base of all runs except those with the default options.
 tetune::Options paper_settings() {
   tetune::Options options;
   options.energy = tetune::Energy::harmonic;
@@ -38,23 +39,25 @@ tetune::Options paper_settings() {
   return options;
 }
 
-/// The same, and moves vertices and ends as the paper does (Alg. 1, Sect. 4.5).
-tetune::Options paper_to_the_letter() {
+/// paper_settings() with the relocation and the termination of the paper (Alg. 1, Sect. 4.5).
+tetune::Options paper_relocation() {
   tetune::Options options = paper_settings();
   options.relocation = tetune::Relocation::gradient;
   options.termination = tetune::Termination::paper;
   return options;
 }
 
-/// Seconds of some piece of work: of the processor, and by the clock.
+/// Processor time and wall time since its construction, in seconds.
 class Stopwatch {
  public:
-  double processor() const { return static_cast<double>(std::clock() - processor_) / CLOCKS_PER_SEC; }
-  double clock() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_).count(); }
+  double processor_seconds() const { return static_cast<double>(std::clock() - processor_start_) / CLOCKS_PER_SEC; }
+  double wall_seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start_).count();
+  }
 
  private:
-  std::clock_t processor_ = std::clock();
-  std::chrono::steady_clock::time_point clock_ = std::chrono::steady_clock::now();
+  std::clock_t processor_start_ = std::clock();
+  std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
 };
 
 double median(std::vector<double> v) {
@@ -80,16 +83,15 @@ Json result_json(const TetMesh& before, const TetMesh& after, const std::vector<
   return json;
 }
 
-/// The mesh along the space-filling curve: what locality alone is worth to the sequential method.
+/// The mesh sorted along the space-filling curve, to measure the effect of locality on the sequential method.
 TetMesh sorted(const TetMesh& mesh) {
   using namespace tetune;
-  WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
-  sort_mesh(par::Cpu(0), work);
+  WorkMesh<backend::Cpu> work = upload_mesh(backend::Cpu(1), mesh);
+  sort_mesh(backend::Cpu(0), work);
   TetMesh result;
   for (const Point& p : work.points.download()) result.points.push_back({p.x, p.y, p.z});
   for (const Tet& t : work.tet2vertex.download()) result.tets.push_back({t[0], t[1], t[2], t[3]});
-  for (const Index t : work.tet2original.download())
-    result.tet_tags.push_back(mesh.tet_tags[static_cast<std::size_t>(t)]);
+  for (const Index t : work.tet2original.download()) result.tet_tags.push_back(backend::span_of(mesh.tet_tags)[t]);
   result.point_tags.assign(result.points.size(), 0);
   return result;
 }
@@ -102,7 +104,7 @@ Json sequential_flips(const TetMesh& mesh, int runs) {
     last = mesh;
     const Stopwatch watch;
     result = tetune::reference::flip_in_order(last);
-    seconds.push_back(watch.processor());
+    seconds.push_back(watch.processor_seconds());
   }
   Json json = result_json(mesh, last, seconds);
   json["flips_2_3"] = result.flips23;
@@ -110,22 +112,22 @@ Json sequential_flips(const TetMesh& mesh, int runs) {
   return json;
 }
 
-Json ours(const TetMesh& mesh, const tetune::Options& options, int runs) {
-  std::vector<double> seconds, clock_seconds, flip_seconds;
+Json run_optimize(const TetMesh& mesh, const tetune::Options& options, int runs) {
+  std::vector<double> seconds, wall_seconds, flip_seconds;
   TetMesh last;
   tetune::Report report;
   for (int r = 0; r < runs; ++r) {
     last = mesh;
     const Stopwatch watch;
     report = tetune::optimize(last, options);
-    clock_seconds.push_back(watch.clock());
-    seconds.push_back(options.threads == 1 ? watch.processor() : watch.clock());
+    wall_seconds.push_back(watch.wall_seconds());
+    seconds.push_back(options.threads == 1 ? watch.processor_seconds() : watch.wall_seconds());
     double flips = 0;
     for (const auto& pass : report.flip_passes) flips += pass.seconds;
     flip_seconds.push_back(flips);
   }
   Json json = result_json(mesh, last, seconds);
-  json["clock_seconds"] = median(clock_seconds);
+  json["clock_seconds"] = median(wall_seconds);
   json["threads"] = report.threads;
   json["flip_seconds"] = median(flip_seconds);
   json["flips_2_3"] = report.flips23;
@@ -142,7 +144,7 @@ Json ours(const TetMesh& mesh, const tetune::Options& options, int runs) {
   return json;
 }
 
-Json alexa(const TetMesh& mesh, const TetMesh& before, tetune::reference::AlexaEnd end, int runs) {
+Json run_alexa(const TetMesh& mesh, const TetMesh& before, tetune::reference::AlexaEnd end, int runs) {
   std::vector<double> seconds;
   TetMesh last;
   tetune::reference::AlexaReport report;
@@ -150,7 +152,7 @@ Json alexa(const TetMesh& mesh, const TetMesh& before, tetune::reference::AlexaE
     last = mesh;
     const Stopwatch watch;
     report = tetune::reference::optimize(last, end);
-    seconds.push_back(watch.processor());
+    seconds.push_back(watch.processor_seconds());
   }
   Json json = result_json(before, last, seconds);
   json["finished"] = report.finished;
@@ -170,14 +172,14 @@ Json alexa(const TetMesh& mesh, const TetMesh& before, tetune::reference::AlexaE
 
 Json run(const TetMesh& mesh, const Arguments& a) {
   using tetune::reference::AlexaEnd;
-  Json json = {{"mesh", a.mesh}, {"what", a.what}, {"runs", a.runs}, {"input", quality_json(mesh)}};
-  if (a.what == "no-flips") {
-    json["sequential"] = alexa(mesh, mesh, AlexaEnd::no_flips, a.runs);
-    json["sequential_sorted"] = alexa(sorted(mesh), mesh, AlexaEnd::no_flips, a.runs);
+  Json json = {{"mesh", a.mesh}, {"what", a.experiment}, {"runs", a.runs}, {"input", quality_json(mesh)}};
+  if (a.experiment == "no-flips") {
+    json["sequential"] = run_alexa(mesh, mesh, AlexaEnd::no_flips, a.runs);
+    json["sequential_sorted"] = run_alexa(sorted(mesh), mesh, AlexaEnd::no_flips, a.runs);
     return json;
   }
-  if (a.what == "descended") {
-    json["sequential_sorted"] = alexa(sorted(mesh), mesh, AlexaEnd::descended, 1);
+  if (a.experiment == "descended") {
+    json["sequential_sorted"] = run_alexa(sorted(mesh), mesh, AlexaEnd::descended, 1);
     return json;
   }
   const auto on_device = [&a](tetune::Options options) {
@@ -186,25 +188,25 @@ Json run(const TetMesh& mesh, const Arguments& a) {
     return options;
   };
   tetune::Options options = paper_settings();
-  if (a.what == "flips") {
+  if (a.experiment == "flips") {
     options.max_iterations = 0;
     json["sequential"] = sequential_flips(mesh, a.runs);
     json["sequential_sorted"] = sequential_flips(sorted(mesh), a.runs);
-  } else if (a.what == "preserve" || a.what == "slide") {
-    const auto boundary = a.what == "slide" ? tetune::Boundary::slide : tetune::Boundary::preserve;
+  } else if (a.experiment == "preserve" || a.experiment == "slide") {
+    const auto boundary = a.experiment == "slide" ? tetune::Boundary::slide : tetune::Boundary::preserve;
     options.boundary = boundary;
-    tetune::Options letter = paper_to_the_letter();
-    letter.boundary = boundary;
-    json["letter"] = ours(mesh, on_device(letter), 1);
+    tetune::Options paper = paper_relocation();
+    paper.boundary = boundary;
+    json["letter"] = run_optimize(mesh, on_device(paper), 1);
     tetune::Options defaults;
     defaults.boundary = boundary;
-    json["defaults"] = ours(mesh, on_device(defaults), a.runs);
+    json["defaults"] = run_optimize(mesh, on_device(defaults), a.runs);
   } else {
-    throw tetune::OptionError("no such experiment: " + a.what);
+    throw tetune::OptionError("no such experiment: " + a.experiment);
   }
-  json["ours"] = ours(mesh, on_device(options), a.runs);
+  json["ours"] = run_optimize(mesh, on_device(options), a.runs);
   options.threads = 1;
-  json["ours_one_thread"] = ours(mesh, options, a.runs);
+  json["ours_one_thread"] = run_optimize(mesh, options, a.runs);
   return json;
 }
 
@@ -215,7 +217,7 @@ Arguments parse(int argc, char** argv) {
   for (int i = 2; i + 1 < argc; i += 2) {
     const std::string name = argv[i];
     const std::string value = argv[i + 1];
-    if (name == "--what") a.what = value;
+    if (name == "--what") a.experiment = value;
     if (name == "--runs") a.runs = std::max(1, std::atoi(value.c_str()));
     if (name == "--threads") a.threads = std::atoi(value.c_str());
     if (name == "--device") a.device = value == "cuda" ? tetune::Device::cuda : tetune::Device::cpu;

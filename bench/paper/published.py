@@ -32,4 +32,4 @@ TABLE_3 = {
                (3.84, 34.0, 32.77, 13.08, 9.27e6)),
     "Pot": ((4.14, 28.79, 40.06, 10.12, 2.51e7), (0.04, 33.67, 2252.44, 8.36, 2.29e7), (9.21, 37.01, 17.05, 7.31, 2.09e7)),
 }
-# Speed-ups read off the text: flips 106 to 318; whole, preserve 9.17 to 119, every boundary vertex 3.51 to 78.
+# Speed-ups from the text: flips 106 to 318; whole, preserve 9.17 to 119, every boundary vertex 3.51 to 78.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sect. 5.2 of the paper: many meshes, and on each: no inversion, no broken face, boundary vertices on the input surface.
 
-The meshes are TetGen's, its optimiser off, of random star-shaped polyhedra: noisy spheres of flat facets, some with a cavity, some
+The meshes are TetGen's, its optimizer off, of random star-shaped polyhedra: noisy spheres of flat facets, some with a cavity, some
 squashed to plates, some needles; most have 1 k to 20 k tetrahedra. Seeds are 1 to N."""
 
 import json
@@ -77,7 +77,7 @@ def make_mesh(seed, folder):
 
 
 def measure(seed, boundary):
-    """One mesh: None where TetGen makes none, else what became of it."""
+    """One mesh: None if TetGen fails, else the result."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         mesh = make_mesh(seed, folder)
@@ -96,7 +96,7 @@ def measure(seed, boundary):
 
 
 def run(args):
-    """Prints the table, keeps robustness-BOUNDARY.json and returns the exit code: 0 when nothing went wrong."""
+    """Prints the table, keeps robustness-BOUNDARY.json and returns the exit code: 0 if there was no failure."""
     path = args.out / f"robustness-{args.boundary}.json"
     data = json.loads(path.read_text()) if args.resume and path.exists() else {"provenance": harness.provenance(), "seeds": {}}
     seeds = data["seeds"]

@@ -31,7 +31,7 @@ PAIRS = [
     ("q_h", "numpy", "q_h", None, False),
 ]
 # VTK's smallest dihedral angle of a tetrahedron takes two of the six by their supplements, so it depends on the order of
-# the vertices; the same is done here to see that nothing else is between it and ours.
+# the vertices; the same is done here to show that this is the only difference.
 PAIRS.append(("(as VTK takes them)", "vtk", "min_angle", None, True))
 ORDER = ["min_dihedral_deg", "max_dihedral_deg", "mean_ratio", "sicn", "gamma", "scaled_jacobian", "radius_ratio",
          "aspect_ratio", "q_h"]
@@ -61,7 +61,7 @@ def by_vtk(points, tets):
 
 
 def by_numpy(points, tets):
-    """From other formulas than tetune's: angles between edges turned about one another, q_h from the matrix that maps the
+    """By other formulas than tetune's: angles between rotated edges, q_h from the matrix that maps the
     regular tetrahedron to this one."""
     p = points[tets]
     angles = {}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gmsh as a rival and as a judge, each call a process of its own: Gmsh may crash.
+"""Runs Gmsh as an optimizer and for its measures, each call in a separate process, as Gmsh may crash.
 
-  gmsh_peer.py probe                                    version, and whether it can optimise an existing mesh by HXT
+  gmsh_peer.py probe                                    version, and whether it can optimize an existing mesh by HXT
   gmsh_peer.py optimize IN OUT THRESHOLD METHOD [...]   METHOD: default, Netgen, HXT; one after the other
   gmsh_peer.py quality FILE                             smallest signed inverse condition number
 The last line printed is JSON."""
@@ -34,7 +34,7 @@ def netgen():
 
 
 def face_keys(triangles):
-    """A number for each triangle, whichever way round its vertices stand; unique up to 2.6 million vertices."""
+    """A number per triangle, independent of the order of its vertices; unique up to 2.6 million vertices."""
     n, base = numpy.sort(triangles.astype(numpy.uint64), axis=1), numpy.uint64(2642245)
     return (n[:, 0] * base + n[:, 1]) * base + n[:, 2]
 

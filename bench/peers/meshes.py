@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes on their way into and out of the rivals, all outside the timed part. Standard library alone.
+"""Conversion of meshes for the other programs, outside of the timed part. Uses the standard library only.
 
   meshes.py prepare SOURCE MESH [STEM]   the input as every rival gets it: MESH (.mesh or .meshb), and STEM.node, .ele,
                                          .face, .edge
@@ -81,7 +81,7 @@ def points(mesh):
 
 
 def keep_surface_triangles(mesh):
-    """Leaves out triangles that say nothing: no tag, not required, and inside a region. TetGen's .mesh lists every face
+    """Removes triangles that constrain nothing: no tag, not required, and inside a region. TetGen's .mesh lists every face
     of every tetrahedron, which Mmg would take for surfaces to keep. Returns how many."""
     triangles = rows(mesh, "Triangles")
     required = {int(i) - 1 for i in mesh.get("RequiredTriangles", [])}
@@ -109,8 +109,8 @@ def keep_surface_triangles(mesh):
 
 
 def vertices_kept(before, after):
-    """"yes" where vertex i of one mesh is vertex i of the other, moved or not; "reordered" where a vertex stands at the
-    very place of another one; else how many more (+) or fewer (-) there are."""
+    """"yes" where vertex i of one mesh is vertex i of the other, moved or not; "reordered" where a vertex has the
+    position of another one; else the difference in number."""
     old, new = points(before), points(after)
     if len(old) != len(new):
         return f"{len(new) - len(old):+d}"
@@ -129,7 +129,7 @@ def write_tetgen(stem, mesh):
 
 
 def read_tetgen(stem, before):
-    """What TetGen wrote, with the sections of the input that it knows nothing of. TetGen marks with 1 each piece of
+    """The output of TetGen with the sections of the input that it does not support. TetGen marks with 1 each piece of
     surface that had no tag, and lists each segment that it found: those stay without tag, and unlisted, here."""
     def table(ending, columns):
         with open(f"{stem}{ending}") as file:

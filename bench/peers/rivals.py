@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rivals: where they are, their versions, the settings found to matter, how to run each and read what it says."""
+"""The other programs: where they are, their versions, the relevant settings, how to run each and parse its output."""
 
 import dataclasses
 import json
@@ -27,7 +27,7 @@ class Setting:
 
 
 class Tools:
-    """What is installed: `paths`, `versions`, and why the rest is not there in `missing`."""
+    """The installed tools: `paths`, `versions`, and in `missing` the reasons why others are not used."""
 
     def __init__(self, venv):
         self.paths, self.versions, self.missing = {}, {}, {}
@@ -73,7 +73,7 @@ class Tools:
             rows.append(Setting("gmsh", f"gmsh default {threshold}", [*gmsh, threshold, "default"]))
         rows.append(Setting("gmsh", "gmsh Netgen", [*gmsh, "0.3", "Netgen"]))
         rows.append(Setting("gmsh", "gmsh default 0.3 + Netgen", [*gmsh, "0.3", "default", "Netgen"]))
-        no_hxt = f"Gmsh {self.versions.get('gmsh')} has no HXT optimiser for an existing mesh"
+        no_hxt = f"Gmsh {self.versions.get('gmsh')} has no HXT optimizer for an existing mesh"
         for threshold in ("0.3", "0.35", "0.45"):
             rows.append(Setting("gmsh", f"gmsh HXT {threshold}", [*gmsh, threshold, "HXT"], "" if self.hxt else no_hxt,
                                 all_cores=True))
@@ -90,7 +90,7 @@ class Tools:
 
 
 def mesh_tool(*arguments):
-    """One command of meshes.py, which see. Returns what it prints; RuntimeError with the reason where it fails."""
+    """Runs one command of meshes.py. Returns its output; RuntimeError with the reason if it fails."""
     result = subprocess.run([sys.executable, MESHES, *arguments], capture_output=True, text=True)
     if result.returncode != 0:
         raise RuntimeError((result.stderr.strip().splitlines() or ["meshes.py failed"])[-1])
@@ -104,14 +104,14 @@ def last_json(record):
         return None
 
 
-TETUNE_TOLD = re.compile(r"optimised ([\d.]+) s on .*\((\d+) threads\)")
+TETUNE_REPORTS = re.compile(r"optimi[sz]ed ([\d.]+) s on .*\((\d+) threads\)")
 
 
-def optimise_seconds(tool, record):
-    """All that the tool does between reading and writing, by its own account; None where it does not tell."""
+def optimize_seconds(tool, record):
+    """Seconds between reading and writing, as the tool reports them; None if it does not."""
     text = record["output"]
     if tool == "tetune":
-        return float(TETUNE_TOLD.search(text).group(1))
+        return float(TETUNE_REPORTS.search(text).group(1))
     if tool == "gmsh":
         return (last_json(record) or {}).get("seconds")
     if tool == "mmg":
@@ -124,12 +124,12 @@ def optimise_seconds(tool, record):
 
 def threads(setting, record):
     if setting.tool == "tetune":
-        return int(TETUNE_TOLD.search(record["output"]).group(2))
+        return int(TETUNE_REPORTS.search(record["output"]).group(2))
     return os.cpu_count() if setting.all_cores else 1
 
 
 def collect(setting, files):
-    """Brings the result to OUT where the tool wrote something else. False when there is none."""
+    """Moves the result to OUT if the tool wrote another file. False if there is none."""
     if setting.tool == "tetgen":
         stem = f"{files['STEM']}.1"
         if not all(pathlib.Path(stem + ending).is_file() for ending in (".node", ".ele", ".face", ".edge")):
@@ -139,6 +139,6 @@ def collect(setting, files):
 
 
 def clear(files):
-    """Removes what an earlier run left, so that a result is always this run's."""
+    """Removes the results of an earlier run."""
     for path in [files["OUT"], *files["STEM"].parent.glob(files["STEM"].name + ".1.*")]:
         path.unlink(missing_ok=True)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Meshes from seeds. A family is a function of a random.Random and an empty folder to work in; it returns a mesh as medit.read()
-does, or None where the program that makes it finds the shape too hard."""
+does, or None if the mesher fails on the shape."""
 
 import math
 import subprocess
@@ -96,18 +96,18 @@ def lattice(rng, _):
     counts = numpy.array([max(3, round(n * rng.uniform(0.7, 1.3))) for _ in range(3)])
     points, tets, inside = grid(counts)
     moved = points + rng.uniform(0, 0.45) * inside * noise(rng, points.shape) / counts
-    centres = points[tets].mean(axis=1)
+    centers = points[tets].mean(axis=1)
     kind = rng.choice(("one", "layers", "balls", "cells"))
     tags = numpy.ones(len(tets), int)
     if kind == "layers":
         axis, layers = rng.randrange(3), rng.randrange(2, 5)
-        tags = 1 + (centres[:, axis] * layers).astype(int)
+        tags = 1 + (centers[:, axis] * layers).astype(int)
     elif kind == "balls":
         for tag in range(2, 2 + rng.randrange(1, 6)):
             at, radius = [rng.random() for _ in range(3)], rng.uniform(0.1, 0.4)
-            tags[numpy.linalg.norm(centres - at, axis=1) < radius] = tag
+            tags[numpy.linalg.norm(centers - at, axis=1) < radius] = tag
     elif kind == "cells":
-        cell = (centres * counts).astype(int) @ [1, 7919, 104729]
+        cell = (centers * counts).astype(int) @ [1, 7919, 104729]
         tags = 1 + (cell * 2654435761 % 2**32 < 2**32 * rng.uniform(0.02, 0.3)).astype(int)
     if rng.random() < 0.5:  # grading keeps planes
         for k in range(3):

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""MEDIT text as numpy arrays, {section: array of its rows}, and a few facts of such a mesh. Ids count from 0 in the arrays."""
+"""MEDIT text as numpy arrays, {section: array of its rows}, and a few functions of such a mesh. Ids count from 0 in the arrays."""
 
 import re
 
 import numpy
 
-# Columns of a section, and how many of them are ids.
+# Columns of a section, and the number of ids among them.
 SECTIONS = {"Vertices": (4, 0), "Edges": (3, 2), "Triangles": (4, 3), "Tetrahedra": (5, 4), "Corners": (1, 1), "Ridges": (1, 1),
             "RequiredVertices": (1, 1), "RequiredEdges": (1, 1), "RequiredTriangles": (1, 1)}
 FACES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
@@ -69,7 +69,7 @@ def skin(tets):
 
 
 def part(mesh, keep):
-    """The tetrahedra `keep`, the vertices that they need, and what is listed of them."""
+    """The tetrahedra `keep`, their vertices, and their listed entities."""
     tets = mesh["Tetrahedra"][keep]
     used = numpy.unique(tets[:, :4])
     new_id = numpy.full(len(mesh["Vertices"]), -1)

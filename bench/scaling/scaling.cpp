@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One size through the optimiser: bench_scaling TETS THREADS. Prints one line of JSON. Times per tetrahedron are
+// One size through the optimizer: bench_scaling TETS THREADS. Prints one line of JSON. Times per tetrahedron are
 // processor time, of all threads together: other programs on the machine change that little.
 #include <sys/resource.h>
 
@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   const int n = static_cast<int>(std::lround(std::cbrt(std::atof(argv[1]) / 7)));
   tetune::TetMesh mesh = tetune::reference::scrambled(tetune::reference::lattice(n, 0.2), 1);
   const auto tets = static_cast<double>(mesh.tets.size());
-  // What the caller's arrays take is not the optimiser's.
+  // What the caller's arrays take is not the optimizer's.
   const double before = peak_bytes();
   tetune::Options options;
   options.threads = std::atoi(argv[2]);

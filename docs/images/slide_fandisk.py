@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws the surface of a mesh before and after sliding: each triangle coloured by the smallest dihedral angle of the
+"""Draws the surface of a mesh before and after sliding: each triangle colored by the smallest dihedral angle of the
 tetrahedron behind it, edges where the surface turns by more than 45 degrees in red.
 
     tetune optimize fandisk.mesh -o after.mesh --boundary slide

@@ -22,7 +22,7 @@ PAGES = {
     "SECURITY.md": "security.md",
     "bench/peers/README.md": "benchmarks/peers-harness.md",
     "bench/paper/shapes/README.md": "benchmarks/paper-shapes.md",
-    "plugins/gmsh/LICENSE-NOTE.md": "gmsh-licence.md",
+    "plugins/gmsh/LICENSE-NOTE.md": "gmsh-license.md",
     "examples": "examples.md",
     "examples/improve.cpp": "examples.md",
     "examples/python": "examples.md",
@@ -34,17 +34,17 @@ PYTHON = """# Python
 
 `import tetune`; how to install it and a first use are [at the start](../index.md#in-python).
 
-## Optimise
+## Optimize
 {tetune.optimize tetune.Options tetune.Result tetune.Progress}
 ## Measure and compare
 {tetune.quality tetune.measure_each tetune.compare tetune.validate}
 ## Meshes and files
 {tetune.TetMesh tetune.read_mesh tetune.write_mesh}
-## Of a pyvista grid: `grid.tetune`
+## Methods of a pyvista grid: `grid.tetune`
 {tetune._pyvista.TetuneAccessor}
-## Pages to look at
+## HTML report
 {tetune.report.write_page}
-## What the results are made of
+## Result types
 {tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison}
 ## Errors
 {tetune.Error tetune.MeshError tetune.UntangleError tetune.OverlapError tetune.OptionError tetune.FileError tetune.DeviceError}

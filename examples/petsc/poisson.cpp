@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A distributed mesh in a solver's memory, made better where it is: Poisson's equation before and after.
+// A distributed mesh in a solver's memory, optimized in place: Poisson's equation before and after.
 //   mpiexec -n 2 example_poisson [-n 24] [PETSc's options]
 #include <petscdmplex.h>
 #include <petscds.h>
@@ -93,7 +93,7 @@ PetscErrorCode make_mesh(MPI_Comm comm, PetscInt n, DM* dm) {
   return 0;
 }
 
-/// Linear elements.
+/// Sets up linear elements.
 PetscErrorCode discretize(DM dm) {
   PetscFE fe = nullptr;
   PetscCall(PetscFECreateLagrange(PetscObjectComm(reinterpret_cast<PetscObject>(dm)), 3, 1, PETSC_TRUE, 1,
@@ -154,7 +154,7 @@ PetscErrorCode run() {
   PetscCall(DMDestroy(&before));
 
   const tetune::DistributedReport report = tetune::optimize(dm);
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "optimised on %d ranks: energy %.0f -> %.0f, %d rounds, %.2f s\n",
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "optimized on %d ranks: energy %.0f -> %.0f, %d rounds, %.2f s\n",
                         report.ranks, report.energy_before, report.energy_after, static_cast<int>(report.rounds.size()),
                         report.seconds));
   PetscCall(discretize(dm));

@@ -35,7 +35,7 @@ tets, volumes = elements(3, TETRAHEDRON, node_row)
 triangles, surfaces = elements(2, TRIANGLE, node_row)
 mesh = tetune.TetMesh(points.reshape(-1, 3), tets, tet_tags=volumes, triangles=triangles, triangle_tags=surfaces)
 
-# Nodes keep their number and the surface its triangles: all that changes are positions and tetrahedra.
+# Nodes keep their number and the surface its triangles: only positions and tetrahedra change.
 result = tetune.optimize(mesh, boundary_flips=False)
 
 for row in np.flatnonzero(result.moved):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a better mesh is worth to a solver: heat in a bracket of two materials, with scikit-fem.
+"""The effect of mesh quality on a solver: heat in a bracket of two materials, with scikit-fem.
 
 Prints the condition number of the stiffness matrix and the iterations of conjugate gradients, before and after.
 """

@@ -5,33 +5,37 @@
 #include <string>
 #include <vector>
 
+#include "tetune/export.hpp"
 #include "tetune/mesh.hpp"
 
 namespace tetune {
 
-/// The entries `new2old` of each array, in that order. optimize() does so with the data of tetrahedra (by
-/// Report::tet2original), of triangles and of edges. Throws MeshError when an entry is not there or has no components.
-std::vector<DataArray> take_entries(const std::vector<DataArray>& data, const std::vector<Index>& new2old);
+/// Gathers the entries `new2old` of each array, in that order. optimize() transfers the data of tetrahedra in this way
+/// (by Report::tet2original), and those of triangles and of edges. Throws MeshError if an entry is out of range or an
+/// array has no components.
+TETUNE_API std::vector<DataArray> take_entries(const std::vector<DataArray>& data, const std::vector<Index>& new2old);
 
-/// Data of vertices after some were inserted and removed, as optimize() does it: each vertex keeps its entry wherever
-/// it has moved (`vertex2original` as in Report; empty: all were kept, and the data is handed back as it is).
+/// Transfers data of vertices to a mesh in which vertices were inserted and removed, as optimize() does: each vertex
+/// keeps its entry wherever it has moved. `vertex2original` is as in Report; if it is empty, the data is returned as
+/// is.
 ///
-/// An inserted vertex (-1) gets a mean of the vertices that it shares tetrahedra with, by mean value coordinates (Ju,
-/// Schaefer, Warren 2005): its floating-point values are those of any linear field, and lie within its neighbours'. Its
-/// integer values are those of the nearest vertex that it shares an edge with, through other inserted ones if need be.
+/// An inserted vertex (-1) gets a mean of the vertices with which it shares tetrahedra, by mean value coordinates (Ju,
+/// Schaefer, Warren 2005), which reproduce linear fields exactly and stay within the neighbors' values. Its integer
+/// values are those of the nearest vertex with which it shares an edge, through other inserted vertices if necessary.
 ///
-/// `points` and `tets` are the result's. Throws MeshError when an entry is not there or has no components, and when
-/// `vertex2original` is not as long as `points`.
-std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, const std::vector<Index>& vertex2original,
-                                        const std::vector<Point3>& points,
-                                        const std::vector<std::array<Index, 4>>& tets);
+/// `points` and `tets` are those of the result. Throws MeshError if an entry is out of range, an array has no
+/// components, or `vertex2original` is not as long as `points`.
+TETUNE_API std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data,
+                                                   const std::vector<Index>& vertex2original,
+                                                   const std::vector<Point3>& points,
+                                                   const std::vector<std::array<Index, 4>>& tets);
 
-/// Makes the cell data of this name the tags of tetrahedra, triangles, edges and other elements; they are data still.
-/// What were tags, if there were any, become data too, under the name that they had with ":before" after it.
+/// Copies the cell data of this name to the tags of tetrahedra, triangles, edges and other elements. Former tags other
+/// than 0 become data, under their name with ":before" appended.
 ///
-/// Each value must be one whole number of 32 bits; what is not a number counts as 0, "no tag", as does each element of
-/// a kind without such data. Throws OptionError where no tetrahedra have data of this name or the values are others,
-/// and where the mesh has groups, which name the tags that it has.
-void use_as_tags(TetMesh& mesh, const std::string& name);
+/// Each value must be a 32-bit integer; NaN counts as 0, "no tag", as does each element of a kind without such data.
+/// Throws OptionError if the tetrahedra have no data of this name or other values, and if the mesh has groups, which
+/// name its present tags.
+TETUNE_API void use_as_tags(TetMesh& mesh, const std::string& name);
 
 }  // namespace tetune

@@ -6,61 +6,62 @@
 #include <string>
 #include <vector>
 
+#include "tetune/export.hpp"
 #include "tetune/mesh.hpp"
 
 namespace tetune {
 
-/// Base of everything tetune throws on purpose. The message says what is wrong, where, and what to do.
-class Error : public std::runtime_error {
+/// Base of all exceptions of the library except std::bad_alloc. The message says what is wrong, where, and what to do;
+/// it writes options as `boundary=slide`.
+class TETUNE_API Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A file that cannot be read or written.
-class FileError : public Error {
+/// A file cannot be read or written.
+class TETUNE_API FileError : public Error {
  public:
   using Error::Error;
 };
 
-/// A mesh that breaks the contract of `validate()` (see validate.hpp).
-class MeshError : public Error {
+/// A mesh breaks the contract of `validate()` (validate.hpp).
+class TETUNE_API MeshError : public Error {
  public:
   using Error::Error;
 };
 
 /// Options::untangle could not make every volume positive.
-class UntangleError : public MeshError {
+class TETUNE_API UntangleError : public MeshError {
  public:
-  /// There is no room for the vertices, with a boundary that stays or one that slides; or the caller wanted an end.
+  /// The vertices have no room, with a boundary that stays or one that slides; or the caller stopped the run.
   enum class Reason { no_room, no_room_though_sliding, stopped };
-  /// `tangled`: how many tetrahedra were inverted or flat. `left`: those of the input, in increasing order, that what
-  /// is left descends from: tetrahedra still not positive, or else those at the surface where it would fold.
   UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason);
-  /// what(), with ids counted from 1 (as MEDIT does) or from 0.
+  /// what(), with ids that start from 1 (as in MEDIT files) or from 0.
   std::string message(bool one_based) const;
-  std::int64_t tangled;
+  std::int64_t tangled;  ///< number of inverted or flat tetrahedra of the input
+  /// Tetrahedra of the input, in increasing order, whose descendants are still not positive; or else those at the
+  /// surface where it would fold.
   std::vector<Index> left;
   Reason reason;
 };
 
 /// The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.
-class OverlapError : public MeshError {
+class TETUNE_API OverlapError : public MeshError {
  public:
-  /// `tets`: some of the input there, in increasing order.
   explicit OverlapError(std::vector<Index> tets);
-  /// As UntangleError's.
+  /// As in UntangleError.
   std::string message(bool one_based) const;
-  std::vector<Index> tets;
+  std::vector<Index> tets;  ///< some tetrahedra of the input there, in increasing order
 };
 
-/// An option out of its range, or one that cannot take effect.
-class OptionError : public Error {
+/// An option is out of its range, names a tag that no element has, or leaves nothing to do.
+class TETUNE_API OptionError : public Error {
  public:
   using Error::Error;
 };
 
-/// A device that is absent, unusable or out of memory.
-class DeviceError : public Error {
+/// A device is absent, unusable or out of memory.
+class TETUNE_API DeviceError : public Error {
  public:
   using Error::Error;
 };

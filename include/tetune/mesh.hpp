@@ -7,64 +7,59 @@
 #include <variant>
 #include <vector>
 
+#include "tetune/types.hpp"
+
 namespace tetune {
 
-/// Zero-based index of a vertex or an element.
-using Index = std::int32_t;
-
-/// Most tetrahedra a mesh may hold (flips may add some on the way, so a caller should stay a tenth below).
-inline constexpr Index kMaxTets = 400'000'000;
-
-using Point3 = std::array<double, 3>;
-
-/// Values of a data array in the type that they came in.
+/// Values of a data array, in the type of the file or of the caller.
 using DataValues =
     std::variant<std::vector<double>, std::vector<float>, std::vector<std::int8_t>, std::vector<std::uint8_t>,
                  std::vector<std::int16_t>, std::vector<std::uint16_t>, std::vector<std::int32_t>,
                  std::vector<std::uint32_t>, std::vector<std::int64_t>, std::vector<std::uint64_t>>;
 
-/// A named array on vertices or elements, as files carry it: optimize() hands it on (data.hpp), writers write it back.
+/// A named array on vertices or elements, as in files. optimize() transfers it to the result (data.hpp).
 struct DataArray {
   std::string name;
-  /// Values of one entry: 1 for a scalar, 3 for a vector.
+  /// Number of values per entry: 1 for a scalar, 3 for a vector.
   int components = 1;
-  /// Entry after entry.
+  /// Entry after entry: components * entries values.
   DataValues values;
 };
 
-/// A named set of elements of one dimension: all those with one of the tags. Gmsh's physical groups.
+/// A named set of elements of one dimension: all those with one of the tags (Gmsh: physical group).
 struct Group {
   /// 0 to 3: points, edges, triangles and quadrilaterals, tetrahedra and other solids.
   int dimension = 3;
-  /// What the file calls it by: unique in its dimension, positive.
+  /// Its number in the file: positive, unique in its dimension.
   int number = 0;
   /// May be empty.
   std::string name;
   std::vector<int> tags;
 };
 
+/// ElementBlock::kind of elements with one vertex.
 inline constexpr const char* kPoints = "Points";
 
-/// Elements other than tetrahedra, triangles and edges: kept as they are, their vertices frozen.
+/// Elements other than tetrahedra, triangles and edges. They do not change, and their vertices do not move.
 struct ElementBlock {
-  /// MEDIT section, for example "Hexahedra"; kPoints for elements of one vertex. One block a kind.
+  /// Name of the MEDIT section, for example "Hexahedra"; or kPoints. A mesh has one block per kind.
   std::string kind;
-  /// Vertices of one element.
+  /// Number of vertices per element.
   int vertices_per_element = 0;
-  /// `vertices_per_element` zero-based vertices an element.
+  /// Zero-based vertices, `vertices_per_element` per element.
   std::vector<Index> element2vertex;
-  /// One tag an element.
+  /// One tag per element.
   std::vector<int> tags;
-  /// Positions of those that the file lists as required.
+  /// Positions of the elements that the file lists as required.
   std::vector<Index> required;
-  /// One entry an element.
+  /// One entry per element.
   std::vector<DataArray> data{};
 };
 
 /// A tetrahedral mesh as a structure of arrays, owned by the caller.
 ///
-/// A tag vector is as long as the array it belongs to. A tag of 0 means "no tag". The order of vertices is the
-/// caller's and is kept by every function of the library; only optimize() with Effort::best adds and drops some.
+/// A tag vector is as long as the array that it belongs to; the tag 0 means "no tag". Every function of the library
+/// keeps the order of the vertices; only optimize() with Effort::best inserts and removes some.
 struct TetMesh {
   /// Vertex positions.
   std::vector<Point3> points;
@@ -75,7 +70,7 @@ struct TetMesh {
   /// Region (material) of each tetrahedron.
   std::vector<int> tet_tags;
 
-  /// Listed triangles: boundary patches, interfaces and other constraints.
+  /// Listed triangles: boundary patches, interfaces between regions and other constraints.
   std::vector<std::array<Index, 3>> triangles;
   std::vector<int> triangle_tags;
 
@@ -94,25 +89,26 @@ struct TetMesh {
   std::vector<Index> required_triangles;
   std::vector<Index> required_tets;
 
-  /// Elements of other kinds.
+  /// Elements of other kinds, one block per kind.
   std::vector<ElementBlock> others;
 
-  /// Named data, one entry a vertex, tetrahedron, triangle, edge. Names differ within each list.
+  /// Named data, one entry per vertex, tetrahedron, triangle, edge. Names are unique within each list.
   std::vector<DataArray> point_data, tet_data, triangle_data, edge_data;
 
-  /// Names of tags, and sets of them.
+  /// Named sets of tags.
   std::vector<Group> groups;
 
-  /// The names under which the tags came as data, for example "medit:ref", and go out again; empty: the format's own.
+  /// Names of the data from which the tags were read, for example "medit:ref", and to which they are written; empty:
+  /// the format's own.
   std::string point_tags_name, cell_tags_name;
-  /// Version and encoding of the file it came from, where its format has several ("msh 2.2 text"): writers of that
-  /// format keep to it.
+  /// Version and encoding of the file that was read, where its format has several ("msh 2.2 text"): writers of that
+  /// format use the same.
   std::string dialect;
-  /// True when the elements of the file had nodes in the middles of their straight edges; readers leave these nodes
-  /// out, writers put new ones in, after all others.
+  /// True if the elements of the file had nodes at the midpoints of their straight edges; readers drop these nodes, and
+  /// writers add new ones after all others.
   bool second_order = false;
 
-  /// True when the file listed its tetrahedra with det < 0; readers turn them, writers turn them back.
+  /// True if the file listed its tetrahedra with det < 0; readers reverse them, and writers reverse them back.
   bool listed_inside_out = false;
 };
 

@@ -6,57 +6,69 @@
 #include <cstdint>
 #include <vector>
 
+#include "tetune/export.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
 
-/// What every element is to reach: `value` or more where larger is better, else `value` or less.
+/// The quality that every element should have: `value` or more where larger is better, else `value` or less.
 struct Target {
   Measure measure = Measure::min_dihedral;
-  /// In the unit of the measure; between the worst a valid tetrahedron can have, excluded, and the regular one's.
+  /// In the unit of the measure; from the regular tetrahedron's value to the worst of a valid one, which is excluded.
   double value = 0;
 };
 
-/// What holds an element that misses a target: the strongest of its constraints, the first that applies.
-enum class Pin : std::uint8_t {
-  locked_element,  ///< a required tetrahedron, or one of a frozen region
-  surface_angle,   ///< at one of its edges the surface itself has so small an angle that no element there can do better
-  fixed_vertices,  ///< no vertex of it may move
+/// The strongest constraint of an element that misses a target: the first of these that applies.
+enum class LimitingConstraint : std::uint8_t {
+  locked_element,   ///< the tetrahedron is required, or in a frozen region
+  surface_angle,    ///< the surface has so small an angle at an edge of the element that none there can do better
+  fixed_vertices,   ///< none of its vertices may move
   surface_element,  ///< all four vertices are on the surface
-  frozen_vertex,    ///< a vertex must not move: required, frozen, of an element of another kind
+  frozen_vertex,    ///< a vertex must not move: it is required, frozen, or one of an element of another kind
   feature_corner,   ///< a vertex is a corner of the shape
   feature_line,     ///< a vertex may only move along a line
   interface,        ///< a vertex is on a face between two regions
   boundary,         ///< a vertex is on the boundary
-  none,             ///< all its vertices are free
+  none,             ///< all its vertices may move anywhere
 };
-inline constexpr std::size_t kPins = 10;
+inline constexpr std::size_t kLimitingConstraints = 10;
 
 /// In words: "locked element", "angle of the surface", ...
-const char* to_string(Pin pin);
+TETUNE_API const char* to_string(LimitingConstraint constraint);
+
+using Pin = LimitingConstraint;                             ///< former name, until version 0.3
+inline constexpr std::size_t kPins = kLimitingConstraints;  ///< former name, until version 0.3
 
 /// An element that misses a target.
 struct MissedTet {
-  Index tet = -1;  ///< of the mesh that optimize() left
-  double value = 0;
+  Index tet = -1;    ///< in the mesh that optimize() returned
+  double value = 0;  ///< of the target's measure
   Point3 centroid{};
-  Pin pin = Pin::none;
-  /// With Pin::surface_angle: the ends of that edge, and the angle between the surface's two faces there, in degrees.
+  union {
+    LimitingConstraint held_by = LimitingConstraint::none;
+    LimitingConstraint pin;  ///< former name, until version 0.3
+  };
+  /// With LimitingConstraint::surface_angle: the ends of that edge, and the angle between the two faces of the surface
+  /// there, in degrees.
   std::array<Index, 2> edge{-1, -1};
   double surface_angle = 0;
 };
 
-/// How a target was met.
+/// How many elements miss a target, and why.
 struct TargetReport {
   Target target;
-  std::int64_t tets = 0;                     ///< elements in all
-  std::int64_t missed = 0;                   ///< elements that miss it
-  std::array<std::int64_t, kPins> pinned{};  ///< how many of them each Pin holds
-  /// The worst of them, at most kMostMissed: by value, then by id.
+  std::int64_t tets = 0;    ///< number of elements of the mesh
+  std::int64_t missed = 0;  ///< number of those that miss the target
+  union {
+    /// How many of them each LimitingConstraint holds.
+    std::array<std::int64_t, kLimitingConstraints> held_by{};
+    std::array<std::int64_t, kLimitingConstraints> pinned;  ///< former name, until version 0.3
+  };
+  /// The worst of them, at most kMaxMissed: by value, then by id.
   std::vector<MissedTet> worst;
   bool met() const { return missed == 0; }
 };
-inline constexpr std::size_t kMostMissed = 1000;
+inline constexpr std::size_t kMaxMissed = 1000;
 
 }  // namespace tetune

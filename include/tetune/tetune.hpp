@@ -7,6 +7,8 @@
 #include "tetune/io.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/optimize.hpp"
+#include "tetune/option_table.hpp"
 #include "tetune/quality.hpp"
+#include "tetune/targets.hpp"
 #include "tetune/validate.hpp"
 #include "tetune/version.hpp"

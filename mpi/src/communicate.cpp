@@ -8,23 +8,23 @@
 namespace tetune::mpi {
 
 Route::Route(MPI_Comm comm, const std::vector<int>& to) : comm_(comm), place_(to.size()) {
-  const auto ranks = static_cast<std::size_t>(size_of(comm));
+  const std::size_t ranks(size_of(comm));
   out_.count.assign(ranks, 0);
   in_.count.assign(ranks, 0);
-  for (const int rank : to) ++out_.count[static_cast<std::size_t>(rank)];
+  for (const int rank : to) ++item(out_.count, rank);
   MPI_Alltoall(out_.count.data(), 1, MPI_INT, in_.count.data(), 1, MPI_INT, comm);
   add_up(out_);
-  arriving_ = add_up(in_);
+  received_ = add_up(in_);
   std::vector<int> next = out_.begin;
   for (std::size_t i = 0; i < to.size(); ++i) {
-    place_[i] = static_cast<std::size_t>(next[static_cast<std::size_t>(to[i])]++);
+    place_[i] = std::size_t(item(next, to[i])++);
   }
 }
 
 std::size_t Route::add_up(Counts& counts) {
   counts.begin.resize(counts.count.size());
   std::exclusive_scan(counts.count.begin(), counts.count.end(), counts.begin.begin(), 0);
-  return static_cast<std::size_t>(counts.begin.back() + counts.count.back());
+  return std::size_t(counts.begin.back() + counts.count.back());
 }
 
 void Route::transfer(const void* from, const Counts& out, void* to, const Counts& in, std::size_t bytes) const {
@@ -35,21 +35,21 @@ void Route::transfer(const void* from, const Counts& out, void* to, const Counts
 
 std::vector<int> Route::senders() const {
   std::vector<int> senders;
-  senders.reserve(arriving_);
+  senders.reserve(received_);
   for (std::size_t rank = 0; rank < in_.count.size(); ++rank) {
-    senders.insert(senders.end(), static_cast<std::size_t>(in_.count[rank]), static_cast<int>(rank));
+    senders.insert(senders.end(), std::size_t(in_.count[rank]), int(rank));
   }
   return senders;
 }
 
 namespace {
 
-enum Kind : int { kFine, kFile, kMesh, kOption, kDevice, kMemory, kOther };
+enum Kind : int { kNone, kFile, kMesh, kOption, kDevice, kMemory, kOther };
 
 }  // namespace
 
-void together(MPI_Comm comm, const std::function<void()>& work) {
-  int kind = kFine;
+void collective_try(MPI_Comm comm, const std::function<void()>& work) {
+  int kind = kNone;
   std::string message;
   const auto failed = [&](Kind k, const std::exception& e) {
     kind = k;
@@ -71,12 +71,12 @@ void together(MPI_Comm comm, const std::function<void()>& work) {
     failed(kOther, e);
   }
   const int ranks = size_of(comm);
-  int first = all_reduce(comm, kind == kFine ? ranks : rank_of(comm), MPI_MIN);
+  int first = all_reduce(comm, kind == kNone ? ranks : rank_of(comm), MPI_MIN);
   if (first == ranks) return;
   MPI_Bcast(&kind, 1, MPI_INT, first, comm);
-  auto length = static_cast<int>(message.size());
+  auto length = int(message.size());
   MPI_Bcast(&length, 1, MPI_INT, first, comm);
-  message.resize(static_cast<std::size_t>(length));
+  message.resize(std::size_t(length));
   MPI_Bcast(message.data(), length, MPI_CHAR, first, comm);
   switch (kind) {
     case kFile:

@@ -10,13 +10,13 @@
 namespace tetune::mpi {
 namespace {
 
-/// Data are not carried between ranks yet: better no output than one without them.
+/// Refuses meshes with data, which are not sent between ranks: no output is better than one without them.
 void refuse_data(const std::string& path, const TetMesh& mesh) {
   for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
     if (data->empty()) continue;
     throw FileError(
         path + ": has the data \"" + data->front().name +
-        "\", which a distributed mesh does not carry; optimise it on one machine, or write it without data");
+        "\", which a distributed mesh does not carry; optimize it on one machine, or write it without data");
   }
 }
 
@@ -25,28 +25,27 @@ std::vector<Element<N>> elements(std::vector<std::array<Index, N>>& list, std::v
                                  const std::vector<Index>& required, const std::vector<Index>& ridges) {
   std::vector<Element<N>> result(list.size());
   for (std::size_t i = 0; i < list.size(); ++i) {
-    result[i] = {static_cast<Id>(i), {}, tags[i], 0};
+    result[i] = {Id(i), {}, tags[i], 0};
     for (std::size_t k = 0; k < N; ++k) result[i].v[k] = list[i][k];
   }
-  for (const Index i : required) result[static_cast<std::size_t>(i)].flags |= kRequired;
-  for (const Index i : ridges) result[static_cast<std::size_t>(i)].flags |= kRidge;
+  for (const Index i : required) item(result, i).flags |= kRequired;
+  for (const Index i : ridges) item(result, i).flags |= kRidge;
   list = {};
   tags = {};
   return result;
 }
 
-Input take_apart(TetMesh mesh) {
+Input entities_of(TetMesh mesh) {
   Input input;
-  input.totals = {static_cast<Id>(mesh.points.size()), static_cast<Id>(mesh.tets.size()),
-                  static_cast<Id>(mesh.triangles.size()), static_cast<Id>(mesh.edges.size())};
+  input.totals = {std::ssize(mesh.points), std::ssize(mesh.tets), std::ssize(mesh.triangles), std::ssize(mesh.edges)};
   auto& vertices = input.pieces.vertices;
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    vertices.push_back({static_cast<Id>(v), mesh.points[v], mesh.point_tags[v], 0});
+    vertices.push_back({Id(v), mesh.points[v], mesh.point_tags[v], 0});
   }
-  for (const Index v : mesh.corners) vertices[static_cast<std::size_t>(v)].flags |= kCorner;
-  for (const Index v : mesh.required_vertices) vertices[static_cast<std::size_t>(v)].flags |= kRequired;
+  for (const Index v : mesh.corners) item(vertices, v).flags |= kCorner;
+  for (const Index v : mesh.required_vertices) item(vertices, v).flags |= kRequired;
   for (const ElementBlock& block : mesh.others) {
-    for (const Index v : block.element2vertex) vertices[static_cast<std::size_t>(v)].flags |= kHeld;
+    for (const Index v : block.element2vertex) item(vertices, v).flags |= kHeld;
   }
   mesh.points = {};
   mesh.point_tags = {};
@@ -70,12 +69,12 @@ Input read_pieces(MPI_Comm comm, const std::string& path) {
   MPI_Bcast(&plain, 1, MPI_INT, 0, comm);
   if (plain != 0) return read_meshb(comm, path);
   Input input;
-  together(comm, [&] {
+  collective_try(comm, [&] {
     if (rank_of(comm) != 0) return;
     std::vector<std::string> warnings;
     TetMesh mesh = read_mesh(path, &warnings);
     refuse_data(path, mesh);
-    input = take_apart(std::move(mesh));
+    input = entities_of(std::move(mesh));
     input.warnings = std::move(warnings);
   });
   std::array<Id, 4> counts{input.totals.vertices, input.totals.cells, input.totals.sides, input.totals.lines};
@@ -102,7 +101,7 @@ void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const T
   gather(pieces.cells);
   gather(pieces.sides);
   gather(pieces.lines);
-  together(comm, [&] {
+  collective_try(comm, [&] {
     if (rank_of(comm) != 0) return;
     TetMesh mesh = assemble(std::move(pieces)).mesh;
     mesh.others = std::move(frame.others);

@@ -11,35 +11,36 @@
 
 namespace tetune::mpi {
 
-/// A mesh as it was read.
+/// A mesh that was read.
 struct Input {
-  Pieces pieces;  ///< each on one rank
+  Pieces pieces;  ///< each entity on one rank
   Totals totals;
-  /// On rank 0: elements of other kinds, names and what else belongs to the file as a whole.
+  /// On rank 0: elements of other kinds, names and all else that belongs to the file as a whole.
   TetMesh frame;
   std::vector<std::string> warnings;
-  /// Of a DMPlex: what its tags stand for.
+  /// Of a DMPlex: the labels that its tags stand for.
   std::optional<Labels> labels;
 };
 
-/// MEDIT binary files are read by all ranks at once, each its part; a DMPlex in HDF5 by PETSc; others by rank 0. Throws
-/// FileError on all ranks.
+/// Reads a mesh: MEDIT binary files by all ranks in parallel, each a part; a DMPlex in HDF5 by PETSc; others by rank 0.
+/// Throws FileError on all ranks.
 Input read_pieces(MPI_Comm comm, const std::string& path);
 
-/// Writes what collect() made: MEDIT binary files by all ranks at once, others by rank 0, which gathers the mesh.
-/// Under a temporary name, renamed once complete. Throws FileError on all ranks; the old file is then untouched.
+/// Writes the result of collect(): MEDIT binary files by all ranks in parallel, others by rank 0, which gathers the
+/// mesh; under a temporary name, renamed once complete. Throws FileError on all ranks; the old file is then untouched.
 void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const Totals& totals, TetMesh frame,
                   std::vector<std::string>& warnings);
 
-/// A DMPlex in HDF5 (.h5), or XDMF that refers to one (.xmf).
+/// Whether the name is that of a DMPlex in HDF5 (.h5), or of XDMF that refers to one (.xmf).
 bool is_plex_file(const std::string& path);
 void check_plex_writable(const std::string& path);
 Input read_plex(MPI_Comm comm, const std::string& path);
-/// Written by all ranks at once, and renamed once complete. Without `labels` the tags become labels.
+/// Writes by all ranks in parallel, and renames once complete. Without `labels` the tags become labels.
 void write_plex(MPI_Comm comm, const std::string& path, Part part, Totals totals, const std::optional<Labels>& labels,
                 std::vector<std::string>& warnings);
 
-/// MEDIT binary of version 2, 3 or 4 in this machine's byte order: whether a file is one.
+/// Whether a file is MEDIT binary that read_meshb() reads: version 2, 3 or 4 in this machine's byte order, without
+/// elements of other kinds.
 bool is_plain_meshb(const std::string& path);
 Input read_meshb(MPI_Comm comm, const std::string& path);
 void write_meshb(MPI_Comm comm, const std::string& path, const Pieces& pieces, const Totals& totals);

@@ -6,65 +6,70 @@
 #include <vector>
 
 #include "distribute.hpp"
-#include "surface/slide_surface.hpp"
+#include "driver/distributed_interface.hpp"
 
 namespace tetune::mpi {
 
-/// The piece of the input's surface that the vertices of a part are on, and a margin around them: what they slide on in
-/// all rounds. Its rim is a wall. In the numbers of the input's vertices.
+/// The piece of the input's surface that the vertices of a part slide on in all rounds, with a margin. No vertex slides
+/// across its boundary. Vertices are named by their ids in the input.
 class InputSurface {
  public:
-  /// What some vertices of a part slide on.
+  /// The surface for some vertices of a part.
   struct Piece {
     SlideSurface surface;
     std::vector<Id> id;  ///< of its vertices
   };
 
   InputSurface() = default;
-  /// `found`: the surface of `shell`, which is the shell_of() a part whose vertices have not moved yet.
-  InputSurface(const Part& part, const Part& shell, const std::vector<int>& frozen_regions, const SlideSurface& found);
+  /// `found`: the surface of `halo`, which is halo_of() a part whose vertices have not moved yet.
+  InputSurface(const Part& part, const Part& halo, const std::vector<int>& frozen_regions, const SlideSurface& found);
 
   std::size_t triangles() const { return faces_.size(); }
 
-  /// What is needed under a part. Vertices that the part has not are appended to its mesh alone. They are frozen, and
-  /// so is each vertex for whose moves more of the surface, or with `bounded` of the mesh, would have to be here.
-  Piece under(Part& part, bool bounded, std::vector<std::uint8_t>& frozen) const;
-  /// Takes up where the vertices of the piece are afterwards.
-  void settle(const Piece& piece);
+  /// Returns the surface under a part. Vertices of the surface that the part lacks are appended to its mesh only. They
+  /// are frozen, and so is each vertex whose moves depend on more of the surface, or with `bounded` of the mesh, than
+  /// is here.
+  Piece under(Part& part, bool bounded, Marks& frozen) const;
+  /// Stores the surface points that the vertices of the piece have after the optimization.
+  void write_back(const Piece& piece);
 
-  /// Hands on what is needed where tetrahedra go. Collective.
+  /// Sends the surface under the tetrahedra that leave. Collective.
   void send(MPI_Comm comm, const Addressed& leaving);
-  /// Drops what the vertices of a part do not need.
+  /// Erases all that is not under the vertices of a part.
   void keep(const Part& part);
 
  private:
   struct SurfaceVertex {
     Id id;
     Point3 x;
-    std::array<Id, 2> line;  ///< the next ones on the feature line, or -1
+    std::array<Id, 2> line;  ///< the next vertices on the feature line, or -1
     int triangles;           ///< of the whole surface
-    Mobility kind;
+    VertexDof kind;
   };
   struct Face {
     std::array<Id, 3> v;  ///< increasing
     int walls;            ///< as of SlideSurface
   };
-  /// Where a vertex of the mesh is: vertices of the surface, or -1.
-  struct Seat {
+  /// The point of the surface on which a vertex of the mesh is: the vertices of a triangle, edge or vertex of the
+  /// surface; unused ones are -1.
+  struct SurfacePoint {
     Id vertex;
     std::array<Id, 3> on;
   };
 
+  std::vector<Index> append_vertices(const Marks& near, Piece& piece, TetMesh& mesh) const;
+  void set_vertices(const Marks& near, const std::vector<Index>& position, const std::vector<int>& triangles_here,
+                    SlideSurface& surface) const;
   void index();
-  bool marked(std::size_t face, const std::vector<std::uint8_t>& vertex) const;
-  void mark(const Seat& seat, std::vector<std::uint8_t>& vertex) const;
-  void widen(std::vector<std::uint8_t>& vertex) const;
+  bool marked(std::size_t face, const Marks& vertex) const;
+  void mark(const SurfacePoint& point, Marks& vertex) const;
+  void widen(Marks& vertex) const;
 
   std::vector<SurfaceVertex> vertices_;
   std::vector<Face> faces_;
-  std::vector<Seat> seats_;  ///< all of these in increasing order
-  IdMap vertex_at_, seat_at_;
-  std::vector<std::array<Index, 3>> face_at_;  ///< the faces in places of vertices
+  std::vector<SurfacePoint> surface_points_;  ///< in increasing order, as are the lists above
+  IdMap vertex_at_, point_at_;
+  std::vector<std::array<Index, 3>> face_at_;  ///< the faces as positions in vertices_
 };
 
 }  // namespace tetune::mpi

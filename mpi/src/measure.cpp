@@ -8,23 +8,23 @@ namespace tetune::mpi {
 
 Quality quality_of_all(MPI_Comm comm, const TetMesh& part, int threads) {
   Quality q;
-  together(comm, [&] { q = quality(part, threads); });
-  const auto tets = static_cast<double>(q.tets);
+  collective_try(comm, [&] { q = quality(part, threads); });
+  const auto tets = double(q.tets);
   const bool some = q.tets > 0;
-  const auto least =
+  const auto minima =
       all_reduce(comm, std::vector<double>{some ? q.dihedral_min : 180, some ? q.mean_ratio_min : 1}, MPI_MIN);
-  const auto most = all_reduce(comm, std::vector<double>{q.dihedral_max, q.eta_max}, MPI_MAX);
+  const auto maxima = all_reduce(comm, std::vector<double>{q.dihedral_max, q.eta_max}, MPI_MAX);
   std::vector<double> sums{q.eta_sum, q.shape_sum, q.volume, q.mean_ratio * tets, q.dihedral_mean * tets};
   for (const double share : q.histogram) sums.push_back(share * tets);
   sums = all_reduce(comm, std::move(sums), MPI_SUM);
   Quality all;
   all.tets = all_reduce(comm, q.tets, MPI_SUM);
   if (all.tets == 0) return all;
-  const auto count = static_cast<double>(all.tets);
-  all.dihedral_min = least[0];
-  all.mean_ratio_min = least[1];
-  all.dihedral_max = most[0];
-  all.eta_max = most[1];
+  const auto count = double(all.tets);
+  all.dihedral_min = minima[0];
+  all.mean_ratio_min = minima[1];
+  all.dihedral_max = maxima[0];
+  all.eta_max = maxima[1];
   all.eta_sum = sums[0];
   all.shape_sum = sums[1];
   all.volume = sums[2];
@@ -40,9 +40,8 @@ TetMesh at_first_cut(const Part& part) {
   mesh.point_tags = part.mesh.point_tags;
   for (std::size_t t = 0; t < part.mesh.tets.size(); ++t) {
     const auto& tet = part.mesh.tets[t];
-    const bool touches = std::any_of(tet.begin(), tet.end(), [&part](Index v) {
-      return (part.vertex_flags[static_cast<std::size_t>(v)] & kFirstCut) != 0;
-    });
+    const bool touches =
+        std::any_of(tet.begin(), tet.end(), [&part](Index v) { return (item(part.vertex_flags, v) & kFirstCut) != 0; });
     if (!touches) continue;
     mesh.tets.push_back(tet);
     mesh.tet_tags.push_back(part.mesh.tet_tags[t]);
@@ -57,7 +56,7 @@ bool orient_all(MPI_Comm comm, Part& part) {
     std::array<Point3, 3> e;
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
-        e[i][k] = x[static_cast<std::size_t>(tet[i + 1])][k] - x[static_cast<std::size_t>(tet[0])][k];
+        e[i][k] = item(x, tet[i + 1])[k] - item(x, tet[0])[k];
       }
     }
     const double volume = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -

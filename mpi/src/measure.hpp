@@ -7,13 +7,14 @@
 
 namespace tetune::mpi {
 
-/// Quality of the mesh that the parts make; without what cannot be put together from parts: percentiles, worst_tet.
+/// The quality of the mesh of all parts, without percentiles and worst_tet, which do not follow from those of the
+/// parts.
 Quality quality_of_all(MPI_Comm comm, const TetMesh& part, int threads);
 
-/// The tetrahedra with a vertex that was on a cut in the first round.
+/// The tetrahedra with a vertex that was on an interface in the first round.
 TetMesh at_first_cut(const Part& part);
 
-/// Turns the tetrahedra of a mesh that lists all of them inside out. Returns whether it did.
+/// Reverses the tetrahedra of a mesh that lists all of them inside out; returns whether it did.
 bool orient_all(MPI_Comm comm, Part& part);
 
 }  // namespace tetune::mpi

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "files.hpp"
+#include "star_forest.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 
@@ -18,9 +19,9 @@
 namespace tetune::mpi {
 namespace {
 
-/// PETSc's tetrahedra are turned the other way round.
+/// PETSc's tetrahedra have the opposite orientation.
 template <class Cells>
-void turn(Cells& cells) {
+void reverse(Cells& cells) {
   for (auto& tet : cells) std::swap(tet[2], tet[3]);
 }
 
@@ -42,9 +43,9 @@ class Viewer {
   PetscViewer viewer_ = nullptr;
 };
 
-/// What HDF5 and PETSc cannot do fails on all ranks, which all say it of the file.
+/// Names the file in errors of HDF5 and PETSc, which occur on all ranks.
 template <class F>
-void of_file(const std::string& path, const char* what, F work) {
+void with_file_name(const std::string& path, const char* what, F work) {
   try {
     work();
   } catch (const FileError&) {
@@ -68,10 +69,10 @@ std::filesystem::path with_ending(const std::string& path, const char* ending) {
   return std::filesystem::path(path).replace_extension(ending);
 }
 
-/// The tags of the cells of this rank, as a data set of all.
+/// Writes the tags of the cells of all ranks as a data set.
 void write_tags(MPI_Comm comm, const std::vector<int>& tags, const Viewer& viewer) {
   Vec values = nullptr;
-  check_petsc(VecCreateMPI(comm, static_cast<PetscInt>(tags.size()), PETSC_DETERMINE, &values));
+  check_petsc(VecCreateMPI(comm, petsc_size(tags), PETSC_DETERMINE, &values));
   check_petsc(PetscObjectSetName(reinterpret_cast<PetscObject>(values), "tags"));
   PetscScalar* to = nullptr;
   check_petsc(VecGetArrayWrite(values, &to));
@@ -122,7 +123,7 @@ void check_plex_writable(const std::string& path) {
 }
 
 Input read_plex(MPI_Comm comm, const std::string& path) {
-  together(comm, [&] {
+  collective_try(comm, [&] {
     require_hdf5(path);
     if (std::filesystem::path(path).extension() != ".h5") {
       throw FileError(path + ": XDMF is written, not read; give the .h5 beside it");
@@ -132,11 +133,11 @@ Input read_plex(MPI_Comm comm, const std::string& path) {
     if (!file) throw FileError(path + ": cannot be opened: " + std::strerror(errno));
     std::array<char, 8> begin{};
     file.read(begin.data(), begin.size());
-    if (std::memcmp(begin.data(), "\x89HDF\r\n\x1a\n", 8) != 0) throw FileError(path + ": is no HDF5 file");
+    if (std::memcmp(begin.data(), "\x89HDF\r\n\x1a\n", 8) != 0) throw FileError(path + ": is not an HDF5 file");
   });
   Input input;
   DM dm = nullptr;
-  of_file(path, "no DMPlex could be loaded, as DMView() writes one", [&] {
+  with_file_name(path, "no DMPlex could be loaded, as DMView() writes one", [&] {
     Viewer viewer(comm, path, FILE_MODE_READ);
     check_petsc(DMCreate(comm, &dm));
     check_petsc(DMSetType(dm, DMPLEX));
@@ -144,9 +145,9 @@ Input read_plex(MPI_Comm comm, const std::string& path) {
     check_petsc(DMLoad(dm, viewer.get()));
   });
   Part part;
-  of_file(path, "this DMPlex could not be taken", [&] { part = part_of(dm, input.totals, input.labels.emplace()); });
+  with_file_name(path, "this DMPlex cannot be read", [&] { part = part_of(dm, input.totals, input.labels.emplace()); });
   check_petsc(DMDestroy(&dm));
-  turn(part.mesh.tets);
+  reverse(part.mesh.tets);
   input.pieces = address(part, std::vector<int>(part.mesh.tets.size(), 0), 0).pieces;
   return input;
 }
@@ -154,19 +155,19 @@ Input read_plex(MPI_Comm comm, const std::string& path) {
 void write_plex(MPI_Comm comm, const std::string& path, Part part, Totals totals, const std::optional<Labels>& labels,
                 std::vector<std::string>& warnings) {
   const TetMesh& mesh = part.mesh;
-  const std::size_t lost = mesh.corners.size() + mesh.ridges.size() + mesh.required_vertices.size() +
-                           mesh.required_edges.size() + mesh.required_triangles.size() + mesh.required_tets.size();
-  if (all_reduce(comm, static_cast<Id>(lost), MPI_SUM) > 0) {
-    warnings.push_back(path + ": a DMPlex has no room for corners, ridges and what is required");
+  const std::size_t dropped = mesh.corners.size() + mesh.ridges.size() + mesh.required_vertices.size() +
+                              mesh.required_edges.size() + mesh.required_triangles.size() + mesh.required_tets.size();
+  if (all_reduce(comm, Id(dropped), MPI_SUM) > 0) {
+    warnings.push_back(path + ": a DMPlex cannot hold corners, ridges and required entities");
   }
   const std::string h5 = with_ending(path, ".h5");
   const std::string temporary = h5 + ".tetune-mpi.tmp";
   const std::vector<int> tags = mesh.tet_tags;
-  turn(part.mesh.tets);
+  reverse(part.mesh.tets);
   const Labels all = labels ? *labels : labels_of(comm, part);
   PetscInt vertices = 0;
   try {
-    of_file(h5, "could not be written", [&] {
+    with_file_name(h5, "could not be written", [&] {
       DM dm = plex_of(comm, std::move(part), totals, all);
       check_petsc(PetscObjectSetName(reinterpret_cast<PetscObject>(dm), "mesh"));
       Vec points = nullptr;
@@ -186,10 +187,10 @@ void write_plex(MPI_Comm comm, const std::string& path, Part part, Totals totals
   }
   if (vertices < totals.vertices) {
     warnings.push_back(path + ": " + std::to_string(totals.vertices - vertices) +
-                       " vertices of no tetrahedron have no place in a DMPlex");
+                       " vertices of no tetrahedron are lost in a DMPlex");
   }
-  const Id cells = all_reduce(comm, static_cast<Id>(tags.size()), MPI_SUM);
-  together(comm, [&] {
+  const Id cells = all_reduce(comm, std::ssize(tags), MPI_SUM);
+  collective_try(comm, [&] {
     if (rank_of(comm) != 0) return;
     std::filesystem::rename(temporary, h5);
     if (h5 != path) write_xdmf(path, std::filesystem::path(h5).filename(), cells, vertices);

@@ -9,10 +9,11 @@
 #include <limits>
 #include <optional>
 
-#include "commands.hpp"
+#include "exit_code.hpp"
 #include "files.hpp"
 #include "measure.hpp"
 #include "optimize_arguments.hpp"
+#include "option_flags.hpp"
 #include "option_values.hpp"
 #include "rounds.hpp"
 #include "tetune/error.hpp"
@@ -29,7 +30,7 @@ double seconds_since(Time::time_point start) { return std::chrono::duration<doub
 double peak_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
+  return double(usage.ru_maxrss) / 1024;
 }
 
 class Program {
@@ -38,10 +39,10 @@ class Program {
       : comm_(comm), a_(arguments), job_(job), options_(arguments.options), first_(rank_of(comm) == 0) {}
 
   int run() {
-    together(comm_, [&] {
+    collective_try(comm_, [&] {
       take_frozen();
       if (!first_) return;
-      const cli::MadeFolder folder(a_.names.output, false);
+      const cli::OutputFolder folder(a_.names.output, false);
       if (is_plex_file(job_.output)) {
         check_plex_writable(job_.output);
       } else {
@@ -52,7 +53,9 @@ class Program {
     auto start = Time::now();
     Input input = read_pieces(comm_, job_.input);
     if (input.totals.cells == 0) throw MeshError(job_.input + ": there is no tetrahedron in this file");
-    for (const std::string& w : input.warnings) warn(w);
+    for (const auto& list : {a_.warnings, input.warnings}) {
+      for (const std::string& w : list) warn(w);
+    }
     check_what_is_kept(input);
     read_seconds_ = seconds_since(start);
     start = Time::now();
@@ -83,7 +86,7 @@ class Program {
     for (const std::string& w : warnings) warn(w);
     write_seconds_ = seconds_since(start);
     memory_ = all_gather(comm_, peak_mb());
-    if (first_) tell();
+    if (first_) print_summary();
     return report_.stop == StopReason::cancelled ? cli::kStoppedEarly : cli::kDone;
   }
 
@@ -91,12 +94,12 @@ class Program {
   void take_frozen() {
     for (const cli::Frozen& f : a_.frozen) {
       if (!f.name.empty())
-        throw OptionError("--freeze: '" + f.name + "' is no tag; tetune-mpi takes no names of groups");
+        throw OptionError("--freeze: '" + f.name + "' is not a tag; tetune-mpi takes no names of groups");
       (f.region ? options_.frozen_regions : options_.frozen_patches).push_back(f.tag);
     }
   }
 
-  /// Names the file in what is wrong with the mesh.
+  /// Names the file in errors of the mesh.
   template <class F>
   void in_file(F work) const {
     try {
@@ -106,10 +109,10 @@ class Program {
     }
   }
 
-  /// Between a DMPlex and other formats.
+  /// Checks conversions between a DMPlex and other formats.
   void check_what_is_kept(const Input& input) const {
     const bool to_plex = is_plex_file(job_.output);
-    together(comm_, [&] {
+    collective_try(comm_, [&] {
       if (!to_plex) return;
       // Cells, faces, edges and vertices.
       if (input.totals.cells > PETSC_MAX_INT / 5) {
@@ -124,7 +127,7 @@ class Program {
     if (to_plex || !input.labels) return;
     for (const std::string& name : input.labels->names) {
       if (std::find(kSets.begin(), kSets.end(), name) != kSets.end()) continue;
-      warn(job_.input + ": label \"" + name + "\" becomes tags of numbers of their own; as .h5 it would be kept");
+      warn(job_.input + ": label \"" + name + "\" becomes tags with new numbers; .h5 would keep it");
     }
   }
 
@@ -132,7 +135,7 @@ class Program {
     if (first_ && a_.verbosity >= 0) fmt::print(stderr, "tetune-mpi: warning: {}\n", text);
   }
 
-  /// A percentage is one of the whole mesh's bounding box.
+  /// A percentage is relative to the bounding box of the whole mesh.
   void find_max_deviation(const Part& part) {
     std::vector<double> box(6, std::numeric_limits<double>::infinity());
     for (const Point3& x : part.mesh.points) {
@@ -147,7 +150,7 @@ class Program {
     options_.max_deviation = cli::parse_length("--max-deviation", a_.max_deviation, corners);
   }
 
-  void tell() const {
+  void print_summary() const {
     if (!job_.report.empty())
       write_text(job_.report, json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     if (a_.verbosity < 1) return;
@@ -155,19 +158,20 @@ class Program {
     const auto line = [&text](const char* name, double before, double after, int digits) {
       text += fmt::format("  {:<22}{:>14.{}f}{:>14.{}f}\n", name, before, digits, after, digits);
     };
-    line("tetrahedra", static_cast<double>(before_.tets), static_cast<double>(after_.tets), 0);
+    line("tetrahedra", double(before_.tets), double(after_.tets), 0);
     line("dihedral min  (deg)", before_.dihedral_min, after_.dihedral_min, 3);
     line("         max", before_.dihedral_max, after_.dihedral_max, 3);
     line("mean ratio  min", before_.mean_ratio_min, after_.mean_ratio_min, 4);
     line("            mean", before_.mean_ratio, after_.mean_ratio, 4);
     text += fmt::format("  {:<7}{:>14}{:>14}{:>14}{:>14}{:>12}{:>12}\n", "round", "tetrahedra", "moved", "cut vertices",
-                        "left frozen", "optimise s", "in all s");
+                        "left frozen", "optimize s", "total s");
     for (const RoundReport& r : report_.rounds) {
       text += fmt::format("  {:<7}{:>14}{:>14}{:>14}{:>14}{:>12.2f}{:>12.2f}\n", r.round, r.tets, r.tets_moved,
                           r.cut_vertices, r.left_frozen, r.optimizer_seconds, r.seconds);
     }
     text += fmt::format(
-        "  {} ranks: read {:.2f} s, distributed {:.2f} s, optimised {:.2f} s, written {:.2f} s; most memory of a rank "
+        "  {} ranks: read {:.2f} s, distributed {:.2f} s, optimized {:.2f} s, written {:.2f} s; largest memory of a "
+        "rank "
         "{:.0f} MB\n",
         report_.ranks, read_seconds_, distribute_seconds_, optimize_seconds_, write_seconds_,
         *std::max_element(memory_.begin(), memory_.end()));
@@ -201,6 +205,17 @@ class Program {
                         {"optimizer_seconds", r.optimizer_seconds},
                         {"seconds", r.seconds}});
     }
+    nlohmann::ordered_json optimization = {{"tets_before", report_.tets_before},
+                                           {"tets_after", report_.tets_after},
+                                           {"energy_before", report_.energy_before},
+                                           {"energy_after", report_.energy_after}};
+    for (const auto& kind : kOperationCounts) optimization[kind.name] = report_.*kind.count;
+    optimization.update({{"left_frozen", report_.left_frozen},
+                         {"surface_triangles", report_.surface_triangles},
+                         {"optimizer_seconds", report_.optimizer_seconds},
+                         {"seconds", report_.seconds},
+                         {"stop", to_string(report_.stop)},
+                         {"rounds", rounds}});
     return {{"tetune", TETUNE_VERSION},
             {"input", job_.input},
             {"output", job_.output},
@@ -213,25 +228,7 @@ class Program {
             {"before", to_json(before_)},
             {"after", to_json(after_)},
             {"after_at_first_cut", to_json(first_cut_)},
-            {"optimization",
-             {{"tets_before", report_.tets_before},
-              {"tets_after", report_.tets_after},
-              {"energy_before", report_.energy_before},
-              {"energy_after", report_.energy_after},
-              {"flips23", report_.flips23},
-              {"flips32", report_.flips32},
-              {"edge_removals", report_.edge_removals},
-              {"face_removals", report_.face_removals},
-              {"boundary_flips", report_.boundary_flips},
-              {"compound_flips", report_.compound_flips},
-              {"vertices_inserted", report_.vertices_inserted},
-              {"vertices_removed", report_.vertices_removed},
-              {"left_frozen", report_.left_frozen},
-              {"surface_triangles", report_.surface_triangles},
-              {"optimizer_seconds", report_.optimizer_seconds},
-              {"seconds", report_.seconds},
-              {"stop", to_string(report_.stop)},
-              {"rounds", rounds}}}};
+            {"optimization", optimization}};
   }
 
   MPI_Comm comm_;
@@ -250,7 +247,7 @@ int main_of_rank(int argc, char** argv) {
   const MPI_Comm comm = MPI_COMM_WORLD;
   const bool first = rank_of(comm) == 0;
   CLI::App app{
-      "tetune-mpi makes a tetrahedral mesh better that is distributed over the ranks of MPI:\n"
+      "tetune-mpi optimizes a tetrahedral mesh that is distributed over the ranks of MPI:\n"
       "mpiexec -n N tetune-mpi INPUT OUTPUT",
       "tetune-mpi"};
   app.set_version_flag("--version", "tetune-mpi " TETUNE_VERSION);
@@ -258,14 +255,14 @@ int main_of_rank(int argc, char** argv) {
       "Options are those of `tetune optimize`. Exit codes: 0 done; 1 stopped at the time limit, a valid mesh was "
       "written; 2 nothing was written, an old output file is untouched.");
   cli::OptimizeArguments arguments;
-  cli::define(app, arguments);
+  cli::define_arguments(app, arguments);
   for (const char* name : {"--untangle", "--target-dihedral", "--target-quality", "--max-memory", "--report-html",
                            "--trace-angles", "--trace", "--map", "--dry-run", "--print-options", "--progress"}) {
     app.remove_option(app.get_option(name));
   }
   try {
     app.parse(argc, argv);
-    const std::vector<cli::Job> jobs = cli::settle(app, arguments);
+    const std::vector<cli::Job> jobs = cli::resolve_jobs(app, arguments);
     if (jobs.size() != 1) throw OptionError("one mesh at a time: a batch of meshes is for `tetune optimize`");
     if (jobs[0].input == cli::kPipe || jobs[0].output == cli::kPipe) {
       throw OptionError("pipes end at one rank: name files");
@@ -289,7 +286,7 @@ int main(int argc, char** argv) {
   int code = 2;
   if (PetscInitializeNoArguments() != 0) MPI_Abort(MPI_COMM_WORLD, code);
   PetscPopSignalHandler();
-  PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);  // what fails is thrown, and told once
+  PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);  // errors are thrown, and reported once
   try {
     code = tetune::mpi::main_of_rank(argc, argv);
   } catch (const std::exception& e) {

@@ -8,7 +8,7 @@
 
 namespace tetune::mpi {
 
-/// Optimises a distributed mesh. Called on all ranks, which all throw where one fails.
+/// Optimizes a distributed mesh. Collective: all ranks throw where one fails.
 DistributedReport optimize_parts(MPI_Comm comm, Part& part, Totals& totals, Options options,
                                  const std::function<bool()>& stop);
 

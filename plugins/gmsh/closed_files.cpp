@@ -11,19 +11,19 @@
 
 namespace {
 
-/// Why the first of them failed; 0 where none did.
+/// The error number of the first failure; 0 without one.
 int failure = 0;
 
 }  // namespace
 
-/// In the place of the C library's, also for Gmsh: the program comes first where the system's loader looks for a name.
+/// Replaces the function of the C library, also for Gmsh: the loader searches the program before its libraries.
 extern "C" int fclose(std::FILE* file) {
   using Close = int (*)(std::FILE*);
   static const auto close = reinterpret_cast<Close>(::dlsym(RTLD_NEXT, "fclose"));
   const bool failed = std::ferror(file) != 0;
   errno = 0;
   const int result = close(file);
-  // What of an earlier error is left tells little, but it is a full disk in all but strange cases.
+  // The number of an earlier error is lost; it is almost always a full disk.
   if ((failed || result != 0) && failure == 0) failure = errno != 0 ? errno : ENOSPC;
   return result;
 }

@@ -3,7 +3,7 @@
 
 namespace tetune::plugin {
 
-/// Throws FileError when a file was closed, since the start, to which not all could be written: Gmsh does not look.
+/// Throws FileError when writing to a file that was closed since the start has failed: Gmsh does not check.
 void check_closed_files();
 
 }  // namespace tetune::plugin

@@ -14,11 +14,11 @@
 namespace tetune::plugin {
 namespace {
 
-/// Gmsh takes a file that starts with anything else for one of its scripts, and runs it.
+/// Throws FileError unless an .msh file starts as one: Gmsh runs any other file as a script.
 void check_start(const std::string& file, const std::string& ending) {
   std::ifstream in(file, std::ios::binary);
   std::string start(12, '\0');
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  in.read(start.data(), std::ssize(start));
   if (ending != ".msh") return;
   for (const char* known : {"$MeshFormat", "$Comments", "$NOD"}) {
     if (start.rfind(known, 0) == 0) return;
@@ -26,7 +26,7 @@ void check_start(const std::string& file, const std::string& ending) {
   throw FileError("this is not a Gmsh mesh: it does not start with $MeshFormat");
 }
 
-/// "msh 2.2 text" and the like; empty when there is no such line.
+/// The dialect of a file, such as "msh 2.2 text"; empty where the line with it is missing.
 std::string dialect_of(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   std::string line;
@@ -38,18 +38,18 @@ std::string dialect_of(const std::string& file) {
   return std::string(version < 4 ? "msh 2.2" : "msh 4.1") + (binary != 0 ? " binary" : " text");
 }
 
-/// In .msh files of tetune these lines, last of all, give the tags of entities in no group, as `dimension entity tag`.
-/// Gmsh passes over them.
+/// The last lines of .msh files of tetune: the tags of entities in no group, as `dimension entity tag`. Gmsh skips
+/// them.
 constexpr const char* kLooseTags = "$Comments\ntetune: tags of entities in no physical group\n";
 constexpr const char* kEndLooseTags = "$EndComments\n";
 
 EntityTags read_loose_tags(const std::string& file) {
-  constexpr std::uintmax_t kMost = 1'000'000;
+  constexpr std::uintmax_t kMaxBytes = 1'000'000;
   std::ifstream in(file, std::ios::binary);
   const std::uintmax_t size = std::filesystem::file_size(file);
-  std::string end(static_cast<std::size_t>(std::min(size, kMost)), '\0');
-  in.seekg(static_cast<std::streamoff>(size - end.size()));
-  in.read(end.data(), static_cast<std::streamsize>(end.size()));
+  std::string end(std::min(size, kMaxBytes), '\0');
+  in.seekg(std::streamoff(size - end.size()));
+  in.read(end.data(), std::ssize(end));
   const auto at = end.rfind(kLooseTags);
   if (!in || at == std::string::npos || !end.ends_with(kEndLooseTags)) return {};
   std::istringstream lines(end.substr(at + std::strlen(kLooseTags)));
@@ -70,37 +70,37 @@ void append_loose_tags(const std::string& file, const EntityTags& tags) {
   if (!out) throw FileError(std::string("cannot write: ") + std::strerror(errno));
 }
 
-/// The second line is the name of the file, which is a temporary one: this one is the same in every run.
+/// Replaces the second line, the name of the temporary file, by one that is the same in every run.
 void replace_heading(const std::string& file) {
   const std::string heading = "*Heading\ntetune\n";
   std::ifstream in(file, std::ios::binary);
   std::string line;
   std::getline(in, line);
   std::getline(in, line);
-  if (!in || in.tellg() < static_cast<std::streamoff>(heading.size())) return;
-  // The rest moves towards the start: what is written is never ahead of what was read.
+  if (!in || in.tellg() < std::ssize(heading)) return;
+  // The rest moves towards the start, so that writing never overtakes reading.
   std::fstream out(file, std::ios::binary | std::ios::in | std::ios::out);
   out << heading;
   std::vector<char> block(std::size_t{1} << 20);
-  while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0) {
+  while (in.read(block.data(), std::ssize(block)), in.gcount() > 0) {
     out.write(block.data(), in.gcount());
   }
   const std::streamoff size = out.tellp();
   out.close();
   if (!out) throw FileError(std::string("cannot write: ") + std::strerror(errno));
-  std::filesystem::resize_file(file, static_cast<std::uintmax_t>(size));
+  std::filesystem::resize_file(file, std::uintmax_t(size));
 }
 
-/// What the other formats than Gmsh's have room for.
+/// The limits of formats other than Gmsh's own.
 Format format_of(const std::string& ending) {
-  constexpr int kMostOf8Digits = 99'999'999;
-  constexpr int kMostOf9Digits = 999'999'999;  // of ten, but the next number must not follow without a blank
+  constexpr int kMax8Digits = 99'999'999;
+  constexpr int kMax9Digits = 999'999'999;  // of ten, of which one must stay blank before the next number
   Format format;
   if (ending == ".bdf") {
     format.groups = false;
-    format.largest = kMostOf8Digits;
+    format.max_entity = kMax8Digits;
   }
-  if (ending == ".unv") format.largest = kMostOf9Digits;
+  if (ending == ".unv") format.max_entity = kMax9Digits;
   return format;
 }
 
@@ -108,7 +108,7 @@ void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& wa
   if (ending == ".bdf") {
     warnings.emplace_back("Nastran's fields have 16 characters: coordinates are rounded to about 9 digits");
     const bool named = std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return g.name != ""; });
-    if (named) warnings.emplace_back("there is no room for the names of groups");
+    if (named) warnings.emplace_back("the format cannot hold the names of groups");
   }
   if (ending == ".inp") warnings.emplace_back("coordinates are rounded to 14 digits");
   if (ending != ".unv") return;
@@ -126,7 +126,7 @@ void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& wa
   }
 }
 
-/// These formats have no counts: only their last line tells that nothing is missing.
+/// Warns of files that may be cut short: these formats have no counts, only a last line.
 void check_end(const std::string& file, const std::string& ending, Warnings& warnings) {
   if (ending != ".unv" && ending != ".bdf") return;
   std::ifstream in(file);
@@ -140,7 +140,7 @@ void check_end(const std::string& file, const std::string& ending, Warnings& war
   }
 }
 
-/// Formats that Gmsh has only when it was built with another library.
+/// Throws FileError for formats that this build of Gmsh lacks.
 void check_support(const std::string& ending) {
   for (const auto& [own, feature] : {std::array{".med", "Med"}, std::array{".cgns", "Cgns"}}) {
     if (ending != own) continue;
@@ -148,7 +148,7 @@ void check_support(const std::string& ending) {
     gmsh::option::getString("General.BuildOptions", options);
     if (options.find(feature) != std::string::npos) return;
     throw FileError(std::string("this build of Gmsh has no ") + feature +
-                    " (Debian's has not); build tetune with the SDK of gmsh.info, or use .msh");
+                    "; build tetune with the SDK of gmsh.info, or use .msh");
   }
 }
 
@@ -167,14 +167,14 @@ void check_log() {
   }
 }
 
-/// Gmsh writes elements of one vertex to other formats in ways that it cannot read itself, if at all.
-void leave_out_points(TetMesh& mesh, Warnings& warnings) {
+/// Erases elements of one vertex, which Gmsh writes to other formats than its own in ways that it cannot read.
+void erase_points(TetMesh& mesh, Warnings& warnings) {
   const auto points = std::find_if(mesh.others.begin(), mesh.others.end(),
                                    [](const ElementBlock& block) { return block.kind == kPoints; });
   if (points == mesh.others.end()) return;
   mesh.others.erase(points);
   std::erase_if(mesh.groups, [](const Group& group) { return group.dimension == 0; });
-  warnings.emplace_back("there is no room for elements of one vertex");
+  warnings.emplace_back("the format cannot hold elements of one vertex");
 }
 
 void refuse_pyramids(const TetMesh& mesh, const std::string& ending) {
@@ -223,7 +223,7 @@ TetMesh read(const std::string& file, Warnings& warnings) {
 
 void write(const std::string& file, TetMesh mesh, Warnings& warnings) {
   const std::string ending = ending_of(file);
-  if (ending != ".msh") leave_out_points(mesh, warnings);
+  if (ending != ".msh") erase_points(mesh, warnings);
   refuse_pyramids(mesh, ending);
   start_gmsh();
   check_support(ending);

@@ -14,17 +14,17 @@
 namespace tetune::plugin {
 namespace {
 
-/// Gmsh's tetrahedron numbers its last two middles the other way round.
+/// Gmsh's tetrahedron has the last two middle nodes exchanged.
 constexpr std::array<Pair, 6> kTet10Edges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
 
-/// Numbers of Gmsh, which may have gaps, and what they are here.
+/// From Gmsh's numbers, which may have gaps, to indices.
 class Numbers {
  public:
   explicit Numbers(std::vector<std::size_t> sorted) : sorted_(std::move(sorted)) {}
   Index find(std::size_t number) const {
     const auto at = std::lower_bound(sorted_.begin(), sorted_.end(), number);
     if (at == sorted_.end() || *at != number) return -1;
-    return static_cast<Index>(at - sorted_.begin());
+    return Index(at - sorted_.begin());
   }
 
  private:
@@ -51,7 +51,7 @@ class Reader {
     gmsh::model::getEntities(entities);
     for (const auto& [dimension, entity] : entities) read_entity(nodes, dimension, entity);
     if (grouped_) {
-      // Where the tag is the group's number, what the entity was is kept beside it.
+      // The tag is the number of the group; the number of the entity is kept as data.
       add_data(mesh_.tet_data, kGeometrical, tets_.geometrical);
       add_data(mesh_.triangle_data, kGeometrical, triangles_.geometrical);
       add_data(mesh_.edge_data, kGeometrical, edges_.geometrical);
@@ -60,7 +60,7 @@ class Reader {
       }
     }
     read_views(nodes);
-    leave_out(middles_, mesh_);
+    erase_middles(middles_, mesh_);
     for (ElementBlock& block : others_) {
       if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
     }
@@ -72,7 +72,7 @@ class Reader {
     std::vector<double> x;
     std::vector<double> none;
     gmsh::model::mesh::getNodes(numbers, x, none, -1, -1, false, false);
-    if (numbers.size() > static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
+    if (std::ssize(numbers) > std::numeric_limits<Index>::max()) {
       throw FileError("more than 2^31 nodes");
     }
     std::vector<std::size_t> order(numbers.size());
@@ -82,7 +82,7 @@ class Reader {
     sorted.reserve(order.size());
     for (const std::size_t i : order) {
       if (!sorted.empty() && sorted.back() == numbers[i]) {
-        throw FileError("node " + std::to_string(numbers[i]) + " is there twice");
+        throw FileError("node " + std::to_string(numbers[i]) + " occurs twice");
       }
       sorted.push_back(numbers[i]);
       mesh_.points.push_back({x[3 * i], x[3 * i + 1], x[3 * i + 2]});
@@ -97,7 +97,7 @@ class Reader {
     grouped_ = !groups.empty();
     mesh_.cell_tags_name = grouped_ ? kPhysical : kGeometrical;
     for (const auto& [dimension, number] : groups) {
-      if (number == 0) continue;  // in I-deas' files this is what is in no group
+      if (number == 0) continue;  // stands for elements in no group in I-deas' files
       Group group{dimension, number, {}, {}};
       gmsh::model::getPhysicalName(dimension, number, group.name);
       std::vector<int> entities;
@@ -110,7 +110,7 @@ class Reader {
   }
 
   /// The number of the entity's physical group; minus its own where it is in several or in none; its own where the
-  /// file has no groups. What the file says of entities in no group goes before.
+  /// file has no groups. A tag in `loose_tags` takes precedence for entities in no group.
   int tag_of(int dimension, int entity) const {
     const std::vector<int> groups = groups_of(dimension, entity);
     const auto loose = loose_tags_.find({dimension, entity});
@@ -146,14 +146,14 @@ class Reader {
     std::set<std::vector<std::size_t>> seen;
     for (std::size_t e = 0; e < elements.size(); ++e) {
       if (repeated) {
-        const auto first = corners.begin() + static_cast<std::ptrdiff_t>(e * each);
-        if (!seen.emplace(first, first + static_cast<std::ptrdiff_t>(each)).second) continue;
+        const auto nodes_of_element = entry_of(corners, std::int64_t(e), each);
+        if (!seen.emplace(nodes_of_element.begin(), nodes_of_element.end()).second) continue;
       }
       for (std::size_t k = 0; k < each; ++k) {
         v[k] = nodes.find(corners[e * each + k]);
         if (v[k] < 0) {
-          throw FileError("element " + std::to_string(elements[e]) + " names node " +
-                          std::to_string(corners[e * each + k]) + ", which is not there");
+          throw FileError("element " + std::to_string(elements[e]) + " has node " +
+                          std::to_string(corners[e * each + k]) + ", which does not exist");
         }
       }
       add(type, v, elements[e], tag, entity);
@@ -197,11 +197,12 @@ class Reader {
       int first_order = 0;
       std::vector<double> places;
       gmsh::model::mesh::getElementProperties(type, name, dimension, order, all, places, first_order);
-      throw FileError("element " + std::to_string(element) + " is a \"" + name +
-                      "\", which tetune does not take: tetrahedra, triangles and lines of first or second order; "
-                      "points, quadrilaterals, pyramids, prisms and hexahedra of first order");
+      throw FileError(
+          "element " + std::to_string(element) + " is a \"" + name +
+          "\", which tetune does not read; it reads tetrahedra, triangles and lines of first or second order; "
+          "points, quadrilaterals, pyramids, prisms and hexahedra of first order");
     }
-    const auto k = static_cast<std::size_t>(at - kOtherTypes.begin());
+    const std::size_t k(at - kOtherTypes.begin());
     others_[k].element2vertex.insert(others_[k].element2vertex.end(), v.begin(), v.end());
     note(other_kinds_[k], others_[k].tags);
   }
@@ -209,8 +210,7 @@ class Reader {
   template <std::size_t N>
   void add_middles(const std::vector<Index>& v, std::size_t corners, const std::array<Pair, N>& edges) {
     for (std::size_t e = 0; e < N; ++e) {
-      middles_.push_back(
-          {v[corners + e], {v[static_cast<std::size_t>(edges[e][0])], v[static_cast<std::size_t>(edges[e][1])]}});
+      middles_.push_back({v[corners + e], {item(v, edges[e][0]), item(v, edges[e][1])}});
     }
   }
 
@@ -240,7 +240,7 @@ class Reader {
         warnings_.push_back("the data \"" + name + "\" of type \"" + type + "\" is not kept");
         continue;
       }
-      const auto each = static_cast<std::size_t>(components);
+      const std::size_t each(components);
       const auto add = [&](std::size_t entries, std::vector<DataArray>& data, const auto& find) {
         std::vector<double> all(entries * each, std::numeric_limits<double>::quiet_NaN());
         bool found = false;
@@ -248,8 +248,7 @@ class Reader {
           const Index at = find(numbers[i]);
           if (at < 0 || values[i].size() != each) continue;
           found = true;
-          std::copy(values[i].begin(), values[i].end(),
-                    all.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(at) * each));
+          std::copy(values[i].begin(), values[i].end(), entry_of(all, at, each).begin());
         }
         if (found) data.push_back({name, components, std::move(all)});
       };
@@ -259,7 +258,7 @@ class Reader {
       }
       const auto add_elements = [&](const Kind& kind, std::vector<DataArray>& data) {
         std::map<std::size_t, Index> position;
-        for (std::size_t e = 0; e < kind.elements.size(); ++e) position[kind.elements[e]] = static_cast<Index>(e);
+        for (std::size_t e = 0; e < kind.elements.size(); ++e) position[kind.elements[e]] = Index(e);
         add(kind.elements.size(), data, [&position](std::size_t n) {
           const auto at = position.find(n);
           return at == position.end() ? -1 : at->second;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What reading and writing Exodus share.
+// The file and the element kinds that reading and writing Exodus share.
 #pragma once
 
 #include <vtk_exodusII.h>
@@ -15,7 +15,7 @@ namespace tetune::plugin {
 
 /// Sides of a tetrahedron in Exodus' order, seen from outside counter-clockwise.
 inline constexpr std::array<std::array<std::size_t, 3>, 4> kTetSides{{{0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 2, 1}}};
-/// Data on vertices that a set of nodes is kept as: with its number and name.
+/// Prefix of the data on vertices that a set of nodes becomes, before its number and name.
 inline constexpr const char* kNodeSet = "node_set:";
 
 /// An open file; every call is checked.
@@ -47,7 +47,7 @@ class File {
   int id_;
 };
 
-/// What Exodus calls elements. The first entries are the ones TetMesh has arrays for.
+/// Names of kinds of elements in Exodus. TetMesh has arrays for the first ones.
 struct KindOfElement {
   const char* written;
   std::vector<const char*> names;

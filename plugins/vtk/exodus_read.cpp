@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exodus II through the library that comes with VTK: element blocks, side sets, node sets and variables.
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <limits>
 
@@ -22,17 +21,18 @@ struct Block {
 
 std::size_t kind_of(const ex_block& block) {
   std::string name = block.topology;
-  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (char& c : name) c = c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c;
   for (std::size_t k = 0; k < kKinds.size(); ++k) {
     if (block.num_nodes_per_entry != kKinds[k].nodes) continue;
     for (const char* start : kKinds[k].names) {
       if (name.rfind(start, 0) == 0) return k;
     }
   }
-  throw FileError("element block " + std::to_string(block.id) + " is of type \"" + block.topology + "\" with " +
-                  std::to_string(block.num_nodes_per_entry) +
-                  " nodes, which tetune does not take: tetrahedra, triangles and bars of first or second order; "
-                  "quadrilaterals, pyramids, wedges and hexahedra of first order");
+  throw FileError(
+      "element block " + std::to_string(block.id) + " is of type \"" + block.topology + "\" with " +
+      std::to_string(block.num_nodes_per_entry) +
+      " nodes, which tetune does not read; it reads tetrahedra, triangles and bars of first or second order; "
+      "quadrilaterals, pyramids, wedges and hexahedra of first order");
 }
 
 class Reader {
@@ -52,7 +52,7 @@ class Reader {
     for (const int id : ids(EX_SIDE_SET, counts.num_side_sets)) read_side_set(id);
     for (const int id : ids(EX_NODE_SET, counts.num_node_sets)) read_node_set(id);
     read_variables();
-    leave_out(middles_, mesh_);
+    erase_middles(middles_, mesh_);
     for (ElementBlock& block : others_) {
       if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
     }
@@ -60,7 +60,7 @@ class Reader {
 
  private:
   std::vector<int> ids(ex_entity_type type, std::int64_t count) const {
-    std::vector<int> result(static_cast<std::size_t>(count));
+    std::vector<int> result(std::size_t(count), 0);
     if (count > 0) file_.check(ex_get_ids(file_.id(), type, result.data()), "read the numbers of blocks and sets");
     return result;
   }
@@ -72,7 +72,7 @@ class Reader {
   }
 
   void read_points(std::int64_t count) {
-    const auto n = static_cast<std::size_t>(count);
+    const std::size_t n(count);
     std::vector<double> x(n), y(n), z(n);
     if (n > 0) file_.check(ex_get_coord(file_.id(), x.data(), y.data(), z.data()), "read the coordinates");
     mesh_.points.reserve(n);
@@ -89,12 +89,12 @@ class Reader {
     elements_ += block.elements;
     if (block.elements == 0) return;
     block.kind = kind_of(info);
-    const auto each = static_cast<std::size_t>(info.num_nodes_per_entry);
-    std::vector<int> nodes(each * static_cast<std::size_t>(block.elements));
+    const std::size_t each(info.num_nodes_per_entry);
+    std::vector<int> nodes(each * std::size_t(block.elements));
     file_.check(ex_get_conn(file_.id(), EX_ELEM_BLOCK, id, nodes.data(), nullptr, nullptr), "read the elements");
     for (int& v : nodes) {
-      if (v < 1 || static_cast<std::size_t>(v) > mesh_.points.size()) {
-        throw FileError("element block " + std::to_string(id) + " names node " + std::to_string(v) + "; there are " +
+      if (v < 1 || v > std::ssize(mesh_.points)) {
+        throw FileError("element block " + std::to_string(id) + " has node " + std::to_string(v) + "; there are " +
                         std::to_string(mesh_.points.size()));
       }
       --v;
@@ -149,7 +149,7 @@ class Reader {
   void read_side_set(int id) {
     std::int64_t n = 0;
     const std::vector<int> entries = read_set(EX_SIDE_SET, id, n);
-    const auto count = static_cast<std::size_t>(n);
+    const std::size_t count(n);
     std::int64_t left_out = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const int element = entries[i] - 1;
@@ -158,36 +158,36 @@ class Reader {
         return element >= b.first && element < b.first + b.elements;
       });
       if (at == blocks_.end()) {
-        throw FileError("side set " + std::to_string(id) + " names element " + std::to_string(element + 1) +
-                        ", which is not there");
+        throw FileError("side set " + std::to_string(id) + " has element " + std::to_string(element + 1) +
+                        ", which does not exist");
       }
       if (at->kind >= kTriangles) {
         ++left_out;
         continue;
       }
       if (side < 1 || side > 4) {
-        throw FileError("side set " + std::to_string(id) + " names side " + std::to_string(side) +
+        throw FileError("side set " + std::to_string(id) + " has side " + std::to_string(side) +
                         " of a tetrahedron; there are 4");
       }
-      const auto& tet = mesh_.tets[tet_number(*at) + static_cast<std::size_t>(element - at->first)];
-      const auto& corners = kTetSides[static_cast<std::size_t>(side - 1)];
+      const auto& tet = item(mesh_.tets, tet_number(*at) + element - at->first);
+      const auto& corners = item(kTetSides, side - 1);
       mesh_.triangles.push_back({tet[corners[0]], tet[corners[1]], tet[corners[2]]});
       mesh_.triangle_tags.push_back(id);
     }
     add_group(2, id, name_of(EX_SIDE_SET, id));
     if (left_out > 0) {
-      warnings_.push_back(std::to_string(left_out) + " sides of elements that are no tetrahedra, of side set " +
+      warnings_.push_back(std::to_string(left_out) + " sides of elements that are not tetrahedra, of side set " +
                           std::to_string(id) + ", are not kept");
     }
   }
 
   /// Position of the block's first tetrahedron.
-  std::size_t tet_number(const Block& block) const {
+  std::int64_t tet_number(const Block& block) const {
     std::int64_t before = 0;
     for (const Block& b : blocks_) {
       if (b.kind < kTriangles && b.first < block.first) before += b.elements;
     }
-    return static_cast<std::size_t>(before);
+    return before;
   }
 
   std::vector<int> read_set(ex_entity_type type, int id, std::int64_t& count) const {
@@ -195,7 +195,7 @@ class Reader {
     int factors = 0;
     file_.check(ex_get_set_param(file_.id(), type, id, &n, &factors), "read a set");
     count = n;
-    std::vector<int> entries(2 * static_cast<std::size_t>(n));
+    std::vector<int> entries(std::size_t{2} * std::size_t(n));
     if (n > 0) {
       file_.check(ex_get_set(file_.id(), type, id, entries.data(), type == EX_SIDE_SET ? entries.data() + n : nullptr),
                   "read a set");
@@ -207,13 +207,13 @@ class Reader {
     std::int64_t n = 0;
     const std::vector<int> entries = read_set(EX_NODE_SET, id, n);
     std::vector<std::uint8_t> in_set(mesh_.points.size(), 0);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-      const int v = entries[i] - 1;
-      if (v < 0 || static_cast<std::size_t>(v) >= in_set.size()) {
-        throw FileError("node set " + std::to_string(id) + " names node " + std::to_string(v + 1) +
-                        ", which is not there");
+    for (const int entry : std::span(entries).first(std::size_t(n))) {
+      const int v = entry - 1;
+      if (v < 0 || v >= std::ssize(in_set)) {
+        throw FileError("node set " + std::to_string(id) + " has node " + std::to_string(v + 1) +
+                        ", which does not exist");
       }
-      in_set[static_cast<std::size_t>(v)] = 1;
+      item(in_set, v) = 1;
     }
     const std::string name = name_of(EX_NODE_SET, id);
     mesh_.point_data.push_back(
@@ -245,7 +245,7 @@ class Reader {
         for (std::size_t c = 0; c < 3; ++c) joined.push_back(std::get<std::vector<double>>(data[i + c].values)[v]);
       }
       data[i] = {base, 3, std::move(joined)};
-      data.erase(data.begin() + static_cast<std::ptrdiff_t>(i) + 1, data.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+      data.erase(data.begin() + std::ptrdiff_t(i) + 1, data.begin() + std::ptrdiff_t(i) + 3);
     }
   }
 
@@ -258,9 +258,8 @@ class Reader {
     std::vector<DataArray> nodal;
     for (const std::string& name : variable_names(EX_NODAL)) {
       std::vector<double> values(mesh_.points.size());
-      file_.check(
-          ex_get_var(file_.id(), 1, EX_NODAL, ++index, 1, static_cast<std::int64_t>(values.size()), values.data()),
-          "read a variable");
+      file_.check(ex_get_var(file_.id(), 1, EX_NODAL, ++index, 1, std::ssize(values), values.data()),
+                  "read a variable");
       nodal.push_back({name, 1, std::move(values)});
     }
     join_vectors(nodal);
@@ -272,15 +271,15 @@ class Reader {
       for (const Block& block : blocks_) {
         if (block.kind >= kTriangles) continue;
         const std::size_t first = values.size();
-        values.resize(first + static_cast<std::size_t>(block.elements), std::numeric_limits<double>::quiet_NaN());
-        // A block may be without: the truth table says so, and the call fails.
+        values.resize(first + std::size_t(block.elements), std::numeric_limits<double>::quiet_NaN());
+        // The call fails for a block without this variable, as the truth table says.
         ex_get_var(file_.id(), 1, EX_ELEM_BLOCK, index, block.id, block.elements, values.data() + first);
       }
       if (!values.empty()) mesh_.tet_data.push_back({name, 1, std::move(values)});
     }
     join_vectors(mesh_.tet_data);
     if (index > 0 && std::any_of(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.kind >= kTriangles; })) {
-      warnings_.push_back("variables of elements are kept on tetrahedra alone");
+      warnings_.push_back("variables of elements are kept on tetrahedra only");
     }
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exodus II through the library that comes with VTK, as exodus_read.cpp takes it.
+// Exodus II through the library that comes with VTK, as exodus_read.cpp reads it.
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
@@ -14,7 +14,7 @@
 namespace tetune::plugin {
 namespace {
 
-/// Elements of one kind and tag, on their way into a block.
+/// The elements of one kind and tag, which become a block.
 struct OutBlock {
   int id;
   std::size_t kind;
@@ -37,8 +37,8 @@ class Writer {
     warn_of_lists();
     find_node_sets();
     std::int64_t elements = 0;
-    for (const OutBlock& block : blocks_) elements += static_cast<std::int64_t>(block.elements.size());
-    const auto count = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
+    for (const OutBlock& block : blocks_) elements += std::ssize(block.elements);
+    const auto count = [](const auto& list) { return std::ssize(list); };
     file_.check(ex_put_init(file_.id(), "written by tetune", 3, count(mesh_.points), elements, count(blocks_),
                             count(node_sets_), count(side_sets)),
                 "write the sizes");
@@ -96,9 +96,9 @@ class Writer {
       const auto* const kind = std::find_if(std::begin(kOtherKinds), std::end(kOtherKinds),
                                             [&block](const OtherKind& k) { return k.name == block.kind; });
       if (kind == std::end(kOtherKinds)) throw FileError("Exodus has no elements of kind " + block.kind);
-      const auto each = static_cast<std::size_t>(kind->vertices);
+      const std::size_t each(kind->vertices);
       for (std::size_t i = 0; i < block.tags.size(); ++i) {
-        add(kOthers + static_cast<std::size_t>(kind - std::begin(kOtherKinds)), kind->dimension, block.tags[i],
+        add(kOthers + std::size_t(kind - std::begin(kOtherKinds)), kind->dimension, block.tags[i],
             block.element2vertex.data() + i * each, each, std::array<Pair, 0>{}, i);
       }
     }
@@ -110,8 +110,8 @@ class Writer {
     return face;
   }
 
-  /// Finds for each listed triangle the tetrahedron whose side it is, of two the one that turns as it does. Those of
-  /// none become elements.
+  /// Finds for each listed triangle the tetrahedron whose side it is, of two the one with the same orientation.
+  /// Triangles of no tetrahedron become elements.
   template <class Add>
   void collect_loose_triangles(std::size_t kind, const Add& add) {
     std::vector<std::pair<Face, std::size_t>> faces;
@@ -125,10 +125,10 @@ class Writer {
         auto at = std::lower_bound(faces.begin(), faces.end(), std::pair<Face, std::size_t>{sorted(face), 0});
         for (; at != faces.end() && at->first == sorted(face); ++at) {
           const Face& listed = mesh_.triangles[at->second];
-          const bool turns_alike =
+          const bool same_orientation =
               face == listed || Face{face[1], face[2], face[0]} == listed || Face{face[2], face[0], face[1]} == listed;
           auto& side = triangle2side_[at->second];
-          if (side[0] < 0 || turns_alike) side = {static_cast<std::int64_t>(t), static_cast<std::int64_t>(s) + 1};
+          if (side[0] < 0 || same_orientation) side = {std::int64_t(t), std::int64_t(s) + 1};
         }
       }
     }
@@ -138,7 +138,7 @@ class Writer {
     }
   }
 
-  /// For each tag of triangles the sides with it, by the numbers that the elements have in the file.
+  /// For each tag of triangles the sides with it, by the numbers of the elements in the file.
   std::map<int, std::vector<std::array<int, 2>>> find_sides(const Middles* middles) {
     const std::size_t kind = kTets + (middles != nullptr ? 1 : 0);
     std::vector<int> tet2element(mesh_.tets.size());
@@ -157,7 +157,7 @@ class Writer {
       if (tet < 0) continue;
       int tag = mesh_.triangle_tags[i];
       if (tag <= 0) tag = renumber(tag, free_numbers, renumbered, "side set");
-      sets[tag].push_back({tet2element[static_cast<std::size_t>(tet)], static_cast<int>(side)});
+      sets[tag].push_back({item(tet2element, tet), int(side)});
     }
     return sets;
   }
@@ -173,7 +173,7 @@ class Writer {
     return at->second;
   }
 
-  /// A block has its tag's number, where no other kind of element has it and it is positive.
+  /// Gives a block the number of its tag where that is positive and no block of another kind has it.
   void choose_ids() {
     std::set<int> tags;
     for (const OutBlock& block : blocks_) tags.insert(block.tag);
@@ -197,13 +197,13 @@ class Writer {
     const std::vector<Index>* lists[] = {&mesh_.corners,        &mesh_.required_vertices,  &mesh_.ridges,
                                          &mesh_.required_edges, &mesh_.required_triangles, &mesh_.required_tets};
     if (std::any_of(std::begin(lists), std::end(lists), [](const auto* list) { return !list->empty(); })) {
-      warnings_.push_back("there is no room for lists of corners, ridges and required entities");
+      warnings_.push_back("the format cannot hold lists of corners, ridges and required entities");
     }
     if (std::any_of(mesh_.point_tags.begin(), mesh_.point_tags.end(), [](int t) { return t != 0; })) {
-      warnings_.push_back("there is no room for tags of vertices");
+      warnings_.push_back("the format cannot hold tags of vertices");
     }
     if (!mesh_.triangle_data.empty() || !mesh_.edge_data.empty()) {
-      warnings_.push_back("data are kept on vertices and tetrahedra alone");
+      warnings_.push_back("data are kept on vertices and tetrahedra only");
     }
   }
 
@@ -221,7 +221,7 @@ class Writer {
         set.name = array.name.substr(colon + 1);
       }
       for (std::size_t v = 0; v < flags->size(); ++v) {
-        if ((*flags)[v] != 0) set.nodes.push_back(static_cast<int>(v) + 1);
+        if ((*flags)[v] != 0) set.nodes.push_back(int(v) + 1);
       }
       node_sets_.push_back(std::move(set));
     }
@@ -250,7 +250,7 @@ class Writer {
 
   void put_set(ex_entity_type type, int id, const std::vector<int>& entries, const int* extra,
                const std::string& name) {
-    file_.check(ex_put_set_param(file_.id(), type, id, static_cast<std::int64_t>(entries.size()), 0), "write a set");
+    file_.check(ex_put_set_param(file_.id(), type, id, std::ssize(entries), 0), "write a set");
     if (!entries.empty()) file_.check(ex_put_set(file_.id(), type, id, entries.data(), extra), "write a set");
     put_name(type, id, name);
   }
@@ -263,14 +263,14 @@ class Writer {
   static std::vector<Variable> variables_of(const std::vector<DataArray>& data) {
     std::vector<Variable> variables;
     for (const DataArray& array : data) {
-      const auto each = static_cast<std::size_t>(array.components);
+      const std::size_t each = components_of(array);
       for (std::size_t c = 0; c < each; ++c) {
         Variable variable{array.name, {}};
         if (each > 1) variable.name.append(1, '_').append(each <= 3 ? std::string(1, "XYZ"[c]) : std::to_string(c + 1));
         std::visit(
             [&](const auto& values) {
               for (std::size_t i = c; i < values.size(); i += each) {
-                variable.values.push_back(static_cast<double>(values[i]));
+                variable.values.push_back(double(values[i]));
               }
             },
             array.values);
@@ -282,7 +282,7 @@ class Writer {
 
   void put_names(ex_entity_type type, const std::vector<Variable>& variables) {
     if (variables.empty()) return;
-    file_.check(ex_put_variable_param(file_.id(), type, static_cast<int>(variables.size())), "write the variables");
+    file_.check(ex_put_variable_param(file_.id(), type, int(variables.size())), "write the variables");
     int index = 0;
     for (const Variable& v : variables) {
       file_.check(ex_put_variable_name(file_.id(), type, ++index, v.name.c_str()), "write the name of a variable");
@@ -299,17 +299,16 @@ class Writer {
       std::vector<int> table;
       for (const OutBlock& block : blocks_)
         table.insert(table.end(), elemental.size(), block.kind < kTriangles ? 1 : 0);
-      file_.check(ex_put_truth_table(file_.id(), EX_ELEM_BLOCK, static_cast<int>(blocks_.size()),
-                                     static_cast<int>(elemental.size()), table.data()),
-                  "write the variables");
+      file_.check(
+          ex_put_truth_table(file_.id(), EX_ELEM_BLOCK, int(blocks_.size()), int(elemental.size()), table.data()),
+          "write the variables");
     }
     const double time = 0;
     file_.check(ex_put_time(file_.id(), 1, &time), "write the time");
     int index = 0;
     for (const Variable& v : nodal) {
-      file_.check(
-          ex_put_var(file_.id(), 1, EX_NODAL, ++index, 1, static_cast<std::int64_t>(v.values.size()), v.values.data()),
-          "write a variable");
+      file_.check(ex_put_var(file_.id(), 1, EX_NODAL, ++index, 1, std::ssize(v.values), v.values.data()),
+                  "write a variable");
     }
     index = 0;
     for (const Variable& v : elemental) {
@@ -318,8 +317,7 @@ class Writer {
         if (block.kind >= kTriangles) continue;
         std::vector<double> own;
         for (const std::size_t e : block.elements) own.push_back(v.values[e]);
-        file_.check(ex_put_var(file_.id(), 1, EX_ELEM_BLOCK, index, block.id, static_cast<std::int64_t>(own.size()),
-                               own.data()),
+        file_.check(ex_put_var(file_.id(), 1, EX_ELEM_BLOCK, index, block.id, std::ssize(own), own.data()),
                     "write a variable");
       }
     }

@@ -9,7 +9,7 @@
 namespace tetune::plugin {
 
 TetMesh from_grid(vtkUnstructuredGrid* grid, Warnings& warnings);
-/// Of points in the very same place, one takes the elements of all: the parts of a file each have their own.
+/// Merges points at the same position, as the parts of a file have.
 void merge_points(TetMesh& mesh);
 vtkSmartPointer<vtkUnstructuredGrid> to_grid(TetMesh mesh, Warnings& warnings);
 

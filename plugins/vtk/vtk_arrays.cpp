@@ -10,21 +10,20 @@
 #include <optional>
 #include <set>
 
-#include "core/whole_number.hpp"
+#include "mesh/whole_number.hpp"
 
 namespace tetune::plugin {
 namespace {
 
 template <class T, class From>
 std::vector<T> values_of(vtkDataArray* array) {
-  const auto n = static_cast<std::size_t>(array->GetNumberOfValues());
-  std::vector<T> values(n);
+  std::vector<T> values(std::size_t(array->GetNumberOfValues()), T{});
   const auto* from = static_cast<const From*>(array->GetVoidPointer(0));
-  for (std::size_t i = 0; i < n; ++i) values[i] = static_cast<T>(from[i]);
+  std::transform(from, from + values.size(), values.begin(), [](From x) { return static_cast<T>(x); });
   return values;
 }
 
-/// The type of the same width and sign, whatever C++ calls it.
+/// Converts to the integer type of the same width and sign.
 template <class From>
 DataValues integers_of(vtkDataArray* array) {
   if constexpr (std::is_signed_v<From>) {
@@ -50,7 +49,8 @@ DataValues bits_of(vtkDataArray* array) {
   return values;
 }
 
-/// Where meshio, Gmsh, TetGen's and Mmg's Python packages and Mmg keep tags; the first there is taken.
+/// The names under which meshio, Gmsh, the Python packages of TetGen and Mmg, and Mmg keep tags, in order of
+/// preference.
 constexpr std::array kTagNames{"medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical"};
 
 auto find(std::vector<DataArray>& data, const std::string& name) {
@@ -111,25 +111,25 @@ DataArray from_vtk(vtkDataArray* array) {
       break;
     default:
       throw FileError("the data \"" + result.name + "\" is of type " + array->GetDataTypeAsString() +
-                      ", which tetune does not know");
+                      ", which tetune does not read");
   }
   return result;
 }
 
 std::size_t length(const DataArray& array) {
-  return std::visit([](const auto& v) { return v.size(); }, array.values) / static_cast<std::size_t>(array.components);
+  return std::visit([](const auto& v) { return v.size(); }, array.values) / components_of(array);
 }
 
 DataArray entries(const DataArray& array, const std::vector<vtkIdType>& positions) {
   DataArray result{array.name, array.components, {}};
-  const auto each = static_cast<std::size_t>(array.components);
+  const std::size_t each = components_of(array);
   std::visit(
       [&](const auto& from) {
         std::remove_cvref_t<decltype(from)> to;
         to.reserve(positions.size() * each);
         for (const vtkIdType p : positions) {
-          const auto first = from.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(p) * each);
-          to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(each));
+          const auto entry = entry_of(from, p, each);
+          to.insert(to.end(), entry.begin(), entry.end());
         }
         result.values = std::move(to);
       },
@@ -145,7 +145,7 @@ vtkSmartPointer<vtkDataArray> to_vtk(const DataArray& array) {
         out.TakeReference(vtkDataArray::CreateDataArray(vtkTypeTraits<T>::VTK_TYPE_ID));
         out->SetName(array.name.c_str());
         out->SetNumberOfComponents(array.components);
-        out->SetNumberOfTuples(static_cast<vtkIdType>(values.size() / static_cast<std::size_t>(array.components)));
+        out->SetNumberOfTuples(std::ssize(values) / array.components);
         std::copy(values.begin(), values.end(), static_cast<T*>(out->GetVoidPointer(0)));
         return out;
       },
@@ -160,8 +160,7 @@ std::vector<int> take_tags(std::vector<DataArray>& data, std::string& name, Warn
     const bool whole = at->components == 1 && std::visit(
                                                   [&tags](const auto& values) {
                                                     for (const auto v : values) {
-                                                      const std::optional<int> tag =
-                                                          whole_number(static_cast<double>(v));
+                                                      const std::optional<int> tag = whole_number(double(v));
                                                       if (!tag) return false;
                                                       tags.push_back(*tag);
                                                     }
@@ -169,7 +168,7 @@ std::vector<int> take_tags(std::vector<DataArray>& data, std::string& name, Warn
                                                   },
                                                   at->values);
     if (!whole) {
-      warnings.push_back("\"" + at->name + "\" does not hold whole numbers of 32 bits: kept as data, not as tags");
+      warnings.push_back("\"" + at->name + "\" does not hold integers of 32 bits: kept as data, not as tags");
       continue;
     }
     name = candidate;
@@ -186,7 +185,7 @@ std::vector<vtkIdType> take_flags(std::vector<DataArray>& data, const std::strin
   std::visit(
       [&flagged](const auto& values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
-          if (values[i] != 0) flagged.push_back(static_cast<vtkIdType>(i));
+          if (values[i] != 0) flagged.push_back(vtkIdType(i));
         }
       },
       at->values);
@@ -203,7 +202,7 @@ std::vector<DataArray> arrays_of(vtkDataSetAttributes* attributes, const char* w
     const std::string name = any->GetName() != nullptr ? any->GetName() : "";
     vtkDataArray* array = vtkDataArray::SafeDownCast(any);
     if (array == nullptr) {
-      warnings.push_back("the data \"" + name + "\" on " + where + " is no array of numbers; it is not kept");
+      warnings.push_back("the data \"" + name + "\" on " + where + " is not an array of numbers; it is not kept");
     } else if (!names.insert(name).second) {
       warnings.push_back("two arrays on " + std::string(where) + " are called \"" + name + "\"; the first is kept");
     } else if (array->GetNumberOfTuples() != n) {

@@ -20,14 +20,14 @@ vtkSmartPointer<vtkDataArray> to_vtk(const DataArray& array);
 
 std::size_t length(const DataArray& array);
 
-/// Takes the array with the first of the names under which programs store tags out of `data`; empty when there is none
-/// that holds whole numbers of 32 bits.
+/// Moves the first array with a name under which programs store tags out of `data`; empty where none holds integers of
+/// 32 bits.
 std::vector<int> take_tags(std::vector<DataArray>& data, std::string& name, Warnings& warnings);
 
-/// Takes the array of this name out and lists the entries that are not 0.
+/// Erases the array of this name; returns the positions of its entries that are not 0.
 std::vector<vtkIdType> take_flags(std::vector<DataArray>& data, const std::string& name);
 
-/// All arrays of numbers; other ones are named in a warning.
+/// Returns all arrays of numbers; warns of others.
 std::vector<DataArray> arrays_of(vtkDataSetAttributes* attributes, const char* where, Warnings& warnings);
 
 }  // namespace tetune::plugin

@@ -18,12 +18,12 @@
 namespace tetune::plugin {
 namespace {
 
-/// Keeps the first error that VTK reports, and what it only warns of where a file ends too early.
+/// Keeps the first error that VTK reports, and whether it warns of a file that ends too early.
 class Messages : public vtkOutputWindow {
  public:
   static Messages* New();
   void DisplayErrorText(const char* text) override {
-    // Which filter failed tells nobody anything.
+    // The name of the filter that failed means nothing to a user.
     if (std::strstr(text, "returned failure for request") != nullptr) {
       damaged_ = true;
     } else if (first_.empty()) {
@@ -35,7 +35,7 @@ class Messages : public vtkOutputWindow {
   }
   void DisplayGenericWarningText(const char* text) override { DisplayWarningText(text); }
   void DisplayText(const char*) override {}
-  /// Throws when there was one. VTK's text starts with the line of its own source.
+  /// Throws FileError where there was an error. VTK's text starts with a place in its source.
   void check() const {
     if (first_.empty() && damaged_) throw FileError("the file is damaged or cut short");
     if (first_.empty()) return;
@@ -87,7 +87,7 @@ template <class Writer>
 bool write_by(Writer& writer) {
   errno = 0;
   const bool written = writer.Write() == 1 && writer.GetErrorCode() == vtkErrorCode::NoError;
-  // VTK's own words for it are about other things.
+  // VTK's own message names another cause.
   if (!written && errno == ENOSPC) throw FileError(std::string("cannot write: ") + std::strerror(ENOSPC));
   return written;
 }

@@ -4,114 +4,86 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <functional>
-#include <utility>
+#include <type_traits>
 
 #include "arrays.hpp"
+#include "tetune/option_table.hpp"
 
 namespace tetune::python {
 namespace {
 
-template <class E>
-using Names = std::vector<std::pair<const char*, E>>;
-
 std::string shown(nb::handle value) { return nb::cast<std::string>(nb::repr(value)); }
 
-template <class E>
-E choice(const std::string& option, nb::handle value, const Names<E>& names) {
-  std::string list;
-  for (const auto& [name, e] : names) {
-    if (nb::isinstance<nb::str>(value) && nb::cast<std::string>(value) == name) return e;
-    list += (list.empty() ? "'" : ", '") + std::string(name) + "'";
+[[noreturn]] void refuse(const OptionInfo& option, nb::handle value, const std::string& allowed) {
+  throw OptionError(std::string(option.name) + " is " + shown(value) + "; it must be " + allowed);
+}
+
+void warn_of_old_name(const OptionInfo& option, const OptionChoice& choice) {
+  const std::string text = "'" + std::string(choice.old_name) + "' is the former name of '" + choice.name +
+                           "' for the option " + option.name + ", and is accepted until version 0.3";
+  if (PyErr_WarnEx(PyExc_DeprecationWarning, text.c_str(), 1) != 0) throw nb::python_error();
+}
+
+const OptionChoice& parse_choice(const OptionInfo& option, nb::handle value) {
+  if (nb::isinstance<nb::str>(value)) {
+    const auto word = nb::cast<std::string>(value);
+    if (const OptionChoice* choice = find_choice(option, word)) {
+      if (word != choice->name) warn_of_old_name(option, *choice);
+      return *choice;
+    }
   }
-  throw OptionError(option + " is " + shown(value) + "; it must be one of " + list);
+  std::string names;
+  for (const OptionChoice& c : option.choices) {
+    names += names.empty() ? "'" : ", '";
+    names += c.name;
+    names += '\'';
+  }
+  refuse(option, value, "one of " + names);
 }
 
 template <class T>
-T number(const std::string& option, nb::handle value) {
+T parse_number(const OptionInfo& option, nb::handle value) {
   T out{};
   if (nb::try_cast(value, out)) return out;
-  throw OptionError(option + " is " + shown(value) + "; it must be a" +
-                    (std::is_same_v<T, bool> ? " bool"
-                     : std::is_integral_v<T> ? "n integer"
-                                             : " number"));
+  refuse(option, value, std::is_same_v<T, bool> ? "a bool" : std::is_integral_v<T> ? "an integer" : "a number");
 }
 
-Measure measure(const std::string& name) {
-  std::string list;
+Measure parse_measure(const std::string& name) {
+  std::string names;
   for (std::size_t k = 0; k < kMeasures; ++k) {
-    const auto m = static_cast<Measure>(k);
-    if (name == to_string(m)) return m;
-    list += (list.empty() ? "" : ", ") + std::string(to_string(m));
+    const auto measure = static_cast<Measure>(k);
+    if (name == to_string(measure)) return measure;
+    if (k > 0) names += ", ";
+    names += to_string(measure);
   }
-  throw OptionError("there is no measure '" + name + "'; the measures are " + list);
+  throw OptionError("there is no measure '" + name + "'; the measures are " + names);
 }
 
-std::vector<Target> targets(nb::handle value) {
-  if (!nb::isinstance<nb::dict>(value)) {
-    throw OptionError("targets is " + shown(value) + "; it must be a dict, for example {'min_dihedral_deg': 15}");
-  }
-  std::vector<Target> list;
+std::vector<Target> parse_targets(const OptionInfo& option, nb::handle value) {
+  if (!nb::isinstance<nb::dict>(value)) refuse(option, value, "a dict, for example {'min_dihedral_deg': 15}");
+  std::vector<Target> targets;
   for (const auto& [name, bound] : nb::borrow<nb::dict>(value)) {
-    list.push_back({measure(nb::cast<std::string>(nb::str(name))), number<double>("a target", bound)});
+    targets.push_back({parse_measure(nb::cast<std::string>(nb::str(name))), parse_number<double>(option, bound)});
   }
-  return list;
+  return targets;
 }
 
-using Set = std::function<void(Options&, const std::string&, nb::handle)>;
-
-const std::vector<std::pair<std::string, Set>>& setters() {
-  static const std::vector<std::pair<std::string, Set>> all{
-      {"device",
-       [](Options& o, const std::string& n, nb::handle v) {
-         o.device =
-             choice<Device>(n, v, {{"automatic", Device::automatic}, {"cpu", Device::cpu}, {"cuda", Device::cuda}});
-       }},
-      {"boundary",
-       [](Options& o, const std::string& n, nb::handle v) {
-         o.boundary = choice<Boundary>(
-             n, v, {{"preserve", Boundary::preserve}, {"slide", Boundary::slide}, {"fixed", Boundary::fixed}});
-       }},
-      {"energy",
-       [](Options& o, const std::string& n, nb::handle v) {
-         o.energy = choice<Energy>(n, v, {{"shape", Energy::shape}, {"harmonic", Energy::harmonic}});
-       }},
-      {"effort",
-       [](Options& o, const std::string& n, nb::handle v) {
-         o.effort =
-             choice<Effort>(n, v, {{"fast", Effort::fast}, {"standard", Effort::standard}, {"best", Effort::best}});
-       }},
-      {"keep_vertices", [](Options& o, const std::string& n, nb::handle v) { o.keep_vertices = number<bool>(n, v); }},
-      {"relocation",
-       [](Options& o, const std::string& n, nb::handle v) {
-         o.relocation = choice<Relocation>(n, v, {{"newton", Relocation::newton}, {"gradient", Relocation::gradient}});
-       }},
-      {"termination",
-       [](Options& o, const std::string& n, nb::handle v) {
-         o.termination =
-             choice<Termination>(n, v, {{"relative", Termination::relative}, {"paper", Termination::paper}});
-       }},
-      {"untangle", [](Options& o, const std::string& n, nb::handle v) { o.untangle = number<bool>(n, v); }},
-      {"feature_angle", [](Options& o, const std::string& n, nb::handle v) { o.feature_angle = number<double>(n, v); }},
-      {"max_deviation", [](Options& o, const std::string& n, nb::handle v) { o.max_deviation = number<double>(n, v); }},
-      {"open_boundaries",
-       [](Options& o, const std::string& n, nb::handle v) { o.open_boundaries = number<bool>(n, v); }},
-      {"frozen_regions",
-       [](Options& o, const std::string& n, nb::handle v) { assign(n.c_str(), v, o.frozen_regions); }},
-      {"frozen_patches",
-       [](Options& o, const std::string& n, nb::handle v) { assign(n.c_str(), v, o.frozen_patches); }},
-      {"frozen_vertices",
-       [](Options& o, const std::string& n, nb::handle v) {
-         assign(n.c_str(), nb::module_::import_("numpy").attr("asarray")(v, "dtype"_a = "uint8"), o.frozen_vertices);
-       }},
-      {"max_iterations", [](Options& o, const std::string& n, nb::handle v) { o.max_iterations = number<int>(n, v); }},
-      {"threads", [](Options& o, const std::string& n, nb::handle v) { o.threads = number<int>(n, v); }},
-      {"max_ring", [](Options& o, const std::string& n, nb::handle v) { o.max_ring = number<int>(n, v); }},
-      {"flips", [](Options& o, const std::string& n, nb::handle v) { o.flips = number<bool>(n, v); }},
-      {"boundary_flips", [](Options& o, const std::string& n, nb::handle v) { o.boundary_flips = number<bool>(n, v); }},
-      {"trace_angles", [](Options& o, const std::string& n, nb::handle v) { o.trace_angles = number<bool>(n, v); }},
-      {"targets", [](Options& o, const std::string&, nb::handle v) { o.targets = targets(v); }}};
-  return all;
+void set(const OptionInfo& option, Options& options, nb::handle value) {
+  const auto parse = [&]<class T>(T Options::*member) {
+    T& field = options.*member;
+    if constexpr (std::is_enum_v<T>) {
+      field = static_cast<T>(parse_choice(option, value).value);
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      field = parse_number<T>(option, value);
+    } else if constexpr (std::is_same_v<T, std::vector<Target>>) {
+      field = parse_targets(option, value);
+    } else if constexpr (std::is_same_v<T, std::vector<std::uint8_t>>) {  // also of booleans
+      assign(option.name, nb::module_::import_("numpy").attr("asarray")(value, "dtype"_a = "uint8"), field);
+    } else {
+      assign(option.name, value, field);
+    }
+  };
+  std::visit(parse, option.member);
 }
 
 }  // namespace
@@ -120,16 +92,16 @@ Options parse_options(const nb::dict& given) {
   Options options;
   for (const auto& [key, value] : given) {
     const std::string name = nb::cast<std::string>(nb::str(key));
-    const Set* set = nullptr;
-    std::string list;
-    for (const auto& [known, setter] : setters()) {
-      if (known == name) set = &setter;
-      list += (list.empty() ? "" : ", ") + known;
+    const OptionInfo* option = find_option(name);
+    if (option == nullptr) {
+      std::string names;
+      for (const OptionInfo& known : option_table()) {
+        if (!names.empty()) names += ", ";
+        names += known.name;
+      }
+      throw nb::type_error(("optimize() has no option '" + name + "'; the options are " + names).c_str());
     }
-    if (set == nullptr) {
-      throw nb::type_error(("optimize() has no option '" + name + "'; the options are " + list).c_str());
-    }
-    (*set)(options, name, value);
+    set(*option, options, value);
   }
   return options;
 }

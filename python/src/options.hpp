@@ -10,8 +10,8 @@ namespace tetune::python {
 namespace nb = nanobind;
 using namespace nb::literals;
 
-/// Options by their C++ names; names of values as strings. Throws TypeError for a name that is none, OptionError for a
-/// value that is none.
+/// Parses options by their names in C++, and choices by their names as strings. Raises TypeError for an unknown name,
+/// and OptionError for an invalid value.
 Options parse_options(const nb::dict& given);
 
 }  // namespace tetune::python

@@ -149,7 +149,7 @@ def test_options_take_effect():
 def test_the_automatic_device_says_why():
     points, tets = shaken_box(2, 2, 2)
     assert tetune.optimize(points, tets).report.device_reason == ""
-    report = tetune.optimize(points, tets, device="automatic").report
+    report = tetune.optimize(points, tets, device="auto").report
     assert (report.device, report.device_reason) == ("CPU", "below 1000000 tetrahedra")
 
 
@@ -168,26 +168,35 @@ def test_targets():
     angle, ratio = r.report.targets
     assert not angle.met and angle.measure == "min_dihedral_deg" and angle.value == 65
     assert angle.missed == (smallest_dihedral(r.mesh.points, r.mesh.tets) < 65).sum()
-    assert sum(angle.pinned.values()) == angle.missed
+    assert sum(angle.held_by.values()) == angle.missed
     assert angle.worst[0].value == pytest.approx(smallest_dihedral(r.mesh.points, r.mesh.tets).min())
     assert ratio.met
+
+
+def test_options_without_effect_and_former_names_are_warnings():
+    points, tets = shaken_box(2, 2, 2)
+    with pytest.warns(UserWarning, match="max_deviation=1 has no effect without boundary=slide"):
+        report = tetune.optimize(points, tets, max_deviation=1).report
+    assert report.warnings == ["max_deviation=1 has no effect without boundary=slide"]
+    with pytest.warns(DeprecationWarning, match="'automatic' is the former name of 'auto'"):
+        tetune.optimize(points, tets, device="automatic")
+    assert report.sweeps[0].gradient_norm == report.sweeps[0].gradient_norm2
 
 
 @pytest.mark.parametrize(
     ("options", "kind", "message"),
     [
-        ({"max_ring": 9}, tetune.OptionError, "max_ring is 9; it must be 3 to 7"),
-        ({"max_iterations": -1}, tetune.OptionError, "max_iterations is -1; it must be 0 or more"),
+        ({"max_ring": 9}, tetune.OptionError, "max_ring=9 is out of range: it must be 3 to 7"),
+        ({"max_iterations": -1}, tetune.OptionError, "max_iterations=-1 is out of range: it must be 0 or more"),
         ({"max_iterations": 1.5}, tetune.OptionError, "max_iterations is 1.5; it must be an integer"),
-        ({"threads": -2}, tetune.OptionError, "threads is -2; it must be 0 (all) or more"),
+        ({"threads": -2}, tetune.OptionError, "threads=-2 is out of range: it must be 0 to 4096"),
         ({"boundary": "Slide"}, tetune.OptionError, "boundary is 'Slide'; it must be one of 'fixed'|boundary is 'Slide'"),
         ({"effort": 3}, tetune.OptionError, "effort is 3; it must be one of 'fast', 'standard', 'best'"),
-        ({"max_deviation": 1}, tetune.OptionError, "max_deviation has no effect unless the boundary slides"),
         ({"frozen_vertices": [1, 0]}, tetune.OptionError, "frozen_vertices has 2 entries"),
         ({"targets": {"minSICN": 1}}, tetune.OptionError, "there is no measure 'minSICN'; the measures are min_dih"),
         ({"targets": 15}, tetune.OptionError, "targets is 15; it must be a dict"),
         ({"device": "cuda"}, tetune.DeviceError, "CUDA"),
-        ({"iterations": 3}, TypeError, "optimize() has no option 'iterations'; the options are device, boundary"),
+        ({"iterations": 3}, TypeError, "optimize() has no option 'iterations'; the options are boundary, feature_angle"),
     ],
 )
 def test_bad_options(options, kind, message):

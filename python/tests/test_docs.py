@@ -67,7 +67,7 @@ def test_the_reference_is_whole(site):
         assert f"tetune.{name}" in python, name
     assert {"tetune.Options.boundary", "tetune.Report.compound_flips"} <= python
     cpp = {a for p in (site / "api/cpp").glob("*.html") for a in Links(p.read_text(encoding="utf-8")).anchors}
-    assert {"optimize", "Options.max_deviation", "Boundary.slide", "TetMesh.ridges", "write_mesh", "Pin.none"} <= cpp
+    assert {"optimize", "Options.max_deviation", "Boundary.slide", "TetMesh.ridges", "write_mesh", "LimitingConstraint.none"} <= cpp
 
 
 def test_in_a_browser(site):

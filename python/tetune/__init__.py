@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes tetrahedral meshes better.
+"""Improves tetrahedral meshes.
 
     result = tetune.optimize(points, tets)            # numpy arrays
     result = tetune.optimize(mesh)                    # meshio.Mesh, pyvista.UnstructuredGrid, tetune.TetMesh
@@ -33,7 +33,8 @@ from ._core import (
     validate,
     write_mesh,
 )
-from ._optimize import Options, Result, measure_each, optimize, quality
+from ._optimize import Result, measure_each, optimize, quality
+from ._options import Options
 
 __version__ = version("tetune")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: the program that the wheel carries, and what is written in Python: the report."""
+"""The command line: the program in the wheel, and the report, which is written in Python."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PROGRAM = Path(__file__).parent / "bin" / "tetune"
 
 
 def _take_option(words: list[str], name: str) -> str | None:
-    """Removes `NAME VALUE` or `NAME=VALUE`; the value."""
+    """Removes `NAME VALUE` or `NAME=VALUE` and returns the value."""
     for i, word in enumerate(words):
         if word == name and i + 1 < len(words):
             del words[i]
@@ -34,7 +34,7 @@ def _optimize_with_page(words: list[str], page: str) -> int:
         if done not in (0, 1):
             return done
         run = json.loads(Path(figures).read_text(encoding="utf-8")) if os.path.exists(figures) else {}
-        if "optimization" not in run:  # not all could be untangled: there is no mesh
+        if "optimization" not in run:  # no mesh was written: --untangle failed
             return done
         return report([run["input"], run["output"], "-o", page, "--run", figures]) or done
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes of other packages: into a TetMesh, and back with all their data."""
+"""Conversion of meshes of other packages to a TetMesh, and back with all their data."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Array: TypeAlias = NDArray[Any]
 
 # Cell data that number regions, patches and lines in files of these programs, as meshio names them.
 KNOWN_TAGS = ("medit:ref", "gmsh:physical", "gmsh:geometrical")
-# Of the linear cells: meshio's name and VTK's number.
+# Linear cells: meshio's name and VTK's number.
 VTK_CELLS = {
     1: "vertex",
     3: "line",
@@ -37,14 +37,14 @@ VTK_CELLS = {
 
 
 class Block(NamedTuple):
-    """Cells of one kind, by their vertices."""
+    """Cells of one kind, given by their vertices."""
 
     kind: str
     vertices: Array
 
 
 class NewBlock(NamedTuple):
-    """The same of the result, with the rows of the input's block that they come from."""
+    """A block of the result, with the rows of the input's block from which its cells come."""
 
     kind: str
     vertices: Array
@@ -52,7 +52,7 @@ class NewBlock(NamedTuple):
 
 
 class Adapter(Generic[M]):
-    """A mesh given as arrays: the result is a TetMesh. The others derive from it."""
+    """A mesh given as arrays, for which the result is a TetMesh. Base of the other adapters."""
 
     def tet_mesh(self) -> TetMesh:
         raise NotImplementedError
@@ -76,7 +76,7 @@ class OwnAdapter(Adapter[TetMesh]):
 
 
 class BlockAdapter(Adapter[M]):
-    """A mesh of blocks of cells, with tags for each block or none."""
+    """A mesh of blocks of cells, with tags for each block or without tags."""
 
     blocks: list[Block]
     tags: list[Array] | None
@@ -106,7 +106,7 @@ class BlockAdapter(Adapter[M]):
         return _joined([tags for b, tags in zip(self.blocks, self.tags, strict=True) if b.kind == kind])
 
     def new_blocks(self, work: TetMesh, report: Report) -> list[NewBlock]:
-        """The blocks of the result, in the order of the input's."""
+        """The blocks of the result, in the order of those of the input."""
         cells = {"tetra": work.tets, "triangle": work.triangles, "line": work.edges}
         parents = {"tetra": report.tet2original, "triangle": report.triangle2original, "line": report.edge2original}
         others = iter(work.others)
@@ -139,8 +139,8 @@ def _joined(parts: list[Array]) -> Array | None:
 def carry_point_data(
     data: Mapping[str, Any], work: TetMesh, vertex_map: NDArray[np.int32], vertices: int
 ) -> dict[str, Array]:
-    """Data of the result's vertices. An inserted one gets a mean of its neighbours; what is no floating-point number,
-    from the nearest of the input."""
+    """Data of the vertices of the result. An inserted vertex gets means of its neighbors' floating-point data, and
+    other data of the nearest vertex of the input."""
     old = {name: np.asarray(values) for name, values in data.items()}
     if len(old) == 0 or (vertex_map >= 0).all():
         return {name: values[vertex_map] for name, values in old.items()}
@@ -157,7 +157,7 @@ def carry_point_data(
 
 
 def chosen_tags(tags: Tags, names: list[str]) -> str | None:
-    """The name of the cell data that are tags, if any."""
+    """The name of the cell data that are used as tags, or None."""
     if tags is False:
         return None
     if tags is None:
@@ -211,7 +211,7 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
             info=old.info,
         )
         for name, sets in old.cell_sets.items():
-            # Gmsh's reader keeps ids of entities under this name, not of cells.
+            # Gmsh's reader stores ids of entities under this name, not of cells.
             new.cell_sets[name] = sets if name == "gmsh:bounding_entities" else [
                 None if ids is None else np.flatnonzero(np.isin(b.rows, ids)) for ids, b in zip(sets, blocks, strict=True)
             ]
@@ -274,7 +274,7 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
 
 
 def adapter_of(mesh: Any, tags: Tags) -> Adapter[Any]:
-    """How to read `mesh`. Packages that nobody has imported are left alone."""
+    """The adapter for `mesh`. It imports no package that is not imported already."""
     if isinstance(mesh, TetMesh):
         if tags is not None:
             raise TypeError("tags names data of a meshio or pyvista mesh; a TetMesh has tet_tags")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A line on the terminal that says how far an optimisation is."""
+"""A progress line on the terminal."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._core import Progress
 
 
 class ProgressBar:
-    """Shows how much is done, the smallest angle and the time left; nothing where standard error is no terminal."""
+    """Shows the fraction done, the smallest angle and the time left, if standard error is a terminal."""
 
     def __init__(self) -> None:
         try:

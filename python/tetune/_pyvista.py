@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Unpack
 import pyvista as pv
 
 from ._core import Progress, Quality
-from ._optimize import Float64s, Options, Result, measure_each, optimize, quality
+from ._optimize import Float64s, Result, measure_each, optimize, quality
+from ._options import Options
 
 if TYPE_CHECKING:
     from ._adapters import Tags
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 @pv.register_dataset_accessor("tetune", pv.UnstructuredGrid)  # type: ignore[untyped-decorator, unused-ignore]
 class TetuneAccessor:
-    """Optimises and measures the tetrahedra of a grid."""
+    """Optimizes and measures the tetrahedra of a grid."""
 
     def __init__(self, grid: pv.UnstructuredGrid) -> None:
         self._grid = grid
@@ -29,7 +30,7 @@ class TetuneAccessor:
         progress: bool | Callable[[Progress], object] = False,
         **options: Unpack[Options],
     ) -> pv.UnstructuredGrid:
-        """The grid, made better: `tetune.optimize(grid, ...).mesh`."""
+        """The improved grid: `tetune.optimize(grid, ...).mesh`."""
         return self.run(tags=tags, progress=progress, **options).mesh
 
     def run(

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "par/cpu.hpp"
+#include "backend/cpu.hpp"
 
 namespace tetune {
-using Instance = par::Cpu;
+using Instance = backend::Cpu;
 }
 
 #include "boundary/instantiate.inl"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "par/cuda.cuh"
+#include "backend/cuda.cuh"
 
 namespace tetune {
-using Instance = par::Cuda;
+using Instance = backend::Cuda;
 }
 
 #include "boundary/instantiate.inl"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "driver/devices.hpp"
 
-#include "tetune/version.hpp"
-
 namespace tetune {
 namespace {
 
@@ -10,54 +8,41 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 
 std::string version(int number) { return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10); }
 
-/// Local memory of a thread, bytes, a little more than what the kernel with the most has:
-/// docs/benchmarks/gpu-memory.md. The driver keeps as much for every thread that a GPU can have at once.
+/// Local memory per thread in bytes, slightly above the largest need of a kernel (docs/benchmarks/gpu-memory.md). The
+/// CUDA driver reserves it for each thread that can be resident.
 constexpr std::size_t kLocalMemory = 11264;
-/// For the driver's own needs, such as the code of the kernels.
-constexpr std::size_t kSpare = 128 * kMiB;
+/// Reserve for the CUDA driver, which holds for example the code of the kernels.
+constexpr std::size_t kDriverReserve = 128 * kMiB;
 
 }  // namespace
-
-const char* instruction_set() {
-#if defined(__AVX512F__) && defined(__AVX512BW__) && defined(__AVX512CD__) && defined(__AVX512DQ__) && \
-    defined(__AVX512VL__)
-  return "x86-64-v4";
-#elif defined(__AVX2__) && defined(__BMI2__) && defined(__FMA__)
-  return "x86-64-v3";
-#elif defined(__x86_64__)
-  return "x86-64";
-#else
-  return "other";
-#endif
-}
 
 std::string why_no_gpu(const CudaSystem& system) {
   if (system.driver == 0) {
     return "no usable GPU for CUDA: there is no NVIDIA driver. Install one (`nvidia-smi` then lists the GPU), or use "
-           "the CPU (--device cpu).";
+           "the CPU (device=cpu).";
   }
-  // Drivers run all that was built for their major version.
+  // A driver runs every program that was built for its major version.
   if (system.driver / 1000 < system.runtime / 1000) {
     return "no usable GPU for CUDA: the driver is too old. It runs CUDA " + version(system.driver) +
            ", and tetune was built with CUDA " + version(system.runtime) +
-           ". Install a newer driver, or use the CPU (--device cpu).";
+           ". Install a newer driver, or use the CPU (device=cpu).";
   }
   if (system.error.empty() && system.devices > 0) return "";
   return "no usable GPU for CUDA: " + (system.error.empty() ? "none found" : system.error) +
-         ". Look at `nvidia-smi` and at CUDA_VISIBLE_DEVICES, or use the CPU (--device cpu).";
+         ". Check `nvidia-smi` and CUDA_VISIBLE_DEVICES, or use the CPU (device=cpu).";
 }
 
 std::string why_unusable(const Gpu& gpu, std::size_t memory) {
   if (gpu.major * 10 + gpu.minor < 75) {
     return gpu.name + " has compute capability " + std::to_string(gpu.major) + "." + std::to_string(gpu.minor) +
-           "; 7.5 or newer is needed. Use the CPU (--device cpu).";
+           "; 7.5 or newer is needed. Use the CPU (device=cpu).";
   }
-  const std::size_t needed = memory + gpu.resident_threads * kLocalMemory + kSpare;
+  const std::size_t needed = memory + gpu.resident_threads * kLocalMemory + kDriverReserve;
   if (needed <= gpu.free_memory) return "";
   return gpu.name + " has too little memory: about " + std::to_string((needed + kMiB - 1) / kMiB) +
          " MiB are needed, and " + std::to_string(gpu.free_memory / kMiB) + " of its " +
          std::to_string(gpu.total_memory / kMiB) +
-         " MiB are free. End what else uses it, do less (--effort fast), or use the CPU (--device cpu).";
+         " MiB are free. End other programs that use it, choose less work (effort=fast), or use the CPU (device=cpu).";
 }
 
 DeviceChoice choose_device(const TetMesh& mesh, const Options& options) {

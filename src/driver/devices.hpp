@@ -4,44 +4,44 @@
 #include <cstddef>
 #include <string>
 
-#include "surface/slide_surface.hpp"
+#include "boundary/sliding/slide_surface.hpp"
 #include "tetune/optimize.hpp"
 
-/// Where an optimisation runs. Nothing but driver_cuda.cu asks the system.
+/// The choice of the device. Only driver_cuda.cu queries the system, so that the rest is tested without a GPU.
 namespace tetune {
 
-/// Device::automatic takes the CPU for meshes below this. To be on the safe side: from where on a GPU is faster has not
-/// been measured.
+/// Device::automatic takes the CPU for meshes of fewer tetrahedra. A conservative choice: the size from which a GPU is
+/// faster has not been measured.
 inline constexpr std::size_t kAutoTets = 1000000;
 
-/// What the CUDA runtime says of the system.
+/// The properties of the system that the CUDA runtime reports.
 struct CudaSystem {
   int driver = 0;     ///< newest CUDA version that the driver knows, as 1000 major + 10 minor; 0: no driver
-  int runtime = 0;    ///< the same of this build
+  int runtime = 0;    ///< CUDA version of this build, likewise
   std::string error;  ///< empty: none
   int devices = 0;
 };
-/// Why it has no GPU to use; empty where it has.
+/// Returns the reason why the system has no usable GPU; empty if it has one.
 std::string why_no_gpu(const CudaSystem& system);
 
-/// What the runtime says of a GPU.
+/// The properties of a GPU that the CUDA runtime reports.
 struct Gpu {
   std::string name;
   int major = 0, minor = 0;     ///< compute capability
   std::size_t free_memory = 0;  ///< bytes
   std::size_t total_memory = 0;
-  std::size_t resident_threads = 0;  ///< most at once
+  std::size_t resident_threads = 0;  ///< at most
 };
-/// Why it cannot be used for a run with so many bytes of buffers; empty where it can.
+/// Returns the reason why the GPU cannot run with `memory` bytes of buffers; empty if it can.
 std::string why_unusable(const Gpu& gpu, std::size_t memory);
 
-/// Why optimize_on_cuda() would refuse at once: no GPU, or none for this mesh. Empty where it would not.
+/// Returns the reason why optimize_on_cuda() would refuse this mesh; empty if it would not.
 std::string why_not_on_cuda(const TetMesh& mesh, const Options& options);
 
-/// optimize() on the calling thread's current NVIDIA GPU; `surface` as of optimize_on(). Throws DeviceError.
+/// optimize_on() the calling thread's current NVIDIA GPU. Throws DeviceError.
 Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface);
 
-/// Of Device::automatic.
+/// The device that Device::automatic stands for.
 struct DeviceChoice {
   Device device;
   std::string reason;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/alternate.inl"
+#include "backend/cuda.cuh"
 #include "driver/devices.hpp"
-#include "par/cuda.cuh"
+#include "driver/optimize_on.inl"
 
 namespace tetune {
 namespace {
@@ -17,23 +17,23 @@ CudaSystem cuda_system() {
 
 Gpu current_gpu() {
   int device = 0;
-  par::check_cuda(cudaGetDevice(&device), "device query");
+  backend::check_cuda(cudaGetDevice(&device), "device query");
   cudaDeviceProp properties{};
-  par::check_cuda(cudaGetDeviceProperties(&properties, device), "device query");
+  backend::check_cuda(cudaGetDeviceProperties(&properties, device), "device query");
   Gpu gpu{properties.name, properties.major, properties.minor};
   gpu.resident_threads = static_cast<std::size_t>(properties.multiProcessorCount) *
                          static_cast<std::size_t>(properties.maxThreadsPerMultiProcessor);
-  par::check_cuda(cudaMemGetInfo(&gpu.free_memory, &gpu.total_memory), "memory query");
+  backend::check_cuda(cudaMemGetInfo(&gpu.free_memory, &gpu.total_memory), "memory query");
   return gpu;
 }
 
 }  // namespace
 
-template Report optimize_on(const par::Cuda&, TetMesh&, const Options&, const Context&, SlideSurface*);
+template Report optimize_on(const backend::Cuda&, TetMesh&, const Options&, const Context&, SlideSurface*);
 
 std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
   std::string why = why_no_gpu(cuda_system());
-  cudaGetLastError();  // told here, and what the caller left unread is not ours
+  cudaGetLastError();  // clears the error, which the returned text reports
   if (!why.empty()) return why;
   try {
     return why_unusable(current_gpu(), memory_needed_on_device(mesh, options));
@@ -44,8 +44,8 @@ std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
 
 Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface) {
   if (const std::string why = why_not_on_cuda(mesh, options); !why.empty()) throw DeviceError(why);
-  std::string name = current_gpu().name;  // before the mesh changes: nothing may fail after that
-  const par::Cuda cuda(memory_needed_on_device(mesh, options), context.stop);
+  std::string name = current_gpu().name;  // allocated before the mesh changes: nothing may fail afterwards
+  const backend::Cuda cuda(memory_needed_on_device(mesh, options), context.stop);
   Report report = optimize_on(cuda, mesh, options, context, surface);
   report.device.swap(name);
   return report;

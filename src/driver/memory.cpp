@@ -24,7 +24,7 @@ std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
   if (options.boundary == Boundary::slide) bytes += bytes / 4;  // the reference surface
   if (options.effort == Effort::best) bytes += bytes / 16;      // room for inserted vertices
   bytes += bytes / 32;
-  // Data are there twice while they are handed back, those of vertices once more where some are inserted or removed.
+  // Two copies of the data exist during export, and a third of vertex data if vertices are inserted or removed.
   bytes += 2 * (bytes_of(mesh.tet_data) + bytes_of(mesh.triangle_data) + bytes_of(mesh.edge_data));
   const bool inserts = options.effort == Effort::best && !options.keep_vertices;
   bytes += (inserts ? 3 : 2) * bytes_of(mesh.point_data);
@@ -33,8 +33,8 @@ std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
 }
 
 std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options) {
-  // Bytes, fitted to the peaks of the pool, with a tenth to spare: docs/benchmarks/gpu-memory.md. Vertices count for
-  // more than they take, as where there are many for the tetrahedra, there is much surface.
+  // Bytes, fitted to the peaks of the pool, plus a tenth: docs/benchmarks/gpu-memory.md. The weight of vertices is
+  // larger than their own memory, because meshes with many vertices per tetrahedron have much surface.
   const std::size_t vertices = mesh.points.size();
   const std::size_t tets = mesh.tets.size();
   std::size_t loop = 132 * tets + 300 * vertices;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for driver_cuda.cu in a build without nvcc.
+// Replaces driver_cuda.cu in a build without nvcc.
 #include "driver/devices.hpp"
 #include "tetune/error.hpp"
 
@@ -7,7 +7,7 @@ namespace tetune {
 
 std::string why_not_on_cuda(const TetMesh&, const Options&) {
   return "this build of tetune has no CUDA backend. Build with the `cuda` preset where nvcc is installed, or use the "
-         "CPU (--device cpu).";
+         "CPU (device=cpu).";
 }
 
 Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context&, SlideSurface*) {

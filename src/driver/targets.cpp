@@ -3,176 +3,265 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <numeric>
 #include <string>
+#include <utility>
 
+#include "backend/cpu.hpp"
 #include "boundary/classify.hpp"
-#include "core/tet_measures.hpp"
-#include "flips/flip.hpp"
-#include "par/cpu.hpp"
+#include "math/angle.hpp"
+#include "operators/edge_star.hpp"
+#include "quality/tet_measures.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kRegularAngle = 70.528779365509308;
-constexpr par::Size kParts = 64;
+/// Slots are searched in this many ranges in parallel.
+constexpr backend::Size kRanges = 64;
+
+using backend::Size;
+using backend::span_of;
 
 bool misses(const Target& target, double value) {
   return larger_is_better(target.measure) ? value < target.value : value > target.value;
 }
 
-/// The best value that an element with such a dihedral angle can have, as far as it is known (docs/quality.md).
+/// The best known value that a tetrahedron with a dihedral angle of `degrees` can have (docs/quality.md).
 double best_at(Measure measure, double degrees) {
   if (measure == Measure::min_dihedral) return std::min(degrees, kRegularAngle);
-  const double angle = degrees / kDegrees;
+  const double angle = degrees / kDegreesPerRadian;
   return degrees >= kRegularAngle ? 1 : std::cbrt(8 * std::pow(std::sin(angle), 2) / std::pow(3 - std::cos(angle), 2));
 }
-bool bounded_by_angle(Measure measure) {
+/// Whether best_at() bounds the measure.
+bool is_bounded_by_angle(Measure measure) {
   return measure == Measure::min_dihedral || measure == Measure::mean_ratio || measure == Measure::sicn ||
          measure == Measure::harmonic;
 }
 
-/// What holds the elements of one outcome.
-class Pins {
+/// Finds the limiting constraint of the tetrahedra of one outcome.
+class ConstraintFinder {
  public:
-  Pins(const Outcome& outcome, const Options& options)
-      : o_(outcome),
-        options_(options),
+  ConstraintFinder(const Outcome& outcome, const Options& options)
+      : options_(options),
+        points_(span_of(outcome.points)),
+        tets_(span_of(outcome.tets)),
+        tet2tet_(span_of(outcome.tet2tet)),
+        regions_(span_of(outcome.regions)),
+        vertex2original_(span_of(outcome.vertex2original)),
+        dof_(span_of(outcome.dof)),
+        frozen_(span_of(outcome.frozen)),
         on_surface_(outcome.points.size(), 0),
         on_interface_(outcome.points.size(), 0),
         required_(outcome.tets.size(), 0) {
-    for (const Index t : o_.required_slots) required_[at(t)] = 1;
-    for (std::size_t t = 0; t < o_.tets.size(); ++t) {
-      if (o_.tets[t][0] == kFreeSlot) continue;
+    for (const Index t : outcome.required_slots) span_of(required_)[t] = 1;
+    for (Size t = 0; t < tets_.size(); ++t) {
+      if (tets_[t][0] == kFreeSlot) continue;
       for (int f = 0; f < 4; ++f) {
-        const Link link = o_.links[t][f];
-        if (!is_locked(link)) continue;
-        const bool interface = link != kNoLink && o_.tet_tags[at(link_tet(link))] != o_.tet_tags[t];
-        for (int k = 0; k < 3; ++k) {
-          const std::size_t v = at(o_.tets[t][face_vertex(f, k)]);
-          on_surface_[v] = 1;
-          if (interface) on_interface_[v] = 1;
-        }
+        if (is_locked(tet2tet_[t][f])) flag_face(t, f);
       }
     }
   }
 
-  /// Sets the pin of an element, and the edge and angle where it is the surface's.
+  /// Sets the constraint of a tetrahedron that misses a target, and for LimitingConstraint::surface_angle the edge and
+  /// the angle.
   void find(Index t, const Target& target, MissedTet& missed) const {
     const auto& frozen = options_.frozen_regions;
-    if (required_[at(t)] != 0 || std::find(frozen.begin(), frozen.end(), o_.tet_tags[at(t)]) != frozen.end()) {
-      missed.pin = Pin::locked_element;
-    } else if (surface_angle(t, missed);
-               misses(target, best_at(target.measure, missed.surface_angle)) && bounded_by_angle(target.measure)) {
-      missed.pin = Pin::surface_angle;
-    } else {
-      missed.pin = strongest(t);
-      missed.edge = {-1, -1};
-      missed.surface_angle = 0;
+    if (span_of(required_)[t] != 0 || std::find(frozen.begin(), frozen.end(), regions_[t]) != frozen.end()) {
+      missed.held_by = LimitingConstraint::locked_element;
+      return;
     }
+    find_surface_angle(t, missed);
+    if (misses(target, best_at(target.measure, missed.surface_angle)) && is_bounded_by_angle(target.measure)) {
+      missed.held_by = LimitingConstraint::surface_angle;
+      return;
+    }
+    missed.held_by = strongest_of_vertices(t);
+    missed.edge = {-1, -1};
+    missed.surface_angle = 0;
   }
 
  private:
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-  Vec3 place(Index v) const { return vec(o_.points[at(v)]); }
-
-  Pin strongest(Index t) const {
-    const Tet tet = o_.tets[at(t)];
-    int fixed = 0;
-    int surface = 0;
-    Pin pin = Pin::none;
-    for (int k = 0; k < 4; ++k) {
-      fixed += o_.kind[at(tet[k])] == Mobility::fixed ? 1 : 0;
-      surface += on_surface_[at(tet[k])];
-      pin = std::min(pin, pin_of(tet[k]));
+  void flag_face(Size t, int f) {
+    const HalfFace across = tet2tet_[t][f];
+    const bool is_interface = across != kNoHalfFace && regions_[tet_of(across)] != regions_[t];
+    for (int k = 0; k < 3; ++k) {
+      const Index v = tets_[t][face_vertex(f, k)];
+      span_of(on_surface_)[v] = 1;
+      if (is_interface) span_of(on_interface_)[v] = 1;
     }
-    return fixed == 4 ? Pin::fixed_vertices : surface == 4 ? Pin::surface_element : pin;
   }
 
-  Pin pin_of(Index v) const {
-    const Mobility kind = o_.kind[at(v)];
-    if (kind == Mobility::free) return Pin::none;
-    if (o_.frozen[at(v)] == kFrozen) return Pin::frozen_vertex;
-    if (kind == Mobility::fixed && options_.boundary != Boundary::fixed) return Pin::feature_corner;
-    if (kind == Mobility::line || kind == Mobility::curve) return Pin::feature_line;
-    return on_interface_[at(v)] != 0 ? Pin::interface : Pin::boundary;
+  LimitingConstraint strongest_of_vertices(Index t) const {
+    int fixed = 0;
+    int on_surface = 0;
+    LimitingConstraint strongest = LimitingConstraint::none;
+    for (const Index v : tets_[t].v) {
+      fixed += dof_[v] == VertexDof::fixed ? 1 : 0;
+      on_surface += span_of(on_surface_)[v];
+      strongest = std::min(strongest, constraint_of_vertex(v));
+    }
+    return fixed == 4        ? LimitingConstraint::fixed_vertices
+           : on_surface == 4 ? LimitingConstraint::surface_element
+                             : strongest;
   }
 
-  /// The smallest angle that the surface has at an edge of an element, on the element's side; 360 for none.
-  void surface_angle(Index t, MissedTet& missed) const {
+  LimitingConstraint constraint_of_vertex(Index v) const {
+    const VertexDof dof = dof_[v];
+    if (dof == VertexDof::free) return LimitingConstraint::none;
+    if (frozen_[v] == kFrozen) return LimitingConstraint::frozen_vertex;
+    if (dof == VertexDof::fixed && options_.boundary != Boundary::fixed) return LimitingConstraint::feature_corner;
+    if (dof == VertexDof::line || dof == VertexDof::curve) return LimitingConstraint::feature_line;
+    return span_of(on_interface_)[v] != 0 ? LimitingConstraint::interface : LimitingConstraint::boundary;
+  }
+
+  /// Sets the smallest angle of the surface at an edge of the tetrahedron, measured on its side; 360 if there is none.
+  void find_surface_angle(Index t, MissedTet& missed) const {
     missed.surface_angle = 360;
     for (int edge = 0; edge < 6; ++edge) {
       const EdgeCorners e = edge_corners(edge);
-      const Index a = o_.tets[at(t)][e.i];
-      const Index b = o_.tets[at(t)][e.j];
+      const Index a = tets_[t][e.i];
+      const Index b = tets_[t][e.j];
       const double angle = angle_at(t, a, b);
-      const double one_way = to_surface(t, e.k, a, b);
-      const double other_way = one_way < 0 ? -1 : to_surface(t, e.l, a, b);
-      if (other_way < 0 || !(angle + one_way + other_way < missed.surface_angle)) continue;
-      missed.surface_angle = angle + one_way + other_way;
-      missed.edge = {o_.vertex2original[at(a)], o_.vertex2original[at(b)]};
+      const double beyond_k = angle_to_surface(t, e.k, a, b);
+      const double beyond_l = beyond_k < 0 ? -1 : angle_to_surface(t, e.l, a, b);
+      if (beyond_l < 0 || !(angle + beyond_k + beyond_l < missed.surface_angle)) continue;
+      missed.surface_angle = angle + beyond_k + beyond_l;
+      missed.edge = {vertex2original_[a], vertex2original_[b]};
     }
   }
 
-  /// The angle from a face of t at edge (a, b) on to the surface; -1 when there is none all around.
-  double to_surface(Index t, int face, Index a, Index b) const {
+  /// The angle about edge (a, b) from a face of t to the surface; -1 if the edge is not on the surface.
+  double angle_to_surface(Index t, int face, Index a, Index b) const {
     double sum = 0;
-    Link link = o_.links[at(t)][face];
-    Index behind = o_.tets[at(t)][6 - local_index(o_.tets[at(t)], a) - local_index(o_.tets[at(t)], b) - face];
-    while (!is_locked(link)) {
-      const Index next = link_tet(link);
+    HalfFace across = tet2tet_[t][face];
+    Index behind = tets_[t][6 - local_index(tets_[t], a) - local_index(tets_[t], b) - face];
+    while (!is_locked(across)) {
+      const Index next = tet_of(across);
       if (next == t) return -1;
       sum += angle_at(next, a, b);
-      const Tet tet = o_.tets[at(next)];
-      const int entry = link_face(link);
-      link = o_.links[at(next)][local_index(tet, behind)];
+      const Tet tet = tets_[next];
+      const int entry = face_of(across);
+      across = tet2tet_[next][local_index(tet, behind)];
       behind = tet[entry];
     }
     return sum;
   }
 
-  /// Dihedral angle of an element at its edge (a, b), in degrees.
+  /// The dihedral angle of a tetrahedron at its edge (a, b), in degrees.
   double angle_at(Index t, Index a, Index b) const {
-    const Tet tet = o_.tets[at(t)];
     Vec3 normals[2];
     int n = 0;
-    const Vec3 edge = place(b) - place(a);
-    for (int k = 0; k < 4; ++k) {
-      if (tet[k] != a && tet[k] != b) normals[n++] = cross(edge, place(tet[k]) - place(a));
+    const Vec3 origin = vec(points_[a]);
+    const Vec3 edge = vec(points_[b]) - origin;
+    for (const Index v : tets_[t].v) {
+      if (v != a && v != b) normals[n++] = cross(edge, vec(points_[v]) - origin);
     }
-    return kDegrees * std::atan2(norm(cross(normals[0], normals[1])), dot(normals[0], normals[1]));
+    return kDegreesPerRadian * std::atan2(norm(cross(normals[0], normals[1])), dot(normals[0], normals[1]));
   }
 
-  const Outcome& o_;
   const Options& options_;
+  Span<const Point> points_;
+  Span<const Tet> tets_;
+  Span<const FaceAdjacency> tet2tet_;
+  Span<const int> regions_;
+  Span<const Index> vertex2original_;
+  Span<const VertexDof> dof_;
+  Span<const std::uint8_t> frozen_;
   std::vector<std::uint8_t> on_surface_, on_interface_, required_;
 };
 
+/// A tetrahedron that misses a target, and its slot.
+struct MissedSlot {
+  Index slot;
+  MissedTet tet;
+};
+
+/// The order of TargetReport::worst.
+struct IsWorse {
+  bool larger_is_better;
+  bool operator()(const MissedSlot& x, const MissedSlot& y) const {
+    return x.tet.value != y.tet.value ? (x.tet.value < y.tet.value) == larger_is_better : x.slot < y.slot;
+  }
+};
+
+/// The tetrahedra of a range of slots that miss a target: their numbers by constraint, and at most 2 * kMaxMissed of
+/// the worst.
+class MissedInRange {
+ public:
+  std::array<std::int64_t, kLimitingConstraints> counts{};
+  std::vector<MissedSlot> worst;
+
+  void add(const MissedSlot& missed, const IsWorse& worse) {
+    ++counts[backend::to_size_t(static_cast<int>(missed.tet.held_by))];
+    worst.push_back(missed);
+    if (worst.size() < 2 * kMaxMissed) return;
+    std::nth_element(worst.begin(), worst.begin() + kMaxMissed, worst.end(), worse);
+    worst.resize(kMaxMissed);
+  }
+};
+
+MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constraints, const Target& target, Size begin,
+                          Size end) {
+  const Span<const Tet> tets = span_of(outcome.tets);
+  const Span<const Point> points = span_of(outcome.points);
+  const IsWorse worse{larger_is_better(target.measure)};
+  MissedInRange result;
+  for (Size t = begin; t < end; ++t) {
+    const Tet& tet = tets[t];
+    if (tet[0] == kFreeSlot) continue;
+    Vec3 p[4];
+    for (int k = 0; k < 4; ++k) p[k] = vec(points[tet[k]]);
+    const double value = all_measures(TetShape(p))[backend::to_size_t(static_cast<int>(target.measure))];
+    if (!misses(target, value)) continue;
+    MissedSlot missed{backend::to_index(t), {}};
+    const Vec3 centroid = (0.25 / outcome.scale) * (p[0] + p[1] + p[2] + p[3]);
+    missed.tet.value = value;
+    missed.tet.centroid = {centroid.x, centroid.y, centroid.z};
+    constraints.find(missed.slot, target, missed.tet);
+    result.add(missed, worse);
+  }
+  return result;
+}
+
+/// The number of tetrahedra before each slot: their ids after compaction, which keeps the order of the slots. The last
+/// entry is the number of tetrahedra.
+std::vector<Index> slot2tet_of(const std::vector<Tet>& tets) {
+  std::vector<Index> slot2tet;
+  slot2tet.reserve(tets.size() + 1);
+  Index before = 0;
+  for (const Tet& tet : tets) {
+    slot2tet.push_back(before);
+    if (tet[0] != kFreeSlot) ++before;
+  }
+  slot2tet.push_back(before);
+  return slot2tet;
+}
+
 }  // namespace
 
-const char* to_string(Pin pin) {
-  switch (pin) {
-    case Pin::locked_element:
+const char* to_string(LimitingConstraint constraint) {
+  switch (constraint) {
+    case LimitingConstraint::locked_element:
       return "locked element";
-    case Pin::surface_angle:
+    case LimitingConstraint::surface_angle:
       return "angle of the surface";
-    case Pin::fixed_vertices:
+    case LimitingConstraint::fixed_vertices:
       return "no vertex may move";
-    case Pin::surface_element:
+    case LimitingConstraint::surface_element:
       return "all four vertices on the surface";
-    case Pin::frozen_vertex:
+    case LimitingConstraint::frozen_vertex:
       return "frozen vertex";
-    case Pin::feature_corner:
+    case LimitingConstraint::feature_corner:
       return "feature corner";
-    case Pin::feature_line:
+    case LimitingConstraint::feature_line:
       return "feature line";
-    case Pin::interface:
+    case LimitingConstraint::interface:
       return "interface";
-    case Pin::boundary:
+    case LimitingConstraint::boundary:
       return "boundary";
-    case Pin::none:
+    case LimitingConstraint::none:
       return "no constraint";
   }
   return "";
@@ -200,71 +289,30 @@ void check_target(const Target& target) {
 }
 
 std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options) {
-  const auto slots = static_cast<par::Size>(outcome.tets.size());
-  const par::Cpu cpu(options.threads);
-  const auto part_begin = [slots](par::Size part) { return slots * part / kParts; };
-  const auto alive = [&outcome](par::Size t) { return outcome.tets[static_cast<std::size_t>(t)][0] != kFreeSlot; };
-
-  // Compaction keeps the order of the slots: the id is the number of tetrahedra before.
-  std::vector<Index> slot2tet(outcome.tets.size());
-  Index tets = 0;
-  for (par::Size t = 0; t < slots; ++t) {
-    slot2tet[static_cast<std::size_t>(t)] = tets;
-    if (alive(t)) ++tets;
-  }
-
-  struct Missed {
-    Index slot;
-    double value;
-    MissedTet tet;
-  };
-  const Pins pins(outcome, options);
+  const Size slots = std::ssize(outcome.tets);
+  const backend::Cpu cpu(options.threads);
+  const std::vector<Index> slot2tet = slot2tet_of(outcome.tets);
+  const ConstraintFinder constraints(outcome, options);
   std::vector<TargetReport> reports;
   for (const Target& target : options.targets) {
-    const bool low = larger_is_better(target.measure);
-    const auto worse = [low](const Missed& x, const Missed& y) {
-      return x.value != y.value ? (x.value < y.value) == low : x.slot < y.slot;
-    };
-    std::vector<std::vector<Missed>> found(static_cast<std::size_t>(kParts));
-    std::vector<std::array<std::int64_t, kPins>> pinned(static_cast<std::size_t>(kParts));
-    cpu.for_parts(kParts, [&](par::Size part) {
-      std::vector<Missed>& mine = found[static_cast<std::size_t>(part)];
-      for (par::Size t = part_begin(part); t < part_begin(part + 1); ++t) {
-        if (!alive(t)) continue;
-        const Tet tet = outcome.tets[static_cast<std::size_t>(t)];
-        Vec3 p[4];
-        for (int k = 0; k < 4; ++k) p[k] = vec(outcome.points[static_cast<std::size_t>(tet[k])]);
-        const double value = all_measures(TetShape(p))[static_cast<std::size_t>(target.measure)];
-        if (!misses(target, value)) continue;
-        Missed m{static_cast<Index>(t), value, {}};
-        const Vec3 centroid = (0.25 / outcome.scale) * (p[0] + p[1] + p[2] + p[3]);
-        m.tet.value = value;
-        m.tet.centroid = {centroid.x, centroid.y, centroid.z};
-        pins.find(m.slot, target, m.tet);
-        ++pinned[static_cast<std::size_t>(part)][static_cast<std::size_t>(m.tet.pin)];
-        mine.push_back(m);
-        if (mine.size() < 2 * kMostMissed) continue;
-        std::nth_element(mine.begin(), mine.begin() + kMostMissed, mine.end(), worse);
-        mine.resize(kMostMissed);
-      }
+    std::vector<MissedInRange> ranges(backend::to_size_t(kRanges));
+    cpu.for_parts(kRanges, [&](Size i) {
+      span_of(ranges)[i] = find_missed(outcome, constraints, target, slots * i / kRanges, slots * (i + 1) / kRanges);
     });
-
     TargetReport report;
     report.target = target;
-    report.tets = tets;
-    std::vector<Missed> all;
-    for (std::size_t part = 0; part < found.size(); ++part) {
-      all.insert(all.end(), found[part].begin(), found[part].end());
-      for (std::size_t k = 0; k < kPins; ++k) {
-        report.pinned[k] += pinned[part][k];
-        report.missed += pinned[part][k];
-      }
+    report.tets = slot2tet.back();
+    std::vector<MissedSlot> all;
+    for (const MissedInRange& range : ranges) {
+      all.insert(all.end(), range.worst.begin(), range.worst.end());
+      for (std::size_t k = 0; k < kLimitingConstraints; ++k) report.held_by[k] += range.counts[k];
     }
-    std::sort(all.begin(), all.end(), worse);
-    if (all.size() > kMostMissed) all.resize(kMostMissed);
-    for (Missed& m : all) {
-      m.tet.tet = slot2tet[static_cast<std::size_t>(m.slot)];
-      report.worst.push_back(m.tet);
+    report.missed = std::accumulate(report.held_by.begin(), report.held_by.end(), std::int64_t{0});
+    std::sort(all.begin(), all.end(), IsWorse{larger_is_better(target.measure)});
+    if (all.size() > kMaxMissed) all.resize(kMaxMissed);
+    for (MissedSlot& missed : all) {
+      missed.tet.tet = span_of(slot2tet)[missed.slot];
+      report.worst.push_back(missed.tet);
     }
     reports.push_back(std::move(report));
   }

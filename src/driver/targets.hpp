@@ -3,31 +3,31 @@
 
 #include <vector>
 
-#include "core/links.hpp"
-#include "core/motion.hpp"
-#include "core/types.hpp"
-#include "tetune/optimize.hpp"
+#include "boundary/vertex_dof.hpp"
+#include "mesh/half_face.hpp"
+#include "mesh/tet.hpp"
+#include "tetune/options.hpp"
 
-/// Which elements miss a target, and what holds them (docs/quality.md, "Targets").
+/// The elements that miss a target, and the constraints that limit them (docs/quality.md, "Targets").
 namespace tetune {
 
 /// Throws OptionError for a target that every element meets or that none can.
 void check_target(const Target& target);
 
-/// What an optimisation ended with, on the host: slots and links before they are compacted.
+/// The optimized mesh on the host, by slots, before they are compacted.
 struct Outcome {
   std::vector<Point> points;
   std::vector<Tet> tets;
-  std::vector<Links> links;
-  std::vector<int> tet_tags;
+  std::vector<FaceAdjacency> tet2tet;
+  std::vector<int> regions;  ///< tags of the tetrahedra
   std::vector<Index> vertex2original;
-  std::vector<Mobility> kind;
-  std::vector<std::uint8_t> frozen;
+  std::vector<VertexDof> dof;
+  std::vector<std::uint8_t> frozen;  ///< kMovable, kFrozen or kCorner per vertex
   std::vector<Index> required_slots;
-  double scale;
+  double scale;  ///< coordinates per unit of the caller's
 };
 
-/// One entry for each of Options::targets.
+/// Returns one report per entry of Options::targets.
 std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options);
 
 }  // namespace tetune

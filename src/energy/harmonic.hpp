@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/energy_law.hpp"
-#include "core/orient.hpp"
-#include "core/types.hpp"
+#include "energy/objective.hpp"
+#include "math/orient.hpp"
 
 /// The harmonic index eta = (sum of squared face areas) / volume (Stroeter et al. 2022, Eq. 5; tr(L) = eta / 9, Eq. 3)
-/// of one tetrahedron, seen from one of its vertices. Derivation: docs/method.md, "One tetrahedron".
+/// of one tetrahedron as a function of one of its vertices. Derivation: docs/method.md, "One tetrahedron as a function
+/// of a vertex".
 namespace tetune {
 
-/// Tetrahedron (x, p0, p1, p2), positively oriented: a = p1 - p0, b = p2 - p0, n = a x b, and y = x - p0 is the
-/// variable. Over doubles, or over packs of doubles on the CPU.
+/// Tetrahedron (x, p0, p1, p2), positively oriented: a = p2 - p0, b = p1 - p0, n = a x b, and y = x - p0 is the
+/// variable. T is double, or a pack of doubles on the CPU.
 template <class T>
 struct OppositeFace {
   Vec3T<T> p0, a, b, n;
 };
 
-/// The face as the vertex in front sees it: (x, p0, p1, p2) positive means n . (x - p0) < 0 for n = a x b, so the
-/// last two are exchanged to make w = n . y = 6 v positive.
+/// For positive (x, p0, p1, p2), n . (x - p0) is negative with n = (p1 - p0) x (p2 - p0); the last two vertices are
+/// exchanged so that w = n . y = 6 * volume is positive.
 template <class T>
 TETUNE_HD TETUNE_INLINE OppositeFace<T> opposite_face(const Vec3T<T>& p0, const Vec3T<T>& p1, const Vec3T<T>& p2) {
   const Vec3T<T> a = p2 - p0;
@@ -25,7 +25,7 @@ TETUNE_HD TETUNE_INLINE OppositeFace<T> opposite_face(const Vec3T<T>& p0, const 
   return {p0, a, b, cross(a, b)};
 }
 
-/// q(y) = 4 * sum of squared areas, as a sum of squares: nothing cancels, however flat the tetrahedron.
+/// q(y) = 4 * sum of squared areas, a sum of squares in which nothing cancels, however flat the tetrahedron, and
 /// h = grad q / 2.
 template <class T>
 struct AreaTerm {
@@ -67,25 +67,25 @@ TETUNE_HD TETUNE_INLINE Sym3T<T> area_term_hessian(const OppositeFace<T>& f) {
 /// Square of kOrientBound times the 2 in permanent^2 <= 2 |a|^2 |b|^2 |y|^2 (Cauchy-Schwarz), rounded up.
 inline constexpr double kVolumeMargin = 2.01 * kOrientBound * kOrientBound;
 
-/// Positive only if w = n . y is certified positive: w beyond the bound on its rounding error.
+/// Positive only if w = n . y is certified positive, that is, above the bound on its rounding error.
 template <class T>
 TETUNE_HD TETUNE_INLINE T volume_margin(const OppositeFace<T>& f, const Vec3T<T>& y, const T& w_positive) {
   return w_positive * w_positive - kVolumeMargin * (dot(f.a, f.a) * dot(f.b, f.b) * dot(y, y));
 }
 
-/// The energy of a tetrahedron with vertices in positive order, and whether its volume is certified positive. Where it
-/// is not, the energy is what the smallest volume that rounding leaves possible would give: large, and finite.
+/// The energy of a positively oriented tetrahedron, and whether its volume is certified positive. If it is not, the
+/// energy is computed with the bound on the rounding error in place of the volume: large, but finite.
 template <class T>
 struct TetEnergyT {
   T energy;
   decltype(T{} > T{}) certified;
-  T shape;  ///< the shape energy, whatever the law
-  T q, w;   ///< four times the sum of the squared areas, six times the volume
+  T shape;  ///< the shape energy, whatever the objective
+  T q, w;   ///< 4 * sum of squared areas, 6 * volume
 };
 using TetEnergy = TetEnergyT<double>;
 
 template <class T = double>
-TETUNE_HD TETUNE_INLINE TetEnergyT<T> tet_energy(const EnergyLaw& law, const Vec3T<T>& x, const Vec3T<T>& p0,
+TETUNE_HD TETUNE_INLINE TetEnergyT<T> tet_energy(const Objective& objective, const Vec3T<T>& x, const Vec3T<T>& p0,
                                                  const Vec3T<T>& p1, const Vec3T<T>& p2) {
   const OppositeFace<T> f = opposite_face(p0, p1, p2);
   const Vec3T<T> y = x - p0;
@@ -95,15 +95,15 @@ TETUNE_HD TETUNE_INLINE TetEnergyT<T> tet_energy(const EnergyLaw& law, const Vec
   const T w = certified ? volume : bound;
   const T q = area_term(f, y);
   T shape{};
-  const T energy = law.factor * law.term(q, 1.0 / w, shape);
+  const T energy = objective.factor * objective.term(q, 1.0 / w, shape);
   return {energy, certified, kShapeFactor * shape, q, w};
 }
 
 /// The energy along the ray y + t p: q = A t^2 + 2 B t + C, w = D + E t.
 struct RayTerm {
   double a, b, c, d, e;
-  TETUNE_HD double value(const EnergyLaw& law, double t) const {
-    return law.factor * law.term((a * t + 2 * b) * t + c, 1 / (d + e * t));
+  TETUNE_HD double value(const Objective& objective, double t) const {
+    return objective.factor * objective.term((a * t + 2 * b) * t + c, 1 / (d + e * t));
   }
 };
 

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "core/quality_floor.hpp"
-#include "core/rows.hpp"
-#include "core/work_mesh.hpp"
+#include "backend/prefetch.hpp"
 #include "energy/harmonic.hpp"
-#include "par/prefetch.hpp"
+#include "energy/quality_floor.hpp"
+#include "mesh/csr.hpp"
+#include "mesh/work_mesh.hpp"
 
 namespace tetune {
 
@@ -21,16 +21,18 @@ struct RingsView {
   Span<const std::uint32_t> offsets;
   Span<const LinkFace> faces;
 
-  /// The first faces of the ring of v, most rings whole.
+  /// Prefetches the first five cache lines of the ring of v, which hold most rings.
   TETUNE_INLINE void prefetch(Index v) const {
+    constexpr Size kCacheLine = 64;
+    constexpr Size kFaceBytes = sizeof(LinkFace);
     const Size row = offsets[v];
     const char* const first = reinterpret_cast<const char*>(faces.data() + row);
-    const Size bytes = std::min<Size>(5 * 64, (faces.size() - row) * static_cast<Size>(sizeof(LinkFace)));
-    for (Size at = 0; at < bytes; at += 64) par::prefetch(first + at);
+    const Size bytes = std::min(5 * kCacheLine, (faces.size() - row) * kFaceBytes);
+    for (Size at = 0; at < bytes; at += kCacheLine) backend::prefetch(first + at);
   }
 };
 
-/// f = sum of the energies over the ring, to second order around a position.
+/// The second-order model of f, the sum of the energies over the ring, at a position.
 struct RingModel {
   double value;
   Vec3 gradient;
@@ -38,28 +40,29 @@ struct RingModel {
   double length2;  ///< mean squared distance of the ring's faces: the square of the local length
 };
 
-/// The sum that makes a RingModel, over doubles or packs of them.
+/// Accumulates a RingModel; T is double or a pack of doubles.
 template <class T>
 struct ModelSum {
   T e, length2;
   Vec3T<T> g;
   Sym3T<T> h;
 
-  /// r = 1 / w of this tetrahedron; weight 1 counts it, 0 leaves it out. `slope`: of w in n . y, 1 unless w is soft.
-  TETUNE_HD TETUNE_INLINE void add(const EnergyLaw& law, const OppositeFace<T>& f, const Vec3T<T>& y, const T& r,
+  /// Adds the tetrahedron over face f, with r = 1 / w. A weight of 0 leaves it out. `slope` is the derivative of w with
+  /// respect to n . y: 1 unless the volume is regularized.
+  TETUNE_HD TETUNE_INLINE void add(const Objective& objective, const OppositeFace<T>& f, const Vec3T<T>& y, const T& r,
                                    const T& weight, double slope = 1) {
     const AreaTerm<T> term = area_term_gradient(f, y);
     const Sym3T<T> q = area_term_hessian(f);
-    const T energy = weight * law.term(term.q, r);
+    const T energy = weight * objective.term(term.q, r);
     const T inverse_q = 1.0 / term.q;
     const Vec3T<T> u = inverse_q * term.h;
     const Vec3T<T> v = (slope * r) * f.n;
     e += energy;
     length2 += weight * dot(y, y);
-    g = g + energy * (law.gu * u + law.gv * v);
-    const T eq = law.gu * (energy * inverse_q);
-    const Vec3T<T> eu = energy * (law.uu * u + law.uv * v);
-    const Vec3T<T> ev = energy * (law.uv * u + law.vv * v);
+    g = g + energy * (objective.gu * u + objective.gv * v);
+    const T eq = objective.gu * (energy * inverse_q);
+    const Vec3T<T> eu = energy * (objective.uu * u + objective.uv * v);
+    const Vec3T<T> ev = energy * (objective.uv * u + objective.vv * v);
     h.xx += eq * q.xx + eu.x * u.x + ev.x * v.x;
     h.yy += eq * q.yy + eu.y * u.y + ev.y * v.y;
     h.zz += eq * q.zz + eu.z * u.z + ev.z * v.z;
@@ -69,56 +72,56 @@ struct ModelSum {
   }
 };
 
-TETUNE_HD inline RingModel to_model(const EnergyLaw& law, const ModelSum<double>& s, Size count) {
-  const double k = law.factor;
+TETUNE_HD inline RingModel to_model(const Objective& objective, const ModelSum<double>& s, Size count) {
+  const double k = objective.factor;
   return {k * s.e,
           k * s.g,
           {k * s.h.xx, k * s.h.yy, k * s.h.zz, k * s.h.xy, k * s.h.xz, k * s.h.yz},
           s.length2 / static_cast<double>(count)};
 }
 
-/// w = 6 v; where rounding may have made it, the bound on the error stands for it, as in tet_energy() but where
-/// products underflow.
+/// w = 6 * volume, or the bound on its rounding error if that is larger; as in tet_energy(), except that underflow of
+/// products is not considered.
 TETUNE_HD TETUNE_INLINE double safe_volume(const OppositeFace<double>& f, const Vec3& y) {
   const double w = dot(f.n, y);
   const double bound = kOrientBound * permanent(f.a, f.b, y);
   return w > bound ? w : bound;
 }
 
-/// f at a position, and whether a vertex may be there: each volume is certified positive, and no tetrahedron worse than
-/// the floor.
+/// f at a position, and whether the position is feasible: each volume is certified positive, and no tetrahedron is
+/// worse than the quality floor.
 struct RingValue {
   double value;
   bool certified;
 };
 
-/// Whether the tetrahedron over a face is no worse than the floor.
+/// Whether the tetrahedron over a face, of this shape energy, is no worse than the floor.
 TETUNE_HD inline bool allowed(const QualityFloor& floor, const OppositeFace<double>& f, const Vec3& x, double shape) {
   const Vec3 p[4] = {x, f.p0, f.p0 + f.b, f.p0 + f.a};
   return floor.allows(shape, p, dot(f.n, x - f.p0));
 }
 
-/// One vertex's ring, read from memory each time: for the GPU, one thread a vertex, and for rings of any size.
-/// The interface that relocation is written against; SimdRing is the same for the CPU.
+/// The ring of one vertex, read from memory on each evaluation: for the GPU, with one thread per vertex, and for rings
+/// of any size. Relocation is written against this interface; SimdRing implements it for the CPU.
 class PlainRing {
  public:
   static constexpr Size kCapacity = Size{1} << 31;
 
-  TETUNE_HD PlainRing(const EnergyLaw& law, Span<const Point> points, const LinkFace* faces, Size count,
+  TETUNE_HD PlainRing(const Objective& objective, Span<const Point> points, const LinkFace* faces, Size count,
                       const QualityFloor& floor = QualityFloor::none())
-      : law_(law), floor_(floor), points_(points), faces_(faces), count_(count) {}
+      : objective_(objective), floor_(floor), points_(points), faces_(faces), count_(count) {}
 
   TETUNE_HD RingModel model(const Vec3& x) {
     ModelSum<double> sum{};
     for (Size i = 0; i < count_; ++i) {
       const OppositeFace<double> f = face(i);
       const Vec3 y = x - f.p0;
-      sum.add(law_, f, y, 1 / safe_volume(f, y), 1.0);
+      sum.add(objective_, f, y, 1 / safe_volume(f, y), 1.0);
     }
-    return to_model(law_, sum, count_);
+    return to_model(objective_, sum, count_);
   }
 
-  /// First t > 0 at which x + t p leaves the kernel of the ring; infinity if none.
+  /// The smallest t > 0 at which x + t p leaves the kernel of the ring, or infinity.
   TETUNE_HD double step_bound(const Vec3& x, const Vec3& p) {
     double rate = 0;
     for (Size i = 0; i < count_; ++i) {
@@ -138,14 +141,14 @@ class PlainRing {
       const double w = dot(f.n, y);
       double shape = 0;
       certified = w > 0 && volume_margin(f, y, w) > 0;
-      e += law_.term(area_term(f, y), 1 / w, shape);
+      e += objective_.term(area_term(f, y), 1 / w, shape);
       certified =
           certified && (kShapeFactor * shape <= floor_.safe_shape || allowed(floor_, f, x, kShapeFactor * shape));
     }
-    return {law_.factor * e, certified};
+    return {objective_.factor * e, certified};
   }
 
-  /// f along x + t p, in closed form.
+  /// f along the ray x + t p, in closed form.
   class Ray {
    public:
     TETUNE_HD Ray(const PlainRing& ring, const Vec3& x, const Vec3& p) : ring_(ring), x_(x), p_(p) {}
@@ -153,7 +156,7 @@ class PlainRing {
       double sum = 0;
       for (Size i = 0; i < ring_.count_; ++i) {
         const OppositeFace<double> f = ring_.face(i);
-        sum += ray_term(f, x_ - f.p0, p_).value(ring_.law_, t);
+        sum += ray_term(f, x_ - f.p0, p_).value(ring_.objective_, t);
       }
       return sum;
     }
@@ -170,7 +173,7 @@ class PlainRing {
     return opposite_face(vec(points_[f.v[0]]), vec(points_[f.v[1]]), vec(points_[f.v[2]]));
   }
 
-  EnergyLaw law_;
+  Objective objective_;
   QualityFloor floor_;
   Span<const Point> points_;
   const LinkFace* faces_;

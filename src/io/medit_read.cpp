@@ -1,57 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
 // MEDIT meshes, text and binary, versions 1 to 4 (libMeshb's format).
+#include <algorithm>
 #include <atomic>
-#include <cstring>
 #include <limits>
-#include <type_traits>
+#include <utility>
 
-#include "io/medit_sections.hpp"
+#include "backend/cpu.hpp"
+#include "io/medit_codec.hpp"
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
-#include "par/cpu.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
 
-/// Numbers of a text file.
+/// The numbers of a text file.
 class TextSource {
  public:
   TextSource(TextCursor& cursor, int threads) : cursor_(cursor), threads_(threads) {}
   double real() { return cursor_.real("coordinate"); }
-  std::int64_t integer(const char* what) { return cursor_.integer(what); }
-  /// A length that cannot be true, given what is left of the file, is refused before memory is asked for.
-  std::size_t count(std::string_view section, int numbers_each) {
+  std::int64_t integer(const char* name) { return cursor_.integer(name); }
+  /// Refuses a count that the rest of the file cannot hold, before memory is asked for.
+  std::size_t count(const MeditSection& section, int reals, int integers) {
     const std::int64_t n = cursor_.integer("number of entries");
-    const std::size_t smallest = 2 * static_cast<std::size_t>(numbers_each);
-    if (n < 0) fail("section " + std::string(section) + " claims " + std::to_string(n) + " entries");
-    if (static_cast<std::uint64_t>(n) > cursor_.remaining() / smallest + 1) {
-      fail("section " + std::string(section) + " claims " + std::to_string(n) +
+    const std::int64_t min_bytes = 2 * (reals + integers);
+    if (n < 0) fail("section " + std::string(section.name) + " claims " + std::to_string(n) + " entries");
+    if (n > cursor_.remaining() / min_bytes + 1) {
+      fail("section " + std::string(section.name) + " claims " + std::to_string(n) +
            " entries, more than the rest of the file can hold");
     }
-    return static_cast<std::size_t>(n);
+    return backend::to_size_t(n);
   }
-  /// Calls read(source, i) for the n entries that come next.
+  /// Calls read(source, i) for each of the next n entries.
   template <class Read>
   void entries(std::size_t n, const Read& read) {
-    if (n >= kMany && read_lines(n, read)) return;
+    if (n >= kMinParallel && read_lines(n, read)) return;
     for (std::size_t i = 0; i < n; ++i) read(*this, i);
   }
-  [[noreturn]] void fail(const std::string& what) const { cursor_.fail(what); }
+  [[noreturn]] void fail(const std::string& text) const { cursor_.fail(text); }
 
  private:
-  static constexpr std::size_t kMany = 4096;
-  static constexpr std::size_t kBytesEach = 1 << 16;
+  static constexpr std::size_t kMinParallel = 4096;
+  static constexpr std::size_t kBytesPerPart = 1 << 16;
 
-  /// Most programs write an entry a line, so that parts of the lines can be read on all threads. False where some part
-  /// does not hold as many entries as lines: reading one after another can say why.
+  /// Most programs write one entry per line, so that ranges of lines can be read on all threads. Returns false where
+  /// some range does not hold one entry per line: reading in sequence finds the error, if there is one.
   template <class Read>
   bool read_lines(std::size_t n, const Read& read) {
-    std::vector<TextCursor::Lines> parts = cursor_.next_lines(n, kBytesEach);
+    std::vector<TextCursor::Lines> parts = cursor_.next_lines(n, kBytesPerPart);
     if (parts.empty()) return false;
     std::atomic<bool> as_expected = true;
-    par::Cpu(threads_).for_parts(static_cast<par::Size>(parts.size()), [&](par::Size p) {
-      TextCursor::Lines& lines = parts[static_cast<std::size_t>(p)];
+    const backend::Span<TextCursor::Lines> part = backend::span_of(parts);
+    backend::Cpu(threads_).for_parts(part.size(), [&](backend::Size p) {
+      TextCursor::Lines& lines = part[p];
       try {
         TextSource source(lines.cursor, 1);
         for (std::size_t i = lines.first; i < lines.first + lines.count; ++i) read(source, i);
@@ -60,7 +61,7 @@ class TextSource {
       }
       as_expected = false;
     });
-    if (as_expected) cursor_.go_on_after(parts.back().cursor);
+    if (as_expected) cursor_.continue_after(parts.back().cursor);
     return as_expected;
   }
 
@@ -68,82 +69,44 @@ class TextSource {
   int threads_;
 };
 
-/// Numbers of a binary file.
+/// The bytes of a binary file in memory, as MeditTable takes them, and the numbers of one of its sections in sequence.
 class BinarySource {
  public:
   BinarySource(std::string path, std::string_view bytes) : path_(std::move(path)), bytes_(bytes) {}
 
-  void open() {
-    const auto code = take<std::int32_t>();
-    if (code == 16777216) {
-      swap_ = true;
-    } else if (code != 1) {
-      fail("this is not a MEDIT mesh, neither in text nor binary");
-    }
-    version_ = take<std::int32_t>();
-    if (version_ < 1 || version_ > 4) fail("version " + std::to_string(version_) + " is not one of 1 to 4");
+  std::int64_t size() const { return std::ssize(bytes_); }
+  void read_at(std::int64_t position, char* to, std::int64_t n) const { std::copy_n(bytes_.begin() + position, n, to); }
+  [[noreturn]] void fail_at(std::int64_t position, const std::string& text) const {
+    throw FileError(path_ + ", byte " + std::to_string(position) + ": " + text);
   }
-  bool at_end() const { return at_ + sizeof(std::int32_t) > bytes_.size(); }
-  std::int32_t keyword() { return take<std::int32_t>(); }
-  /// Where the next section starts; 0 in the last one.
-  std::size_t next_position() {
-    const std::int64_t position = version_ >= 3 ? take<std::int64_t>() : take<std::int32_t>();
-    const auto from = static_cast<std::int64_t>(at_);
-    if (position != 0 && (position < from || position > static_cast<std::int64_t>(bytes_.size()))) {
-      fail("a section points to a place outside the file");
-    }
-    section_end_ = position != 0 ? static_cast<std::size_t>(position) : bytes_.size();
-    return static_cast<std::size_t>(position);
-  }
-  /// Leaves a section for the next one, which must start where this one's entries end.
-  void go_to(std::size_t position, bool skipped) {
-    if (!skipped && position != at_) {
-      fail("the entries of a section end here, but the section ends at byte " + std::to_string(position));
-    }
-    at_ = position;
-  }
-  /// 32 bits wide in every version (libMeshb); some writers of version 4 widen it like any other number.
-  std::int64_t dimension(std::size_t next) {
-    return version_ == 4 && next == at_ + sizeof(std::int64_t) ? take<std::int64_t>() : take<std::int32_t>();
-  }
+  [[noreturn]] void fail(const std::string& text) const { fail_at(next_ - bytes_.data(), text); }
 
-  double real() { return version_ == 1 ? static_cast<double>(take<float>()) : take<double>(); }
-  std::int64_t integer(const char*) { return version_ == 4 ? take<std::int64_t>() : take<std::int32_t>(); }
-  std::size_t count(std::string_view section, int numbers_each) {
-    const std::int64_t n = integer("");
-    const std::size_t smallest = (version_ == 4 ? 8 : 4) * static_cast<std::size_t>(numbers_each);
-    if (n < 0 || at_ > section_end_ || static_cast<std::uint64_t>(n) > (section_end_ - at_) / smallest) {
-      fail("section " + std::string(section) + " claims " + std::to_string(n) + " entries, more than it can hold");
-    }
-    return static_cast<std::size_t>(n);
+  using Table = MeditTable<const BinarySource>;
+  void enter(const Table& table, const Table::Section& section) {
+    table_ = &table;
+    section_ = &section;
+    encoding_ = table.encoding();
+    next_ = bytes_.data() + section.begin;
   }
+  std::size_t count(const MeditSection& section, int reals, int integers) {
+    const std::int64_t n = table_->count(*section_, section.name, reals, integers);
+    next_ = bytes_.data() + table_->entries_begin(*section_);
+    return backend::to_size_t(n);
+  }
+  double real() { return encoding_.real(next_); }
+  std::int64_t integer(const char*) { return encoding_.integer(next_); }
   template <class Read>
   void entries(std::size_t n, const Read& read) {
     for (std::size_t i = 0; i < n; ++i) read(*this, i);
   }
-  [[noreturn]] void fail(const std::string& what) const {
-    throw FileError(path_ + ", byte " + std::to_string(at_) + ": " + what);
-  }
 
  private:
-  template <class T>
-  T take() {
-    if (at_ + sizeof(T) > bytes_.size()) fail("the file ends too early");
-    unsigned char raw[sizeof(T)];
-    std::memcpy(raw, bytes_.data() + at_, sizeof(T));
-    if (swap_) std::reverse(raw, raw + sizeof(T));
-    at_ += sizeof(T);
-    T value;
-    std::memcpy(&value, raw, sizeof(T));
-    return value;
-  }
-
   std::string path_;
   std::string_view bytes_;
-  std::size_t at_ = 0;
-  std::size_t section_end_ = 0;
-  int version_ = 2;
-  bool swap_ = false;
+  const char* next_ = bytes_.data();
+  MeditEncoding encoding_;
+  const Table* table_ = nullptr;
+  const Table::Section* section_ = nullptr;
 };
 
 template <class Source>
@@ -158,7 +121,7 @@ class MeditReader {
     }
   }
 
-  /// Reads a section by name or code; returns false when it is not one that tetune keeps.
+  /// Reads a section by name, or by code where that is not 0; returns false when tetune does not keep such sections.
   bool read(std::string_view name, int code) {
     const auto is = [&](const MeditSection& s) { return code != 0 ? s.code == code : s.name == name; };
     if (is(kMeditVertices)) return read_vertices();
@@ -186,9 +149,9 @@ class MeditReader {
   }
 
  private:
-  std::size_t count(const MeditSection& section, int numbers_each) {
-    const std::size_t n = source_.count(section.name, numbers_each);
-    const std::string excess = too_many(static_cast<std::int64_t>(n), section.code == kMeditTetrahedra.code);
+  std::size_t count(const MeditSection& section, int reals, int integers) {
+    const std::size_t n = source_.count(section, reals, integers);
+    const std::string excess = excess_of(std::int64_t(n), section.code == kMeditTetrahedra.code);
     if (!excess.empty()) source_.fail("section " + std::string(section.name) + " has " + excess);
     return n;
   }
@@ -207,15 +170,15 @@ class MeditReader {
     return static_cast<int>(value);
   }
 
-  /// A second section of a kind would silently replace the first.
+  /// Refuses a second section of a kind, which would replace the first silently.
   template <class T>
   void expect_first(std::string_view section, const std::vector<T>& entries) {
-    if (!entries.empty()) source_.fail("section " + std::string(section) + " is there twice");
+    if (!entries.empty()) source_.fail("section " + std::string(section) + " occurs twice");
   }
 
   bool read_vertices() {
     expect_first(kMeditVertices.name, mesh_.points);
-    const std::size_t n = count(kMeditVertices, 4);
+    const std::size_t n = count(kMeditVertices, 3, 1);
     mesh_.points.resize(n);
     mesh_.point_tags.resize(n);
     source_.entries(n, [this](Source& source, std::size_t i) {
@@ -228,7 +191,7 @@ class MeditReader {
   template <std::size_t N>
   bool read_elements(const MeditSection& section, std::vector<std::array<Index, N>>& elements, std::vector<int>& tags) {
     expect_first(section.name, elements);
-    const std::size_t n = count(section, section.vertices + 1);
+    const std::size_t n = count(section, 0, section.vertices + 1);
     elements.resize(n);
     tags.resize(n);
     source_.entries(n, [&](Source& source, std::size_t i) {
@@ -242,11 +205,8 @@ class MeditReader {
     for (const ElementBlock& block : mesh_.others) {
       if (block.kind == section.name) expect_first(section.name, block.tags);
     }
-    const std::size_t n = count(section, section.vertices + 1);
-    ElementBlock block;
-    block.kind = section.name;
-    block.vertices_per_element = section.vertices;
-    block.element2vertex.reserve(n * static_cast<std::size_t>(section.vertices));
+    const std::size_t n = count(section, 0, section.vertices + 1);
+    ElementBlock block{std::string(section.name), section.vertices, {}, {}, {}};
     block.tags.reserve(n);
     for (std::size_t i = 0; i < n; ++i) {
       for (int k = 0; k < section.vertices; ++k) block.element2vertex.push_back(id(source_, section.name));
@@ -258,7 +218,7 @@ class MeditReader {
 
   bool read_list(const MeditSection& section, std::vector<Index>& ids) {
     expect_first(section.name, ids);
-    const std::size_t n = count(section, 1);
+    const std::size_t n = count(section, 0, 1);
     ids.resize(n);
     source_.entries(n, [&](Source& source, std::size_t i) { ids[i] = id(source, section.name); });
     return true;
@@ -271,9 +231,9 @@ class MeditReader {
 
 constexpr const char* kNoEnd = ": the section End is missing; the file may be cut short";
 
-TetMesh parse_text(const std::string& path, std::string_view bytes, const ReadContext& context) {
-  constexpr std::string_view kMarkOfUtf8 = "\xEF\xBB\xBF";
-  if (bytes.starts_with(kMarkOfUtf8)) bytes.remove_prefix(kMarkOfUtf8.size());
+TetMesh parse_text(const std::string& path, std::string_view bytes, const IoContext& context) {
+  constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
+  if (bytes.starts_with(kUtf8Mark)) bytes.remove_prefix(kUtf8Mark.size());
   TextCursor cursor(path, bytes);
   TextSource source(cursor, context.threads);
   TetMesh mesh;
@@ -294,7 +254,7 @@ TetMesh parse_text(const std::string& path, std::string_view bytes, const ReadCo
         cursor.fail("expected a section name, found \"" + std::string(word.substr(0, 40)) +
                     "\"; the section before it is longer than it says");
       }
-      context.warn(path + ": section " + std::string(word.substr(0, 60)) + " is not one that tetune keeps; skipped");
+      context.warn(path + ": section " + std::string(word.substr(0, 60)) + " is not kept by tetune; skipped");
       cursor.skip_numbers();
     }
   }
@@ -303,45 +263,37 @@ TetMesh parse_text(const std::string& path, std::string_view bytes, const ReadCo
   return mesh;
 }
 
-TetMesh parse_binary(const std::string& path, std::string_view bytes, const ReadContext& context) {
+TetMesh parse_binary(const std::string& path, std::string_view bytes, const IoContext& context) {
   BinarySource source(path, bytes);
+  const MeditTable table(std::as_const(source));
   TetMesh mesh;
   MeditReader reader(source, mesh);
-  source.open();
-  bool ended = false;
-  while (!ended && !source.at_end()) {
-    const std::int32_t code = source.keyword();
-    ended = code == kMeditEnd;
-    if (ended) break;
-    const std::size_t next = source.next_position();
-    bool skipped = false;
-    if (code == kMeditDimension) {
-      reader.set_dimension(source.dimension(next));
-    } else if (!reader.read({}, code)) {
-      context.warn(path + ": section with code " + std::to_string(code) + " is not one that tetune keeps; skipped");
-      skipped = true;
+  for (const auto& section : table.sections()) {
+    source.enter(table, section);
+    if (section.code == kMeditDimension) {
+      reader.set_dimension(table.dimension(section));
+    } else if (!reader.read({}, section.code)) {
+      context.warn(path + ": section with code " + std::to_string(section.code) + " is not kept by tetune; skipped");
     }
-    ended = next == 0;
-    if (!ended) source.go_to(next, skipped);
   }
-  if (!ended) context.warn(path + kNoEnd);
+  if (!table.is_complete()) context.warn(path + kNoEnd);
   reader.finish();
   return mesh;
 }
 
-/// A text has no such byte in its first word; the first number of a binary file, 1, has three in either byte order.
+/// The first word of a text has no zero byte; the first number of a binary file, 1, has three in either byte order.
 bool is_binary(std::string_view bytes) { return bytes.substr(0, 4).find('\0') != std::string_view::npos; }
 
 bool is_utf16(std::string_view bytes) { return bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"); }
 
 }  // namespace
 
-TetMesh parse_medit(const std::string& name, std::string_view bytes, const ReadContext& context) {
+TetMesh parse_medit(const std::string& name, std::string_view bytes, const IoContext& context) {
   if (is_utf16(bytes)) throw FileError(name + ": this is text in UTF-16; save it as plain text (UTF-8)");
   return is_binary(bytes) ? parse_binary(name, bytes, context) : parse_text(name, bytes, context);
 }
 
-TetMesh read_medit(const std::string& path, const ReadContext& context) {
+TetMesh read_medit(const std::string& path, const IoContext& context) {
   return parse_medit(path, MappedFile(path).bytes(), context);
 }
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <charconv>
-#include <cstring>
 #include <set>
+#include <span>
 
-#include "io/medit_sections.hpp"
+#include "backend/cpu.hpp"
+#include "io/medit_codec.hpp"
 #include "io/registry.hpp"
-#include "par/cpu.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
 
-/// Lines are made in parts of this many, in parallel, and written in order.
-constexpr std::size_t kPart = 1 << 15;
+/// Lines are formatted in ranges of this many, in parallel, and written in order.
+constexpr backend::Size kLinesPerPart = 1 << 15;
 
 class TextLine {
  public:
@@ -22,7 +22,7 @@ class TextLine {
   void number(T value) {
     char digits[40];
     const auto result = std::to_chars(digits, digits + sizeof digits, value);
-    out_.append(digits, static_cast<std::size_t>(result.ptr - digits));
+    out_.append(std::string_view(digits, result.ptr));
   }
   void space() { out_ += ' '; }
   void end() { out_ += '\n'; }
@@ -31,21 +31,22 @@ class TextLine {
   std::string& out_;
 };
 
+/// Calls line(text, i) for each of n lines.
 template <class Line>
 void write_lines(FileWriter& file, std::size_t n, int threads, const Line& line) {
-  const par::Cpu cpu(threads);
-  const auto wave = static_cast<std::size_t>(cpu.threads()) * 4;
-  std::vector<std::string> parts(wave);
-  for (std::size_t first = 0; first < n; first += wave * kPart) {
-    cpu.for_parts(static_cast<par::Size>(wave), [&](par::Size p) {
-      std::string& out = parts[static_cast<std::size_t>(p)];
-      out.clear();
-      const std::size_t begin = std::min(n, first + static_cast<std::size_t>(p) * kPart);
-      const std::size_t end = std::min(n, begin + kPart);
-      TextLine text(out);
-      for (std::size_t i = begin; i < end; ++i) line(text, i);
+  const backend::Cpu cpu(threads);
+  const backend::Size size = backend::to_index(n);
+  std::vector<std::string> parts(std::size_t{4} * cpu.threads());
+  const backend::Span<std::string> part = backend::span_of(parts);
+  for (backend::Size first = 0; first < size; first += part.size() * kLinesPerPart) {
+    cpu.for_parts(part.size(), [&](backend::Size p) {
+      part[p].clear();
+      const backend::Size begin = std::min(size, first + p * kLinesPerPart);
+      const std::size_t end = backend::to_size_t(std::min(size, begin + kLinesPerPart));
+      TextLine text(part[p]);
+      for (std::size_t i = backend::to_size_t(begin); i < end; ++i) line(text, i);
     });
-    for (const std::string& part : parts) file.write(part);
+    for (const std::string& text : parts) file.write(text);
   }
 }
 
@@ -79,7 +80,7 @@ void write_text_list(FileWriter& file, std::string_view name, const std::vector<
   });
 }
 
-/// Tetrahedra as the caller listed them.
+/// The tetrahedra in the orientation in which the caller listed them.
 std::vector<std::array<Index, 4>> as_listed(const TetMesh& mesh) {
   std::vector<std::array<Index, 4>> tets = mesh.tets;
   if (mesh.listed_inside_out) {
@@ -88,81 +89,51 @@ std::vector<std::array<Index, 4>> as_listed(const TetMesh& mesh) {
   return tets;
 }
 
-/// Gathers a binary section and writes it, with the position of the next one in its head.
+/// Writes the sections of a binary file.
 class BinaryWriter {
  public:
-  BinaryWriter(FileWriter& file, bool wide) : file_(file), wide_(wide) {
-    put<std::int32_t>(1);
-    put<std::int32_t>(wide ? 3 : 2);
-    flush();
+  BinaryWriter(FileWriter& file, const MeditEncoding& encoding) : file_(file), encoding_(encoding) {
+    write(encoding_.file_head());
   }
-  template <class T>
-  void put(T value) {
-    std::memcpy(room(sizeof(T)), &value, sizeof(T));
+  /// Writes a list of n entries; put(to, i) encodes one of them and advances `to`.
+  template <class Put>
+  void list(int code, std::size_t n, int reals, int integers, Put put) {
+    const std::int64_t body = encoding_.integer_bytes() + std::int64_t(n) * encoding_.entry_bytes(reals, integers);
+    write(encoding_.section_head(code, position_, body));
+    bytes_.resize(backend::to_size_t(body));
+    char* to = bytes_.data();
+    encoding_.put_integer(to, std::int64_t(n));
+    for (std::size_t i = 0; i < n; ++i) put(to, i);
+    write({bytes_.data(), bytes_.size()});
   }
-  /// Room for so many bytes, to be filled at once.
-  char* room(std::size_t bytes) {
-    const std::size_t at = bytes_.size();
-    bytes_.resize(at + bytes);
-    return bytes_.data() + at;
-  }
-  void section(int code, std::size_t body_bytes) {
-    put<std::int32_t>(code);
-    const std::size_t head = sizeof(std::int32_t) + (wide_ ? 8 : 4);
-    const std::size_t next = position_ + head + body_bytes;
-    if (wide_) {
-      put(static_cast<std::int64_t>(next));
-    } else {
-      put(static_cast<std::int32_t>(next));
-    }
-    bytes_.reserve(head + body_bytes);
-  }
-  void flush() {
-    file_.write(bytes_.data(), bytes_.size());
-    position_ += bytes_.size();
-    bytes_.clear();
-  }
-  void end() {
-    put<std::int32_t>(kMeditEnd);
-    if (wide_) {
-      put<std::int64_t>(0);
-    } else {
-      put<std::int32_t>(0);
-    }
-    flush();
-  }
+  void end() { write(encoding_.file_end()); }
+  const MeditEncoding& encoding() const { return encoding_; }
 
  private:
+  void write(std::string_view bytes) {
+    file_.write(bytes);
+    position_ += std::ssize(bytes);
+  }
   FileWriter& file_;
-  bool wide_;
-  std::size_t position_ = 0;
+  MeditEncoding encoding_;
+  std::int64_t position_ = 0;
   std::vector<char> bytes_;
 };
 
 void write_binary_elements(BinaryWriter& out, const MeditSection& section, const Index* element2vertex,
                            const std::vector<int>& tags) {
   if (tags.empty()) return;
-  const auto each = static_cast<std::size_t>(section.vertices);
-  out.section(section.code, 4 + tags.size() * (each + 1) * 4);
-  out.put(static_cast<std::int32_t>(tags.size()));
-  char* to = out.room(tags.size() * (each + 1) * 4);
-  const auto put = [&to](std::int32_t value) {
-    std::memcpy(to, &value, sizeof value);
-    to += sizeof value;
-  };
-  for (std::size_t i = 0; i < tags.size(); ++i) {
-    for (std::size_t k = 0; k < each; ++k) put(element2vertex[i * each + k] + 1);
-    put(tags[i]);
-  }
-  out.flush();
+  out.list(section.code, tags.size(), 0, section.vertices + 1,
+           [&, v = element2vertex](char*& to, std::size_t i) mutable {
+             for (const Index* const end = v + section.vertices; v != end; ++v) out.encoding().put_integer(to, *v + 1);
+             out.encoding().put_integer(to, tags[i]);
+           });
 }
 
 void write_binary_list(BinaryWriter& out, const MeditSection& section, const std::vector<Index>& ids) {
   if (ids.empty()) return;
-  out.section(section.code, 4 + ids.size() * 4);
-  out.put(static_cast<std::int32_t>(ids.size()));
-  for (const Index id : ids) out.put<std::int32_t>(id + 1);
-  out.flush();
+  out.list(section.code, ids.size(), 0, 1,
+           [&](char*& to, std::size_t i) { out.encoding().put_integer(to, ids[i] + 1); });
 }
 
 template <std::size_t N>
@@ -170,7 +141,7 @@ const Index* flat(const std::vector<std::array<Index, N>>& elements) {
   return elements.empty() ? nullptr : elements.front().data();
 }
 
-/// Elements of one vertex have no section; what they constrain has.
+/// Elements of one vertex have no section; their vertices are listed as required.
 bool is_points(const ElementBlock& block) { return block.kind == kPoints; }
 
 std::vector<Index> list_of(const TetMesh& mesh, const MeditList& list) {
@@ -201,22 +172,23 @@ void add_names(const std::vector<DataArray>& data, std::set<std::string>& names)
 
 }  // namespace
 
-std::vector<std::string> not_kept_by_medit(const TetMesh& mesh) {
-  std::vector<std::string> lost;
+std::vector<std::string> lost_in_medit(const TetMesh& mesh) {
+  std::vector<std::string> losses;
   std::set<std::string> names;
   for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
     add_names(*data, names);
   }
   for (const ElementBlock& block : mesh.others) {
     add_names(block.data, names);
-    if (is_points(block)) lost.push_back("elements of one vertex are written as required vertices, without their tags");
+    if (is_points(block))
+      losses.push_back("elements of one vertex are written as required vertices, without their tags");
   }
-  for (const std::string& name : names) lost.push_back("MEDIT has no room for the data \"" + name + "\"");
+  for (const std::string& name : names) losses.push_back("MEDIT has no room for the data \"" + name + "\"");
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
-    lost.push_back("MEDIT has no room for the names of groups");
+    losses.push_back("MEDIT has no room for the names of groups");
   }
-  if (mesh.second_order) lost.push_back("written as linear elements, without the nodes in the middles of edges");
-  return lost;
+  if (mesh.second_order) losses.push_back("written as linear elements, without the nodes in the middles of edges");
+  return losses;
 }
 
 void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
@@ -236,11 +208,11 @@ void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
                       threads);
   for (const ElementBlock& block : mesh.others) {
     if (is_points(block)) continue;
-    const auto each = static_cast<std::size_t>(section_of(block).vertices);
+    const std::size_t each = backend::to_size_t(section_of(block).vertices);
     write_header(file, block.kind, block.tags.size());
     write_lines(file, block.tags.size(), threads, [&](TextLine& line, std::size_t i) {
-      for (std::size_t k = 0; k < each; ++k) {
-        line.number(block.element2vertex[i * each + k] + 1);
+      for (const Index v : std::span(block.element2vertex).subspan(i * each, each)) {
+        line.number(v + 1);
         line.space();
       }
       line.number(block.tags[i]);
@@ -271,26 +243,18 @@ void write_medit_solution(FileWriter& file, const std::vector<Measures>& values,
 }
 
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
-  // Positions in version 2 are 32 bits wide: version 3 where the file may not fit.
-  std::size_t bytes = 28 * mesh.points.size() + 20 * mesh.tets.size();
-  bytes += 16 * mesh.triangles.size() + 12 * mesh.edges.size();
+  // An upper bound: the last term covers the heads of the sections.
+  std::size_t bytes =
+      28 * mesh.points.size() + 20 * mesh.tets.size() + 16 * mesh.triangles.size() + 12 * mesh.edges.size() + 1000;
   for (const ElementBlock& block : mesh.others) {
-    bytes += 4 * (block.element2vertex.size() + block.tags.size() + block.required.size());
+    bytes += 4 * (2 * block.element2vertex.size() + block.tags.size() + block.required.size());
   }
   for (const MeditList& list : kMeditLists) bytes += 4 * (mesh.*list.ids).size();
-  BinaryWriter out(file, bytes > 2'000'000'000U);
-  out.section(kMeditDimension, 4);
-  out.put<std::int32_t>(3);
-  out.flush();
-  out.section(kMeditVertices.code, 4 + mesh.points.size() * 28);
-  out.put(static_cast<std::int32_t>(mesh.points.size()));
-  char* to = out.room(mesh.points.size() * 28);
-  for (std::size_t i = 0; i < mesh.points.size(); ++i, to += 28) {
-    const std::int32_t tag = mesh.point_tags[i];
-    std::memcpy(to, mesh.points[i].data(), 24);
-    std::memcpy(to + 24, &tag, sizeof tag);
-  }
-  out.flush();
+  BinaryWriter out(file, MeditEncoding::for_writing(0, std::int64_t(bytes)));
+  out.list(kMeditVertices.code, mesh.points.size(), 3, 1, [&](char*& to, std::size_t i) {
+    for (const double x : mesh.points[i]) MeditEncoding::put_real(to, x);
+    out.encoding().put_integer(to, mesh.point_tags[i]);
+  });
   write_binary_elements(out, kMeditEdges, flat(mesh.edges), mesh.edge_tags);
   write_binary_elements(out, kMeditTriangles, flat(mesh.triangles), mesh.triangle_tags);
   if (mesh.listed_inside_out) {

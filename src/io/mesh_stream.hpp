@@ -1,41 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <concepts>
 #include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "tetune/error.hpp"
 #include "tetune/mesh.hpp"
 
-/// A mesh as a sequence of bytes, between tetune and the programs of its plugins: of one build on one machine.
+/// A mesh as a sequence of bytes, between tetune and the programs of its plugins on the same machine.
 namespace tetune {
 
-/// In front of a mesh and of an answer. They go up whenever what follows changes, so that a plugin of another build is
-/// recognised.
-inline constexpr std::uint64_t kStreamVersion = 0x7465'7475'6e65'0001;
+/// The first word of a stream with a mesh, and of an answer: "tetune" and the version of the encoding, which increases
+/// with every change of transfer() or of the types below it. A plugin of another build is recognized by it.
+inline constexpr std::uint64_t kStreamVersion = 0x7465'7475'6e65'0002;
 inline constexpr std::uint64_t kAnswerVersion = ~kStreamVersion;
 
-/// Calls archive(x) for each member of the mesh, in one order for both directions.
-template <class Archive>
-void transfer(Archive& archive, DataArray& array) {
+/// T, or const T.
+template <class Maybe, class T>
+concept MaybeConst = std::same_as<std::remove_const_t<Maybe>, T>;
+
+/// Calls archive(member) for each member, in one order for both directions.
+template <class Archive, MaybeConst<DataArray> Array>
+void transfer(Archive& archive, Array& array) {
   archive(array.name);
   archive(array.components);
-  archive.variant(array.values);
+  archive(array.values);
 }
-template <class Archive>
-void transfer(Archive& archive, Group& group) {
+template <class Archive, MaybeConst<Group> AnyGroup>
+void transfer(Archive& archive, AnyGroup& group) {
   archive(group.dimension);
   archive(group.number);
   archive(group.name);
   archive(group.tags);
 }
-template <class Archive>
-void transfer(Archive& archive, ElementBlock& block) {
+template <class Archive, MaybeConst<ElementBlock> Block>
+void transfer(Archive& archive, Block& block) {
   archive(block.kind);
   archive(block.vertices_per_element);
   archive(block.element2vertex);
@@ -43,8 +48,8 @@ void transfer(Archive& archive, ElementBlock& block) {
   archive(block.required);
   archive(block.data);
 }
-template <class Archive>
-void transfer(Archive& archive, TetMesh& m) {
+template <class Archive, MaybeConst<TetMesh> Mesh>
+void transfer(Archive& archive, Mesh& m) {
   archive(m.points);
   archive(m.point_tags);
   archive(m.tets);
@@ -53,12 +58,12 @@ void transfer(Archive& archive, TetMesh& m) {
   archive(m.triangle_tags);
   archive(m.edges);
   archive(m.edge_tags);
-  for (std::vector<Index>* ids :
+  for (auto* ids :
        {&m.corners, &m.required_vertices, &m.ridges, &m.required_edges, &m.required_triangles, &m.required_tets}) {
     archive(*ids);
   }
   archive(m.others);
-  for (std::vector<DataArray>* data : {&m.point_data, &m.tet_data, &m.triangle_data, &m.edge_data}) archive(*data);
+  for (auto* data : {&m.point_data, &m.tet_data, &m.triangle_data, &m.edge_data}) archive(*data);
   archive(m.groups);
   archive(m.point_tags_name);
   archive(m.cell_tags_name);
@@ -67,84 +72,81 @@ void transfer(Archive& archive, TetMesh& m) {
   archive(m.listed_inside_out);
 }
 
-/// What writing and reading have in common. `Self` has bytes(void*, n), raw(container of plain items) and
-/// length(container of others).
-template <class Self>
-class MeshArchive {
- public:
-  template <class T>
-  void operator()(T& item) {
-    if constexpr (std::is_same_v<T, bool>) {
-      std::uint8_t byte = item ? 1 : 0;  // whatever comes: no other value of a bool
-      self().bytes(&byte, 1);
-      item = byte != 0;
-    } else if constexpr (std::is_arithmetic_v<T>) {
-      self().bytes(&item, sizeof item);
-    } else {
-      transfer(self(), item);
-    }
-  }
-  void operator()(std::string& text) { self().raw(text); }
-  template <class T>
-  void operator()(std::vector<T>& items) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      self().raw(items);
-    } else {
-      self().length(items);
-      for (T& item : items) (*this)(item);
-    }
-  }
-
- private:
-  Self& self() { return static_cast<Self&>(*this); }
-};
-
-/// `Sink`: void(const void* data, std::size_t bytes).
+/// Encodes numbers, texts, lists and whole meshes. `Sink`: void(const void* data, std::size_t bytes).
 template <class Sink>
-class MeshWriter : public MeshArchive<MeshWriter<Sink>> {
+class MeshWriter {
  public:
   explicit MeshWriter(Sink sink) : sink_(std::move(sink)) {}
 
-  void variant(DataValues& values) {
-    std::uint64_t which = values.index();
-    (*this)(which);
-    std::visit([this](auto& v) { this->raw(v); }, values);
+  template <class T>
+  void operator()(const T& item) {
+    if constexpr (std::is_same_v<T, bool>) {
+      (*this)(std::uint8_t{item});
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      sink_(&item, sizeof item);
+    } else {
+      transfer(*this, item);
+    }
+  }
+  void operator()(const std::string& text) { raw(text); }
+  void operator()(const DataValues& values) {
+    (*this)(std::uint64_t{values.index()});
+    std::visit([this](const auto& v) { raw(v); }, values);
+  }
+  template <class T>
+  void operator()(const std::vector<T>& items) {
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      raw(items);
+    } else {
+      (*this)(std::uint64_t{items.size()});
+      for (const T& item : items) (*this)(item);
+    }
   }
 
  private:
-  friend class MeshArchive<MeshWriter>;
-  void bytes(const void* data, std::size_t n) { sink_(data, n); }
   template <class Container>
-  void length(Container& items) {
-    std::uint64_t n = items.size();
-    (*this)(n);
-  }
-  template <class Container>
-  void raw(Container& items) {
-    length(items);
+  void raw(const Container& items) {
+    (*this)(std::uint64_t{items.size()});
     if (!items.empty()) sink_(items.data(), items.size() * sizeof items[0]);
   }
   Sink sink_;
 };
 
-/// Reads what MeshWriter wrote. Throws FileError where the bytes end too early.
-class MeshReader : public MeshArchive<MeshReader> {
+/// Decodes what MeshWriter wrote. Throws FileError where the bytes end too early.
+class MeshReader {
  public:
   explicit MeshReader(std::string_view bytes) : bytes_(bytes) {}
 
-  void variant(DataValues& values) {
+  template <class T>
+  void operator()(T& item) {
+    if constexpr (std::is_same_v<T, bool>) {
+      std::uint8_t byte = 0;
+      (*this)(byte);
+      item = byte != 0;  // any other bit pattern than 0 and 1 would be no bool
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      take(&item, sizeof item);
+    } else {
+      transfer(*this, item);
+    }
+  }
+  void operator()(std::string& text) { raw(text); }
+  void operator()(DataValues& values) {
     std::uint64_t which = 0;
     (*this)(which);
     set_type<0>(values, which);
-    std::visit([this](auto& v) { this->raw(v); }, values);
+    std::visit([this](auto& v) { raw(v); }, values);
+  }
+  template <class T>
+  void operator()(std::vector<T>& items) {
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      raw(items);
+    } else {
+      items.resize(count(sizeof(std::uint64_t)));  // each item starts with a length
+      for (T& item : items) (*this)(item);
+    }
   }
 
  private:
-  friend class MeshArchive<MeshReader>;
-  template <class Container>
-  void length(Container& items) {
-    items.resize(count(sizeof(std::uint64_t)));  // each starts with a length
-  }
   template <std::size_t I>
   static void set_type(DataValues& values, std::uint64_t which) {
     if constexpr (I < std::variant_size_v<DataValues>) {
@@ -157,19 +159,20 @@ class MeshReader : public MeshArchive<MeshReader> {
       fail();
     }
   }
-  [[noreturn]] static void fail() { throw FileError("what the plugin sent is incomplete"); }
-  std::size_t count(std::size_t bytes_each) {
+  [[noreturn]] static void fail() { throw FileError("the answer of the plugin is incomplete"); }
+  /// Reads the number of items of `item_bytes` or more each; fails where the rest of the bytes cannot hold them.
+  std::uint64_t count(std::size_t item_bytes) {
     std::uint64_t n = 0;
-    bytes(&n, sizeof n);
-    if (n > bytes_.size() / bytes_each) fail();
-    return static_cast<std::size_t>(n);
+    take(&n, sizeof n);
+    if (n > bytes_.size() / item_bytes) fail();
+    return n;
   }
   template <class Container>
   void raw(Container& items) {
     items.resize(count(sizeof items[0]));
-    bytes(items.data(), items.size() * sizeof items[0]);
+    take(items.data(), items.size() * sizeof items[0]);
   }
-  void bytes(void* to, std::size_t n) {
+  void take(void* to, std::size_t n) {
     if (n > bytes_.size()) fail();
     if (n > 0) std::memcpy(to, bytes_.data(), n);
     bytes_.remove_prefix(n);

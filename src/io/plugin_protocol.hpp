@@ -1,38 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstddef>
-#include <cstring>
-#include <string>
-
-#include "tetune/error.hpp"
-
-/// What tetune and the programs of its plugins agree on.
+/// The protocol between tetune and the programs of its plugins.
 ///
 ///   PROGRAM read FILE      answer: kAnswerVersion, error, warnings, mesh (when error is empty)
 ///   PROGRAM check FILE     answer: kAnswerVersion, error, no warnings: whether the library has the format of this name
-///   PROGRAM write FILE     in: kStreamVersion, mesh; answer: kAnswerVersion, error, warnings
+///   PROGRAM write FILE     input: kStreamVersion, mesh; answer: kAnswerVersion, error, warnings
 ///
-/// Both go through the file kPluginDescriptor, in memory, encoded as in mesh_stream.hpp; the answer replaces what came
-/// in. The exit code is 0 whenever there is an answer.
+/// Input and answer go through the descriptor kPluginDescriptor, a file in memory, encoded as in mesh_stream.hpp; the
+/// answer replaces the input. The exit code is 0 whenever there is an answer. Where tetune ends before the program
+/// does, the program deletes the FILE that it writes.
 namespace tetune {
 
 inline constexpr int kPluginDescriptor = 3;
 /// Exit code of the system's loader when a shared library is missing.
 inline constexpr int kPluginNotLoaded = 127;
-
-inline void write_all(int descriptor, const void* data, std::size_t bytes) {
-  const char* at = static_cast<const char*>(data);
-  while (bytes > 0) {
-    const ssize_t done = ::write(descriptor, at, bytes);
-    if (done < 0 && errno == EINTR) continue;
-    if (done < 0) throw FileError(std::string("no memory to hand a mesh over: ") + std::strerror(errno));
-    at += done;
-    bytes -= static_cast<std::size_t>(done);
-  }
-}
 
 }  // namespace tetune

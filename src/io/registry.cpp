@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
+#include "backend/span.hpp"
 #include "io/plugin.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
@@ -41,33 +43,33 @@ const Format& format_of(const std::string& path, bool to_write) {
                   "\"; known endings: " + endings(to_write));
 }
 
-/// Writers index tags by element, so their lengths must agree.
+/// Throws FileError where arrays of tags differ in length from those of their elements, by which writers index them.
 void check_lengths(const std::string& path, const TetMesh& mesh) {
-  const auto check = [&path](const std::string& what, std::size_t tags, std::size_t elements) {
+  const auto check = [&path](const std::string& kind, std::size_t tags, std::size_t elements) {
     if (tags == elements) return;
     throw FileError(path + ": the mesh has " + std::to_string(tags) + " tags for " + std::to_string(elements) + " " +
-                    what);
+                    kind);
   };
   check("vertices", mesh.point_tags.size(), mesh.points.size());
   check("tetrahedra", mesh.tet_tags.size(), mesh.tets.size());
   check("triangles", mesh.triangle_tags.size(), mesh.triangles.size());
   check("edges", mesh.edge_tags.size(), mesh.edges.size());
   for (const ElementBlock& block : mesh.others) {
-    const auto each = static_cast<std::size_t>(std::max(1, block.vertices_per_element));
+    const std::size_t each = backend::to_size_t(std::max(1, block.vertices_per_element));
     check(block.kind, block.tags.size() * each, block.element2vertex.size());
     const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
     if (std::count_if(mesh.others.begin(), mesh.others.end(), same_kind) > 1) {
-      throw FileError(path + ": the mesh has two blocks of " + block.kind + "; a file has room for one");
+      throw FileError(path + ": the mesh has two blocks of " + block.kind + "; a file can hold one");
     }
   }
 }
 
-/// Turns tetrahedra that are listed inside out, and tells where only some were.
-void turn(const std::string& path, TetMesh& mesh, const ReadContext& context) {
-  const std::int64_t turned = orient_uniformly(mesh, context.threads);
-  if (turned > 0 && turned < static_cast<std::int64_t>(mesh.tets.size())) {
-    context.warn(path + ": " + std::to_string(turned) + " of " + std::to_string(mesh.tets.size()) +
-                 " tetrahedra are listed inside out, unlike their neighbours; they were turned");
+/// Reverses tetrahedra that are listed inside out, with a warning where not all were.
+void orient(const std::string& path, TetMesh& mesh, const IoContext& context) {
+  const std::int64_t reversed = orient_uniformly(mesh, context.threads);
+  if (reversed > 0 && reversed < std::ssize(mesh.tets)) {
+    context.warn(path + ": " + std::to_string(reversed) + " of " + std::to_string(mesh.tets.size()) +
+                 " tetrahedra are listed inside out, unlike their neighbors; they were reversed");
   }
 }
 
@@ -92,31 +94,29 @@ const std::vector<Format>& formats() {
   return list;
 }
 
-std::string too_many(std::int64_t entries, bool tets) {
-  const Index most = tets ? kMaxTets : kMaxEntries;
-  if (entries <= most) return "";
-  return std::to_string(entries) + " entries; tetune takes at most " + std::to_string(most);
+std::string excess_of(std::int64_t entries, bool tets) {
+  const Index max = tets ? kMaxTets : kMaxEntries;
+  if (entries <= max) return "";
+  return std::to_string(entries) + " entries; tetune takes at most " + std::to_string(max);
 }
 
 std::string readable_endings() { return endings(false); }
 std::string writable_endings() { return endings(true); }
 
 TetMesh read_mesh(const std::string& path, std::vector<std::string>* warnings, int threads) {
-  const ReadContext context{threads, warnings};
+  const IoContext context{threads, warnings};
   const Format& format = format_of(path, false);
   TetMesh mesh = format.read != nullptr ? format.read(path, context) : read_by_plugin(*format.plugin, path, context);
-  turn(path, mesh, context);
+  orient(path, mesh, context);
   return mesh;
 }
 
 TetMesh parse_mesh(const std::string& name, std::string_view bytes, std::vector<std::string>* warnings, int threads) {
-  const ReadContext context{threads, warnings};
+  const IoContext context{threads, warnings};
   TetMesh mesh = parse_medit(name, bytes, context);
-  turn(name, mesh, context);
+  orient(name, mesh, context);
   return mesh;
 }
-
-namespace {
 
 void check_place(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
@@ -125,42 +125,40 @@ void check_place(const std::string& path) {
   if (!std::filesystem::is_directory(name, ignored)) throw FileError(path + ": the folder " + name + " does not exist");
   if (std::filesystem::is_directory(path, ignored)) throw FileError(path + ": is a folder; give a file name");
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
-    throw FileError(path + ": is there and is no regular file; give another name, or - for the standard output");
+    throw FileError(path + ": exists and is not a regular file; give another name, or - for the standard output");
   }
   if (::access(name.c_str(), W_OK) != 0) throw FileError(path + ": no permission to write in " + name);
 }
-
-}  // namespace
 
 void check_writable(const std::string& path) {
   const Format& format = format_of(path, true);
   if (format.write == nullptr) require_plugin(*format.plugin, path);
   check_place(path);
-  if (format.may_lack) require_format(*format.plugin, path);
+  if (format.is_optional) require_format(*format.plugin, path);
 }
 
 void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
   const Format& format = format_of(path, true);
   check_writable(path);
   check_lengths(path, mesh);
-  const ReadContext context{threads, warnings};
+  const IoContext context{threads, warnings};
   if (format.write != nullptr) {
-    for (const std::string& lost : not_kept_by_medit(mesh)) context.warn(path + ": " + lost);
+    for (const std::string& loss : lost_in_medit(mesh)) context.warn(path + ": " + loss);
     FileWriter file(path);
     format.write(file, mesh, threads);
     file.commit();
   } else {
-    FileWriter file(path, std::filesystem::path(path).extension());
-    write_by_plugin(*format.plugin, path, file.temporary(), mesh, context);
-    file.commit();
+    TemporaryFile file(path);
+    write_by_plugin(*format.plugin, path, file.name(), mesh, context);
+    file.replace();
   }
 }
 
 void write_mesh(int descriptor, const std::string& name, bool binary, const TetMesh& mesh, int threads,
                 std::vector<std::string>* warnings) {
   check_lengths(name, mesh);
-  const ReadContext context{threads, warnings};
-  for (const std::string& lost : not_kept_by_medit(mesh)) context.warn(name + ": " + lost);
+  const IoContext context{threads, warnings};
+  for (const std::string& loss : lost_in_medit(mesh)) context.warn(name + ": " + loss);
   FileWriter file(descriptor, name);
   (binary ? write_medit_binary : write_medit_text)(file, mesh, threads);
   file.commit();
@@ -170,41 +168,6 @@ void write_text(const std::string& path, std::string_view text) {
   check_place(path);
   FileWriter file(path);
   file.write(text);
-  file.commit();
-}
-
-namespace {
-
-/// The mesh with its measures as data of tetrahedra.
-TetMesh with_measures(TetMesh mesh, const std::vector<Measures>& measures) {
-  for (std::size_t k = 0; k < kMeasures; ++k) {
-    const std::string name = to_string(static_cast<Measure>(k));
-    std::erase_if(mesh.tet_data, [&name](const DataArray& array) { return array.name == name; });
-    std::vector<double> values(measures.size());
-    for (std::size_t t = 0; t < values.size(); ++t) values[t] = measures[t][k];
-    mesh.tet_data.push_back({name, 1, std::move(values)});
-  }
-  return mesh;
-}
-
-}  // namespace
-
-void write_measures(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
-  constexpr const char* kWithData[] = {".vtu", ".vtk", ".e", ".ex2", ".exo", ".msh"};
-  const std::string ending = std::filesystem::path(path).extension().string();
-  const bool with_mesh = std::find(std::begin(kWithData), std::end(kWithData), ending) != std::end(kWithData);
-  if (!with_mesh && ending != ".sol") {
-    throw FileError(path +
-                    ": measures are written as a MEDIT solution (.sol), or with the mesh as .vtu, .vtk, .e or .msh");
-  }
-  if (with_mesh) {
-    check_writable(path);
-    return write_mesh(path, with_measures(mesh, measure_each(mesh, threads)), threads, warnings);
-  }
-  check_place(path);
-  const std::vector<Measures> measures = measure_each(mesh, threads);
-  FileWriter file(path);
-  write_medit_solution(file, measures, threads);
   file.commit();
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/file.hpp"
+#include "system/file.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/quality.hpp"
 
@@ -13,8 +13,8 @@ namespace tetune {
 
 struct Plugin;
 
-/// What a reader, or a plugin that writes, is given besides the path.
-struct ReadContext {
+/// Threads and a place for warnings, for readers and writers.
+struct IoContext {
   int threads = 0;
   std::vector<std::string>* warnings = nullptr;
   void warn(const std::string& text) const {
@@ -26,34 +26,37 @@ struct ReadContext {
 struct Format {
   const char* name;
   std::vector<std::string> endings;
-  TetMesh (*read)(const std::string& path, const ReadContext& context);
+  TetMesh (*read)(const std::string& path, const IoContext& context);
   void (*write)(FileWriter& file, const TetMesh& mesh, int threads);
-  /// Does what it says here where there is no function.
+  /// The plugin that reads or writes the format where there is no function.
   const Plugin* plugin = nullptr;
   bool plugin_reads = false, plugin_writes = false;
   /// Some builds of the plugin's library do not have the format.
-  bool may_lack = false;
+  bool is_optional = false;
   bool reads() const { return read != nullptr || plugin_reads; }
   bool writes() const { return write != nullptr || plugin_writes; }
 };
 
-/// Empty, or why a mesh cannot have so many vertices, tetrahedra or entries of another list: for readers, to refuse a
-/// count before memory is asked for.
-std::string too_many(std::int64_t entries, bool tets);
+/// Returns an empty text if a mesh may have this number of tetrahedra, or of entries of another list, else the reason
+/// against it. Readers refuse a count by it before memory is asked for.
+std::string excess_of(std::int64_t entries, bool tets);
 
-/// The formats this build has. To add one: docs/adding-a-format.md.
+/// Throws FileError unless a file can be created at `path`.
+void check_place(const std::string& path);
+
+/// The formats of this build. To add one: docs/adding-a-format.md.
 const std::vector<Format>& formats();
 
-/// Text or binary, whichever it is.
-TetMesh read_medit(const std::string& path, const ReadContext& context);
-/// From bytes in memory; `name` is what messages call them.
-TetMesh parse_medit(const std::string& name, std::string_view bytes, const ReadContext& context);
+/// Reads text or binary, by the first bytes.
+TetMesh read_medit(const std::string& path, const IoContext& context);
+/// Reads from bytes in memory; `name` stands for them in messages.
+TetMesh parse_medit(const std::string& name, std::string_view bytes, const IoContext& context);
 void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads);
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, int threads);
-/// What of the mesh a MEDIT file has no room for, a sentence each.
-std::vector<std::string> not_kept_by_medit(const TetMesh& mesh);
-/// Numbers of tetrahedra as a MEDIT solution in text, one scalar field for each of them.
+/// The contents of the mesh that a MEDIT file cannot hold, one sentence for each.
+std::vector<std::string> lost_in_medit(const TetMesh& mesh);
+/// Writes a MEDIT solution in text, with one scalar field on tetrahedra per measure.
 void write_medit_solution(FileWriter& file, const std::vector<Measures>& values, int threads);
-TetMesh read_tetgen(const std::string& path, const ReadContext& context);
+TetMesh read_tetgen(const std::string& path, const IoContext& context);
 
 }  // namespace tetune

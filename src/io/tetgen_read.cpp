@@ -2,41 +2,43 @@
 // TetGen's .node, .ele, .face and .edge files (TetGen manual, Sect. 5.2).
 #include <filesystem>
 #include <limits>
+#include <optional>
 
+#include "backend/span.hpp"
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
+#include "mesh/whole_number.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
 
-constexpr std::size_t kNumbersOfTet = 5;
+constexpr int kNumbersPerTet = 5;
 
-/// A count that the rest of the text cannot hold, at `numbers_each` an entry, is refused before memory is asked for.
-std::size_t checked_count(TextCursor& cursor, const char* what, std::size_t numbers_each) {
-  const std::int64_t n = cursor.integer(what);
-  if (n < 0 || static_cast<std::uint64_t>(n) > cursor.remaining() / (2 * numbers_each) + 1) {
-    cursor.fail(std::string(what) + " is " + std::to_string(n) + ", more than the rest of the file can hold");
+/// Reads a count. Refuses one that the rest of the text cannot hold, with `numbers` numbers per entry, before memory is
+/// asked for.
+std::size_t checked_count(TextCursor& cursor, const char* name, int numbers) {
+  const std::int64_t n = cursor.integer(name);
+  if (n < 0 || n > cursor.remaining() / (2 * numbers) + 1) {
+    cursor.fail(std::string(name) + " is " + std::to_string(n) + ", more than the rest of the file can hold");
   }
-  if (const std::string excess = too_many(n, numbers_each == kNumbersOfTet); !excess.empty()) {
+  if (const std::string excess = excess_of(n, numbers == kNumbersPerTet); !excess.empty()) {
     cursor.fail("this file has " + excess);
   }
-  return static_cast<std::size_t>(n);
+  return backend::to_size_t(n);
 }
 
 int to_tag(TextCursor& cursor, double value) {
-  if (!(value >= std::numeric_limits<int>::min() && value <= std::numeric_limits<int>::max()) ||
-      value != static_cast<double>(static_cast<int>(value))) {
-    cursor.fail("attribute " + std::to_string(value) + " is not a whole number, so it cannot be kept as a tag");
-  }
-  return static_cast<int>(value);
+  const std::optional<int> tag = whole_number(value);
+  if (!tag) cursor.fail("attribute " + std::to_string(value) + " is not an integer of 32 bits, as tags are");
+  return *tag;
 }
 
 void expect_end(TextCursor& cursor) {
   if (!cursor.at_end()) cursor.fail("there are more lines than the header says");
 }
 
-/// Reads the points; returns the number that the file gives its first one (0 or 1).
+/// Reads the points; returns the number of the first one in the file, 0 or 1.
 std::int64_t read_nodes(const std::string& path, TetMesh& mesh) {
   const MappedFile file(path);
   TextCursor cursor(path, file.bytes());
@@ -53,7 +55,7 @@ std::int64_t read_nodes(const std::string& path, TetMesh& mesh) {
     if (base != 0 && base != 1) {
       cursor.fail("the first point has number " + std::to_string(base) + "; 0 or 1 is expected");
     }
-    if (id != base + static_cast<std::int64_t>(i)) cursor.fail("points are not numbered in sequence");
+    if (id != base + std::int64_t(i)) cursor.fail("points are not numbered in sequence");
     for (double& x : mesh.points[i]) x = cursor.real("coordinate");
     for (std::int64_t a = 0; a < attributes; ++a) cursor.real("attribute");
     if (markers != 0) mesh.point_tags[i] = to_tag(cursor, cursor.real("boundary marker"));
@@ -62,7 +64,7 @@ std::int64_t read_nodes(const std::string& path, TetMesh& mesh) {
   return base;
 }
 
-/// Reads elements of N vertices; `attribute`: a tag follows them.
+/// Reads elements of N vertices; with `attribute` a tag follows the vertices.
 template <std::size_t N>
 void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, bool attribute,
                std::vector<std::array<Index, N>>& elements, std::vector<int>& tags) {
@@ -76,14 +78,14 @@ void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, bool attrib
       v = static_cast<Index>(id);
     }
     if (attribute && !cursor.line_done()) tags[i] = to_tag(cursor, cursor.real("attribute"));
-    while (!cursor.line_done()) cursor.word();  // second-order nodes, neighbours and the like
+    while (!cursor.line_done()) cursor.word();  // second-order nodes, neighbors and the like
   }
   expect_end(cursor);
 }
 
 }  // namespace
 
-TetMesh read_tetgen(const std::string& path, const ReadContext& context) {
+TetMesh read_tetgen(const std::string& path, const IoContext& context) {
   namespace fs = std::filesystem;
   const auto sibling = [&path](const char* ending) { return fs::path(path).replace_extension(ending).string(); };
   TetMesh mesh;
@@ -92,7 +94,7 @@ TetMesh read_tetgen(const std::string& path, const ReadContext& context) {
     const std::string name = sibling(".ele");
     const MappedFile file(name);
     TextCursor cursor(name, file.bytes());
-    const std::size_t n = checked_count(cursor, "number of tetrahedra", kNumbersOfTet);
+    const std::size_t n = checked_count(cursor, "number of tetrahedra", kNumbersPerTet);
     const std::int64_t corners = cursor.integer("nodes per tetrahedron");
     if (corners != 4) {
       cursor.fail("tetrahedra have " + std::to_string(corners) +
@@ -109,7 +111,7 @@ TetMesh read_tetgen(const std::string& path, const ReadContext& context) {
     const bool marker = !cursor.line_done() && cursor.integer("boundary marker flag") != 0;
     read_rows(cursor, n, base, marker, mesh.triangles, mesh.triangle_tags);
   } else {
-    context.warn(name + " is not there: boundary markers of faces are not known");
+    context.warn(name + " does not exist: boundary markers of faces are not known");
   }
   if (const std::string name = sibling(".edge"); fs::exists(name, ignored)) {
     const MappedFile file(name);

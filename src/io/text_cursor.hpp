@@ -20,12 +20,12 @@ class TextCursor {
   TextCursor(std::string path, std::string_view text)
       : path_(std::move(path)), begin_(text.data()), at_(begin_), end_(begin_ + text.size()) {}
 
-  /// The next word, or an empty one at the end.
+  /// Returns the next word, or an empty one at the end.
   std::string_view word() {
     skip_space();
     const char* start = at_;
     while (at_ < end_ && !is_space(*at_) && *at_ != '#') ++at_;
-    return {start, static_cast<std::size_t>(at_ - start)};
+    return {start, at_};
   }
 
   std::string_view peek() {
@@ -35,44 +35,41 @@ class TextCursor {
     return w;
   }
 
-  std::int64_t integer(const char* what) {
+  /// Reads an integer of at most 18 digits; `name` stands for it in messages.
+  std::int64_t integer(const char* name) {
     skip_space();
     if (const int count = few_digits(); count > 0 && (at_[count] == ' ' || at_[count] == '\n')) {
-      const std::uint64_t value = eight_digits(digits_at() << 8 * (8 - count));
+      const std::int64_t value = eight_digits(digits_at() << 8 * (8 - count));
       at_ += count;
-      return static_cast<std::int64_t>(value);
+      return value;
     }
     const char* start = at_;
     bool negative = false;
     if (at_ < end_ && (*at_ == '-' || *at_ == '+')) negative = *at_++ == '-';
-    std::uint64_t value = 0;
-    const char* digits = at_;
-    while (at_ < end_ && static_cast<unsigned char>(*at_ - '0') < 10) {
-      value = 10 * value + static_cast<std::uint64_t>(*at_++ - '0');
-    }
-    if (at_ == digits || at_ - digits > 18 || !ended()) fail_token(start, "an integer", what);
-    const auto result = static_cast<std::int64_t>(value);
-    return negative ? -result : result;
+    const char* const digits = at_;
+    while (at_ < end_ && is_digit(*at_)) ++at_;
+    if (at_ == digits || at_ - digits > 18 || !ended()) fail_token(start, "an integer", name);
+    std::int64_t value = 0;
+    for (const char* digit = digits; digit < at_; ++digit) value = 10 * value + (*digit - '0');
+    return negative ? -value : value;
   }
 
-  double real(const char* what) {
+  double real(const char* name) {
     skip_space();
     const char* start = at_;
     double value = 0;
     const auto [stop, error] = std::from_chars(at_, end_, value);
     at_ = stop;
-    if (error != std::errc() || !ended()) return unusual_real(start, what);
+    if (error != std::errc() || !ended()) return unusual_real(start, name);
     return value;
   }
 
-  /// Passes over numbers up to the next word that starts with a letter.
+  /// Skips numbers up to the next word that starts with a letter.
   void skip_numbers() {
     for (;;) {
       skip_space();
       if (at_ >= end_) return;
-      const char c = *at_;
-      const bool letter = (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-      if (letter) {
+      if (is_letter(*at_)) {
         const std::string_view w = peek();
         if (w != "nan" && w != "NaN" && w != "inf" && w != "Inf") return;
       }
@@ -84,28 +81,31 @@ class TextCursor {
     skip_space();
     return at_ >= end_;
   }
-  /// True when only blanks or a comment follow on this line.
+  /// Returns true when only blanks or a comment follow on this line.
   bool line_done() {
     while (at_ < end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r')) ++at_;
     return at_ >= end_ || *at_ == '\n' || *at_ == '#';
   }
 
-  /// Some of the lines that follow this one, to be read by a cursor of their own.
+  /// A range of the lines after this one, to be read by a cursor of its own.
   struct Lines;
-  /// The n lines that follow this one, in parts of about as many bytes; none where something follows on this one, or
-  /// there are fewer.
-  std::vector<Lines> next_lines(std::size_t n, std::size_t bytes_each);
-  /// Goes on where a cursor over some of its text is.
-  void go_on_after(const TextCursor& part) { at_ = part.at_; }
+  /// Returns the n lines after this one, in ranges of about `part_bytes` bytes; none where the rest of this line is not
+  /// blank, or where there are fewer lines.
+  std::vector<Lines> next_lines(std::size_t n, std::size_t part_bytes);
+  /// Continues at the position of a cursor over a part of the same text.
+  void continue_after(const TextCursor& part) { at_ = part.at_; }
 
-  std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
+  std::int64_t remaining() const { return end_ - at_; }
 
-  [[noreturn]] void fail(const std::string& what) const {
+  [[noreturn]] void fail(const std::string& text) const {
     const auto line = 1 + std::count(begin_, at_, '\n');
-    throw FileError(path_ + ":" + std::to_string(line) + ": " + what);
+    throw FileError(path_ + ":" + std::to_string(line) + ": " + text);
   }
 
+  static bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
+
  private:
+  static bool is_digit(char c) { return c >= '0' && c <= '9'; }
   static bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
   bool ended() const { return at_ >= end_ || is_space(*at_) || *at_ == '#'; }
   void skip_space() {
@@ -115,35 +115,35 @@ class TextCursor {
       while (at_ < end_ && *at_ != '\n') ++at_;
     }
   }
-  /// The next eight bytes, digits as their values.
+  /// Returns the next eight bytes, with digits as their values.
   std::uint64_t digits_at() const {
     std::uint64_t bytes = 0;
     std::memcpy(&bytes, at_, sizeof bytes);
     return bytes ^ 0x3030303030303030U;
   }
-  /// How many digits come next, where they are less than eight; 0: look at them one by one. Most numbers of a mesh are
-  /// such.
+  /// Returns the number of digits that come next if it is 1 to 7, as in most integers of a mesh; otherwise 0.
   int few_digits() const {
     if (std::endian::native != std::endian::little || end_ - at_ < 9) return 0;
     const std::uint64_t digits = digits_at();
     const std::uint64_t others = ((digits + 0x7676767676767676U) | digits) & 0x8080808080808080U;
     return others == 0 ? 0 : std::countr_zero(others) / 8;
   }
-  /// The number that eight values from 0 to 9 write, the first in the lowest byte: pairs, then fours, then all.
-  static std::uint64_t eight_digits(std::uint64_t digits) {
+  /// Returns the number with these eight digits, the first in the lowest byte: joins pairs, then fours, then all.
+  static std::int64_t eight_digits(std::uint64_t digits) {
     digits = digits * 10 + (digits >> 8);
     digits = (digits & 0x00ff00ff00ff00ffU) * 100 + (digits >> 16 & 0x00ff00ff00ff00ffU);
-    return (digits & 0xffffU) * 10000 + (digits >> 32 & 0xffffU);
+    return std::int64_t((digits & 0xffffU) * 10000 + (digits >> 32 & 0xffffU));
   }
-  [[noreturn]] void fail_token(const char* start, const char* wanted, const char* what) {
+  [[noreturn]] void fail_token(const char* start, const char* expected, const char* name) {
     at_ = start;
     const std::string_view w = word();
     at_ = start;
-    fail(std::string("expected ") + wanted + " (" + what + "), found " +
+    fail(std::string("expected ") + expected + " (" + name + "), found " +
          (w.empty() ? "the end of the file" : "\"" + std::string(w.substr(0, 40)) + "\""));
   }
-  /// What from_chars leaves: a plus sign, 1.0D-3 as Fortran programs write, and what no double holds.
-  double unusual_real(const char* start, const char* what) {
+  /// Reads numbers that from_chars refuses: with a plus sign, 1.0D-3 as Fortran programs write, or beyond the range of
+  /// double.
+  double unusual_real(const char* start, const char* name) {
     at_ = start;
     std::string token(word());
     for (char& c : token) {
@@ -158,12 +158,12 @@ class TextCursor {
       // Too small reads as zero, too large as infinity, which validation reports.
       long double wide = 0;
       const auto again = std::from_chars(from, to, wide);
-      if (again.ec != std::errc()) fail_token(start, "a number of the range of double", what);
-      value = static_cast<double>(wide);
+      if (again.ec != std::errc()) fail_token(start, "a number in the range of double", name);
+      value = double(wide);
     } else if (error != std::errc()) {
-      fail_token(start, "a number", what);
+      fail_token(start, "a number", name);
     }
-    if (stop != to) fail_token(start, "a number", what);
+    if (stop != to) fail_token(start, "a number", name);
     return value;
   }
 
@@ -178,25 +178,26 @@ struct TextCursor::Lines {
   TextCursor cursor;
 };
 
-inline std::vector<TextCursor::Lines> TextCursor::next_lines(std::size_t n, std::size_t bytes_each) {
-  const auto past_line = [this](const char* from) {
-    const void* found = from < end_ ? std::memchr(from, '\n', static_cast<std::size_t>(end_ - from)) : nullptr;
-    return found != nullptr ? static_cast<const char*>(found) + 1 : end_;
+inline std::vector<TextCursor::Lines> TextCursor::next_lines(std::size_t n, std::size_t part_bytes) {
+  const auto next_line = [this](const char* from) {
+    const std::size_t line_end = std::string_view(from, end_).find('\n');
+    return line_end == std::string_view::npos ? end_ : from + line_end + 1;
   };
   std::vector<Lines> parts;
   if (!line_done()) return parts;
-  const char* from = past_line(at_);
+  const char* from = next_line(at_);
   for (std::size_t first = 0; first < n;) {
-    if (from == end_) return {};
-    const char* to = past_line(from + std::min(bytes_each, static_cast<std::size_t>(end_ - from)) - 1);
-    auto count = static_cast<std::size_t>(std::count(from, to, '\n'));
+    const std::string_view rest(from, end_);
+    if (rest.empty()) return {};
+    const char* to = next_line(from + std::min(part_bytes, rest.size()) - 1);
+    std::size_t count(std::count(from, to, '\n'));
     if (count > n - first) {
       count = n - first;
       to = from;
-      for (std::size_t line = 0; line < count; ++line) to = past_line(to);
+      for (std::size_t line = 0; line < count; ++line) to = next_line(to);
     }
     if (count == 0) return {};
-    parts.push_back({first, count, TextCursor(path_, {from, static_cast<std::size_t>(to - from)})});
+    parts.push_back({first, count, TextCursor(path_, {from, to})});
     first += count;
     from = to;
   }

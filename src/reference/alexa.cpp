@@ -5,19 +5,22 @@
 #include <chrono>
 #include <cmath>
 
-#include "boundary/closest_triangle.hpp"
 #include "energy/harmonic.hpp"
+#include "math/brent.hpp"
+#include "quality/closest_triangle.hpp"
 #include "reference/ordered_flips.hpp"
-#include "relocate/brent.hpp"
 
 namespace tetune::reference {
 namespace {
 
-constexpr double kTrace = 1.0 / 9;
-/// Descent has converged when so many rounds in a row lower the energy by a smaller part of it each. Ours ends at the
-/// first such; here one tetrahedron can hold up a step that the next one makes good.
-constexpr double kConverged = 1e-4;
-constexpr int kIdleRounds = 5;
+using backend::span_of;
+
+/// tr(L) = eta / 9.
+constexpr double kTracePerEta = 1.0 / 9;
+/// The descent has converged when kMaxIdleIterations consecutive iterations lower the energy by less than this factor
+/// of it each: a single tetrahedron can prevent the progress of one step.
+constexpr double kMinRelativeDecrease = 1e-4;
+constexpr int kMaxIdleIterations = 5;
 
 std::vector<Vec3> to_vectors(const TetMesh& mesh) {
   std::vector<Vec3> points;
@@ -29,7 +32,7 @@ std::vector<Vec3> to_vectors(const TetMesh& mesh) {
 void store_tets(const OrderedFlips& flips, TetMesh& mesh) {
   mesh.tets.clear();
   mesh.tet_tags.clear();
-  for (std::size_t t = 0; t < flips.tets().size(); ++t) {
+  for (Index t = 0; t < flips.tets().size(); ++t) {
     if (!flips.alive(t)) continue;
     const Tet& tet = flips.tets()[t];
     mesh.tets.push_back({tet[0], tet[1], tet[2], tet[3]});
@@ -41,24 +44,22 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// One descent step of the whole mesh at a time.
+/// Gradient descent of all vertices with one step size.
 class Descent {
  public:
   Descent(std::vector<Vec3>& points, const OrderedFlips& flips, const TetMesh& mesh)
       : points_(points), flips_(flips), fixed_(points.size(), 0), on_surface_(points.size(), 0), surface_({}) {
-    for (const Index v : mesh.required_vertices) fixed_[static_cast<std::size_t>(v)] = 1;
+    for (const Index v : mesh.required_vertices) span_of(fixed_)[v] = 1;
     std::vector<TrianglePoints> triangles;
-    for (std::size_t t = 0; t < flips.tets().size(); ++t) {
+    for (Index t = 0; t < flips.tets().size(); ++t) {
       for (int f = 0; f < 4; ++f) {
         if (!is_locked(flips.across(t, f))) continue;
-        TrianglePoints triangle;
-        for (int k = 0; k < 3; ++k) {
-          const auto v = static_cast<std::size_t>(flips.tets()[t][face_vertex(f, k)]);
-          triangle[static_cast<std::size_t>(k)] = points[v];
-          on_surface_[v] = 1;
-        }
+        const Tet& tet = flips.tets()[t];
+        const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
+        const TrianglePoints triangle{at(v[0]), at(v[1]), at(v[2])};
+        for (const Index corner : v) span_of(on_surface_)[corner] = 1;
         triangles.push_back(triangle);
-        if (mean_edge_ == 0) mean_edge_ = norm(triangle[1] - triangle[0]);
+        if (edge_length_ == 0) edge_length_ = norm(triangle[1] - triangle[0]);
       }
     }
     surface_ = ClosestTriangle(std::move(triangles));
@@ -70,33 +71,25 @@ class Descent {
     const double gradient2 = assemble_gradient();
     const double lambda = inversion_free_step();
     before_ = points_;
-    worst_ = 0;
-    for (const Tet& t : flips_.tets()) {
-      if (t[0] >= 0) worst_ = std::max(worst_, energy_of(t).energy);
-    }
-    if (lambda > 0) {
-      const double alpha = brent_minimum(Energy{*this}, 0, lambda);
-      move(alpha);
-    }
+    max_eta_ = 0;
+    for_each_tet([this](const Tet& t) { max_eta_ = std::max(max_eta_, energy_of(t).energy); });
+    if (lambda > 0) move(brent_minimum(EnergyAlongDescent{*this}, 0, lambda));
     report.descent_seconds += seconds_since(start);
     const auto projection = std::chrono::steady_clock::now();
-    put_back();
-    take_back_damage();
+    project_to_surface();
+    revert_damaged_tets();
     report.projection_seconds += seconds_since(projection);
-    return kTrace * kTrace * gradient2;
+    return kTracePerEta * kTracePerEta * gradient2;
   }
 
   double energy() const {
     double sum = 0;
-    for (const Tet& t : flips_.tets()) {
-      if (t[0] >= 0) sum += energy_of(t).energy;
-    }
+    for_each_tet([this, &sum](const Tet& t) { sum += energy_of(t).energy; });
     return sum;
   }
 
  private:
-  /// The energy along the descent, for Brent's method.
-  struct Energy {
+  struct EnergyAlongDescent {
     Descent& descent;
     double value(double alpha) const {
       descent.move(alpha);
@@ -104,23 +97,30 @@ class Descent {
     }
   };
 
-  const Vec3& at(Index v) const { return points_[static_cast<std::size_t>(v)]; }
-  TetEnergy energy_of(const Tet& t) const { return tet_energy(kHarmonicLaw, at(t[0]), at(t[1]), at(t[2]), at(t[3])); }
+  const Vec3& at(Index v) const { return span_of(points_)[v]; }
+  template <class F>
+  void for_each_tet(const F& f) const {
+    for (Index t = 0; t < flips_.tets().size(); ++t) {
+      if (flips_.alive(t)) f(flips_.tets()[t]);
+    }
+  }
+  TetEnergy energy_of(const Tet& t) const {
+    return tet_energy(kHarmonicObjective, at(t[0]), at(t[1]), at(t[2]), at(t[3]));
+  }
 
   double assemble_gradient() {
     gradient_.assign(points_.size(), Vec3{0, 0, 0});
-    for (const Tet& t : flips_.tets()) {
-      if (t[0] < 0) continue;
+    for_each_tet([this](const Tet& t) {
       for (int k = 0; k < 4; ++k) {
         const OppositeFace<double> f =
             opposite_face(at(t[face_vertex(k, 0)]), at(t[face_vertex(k, 1)]), at(t[face_vertex(k, 2)]));
         const Vec3 y = at(t[k]) - f.p0;
         const AreaTerm<double> term = area_term_gradient(f, y);
         const double w = std::max(dot(f.n, y), kOrientBound * permanent(f.a, f.b, y));
-        Vec3& g = gradient_[static_cast<std::size_t>(t[k])];
-        g = g + (2 * kHarmonicLaw.factor / w) * (term.h - (0.5 * term.q / w) * f.n);
+        Vec3& g = span_of(gradient_)[t[k]];
+        g = g + (2 * kHarmonicObjective.factor / w) * (term.h - (0.5 * term.q / w) * f.n);
       }
-    }
+    });
     double sum = 0;
     for (std::size_t v = 0; v < points_.size(); ++v) {
       if (fixed_[v] != 0) gradient_[v] = {0, 0, 0};
@@ -133,69 +133,71 @@ class Descent {
     for (std::size_t v = 0; v < points_.size(); ++v) points_[v] = before_[v] - alpha * gradient_[v];
   }
 
-  bool inverted() const {
-    return std::any_of(flips_.tets().begin(), flips_.tets().end(),
-                       [this](const Tet& t) { return t[0] >= 0 && !energy_of(t).certified; });
+  bool has_inverted_tet() const {
+    for (Index t = 0; t < flips_.tets().size(); ++t) {
+      if (flips_.alive(t) && !energy_of(flips_.tets()[t]).certified) return true;
+    }
+    return false;
   }
 
-  /// A step along the gradient that inverts nothing, by binary search: halved from one that moves some vertex by a mean
-  /// edge, then sharpened.
+  /// A step size that inverts no tetrahedron, by binary search: halved from one that moves some vertex by an edge
+  /// length until no tetrahedron is inverted, then refined.
   double inversion_free_step() {
     before_ = points_;
     double largest = 0;
     for (const Vec3& g : gradient_) largest = std::max(largest, norm(g));
     if (largest == 0) return 0;
-    double high = mean_edge_ / largest;
+    double high = edge_length_ / largest;
     double low = 0;
-    constexpr int kHalvings = 60;
-    constexpr int kSharpenings = 4;
-    int sharpenings = 0;
-    for (int i = 0; i < kHalvings && sharpenings < kSharpenings; ++i) {
+    constexpr int kMaxTrials = 60;
+    constexpr int kMaxRefinements = 4;
+    int refinements = 0;
+    for (int i = 0; i < kMaxTrials && refinements < kMaxRefinements; ++i) {
       const double middle = low > 0 ? 0.5 * (low + high) : high;
       move(middle);
-      if (inverted()) {
+      if (has_inverted_tet()) {
         high = low > 0 ? middle : 0.5 * high;
       } else {
         if (low == middle) break;
         low = middle;
-        if (i == 0) break;  // the first try was free already
-        if (sharpenings == 0) high = 2 * middle;
+        if (i == 0) break;  // the first trial succeeded
+        if (refinements == 0) high = 2 * middle;
       }
-      if (low > 0) ++sharpenings;
+      if (low > 0) ++refinements;
     }
     points_ = before_;
     return low;
   }
 
-  /// Boundary vertices go to the closest point of the input surface.
-  void put_back() {
+  /// Moves boundary vertices to the closest point of the input surface.
+  void project_to_surface() {
     for (std::size_t v = 0; v < points_.size(); ++v) {
       if (on_surface_[v] != 0 && fixed_[v] == 0) points_[v] = surface_.closest(points_[v]).point;
     }
   }
 
-  /// Worse than the worst before the step, or inverted.
-  bool damaged(const Tet& t) const {
+  /// Whether a tetrahedron is inverted, or worse than the worst one before the step.
+  bool is_damaged(const Tet& t) const {
     const TetEnergy e = energy_of(t);
-    return !e.certified || e.energy > worst_;
+    return !e.certified || e.energy > max_eta_;
   }
 
-  /// Vertices of tetrahedra that reprojection damaged go back to where they were: those on the boundary first.
-  void take_back_damage() {
+  /// Moves the vertices of tetrahedra that the projection damaged back to their positions before the step: first those
+  /// on the boundary, then all.
+  void revert_damaged_tets() {
     for (const bool boundary_only : {true, false}) {
-      for (bool found = true; found;) {
-        found = false;
-        for (const Tet& t : flips_.tets()) {
-          if (t[0] < 0 || !damaged(t)) continue;
-          for (int k = 0; k < 4; ++k) {
-            const auto v = static_cast<std::size_t>(t[k]);
-            if (boundary_only && on_surface_[v] == 0) continue;
-            const Vec3 moved = points_[v] - before_[v];
-            if (dot(moved, moved) == 0) continue;
-            points_[v] = before_[v];
-            found = true;
+      for (bool changed = true; changed;) {
+        changed = false;
+        for_each_tet([&](const Tet& t) {
+          if (!is_damaged(t)) return;
+          for (const Index v : t.v) {
+            if (boundary_only && span_of(on_surface_)[v] == 0) continue;
+            const Vec3 displacement = at(v) - span_of(before_)[v];
+            if (dot(displacement, displacement) == 0) continue;
+            span_of(points_)[v] = span_of(before_)[v];
+            changed = true;
           }
-        }
+        });
       }
     }
   }
@@ -204,8 +206,8 @@ class Descent {
   const OrderedFlips& flips_;
   std::vector<char> fixed_, on_surface_;
   ClosestTriangle surface_;
-  double mean_edge_ = 0;
-  double worst_ = 0;  ///< eta before the step
+  double edge_length_ = 0;
+  double max_eta_ = 0;  ///< before the step
   std::vector<Vec3> gradient_, before_;
 };
 
@@ -230,21 +232,21 @@ AlexaReport optimize(TetMesh& mesh, AlexaEnd end, int max_iterations) {
   for (int i = 0; i < max_iterations; ++i) {
     Iteration iteration;
     const auto flip_start = std::chrono::steady_clock::now();
-    const FlipResult found = flips.run();
+    const FlipResult pass = flips.run();
     const double seconds = seconds_since(flip_start);
     report.flip_seconds += seconds;
     if (i == 0) report.first_flip_seconds = seconds;
-    report.flips23 += found.flips23;
-    report.flips32 += found.flips32;
-    iteration.flips = found.flips23 + found.flips32;
-    if (i > 0 && iteration.flips == 0 && (end == AlexaEnd::no_flips || idle >= kIdleRounds)) {
+    report.flips23 += pass.flips23;
+    report.flips32 += pass.flips32;
+    iteration.flips = pass.flips23 + pass.flips32;
+    if (i > 0 && iteration.flips == 0 && (end == AlexaEnd::no_flips || idle >= kMaxIdleIterations)) {
       report.finished = true;
       break;
     }
     const double before = i > 0 ? report.iterations.back().energy : report.energy_before;
     iteration.gradient_norm = descent.step(report);
     iteration.energy = descent.energy();
-    idle = before - iteration.energy < kConverged * iteration.energy ? idle + 1 : 0;
+    idle = before - iteration.energy < kMinRelativeDecrease * iteration.energy ? idle + 1 : 0;
     report.iterations.push_back(iteration);
   }
   report.energy_after = descent.energy();

@@ -6,9 +6,9 @@
 
 #include "tetune/mesh.hpp"
 
-/// The sequential method of Alexa, "Harmonic triangulations", TOG 2019, as Stroeter et al. 2022 describe it (Sect. 2
-/// and 5.1): what the paper compares with, and an oracle for our tests. It shares the energy and the mesh with the
-/// rest, and nothing of flips, relocation or boundary.
+/// The sequential method of Alexa, "Harmonic triangulations", TOG 2019, as described by Stroeter et al. 2022 (Sect. 2
+/// and 5.1): the baseline of that paper, and an oracle for the tests. It shares the energy and the mesh with the rest
+/// of the library, but not flips, relocation or the treatment of the boundary.
 namespace tetune::reference {
 
 struct FlipResult {
@@ -18,8 +18,8 @@ struct FlipResult {
 
 struct Iteration {
   std::int64_t flips = 0;
-  double energy = 0;         ///< after it
-  double gradient_norm = 0;  ///< squared 2-norm of the gradient of tr(L) = eta / 9 before its descent step
+  double energy = 0;         ///< after the iteration
+  double gradient_norm = 0;  ///< squared 2-norm of the gradient of tr(L) = eta / 9 before the descent step
 };
 
 struct AlexaReport {
@@ -27,33 +27,34 @@ struct AlexaReport {
   std::int64_t flips23 = 0, flips32 = 0;
   std::vector<Iteration> iterations;
   double flip_seconds = 0, first_flip_seconds = 0, descent_seconds = 0, projection_seconds = 0, seconds = 0;
-  /// It came to the end asked for; otherwise `max_iterations` ended it.
+  /// Whether the termination criterion was met; otherwise `max_iterations` was reached.
   bool finished = false;
 };
 
-/// Harmonic 2-3 and 3-2 flips from one queue ordered by the reduction of the energy, until none is left. The mesh must
-/// be valid. Flips do not touch faces between regions.
+/// Applies 2-3 and 3-2 flips that lower the harmonic energy, from one queue ordered by the reduction, until none is
+/// left. Requires a valid mesh. Faces between regions are kept.
 FlipResult flip_in_order(TetMesh& mesh);
 
+/// Termination criterion of optimize().
 enum class AlexaEnd {
-  no_flips,  ///< the first round that finds no flips
-  descended  ///< the same, after five rounds in a row that each lowered the energy by less than 1e-4 of it
+  no_flips,  ///< the first iteration without flips
+  descended  ///< the first iteration without flips after five consecutive ones with a relative decrease below 1e-4
 };
 
-/// Alternates flip_in_order() with one descent step of the whole mesh, "one gradient descent step on the entire mesh"
-/// (Sect. 2): one step size for all vertices, no tetrahedron inverted, Brent's method on [0, lambda], then the boundary
-/// vertices put back on the closest point of the input surface. Required vertices stay.
+/// Alternates flip_in_order() with "one gradient descent step on the entire mesh" (Sect. 2): one step size lambda for
+/// all vertices that inverts no tetrahedron, Brent's method on [0, lambda], then the projection of the boundary
+/// vertices to the closest point of the input surface. Required vertices do not move.
 ///
-/// Two things the paper leaves open, and we read in favour of the method:
-/// - The end. It "performs a considerable number of iterations until no harmonic flips can be found" (Sect. 5.4).
-///   Between two rounds lies a single, often tiny step ("a small set of vertices preventing substantial optimization",
-///   Sect. 4), so a round without flips can come after the first: AlexaEnd::no_flips, to the letter, ends after one to
-///   four on our shapes, far from a minimum and far from a considerable number. AlexaEnd::descended goes on until
-///   descent, too, has nothing left to give: our own end, with patience, as one tetrahedron can hold up one step. It
-///   takes tens of times as long: measure times with the former.
-/// - What becomes of a tetrahedron that reprojection inverts. Its boundary vertices take the step back, and where that
-///   is not enough all its vertices do; so do those of a tetrahedron that ends worse than the worst one before the
-///   step, as one that is all but flat would hold up every step after it.
+/// The paper leaves two things open, which are decided here in favor of the method:
+/// - Termination. The method "performs a considerable number of iterations until no harmonic flips can be found"
+///   (Sect. 5.4). Between two passes of flips lies a single, often tiny step ("a small set of vertices preventing
+///   substantial optimization", Sect. 4), so that the second pass may find no flips. AlexaEnd::no_flips, the literal
+///   reading, ends after one to four iterations on the shapes of bench/paper, far from a minimum. AlexaEnd::descended
+///   continues until the descent has converged too; five iterations, because a single tetrahedron can prevent one step.
+///   It takes tens of times as long: times are measured with no_flips.
+/// - Tetrahedra that the projection inverts. Their boundary vertices return to their positions before the step, and if
+///   that does not suffice, all their vertices do. The same holds for a tetrahedron that becomes worse than the worst
+///   one before the step, because a nearly flat one would prevent every later step.
 AlexaReport optimize(TetMesh& mesh, AlexaEnd end = AlexaEnd::descended, int max_iterations = 1000);
 
 }  // namespace tetune::reference

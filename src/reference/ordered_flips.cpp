@@ -3,17 +3,18 @@
 
 #include <algorithm>
 
-#include "core/connect.hpp"
-#include "core/upload.hpp"
-#include "energy/harmonic.hpp"
-#include "par/cpu.hpp"
+#include "backend/cpu.hpp"
+#include "mesh/connect.hpp"
+#include "mesh/upload.hpp"
 
 namespace tetune::reference {
 namespace {
 
+using backend::span_of;
+
 constexpr double kMinRelativeGain = 1e-9;
 
-bool even(const Index* p) {
+bool is_even(const Index (&p)[4]) {
   int inversions = 0;
   for (int i = 0; i < 4; ++i) {
     for (int j = i + 1; j < 4; ++j) inversions += p[i] > p[j] ? 1 : 0;
@@ -21,199 +22,194 @@ bool even(const Index* p) {
   return inversions % 2 == 0;
 }
 
-/// The face of a tetrahedron opposite a vertex.
-int opposite(const Tet& t, Index vertex) { return local_index(t, vertex); }
-
 }  // namespace
 
 OrderedFlips::OrderedFlips(const std::vector<Vec3>& points, const TetMesh& mesh)
     : points_(points), tags_(mesh.tet_tags), stamps_(mesh.tets.size(), 0) {
-  const par::Cpu cpu(1);
-  WorkMesh<par::Cpu> work = upload_mesh<par::Cpu>(mesh);
+  const backend::Cpu cpu(1);
+  WorkMesh<backend::Cpu> work = upload_mesh(cpu, mesh);
   build_adjacency(cpu, work);
-  lock_interfaces(cpu, work, par::Cpu::Loan<int>(mesh.tet_tags).span());
+  lock_interfaces(cpu, work, backend::Cpu::DeviceView<int>(cpu, mesh.tet_tags).span());
   tets_ = work.tet2vertex.download();
-  links_ = work.tet2tet.download();
+  adjacency_ = work.tet2tet.download();
   eta_.resize(tets_.size());
 }
 
+TetEnergy OrderedFlips::energy_of(const Tet& t) const {
+  const Span<const Vec3> p = span_of(points_);
+  return tet_energy(kHarmonicObjective, p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
+}
+
 double OrderedFlips::eta(const Tet& t) const {
-  const auto p = [&](int k) -> const Vec3& { return points_[static_cast<std::size_t>(t[k])]; };
-  const TetEnergy e = tet_energy(kHarmonicLaw, p(0), p(1), p(2), p(3));
+  const TetEnergy e = energy_of(t);
   return e.certified ? e.energy : -1;
 }
 
-void OrderedFlips::offer(Candidate c, const Tet* after, int count_after) {
+OrderedFlips::NewTets OrderedFlips::tets_after(const Candidate& c) {
+  const auto& [a, b] = c.ends;
+  const auto& [p, q, r] = c.ring;
+  if (c.count == 2) return {{{{a, p, q, b}}, {{a, q, r, b}}, {{a, r, p, b}}}, 3};
+  return {{{{a, p, q, r}}, {{b, p, r, q}}, {}}, 2};
+}
+
+void OrderedFlips::push_if_better(Candidate c) {
   double before = 0;
   for (int k = 0; k < c.count; ++k) {
-    before += eta_[static_cast<std::size_t>(c.tets[k])];
-    c.stamps[k] = stamps_[static_cast<std::size_t>(c.tets[k])];
+    before += span_of(eta_)[c.tets[k]];
+    c.stamps[k] = span_of(stamps_)[c.tets[k]];
   }
-  double sum = 0;
-  for (int k = 0; k < count_after; ++k) {
-    const double e = eta(after[k]);
-    if (e < 0 || !(sum + e < before)) return;
-    sum += e;
+  const NewTets made = tets_after(c);
+  double after = 0;
+  for (int k = 0; k < made.count; ++k) {
+    const double e = eta(made.tets[k]);
+    if (e < 0 || !(after + e < before)) return;
+    after += e;
   }
-  c.gain = before - sum;
+  c.gain = before - after;
   if (c.gain > kMinRelativeGain * before) queue_.push(c);
 }
 
-void OrderedFlips::look_at_face(Index t, int face) {
-  const Link link = links_[static_cast<std::size_t>(t)][face];
-  if (is_locked(link)) return;
-  const Tet& tet = tets_[static_cast<std::size_t>(t)];
+void OrderedFlips::evaluate_face(Index t, int face) {
+  const HalfFace other = across(t, face);
+  if (is_locked(other)) return;
   Candidate c{};
   c.count = 2;
   c.tets[0] = t;
-  c.tets[1] = link_tet(link);
-  c.ends[0] = tet[face];
-  c.ends[1] = tets_[static_cast<std::size_t>(c.tets[1])][link_face(link)];
-  for (int k = 0; k < 3; ++k) c.ring[k] = tet[face_vertex(face, k)];
-  const Tet after[3] = {{{c.ends[0], c.ring[0], c.ring[1], c.ends[1]}},
-                        {{c.ends[0], c.ring[1], c.ring[2], c.ends[1]}},
-                        {{c.ends[0], c.ring[2], c.ring[0], c.ends[1]}}};
-  offer(c, after, 3);
+  c.tets[1] = tet_of(other);
+  c.ends[0] = tet(t)[face];
+  c.ends[1] = tet(tet_of(other))[face_of(other)];
+  for (int k = 0; k < 3; ++k) c.ring[k] = tet(t)[face_vertex(face, k)];
+  push_if_better(c);
 }
 
-void OrderedFlips::look_at_edge(Index t, int i, int j, Index lowest) {
-  const Tet& tet = tets_[static_cast<std::size_t>(t)];
+void OrderedFlips::evaluate_edge(Index t, int i, int j, Index min_tet) {
   int k = 0;
   while (k == i || k == j) ++k;
   int l = k + 1;
   while (l == i || l == j) ++l;
-  const Index order[4] = {i, k, l, j};
-  if (!even(order)) std::swap(k, l);
-  // Turn around the edge: across the face opposite k lies the tetrahedron with l, and so on, back to t after three.
-  const Link first = links_[static_cast<std::size_t>(t)][k];
-  if (is_locked(first)) return;
-  const Index second_tet = link_tet(first);
-  const Tet& second = tets_[static_cast<std::size_t>(second_tet)];
-  const Link next = links_[static_cast<std::size_t>(second_tet)][opposite(second, tet[l])];
-  if (is_locked(next)) return;
-  const Index third_tet = link_tet(next);
-  const Index r = second[link_face(first)];
-  const Tet& third = tets_[static_cast<std::size_t>(third_tet)];
-  const Link last = links_[static_cast<std::size_t>(third_tet)][opposite(third, r)];
-  if (is_locked(last) || link_tet(last) != t || second_tet < lowest || third_tet < lowest) return;
-  Candidate c{};
-  c.count = 3;
-  c.tets[0] = t;
-  c.tets[1] = second_tet;
-  c.tets[2] = third_tet;
-  c.ends[0] = tet[i];
-  c.ends[1] = tet[j];
-  c.ring[0] = tet[k];
-  c.ring[1] = tet[l];
-  c.ring[2] = r;
-  const Tet after[2] = {{{c.ends[0], c.ring[0], c.ring[1], c.ring[2]}}, {{c.ends[1], c.ring[0], c.ring[2], c.ring[1]}}};
-  offer(c, after, 2);
+  if (!is_even({i, k, l, j})) std::swap(k, l);
+  // Around the edge: across the face opposite k lies the second tetrahedron, across its face opposite l the third, and
+  // across the last face t again if the edge has three tetrahedra.
+  const Tet& first = tet(t);
+  const HalfFace to_second = across(t, k);
+  if (is_locked(to_second)) return;
+  const Index second = tet_of(to_second);
+  const HalfFace to_third = across(second, local_index(tet(second), first[l]));
+  if (is_locked(to_third)) return;
+  const Index third = tet_of(to_third);
+  const Index r = tet(second)[face_of(to_second)];
+  const HalfFace to_first = across(third, local_index(tet(third), r));
+  if (is_locked(to_first) || tet_of(to_first) != t || second < min_tet || third < min_tet) return;
+  push_if_better({0, {t, second, third}, {}, {first[i], first[j]}, {first[k], first[l], r}, 3});
 }
 
-void OrderedFlips::look_around(Index t) {
-  for (int f = 0; f < 4; ++f) look_at_face(t, f);
+void OrderedFlips::evaluate_tet(Index t) {
+  for (int f = 0; f < 4; ++f) evaluate_face(t, f);
   for (int i = 0; i < 4; ++i) {
-    for (int j = i + 1; j < 4; ++j) look_at_edge(t, i, j, 0);
+    for (int j = i + 1; j < 4; ++j) evaluate_edge(t, i, j, 0);
   }
 }
 
-bool OrderedFlips::current(const Candidate& c) const {
+bool OrderedFlips::is_current(const Candidate& c) const {
   for (int k = 0; k < c.count; ++k) {
-    if (stamps_[static_cast<std::size_t>(c.tets[k])] != c.stamps[k]) return false;
+    if (span_of(stamps_)[c.tets[k]] != c.stamps[k]) return false;
   }
   return true;
 }
 
-void OrderedFlips::connect(Index t, int face, Link other) {
-  links_[static_cast<std::size_t>(t)][face] = other;
-  if (other != kNoLink) {
-    links_[static_cast<std::size_t>(link_tet(other))][link_face(other)] = make_link(t, face) | (other & kLocked);
+Index OrderedFlips::allocate_slot() {
+  if (free_.empty()) {
+    free_.push_back(backend::to_index(tets_.size()));
+    tets_.emplace_back();
+    adjacency_.emplace_back();
+    tags_.push_back(0);
+    eta_.push_back(0);
+    stamps_.push_back(0);
+  }
+  const Index slot = free_.back();
+  free_.pop_back();
+  return slot;
+}
+
+void OrderedFlips::free_slot(Index t) {
+  span_of(tets_)[t] = {{-1, -1, -1, -1}};
+  ++span_of(stamps_)[t];
+  free_.push_back(t);
+}
+
+void OrderedFlips::store(Index slot, const Tet& tet, int tag) {
+  span_of(tets_)[slot] = tet;
+  span_of(tags_)[slot] = tag;
+  span_of(eta_)[slot] = eta(tet);
+  ++span_of(stamps_)[slot];
+}
+
+void OrderedFlips::connect(Index t, int face, HalfFace other) {
+  const Span<FaceAdjacency> adjacency = span_of(adjacency_);
+  adjacency[t][face] = other;
+  if (other != kNoHalfFace) adjacency[tet_of(other)][face_of(other)] = make_half_face(t, face) | (other & kLocked);
+}
+
+void OrderedFlips::find_outer_faces(const Candidate& c, HalfFace (&outer)[3][2]) const {
+  for (int m = 0; m < 3; ++m) {
+    for (int side = 0; side < 2; ++side) {
+      const Index t = c.count == 2 ? c.tets[side] : c.tets[m];
+      const Index opposite = c.count == 2 ? c.ring[(m + 2) % 3] : c.ends[1 - side];
+      outer[m][side] = across(t, local_index(tet(t), opposite));
+    }
+  }
+}
+
+void OrderedFlips::connect_outer_faces(const Candidate& c, const Index (&slots)[3], const HalfFace (&outer)[3][2]) {
+  for (int m = 0; m < 3; ++m) {
+    for (int side = 0; side < 2; ++side) {
+      const Index slot = c.count == 2 ? slots[m] : slots[side];
+      const Index opposite = c.count == 2 ? c.ends[1 - side] : c.ring[(m + 2) % 3];
+      connect(slot, local_index(tet(slot), opposite), outer[m][side]);
+    }
   }
 }
 
 void OrderedFlips::apply(const Candidate& c, FlipResult& result) {
-  // What lies across the outer faces: one on the side of each end for each edge of the ring.
-  Link outer[3][2];
-  for (int m = 0; m < 3; ++m) {
-    for (int side = 0; side < 2; ++side) {
-      const Index t = c.count == 2 ? c.tets[side] : c.tets[m];
-      const Index away = c.count == 2 ? c.ring[(m + 2) % 3] : c.ends[1 - side];
-      outer[m][side] = links_[static_cast<std::size_t>(t)][opposite(tets_[static_cast<std::size_t>(t)], away)];
-    }
-  }
-  Index slots[3] = {c.tets[0], c.tets[1], c.tets[2]};
+  HalfFace outer[3][2];
+  find_outer_faces(c, outer);
+  const NewTets made = tets_after(c);
+  const Index slots[3] = {c.tets[0], c.tets[1], c.count == 2 ? allocate_slot() : c.tets[2]};
+  const int region = tag(c.tets[0]);
+  for (int m = 0; m < made.count; ++m) store(slots[m], made.tets[m], region);
+  connect_outer_faces(c, slots, outer);
   if (c.count == 2) {
-    if (free_.empty()) {
-      free_.push_back(static_cast<Index>(tets_.size()));
-      tets_.emplace_back();
-      links_.emplace_back();
-      tags_.push_back(0);
-      eta_.push_back(0);
-      stamps_.push_back(0);
-    }
-    slots[2] = free_.back();
-    free_.pop_back();
-  }
-  const int made = c.count == 2 ? 3 : 2;
-  for (int m = 0; m < made; ++m) {
-    const auto s = static_cast<std::size_t>(slots[m]);
-    if (c.count == 2) {
-      tets_[s] = {{c.ends[0], c.ring[m], c.ring[(m + 1) % 3], c.ends[1]}};
-    } else {
-      tets_[s] = m == 0 ? Tet{{c.ends[0], c.ring[0], c.ring[1], c.ring[2]}}
-                        : Tet{{c.ends[1], c.ring[0], c.ring[2], c.ring[1]}};
-    }
-    tags_[s] = tags_[static_cast<std::size_t>(c.tets[0])];
-    eta_[s] = eta(tets_[s]);
-    ++stamps_[s];
-  }
-  for (int m = 0; m < 3; ++m) {
-    for (int side = 0; side < 2; ++side) {
-      const Index s = c.count == 2 ? slots[m] : slots[side];
-      const Index away = c.count == 2 ? c.ends[1 - side] : c.ring[(m + 2) % 3];
-      connect(s, opposite(tets_[static_cast<std::size_t>(s)], away), outer[m][side]);
-    }
-  }
-  if (c.count == 2) {
-    // In (a, p, q, b) the face opposite p, vertex 1, is that opposite r in the next one, (a, q, r, b): vertex 2.
-    for (int m = 0; m < 3; ++m) connect(slots[m], 1, make_link(slots[(m + 1) % 3], 2));
+    // The face of (a, p, q, b) opposite p, local vertex 1, is the face of (a, q, r, b) opposite r, local vertex 2.
+    for (int m = 0; m < 3; ++m) connect(slots[m], 1, make_half_face(slots[(m + 1) % 3], 2));
     ++result.flips23;
   } else {
-    connect(slots[0], 0, make_link(slots[1], 0));
-    const auto freed = static_cast<std::size_t>(slots[2]);
-    tets_[freed] = {{-1, -1, -1, -1}};
-    ++stamps_[freed];
-    free_.push_back(slots[2]);
+    connect(slots[0], 0, make_half_face(slots[1], 0));
+    free_slot(slots[2]);
     ++result.flips32;
   }
   result.decrease += c.gain;
-  for (int m = 0; m < made; ++m) look_around(slots[m]);
+  for (int m = 0; m < made.count; ++m) evaluate_tet(slots[m]);
 }
 
 FlipResult OrderedFlips::run() {
-  for (std::size_t t = 0; t < tets_.size(); ++t) eta_[t] = alive(t) ? std::max(eta(tets_[t]), 0.0) : 0;
-  // A volume that rounding cannot tell from zero counts with the finite bound that tet_energy gives it.
-  for (std::size_t t = 0; t < tets_.size(); ++t) {
-    if (!alive(t) || eta_[t] > 0) continue;
-    const auto p = [&](int k) -> const Vec3& { return points_[static_cast<std::size_t>(tets_[t][k])]; };
-    eta_[t] = tet_energy(kHarmonicLaw, p(0), p(1), p(2), p(3)).energy;
-  }
-  for (std::size_t t = 0; t < tets_.size(); ++t) {
+  const Index count = backend::to_index(tets_.size());
+  // An uncertified volume counts with the large, finite energy that tet_energy() returns for it.
+  for (Index t = 0; t < count; ++t) span_of(eta_)[t] = alive(t) ? energy_of(tet(t)).energy : 0;
+  for (Index t = 0; t < count; ++t) {
     if (!alive(t)) continue;
-    const auto id = static_cast<Index>(t);
     for (int f = 0; f < 4; ++f) {
-      const Link link = links_[t][f];
-      if (!is_locked(link) && id < link_tet(link)) look_at_face(id, f);
+      const HalfFace other = across(t, f);
+      if (!is_locked(other) && t < tet_of(other)) evaluate_face(t, f);
     }
     for (int i = 0; i < 4; ++i) {
-      for (int j = i + 1; j < 4; ++j) look_at_edge(id, i, j, id);
+      for (int j = i + 1; j < 4; ++j) evaluate_edge(t, i, j, t);
     }
   }
   FlipResult result;
   while (!queue_.empty()) {
     const Candidate c = queue_.top();
     queue_.pop();
-    if (current(c)) apply(c, result);
+    if (is_current(c)) apply(c, result);
   }
   return result;
 }

@@ -37,7 +37,7 @@ class Files(CliTest):
         os.remove(self.path("m.vtp"))
         self.run_cli("optimize", source, "-o", self.path("made") + "/", "--quiet")
         self.assertEqual(os.listdir(self.path("made")), ["in.mesh"])
-        self.refused("optimize", source, "-o", self.path("absent/made") + "/", said=["absent/made", "no such folder"])
+        self.refused("optimize", source, "-o", self.path("absent/made") + "/", said=["absent/made", "does not exist"])
 
 
 class Several(CliTest):

@@ -8,7 +8,7 @@ from pathlib import Path
 import cli_case
 from cli_case import MEASURES, QUALITY_KEYS, CliTest, Mesh, cube, unflipped
 
-TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gradient_norm", "moved", "active",
+TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gradient_norm2", "moved", "active",
                  "evaluated", "flips_2_3", "flips_3_2", "edge_removals", "face_removals", "boundary_flips", "seconds"]
 
 
@@ -77,15 +77,16 @@ class Optimize(CliTest):
         report = json.loads(self.read_bytes("r.json"))
         self.assertEqual(report["input"], source)
         self.assertEqual(report["output"], self.path("out.mesh"))
-        self.assertEqual(report["options"], {"boundary": "preserve", "energy": "shape", "effort": "default", "keep_vertices": False, "untangle": False, "feature_angle_deg": 45,
-                                             "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
-                                             "frozen_patches": [], "relocation": "newton", "termination": "paper",
-                                             "device": "cpu", "max_iterations": 7, "flips": True, "max_ring": 7, "boundary_flips": True, "targets": [],
-                                             "threads": 2})
+        self.assertEqual(report["options"], {
+            "boundary": "preserve", "energy": "shape", "effort": "standard", "keep_vertices": False, "untangle": False,
+            "feature_angle": 45, "feature_angle_deg": 45, "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
+            "frozen_patches": [], "relocation": "newton", "termination": "paper", "device": "cpu", "max_iterations": 7,
+            "flips": True, "max_ring": 7, "boundary_flips": True, "targets": [], "threads": 2, "trace_angles": False})
         self.assertGreaterEqual(report["read_seconds"], 0)
         self.assertGreaterEqual(report["write_seconds"], 0)
         before, after, run = report["before"], report["after"], report["optimization"]
         self.assertEqual({s["dihedral_min_deg"] for s in run["sweeps"]}, {None})
+        self.assertEqual([s["gradient_norm"] for s in run["sweeps"]], [s["gradient_norm2"] for s in run["sweeps"]])
         for quality in (before, after):
             self.assertEqual(set(quality), QUALITY_KEYS)
             self.assertAlmostEqual(sum(quality["dihedral_histogram_10_deg"]), 1)
@@ -133,7 +134,7 @@ class Optimize(CliTest):
             self.assertNotIn(None, row.values())
             empty = {"sweep": {"pass", "active", "evaluated", "flips_2_3", "flips_3_2", "edge_removals",
                                "face_removals", "boundary_flips"},
-                     "flips": {"gradient_norm", "moved"}}[row["event"]]
+                     "flips": {"gradient_norm2", "moved"}}[row["event"]]
             self.assertEqual({c for c in TRACE_COLUMNS if row[c] == ""}, empty)
         sweeps = [r for r in rows if r["event"] == "sweep"]
         passes = [r for r in rows if r["event"] == "flips"]
@@ -221,16 +222,16 @@ class Optimize(CliTest):
         self.put("m.ele", f"{len(mesh.tets)} 4 1\n{tets}")
         done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"))
         self.assertIn("tetune: warning: ", done.stderr)
-        self.assertIn("m.face is not there", done.stderr)
+        self.assertIn("m.face does not exist", done.stderr)
         after = Mesh.read(self.path("out.mesh"))
         self.assertEqual(set(after.tet_tags), {4})
         self.assertGreater(min(after.volumes()), 0)
         # Warnings alone when quiet, and not even these.
         done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"), "--quiet", "--report",
                             self.path("r.json"))
-        self.assertIn("m.face is not there", done.stderr)
+        self.assertIn("m.face does not exist", done.stderr)
         self.assertEqual(done.stdout, "")
-        self.assertEqual(["m.face is not there" in w for w in json.loads(self.read_bytes("r.json"))["warnings"]], [True])
+        self.assertEqual(["m.face does not exist" in w for w in json.loads(self.read_bytes("r.json"))["warnings"]], [True])
         done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"), "-v", "-1")
         self.assertEqual(done.stdout + done.stderr, "")
 

@@ -167,12 +167,12 @@ class Limits(CliTest):
 class ProgressEvents(CliTest):
     def test_json(self):
         source = self.put("in.mesh", unflipped(cube(6, 0.25)))
-        for effort, phases in (("fast", {"load", "flips", "sweep"}), ("default", {"load", "flips", "sweep", "worst", "angles"}),
+        for effort, phases in (("fast", {"load", "flips", "sweep"}), ("standard", {"load", "flips", "sweep", "worst", "angles"}),
                                ("best", {"load", "flips", "sweep", "worst", "angles"})):
             done = self.run_cli("optimize", source, self.path("out.mesh"), "--progress", "json", "--effort", effort)
             events = [json.loads(line) for line in done.stderr.splitlines()]
             self.assertEqual(events[0], {"event": "start", "input": source, "output": self.path("out.mesh")})
-            self.assertEqual([e["phase"] for e in events if e["event"] == "phase"], ["reading", "optimising", "writing"])
+            self.assertEqual([e["phase"] for e in events if e["event"] == "phase"], ["reading", "optimizing", "writing"])
             end = events[-1]
             self.assertEqual((end["event"], end["result"], end["exit_code"]), ("end", "done", 0))
             self.assertGreaterEqual(end["worst_angle_deg"], end["worst_angle_before_deg"])

@@ -104,14 +104,14 @@ class Slide(CliTest):
     def test_effort(self):
         source = self.put("in.mesh", cube(5, 0.25))
         runs = {}
-        for effort in ("fast", "default"):
+        for effort in ("fast", "standard"):
             self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--effort", effort, "--report", self.path("r.json"))
             report = json.loads(self.read_bytes("r.json"))
             runs[effort] = report["optimization"]
             self.assertEqual(report["options"]["effort"], effort)
             self.assertGreaterEqual(report["after"]["dihedral_min_deg"], report["before"]["dihedral_min_deg"])
         self.assertEqual(runs["fast"]["worst_rounds"], [])
-        self.assertLessEqual(len(runs["fast"]["sweeps"]), len(runs["default"]["sweeps"]))
+        self.assertLessEqual(len(runs["fast"]["sweeps"]), len(runs["standard"]["sweeps"]))
 
     def test_best_effort_inserts_and_removes_vertices_unless_they_are_kept(self):
         mesh = unflipped(cube(6, 0.25))
@@ -204,26 +204,16 @@ class Slide(CliTest):
             self.assertIn("listed corners lie where", text)
             self.assertIn("tagged edges are too many", text)
 
-    def test_bad_values_and_options_without_effect(self):
+    def test_bad_values(self):
         source = self.put("in.mesh", cube(2))
         for options, said in (
-                (["--feature-angle", "60"], ["--feature-angle", "--boundary slide"]),
-                (["--max-deviation", "0.1"], ["--max-deviation", "--boundary slide"]),
-                (["-ar", "60", "--boundary", "fixed"], ["--feature-angle", "--boundary slide"]),
-                (["--boundary", "slide", "--feature-angle", "-1"], ["--feature-angle"]),
-                (["--boundary", "slide", "--feature-angle", "0"], ["feature_angle"]),
+                (["--boundary", "slide", "--feature-angle", "-1"], ["--feature-angle -1 is out of range"]),
+                (["--boundary", "slide", "--feature-angle", "0"], ["--feature-angle 0 is out of range: it must be above 0 and"]),
                 (["--boundary", "slide", "--feature-angle", "181"], ["--feature-angle"]),
                 (["--boundary", "slide", "-ar"], ["--feature-angle"]),
                 (["--boundary", "glide"], ["--boundary", "slide"]),
                 (["--energy", "elastic"], ["--energy", "shape"]),
-                (["--effort", "fast", "--termination", "paper"], ["--effort", "--termination paper"]),
-                (["--boundary-flips", "-nosurf"], ["--boundary-flips", "--boundary fixed"]),
-                (["--boundary-flips", "--max-ring", "3"], ["--boundary-flips", "--max-ring 3"]),
-                (["--no-boundary-flips", "--max-iterations", "0"], ["--no-boundary-flips", "--max-iterations 0"]),
-                (["--boundary-flips", "--boundary", "slide", "-hausd", "0.1"], ["--boundary-flips", "--max-deviation"]),
-                (["--effort", "heroic"], ["--effort", "fast", "default", "best"]),
-                (["--effort", "best", "--energy", "harmonic"], ["--effort best", "--energy harmonic"]),
-                (["--effort", "best", "--max-iterations", "0"], ["--effort", "--max-iterations 0"]),
+                (["--effort", "heroic"], ["--effort", "fast", "standard", "best"]),
                 (["-nosurf", "--boundary", "slide"], ["--boundary"])):
             self.refused("optimize", source, "-o", self.path("out.mesh"), *options, said=said)
             self.assertEqual(self.files(), ["in.mesh"])

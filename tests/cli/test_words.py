@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The words of the command line: help, Mmg's names, completion, manual. Run: see cli_case.py."""
+"""Help, options, Mmg's names, completion, manual. Run: see cli_case.py."""
 
 import json
 import re
 import shutil
 import subprocess
 import unittest
+from pathlib import Path
 
 import cli_case
 from cli_case import CliTest, Mesh, cube, unflipped
@@ -42,8 +43,8 @@ class Options(CliTest):
     def test_names_of_mmg(self):
         plain = self.options()
         self.assertEqual(json.loads(self.run_cli("optimize", "-val").stdout), plain)
-        for words, changed in ((["-ar", "60", "--boundary", "slide"], {"feature_angle_deg": 60, "boundary": "slide"}),
-                               (["-nr", "--boundary", "slide"], {"feature_angle_deg": 180, "boundary": "slide"}),
+        for words, changed in ((["-ar", "60", "--boundary", "slide"], {"feature_angle": 60, "feature_angle_deg": 60, "boundary": "slide"}),
+                               (["-nr", "--boundary", "slide"], {"feature_angle": 180, "feature_angle_deg": 180, "boundary": "slide"}),
                                (["-hausd", "0.1%", "--boundary", "slide"], {"max_deviation": "0.1%", "boundary": "slide"}),
                                (["-nosurf"], {"boundary": "fixed"}),
                                (["-noswap"], {"flips": False}),
@@ -82,7 +83,7 @@ class Options(CliTest):
     def test_what_mmg_has_and_tetune_has_not(self):
         source = self.put("in.mesh", cube(1))
         for word in ("-hmax", "-hsiz", "-sol", "-ls"):
-            self.refused("optimize", source, self.path("out.mesh"), word, "0.1", said=[word, "sizes", "drop"])
+            self.refused("optimize", source, self.path("out.mesh"), word, "0.1", said=[word, "sizes", "remove"])
         # Not the help that begins with the same letter.
         self.refused("optimize", source, self.path("out.mesh"), "-hfoo", said=["-hfoo", "--help"])
         self.refused("optimize", source, self.path("out.mesh"), "-xyz", said=["-xyz"])
@@ -90,7 +91,7 @@ class Options(CliTest):
     def test_no_flips_moves_vertices_alone(self):
         mesh = unflipped(cube(5))
         source = self.put("in.mesh", mesh)
-        for effort in ("fast", "default"):
+        for effort in ("fast", "standard"):
             self.run_cli("optimize", source, self.path("out.mesh"), "-noswap", "--effort", effort, "--report",
                          self.path("r.json"))
             after = Mesh.read(self.path("out.mesh"))
@@ -100,13 +101,45 @@ class Options(CliTest):
             run = json.loads(self.read_bytes("r.json"))["optimization"]
             self.assertEqual(run["flip_passes"], [])
             self.assertLess(run["energy_after"], run["energy_before"])
-        for words, said in ((["--max-ring", "5"], "--max-ring"), (["-nomove"], "nothing to do"),
-                            (["--boundary-flips"], "--boundary-flips")):
-            self.refused("optimize", source, self.path("x.mesh"), "-noswap", *words, said=["--no-flips", said])
+        self.refused("optimize", source, self.path("x.mesh"), "-noswap", "-nomove",
+                     said=["--no-flips and --max-iterations 0 leave nothing to do"])
+
+    def test_former_names_are_accepted_with_a_warning(self):
+        for words, name, value in ((["--effort", "default"], "effort", "standard"), (["--device", "automatic"], "device", "auto")):
+            done = self.run_cli("optimize", *words, "--print-options")
+            self.assertEqual(json.loads(done.stdout)[name], value)
+            self.assertIn(f"{' '.join(words)} is the former name of {words[0]} {value}", done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1)
+
+    def test_options_without_effect_are_warnings(self):
+        for words, said in ((["--feature-angle", "60"], "--feature-angle 60 has no effect without --boundary slide"),
+                            (["-ar", "60", "-nosurf"], "--feature-angle 60 has no effect without --boundary slide"),
+                            (["-hausd", "0.1%"], "--max-deviation 0.1% has no effect without --boundary slide"),
+                            (["--effort", "fast", "--termination", "paper"], "--effort fast has no effect with --termination paper"),
+                            (["--effort", "best", "-nomove"], "--effort best has no effect with --max-iterations 0"),
+                            (["--effort", "best", "--energy", "harmonic"], "--effort best inserts no vertices"),
+                            (["--relocation", "newton", "-nomove"], "--relocation newton has no effect with --max-iterations 0"),
+                            (["--termination", "paper", "-nomove"], "--termination paper has no effect with --max-iterations 0"),
+                            (["--boundary-flips", "-nosurf"], "--boundary-flips has no effect with --boundary fixed"),
+                            (["--boundary-flips", "--max-ring", "3"], "--boundary-flips has no effect with --max-ring 3"),
+                            (["--no-boundary-flips", "-nomove"], "--no-boundary-flips has no effect with --max-iterations 0"),
+                            (["--boundary-flips", "--boundary", "slide", "-hausd", "0.1"],
+                             "--boundary-flips has no effect with --max-deviation"),
+                            (["-noswap", "--max-ring", "5"], "--max-ring 5 has no effect with --no-flips"),
+                            (["--device", "cuda", "--threads", "2"], "--threads 2 has no effect with --device cuda"),
+                            (["--trace-angles"], "--trace-angles has no effect without --report")):
+            done = self.run_cli("optimize", *words, "--print-options")
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assertIn("tetune: warning: " + said, done.stderr)
+        # They are in the report, and the run goes on.
+        source = self.put("in.mesh", cube(2))
+        self.run_cli("optimize", source, self.path("out.mesh"), "-nosurf", "-ar", "60", "--report", self.path("r.json"))
+        self.assertEqual(json.loads(self.read_bytes("r.json"))["warnings"],
+                         ["--feature-angle 60 has no effect without --boundary slide"])
 
     def test_noinsert_with_every_effort(self):
         source = self.put("in.mesh", unflipped(cube(6, 0.25)))
-        for effort in ("fast", "default", "best"):
+        for effort in ("fast", "standard", "best"):
             self.run_cli("optimize", source, self.path("out.mesh"), "-noinsert", "--effort", effort, "--quiet")
             self.assertEqual(len(Mesh.read(self.path("out.mesh")).points), 7 ** 3)
 
@@ -127,7 +160,6 @@ class Mistakes(CliTest):
                             (["--time-limit", "nan"], "--time-limit: 'nan' is not a positive number"),
                             (["--time-limit", "inf"], "--time-limit: 'inf' is not a positive number"),
                             (["-m", "0"], "--max-memory: '0' is not a positive number"),
-                            (["--threads", "-1"], "--threads: "),
                             (["--bogus"], "--bogus"),
                             (["--effort"], "--effort: ")):
             done = self.refused("optimize", source, self.path("out.mesh"), *words, said=["tetune: ", said,
@@ -136,8 +168,9 @@ class Mistakes(CliTest):
 
     def test_names_of_mmg_in_messages(self):
         source = self.put("in.mesh", cube(1))
-        for word, ours in (("-hausd", "--max-deviation"), ("-ar", "--feature-angle")):
-            self.refused("optimize", source, self.path("out.mesh"), word, "1", said=[word, ours, "--boundary slide"])
+        for words, said in ((["-ar", "200"], "--feature-angle 200 is out of range: it must be above 0 and at most 180 degrees"),
+                            (["-nt", "-1"], "--threads -1 is out of range: it must be 0 to 4096")):
+            self.refused("optimize", source, self.path("out.mesh"), *words, said=[said])
 
     def test_a_folder_is_no_mesh(self):
         self.refused("info", str(self.folder), said=[str(self.folder), "is a folder"])
@@ -182,7 +215,16 @@ class Generated(CliTest):
         script = self.put("tetune.fish", self.run_cli("completion", "fish").stdout)
         done = subprocess.run(["fish", "-c", f"source {script}; complete -C 'tetune optimize --effort '"],
                               capture_output=True, text=True, timeout=cli_case.HANG, env={"HOME": str(self.folder), "PATH": "/usr/bin:/bin"})
-        self.assertEqual({line.split()[0] for line in done.stdout.splitlines()}, {"fast", "default", "best"})
+        self.assertEqual({line.split()[0] for line in done.stdout.splitlines()}, {"fast", "standard", "best"})
+
+    def test_reference_of_the_options(self):
+        """The page and the Python types that are generated from the table of options are up to date."""
+        program = Path(cli_case.TETUNE).with_name("tetune_option_reference")
+        if not program.is_file():
+            self.skipTest("tetune_option_reference is not beside tetune")
+        for kind, name in (("markdown", "docs/options.md"), ("python", "python/tetune/_options.py")):
+            text = subprocess.run([program, kind], capture_output=True, text=True, timeout=cli_case.HANG, check=True).stdout
+            self.assertEqual(text, (Path(__file__).resolve().parents[2] / name).read_text(), f"run: {program.name} {kind} > {name}")
 
     def test_manual(self):
         page = self.run_cli("man").stdout

@@ -2,7 +2,7 @@
 #include "emulation/emulation.hpp"
 
 namespace tetune {
-using Instance = par::Emulation;
+using Instance = backend::Emulation;
 }
 
 #include "boundary/instantiate.inl"

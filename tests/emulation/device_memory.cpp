@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <new>
 
-namespace tetune::par {
+namespace tetune::backend {
 namespace {
 
-/// Not a number as a double and as a float; beyond all ids.
+/// A NaN as a double and as a float; above all ids.
 constexpr std::uint32_t kPoison = 0x7ff4deadU;
 
 constexpr std::size_t kPage = 4096;
@@ -28,57 +28,52 @@ void poison(void* memory, std::size_t bytes) {
 
 }  // namespace
 
-thread_local DeviceMemory* DeviceMemory::current_ = nullptr;
-
 DeviceMemory::DeviceMemory(std::size_t bytes, bool guard)
-    : outer_(current_), bytes_(bytes), guard_(guard), block_(reserve(bytes)), pool_(block_, bytes) {
-  current_ = this;
+    : bytes_(bytes), guard_(guard), block_(reserve(bytes)), pool_(block_, bytes) {
   protect(true);
 }
 
-DeviceMemory::~DeviceMemory() {
-  current_ = outer_;
-  munmap(block_, std::max(bytes_, kPage));
-}
+DeviceMemory::~DeviceMemory() { munmap(block_, std::max(bytes_, kPage)); }
 
 void* DeviceMemory::allocate(std::size_t bytes) {
   void* memory = pool_.allocate(bytes);
-  const Open open(*this);
+  const Access access(*this);
   if (bytes > 0) poison(memory, bytes);
   return memory;
 }
 
 void DeviceMemory::release(void* memory, std::size_t bytes) noexcept {
   pool_.release(memory);
-  const Open open(*this);
+  const Access access(*this);
   poison(memory, bytes);
 }
 
 void DeviceMemory::copy(void* to, const void* from, std::size_t bytes) const {
-  if (!holds(to, bytes) || !holds(from, bytes)) throw std::logic_error("a copy on the device that is none");
-  const Open open(*this);
+  if (!holds(to, bytes) || !holds(from, bytes))
+    throw std::logic_error("a copy on the device has a pointer of the host");
+  const Access access(*this);
   std::memcpy(to, from, bytes);
 }
 
 void DeviceMemory::upload(void* to, const void* from, std::size_t bytes) {
-  if (!holds(to, bytes) || holds(from, bytes)) throw std::logic_error("an upload that is none");
+  if (!holds(to, bytes) || holds(from, bytes)) throw std::logic_error("an upload is not from the host to the device");
   ++traffic_.uploads;
   traffic_.bytes_up += bytes;
-  const Open open(*this);
+  const Access access(*this);
   if (bytes > 0) std::memcpy(to, from, bytes);
 }
 
 void DeviceMemory::download(void* to, const void* from, std::size_t bytes) {
-  if (holds(to, bytes) || !holds(from, bytes)) throw std::logic_error("a download that is none");
+  if (holds(to, bytes) || !holds(from, bytes)) throw std::logic_error("a download is not from the device to the host");
   ++traffic_.downloads;
   traffic_.bytes_down += bytes;
   traffic_.largest_download = std::max(traffic_.largest_download, bytes);
-  const Open open(*this);
+  const Access access(*this);
   if (bytes > 0) std::memcpy(to, from, bytes);
 }
 
 void DeviceMemory::protect(bool on) const {
-  // What was never in use is not touched by anybody, and is many pages.
+  // The rest was never allocated, and has many pages.
   const std::size_t used = std::min((pool_.peak() + kPage - 1) / kPage * kPage, bytes_);
   if (guard_ && used > 0) mprotect(block_, used, on ? PROT_NONE : PROT_READ | PROT_WRITE);
 }
@@ -88,9 +83,9 @@ bool DeviceMemory::holds(const void* begin, std::size_t bytes) const {
   return bytes > 0 ? at >= block_ && at + bytes <= block_ + bytes_ : at >= block_ && at <= block_ + bytes_;
 }
 
-bool DeviceMemory::carries_host_address(const void* object, std::size_t bytes) const {
-  // Where systems of 64 bits put programs, their heaps and stacks. As doubles these are no normal numbers, as two ids
-  // the second one is beyond what tests have.
+bool DeviceMemory::holds_host_address(const void* object, std::size_t bytes) const {
+  // The addresses of programs, heaps and stacks on 64-bit systems. As doubles they are subnormal; as two ids the second
+  // one is above all ids of the tests.
   constexpr std::uint64_t kLowest = 0x500000000000U;
   constexpr std::uint64_t kHighest = 0x7fffffffffffU;
   for (std::size_t at = 0; at + sizeof(std::uint64_t) <= bytes; at += sizeof(std::uint64_t)) {
@@ -101,4 +96,4 @@ bool DeviceMemory::carries_host_address(const void* object, std::size_t bytes) c
   return false;
 }
 
-}  // namespace tetune::par
+}  // namespace tetune::backend

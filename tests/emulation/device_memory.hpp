@@ -8,12 +8,12 @@
 #include <string>
 #include <typeinfo>
 
-#include "par/pool.hpp"
+#include "backend/pool.hpp"
 
-namespace tetune::par {
+namespace tetune::backend {
 
-/// Memory that stands for a device's: apart from the host's, filled with what must not be read when it is handed out
-/// and given back, and a count of what crosses.
+/// The memory of an emulated device: separate from the host's, filled with invalid values at each allocation and
+/// release, with counts of the transfers.
 class DeviceMemory {
  public:
   struct Traffic {
@@ -27,9 +27,6 @@ class DeviceMemory {
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
 
-  /// As Pool's.
-  static DeviceMemory& current() { return *current_; }
-
   const Pool& pool() const { return pool_; }
   const Traffic& traffic() const { return traffic_; }
 
@@ -39,27 +36,26 @@ class DeviceMemory {
   void upload(void* to, const void* from, std::size_t bytes);
   void download(void* to, const void* from, std::size_t bytes);
 
-  /// While a kernel runs.
-  class Open {
+  /// Gives the process access to the memory while a kernel runs.
+  class Access {
    public:
-    explicit Open(const DeviceMemory& memory) : memory_(memory) { memory_.protect(false); }
-    ~Open() { memory_.protect(true); }
-    Open(const Open&) = delete;
-    Open& operator=(const Open&) = delete;
+    explicit Access(const DeviceMemory& memory) : memory_(memory) { memory_.protect(false); }
+    ~Access() { memory_.protect(true); }
+    Access(const Access&) = delete;
+    Access& operator=(const Access&) = delete;
 
    private:
     const DeviceMemory& memory_;
   };
 
-  /// Throws where a kernel carries what looks like an address of the host's. Taken by value, to clear what lies between
-  /// its members.
+  /// Throws std::logic_error where a kernel seems to hold a host address. The kernel is copied, to clear its padding.
   template <class F>
   void check_arguments([[maybe_unused]] F kernel) const {
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_clear_padding)
     __builtin_clear_padding(&kernel);
-    if (carries_host_address(&kernel, sizeof kernel)) {
-      throw std::logic_error(std::string(typeid(F).name()) + " carries an address of the host's");
+    if (holds_host_address(&kernel, sizeof kernel)) {
+      throw std::logic_error(std::string(typeid(F).name()) + " holds a host address");
     }
 #endif
 #endif
@@ -68,10 +64,8 @@ class DeviceMemory {
  private:
   void protect(bool on) const;
   bool holds(const void* begin, std::size_t bytes) const;
-  bool carries_host_address(const void* object, std::size_t bytes) const;
+  bool holds_host_address(const void* object, std::size_t bytes) const;
 
-  static thread_local DeviceMemory* current_;
-  DeviceMemory* outer_;
   std::size_t bytes_;
   bool guard_;
   char* block_;
@@ -79,4 +73,4 @@ class DeviceMemory {
   Traffic traffic_;
 };
 
-}  // namespace tetune::par
+}  // namespace tetune::backend

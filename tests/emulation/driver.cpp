@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/alternate.inl"
+#include "driver/optimize_on.inl"
 #include "emulation/emulation.hpp"
 
 namespace tetune {
-template Report optimize_on(const par::Emulation&, TetMesh&, const Options&, const Context&, SlideSurface*);
+template Report optimize_on(const backend::Emulation&, TetMesh&, const Options&, const Context&, SlideSurface*);
 }  // namespace tetune

@@ -9,39 +9,54 @@
 #include <utility>
 #include <vector>
 
+#include "backend/buffer.hpp"
+#include "backend/concept.hpp"
+#include "backend/pool.hpp"
+#include "backend/span.hpp"
 #include "emulation/device_memory.hpp"
-#include "par/beside_host.hpp"
-#include "par/buffer.hpp"
-#include "par/pool.hpp"
-#include "par/span.hpp"
 
-namespace tetune::par {
+namespace tetune::backend {
 
-class Emulation;
-/// As the CUDA backend: its ways are those to be tested.
-template <>
-inline constexpr bool kBesideHost<Emulation> = true;
+/// A handle of the memory of an Emulation.
+class EmulatedMemory {
+ public:
+  EmulatedMemory() = default;
+  explicit EmulatedMemory(DeviceMemory& memory) : memory_(&memory) {}
 
-/// The CUDA backend without CUDA, for tests: the same blocks of threads, chunks, scratch and order of merging as
-/// par/cuda.cuh, one thread of them after the other, in an order that a seed shuffles. Its memory is apart: the host
-/// may not touch it, kernels may touch nothing else that they carry an address of, and what was never written is not a
-/// number.
+  void* allocate(std::size_t bytes) const { return memory_->allocate(bytes); }
+  void release(void* memory, std::size_t bytes) const noexcept {
+    if (memory != nullptr) memory_->release(memory, bytes);
+  }
+  void copy(void* to, const void* from, std::size_t bytes) const { memory_->copy(to, from, bytes); }
+  void upload(void* to, const void* from, std::size_t bytes) const { memory_->upload(to, from, bytes); }
+  void download(void* to, const void* from, std::size_t bytes) const { memory_->download(to, from, bytes); }
+
+ private:
+  DeviceMemory* memory_ = nullptr;
+};
+
+/// The CUDA backend without CUDA, for tests: the same blocks of threads, chunks, scratch memory and order of merging as
+/// backend/cuda.cuh, with the threads run one after the other in an order shuffled by a seed. Its memory is separate:
+/// the host may not access it, kernels may hold no other addresses, and values that were never written are NaN.
 class Emulation {
  public:
+  using Pack = double;
+  using Memory = EmulatedMemory;
+  static constexpr bool kIsAsynchronous = true;
   template <class T>
-  using Buffer = par::Buffer<T, Emulation>;
-
-  /// A caller's array as kernels see it.
+  using Buffer = backend::Buffer<T, Emulation>;
   template <class T>
-  using Loan = LoanedCopy<T, Emulation>;
+  using DeviceView = UploadedView<T, Emulation>;
 
-  /// `guard`: an access of the host ends the process; this costs some system calls a primitive.
+  /// With `guard` an access from the host ends the process, at the cost of some system calls per primitive.
   explicit Emulation(std::uint64_t seed = 1, std::size_t memory = std::size_t{1} << 30, bool guard = false,
                      std::function<bool()> stop = {})
       : stop_(std::move(stop)), random_(seed), memory_(memory, guard) {}
 
+  Memory memory() const { return Memory(memory_); }
+  const DeviceMemory& device_memory() const { return memory_; }
+
   bool stop_requested() const { return stop_ && stop_(); }
-  const DeviceMemory& memory() const { return memory_; }
 
   template <class F>
   void for_each(Size n, const F& f) const {
@@ -60,7 +75,7 @@ class Emulation {
     while (partial.size() > 1)
       partial = reduce_chunks<R>(partial.size(), ReadPartial<R>{std::as_const(partial).span()});
     R result{};
-    download(&result, partial.span().data(), sizeof(R));
+    memory().download(&result, partial.span().data(), sizeof(R));
     return result;
   }
 
@@ -68,11 +83,11 @@ class Emulation {
   T exclusive_scan(Span<const T> in, Span<T> out) const {
     const Size n = in.size();
     if (n == 0) return T{};
-    Buffer<T> ends(2);
-    copy(ends.span().data(), in.data() + n - 1, sizeof(T));
-    Buffer<unsigned char> scratch(scratch_bytes(n));
+    Buffer<T> ends(*this, 2);
+    memory().copy(ends.span().data(), in.data() + n - 1, sizeof(T));
+    Buffer<unsigned char> scratch(*this, scratch_bytes(n));
     {
-      const DeviceMemory::Open open(memory_);
+      const DeviceMemory::Access access(memory_);
       T sum{};
       for (Size i = 0; i < n; ++i) {
         const T value = in[i];
@@ -80,18 +95,18 @@ class Emulation {
         sum += value;
       }
     }
-    copy(ends.span().data() + 1, out.data() + n - 1, sizeof(T));
+    memory().copy(ends.span().data() + 1, out.data() + n - 1, sizeof(T));
     T last[2];
-    download(last, ends.span().data(), sizeof last);
+    memory().download(last, ends.span().data(), sizeof last);
     return last[1] + last[0];
   }
 
-  /// Flags, their scan, and the write, each in an order of its own.
+  /// Flags, their scan, and the write, each in a different order.
   template <class F>
   Size compact(Size n, const F& keep, Span<Index32> out) const {
     if (n == 0) return 0;
-    Buffer<Size> count(1);
-    Buffer<unsigned char> scratch(scratch_bytes(n));
+    Buffer<Size> count(*this, 1);
+    Buffer<unsigned char> scratch(*this, scratch_bytes(n));
     std::vector<Size> place(static_cast<std::size_t>(n));
     launch(n, keep, [&](Size block, const F& kernel) {
       for_each_thread([&](Size thread) {
@@ -112,7 +127,7 @@ class Emulation {
       });
     });
     Size kept = 0;
-    download(&kept, count.span().data(), sizeof kept);
+    memory().download(&kept, count.span().data(), sizeof kept);
     return kept;
   }
 
@@ -120,11 +135,11 @@ class Emulation {
   void sort_by_key(Buffer<K>& keys, Buffer<Index32>& values, int bits) const {
     const Size n = keys.size();
     if (n == 0) return;
-    Buffer<K> keys_out(n);
-    Buffer<Index32> values_out(n);
-    Buffer<unsigned char> scratch(scratch_bytes(n));
+    Buffer<K> keys_out(*this, n);
+    Buffer<Index32> values_out(*this, n);
+    Buffer<unsigned char> scratch(*this, scratch_bytes(n));
     {
-      const DeviceMemory::Open open(memory_);
+      const DeviceMemory::Access access(memory_);
       const K mask = bits < static_cast<int>(8 * sizeof(K)) ? static_cast<K>((K{1} << bits) - 1) : static_cast<K>(~K{});
       const Span<K> from = keys.span();
       std::vector<Index32> order(static_cast<std::size_t>(n));
@@ -151,21 +166,11 @@ class Emulation {
     for_each(out.size(), Fill<T>{out, value});
   }
 
-  static void* allocate(std::size_t bytes) { return DeviceMemory::current().allocate(bytes); }
-  static void release(void* memory, std::size_t bytes) {
-    if (memory != nullptr) DeviceMemory::current().release(memory, bytes);
-  }
-  static void copy(void* to, const void* from, std::size_t bytes) { DeviceMemory::current().copy(to, from, bytes); }
-  static void upload(void* to, const void* from, std::size_t bytes) { DeviceMemory::current().upload(to, from, bytes); }
-  static void download(void* to, const void* from, std::size_t bytes) {
-    DeviceMemory::current().download(to, from, bytes);
-  }
-
  private:
-  /// Of a block, as in par/cuda.cuh.
+  /// Threads per block, as in backend/cuda.cuh.
   static constexpr int kThreads = 128;
   static Size blocks(Size n) { return (n + kThreads - 1) / kThreads; }
-  /// A little more than what CUB asks for.
+  /// A little more than CUB requires.
   static Size scratch_bytes(Size n) { return n / 16 + 65536; }
 
   template <class R>
@@ -174,7 +179,7 @@ class Emulation {
     R operator()(Size i) const { return partial[i]; }
   };
 
-  /// [0, n) in an order that a number shuffles: the multiples of a step without a common factor.
+  /// A permutation of [0, n) that depends on a random number: the multiples of a step coprime to n.
   class Order {
    public:
     Order(Size n, std::uint64_t random) : n_(static_cast<std::uint64_t>(n)) {
@@ -188,14 +193,14 @@ class Emulation {
     std::uint64_t n_, first_, step_;
   };
 
-  /// The kernel is copied, as a launch does.
+  /// Copies the kernel, as a launch does.
   template <class F, class Block>
   void launch(Size n, const F& f, const Block& run) const {
     static_assert(std::is_trivially_copyable_v<F>);
     if (n == 0) return;
     F kernel(f);
     memory_.check_arguments(kernel);
-    const DeviceMemory::Open open(memory_);
+    const DeviceMemory::Access access(memory_);
     const Order order(blocks(n), next());
     for (Size b = 0; b < blocks(n); ++b) run(order(b), std::as_const(kernel));
   }
@@ -207,7 +212,7 @@ class Emulation {
 
   template <class R, class F>
   Buffer<R> reduce_chunks(Size n, const F& f) const {
-    Buffer<R> partial(blocks(n));
+    Buffer<R> partial(*this, blocks(n));
     launch(n, f, [&](Size block, const F& kernel) {
       R shared[kThreads];
       for_each_thread([&](Size thread) {
@@ -234,7 +239,9 @@ class Emulation {
 
   std::function<bool()> stop_;
   mutable std::uint64_t random_;
-  DeviceMemory memory_;
+  mutable DeviceMemory memory_;
 };
 
-}  // namespace tetune::par
+static_assert(Backend<Emulation>);
+
+}  // namespace tetune::backend

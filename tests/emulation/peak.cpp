@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What runs need on the device, as the emulation of it counts: docs/benchmarks/gpu-memory.md.
+// Prints the peak of the device memory of a run, measured by the emulation: docs/benchmarks/gpu-memory.md.
 //   emulation_peak MESH fixed|preserve|slide fast|default|best
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string>
 
-#include "driver/alternate.hpp"
+#include "driver/optimize_on.hpp"
 #include "emulation/emulation.hpp"
 #include "tetune/io.hpp"
 
@@ -23,18 +23,18 @@ int main(int argc, char** argv) try {
   const auto vertices = mesh.points.size();
   const auto tets = mesh.tets.size();
   const auto triangles = mesh.triangles.size();
-  const par::Emulation gpu(1, std::size_t{32} << 30);
+  const backend::Emulation gpu(1, std::size_t{32} << 30);
   std::size_t peak = 0;
-  const auto tell = [&](const char* phase) {
-    if (gpu.memory().pool().peak() == peak) return true;
-    peak = gpu.memory().pool().peak();
-    std::printf("%10s: %6.1f bytes a tetrahedron\n", phase, static_cast<double>(peak) / static_cast<double>(tets));
+  const auto print_peak = [&](const char* phase) {
+    if (gpu.device_memory().pool().peak() == peak) return true;
+    peak = gpu.device_memory().pool().peak();
+    std::printf("%10s: %6.1f bytes per tetrahedron\n", phase, static_cast<double>(peak) / static_cast<double>(tets));
     return true;
   };
   Context context;
-  context.progress = [&](const Progress& p) { return tell(p.phase); };
+  context.progress = [&](const Progress& p) { return print_peak(p.phase); };
   optimize_on(gpu, mesh, options, context);
-  tell("store");
+  print_peak("store");
   std::printf("%zu bytes for %zu vertices, %zu tetrahedra, %zu triangles listed\n", peak, vertices, tets, triangles);
   return 0;
 } catch (const std::exception& e) {

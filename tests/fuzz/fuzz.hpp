@@ -100,14 +100,15 @@ inline bool is_doubtful(const TetMesh& mesh, const Quality& quality) {
   std::abort();
 }
 
-/// What holds of any optimisation but of the harmonic energy.
+/// Properties of any optimization except of the harmonic energy.
 inline void check_angle(const TetMesh& mesh, const Quality& before, const Quality& after) {
   if (after.dihedral_min < before.dihedral_min * (1 - 1e-9) && !is_doubtful(mesh, before)) {
     fail("smallest angle " + std::to_string(before.dihedral_min) + " -> " + std::to_string(after.dihedral_min));
   }
 }
 
-/// What a reader made can be validated; a valid mesh can be optimised and stays valid. Anything else ends the process.
+/// Checks that a mesh from a reader can be validated, and that a valid mesh can be optimized and stays valid. Anything
+/// else ends the process.
 inline void check(const TetMesh& mesh) {
   if (!validate(mesh, 1).ok() || mesh.tets.size() >= 2000) return;
   const Quality before = quality(mesh, 1);

@@ -13,10 +13,10 @@ namespace tetune::fuzz {
 namespace {
 
 /// Larger meshes find nothing that small ones do not, later.
-constexpr int kMostCells = 3;
+constexpr int kMaxCells = 3;
 
 /// Numbers of the mesh and the options. Half of all inputs are tame: without what is refused at once, so that much of
-/// the time goes into the optimisation.
+/// the time goes into the optimization.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data, size), wild_(data_.ConsumeBool()) {}
@@ -105,7 +105,7 @@ void add_ids(Source& from, std::vector<Index>& list, std::size_t n) {
 
 TetMesh make_mesh(Source& from) {
   TetMesh mesh;
-  if (const int n = from.whole(0, kMostCells); n > 0) {
+  if (const int n = from.whole(0, kMaxCells); n > 0) {
     add_lattice(mesh, n);
     const double size = from.flag() ? std::pow(10, from.whole(-6, 6)) : std::abs(from.real());
     const double away = from.flag() ? 0 : from.real() * std::pow(10, from.whole(0, 12));

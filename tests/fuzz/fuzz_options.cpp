@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line of `tetune optimize`, a word a line: it is understood, or refused with a message. No mesh is read.
+// The command line of `tetune optimize`, one word per line: it is accepted, or refused with a message. No mesh is read.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -7,11 +7,12 @@
 #include "aliases.hpp"
 #include "fuzz.hpp"
 #include "optimize_arguments.hpp"
+#include "option_flags.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tetune;
   const std::string_view text = fuzz::text(data, size);
-  if (text.find('\0') != std::string_view::npos) return 0;  // no word of a command line has one
+  if (text.find('\0') != std::string_view::npos) return 0;  // words of a command line end at one
   std::vector<std::string> lines{"tetune", "optimize"};
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
@@ -24,12 +25,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   CLI::App app;
   cli::OptimizeArguments arguments;
   CLI::App* command = app.add_subcommand("optimize");
-  cli::define(*command, arguments);
+  cli::define_arguments(*command, arguments);
   try {
-    std::vector<std::string> words = cli::without_aliases(app, static_cast<int>(argv.size()), argv.data());
+    std::vector<std::string> words = cli::expand_aliases(app, static_cast<int>(argv.size()), argv.data());
     std::reverse(words.begin(), words.end());
     app.parse(std::move(words));
-    cli::settle(*command, arguments);
+    cli::resolve_jobs(*command, arguments);
     cli::to_json(arguments.options);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0 && std::string_view(e.what()).empty()) std::abort();

@@ -260,7 +260,7 @@ TEST_F(IoTest, BinaryHeads) {
 TEST_F(IoTest, BinarySectionsTwice) {
   MeditBytes out(2, false);
   out.integers(8, 1, {1, 2, 3, 4, 0}).integers(8, 1, {1, 2, 3, 4, 0});
-  EXPECT_TRUE(contains(read_error(put("a.meshb", out.end())), "Tetrahedra is there twice"));
+  EXPECT_TRUE(contains(read_error(put("a.meshb", out.end())), "Tetrahedra occurs twice"));
 }
 
 /// The writer's bytes are those made here.

@@ -133,7 +133,7 @@ TEST_F(IoTest, ThingsThatAreNoFile) {
   EXPECT_TRUE(contains(read_error(put("other.mesh", "solid cube\n")), "other.mesh:1: this is not a MEDIT mesh"));
 }
 
-/// Text and binary are told apart by what they hold, and the mark that some editors put before a text is passed over.
+/// Text and binary are distinguished by their content, and a byte order mark before a text is skipped.
 TEST_F(IoTest, WhatTheFileHoldsDecides) {
   const std::string text = "MeshVersionFormatted 2\nDimension 3\nVertices 1\n0.5 0 0 7\nEnd\n";
   for (const std::string& name : {put("a.mesh", "\xEF\xBB\xBF" + text), put("a.meshb", text)}) {
@@ -196,10 +196,10 @@ INSTANTIATE_TEST_SUITE_P(
             "ShorterThanItSays", kHead + "Vertices\n2\n0 0 0 1\n" + kTets + "End\n", {"a.mesh:6:", "\"Tetrahedra\""}},
         BrokenText{"CutShort", kHead + "Vertices\n2\n0 0 0 1\n0 0", {"a.mesh:6:", "end of the file"}},
         BrokenText{"NoCount", kHead + "Vertices\n", {"number of entries", "end of the file"}},
-        BrokenText{"Twice", kHead + kVertices + kTets + kTets + "End\n", {"a.mesh:12:", "Tetrahedra is there twice"}},
-        BrokenText{"ListTwice", kHead + "Corners 1 1\nCorners 1 2\nEnd\n", {"a.mesh:4:", "Corners is there twice"}},
+        BrokenText{"Twice", kHead + kVertices + kTets + kTets + "End\n", {"a.mesh:12:", "Tetrahedra occurs twice"}},
+        BrokenText{"ListTwice", kHead + "Corners 1 1\nCorners 1 2\nEnd\n", {"a.mesh:4:", "Corners occurs twice"}},
         BrokenText{
-            "OthersTwice", kHead + "Pyramids 1 1 2 3 4 5 0\nPyramids 1 1 2 3 4 5 0\nEnd\n", {"Pyramids is there"}},
+            "OthersTwice", kHead + "Pyramids 1 1 2 3 4 5 0\nPyramids 1 1 2 3 4 5 0\nEnd\n", {"Pyramids occurs twice"}},
         BrokenText{"NoQuads", kHead + "RequiredQuadrilaterals 1 1\nEnd\n", {"no Quadrilaterals"}},
         BrokenText{"WildVertices", kHead + "Vertices\n999999999999\n0 0 0 1\nEnd\n", {"a.mesh:4:", "999999999999"}},
         BrokenText{"WildList", kHead + "Ridges\n2000000000\n1\nEnd\n", {"a.mesh:4:", "Ridges claims 2000000000"}},

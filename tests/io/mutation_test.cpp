@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damaged files end in FileError or in a mesh, never in a crash or a wild request for memory. The fuzz targets look
-// for more; this runs everywhere, from fixed seeds.
+// Damaged files end in FileError or in a mesh, never in a crash or an excessive request for memory. The fuzz
+// targets search further; this test runs everywhere, from fixed seeds.
 #include <random>
 
 #include "allocation_watch.hpp"

@@ -21,8 +21,7 @@ class Plugins : public IoTest {
   void SetUp() override {
     IoTest::SetUp();
     for (const Plugin& plugin : {kVtkPlugin, kGmshPlugin}) {
-      if (!has_plugin(plugin))
-        GTEST_SKIP() << "built without " << plugin.library << ": install " << plugin.build_package;
+      if (!has_plugin(plugin)) GTEST_SKIP() << "built without " << plugin.library << ": install it with its headers";
     }
   }
 };
@@ -462,7 +461,7 @@ TEST_F(Plugins, OptimizedMeshesKeepGroupsNamesAndLowerDimensions) {
   EXPECT_EQ(read.dialect, "msh 4.1 binary");
   EXPECT_EQ(read.cell_tags_name, "gmsh:physical");
   ASSERT_EQ(read.groups.size(), 5U);  // and that of the second edge
-  // Both regions are in two groups: the tags tell the entities.
+  // Both regions are in two groups: the tags distinguish the entities.
   EXPECT_EQ(std::set<int>(read.tet_tags.begin(), read.tet_tags.end()), (std::set<int>{-1, -2}));
   const Report report = optimize(read);
   ASSERT_GT(report.flips32 + report.edge_removals, 0);

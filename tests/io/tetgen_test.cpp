@@ -74,7 +74,7 @@ TEST_F(TetGenTest, WithoutFacesThereIsAWarning) {
   const TetMesh mesh = read_mesh(put_all(kNode0, kEle0), &warnings);
   EXPECT_TRUE(mesh.triangles.empty());
   ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_TRUE(contains(warnings[0], "m.face is not there"));
+  EXPECT_TRUE(contains(warnings[0], "m.face does not exist"));
 }
 
 /// TetGen counts a tetrahedron's orientation the other way round than MEDIT.

@@ -15,7 +15,7 @@ TEST(TextCursor, ReadsIntegersOfAnyLength) {
   for (std::int64_t n = 1; n < 100'000'000'000'000'000; n = 10 * n + n % 10 + 1) {
     numbers.insert(numbers.end(), {n, 10 * n, -n});
   }
-  // Before the end of the text there is no room to look at eight bytes at once.
+  // Before the end of the text eight bytes cannot be read at once.
   for (const char* between : {" ", "\n", "\t", "  \r\n", "# 77\n"}) {
     std::string text;
     for (const std::int64_t n : numbers) text += std::to_string(n) + between;

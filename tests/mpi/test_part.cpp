@@ -119,7 +119,7 @@ TEST(Part, TakenOutAndPutBackIsTheSame) {
   const auto taken = static_cast<std::size_t>(std::accumulate(marked.begin(), marked.end(), 0));
   EXPECT_EQ(out.mesh.tets.size(), taken);
   EXPECT_EQ(part.mesh.tets.size(), marked.size() - taken);
-  absorb(part, out);
+  merge(part, out);
   EXPECT_EQ(contents(part), before);
 }
 
@@ -151,7 +151,7 @@ TEST(Part, HeldAreTheSurfaceListsAndFrozenRegions) {
   EXPECT_EQ(held_vertices(mesh, {region}), expected);
   std::vector<std::uint8_t> one(mesh.points.size(), 0);
   one[static_cast<std::size_t>(mesh.tets[5][2])] = 1;
-  const auto around = tets_around(mesh, one);
+  const auto around = tets_touching(mesh, one);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     const auto& tet = mesh.tets[t];
     EXPECT_EQ(around[t] != 0, std::find(tet.begin(), tet.end(), mesh.tets[5][2]) != tet.end());

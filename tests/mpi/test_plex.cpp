@@ -29,9 +29,9 @@ double all(double value) {
   return value;
 }
 
-double measure(DM dm, PetscInt point, PetscReal* centre) {
+double measure(DM dm, PetscInt point, PetscReal* center) {
   PetscReal size = 0;
-  check(DMPlexComputeCellGeometryFVM(dm, point, &size, centre, nullptr));
+  check(DMPlexComputeCellGeometryFVM(dm, point, &size, center, nullptr));
   return static_cast<double>(size);
 }
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "curved.hpp"
-#include "driver/alternate.hpp"
-#include "driver/slide_on.hpp"
+#include "driver/distributed_interface.hpp"
+#include "driver/optimize_on.hpp"
 #include "emulation/emulation.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
@@ -16,8 +16,8 @@
 namespace tetune {
 namespace {
 
-using par::DeviceMemory;
-using par::Emulation;
+using backend::DeviceMemory;
+using backend::Emulation;
 
 struct Case {
   std::string name;
@@ -132,14 +132,14 @@ TEST_P(EmulationAgainstCpu, Agrees) {
 INSTANTIATE_TEST_SUITE_P(All, EmulationAgainstCpu, testing::ValuesIn(cases()),
                          [](const auto& one) { return one.param.name; });
 
-/// The most that crosses between two looks of the caller.
+/// The maximum number of bytes that cross between two calls of the progress callback.
 DeviceMemory::Traffic most_between_looks(const TetMesh& mesh, const Options& options) {
   const Emulation gpu(1);
   DeviceMemory::Traffic most, before;
   bool running = false;
   Context context;
   context.progress = [&](const Progress&) {
-    const DeviceMemory::Traffic& now = gpu.memory().traffic();
+    const DeviceMemory::Traffic& now = gpu.device_memory().traffic();
     if (running) {
       most.uploads = std::max(most.uploads, now.uploads - before.uploads);
       most.downloads = std::max(most.downloads, now.downloads - before.downloads);
@@ -175,8 +175,8 @@ TEST(Transfers, TheMeshCrossesAFewTimes) {
   const Emulation gpu(1);
   optimize_on(gpu, m, {}, {});
   const std::size_t bytes = mesh.points.size() * sizeof(Point3) + mesh.tets.size() * sizeof(mesh.tets[0]);
-  EXPECT_LT(gpu.memory().traffic().bytes_up, 3 * bytes);
-  EXPECT_LT(gpu.memory().traffic().bytes_down, 3 * bytes);
+  EXPECT_LT(gpu.device_memory().traffic().bytes_up, 3 * bytes);
+  EXPECT_LT(gpu.device_memory().traffic().bytes_down, 3 * bytes);
 }
 
 TEST(EmulationMemory, TheEstimateIsEnoughAndNotFarAbove) {
@@ -189,7 +189,7 @@ TEST(EmulationMemory, TheEstimateIsEnoughAndNotFarAbove) {
       TetMesh m = mesh;
       const Emulation gpu(1);
       optimize_on(gpu, m, options, {});
-      const std::size_t peak = gpu.memory().pool().peak();
+      const std::size_t peak = gpu.device_memory().pool().peak();
       const std::size_t needed = memory_needed_on_device(mesh, options);
       EXPECT_GT(needed, peak);
       // But for the 4 MiB that are for small meshes.
@@ -218,19 +218,19 @@ TEST(EmulationMemory, APoolAsLargeAsItsPeakDoesAndASmallerOneLeavesTheMeshAsItWa
   {
     const Emulation gpu(1);
     optimize_on(gpu, after, options, {});
-    peak = gpu.memory().pool().peak();
-    EXPECT_EQ(gpu.memory().pool().in_use(), 0U);
+    peak = gpu.device_memory().pool().peak();
+    EXPECT_EQ(gpu.device_memory().pool().in_use(), 0U);
   }
   TetMesh exact = before;
   optimize_on(Emulation(1, peak), exact, options, {});
   expect_same(exact, after);
-  for (const std::size_t size : {std::size_t{0}, peak / 4, peak / 2, peak - par::Pool::kAlignment}) {
+  for (const std::size_t size : {std::size_t{0}, peak / 4, peak / 2, peak - backend::Pool::kAlignment}) {
     TetMesh m = before;
     try {
       optimize_on(Emulation(1, size), m, options, {});
       FAIL() << size << " of " << peak;
     } catch (const DeviceError& e) {
-      EXPECT_NE(std::string(e.what()).find("--device cpu"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("device=cpu"), std::string::npos) << e.what();
     }
     expect_same(m, before);
   }

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "constrained.hpp"
-#include "core/types.hpp"
+#include "mesh/tet.hpp"
 #include "meshes.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/validate.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run while it lasts: what it tells its caller, and what the caller may ask of it.
+// Progress, cancellation and warnings of a run.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parallel method against the sequential one it must match or beat.
+// Compares the parallel method with the sequential baseline.
 #include <gtest/gtest.h>
 
 #include "meshes.hpp"
@@ -12,7 +12,7 @@
 namespace tetune {
 namespace {
 
-TEST(OrderedFlips, MakeAValidMeshOfTheEnergyTheyClaim) {
+TEST(OrderedFlips, ProduceAValidMeshOfTheReportedEnergy) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     TetMesh m = test::sheared(test::scrambled(test::two_materials(6, 0.15), 3, seed), seed == 2 ? 2.5 : 0);
     const double before = quality(m).eta_sum;
@@ -22,7 +22,7 @@ TEST(OrderedFlips, MakeAValidMeshOfTheEnergyTheyClaim) {
     EXPECT_NEAR(quality(m).eta_sum, before - r.decrease, 1e-9 * before);
     EXPECT_NEAR(quality(m).volume, volume, 1e-12);
     EXPECT_GT(r.flips23 + r.flips32, 100);
-    // Nothing is left for either method.
+    // Neither method finds another flip.
     EXPECT_EQ(reference::flip_in_order(m).flips32, 0);
     Options options;
     options.max_iterations = 0;
@@ -33,7 +33,7 @@ TEST(OrderedFlips, MakeAValidMeshOfTheEnergyTheyClaim) {
   }
 }
 
-TEST(OrderedFlips, EndCloseToTheParallelOnes) {
+TEST(OrderedFlips, EndCloseToTheParallelFlips) {
   TetMesh sequential = read_mesh(TETUNE_DATA "/bracket.meshb");
   TetMesh parallel = sequential;
   reference::flip_in_order(sequential);
@@ -47,12 +47,12 @@ TEST(OrderedFlips, EndCloseToTheParallelOnes) {
   EXPECT_NEAR(quality(sequential).eta_sum, quality(parallel).eta_sum, 0.005 * quality(parallel).eta_sum);
 }
 
-TEST(Alexa, StaysOnTheSurfaceAndEndsAboveOurEnergy) {
+TEST(Alexa, StaysOnTheSurfaceAndEndsAboveTheEnergyOfOptimize) {
   const TetMesh before = test::scrambled(test::cube(6, 0.2), 2);
   const auto run = [&before](reference::AlexaEnd end) {
     TetMesh mesh = before;
     const reference::AlexaReport r = reference::optimize(mesh, end);
-    // Rounding decides whether the last flips ever stop.
+    // Whether the last flips end depends on rounding.
     EXPECT_TRUE(r.finished || (end == reference::AlexaEnd::descended && r.iterations.size() == 1000));
     EXPECT_TRUE(validate(mesh).ok());
     EXPECT_LT(r.energy_after, r.energy_before);
@@ -70,8 +70,8 @@ TEST(Alexa, StaysOnTheSurfaceAndEndsAboveOurEnergy) {
   EXPECT_LT(optimize(ours, options).energy_after, first.energy_after);
 }
 
-// Curved ground: reprojection can all but flatten a tetrahedron, which would hold up every step after it.
-TEST(Alexa, LeavesNothingWorseThanItFound) {
+// On a curved surface projection can make a tetrahedron nearly flat, which would prevent every later step.
+TEST(Alexa, DoesNotLowerTheWorstQuality) {
   const TetMesh before = read_mesh(TETUNE_DATA "/bracket.meshb");
   TetMesh after = before;
   const reference::AlexaReport r = reference::optimize(after);

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "curved.hpp"
-#include "driver/slide_on.hpp"
+#include "driver/distributed_interface.hpp"
 #include "energy_watch.hpp"
 #include "tetune/io.hpp"
 #include "tetune/optimize.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 using test::SkinFace;
 
-/// Patches on the boundary: tag by the octant's x of the triangle's centre; faces near z = 0 of the box untagged.
+/// Patches on the boundary: tag by the octant's x of the triangle's centroid; faces near z = 0 of the box untagged.
 TetMesh with_patches(TetMesh m, double split) {
   for (const SkinFace& f : test::skin(m)) {
     const Vec3 c = (1.0 / 3) * (test::at(m, f.v[0]) + test::at(m, f.v[1]) + test::at(m, f.v[2]));

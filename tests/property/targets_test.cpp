@@ -21,7 +21,9 @@ TargetReport run(TetMesh& mesh, Target target, Options options = {}) {
   return report.targets.at(0);
 }
 
-std::int64_t held(const TargetReport& r, Pin pin) { return r.pinned[static_cast<std::size_t>(pin)]; }
+std::int64_t held(const TargetReport& r, LimitingConstraint constraint) {
+  return r.held_by[static_cast<std::size_t>(constraint)];
+}
 
 TEST(Targets, MissedAreThoseWhoseMeasureIsWorse) {
   const Target targets[] = {{Measure::min_dihedral, 40},  {Measure::max_dihedral, 100}, {Measure::mean_ratio, 0.8},
@@ -44,7 +46,7 @@ TEST(Targets, MissedAreThoseWhoseMeasureIsWorse) {
     EXPECT_EQ(r.missed, static_cast<std::int64_t>(missed.size()));
     EXPECT_EQ(r.tets, static_cast<std::int64_t>(m.tets.size()));
     EXPECT_FALSE(r.met());
-    EXPECT_EQ(std::accumulate(r.pinned.begin(), r.pinned.end(), std::int64_t{0}), r.missed);
+    EXPECT_EQ(std::accumulate(r.held_by.begin(), r.held_by.end(), std::int64_t{0}), r.missed);
     ASSERT_EQ(r.worst.size(), missed.size());
     for (std::size_t i = 0; i < missed.size(); ++i) {
       EXPECT_EQ(r.worst[i].tet, missed[i].second);
@@ -63,12 +65,12 @@ TEST(Targets, MissedAreThoseWhoseMeasureIsWorse) {
 TEST(Targets, OnlyTheWorstAreListed) {
   TetMesh m = test::cube(8, 0.2);
   const TargetReport r = run(m, {Measure::min_dihedral, 70.5});
-  EXPECT_GT(r.missed, 2 * static_cast<std::int64_t>(kMostMissed));
-  ASSERT_EQ(r.worst.size(), kMostMissed);
+  EXPECT_GT(r.missed, 2 * static_cast<std::int64_t>(kMaxMissed));
+  ASSERT_EQ(r.worst.size(), kMaxMissed);
   std::vector<double> angles;
   for (const Measures& each : measure_each(m)) angles.push_back(each[static_cast<std::size_t>(Measure::min_dihedral)]);
   std::sort(angles.begin(), angles.end());
-  for (std::size_t i = 0; i < kMostMissed; ++i) EXPECT_EQ(r.worst[i].value, angles[i]);
+  for (std::size_t i = 0; i < kMaxMissed; ++i) EXPECT_EQ(r.worst[i].value, angles[i]);
 }
 
 /// A unit cube has no small angle of its own: what holds an element follows from where its vertices are.
@@ -79,11 +81,11 @@ TEST(Targets, TheStrongestConstraintIsNamed) {
     Options options;
     options.boundary = boundary;
     const TargetReport r = run(m, {Measure::min_dihedral, 70.5}, options);
-    ASSERT_LT(r.missed, static_cast<std::int64_t>(kMostMissed));
+    ASSERT_LT(r.missed, static_cast<std::int64_t>(kMaxMissed));
     for (const MissedTet& missed : r.worst) {
       int fixed = 0;
       int surface = 0;
-      Pin pin = Pin::none;
+      LimitingConstraint constraint = LimitingConstraint::none;
       for (const Index v : m.tets[static_cast<std::size_t>(missed.tet)]) {
         const Point3& p = m.points[static_cast<std::size_t>(v)];
         int sides = 0;
@@ -95,26 +97,30 @@ TEST(Targets, TheStrongestConstraintIsNamed) {
         surface += planes > 0 ? 1 : 0;
         const bool is_fixed = is_frozen || planes == 3 || (planes > 0 && boundary == Boundary::fixed);
         fixed += is_fixed ? 1 : 0;
-        const Pin mine = is_frozen                           ? Pin::frozen_vertex
-                         : planes == 0                       ? Pin::none
-                         : boundary == Boundary::fixed       ? (interface ? Pin::interface : Pin::boundary)
-                         : planes == 3                       ? Pin::feature_corner
-                         : planes == 2                       ? Pin::feature_line
-                         : interface                         ? Pin::interface
-                                                             : Pin::boundary;
-        pin = std::min(pin, mine);
+        const LimitingConstraint mine = is_frozen                           ? LimitingConstraint::frozen_vertex
+                         : planes == 0                       ? LimitingConstraint::none
+                         : boundary == Boundary::fixed       ? (interface ? LimitingConstraint::interface : LimitingConstraint::boundary)
+                         : planes == 3                       ? LimitingConstraint::feature_corner
+                         : planes == 2                       ? LimitingConstraint::feature_line
+                         : interface                         ? LimitingConstraint::interface
+                                                             : LimitingConstraint::boundary;
+        constraint = std::min(constraint, mine);
       }
       if (fixed == 4) {
-        pin = Pin::fixed_vertices;
+        constraint = LimitingConstraint::fixed_vertices;
       } else if (surface == 4) {
-        pin = Pin::surface_element;
+        constraint = LimitingConstraint::surface_element;
       }
-      EXPECT_EQ(missed.pin, pin) << to_string(missed.pin) << " for " << to_string(pin) << ", tetrahedron "
-                                 << missed.tet;
+      EXPECT_EQ(missed.held_by, constraint)
+          << to_string(missed.held_by) << " for " << to_string(constraint) << ", tetrahedron " << missed.tet;
     }
-    for (const Pin pin : {Pin::frozen_vertex, Pin::interface, Pin::boundary}) EXPECT_GT(held(r, pin), 0);
-    EXPECT_EQ(held(r, Pin::surface_angle), 0);
-    EXPECT_GT(held(r, boundary == Boundary::fixed ? Pin::fixed_vertices : Pin::feature_line), 0);
+    for (const LimitingConstraint constraint :
+         {LimitingConstraint::frozen_vertex, LimitingConstraint::interface, LimitingConstraint::boundary})
+      EXPECT_GT(held(r, constraint), 0);
+    EXPECT_EQ(held(r, LimitingConstraint::surface_angle), 0);
+    EXPECT_GT(
+        held(r, boundary == Boundary::fixed ? LimitingConstraint::fixed_vertices : LimitingConstraint::feature_line),
+        0);
   }
 }
 
@@ -125,10 +131,10 @@ TEST(Targets, RequiredElementsAndFrozenRegionsAreLocked) {
   options.frozen_regions = {2};
   const TargetReport r = run(m, {Measure::min_dihedral, 70.5}, options);
   ASSERT_EQ(m.tet_tags[static_cast<std::size_t>(m.required_tets[0])], 1);
-  EXPECT_EQ(held(r, Pin::locked_element), 1 + std::count(m.tet_tags.begin(), m.tet_tags.end(), 2));
+  EXPECT_EQ(held(r, LimitingConstraint::locked_element), 1 + std::count(m.tet_tags.begin(), m.tet_tags.end(), 2));
   for (const MissedTet& missed : r.worst) {
     const bool locked = m.tet_tags[static_cast<std::size_t>(missed.tet)] == 2 || missed.tet == m.required_tets[0];
-    EXPECT_EQ(missed.pin == Pin::locked_element, locked);
+    EXPECT_EQ(missed.held_by == LimitingConstraint::locked_element, locked);
   }
 }
 
@@ -151,15 +157,15 @@ TEST(Targets, TheAngleOfTheSurfaceIsTheProof) {
         int at[3] = {0, 0, 0};
         for (const Index v : m.tets[static_cast<std::size_t>(missed.tet)]) ++at[on_line(v)];
         const bool sharp = at[1] == 2 || at[2] == 2;
-        EXPECT_EQ(missed.pin == Pin::surface_angle, sharp && angle > wedge);
-        if (missed.pin != Pin::surface_angle) continue;
+        EXPECT_EQ(missed.held_by == LimitingConstraint::surface_angle, sharp && angle > wedge);
+        if (missed.held_by != LimitingConstraint::surface_angle) continue;
         EXPECT_NEAR(missed.surface_angle, wedge, 1e-10);
         EXPECT_NE(on_line(missed.edge[0]), 0);
         EXPECT_EQ(on_line(missed.edge[0]), on_line(missed.edge[1]));
         const auto& tet = m.tets[static_cast<std::size_t>(missed.tet)];
         for (const Index v : missed.edge) EXPECT_EQ(std::count(tet.begin(), tet.end(), v), 1);
       }
-      EXPECT_EQ(held(r, Pin::surface_angle) > 0, angle > wedge);
+      EXPECT_EQ(held(r, LimitingConstraint::surface_angle) > 0, angle > wedge);
     }
   }
 }
@@ -169,13 +175,13 @@ TEST(Targets, TheAngleOfTheSurfaceIsTheProof) {
 TEST(Targets, TheAngleBoundsMoreThanAngles) {
   for (const Measure measure : {Measure::mean_ratio, Measure::sicn, Measure::harmonic}) {
     TetMesh m = test::one_tet();
-    EXPECT_EQ(run(m, {measure, 0.9687}).worst.at(0).pin, Pin::surface_angle) << to_string(measure);
-    EXPECT_EQ(run(m, {measure, 0.9685}).worst.at(0).pin, Pin::fixed_vertices) << to_string(measure);
+    EXPECT_EQ(run(m, {measure, 0.9687}).worst.at(0).held_by, LimitingConstraint::surface_angle) << to_string(measure);
+    EXPECT_EQ(run(m, {measure, 0.9685}).worst.at(0).held_by, LimitingConstraint::fixed_vertices) << to_string(measure);
   }
   TetMesh m = test::one_tet();
-  EXPECT_EQ(run(m, {Measure::min_dihedral, 54.74}).worst.at(0).pin, Pin::surface_angle);
+  EXPECT_EQ(run(m, {Measure::min_dihedral, 54.74}).worst.at(0).held_by, LimitingConstraint::surface_angle);
   EXPECT_TRUE(run(m, {Measure::min_dihedral, 54.73}).met());
-  EXPECT_EQ(run(m, {Measure::gamma, 1}).worst.at(0).pin, Pin::fixed_vertices);
+  EXPECT_EQ(run(m, {Measure::gamma, 1}).worst.at(0).held_by, LimitingConstraint::fixed_vertices);
 }
 
 TEST(Targets, NoElementDoesBetterThanItsAngleAllows) {
@@ -209,11 +215,11 @@ TEST(Targets, ChangeNothingAndAreTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(m.points, plain.points);
     EXPECT_EQ(m.tets, plain.tets);
     if (threads == 1) first = r;
-    EXPECT_EQ(r.pinned, first.pinned);
+    EXPECT_EQ(r.held_by, first.held_by);
     ASSERT_EQ(r.worst.size(), first.worst.size());
     for (std::size_t i = 0; i < r.worst.size(); ++i) {
       EXPECT_EQ(r.worst[i].tet, first.worst[i].tet);
-      EXPECT_EQ(r.worst[i].pin, first.worst[i].pin);
+      EXPECT_EQ(r.worst[i].held_by, first.worst[i].held_by);
     }
   }
 }

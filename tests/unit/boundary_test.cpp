@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+// Classification of vertices whose surface is preserved; closest points on triangles.
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "boundary/classify.inl"
-#include "boundary/closest_triangle.hpp"
+#include "boundary/surface_corners.hpp"
 #include "meshes.hpp"
+#include "quality/closest_triangle.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -14,7 +15,7 @@
 namespace tetune {
 namespace {
 
-/// Counts of where vertices may go, without moving any.
+/// The report of a run that moves no vertex: it counts the vertices by degrees of freedom.
 Report classify(TetMesh mesh, Boundary boundary = Boundary::preserve) {
   Options options;
   options.boundary = boundary;
@@ -76,8 +77,8 @@ TEST(Classification, BordersBetweenPatchTagsAreLines) {
   EXPECT_EQ(r.plane_vertices, 54 - 3);
 }
 
-TEST(Classification, AmongSeveralListingsOfAFaceTheLastTagHolds) {
-  // The face z = 0 is tagged 5 all over, but for one triangle in its middle.
+TEST(Classification, TheLastTagOfAFaceListedRepeatedlyCounts) {
+  // The face z = 0 has tag 5 except for one triangle in its middle.
   const auto planes = [](const std::vector<int>& tags_of_the_one) {
     TetMesh m = test::cube(4);
     const auto id = [](int i, int j) { return static_cast<Index>(j * 5 + i); };
@@ -105,7 +106,7 @@ TEST(Classification, AmongSeveralListingsOfAFaceTheLastTagHolds) {
   EXPECT_EQ(planes({5, 6, 0}), 51);
 }
 
-TEST(Classification, CornersHoldUnlessTheListIsNoneOfCorners) {
+TEST(Classification, ListedCornersAreFixedUnlessTheListIsExhaustive) {
   TetMesh m = test::cube(4);
   m.corners = {6, 1};  // inside the face z = 0, and on the edge y = z = 0
   Report r = classify(m);
@@ -161,7 +162,7 @@ TEST(Classification, ATriangleInsideConstrainsIfTagged) {
   EXPECT_EQ(r.free_vertices, 24);
 }
 
-TEST(Classification, SidesOfOtherElementsStayWithoutTags) {
+TEST(Classification, SidesOfOtherElementsRemainWithoutTags) {
   TetMesh m = test::cube(4);
   // A prism on a face of the cube's top.
   const auto id = [](int i, int j, int k) { return static_cast<Index>((k * 5 + j) * 5 + i); };
@@ -202,13 +203,13 @@ TEST(Classification, ASheetThinnerThanTheToleranceKeepsItsShape) {
   EXPECT_TRUE(validate(m).ok());
 }
 
-TEST(Surface, IsRefusedWhereItsCornersHaveNoNumbers) {
-  EXPECT_NO_THROW(classify_detail::check_surface_size(1'431'655'765));
-  EXPECT_THROW(classify_detail::check_surface_size(1'431'655'766), MeshError);
+TEST(Surface, IsRejectedWhereItsCornersExceed32Bits) {
+  EXPECT_NO_THROW(check_surface_size(1'431'655'765));
+  EXPECT_THROW(check_surface_size(1'431'655'766), MeshError);
 }
 
-TEST(ClosestTriangle, OfATriangleWithoutAreaIsOnItsEdges) {
-  // Where two of its vertices coincide, rounding may give it a normal.
+TEST(ClosestTriangle, OfADegenerateTriangleIsOnItsEdges) {
+  // Where two vertices coincide, rounding may produce a normal.
   std::mt19937 random(5);
   const auto u = [&random] { return static_cast<double>(random()) / 4294967296.0; };
   for (int i = 0; i < 1000; ++i) {
@@ -224,7 +225,7 @@ TEST(ClosestTriangle, OfATriangleWithoutAreaIsOnItsEdges) {
   }
 }
 
-TEST(ClosestTriangle, AgreesWithEveryTriangleTried) {
+TEST(ClosestTriangle, EqualsTheMinimumOverAllTriangles) {
   std::mt19937 random(3);
   const auto u = [&random] { return static_cast<double>(random()) / 4294967296.0; };
   std::vector<TrianglePoints> triangles;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Named data follow their vertices and elements.
+// Named data of vertices and elements through optimize().
 #include "tetune/data.hpp"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ TEST(Data, InsertedVerticesTakeLinearFieldsExactlyAndIntegersFromTheNearest) {
   std::size_t inserted = 0;
   for (std::size_t v = 0; v < m.points.size(); ++v) {
     const Point3& p = m.points[v];
-    const auto inner = [](double x) { return x > 0.1 && x < 0.6; };  // neighbours of each other too
+    const auto inner = [](double x) { return x > 0.1 && x < 0.6; };  // some are neighbors of each other
     if (!inner(p[0]) || !inner(p[1]) || !inner(p[2])) continue;
     vertex2original[v] = -1;
     ++inserted;
@@ -73,7 +73,7 @@ TEST(Data, InsertedVerticesTakeValuesInAnyUnit) {
   }
 }
 
-TEST(Data, EntriesThatAreNotThereAreRefused) {
+TEST(Data, MissingEntriesAreRefused) {
   EXPECT_THROW(take_entries({{"short", 2, std::vector<float>(5)}}, {0, 1, 2}), MeshError);
   EXPECT_THROW(take_entries({{"none", 0, std::vector<float>(5)}}, {0}), MeshError);
   EXPECT_THROW(take_entries({{"fewer", -1, std::vector<float>(5)}}, {0}), MeshError);
@@ -95,7 +95,7 @@ TEST(Data, LengthsAreValidated) {
 
 TEST(Data, FollowsVerticesAndElements) {
   TetMesh m = two_materials(6, 0.3);
-  // Triangles of the interface carry their number as their tag; one without a tag lies inside a region and is dropped.
+  // Triangles of the interface have their position as their tag; the untagged one is inside a region and is dropped.
   m.triangles.clear();
   for (const auto& tet : m.tets) {
     std::vector<Index> on;
@@ -131,7 +131,7 @@ TEST(Data, FollowsVerticesAndElements) {
   EXPECT_EQ(ints(m.edge_data[0]), (std::vector<std::int32_t>{0, 2}));
 }
 
-/// Two tetrahedra and one of their triangles, with a field and numbers of regions.
+/// Two tetrahedra and one of their triangles, with a field and region numbers.
 TetMesh with_regions() {
   TetMesh m = two_tets(0.5);
   m.triangles = {{m.tets[0][0], m.tets[0][1], m.tets[0][2]}};
@@ -141,7 +141,7 @@ TetMesh with_regions() {
   return m;
 }
 
-TEST(DataAsTags, TheyAreDataStillAndSoAreTheTagsBefore) {
+TEST(DataAsTags, NewAndPreviousTagsAreKeptAsData) {
   TetMesh m = with_regions();
   m.cell_tags_name = "refs";
   use_as_tags(m, "material");
@@ -154,7 +154,7 @@ TEST(DataAsTags, TheyAreDataStillAndSoAreTheTagsBefore) {
   EXPECT_EQ(ints(m.tet_data[2]), (std::vector<std::int32_t>{1, 2}));
   ASSERT_EQ(m.triangle_data.size(), 1U);
   EXPECT_EQ(ints(m.triangle_data[0]), (std::vector<std::int32_t>{4}));
-  // And back, under a name that is free.
+  // The reverse, with a new name for the previous tags.
   use_as_tags(m, "refs:before");
   EXPECT_EQ(m.tet_tags, (std::vector<int>{1, 2}));
   EXPECT_EQ(m.triangle_tags, (std::vector<int>{4}));
@@ -162,7 +162,7 @@ TEST(DataAsTags, TheyAreDataStillAndSoAreTheTagsBefore) {
   EXPECT_EQ(m.tet_data[3].name, "refs:before:before");
 }
 
-TEST(DataAsTags, WithoutTagsBeforeThereIsNoNewData) {
+TEST(DataAsTags, WithoutPreviousTagsThereIsNoNewData) {
   TetMesh m = with_regions();
   m.tet_tags = {0, 0};
   m.triangle_tags = {0};
@@ -173,26 +173,26 @@ TEST(DataAsTags, WithoutTagsBeforeThereIsNoNewData) {
   EXPECT_TRUE(m.triangle_data.empty());
 }
 
-TEST(DataAsTags, OthersAreRefusedAndNothingChanges) {
+TEST(DataAsTags, InvalidDataAreRefusedWithoutChange) {
   const TetMesh sound = with_regions();
-  const auto refused = [&](TetMesh m, const char* name, const char* said) {
+  const auto refused = [&](TetMesh m, const char* name, const char* expected) {
     const TetMesh before = m;
     try {
       use_as_tags(m, name);
       ADD_FAILURE() << name;
     } catch (const OptionError& e) {
-      EXPECT_NE(std::string(e.what()).find(said), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find(expected), std::string::npos) << e.what();
     }
     EXPECT_EQ(m.tet_tags, before.tet_tags);
     EXPECT_EQ(m.tet_data.size(), before.tet_data.size());
   };
   refused(sound, "Material", "heat, material");
-  refused(sound, "heat", "it holds 0.5");
+  refused(sound, "heat", "it contains 0.5");
   TetMesh m = sound;
   m.tet_data[1] = {"material", 1, std::vector<std::int64_t>{7, std::int64_t{1} << 40}};
-  refused(m, "material", "32 bits");
+  refused(m, "material", "32-bit integer");
   m.tet_data[1] = {"material", 3, std::vector<std::int32_t>{1, 1, 1, 2, 2, 2}};
-  refused(m, "material", "3 numbers a cell");
+  refused(m, "material", "3 numbers per cell");
   m = sound;
   m.groups = {{3, 1, "steel", {1}}};
   refused(m, "material", "named groups");

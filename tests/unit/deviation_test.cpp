@@ -5,9 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "boundary/closest_triangle.hpp"
+#include "boundary/sliding/deviation_bound.hpp"
+#include "boundary/sliding/trace.hpp"
+#include "quality/closest_triangle.hpp"
 #include "surface.hpp"
-#include "surface/deviation.hpp"
 
 namespace tetune {
 namespace {
@@ -20,54 +21,56 @@ using test::height_field_with_line;
 using test::random_vec;
 using test::TinySurface;
 using test::uniform;
+using Pack = backend::Cpu::Pack;
 
-/// A mesh surface of the reference's own triangles whose vertices have slid.
+/// A mesh surface with the triangles of the reference, whose vertices have moved.
 struct SlidSurface {
   const TinySurface& s;
   std::vector<Point> points;
-  std::vector<Site> sites;
+  std::vector<SurfacePoint> surface_points;
   explicit SlidSurface(const TinySurface& surface) : s(surface), points(surface.points) {
-    for (std::size_t v = 0; v < points.size(); ++v) sites.push_back({SiteKind::vertex, static_cast<Index>(v)});
+    for (std::size_t v = 0; v < points.size(); ++v)
+      surface_points.push_back({SurfacePointKind::vertex, static_cast<Index>(v)});
   }
-  bool allows(Index v, const Landing& landing, double limit) const {
-    return DeviationBound(s.view(), {points.data(), static_cast<Size>(points.size())},
-                          {sites.data(), static_cast<Size>(sites.size())}, v, limit)
-        .allows(landing.at, landing.site);
+  bool allows(Index v, const TraceResult& end, double limit) const {
+    return DeviationBound<Pack>(s.view(), span_of(points), span_of(surface_points), v, limit)
+        .allows(end.position, end.surface_point);
   }
-  /// Calls f(vertex, where it may go) for each of `tries` random walks that leave the surface upright.
+  /// Calls f(vertex, end of the walk) for each of `tries` random walks that leave the surface upright.
   template <class F>
   void for_walks(int tries, double far, std::mt19937& random, const F& f) {
     for (int i = 0; i < tries; ++i) {
       const auto v = static_cast<Index>(random() % s.points.size());
-      if (s.kind[static_cast<std::size_t>(v)] == Mobility::fixed) continue;
-      const Landing landing = wander(v, far, random);
+      if (s.dof[static_cast<std::size_t>(v)] == VertexDof::fixed) continue;
+      const TraceResult end = wander(v, far, random);
       SlidSurface moved = *this;
-      moved.put(v, landing);
-      if (moved.upright()) f(v, landing);
+      moved.put(v, end);
+      if (moved.upright()) f(v, end);
       if (testing::Test::HasFatalFailure()) return;
     }
   }
-  /// A random walk of a few hops from where the vertex is.
-  Landing wander(Index v, double far, std::mt19937& random) const {
+  /// A random walk of a few steps from the position of the vertex.
+  TraceResult wander(Index v, double far, std::mt19937& random) const {
     const auto i = static_cast<std::size_t>(v);
-    Landing at{vec(points[i]), sites[i], 0, false};
-    for (int hop = 0; hop < 4; ++hop) {
-      const Primitive p = steepest(s.view(), s.kind[i], at.site, random_vec(random));
-      if (p.on.kind == SiteKind::none) continue;
-      at = advance(s.view(), s.kind[i], p, at.site, at.at, (1 / norm(descent(p))) * p.down, far * uniform(random));
+    TraceResult at{vec(points[i]), surface_points[i], 0, false};
+    for (int step = 0; step < 4; ++step) {
+      const SurfaceElement p = steepest(s.view(), s.dof[i], at.surface_point, random_vec(random));
+      if (p.on.kind == SurfacePointKind::none) continue;
+      at = advance(s.view(), s.dof[i], p, at.surface_point, at.position, (1 / norm(descent(p))) * p.descent,
+                   far * uniform(random));
     }
     return at;
   }
-  void put(Index v, const Landing& landing) {
-    points[static_cast<std::size_t>(v)] = point(landing.at);
-    sites[static_cast<std::size_t>(v)] = landing.site;
+  void put(Index v, const TraceResult& end) {
+    span_of(points)[v] = point(end.position);
+    span_of(surface_points)[v] = end.surface_point;
   }
   TrianglePoints triangle(std::size_t t, const std::vector<Point>& at) const {
     TrianglePoints p;
     for (std::size_t k = 0; k < 3; ++k) p[k] = vec(at[static_cast<std::size_t>(s.triangles[t].v[k])]);
     return p;
   }
-  /// Stays a graph over the plane, as a mesh of positive volumes below it would.
+  /// Whether the surface is a graph over the plane, as that of a mesh of positive volumes below it is.
   bool upright() const {
     for (std::size_t t = 0; t < s.triangles.size(); ++t) {
       const TrianglePoints p = triangle(t, points);
@@ -75,7 +78,7 @@ struct SlidSurface {
     }
     return true;
   }
-  /// Plain oracle: both surfaces sampled densely.
+  /// Plain oracle: the largest distance between dense samples of both surfaces.
   double distance() const {
     std::vector<TrianglePoints> now;
     std::vector<TrianglePoints> before;
@@ -89,23 +92,23 @@ struct SlidSurface {
  private:
   static double farthest(const std::vector<TrianglePoints>& from, const ClosestTriangle& to) {
     constexpr int kSamples = 8;
-    double most = 0;
+    double max2 = 0;
     for (const TrianglePoints& t : from) {
       for (int a = 0; a <= kSamples; ++a) {
         for (int b = 0; a + b <= kSamples; ++b) {
           const Vec3 p = t[0] + (static_cast<double>(a) / kSamples) * (t[1] - t[0]) +
                          (static_cast<double>(b) / kSamples) * (t[2] - t[0]);
-          most = std::max(most, to.distance2(p));
+          max2 = std::max(max2, to.distance2(p));
         }
       }
     }
-    return std::sqrt(most);
+    return std::sqrt(max2);
   }
 };
 
-TEST(SmallSet, FindsWhatSharesASlot) {
+TEST(SmallSet, FindsIdsOfTheSameHash) {
   SmallSet<100> set;
-  // 256 slots: all ids but the first few share theirs.
+  // Ids that are equal modulo 256 share a slot.
   const auto id = [](int i) { return static_cast<Index>(256 * (i / 4) + i % 4); };
   for (int i = 0; i < 100; ++i) {
     EXPECT_LT(set.find(id(i)), 0);
@@ -121,30 +124,30 @@ TEST(SmallSet, FindsWhatSharesASlot) {
   EXPECT_EQ(set.size(), 100);
 }
 
-/// Whether the look at all triangles of a vertex at once decides, and how.
-enum class Decision { close, far, open };
-Decision cover_of(const SlidSurface& mesh, Index v, const Landing& landing, double limit) {
+/// The decision of the fast test alone.
+enum class Decision { within, beyond, undecided };
+Decision fan_decision(const SlidSurface& mesh, Index v, const TraceResult& end, double limit) {
   const ReferenceView ref = mesh.s.view();
-  StarCover star(ref, {mesh.points.data(), static_cast<Size>(mesh.points.size())},
-                 {mesh.sites.data(), static_cast<Size>(mesh.sites.size())}, limit);
-  if (!star.take(v, landing.at)) return Decision::open;
-  const auto unknown = [](std::uint32_t, const Vec3&, const double*) { return Wedge::close; };
-  StarCover::Mask in_doubt = 0;
-  if (!star.is_close(landing.site, unknown, in_doubt)) return Decision::far;
-  return in_doubt == 0 ? Decision::close : Decision::open;
+  const TriangleDeviation wedges(ref, span_of(mesh.points), span_of(mesh.surface_points), v, limit);
+  SurfaceFan<Pack> fan;
+  if (!fan.build(ref, span_of(mesh.points), v, end.position)) return Decision::undecided;
+  FanMask undecided = 0;
+  FanDeviation<Pack> test(fan, ref, span_of(mesh.surface_points), wedges, limit);
+  if (!test.is_within(end.surface_point, undecided)) return Decision::beyond;
+  return undecided == 0 ? Decision::within : Decision::undecided;
 }
 
-TEST(StarCover, KeepsToTheBoundByItself) {
+TEST(FanDeviation, KeepsTheBoundAlone) {
   std::mt19937 random(11);
   for (const double limit : {0.02, 0.005}) {
     const TinySurface s = height_field(9, bumpy);
     SlidSurface mesh(s);
     int count[3] = {0, 0, 0};
-    mesh.for_walks(3000, 0.1, random, [&](Index v, const Landing& landing) {
-      const Decision decision = cover_of(mesh, v, landing, limit);
+    mesh.for_walks(3000, 0.1, random, [&](Index v, const TraceResult& end) {
+      const Decision decision = fan_decision(mesh, v, end, limit);
       ++count[static_cast<int>(decision)];
-      if (decision != Decision::close) return;
-      mesh.put(v, landing);
+      if (decision != Decision::within) return;
+      mesh.put(v, end);
       if (count[0] % 10 == 0) {
         ASSERT_LE(mesh.distance(), limit);
       }
@@ -156,31 +159,31 @@ TEST(StarCover, KeepsToTheBoundByItself) {
   }
 }
 
-TEST(DeviationBound, LetsVerticesOfAPlaneGoAnywhere) {
+TEST(DeviationBound, DoesNotRestrictMotionInAPlane) {
   std::mt19937 random(7);
   const TinySurface s = height_field(6, flat);
   SlidSurface mesh(s);
   int moves = 0;
-  mesh.for_walks(2000, 0.05, random, [&](Index v, const Landing& landing) {
-    ASSERT_TRUE(mesh.allows(v, landing, 1e-9));
-    mesh.put(v, landing);
+  mesh.for_walks(2000, 0.05, random, [&](Index v, const TraceResult& end) {
+    ASSERT_TRUE(mesh.allows(v, end, 1e-9));
+    mesh.put(v, end);
     ++moves;
   });
   EXPECT_GT(moves, 500);
 }
 
-TEST(DeviationBound, HoldsBothWaysOnACurvedSurface) {
+TEST(DeviationBound, BoundsBothDistancesOfACurvedSurface) {
   std::mt19937 random(8);
   for (const double limit : {0.1, 0.02, 0.005, 0.001}) {
     const TinySurface s = height_field(7, bumpy);
     SlidSurface mesh(s);
     int allowed = 0;
     int refused = 0;
-    mesh.for_walks(3000, 0.1, random, [&](Index v, const Landing& landing) {
-      const bool fine = mesh.allows(v, landing, limit);
-      (fine ? allowed : refused) += 1;
-      if (!fine) return;
-      mesh.put(v, landing);
+    mesh.for_walks(3000, 0.1, random, [&](Index v, const TraceResult& end) {
+      const bool is_allowed = mesh.allows(v, end, limit);
+      (is_allowed ? allowed : refused) += 1;
+      if (!is_allowed) return;
+      mesh.put(v, end);
       if (allowed % 10 == 0) {
         ASSERT_LE(mesh.distance(), limit) << limit;
       }
@@ -192,29 +195,29 @@ TEST(DeviationBound, HoldsBothWaysOnACurvedSurface) {
   }
 }
 
-TEST(DeviationBound, HoldsAlongAFeatureLine) {
+TEST(DeviationBound, BoundsTheDistanceOfAFeatureLine) {
   std::mt19937 random(9);
-  // The line x = 1/2 over a fold of varying height: of a bent polyline every chord leaves something out.
+  // The line x = 1/2 over a fold of varying height: chords of a bent polyline deviate from it.
   const auto roof = [](double x, double y) { return 0.4 * std::fabs(x - 0.5) + 0.06 * std::sin(9 * y); };
   const TinySurface s = height_field_with_line(8, roof);
   for (const double limit : {0.05, 0.01, 0.003}) {
     SlidSurface mesh(s);
     int allowed[2] = {0, 0};
     int refused = 0;
-    mesh.for_walks(6000, 0.1, random, [&](Index v, const Landing& landing) {
-      if (!mesh.allows(v, landing, limit)) {
+    mesh.for_walks(6000, 0.1, random, [&](Index v, const TraceResult& end) {
+      if (!mesh.allows(v, end, limit)) {
         ++refused;
         return;
       }
-      mesh.put(v, landing);
-      ++allowed[s.kind[static_cast<std::size_t>(v)] == Mobility::curve ? 1 : 0];
+      mesh.put(v, end);
+      ++allowed[s.dof[static_cast<std::size_t>(v)] == VertexDof::curve ? 1 : 0];
     });
     EXPECT_LE(mesh.distance(), limit);
     EXPECT_GT(mesh.distance(), 0.2 * limit);
     EXPECT_GT(allowed[0], 50) << limit;
     EXPECT_GT(allowed[1], 10) << limit;
     EXPECT_GT(refused, 10) << limit;
-    // The line itself, both ways.
+    // Both distances of the line itself.
     const auto segments = [](const std::vector<Point>& p) {
       std::vector<TrianglePoints> all;
       for (std::size_t j = 0; j < 8; ++j) {
@@ -224,37 +227,37 @@ TEST(DeviationBound, HoldsAlongAFeatureLine) {
       return all;
     };
     double off = 0;
-    const auto look = [&](const std::vector<Point>& from, const std::vector<Point>& to) {
+    const auto measure = [&](const std::vector<Point>& from, const std::vector<Point>& to) {
       const ClosestTriangle line(segments(to));
       for (const TrianglePoints& p : segments(from)) {
         for (int k = 0; k <= 20; ++k) off = std::max(off, line.distance2(p[0] + (k / 20.0) * (p[1] - p[0])));
       }
     };
-    look(s.points, mesh.points);
-    look(mesh.points, s.points);
+    measure(s.points, mesh.points);
+    measure(mesh.points, s.points);
     EXPECT_LE(std::sqrt(off), limit);
   }
 }
 
-TEST(DeviationBound, CountsWhatItCannotDecideAsTooFar) {
-  // A star triangle without area has no heights.
+TEST(DeviationBound, RejectsWhatItCannotDecide) {
+  // Over a degenerate triangle heights are not defined.
   const TinySurface s = height_field(3, flat);
   const SlidSurface mesh(s);
-  const Landing onto_neighbour{vec(s.points[6]), {SiteKind::vertex, 6}, 0, true};
-  EXPECT_FALSE(mesh.allows(5, onto_neighbour, 100));
-  EXPECT_TRUE(mesh.allows(5, onto_neighbour, 0));  // no bound
-  // One large triangle over more small ones than there is room for.
+  const TraceResult onto_neighbor{vec(s.points[6]), {SurfacePointKind::vertex, 6}, 0, true};
+  EXPECT_FALSE(mesh.allows(5, onto_neighbor, 100));
+  EXPECT_TRUE(mesh.allows(5, onto_neighbor, 0));  // no bound
+  // One large triangle over more small ones than fit into the memory of a thread.
   const TinySurface fine = height_field(24, flat);
-  SlidSurface spread(fine);
-  const auto go = [&](Index v, Index to) {
-    spread.put(v, {vec(fine.points[static_cast<std::size_t>(to)]), {SiteKind::vertex, to}, 0, true});
+  SlidSurface stretched(fine);
+  const auto move = [&](Index v, Index to) {
+    stretched.put(v, {vec(fine.points[static_cast<std::size_t>(to)]), {SurfacePointKind::vertex, to}, 0, true});
   };
   const auto id = [](int i, int j) { return static_cast<Index>(j * 25 + i); };
-  go(id(12, 12), id(2, 2));
-  go(id(13, 12), id(22, 2));
-  EXPECT_FALSE(spread.allows(
-      id(13, 13), {vec(fine.points[static_cast<std::size_t>(id(12, 22))]), {SiteKind::vertex, id(12, 22)}, 0, true},
-      100));
+  move(id(12, 12), id(2, 2));
+  move(id(13, 12), id(22, 2));
+  EXPECT_FALSE(stretched.allows(
+      id(13, 13),
+      {vec(fine.points[static_cast<std::size_t>(id(12, 22))]), {SurfacePointKind::vertex, id(12, 22)}, 0, true}, 100));
 }
 
 }  // namespace

@@ -26,17 +26,17 @@ TEST(Devices, SystemsWithoutAGpuToUseAreToldApart) {
   no_driver.driver = 0;
   no_driver.devices = 0;
   no_driver.error = "CUDA driver version is insufficient for CUDA runtime version";  // what CUDA says then
-  expect_says(why_no_gpu(no_driver), {"no NVIDIA driver", "nvidia-smi", "--device cpu"});
+  expect_says(why_no_gpu(no_driver), {"no NVIDIA driver", "nvidia-smi", "device=cpu"});
 
   CudaSystem old_driver = no_driver;
   old_driver.driver = 11080;
-  expect_says(why_no_gpu(old_driver), {"too old", "11.8", "12.6", "newer driver", "--device cpu"});
+  expect_says(why_no_gpu(old_driver), {"too old", "11.8", "12.6", "newer driver", "device=cpu"});
 
   CudaSystem hidden = usable_system();
   hidden.devices = 0;
-  expect_says(why_no_gpu(hidden), {"none found", "CUDA_VISIBLE_DEVICES", "--device cpu"});
+  expect_says(why_no_gpu(hidden), {"none found", "CUDA_VISIBLE_DEVICES", "device=cpu"});
   hidden.error = "system not yet initialized";
-  expect_says(why_no_gpu(hidden), {"system not yet initialized", "--device cpu"});
+  expect_says(why_no_gpu(hidden), {"system not yet initialized", "device=cpu"});
 }
 
 TEST(Devices, OldGpusAndFullOnesAreRefusedWithTheNeed) {
@@ -47,10 +47,10 @@ TEST(Devices, OldGpusAndFullOnesAreRefusedWithTheNeed) {
   EXPECT_EQ(why_unusable(gpu, 1), "");
   gpu.major = 7;
   gpu.minor = 2;
-  expect_says(why_unusable(gpu, 1), {"Tesla T4", "7.2", "7.5", "--device cpu"});
+  expect_says(why_unusable(gpu, 1), {"Tesla T4", "7.2", "7.5", "device=cpu"});
 
   gpu = usable_gpu();
-  expect_says(why_unusable(gpu, std::size_t{15} << 30), {"Tesla T4", "15360 of its 16384 MiB", "--effort fast"});
+  expect_says(why_unusable(gpu, std::size_t{15} << 30), {"Tesla T4", "15360 of its 16384 MiB", "effort=fast"});
   // Beside the buffers there is the local memory of the threads.
   const std::size_t most = std::size_t{14} << 30;
   EXPECT_EQ(why_unusable(gpu, most), "");
@@ -86,7 +86,7 @@ TEST(Devices, WhatIsRefusedBeforehandIsRefused) {
   options.device = Device::cuda;
   const std::string why = why_not_on_cuda(m, options);
   if (why.empty()) GTEST_SKIP() << "there is a GPU";
-  expect_says(why, {"CUDA", "--device cpu"});
+  expect_says(why, {"CUDA", "device=cpu"});
   try {
     optimize(m, options);
     FAIL();

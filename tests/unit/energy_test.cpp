@@ -4,14 +4,14 @@
 #include <random>
 
 #include "energy/ring.hpp"
-#include "energy/ring_simd.hpp"
+#include "energy/simd_ring.hpp"
 
 namespace tetune {
 namespace {
 
 using Real = __float128;
 
-/// eta by its definition (Eq. 5), in 113 bits.
+/// eta by its definition (Eq. 5), in 113-bit arithmetic.
 Real plain_eta(const Vec3 p[4]) {
   const auto sub = [](const Vec3& a, const Vec3& b) {
     return std::array<Real, 3>{Real(a.x) - b.x, Real(a.y) - b.y, Real(a.z) - b.z};
@@ -36,7 +36,7 @@ Vec3 random_vec(std::mt19937& random) {
   return {u(), u(), u()};
 }
 
-/// Vertex 0 of a ring: the faces of a regular icosahedron around a moved centre, one of them pulled in by `depth`.
+/// A ring whose faces are those of a regular icosahedron with displaced vertices, without the first `drop` ones.
 struct Ring20 {
   std::vector<Point> points;
   std::vector<LinkFace> faces;
@@ -62,36 +62,36 @@ struct Ring20 {
     }
   }
   Span<const Point> span() const { return {points.data(), static_cast<Size>(points.size())}; }
-  PlainRing plain() const { return {kHarmonicLaw, span(), faces.data(), static_cast<Size>(faces.size())}; }
-  SimdRing simd() const { return {kHarmonicLaw, span(), faces.data(), static_cast<Size>(faces.size())}; }
+  PlainRing plain() const { return {kHarmonicObjective, span(), faces.data(), static_cast<Size>(faces.size())}; }
+  SimdRing simd() const { return {kHarmonicObjective, span(), faces.data(), static_cast<Size>(faces.size())}; }
 };
 
 TEST(HarmonicIndex, OfTheRegularTetrahedronWithUnitEdge) {
   // Four areas sqrt(3)/4, volume 1/(6 sqrt 2): eta = (4 * 3/16) * 6 sqrt 2.
   const double s = 1 / std::sqrt(2.0);
   const Vec3 p[4] = {{0.5, 0, -0.5 * s}, {-0.5, 0, -0.5 * s}, {0, 0.5, 0.5 * s}, {0, -0.5, 0.5 * s}};
-  const TetEnergy e = tet_energy(kHarmonicLaw, p[0], p[1], p[2], p[3]);
-  const TetEnergy turned = tet_energy(kHarmonicLaw, p[0], p[1], p[3], p[2]);
+  const TetEnergy e = tet_energy(kHarmonicObjective, p[0], p[1], p[2], p[3]);
+  const TetEnergy turned = tet_energy(kHarmonicObjective, p[0], p[1], p[3], p[2]);
   EXPECT_NE(e.certified, turned.certified);
   EXPECT_NEAR(e.certified ? e.energy : turned.energy, 4.5 * std::sqrt(2.0), 1e-14);
 }
 
-TEST(HarmonicIndex, OfAPackIsThatOfEachLaneToTheLastBit) {
+TEST(HarmonicIndex, OfAPackHasTheBitsOfEachLane) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> coordinate(-1, 1);
-  for (const EnergyLaw& law : {kHarmonicLaw, kShapeLaw, shape_law(2)}) {
+  for (const Objective& objective : {kHarmonicObjective, kShapeObjective, shape_objective(2)}) {
     for (int i = 0; i < 200; ++i) {
       std::vector<Point> points;
       for (int k = 0; k < 16; ++k)
         points.push_back(point({coordinate(random), coordinate(random), coordinate(random)}));
-      // Flat ones too: all in a plane, where rounding leaves the volume in doubt.
+      // Every fourth one is flat: the sign of the volume is uncertain.
       for (std::size_t k = 0; k < 4 && i % 4 == 0; ++k) points[k].z = 0.25 * points[k].x;
       const Span<const Point> all(points.data(), 16);
-      const auto corner = [&](Index k) { return gather<par::Pack>(all, {k, k + 4, k + 8, k + 12}); };
-      const TetEnergyT<par::Pack> pack = tet_energy(law, corner(0), corner(1), corner(2), corner(3));
+      const auto corner = [&](Index k) { return gather<backend::Pack4>(all, {k, k + 4, k + 8, k + 12}); };
+      const TetEnergyT<backend::Pack4> pack = tet_energy(objective, corner(0), corner(1), corner(2), corner(3));
       for (int l = 0; l < 4; ++l) {
         const auto at = [&](int k) { return vec(points[static_cast<std::size_t>(4 * l + k)]); };
-        const TetEnergy one = tet_energy(law, at(0), at(1), at(2), at(3));
+        const TetEnergy one = tet_energy(objective, at(0), at(1), at(2), at(3));
         EXPECT_EQ(pack.energy[l], one.energy);
         EXPECT_EQ(pack.certified[l] != 0, one.certified);
         EXPECT_EQ(pack.shape[l], one.shape);
@@ -108,7 +108,7 @@ TEST(HarmonicIndex, AgreesWithItsDefinition) {
   for (int i = 0; i < 2000; ++i) {
     Vec3 p[4];
     for (Vec3& v : p) v = random_vec(random);
-    const TetEnergy e = tet_energy(kHarmonicLaw, p[0], p[1], p[2], p[3]);
+    const TetEnergy e = tet_energy(kHarmonicObjective, p[0], p[1], p[2], p[3]);
     if (!e.certified) continue;
     ++positive;
     const double expected = static_cast<double>(plain_eta(p));
@@ -126,7 +126,7 @@ TEST(HarmonicIndex, OfSliversStaysWithinTheErrorOfTheVolume) {
       for (Vec3& v : p) v = v + 0.1 * Vec3{random_vec(random).x, random_vec(random).y, 0};
       const Orient o = orient(p[0], p[1], p[2], p[3]);
       if (o.det < 0) std::swap(p[2], p[3]);
-      const TetEnergy e = tet_energy(kHarmonicLaw, p[0], p[1], p[2], p[3]);
+      const TetEnergy e = tet_energy(kHarmonicObjective, p[0], p[1], p[2], p[3]);
       const double expected = static_cast<double>(plain_eta(p));
       EXPECT_TRUE(e.certified);
       EXPECT_NEAR(e.energy, expected, (4 * o.bound / std::fabs(o.det) + 1e-13) * expected);
@@ -134,9 +134,9 @@ TEST(HarmonicIndex, OfSliversStaysWithinTheErrorOfTheVolume) {
   }
 }
 
-TEST(HarmonicIndex, IsFiniteWhereTheVolumeIsLostInRounding) {
-  const TetEnergy e = tet_energy(kHarmonicLaw, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-17});
-  EXPECT_FALSE(tet_energy(kHarmonicLaw, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 0}).certified);
+TEST(HarmonicIndex, IsFiniteForAnUncertainVolume) {
+  const TetEnergy e = tet_energy(kHarmonicObjective, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-17});
+  EXPECT_FALSE(tet_energy(kHarmonicObjective, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 0}).certified);
   EXPECT_TRUE(std::isfinite(e.energy));
   EXPECT_GT(e.energy, 1e10);
 }
@@ -236,9 +236,9 @@ TEST(Ring, IsConvex) {
   }
 }
 
-TEST(Ring, DoubtfulVolumesGiveAFiniteModel) {
+TEST(Ring, UncertainVolumesGiveAFiniteModel) {
   Ring20 ring(5);
-  // x on the plane of one face, but for rounding.
+  // x is in the plane of one face up to rounding.
   const LinkFace f = ring.faces[7];
   const Vec3 x = (1.0 / 3) * (vec(ring.points[static_cast<std::size_t>(f.v[0])]) +
                               vec(ring.points[static_cast<std::size_t>(f.v[1])]) +

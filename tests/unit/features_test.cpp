@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where vertices may slide: features, walls, corners; lists that hold too much.
+// The degrees of freedom of sliding vertices: feature edges, corners, and lists that are not lists of features.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>
 
-#include "boundary/features.inl"
-#include "driver/working_set.inl"
+#include "boundary/classify.hpp"
+#include "boundary/edge_set.hpp"
+#include "boundary/sliding/features.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -32,27 +33,27 @@ void expect(const Report& r, std::int64_t fixed, std::int64_t curve, std::int64_
   EXPECT_EQ(r.plane_vertices + r.line_vertices, 0);
 }
 
-/// The kind of each vertex of a mesh without lists, and what lies across each edge.
+/// The reference surface of a mesh without lists, and the degrees of freedom of its vertices.
 struct Sliding {
   test::CpuMesh work;
-  Surface<par::Cpu> surface;
-  ReferenceSurface<par::Cpu> reference;
-  std::vector<Mobility> kind;
+  Surface<backend::Cpu> surface;
+  ReferenceSurface<backend::Cpu> reference;
+  std::vector<VertexDof> dof;
 
   explicit Sliding(const TetMesh& mesh, double feature_angle) : work(test::to_work(mesh)) {
-    const par::Cpu cpu(1);
+    const backend::Cpu cpu(1);
     build_adjacency(cpu, work);
     test::lock_interfaces(cpu, work, mesh);
     const ListedTriangles listed{};
-    par::Cpu::Buffer<Listed> state;
+    backend::Cpu::Buffer<Listed> state;
     build_surface(cpu, work, listed, state, surface);
-    const working_set_detail::EdgeSet<par::Cpu> none({}, work.vertices());
-    par::Cpu::Buffer<std::uint8_t> frozen;
-    frozen.upload(std::vector<std::uint8_t>(mesh.points.size(), kMovable));
-    par::Cpu::Buffer<Mobility> kinds(work.vertices());
-    build_reference(cpu, work, surface, none.ends.span(), none.view(), frozen.span(), feature_angle, kinds.span(),
+    const EdgeSet<backend::Cpu> none(cpu, {}, work.vertices());
+    backend::Cpu::Buffer<std::uint8_t> frozen;
+    frozen.upload(cpu, std::vector<std::uint8_t>(mesh.points.size(), kMovable));
+    backend::Cpu::Buffer<VertexDof> buffer(cpu, work.vertices());
+    build_reference(cpu, work, surface, none.ends.span(), none.view(), frozen.span(), feature_angle, buffer.span(),
                     reference);
-    kind = kinds.download();
+    dof = buffer.download();
   }
 };
 
@@ -61,7 +62,7 @@ Index id(int n, int i, int j, int k) { return static_cast<Index>((k * (n + 1) + 
 TEST(Features, OfACube) {
   expect(classify(test::cube(4)), 8, 36, 54, 27);
   expect(classify(test::cube(4), 89), 8, 36, 54, 27);
-  // Its edges turn by 90 degrees.
+  // The surface turns by 90 degrees at the edges of the cube.
   expect(classify(test::cube(4), 91), 0, 0, 98, 27);
   expect(classify(test::cube(4), 180), 0, 0, 98, 27);
 }
@@ -90,10 +91,10 @@ TEST(Features, OfATurnedAndStretchedCubeAreTheSame) {
   expect(classify(m), 8, 36, 54, 27);
 }
 
-TEST(Features, OfTwoMaterialsIncludeTheRimOfTheInterface) {
+TEST(Features, OfTwoMaterialsIncludeTheBorderOfTheInterface) {
   expect(classify(test::two_materials(4)), 8 + 4, 36 - 4 + 12, 54 - 12 + 9, 27 - 9);
-  // The rim is on three sheets whatever the angle: it ends nowhere and turns by 90 degrees at four places, which 180
-  // lets it.
+  // The border of the interface is on three sheets, so it is a feature for any angle. It is closed; its four turns by
+  // 90 degrees are within a feature angle of 180 degrees.
   expect(classify(test::two_materials(4), 180), 0, 16, 98 - 16 + 9, 27 - 9);
 }
 
@@ -106,14 +107,14 @@ TEST(Features, LinesKeepTheirOrder) {
   EXPECT_EQ(s.reference.line.span()[id(4, 1, 1, 0)].next[0], -1);
 }
 
-TEST(Features, WhatLiesAcrossIsMutual) {
+TEST(Features, AdjacencyAcrossEdgesIsSymmetric) {
   for (const double angle : {45.0, 180.0}) {
     const Sliding s(test::two_materials(4, 0.1), angle);
-    int walls = 0;
+    int features = 0;
     for (Size c = 0; c < s.reference.across.size(); ++c) {
       const Index other = s.reference.across.span()[c];
-      if (other == kWall) {
-        ++walls;
+      if (other == kFeatureEdge) {
+        ++features;
         continue;
       }
       EXPECT_EQ(s.reference.across.span()[other], c);
@@ -122,12 +123,12 @@ TEST(Features, WhatLiesAcrossIsMutual) {
       EXPECT_EQ(std::minmax(t.v[(c + 1) % 3], t.v[(c + 2) % 3]),
                 std::minmax(q.v[(other + 1) % 3], q.v[(other + 2) % 3]));
     }
-    // 16 rim edges with three sides each; the cube's own edges, 12 times 4, with two.
-    EXPECT_EQ(walls, 3 * 16 + (angle < 90 ? 2 * 48 : 0));
+    // 16 border edges with three triangles each; the edges of the cube, 12 times 4, with two.
+    EXPECT_EQ(features, 3 * 16 + (angle < 90 ? 2 * 48 : 0));
   }
 }
 
-/// A prism of `n` sides over a centre line, `layers` high; with a tip instead of a top.
+/// A prism of n sides around a center line, of the given number of layers; with `tip` it ends in an apex.
 TetMesh prism(int n, int layers, bool tip) {
   TetMesh m;
   for (int l = 0; l <= layers; ++l) {
@@ -142,7 +143,7 @@ TetMesh prism(int n, int layers, bool tip) {
   const auto axis = [n](int l) { return static_cast<Index>(l * (n + 1)); };
   for (int l = 0; l < layers; ++l) {
     for (int i = 0; i < n; ++i) {
-      // The wedge between two sides, by its vertices in ascending order: neighbours agree on the diagonals.
+      // The wedge between two sides, with its columns in ascending order, so that neighbors have the same diagonals.
       std::array<std::pair<Index, Index>, 3> column{
           {{axis(l), axis(l + 1)}, {at(l, i), at(l + 1, i)}, {at(l, i + 1), at(l + 1, i + 1)}}};
       std::sort(column.begin(), column.end());
@@ -164,26 +165,26 @@ TetMesh prism(int n, int layers, bool tip) {
   return test::with_tags(m);
 }
 
-TEST(Features, OfACylinderAreItsTwoRims) {
-  // 12 sides turn by 30 degrees each, and so do the rims at each vertex.
+TEST(Features, OfACylinderAreItsTwoCircles) {
+  // 12 sides turn by 30 degrees each, and so do the circles at each vertex.
   const TetMesh m = prism(12, 3, false);
   expect(classify(m), 0, 2 * 12, 2 * 12 + 2, 2);
-  // Below 30 degrees the sides are features too; where they meet the rims are corners.
+  // Below 30 degrees the edges between the sides are features too; they meet the circles in corners.
   expect(classify(m, 20), 2 * 12, 2 * 12, 2, 2);
   expect(classify(m, 180), 0, 0, 4 * 12 + 2, 2);
   // 6 sides turn by 60.
   expect(classify(prism(6, 3, false)), 2 * 6, 2 * 6, 2, 2);
 }
 
-TEST(Features, OfAConeAreItsRimAndNotItsTip) {
-  // The tip's edges turn by less than the angle: no feature ends there. A list of corners may name it.
+TEST(Features, OfAConeAreItsCircleAndNotItsApex) {
+  // The edges at the apex turn by less than the angle: no feature ends there. A list of corners may contain it.
   TetMesh m = prism(16, 3, true);
   expect(classify(m), 0, 16, 3 * 16 + 1 + 1, 3);
   m.corners = {static_cast<Index>(m.points.size() - 1)};
   expect(classify(m), 1, 16, 3 * 16 + 1, 3);
 }
 
-/// Two cubes of n^3 cells; vertices at the same place are one if `shared` says so.
+/// Two cubes of n^3 cells. Coincident vertices at p are merged if shared(p).
 template <class IsShared>
 TetMesh two_cubes(int n, const Point3& offset, const IsShared& shared) {
   TetMesh m = test::cube(n);
@@ -207,14 +208,14 @@ TetMesh two_cubes(int n, const Point3& offset, const IsShared& shared) {
   return test::with_tags(m);
 }
 
-TEST(Features, WhereCubesTouchAtAVertexItStays) {
+TEST(Features, AVertexSharedByTwoCubesIsFixed) {
   const TetMesh m = two_cubes(2, {1, 1, 1}, [](const Point3&) { return true; });
   ASSERT_EQ(m.points.size(), 2U * 27 - 1);
   EXPECT_EQ(classify(m).fixed_vertices, 15);
   expect(classify(m, 180), 1, 0, 2 * 25, 2);
 }
 
-TEST(Features, WhereCubesTouchAtAnEdgeItsVerticesSlideAlongIt) {
+TEST(Features, VerticesOfAnEdgeSharedByTwoCubesSlideAlongIt) {
   const TetMesh m = two_cubes(4, {1, 1, 0}, [](const Point3&) { return true; });
   ASSERT_EQ(m.points.size(), 2U * 125 - 5);
   const Report r = classify(m, 180);
@@ -233,8 +234,8 @@ TEST(Features, WhereCubesTouchAtAnEdgeItsVerticesSlideAlongIt) {
   }
 }
 
-TEST(Features, WhereTwoSheetsTouchAtOneVertexOfEachItStays) {
-  // Cubes that share the middle of a face, but not its neighbours: two closed fans at one vertex.
+TEST(Features, AVertexSharedByTwoSheetsIsFixed) {
+  // Cubes that share the middle vertex of a face alone: two closed fans at one vertex.
   const TetMesh m = two_cubes(2, {1, 0, 0}, [](const Point3& p) { return p[1] == 0.5 && p[2] == 0.5; });
   ASSERT_EQ(m.points.size(), 2U * 27 - 1);
   expect(classify(m, 180), 1, 0, 2 * 25, 2);
@@ -256,7 +257,8 @@ TetMesh with_patches(int n, const Tag& tag) {
 
 TEST(Features, BordersBetweenPatchesAreLines) {
   const TetMesh halves = with_patches(4, [](int i, int) { return i < 2 ? 5 : 6; });
-  // With 180 degrees the rim of the face is a line as well, between 5 or 6 and nothing: it meets the border twice.
+  // With 180 degrees the boundary of the face is a line as well, between tags 5 or 6 and no tag; it meets the border
+  // between the patches twice.
   expect(classify(halves), 8 + 2, 36 - 2 + 3, 54 - 3, 27);
   expect(classify(halves, 180), 2, 16 - 2 + 3, 98 - 16 - 3, 27);
   const TetMesh whole = with_patches(4, [](int, int) { return 5; });
@@ -281,19 +283,24 @@ TEST(Features, RidgesAreLinesWhateverTheAngle) {
   expect(classify(m, 180), 2, 6, 98 - 8, 27);
 }
 
-TEST(Features, ALineThroughTheInsideIsSlidAlong) {
+TEST(Features, VerticesOfATaggedLineInsideSlideAlongIt) {
   TetMesh m = test::cube(4);
   for (int i = 1; i < 3; ++i) m.edges.push_back({id(4, i, 2, 2), id(4, i + 1, 2, 2)});
   m.edge_tags = {7, 7};
   expect(classify(m), 8 + 2, 36 + 1, 54, 27 - 3);
 }
 
-TEST(Lists, OfEdgesThatMeetInFewPlacesAreLines) {
-  using working_set_detail::are_lines;
-  std::vector<Mobility> kind(1000, Mobility::surface);
-  const auto star = [](Index centre) {
+TEST(Lists, OfEdgesThatMeetInFewPlacesAreFeatures) {
+  const auto are_lines = [](const std::vector<Index>& ends, Size first, const std::vector<VertexDof>& dof) {
+    return are_feature_lines(span_of(ends), first, span_of(dof));
+  };
+  const std::vector<VertexDof> dof(1000, VertexDof::surface);
+  const auto star = [](Index center) {
     std::vector<Index> ends;
-    for (Index k = 1; k <= 3; ++k) ends.insert(ends.end(), {centre, centre + k});
+    for (Index k = 1; k <= 3; ++k) {
+      ends.push_back(center);
+      ends.push_back(center + k);
+    }
     return ends;
   };
   const auto stars = [&](int count) {
@@ -304,17 +311,17 @@ TEST(Lists, OfEdgesThatMeetInFewPlacesAreLines) {
     }
     return ends;
   };
-  EXPECT_TRUE(are_lines({}, 0, kind));
-  EXPECT_TRUE(are_lines(stars(50), 0, kind));  // one in twenty
-  EXPECT_FALSE(are_lines(stars(51), 0, kind));
-  // Ten are few in any mesh.
-  const std::vector<Mobility> small(44, Mobility::surface);
+  EXPECT_TRUE(are_lines({}, 0, dof));
+  EXPECT_TRUE(are_lines(stars(50), 0, dof));  // one in twenty
+  EXPECT_FALSE(are_lines(stars(51), 0, dof));
+  // Ten junctions are accepted in any mesh.
+  const std::vector<VertexDof> small(44, VertexDof::surface);
   EXPECT_TRUE(are_lines(stars(10), 0, small));
   EXPECT_FALSE(are_lines(stars(11), 0, small));
-  // The first ones do not count, nor junctions that stay anyway.
-  EXPECT_TRUE(are_lines(stars(51), 6, kind));
-  std::vector<Mobility> corners = kind;
-  for (std::size_t i = 0; i < 4 * 51; i += 4) corners[i] = Mobility::fixed;
+  // Neither the first entries nor junctions that are fixed anyway count.
+  EXPECT_TRUE(are_lines(stars(51), 6, dof));
+  std::vector<VertexDof> corners = dof;
+  for (std::size_t i = 0; i < 4 * 51; i += 4) corners[i] = VertexDof::fixed;
   EXPECT_TRUE(are_lines(stars(51), 0, corners));
 }
 
@@ -330,18 +337,18 @@ TetMesh all_edges_tagged(int n) {
   return m;
 }
 
-TEST(Lists, OfAllEdgesAreNotTakenForLines) {
+TEST(Lists, OfAllEdgesAreNoFeatures) {
   TetMesh m = all_edges_tagged(4);
   const Report r = classify(m);
   expect(r, 8, 36, 54, 27);
   EXPECT_EQ(r.edges_not_held, 96 * 3);  // each once: 192 triangles
-  // They stay edges of the mesh.
+  // They remain edges of the mesh.
   TetMesh after = m;
   Options options;
   options.boundary = Boundary::slide;
   optimize(after, options);
   EXPECT_EQ(after.edges, m.edges);
-  // Ridges among them hold: around the middle of the face z = 0.
+  // Ridges among them remain features: here on the face z = 0.
   const std::array<std::array<Index, 2>, 2> ridge{{{id(4, 1, 2, 0), id(4, 2, 2, 0)}, {id(4, 2, 2, 0), id(4, 3, 2, 0)}}};
   for (const auto& e : ridge) {
     m.edges.push_back(e);
@@ -349,14 +356,14 @@ TEST(Lists, OfAllEdgesAreNotTakenForLines) {
     m.ridges.push_back(static_cast<Index>(m.edges.size() - 1));
   }
   expect(classify(m), 8 + 2, 36 + 1, 54 - 3, 27);
-  // As with the surface preserved.
+  // The same decision for Boundary::preserve.
   Options preserve;
   preserve.max_iterations = 0;
   TetMesh again = all_edges_tagged(4);
   EXPECT_EQ(optimize(again, preserve).plane_vertices, 54);
 }
 
-TEST(Lists, OfFewCornersHoldAndOfManyDoNot) {
+TEST(Lists, OfFewCornersAreCornersAndOfManyAreNot) {
   TetMesh m = test::cube(6);
   for (int i = 1; i <= 5; ++i) m.corners.push_back(id(6, i, 3, 0));
   Report r = classify(m);
@@ -370,12 +377,12 @@ TEST(Lists, OfFewCornersHoldAndOfManyDoNot) {
   r = classify(m);
   expect(r, 8, 60, 150, 125);
   EXPECT_EQ(r.corners_not_held, 25);
-  // Required vertices hold, however many.
+  // Required vertices are fixed, whatever their number.
   m.required_vertices = m.corners;
   expect(classify(m), 8 + 25, 60, 150 - 25, 125);
 }
 
-TEST(Frozen, WhatOptionsNameStays) {
+TEST(Frozen, RegionsPatchesAndVerticesOfTheOptionsDoNotMove) {
   TetMesh m = test::two_materials(4);
   Options options;
   options.boundary = Boundary::slide;
@@ -398,7 +405,7 @@ TEST(Frozen, WhatOptionsNameStays) {
   EXPECT_EQ(optimize(copy, options).fixed_vertices, 125);
 }
 
-TEST(Frozen, APatchInsideARegionStaysWithoutOpenBoundaries) {
+TEST(Frozen, APatchInsideARegionRemainsWithoutOpenBoundaries) {
   TetMesh m = test::cube(4);
   m.triangles = {{id(4, 1, 2, 1), id(4, 2, 2, 1), id(4, 2, 2, 2)}, {id(4, 2, 1, 1), id(4, 2, 1, 2), id(4, 3, 1, 2)}};
   m.triangle_tags = {3, 4};

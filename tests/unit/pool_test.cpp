@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "par/pool.hpp"
+#include "backend/pool.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,21 +15,21 @@
 namespace tetune {
 namespace {
 
-using par::Emulation;
-using par::Pool;
-using par::Size;
-using par::Span;
+using backend::Emulation;
+using backend::Pool;
+using backend::Size;
+using backend::Span;
 
 constexpr std::size_t kUnit = Pool::kAlignment;
 
-/// A pool over no memory: it touches none.
-struct Bookkeeping : testing::Test {
+/// A pool over an address range without memory, as a pool does not access its block.
+struct PoolWithoutMemory : testing::Test {
   char* const block = reinterpret_cast<char*>(std::uintptr_t{1} << 40);
   Pool pool{block, 10 * kUnit};
   std::size_t at(void* part) const { return static_cast<std::size_t>(static_cast<char*>(part) - block) / kUnit; }
 };
 
-TEST_F(Bookkeeping, PartsAreAlignedAndApart) {
+TEST_F(PoolWithoutMemory, PartsAreAlignedAndApart) {
   EXPECT_EQ(at(pool.allocate(1)), 0U);
   EXPECT_EQ(at(pool.allocate(kUnit)), 1U);
   EXPECT_EQ(at(pool.allocate(kUnit + 1)), 2U);
@@ -41,7 +41,7 @@ TEST_F(Bookkeeping, PartsAreAlignedAndApart) {
   EXPECT_EQ(pool.peak(), 5 * kUnit);
 }
 
-TEST_F(Bookkeeping, TheSmallestGapThatFitsIsTaken) {
+TEST_F(PoolWithoutMemory, TheSmallestFreePartThatFitsIsUsed) {
   void* const large = pool.allocate(3 * kUnit);
   void* const between = pool.allocate(kUnit);
   void* const small = pool.allocate(2 * kUnit);
@@ -56,7 +56,7 @@ TEST_F(Bookkeeping, TheSmallestGapThatFitsIsTaken) {
   for (void* part : {two, one, between, last}) pool.release(part);
 }
 
-TEST_F(Bookkeeping, NeighboursAreJoinedInAnyOrder) {
+TEST_F(PoolWithoutMemory, AdjacentPartsAreMergedInAnyOrder) {
   std::vector<int> order{0, 1, 2, 3};
   do {
     std::vector<void*> parts;
@@ -69,7 +69,7 @@ TEST_F(Bookkeeping, NeighboursAreJoinedInAnyOrder) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-TEST_F(Bookkeeping, WhatIsFreeAtTheEndGrows) {
+TEST_F(PoolWithoutMemory, AFreePartAtTheEndGrows) {
   void* const first = pool.allocate(6 * kUnit);
   void* const second = pool.allocate(3 * kUnit);
   pool.release(second);
@@ -80,13 +80,13 @@ TEST_F(Bookkeeping, WhatIsFreeAtTheEndGrows) {
   pool.release(third);
 }
 
-TEST_F(Bookkeeping, RunningOutSaysWhatIsNeededAndChangesNothing) {
+TEST_F(PoolWithoutMemory, AFailedAllocationReportsTheSizeAndChangesNothing) {
   void* const first = pool.allocate(6 * kUnit);
   try {
     pool.allocate(5 * kUnit);
     FAIL();
   } catch (const DeviceError& e) {
-    EXPECT_NE(std::string(e.what()).find("--device cpu"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("device=cpu"), std::string::npos) << e.what();
   }
   EXPECT_THROW(pool.allocate(std::size_t{1} << 62), DeviceError);
   EXPECT_EQ(pool.in_use(), 6 * kUnit);
@@ -97,7 +97,7 @@ TEST_F(Bookkeeping, RunningOutSaysWhatIsNeededAndChangesNothing) {
   pool.release(rest);
 }
 
-TEST(Pool, PartsNeverOverlapAndLieAlikeInABlockOfItsPeak) {
+TEST(Pool, PartsDoNotOverlapAndHaveTheSamePositionsInABlockOfThePeakSize) {
   const auto run = [](std::size_t size) {
     char* const block = reinterpret_cast<char*>(std::uintptr_t{1} << 40);
     Pool pool(block, size);
@@ -132,45 +132,35 @@ TEST(Pool, PartsNeverOverlapAndLieAlikeInABlockOfItsPeak) {
   EXPECT_LT(peak, 60U * 100000U);
 }
 
-TEST(Pool, TheInnermostIsTheThreads) {
-  char* const block = reinterpret_cast<char*>(std::uintptr_t{1} << 40);
-  const Pool outer(block, kUnit);
-  {
-    const Pool inner(block, kUnit);
-    EXPECT_EQ(&Pool::current(), &inner);
-  }
-  EXPECT_EQ(&Pool::current(), &outer);
-}
-
 struct Read {
   Span<const double> from;
   Span<std::uint8_t> is_number;
   void operator()(Size i) const { is_number[i] = std::isnan(from[i]) ? 0 : 1; }
 };
 
-TEST(EmulatedMemory, IsNoNumberUntilItIsWritten) {
+TEST(EmulatedMemory, IsNaNUntilWritten) {
   const Emulation gpu;
   for (int turn = 0; turn < 2; ++turn) {
-    Emulation::Buffer<double> values(1000);
-    Emulation::Buffer<std::uint8_t> is_number(1000);
+    Emulation::Buffer<double> values(gpu, 1000);
+    Emulation::Buffer<std::uint8_t> is_number(gpu, 1000);
     gpu.for_each(1000, Read{values.span(), is_number.span()});
     EXPECT_EQ(is_number.download(), std::vector<std::uint8_t>(1000, 0));
-    gpu.fill(values.span(), 1.0);  // and again when it is given back
+    gpu.fill(values.span(), 1.0);  // invalid again once released
     gpu.for_each(1000, Read{values.span(), is_number.span()});
     EXPECT_EQ(is_number.download(), std::vector<std::uint8_t>(1000, 1));
   }
 }
 
-TEST(EmulatedMemory, CountsWhatCrosses) {
+TEST(EmulatedMemory, CountsTransfers) {
   const Emulation gpu;
   Emulation::Buffer<double> values;
-  values.upload({1, 2, 3});
+  values.upload(gpu, {1, 2, 3});
   EXPECT_EQ(values.download(), (std::vector<double>{1, 2, 3}));
   gpu.exclusive_scan(Span<const double>(values.span()), values.span());
-  const auto& traffic = gpu.memory().traffic();
+  const auto& traffic = gpu.device_memory().traffic();
   EXPECT_EQ(traffic.uploads, 1U);
   EXPECT_EQ(traffic.bytes_up, 24U);
-  EXPECT_EQ(traffic.downloads, 2U) << "a scan is one";
+  EXPECT_EQ(traffic.downloads, 2U) << "a scan downloads its sum";
   EXPECT_EQ(traffic.bytes_down, 24U + 16U);
 }
 
@@ -181,19 +171,19 @@ struct ReadsHost {
   Span<double> to;
   void operator()(Size i) const { to[i] = *from; }
 };
-TEST(EmulatedMemory, KernelsMayCarryNoAddressOfTheHosts) {
+TEST(EmulatedMemory, KernelsMayHoldNoHostAddress) {
   const Emulation gpu;
   const double value = 1;
-  Emulation::Buffer<double> values(10);
+  Emulation::Buffer<double> values(gpu, 10);
   EXPECT_THROW(gpu.for_each(10, ReadsHost{&value, values.span()}), std::logic_error);
   EXPECT_NO_THROW(gpu.for_each(10, ReadsHost{values.span().data() + 3, values.span()}));
 }
 #endif
 #endif
 
-TEST(EmulatedMemoryDeathTest, TheHostMayNotTouchIt) {
+TEST(EmulatedMemoryDeathTest, TheHostMayNotAccessIt) {
   const Emulation gpu(1, std::size_t{1} << 20, true);
-  Emulation::Buffer<int> values(10);
+  Emulation::Buffer<int> values(gpu, 10);
   gpu.fill(values.span(), 7);
   EXPECT_EQ(values.download()[9], 7);
   EXPECT_DEATH({ values.span()[9] = 8; }, "");

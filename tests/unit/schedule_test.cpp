@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/schedule.hpp"
+#include "phases/schedule.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,58 +8,66 @@
 namespace tetune {
 namespace {
 
-SweepReport sweep(int iteration) {
-  SweepReport r;
-  r.iteration = iteration;
-  return r;
+Options with_effort(Effort effort) {
+  Options options;
+  options.effort = effort;
+  return options;
 }
 
-TEST(Schedule, FastLooksForFlipsAfterTheFirstSweepAlone) {
-  Options options;
-  options.effort = Effort::fast;
-  Schedule schedule(options);
+bool stops(Schedule& schedule, double energy_before, double energy) {
   StopReason reason = StopReason::iteration_limit;
-  EXPECT_TRUE(schedule.flips_due(1));
-  schedule.flips_found(1, 100, 0.1);
-  EXPECT_FALSE(schedule.stop(sweep(1), 1, 0.9, reason));
-  for (int iteration = 2; iteration < 100; ++iteration) EXPECT_FALSE(schedule.flips_due(iteration));
-  EXPECT_TRUE(schedule.stop(sweep(2), 0.9, 0.89, reason));
-  EXPECT_EQ(reason, StopReason::converged);
+  const bool stop = schedule.stop(SweepReport{}, energy_before, energy, reason);
+  EXPECT_EQ(reason, stop ? StopReason::converged : StopReason::iteration_limit);
+  return stop;
 }
 
-TEST(Schedule, FastLooksOnceHoweverManySweepsThereMayBe) {
-  Options options;
-  options.effort = Effort::fast;
+TEST(Schedule, FastFlipsAfterTheFirstSweepOnly) {
+  Schedule schedule(with_effort(Effort::fast));
+  EXPECT_TRUE(schedule.flips_due(1));
+  schedule.record_flips(1, 100, 0.1);
+  EXPECT_FALSE(stops(schedule, 1, 0.9));
+  for (int iteration = 2; iteration < 100; ++iteration) EXPECT_FALSE(schedule.flips_due(iteration));
+  EXPECT_TRUE(stops(schedule, 0.9, 0.89));
+}
+
+TEST(Schedule, FastFlipsOnceForAnyMaximumOfSweeps) {
+  Options options = with_effort(Effort::fast);
   options.max_iterations = std::numeric_limits<int>::max();
   Schedule schedule(options);
-  schedule.flips_found(1, 100, 0.1);
+  schedule.record_flips(1, 100, 0.1);
   EXPECT_FALSE(schedule.flips_due(2));
 }
 
-TEST(Schedule, WithoutElementsThereIsNothingToDo) {
-  StopReason reason = StopReason::iteration_limit;
-  EXPECT_TRUE(Schedule(Options{}).stop(sweep(1), 0, 0, reason));
-  EXPECT_EQ(reason, StopReason::converged);
+TEST(Schedule, AMeshWithoutTetrahedraIsConverged) {
+  Schedule schedule(Options{});
+  EXPECT_TRUE(stops(schedule, 0, 0));
 }
 
-TEST(Schedule, FastWithoutFlipsWaitsForNone) {
-  Options options;
-  options.effort = Effort::fast;
+TEST(Schedule, FastWithoutFlipsConverges) {
+  Options options = with_effort(Effort::fast);
   options.flips = false;
   Schedule schedule(options);
-  StopReason reason = StopReason::iteration_limit;
-  EXPECT_TRUE(schedule.stop(sweep(1), 1, 1, reason));
-  EXPECT_EQ(reason, StopReason::converged);
+  EXPECT_TRUE(stops(schedule, 1, 1));
 }
 
-TEST(Schedule, LooksForFlipsAreRarerWhereTheyGainLittle) {
+TEST(Schedule, FlipsOfLittleGainDoubleTheInterval) {
   Schedule schedule(Options{});
   EXPECT_TRUE(schedule.flips_due(1));
-  schedule.flips_found(1, 100, 0.1);
+  schedule.record_flips(1, 100, 0.1);
   EXPECT_TRUE(schedule.flips_due(2));
-  schedule.flips_found(2, 100, 1e-4);
+  schedule.record_flips(2, 100, 1e-4);
   EXPECT_FALSE(schedule.flips_due(3));
   EXPECT_TRUE(schedule.flips_due(4));
+}
+
+TEST(Schedule, HigherEffortStopsLater) {
+  Schedule fast(with_effort(Effort::fast));
+  Schedule standard(with_effort(Effort::standard));
+  Schedule best(with_effort(Effort::best));
+  EXPECT_TRUE(stops(fast, 1, 0.99));
+  EXPECT_FALSE(stops(standard, 1, 0.99));
+  EXPECT_TRUE(stops(standard, 1, 0.999));
+  EXPECT_FALSE(stops(best, 1, 0.999));
 }
 
 }  // namespace

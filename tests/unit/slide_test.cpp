@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// One vertex that slides on the input surface (Sect. 4.3), visit by visit.
+// Relocation of one vertex on the reference surface (Sect. 4.3).
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "boundary/closest_triangle.hpp"
-#include "relocate/slide.hpp"
+#include "boundary/sliding/deviation_bound.hpp"
+#include "quality/closest_triangle.hpp"
+#include "relocation/slide.hpp"
 #include "surface.hpp"
 
 namespace tetune {
@@ -22,7 +23,7 @@ using test::uniform;
 
 constexpr double kFarAway = 1e3;
 
-/// Stands for a ring: a quadratic energy over all of space, or over a ball.
+/// A mock of a ring: a quadratic energy over all of space, or over a ball.
 struct Bowl {
   Vec3 lowest;
   Sym3 hessian;
@@ -44,7 +45,7 @@ struct Bowl {
 const Sym3 kRound{1, 1, 1, 0, 0, 0};
 
 Bowl random_bowl(std::mt19937& random) {
-  // B^T B of a random B, lifted.
+  // B^T B + 0.2 I of a random B.
   const Vec3 a = random_vec(random);
   const Vec3 b = random_vec(random);
   const Vec3 c = random_vec(random);
@@ -57,34 +58,35 @@ Bowl random_bowl(std::mt19937& random) {
            entry(a.x, a.z, b.x, b.z, c.x, c.z), entry(a.y, a.z, b.y, b.z, c.y, c.z)}};
 }
 
-/// A vertex that slides on a surface, each visit in another ring.
+/// A vertex that slides on a surface, in another ring at each visit.
 struct Slider {
   const TinySurface& surface;
-  Mobility walker;
+  VertexDof dof;
   Vec3 x;
-  Site site;
+  SurfacePoint surface_point;
   std::vector<Point> mesh_points;
-  std::vector<Site> mesh_sites;
+  std::vector<SurfacePoint> mesh_surface_points;
 
   Slider(const TinySurface& s, Index v)
       : surface(s),
-        walker(s.kind[static_cast<std::size_t>(v)]),
+        dof(s.dof[static_cast<std::size_t>(v)]),
         x(vec(s.points[static_cast<std::size_t>(v)])),
-        site{SiteKind::vertex, v},
+        surface_point{SurfacePointKind::vertex, v},
         mesh_points(s.points),
-        mesh_sites(s.points.size()) {}
+        mesh_surface_points(s.points.size()) {}
 
   template <class Step>
   bool visit(const Step& step, Bowl bowl) {
-    const DeviationBound anywhere(surface.view(), {mesh_points.data(), static_cast<Size>(mesh_points.size())},
-                                  {mesh_sites.data(), static_cast<Size>(mesh_sites.size())}, 0, 0);
+    const DeviationBound<backend::Cpu::Pack> no_bound(
+        surface.view(), {mesh_points.data(), static_cast<Size>(mesh_points.size())},
+        {mesh_surface_points.data(), static_cast<Size>(mesh_surface_points.size())}, 0, 0);
     const double before = bowl.value(x).value;
-    const SlideResult r = step(bowl, x, site, walker, surface.view(), anywhere, Leash{});
+    const SlideResult r = step(bowl, x, surface_point, dof, surface.view(), no_bound, DisplacementBound{});
     EXPECT_NEAR(r.step.decrease, before - bowl.value(r.step.position).value, 1e-12);
     EXPECT_GE(r.step.decrease, 0);
     if (r.step.decrease == 0) return false;
     x = r.step.position;
-    site = r.site;
+    surface_point = r.surface_point;
     return true;
   }
 };
@@ -92,19 +94,19 @@ const NewtonSlide kNewton{1.6, 1e-14};
 const NewtonSlide kPureNewton{1, 1e-14};
 const GradientSlide kGradient{1e-12};
 
-/// How far a position is from what its site says.
-double off_site(const TinySurface& s, const Site& site, const Vec3& x) {
+/// The distance of a position from its surface element.
+double distance_from_element(const TinySurface& s, const SurfacePoint& surface_point, const Vec3& x) {
   const ReferenceView ref = s.view();
-  if (site.kind == SiteKind::vertex) return norm(x - ref.point(site.item));
-  if (site.kind == SiteKind::triangle) {
-    const SurfaceTriangle t = ref.triangles[site.item];
+  if (surface_point.kind == SurfacePointKind::vertex) return norm(x - ref.point(surface_point.item));
+  if (surface_point.kind == SurfacePointKind::triangle) {
+    const SurfaceTriangle t = ref.triangles[surface_point.item];
     return std::sqrt(ClosestTriangle({{ref.point(t.v[0]), ref.point(t.v[1]), ref.point(t.v[2])}}).distance2(x));
   }
-  const Ends e = ends_of(ref, site);
+  const EdgeVertices e = edge_vertices(ref, surface_point);
   return std::sqrt(ClosestTriangle({{ref.point(e.a), ref.point(e.b), ref.point(e.b)}}).distance2(x));
 }
 
-TEST(NewtonDirection, EndsAtTheModelsMinimumOnThePrimitive) {
+TEST(NewtonDirection, EndsAtTheMinimumOfTheModelOnTheElement) {
   std::mt19937 random(8);
   int along_edge = 0;
   for (int i = 0; i < 300; ++i) {
@@ -112,16 +114,16 @@ TEST(NewtonDirection, EndsAtTheModelsMinimumOnThePrimitive) {
     const Bowl bowl = random_bowl(random);
     const Vec3 x{0.3 * uniform(random) - 0.4, uniform(random), uniform(random)};
     const Vec3 g = bowl.model(x).gradient;
-    const Site site{SiteKind::triangle, i % 2};
-    const Primitive inside = steepest(s.view(), Mobility::surface, site, g);
+    const SurfacePoint surface_point{SurfacePointKind::triangle, i % 2};
+    const SurfaceElement inside = steepest(s.view(), VertexDof::surface, surface_point, g);
     const Frame& frame = inside.frame;
-    const Vec3 p = frame.in_space(slide_detail::newton_direction(s.view(), bowl.hessian, site, inside));
-    EXPECT_NEAR(dot(p, cross(frame.along, frame.edge2)), 0, 1e-12) << i;
-    for (const Vec3& edge : {frame.along, frame.edge2}) EXPECT_NEAR(dot(g + bowl.hessian * p, edge), 0, 1e-11) << i;
+    const Vec3 p = frame.in_space(slide_detail::newton_direction(s.view(), bowl.hessian, surface_point, inside));
+    EXPECT_NEAR(dot(p, cross(frame.u, frame.edge2)), 0, 1e-12) << i;
+    for (const Vec3& edge : {frame.u, frame.edge2}) EXPECT_NEAR(dot(g + bowl.hessian * p, edge), 0, 1e-11) << i;
 
-    const Site edge{SiteKind::edge, 2};
-    const Primitive along = steepest(s.view(), Mobility::surface, edge, g);
-    if (along.on.kind != SiteKind::edge) continue;
+    const SurfacePoint edge{SurfacePointKind::edge, 2};
+    const SurfaceElement along = steepest(s.view(), VertexDof::surface, edge, g);
+    if (along.on.kind != SurfacePointKind::edge) continue;
     ++along_edge;
     const Vec3 q = along.frame.in_space(slide_detail::newton_direction(s.view(), bowl.hessian, edge, along));
     EXPECT_EQ(norm(cross(q, {0, 1, 0})), 0) << i;
@@ -133,13 +135,13 @@ TEST(NewtonDirection, EndsAtTheModelsMinimumOnThePrimitive) {
 TEST(Slide, OnAPlaneEndsAtThePlanarMinimumAcrossEdgesAndVertices) {
   std::mt19937 random(4);
   const TinySurface s = height_field(9, flat);
-  int hops = 0;
+  int crossings = 0;
   for (int i = 0; i < 300; ++i) {
-    // Reachable in one visit: at most 16 hops.
+    // Reachable in one visit of at most 16 trace steps.
     Bowl bowl = random_bowl(random);
     bowl.lowest = {0.3 + 0.4 * uniform(random), 0.3 + 0.4 * uniform(random), 0.1};
     if (i % 2 == 0) bowl.hessian = kRound;
-    // Gradient in the plane vanishes at `goal`.
+    // The gradient in the plane vanishes at `goal`.
     const Sym3& h = bowl.hessian;
     const double det = h.xx * h.yy - h.xy * h.xy;
     const double rx = h.xz * bowl.lowest.z;
@@ -150,7 +152,7 @@ TEST(Slide, OnAPlaneEndsAtThePlanarMinimumAcrossEdgesAndVertices) {
     a.visit(kPureNewton, bowl);
     if (i % 2 == 0) {
       EXPECT_LT(norm(a.x - goal), 1e-12);
-      hops += a.site.item != 0 ? 1 : 0;
+      crossings += a.surface_point.item != 0 ? 1 : 0;
     }
     for (int k = 0; k < 30; ++k) a.visit(kPureNewton, bowl);
     EXPECT_LT(norm(a.x - goal), 1e-6);
@@ -161,31 +163,31 @@ TEST(Slide, OnAPlaneEndsAtThePlanarMinimumAcrossEdgesAndVertices) {
     for (int k = 0; k < 2000 && c.visit(kGradient, bowl); ++k) continue;
     EXPECT_LT(norm(c.x - goal), 1e-3);
   }
-  EXPECT_GT(hops, 50);
+  EXPECT_GT(crossings, 50);
 }
 
-TEST(Slide, StaysOnABumpySurfaceToTheLastBitOverManyVisits) {
+TEST(Slide, StaysOnABumpySurfaceToRoundingOverManyVisits) {
   std::mt19937 random(5);
   const TinySurface s = height_field(8, bumpy);
-  const auto check = [&](const auto& step, std::size_t least) {
+  const auto check = [&](const auto& step, std::size_t min_triangles) {
     Slider v(s, 4 * 9 + 4);
     int moves = 0;
     std::set<Index> triangles;
     for (int i = 0; i < 5000; ++i) {
       moves += v.visit(step, random_bowl(random)) ? 1 : 0;
-      ASSERT_LT(off_site(s, v.site, v.x), 1e-15);
-      if (v.site.kind == SiteKind::triangle) triangles.insert(v.site.item);
+      ASSERT_LT(distance_from_element(s, v.surface_point, v.x), 1e-15);
+      if (v.surface_point.kind == SurfacePointKind::triangle) triangles.insert(v.surface_point.item);
     }
     EXPECT_GT(moves, 2000);
-    EXPECT_GT(triangles.size(), least);
+    EXPECT_GT(triangles.size(), min_triangles);
   };
   check(kNewton, 100);
-  check(kGradient, 20);  // one primitive a visit
+  check(kGradient, 20);  // one element per visit
 }
 
-TEST(Slide, NeverCrossesAWall) {
+TEST(Slide, NeverCrossesAFeatureLine) {
   std::mt19937 random(6);
-  // A wall across the middle, x = 1/2, which is no fold.
+  // The feature line x = 1/2 is no fold.
   const TinySurface s = height_field_with_line(8, bumpy);
   const auto check = [&](const auto& step) {
     Slider left(s, 4 * 9 + 1);
@@ -203,11 +205,11 @@ TEST(Slide, NeverCrossesAWall) {
       ASSERT_GE(right.x.x, 0.5);
       for (const Slider* v : {&left, &right}) {
         ASSERT_TRUE(v->x.x >= 0 && v->x.x <= 1 && v->x.y >= 0 && v->x.y <= 1);
-        ASSERT_LT(off_site(s, v->site, v->x), 1e-15);
+        ASSERT_LT(distance_from_element(s, v->surface_point, v->x), 1e-15);
       }
       ASSERT_EQ(middle.x.x, 0.5);
       ASSERT_TRUE(middle.x.y >= 0 && middle.x.y <= 1);
-      ASSERT_LT(off_site(s, middle.site, middle.x), 1e-15);
+      ASSERT_LT(distance_from_element(s, middle.surface_point, middle.x), 1e-15);
       closest = std::min(closest, 0.5 - left.x.x);
       low = std::min(low, middle.x.y);
       high = std::max(high, middle.x.y);
@@ -220,15 +222,15 @@ TEST(Slide, NeverCrossesAWall) {
   check(kGradient);
 }
 
-TEST(Slide, DoesNotEnterWhatRoundingOrTheRingForbids) {
-  // Where only a small ball is certified, the vertex ends in it.
+TEST(Slide, StopsWhereTheRingIsNotCertifiedOrNotLower) {
+  // Only a small ball is certified: the vertex ends in it.
   const TinySurface s = height_field(8, flat);
   Bowl bowl{{0.9, 0.5, 0}, kRound, kFarAway};
   bowl.radius = 0.41;  // around the goal: the start, 0.4 away, is inside
   Slider v(s, 4 * 9 + 4);
   EXPECT_TRUE(v.visit(kNewton, bowl));
   EXPECT_TRUE(bowl.value(v.x).certified);
-  // Nothing lower is to be had: stays.
+  // No position is lower: the vertex does not move.
   Slider at_minimum(s, 4 * 9 + 4);
   EXPECT_FALSE(at_minimum.visit(kNewton, {{0.5, 0.5, 1}, kRound, kFarAway}));
   EXPECT_FALSE(at_minimum.visit(kGradient, {{0.5, 0.5, 1}, kRound, kFarAway}));

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/validate_arrays.hpp"
+#include "mesh/validate_arrays.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -12,7 +12,7 @@
 namespace tetune {
 namespace {
 
-/// Expects exactly one finding, and that optimize() refuses the mesh and leaves it alone.
+/// Expects exactly one finding, and that optimize() rejects the mesh without changing it.
 void expect_refused(TetMesh mesh, Defect defect, std::int64_t count, const std::vector<Index>& first) {
   const ValidationReport report = validate(mesh);
   ASSERT_EQ(report.findings.size(), 1U) << report.message(false);
@@ -55,10 +55,10 @@ TEST(Validate, InvertedAndFlat) {
   expect_refused(inverted, Defect::inverted_tet, 1, {0});
 }
 
-TEST(Validate, RefusesMoreThanIdsCanNumber) {
+TEST(Validate, RefusesMoreEntriesThanIdsHave) {
   EXPECT_TRUE(validate_counts({kMaxEntries, kMaxTets, kMaxEntries, kMaxEntries, kMaxEntries}).ok());
   // 600 million tetrahedra have 2.4e9 corners.
-  const ValidationReport many = validate_counts({5'000'000'000, 600'000'000, 2'400'000'000, 1ULL << 31, 1ULL << 32});
+  const ValidationReport many = validate_counts({5'000'000'000, 600'000'000, 2'400'000'000, 1LL << 31, 1LL << 32});
   ASSERT_EQ(many.findings.size(), 5U);
   for (const Finding& f : many.findings) EXPECT_EQ(f.defect, Defect::bad_array_length);
   EXPECT_EQ(many.findings[0].count, 5'000'000'000);
@@ -67,7 +67,7 @@ TEST(Validate, RefusesMoreThanIdsCanNumber) {
 }
 
 TEST(Validate, DecidesByExactArithmetic) {
-  // Off the plane by far less than rounding can tell, at coordinates where the difference is exact.
+  // Off the plane by less than the rounding error of the volume; the differences of coordinates are exact.
   TetMesh m = test::one_tet();
   m.points = {{0, 0, 0}, {1, 0, 0.3}, {0, 1, 0.7}, {0.5, 0.5, std::nextafter(0.5, 1.0)}};
   EXPECT_TRUE(validate(m).ok());
@@ -75,7 +75,7 @@ TEST(Validate, DecidesByExactArithmetic) {
   EXPECT_EQ(validate(m).findings[0].defect, Defect::inverted_tet);
 }
 
-TEST(Validate, SizesBeyondWhatArithmeticHolds) {
+TEST(Validate, AcceptsAnyUnitButNotTinyTetrahedra) {
   TetMesh m = test::one_tet();
   m.points.push_back({1e170, 0, 0});
   m.point_tags.push_back(0);
@@ -112,7 +112,7 @@ TEST(Validate, IndicesLengthsAndNumbers) {
   expect_refused(m, Defect::repeated_vertex, 1, {0});
 }
 
-TEST(Validate, AVertexTwiceWhoseCoordinateIsNextToNothing) {
+TEST(Validate, RepeatedVertexWithADenormalCoordinate) {
   TetMesh m = test::one_tet();
   m.points = {{1, 0, 5}, {1, 1, 1.9999999999999993e-308}, {0, 2, 0}, {0, 0, 10.5}};
   m.tets = {{0, 1, 2, 1}};
@@ -133,7 +133,7 @@ TEST(Validate, ManyTetrahedraAtOneFace) {
   EXPECT_EQ(report.findings[1].first, (std::vector<Index>{2, 3, 4, 5, 6}));
 }
 
-TEST(Validate, DuplicatesAndCrowds) {
+TEST(Validate, DuplicateNonManifoldAndMisoriented) {
   TetMesh m = test::one_tet();
   m.tets.push_back({1, 2, 0, 3});
   m.tet_tags.push_back(0);
@@ -153,7 +153,7 @@ TEST(Validate, DuplicatesAndCrowds) {
   expect_refused(m, Defect::same_side_of_face, 1, {1});
 }
 
-TEST(Validate, ShowsTheFirstFewOnly) {
+TEST(Validate, ListsTheFirstIdsOnly) {
   TetMesh m = test::cube(3);
   for (auto& p : m.points) p[2] = 0;
   const ValidationReport report = validate(m);
@@ -164,7 +164,7 @@ TEST(Validate, ShowsTheFirstFewOnly) {
 
 void turn(TetMesh& m, std::size_t tet) { std::swap(m.tets[tet][2], m.tets[tet][3]); }
 
-TEST(OrientUniformly, TurnsAllThatIsInsideOut) {
+TEST(OrientUniformly, TurnsAllInvertedTetrahedra) {
   TetMesh m = test::cube(2);
   const auto good = m.tets;
   EXPECT_EQ(orient_uniformly(m), 0);
@@ -174,7 +174,7 @@ TEST(OrientUniformly, TurnsAllThatIsInsideOut) {
   EXPECT_TRUE(m.listed_inside_out);
 }
 
-TEST(OrientUniformly, TurnsThoseThatDisagreeWithTheirNeighbours) {
+TEST(OrientUniformly, TurnsTetrahedraThatDisagreeWithTheirNeighbors) {
   TetMesh m = test::cube(4, 0.2);
   const auto good = m.tets;
   for (std::size_t t = 0; t < m.tets.size(); t += 3) turn(m, t);
@@ -184,7 +184,7 @@ TEST(OrientUniformly, TurnsThoseThatDisagreeWithTheirNeighbours) {
   EXPECT_FALSE(m.listed_inside_out);
 }
 
-TEST(OrientUniformly, TurnsAPartThatIsInsideOut) {
+TEST(OrientUniformly, TurnsAnInvertedPart) {
   TetMesh m = test::cube(2);
   const auto one = static_cast<Index>(m.points.size());
   const std::size_t tets = m.tets.size();
@@ -205,7 +205,7 @@ TEST(OrientUniformly, TurnsAPartThatIsInsideOut) {
 }
 
 TEST(OrientUniformly, TurnsPartsInAnyUnit) {
-  // Volumes vanish in one unit, and overflow in the other.
+  // Volumes underflow in one unit and overflow in the other.
   for (const double unit : {1e-110, 1e105}) {
     TetMesh m = test::cube(3, 0.2);
     for (Point3& p : m.points) {
@@ -219,9 +219,9 @@ TEST(OrientUniformly, TurnsPartsInAnyUnit) {
   }
 }
 
-TEST(OrientUniformly, LeavesWhatIsInvertedBesideNeighboursThatAgree) {
+TEST(OrientUniformly, KeepsInvertedTetrahedraThatAgreeWithTheirNeighbors) {
   TetMesh m = test::cube(4);
-  m.points[62] = {2, 2, 2};  // the middle one, put far outside
+  m.points[62] = {2, 2, 2};  // the middle vertex, moved far outside
   const auto tangled = m.tets;
   ASSERT_FALSE(validate(m).ok());
   EXPECT_EQ(orient_uniformly(m), 0);

@@ -59,7 +59,7 @@ def step(low, high, x):
 
 def triangulate(field, low, high, edge):
     """Points and triangles, outwards, of the surface of a field within a box, its edges about `edge` long: marching
-    tetrahedra on a body-centred lattice, which gives a closed manifold whatever the field, then relaxed on the surface."""
+    tetrahedra on a body-centered lattice, which gives a closed manifold whatever the field, then relaxed on the surface."""
     low, high, size = np.array(low, float), np.array(high, float), CELL * edge
     cells = np.ceil((high - low) / size).astype(int) + 1
     low = (low + high) / 2 - cells * size / 2
@@ -128,7 +128,7 @@ def cut_tets(tets, inside, place):
 
 
 def relax(field, points, triangles, edge):
-    """Moves the vertices to the middle of their neighbours and back to the surface, several times."""
+    """Moves the vertices to the middle of their neighbors and back to the surface, several times."""
     ends = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])  # each edge in both directions
     degree = np.bincount(ends[:, 0], minlength=len(points))[:, None]
     points = project(field, points, edge)

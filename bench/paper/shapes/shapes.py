@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes test meshes with the names and the tetrahedron counts of the ten in the paper: a surface of our own for each,
-meshed by TetGen with its optimiser off. See README.md."""
+meshed by TetGen with its optimizer off. See README.md."""
 
 import argparse
 import math
@@ -41,7 +41,7 @@ class NoMesh(Exception):
 
 
 def tetrahedralize(surface, bound, folder):
-    """Vertices, tetrahedra, boundary triangles, from 0. -O0/0 is no optimisation; p keeps the surface, splitting it at will."""
+    """Vertices, tetrahedra, boundary triangles, from 0. -O0/0 is no optimization; p keeps the surface, splitting it at will."""
     surface.write(folder / "shape.poly")
     command = ["tetgen", f"-pq1.4a{bound:.6g}O0/0z", "shape.poly"]
     result = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

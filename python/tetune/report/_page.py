@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Puts the page together."""
+"""Assembles the page."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def _figures(before: Measured, after: Measured) -> list[tuple[str, str, str]]:
         row("Vertices", "{:,}", lambda m: len(m.mesh.points)),
         row("Tetrahedra", "{:,}", lambda m: len(m.mesh.tets)),
         row("Smallest dihedral angle", "{:.2f}°", of(lambda q: q.dihedral_min)),
-        row("1 % of the angles are below", "{:.2f}°", of(lambda q: q.dihedral_1)),
-        row("5 % of the angles are below", "{:.2f}°", of(lambda q: q.dihedral_5)),
+        row("1 % of the angles are below", "{:.2f}°", of(lambda q: q.dihedral_p1)),
+        row("5 % of the angles are below", "{:.2f}°", of(lambda q: q.dihedral_p5)),
         row("Largest dihedral angle", "{:.2f}°", of(lambda q: q.dihedral_max)),
         row("Mean ratio, mean", "{:.4f}", of(lambda q: q.mean_ratio)),
         row("Mean ratio, smallest", "{:.4f}", of(lambda q: q.mean_ratio_min)),
@@ -112,7 +112,7 @@ def write_page(
     low = np.minimum(before.points.min(axis=0), after.points.min(axis=0))
     size = np.maximum(before.points.max(axis=0), after.points.max(axis=0)) - low
     cuts = cuts_per_axis(max(len(before.tets), len(after.tets)))
-    with ThreadPoolExecutor() as pool:  # what takes time lets other threads run
+    with ThreadPoolExecutor() as pool:  # the slow functions release the GIL
         changes = pool.submit(compare, before, after)
         measured = Measured.of(before), Measured.of(after)
         worst = pool.submit(worst_places, measured)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the page shows of a mesh in 3D: its surface, cuts through it, and the places of the worst elements.
+"""The 3D view of the page: the surface of a mesh, cuts through it, and the neighborhoods of the worst elements.
 
 A mesh of a million tetrahedra is too much for a page; its surface and some dozens of cuts are not.
 """
@@ -16,9 +16,9 @@ from .._core import Quality, TetMesh, measure_all, measure_each
 
 Array = NDArray[Any]
 
-# Of a positive tetrahedron, seen from outside.
+# Faces of a positive tetrahedron, oriented outwards.
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
-# What elements are coloured by: measure, worst and best of the scale.
+# The colors of elements: measure, worst and best value of the scale.
 COLORS = {"min_dihedral_deg": (0.0, 70.53), "mean_ratio": (0.0, 1.0)}
 WORST = 12
 # A cut of n tetrahedra takes about this times n^(2/3) bytes of the page.
@@ -39,7 +39,7 @@ class Measured:
         return cls(mesh, measure_each(mesh), measure_all(mesh, worst=WORST))
 
     def colors(self, tets: Array) -> dict[str, Array]:
-        """Of these tetrahedra, 0 to 255 over the scale."""
+        """The colors of these tetrahedra, 0 to 255 over the scale."""
         return {
             name: np.clip((self.each[name][tets] - lo) / (hi - lo) * 255, 0, 255).astype(np.uint8)
             for name, (lo, hi) in COLORS.items()
@@ -47,18 +47,18 @@ class Measured:
 
 
 def cuts_per_axis(tets: int) -> int:
-    """As many as the page has room for, in both meshes and along three axes."""
+    """The number of cuts that the size of the page allows, in both meshes and along three axes."""
     return int(np.clip(ALL_CUTS_BYTES / (6 * CUT_BYTES * tets ** (2 / 3)), 3, MOST_CUTS))
 
 
 def boundary_faces(mesh: TetMesh) -> tuple[Array, Array]:
-    """The faces on one tetrahedron, and which one that is."""
+    """The faces that only one tetrahedron has, and that tetrahedron."""
     rng = np.random.default_rng(0)
     key = rng.integers(2**64, size=len(mesh.points), dtype=np.uint64)
-    # Sums of random numbers name the faces: two of them alike by chance is less likely than a broken machine.
+    # A face is identified by a sum of random 64-bit numbers; collisions are too unlikely to matter.
     keys = key[mesh.tets]
     faces = np.stack([keys[:, a] + keys[:, b] + keys[:, c] for a, b, c in FACES])
-    # The two sides of an inner face cancel in their bucket, so few faces are left to be sorted.
+    # The two sides of an inner face cancel in their bucket, so that few faces remain to be sorted.
     buckets = max(1, 1 << int(np.log2(faces.size / 4)))
     bucket = faces & np.uint64(buckets - 1)
     left = np.zeros(buckets, dtype=np.uint64)
@@ -71,7 +71,7 @@ def boundary_faces(mesh: TetMesh) -> tuple[Array, Array]:
 
 
 def _sorted(triangles: Array, tet: Array) -> tuple[Array, Array]:
-    """In the order of their vertices: neighbours stand together, which packs well."""
+    """Sorts triangles by their vertices: neighbors are then adjacent, which compresses well."""
     order = np.argsort(triangles.min(axis=1), kind="stable")
     return triangles[order], tet[order]
 
@@ -88,7 +88,7 @@ class Scene:
         self.cuts: list[list[dict[str, Array]]] = []
         for axis in range(3):
             planes = low[axis] + size[axis] * (np.arange(cuts) + 1) / (cuts + 1)
-            # Of each vertex, how many planes it is not below.
+            # For each vertex the number of planes that it is not below.
             passed = np.searchsorted(planes, points[:, axis], side="right").astype(np.uint8)
             corners = [passed[tets[:, k]] for k in range(4)]
             near, far = corners[0].copy(), corners[0].copy()
@@ -100,7 +100,7 @@ class Scene:
             self.cuts.append([self._cut(passed, near, far, c) for c in range(cuts)])
 
     def _cut(self, passed: Array, near: Array, far: Array, plane: int) -> dict[str, Array]:
-        """What the elements beyond the plane would hide: faces of the cut ones that lie beyond it."""
+        """The faces of cut elements that lie beyond the plane, where other elements would hide them."""
         tets = np.flatnonzero((near <= plane) & (far > plane))
         beyond = passed[self._m.mesh.tets[tets]] > plane
         row, face = np.nonzero(np.stack([beyond[:, f].all(axis=1) for f in FACES], axis=1))
@@ -119,7 +119,7 @@ class Scene:
 
 
 class Places:
-    """Finds the elements around a place."""
+    """Finds the elements around a point."""
 
     def __init__(self, measured: Measured) -> None:
         self._m = measured
@@ -129,7 +129,7 @@ class Places:
         self._x = centroids[self._by_x]
 
     def around(self, center: Array, radius: float, element: int = -1) -> dict[str, Array]:
-        """Four corners of each; `element` comes first."""
+        """The four vertices of each element; `element` comes first."""
         begin, end = np.searchsorted(self._x, [center[0] - radius, center[0] + radius])
         slab = np.sort(self._by_x[begin:end])
         centroids = self._m.mesh.points[self._m.mesh.tets[slab]].mean(axis=1)
@@ -141,7 +141,7 @@ class Places:
 
 
 def worst_places(measured: tuple[Measured, Measured]) -> list[list[dict[str, Any]]]:
-    """For the worst elements of each mesh: figures, and the surroundings in both."""
+    """For the worst elements of each mesh: figures, and the neighborhood in both meshes."""
     places = [Places(m) for m in measured]
     lists = []
     for which, m in enumerate(measured):

@@ -109,8 +109,8 @@
     charts.push(() => Plotly.react(energy, [flip_bars(), line("energy", energies.map((_, i) => i), energies, "after")],
       layout({ xaxis: axis("sweeps done"), yaxis: axis("energy"), yaxis2: second("flips"), margin: { l: 70, r: 60, t: 10, b: 45 } }), config));
     const gradient = figure($("charts"), "Norm of the gradient over the sweeps",
-      run.sweeps.length ? `From ${run.sweeps[0].gradient_norm.toPrecision(3)} to ${run.sweeps.at(-1).gradient_norm.toPrecision(3)} (squared).` : "No sweeps.");
-    charts.push(() => Plotly.react(gradient, [flip_bars(), line("gradient", sweeps, run.sweeps.map((s) => s.gradient_norm), "before")],
+      run.sweeps.length ? `From ${run.sweeps[0].gradient_norm2.toPrecision(3)} to ${run.sweeps.at(-1).gradient_norm2.toPrecision(3)} (squared).` : "No sweeps.");
+    charts.push(() => Plotly.react(gradient, [flip_bars(), line("gradient", sweeps, run.sweeps.map((s) => s.gradient_norm2), "before")],
       layout({ xaxis: axis("sweep"), yaxis: axis("squared norm", { type: "log", exponentformat: "power" }), yaxis2: second("flips"), margin: { l: 70, r: 60, t: 10, b: 45 } }), config));
     const steps = [...run.sweeps.map((s) => [`sweep ${s.iteration}`, s.dihedral_min_deg]),
       ...run.worst_rounds.map((w, i) => [`round ${i + 1}`, w.dihedral_min_deg])].filter((s) => s[1] > 0);

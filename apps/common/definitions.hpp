@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string>
+#include <vector>
+
+/// Queries of the definitions of a command's options, from which help, manual and completion are generated.
+namespace tetune::cli {
+
+/// Commands in the order in which they were added.
+inline std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+/// All names with their dashes: "-o", "--output", and those that switch a flag off.
+inline std::vector<std::string> names_of(const CLI::Option& option) {
+  std::vector<std::string> names;
+  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+inline bool is_positional(const CLI::Option& option) {
+  return option.get_snames().empty() && option.get_lnames().empty();
+}
+
+inline bool takes_value(const CLI::Option& option) {
+  return option.get_expected_max() > 0 && option.get_type_size() > 0;
+}
+
+/// Refuses empty values, as of an unset variable of the shell: CLI11 would treat the option as not given.
+inline void refuse_empty_values(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (!takes_value(*option)) continue;
+    const std::string subject = is_positional(*option) ? "the name of a mesh" : "the value";
+    const auto check = [subject](const std::string& word) {
+      return word.empty() ? subject + " is empty (a variable of the shell that is not set?)" : "";
+    };
+    option->check(check, "");
+  }
+}
+
+/// Accepts the listed words. Its description, {a,b,c}, is what choices_of() reads.
+inline CLI::Validator is_word(const std::vector<std::string>& words) {
+  const std::string list = CLI::detail::join(words, ",");
+  const auto check = [words, list](std::string& word) -> std::string {
+    const bool known = std::find(words.begin(), words.end(), word) != words.end();
+    return known ? "" : "'" + word + "' is not one of " + list;
+  };
+  return {check, "{" + list + "}"};
+}
+
+/// The words that the option accepts, if they are listed as {a,b,c}.
+inline std::vector<std::string> choices_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t open = type.find('{');
+  const std::size_t close = type.find('}', open);
+  if (open == std::string::npos || close == std::string::npos) return {};
+  return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
+}
+
+/// The placeholder of its value.
+inline std::string placeholder_of(const CLI::Option& option) {
+  if (!option.get_option_text().empty()) return option.get_option_text();
+  if (is_positional(option)) return option.get_name();
+  const std::vector<std::string> choices = choices_of(option);
+  return choices.empty() ? "N" : CLI::detail::join(choices, "|");
+}
+
+}  // namespace tetune::cli

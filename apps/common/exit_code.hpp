@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace tetune::cli {
+
+/// Exit codes, the same as Mmg's.
+enum ExitCode : int {
+  kDone = 0,            ///< success
+  kStoppedEarly = 1,    ///< the run was stopped early or a target was missed, and a valid mesh was written. `info` and
+                        ///< `compare`: the mesh is not valid, or not of the required quality
+  kNothingWritten = 2,  ///< for at least one of several meshes
+};
+
+}  // namespace tetune::cli

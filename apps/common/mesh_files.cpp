@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_files.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
+#include <type_traits>
+
+#include "tetune/data.hpp"
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+
+namespace tetune::cli {
+namespace {
+
+constexpr const char* kPlaceholder = "{}";
+
+std::string read_pipe() {
+  std::string bytes;
+  std::size_t size = 0;
+  for (;;) {
+    if (bytes.size() - size < (1U << 16)) bytes.resize(std::max<std::size_t>(1U << 20, 2 * bytes.size()));
+    const ssize_t got = ::read(STDIN_FILENO, bytes.data() + size, bytes.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw FileError(std::string("standard input: cannot read: ") + std::strerror(errno));
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+/// The canonical path: equal for all names of one file.
+std::string identity(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::absolute(path, error);
+  const std::filesystem::path same = error ? whole : std::filesystem::weakly_canonical(whole, error);
+  return error ? path : same.string();
+}
+
+std::string fill_in(const std::string& option, const std::string& pattern, const std::string& input, bool several) {
+  const std::size_t at = pattern.find(kPlaceholder);
+  if (pattern == kPipe && option != "--output") {
+    throw OptionError(option + " -: only the mesh can be written to the standard output; give a file name");
+  }
+  if (pattern.empty() || (at == std::string::npos && !several)) return pattern;
+  if (at == std::string::npos) {
+    throw OptionError(
+        fmt::format("{} {}: there are several meshes; use {{}} in the name, which stands for the name of each mesh",
+                    option, pattern));
+  }
+  if (input == kPipe) {
+    throw OptionError(fmt::format("{} {}: the standard input has no name to insert; give a name", option, pattern));
+  }
+  return pattern.substr(0, at) + std::filesystem::path(input).stem().string() +
+         pattern.substr(at + std::strlen(kPlaceholder));
+}
+
+std::string output_of(const std::string& pattern, const std::string& input, bool several) {
+  std::error_code ignored;
+  const bool folder = pattern.ends_with('/') || std::filesystem::is_directory(pattern, ignored);
+  if (folder) {
+    if (input == kPipe) {
+      throw OptionError(
+          fmt::format("--output {}: the standard input has no name to use in a folder; give a name", pattern));
+    }
+    return (std::filesystem::path(pattern) / std::filesystem::path(input).filename()).string();
+  }
+  if (several && !pattern.empty() && pattern.find(kPlaceholder) == std::string::npos) {
+    throw OptionError(
+        fmt::format("--output {}: there are several meshes; give a folder (with / at its end), or a name with {{}}, "
+                    "which stands for the name of each mesh",
+                    pattern));
+  }
+  return fill_in("--output", pattern, input, several);
+}
+
+/// The name of cell data that are probably numbers of regions, if the tags are all the same: few integers, each of many
+/// tetrahedra. Empty if there are none.
+std::string unused_regions(const TetMesh& mesh) {
+  constexpr std::size_t kMaxRegions = 50;
+  const auto all_same = [](const auto& values) {
+    return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+  };
+  if (!all_same(mesh.tet_tags) || !mesh.groups.empty()) return "";
+  const auto is_few_integers = [](const auto& values) {
+    using T = typename std::remove_cvref_t<decltype(values)>::value_type;
+    if constexpr (std::is_integral_v<T>) {
+      std::set<T> different;
+      for (std::size_t i = 0; i < values.size() && different.size() <= kMaxRegions; ++i) different.insert(values[i]);
+      return different.size() > 1 && different.size() <= kMaxRegions && 10 * different.size() <= values.size();
+    }
+    return false;
+  };
+  for (const DataArray& array : mesh.tet_data) {
+    if (array.components == 1 && std::visit(is_few_integers, array.values)) return array.name;
+  }
+  return "";
+}
+
+}  // namespace
+
+Input read_input(const std::string& path, int threads) {
+  Input input;
+  const std::string bytes = path == kPipe ? read_pipe() : "";
+  const auto start = std::chrono::steady_clock::now();
+  if (path == kPipe) {
+    input.mesh = parse_mesh(shown_name(path, false), bytes, &input.warnings, threads);
+    input.binary = bytes.substr(0, 4).find('\0') != std::string::npos;
+  } else {
+    input.mesh = read_mesh(path, &input.warnings, threads);
+    input.binary = std::filesystem::path(path).extension() == ".meshb";
+  }
+  input.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return input;
+}
+
+void choose_tags(Input& input, const std::string& path, const std::string& tags) {
+  if (!tags.empty()) {
+    try {
+      use_as_tags(input.mesh, tags);
+    } catch (const OptionError& e) {
+      throw OptionError(fmt::format("--tags \"{}\": {}: {}", tags, shown_name(path, false), e.what()));
+    }
+  } else if (const std::string data = unused_regions(input.mesh); !data.empty()) {
+    input.warnings.push_back(
+        fmt::format("the cell data \"{0}\" look like numbers of regions, but do not constrain: with --tags \"{0}\" "
+                    "the interfaces between these regions are kept",
+                    data));
+  }
+}
+
+std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads) {
+  std::vector<std::string> warnings;
+  if (path == kPipe) {
+    write_mesh(STDOUT_FILENO, shown_name(path, true), binary, mesh, threads, &warnings);
+  } else {
+    write_mesh(path, mesh, threads, &warnings);
+  }
+  return warnings;
+}
+
+std::string shown_name(const std::string& path, bool output) {
+  return path != kPipe ? path : output ? "standard output" : "standard input";
+}
+
+OutputFolder::OutputFolder(const std::string& pattern, bool dry_run) {
+  if (!pattern.ends_with('/')) return;
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::path(pattern).parent_path();
+  const bool created = std::filesystem::create_directory(folder, error);
+  if (!std::filesystem::is_directory(folder)) {
+    throw OptionError(fmt::format("--output {}: the folder does not exist and cannot be created{}", pattern,
+                                  error ? ": " + error.message() : ""));
+  }
+  if (created && dry_run) remove_ = folder;
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  if (!remove_.empty()) std::filesystem::remove(remove_, ignored);
+}
+
+std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern) {
+  const bool several = inputs.size() > 1;
+  std::vector<Job> jobs;
+  std::map<std::string, std::string> read, written;  // file to its input
+  for (const std::string& input : inputs) {
+    if (input == kPipe && several) throw OptionError("the standard input (-) cannot be one of several meshes");
+    if (!read.emplace(identity(input), input).second) throw OptionError(input + ": this mesh is named twice");
+  }
+  for (const std::string& input : inputs) {
+    const Job job{input, output_of(pattern.output, input, several), fill_in("--report", pattern.report, input, several),
+                  fill_in("--trace", pattern.trace, input, several), fill_in("--map", pattern.map, input, several)};
+    for (const std::string* path : {&job.output, &job.report, &job.trace, &job.map}) {
+      if (path->empty() || *path == kPipe) continue;
+      const std::string same = identity(*path);
+      const auto [other, first] = written.emplace(same, input);
+      if (!first) {
+        throw OptionError(
+            fmt::format("{} would be written {}; give another name", *path,
+                        other->second == input ? "twice" : fmt::format("for {} and for {}", other->second, input)));
+      }
+      const auto source = read.find(same);
+      if (source != read.end() && (source->second != input || path != &job.output)) {
+        throw OptionError(
+            fmt::format("{} would be written for {}, but is read as well; give another name", *path, input));
+      }
+    }
+    jobs.push_back(job);
+  }
+  return jobs;
+}
+
+}  // namespace tetune::cli

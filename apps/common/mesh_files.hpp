@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tetune/mesh.hpp"
+
+namespace tetune::cli {
+
+/// The name that stands for standard input and output.
+inline constexpr const char* kPipe = "-";
+
+/// Help text of --tags.
+inline constexpr const char* kTagsHelp =
+    "Name of cell data of the file (VTK, for example) that number regions, patches and lines: they replace the tags of "
+    "the file";
+
+/// A mesh with what is known of its file.
+struct Input {
+  TetMesh mesh;
+  std::vector<std::string> warnings;
+  bool binary = false;  ///< MEDIT binary
+  double seconds = 0;   ///< the time of reading, without waiting for a pipe
+};
+
+/// Reads a file, or MEDIT text or binary from kPipe. Throws FileError.
+Input read_input(const std::string& path, int threads);
+
+/// Replaces the tags by the cell data of the name `tags`; if that is empty, adds a warning if some cell data
+/// are probably numbers of regions. Throws OptionError.
+void choose_tags(Input& input, const std::string& path, const std::string& tags);
+
+/// Writes to a file, or to kPipe. Returns warnings about what the format cannot hold. Throws FileError.
+std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads);
+
+/// The name of a file in messages.
+std::string shown_name(const std::string& path, bool output);
+
+/// One mesh to optimize, and the names of all files to write; an empty name means no file.
+struct Job {
+  std::string input, output, report, trace, map;
+};
+
+/// Creates the folder that a pattern of outputs names by a / at its end, unless it exists. With --dry-run the
+/// destructor removes it again. Throws OptionError.
+class OutputFolder {
+ public:
+  OutputFolder(const std::string& pattern, bool dry_run);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+ private:
+  std::filesystem::path remove_;
+};
+
+/// Makes one job per input from a job of patterns: "{}" stands for the input's name without folder and ending, and an
+/// output that is a folder, or ends in /, gets the input's name. Throws OptionError if two jobs would write the same
+/// file, or if one would write a file that another reads.
+std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern);
+
+}  // namespace tetune::cli

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mesh_files.hpp"
+#include "option_values.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune::cli {
+
+enum class ProgressMode { automatic, none, json };
+
+/// The arguments of `tetune optimize`.
+struct OptimizeArguments {
+  std::vector<std::string> files;  ///< inputs; without --output, one input and the output
+  Job names;                       ///< patterns of the names of written files; its input is empty
+  std::string tags;                ///< cell data to use as tags; empty: the tags of the file
+  std::string max_deviation;       ///< its length may depend on the mesh
+  std::vector<std::string> freeze;
+  std::vector<Frozen> frozen;  ///< parsed from `freeze`
+  std::optional<double> target_dihedral;
+  std::vector<std::pair<double, std::string>> target_quality;
+  Options options;
+  std::optional<double> time_limit;  ///< seconds
+  std::optional<double> max_memory;  ///< MB of 1024 * 1024 bytes
+  ProgressMode progress = ProgressMode::automatic;
+  int verbosity = 1;
+  bool quiet = false;
+  bool dry_run = false;
+  bool print_options = false;
+  std::vector<std::string> warnings;  ///< former names, and options without effect
+};
+
+/// Defines the arguments of a command, which parsing then stores in `arguments`.
+void define_arguments(CLI::App& command, OptimizeArguments& arguments);
+
+/// After parsing: checks the options, parses those whose values are words, collects warnings, and returns one job per
+/// mesh (none with --print-options). Throws OptionError.
+std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& arguments);
+
+}  // namespace tetune::cli

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "optimize_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string_view>
+
+#include "interrupt.hpp"
+#include "map_file.hpp"
+#include "mesh_files.hpp"
+#include "option_flags.hpp"
+#include "option_values.hpp"
+#include "report_files.hpp"
+#include "tables.hpp"
+
+namespace tetune::cli {
+namespace {
+
+using Time = std::chrono::steady_clock;
+
+double seconds_since(Time::time_point start) { return std::chrono::duration<double>(Time::now() - start).count(); }
+
+/// --untangle failed: the exit code is 1, although nothing is written.
+class NotUntangled : public MeshError {
+ public:
+  using MeshError::MeshError;
+};
+
+class Run {
+ public:
+  Run(const OptimizeArguments& arguments, const Job& job, Console& console)
+      : a_(arguments), job_(job), console_(console), options_(arguments.options), warnings_(arguments.warnings) {}
+
+  Outcome run() {
+    read();
+    if (a_.dry_run) return dry_run();
+    optimize_mesh();
+    write();
+    finish();
+    return outcome_;
+  }
+
+ private:
+  void read() {
+    if (!job_.output.empty() && job_.output != kPipe) check_writable(job_.output);
+    for (const std::string& path : {job_.report, job_.trace, job_.map}) check_folder(path);
+    console_.phase("reading");
+    input_ = read_input(job_.input, options_.threads);
+    choose_tags(input_, job_.input, a_.tags);
+    for (const std::string& w : input_.warnings) warn(w);
+    const std::string name = shown_name(job_.input, false);
+    if (input_.mesh.tets.empty()) throw MeshError(name + ": there is no tetrahedron in this file");
+    freeze(a_.frozen, name, input_.mesh, options_);
+    if (!a_.max_deviation.empty()) {
+      options_.max_deviation = parse_length("--max-deviation", a_.max_deviation, input_.mesh);
+    }
+    needed_mb_ = static_cast<double>(memory_needed(input_.mesh, options_)) / (1024 * 1024);
+    if (a_.max_memory && needed_mb_ > *a_.max_memory) {
+      throw MeshError(
+          fmt::format("{}: needs about {:.0f} MB of memory, and --max-memory allows {:.6g}; allow more, or use a "
+                      "smaller mesh",
+                      name, needed_mb_, *a_.max_memory));
+    }
+  }
+
+  /// The tables need fewer measures than the report.
+  Quality measure() const {
+    return job_.report.empty() ? quality(input_.mesh, options_.threads) : measure_all(input_.mesh, options_.threads);
+  }
+
+  /// Calls optimize(). Errors name the file, its own numbers of elements, and flags.
+  void improve(const Context& context) {
+    const std::string file = shown_name(job_.input, false) + ": ";
+    try {
+      outcome_.before = measure();
+      measured_at_ = Time::now();
+      report_ = optimize(input_.mesh, options_, context);
+    } catch (const UntangleError& e) {
+      if (e.reason == UntangleError::Reason::stopped) {
+        throw NotUntangled(file + "stopped before all tetrahedra were made positive, nothing was written");
+      }
+      fail_to_untangle(e);
+    } catch (const OverlapError& e) {
+      throw MeshError(file + with_flags(e.message(true)));
+    } catch (const MeshError& e) {
+      const ValidationReport valid = validate(input_.mesh, options_.threads);
+      throw MeshError(file + with_flags(valid.ok() ? e.what() : valid.message(true)));
+    } catch (const OptionError& e) {
+      throw OptionError(file + with_flags(e.what()));
+    } catch (const DeviceError& e) {
+      throw DeviceError(file + with_flags(e.what()));
+    }
+  }
+
+  /// The message has the first tetrahedra that could not be repaired, the report all of them.
+  [[noreturn]] void fail_to_untangle(const UntangleError& e) {
+    if (!job_.report.empty() && !a_.dry_run) {
+      nlohmann::ordered_json left = nlohmann::ordered_json::array();
+      for (const Index t : e.left) left.push_back(t + 1);
+      nlohmann::ordered_json json = report_head();
+      json["untangling"] = {{"inverted_or_flat", e.tangled}, {"left", left}};
+      try {
+        write_text(job_.report, json_text(json));
+      } catch (const FileError& file_error) {
+        console_.warn(file_error.what());
+      }
+    }
+    Point3 center{};
+    for (const Index v : input_.mesh.tets.at(static_cast<std::size_t>(e.left.at(0)))) {
+      const Point3& p = input_.mesh.points[static_cast<std::size_t>(v)];
+      for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * p[k];
+    }
+    throw NotUntangled(fmt::format("{}: {}\n  The first is near {:.6g} {:.6g} {:.6g}. No mesh was written.",
+                                   shown_name(job_.input, false), with_flags(e.message(true)), center[0], center[1],
+                                   center[2]));
+  }
+
+  void warn(const std::string& text) {
+    console_.warn(text);
+    warnings_.push_back(text);
+  }
+
+  /// Loads the mesh, which finds its constraints, and stops there.
+  Outcome dry_run() {
+    console_.phase("checking");
+    const std::string counts = mesh_summary(input_.mesh);
+    double load_seconds = 0;
+    Context context;
+    context.progress = [&](const Progress& p) {
+      load_seconds = p.seconds;
+      return std::string_view(p.phase) != "load";
+    };
+    improve(context);
+    std::string text = fmt::format("{}{}: nothing is written\n{}", shown_name(job_.input, false),
+                                   job_.output.empty() ? "" : " -> " + shown_name(job_.output, true), counts);
+    text += constraint_table(report_) + constraint_notes(report_);
+    text += quality_table({"now"}, {outcome_.before});
+    text += fmt::format("  memory                 about {:.0f} MB\n", needed_mb_);
+    if (options_.termination == Termination::relative && options_.relocation == Relocation::newton) {
+      // Measured ratios of the time of a run to that of loading: docs/command-line.md, --dry-run.
+      const double ratio = options_.effort == Effort::best ? 42 : options_.effort == Effort::fast ? 4.5 : 9;
+      text += fmt::format("  time                   about {:.2g} s on {} threads\n",
+                          2 * input_.seconds + ratio * load_seconds, report_.threads);
+    }
+    console_.print(text);
+    outcome_.code = kDone;
+    outcome_.summary = "checked";
+    return outcome_;
+  }
+
+  void optimize_mesh() {
+    if (options_.boundary == Boundary::slide) original_ = std::make_unique<TetMesh>(input_.mesh);
+    console_.phase("optimizing");
+    std::optional<Time::time_point> end;
+    Context context;
+    if (console_.shows_progress()) {
+      context.progress = [this](const Progress& p) {
+        console_.update(p);
+        return true;
+      };
+    }
+    context.stop = [&] {
+      interrupt::enter(interrupt::Stage::worth_writing);
+      if (a_.time_limit && !end) end = end_of_work();
+      late_ = late_ || (end && Time::now() >= *end);
+      return late_ || interrupt::requested();
+    };
+    improve(context);
+  }
+
+  /// The time at which to stop so that there is time to write. Called when the mesh is loaded: storing it takes part of
+  /// the time of loading, and writing about as long as reading.
+  Time::time_point end_of_work() const {
+    const double reserved = 0.25 * seconds_since(measured_at_) + 1.2 * input_.seconds;
+    constexpr double kMaxSeconds = 1e9;  // a longer duration would overflow
+    const auto limit = std::chrono::duration<double>(std::clamp(*a_.time_limit - reserved, 0.0, kMaxSeconds));
+    return start_ + std::chrono::duration_cast<Time::duration>(limit);
+  }
+
+  void write() {
+    console_.phase("writing");
+    const auto start = Time::now();
+    const auto warnings = write_output(job_.output, input_.binary, input_.mesh, options_.threads);
+    interrupt::enter(interrupt::Stage::written);
+    write_seconds_ = seconds_since(start);
+    for (const std::string& w : warnings) warn(w);
+    if (!job_.map.empty()) {
+      write_text(job_.map, map_text(report_, input_.mesh.points.size(), input_.mesh.tets.size()));
+    }
+  }
+
+  bool stopped() const { return report_.stop == StopReason::cancelled; }
+
+  void finish() {
+    outcome_.after = measure();
+    const bool met = std::all_of(report_.targets.begin(), report_.targets.end(), [](const auto& t) { return t.met(); });
+    outcome_.code = stopped() || !met ? kStoppedEarly : kDone;
+    outcome_.summary = stopped() ? (late_ ? "time limit" : "interrupted") : met ? "done" : "target missed";
+    // The comparison takes long: not after an early stop.
+    std::optional<Comparison> change;
+    if (original_ && !stopped() && (console_.verbosity() > 0 || !job_.report.empty())) {
+      change = compare(*original_, input_.mesh, options_.threads);
+    }
+    if (change && options_.max_deviation > 0) check_deviation(*change);
+    if (!job_.report.empty()) {
+      nlohmann::ordered_json json = full_report();
+      if (change) json["surface"] = to_json(*change);
+      if (change && options_.max_deviation > 0) json["surface"]["max_deviation_kept"] = deviation_kept_;
+      write_text(job_.report, json_text(json));
+    }
+    if (!job_.trace.empty()) write_text(job_.trace, trace_csv(report_));
+    console_.print(summary(change));
+  }
+
+  void check_deviation(const Comparison& change) {
+    constexpr double kRounding = 1e-6;  // relative error of distances far from the origin
+    const double deviation = change.mean_edge * std::max(change.new_to_old, change.old_to_new);
+    deviation_kept_ = deviation <= (1 + kRounding) * options_.max_deviation;
+    if (deviation_kept_) return;
+    warn(
+        fmt::format("{}: the surface is {:.3e} from the old one, and --max-deviation allows {:.3e}; list the edges of "
+                    "parts that are thinner than that, or allow less",
+                    shown_name(job_.input, false), deviation, options_.max_deviation));
+  }
+
+  std::string summary(const std::optional<Comparison>& change) const {
+    const char* reason = stopped() ? outcome_.summary : to_string(report_.stop);
+    std::string text = quality_table({"before", "after"}, {outcome_.before, outcome_.after});
+    text += count_line(report_, reason) + constraint_notes(report_);
+    if (change) text += surface_table(*change);
+    if (change && options_.max_deviation > 0) {
+      text += fmt::format("  --max-deviation        {:.2e}{}\n", options_.max_deviation,
+                          deviation_kept_ ? ", kept" : ", EXCEEDED");
+    }
+    for (const TargetReport& t : report_.targets) text += target_table(t);
+    if (console_.verbosity() > 1) text += run_table(report_);
+    text += fmt::format("  read {:.3f} s, optimized {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
+                        report_.seconds, report_.device,
+                        report_.threads > 0 ? fmt::format(" ({} threads)", report_.threads) : "", write_seconds_,
+                        shown_name(job_.output, true));
+    if (!report_.device_reason.empty()) {
+      text += fmt::format("  on {}: {}\n", report_.device, with_flags(report_.device_reason));
+    }
+    if (stopped()) {
+      text += fmt::format("  stopped early ({}): a valid mesh was written, but there was more to do\n", reason);
+    }
+    return text;
+  }
+
+  nlohmann::ordered_json report_head() const {
+    return {{"tetune", TETUNE_VERSION}, {"instructions", instruction_set()}, {"input", job_.input},
+            {"output", job_.output},    {"options", to_json(options_)},      {"warnings", warnings_}};
+  }
+  nlohmann::ordered_json full_report() const {
+    nlohmann::ordered_json json = report_head();
+    json["read_seconds"] = input_.seconds;
+    json["write_seconds"] = write_seconds_;
+    json["before"] = to_json(outcome_.before);
+    json["after"] = to_json(outcome_.after);
+    json["optimization"] = to_json(report_);
+    if (stopped()) json["optimization"]["stopped"] = outcome_.summary;
+    return json;
+  }
+
+  const OptimizeArguments& a_;
+  const Job& job_;
+  Console& console_;
+  Options options_;
+  Time::time_point start_ = Time::now();
+  Time::time_point measured_at_;
+  Input input_;
+  std::vector<std::string> warnings_;
+  double needed_mb_ = 0;
+  std::unique_ptr<const TetMesh> original_;  ///< with Boundary::slide, for the comparison of the surfaces
+  Report report_;
+  bool late_ = false;  ///< the time limit was reached
+  bool deviation_kept_ = true;
+  double write_seconds_ = 0;
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Outcome run_job(const OptimizeArguments& arguments, const Job& job, Console& console) {
+  interrupt::enter(interrupt::Stage::nothing);
+  console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
+  Outcome outcome;
+  const auto start = Time::now();
+  try {
+    outcome = Run(arguments, job, console).run();
+  } catch (const std::bad_alloc&) {
+    console.error(shown_name(job.input, false) + ": out of memory");
+  } catch (const NotUntangled& e) {
+    console.error(e.what());
+    outcome.code = kStoppedEarly;
+  } catch (const std::exception& e) {
+    console.error(e.what());
+  }
+  console.clear();
+  outcome.seconds = seconds_since(start);
+  nlohmann::ordered_json end = {{"event", "end"},
+                                {"input", job.input},
+                                {"result", outcome.summary},
+                                {"exit_code", outcome.code},
+                                {"seconds", outcome.seconds}};
+  if (outcome.after.tets > 0) {
+    end["worst_angle_before_deg"] = outcome.before.dihedral_min;
+    end["worst_angle_deg"] = outcome.after.dihedral_min;
+  }
+  console.event(end);
+  return outcome;
+}
+
+}  // namespace tetune::cli

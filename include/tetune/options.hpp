@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tetune/targets.hpp"
+
+namespace tetune {
+
+/// Where optimize() computes.
+enum class Device {
+  automatic,  ///< "auto": as cuda for 1000000 tetrahedra or more if there is a GPU with enough memory, else as cpu
+  cpu,        ///< on CPU threads
+  cuda,       ///< on the calling thread's current NVIDIA GPU, compute capability 7.5 or newer
+};
+
+/// How vertices of the boundary and of interfaces between regions may move.
+enum class Boundary {
+  fixed,     ///< not at all
+  preserve,  ///< in the plane or along the straight line that they lie on: the shape does not change (Sect. 4.2)
+  slide,     ///< on the input surface, and along its feature lines (Sect. 4.3)
+};
+
+/// The energy per tetrahedron. optimize() minimizes its sum.
+enum class Energy {
+  shape,     ///< (eta / eta_r)^(3/2), where eta_r is the eta of the regular tetrahedron of the same volume: at least 1
+             ///< and dimensionless. It depends on the shape only: small elements count as much as large ones
+  harmonic,  ///< eta, the energy of the paper (Eq. 5), a length: large elements count for more, and sliding vertices
+             ///< drift to where elements become unequal
+};
+
+enum class Relocation {
+  newton,    ///< over-relaxed Newton step on the convex energy of the one-ring
+  gradient,  ///< steepest descent with Brent's line search, as in the paper (Alg. 1)
+};
+
+enum class Termination {
+  relative,  ///< when the relative decrease of the energy is small; independent of scale
+  paper,     ///< by the conditions C1 to C3 of Sect. 4.5
+};
+
+/// How much is done. Percentages are of the energy, per sweep and the flips that follow it.
+enum class Effort {
+  fast,      ///< flips are searched for once, and sweeps end when one lowers the energy by less than 2 %
+  standard,  ///< sweeps end at 0.2 %, then the worst elements and the smallest dihedral angles are improved
+  best,      ///< sweeps end at 0.01 %, then there is more of that work, and vertices are inserted and removed
+};
+
+/// The options of optimize(). Section, equation and algorithm numbers are those of Stroeter et al. 2022.
+///
+/// A value out of its range, and options that leave nothing to do, are refused with OptionError. An option that has no
+/// effect beside the others is not refused: Report::warnings names it. option_table.hpp has all options as data.
+struct Options {
+  Device device = Device::cpu;
+  Boundary boundary = Boundary::preserve;
+  Energy energy = Energy::shape;
+  /// Without effect with Termination::paper. With Energy::harmonic there is no work on the worst elements.
+  Effort effort = Effort::standard;
+  /// If true, Effort::best inserts and removes no vertex; the other efforts never do.
+  bool keep_vertices = false;
+  Relocation relocation = Relocation::newton;
+  Termination termination = Termination::relative;
+  /// If true, inverted and flat tetrahedra are made positive first, instead of refused with MeshError: vertices move as
+  /// `boundary` allows, under an energy that is finite for negative volumes.
+  bool untangle = false;
+  /// With Boundary::slide: an edge where the surface turns by more than this many degrees, in (0, 180], is a feature
+  /// edge, and a vertex where a feature line does is a corner. With 180 only borders between tags, edges that are not
+  /// on two triangles, and listed edges are.
+  double feature_angle = 45;
+  /// With Boundary::slide: maximum distance of any point of the new surface from the old one and of the old one from
+  /// the new one; a length in the mesh's unit, 0 for no bound.
+  double max_deviation = 0;
+  /// If true, tagged triangles with the same region on both sides stay faces of the mesh, as interfaces do; otherwise
+  /// they are dropped, unless they are required or frozen.
+  bool open_boundaries = true;
+  /// Tags of tetrahedra, and of listed triangles, that stay bit for bit as they are. OptionError if none has the tag.
+  std::vector<int> frozen_regions, frozen_patches;
+  /// Empty, or one flag per vertex: a vertex whose flag is not 0 does not move. (TetMesh::required_vertices, a list of
+  /// ids, does the same as a part of the mesh, and is kept in files.)
+  std::vector<std::uint8_t> frozen_vertices;
+  /// Maximum number of relocation sweeps, 0 or more; 0 means only flips.
+  int max_iterations = 100;
+  /// Number of CPU threads, 0 to 4096; 0 means all. The result does not depend on it.
+  int threads = 0;
+  /// If false, no edge and no face is flipped: vertices are only moved (and inserted and removed with Effort::best).
+  bool flips = true;
+  /// Maximum number of tetrahedra around an edge that a flip removes or creates, 3 to 7. With 3 there are only the
+  /// paper's 3-2 and 2-3 flips; below 5 no faces are removed together.
+  int max_ring = 7;
+  /// Whether edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped.
+  /// Without effect with Boundary::fixed, max_deviation > 0, max_ring 3, max_iterations 0, or without flips.
+  bool boundary_flips = true;
+  /// The quality that every element should have. It does not change the result: Report::targets says which elements
+  /// miss it and what constrains them.
+  std::vector<Target> targets;
+  /// If true, the smallest dihedral angle is measured after each sweep and round, for SweepReport::dihedral_min and
+  /// WorstReport::dihedral_min. It takes a twelfth of the time.
+  bool trace_angles = false;
+};
+
+}  // namespace tetune

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tetune/export.hpp"
+#include "tetune/flip_counts.hpp"
+#include "tetune/targets.hpp"
+#include "tetune/types.hpp"
+
+namespace tetune {
+
+/// One relocation sweep over all vertices (Stroeter et al. 2022, Alg. 1).
+struct SweepReport {
+  int iteration = 0;         ///< from 1
+  std::int64_t moved = 0;    ///< number of vertices that moved
+  double energy_before = 0;  ///< the sum that Options::energy names; Energy::harmonic is a length, in the mesh's unit
+  double decrease = 0;       ///< of that sum
+  union {
+    /// Squared 2-norm of the gradient with respect to the vertices, each one's when it was visited: of tr(L) = eta / 9
+    /// with Energy::harmonic, else of the shape energy (inversely proportional to the square of the mesh's unit).
+    double gradient_norm2 = 0;
+    double gradient_norm;  ///< former name, until version 0.3
+  };
+  double dihedral_min = 0;  ///< smallest dihedral angle afterwards, degrees; 0 without Options::trace_angles
+  double seconds = 0;
+};
+
+/// One flip pass: candidates are evaluated, an independent set of them is selected and applied (Alg. 5).
+struct FlipReport : FlipCounts {
+  int iteration = 0;  ///< number of relocation sweeps before
+  int pass = 0;
+  std::int64_t active = 0;     ///< number of tetrahedra examined
+  std::int64_t evaluated = 0;  ///< number of candidate flips evaluated
+  double decrease = 0;         ///< of the energy
+  double seconds = 0;
+};
+
+/// One round of work on the worst elements, or on those with the smallest dihedral angles: with Effort::best vertices
+/// are inserted and removed, then edges and faces are flipped around them, then their vertices are moved.
+struct WorstReport {
+  int round = 0;
+  std::int64_t worst = 0;                  ///< number of tetrahedra worked on
+  std::int64_t inserted = 0, removed = 0;  ///< numbers of vertices
+  std::int64_t flips = 0;
+  std::int64_t moved = 0;   ///< number of vertices
+  double dihedral_min = 0;  ///< as in SweepReport
+  double seconds = 0;
+};
+
+enum class StopReason {
+  converged,            ///< the relative decrease of the energy fell below the bound that Options::effort sets
+  gradient_small,       ///< condition C1 of the paper (Sect. 4.5)
+  gradient_stationary,  ///< C2
+  no_flips,             ///< C3
+  iteration_limit,      ///< Options::max_iterations
+  cancelled,            ///< by a hook of Context
+};
+
+/// In words: "converged", "gradient small (C1)", ...
+TETUNE_API const char* to_string(StopReason reason);
+
+/// The time spent in one phase, summed over its parts.
+struct PhaseTime {
+  std::string phase;
+  double seconds = 0;
+};
+
+/// The account of a run of optimize().
+struct Report : OperationCounts {
+  std::string device;         ///< "CPU", or the name of the GPU
+  std::string device_reason;  ///< the reason of the choice, with Device::automatic; empty otherwise
+  int threads = 0;            ///< that ran: fewer than Options::threads where the system gives no more; 0 on a GPU
+  std::int64_t vertices = 0;  ///< of the input
+  std::int64_t tets_before = 0, tets_after = 0;
+  std::int64_t tets_untangled = 0;  ///< with Options::untangle: number of inverted or flat ones in the input
+  /// Numbers of vertices of the input that may move anywhere, in a plane, along a line, not at all.
+  std::int64_t free_vertices = 0, plane_vertices = 0, line_vertices = 0, fixed_vertices = 0;
+  /// With Boundary::slide: numbers of vertices that slide on the surface and along its feature lines.
+  std::int64_t surface_vertices = 0, curve_vertices = 0;
+  /// Number of listed corners that may move, because the list is exhaustive (TetGen lists all vertices) and the surface
+  /// has no feature there.
+  std::int64_t corners_not_held = 0;
+  /// Number of tagged edges that do not constrain their vertices, for the same reason; they stay edges of the mesh.
+  std::int64_t edges_not_held = 0;
+  std::int64_t triangles_dropped = 0, edges_dropped = 0;  ///< numbers of listed ones that the result lacks
+  int colors = 0;                                         ///< of the graph of vertices that must not move at once
+  double energy_before = 0, energy_after = 0;             ///< the sum that Options::energy names
+  /// For each vertex of the result that of the input, or -1 for an inserted one. Empty if all vertices were kept.
+  std::vector<Index> vertex2original;
+  /// For each tetrahedron of the result one of the input in the same region: itself if it was not changed, else one
+  /// that was replaced near it.
+  std::vector<Index> tet2original;
+  /// For each listed triangle and edge of the result its position in the input's list. Empty if all were kept.
+  std::vector<Index> triangle2original, edge2original;
+  std::vector<SweepReport> sweeps;
+  std::vector<FlipReport> flip_passes;
+  std::vector<WorstReport> worst_rounds;
+  std::vector<PhaseTime> phases;
+  std::vector<TargetReport> targets;  ///< one per entry of Options::targets, in the same order
+  std::vector<std::string> warnings;  ///< of options without effect: see ineffective_options()
+  double seconds = 0;                 ///< wall-clock time of optimize()
+  StopReason stop = StopReason::converged;
+};
+
+}  // namespace tetune

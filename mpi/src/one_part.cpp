@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "one_part.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "driver/distributed_interface.hpp"
+#include "tetune/error.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune::mpi {
+namespace {
+
+/// The tag of the triangles between the vertices that are worked on and the rest: it continues no patch of the mesh.
+constexpr int kInterfaceTag = std::numeric_limits<int>::min();
+
+/// Lists the faces that only one tetrahedron has and whose vertices are frozen as required triangles with a tag of
+/// their own, so that no vertex slides onto an interface of parts; returns their number.
+std::size_t list_interface(TetMesh& mesh, const Marks& frozen) {
+  std::map<std::array<Index, 3>, int> faces;
+  for (const auto& tet : mesh.tets) {
+    for (std::size_t f = 0; f < 4; ++f) {
+      std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
+      bool all = true;
+      for (const Index v : face) all = all && item(frozen, v) != 0;
+      if (!all) continue;
+      std::sort(face.begin(), face.end());
+      ++faces[face];
+    }
+  }
+  const std::size_t before = mesh.triangles.size();
+  for (const auto& [face, count] : faces) {
+    if (count > 1) continue;
+    mesh.required_triangles.push_back(index_count(mesh.triangles));
+    mesh.triangles.push_back(face);
+    mesh.triangle_tags.push_back(kInterfaceTag);
+  }
+  return mesh.triangles.size() - before;
+}
+
+/// Removes the triangles of list_interface(), which are the last ones of the mesh.
+void drop_interface(TetMesh& mesh, std::size_t count) {
+  mesh.triangles.resize(mesh.triangles.size() - count);
+  mesh.triangle_tags.resize(mesh.triangles.size());
+  mesh.required_triangles.resize(mesh.required_triangles.size() - count);
+}
+
+/// Erases the vertices [first, end) of a mesh before its optimization, which were appended to it.
+void drop_appended(TetMesh& mesh, std::vector<Index>& vertex2original, std::size_t first, std::size_t end) {
+  if (first == end) return;
+  if (vertex2original.empty()) {
+    mesh.points.resize(first);
+    mesh.point_tags.resize(first);
+    return;
+  }
+  const auto appended = [&](Index v) { return v >= to_index(first) && v < to_index(end); };
+  Marks keep;
+  for (const Index v : vertex2original) keep.push_back(appended(v) ? 0 : 1);
+  erase_vertices(mesh, keep);
+  std::erase_if(vertex2original, appended);
+}
+
+/// The values of the originals of `count` entities.
+template <class T, class Map>
+std::vector<T> picked(const std::vector<T>& values, const Map& new2old, std::size_t count) {
+  std::vector<T> result;
+  result.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) result.push_back(item(values, new2old[i]));
+  return result;
+}
+
+std::vector<int> present(const std::vector<int>& wanted, const std::vector<int>& tags) {
+  std::vector<int> result;
+  for (const int tag : wanted) {
+    if (std::find(tags.begin(), tags.end(), tag) != tags.end()) result.push_back(tag);
+  }
+  return result;
+}
+
+/// Replaces the ids of a part by those of the entities that the optimization left.
+void update_ids(Part& part, const Report& report) {
+  if (!report.vertex2original.empty()) {
+    std::vector<Id> ids;
+    Marks flags;
+    for (const Index v : report.vertex2original) {
+      ids.push_back(v < 0 ? -1 : item(part.vertex_id, v));
+      flags.push_back(v < 0 ? 0 : item(part.vertex_flags, v));
+    }
+    part.vertex_id = std::move(ids);
+    part.vertex_flags = std::move(flags);
+  }
+  part.tet_id = picked(part.tet_id, report.tet2original, part.mesh.tets.size());
+  if (!report.triangle2original.empty()) {
+    part.triangle_id = picked(part.triangle_id, report.triangle2original, part.mesh.triangles.size());
+  }
+  if (!report.edge2original.empty()) {
+    part.edge_id = picked(part.edge_id, report.edge2original, part.mesh.edges.size());
+  }
+}
+
+}  // namespace
+
+Options options_for(const Options& all_options, const TetMesh& mesh) {
+  Options options = all_options;
+  options.frozen_regions = present(options.frozen_regions, mesh.tet_tags);
+  options.frozen_patches = present(options.frozen_patches, mesh.triangle_tags);
+  return options;
+}
+
+std::string defects_of(const Part& part, int threads) {
+  ValidationReport report = validate(part.mesh, threads);
+  for (Finding& f : report.findings) {
+    const std::vector<Id>* ids = f.where == "tetrahedra" ? &part.tet_id
+                                 : f.where == "vertices" ? &part.vertex_id
+                                                         : nullptr;
+    if (ids == nullptr) continue;
+    for (Index& i : f.first) i = Index(item(*ids, i));
+  }
+  return report.message(false);
+}
+
+Report optimize_part(Part& part, Marks frozen, const Options& all_options, const Context& context,
+                     InputSurface* surface) {
+  TetMesh& mesh = part.mesh;
+  Options options = options_for(all_options, mesh);
+  const std::size_t vertices = mesh.points.size();
+  const std::size_t interface_triangles = list_interface(mesh, frozen);
+  InputSurface::Piece piece;
+  if (surface != nullptr) piece = surface->under(part, options.max_deviation > 0, frozen);
+  options.frozen_vertices = std::move(frozen);
+  Report report;
+  try {
+    report = surface != nullptr ? tetune::optimize(mesh, options, context, piece.surface)
+                                : tetune::optimize(mesh, options, context);
+  } catch (const OverlapError& e) {
+    std::vector<Index> tets;
+    for (const Index t : e.tets) tets.push_back(Index(item(part.tet_id, t)));
+    std::sort(tets.begin(), tets.end());
+    throw OverlapError(std::move(tets));
+  } catch (const MeshError&) {
+    drop_interface(mesh, interface_triangles);
+    drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());
+    throw MeshError(defects_of(part, options.threads));
+  }
+  drop_interface(mesh, interface_triangles);
+  if (surface != nullptr) {
+    surface->write_back(piece);
+    drop_appended(mesh, report.vertex2original, vertices, piece.id.size());
+  }
+  update_ids(part, report);
+  return report;
+}
+
+}  // namespace tetune::mpi

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "input_surface.hpp"
+#include "part.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune::mpi {
+
+/// The options for a part, which may lack tags that the whole mesh has.
+Options options_for(const Options& options, const TetMesh& mesh);
+
+/// The message of validate() about a part, in the ids of the whole mesh.
+std::string defects_of(const Part& part, int threads);
+
+/// Optimizes one part, of which the vertices with `frozen` 1 stay: on `surface`, if it is given, for Boundary::slide.
+/// Inserted vertices get the id -1. Throws as optimize() does, in the ids of the whole mesh.
+Report optimize_part(Part& part, Marks frozen, const Options& options, const Context& context, InputSurface* surface);
+
+}  // namespace tetune::mpi

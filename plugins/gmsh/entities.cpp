@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Elements by kind, and the entities of Gmsh that they belong to.
+#include "entities.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+
+namespace tetune::plugin {
+namespace {
+
+constexpr std::array<Pair, 6> kTet10Edges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
+
+template <std::size_t N>
+Kind kind_of(int dimension, int type, const std::vector<std::array<Index, N>>& elements, const std::vector<int>& tags,
+             const std::vector<DataArray>& data, std::vector<Pair> middles) {
+  Kind kind{dimension, type, N, {}, &tags, &data, std::move(middles), {}};
+  for (const auto& e : elements) kind.element2vertex.insert(kind.element2vertex.end(), e.begin(), e.end());
+  return kind;
+}
+
+/// Assigns each element to the entity that it came from, if that is known and all elements of an entity have the same
+/// tag. Returns the entities with their tags, or none.
+std::map<int, int> known_entities(std::vector<Kind>& kinds, int dimension) {
+  std::map<int, int> entity2tag;
+  for (Kind& kind : kinds) {
+    if (kind.dimension != dimension || kind.size() == 0) continue;
+    const DataArray* array = find(*kind.data, kGeometrical);
+    kind.entities.clear();
+    if (array != nullptr && array->components == 1) {
+      std::visit(
+          [&kind](const auto& values) {
+            for (const auto v : values) {
+              const auto number = double(v);
+              const bool possible = number >= 1 && number <= std::numeric_limits<int>::max();
+              kind.entities.push_back(possible ? int(number) : 0);
+            }
+          },
+          array->values);
+    }
+    if (kind.entities.size() != kind.size()) return {};
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      const auto [at, fresh] = entity2tag.try_emplace(kind.entities[e], (*kind.tags)[e]);
+      if (kind.entities[e] <= 0 || at->second != (*kind.tags)[e]) return {};
+    }
+  }
+  return entity2tag;
+}
+
+/// Assigns the elements of each tag to an entity with the number of the tag; where that is not possible, with minus
+/// that number, as from_gmsh() expects of entities in no group, or with a free one. Returns the entities with their
+/// tags.
+std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std::set<int> taken, int max_entity) {
+  std::map<int, int> tag2entity;
+  for (const Kind& kind : kinds) {
+    if (kind.dimension != dimension) continue;
+    for (const int tag : *kind.tags) tag2entity[tag] = 0;
+    taken.insert(kind.tags->begin(), kind.tags->end());
+  }
+  FreeNumbers free_numbers(std::move(taken));
+  for (auto& [tag, entity] : tag2entity) {
+    if (tag > 0 && tag <= max_entity) entity = tag;
+    if (tag < 0 && tag >= -max_entity && free_numbers.take(-tag)) entity = -tag;
+  }
+  std::map<int, int> entity2tag;
+  for (auto& [tag, entity] : tag2entity) {
+    if (entity == 0) entity = free_numbers.take_lowest();
+    entity2tag[entity] = tag;
+  }
+  for (Kind& kind : kinds) {
+    if (kind.dimension != dimension) continue;
+    kind.entities.clear();
+    for (const int tag : *kind.tags) kind.entities.push_back(tag2entity[tag]);
+  }
+  return entity2tag;
+}
+
+}  // namespace
+
+const DataArray* find(const std::vector<DataArray>& data, const std::string& name) {
+  const auto at = std::find_if(data.begin(), data.end(), [&name](const DataArray& a) { return a.name == name; });
+  return at == data.end() ? nullptr : &*at;
+}
+
+std::vector<Kind> kinds_of(const TetMesh& mesh) {
+  const auto pairs = [&mesh](const auto& edges) {
+    return mesh.second_order ? std::vector<Pair>(edges.begin(), edges.end()) : std::vector<Pair>();
+  };
+  const bool second = mesh.second_order;
+  std::vector<Kind> kinds;
+  kinds.push_back(kind_of(3, second ? kTet10 : kTet, mesh.tets, mesh.tet_tags, mesh.tet_data, pairs(kTet10Edges)));
+  kinds.push_back(kind_of(2, second ? kTriangle6 : kTriangle, mesh.triangles, mesh.triangle_tags, mesh.triangle_data,
+                          pairs(kTriangleEdges)));
+  kinds.push_back(kind_of(1, second ? kEdge3 : kEdge, mesh.edges, mesh.edge_tags, mesh.edge_data, pairs(kEdgeEdges)));
+  for (const ElementBlock& block : mesh.others) {
+    const auto* const other = std::find_if(std::begin(kOtherKinds), std::end(kOtherKinds),
+                                           [&block](const OtherKind& k) { return k.name == block.kind; });
+    if (other == std::end(kOtherKinds)) throw FileError("Gmsh has no elements of kind " + block.kind);
+    kinds.push_back({other->dimension,
+                     item(kOtherTypes, other - std::begin(kOtherKinds)),
+                     std::size_t(other->vertices),
+                     block.element2vertex,
+                     &block.tags,
+                     &block.data,
+                     {},
+                     {}});
+  }
+  return kinds;
+}
+
+std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups,
+                                 const Format& format) {
+  if (format.msh_version > 0) {
+    std::map<int, int> known = known_entities(kinds, dimension);
+    if (!known.empty()) return known;
+  }
+  // add_groups() makes groups of such numbers, and I-deas' files have one list of groups for all dimensions.
+  std::set<int> taken;
+  for (const Group& group : groups) {
+    if (format.msh_version == 0 && format.groups) taken.insert(group.number);
+  }
+  return entities_of_tags(kinds, dimension, std::move(taken), format.max_entity);
+}
+
+Boundaries::Boundaries(const std::vector<Kind>& kinds, int dimension) {
+  if (dimension == 0) return;
+  using Side = std::vector<Index>;
+  std::vector<std::pair<Side, int>> sides;
+  for (const Kind& kind : kinds) {
+    if (kind.dimension != dimension - 1) continue;
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      const auto vertices = entry_of(kind.element2vertex, std::int64_t(e), kind.corners);
+      Side side(vertices.begin(), vertices.end());
+      std::sort(side.begin(), side.end());
+      sides.emplace_back(std::move(side), kind.entities[e]);
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  for (const Kind& kind : kinds) {
+    // Simplices only: a side has all vertices but one.
+    if (kind.dimension != dimension || std::ssize(kind.element2vertex) != std::ssize(*kind.tags) * (dimension + 1))
+      continue;
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      for (std::size_t left_out = 0; left_out < kind.corners; ++left_out) {
+        Side side;
+        for (std::size_t k = 0; k < kind.corners; ++k) {
+          if (k != left_out) side.push_back(kind.element2vertex[e * kind.corners + k]);
+        }
+        std::sort(side.begin(), side.end());
+        auto at = std::lower_bound(sides.begin(), sides.end(), std::pair{side, 0},
+                                   [](const auto& a, const auto& b) { return a.first < b.first; });
+        for (; at != sides.end() && at->first == side; ++at) entity2sides_[kind.entities[e]].insert(at->second);
+      }
+    }
+  }
+}
+
+std::vector<int> Boundaries::of(int entity) const {
+  const auto at = entity2sides_.find(entity);
+  return at == entity2sides_.end() ? std::vector<int>() : std::vector<int>(at->second.begin(), at->second.end());
+}
+
+}  // namespace tetune::plugin

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+// TetMesh from vtkUnstructuredGrid.
+#include <vtkCellData.h>
+#include <vtkFieldData.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "grid.hpp"
+#include "grid_names.hpp"
+#include "second_order.hpp"
+#include "vtk_arrays.hpp"
+
+namespace tetune::plugin {
+namespace {
+
+/// The cells of a grid by kind, in order.
+class Reader {
+ public:
+  Reader(vtkUnstructuredGrid* grid, TetMesh& mesh, Warnings& warnings) : grid_(grid), mesh_(mesh), warnings_(warnings) {
+    for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
+  }
+
+  void read() {
+    read_points();
+    // Ghost cells are copies of the elements of another part.
+    vtkUnsignedCharArray* ghosts = grid_->GetCellGhostArray();
+    for (vtkIdType c = 0; c < grid_->GetNumberOfCells(); ++c) {
+      if (ghosts == nullptr || (ghosts->GetValue(c) & vtkDataSetAttributes::DUPLICATECELL) == 0) read_cell(c);
+    }
+    read_point_data();
+    read_cell_data();
+    erase_middles(middles_, mesh_);
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      if (!others_[i].element2vertex.empty()) mesh_.others.push_back(std::move(others_[i]));
+    }
+  }
+
+ private:
+  void read_points() {
+    const vtkIdType n = grid_->GetNumberOfPoints();
+    if (n > std::numeric_limits<Index>::max()) throw FileError("more than 2^31 points");
+    mesh_.points.resize(std::size_t(n));
+    for (vtkIdType i = 0; i < n; ++i) grid_->GetPoint(i, item(mesh_.points, i).data());
+  }
+
+  /// Reads and checks the vertices of a cell.
+  std::array<Index, 10> vertices_of(vtkIdType c, int type) const {
+    vtkIdType n = 0;
+    const vtkIdType* ids = nullptr;
+    grid_->GetCellPoints(c, n, ids);
+    std::array<Index, 10> v{};
+    const int expected = size_of(type);
+    if (expected < 0 || (type == VTK_POLY_VERTEX && n != 1)) {
+      throw FileError("cell " + std::to_string(c) + " is of VTK's type " + std::to_string(type) +
+                      ", which tetune does not read; it reads tetrahedra (of first or second order), triangles, lines, "
+                      "vertices, quadrilaterals, pyramids, wedges and hexahedra");
+    }
+    if (n != expected) {
+      throw FileError("cell " + std::to_string(c) + " of VTK's type " + std::to_string(type) + " has " +
+                      std::to_string(n) + " points");
+    }
+    for (vtkIdType k = 0; k < n; ++k) {
+      if (ids[k] < 0 || ids[k] >= grid_->GetNumberOfPoints()) {
+        throw FileError("cell " + std::to_string(c) + " has point " + std::to_string(ids[k]) + "; there are " +
+                        std::to_string(grid_->GetNumberOfPoints()));
+      }
+      item(v, k) = Index(ids[k]);
+    }
+    return v;
+  }
+
+  void read_cell(vtkIdType c) {
+    const int type = grid_->GetCellType(c);
+    std::array<Index, 10> v = vertices_of(c, type);
+    switch (type) {
+      case VTK_QUADRATIC_TETRA:
+        add_middles(v, 4, kTetEdges);
+        [[fallthrough]];
+      case VTK_TETRA:
+        mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
+        tets_.push_back(c);
+        return;
+      case VTK_QUADRATIC_TRIANGLE:
+        add_middles(v, 3, kTriangleEdges);
+        [[fallthrough]];
+      case VTK_TRIANGLE:
+        mesh_.triangles.push_back({v[0], v[1], v[2]});
+        triangles_.push_back(c);
+        return;
+      case VTK_QUADRATIC_EDGE:
+        add_middles(v, 2, kEdgeEdges);
+        [[fallthrough]];
+      case VTK_LINE:
+        mesh_.edges.push_back({v[0], v[1]});
+        edges_.push_back(c);
+        return;
+      default:
+        break;
+    }
+    // A pixel and a voxel are a quadrilateral and a hexahedron in another order.
+    if (type == VTK_PIXEL || type == VTK_VOXEL) std::swap(v[2], v[3]);
+    if (type == VTK_VOXEL) std::swap(v[6], v[7]);
+    const int plain = type == VTK_PIXEL         ? VTK_QUAD
+                      : type == VTK_VOXEL       ? VTK_HEXAHEDRON
+                      : type == VTK_POLY_VERTEX ? VTK_VERTEX
+                                                : type;
+    const std::size_t k(std::find(kOtherTypes.begin(), kOtherTypes.end(), plain) - kOtherTypes.begin());
+    others_[k].element2vertex.insert(others_[k].element2vertex.end(), v.begin(), v.begin() + size_of(type));
+    other_cells_[k].push_back(c);
+  }
+
+  static int size_of(int type) {
+    switch (type) {
+      case VTK_VERTEX:
+      case VTK_POLY_VERTEX:
+        return 1;
+      case VTK_LINE:
+        return 2;
+      case VTK_TRIANGLE:
+      case VTK_QUADRATIC_EDGE:
+        return 3;
+      case VTK_QUAD:
+      case VTK_PIXEL:
+      case VTK_TETRA:
+        return 4;
+      case VTK_PYRAMID:
+        return 5;
+      case VTK_WEDGE:
+      case VTK_QUADRATIC_TRIANGLE:
+        return 6;
+      case VTK_HEXAHEDRON:
+      case VTK_VOXEL:
+        return 8;
+      case VTK_QUADRATIC_TETRA:
+        return 10;
+      default:
+        return -1;
+    }
+  }
+
+  template <std::size_t N>
+  void add_middles(const std::array<Index, 10>& v, std::size_t corners, const std::array<Pair, N>& edges) {
+    for (std::size_t e = 0; e < N; ++e) {
+      middles_.push_back({v[corners + e], {item(v, edges[e][0]), item(v, edges[e][1])}});
+    }
+  }
+
+  void read_point_data() {
+    mesh_.point_data = arrays_of(grid_->GetPointData(), "vertices", warnings_);
+    mesh_.point_tags = take_tags(mesh_.point_data, mesh_.point_tags_name, warnings_);
+    mesh_.point_tags.resize(mesh_.points.size(), 0);
+    for (const PointFlags& flags : kPointFlags) {
+      for (const vtkIdType v : take_flags(mesh_.point_data, flags.name)) {
+        (mesh_.*flags.ids).push_back(Index(v));
+      }
+    }
+  }
+
+  void read_cell_data() {
+    std::vector<DataArray> data = arrays_of(grid_->GetCellData(), "cells", warnings_);
+    std::vector<int> tags = take_tags(data, mesh_.cell_tags_name, warnings_);
+    tags.resize(std::size_t(grid_->GetNumberOfCells()), 0);
+    const auto flags = [&data](const char* name, const std::vector<vtkIdType>& cells, std::vector<Index>& ids) {
+      for (const vtkIdType c : take_flags(data, name)) {
+        const auto at = std::lower_bound(cells.begin(), cells.end(), c);
+        if (at != cells.end() && *at == c) ids.push_back(Index(at - cells.begin()));
+      }
+    };
+    flags(kRequiredEdges, edges_, mesh_.required_edges);
+    flags(kRidges, edges_, mesh_.ridges);
+    flags(kRequiredTriangles, triangles_, mesh_.required_triangles);
+    flags(kRequiredTets, tets_, mesh_.required_tets);
+    flags(kRequiredQuads, other_cells_[1], others_[1].required);
+    const auto take = [&](const std::vector<vtkIdType>& cells, std::vector<int>& own,
+                          std::vector<DataArray>& own_data) {
+      for (const vtkIdType c : cells) own.push_back(item(tags, c));
+      if (cells.empty()) return;
+      for (const DataArray& array : data) own_data.push_back(entries(array, cells));
+    };
+    take(tets_, mesh_.tet_tags, mesh_.tet_data);
+    take(triangles_, mesh_.triangle_tags, mesh_.triangle_data);
+    take(edges_, mesh_.edge_tags, mesh_.edge_data);
+    for (std::size_t k = 0; k < others_.size(); ++k) take(other_cells_[k], others_[k].tags, others_[k].data);
+  }
+
+  vtkUnstructuredGrid* grid_;
+  TetMesh& mesh_;
+  Warnings& warnings_;
+  std::vector<vtkIdType> tets_, triangles_, edges_;
+  std::vector<ElementBlock> others_;
+  std::array<std::vector<vtkIdType>, 5> other_cells_;
+  std::vector<Middle> middles_;
+};
+
+}  // namespace
+
+TetMesh from_grid(vtkUnstructuredGrid* grid, Warnings& warnings) {
+  TetMesh mesh;
+  Reader(grid, mesh, warnings).read();
+  const vtkFieldData* none = nullptr;
+  if (vtkFieldData* fields = grid->GetFieldData(); fields != none) {
+    for (int i = 0; i < fields->GetNumberOfArrays(); ++i) {
+      warnings.push_back("the field data \"" + std::string(fields->GetArrayName(i)) + "\" is not kept");
+    }
+  }
+  return mesh;
+}
+
+void merge_points(TetMesh& mesh) {
+  std::vector<vtkIdType> order(mesh.points.size());
+  std::iota(order.begin(), order.end(), vtkIdType{0});
+  const auto point = [&mesh](vtkIdType v) -> const Point3& { return item(mesh.points, v); };
+  std::stable_sort(order.begin(), order.end(), [&point](vtkIdType a, vtkIdType b) { return point(a) < point(b); });
+  std::vector<vtkIdType> first(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool same = i > 0 && point(order[i]) == point(order[i - 1]);
+    item(first, order[i]) = same ? item(first, order[i - 1]) : order[i];
+  }
+  std::vector<Index> old2new(order.size());
+  std::vector<vtkIdType> kept;
+  for (vtkIdType v = 0; v < std::ssize(first); ++v) {
+    const vtkIdType owner = item(first, v);
+    item(old2new, v) = owner == v ? index_count(kept) : item(old2new, owner);
+    if (owner == v) kept.push_back(v);
+  }
+  if (kept.size() == first.size()) return;
+  for (std::size_t v = 0; v < kept.size(); ++v) {
+    mesh.points[v] = point(kept[v]);
+    mesh.point_tags[v] = item(mesh.point_tags, kept[v]);
+  }
+  mesh.points.resize(kept.size());
+  mesh.point_tags.resize(kept.size());
+  for (DataArray& array : mesh.point_data) array = entries(array, kept);
+  const auto renumber = [&old2new](auto& ids) {
+    for (Index& v : ids) v = item(old2new, v);
+  };
+  for (auto& tet : mesh.tets) renumber(tet);
+  for (auto& triangle : mesh.triangles) renumber(triangle);
+  for (auto& edge : mesh.edges) renumber(edge);
+  for (ElementBlock& block : mesh.others) renumber(block.element2vertex);
+  for (std::vector<Index>* ids : {&mesh.corners, &mesh.required_vertices}) {
+    renumber(*ids);
+    std::sort(ids->begin(), ids->end());
+    ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
+  }
+}
+
+}  // namespace tetune::plugin

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <map>
+#include <string>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "tetune/tetune.hpp"
+
+namespace tetune::python {
+
+using namespace nb::literals;
+namespace {
+
+using Self = nb::handle_t<TetMesh>;
+using Block = std::tuple<std::string, nb::object>;
+
+TetMesh& of(Self self) { return nb::cast<TetMesh&>(self); }
+
+void fill_tags(std::vector<int>& tags, std::size_t size) {
+  if (tags.empty()) tags.resize(size, 0);
+}
+
+void construct(TetMesh* place, nb::object points, nb::object tets, nb::object point_tags, nb::object tet_tags,
+               nb::object triangles, nb::object triangle_tags, nb::object edges, nb::object edge_tags,
+               nb::object corners, nb::object required_vertices, nb::object ridges, nb::object required_edges,
+               nb::object required_triangles, nb::object required_tets, const std::vector<Block>& others) {
+  TetMesh mesh;
+  assign("points", points, mesh.points);
+  assign("tets", tets, mesh.tets);
+  assign("point_tags", point_tags, mesh.point_tags);
+  assign("tet_tags", tet_tags, mesh.tet_tags);
+  assign("triangles", triangles, mesh.triangles);
+  assign("triangle_tags", triangle_tags, mesh.triangle_tags);
+  assign("edges", edges, mesh.edges);
+  assign("edge_tags", edge_tags, mesh.edge_tags);
+  assign("corners", corners, mesh.corners);
+  assign("required_vertices", required_vertices, mesh.required_vertices);
+  assign("ridges", ridges, mesh.ridges);
+  assign("required_edges", required_edges, mesh.required_edges);
+  assign("required_triangles", required_triangles, mesh.required_triangles);
+  assign("required_tets", required_tets, mesh.required_tets);
+  for (const auto& [kind, object] : others) {
+    const auto array = as_array(kind.c_str(), object);
+    if (array.ndim() != 2) throw nb::value_error((kind + " must have the shape (n, vertices of one)").c_str());
+    ElementBlock block{
+        kind, static_cast<int>(array.shape(1)), std::vector<Index>(array.size()), std::vector<int>(array.shape(0)), {}};
+    if (array.size() > 0) copy_array(kind.c_str(), array, array.shape(1), block.element2vertex.data());
+    mesh.others.push_back(std::move(block));
+  }
+  fill_tags(mesh.point_tags, mesh.points.size());
+  fill_tags(mesh.tet_tags, mesh.tets.size());
+  fill_tags(mesh.triangle_tags, mesh.triangles.size());
+  fill_tags(mesh.edge_tags, mesh.edges.size());
+  const std::int64_t turned = [&mesh] {
+    const nb::gil_scoped_release release;
+    return orient_uniformly(mesh);
+  }();
+  if (turned > 0 && !mesh.listed_inside_out) {
+    warn(std::to_string(turned) + " tetrahedra were listed inside out, unlike their neighbors: they were reversed");
+  }
+  new (place) TetMesh(std::move(mesh));
+}
+
+void bind_mesh_arrays(nb::class_<TetMesh>& type) {
+  type.def_prop_ro(
+          "points", [](Self s) { return view(of(s).points, s); }, "Positions, (n, 3).")
+      .def_prop_ro("point_tags", [](Self s) { return view(of(s).point_tags, s); })
+      .def_prop_ro(
+          "tets", [](Self s) { return view(of(s).tets, s); },
+          "Tetrahedra (v0, v1, v2, v3) with det(v1-v0, v2-v0, v3-v0) > 0, (m, 4).")
+      .def_prop_ro(
+          "tet_tags", [](Self s) { return view(of(s).tet_tags, s); }, "Region (material) of each tetrahedron.")
+      .def_prop_ro(
+          "triangles", [](Self s) { return view(of(s).triangles, s); },
+          "Listed triangles: boundary patches, interfaces and other constraints, (k, 3).")
+      .def_prop_ro("triangle_tags", [](Self s) { return view(of(s).triangle_tags, s); })
+      .def_prop_ro(
+          "edges", [](Self s) { return view(of(s).edges, s); },
+          "Listed edges: feature lines and other constraints, (k, 2).")
+      .def_prop_ro("edge_tags", [](Self s) { return view(of(s).edge_tags, s); })
+      .def_prop_ro(
+          "corners", [](Self s) { return view(of(s).corners, s); }, "Vertices that are corners of the shape.")
+      .def_prop_ro(
+          "required_vertices", [](Self s) { return view(of(s).required_vertices, s); }, "Vertices that must not move.")
+      .def_prop_ro(
+          "ridges", [](Self s) { return view(of(s).ridges, s); }, "Rows of `edges`: sharp feature lines.")
+      .def_prop_ro(
+          "required_edges", [](Self s) { return view(of(s).required_edges, s); },
+          "Rows of `edges` that must not change.")
+      .def_prop_ro(
+          "required_triangles", [](Self s) { return view(of(s).required_triangles, s); },
+          "Rows of `triangles` that must not change.")
+      .def_prop_ro(
+          "required_tets", [](Self s) { return view(of(s).required_tets, s); }, "Rows of `tets` that must not change.");
+}
+
+}  // namespace
+
+void bind_mesh(nb::module_& m) {
+  nb::class_<TetMesh> type(
+      m, "TetMesh",
+      "A tetrahedral mesh. Its arrays are views of the mesh's own memory, shared and writable; ids are "
+      "zero-based.\n\nThe tag 0 means \"no tag\". Tetrahedra that are listed inside out are "
+      "reversed.");
+  type.def("__init__", &construct, "points"_a, "tets"_a, nb::kw_only(), "point_tags"_a = nb::none(),
+           "tet_tags"_a = nb::none(), "triangles"_a = nb::none(), "triangle_tags"_a = nb::none(),
+           "edges"_a = nb::none(), "edge_tags"_a = nb::none(), "corners"_a = nb::none(),
+           "required_vertices"_a = nb::none(), "ridges"_a = nb::none(), "required_edges"_a = nb::none(),
+           "required_triangles"_a = nb::none(), "required_tets"_a = nb::none(), "others"_a = std::vector<Block>{},
+           nb::sig("def __init__(self, points: ArrayLike, tets: ArrayLike, *, point_tags: ArrayLike | None = None, "
+                   "tet_tags: ArrayLike | None = None, triangles: ArrayLike | None = None, "
+                   "triangle_tags: ArrayLike | None = None, edges: ArrayLike | None = None, "
+                   "edge_tags: ArrayLike | None = None, corners: ArrayLike | None = None, "
+                   "required_vertices: ArrayLike | None = None, ridges: ArrayLike | None = None, "
+                   "required_edges: ArrayLike | None = None, required_triangles: ArrayLike | None = None, "
+                   "required_tets: ArrayLike | None = None, others: Sequence[tuple[str, ArrayLike]] = ...) -> None"),
+           "Copies the arrays. Each of `others` is a kind of element and the vertices of all elements of that kind; "
+           "they do not change.");
+  bind_mesh_arrays(type);
+  type.def_prop_ro(
+          "others",
+          [](Self s) {
+            nb::list list;
+            for (ElementBlock& b : of(s).others) {
+              const auto width = static_cast<std::size_t>(b.vertices_per_element);
+              list.append(
+                  nb::make_tuple(b.kind, nb::ndarray<nb::numpy, Index, nb::ndim<2>>(
+                                             b.element2vertex.data(), {b.element2vertex.size() / width, width}, s)));
+            }
+            return list;
+          },
+          nb::sig("def others(self) -> list[tuple[str, NDArray[numpy.int32]]]"),
+          "Elements of other kinds, each with its vertices.")
+      .def(
+          "copy", [](const TetMesh& mesh) { return mesh; }, "A mesh of its own memory.")
+      .def("__repr__", [](const TetMesh& mesh) {
+        return "<tetune.TetMesh: " + std::to_string(mesh.points.size()) + " vertices, " +
+               std::to_string(mesh.tets.size()) + " tetrahedra, " + std::to_string(mesh.triangles.size()) +
+               " listed triangles>";
+      });
+}
+
+}  // namespace tetune::python

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <map>
+#include <string>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "tetune/tetune.hpp"
+
+namespace tetune::python {
+namespace {
+
+void bind_progress(nb::module_& m) {
+  nb::class_<Progress>(m, "Progress", "The state of a run, for the progress callback.")
+      .def_prop_ro(
+          "phase", [](const Progress& p) { return std::string(p.phase); },
+          "What was just done: 'load', 'untangling', 'flips', 'sweep', 'worst' or 'angles'.")
+      .def_ro("iteration", &Progress::iteration, "Number of relocation sweeps so far.")
+      .def_ro("energy", &Progress::energy, "Now.")
+      .def_ro("energy_before", &Progress::energy_before, "At the start.")
+      .def_ro("worst_angle", &Progress::worst_angle, "Smallest dihedral angle, degrees; possibly of some passes ago.")
+      .def_ro("fraction", &Progress::fraction, "Of the run that is done, 0 to 1: an estimate.")
+      .def_ro("seconds", &Progress::seconds, "Since the start.")
+      .def_ro("seconds_left", &Progress::seconds_left, "An estimate; negative while there is none.");
+}
+
+template <class T, class Counts, std::size_t kSize>
+void bind_counts(nb::class_<T>& type, const std::array<CountInfo<Counts>, kSize>& kinds) {
+  for (const auto& kind : kinds) {
+    const auto count = kind.count;
+    type.def_prop_ro(
+        kind.name, [count](const T& report) { return report.*count; }, kind.text);
+  }
+}
+
+void bind_passes(nb::module_& m) {
+  nb::class_<SweepReport>(m, "SweepReport", "One relocation sweep over all vertices.")
+      .def_ro("iteration", &SweepReport::iteration)
+      .def_ro("moved", &SweepReport::moved, "Number of vertices that moved.")
+      .def_ro("energy_before", &SweepReport::energy_before)
+      .def_ro("decrease", &SweepReport::decrease, "Of the energy.")
+      .def_ro("gradient_norm2", &SweepReport::gradient_norm2, "Squared 2-norm of the gradient.")
+      .def_ro("gradient_norm", &SweepReport::gradient_norm2, "The former name of gradient_norm2, until version 0.3.")
+      .def_ro("dihedral_min", &SweepReport::dihedral_min,
+              "Smallest dihedral angle afterwards, degrees; 0 without trace_angles.")
+      .def_ro("seconds", &SweepReport::seconds);
+  nb::class_<FlipReport> flips(m, "FlipReport", "One flip pass.");
+  bind_counts(flips, kFlipCounts);
+  flips.def_ro("iteration", &FlipReport::iteration, "Number of relocation sweeps before.")
+      .def_ro("pass_", &FlipReport::pass)
+      .def_ro("active", &FlipReport::active, "Number of tetrahedra examined.")
+      .def_ro("evaluated", &FlipReport::evaluated, "Number of candidate flips evaluated.")
+      .def_ro("decrease", &FlipReport::decrease, "Of the energy.")
+      .def_ro("seconds", &FlipReport::seconds)
+      .def_prop_ro(
+          "flips", [](const FlipReport& f) { return f.flips(); }, "Number of flips of all kinds.");
+  nb::class_<WorstReport>(m, "WorstReport", "One round of work on the worst elements.")
+      .def_ro("round", &WorstReport::round)
+      .def_ro("worst", &WorstReport::worst, "Number of tetrahedra worked on.")
+      .def_ro("inserted", &WorstReport::inserted, "Number of vertices inserted.")
+      .def_ro("removed", &WorstReport::removed, "Number of vertices removed.")
+      .def_ro("flips", &WorstReport::flips)
+      .def_ro("moved", &WorstReport::moved, "Number of vertices that moved.")
+      .def_ro("dihedral_min", &WorstReport::dihedral_min, "As in SweepReport.")
+      .def_ro("seconds", &WorstReport::seconds);
+}
+
+std::map<std::string, std::int64_t> held_by(const TargetReport& report) {
+  std::map<std::string, std::int64_t> named;
+  for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
+    if (report.held_by[k] > 0) named.emplace(to_string(static_cast<LimitingConstraint>(k)), report.held_by[k]);
+  }
+  return named;
+}
+
+void bind_targets(nb::module_& m) {
+  const auto constraint = [](const MissedTet& t) { return std::string(to_string(t.held_by)); };
+  nb::class_<MissedTet>(m, "MissedTet", "An element that misses a target.")
+      .def_ro("tet", &MissedTet::tet)
+      .def_ro("value", &MissedTet::value)
+      .def_ro("centroid", &MissedTet::centroid)
+      .def_prop_ro("held_by", constraint, "Its strongest constraint, in words.")
+      .def_prop_ro("pin", constraint, "The former name of held_by, until version 0.3.")
+      .def_ro("edge", &MissedTet::edge, "Where the angle of the surface is the constraint: the ends of the edge.")
+      .def_ro("surface_angle", &MissedTet::surface_angle, "The angle of the surface at that edge, degrees.");
+  nb::class_<TargetReport>(m, "TargetReport", "How many elements miss a target, and why.")
+      .def_prop_ro("measure", [](const TargetReport& t) { return std::string(to_string(t.target.measure)); })
+      .def_prop_ro("value", [](const TargetReport& t) { return t.target.value; })
+      .def_ro("tets", &TargetReport::tets, "Number of elements.")
+      .def_ro("missed", &TargetReport::missed, "Number of those that miss the target.")
+      .def_prop_ro("held_by", &held_by, "How many of them each constraint holds.")
+      .def_prop_ro("pinned", &held_by, "The former name of held_by, until version 0.3.")
+      .def_ro("worst", &TargetReport::worst, "The worst of them.")
+      .def_prop_ro("met", &TargetReport::met);
+}
+
+/// The maps from the result to the input.
+void bind_maps(nb::class_<Report>& report) {
+  report
+      .def_prop_ro(
+          "vertex2original", [](nb::handle_t<Report> s) { return view(nb::cast<Report&>(s).vertex2original, s); },
+          "For each vertex of the result the one of the input, -1 for inserted ones; empty where all were kept.")
+      .def_prop_ro(
+          "tet2original", [](nb::handle_t<Report> s) { return view(nb::cast<Report&>(s).tet2original, s); },
+          "For each tetrahedron of the result its ancestor in the input.")
+      .def_prop_ro(
+          "triangle2original", [](nb::handle_t<Report> s) { return view(nb::cast<Report&>(s).triangle2original, s); },
+          "For each listed triangle of the result its row in the input; empty where all were kept.")
+      .def_prop_ro(
+          "edge2original", [](nb::handle_t<Report> s) { return view(nb::cast<Report&>(s).edge2original, s); },
+          "For each listed edge of the result its row in the input; empty where all were kept.");
+}
+
+}  // namespace
+
+void bind_report(nb::module_& m) {
+  bind_progress(m);
+  bind_passes(m);
+  bind_targets(m);
+  nb::class_<Report> report(m, "Report", "The account of a run of optimize().");
+  bind_counts(report, kOperationCounts);
+  bind_maps(report);
+  report.def_ro("device", &Report::device)
+      .def_ro("device_reason", &Report::device_reason, "Why that one, where the choice was automatic.")
+      .def_ro("threads", &Report::threads)
+      .def_ro("vertices", &Report::vertices, "Of the input.")
+      .def_ro("tets_before", &Report::tets_before)
+      .def_ro("tets_after", &Report::tets_after)
+      .def_ro("tets_untangled", &Report::tets_untangled, "With untangle: of the input, inverted or flat.")
+      .def_ro("free_vertices", &Report::free_vertices)
+      .def_ro("plane_vertices", &Report::plane_vertices)
+      .def_ro("line_vertices", &Report::line_vertices)
+      .def_ro("fixed_vertices", &Report::fixed_vertices)
+      .def_ro("surface_vertices", &Report::surface_vertices, "Where the boundary slides.")
+      .def_ro("curve_vertices", &Report::curve_vertices, "Where the boundary slides.")
+      .def_ro("corners_not_held", &Report::corners_not_held)
+      .def_ro("edges_not_held", &Report::edges_not_held)
+      .def_ro("triangles_dropped", &Report::triangles_dropped)
+      .def_ro("edges_dropped", &Report::edges_dropped)
+      .def_ro("colors", &Report::colors)
+      .def_ro("energy_before", &Report::energy_before)
+      .def_ro("energy_after", &Report::energy_after)
+      .def_ro("sweeps", &Report::sweeps)
+      .def_ro("flip_passes", &Report::flip_passes)
+      .def_ro("worst_rounds", &Report::worst_rounds)
+      .def_prop_ro(
+          "phases",
+          [](const Report& r) {
+            nb::dict phases;
+            for (const PhaseTime& p : r.phases) phases[p.phase.c_str()] = p.seconds;
+            return phases;
+          },
+          nb::sig("def phases(self) -> dict[str, float]"), "Seconds of each phase.")
+      .def_ro("targets", &Report::targets, "One for each target, in order.")
+      .def_ro("warnings", &Report::warnings, "Of options without effect; optimize() issues them as UserWarning.")
+      .def_ro("seconds", &Report::seconds)
+      .def_prop_ro(
+          "stop", [](const Report& r) { return std::string(to_string(r.stop)); },
+          "Why it stopped, in words: 'converged', 'iteration limit', 'cancelled', ...")
+      .def("__repr__", [](const Report& r) {
+        return "<tetune.Report: " + std::to_string(r.tets_before) + " -> " + std::to_string(r.tets_after) +
+               " tetrahedra, " + to_string(r.stop) + ">";
+      });
+}
+
+}  // namespace tetune::python

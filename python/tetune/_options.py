@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+# Generated from the library's table of options by: tetune_option_reference python
+# ruff: noqa: E501
+"""The options of optimize()."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal, TypedDict
+
+from numpy.typing import ArrayLike
+
+
+class Options(TypedDict, total=False):
+    """Options of optimize(), with the names, meanings and defaults of C++ (`tetune/options.hpp`)."""
+
+    boundary: Literal["preserve", "slide", "fixed"]
+    """How vertices of the boundary may move; preserve: vertices move within planes and along straight lines of the surface, whose shape does not change; slide: vertices move on the input surface and along its feature lines, and the surface changes a little; fixed: no vertex of the boundary moves. Default: preserve."""
+    feature_angle: float
+    """With boundary=slide, edges where the surface turns by a larger angle are feature lines, which vertices do not leave; 180: no edge is a feature by its angle. Default: 45."""
+    max_deviation: float
+    """With boundary=slide, maximum distance of the new surface from the old one and of the old one from the new one; 0: no bound. Default: 0."""
+    frozen_regions: ArrayLike
+    """Tags of the regions whose tetrahedra do not change. Default: none."""
+    frozen_patches: ArrayLike
+    """Tags of the patches whose listed triangles do not change. Default: none."""
+    frozen_vertices: ArrayLike
+    """One flag per vertex, or none: a vertex with a flag other than 0 does not move. Default: none."""
+    open_boundaries: bool
+    """Tagged triangles with the same region on both sides stay faces of the mesh; otherwise they are dropped. Default: True."""
+    boundary_flips: bool
+    """Edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped. Default: True."""
+    effort: Literal["fast", "standard", "best"]
+    """How much is done; fast: flips are searched for once, and sweeps end when one lowers the energy by less than 2 %; standard: sweeps end at 0.2 %, then the worst elements and the smallest dihedral angles are improved; best: sweeps end at 0.01 %, then there is more of that work, and vertices are inserted and removed. Default: standard."""
+    keep_vertices: bool
+    """No vertex is inserted or removed (as with any effort other than effort=best). Default: False."""
+    untangle: bool
+    """Inverted and flat tetrahedra are made positive first, instead of refused. Default: False."""
+    flips: bool
+    """Edges and faces are flipped; otherwise vertices are only moved. Default: True."""
+    energy: Literal["shape", "harmonic"]
+    """Energy per tetrahedron, the sum of which is minimized; shape: (eta / eta_r)^(3/2), scale-free: small elements count as much as large ones; harmonic: eta, the energy of the paper, a length: large elements count for more. Default: shape."""
+    relocation: Literal["newton", "gradient"]
+    """How a vertex is moved; newton: over-relaxed Newton steps; gradient: steepest descent with a line search, as in the paper (Alg. 1); slower. Default: newton."""
+    termination: Literal["relative", "paper"]
+    """When sweeps end; relative: when a sweep lowers the energy by less than the part that effort sets; paper: by the conditions C1 to C3 of the paper (Sect. 4.5). Default: relative."""
+    max_iterations: int
+    """Maximum number of relocation sweeps; 0: only flips. Default: 100."""
+    max_ring: int
+    """Maximum number of tetrahedra around an edge that a flip removes or creates; 3: only 3-2 and 2-3 flips, as in the paper. Default: 7."""
+    targets: Mapping[str, float]
+    """Quality that every element should have, by measure. It does not change the result: the report lists the elements that miss it and what constrains them. Default: none."""
+    threads: int
+    """Number of CPU threads; 0: all. The result does not depend on it. Default: 0."""
+    device: Literal["auto", "cpu", "cuda"]
+    """Where to compute; auto: as cuda for 1000000 tetrahedra or more if there is a GPU with enough memory, else as cpu; cpu: on CPU threads; cuda: on the current NVIDIA GPU, compute capability 7.5 or newer. Default: cpu."""
+    trace_angles: bool
+    """The smallest dihedral angle is measured after each sweep and round, for the report; takes a twelfth of the time. Default: False."""

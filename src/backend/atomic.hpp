@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "backend/macros.hpp"
+
+/// Relaxed atomics over the compilers' builtins, because libc++ before 19 has no std::atomic_ref. The only atomic
+/// operations in kernels; used only where the order of the operations cannot affect the result.
+namespace tetune::backend {
+
+TETUNE_HD inline std::uint32_t atomic_add(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(&target, value);
+#else
+  return __atomic_fetch_add(&target, value, __ATOMIC_RELAXED);
+#endif
+}
+
+TETUNE_HD inline void atomic_or(std::uint32_t& target, std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+  atomicOr(&target, bits);
+#else
+  __atomic_fetch_or(&target, bits, __ATOMIC_RELAXED);
+#endif
+}
+
+#if !defined(__CUDA_ARCH__)
+namespace atomic_detail {
+template <class T>
+TETUNE_HD inline void max(T& target, T value) {
+  T current = __atomic_load_n(&target, __ATOMIC_RELAXED);
+  while (current < value &&
+         !__atomic_compare_exchange_n(&target, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+}
+}  // namespace atomic_detail
+#endif
+
+TETUNE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  atomicMax(&target, value);
+#else
+  atomic_detail::max(target, value);
+#endif
+}
+
+TETUNE_HD inline void atomic_max(std::uint64_t& target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+  atomicMax(reinterpret_cast<unsigned long long*>(&target), static_cast<unsigned long long>(value));
+#else
+  atomic_detail::max(target, value);
+#endif
+}
+
+/// Stores `value` if the target equals `expected`; returns the old value.
+TETUNE_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t& target, std::uint32_t expected,
+                                                       std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicCAS(&target, expected, value);
+#else
+  __atomic_compare_exchange_n(&target, &expected, value, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
+  return expected;
+#endif
+}
+
+/// Stores to a location to which several threads may store the same value concurrently.
+template <class T, class U>
+TETUNE_HD inline void store_shared(T& target, U value) {
+#if defined(__CUDA_ARCH__)
+  *const_cast<volatile T*>(&target) = static_cast<T>(value);
+#else
+  T stored = static_cast<T>(value);
+  __atomic_store(&target, &stored, __ATOMIC_RELAXED);
+#endif
+}
+
+/// Loads from a location to which other threads may store concurrently.
+template <class T>
+TETUNE_HD inline T load_shared(const T& target) {
+#if defined(__CUDA_ARCH__)
+  return *const_cast<const volatile T*>(&target);
+#else
+  return __atomic_load_n(&target, __ATOMIC_RELAXED);
+#endif
+}
+
+}  // namespace tetune::backend

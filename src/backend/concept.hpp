@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "backend/macros.hpp"
+#include "backend/span.hpp"
+#include "backend/sum.hpp"
+
+/// The contract between the algorithms and the machine that runs them. Everything above src/backend is written once,
+/// as templates over a backend, and is instantiated per backend by the files *_cpu.cpp and *_cuda.cu; the compiler
+/// checks each backend against this concept.
+///
+/// Kernels are trivially copyable function objects over Spans, marked TETUNE_HD. A kernel may write what no other call
+/// of the same loop reads or writes, and may use backend/atomic.hpp where the order of the calls cannot affect the
+/// result. Two optional members guide the CPU: `kGrain`, the minimum number of items per thread for kernels that do
+/// much work per item; `prefetch(i, end)`, called before item i of a range that ends at `end`.
+namespace tetune::backend {
+
+namespace concept_detail {
+
+struct Visit {
+  TETUNE_HD void operator()(Size) const {}
+};
+struct Evaluate {
+  TETUNE_HD Sum<std::uint32_t> operator()(Size) const { return {}; }
+};
+struct AnyPredicate {
+  TETUNE_HD bool operator()(Size) const { return true; }
+};
+struct Place {
+  TETUNE_HD void operator()(Size, std::uint32_t) const {}
+};
+
+}  // namespace concept_detail
+
+/// A copyable handle of the memory of a backend; see backend/buffer.hpp, its only user but for bulk transfers.
+template <class Memory>
+concept MemoryHandle = std::default_initializable<Memory> && std::copyable<Memory> &&
+    requires(const Memory& memory, void* to, const void* from, std::size_t bytes) {
+  /// Null for 0 bytes. Throws std::bad_alloc or DeviceError.
+  { memory.allocate(bytes) } -> std::same_as<void*>;
+  /// `bytes` as allocated; null is ignored.
+  { memory.release(to, bytes) }
+  noexcept;
+  /// Within the memory of the backend, from the host to it, and from it to the host.
+  memory.copy(to, from, bytes);
+  memory.upload(to, from, bytes);
+  memory.download(to, from, bytes);
+};
+
+/// What an array of a backend provides: see backend/buffer.hpp.
+template <class Buffer, class B, class T>
+concept ArrayOf = std::is_nothrow_move_constructible_v<Buffer> && std::default_initializable<Buffer> &&
+    requires(const B& backend, Buffer& buffer, const Buffer& other, const std::vector<T>& host) {
+  { buffer.span() } -> std::same_as<Span<T>>;
+  { other.span() } -> std::same_as<Span<const T>>;
+  { other.size() } -> std::same_as<Size>;
+  Buffer(backend, Size{1});
+  buffer.resize(backend, Size{1});
+  buffer.grow(backend, Size{1});
+  buffer.assign(backend, other);
+  buffer.upload(backend, host);
+  { other.download() } -> std::same_as<std::vector<T>>;
+};
+
+/// What the view of a caller's array provides.
+template <class View, class B, class T>
+concept ViewOf = requires(const B& backend, const View& view, const std::vector<T>& host) {
+  View(backend, host);
+  { view.span() } -> std::same_as<Span<const T>>;
+};
+
+template <class B>
+concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Span<const std::uint32_t> in,
+                           Span<Index32> ids, typename B::template Buffer<std::uint64_t>& keys,
+                           typename B::template Buffer<Index32>& values) {
+  // -- Traits --
+
+  /// The doubles that kernels process at a time: backend/pack.hpp.
+  requires std::is_trivially_copyable_v<typename B::Pack>;
+  /// Whether kernels run concurrently with the host, and a transfer waits for them. Algorithms then launch larger
+  /// batches and read results back less often.
+  requires std::same_as<decltype(B::kIsAsynchronous), const bool>;
+  /// Where arrays are allocated. A handle must not outlive the backend.
+  requires MemoryHandle<typename B::Memory>;
+  { backend.memory() } -> std::same_as<typename B::Memory>;
+  /// An array in that memory.
+  requires ArrayOf<typename B::template Buffer<std::uint32_t>, B, std::uint32_t>;
+  /// A caller's std::vector as kernels see it: the vector itself, which must outlive it, or a copy in that memory.
+  requires ViewOf<typename B::template DeviceView<std::uint32_t>, B, std::uint32_t>;
+
+  // -- Primitives: none depends on the number of threads in the bits of its result --
+
+  /// Calls f(i) for each i in [0, n), in any order.
+  { backend.for_each(n, concept_detail::Visit{}) } -> std::same_as<void>;
+  /// Merges f(i) for i in [0, n) into R{}, in an order that depends on n and on the backend alone. Requires that R{} is
+  /// neutral to R::merge().
+  { backend.template reduce<Sum<std::uint32_t>>(n, concept_detail::Evaluate{}) } -> std::same_as<Sum<std::uint32_t>>;
+  /// out[i] = in[0] + ... + in[i-1]; returns the sum of all. `in` and `out` may be the same array.
+  { backend.exclusive_scan(in, out) } -> std::same_as<std::uint32_t>;
+  /// Writes each i in [0, n) with keep(i) to `ids`, in increasing order; returns their number. Requires room for n.
+  { backend.compact(n, concept_detail::AnyPredicate{}, ids) } -> std::same_as<Size>;
+  /// Sorts (key, value) pairs by the lowest 64 bits of the key, or fewer; stable.
+  { backend.sort_by_key(keys, values, 64) } -> std::same_as<void>;
+  /// Sets all elements.
+  { backend.fill(out, std::uint32_t{0}) } -> std::same_as<void>;
+
+  // -- Control --
+
+  /// Whether the caller has requested to stop. Called on the calling thread, at points where the mesh is valid.
+  { backend.stop_requested() } -> std::same_as<bool>;
+};
+
+/// The optional hook of a backend with few threads: a stable counting sort without atomics, used by mesh/csr.hpp.
+///
+/// count_by_row(find, no_row, row, offsets, places): calls find(i), which writes row[i] or no_row; writes to offsets[r]
+/// the number of items in rows before r; returns the number of items that have a row.
+/// place_by_row(row, no_row, rows, places, place): calls place(i, rank of item i in the order by rows) for each item
+/// that has a row. Uses up `places`, which the first step filled.
+template <class B>
+concept CountsByRow = Backend<B> &&
+    requires(const B& backend, Span<const std::uint32_t> row, std::uint32_t no_row, Span<std::uint32_t> offsets,
+             typename B::template Buffer<std::uint32_t>& places) {
+  { backend.count_by_row(concept_detail::Visit{}, no_row, row, offsets, places) } -> std::same_as<Size>;
+  { backend.place_by_row(row, no_row, Size{1}, places, concept_detail::Place{}) } -> std::same_as<void>;
+};
+
+}  // namespace tetune::backend

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cuda_runtime.h>
+#include <thrust/iterator/counting_iterator.h>
+
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+#include <cub/device/device_select.cuh>
+#include <functional>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "backend/buffer.hpp"
+#include "backend/concept.hpp"
+#include "backend/pool.hpp"
+#include "backend/span.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune::backend {
+
+inline void check_cuda(cudaError_t status, const char* what) {
+  if (status == cudaSuccess) return;
+  cudaGetLastError();  // clears the error, which is reported here
+  throw DeviceError(std::string("CUDA: ") + what + " failed: " + cudaGetErrorString(status));
+}
+
+template <class F>
+__global__ void for_each_kernel(Size n, F f) {
+  const Size i = static_cast<Size>(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i < n) f(i);
+}
+
+/// Each block merges one chunk of fixed length by a tree of fixed shape, so that each run yields the same bits. One
+/// item per thread, as there may be too few items to occupy a GPU.
+template <class R, class F, int kThreads>
+__global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial) {
+  __shared__ alignas(16) unsigned char storage[sizeof(R) * kThreads];
+  R* shared = reinterpret_cast<R*>(storage);
+  const Size i = static_cast<Size>(blockIdx.x) * kThreads + threadIdx.x;
+  R r{};
+  if (i < n) r.merge(f(i));
+  shared[threadIdx.x] = r;
+  for (int half = kThreads / 2; half > 0; half /= 2) {
+    __syncthreads();
+    if (threadIdx.x < half) shared[threadIdx.x].merge(shared[threadIdx.x + half]);
+  }
+  if (threadIdx.x == 0) partial[blockIdx.x] = shared[0];
+}
+
+template <class R>
+struct ReadPartial {
+  const R* partial;
+  TETUNE_HD R operator()(Size i) const { return partial[i]; }
+};
+
+/// A handle of the pool of a Cuda backend.
+///
+/// Memory may be released, and allocated again for another buffer, while kernels that use it have yet to run: whatever
+/// uses it next, transfers included, is enqueued in the same stream and so runs after them.
+class CudaMemory {
+ public:
+  CudaMemory() = default;
+  explicit CudaMemory(Pool& pool) : pool_(&pool) {}
+
+  void* allocate(std::size_t bytes) const { return pool_->allocate(bytes); }
+  void release(void* memory, std::size_t) const noexcept {
+    if (memory != nullptr) pool_->release(memory);
+  }
+  static void copy(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, nullptr), "copy");
+  }
+  static void upload(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "upload");
+  }
+  static void download(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost), "download");
+  }
+
+ private:
+  Pool* pool_ = nullptr;
+};
+
+/// The CUDA backend: the current device, its default stream, and a pool of memory allocated at the start. The
+/// primitives are documented in backend/concept.hpp.
+class Cuda {
+ public:
+  using Pack = double;
+  using Memory = CudaMemory;
+  static constexpr bool kIsAsynchronous = true;
+  template <class T>
+  using Buffer = backend::Buffer<T, Cuda>;
+  template <class T>
+  using DeviceView = UploadedView<T, Cuda>;
+
+  /// `memory`: the bytes for all buffers and scratch memory. Throws DeviceError.
+  explicit Cuda(std::size_t memory, std::function<bool()> stop = {})
+      : stop_(std::move(stop)), block_(allocate_block(memory)), pool_(block_.get(), memory) {}
+
+  Memory memory() const { return Memory(pool_); }
+
+  bool stop_requested() const { return stop_ && stop_(); }
+
+  template <class F>
+  void for_each(Size n, const F& f) const {
+    launch(n, f, n < kSmallLaunch ? kWarp : kThreads);
+  }
+
+  template <class R, class F>
+  R reduce(Size n, const F& f) const {
+    static_assert(std::is_trivially_copyable_v<F> && std::is_trivially_copyable_v<R>);
+    static_assert(kThreads * sizeof(R) <= 48 * 1024, "a block's partial results must fit its shared memory");
+    if (n == 0) return R{};
+    Buffer<R> partial = reduce_chunks<R>(n, f);
+    while (partial.size() > 1) partial = reduce_chunks<R>(partial.size(), ReadPartial<R>{partial.span().data()});
+    R result{};
+    Memory::download(&result, partial.span().data(), sizeof(R));
+    return result;
+  }
+
+  template <class T>
+  T exclusive_scan(Span<const T> in, Span<T> out) const {
+    const Size n = in.size();
+    if (n == 0) return T{};
+    // The last element of each array, adjacent for a single transfer. The scan may overwrite that of `in`.
+    Buffer<T> ends(*this, 2);
+    Memory::copy(ends.span().data(), in.data() + n - 1, sizeof(T));
+    std::size_t bytes = 0;
+    check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, in.data(), out.data(), n), "scan");
+    Buffer<unsigned char> scratch(*this, static_cast<Size>(bytes));
+    check_cuda(cub::DeviceScan::ExclusiveSum(scratch.span().data(), bytes, in.data(), out.data(), n), "scan");
+    Memory::copy(ends.span().data() + 1, out.data() + n - 1, sizeof(T));
+    T last[2];
+    Memory::download(last, ends.span().data(), sizeof last);
+    return last[1] + last[0];
+  }
+
+  template <class F>
+  Size compact(Size n, const F& keep, Span<Index32> out) const {
+    if (n == 0) return 0;
+    Buffer<Size> count(*this, 1);
+    const thrust::counting_iterator<Index32> ids(0);
+    std::size_t bytes = 0;
+    check_cuda(cub::DeviceSelect::If(nullptr, bytes, ids, out.data(), count.span().data(), n, keep), "select");
+    Buffer<unsigned char> scratch(*this, static_cast<Size>(bytes));
+    check_cuda(cub::DeviceSelect::If(scratch.span().data(), bytes, ids, out.data(), count.span().data(), n, keep),
+               "select");
+    Size kept = 0;
+    Memory::download(&kept, count.span().data(), sizeof(Size));
+    return kept;
+  }
+
+  template <class K>
+  void sort_by_key(Buffer<K>& keys, Buffer<Index32>& values, int bits) const {
+    const Size n = keys.size();
+    if (n == 0) return;
+    Buffer<K> keys_out(*this, n);
+    Buffer<Index32> values_out(*this, n);
+    // Sorts back and forth between the two arrays; sorting out of place needs a third one.
+    cub::DoubleBuffer<K> key(keys.span().data(), keys_out.span().data());
+    cub::DoubleBuffer<Index32> value(values.span().data(), values_out.span().data());
+    std::size_t bytes = 0;
+    check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, bytes, key, value, n, 0, bits), "sort");
+    Buffer<unsigned char> scratch(*this, static_cast<Size>(bytes));
+    check_cuda(cub::DeviceRadixSort::SortPairs(scratch.span().data(), bytes, key, value, n, 0, bits), "sort");
+    if (key.Current() != keys.span().data()) keys.swap(keys_out);
+    if (value.Current() != values.span().data()) values.swap(values_out);
+  }
+
+  template <class T>
+  struct Fill {
+    Span<T> out;
+    T value;
+    TETUNE_HD void operator()(Size i) const { out[i] = value; }
+  };
+  template <class T>
+  void fill(Span<T> out, T value) const {
+    for_each(out.size(), Fill<T>{out, value});
+  }
+
+ private:
+  struct FreeBlock {
+    void operator()(void* block) const { cudaFree(block); }
+  };
+  using Block = std::unique_ptr<void, FreeBlock>;
+  static Block allocate_block(std::size_t bytes) {
+    void* block = nullptr;
+    check_cuda(cudaMalloc(&block, bytes), "allocation");
+    return Block(block);
+  }
+
+  template <class F>
+  static void launch(Size n, const F& f, int threads) {
+    static_assert(std::is_trivially_copyable_v<F>);
+    if (n == 0) return;
+    for_each_kernel<<<blocks(n, threads), static_cast<unsigned>(threads)>>>(n, f);
+    check_cuda(cudaGetLastError(), "launch");
+  }
+
+  template <class R, class F>
+  Buffer<R> reduce_chunks(Size n, const F& f) const {
+    Buffer<R> partial(*this, blocks(n, kThreads));
+    reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data());
+    check_cuda(cudaGetLastError(), "launch");
+    return partial;
+  }
+
+  static constexpr int kThreads = 128;
+  /// Short launches run in blocks of one warp, to occupy as many multiprocessors as possible.
+  static constexpr int kWarp = 32;
+  static constexpr Size kSmallLaunch = 65536;
+  /// Far below the limit of 2^31 - 1, as all indices have 32 bits.
+  static unsigned blocks(Size n, int each) { return static_cast<unsigned>((n + each - 1) / each); }
+
+  std::function<bool()> stop_;
+  Block block_;
+  mutable Pool pool_;
+};
+
+static_assert(Backend<Cuda>);
+
+}  // namespace tetune::backend

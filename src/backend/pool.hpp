@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <map>
+
+namespace tetune::backend {
+
+/// A free-list allocator over one large block of device memory. It does not access the block, and unlike the allocator
+/// of the device it does not synchronize with the device.
+///
+/// Best fit; adjacent free parts are merged. The memory beyond all parts allocated so far is used last, so that the
+/// position of a part depends on the sequence of calls alone, and not on the size of the block.
+class Pool {
+ public:
+  /// The alignment of each part, as of cudaMalloc.
+  static constexpr std::size_t kAlignment = 256;
+
+  Pool(void* block, std::size_t bytes);
+  /// Requires that all parts are released.
+  ~Pool();
+  Pool(const Pool&) = delete;
+  Pool& operator=(const Pool&) = delete;
+
+  /// Null for 0 bytes. Throws DeviceError where no free part is large enough.
+  void* allocate(std::size_t bytes);
+  /// Requires a part that is in use.
+  void release(void* part) noexcept;
+
+  std::size_t in_use() const { return in_use_; }
+  /// The size of the smallest block for which all allocations would have succeeded; memory_needed_on_device() is
+  /// fitted to it.
+  std::size_t peak() const { return static_cast<std::size_t>(end_ - block_); }
+
+ private:
+  struct Part {
+    std::size_t bytes;
+    bool is_free;
+  };
+  using ByAddress = std::map<char*, Part>;
+  ByAddress::iterator find_free(std::size_t bytes);
+
+  char* block_;
+  std::size_t block_bytes_;
+  std::size_t in_use_ = 0;
+  /// The parts cover the block from its start to `end_`. Their number is small.
+  ByAddress parts_;
+  char* end_;
+};
+
+}  // namespace tetune::backend

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "boundary/constraints.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+
+#include "backend/span.hpp"
+#include "boundary/classify.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+using backend::span_of;
+using backend::to_index;
+
+std::array<Index, 2> sorted(std::array<Index, 2> edge) {
+  if (edge[1] < edge[0]) std::swap(edge[0], edge[1]);
+  return edge;
+}
+
+/// 1 for each listed edge that constrains.
+std::vector<std::uint8_t> constraining_edges(const TetMesh& mesh) {
+  std::vector<std::uint8_t> constrains(mesh.edges.size(), 0);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) constrains[e] = mesh.edge_tags[e] != 0 ? 1 : 0;
+  for (const Index e : mesh.ridges) span_of(constrains)[e] = 1;
+  for (const Index e : mesh.required_edges) span_of(constrains)[e] = 1;
+  return constrains;
+}
+
+/// Removes the entries without a new position; returns their number.
+template <class T>
+std::int64_t move_kept(std::vector<T>& items, std::vector<int>& tags, const std::vector<Index>& old2new) {
+  const Size size = std::ssize(items);
+  Size kept = 0;
+  for (Size i = 0; i < size; ++i) {
+    if (span_of(old2new)[i] < 0) continue;
+    span_of(items)[kept] = span_of(items)[i];
+    span_of(tags)[kept++] = span_of(tags)[i];
+  }
+  items.erase(items.begin() + kept, items.end());
+  tags.erase(tags.begin() + kept, tags.end());
+  return size - kept;
+}
+
+template <class Ids>
+void renumber(Ids& ids, const std::vector<Index>& old2new) {
+  for (Index& id : ids) id = span_of(old2new)[id];
+}
+
+/// Appends the elements with one of the tags. A tag without elements is an error: the caller meant a part of the mesh.
+void add_tagged(const std::vector<int>& element_tags, const std::vector<int>& wanted, const char* option,
+                const char* what, std::vector<Index>& elements) {
+  for (const int tag : wanted) {
+    const std::size_t before = elements.size();
+    for (Size i = 0; i < std::ssize(element_tags); ++i) {
+      if (span_of(element_tags)[i] == tag) elements.push_back(to_index(i));
+    }
+    if (elements.size() == before) {
+      throw OptionError(std::string(option) + "=" + std::to_string(tag) + ": no " + what + " has this tag");
+    }
+  }
+}
+
+/// The edges that remain edges: ridges and required ones first.
+void find_edges(const TetMesh& mesh, Constraints& constraints) {
+  const auto sort_unique = [](std::vector<std::array<Index, 2>>& edges) {
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  };
+  std::vector<std::array<Index, 2>> ridges;
+  for (const std::vector<Index>* ids : {&mesh.ridges, &mesh.required_edges}) {
+    for (const Index e : *ids) ridges.push_back(sorted(span_of(mesh.edges)[e]));
+  }
+  sort_unique(ridges);
+  std::vector<std::array<Index, 2>> tagged;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.edge_tags[e] != 0) tagged.push_back(sorted(mesh.edges[e]));
+  }
+  sort_unique(tagged);
+  constraints.edges = ridges;
+  constraints.ridges = ridges.size();
+  std::set_difference(tagged.begin(), tagged.end(), ridges.begin(), ridges.end(),
+                      std::back_inserter(constraints.edges));
+}
+
+}  // namespace
+
+Constraints find_constraints(const TetMesh& mesh, const Options& options) {
+  Constraints result;
+  result.frozen.assign(mesh.points.size(), kMovable);
+  const Span<std::uint8_t> frozen = span_of(result.frozen);
+  for (const Index v : mesh.corners) frozen[v] = kCorner;
+  const auto freeze = [frozen](const auto& vertices) {
+    for (const Index v : vertices) frozen[v] = kFrozen;
+  };
+  freeze(mesh.required_vertices);
+  for (const Index e : mesh.required_edges) freeze(span_of(mesh.edges)[e]);
+  for (const Index t : mesh.required_triangles) freeze(span_of(mesh.triangles)[t]);
+  result.locked_tets = mesh.required_tets;
+  add_tagged(mesh.tet_tags, options.frozen_regions, "frozen_regions", "tetrahedron", result.locked_tets);
+  for (const Index t : result.locked_tets) freeze(span_of(mesh.tets)[t]);
+  std::vector<Index> patches;
+  add_tagged(mesh.triangle_tags, options.frozen_patches, "frozen_patches", "triangle", patches);
+  for (const Index t : patches) freeze(span_of(mesh.triangles)[t]);
+  if (!options.frozen_vertices.empty() && options.frozen_vertices.size() != mesh.points.size()) {
+    throw OptionError("frozen_vertices has " + std::to_string(options.frozen_vertices.size()) + " entries for " +
+                      std::to_string(mesh.points.size()) + " vertices; it must have one per vertex, or none");
+  }
+  for (std::size_t v = 0; v < options.frozen_vertices.size(); ++v) {
+    if (options.frozen_vertices[v] != 0) result.frozen[v] = kFrozen;
+  }
+  for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
+  find_edges(mesh, result);
+  return result;
+}
+
+OtherElements::OtherElements(const TetMesh& mesh) {
+  std::size_t element = 0;
+  for (const ElementBlock& block : mesh.others) {
+    const std::size_t vertices_per_element = backend::to_size_t(std::max(1, block.vertices_per_element));
+    for (std::size_t i = 0; i < block.element2vertex.size(); ++i) {
+      vertex2element_.emplace_back(block.element2vertex[i], element + i / vertices_per_element);
+    }
+    element += block.element2vertex.size() / vertices_per_element;
+  }
+  std::sort(vertex2element_.begin(), vertex2element_.end());
+}
+
+std::span<const std::pair<Index, std::size_t>> OtherElements::of(Index vertex) const {
+  const auto begin =
+      std::lower_bound(vertex2element_.begin(), vertex2element_.end(), std::pair{vertex, std::size_t{0}});
+  const auto end = std::find_if(begin, vertex2element_.end(), [vertex](const auto& e) { return e.first != vertex; });
+  return {begin, end};
+}
+
+bool OtherElements::any_has(std::span<const Index> vertices) const {
+  const auto candidates = of(vertices[0]);
+  return std::any_of(candidates.begin(), candidates.end(), [&](const auto& candidate) {
+    return std::all_of(vertices.begin() + 1, vertices.end(), [&](Index v) {
+      return std::binary_search(vertex2element_.begin(), vertex2element_.end(), std::pair{v, candidate.second});
+    });
+  });
+}
+
+std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets,
+                                        const OtherElements& others) {
+  std::vector<std::uint8_t> keep = constraining_edges(mesh);
+  std::vector<std::array<Index, 2>> sought;
+  for (std::size_t e = 0; e < keep.size(); ++e) {
+    if (keep[e] == 0 && others.have(mesh.edges[e])) keep[e] = 1;
+    if (keep[e] == 0) sought.push_back(sorted(mesh.edges[e]));
+  }
+  if (sought.empty()) return keep;
+  std::sort(sought.begin(), sought.end());
+  std::vector<std::uint8_t> found(sought.size(), 0);
+  const auto position_of = [&sought](const std::array<Index, 2>& edge) {
+    return std::lower_bound(sought.begin(), sought.end(), edge) - sought.begin();
+  };
+  for (const auto& tet : tets) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        const auto edge = sorted({tet[i], tet[j]});
+        for (Size at = position_of(edge); at < std::ssize(sought) && span_of(sought)[at] == edge; ++at) {
+          span_of(found)[at] = 1;
+        }
+      }
+    }
+  }
+  for (std::size_t e = 0; e < keep.size(); ++e) {
+    if (keep[e] == 0) keep[e] = span_of(found)[position_of(sorted(mesh.edges[e]))];
+  }
+  return keep;
+}
+
+std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep) {
+  std::vector<Index> old2new(keep.size(), -1);
+  Index kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i] != 0) old2new[i] = kept++;
+  }
+  return old2new;
+}
+
+std::int64_t keep_triangles(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
+  renumber(mesh.required_triangles, old2new);
+  return move_kept(mesh.triangles, mesh.triangle_tags, old2new);
+}
+
+std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
+  renumber(mesh.ridges, old2new);
+  renumber(mesh.required_edges, old2new);
+  return move_kept(mesh.edges, mesh.edge_tags, old2new);
+}
+
+void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
+  move_kept(mesh.points, mesh.point_tags, old2new);
+  for (auto& tet : mesh.tets) renumber(tet, old2new);
+  for (auto& triangle : mesh.triangles) renumber(triangle, old2new);
+  for (auto& edge : mesh.edges) renumber(edge, old2new);
+  for (ElementBlock& block : mesh.others) renumber(block.element2vertex, old2new);
+  renumber(mesh.required_vertices, old2new);
+  renumber(mesh.corners, old2new);
+  mesh.corners.erase(std::remove(mesh.corners.begin(), mesh.corners.end(), -1), mesh.corners.end());
+}
+
+}  // namespace tetune

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tetune/mesh.hpp"
+#include "tetune/options.hpp"
+
+namespace tetune {
+
+/// The constraints by the caller's lists and options, in the caller's ids.
+struct Constraints {
+  /// kMovable, kFrozen or kCorner per vertex. Required entities and elements of other kinds freeze their vertices.
+  std::vector<std::uint8_t> frozen;
+  /// Tetrahedra that must not change: required ones, then those of frozen regions.
+  std::vector<Index> locked_tets;
+  /// Listed edges that remain edges: tagged, ridges or required. Each once, as a pair in ascending order; ridges and
+  /// required edges come first.
+  std::vector<std::array<Index, 2>> edges;
+  /// The number of ridges and required edges, which are feature edges whatever else the list contains.
+  std::size_t ridges = 0;
+};
+
+/// Throws OptionError where the options name tags or vertices that the mesh does not have.
+Constraints find_constraints(const TetMesh& mesh, const Options& options);
+
+/// The elements of other kinds by vertex.
+class OtherElements {
+ public:
+  explicit OtherElements(const TetMesh& mesh);
+  /// Whether an element has all of these vertices, so that their triangle or edge is a side of it.
+  bool have(std::span<const Index> vertices) const { return !vertex2element_.empty() && any_has(vertices); }
+
+ private:
+  bool any_has(std::span<const Index> vertices) const;
+  std::span<const std::pair<Index, std::size_t>> of(Index vertex) const;
+  std::vector<std::pair<Index, std::size_t>> vertex2element_;  ///< sorted
+};
+
+/// 1 per listed edge that remains: it has a tag, is a ridge or required, or is an edge of one of `tets` or of `others`.
+std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets,
+                                        const OtherElements& others);
+
+/// The new positions of a list's entries when those with keep[i] == 0 are dropped; -1 for these.
+std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep);
+
+/// Moves the listed triangles or edges to their new positions and renumbers references to them; returns the number of
+/// dropped ones.
+std::int64_t keep_triangles(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
+std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
+
+/// Moves the vertices to their new positions and renumbers all references to them. Vertices without a new position must
+/// be in no element; they are removed from the corners.
+void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
+
+}  // namespace tetune

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "boundary/surface.hpp"
+#include "boundary/surface_corners.hpp"
+#include "boundary/vertex_dof.hpp"
+
+/// The reference surface: the input surface as it was, on which the boundary vertices slide (Sect. 4.3).
+namespace tetune {
+
+/// The kind of element of the reference surface that a point lies in.
+enum class SurfacePointKind : std::uint8_t {
+  none,      ///< not on the surface
+  vertex,    ///< item: the reference vertex
+  edge,      ///< inside an edge; item: one of its two corners
+  triangle,  ///< inside; item: the triangle
+  segment,   ///< inside an edge of a feature line; item: 2 * vertex + side, from that vertex to line[vertex].next[side]
+};
+
+/// The element of the reference surface that a vertex is on; its position is stored elsewhere.
+struct SurfacePoint {
+  SurfacePointKind kind = SurfacePointKind::none;
+  Index item = -1;
+};
+
+/// The next vertices along the feature line at a vertex that slides on it.
+struct LineVertex {
+  Index next[2];
+};
+
+struct ReferenceView {
+  Span<const Point> points;  ///< the initial positions of the vertices of the mesh
+  Span<const SurfaceTriangle> triangles;
+  Span<const Index> across;  ///< per corner: the corner on the other side of its edge, or kFeatureEdge
+  CsrView vertex2corner;
+  Span<const LineVertex> line;  ///< per vertex; meaningful for VertexDof::curve
+  Span<const VertexDof> dof;    ///< per vertex
+
+  TETUNE_HD Vec3 point(Index v) const { return vec(points[v]); }
+};
+
+/// The reference surface in a backend's memory. Empty unless vertices slide.
+template <class Backend>
+struct ReferenceSurface {
+  template <class T>
+  using Buffer = typename Backend::template Buffer<T>;
+  Buffer<Point> points;
+  Buffer<SurfaceTriangle> triangles;
+  Buffer<Index> across;
+  Csr<Backend> vertex2corner;
+  Buffer<LineVertex> line;
+  Buffer<VertexDof> dof;  ///< where vertices may go, regardless of those that are fixed temporarily
+
+  ReferenceView view() const {
+    return {points.span(), triangles.span(), across.span(), vertex2corner.view(), line.span(), dof.span()};
+  }
+};
+
+/// The neighbors of vertices on the surface, which need not share a tetrahedron: triangles, the corners at each vertex,
+/// and the neighbors along feature lines.
+struct SurfaceAdjacency {
+  Span<const SurfaceTriangle> triangles;
+  CsrView vertex2corner;
+  Span<const LineVertex> line;
+};
+
+}  // namespace tetune

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "boundary/classify.hpp"
+#include "boundary/sliding/slide_surface.hpp"
+#include "boundary/sliding/surface_element.hpp"
+
+namespace tetune {
+namespace slide_surface_detail {
+
+/// The vertices of the surface element that a vertex is on; unused entries are -1.
+using ElementVertices = SurfaceTriangle;
+
+struct JoinTriangles {
+  Span<const SurfaceTriangle> triangles;
+  CsrView vertex2corner;
+  Span<const std::uint8_t> feature_edges;
+  Span<Index> across;
+  TETUNE_HD void operator()(Size corner) const {
+    const Index opposite = is_feature(corner) ? kFeatureEdge : opposite_corner(triangles, vertex2corner, corner);
+    across[corner] = opposite != kFeatureEdge && is_feature(opposite) ? kFeatureEdge : opposite;
+  }
+
+ private:
+  TETUNE_HD bool is_feature(Size corner) const { return (feature_edges[corner / 3] >> corner % 3 & 1) != 0; }
+};
+
+/// Puts each vertex on the reference surface with its degrees of freedom; one that is not on it is fixed.
+struct PlaceVertex {
+  ReferenceView reference;
+  Span<const ElementVertices> on;
+  Span<const std::uint8_t> frozen;
+  Span<SurfacePoint> surface_point;
+  Span<VertexDof> dof;
+
+  TETUNE_HD void operator()(Size v) const {
+    const VertexDof on_reference = reference.dof[v];
+    surface_point[v] = find(on_reference, on[v]);
+    const bool off_surface = surface_point[v].kind == SurfacePointKind::none && on_reference != VertexDof::free;
+    dof[v] = off_surface || frozen[v] == kFrozen ? VertexDof::fixed : on_reference;
+  }
+
+ private:
+  TETUNE_HD SurfacePoint find(VertexDof on_reference, const ElementVertices& s) const {
+    const Index a = s.v[0];
+    if (a < 0) return {};
+    if (s.v[1] < 0) {
+      return reference.dof[a] == on_reference ? SurfacePoint{SurfacePointKind::vertex, a} : SurfacePoint{};
+    }
+    if (on_reference == VertexDof::curve) return s.v[2] < 0 ? segment(a, s.v[1]) : SurfacePoint{};
+    const Index from = reference.vertex2corner.shorter(a, s.v[1]);
+    const Index to = a ^ s.v[1] ^ from;
+    for (Size c = reference.vertex2corner.begin(from); c < reference.vertex2corner.end(from); ++c) {
+      const Index corner = to_index(reference.vertex2corner.items[c]);
+      const SurfaceTriangle t = reference.triangles[corner / 3];
+      const int b = position(t, to);
+      if (b < 0) continue;
+      if (s.v[2] >= 0) {
+        if (position(t, s.v[2]) >= 0) return {SurfacePointKind::triangle, corner / 3};
+      } else {
+        const Index opposite = corner / 3 * 3 + 3 - corner % 3 - b;
+        return reference.across[opposite] == kFeatureEdge ? SurfacePoint{}
+                                                          : SurfacePoint{SurfacePointKind::edge, opposite};
+      }
+    }
+    return {};
+  }
+  TETUNE_HD static int position(const SurfaceTriangle& t, Index v) {
+    return t.v[0] == v ? 0 : t.v[1] == v ? 1 : t.v[2] == v ? 2 : -1;
+  }
+  TETUNE_HD SurfacePoint segment(Index a, Index b) const {
+    for (const Index from : {a, b}) {
+      for (Index side = 0; side < 2 && reference.dof[from] == VertexDof::curve; ++side) {
+        if (reference.line[from].next[side] == (a ^ b ^ from)) return {SurfacePointKind::segment, 2 * from + side};
+      }
+    }
+    return {};
+  }
+};
+
+struct ExportSurfacePoint {
+  ReferenceView reference;
+  Span<const SurfacePoint> surface_point;
+  Span<ElementVertices> on;
+  TETUNE_HD void operator()(Size v) const {
+    const SurfacePoint p = surface_point[v];
+    ElementVertices s{{-1, -1, -1}};
+    if (p.kind == SurfacePointKind::triangle) {
+      s = reference.triangles[p.item];
+    } else if (p.kind == SurfacePointKind::vertex) {
+      s.v[0] = p.item;
+    } else if (p.kind != SurfacePointKind::none) {
+      const EdgeVertices edge = edge_vertices(reference, p);
+      s.v[0] = edge.a;
+      s.v[1] = edge.b;
+    }
+    on[v] = s;
+  }
+};
+
+/// Renumbers vertices; -1 remains.
+struct VertexMap {
+  Span<const Index> from2to;
+  Index operator()(Index v) const { return v < 0 ? v : from2to[v]; }
+  std::array<Index, 3> operator()(const SurfaceTriangle& t) const {
+    return {(*this)(t.v[0]), (*this)(t.v[1]), (*this)(t.v[2])};
+  }
+  SurfaceTriangle operator()(const std::array<Index, 3>& v) const {
+    return {{(*this)(v[0]), (*this)(v[1]), (*this)(v[2])}};
+  }
+};
+
+}  // namespace slide_surface_detail
+
+template <class Backend>
+void import_slide_surface(const Backend& backend, const SlideSurface& given, const std::vector<Index>& original2vertex,
+                          Span<const std::uint8_t> frozen, double scale, VertexDofs<Backend>& dofs) {
+  using namespace slide_surface_detail;
+  const VertexMap to_work{span_of(original2vertex)};
+  const Size vertices = std::ssize(original2vertex);
+  std::vector<Point> points(original2vertex.size());
+  std::vector<VertexDof> dof(original2vertex.size());
+  std::vector<LineVertex> line(original2vertex.size());
+  std::vector<ElementVertices> on(original2vertex.size());
+  for (Size v = 0; v < vertices; ++v) {
+    const Index w = to_work.from2to[v];
+    const std::array<Index, 2>& next = span_of(given.line)[v];
+    span_of(points)[w] = point(scale * vec(span_of(given.points)[v]));
+    span_of(dof)[w] = span_of(given.kind)[v];
+    span_of(line)[w] = {{to_work(next[0]), to_work(next[1])}};
+    span_of(on)[w] = to_work(span_of(given.site)[v]);
+  }
+  std::vector<SurfaceTriangle> triangles(given.triangles.size());
+  std::transform(given.triangles.begin(), given.triangles.end(), triangles.begin(),
+                 [&to_work](const std::array<Index, 3>& t) { return to_work(t); });
+
+  ReferenceSurface<Backend>& reference = dofs.reference;
+  reference.points.upload(backend, points);
+  reference.dof.upload(backend, dof);
+  reference.line.upload(backend, line);
+  reference.triangles.upload(backend, triangles);
+  const Size corners = 3 * reference.triangles.size();
+  build_csr(backend, vertices, corners, VertexOfSurfaceCorner{reference.triangles.span()}, reference.vertex2corner);
+  reference.across.resize(backend, corners);
+  typename Backend::template Buffer<std::uint8_t> feature_edges;
+  feature_edges.upload(backend, given.walls);
+  backend.for_each(corners, JoinTriangles{reference.triangles.span(), reference.vertex2corner.view(),
+                                          feature_edges.span(), reference.across.span()});
+  typename Backend::template Buffer<ElementVertices> on_buffer;
+  on_buffer.upload(backend, on);
+  backend.for_each(vertices,
+                   PlaceVertex{reference.view(), on_buffer.span(), frozen, dofs.site.span(), dofs.kind.span()});
+}
+
+template <class Backend>
+SlideSurface export_slide_surface(const ReferenceSurface<Backend>& reference, const std::vector<Point3>& points,
+                                  const std::vector<Index>& vertex2original) {
+  using namespace slide_surface_detail;
+  const VertexMap to_original{span_of(vertex2original)};
+  const std::vector<VertexDof> dof = reference.dof.download();
+  const std::vector<LineVertex> line = reference.line.download();
+  const std::vector<SurfaceTriangle> triangles = reference.triangles.download();
+  const std::vector<Index> across = reference.across.download();
+  SlideSurface surface;
+  surface.points = points;
+  surface.kind.resize(points.size());
+  surface.line.resize(points.size());
+  surface.site.resize(points.size(), kNoSite);
+  for (Size w = 0; w < std::ssize(vertex2original); ++w) {
+    const Index v = to_original(to_index(w));
+    const LineVertex& next = span_of(line)[w];
+    span_of(surface.kind)[v] = span_of(dof)[w];
+    span_of(surface.line)[v] = {to_original(next.next[0]), to_original(next.next[1])};
+    if (span_of(dof)[w] != VertexDof::free) span_of(surface.site)[v][0] = v;
+  }
+  for (const SurfaceTriangle& t : triangles) surface.triangles.push_back(to_original(t));
+  for (auto corner = across.begin(); corner != across.end(); corner += 3) {
+    unsigned features = 0;
+    for (unsigned k = 0; k < 3; ++k) features |= corner[k] == kFeatureEdge ? 1U << k : 0U;
+    surface.walls.push_back(static_cast<std::uint8_t>(features));
+  }
+  return surface;
+}
+
+template <class Backend>
+std::vector<std::array<Index, 3>> export_surface_points(const Backend& backend, const VertexDofs<Backend>& dofs,
+                                                        const std::vector<Index>& vertex2original) {
+  using namespace slide_surface_detail;
+  const VertexMap to_original{span_of(vertex2original)};
+  const Size vertices = dofs.reference.points.size();
+  typename Backend::template Buffer<ElementVertices> on(backend, vertices);
+  backend.for_each(vertices, ExportSurfacePoint{dofs.reference.view(), dofs.site.span(), on.span()});
+  const std::vector<ElementVertices> exported = on.download();
+  std::vector<std::array<Index, 3>> surface_points(exported.size(), kNoSite);
+  for (Size w = 0; w < vertices; ++w) {
+    const Index v = to_original.from2to[w];
+    if (v >= 0) span_of(surface_points)[v] = to_original(span_of(exported)[w]);
+  }
+  return surface_points;
+}
+
+}  // namespace tetune

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/error.hpp"
+
+#include <string>
+
+#include "mesh/first_ids.hpp"
+
+namespace tetune {
+namespace {
+
+std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, UntangleError::Reason reason,
+                             bool one_based) {
+  if (reason == UntangleError::Reason::stopped) {
+    return "stopped before all of " + std::to_string(tangled) +
+           " inverted or flat tetrahedra were made positive: " + std::to_string(left.size()) + " are left" +
+           first_ids(left, one_based);
+  }
+  const bool slides = reason == UntangleError::Reason::no_room_though_sliding;
+  return "of " + std::to_string(tangled) +
+         " inverted or flat tetrahedra some could not be made positive, or not without folding the surface: " +
+         std::to_string(left.size()) + " tetrahedra there" + first_ids(left, one_based) +
+         "\n  their vertices have no room: " + (slides ? "" : "let the boundary slide (boundary=slide), ") +
+         "free what is frozen there, or repair the surface.";
+}
+
+std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
+  return "the mesh overlaps itself: flips would make faces that three or more tetrahedra share, near tetrahedra" +
+         first_ids(tets, one_based) +
+         "\n  repair it in the program that made it, or leave its connectivity as it is (flips=false, "
+         "keep_vertices=true).";
+}
+
+}  // namespace
+
+UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, Reason why)
+    : MeshError(untangle_message(all, rest, why, false)), tangled(all), left(std::move(rest)), reason(why) {}
+
+std::string UntangleError::message(bool one_based) const { return untangle_message(tangled, left, reason, one_based); }
+
+OverlapError::OverlapError(std::vector<Index> overlapping)
+    : MeshError(overlap_message(overlapping, false)), tets(std::move(overlapping)) {}
+
+std::string OverlapError::message(bool one_based) const { return overlap_message(tets, one_based); }
+
+}  // namespace tetune

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "boundary/classify.hpp"
+#include "boundary/sliding/slide_surface.hpp"
+#include "driver/result_mesh.hpp"
+#include "driver/targets.hpp"
+#include "mesh/connect.hpp"
+#include "phases/working_set.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+namespace export_mesh_detail {
+
+/// Renumbers the vertices of each tetrahedron.
+struct RenumberVertices {
+  Span<const Index> old2new;
+  Span<Tet> tets;
+  TETUNE_HD void operator()(Size t) const {
+    Tet tet = tets[t];
+    for (int k = 0; k < 4; ++k) tet[k] = old2new[tet[k]];
+    tets[t] = tet;
+  }
+};
+
+}  // namespace export_mesh_detail
+
+/// The work mesh on the host, for report_targets().
+template <class Backend>
+Outcome outcome_of(WorkingSet<Backend>& work, const TetMesh& mesh) {
+  work.frozen.resize(backend::to_size_t(work.mesh.vertices()), kMovable);
+  return {work.mesh.points.download(),
+          work.mesh.tet2vertex.download(),
+          work.mesh.tet2tet.download(),
+          regions_of(work.mesh.tet2original.download(), mesh),
+          VertexNumbering(work.mesh.vertex2original.download(), mesh.points.size()).work2new(),
+          work.dofs.kind.download(),
+          work.frozen,
+          work.required_slots,
+          work.scale};
+}
+
+/// Replaces the caller's mesh by the result, and updates the points of contact of the surface that it slides on.
+/// Reports which entities were kept. When it throws, mesh and surface are as before; the working set is consumed in any
+/// case.
+template <class Backend>
+void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Options& options, TetMesh& mesh,
+                 SlideSurface* surface, Report& report) {
+  // Makes room for the result.
+  work.rings = {};
+  work.coloring = {};
+  work.flips = {};
+  HostResult result;
+  result.has_duplicate_faces = count_duplicate_faces(backend, work.mesh) > 0;
+  result.slot_of_tet = compact_slots(backend, work.mesh).download();
+  result.numbering.emplace(work.mesh.vertex2original.download(), mesh.points.size());
+  work.mesh.vertex2original.upload(backend, result.numbering->work2extended);
+  backend.for_each(work.mesh.slots(),
+                   export_mesh_detail::RenumberVertices{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
+  result.tets.resize(backend::to_size_t(work.mesh.slots()));
+  backend.memory().download(result.tets.data(), work.mesh.tet2vertex.span().data(), result.tets.size() * sizeof(Tet));
+  result.tet2original = work.mesh.tet2original.download();
+  result.points = work.mesh.points.download();
+  result.boundary = work.boundary.triangles.download();
+  std::vector<std::array<Index, 3>> surface_points;
+  if (surface != nullptr) {
+    surface_points = export_surface_points(backend, work.dofs, result.numbering->work2extended);
+  }
+  replace_mesh(mesh, std::move(result), work.required_slots, work.listed_triangles, work.scale, options.threads,
+               report);
+  if (surface != nullptr) surface->site.swap(surface_points);
+}
+
+}  // namespace tetune

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <numeric>
+
+#include "backend/atomic.hpp"
+#include "boundary/boundary_triangles.hpp"
+#include "boundary/classify.hpp"
+#include "boundary/constraints.hpp"
+#include "boundary/find_dofs.hpp"
+#include "mesh/connect.hpp"
+#include "mesh/unit_scale.hpp"
+#include "mesh/upload.hpp"
+#include "mesh/validate_arrays.hpp"
+#include "phases/element_selection.hpp"
+#include "phases/working_set.hpp"
+#include "tetune/error.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace import_mesh_detail {
+
+/// Locks the faces of the listed tetrahedra.
+struct LockTet {
+  MeshView mesh;
+  Span<const Index> slots;
+  TETUNE_HD void operator()(Size i) const {
+    for (int f = 0; f < 4; ++f) {
+      const HalfFace across = backend::load_shared(mesh.tet2tet[slots[i]][f]);
+      if (across == kNoHalfFace) continue;
+      backend::atomic_or(mesh.tet2tet[slots[i]][f], kLocked);
+      backend::atomic_or(mesh.tet2tet[tet_of(across)][face_of(across)], kLocked);
+    }
+  }
+};
+
+inline std::vector<Index> inverse(const std::vector<Index>& to_original) {
+  std::vector<Index> from_original(to_original.size());
+  Index i = 0;
+  for (const Index original : to_original) backend::span_of(from_original)[original] = i++;
+  return from_original;
+}
+
+/// Throws unless every volume is positive, or is to be made positive. Exact arithmetic decides the few volumes whose
+/// sign is uncertain after rounding.
+template <class Backend>
+void check_volumes(const Backend& backend, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work) {
+  typename Backend::template Buffer<Index> uncertain(backend, work.mesh.slots());
+  if (backend.compact(work.mesh.slots(), HasUncertifiedVolume{work.mesh.view()}, uncertain.span()) == 0) return;
+  const ValidationReport report = validate(mesh, options.threads);
+  for (const Finding& f : report.findings) {
+    const bool repairable = f.defect == Defect::inverted_tet || f.defect == Defect::flat_tet;
+    if (!options.untangle || !repairable) throw MeshError(report.message(false));
+    work.tangled += f.count;
+  }
+}
+
+/// Uploads the mesh, sorts and connects it, and checks its volumes. Returns the work vertex of each of the caller's.
+template <class Backend>
+std::vector<Index> import_tets(const Backend& backend, const TetMesh& mesh, const Options& options,
+                               WorkingSet<Backend>& work) {
+  work.scale = unit_scale(mesh);
+  work.mesh = upload_mesh(backend, mesh, work.scale);
+  sort_mesh(backend, work.mesh);
+  std::vector<Index> original2vertex = inverse(work.mesh.vertex2original.download());
+  const AdjacencyReport adjacency = build_adjacency(backend, work.mesh);
+  if (adjacency.non_manifold_faces + adjacency.misoriented_faces > 0) {
+    throw MeshError(validate(mesh, options.threads).message(false));
+  }
+  check_volumes(backend, mesh, options, work);
+  return original2vertex;
+}
+
+/// Locks the interfaces between regions and the tetrahedra that must stay, of which the required ones come first.
+template <class Backend>
+void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<Index>& tets, WorkingSet<Backend>& work) {
+  const typename Backend::template DeviceView<int> regions(backend, mesh.tet_tags);
+  lock_interfaces(backend, work.mesh, regions.span());
+  if (tets.empty()) return;
+  const std::vector<Index> original2slot = inverse(work.mesh.tet2original.download());
+  std::vector<Index> locked;
+  for (const Index t : tets) locked.push_back(backend::span_of(original2slot)[t]);
+  typename Backend::template Buffer<Index> slots;
+  slots.upload(backend, locked);
+  backend.for_each(slots.size(), LockTet{work.mesh.view(), slots.span()});
+  locked.resize(mesh.required_tets.size());
+  work.required_slots = std::move(locked);
+}
+
+/// 1 for each required triangle; empty if there are none.
+inline std::vector<std::uint8_t> required_triangles(const TetMesh& mesh) {
+  std::vector<std::uint8_t> required;
+  if (mesh.required_triangles.empty()) return required;
+  required.resize(mesh.triangles.size(), 0);
+  for (const Index t : mesh.required_triangles) backend::span_of(required)[t] = 1;
+  return required;
+}
+
+/// Sets WorkingSet::frozen. The vertices of listed triangles that are not faces are frozen.
+template <class Backend>
+void freeze_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& by_original,
+                     const std::vector<Index>& original2vertex, WorkingSet<Backend>& work) {
+  work.frozen.assign(by_original.size(), kMovable);
+  const Span<std::uint8_t> frozen = backend::span_of(work.frozen);
+  const Span<const Index> to_work = backend::span_of(original2vertex);
+  for (Size v = 0; v < frozen.size(); ++v) frozen[to_work[v]] = backend::span_of(by_original)[v];
+  auto state = work.listed_triangles.begin();
+  for (const auto& triangle : mesh.triangles) {
+    if (*state++ != Listed::absent) continue;
+    for (const Index v : triangle) frozen[to_work[v]] = kFrozen;
+  }
+}
+
+/// Boundary flips would replace triangles of the surface that the deviation is measured from.
+inline bool flips_boundary(const Options& options) {
+  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed &&
+         !(options.max_deviation > 0) && options.max_ring > 3;
+}
+
+/// Finds the surface and decides where its vertices may go.
+template <class Backend>
+void import_surface(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
+                    const Constraints& constraints, const std::vector<Index>& original2vertex,
+                    WorkingSet<Backend>& work, Report& report) {
+  const std::vector<std::uint8_t> required = required_triangles(mesh);
+  const typename Backend::template DeviceView<std::array<Index, 3>> triangles(backend, mesh.triangles);
+  const typename Backend::template DeviceView<int> tags(backend, mesh.triangle_tags);
+  const typename Backend::template DeviceView<std::uint8_t> required_view(backend, required);
+  const typename Backend::template DeviceView<int> frozen_patches(backend, options.frozen_patches);
+  const typename Backend::template DeviceView<Index> original2vertex_view(backend, original2vertex);
+  const ListedTriangles listed{{reinterpret_cast<const Index*>(triangles.span().data()), 3 * triangles.span().size()},
+                               tags.span(),
+                               required_view.span(),
+                               frozen_patches.span(),
+                               original2vertex_view.span(),
+                               options.open_boundaries};
+  typename Backend::template Buffer<Listed> listed_state;
+  Surface<Backend> surface;
+  build_surface(backend, work.mesh, listed, listed_state, surface);
+  work.listed_triangles = listed_state.download();
+
+  freeze_vertices(mesh, constraints.frozen, original2vertex, work);
+  typename Backend::template Buffer<std::uint8_t> frozen;
+  frozen.upload(backend, work.frozen);
+  constexpr Size kMaxCorners = std::numeric_limits<Index>::max();
+  if (flips_boundary(options) && 3 * surface.triangles.size() <= kMaxCorners) {
+    build_boundary(backend, surface, listed, frozen.span(), work.boundary);
+  }
+
+  // All listed edges constrain flips.
+  std::vector<Index> ends;
+  for (const auto& edge : constraints.edges) {
+    for (const Index v : edge) ends.push_back(backend::span_of(original2vertex)[v]);
+  }
+  EdgeSet<Backend> edges(backend, ends, work.mesh.vertices());
+  find_dofs(backend, work.mesh,
+            {options, surface, ends, constraints.ridges, edges, frozen.span(), work.scale, slides_on, original2vertex},
+            work.dofs, report);
+  work.flips.constrained_keys.swap(edges.keys);
+  work.flips.constrained_vertex.swap(edges.on_vertex);
+}
+
+}  // namespace import_mesh_detail
+
+/// Builds the working set of a mesh: checks the mesh, renumbers it, finds its surface and decides where each vertex may
+/// go. `slides_on`: the surface for Boundary::slide; null: the mesh's own. Throws MeshError and OptionError.
+template <class Backend>
+void import_mesh(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
+                 WorkingSet<Backend>& work, Report& report) {
+  using namespace import_mesh_detail;
+  const ValidationReport arrays = validate_arrays(mesh);
+  if (!arrays.ok()) throw MeshError(arrays.message(false));
+  const Constraints constraints = find_constraints(mesh, options);
+  const std::vector<Index> original2vertex = import_tets(backend, mesh, options, work);
+  lock_tets(backend, mesh, constraints.locked_tets, work);
+  import_surface(backend, mesh, options, slides_on, constraints, original2vertex, work, report);
+}
+
+}  // namespace tetune

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/result_mesh.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "boundary/constraints.hpp"
+#include "tetune/data.hpp"
+#include "tetune/error.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+using backend::span_of;
+
+/// The inverse of positions_of_kept().
+std::vector<Index> kept_of(const std::vector<Index>& old2new) {
+  std::vector<Index> new2old;
+  for (Index i = 0; i < std::ssize(old2new); ++i) {
+    if (span_of(old2new)[i] >= 0) new2old.push_back(i);
+  }
+  return new2old;
+}
+
+/// Data of the entities that were kept.
+std::vector<DataArray> data_of_kept(const std::vector<DataArray>& data, const std::vector<Index>& new2old) {
+  return data.empty() ? std::vector<DataArray>() : take_entries(data, new2old);
+}
+
+/// Data of the vertices of the result.
+std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult& result,
+                                          const std::vector<Point3>& extended) {
+  const VertexNumbering& numbering = *result.numbering;
+  if (mesh.point_data.empty() || numbering.new2original.empty()) return mesh.point_data;
+  std::vector<Index> extended2original(extended.size(), -1);
+  for (Index v = 0; v < std::ssize(mesh.points); ++v) span_of(extended2original)[v] = v;
+  return data_of_kept(carry_point_data(mesh.point_data, extended2original, extended, result.tets),
+                      kept_of(numbering.extended2new));
+}
+
+/// Throws OverlapError where flips have made faces of three or more tetrahedra.
+void check_faces(const HostResult& result, const std::vector<Point3>& extended, int threads) {
+  TetMesh mesh;
+  mesh.points = extended;
+  mesh.point_tags.resize(extended.size());
+  mesh.tets = result.tets;
+  mesh.tet_tags.resize(result.tets.size());
+  std::vector<Index> overlapping;
+  for (const Finding& finding : validate(mesh, threads).findings) {
+    for (const Index t : finding.first) overlapping.push_back(span_of(result.tet2original)[t]);
+  }
+  if (overlapping.empty()) return;
+  std::sort(overlapping.begin(), overlapping.end());
+  overlapping.erase(std::unique(overlapping.begin(), overlapping.end()), overlapping.end());
+  throw OverlapError(std::move(overlapping));
+}
+
+/// The positions of the listed triangles in the result: those inside one region that lock nothing are dropped, unless
+/// they are sides of other elements.
+std::vector<Index> new_triangles(const TetMesh& mesh, const std::vector<Listed>& listed_triangles,
+                                 const OtherElements& others) {
+  std::vector<std::uint8_t> keep;
+  auto state = listed_triangles.begin();
+  for (const auto& triangle : mesh.triangles) {
+    keep.push_back(*state++ != Listed::loose || others.have(triangle) ? 1 : 0);
+  }
+  return positions_of_kept(keep);
+}
+
+/// The required tetrahedra of the result: they never left their slots, and compaction kept the order of the slots.
+std::vector<Index> new_required_tets(const std::vector<Index>& required_slots, const std::vector<Index>& slot_of_tet) {
+  std::vector<Index> tets;
+  for (const Index slot : required_slots) {
+    const auto at = std::lower_bound(slot_of_tet.begin(), slot_of_tet.end(), slot);
+    tets.push_back(backend::to_index(at - slot_of_tet.begin()));
+  }
+  return tets;
+}
+
+/// The identity is reported as an empty list.
+std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size) {
+  if (new2old.size() == old_size) new2old.clear();
+  return new2old;
+}
+
+/// Moves the parts that an optimization leaves as they are from `mesh` to its result.
+void move_unchanged(TetMesh& mesh, TetMesh& result) noexcept {
+  result.others.swap(mesh.others);
+  result.groups.swap(mesh.groups);
+  result.point_tags_name.swap(mesh.point_tags_name);
+  result.cell_tags_name.swap(mesh.cell_tags_name);
+  result.dialect.swap(mesh.dialect);
+  result.second_order = mesh.second_order;
+  result.listed_inside_out = mesh.listed_inside_out;
+}
+
+}  // namespace
+
+std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMesh& mesh) {
+  std::vector<int> tags;
+  tags.reserve(tet2original.size());
+  for (const Index t : tet2original) tags.push_back(span_of(mesh.tet_tags)[t]);
+  return tags;
+}
+
+void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
+                  const std::vector<Listed>& listed_triangles, double scale, int threads, Report& report) {
+  VertexNumbering& numbering = *result.numbering;
+  TetMesh next;
+  next.points = extended_points(mesh.points, result.points, numbering, scale);
+  if (result.has_duplicate_faces) check_faces(result, next.points, threads);
+  next.point_tags = mesh.point_tags;
+  next.point_tags.resize(next.points.size(), 0);
+  next.point_data = carried_point_data(mesh, result, next.points);
+  next.tet_tags = regions_of(result.tet2original, mesh);
+  next.tet_data = data_of_kept(mesh.tet_data, result.tet2original);
+  next.required_tets = new_required_tets(required_slots, result.slot_of_tet);
+  next.corners = mesh.corners;
+  next.required_vertices = mesh.required_vertices;
+
+  const OtherElements others(mesh);
+  const std::vector<Index> triangle2new = new_triangles(mesh, listed_triangles, others);
+  std::vector<Index> triangle2original = kept_of(triangle2new);
+  next.triangles = mesh.triangles;
+  next.triangle_tags = mesh.triangle_tags;
+  next.triangle_data = data_of_kept(mesh.triangle_data, triangle2original);
+  next.required_triangles = mesh.required_triangles;
+  follow_flips(result.boundary, numbering.work2extended, next.triangles);
+  report.triangles_dropped = keep_triangles(next, triangle2new);
+
+  const std::vector<Index> edge2new = positions_of_kept(lasting_edges(mesh, result.tets, others));
+  std::vector<Index> edge2original = kept_of(edge2new);
+  next.edges = mesh.edges;
+  next.edge_tags = mesh.edge_tags;
+  next.edge_data = data_of_kept(mesh.edge_data, edge2original);
+  next.ridges = mesh.ridges;
+  next.required_edges = mesh.required_edges;
+  report.edges_dropped = keep_edges(next, edge2new);
+
+  report.triangle2original = unless_all(std::move(triangle2original), mesh.triangles.size());
+  report.edge2original = unless_all(std::move(edge2original), mesh.edges.size());
+  report.vertex2original = std::move(numbering.new2original);
+  report.tet2original = std::move(result.tet2original);
+
+  // From here on nothing can fail.
+  next.tets.swap(result.tets);
+  move_unchanged(mesh, next);
+  if (numbering.has_removed()) keep_vertices(next, numbering.extended2new);
+  static_assert(std::is_nothrow_move_assignable_v<TetMesh>);
+  mesh = std::move(next);
+}
+
+}  // namespace tetune

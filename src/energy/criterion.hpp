@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "energy/objective.hpp"
+#include "energy/quality_floor.hpp"
+#include "mesh/work_mesh.hpp"
+
+namespace tetune {
+
+/// The objective that an operation minimizes, and the quality floor that no tetrahedron may violate.
+struct Criterion {
+  Objective objective = kHarmonicObjective;
+  QualityFloor floor = QualityFloor::none();
+};
+
+/// A mesh and the criterion by which a kernel rates its tetrahedra, passed to kernels by value.
+struct RatedMesh : MeshView {
+  Objective objective;
+  QualityFloor floor;
+};
+
+template <class Backend>
+RatedMesh rated(WorkMesh<Backend>& mesh, const Criterion& criterion) {
+  return {mesh.view(), criterion.objective, criterion.floor};
+}
+
+}  // namespace tetune

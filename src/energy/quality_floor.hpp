@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "energy/objective.hpp"
+#include "mesh/tet.hpp"
+
+namespace tetune {
+
+/// The worst quality in a mesh: no operation may create a tetrahedron that is worse.
+struct QualityFloor {
+  /// Relative tolerance for rounding.
+  static constexpr double kTolerance = 1e-12;
+
+  double worst_shape = 0;  ///< largest shape energy
+  double max_cot = -1;     ///< cotangent of the smallest dihedral angle
+  /// No tetrahedron with a shape energy up to this has a smaller angle: the shape energy times the sine of any
+  /// dihedral angle is at least (3 - its cosine) / sqrt(8) (docs/method.md, "Quality floor").
+  double safe_shape = 0;
+
+  /// Lower bound on the shape energy of a tetrahedron with a dihedral angle of this cotangent.
+  TETUNE_HD static double min_shape(double cot) {
+    return (1 - kTolerance) * std::sqrt(0.125) * (3 * std::sqrt(1 + cot * cot) - cot);
+  }
+  /// The floor that allows every tetrahedron.
+  TETUNE_HD static QualityFloor none() { return {kInfeasible, kInfeasible, kInfeasible}; }
+  /// Relaxes measured values by the tolerance. Called once, after the measurement.
+  TETUNE_HD void add_tolerance() {
+    worst_shape *= 1 + kTolerance;
+    max_cot *= 1 + kTolerance;
+    update_safe_shape();
+  }
+  /// Lowers the largest cotangent allowed. add_tolerance() is not called again: tolerances would accumulate.
+  TETUNE_HD void limit_max_cot(double cot) {
+    max_cot = cot < max_cot ? cot : max_cot;
+    update_safe_shape();
+  }
+
+  /// Whether the tetrahedron p, of this shape energy and with w = 6 * volume, is no worse than the floor.
+  TETUNE_HD bool allows(double shape, const Vec3 p[4], double w) const {
+    return shape <= safe_shape || (shape <= worst_shape && max_dihedral_cot(p, w) <= max_cot);
+  }
+
+  /// Cotangent of the smallest dihedral angle. With n_i, n_j the outward cross products of two faces and e their common
+  /// edge, cos = -n_i . n_j / (|n_i| |n_j|) and sin = w |e| / (|n_i| |n_j|): nothing cancels in a flat tetrahedron.
+  TETUNE_HD static double max_dihedral_cot(const Vec3 p[4], double w) {
+    Vec3 n[4];
+    for (int f = 0; f < 4; ++f) {
+      const Vec3& a = p[face_vertex(f, 0)];
+      n[f] = cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
+    }
+    double max_cot = -1;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        // The faces opposite i and j share the edge (k, l).
+        const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
+        const int l = 6 - i - j - k;
+        const double cot = -dot(n[i], n[j]) / (w * norm(p[k] - p[l]));
+        max_cot = cot > max_cot ? cot : max_cot;
+      }
+    }
+    return max_cot;
+  }
+
+ private:
+  TETUNE_HD void update_safe_shape() {
+    safe_shape = min_shape(max_cot);
+    if (worst_shape < safe_shape) safe_shape = worst_shape;
+  }
+};
+
+}  // namespace tetune

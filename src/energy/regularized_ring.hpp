@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "energy/ring.hpp"
+
+namespace tetune {
+
+/// The ring of one vertex in which volumes may be negative: each w is replaced by chi(w) = (w + sqrt(eps^2 + w^2)) / 2,
+/// which is positive everywhere and tends to max(w, 0) as eps tends to 0 (Garanzha et al. 2021, "Foldover-free maps in
+/// 50 lines of code", Eq. 3). The interface is that of PlainRing. The term in chi'' is left out of the Hessian, which
+/// is then that of the convex energy at chi and never indefinite (docs/method.md, "Untangling").
+class RegularizedRing {
+ public:
+  static constexpr Size kCapacity = PlainRing::kCapacity;
+
+  TETUNE_HD RegularizedRing(const Objective& objective, Span<const Point> points, const LinkFace* faces, Size count,
+                            const QualityFloor&)
+      : objective_(objective), points_(points), faces_(faces), count_(count) {}
+
+  TETUNE_HD RingModel model(const Vec3& x) {
+    double length2 = 0;
+    for (Size i = 0; i < count_; ++i) {
+      const Vec3 y = x - face(i).p0;
+      length2 += dot(y, y);
+    }
+    length2 /= static_cast<double>(count_);
+    epsilon_ = objective_.regularization * length2 * std::sqrt(length2);
+    ModelSum<double> sum{};
+    for (Size i = 0; i < count_; ++i) {
+      OppositeFace<double> f = face(i);
+      const Vec3 y = x - f.p0;
+      const RegularizedVolume w = regularized(dot(f.n, y));
+      // grad chi / chi = n / root.
+      sum.add(objective_, f, y, 1 / w.chi, 1.0, w.chi / w.root);
+    }
+    return to_model(objective_, sum, count_);
+  }
+
+  /// The regularized energy is finite everywhere: there is no bound.
+  TETUNE_HD double step_bound(const Vec3&, const Vec3&) const { return kInfeasible; }
+
+  /// Requires a call of model() before.
+  TETUNE_HD RingValue value(const Vec3& x) const {
+    double e = 0;
+    for (Size i = 0; i < count_; ++i) {
+      const OppositeFace<double> f = face(i);
+      const Vec3 y = x - f.p0;
+      e += objective_.term(area_term(f, y), 1 / regularized(dot(f.n, y)).chi);
+    }
+    return {objective_.factor * e, true};
+  }
+
+  class Ray {
+   public:
+    TETUNE_HD Ray(const RegularizedRing& ring, const Vec3& x, const Vec3& p) : ring_(ring), x_(x), p_(p) {}
+    TETUNE_HD double value(double t) const { return ring_.value(x_ + t * p_).value; }
+
+   private:
+    const RegularizedRing& ring_;
+    Vec3 x_, p_;
+  };
+  TETUNE_HD Ray ray(const Vec3& x, const Vec3& p) const { return {*this, x, p}; }
+
+ private:
+  struct RegularizedVolume {
+    double chi, root;
+  };
+  TETUNE_HD RegularizedVolume regularized(double w) const {
+    const double root = std::sqrt(epsilon_ * epsilon_ + w * w);
+    // For negative w, the second form of chi has no cancellation.
+    return {w > 0 ? 0.5 * (w + root) : 0.5 * epsilon_ * epsilon_ / (root - w), root};
+  }
+  TETUNE_HD OppositeFace<double> face(Size i) const {
+    const LinkFace f = faces_[i];
+    return opposite_face(vec(points_[f.v[0]]), vec(points_[f.v[1]]), vec(points_[f.v[2]]));
+  }
+
+  Objective objective_;
+  Span<const Point> points_;
+  const LinkFace* faces_;
+  Size count_;
+  double epsilon_ = 0;
+};
+
+}  // namespace tetune

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "backend/atomic.hpp"
+#include "backend/buffer.hpp"
+#include "backend/concept.hpp"
+
+namespace tetune {
+
+using backend::Size;
+using backend::Span;
+
+/// Lists of items in compressed sparse rows: row r is items[offsets[r]] .. items[offsets[r + 1] - 1], in increasing
+/// order.
+struct CsrView {
+  Span<const std::uint32_t> offsets;
+  Span<const std::uint32_t> items;
+  TETUNE_HD Size begin(Size row) const { return offsets[row]; }
+  TETUNE_HD Size end(Size row) const { return offsets[row + 1]; }
+  TETUNE_HD Size size(Size row) const { return end(row) - begin(row); }
+  /// The shorter of two rows. An item common to both is found in either, and one may have thousands of items.
+  template <class Id>
+  TETUNE_HD Id shorter(Id a, Id b) const {
+    return size(b) < size(a) ? b : a;
+  }
+};
+
+template <class Backend>
+struct Csr {
+  typename Backend::template Buffer<std::uint32_t> offsets;
+  typename Backend::template Buffer<std::uint32_t> items;
+  CsrView view() const { return {offsets.span(), items.span()}; }
+};
+
+template <class T, class Less>
+TETUNE_HD void sift_down(T* heap, Size root, Size end, const Less& less) {
+  const T value = heap[root];
+  for (Size child = 2 * root + 1; child < end; child = 2 * root + 1) {
+    if (child + 1 < end && less(heap[child], heap[child + 1])) ++child;
+    if (!less(value, heap[child])) break;
+    heap[root] = heap[child];
+    root = child;
+  }
+  heap[root] = value;
+}
+
+/// Sorts a short array in place, on the host or in a kernel: insertion sort up to 48 elements, heap sort beyond, so
+/// that the worst case is O(n log n).
+template <class T, class Less>
+TETUNE_HD void sort_small(T* a, Size n, const Less& less) {
+  if (n <= 48) {
+    for (Size i = 1; i < n; ++i) {
+      const T value = a[i];
+      Size j = i;
+      for (; j > 0 && less(value, a[j - 1]); --j) a[j] = a[j - 1];
+      a[j] = value;
+    }
+    return;
+  }
+  for (Size root = n / 2; root-- > 0;) sift_down(a, root, n, less);
+  for (Size end = n - 1; end > 0; --end) {
+    const T value = a[0];
+    a[0] = a[end];
+    a[end] = value;
+    sift_down(a, 0, end, less);
+  }
+}
+
+namespace csr_detail {
+
+inline constexpr std::uint32_t kNoRow = 0xffffffffU;
+
+struct IdLess {
+  TETUNE_HD bool operator()(std::uint32_t a, std::uint32_t b) const { return a < b; }
+};
+
+template <class RowOf>
+struct FindRow {
+  RowOf row_of;
+  Span<std::uint32_t> row;
+  TETUNE_HD void operator()(Size item) const {
+    const Size r = row_of(item);
+    row[item] = r < 0 ? kNoRow : static_cast<std::uint32_t>(r);
+  }
+};
+
+struct CountItems {
+  Span<const std::uint32_t> row;
+  Span<std::uint32_t> counts;
+  TETUNE_HD void operator()(Size item) const {
+    if (row[item] != kNoRow) backend::atomic_add(counts[row[item]], 1);
+  }
+};
+
+/// Fills each row from its end, in unspecified order. `ends` holds the end of each row before, its begin after.
+struct FillRows {
+  Span<const std::uint32_t> row;
+  Span<std::uint32_t> ends;
+  Span<std::uint32_t> items;
+  TETUNE_HD void operator()(Size item) const {
+    if (row[item] != kNoRow) items[backend::atomic_add(ends[row[item]], ~0U) - 1] = static_cast<std::uint32_t>(item);
+  }
+};
+
+/// Sorts the items of a row, so that the result does not depend on the order of the atomic operations.
+struct SortRow {
+  Span<const std::uint32_t> offsets;
+  Span<std::uint32_t> items;
+  TETUNE_HD void operator()(Size row) const {
+    const Size begin = offsets[row];
+    const Size n = offsets[row + 1] - begin;
+    if (n > 1) sort_small(items.data() + begin, n, IdLess{});
+  }
+};
+
+/// Adds the counts to their exclusive scan, which gives the row ends.
+struct ScanToEnds {
+  Span<const std::uint32_t> counts;
+  Span<std::uint32_t> offsets;
+  TETUNE_HD void operator()(Size row) const { offsets[row] += counts[row]; }
+};
+
+template <class Make, class T>
+struct MakeItems {
+  Make make;
+  Span<const std::uint32_t> ids;
+  Span<T> out;
+  TETUNE_HD void operator()(Size i) const { out[i] = make(ids[i]); }
+};
+
+struct ItemItself {
+  TETUNE_HD std::uint32_t operator()(std::uint32_t item) const { return item; }
+};
+
+}  // namespace csr_detail
+
+/// Groups the items 0..n-1 by row and stores make(item) for each. row_of(item) returns the row of an item, or a
+/// negative number if it has none. A backend that provides count_by_row() and place_by_row() does without atomics and
+/// sorting.
+template <class Backend, class RowOf, class Make, class T>
+void build_csr_of(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of, const Make& make,
+                  typename Backend::template Buffer<std::uint32_t>& offsets,
+                  typename Backend::template Buffer<T>& grouped) {
+  using namespace csr_detail;
+  using Ids = typename Backend::template Buffer<std::uint32_t>;
+  Ids row(backend, item_count);
+  const FindRow<RowOf> find{row_of, row.span()};
+  const Span<const std::uint32_t> rows = row.span();
+  offsets.resize(backend, row_count + 1);
+  Ids positions;
+  if constexpr (backend::CountsByRow<Backend>) {
+    grouped.resize(backend, backend.count_by_row(find, kNoRow, rows, offsets.span(), positions));
+    const Span<T> out = grouped.span();
+    backend.place_by_row(rows, kNoRow, offsets.size(), positions, [&](Size item, std::uint32_t position) {
+      out[position] = make(static_cast<std::uint32_t>(item));
+    });
+  } else {
+    backend.for_each(item_count, find);
+    Ids counts(backend, row_count + 1);
+    backend.fill(counts.span(), std::uint32_t{0});
+    backend.for_each(item_count, CountItems{rows, counts.span()});
+    Ids ids(backend, backend.exclusive_scan(Span<const std::uint32_t>(counts.span()), offsets.span()));
+    backend.for_each(row_count, ScanToEnds{counts.span(), offsets.span()});
+    backend.for_each(item_count, FillRows{rows, offsets.span(), ids.span()});
+    row = Ids();  // frees memory before the next allocation
+    backend.for_each(row_count, SortRow{offsets.span(), ids.span()});
+    grouped.resize(backend, ids.size());
+    backend.for_each(ids.size(), MakeItems<Make, T>{make, ids.span(), grouped.span()});
+  }
+}
+
+/// Builds the rows of the items 0..n-1: build_csr_of() with the items themselves.
+template <class Backend, class RowOf>
+void build_csr(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of, Csr<Backend>& rows) {
+  build_csr_of<Backend, RowOf, csr_detail::ItemItself, std::uint32_t>(
+      backend, row_count, item_count, row_of, csr_detail::ItemItself{}, rows.offsets, rows.items);
+}
+
+}  // namespace tetune

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tetune/mesh.hpp"
+
+namespace tetune {
+
+/// The number of ids that a message lists.
+inline constexpr std::size_t kShownIds = 5;
+
+/// The first zero-based ids as a part of a message, " (first, counted from 1: 3, 8)"; empty if there are none.
+inline std::string first_ids(const std::vector<Index>& ids, bool one_based) {
+  if (ids.empty()) return "";
+  std::string text = std::string(" (first, counted from ") + (one_based ? "1" : "0");
+  for (std::size_t i = 0; i < std::min(ids.size(), kShownIds); ++i) {
+    text += (i == 0 ? ": " : ", ") + std::to_string(ids[i] + (one_based ? 1 : 0));
+  }
+  return text + ")";
+}
+
+}  // namespace tetune

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "backend/pack.hpp"
+#include "backend/span.hpp"
+#include "mesh/tet.hpp"
+
+/// Access to the lanes of a pack of doubles. A pack may be a single double.
+namespace tetune {
+
+template <class Pack>
+inline constexpr int kLanesOf = sizeof(Pack) / sizeof(double);
+
+template <class Pack>
+TETUNE_HD TETUNE_INLINE double lane(const Pack& pack, int l) {
+  if constexpr (requires { pack[0]; }) {
+    return pack[l];
+  } else {
+    return pack;
+  }
+}
+
+/// Loads one point per lane.
+template <class Pack>
+TETUNE_HD TETUNE_INLINE Vec3T<Pack> gather(backend::Span<const Point> points, const Index (&ids)[kLanesOf<Pack>]) {
+  static_assert(sizeof(Point) == 4 * sizeof(double));
+  const double* row[kLanesOf<Pack>];
+  for (int l = 0; l < kLanesOf<Pack>; ++l) row[l] = &points[ids[l]].x;
+  Pack column[3];
+  backend::load_columns(row, column);
+  return {column[0], column[1], column[2]};
+}
+
+}  // namespace tetune

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+
+#include "math/hilbert.hpp"
+#include "mesh/connect.hpp"
+
+/// The order of vertices and slots in memory.
+namespace tetune {
+namespace sort_mesh_detail {
+
+struct Box {
+  double low[3] = {std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
+                   std::numeric_limits<double>::max()};
+  double high[3] = {std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest(),
+                    std::numeric_limits<double>::lowest()};
+  TETUNE_HD void merge(const Box& other) {
+    for (int k = 0; k < 3; ++k) {
+      if (other.low[k] < low[k]) low[k] = other.low[k];
+      if (other.high[k] > high[k]) high[k] = other.high[k];
+    }
+  }
+};
+
+struct BoxOfPoint {
+  Span<const Point> points;
+  TETUNE_HD Box operator()(Size i) const {
+    const Point p = points[i];
+    Box box;
+    box.low[0] = box.high[0] = p.x;
+    box.low[1] = box.high[1] = p.y;
+    box.low[2] = box.high[2] = p.z;
+    return box;
+  }
+};
+
+struct ComputeHilbertKey {
+  Span<const Point> points;
+  Box box;
+  Span<std::uint64_t> keys;
+  Span<Index> ids;
+  TETUNE_HD void operator()(Size i) const {
+    const Point p = points[i];
+    double side = box.high[0] - box.low[0];
+    if (box.high[1] - box.low[1] > side) side = box.high[1] - box.low[1];
+    if (box.high[2] - box.low[2] > side) side = box.high[2] - box.low[2];
+    // The odd factor and offset keep round fractions of the box, where vertices of structured meshes lie, away from
+    // cell borders: the order then does not depend on the last bit, and a rescaled mesh gets the same order.
+    const double scale = side > 0 ? 0.98765432109876 * kHilbertCells / side : 0;
+    keys[i] = hilbert_index(cell(p.x, box.low[0], scale), cell(p.y, box.low[1], scale), cell(p.z, box.low[2], scale));
+    ids[i] = static_cast<Index>(i);
+  }
+  TETUNE_HD static std::uint32_t cell(double x, double low, double scale) {
+    return static_cast<std::uint32_t>((x - low) * scale + 0.31830988618379);
+  }
+};
+
+struct PermutePoints {
+  Span<const Point> from;
+  Span<const Index> order;
+  Span<Point> to;
+  Span<Index> original2vertex;
+  TETUNE_HD void operator()(Size i) const {
+    const Index old = order[i];
+    to[i] = from[old];
+    original2vertex[old] = static_cast<Index>(i);
+  }
+};
+
+struct RelabelTet {
+  Span<Tet> tets;
+  Span<const Index> original2vertex;
+  Span<std::uint32_t> lowest_vertex;
+  Span<Index> ids;
+  TETUNE_HD void operator()(Size t) const {
+    Tet tet = tets[t];
+    for (int k = 0; k < 4; ++k) tet[k] = original2vertex[tet[k]];
+    Index lowest = tet[0];
+    for (int k = 1; k < 4; ++k) lowest = tet[k] < lowest ? tet[k] : lowest;
+    tets[t] = tet;
+    lowest_vertex[t] = static_cast<std::uint32_t>(lowest);
+    ids[t] = static_cast<Index>(t);
+  }
+};
+
+struct GatherTets {
+  Span<const Tet> from;
+  Span<const Index> from_original;
+  Span<const Index> order;
+  Span<Tet> to;
+  Span<Index> to_original;
+  TETUNE_HD void operator()(Size t) const {
+    const Index old = order[t];
+    to[t] = from[old];
+    to_original[t] = from_original[old];
+  }
+};
+
+struct IsAlive {
+  Span<const Tet> tets;
+  TETUNE_HD bool operator()(Size t) const { return tets[t].v[0] != kFreeSlot; }
+};
+
+/// Makes the tetrahedra those of the slots `order`, in that order.
+template <class Backend>
+void gather_tets(const Backend& backend, Span<const Index> order, Size room, WorkMesh<Backend>& mesh) {
+  typename Backend::template Buffer<Tet> tets;
+  typename Backend::template Buffer<Index> originals;
+  tets.resize(backend, order.size(), room);
+  originals.resize(backend, order.size(), room);
+  backend.for_each(order.size(),
+                   GatherTets{mesh.tet2vertex.span(), mesh.tet2original.span(), order, tets.span(), originals.span()});
+  mesh.tet2vertex.swap(tets);
+  mesh.tet2original.swap(originals);
+  mesh.free_count = 0;
+}
+
+}  // namespace sort_mesh_detail
+
+template <class Backend>
+void sort_mesh(const Backend& backend, WorkMesh<Backend>& mesh) {
+  using namespace sort_mesh_detail;
+  const Size vertices = mesh.vertices();
+  const Size tets = mesh.slots();
+
+  const Box box = backend.template reduce<Box>(vertices, BoxOfPoint{mesh.points.span()});
+  typename Backend::template Buffer<std::uint64_t> keys(backend, vertices);
+  mesh.vertex2original.resize(backend, vertices);
+  backend.for_each(vertices, ComputeHilbertKey{mesh.points.span(), box, keys.span(), mesh.vertex2original.span()});
+  backend.sort_by_key(keys, mesh.vertex2original, kHilbertBits);
+  typename Backend::template Buffer<Point> points(backend, vertices);
+  typename Backend::template Buffer<Index> original2vertex(backend, vertices);
+  backend.for_each(
+      vertices, PermutePoints{mesh.points.span(), mesh.vertex2original.span(), points.span(), original2vertex.span()});
+  mesh.points.swap(points);
+
+  typename Backend::template Buffer<std::uint32_t> lowest_vertex(backend, tets);
+  typename Backend::template Buffer<Index> order(backend, tets);
+  backend.for_each(tets,
+                   RelabelTet{mesh.tet2vertex.span(), original2vertex.span(), lowest_vertex.span(), order.span()});
+  int bits = 1;
+  while ((Size{1} << bits) < vertices) ++bits;
+  backend.sort_by_key(lowest_vertex, order, bits);
+  gather_tets(backend, Span<const Index>(order.span()), mesh.room(), mesh);
+}
+
+template <class Backend>
+typename Backend::template Buffer<Index> compact_slots(const Backend& backend, WorkMesh<Backend>& mesh) {
+  using namespace sort_mesh_detail;
+  typename Backend::template Buffer<Index> slots(backend, mesh.slots());
+  slots.resize(backend, backend.compact(mesh.slots(), IsAlive{mesh.tet2vertex.span()}, slots.span()));
+  gather_tets(backend, Span<const Index>(slots.span()), slots.size(), mesh);
+  mesh.tet2tet.resize(backend, 0);
+  return slots;
+}
+
+}  // namespace tetune

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "mesh/half_face.hpp"
+#include "tetune/mesh.hpp"
+
+/// Orientation of the tetrahedra of a TetMesh, in exact arithmetic, and of their faces. Host only.
+namespace tetune {
+
+/// The sign of a volume that is positive, but too small for floating-point arithmetic.
+inline constexpr std::int8_t kTinyVolume = 2;
+
+/// The exact sign of the volume of each tetrahedron: -1, 0, 1 or kTinyVolume. Requires a mesh that passes
+/// validate_arrays(). `threads` 0 means all.
+std::vector<std::int8_t> volume_signs(const TetMesh& mesh, int threads);
+
+/// A half-face with its vertices in increasing order.
+struct SortedHalfFace {
+  std::array<Index, 3> vertices;
+  Index tet;
+  bool odd;  ///< whether the tetrahedron lists the vertices in an odd permutation
+};
+
+/// All half-faces, sorted by their vertices and then by tetrahedron.
+std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh);
+
+/// Calls f(begin, end) for each group of half-faces of the same face.
+template <class F>
+void for_each_face(const std::vector<SortedHalfFace>& half_faces, const F& f) {
+  for (auto begin = half_faces.begin(); begin != half_faces.end();) {
+    auto end = begin + 1;
+    while (end != half_faces.end() && end->vertices == begin->vertices) ++end;
+    f(begin, end);
+    begin = end;
+  }
+}
+
+}  // namespace tetune

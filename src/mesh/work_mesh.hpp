@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "backend/buffer.hpp"
+#include "mesh/half_face.hpp"
+#include "mesh/tet.hpp"
+
+namespace tetune {
+
+using backend::Size;
+using backend::Span;
+
+/// First vertex of a slot that holds no tetrahedron.
+inline constexpr Index kFreeSlot = -1;
+
+/// Entries of vertex2original for a vertex that was inserted, and for one that was removed from all tetrahedra.
+inline constexpr Index kInserted = -1;
+inline constexpr Index kRemoved = -2;
+
+/// The mesh as kernels access it.
+struct MeshView {
+  Span<Point> points;
+  Span<Tet> tet2vertex;
+  Span<FaceAdjacency> tet2tet;
+  Span<Index> tet2original;
+
+  TETUNE_HD bool alive(Size slot) const { return tet2vertex[slot].v[0] != kFreeSlot; }
+};
+
+/// The mesh during optimization, in a backend's memory: vertices sorted along a space-filling curve, tetrahedra by
+/// lowest vertex. Tetrahedra are stored in slots, which operations free and reuse.
+template <class Backend>
+struct WorkMesh {
+  template <class T>
+  using Buffer = typename Backend::template Buffer<T>;
+
+  Buffer<Point> points;
+  Buffer<Tet> tet2vertex;
+  Buffer<FaceAdjacency> tet2tet;
+  /// Slot -> the caller's tetrahedron from which the one in the slot descends. Both are in the same region, because the
+  /// interfaces between regions are locked.
+  Buffer<Index> tet2original;
+  /// Work vertex -> caller's vertex, kInserted or kRemoved.
+  Buffer<Index> vertex2original;
+  /// The free slots: the first `free_count` entries.
+  Buffer<Index> free_slots;
+  Size free_count = 0;
+
+  Size vertices() const { return points.size(); }
+  Size slots() const { return tet2vertex.size(); }
+  Size tets() const { return slots() - free_count; }
+  /// Capacity to reserve per slot array: operations seldom take more additional slots.
+  Size room() const { return slots() + slots() / 16; }
+  MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet2original.span()}; }
+};
+
+}  // namespace tetune

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "backend/atomic.hpp"
+#include "energy/mesh_energy.hpp"
+#include "operators/active_set.hpp"
+#include "operators/prefetch_tets.hpp"
+#include "operators/selection.hpp"
+#include "operators/vertex_arrays.hpp"
+
+/// The second half of the cavity engine: selected candidates are applied to the mesh, in place.
+namespace tetune {
+
+/// What the application of a selection added up to.
+struct FlipSum {
+  double decrease = 0;
+  FlipCounts counts;
+  TETUNE_HD void merge(const FlipSum& other) {
+    decrease += other.decrease;
+    counts.flips23 += other.counts.flips23;
+    counts.flips32 += other.counts.flips32;
+    counts.edge_removals += other.counts.edge_removals;
+    counts.face_removals += other.counts.face_removals;
+    counts.boundary_flips += other.counts.boundary_flips;
+  }
+};
+
+namespace application_detail {
+
+/// The prefetch distance in records; cavities are scattered in memory.
+inline constexpr Size kRecordsAhead = 6;
+
+template <class P>
+struct SelectedRecords {
+  Span<Record<P>> records;
+  Span<const Index> selected;
+  TETUNE_HD Size size() const { return selected.size(); }
+  TETUNE_HD Record<P>& operator[](Size i) const { return records[selected[i]]; }
+};
+
+/// Assigns slots and ids of vertices, and leaves, in each boundary face of the old tetrahedra, the new half-face.
+template <class P>
+struct Forward {
+  static constexpr Size kGrain = 32;
+  MeshView mesh;
+  SelectedRecords<P> records;
+  Span<const ChangeCounts> before;
+  Span<const Index> free_slots;
+  SlotChange change;
+  Size vertices;  ///< before
+
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if (i + kRecordsAhead >= end) return;
+    const P& patch = records[i + kRecordsAhead].patch;
+    for (int k = 0; k < patch.old_count(); ++k) backend::prefetch(&mesh.tet2tet[patch.tets[k]]);
+  }
+  TETUNE_HD void operator()(Size i) const {
+    Record<P>& r = records[i];
+    for (int x = 0; x < r.patch.new_count() - r.patch.old_count(); ++x) {
+      r.extra_slots[x] = change.slot_of(free_slots, Size{before[i].taken} + x);
+    }
+    if constexpr (requires { r.patch.assign_vertex(Index{}); }) {
+      r.patch.assign_vertex(static_cast<Index>(vertices + before[i].inserted));
+    }
+    for (int k = 0; k < r.patch.face_count(); ++k) {
+      const HalfFace old = r.patch.old_face(mesh, k);
+      mesh.tet2tet[tet_of(old)][face_of(old)] = r.new_half_face(k);
+    }
+  }
+};
+
+/// Resolves what lies across the boundary faces now: a neighbor that stays gets the new half-face, one that is replaced
+/// as well has left its own.
+template <class P>
+struct Resolve {
+  static constexpr Size kGrain = 32;
+  MeshView mesh;
+  SelectedRecords<P> records;
+  Span<const std::uint64_t> tet2bid;
+
+  /// Records from `end` on may be written by another thread.
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if (i + kRecordsAhead >= end) return;
+    const Record<P>& r = records[i + kRecordsAhead];
+    for (int k = 0; k < r.patch.face_count(); ++k) {
+      const Index t = r.across[k] == kNoHalfFace ? 0 : tet_of(r.across[k]);
+      backend::prefetch(&tet2bid[t]);
+      backend::prefetch(&mesh.tet2tet[t]);
+    }
+  }
+  TETUNE_HD void operator()(Size i) const {
+    Record<P>& r = records[i];
+    const int faces = r.patch.face_count();
+    for (int k = 0; k < faces; ++k) {
+      const HalfFace old = r.across[k];
+      if (old == kNoHalfFace) continue;
+      HalfFace& back = mesh.tet2tet[tet_of(old)][face_of(old)];
+      if (tet2bid[tet_of(old)] == kReplaced) {
+        r.across[k] = back | (old & kLocked);
+      } else {
+        back = r.new_half_face(k) | (old & kLocked);
+      }
+    }
+    if (r.twin < 0) return;
+    // The faces that both parts make in an interface lie on each other.
+    const Record<P>& twin = records.records[r.twin];
+    for (int k = 0; k < r.patch.new_surface_faces(); ++k) {
+      r.across[faces + k] = twin.new_half_face(twin.patch.face_count() + k) | kLocked;
+    }
+  }
+};
+
+/// Writes the new tetrahedra, and frees the slots that are left over.
+template <class P>
+struct Write {
+  static constexpr Size kGrain = 32;
+  RatedMesh mesh;
+  SelectedRecords<P> records;
+  Span<const ChangeCounts> before;
+  Span<Index> free_slots;
+  Size free_kept;
+  Span<double> energies;
+  Span<std::uint8_t> marks;
+  Span<std::uint8_t> changed;
+  VertexArrays vertices;
+
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if (i + kRecordsAhead >= end) return;
+    const P& patch = records[i + kRecordsAhead].patch;
+    for (int k = 0; k < patch.old_count(); ++k) prefetch_tet(mesh, energies, patch.tets[k]);
+    backend::prefetch(&mesh.tet2original[patch.tets[0]]);
+    for (int k = 0; k < patch.vertex_count(); ++k) backend::prefetch(&mesh.points[patch.vertex(k)]);
+  }
+  TETUNE_HD FlipSum operator()(Size i) const {
+    const Record<P>& r = records[i];
+    const P& patch = r.patch;
+    if constexpr (requires { patch.write_vertex(mesh, vertices); }) patch.write_vertex(mesh, vertices);
+    FlipSum sum;
+    sum.decrease = write_tets(r);
+    for (int x = patch.new_count(); x < patch.old_count(); ++x) {
+      mesh.tet2vertex[patch.tets[x]][0] = kFreeSlot;
+      energies[patch.tets[x]] = 0;
+      free_slots[free_kept + before[i].freed + x - patch.new_count()] = patch.tets[x];
+    }
+    for (int k = 0; k < patch.vertex_count() && changed.size() > 0; ++k) {
+      backend::store_shared(changed[patch.vertex(k)], 1);
+    }
+    if (r.is_leader(records.selected[i])) patch.count(sum.counts);
+    return sum;
+  }
+
+ private:
+  /// Returns by how much the energy falls.
+  TETUNE_HD double write_tets(const Record<P>& r) const {
+    const P& patch = r.patch;
+    const Index original = mesh.tet2original[patch.tets[0]];
+    double decrease = energy_before(patch, energies);
+    for (int k = 0; k < patch.old_count(); ++k) marks[patch.tets[k]] = 0;
+    for (int x = 0; x < patch.new_count(); ++x) {
+      const Index s = r.slot(x);
+      FaceAdjacency adjacency{};
+      for (int f = 0; f < 4; ++f) {
+        const NewNeighbor n = patch.new_neighbor(x, f);
+        adjacency[f] = n.tet < 0 ? r.across[n.face] : make_half_face(r.slot(n.tet), n.face);
+      }
+      mesh.tet2vertex[s] = patch.new_tet(x);
+      mesh.tet2tet[s] = adjacency;
+      if (P::kOneOriginal || x >= patch.old_count()) mesh.tet2original[s] = original;
+      energies[s] = slot_energy(mesh, mesh.tet2vertex[s]).energy;
+      decrease -= energies[s];
+    }
+    return decrease;
+  }
+};
+
+/// Marks the new tetrahedra and their neighbors for evaluation: of the candidates whose cavity has changed, few are
+/// owned by a tetrahedron farther away.
+template <class P>
+struct MarkChanged {
+  SelectedRecords<P> records;
+  ActiveMarks marks;
+  TETUNE_HD void operator()(Size i) const {
+    const Record<P>& r = records[i];
+    for (int x = 0; x < r.patch.new_count(); ++x) marks.mark_changed(r.slot(x));
+    for (int k = 0; k < r.patch.face_count(); ++k) {
+      if (!is_locked(r.across[k])) marks.mark_changed(tet_of(r.across[k]));
+    }
+  }
+};
+
+}  // namespace application_detail
+
+/// Applies a selection; the slots that it needs must not be too many (check_slots()). `changed`, when given, is set for
+/// the vertices whose ring changed; `vertices` are needed by operators that write vertices. The energies in `state`
+/// stay up to date; the active set does not.
+template <class Backend, CavityPatch P>
+FlipSum apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                        FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed,
+                        const VertexArrays& vertices = {}) {
+  using namespace application_detail;
+  const SlotChange change(mesh, selection.total);
+  change.make_room(backend, mesh);
+  state.make_room(backend, change.slots, change.needed);
+  const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
+  const Span<const ChangeCounts> before = selection.before.span();
+  const Size old_vertices = mesh.vertices() - selection.total.inserted;
+  backend.for_each(records.size(),
+                   Forward<P>{mesh.view(), records, before, mesh.free_slots.span(), change, old_vertices});
+  backend.for_each(records.size(), Resolve<P>{mesh.view(), records, state.tet2bid.span()});
+  const FlipSum sum = backend.template reduce<FlipSum>(
+      records.size(), Write<P>{rated(mesh, criterion), records, before, mesh.free_slots.span(), change.free_kept,
+                               state.energies.span(), state.marks.span(), changed, vertices});
+  change.finish(mesh);
+  return sum;
+}
+
+/// Makes what an applied selection changed active, with what was marked before.
+template <class Backend, CavityPatch P>
+void activate_changes(const Backend& backend, const Criterion& criterion, FlipState<Backend>& state,
+                      Selection<Backend, P>& selection) {
+  using namespace application_detail;
+  const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
+  backend.for_each(records.size(), MarkChanged<P>{records, {state.marks.span(), state.slack.span()}});
+  activate_marked(backend, criterion, state);
+}
+
+/// Applies the selection of an operator that flips, and makes what changed active. Throws MeshError, before anything is
+/// changed, when the mesh would need too many slots.
+template <class Backend, CavityPatch P>
+PassResult flip_selected(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                         FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed) {
+  PassResult result;
+  result.evaluated = selection.evaluated;
+  if (selection.is_stopped) return result;
+  check_slots(SlotChange(mesh, selection.total).needed);
+  const FlipSum sum = apply_selection(backend, mesh, criterion, state, selection, changed);
+  activate_changes(backend, criterion, state, selection);
+  result.counts = sum.counts;
+  result.decrease = sum.decrease;
+  return result;
+}
+
+/// One pass of an operator whose proposals are those of the active tetrahedra.
+template <class Backend, class Generator>
+PassResult flip_active(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                       FlipState<Backend>& state, const Generator& generator, Span<std::uint8_t> changed) {
+  const Size active = state.active.size();
+  auto selection = select_candidates(backend, mesh, active, generator, state.tet2bid);
+  PassResult result = flip_selected(backend, mesh, criterion, state, selection, changed);
+  result.active = active;
+  return result;
+}
+
+}  // namespace tetune

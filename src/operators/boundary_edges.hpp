@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "mesh/constrained_edges.hpp"
+#include "operators/boundary_flip.hpp"
+
+/// The edges of the boundary that a flip may remove.
+namespace tetune {
+namespace boundary_flip_detail {
+
+struct VertexOfCorner {
+  Span<const BoundaryTriangle> triangles;
+  TETUNE_HD Size operator()(Size corner) const { return triangles[corner / 3].v[corner % 3]; }
+};
+
+struct IsAtBoundary {
+  MeshView mesh;
+  TETUNE_HD bool operator()(Size t) const {
+    const FaceAdjacency links = mesh.tet2tet[t];
+    return mesh.alive(t) && (is_locked(links[0]) || is_locked(links[1]) || is_locked(links[2]) || is_locked(links[3]));
+  }
+};
+
+TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
+  return t.v[0] == v || t.v[1] == v || t.v[2] == v;
+}
+
+/// Finds each triangle in the mesh; of one with tetrahedra on both sides, the lower of the two faces.
+struct FindFaces {
+  MeshView mesh;
+  Span<const Index> tets;
+  Span<const BoundaryTriangle> triangles;
+  CsrView vertex2corner;
+  Span<Index> triangle2face;
+  TETUNE_HD void operator()(Size i) const {
+    const Tet tet = mesh.tet2vertex[tets[i]];
+    for (int f = 0; f < 4; ++f) {
+      const HalfFace link = mesh.tet2tet[tets[i]][f];
+      if (!is_locked(link) || (link != kNoHalfFace && tet_of(link) < tets[i])) continue;
+      const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
+      const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
+      for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
+        const Size triangle = vertex2corner.items[c] / 3;
+        const BoundaryTriangle& t = triangles[triangle];
+        if (has_vertex(t, v[0]) && has_vertex(t, v[1]) && has_vertex(t, v[2])) {
+          triangle2face[triangle] = 4 * tets[i] + f;
+        }
+      }
+    }
+  }
+};
+
+/// Edges are evaluated whose opposite angles have cotangents with a sum below this. The sum is 0 where an edge ceases
+/// to be a Delaunay edge, and hardly any flip gains above (docs/benchmarks/cpu.md, "Flips of boundary edges").
+inline constexpr double kMaxCotSum = 0.3;
+
+/// An edge of the boundary and the two triangles at it, (a, b, p) and (b, a, q).
+struct BoundaryEdge {
+  Index a, b, p, q;
+  Index triangle, other;  ///< other -1: there is none, or more than one
+};
+
+struct FindEdge {
+  Span<const Point> points;
+  ConstrainedEdges constrained;
+  Span<const BoundaryTriangle> triangles;
+  CsrView vertex2corner;
+  double flat;
+
+  /// The edge opposite a corner.
+  TETUNE_HD BoundaryEdge operator()(Size corner) const {
+    const auto triangle = static_cast<Index>(corner / 3);
+    const Size k = corner % 3;
+    const BoundaryTriangle& t = triangles[triangle];
+    BoundaryEdge e{t.v[(k + 1) % 3], t.v[(k + 2) % 3], t.v[k], -1, triangle, -1};
+    const Index end = vertex2corner.shorter(e.a, e.b);
+    for (Size c = vertex2corner.begin(end); c < vertex2corner.end(end); ++c) {
+      const auto other = static_cast<Index>(vertex2corner.items[c] / 3);
+      const BoundaryTriangle& u = triangles[other];
+      if (other == triangle || !has_vertex(u, e.a) || !has_vertex(u, e.b)) continue;
+      if (e.q >= 0) return {e.a, e.b, e.p, -1, triangle, -1};  // sheets touch along the edge
+      for (int j = 0; j < 3; ++j) e.q = u.v[j] != e.a && u.v[j] != e.b ? u.v[j] : e.q;
+      e.other = other;
+    }
+    return e;
+  }
+
+  /// The cotangent of the angle at p.
+  TETUNE_HD double cot(Index a, Index b, Index p) const {
+    const Vec3 pa = vec(points[a]) - vec(points[p]);
+    const Vec3 pb = vec(points[b]) - vec(points[p]);
+    return dot(pa, pb) / norm(cross(pa, pb));
+  }
+  TETUNE_HD double cot(Size corner) const {
+    const BoundaryTriangle& t = triangles[corner / 3];
+    const Size k = corner % 3;
+    return cot(t.v[(k + 1) % 3], t.v[(k + 2) % 3], t.v[k]);
+  }
+
+  /// Whether an edge lies within a flat part of one patch.
+  TETUNE_HD bool is_candidate(const BoundaryEdge& e) const {
+    if (e.other < 0 || constrained.contains(e.a, e.b)) return false;
+    const BoundaryTriangle& t = triangles[e.triangle];
+    const BoundaryTriangle& u = triangles[e.other];
+    const bool in_one_patch = t.stays == 0 && u.stays == 0 && t.tag == u.tag && (t.listed < 0) == (u.listed < 0);
+    return in_one_patch && is_flat(e) && !is_edge(e.p, e.q);
+  }
+
+ private:
+  /// Whether the surface is flat across the edge and across the one that a flip would make, and not folded back.
+  TETUNE_HD bool is_flat(const BoundaryEdge& e) const {
+    const Vec3 a = vec(points[e.a]);
+    const Vec3 ab = vec(points[e.b]) - a;
+    const Vec3 ap = vec(points[e.p]) - a;
+    const Vec3 aq = vec(points[e.q]) - a;
+    const Vec3 n1 = cross(ab, ap);
+    const Vec3 n2 = cross(aq, ab);
+    if (!(dot(n1, n2) > 0)) return false;
+    const double volume = std::fabs(dot(n1, aq));
+    const Vec3 m1 = cross(aq, ap);
+    const Vec3 m2 = n1 + n2 - m1;  // of (q, b, p)
+    return volume <= flat * norm(ab) * larger(n1, n2) && volume <= flat * norm(ap - aq) * larger(m1, m2);
+  }
+  TETUNE_HD static double larger(const Vec3& x, const Vec3& y) {
+    const double xx = dot(x, x);
+    const double yy = dot(y, y);
+    return std::sqrt(xx > yy ? xx : yy);
+  }
+  TETUNE_HD bool is_edge(Index p, Index q) const {
+    const Index end = vertex2corner.shorter(p, q);
+    for (Size c = vertex2corner.begin(end); c < vertex2corner.end(end); ++c) {
+      if (has_vertex(triangles[vertex2corner.items[c] / 3], p ^ q ^ end)) return true;
+    }
+    return false;
+  }
+};
+
+/// Marks each edge that may be flipped with a gain, at the corner with the larger angle: most corners are decided by
+/// their own angle.
+struct MarkEdge {
+  FindEdge find;
+  Span<const std::uint8_t> changed;
+  Span<std::uint8_t> marks;
+  TETUNE_HD void operator()(Size corner) const { marks[corner] = is_promising(corner) ? 1 : 0; }
+
+ private:
+  TETUNE_HD bool is_promising(Size corner) const {
+    const double cot = find.cot(corner);
+    if (!(2 * cot < kMaxCotSum)) return false;
+    const BoundaryEdge e = find(corner);
+    if (e.other < 0 || (changed[e.a] | changed[e.b]) == 0) return false;
+    const double other_cot = find.cot(e.a, e.b, e.q);
+    const bool is_larger_angle = cot < other_cot || (cot == other_cot && e.triangle < e.other);
+    return is_larger_angle && cot + other_cot < kMaxCotSum && find.is_candidate(e);
+  }
+};
+
+struct IsMarkedCorner {
+  Span<const std::uint8_t> marks;
+  TETUNE_HD bool operator()(Size i) const { return marks[i] != 0; }
+};
+
+struct FillEdge {
+  static constexpr Size kGrain = 32;
+  FindEdge find;
+  Span<const Index> corners;
+  Span<BoundaryEdge> edges;
+  TETUNE_HD void operator()(Size i) const { edges[i] = find(corners[i]); }
+};
+
+}  // namespace boundary_flip_detail
+}  // namespace tetune

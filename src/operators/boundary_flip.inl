@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "operators/application.hpp"
+#include "operators/boundary_edges.hpp"
+#include "operators/boundary_flip.hpp"
+#include "operators/flip_energy.hpp"
+
+namespace tetune {
+namespace boundary_flip_detail {
+
+/// The fans of an edge: that which starts at its triangle, and that which starts at the other one. On the outer
+/// boundary there is one.
+struct Fans {
+  FlipCandidate fan[2];
+  int count = 0;  ///< 0: the edge may not be flipped
+
+  TETUNE_HD bool has(int k) const { return fan[k].kind != FlipKind::none; }
+};
+
+/// Evaluates one edge: its candidate has a part for each fan, and may lose in one what it more than gains in the other.
+template <class Pack>
+struct BoundaryFlipProposals {
+  using Candidate = FlipCandidate;
+  static constexpr int kParts = 2;
+  static constexpr Size kGrain = 32;
+  static constexpr Size kBatch = Size{1} << 15;
+  RatedMesh mesh;
+  Span<const BoundaryEdge> edges;
+  Span<const Index> corners;
+  Span<const Index> triangle2face;
+  Span<const double> energies;
+  int max_ring;
+
+  TETUNE_HD Size operator()(Size i, const Proposals<FlipCandidate>& proposals) const {
+    const BoundaryEdge& e = edges[i];
+    Fans fans;
+    if (!find(e, e.triangle, e.p, e.q, fans.fan[0]) || !find(e, e.other, e.q, e.p, fans.fan[1])) return 0;
+    double before = 0;
+    int new_tets = 0;
+    for (int k = 0; k < 2; ++k) {
+      if (!fans.has(k)) continue;
+      ++fans.count;
+      before += energy_before(fans.fan[k], energies);
+      new_tets += fans.fan[k].new_count();
+    }
+    // The shape energy of a tetrahedron is never below 1.
+    if (fans.count == 0 || (mesh.objective.shape && before <= new_tets)) return 0;
+    double after = 0;
+    for (int k = 0; k < 2; ++k) {
+      if (fans.has(k)) after += best_energy<Pack>(mesh, fans.fan[k], before, (1 + kMaxSlack) * before);
+    }
+    if (before - after > kMinRelativeGain * before) {
+      for (int k = 0; k < 2; ++k) {
+        if (fans.has(k)) proposals.add(i, fans.fan[k], before - after, static_cast<std::uint32_t>(corners[i]), k);
+      }
+    }
+    return 1;
+  }
+
+ private:
+  /// The fan that turns from a to b about the edge, a < b, from a triangle (a, b, front) to (a, b, end); kind none
+  /// where there is no tetrahedron on that side. Returns false where it has more than max_ring vertices, or another
+  /// face in it is locked.
+  TETUNE_HD bool find(const BoundaryEdge& edge, Index triangle, Index front, Index end, FlipCandidate& c) const {
+    c.a = edge.a < edge.b ? edge.a : edge.b;
+    c.b = edge.a < edge.b ? edge.b : edge.a;
+    Index face = triangle2face[triangle];
+    if (start_face(face, c) != (face & 3)) {
+      const HalfFace across = mesh.tet2tet[face >> 2][face & 3];
+      if (across == kNoHalfFace) return true;
+      face = static_cast<Index>(across & ~kLocked);
+    }
+    Index t = face >> 2;
+    Index next = mesh.tet2vertex[t][face & 3];
+    int n = 0;
+    for (;;) {
+      if (n + 2 > max_ring) return false;
+      c.ring[n] = front;
+      c.tets[n] = t;
+      ++n;
+      const HalfFace across = mesh.tet2tet[t][local_index(mesh.tet2vertex[t], front)];
+      front = next;
+      if (is_locked(across)) break;
+      t = tet_of(across);
+      next = mesh.tet2vertex[t][face_of(across)];
+    }
+    if (n < 2 || front != end) return false;
+    c.ring[n] = front;
+    c.ring_size = static_cast<std::uint8_t>(n + 1);
+    c.kind = FlipKind::boundary_removal;
+    return true;
+  }
+
+  /// The face of the tetrahedron at `face` that a fan about (a, b) would start from.
+  TETUNE_HD int start_face(Index face, const FlipCandidate& c) const {
+    const Tet tet = mesh.tet2vertex[face >> 2];
+    const int a = local_index(tet, c.a);
+    const int b = local_index(tet, c.b);
+    const EdgeCorners e = edge_corners(edge_of(a < b ? a : b, a < b ? b : a));
+    return a < b ? e.l : e.k;
+  }
+};
+
+/// The two triangles at each flipped edge become those at the new one, each with its orientation.
+struct FlipTriangles {
+  Span<const BoundaryEdge> edges;
+  Span<const Record<FlipCandidate>> records;
+  Span<const Index> selected;
+  Span<BoundaryTriangle> triangles;
+  TETUNE_HD void operator()(Size i) const {
+    const Record<FlipCandidate>& r = records[selected[i]];
+    if (!r.is_leader(selected[i])) return;
+    const BoundaryEdge& e = edges[r.proposal];
+    BoundaryTriangle& other = triangles[e.other];
+    int a = 0;
+    while (other.v[a] != e.a) ++a;
+    // Triangles of an interface may have different orientations.
+    const bool is_same = other.v[(a + 1) % 3] != e.b;
+    const Index first[3] = {e.a, e.q, e.p};
+    const Index second[3] = {e.q, is_same ? e.b : e.p, is_same ? e.p : e.b};
+    for (int k = 0; k < 3; ++k) {
+      triangles[e.triangle].v[k] = first[k];
+      other.v[k] = second[k];
+    }
+  }
+};
+
+/// The corners opposite the edges that may be flipped with a gain.
+template <class Backend>
+auto find_corners(const Backend& backend, const FindEdge& find, Span<const std::uint8_t> changed) {
+  const Size count = 3 * find.triangles.size();
+  typename Backend::template Buffer<std::uint8_t> marks(backend, count);
+  backend.for_each(count, MarkEdge{find, changed, marks.span()});
+  typename Backend::template Buffer<Index> corners(backend, count);
+  corners.resize(backend, backend.compact(count, IsMarkedCorner{marks.span()}, corners.span()));
+  return corners;
+}
+
+/// Each triangle's face in the mesh, 4 * slot + face.
+template <class Backend>
+auto find_faces(const Backend& backend, WorkMesh<Backend>& mesh, BoundaryTriangles<Backend>& boundary) {
+  typename Backend::template Buffer<Index> tets(backend, mesh.slots());
+  tets.resize(backend, backend.compact(mesh.slots(), IsAtBoundary{mesh.view()}, tets.span()));
+  typename Backend::template Buffer<Index> triangle2face(backend, boundary.triangles.size());
+  backend.for_each(tets.size(), FindFaces{mesh.view(), tets.span(), boundary.triangles.span(),
+                                          boundary.vertex2corner.view(), triangle2face.span()});
+  return triangle2face;
+}
+
+}  // namespace boundary_flip_detail
+
+template <class Backend>
+PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                              FlipState<Backend>& state, BoundaryTriangles<Backend>& boundary,
+                              Span<std::uint8_t> changed) {
+  using namespace boundary_flip_detail;
+  PassResult result;
+  if (boundary.stale) {
+    build_csr(backend, mesh.vertices(), 3 * boundary.triangles.size(), VertexOfCorner{boundary.triangles.span()},
+              boundary.vertex2corner);
+    boundary.stale = false;
+  }
+  const FindEdge find{mesh.points.span(), state.constrained(), boundary.triangles.span(), boundary.vertex2corner.view(),
+                      boundary.flat};
+  auto corners = find_corners(backend, find, changed);
+  const Size count = corners.size();
+  result.active = count;
+  if (count == 0 || backend.stop_requested()) return result;
+  typename Backend::template Buffer<BoundaryEdge> edges(backend, count);
+  backend.for_each(count, FillEdge{find, corners.span(), edges.span()});
+  auto triangle2face = find_faces(backend, mesh, boundary);
+
+  const BoundaryFlipProposals<typename Backend::Pack> proposals{rated(mesh, criterion), edges.span(),
+                                                                corners.span(),         triangle2face.span(),
+                                                                state.energies.span(),  state.max_ring};
+  auto selection = select_candidates(backend, mesh, count, proposals, state.tet2bid);
+  result.evaluated = selection.evaluated;
+  if (selection.size() == 0 || backend.stop_requested()) return result;
+  result = flip_selected(backend, mesh, criterion, state, selection, changed);
+  result.active = count;
+  backend.for_each(selection.size(), FlipTriangles{edges.span(), selection.records.span(), selection.selected.span(),
+                                                   boundary.triangles.span()});
+  boundary.stale = true;
+  return result;
+}
+
+}  // namespace tetune

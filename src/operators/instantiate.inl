@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Included once for each backend, by a file that defines it as Instance.
+#include "operators/active_set.inl"
+#include "operators/boundary_flip.inl"
+#include "operators/face_removal.inl"
+#include "operators/flip_pass.inl"
+#include "operators/retriangulate.inl"
+
+namespace tetune {
+template void activate_all(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&, double);
+template double activate_drifted(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&, double);
+template void activate_around(const Instance&, WorkMesh<Instance>&, FlipState<Instance>&, Span<const std::uint8_t>);
+template void activate_marked(const Instance&, const Criterion&, FlipState<Instance>&);
+template PassResult flip_pass(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&,
+                              Span<std::uint8_t>);
+template PassResult boundary_flip_pass(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&,
+                                       BoundaryTriangles<Instance>&, Span<std::uint8_t>);
+template PassResult face_removal_pass(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&,
+                                      Span<std::uint8_t>);
+template RetriangulationReport retriangulate_worst(const Instance&, WorkMesh<Instance>&, const Criterion&,
+                                                   FlipState<Instance>&, VertexDofs<Instance>&, Span<const Index>, Size,
+                                                   double);
+}  // namespace tetune

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "operators/flip_state.hpp"
+#include "relocation/sweep.hpp"
+
+namespace tetune {
+
+/// Numbers of vertices that retriangulate_worst() inserted and removed, and of edges it removed by moving a vertex.
+struct RetriangulationReport {
+  Size inserted = 0, removed = 0;
+  Size edges = 0;
+};
+
+/// Opens the smallest dihedral angles of some tetrahedra, by operators that retriangulate a cavity from one point: each
+/// tetrahedron proposes the removal of one of its edges, with a vertex around that edge moved to where this is possible
+/// (CompositeRemoval); where it has an angle whose cotangent is above `vertex_cot` (kInfeasible: nowhere), also the
+/// insertion of a vertex on each of its edges (VertexInsertion), and the contraction of each of its free vertices to
+/// each other (VertexContraction). Surfaces and constrained edges stay as they are.
+///
+/// Inserted vertices take the ids from mesh.vertices() on; removed ones are in no tetrahedron afterwards. The
+/// vertex2original of both is kInserted or kRemoved. `dofs.active` is set for the vertices whose ring changed; the
+/// energies in `flips` stay up to date; the active set, rings and colors have to be built again. Nothing is changed
+/// where the mesh would get more than `max_tets` tetrahedra.
+template <class Backend>
+RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                                          FlipState<Backend>& flips, VertexDofs<Backend>& dofs, Span<const Index> tets,
+                                          Size max_tets, double vertex_cot);
+
+}  // namespace tetune

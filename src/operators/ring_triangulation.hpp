@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstring>
+
+#include "energy/criterion.hpp"
+#include "energy/harmonic.hpp"
+#include "operators/flip_candidate.hpp"
+
+/// The best triangulation of the ring around an edge that is removed, by dynamic programming (Klincsek, "Minimal
+/// triangulations of polygonal domains", 1980): the energy is a sum over triangles.
+namespace tetune {
+
+/// Energy of the tetrahedron (0, u, v, w), over the factor of the objective; kInfeasible where its volume is not
+/// certified positive.
+template <class T>
+TETUNE_HD TETUNE_INLINE T corner_energy(const Objective& objective, const Vec3T<T>& u, const Vec3T<T>& v,
+                                        const Vec3T<T>& w) {
+  const Vec3T<T> uv = cross(u, v);
+  const Vec3T<T> vw = cross(v, w);
+  const Vec3T<T> wu = cross(w, u);
+  const Vec3T<T> face = uv + vw + wu;
+  const T det = dot(uv, w);
+  const T energy = objective.term(dot(uv, uv) + dot(vw, vw) + dot(wu, wu) + dot(face, face), 1.0 / det);
+  const T margin = det * det - kVolumeMargin * (dot(u, u) * dot(v, v) * dot(w, w));
+  return ((det > 0.0) & (margin > 0.0)) ? energy : T{} + kInfeasible;
+}
+
+/// A ring relative to each of the two ends of its edge. The ears of its triangulations, that is the triangles of three
+/// consecutive vertices, are evaluated together; for most rings they show that no triangulation is good enough.
+template <class Pack>
+class RingFans {
+ public:
+  TETUNE_HD RingFans(const RatedMesh& mesh, const FlipCandidate& c) : objective_(mesh.objective), n_(c.ring_size) {
+    const Vec3 a = vec(mesh.points[c.a]);
+    const Vec3 b = vec(mesh.points[c.b]);
+    for (int m = 0; m < n_; ++m) {
+      const Vec3 r = vec(mesh.points[c.ring[m]]);
+      from_a_.set(m, r - a);
+      from_b_.set(m, r - b);
+    }
+    for (int m = n_; m < (n_ > 4 ? 8 : 4) + 2; ++m) {
+      from_a_.set(m, from_a_[m - n_]);
+      from_b_.set(m, from_b_[m - n_]);
+    }
+    for (int m = 0; m < n_; m += kLanes) {
+      const Pack energies = corner_energy(objective_, from_a_.pack(m), from_a_.pack(m + 1), from_a_.pack(m + 2)) +
+                            corner_energy(objective_, from_b_.pack(m), from_b_.pack(m + 2), from_b_.pack(m + 1));
+      std::memcpy(ears_ + m, &energies, sizeof energies);
+    }
+  }
+
+  /// Finds the triangulation of minimum energy, and returns that energy; `limit` when none is below it.
+  TETUNE_HD double best(double limit, Triangulation& triangulation) const {
+    if (!(objective_.factor * min_ears() < limit)) return limit;
+    return objective_.factor * triangulate(limit / objective_.factor, triangulation);
+  }
+
+ private:
+  static constexpr int kLanes = sizeof(Pack) / sizeof(double);
+
+  /// Each triangulation of four or more vertices has two ears that do not overlap.
+  TETUNE_HD double min_ears() const {
+    double min_energy = kInfeasible;
+    for (int i = 0; i + 2 < n_; ++i) {
+      for (int j = i + 2; j < (i == 0 ? n_ - 1 : n_); ++j) {
+        const double ears = ears_[i] + ears_[j];
+        min_energy = ears < min_energy ? ears : min_energy;
+      }
+    }
+    return min_energy;
+  }
+
+  TETUNE_HD double triangulate(double limit, Triangulation& triangulation) const {
+    double min_energy[kMaxRing][kMaxRing];
+    std::uint8_t apex[kMaxRing][kMaxRing];
+    for (int i = 0; i + 1 < n_; ++i) min_energy[i][i + 1] = 0;
+    for (int length = 2; length < n_; ++length) {
+      for (int i = 0; i + length < n_; ++i) {
+        const int k = i + length;
+        min_energy[i][k] = limit;
+        for (int j = i + 1; j < k; ++j) {
+          const double sides = min_energy[i][j] + min_energy[j][k];
+          if (!(sides < min_energy[i][k])) continue;
+          const double sum = sides + triangle(i, j, k);
+          if (!(sum < min_energy[i][k])) continue;
+          min_energy[i][k] = sum;
+          apex[i][k] = static_cast<std::uint8_t>(j);
+        }
+      }
+    }
+    if (!(min_energy[0][n_ - 1] < limit)) return limit;
+    // Each triangle leaves the polygons beyond two of its sides on a stack.
+    int count = 0;
+    int open = 1;
+    std::uint8_t polygons[kMaxRing][2] = {{0, static_cast<std::uint8_t>(n_ - 1)}};
+    while (open > 0) {
+      --open;
+      const std::uint8_t i = polygons[open][0];
+      const std::uint8_t k = polygons[open][1];
+      if (k - i < 2) continue;
+      const std::uint8_t j = apex[i][k];
+      triangulation.corner[count][0] = polygons[open][0] = i;
+      triangulation.corner[count][1] = polygons[open][1] = polygons[open + 1][0] = j;
+      triangulation.corner[count][2] = polygons[open + 1][1] = k;
+      ++count;
+      open += 2;
+    }
+    return min_energy[0][n_ - 1];
+  }
+
+  struct Fan {
+    double x[10], y[10], z[10];
+    TETUNE_HD void set(int m, const Vec3& v) {
+      x[m] = v.x;
+      y[m] = v.y;
+      z[m] = v.z;
+    }
+    TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const { return {x[m], y[m], z[m]}; }
+    /// Vertices m, m + 1, ...
+    TETUNE_HD TETUNE_INLINE Vec3T<Pack> pack(int m) const {
+      Vec3T<Pack> v;
+      std::memcpy(&v.x, x + m, sizeof(Pack));
+      std::memcpy(&v.y, y + m, sizeof(Pack));
+      std::memcpy(&v.z, z + m, sizeof(Pack));
+      return v;
+    }
+  };
+
+  /// Energy of the two tetrahedra on a triangle, over the factor of the objective.
+  TETUNE_HD TETUNE_INLINE double pair(int i, int j, int k) const {
+    return corner_energy(objective_, from_a_[i], from_a_[j], from_a_[k]) +
+           corner_energy(objective_, from_b_[i], from_b_[k], from_b_[j]);
+  }
+
+  TETUNE_HD double triangle(int i, int j, int k) const {
+    if (k == i + 2) return ears_[i];
+    if (k == i + n_ - 1 && j == i + 1) return ears_[k];
+    if (k == i + n_ - 1 && j == k - 1) return ears_[j];
+    return pair(i, j, k);
+  }
+
+  Objective objective_;
+  int n_;
+  Fan from_a_, from_b_;
+  double ears_[8];
+};
+
+}  // namespace tetune

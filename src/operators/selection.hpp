@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "backend/sum.hpp"
+#include "operators/bid.hpp"
+#include "operators/candidate.hpp"
+
+/// The first half of the cavity engine: from proposals to a set of candidates whose cavities do not overlap.
+///
+/// A generator is a kernel that evaluates one proposal, say the flips around one tetrahedron, and adds its candidates:
+///   using Candidate = ...;               what it adds
+///   static constexpr int kParts = 1;     cavities per proposal that are selected together or not at all
+///   static constexpr Size kGrain = ...;  proposals that are work enough for a thread
+///   static constexpr Size kBatch = ...;  proposals that take a core about a tenth of a second
+///   Size operator()(Size i, const Proposals<Candidate>&) const;   returns the number of cavities evaluated
+///   void prefetch(Size i) const;         optional
+/// All candidates bid; of each proposal the best one alone is stored: the tetrahedra of a proposal's candidates
+/// overlap, so that no other can be selected.
+namespace tetune {
+
+/// Where a batch of proposals puts its candidates and bids.
+template <Candidate C>
+struct Proposals {
+  Span<std::uint64_t> tet2bid;
+  Span<C> candidates;        ///< the best one of each proposal and part
+  Span<std::uint64_t> bids;  ///< its bid; 0: none
+  Size first = 0;            ///< proposal of the batch
+  int parts = 1;
+
+  TETUNE_HD Size entry(Size proposal, int part) const { return (proposal - first) * parts + part; }
+  /// Adds a candidate of a positive gain. `id` breaks ties; it belongs to this candidate alone.
+  TETUNE_HD void add(Size proposal, const C& candidate, double gain, std::uint32_t id, int part = 0) const {
+    const std::uint64_t bid = make_bid(gain, id);
+    place_bid(candidate, bid, tet2bid);
+    const Size i = entry(proposal, part);
+    if (bid <= bids[i]) return;
+    bids[i] = bid;
+    candidates[i] = candidate;
+  }
+};
+
+/// A candidate on its way from the selection to the mesh.
+template <CavityPatch P>
+struct Record {
+  P patch;
+  std::uint64_t bid;
+  Index proposal;
+  Index twin;  ///< the record of the other part; -1: there is none
+  Index extra_slots[P::kMaxExtraTets];
+  HalfFace across[P::kMaxCavityFaces];  ///< what lies across the boundary faces: before, then afterwards
+
+  /// The slot of new tetrahedron x.
+  TETUNE_HD Index slot(int x) const {
+    return x < patch.old_count() ? patch.tets[x] : extra_slots[x - patch.old_count()];
+  }
+  /// Where boundary face k is afterwards.
+  TETUNE_HD HalfFace new_half_face(int k) const {
+    const NewFace f = patch.new_face(k);
+    return make_half_face(slot(f.tet), f.face);
+  }
+  /// Whether this record stands for all parts of its candidate; `own` is its position.
+  TETUNE_HD bool is_leader(Index own) const { return twin < 0 || own < twin; }
+};
+
+/// Records that hold all of their tetrahedra, and what they change.
+template <class Backend, CavityPatch P>
+struct Selection {
+  typename Backend::template Buffer<Record<P>> records;    ///< the selected ones, and a few more
+  typename Backend::template Buffer<Index> selected;       ///< positions of records
+  typename Backend::template Buffer<ChangeCounts> before;  ///< sums over the selected records before each
+  ChangeCounts total;
+  Size evaluated = 0;
+  bool is_stopped = false;  ///< a stop was requested: nothing is selected
+
+  Size size() const { return selected.size(); }
+};
+
+namespace selection_detail {
+
+template <class Generator>
+struct Propose {
+  static constexpr Size kGrain = Generator::kGrain;
+  Generator generator;
+  Proposals<typename Generator::Candidate> proposals;
+
+  TETUNE_INLINE void prefetch(Size i, Size) const {
+    if constexpr (requires { generator.prefetch(i); }) generator.prefetch(proposals.first + i);
+  }
+  TETUNE_HD backend::Sum<Size> operator()(Size i) const {
+    const Size proposal = proposals.first + i;
+    for (int part = 0; part < Generator::kParts; ++part) proposals.bids[proposals.entry(proposal, part)] = 0;
+    return {generator(proposal, proposals)};
+  }
+};
+
+/// Whether a stored candidate holds all of its tetrahedra so far. Bids only rise: otherwise it cannot be selected.
+template <class C>
+struct HoldsSoFar {
+  Proposals<C> proposals;
+  TETUNE_HD bool operator()(Size i) const {
+    const Size last = i - i % proposals.parts + proposals.parts;
+    if (proposals.bids[i] == 0) return false;
+    for (Size j = last - proposals.parts; j < last; ++j) {
+      if (proposals.bids[j] != 0 && !holds_all(proposals.candidates[j], proposals.bids[j], proposals.tet2bid))
+        return false;
+    }
+    return true;
+  }
+};
+
+/// Makes records of stored candidates, with what lies around their cavities.
+template <class C>
+struct FillRecord {
+  static constexpr Size kGrain = 32;
+  MeshView mesh;
+  Proposals<C> proposals;
+  Span<const Index> entries;
+  Span<Record<typename C::Patch>> records;
+  Size first;  ///< record of the batch
+
+  TETUNE_HD void operator()(Size i) const {
+    Record<typename C::Patch>& r = records[first + i];
+    const Size entry = entries[i];
+    r.patch = proposals.candidates[entry].expand(mesh);
+    r.bid = proposals.bids[entry];
+    r.proposal = static_cast<Index>(proposals.first + entry / proposals.parts);
+    r.twin = find_twin(first + i, entry);
+    const int faces = r.patch.face_count();
+    for (int k = 0; k < faces; ++k) {
+      const HalfFace face = r.patch.old_face(mesh, k);
+      r.across[k] = mesh.tet2tet[tet_of(face)][face_of(face)];
+    }
+    for (int k = 0; k < r.patch.new_surface_faces(); ++k) r.across[faces + k] = kNoHalfFace;
+  }
+
+ private:
+  /// The parts of a candidate are neighbors, as all of them hold their tetrahedra or none does.
+  TETUNE_HD Index find_twin(Size record, Size entry) const {
+    if (proposals.parts == 1 || proposals.bids[entry ^ 1] == 0) return -1;
+    return static_cast<Index>(entry % 2 == 0 ? record + 1 : record - 1);
+  }
+};
+
+template <class P>
+struct IsSelected {
+  Span<const Record<P>> records;
+  Span<const std::uint64_t> tet2bid;
+  TETUNE_HD bool operator()(Size i) const { return holds(records[i]) && holds_twin(records[i]); }
+
+ private:
+  TETUNE_HD bool holds(const Record<P>& r) const { return holds_all(r.patch, r.bid, tet2bid); }
+  TETUNE_HD bool holds_twin(const Record<P>& r) const { return r.twin < 0 || holds(records[r.twin]); }
+};
+
+/// Marks the tetrahedra of a selected record, and counts what it changes.
+template <class P>
+struct MarkReplaced {
+  Span<const Record<P>> records;
+  Span<const Index> selected;
+  Span<std::uint64_t> tet2bid;
+  Span<ChangeCounts> counts;
+  TETUNE_HD void operator()(Size i) const {
+    const P& patch = records[selected[i]].patch;
+    for (int k = 0; k < patch.old_count(); ++k) tet2bid[patch.tets[k]] = kReplaced;
+    counts[i] = {};
+    patch.count(counts[i]);
+  }
+};
+
+/// Proposals per batch. The candidates of a batch are stored apart until it is known which lead: on a device the memory
+/// of this is a quarter of what all would take, but for small meshes.
+template <class Backend>
+Size batch_size(Size count, Size host_batch) {
+  constexpr Size kMinDeviceBatch = Size{1} << 15;
+  return std::min(count, Backend::kIsAsynchronous ? std::max(kMinDeviceBatch, (count + 3) / 4) : host_batch);
+}
+
+/// Memory for all records, from how many there are after a part of the proposals.
+template <class Backend, class Buffer>
+void reserve_records(const Backend& backend, Buffer& records, Size needed, double done, Size& room) {
+  if (needed <= room) return;
+  const Size kept = records.size();
+  room = done < 1 ? std::max(needed, static_cast<Size>(1.1 * static_cast<double>(needed) / done)) : needed;
+  records.grow(backend, room);
+  records.resize(backend, kept);
+}
+
+}  // namespace selection_detail
+
+/// Runs a generator over `count` proposals, and selects candidates whose cavities do not overlap. It polls for a stop
+/// before each batch. `tet2bid` is scratch for all slots; afterwards it is kReplaced for the selected tetrahedra.
+template <class Backend, class Generator>
+auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size count, const Generator& generator,
+                       typename Backend::template Buffer<std::uint64_t>& tet2bid) {
+  using namespace selection_detail;
+  using C = typename Generator::Candidate;
+  using P = typename C::Patch;
+  Selection<Backend, P> s;
+  tet2bid.resize(backend, mesh.slots(), mesh.room());
+  backend.fill(tet2bid.span(), std::uint64_t{0});
+  {
+    const Size batch = batch_size<Backend>(count, Generator::kBatch);
+    typename Backend::template Buffer<C> candidates(backend, Generator::kParts * batch);
+    typename Backend::template Buffer<std::uint64_t> bids(backend, Generator::kParts * batch);
+    typename Backend::template Buffer<Index> entries(backend, Generator::kParts * batch);
+    Size room = 0;
+    for (Size first = 0; first < count; first += batch) {
+      if (backend.stop_requested()) {
+        s.is_stopped = true;
+        return s;
+      }
+      const Size size = std::min(batch, count - first);
+      const Proposals<C> proposals{tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
+      s.evaluated += backend.template reduce<backend::Sum<Size>>(size, Propose<Generator>{generator, proposals}).value;
+      const Size found = backend.compact(Generator::kParts * size, HoldsSoFar<C>{proposals}, entries.span());
+      const Size before = s.records.size();
+      reserve_records(backend, s.records, before + found,
+                      static_cast<double>(first + size) / static_cast<double>(count), room);
+      s.records.resize(backend, before + found);
+      backend.for_each(found, FillRecord<C>{mesh.view(), proposals, entries.span(), s.records.span(), before});
+    }
+  }
+  s.selected.resize(backend, s.records.size());
+  s.selected.resize(
+      backend, backend.compact(s.records.size(), IsSelected<P>{s.records.span(), tet2bid.span()}, s.selected.span()));
+  s.before.resize(backend, s.size());
+  backend.for_each(s.size(), MarkReplaced<P>{s.records.span(), s.selected.span(), tet2bid.span(), s.before.span()});
+  s.total = backend.exclusive_scan(Span<const ChangeCounts>(s.before.span()), s.before.span());
+  return s;
+}
+
+}  // namespace tetune

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "operators/star_proposals.hpp"
+
+namespace tetune {
+
+/// Each movable vertex of a tetrahedron removed by the contraction of an edge to each of the others.
+struct VertexContraction {
+  static constexpr int kChoices = 12;
+
+  TETUNE_HD static void propose(const StarProposal& p, Index t, int choice) {
+    if (!p.may_change_vertices(t)) return;
+    const Tet tet = p.mesh.tet2vertex[t];
+    const int from = choice / 3;
+    const int to = (from + 1 + choice % 3) % 4;
+    StarCavity star(p.mesh, p.constrained);
+    if (!p.is_movable(tet[from]) || !star.take_vertex(t, from)) return;
+    p.add(star, star.cot_before(), tet[to], tet[from], vec(p.mesh.points[tet[to]]));
+  }
+};
+
+}  // namespace tetune

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "backend/atomic.hpp"
+#include "backend/sum.hpp"
+#include "math/orient.hpp"
+#include "mesh/work_mesh.hpp"
+#include "relocation/min_angle_ring.hpp"
+
+/// Selection of tetrahedra and of their vertices, for work on a few of them (docs/method.md, "The worst elements").
+namespace tetune {
+
+/// The volume of a tetrahedron is not certified positive by floating-point arithmetic.
+struct HasUncertifiedVolume {
+  MeshView mesh;
+  TETUNE_HD bool operator()(Size t) const {
+    if (!mesh.alive(t)) return false;
+    const Tet tet = mesh.tet2vertex[t];
+    return !orient(vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
+                   vec(mesh.points[tet[3]]))
+                .certified();
+  }
+};
+
+namespace selection_detail {
+
+struct IsAbove {
+  Span<const double> values;
+  double bound;
+  TETUNE_HD bool operator()(Size t) const { return values[t] > bound; }
+};
+
+struct CountAbove {
+  IsAbove above;
+  TETUNE_HD backend::Sum<Size> operator()(Size t) const { return {above(t) ? 1 : 0}; }
+};
+
+struct HasFlaggedVertex {
+  MeshView mesh;
+  Span<const std::uint8_t> flags;
+  TETUNE_HD bool operator()(Size t) const {
+    if (!mesh.alive(t)) return false;
+    const Tet tet = mesh.tet2vertex[t];
+    return (flags[tet[0]] | flags[tet[1]] | flags[tet[2]] | flags[tet[3]]) != 0;
+  }
+};
+
+struct FlagVertices {
+  Span<const Tet> tets;
+  Span<const Index> slots;
+  Span<std::uint8_t> flags;
+  TETUNE_HD void operator()(Size i) const {
+    for (int k = 0; k < 4; ++k) backend::store_shared(flags[tets[slots[i]][k]], std::uint8_t{1});
+  }
+};
+
+struct FlagVerticesOfSharp {
+  MeshView mesh;
+  FlagVertices flag;
+  double cot;
+  TETUNE_HD void operator()(Size i) const {
+    if (max_dihedral_cot(mesh, flag.slots[i]) > cot) flag(i);
+  }
+};
+
+/// Flags the neighbors with 2, so that they do not count as flagged while the kernel runs.
+struct FlagNeighbors {
+  MeshView mesh;
+  Span<std::uint8_t> flags;
+  TETUNE_HD void operator()(Size t) const {
+    if (!mesh.alive(t)) return;
+    const Tet tet = mesh.tet2vertex[t];
+    bool has_flagged = false;
+    for (int k = 0; k < 4; ++k) has_flagged = has_flagged || backend::load_shared(flags[tet[k]]) == 1;
+    for (int k = 0; k < 4 && has_flagged; ++k) {
+      if (backend::load_shared(flags[tet[k]]) == 0) backend::store_shared(flags[tet[k]], std::uint8_t{2});
+    }
+  }
+};
+
+}  // namespace selection_detail
+
+/// Returns the slots for which a predicate holds.
+template <class Backend, class Predicate>
+typename Backend::template Buffer<Index> find_tets(const Backend& backend, WorkMesh<Backend>& mesh,
+                                                   const Predicate& predicate) {
+  typename Backend::template Buffer<Index> tets(backend, mesh.slots());
+  tets.resize(backend, backend.compact(mesh.slots(), predicate, tets.span()));
+  return tets;
+}
+
+/// Returns the slots whose value is above `bound`; `values` has one entry per slot.
+template <class Backend>
+typename Backend::template Buffer<Index> tets_above(const Backend& backend, WorkMesh<Backend>& mesh,
+                                                    Span<const double> values, double bound) {
+  return find_tets(backend, mesh, selection_detail::IsAbove{values, bound});
+}
+
+/// Returns the tetrahedra that have a flagged vertex.
+template <class Backend>
+typename Backend::template Buffer<Index> tets_with_flagged_vertex(const Backend& backend, WorkMesh<Backend>& mesh,
+                                                                  Span<const std::uint8_t> flags) {
+  return find_tets(backend, mesh, selection_detail::HasFlaggedVertex{mesh.view(), flags});
+}
+
+/// Returns a value that at most about part * count of the `values` exceed, all of which are 0 or at least 1: to within
+/// 1 %, by bisection of the logarithm.
+template <class Backend>
+double upper_quantile(const Backend& backend, Span<const double> values, double part, Size count) {
+  using namespace selection_detail;
+  const auto max_above = static_cast<Size>(part * static_cast<double>(count));
+  double low = 1;
+  double high = 1e6;
+  while (high > 1.01 * low) {
+    const double middle = std::sqrt(low * high);
+    const Size above = backend.template reduce<backend::Sum<Size>>(values.size(), CountAbove{{values, middle}}).value;
+    (above > max_above ? low : high) = middle;
+  }
+  return low;
+}
+
+/// Returns the cotangent of the angle below which about part * count tetrahedra have their smallest dihedral angle.
+/// `sharpness`: see Sharpness.
+template <class Backend>
+double upper_cot_quantile(const Backend& backend, Span<const double> sharpness, double part, Size count) {
+  const double quantile = upper_quantile(backend, sharpness, part, count);
+  return std::sqrt(quantile * quantile - 1);
+}
+
+/// Flags the vertices of the listed tetrahedra.
+template <class Backend>
+void flag_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Span<const Index> tets, Span<std::uint8_t> flags) {
+  backend.for_each(tets.size(), selection_detail::FlagVertices{mesh.tet2vertex.span(), tets, flags});
+}
+
+/// Flags the vertices of the listed tetrahedra whose smallest dihedral angle is below acot(cot).
+template <class Backend>
+void flag_vertices_of_sharp(const Backend& backend, WorkMesh<Backend>& mesh, Span<const Index> tets, double cot,
+                            Span<std::uint8_t> flags) {
+  backend.for_each(tets.size(),
+                   selection_detail::FlagVerticesOfSharp{mesh.view(), {mesh.tet2vertex.span(), tets, flags}, cot});
+}
+
+/// Also flags the vertices that share a tetrahedron with a flagged one: the worst tetrahedra improve only if the
+/// vertices around them make room.
+template <class Backend>
+void flag_neighbors(const Backend& backend, WorkMesh<Backend>& mesh, Span<std::uint8_t> flags) {
+  backend.for_each(mesh.slots(), selection_detail::FlagNeighbors{mesh.view(), flags});
+}
+
+}  // namespace tetune

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "operators/boundary_flip.hpp"
+#include "operators/face_removal.hpp"
+#include "operators/flip_pass.hpp"
+#include "operators/retriangulate.hpp"
+#include "phases/element_selection.hpp"
+#include "phases/optimizer.hpp"
+
+/// Steps that the phases after alternate() share.
+namespace tetune {
+
+/// Face removals, then other flips until there are none, from the active tetrahedra on. Activates the vertices whose
+/// ring changes. Returns the number of flips.
+template <class Backend>
+Size flip_until_none_active(Optimizer<Backend>& optimizer, const Criterion& criterion) {
+  if (!optimizer.options.flips) return 0;
+  const Backend& backend = optimizer.backend;
+  WorkingSet<Backend>& work = optimizer.work;
+  optimizer.changed.clear(backend, work.mesh.vertices());
+  const Span<std::uint8_t> changed = optimizer.changed.output();
+  FlipCounts flips = face_removal_pass(backend, work.mesh, criterion, work.flips, changed).counts;
+  flips += flip_until_none(backend, work.mesh, criterion, work.flips, changed);
+  activate(backend, optimizer.changed, work.dofs);
+  optimizer.count(flips);
+  return flips.flips();
+}
+
+namespace improve_around_detail {
+
+/// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and removed edges as flips.
+template <class Backend>
+void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets, double vertex_cot,
+                   WorstReport& r) {
+  Report& report = optimizer.report;
+  const auto max_tets = static_cast<Size>(optimizer.tuning.max_tets_ratio * static_cast<double>(report.tets_before));
+  WorkingSet<Backend>& work = optimizer.work;
+  const RetriangulationReport changes =
+      retriangulate_worst(optimizer.backend, work.mesh, criterion, work.flips, work.dofs, tets, max_tets, vertex_cot);
+  r.inserted = changes.inserted;
+  r.removed = changes.removed;
+  r.flips = changes.edges;
+  report.vertices_inserted += changes.inserted;
+  report.vertices_removed += changes.removed;
+  report.compound_flips += changes.edges;
+}
+
+/// Flips from the tetrahedra on that have an edge between active vertices. Returns the number of flips.
+template <class Backend>
+Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterion) {
+  if (!optimizer.options.flips) return 0;
+  const Backend& backend = optimizer.backend;
+  WorkingSet<Backend>& work = optimizer.work;
+  activate_around(backend, work.mesh, work.flips, Span<const std::uint8_t>(work.dofs.active.span()));
+  Size flips = 0;
+  if (work.boundary.triangles.size() > 0) {
+    // The pass examines the edges of the vertices that it is given.
+    optimizer.changed.assign(optimizer.backend, work.dofs.active);
+    const FlipCounts made =
+        boundary_flip_pass(backend, work.mesh, criterion, work.flips, work.boundary, optimizer.changed.output()).counts;
+    activate(backend, optimizer.changed, work.dofs);
+    optimizer.count(made);
+    flips = made.flips();
+  }
+  return flips + flip_until_none_active(optimizer, criterion);
+}
+
+}  // namespace improve_around_detail
+
+/// Improves the neighborhood of the listed tetrahedra: retriangulates, flips, and moves their vertices and the
+/// neighbors of these. Vertices are inserted and removed at angles whose cotangent is above `vertex_cot` (kInfeasible:
+/// nowhere). The energies of the slots are up to date before and afterwards. Returns the tetrahedra with a vertex that
+/// may have moved; only these vertices have rings afterwards.
+template <class Backend>
+typename Backend::template Buffer<Index> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion,
+                                                        Span<const Index> tets, double vertex_cot, WorstReport& r) {
+  using namespace improve_around_detail;
+  const Backend& backend = optimizer.backend;
+  WorkingSet<Backend>& work = optimizer.work;
+  backend.fill(work.dofs.active.span(), std::uint8_t{0});
+  flag_vertices(backend, work.mesh, tets, work.dofs.active.span());
+  if (!backend.stop_requested()) retriangulate(optimizer, criterion, tets, vertex_cot, r);
+  r.flips += flip_around_active(optimizer, criterion);
+  const Span<std::uint8_t> active = work.dofs.active.span();
+  flag_neighbors(backend, work.mesh, active);
+  auto affected = tets_with_flagged_vertex(backend, work.mesh, Span<const std::uint8_t>(active));
+  optimizer.refresh_rings_of_active(affected.span());
+  r.moved = optimizer.sweep_once(criterion, SweepScope::selection).moved;
+  refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, std::as_const(affected).span());
+  return affected;
+}
+
+}  // namespace tetune

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "phases/improve_around.hpp"
+#include "relocation/maximize_min_angle.hpp"
+
+namespace tetune {
+namespace open_smallest_angles_detail {
+
+/// One round. Returns the number of changes.
+template <class Backend>
+Size open_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstReport& r) {
+  const AngleParameters& p = optimizer.tuning.angles;
+  const Backend& backend = optimizer.backend;
+  WorkingSet<Backend>& work = optimizer.work;
+  const Sharpness<Backend> sharpness(backend, work.mesh, optimizer.slot_energies(), p.min_cot);
+  const auto cot_of = [&](double part) {
+    return std::max(p.min_cot, upper_cot_quantile(backend, sharpness.values.span(), part, work.mesh.tets()));
+  };
+  const double cot = cot_of(p.max_part);
+  const auto sharp = tets_above(backend, work.mesh, sharpness.values.span(), std::sqrt(1 + cot * cot));
+  r.worst = sharp.size();
+  // From now on no angle may fall below the present minimum; shapes may become worse in between.
+  floor.limit_max_cot((1 + QualityFloor::kTolerance) * sharpness.max_cot);
+  const Criterion criterion{kShapeObjective, floor};
+  const bool keeps_vertices = !(p.max_vertex_part > 0) || optimizer.options.keep_vertices;
+  const auto affected =
+      improve_around(optimizer, criterion, sharp.span(), keeps_vertices ? kInfeasible : cot_of(p.max_vertex_part), r);
+  VertexMask<Backend> selected(backend, work.mesh.vertices());
+  backend.fill(selected.span(), std::uint8_t{0});
+  flag_vertices_of_sharp(backend, work.mesh, affected.span(), cot, selected.span());
+  Size opened = 0;
+  for (int pass = 0; pass < p.opening_passes; ++pass) {
+    opened += maximize_min_angle(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
+                                 Span<const std::uint8_t>(selected.span()), cot);
+  }
+  refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, affected.span());
+  optimizer.set_energy(sum_energy(backend, work.flips.energies));
+  r.moved += opened;
+  return r.inserted + r.removed + r.flips + opened;
+}
+
+}  // namespace open_smallest_angles_detail
+
+/// Enlarges the smallest dihedral angles, in rounds: the neighborhood of their tetrahedra is improved, with
+/// Effort::best by inserted and removed vertices too, and vertices are moved to where the smallest angle around them is
+/// largest. Raises `floor` to the smallest angle of each round. Reports Report::worst_rounds. Returns false when the
+/// caller cancels.
+template <class Backend>
+bool open_smallest_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
+  const int rounds = optimizer.tuning.angles.max_rounds;
+  optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
+  for (int round = 1; round <= rounds; ++round) {
+    WorstReport r;
+    r.round = round;
+    Size changes = 0;
+    r.seconds = optimizer.timer.measure(Phase::angles,
+                                        [&] { changes = open_smallest_angles_detail::open_once(optimizer, floor, r); });
+    r.dihedral_min = optimizer.traced_angle();
+    optimizer.report.worst_rounds.push_back(r);
+    optimizer.progress.estimate.finish_angle_step(round, rounds + optimizer.tuning.polish.sweeps);
+    if (!optimizer.proceed(Phase::angles, optimizer.iteration())) return false;
+    if (changes == 0) break;
+  }
+  return true;
+}
+
+}  // namespace tetune

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <utility>
+
+#include "energy/mesh_energy.hpp"
+#include "phases/phase_timer.hpp"
+#include "phases/progress_reporter.hpp"
+#include "phases/quality_extremes.hpp"
+#include "phases/tuning.hpp"
+#include "phases/vertex_sets.hpp"
+#include "phases/working_set.hpp"
+
+namespace tetune {
+
+/// The state that the phases of one optimization share.
+template <class Backend>
+class Optimizer {
+ public:
+  Optimizer(const Backend& on, WorkingSet<Backend>& set, const Options& given, const Context& context, Report& result,
+            PhaseTimer& phase_timer, ProgressReporter::SteadyClock::time_point start)
+      : backend(on),
+        work(set),
+        options(given),
+        tuning(tuning_of(given.effort)),
+        report(result),
+        timer(phase_timer),
+        progress(context, given, start),
+        unit_(given.energy == Energy::harmonic ? 1 / set.scale : 1) {
+    work.flips.max_ring = options.flips ? options.max_ring : 0;
+  }
+
+  const Backend& backend;
+  WorkingSet<Backend>& work;
+  const Options& options;
+  const Tuning& tuning;
+  Report& report;
+  PhaseTimer& timer;
+  ProgressReporter progress;
+  ChangedVertices<Backend> changed;
+
+  Objective objective() const { return options.energy == Energy::shape ? kShapeObjective : kHarmonicObjective; }
+
+  /// The energy of the mesh, up to date after each step.
+  double energy() const { return energy_; }
+  /// A scaled energy in the caller's unit.
+  double in_callers_unit(double energy) const { return unit_ * energy; }
+  /// The energy of each slot, as last computed.
+  Span<const double> slot_energies() const { return std::as_const(work.flips.energies).span(); }
+  void sum_energy(const Objective& objective) {
+    set_energy(refresh_energy(backend, work.mesh, {objective}, work.flips.energies));
+  }
+  void set_energy(double sum) { energy_ = last_sum_ = sum; }
+  /// Subtracts the decrease by one step.
+  void decrease_energy(double decrease, const Objective& objective) {
+    energy_ -= decrease;
+    if (energy_ < tuning.resum_part * last_sum_) timer.measure(Phase::sums, [&] { sum_energy(objective); });
+  }
+
+  /// Adds the flips of one pass to the report.
+  void count(const FlipCounts& flips) {
+    FlipCounts& total = report;
+    total += flips;
+    rings_stale_ = rings_stale_ || flips.flips() > 0;
+  }
+
+  /// Builds the rings of all vertices, and colors them, if they are out of date. Returns false if a requested stop
+  /// prevented it.
+  bool refresh_rings() {
+    if (!rings_stale_) return true;
+    timer.measure(Phase::rings, [&] { build_rings(backend, work.mesh, work.rings); });
+    if (backend.stop_requested()) return false;
+    rings_stale_ = false;
+    timer.measure(Phase::coloring, [&] { color(); });
+    report.colors = work.coloring.colors();
+    return true;
+  }
+  /// Builds the rings of the active vertices, all of whose tetrahedra are `tets`. The other vertices have no ring until
+  /// the next refresh_rings().
+  void refresh_rings_of_active(Span<const Index> tets) {
+    rings_stale_ = true;
+    build_rings_of(backend, work.mesh, tets, std::as_const(work.dofs.active).span(), work.rings);
+    color();
+  }
+
+  SweepSum sweep_once(const Criterion& criterion, SweepScope scope) {
+    const RelocationParameters& p = tuning.relocation;
+    const RingsView rings = work.rings.view();
+    return options.relocation == Relocation::newton
+               ? sweep<SweepRing<Backend>>(backend, work.mesh, criterion, rings, work.coloring, work.dofs,
+                                           NewtonStep{p.relaxation, p.min_gain}, scope)
+               : sweep<SweepRing<Backend>>(backend, work.mesh, criterion, rings, work.coloring, work.dofs,
+                                           GradientStep{p.min_gradient}, scope);
+  }
+
+  /// The smallest dihedral angle in degrees with Options::trace_angles, else 0.
+  double traced_angle() {
+    if (!options.trace_angles) return 0;
+    double cot = 0;
+    timer.measure(Phase::trace, [&] { cot = find_max_cot(backend, work.mesh); });
+    return ProgressReporter::degrees(cot);
+  }
+
+  /// The number of the last sweep; 0 before the first.
+  int iteration() const { return report.sweeps.empty() ? 0 : report.sweeps.back().iteration; }
+
+  /// Reports progress. Returns false, and sets Report::stop, when the caller cancels.
+  bool proceed(Phase phase, int iteration) {
+    const auto find_cot = [this] { return find_max_cot(backend, work.mesh); };
+    if (progress.proceed(phase, iteration, unit_ * energy_, report.energy_before, find_cot)) return true;
+    report.stop = StopReason::cancelled;
+    return false;
+  }
+
+ private:
+  void color() { color_vertices(backend, work.rings.view(), work.dofs.kind.span(), work.coloring, work.dofs.stars()); }
+
+  double unit_;  ///< the caller's unit of energy relative to that of the scaled mesh
+  double energy_ = 0;
+  double last_sum_ = 0;
+  bool rings_stale_ = true;
+};
+
+}  // namespace tetune

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "phases/phase.hpp"
+#include "tetune/report.hpp"
+
+namespace tetune {
+
+/// Adds up the wall-clock time of each phase in Report::phases.
+class PhaseTimer {
+ public:
+  using SteadyClock = std::chrono::steady_clock;
+
+  explicit PhaseTimer(Report& report) : report_(report) {}
+
+  static double seconds_since(SteadyClock::time_point start) {
+    return std::chrono::duration<double>(SteadyClock::now() - start).count();
+  }
+
+  /// Runs `work` and returns its time in seconds.
+  template <class F>
+  double measure(Phase phase, const F& work) {
+    // Allocates memory before the work is done: nothing may fail afterwards.
+    const std::size_t entry = entry_of(phase);
+    const auto start = SteadyClock::now();
+    work();
+    const double seconds = seconds_since(start);
+    report_.phases[entry].seconds += seconds;
+    return seconds;
+  }
+
+ private:
+  std::size_t entry_of(Phase phase) {
+    std::size_t entry = 0;
+    while (entry < report_.phases.size() && report_.phases[entry].phase != name_of(phase)) ++entry;
+    if (entry == report_.phases.size()) report_.phases.push_back({name_of(phase), 0});
+    return entry;
+  }
+
+  Report& report_;
+};
+
+}  // namespace tetune

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "phases/improve_around.hpp"
+
+namespace tetune {
+
+/// Lowers the energy of the whole mesh, which work on a few tetrahedra has raised: sweeps, the first ones with flips.
+/// No tetrahedron becomes worse than the present worst, and no angle smaller than `reached` allows. Returns false when
+/// the caller cancels.
+template <class Backend>
+bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
+  const PolishParameters& p = optimizer.tuning.polish;
+  if (p.sweeps == 0) return true;
+  const Backend& backend = optimizer.backend;
+  WorkingSet<Backend>& work = optimizer.work;
+  Criterion criterion{kShapeObjective};
+  optimizer.timer.measure(Phase::angles, [&] {
+    optimizer.sum_energy(kShapeObjective);
+    criterion.floor = find_floor(backend, work.mesh, optimizer.slot_energies());
+    criterion.floor.limit_max_cot(reached.max_cot);
+    backend.fill(work.dofs.active.span(), std::uint8_t{1});
+  });
+  const int angle_rounds = optimizer.tuning.angles.max_rounds;
+  for (int sweep = 1; sweep <= p.sweeps; ++sweep) {
+    const bool ready = optimizer.refresh_rings();
+    optimizer.timer.measure(Phase::angles, [&] {
+      if (!ready) return;
+      optimizer.sweep_once(criterion, SweepScope::mesh);
+      if (sweep > p.sweeps_with_flips) return;
+      if (sweep == 1) {
+        optimizer.sum_energy(kShapeObjective);
+        activate_all(backend, work.mesh, criterion, work.flips);
+      } else {
+        activate_drifted(backend, work.mesh, criterion, work.flips);
+      }
+      flip_until_none_active(optimizer, criterion);
+    });
+    optimizer.progress.estimate.finish_angle_step(angle_rounds + sweep, angle_rounds + p.sweeps);
+    if (!optimizer.proceed(Phase::angles, optimizer.iteration())) return false;
+  }
+  return true;
+}
+
+}  // namespace tetune

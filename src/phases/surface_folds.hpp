@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "boundary/vertex_dof.hpp"
+#include "mesh/work_mesh.hpp"
+
+/// Exact checks of an untangled mesh, on the host.
+namespace tetune {
+
+/// A work mesh in the host's memory.
+struct HostMesh {
+  std::vector<Point> points;
+  std::vector<Tet> tets;
+  std::vector<FaceAdjacency> tet2tet;
+
+  template <class Backend>
+  explicit HostMesh(const WorkMesh<Backend>& mesh)
+      : points(mesh.points.download()), tets(mesh.tet2vertex.download()), tet2tet(mesh.tet2tet.download()) {}
+};
+
+/// Returns those of the `slots` whose volume is not positive in exact arithmetic.
+std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slots);
+
+/// Flags each vertex of kind VertexDof::plane whose boundary faces do not all have the same orientation: the surface is
+/// folded there.
+std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& kind);
+
+/// Returns the slots with a boundary face at a vertex that is folded now and was not folded `before`: all volumes may
+/// be positive, but the surface has changed.
+std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<VertexDof>& kind,
+                                const std::vector<std::uint8_t>& before);
+
+}  // namespace tetune

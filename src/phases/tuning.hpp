@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "tetune/options.hpp"
+
+/// The tuning constants of all phases, one set per effort. Energies without another unit are shape energies of one
+/// tetrahedron: 1 for the regular one, larger for all others. A "part" is relative to the total that is named.
+namespace tetune {
+
+/// untangle(): soft sweeps in rounds.
+struct UntangleParameters {
+  /// Regularization at the start of a round, in turn: vertices that are stuck under one value come free under another.
+  /// Relative to the cube of the local length.
+  std::array<double, 4> regularizations{0.3, 0.9, 3, 0.09};
+  /// The regularization is multiplied by this factor after each sweep, so that it vanishes in the limit.
+  double regularization_decay = 0.7;
+  int max_sweeps = 16;  ///< per round
+  int max_rounds = 12;
+  /// The first round with flips, counted from 0. Earlier, where many tetrahedra are inverted, flips create tangles that
+  /// no position of the vertices resolves.
+  int first_flip_round = 2;
+};
+
+/// One visit of a vertex by a sweep.
+struct RelocationParameters {
+  /// Over-relaxation factor of the Newton step (docs/benchmarks/cpu.md, "Relaxation").
+  double relaxation = 1.7;
+  /// A Newton step is skipped if its predicted decrease is below this part of the ring's energy.
+  double min_gain = 1e-10;
+  /// A gradient step is skipped if the norm of the gradient is below this: eps_g of the paper.
+  double min_gradient = 1e-5;
+};
+
+/// alternate(): flips and sweeps in turn.
+struct AlternationParameters {
+  /// A further sweep follows if the last one decreased the energy by more than this part
+  /// (docs/benchmarks/cpu.md, "When to stop").
+  double min_sweep_decrease = 2e-3;
+  /// Flips that decrease the energy by less than this part double the number of sweeps until the next flips.
+  double min_flip_decrease = 3e-3;
+  /// A flip pass that decreases the energy by less than this part is the last one of its kind: until the next sweep, or
+  /// for boundary flips and face removals until the end of the phase.
+  double min_pass_decrease = 5e-4;
+  /// Before the first sweep only tetrahedra above this energy propose flips. Sweeps improve all others first and reach
+  /// a lower energy than flips before them (docs/benchmarks/cpu.md, "The first flips").
+  double first_flip_energy = 8;
+  /// After a sweep only tetrahedra above this energy propose flips. 0: all of them.
+  double flip_energy = 0;
+  /// Flips follow one sweep only.
+  bool flips_once = false;
+};
+
+/// improve_worst(): rounds of work around the tetrahedra of the largest energy.
+struct WorstParameters {
+  /// 0: the phase is left out, and open_smallest_angles() with it.
+  int max_rounds = 10;
+  /// At most this part of the tetrahedra are among the worst,
+  double max_part = 3e-4;
+  /// and only those above this energy.
+  double min_energy = 2;
+  /// The objective is the shape energy to the power 2^log2_power, in which the worst tetrahedra dominate the sum.
+  int log2_power = 2;
+  /// A round that decreases this objective by less than this part is the last one.
+  double min_decrease = 1e-2;
+  /// Work budget: the number of worst tetrahedra, summed over the rounds, is at most `budget` plus this part of all
+  /// tetrahedra. Thin uniform layers have many equally bad tetrahedra.
+  double budget = 300;
+  double budget_part = 1e-2;
+  bool has_budget = true;
+};
+
+/// open_smallest_angles(): rounds of work around the tetrahedra of the smallest dihedral angles.
+struct AngleParameters {
+  int max_rounds = 1;
+  /// At most this part of the tetrahedra are worked on,
+  double max_part = 3e-4;
+  /// and only those with a dihedral angle whose cotangent is above this: below about 40 degrees.
+  double min_cot = 1.2;
+  /// Passes per round that move vertices to enlarge the smallest angle around them.
+  int opening_passes = 2;
+  /// Vertices are inserted and removed around at most this part of the tetrahedra. 0: none are.
+  double max_vertex_part = 0;
+};
+
+/// polish(): sweeps and flips above the floor of the angles reached.
+struct PolishParameters {
+  int sweeps = 0;
+  int sweeps_with_flips = 0;  ///< the first ones
+};
+
+struct Tuning {
+  UntangleParameters untangle;
+  RelocationParameters relocation;
+  AlternationParameters alternation;
+  WorstParameters worst;
+  AngleParameters angles;
+  PolishParameters polish;
+  /// The energy is summed again when it has fallen below this part of its last sum: rounding errors of the decreases
+  /// subtracted since then are relative to that sum.
+  double resum_part = 0.1;
+  /// Vertices are inserted until the mesh has this many times the tetrahedra of the input.
+  double max_tets_ratio = 1.1;
+};
+
+namespace tuning_detail {
+
+constexpr Tuning fast() {
+  Tuning t;
+  t.alternation.min_sweep_decrease = 2e-2;
+  t.alternation.flip_energy = 1.5;
+  t.alternation.flips_once = true;
+  t.worst.max_rounds = 0;
+  return t;
+}
+
+constexpr Tuning best() {
+  Tuning t;
+  t.alternation.min_sweep_decrease = 1e-4;
+  t.alternation.min_flip_decrease = 1e-4;
+  t.alternation.min_pass_decrease = 1e-4;
+  t.worst.has_budget = false;
+  t.angles.max_rounds = 6;
+  t.angles.max_part = 4e-3;
+  t.angles.max_vertex_part = 6e-4;
+  t.polish = {4, 2};
+  return t;
+}
+
+inline constexpr Tuning kFast = fast();
+inline constexpr Tuning kStandard{};
+inline constexpr Tuning kBest = best();
+
+}  // namespace tuning_detail
+
+inline const Tuning& tuning_of(Effort effort) {
+  using namespace tuning_detail;
+  return effort == Effort::fast ? kFast : effort == Effort::best ? kBest : kStandard;
+}
+
+/// Whether the phases after alternate() run.
+inline bool improves_worst(const Options& options) {
+  return tuning_of(options.effort).worst.max_rounds > 0 && options.termination == Termination::relative &&
+         options.energy == Energy::shape && options.max_iterations > 0;
+}
+
+}  // namespace tetune

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "boundary/boundary_triangles.hpp"
+#include "boundary/vertex_dofs.hpp"
+#include "operators/flip_state.hpp"
+#include "relocation/coloring.hpp"
+#include "relocation/sweep.hpp"
+
+namespace tetune {
+
+/// The data of one optimization in a backend's memory.
+template <class Backend>
+struct WorkingSet {
+  WorkMesh<Backend> mesh;
+  FlipState<Backend> flips;
+  /// Empty where no boundary edge may be flipped.
+  BoundaryTriangles<Backend> boundary;
+  VertexDofs<Backend> dofs;
+  Rings<Backend> rings;
+  Coloring<Backend> coloring;
+  /// The number of tetrahedra whose volume is not positive; above 0 with Options::untangle only.
+  Size tangled = 0;
+  /// The power of two by which the caller's coordinates are multiplied: see unit_scale().
+  double scale = 1;
+  /// kMovable, kFrozen or kCorner for each work vertex.
+  std::vector<std::uint8_t> frozen;
+  /// The slot of each of the caller's required tetrahedra.
+  std::vector<Index> required_slots;
+  /// One entry for each of the caller's triangles.
+  std::vector<Listed> listed_triangles;
+};
+
+}  // namespace tetune

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quality/closest_triangle.hpp"
+
+#include <algorithm>
+
+namespace tetune {
+namespace {
+
+using Hit = ClosestTriangle::Hit;
+
+constexpr backend::Size kMaxLeafSize = 4;
+
+Hit closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 ab = b - a;
+  const double length2 = dot(ab, ab);
+  const Vec3 q = a + (length2 > 0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0) * ab;
+  return {q, dot(p - q, p - q)};
+}
+
+/// Within the prism over the triangle its plane is closest, elsewhere one of its edges.
+Hit closest_on_triangle(const Vec3& p, const TrianglePoints& t) {
+  const Vec3 e1 = t[1] - t[0];
+  const Vec3 e2 = t[2] - t[0];
+  const Vec3 n = cross(e1, e2);
+  const double n2 = dot(n, n);
+  // A degenerate triangle has a normal of rounding errors only.
+  bool inside = n2 > 1e-28 * dot(e1, e1) * dot(e2, e2);
+  for (std::size_t k = 0; k < 3 && inside; ++k) {
+    inside = dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), n) >= 0;
+  }
+  if (inside) {
+    const double height = dot(p - t[0], n);
+    return {p - (height / n2) * n, height * height / n2};
+  }
+  Hit best = closest_on_segment(p, t[0], t[1]);
+  for (const Hit& hit : {closest_on_segment(p, t[1], t[2]), closest_on_segment(p, t[2], t[0])}) {
+    if (hit.distance2 < best.distance2) best = hit;
+  }
+  return best;
+}
+
+/// Three times the centroid's coordinate along an axis.
+double centroid_coordinate(const TrianglePoints& t, double Vec3::*axis) { return t[0].*axis + t[1].*axis + t[2].*axis; }
+
+}  // namespace
+
+ClosestTriangle::ClosestTriangle(std::vector<TrianglePoints> triangles) : triangles_(std::move(triangles)) {
+  const Size count = std::ssize(triangles_);
+  nodes_.reserve(backend::to_size_t(2 * (count / kMaxLeafSize + 1)));
+  if (count > 0) build(0, count);
+}
+
+ClosestTriangle::Size ClosestTriangle::build(Size begin, Size end) {
+  Node node;
+  node.begin = begin;
+  node.end = end;
+  node.low = node.high = triangles_[backend::to_size_t(begin)][0];
+  const auto first = triangles_.begin() + begin;
+  const auto last = triangles_.begin() + end;
+  for (auto triangle = first; triangle != last; ++triangle) {
+    for (const Vec3& p : *triangle) {
+      node.low = {std::min(node.low.x, p.x), std::min(node.low.y, p.y), std::min(node.low.z, p.z)};
+      node.high = {std::max(node.high.x, p.x), std::max(node.high.y, p.y), std::max(node.high.z, p.z)};
+    }
+  }
+  const Size id = std::ssize(nodes_);
+  nodes_.push_back(node);
+  if (end - begin <= kMaxLeafSize) return id;
+  const Vec3 extent = node.high - node.low;
+  const auto axis = extent.x >= extent.y && extent.x >= extent.z ? &Vec3::x
+                    : extent.y >= extent.z                       ? &Vec3::y
+                                                                 : &Vec3::z;
+  const Size middle = begin + (end - begin) / 2;
+  std::nth_element(first, triangles_.begin() + middle, last, [axis](const TrianglePoints& a, const TrianglePoints& b) {
+    return centroid_coordinate(a, axis) < centroid_coordinate(b, axis);
+  });
+  const Size left = build(begin, middle);
+  const Size right = build(middle, end);
+  Node& built = backend::span_of(nodes_)[id];
+  built.left = left;
+  built.right = right;
+  return id;
+}
+
+double ClosestTriangle::Node::distance2(const Vec3& p) const {
+  const double x = std::max({low.x - p.x, p.x - high.x, 0.0});
+  const double y = std::max({low.y - p.y, p.y - high.y, 0.0});
+  const double z = std::max({low.z - p.z, p.z - high.z, 0.0});
+  return x * x + y * y + z * z;
+}
+
+ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double sufficient) const {
+  Hit best{p, std::numeric_limits<double>::infinity()};
+  if (nodes_.empty()) return best;
+  const auto nodes = backend::span_of(nodes_);
+  const auto triangles = backend::span_of(triangles_);
+  struct Entry {
+    Size node;
+    double distance2;
+  };
+  // Each split halves the range: the tree is at most as deep as a size has bits.
+  std::array<Entry, 8 * sizeof(Size)> stack;
+  std::size_t depth = 0;
+  stack[depth++] = {0, nodes[0].distance2(p)};
+  while (depth > 0 && best.distance2 > sufficient) {
+    const Entry entry = stack[--depth];
+    if (entry.distance2 >= best.distance2) continue;
+    const Node& node = nodes[entry.node];
+    if (node.left < 0) {
+      for (Size i = node.begin; i < node.end; ++i) {
+        const Hit hit = closest_on_triangle(p, triangles[i]);
+        if (hit.distance2 < best.distance2) best = hit;
+      }
+      continue;
+    }
+    // The closer child is visited first.
+    Entry closer{node.left, nodes[node.left].distance2(p)};
+    Entry farther{node.right, nodes[node.right].distance2(p)};
+    if (farther.distance2 < closer.distance2) std::swap(closer, farther);
+    stack[depth++] = farther;
+    stack[depth++] = closer;
+  }
+  return best;
+}
+
+}  // namespace tetune

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "backend/span.hpp"
+#include "math/vec3.hpp"
+
+namespace tetune {
+
+using TrianglePoints = std::array<Vec3, 3>;
+
+/// Finds the closest point of a set of triangles by a bounding volume hierarchy. Host only; queries may run
+/// concurrently.
+class ClosestTriangle {
+ public:
+  explicit ClosestTriangle(std::vector<TrianglePoints> triangles);
+  struct Hit {
+    Vec3 point;        ///< on the closest triangle
+    double distance2;  ///< squared; infinity if there is no triangle
+  };
+  /// The search ends early at any point within the squared distance `sufficient`.
+  Hit closest(const Vec3& p, double sufficient = 0) const;
+  double distance2(const Vec3& p) const { return closest(p).distance2; }
+
+ private:
+  using Size = backend::Size;
+  struct Node {
+    Vec3 low, high;
+    Size left = -1, right = -1;  ///< children, or -1 in a leaf
+    Size begin = 0, end = 0;     ///< range of triangles
+
+    double distance2(const Vec3& p) const;
+  };
+  Size build(Size begin, Size end);
+
+  std::vector<TrianglePoints> triangles_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace tetune

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "backend/cpu.hpp"
+#include "mesh/connect.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "mesh/unit_scale.hpp"
+#include "mesh/upload.hpp"
+#include "mesh/validate_arrays.hpp"
+#include "quality/closest_triangle.hpp"
+#include "tetune/error.hpp"
+#include "tetune/quality.hpp"
+
+namespace tetune {
+namespace {
+
+using backend::span_of;
+
+double area(const TrianglePoints& t) { return 0.5 * norm(cross(t[1] - t[0], t[2] - t[0])); }
+
+/// The surface of a mesh: the boundary, and the interfaces between regions.
+struct MeshSurface {
+  std::vector<TrianglePoints> triangles;
+  std::vector<Vec3> vertices;
+  double area = 0;       ///< of the boundary
+  double mean_edge = 0;  ///< of the boundary
+
+  /// The vertices, and the midpoints of edges and triangles. Of the triangles at an edge at least one lists it in
+  /// increasing order of its end points.
+  std::vector<Vec3> samples() const {
+    std::vector<Vec3> points = vertices;
+    for (const TrianglePoints& t : triangles) {
+      points.push_back((1.0 / 3) * (t[0] + t[1] + t[2]));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& a = t[k];
+        const Vec3& b = t[(k + 1) % 3];
+        if (std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z)) points.push_back(0.5 * (a + b));
+      }
+    }
+    return points;
+  }
+};
+
+MeshSurface find_surface(const TetMesh& mesh, double scale, const backend::Cpu& cpu) {
+  WorkMesh<backend::Cpu> work = upload_mesh(cpu, mesh);
+  build_adjacency(cpu, work);
+  MeshSurface surface;
+  const TetMeshView positions(mesh, scale);
+  const Span<const int> tags = span_of(mesh.tet_tags);
+  std::vector<char> on_surface(mesh.points.size(), 0);
+  double edge_sum = 0;
+  Size boundary_faces = 0;
+  const MeshView view = work.view();
+  for (Index t = 0; t < work.slots(); ++t) {
+    for (int f = 0; f < 4; ++f) {
+      const HalfFace across = view.tet2tet[t][f];
+      const bool boundary = across == kNoHalfFace;
+      if (!boundary && (tet_of(across) < t || tags[tet_of(across)] == tags[t])) continue;
+      const Tet& tet = view.tet2vertex[t];
+      const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
+      const TrianglePoints triangle{positions.position(v[0]), positions.position(v[1]), positions.position(v[2])};
+      for (std::size_t k = 0; k < 3; ++k) {
+        char& seen = span_of(on_surface)[v[k]];
+        if (seen == 0) surface.vertices.push_back(triangle[k]);
+        seen = 1;
+      }
+      surface.triangles.push_back(triangle);
+      if (!boundary) continue;
+      ++boundary_faces;
+      for (std::size_t k = 0; k < 3; ++k) edge_sum += norm(triangle[(k + 1) % 3] - triangle[k]);
+      surface.area += area(triangle);
+    }
+  }
+  if (boundary_faces > 0) surface.mean_edge = edge_sum / (3 * static_cast<double>(boundary_faces));
+  return surface;
+}
+
+/// The largest distance of the points from the surface. A point within the largest distance found so far needs no exact
+/// distance; the result does not depend on the order.
+double max_distance(const std::vector<Vec3>& points, const ClosestTriangle& surface, const backend::Cpu& cpu) {
+  std::atomic<double> max_distance2{0};
+  const Span<const Vec3> samples = span_of(points);
+  cpu.for_each(samples.size(), [&](Size i) {
+    double known = max_distance2.load(std::memory_order_relaxed);
+    const double distance2 = surface.closest(samples[i], known).distance2;
+    while (distance2 > known && !max_distance2.compare_exchange_weak(known, distance2, std::memory_order_relaxed)) {
+    }
+  });
+  return std::sqrt(max_distance2.load());
+}
+
+std::vector<int> tag_set(std::vector<int> tags) {
+  std::sort(tags.begin(), tags.end());
+  tags.erase(std::unique(tags.begin(), tags.end()), tags.end());
+  return tags;
+}
+
+std::vector<int> nonzero_tag_set(std::vector<int> tags) {
+  tags.erase(std::remove(tags.begin(), tags.end(), 0), tags.end());
+  return tag_set(std::move(tags));
+}
+
+double relative_change(double before, double after) { return before != 0 ? after / before - 1 : after != 0 ? 1 : 0; }
+
+/// Volumes or areas by tag.
+using SizeByTag = std::map<int, double>;
+
+SizeByTag region_volumes(const TetMesh& mesh, double scale) {
+  SizeByTag volumes;
+  const TetMeshView view(mesh, scale);
+  for (Size t = 0; t < view.tets.size(); ++t) {
+    volumes[span_of(mesh.tet_tags)[t]] += view.six_volume(view.tet(t)) / 6;
+  }
+  return volumes;
+}
+
+SizeByTag patch_areas(const TetMesh& mesh, double scale) {
+  SizeByTag areas;
+  const TetMeshView view(mesh, scale);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.triangle_tags[t] == 0) continue;
+    const auto& v = mesh.triangles[t];
+    areas[mesh.triangle_tags[t]] += area({view.position(v[0]), view.position(v[1]), view.position(v[2])});
+  }
+  return areas;
+}
+
+double max_change(const SizeByTag& before, const SizeByTag& after) {
+  double max_change = 0;
+  for (const auto& [tag, size] : before) {
+    const auto found = after.find(tag);
+    max_change = std::max(max_change, std::fabs(relative_change(size, found == after.end() ? 0 : found->second)));
+  }
+  return max_change;
+}
+
+double total(const SizeByTag& sizes) {
+  double sum = 0;
+  for (const auto& [tag, size] : sizes) sum += size;
+  return sum;
+}
+
+/// The number of listed vertices of the first mesh without a vertex of the second at the same position: the one of the
+/// same id, or, because ids change when vertices are inserted or removed, any one in the list of the second.
+std::int64_t count_moved(const TetMesh& before, const std::vector<Index>& ids, const TetMesh& after,
+                         const std::vector<Index>& ids_after) {
+  const Span<const Point3> points = span_of(before.points);
+  const Span<const Point3> points_after = span_of(after.points);
+  std::vector<Point3> positions;
+  positions.reserve(ids_after.size());
+  for (const Index id : ids_after) positions.push_back(points_after[id]);
+  std::sort(positions.begin(), positions.end());
+  return std::count_if(ids.begin(), ids.end(), [&](Index id) {
+    if (id < points_after.size() && points[id] == points_after[id]) return false;
+    return !std::binary_search(positions.begin(), positions.end(), points[id]);
+  });
+}
+
+void compare_sizes(const TetMesh& before, const TetMesh& after, double scale, Comparison& c) {
+  const SizeByTag old_volumes = region_volumes(before, scale);
+  const SizeByTag new_volumes = region_volumes(after, scale);
+  c.volume_change = relative_change(total(old_volumes), total(new_volumes));
+  c.region_volume_change = max_change(old_volumes, new_volumes);
+  const SizeByTag old_areas = patch_areas(before, scale);
+  SizeByTag new_areas = patch_areas(after, scale);
+  c.patch_area_change = max_change(old_areas, new_areas);
+  for (const auto& [tag, size] : old_areas) {
+    c.patches.push_back({tag, size / scale / scale, relative_change(size, new_areas[tag])});
+  }
+}
+
+void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale, int threads, Comparison& c) {
+  const backend::Cpu cpu(threads);
+  const MeshSurface old_surface = find_surface(before, scale, cpu);
+  const MeshSurface new_surface = find_surface(after, scale, cpu);
+  c.area_change = relative_change(old_surface.area, new_surface.area);
+  c.mean_edge = old_surface.mean_edge / scale;
+  if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
+  const ClosestTriangle old_triangles(old_surface.triangles);
+  const ClosestTriangle new_triangles(new_surface.triangles);
+  c.vertices_to_old = max_distance(new_surface.vertices, old_triangles, cpu) / old_surface.mean_edge;
+  c.new_to_old = max_distance(new_surface.samples(), old_triangles, cpu) / old_surface.mean_edge;
+  c.old_to_new = max_distance(old_surface.samples(), new_triangles, cpu) / old_surface.mean_edge;
+}
+
+void compare_tags(const TetMesh& before, const TetMesh& after, Comparison& c) {
+  c.vertex_tags_kept = before.points.size() == after.points.size()
+                           ? before.point_tags == after.point_tags
+                           : nonzero_tag_set(before.point_tags) == nonzero_tag_set(after.point_tags);
+  c.tet_tags_kept = tag_set(before.tet_tags) == tag_set(after.tet_tags);
+  c.triangle_tags_kept = nonzero_tag_set(before.triangle_tags) == nonzero_tag_set(after.triangle_tags);
+  c.edge_tags_kept = nonzero_tag_set(before.edge_tags) == nonzero_tag_set(after.edge_tags);
+}
+
+}  // namespace
+
+Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
+  for (const TetMesh* mesh : {&before, &after}) {
+    if (const ValidationReport arrays = validate_arrays(*mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+  }
+  Comparison c;
+  c.old_vertices = std::ssize(before.points);
+  c.new_vertices = std::ssize(after.points);
+  c.old_tets = std::ssize(before.tets);
+  c.new_tets = std::ssize(after.tets);
+  // A common unit in which squares and cubes of lengths neither underflow nor overflow.
+  const double scale = std::min(unit_scale(before), unit_scale(after));
+  compare_sizes(before, after, scale, c);
+  compare_surfaces(before, after, scale, threads, c);
+  compare_tags(before, after, c);
+  c.required_moved = count_moved(before, before.required_vertices, after, after.required_vertices);
+  c.corners_moved = count_moved(before, before.corners, after, after.corners);
+  return c;
+}
+
+}  // namespace tetune

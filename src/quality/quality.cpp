@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <numeric>
+
+#include "backend/cpu.hpp"
+#include "mesh/gather.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "mesh/unit_scale.hpp"
+#include "mesh/validate_arrays.hpp"
+#include "quality/measure_table.hpp"
+#include "quality/tet_measures.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+using Pack = backend::Cpu::Pack;
+
+constexpr int kLanes = kLanesOf<Pack>;
+
+/// Counts of dihedral angles in bins of 0.01 degrees.
+using AngleBins = std::vector<std::uint32_t>;
+constexpr int kBinsPerDegree = 100;
+constexpr int kBins = 180 * kBinsPerDegree + 1;
+static_assert(6 * std::int64_t{kMaxTets} <= std::numeric_limits<std::uint32_t>::max());
+
+/// Tetrahedra are measured in chunks, each with bins of its own; sums run over the chunks in order, so that they do not
+/// depend on the number of threads. The bins of a chunk cost as much time as some hundred tetrahedra.
+Size chunk_count(Size tets) { return std::clamp<Size>(tets / 512, 1, 64); }
+Size chunk_begin(Size tets, Size chunk) { return tets * chunk / chunk_count(tets); }
+
+/// Sums and extremes over a set of tetrahedra.
+struct QualitySums {
+  double angle_min = 180, angle_max = 0, angle_sum = 0;
+  Size worst_tet = -1;
+  double eta_sum = 0, shape_sum = 0, ratio_sum = 0, ratio_min = 1, volume = 0;
+
+  void merge(const QualitySums& other) {
+    if (other.angle_min < angle_min) {
+      angle_min = other.angle_min;
+      worst_tet = other.worst_tet;
+    }
+    angle_max = std::max(angle_max, other.angle_max);
+    angle_sum += other.angle_sum;
+    eta_sum += other.eta_sum;
+    shape_sum += other.shape_sum;
+    ratio_sum += other.ratio_sum;
+    ratio_min = std::min(ratio_min, other.ratio_min);
+    volume += other.volume;
+  }
+};
+
+/// Loads kLanes consecutive tetrahedra, one per SIMD lane, padding with the last.
+TetShapeT<Pack> load_shapes(const TetMeshView& mesh, Size first, Size last) {
+  Vec3T<Pack> p[4];
+  for (int l = 0; l < kLanes; ++l) {
+    const Size t = std::min(first + l, last);
+    mesh.prefetch_ahead(t);
+    const Tet tet = mesh.tet(t);
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 x = mesh.position(tet[k]);
+      p[k].x[l] = x.x;
+      p[k].y[l] = x.y;
+      p[k].z[l] = x.z;
+    }
+  }
+  return TetShapeT<Pack>(p);
+}
+
+/// Measures one chunk of the tetrahedra.
+struct MeasureChunk {
+  const TetMeshView& mesh;
+  Span<double> eta;
+  MeasureTable* table;  ///< may be null
+
+  QualitySums operator()(Size chunk, Span<std::uint32_t> bins) const {
+    QualitySums sums;
+    const Size begin = chunk_begin(mesh.tets.size(), chunk);
+    const Size end = chunk_begin(mesh.tets.size(), chunk + 1);
+    for (Size first = begin; first < end; first += kLanes) {
+      const TetShapeT<Pack> shapes = load_shapes(mesh, first, end - 1);
+      const Pack etas = shapes.eta();
+      const Pack energies = shapes.shape_energy();
+      for (int l = 0; l < kLanes && first + l < end; ++l) {
+        add_angles(shapes, l, first + l, bins, sums);
+        eta[first + l] = etas[l];
+        sums.eta_sum += etas[l];
+        sums.shape_sum += energies[l];
+        const double ratio = mean_ratio(shapes.volume[l], shapes.length2[l]);
+        sums.ratio_sum += ratio;
+        sums.ratio_min = std::min(sums.ratio_min, ratio);
+        sums.volume += shapes.volume[l];
+        if (table != nullptr) table->add(lane(shapes, l), first + l, chunk, first + l == begin);
+      }
+    }
+    return sums;
+  }
+
+ private:
+  static void add_angles(const TetShapeT<Pack>& shapes, int l, Size t, Span<std::uint32_t> bins, QualitySums& sums) {
+    for (const Pack& angles : shapes.angles) {
+      const double angle = angles[l];
+      ++bins[static_cast<Size>(angle * kBinsPerDegree)];
+      sums.angle_sum += angle;
+      if (angle < sums.angle_min) {
+        sums.angle_min = angle;
+        sums.worst_tet = t;
+      }
+      sums.angle_max = std::max(sums.angle_max, angle);
+    }
+  }
+};
+
+/// The angle below which this share of all angles lies, in degrees.
+double percentile(const AngleBins& bins, double angles, double share) {
+  const auto rank = static_cast<std::int64_t>(share * angles);
+  std::int64_t below = 0;
+  double middle = 0.5;
+  for (const std::uint32_t count : bins) {
+    below += count;
+    if (below > rank) return middle / kBinsPerDegree;
+    middle += 1;
+  }
+  return 180;
+}
+
+void set_angles(const QualitySums& sums, const AngleBins& bins, Quality& q) {
+  const double angles = 6 * static_cast<double>(q.tets);
+  q.dihedral_min = sums.angle_min;
+  q.worst_tet = backend::to_index(sums.worst_tet);
+  // The middle of a bin may lie outside the range of all angles.
+  q.dihedral_1 = std::clamp(percentile(bins, angles, 0.01), sums.angle_min, sums.angle_max);
+  q.dihedral_5 = std::clamp(percentile(bins, angles, 0.05), sums.angle_min, sums.angle_max);
+  q.dihedral_mean = sums.angle_sum / angles;
+  q.dihedral_max = sums.angle_max;
+  auto begin = bins.begin();
+  for (double& share : q.histogram) {
+    // The last bin of the histogram includes 180 degrees.
+    const auto end = &share == &q.histogram.back() ? bins.end() : begin + 10 * kBinsPerDegree;
+    share = static_cast<double>(std::accumulate(begin, end, std::int64_t{0})) / angles;
+    begin = end;
+  }
+}
+
+Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
+  Quality q;
+  q.tets = std::ssize(mesh.tets);
+  if (q.tets == 0) return q;
+  const double scale = unit_scale(mesh);
+  const TetMeshView view(mesh, scale);
+  std::vector<double> eta(mesh.tets.size());
+  const Size chunks = chunk_count(q.tets);
+  std::vector<QualitySums> chunk_sums(backend::to_size_t(chunks));
+  AngleBins bins(kBins, 0);
+  std::mutex bins_mutex;
+  const backend::Cpu cpu(threads);
+  const MeasureChunk measure_chunk{view, backend::span_of(eta), table};
+  cpu.for_parts(chunks, [&](Size chunk) {
+    AngleBins chunk_bins(kBins, 0);
+    backend::span_of(chunk_sums)[chunk] = measure_chunk(chunk, backend::span_of(chunk_bins));
+    const std::lock_guard lock(bins_mutex);
+    std::transform(bins.begin(), bins.end(), chunk_bins.begin(), bins.begin(), std::plus<>());
+  });
+  QualitySums sums;
+  for (const QualitySums& chunk : chunk_sums) sums.merge(chunk);
+  set_angles(sums, bins, q);
+  const auto tets = static_cast<double>(q.tets);
+  q.eta_sum = sums.eta_sum / scale;
+  q.shape_sum = sums.shape_sum;
+  q.eta_max = *std::max_element(eta.begin(), eta.end()) / scale;
+  const auto at_95 = eta.begin() + std::min(q.tets - 1, static_cast<Size>(0.95 * tets));
+  std::nth_element(eta.begin(), at_95, eta.end());
+  q.eta_95 = *at_95 / scale;
+  q.mean_ratio = sums.ratio_sum / tets;
+  q.mean_ratio_min = sums.ratio_min;
+  q.volume = sums.volume / scale / scale / scale;
+  if (table != nullptr) table->summarize(view, cpu, q);
+  return q;
+}
+
+void check_arrays(const TetMesh& mesh) {
+  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+}
+
+}  // namespace
+
+const char* to_string(Measure measure) {
+  switch (measure) {
+    case Measure::min_dihedral:
+      return "min_dihedral_deg";
+    case Measure::max_dihedral:
+      return "max_dihedral_deg";
+    case Measure::mean_ratio:
+      return "mean_ratio";
+    case Measure::sicn:
+      return "sicn";
+    case Measure::gamma:
+      return "gamma";
+    case Measure::scaled_jacobian:
+      return "scaled_jacobian";
+    case Measure::radius_ratio:
+      return "radius_ratio";
+    case Measure::aspect_ratio:
+      return "aspect_ratio";
+    case Measure::harmonic:
+      return "q_h";
+  }
+  return "";
+}
+
+bool larger_is_better(Measure measure) {
+  return measure != Measure::max_dihedral && measure != Measure::radius_ratio && measure != Measure::aspect_ratio;
+}
+
+Quality quality(const TetMesh& mesh, int threads) {
+  check_arrays(mesh);
+  return measure_mesh(mesh, threads, nullptr);
+}
+
+Quality measure_all(const TetMesh& mesh, int threads, int worst) {
+  check_arrays(mesh);
+  const Size tets = std::ssize(mesh.tets);
+  MeasureTable table(tets, chunk_count(tets), worst);
+  return measure_mesh(mesh, threads, &table);
+}
+
+std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
+  check_arrays(mesh);
+  const TetMeshView view(mesh, unit_scale(mesh));
+  std::vector<Measures> result(mesh.tets.size());
+  const Span<Measures> measures = backend::span_of(result);
+  backend::Cpu(threads).for_parts(chunk_count(measures.size()), [&](Size chunk) {
+    const Size end = chunk_begin(measures.size(), chunk + 1);
+    for (Size first = chunk_begin(measures.size(), chunk); first < end; first += kLanes) {
+      const TetShapeT<Pack> shapes = load_shapes(view, first, end - 1);
+      for (int l = 0; l < kLanes && first + l < end; ++l) measures[first + l] = all_measures(lane(shapes, l));
+    }
+  });
+  return result;
+}
+
+}  // namespace tetune

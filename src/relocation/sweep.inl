@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "backend/atomic.hpp"
+#include "backend/prefetch.hpp"
+#include "boundary/sliding/deviation_bound.hpp"
+#include "relocation/reduce_colors.hpp"
+#include "relocation/slide.hpp"
+#include "relocation/sweep.hpp"
+
+namespace tetune {
+namespace sweep_detail {
+
+/// The arguments of a sweep as kernels see them.
+template <class Step>
+struct SweepView {
+  Objective objective;
+  QualityFloor floor;
+  Span<Point> points;
+  RingsView rings;
+  Span<const VertexDof> dof;
+  Span<const Vec3> axis;
+  Span<const DisplacementBound> displacement_bound;
+  Span<std::uint8_t> active;
+  SweepScope scope;
+  Span<SurfacePoint> surface_point;
+  ReferenceView reference;
+  double max_deviation;
+  Step step;
+};
+
+/// Relocates one vertex. Without `kSlides` no vertex slides on a curved surface: a kernel of its own, as the registers
+/// and the memory per thread that sliding takes would otherwise be reserved in every sweep.
+template <class Ring, class Pack, class Step, bool kSlides>
+struct RelocateVertex : SweepView<Step> {
+  static constexpr Size kGrain = 16;
+  Span<const Index> vertices;
+
+  explicit RelocateVertex(const SweepView<Step>& arguments) : SweepView<Step>(arguments) {}
+  using View = SweepView<Step>;
+  using View::active, View::axis, View::displacement_bound, View::dof, View::floor, View::max_deviation,
+      View::objective, View::points, View::reference, View::rings, View::scope, View::step, View::surface_point;
+
+  /// Vertices of one color are scattered in memory, which hardware does not prefetch. Surface points from `end` on are
+  /// written by other threads.
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    constexpr Size kRingsAhead = 8;
+    constexpr Size kMotionAhead = 5;
+    constexpr Size kPointsAhead = 3;
+    if (i + kRingsAhead >= vertices.size()) return;
+    const Index far = vertices[i + kRingsAhead];
+    rings.prefetch(far);
+    backend::prefetch(&dof[far]);
+    if (surface_point.size() > 0) backend::prefetch(&surface_point[far]);
+    prefetch_motion(vertices[i + kMotionAhead], i + kMotionAhead < end);
+    const Index near = vertices[i + kPointsAhead];
+    if (backend::load_shared(active[near]) == 0) return;
+    for (Size f = rings.offsets[near]; f < rings.offsets[near + 1]; ++f) {
+      backend::prefetch(&points[rings.faces[f].v[0]]);
+    }
+    if (surface_point.size() > 0 && i + kPointsAhead < end) prefetch_corners(surface_point[near]);
+  }
+
+  TETUNE_HD SweepSum operator()(Size i) const {
+    const Index v = vertices[i];
+    if (active[v] == 0) return {};
+    const Size begin = rings.offsets[v];
+    const Size count = rings.offsets[v + 1] - begin;
+    if (count == 0) {
+      backend::store_shared(active[v], 0);
+      return {};
+    }
+    const LinkFace* faces = rings.faces.data() + begin;
+    StepResult result;
+    if (count <= Ring::kCapacity) {
+      Ring ring(objective, points, faces, count, floor);
+      result = relocate(ring, v);
+    } else {
+      PlainRing ring(objective, points, faces, count, floor);
+      result = relocate(ring, v);
+    }
+    if (result.decrease > 0) points[v] = point(result.position);
+    const bool far = result.relative_move > kActivationThreshold;
+    backend::store_shared(active[v], far ? 1 : 0);
+    if (far && scope == SweepScope::mesh) {
+      for (Size j = 0; j < count; ++j) {
+        for (int k = 0; k < 3; ++k) backend::store_shared(active[faces[j].v[k]], 1);
+      }
+    }
+    return {result.decrease, result.gradient2, result.decrease > 0 ? 1 : 0};
+  }
+
+ private:
+  static Index triangle_of(const SurfacePoint& s) {
+    return s.kind == SurfacePointKind::triangle ? s.item : s.kind == SurfacePointKind::edge ? s.item / 3 : -1;
+  }
+  TETUNE_INLINE void prefetch_motion(Index v, bool may_read) const {
+    if (dof[v] == VertexDof::free) return;
+    if (displacement_bound.size() > 0) backend::prefetch(&displacement_bound[v]);
+    if (surface_point.size() == 0) {
+      backend::prefetch(&axis[v]);
+      return;
+    }
+    const Index triangle = may_read ? triangle_of(surface_point[v]) : -1;
+    if (triangle < 0) return;
+    backend::prefetch(&reference.triangles[triangle]);
+    backend::prefetch(&reference.across[3 * triangle]);
+  }
+  TETUNE_INLINE void prefetch_corners(const SurfacePoint& s) const {
+    const Index triangle = triangle_of(s);
+    if (triangle < 0) return;
+    for (const Index corner : reference.triangles[triangle].v) backend::prefetch(&reference.points[corner]);
+  }
+
+  template <class AnyRing>
+  TETUNE_HD StepResult relocate(AnyRing& ring, Index v) const {
+    const Vec3 x = vec(points[v]);
+    const VertexDof space = dof[v];
+    // Most vertices are free; the arrays that only others read are not in the cache.
+    if (space == VertexDof::free) return step(ring, x, MotionSpace{space, {}});
+    const DisplacementBound bound = displacement_bound.size() == 0 ? DisplacementBound{} : displacement_bound[v];
+    if constexpr (kSlides) {
+      if (space == VertexDof::curve || space == VertexDof::surface) return slide(ring, v, x, bound);
+    }
+    return step(ring, x, MotionSpace{space, axis[v], bound});
+  }
+  /// Out of line to reduce register pressure in the steps of the free vertices.
+  template <class AnyRing>
+  TETUNE_HD __attribute__((noinline)) StepResult slide(AnyRing& ring, Index v, const Vec3& x,
+                                                       const DisplacementBound& displacement) const {
+    const DeviationBound<Pack> deviation(reference, points, surface_point, v, max_deviation);
+    const SlideResult slid = slide_of(step)(ring, x, surface_point[v], dof[v], reference, deviation, displacement);
+    if (slid.step.decrease > 0) surface_point[v] = slid.surface_point;
+    return slid.step;
+  }
+};
+
+}  // namespace sweep_detail
+
+template <class Ring, class Backend, class Step>
+SweepSum sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion, const RingsView& rings,
+               const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs, const Step& step, SweepScope scope) {
+  using namespace sweep_detail;
+  const SweepView<Step> view{criterion.objective,
+                             criterion.floor,
+                             mesh.points.span(),
+                             rings,
+                             dofs.kind.span(),
+                             dofs.axis.span(),
+                             scope == SweepScope::mesh ? dofs.displacement_bound.span() : Span<DisplacementBound>(),
+                             dofs.active.span(),
+                             scope,
+                             dofs.site.span(),
+                             dofs.reference.view(),
+                             dofs.max_deviation,
+                             step};
+  using Pack = typename Backend::Pack;
+  return dofs.site.size() > 0
+             ? reduce_colors<SweepSum>(backend, coloring, RelocateVertex<Ring, Pack, Step, true>(view))
+             : reduce_colors<SweepSum>(backend, coloring, RelocateVertex<Ring, Pack, Step, false>(view));
+}
+
+}  // namespace tetune

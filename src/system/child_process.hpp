@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+/// Child processes: where programs of the installation are, and how one runs with a file in memory as its channel.
+namespace tetune {
+
+/// The folder of the program or shared library that holds this code; of a library in a folder for some processors
+/// (glibc-hwcaps), the folder of the one for all.
+std::string own_folder();
+
+/// A file without a name in memory, for handing data to a child process and back.
+class MemoryFile {
+ public:
+  /// Throws FileError.
+  MemoryFile();
+  ~MemoryFile();
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+/// How a child process ended.
+struct ExitStatus {
+  int code = 0;        ///< exit code, where it ended by itself
+  std::string signal;  ///< name of the signal that ended it; empty otherwise
+};
+
+/// Runs a program to its end, with `channel` as its descriptor `child_descriptor` and nothing as its standard input and
+/// outputs. Throws FileError where it cannot be started.
+ExitStatus run_program(const std::string& program, const std::vector<std::string>& arguments, const MemoryFile& channel,
+                       int child_descriptor);
+
+}  // namespace tetune

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/option_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <set>
+#include <string>
+
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+std::string refusal(const Options& options) {
+  try {
+    check_options(options);
+  } catch (const OptionError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(OptionTable, names_are_unique_and_defaults_are_accepted) {
+  std::set<std::string> names;
+  for (const OptionInfo& option : option_table()) {
+    EXPECT_TRUE(names.insert(option.name).second) << option.name;
+    EXPECT_EQ(find_option(option.name), &option);
+  }
+  EXPECT_EQ(names.size(), 21U);
+  EXPECT_EQ(refusal({}), "");
+  EXPECT_TRUE(ineffective_options({}).empty());
+}
+
+TEST(OptionTable, values_as_text) {
+  Options options;
+  options.boundary = Boundary::slide;
+  options.frozen_regions = {1, 20};
+  options.targets = {{Measure::mean_ratio, 0.25}};
+  EXPECT_EQ(option_value(*find_option("boundary"), options), "slide");
+  EXPECT_EQ(option_value(*find_option("flips"), options), "true");
+  EXPECT_EQ(option_value(*find_option("feature_angle"), options), "45");
+  EXPECT_EQ(option_value(*find_option("frozen_regions"), options), "1,20");
+  EXPECT_EQ(option_value(*find_option("targets"), options), "mean_ratio:0.25");
+}
+
+TEST(OptionTable, former_names_of_choices_are_found) {
+  const OptionInfo& effort = *find_option("effort");
+  EXPECT_STREQ(find_choice(effort, "default")->name, "standard");
+  EXPECT_EQ(find_choice(effort, "standard"), find_choice(effort, "default"));
+  EXPECT_STREQ(find_choice(*find_option("device"), "automatic")->name, "auto");
+  EXPECT_EQ(find_choice(effort, "heroic"), nullptr);
+}
+
+TEST(OptionTable, values_out_of_range_are_refused) {
+  const auto with = [](auto member, auto value) {
+    Options options;
+    options.*member = value;
+    return refusal(options);
+  };
+  EXPECT_EQ(with(&Options::max_ring, 2), "max_ring=2 is out of range: it must be 3 to 7");
+  EXPECT_EQ(with(&Options::max_iterations, -1), "max_iterations=-1 is out of range: it must be 0 or more");
+  EXPECT_EQ(with(&Options::threads, 4097), "threads=4097 is out of range: it must be 0 to 4096");
+  EXPECT_EQ(with(&Options::feature_angle, 0.0),
+            "feature_angle=0 is out of range: it must be above 0 and at most 180 degrees");
+  EXPECT_NE(with(&Options::max_deviation, std::numeric_limits<double>::quiet_NaN()), "");
+  EXPECT_NE(with(&Options::effort, static_cast<Effort>(7)), "");
+  Options nothing;
+  nothing.flips = false;
+  nothing.max_iterations = 0;
+  EXPECT_NE(refusal(nothing).find("nothing to do"), std::string::npos);
+}
+
+TEST(OptionTable, options_without_effect_are_named) {
+  Options options;
+  options.max_deviation = 0.1;
+  options.feature_angle = 30;
+  options.flips = false;
+  options.max_ring = 5;
+  EXPECT_EQ(refusal(options), "");
+  EXPECT_EQ(ineffective_options(options),
+            (std::vector<std::string>{"feature_angle=30 has no effect without boundary=slide",
+                                      "max_deviation=0.1 has no effect without boundary=slide",
+                                      "max_ring=5 has no effect with flips=false"}));
+  options.boundary = Boundary::slide;
+  EXPECT_EQ(ineffective_options(options).size(), 1U);
+}
+
+}  // namespace
+}  // namespace tetune
