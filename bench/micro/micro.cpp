@@ -13,6 +13,7 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
+#include "mesh/sort_mesh.hpp"
 #include "mesh/upload.hpp"
 #include "operators/flip_pass.hpp"
 #include "reference/generate.hpp"

@@ -9,10 +9,10 @@ namespace tetune {
 /// Where each vertex may go, where it is on the reference surface, and which vertices a sweep visits.
 template <class Backend>
 struct VertexDofs {
-  typename Backend::template Buffer<VertexDof> kind;
+  typename Backend::template Buffer<VertexDof> dof;
   typename Backend::template Buffer<Vec3> axis;
   /// The position of each vertex on the reference surface, and that surface; empty unless vertices slide.
-  typename Backend::template Buffer<SurfacePoint> site;
+  typename Backend::template Buffer<SurfacePoint> surface_point;
   ReferenceSurface<Backend> reference;
   /// Per vertex; meaningful on the surface. Empty: unbounded.
   typename Backend::template Buffer<DisplacementBound> displacement_bound;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -10,6 +12,7 @@
 #include "boundary/constraints.hpp"
 #include "boundary/find_dofs.hpp"
 #include "mesh/connect.hpp"
+#include "mesh/sort_mesh.hpp"
 #include "mesh/unit_scale.hpp"
 #include "mesh/upload.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -39,7 +42,7 @@ struct LockTet {
 inline std::vector<Index> inverse(const std::vector<Index>& to_original) {
   std::vector<Index> from_original(to_original.size());
   Index i = 0;
-  for (const Index original : to_original) backend::span_of(from_original)[original] = i++;
+  for (const Index original : to_original) span_of(from_original)[original] = i++;
   return from_original;
 }
 
@@ -76,12 +79,14 @@ std::vector<Index> import_tets(const Backend& backend, const TetMesh& mesh, cons
 /// Locks the interfaces between regions and the tetrahedra that must stay, of which the required ones come first.
 template <class Backend>
 void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<Index>& tets, WorkingSet<Backend>& work) {
-  const typename Backend::template DeviceView<int> regions(backend, mesh.tet_tags);
-  lock_interfaces(backend, work.mesh, regions.span());
+  if (std::adjacent_find(mesh.tet_tags.begin(), mesh.tet_tags.end(), std::not_equal_to<>()) != mesh.tet_tags.end()) {
+    const typename Backend::template DeviceView<int> regions(backend, mesh.tet_tags);
+    lock_interfaces(backend, work.mesh, regions.span());
+  }
   if (tets.empty()) return;
   const std::vector<Index> original2slot = inverse(work.mesh.tet2original.download());
   std::vector<Index> locked;
-  for (const Index t : tets) locked.push_back(backend::span_of(original2slot)[t]);
+  for (const Index t : tets) locked.push_back(span_of(original2slot)[t]);
   typename Backend::template Buffer<Index> slots;
   slots.upload(backend, locked);
   backend.for_each(slots.size(), LockTet{work.mesh.view(), slots.span()});
@@ -94,7 +99,7 @@ inline std::vector<std::uint8_t> required_triangles(const TetMesh& mesh) {
   std::vector<std::uint8_t> required;
   if (mesh.required_triangles.empty()) return required;
   required.resize(mesh.triangles.size(), 0);
-  for (const Index t : mesh.required_triangles) backend::span_of(required)[t] = 1;
+  for (const Index t : mesh.required_triangles) span_of(required)[t] = 1;
   return required;
 }
 
@@ -103,9 +108,9 @@ template <class Backend>
 void freeze_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& by_original,
                      const std::vector<Index>& original2vertex, WorkingSet<Backend>& work) {
   work.frozen.assign(by_original.size(), kMovable);
-  const Span<std::uint8_t> frozen = backend::span_of(work.frozen);
-  const Span<const Index> to_work = backend::span_of(original2vertex);
-  for (Size v = 0; v < frozen.size(); ++v) frozen[to_work[v]] = backend::span_of(by_original)[v];
+  const Span<std::uint8_t> frozen = span_of(work.frozen);
+  const Span<const Index> to_work = span_of(original2vertex);
+  for (Size v = 0; v < frozen.size(); ++v) frozen[to_work[v]] = span_of(by_original)[v];
   auto state = work.listed_triangles.begin();
   for (const auto& triangle : mesh.triangles) {
     if (*state++ != Listed::absent) continue;
@@ -152,7 +157,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   // All listed edges constrain flips.
   std::vector<Index> ends;
   for (const auto& edge : constraints.edges) {
-    for (const Index v : edge) ends.push_back(backend::span_of(original2vertex)[v]);
+    for (const Index v : edge) ends.push_back(span_of(original2vertex)[v]);
   }
   EdgeSet<Backend> edges(backend, ends, work.mesh.vertices());
   find_dofs(backend, work.mesh,

@@ -12,8 +12,6 @@
 namespace tetune {
 namespace {
 
-using backend::span_of;
-
 /// The inverse of positions_of_kept().
 std::vector<Index> kept_of(const std::vector<Index>& old2new) {
   std::vector<Index> new2old;
@@ -73,7 +71,7 @@ std::vector<Index> new_required_tets(const std::vector<Index>& required_slots, c
   std::vector<Index> tets;
   for (const Index slot : required_slots) {
     const auto at = std::lower_bound(slot_of_tet.begin(), slot_of_tet.end(), slot);
-    tets.push_back(backend::to_index(at - slot_of_tet.begin()));
+    tets.push_back(to_index(at - slot_of_tet.begin()));
   }
   return tets;
 }

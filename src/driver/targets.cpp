@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "backend/cpu.hpp"
-#include "boundary/classify.hpp"
+#include "boundary/vertex_dof.hpp"
 #include "math/angle.hpp"
 #include "operators/edge_star.hpp"
 #include "quality/tet_measures.hpp"
@@ -19,10 +19,7 @@ namespace {
 
 constexpr double kRegularAngle = 70.528779365509308;
 /// Slots are searched in this many ranges in parallel.
-constexpr backend::Size kRanges = 64;
-
-using backend::Size;
-using backend::span_of;
+constexpr Size kRanges = 64;
 
 bool misses(const Target& target, double value) {
   return larger_is_better(target.measure) ? value < target.value : value > target.value;
@@ -194,7 +191,7 @@ class MissedInRange {
   std::vector<MissedSlot> worst;
 
   void add(const MissedSlot& missed, const IsWorse& worse) {
-    ++counts[backend::to_size_t(static_cast<int>(missed.tet.held_by))];
+    ++counts[to_size_t(static_cast<int>(missed.tet.held_by))];
     worst.push_back(missed);
     if (worst.size() < 2 * kMaxMissed) return;
     std::nth_element(worst.begin(), worst.begin() + kMaxMissed, worst.end(), worse);
@@ -213,9 +210,9 @@ MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constr
     if (tet[0] == kFreeSlot) continue;
     Vec3 p[4];
     for (int k = 0; k < 4; ++k) p[k] = vec(points[tet[k]]);
-    const double value = all_measures(TetShape(p))[backend::to_size_t(static_cast<int>(target.measure))];
+    const double value = all_measures(TetShape(p))[to_size_t(static_cast<int>(target.measure))];
     if (!misses(target, value)) continue;
-    MissedSlot missed{backend::to_index(t), {}};
+    MissedSlot missed{to_index(t), {}};
     const Vec3 centroid = (0.25 / outcome.scale) * (p[0] + p[1] + p[2] + p[3]);
     missed.tet.value = value;
     missed.tet.centroid = {centroid.x, centroid.y, centroid.z};
@@ -295,7 +292,7 @@ std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& 
   const ConstraintFinder constraints(outcome, options);
   std::vector<TargetReport> reports;
   for (const Target& target : options.targets) {
-    std::vector<MissedInRange> ranges(backend::to_size_t(kRanges));
+    std::vector<MissedInRange> ranges(to_size_t(kRanges));
     cpu.for_parts(kRanges, [&](Size i) {
       span_of(ranges)[i] = find_missed(outcome, constraints, target, slots * i / kRanges, slots * (i + 1) / kRanges);
     });

@@ -16,7 +16,7 @@ class SimdRing {
 
   SimdRing(const Objective& objective, Span<const Point> points, const LinkFace* faces, Size count,
            const QualityFloor& floor = QualityFloor::none())
-      : objective_(objective), floor_(floor), count_(count), packs_(backend::to_index((count + kLanes - 1) / kLanes)) {
+      : objective_(objective), floor_(floor), count_(count), packs_(to_index((count + kLanes - 1) / kLanes)) {
     for (int k = 0; k < packs_; ++k) {
       const LinkFace* links[kLanes];
       for (int l = 0; l < kLanes; ++l) {

@@ -13,7 +13,7 @@ namespace tetune {
 namespace {
 
 /// Lines are formatted in ranges of this many, in parallel, and written in order.
-constexpr backend::Size kLinesPerPart = 1 << 15;
+constexpr Size kLinesPerPart = 1 << 15;
 
 class TextLine {
  public:
@@ -35,16 +35,16 @@ class TextLine {
 template <class Line>
 void write_lines(FileWriter& file, std::size_t n, int threads, const Line& line) {
   const backend::Cpu cpu(threads);
-  const backend::Size size = backend::to_index(n);
+  const Size size = to_index(n);
   std::vector<std::string> parts(std::size_t{4} * cpu.threads());
-  const backend::Span<std::string> part = backend::span_of(parts);
-  for (backend::Size first = 0; first < size; first += part.size() * kLinesPerPart) {
-    cpu.for_parts(part.size(), [&](backend::Size p) {
+  const Span<std::string> part = span_of(parts);
+  for (Size first = 0; first < size; first += part.size() * kLinesPerPart) {
+    cpu.for_parts(part.size(), [&](Size p) {
       part[p].clear();
-      const backend::Size begin = std::min(size, first + p * kLinesPerPart);
-      const std::size_t end = backend::to_size_t(std::min(size, begin + kLinesPerPart));
+      const Size begin = std::min(size, first + p * kLinesPerPart);
+      const std::size_t end = to_size_t(std::min(size, begin + kLinesPerPart));
       TextLine text(part[p]);
-      for (std::size_t i = backend::to_size_t(begin); i < end; ++i) line(text, i);
+      for (std::size_t i = to_size_t(begin); i < end; ++i) line(text, i);
     });
     for (const std::string& text : parts) file.write(text);
   }
@@ -100,7 +100,7 @@ class BinaryWriter {
   void list(int code, std::size_t n, int reals, int integers, Put put) {
     const std::int64_t body = encoding_.integer_bytes() + std::int64_t(n) * encoding_.entry_bytes(reals, integers);
     write(encoding_.section_head(code, position_, body));
-    bytes_.resize(backend::to_size_t(body));
+    bytes_.resize(to_size_t(body));
     char* to = bytes_.data();
     encoding_.put_integer(to, std::int64_t(n));
     for (std::size_t i = 0; i < n; ++i) put(to, i);
@@ -208,7 +208,7 @@ void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
                       threads);
   for (const ElementBlock& block : mesh.others) {
     if (is_points(block)) continue;
-    const std::size_t each = backend::to_size_t(section_of(block).vertices);
+    const std::size_t each = to_size_t(section_of(block).vertices);
     write_header(file, block.kind, block.tags.size());
     write_lines(file, block.tags.size(), threads, [&](TextLine& line, std::size_t i) {
       for (const Index v : std::span(block.element2vertex).subspan(i * each, each)) {

@@ -55,7 +55,7 @@ void check_lengths(const std::string& path, const TetMesh& mesh) {
   check("triangles", mesh.triangle_tags.size(), mesh.triangles.size());
   check("edges", mesh.edge_tags.size(), mesh.edges.size());
   for (const ElementBlock& block : mesh.others) {
-    const std::size_t each = backend::to_size_t(std::max(1, block.vertices_per_element));
+    const std::size_t each = to_size_t(std::max(1, block.vertices_per_element));
     check(block.kind, block.tags.size() * each, block.element2vertex.size());
     const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
     if (std::count_if(mesh.others.begin(), mesh.others.end(), same_kind) > 1) {

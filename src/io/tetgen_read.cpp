@@ -25,7 +25,7 @@ std::size_t checked_count(TextCursor& cursor, const char* name, int numbers) {
   if (const std::string excess = excess_of(n, numbers == kNumbersPerTet); !excess.empty()) {
     cursor.fail("this file has " + excess);
   }
-  return backend::to_size_t(n);
+  return to_size_t(n);
 }
 
 int to_tag(TextCursor& cursor, double value) {

@@ -8,7 +8,7 @@
 namespace tetune {
 
 /// Maps corner 4 * tet + k to its vertex, or to -1 in a free slot: a row function for build_csr().
-struct VertexOfCorner {
+struct VertexOfTetCorner {
   Span<const Tet> tets;
   TETUNE_HD Size operator()(Size item) const {
     const auto corner = static_cast<HalfFace>(item);

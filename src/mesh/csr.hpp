@@ -9,9 +9,6 @@
 
 namespace tetune {
 
-using backend::Size;
-using backend::Span;
-
 /// Lists of items in compressed sparse rows: row r is items[offsets[r]] .. items[offsets[r + 1] - 1], in increasing
 /// order.
 struct CsrView {

@@ -14,8 +14,6 @@
 namespace tetune {
 namespace {
 
-using backend::span_of;
-
 /// The entries new2old[0], new2old[1], ... of an array; zeros for a negative index.
 DataArray gather(const DataArray& array, const std::vector<Index>& new2old) {
   if (array.components < 1) {
@@ -26,7 +24,7 @@ DataArray gather(const DataArray& array, const std::vector<Index>& new2old) {
   const Size components = array.components;
   std::visit(
       [&](const auto& from) {
-        std::remove_cvref_t<decltype(from)> to(new2old.size() * backend::to_size_t(components));
+        std::remove_cvref_t<decltype(from)> to(new2old.size() * to_size_t(components));
         auto entry = to.begin();
         for (const Index old : new2old) {
           if (old >= 0) {
@@ -95,7 +93,7 @@ std::vector<Stencil> find_stencils(const std::vector<Index>& vertex2original, co
   const Span<const Index> original = span_of(vertex2original);
   for (Index v = 0; v < original.size(); ++v) {
     if (original[v] >= 0) continue;
-    span_of(stencil_of)[v] = backend::to_index(stencils.size());
+    span_of(stencil_of)[v] = to_index(stencils.size());
     stencils.push_back({v, {}});
   }
   const double scale = unit_scale(points);

@@ -8,13 +8,10 @@
 
 namespace tetune {
 
-using backend::Size;
-using backend::Span;
-
 /// The points and tetrahedra of a TetMesh on the host, with signed indices. Positions are multiplied by `scale`.
 struct TetMeshView {
   explicit TetMeshView(const TetMesh& mesh, double unit = 1)
-      : points(backend::span_of(mesh.points)), tets(backend::span_of(mesh.tets)), scale(unit) {}
+      : points(span_of(mesh.points)), tets(span_of(mesh.tets)), scale(unit) {}
 
   Tet tet(Size t) const { return {{tets[t][0], tets[t][1], tets[t][2], tets[t][3]}}; }
   Vec3 position(Index v) const { return scale * vec(points[v]); }

@@ -11,10 +11,6 @@
 namespace tetune {
 namespace {
 
-using backend::Size;
-using backend::Span;
-using backend::span_of;
-
 /// Whether all ids are in [0, size); vectorizes, because nearly every array is valid.
 bool all_below(Span<const Index> ids, Size size) {
   std::uint32_t max_id = 0;

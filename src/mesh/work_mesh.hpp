@@ -7,9 +7,6 @@
 
 namespace tetune {
 
-using backend::Size;
-using backend::Span;
-
 /// First vertex of a slot that holds no tetrahedron.
 inline constexpr Index kFreeSlot = -1;
 

@@ -27,11 +27,11 @@ VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Flip
   mesh.points.grow(backend, count);
   mesh.vertex2original.grow(backend, count);
   flips.constrained_vertex.grow(backend, count);
-  dofs.kind.grow(backend, count);
+  dofs.dof.grow(backend, count);
   dofs.axis.grow(backend, count);
   dofs.active.grow(backend, count);
-  if (dofs.site.size() > 0) dofs.site.grow(backend, count);
-  return {mesh.vertex2original.span(), dofs.kind.span(), dofs.axis.span(), dofs.site.span(),
+  if (dofs.surface_point.size() > 0) dofs.surface_point.grow(backend, count);
+  return {mesh.vertex2original.span(), dofs.dof.span(), dofs.axis.span(), dofs.surface_point.span(),
           flips.constrained_vertex.span()};
 }
 
@@ -45,7 +45,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   const int choices = vertex_cot < kInfeasible ? AllOperators::kChoices : kVertexKeepingChoices;
   const Size count = choices * std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers);
   const StarProposals<AllOperators> proposals{
-      rated(mesh, criterion), flips.constrained(), dofs.kind.span(), tets, choices, flips.max_ring, vertex_cot};
+      rated(mesh, criterion), flips.constrained(), dofs.dof.span(), tets, choices, flips.max_ring, vertex_cot};
   auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
   const ChangeCounts& total = selection.total;
   if (selection.size() == 0 || mesh.tets() + total.taken - total.freed > max_tets ||

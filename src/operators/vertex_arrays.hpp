@@ -12,14 +12,14 @@ struct VertexArrays {
   Span<Index> vertex2original;
   Span<VertexDof> kind;
   Span<Vec3> axis;
-  Span<SurfacePoint> site;  ///< empty unless vertices slide
+  Span<SurfacePoint> surface_point;  ///< empty unless vertices slide
   Span<std::uint8_t> constrained_vertex;
 
   TETUNE_HD void insert(Index v) const {
     vertex2original[v] = kInserted;
     kind[v] = VertexDof::free;
     axis[v] = {0, 0, 0};
-    if (site.size() > 0) site[v] = {};
+    if (surface_point.size() > 0) surface_point[v] = {};
     constrained_vertex[v] = 0;
   }
 };

@@ -18,8 +18,6 @@
 namespace tetune {
 namespace {
 
-using backend::span_of;
-
 double area(const TrianglePoints& t) { return 0.5 * norm(cross(t[1] - t[0], t[2] - t[0])); }
 
 /// The surface of a mesh: the boundary, and the interfaces between regions.

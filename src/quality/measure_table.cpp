@@ -21,27 +21,27 @@ void insert_worst(std::vector<WorstTet>& worst, std::size_t max_size, const Wors
 }  // namespace
 
 MeasureTable::MeasureTable(Size tets, Size chunks, int worst_count)
-    : worst_count_(backend::to_size_t(std::max(0, worst_count))), chunks_(backend::to_size_t(chunks)) {
-  for (auto& column : columns_) column.resize(backend::to_size_t(tets));
+    : worst_count_(to_size_t(std::max(0, worst_count))), chunks_(to_size_t(chunks)) {
+  for (auto& column : columns_) column.resize(to_size_t(tets));
 }
 
 void MeasureTable::add(const TetShape& shape, Size t, Size chunk, bool first) {
-  Chunk& c = backend::span_of(chunks_)[chunk];
+  Chunk& c = span_of(chunks_)[chunk];
   const Measures m = all_measures(shape);
   for (std::size_t k = 0; k < kMeasures; ++k) {
-    backend::span_of(columns_[k])[t] = static_cast<float>(m[k]);
+    span_of(columns_[k])[t] = static_cast<float>(m[k]);
     Extent& e = c.extents[k];
     e.min = first ? m[k] : std::min(e.min, m[k]);
     e.max = first ? m[k] : std::max(e.max, m[k]);
     e.sum += m[k];
   }
-  const WorstTet tet{backend::to_index(t), value(m, Measure::min_dihedral), value(m, Measure::harmonic), {}};
+  const WorstTet tet{to_index(t), value(m, Measure::min_dihedral), value(m, Measure::harmonic), {}};
   insert_worst(c.worst, worst_count_, tet);
 }
 
 void MeasureTable::summarize(const TetMeshView& mesh, const backend::Cpu& cpu, Quality& quality) {
   cpu.for_parts(kMeasures, [&](Size k) {
-    const std::size_t measure = backend::to_size_t(k);
+    const std::size_t measure = to_size_t(k);
     summarize_measure(measure, quality.measures[measure]);
   });
   for (const Chunk& chunk : chunks_) {

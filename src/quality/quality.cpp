@@ -133,7 +133,7 @@ double percentile(const AngleBins& bins, double angles, double share) {
 void set_angles(const QualitySums& sums, const AngleBins& bins, Quality& q) {
   const double angles = 6 * static_cast<double>(q.tets);
   q.dihedral_min = sums.angle_min;
-  q.worst_tet = backend::to_index(sums.worst_tet);
+  q.worst_tet = to_index(sums.worst_tet);
   // The middle of a bin may lie outside the range of all angles.
   q.dihedral_1 = std::clamp(percentile(bins, angles, 0.01), sums.angle_min, sums.angle_max);
   q.dihedral_5 = std::clamp(percentile(bins, angles, 0.05), sums.angle_min, sums.angle_max);
@@ -156,14 +156,14 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   const TetMeshView view(mesh, scale);
   std::vector<double> eta(mesh.tets.size());
   const Size chunks = chunk_count(q.tets);
-  std::vector<QualitySums> chunk_sums(backend::to_size_t(chunks));
+  std::vector<QualitySums> chunk_sums(to_size_t(chunks));
   AngleBins bins(kBins, 0);
   std::mutex bins_mutex;
   const backend::Cpu cpu(threads);
-  const MeasureChunk measure_chunk{view, backend::span_of(eta), table};
+  const MeasureChunk measure_chunk{view, span_of(eta), table};
   cpu.for_parts(chunks, [&](Size chunk) {
     AngleBins chunk_bins(kBins, 0);
-    backend::span_of(chunk_sums)[chunk] = measure_chunk(chunk, backend::span_of(chunk_bins));
+    span_of(chunk_sums)[chunk] = measure_chunk(chunk, span_of(chunk_bins));
     const std::lock_guard lock(bins_mutex);
     std::transform(bins.begin(), bins.end(), chunk_bins.begin(), bins.begin(), std::plus<>());
   });
@@ -234,7 +234,7 @@ std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
   check_arrays(mesh);
   const TetMeshView view(mesh, unit_scale(mesh));
   std::vector<Measures> result(mesh.tets.size());
-  const Span<Measures> measures = backend::span_of(result);
+  const Span<Measures> measures = span_of(result);
   backend::Cpu(threads).for_parts(chunk_count(measures.size()), [&](Size chunk) {
     const Size end = chunk_begin(measures.size(), chunk + 1);
     for (Size first = chunk_begin(measures.size(), chunk); first < end; first += kLanes) {

@@ -19,8 +19,8 @@ struct Coloring {
   std::vector<Size> first;
   int colors() const { return first.empty() ? 0 : static_cast<int>(first.size()) - 1; }
   Span<const Index> vertices_of(int c) const {
-    const Size begin = backend::span_of(first)[c];
-    return {vertices.span().data() + begin, backend::span_of(first)[c + 1] - begin};
+    const Size begin = span_of(first)[c];
+    return {vertices.span().data() + begin, span_of(first)[c + 1] - begin};
   }
 };
 

@@ -114,7 +114,7 @@ struct FindConflict {
     }
   };
   TETUNE_HD void operator()(Size v) const {
-    const Index vertex = backend::to_index(v);
+    const Index vertex = to_index(v);
     const bool conflict =
         color[v] < kMaxColors && !neighbors.visit_ring(vertex, Visitor{color, color[v], priority(vertex)});
     conflicts[v] = conflict || color[v] == kUncolored ? 1 : 0;
@@ -246,7 +246,7 @@ struct FindFirst {
   Span<const std::uint8_t> keys;
   Span<Index> first;
   TETUNE_HD void operator()(Size i) const {
-    if (i == 0 || keys[i] != keys[i - 1]) first[keys[i]] = backend::to_index(i);
+    if (i == 0 || keys[i] != keys[i - 1]) first[keys[i]] = to_index(i);
   }
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "backend/sum.hpp"
 #include "relocation/maximize_min_angle.hpp"
 #include "relocation/min_angle_ring.hpp"
 #include "relocation/reduce_colors.hpp"
@@ -24,7 +23,7 @@ struct MaximizeMinAngle {
   double target_cot;
   Span<const Index> vertices = {};
 
-  TETUNE_HD backend::Sum<Size> operator()(Size i) const {
+  TETUNE_HD Sum<Size> operator()(Size i) const {
     const Index v = vertices[i];
     const Size begin = rings.offsets[v];
     const auto count = static_cast<int>(rings.offsets[v + 1] - begin);
@@ -54,15 +53,15 @@ Size maximize_min_angle(const Backend& backend, WorkMesh<Backend>& mesh, const C
   using namespace maximize_min_angle_detail;
   const MaximizeMinAngle<typename Backend::Pack> kernel{rated(mesh, criterion),
                                                         rings,
-                                                        dofs.kind.span(),
+                                                        dofs.dof.span(),
                                                         dofs.axis.span(),
 
-                                                        dofs.site.span(),
+                                                        dofs.surface_point.span(),
                                                         dofs.reference.view(),
                                                         dofs.max_deviation,
                                                         flags,
                                                         target_cot};
-  return reduce_colors<backend::Sum<Size>>(backend, coloring, kernel).value;
+  return reduce_colors<Sum<Size>>(backend, coloring, kernel).value;
 }
 
 }  // namespace tetune

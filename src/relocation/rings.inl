@@ -44,7 +44,7 @@ template <class Backend>
 void build_rings(const Backend& backend, WorkMesh<Backend>& mesh, Rings<Backend>& rings) {
   using namespace rings_detail;
   const Span<const Tet> tets = mesh.tet2vertex.span();
-  build_csr_of<Backend, VertexOfCorner, FaceOfCorner, LinkFace>(backend, mesh.vertices(), 4 * mesh.slots(), {tets},
+  build_csr_of<Backend, VertexOfTetCorner, FaceOfCorner, LinkFace>(backend, mesh.vertices(), 4 * mesh.slots(), {tets},
                                                                 {tets}, rings.offsets, rings.faces);
 }
 

@@ -145,17 +145,17 @@ SweepSum sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion&
                              criterion.floor,
                              mesh.points.span(),
                              rings,
-                             dofs.kind.span(),
+                             dofs.dof.span(),
                              dofs.axis.span(),
                              scope == SweepScope::mesh ? dofs.displacement_bound.span() : Span<DisplacementBound>(),
                              dofs.active.span(),
                              scope,
-                             dofs.site.span(),
+                             dofs.surface_point.span(),
                              dofs.reference.view(),
                              dofs.max_deviation,
                              step};
   using Pack = typename Backend::Pack;
-  return dofs.site.size() > 0
+  return dofs.surface_point.size() > 0
              ? reduce_colors<SweepSum>(backend, coloring, RelocateVertex<Ring, Pack, Step, true>(view))
              : reduce_colors<SweepSum>(backend, coloring, RelocateVertex<Ring, Pack, Step, false>(view));
 }

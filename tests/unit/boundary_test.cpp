@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "boundary/surface_corners.hpp"
+#include "boundary/surface.hpp"
 #include "meshes.hpp"
 #include "quality/closest_triangle.hpp"
 #include "tetune/error.hpp"

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "mesh/duplicate_faces.hpp"
+#include "mesh/sort_mesh.hpp"
 #include "meshes.hpp"
 #include "work.hpp"
 

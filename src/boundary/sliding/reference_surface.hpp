@@ -2,7 +2,6 @@
 #pragma once
 
 #include "boundary/surface.hpp"
-#include "boundary/surface_corners.hpp"
 #include "boundary/vertex_dof.hpp"
 
 /// The reference surface: the input surface as it was, on which the boundary vertices slide (Sect. 4.3).

@@ -2,9 +2,8 @@
 #pragma once
 
 #include "backend/atomic.hpp"
-#include "backend/sum.hpp"
-#include "mesh/connect.hpp"
 #include "mesh/corners.hpp"
+#include "mesh/work_mesh.hpp"
 
 namespace tetune {
 namespace duplicate_faces_detail {
@@ -48,8 +47,8 @@ struct InsertFaces {
   Span<const Tet> tets;
   Span<const FaceAdjacency> tet2tet;
   FaceHashSet faces;
-  TETUNE_HD backend::Sum<Size> operator()(Size t) const {
-    backend::Sum<Size> duplicates;
+  TETUNE_HD Sum<Size> operator()(Size t) const {
+    Sum<Size> duplicates;
     if (tets[t][0] == kFreeSlot) return duplicates;
     for (int face = 0; face < 4; ++face) {
       const HalfFace across = tet2tet[t][face];
@@ -62,6 +61,9 @@ struct InsertFaces {
 
 }  // namespace duplicate_faces_detail
 
+/// Counts the faces that seem to have the same three vertices as another face, as flips create them in a mesh that
+/// overlaps itself. A result of 0 is exact; any other may be due to a hash collision and has to be verified. Requires
+/// tet2tet.
 template <class Backend>
 Size count_duplicate_faces(const Backend& backend, WorkMesh<Backend>& mesh) {
   using namespace duplicate_faces_detail;
@@ -73,7 +75,7 @@ Size count_duplicate_faces(const Backend& backend, WorkMesh<Backend>& mesh) {
   backend.fill(buckets.span(), std::uint32_t{0});
   const FaceHashSet faces{buckets.span(), static_cast<std::uint64_t>(buckets_per_vertex)};
   const InsertFaces insert{mesh.tet2vertex.span(), mesh.tet2tet.span(), faces};
-  return backend.template reduce<backend::Sum<Size>>(mesh.slots(), insert).value;
+  return backend.template reduce<Sum<Size>>(mesh.slots(), insert).value;
 }
 
 }  // namespace tetune

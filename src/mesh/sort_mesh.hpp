@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "math/hilbert.hpp"
-#include "mesh/connect.hpp"
+#include "mesh/work_mesh.hpp"
 
 /// The order of vertices and slots in memory.
 namespace tetune {
@@ -118,6 +118,8 @@ void gather_tets(const Backend& backend, Span<const Index> order, Size room, Wor
 
 }  // namespace sort_mesh_detail
 
+/// Renumbers a freshly uploaded mesh for locality: vertices along a Hilbert curve, tetrahedra by lowest vertex.
+/// Requires points and tet2vertex in the caller's order; sets vertex2original and permutes tet2original.
 template <class Backend>
 void sort_mesh(const Backend& backend, WorkMesh<Backend>& mesh) {
   using namespace sort_mesh_detail;
@@ -145,6 +147,7 @@ void sort_mesh(const Backend& backend, WorkMesh<Backend>& mesh) {
   gather_tets(backend, Span<const Index>(order.span()), mesh.room(), mesh);
 }
 
+/// Removes free slots and drops tet2tet. Returns the previous slot of each tetrahedron.
 template <class Backend>
 typename Backend::template Buffer<Index> compact_slots(const Backend& backend, WorkMesh<Backend>& mesh) {
   using namespace sort_mesh_detail;

@@ -13,8 +13,6 @@
 namespace tetune::reference {
 namespace {
 
-using backend::span_of;
-
 /// tr(L) = eta / 9.
 constexpr double kTracePerEta = 1.0 / 9;
 /// The descent has converged when kMaxIdleIterations consecutive iterations lower the energy by less than this factor
