@@ -23,7 +23,7 @@ struct BoundaryTriangle {
 
 template <class Backend>
 struct BoundaryTriangles {
-  typename Backend::template Buffer<BoundaryTriangle> triangles;
+  BufferOf<Backend, BoundaryTriangle> triangles;
   /// The corners 3 * triangle + k at each vertex.
   Csr<Backend> vertex2corner;
   bool stale = true;  ///< vertex2corner must be rebuilt
@@ -93,14 +93,14 @@ void build_boundary(const Backend& backend, const Surface<Backend>& surface, con
                     Span<const std::uint8_t> frozen, BoundaryTriangles<Backend>& boundary) {
   using namespace boundary_triangles_detail;
   const Size faces = surface.triangles.size();
-  typename Backend::template Buffer<std::uint32_t> counts(backend, faces);
-  typename Backend::template Buffer<std::uint32_t> last(backend, faces);
+  BufferOf<Backend, std::uint32_t> counts(backend, faces);
+  BufferOf<Backend, std::uint32_t> last(backend, faces);
   backend.fill(counts.span(), std::uint32_t{0});
   backend.fill(last.span(), std::uint32_t{0});
-  backend.for_each(listed.size(), CountListed{surface.listed2triangle.span(), counts.span(), last.span()});
+  backend.for_each(listed.size(), CountListed{surface.listed2triangle, counts, last});
   boundary.triangles.resize(backend, faces);
-  backend.for_each(faces, FillTriangle{surface.triangles.span(), surface.tags.span(), listed, counts.span(),
-                                       last.span(), frozen, boundary.triangles.span()});
+  backend.for_each(faces,
+                   FillTriangle{surface.triangles, surface.tags, listed, counts, last, frozen, boundary.triangles});
   boundary.flat = kFlat;
 }
 

@@ -271,10 +271,9 @@ void classify_vertices(const Backend& backend, WorkMesh<Backend>& mesh, const Su
                        bool surface_fixed, Span<VertexDof> dof, Span<Vec3> axis) {
   Csr<Backend> vertex2edge_end;
   build_csr(backend, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
-  backend.for_each(mesh.vertices(),
-                   classify_detail::ClassifyVertex{mesh.points.span(), surface.triangles.span(), surface.tags.span(),
-                                                   surface.vertex2corner.view(), edges, vertex2edge_end.view(),
-                                                   constrained, frozen, surface_fixed, dof, axis});
+  backend.for_each(mesh.vertices(), classify_detail::ClassifyVertex{
+                                        mesh.points, surface.triangles, surface.tags, surface.vertex2corner.view(),
+                                        edges, vertex2edge_end.view(), constrained, frozen, surface_fixed, dof, axis});
 }
 
 /// Fixes the listed corners, unless the list is not one of corners (see ListedOnlyCount): returns then the number of

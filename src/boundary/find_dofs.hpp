@@ -96,7 +96,7 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   report.corners_not_held = fix_corners(backend, input.frozen, dofs.dof.span());
   if (!slides) return;
   dofs.reference.dof.assign(backend, dofs.dof);
-  backend.for_each(mesh.vertices(), StartSurfacePoint{dofs.surface_point.span()});
+  backend.for_each(mesh.vertices(), StartSurfacePoint{dofs.surface_point});
 }
 
 inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
@@ -139,10 +139,9 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
   }
   if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
     dofs.displacement_bound.resize(backend, vertices);
-    backend.for_each(
-        vertices,
-        FindDisplacementBound{mesh.points.span(), input.surface.triangles.span(), input.surface.vertex2corner.view(),
-                              slides ? kMaxSlideDisplacement : kMaxDisplacement, dofs.displacement_bound.span()});
+    backend.for_each(vertices,
+                     FindDisplacementBound{mesh.points, input.surface.triangles, input.surface.vertex2corner.view(),
+                                           slides ? kMaxSlideDisplacement : kMaxDisplacement, dofs.displacement_bound});
   }
   count_dofs(dofs.dof.download(), report);
 }

@@ -59,7 +59,7 @@ enum class Listed : std::uint8_t {
 template <class Backend>
 struct Surface {
   template <class T>
-  using Buffer = typename Backend::template Buffer<T>;
+  using Buffer = BufferOf<Backend, T>;
   /// Each face once, and its tag.
   Buffer<SurfaceTriangle> triangles;
   Buffer<int> tags;
@@ -210,44 +210,41 @@ struct TagFaces {
 template <class Backend>
 void collect_surface(const Backend& backend, WorkMesh<Backend>& mesh, Surface<Backend>& surface) {
   using namespace surface_detail;
-  typename Backend::template Buffer<Index> faces(backend, 4 * mesh.slots());
-  const Size count =
-      backend.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex.span(), mesh.tet2tet.span()}, faces.span());
+  BufferOf<Backend, Index> faces(backend, 4 * mesh.slots());
+  const Size count = backend.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex, mesh.tet2tet}, faces.span());
   check_surface_size(count);
   surface.triangles.resize(backend, count);
-  backend.for_each(count, TriangleOfFace{mesh.tet2vertex.span(), faces.span(), surface.triangles.span()});
-  build_csr(backend, mesh.vertices(), 3 * count, VertexOfSurfaceCorner{surface.triangles.span()},
-            surface.vertex2corner);
+  backend.for_each(count, TriangleOfFace{mesh.tet2vertex, faces, surface.triangles});
+  build_csr(backend, mesh.vertices(), 3 * count, VertexOfSurfaceCorner{surface.triangles}, surface.vertex2corner);
 }
 
 /// Collects the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or
 /// required; these it locks. `listed_state` receives the role of each listed triangle.
 template <class Backend>
 void build_surface(const Backend& backend, WorkMesh<Backend>& mesh, const ListedTriangles& listed,
-                   typename Backend::template Buffer<Listed>& listed_state, Surface<Backend>& surface) {
+                   BufferOf<Backend, Listed>& listed_state, Surface<Backend>& surface) {
   using namespace surface_detail;
   collect_surface(backend, mesh, surface);
   listed_state.resize(backend, listed.size());
   surface.listed2triangle.resize(backend, listed.size());
-  typename Backend::template Buffer<std::uint32_t> triangle2listed;
+  BufferOf<Backend, std::uint32_t> triangle2listed;
   const auto match = [&]() {
     triangle2listed.resize(backend, surface.triangles.size());
     backend.fill(triangle2listed.span(), std::uint32_t{0});
     return backend
-        .template reduce<Sum<Size>>(
-            listed.size(), MatchListed{surface.triangles.span(), surface.vertex2corner.view(), listed,
-                                       listed_state.span(), surface.listed2triangle.span(), triangle2listed.span()})
+        .template reduce<Sum<Size>>(listed.size(), MatchListed{surface.triangles, surface.vertex2corner.view(), listed,
+                                                               listed_state, surface.listed2triangle, triangle2listed})
         .value;
   };
   if (match() > 0) {
     Csr<Backend> vertex2tet;
     build_vertex2tet(backend, mesh, vertex2tet);
-    backend.for_each(listed.size(), LockListed{mesh.view(), vertex2tet.view(), listed, listed_state.span()});
+    backend.for_each(listed.size(), LockListed{mesh.view(), vertex2tet.view(), listed, listed_state});
     collect_surface(backend, mesh, surface);
     match();
   }
   surface.tags.resize(backend, surface.triangles.size());
-  backend.for_each(surface.triangles.size(), TagFaces{triangle2listed.span(), listed, surface.tags.span()});
+  backend.for_each(surface.triangles.size(), TagFaces{triangle2listed, listed, surface.tags});
 }
 
 }  // namespace tetune

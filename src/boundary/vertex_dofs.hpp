@@ -9,18 +9,18 @@ namespace tetune {
 /// Where each vertex may go, where it is on the reference surface, and which vertices a sweep visits.
 template <class Backend>
 struct VertexDofs {
-  typename Backend::template Buffer<VertexDof> dof;
-  typename Backend::template Buffer<Vec3> axis;
+  BufferOf<Backend, VertexDof> dof;
+  BufferOf<Backend, Vec3> axis;
   /// The position of each vertex on the reference surface, and that surface; empty unless vertices slide.
-  typename Backend::template Buffer<SurfacePoint> surface_point;
+  BufferOf<Backend, SurfacePoint> surface_point;
   ReferenceSurface<Backend> reference;
   /// Per vertex; meaningful on the surface. Empty: unbounded.
-  typename Backend::template Buffer<DisplacementBound> displacement_bound;
+  BufferOf<Backend, DisplacementBound> displacement_bound;
   /// The largest distance allowed between the mesh's surface and the reference surface; 0: no bound.
   double max_deviation = 0;
   /// The active vertices: 1 where at its last visit the vertex, or since then a vertex of its ring, moved by more than
   /// kActivationThreshold at once, or a flip changed its ring.
-  typename Backend::template Buffer<std::uint8_t> active;
+  BufferOf<Backend, std::uint8_t> active;
   /// The surface neighbors that color_vertices() must separate: those of the bound on the deviation.
   SurfaceAdjacency stars() const {
     if (!(max_deviation > 0)) return {};

@@ -59,7 +59,7 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   result.numbering.emplace(work.mesh.vertex2original.download(), mesh.points.size());
   work.mesh.vertex2original.upload(backend, result.numbering->work2extended);
   backend.for_each(work.mesh.slots(),
-                   export_mesh_detail::RenumberVertices{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
+                   export_mesh_detail::RenumberVertices{work.mesh.vertex2original, work.mesh.tet2vertex});
   result.tets.resize(to_size_t(work.mesh.slots()));
   backend.memory().download(result.tets.data(), work.mesh.tet2vertex.span().data(), result.tets.size() * sizeof(Tet));
   result.tet2original = work.mesh.tet2original.download();

@@ -50,7 +50,7 @@ inline std::vector<Index> inverse(const std::vector<Index>& to_original) {
 /// sign is uncertain after rounding.
 template <class Backend>
 void check_volumes(const Backend& backend, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work) {
-  typename Backend::template Buffer<Index> uncertain(backend, work.mesh.slots());
+  BufferOf<Backend, Index> uncertain(backend, work.mesh.slots());
   if (backend.compact(work.mesh.slots(), HasUncertifiedVolume{work.mesh.view()}, uncertain.span()) == 0) return;
   const ValidationReport report = validate(mesh, options.threads);
   for (const Finding& f : report.findings) {
@@ -87,9 +87,9 @@ void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<In
   const std::vector<Index> original2slot = inverse(work.mesh.tet2original.download());
   std::vector<Index> locked;
   for (const Index t : tets) locked.push_back(span_of(original2slot)[t]);
-  typename Backend::template Buffer<Index> slots;
+  BufferOf<Backend, Index> slots;
   slots.upload(backend, locked);
-  backend.for_each(slots.size(), LockTet{work.mesh.view(), slots.span()});
+  backend.for_each(slots.size(), LockTet{work.mesh.view(), slots});
   locked.resize(mesh.required_tets.size());
   work.required_slots = std::move(locked);
 }
@@ -141,13 +141,13 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
                                frozen_patches.span(),
                                original2vertex_view.span(),
                                options.open_boundaries};
-  typename Backend::template Buffer<Listed> listed_state;
+  BufferOf<Backend, Listed> listed_state;
   Surface<Backend> surface;
   build_surface(backend, work.mesh, listed, listed_state, surface);
   work.listed_triangles = listed_state.download();
 
   freeze_vertices(mesh, constraints.frozen, original2vertex, work);
-  typename Backend::template Buffer<std::uint8_t> frozen;
+  BufferOf<Backend, std::uint8_t> frozen;
   frozen.upload(backend, work.frozen);
   constexpr Size kMaxCorners = std::numeric_limits<Index>::max();
   if (flips_boundary(options) && 3 * surface.triangles.size() <= kMaxCorners) {

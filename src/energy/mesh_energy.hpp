@@ -9,7 +9,7 @@
 namespace tetune {
 
 template <class Backend>
-using Energies = typename Backend::template Buffer<double>;
+using Energies = BufferOf<Backend, double>;
 
 TETUNE_HD inline TetEnergy slot_energy(const RatedMesh& mesh, const Tet& t) {
   return tet_energy(mesh.objective, vec(mesh.points[t[0]]), vec(mesh.points[t[1]]), vec(mesh.points[t[2]]),
@@ -61,14 +61,14 @@ template <class Backend>
 void refresh_energy_of(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                        Energies<Backend>& energies, Span<const Index> slots) {
   using namespace mesh_energy_detail;
-  backend.for_each(slots.size(), RefreshEnergyOf{rated(mesh, criterion), energies.span(), slots});
+  backend.for_each(slots.size(), RefreshEnergyOf{rated(mesh, criterion), energies, slots});
 }
 
 /// The sum of the stored energies.
 template <class Backend>
 double sum_energy(const Backend& backend, Energies<Backend>& energies) {
   using namespace mesh_energy_detail;
-  return backend.template reduce<Sum<double>>(energies.size(), EnergyOf{energies.span()}).value;
+  return backend.template reduce<Sum<double>>(energies.size(), EnergyOf{energies}).value;
 }
 
 }  // namespace tetune

@@ -132,15 +132,15 @@ AdjacencyReport build_adjacency(const Backend& backend, WorkMesh<Backend>& mesh)
   using namespace adjacency_detail;
   mesh.tet2tet.resize(backend, mesh.slots(), mesh.room());
   Csr<Backend> rows;
-  build_csr(backend, mesh.vertices(), 4 * mesh.slots(), LowestVertexOfFace{mesh.tet2vertex.span()}, rows);
-  return backend.template reduce<AdjacencyReport>(
-      mesh.vertices(), MatchFaces{mesh.tet2vertex.span(), rows.offsets.span(), rows.items.span(), mesh.tet2tet.span()});
+  build_csr(backend, mesh.vertices(), 4 * mesh.slots(), LowestVertexOfFace{mesh.tet2vertex}, rows);
+  return backend.template reduce<AdjacencyReport>(mesh.vertices(),
+                                                  MatchFaces{mesh.tet2vertex, rows.offsets, rows.items, mesh.tet2tet});
 }
 
 /// The corners at each vertex: items are 4 * tet + local vertex.
 template <class Backend>
 void build_vertex2tet(const Backend& backend, WorkMesh<Backend>& mesh, Csr<Backend>& vertex2tet) {
-  build_csr(backend, mesh.vertices(), 4 * mesh.slots(), VertexOfTetCorner{mesh.tet2vertex.span()}, vertex2tet);
+  build_csr(backend, mesh.vertices(), 4 * mesh.slots(), VertexOfTetCorner{mesh.tet2vertex}, vertex2tet);
 }
 
 /// Locks the faces between tetrahedra of different tags. `tags` holds one tag per tetrahedron of the caller.

@@ -41,9 +41,9 @@ struct ConstrainedEdges {
 /// A set of edges in a backend's memory: as pairs of work vertices, and as sorted keys for lookup.
 template <class Backend>
 struct EdgeSet {
-  typename Backend::template Buffer<Index> ends;
-  typename Backend::template Buffer<std::uint64_t> keys;
-  typename Backend::template Buffer<std::uint8_t> on_vertex;
+  BufferOf<Backend, Index> ends;
+  BufferOf<Backend, std::uint64_t> keys;
+  BufferOf<Backend, std::uint8_t> on_vertex;
 
   EdgeSet(const Backend& backend, const std::vector<Index>& pairs, Size vertices) {
     std::vector<std::uint64_t> sorted;

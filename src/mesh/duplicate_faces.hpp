@@ -71,7 +71,7 @@ Size count_duplicate_faces(const Backend& backend, WorkMesh<Backend>& mesh) {
   // A tetrahedron inserts at most four faces, so that the table cannot overflow, and two on average, so that half of it
   // stays empty.
   const Size buckets_per_vertex = 1 + 4 * mesh.slots() / mesh.vertices();
-  typename Backend::template Buffer<std::uint32_t> buckets(backend, mesh.vertices() * buckets_per_vertex);
+  BufferOf<Backend, std::uint32_t> buckets(backend, mesh.vertices() * buckets_per_vertex);
   backend.fill(buckets.span(), std::uint32_t{0});
   const FaceHashSet faces{buckets.span(), static_cast<std::uint64_t>(buckets_per_vertex)};
   const InsertFaces insert{mesh.tet2vertex.span(), mesh.tet2tet.span(), faces};

@@ -105,12 +105,11 @@ struct IsAlive {
 /// Makes the tetrahedra those of the slots `order`, in that order.
 template <class Backend>
 void gather_tets(const Backend& backend, Span<const Index> order, Size room, WorkMesh<Backend>& mesh) {
-  typename Backend::template Buffer<Tet> tets;
-  typename Backend::template Buffer<Index> originals;
+  BufferOf<Backend, Tet> tets;
+  BufferOf<Backend, Index> originals;
   tets.resize(backend, order.size(), room);
   originals.resize(backend, order.size(), room);
-  backend.for_each(order.size(),
-                   GatherTets{mesh.tet2vertex.span(), mesh.tet2original.span(), order, tets.span(), originals.span()});
+  backend.for_each(order.size(), GatherTets{mesh.tet2vertex, mesh.tet2original, order, tets, originals});
   mesh.tet2vertex.swap(tets);
   mesh.tet2original.swap(originals);
   mesh.free_count = 0;
@@ -126,21 +125,19 @@ void sort_mesh(const Backend& backend, WorkMesh<Backend>& mesh) {
   const Size vertices = mesh.vertices();
   const Size tets = mesh.slots();
 
-  const Box box = backend.template reduce<Box>(vertices, BoxOfPoint{mesh.points.span()});
-  typename Backend::template Buffer<std::uint64_t> keys(backend, vertices);
+  const Box box = backend.template reduce<Box>(vertices, BoxOfPoint{mesh.points});
+  BufferOf<Backend, std::uint64_t> keys(backend, vertices);
   mesh.vertex2original.resize(backend, vertices);
-  backend.for_each(vertices, ComputeHilbertKey{mesh.points.span(), box, keys.span(), mesh.vertex2original.span()});
+  backend.for_each(vertices, ComputeHilbertKey{mesh.points, box, keys, mesh.vertex2original});
   backend.sort_by_key(keys, mesh.vertex2original, kHilbertBits);
-  typename Backend::template Buffer<Point> points(backend, vertices);
-  typename Backend::template Buffer<Index> original2vertex(backend, vertices);
-  backend.for_each(
-      vertices, PermutePoints{mesh.points.span(), mesh.vertex2original.span(), points.span(), original2vertex.span()});
+  BufferOf<Backend, Point> points(backend, vertices);
+  BufferOf<Backend, Index> original2vertex(backend, vertices);
+  backend.for_each(vertices, PermutePoints{mesh.points, mesh.vertex2original, points, original2vertex});
   mesh.points.swap(points);
 
-  typename Backend::template Buffer<std::uint32_t> lowest_vertex(backend, tets);
-  typename Backend::template Buffer<Index> order(backend, tets);
-  backend.for_each(tets,
-                   RelabelTet{mesh.tet2vertex.span(), original2vertex.span(), lowest_vertex.span(), order.span()});
+  BufferOf<Backend, std::uint32_t> lowest_vertex(backend, tets);
+  BufferOf<Backend, Index> order(backend, tets);
+  backend.for_each(tets, RelabelTet{mesh.tet2vertex, original2vertex, lowest_vertex, order});
   int bits = 1;
   while ((Size{1} << bits) < vertices) ++bits;
   backend.sort_by_key(lowest_vertex, order, bits);
@@ -149,10 +146,10 @@ void sort_mesh(const Backend& backend, WorkMesh<Backend>& mesh) {
 
 /// Removes free slots and drops tet2tet. Returns the previous slot of each tetrahedron.
 template <class Backend>
-typename Backend::template Buffer<Index> compact_slots(const Backend& backend, WorkMesh<Backend>& mesh) {
+BufferOf<Backend, Index> compact_slots(const Backend& backend, WorkMesh<Backend>& mesh) {
   using namespace sort_mesh_detail;
-  typename Backend::template Buffer<Index> slots(backend, mesh.slots());
-  slots.resize(backend, backend.compact(mesh.slots(), IsAlive{mesh.tet2vertex.span()}, slots.span()));
+  BufferOf<Backend, Index> slots(backend, mesh.slots());
+  slots.resize(backend, backend.compact(mesh.slots(), IsAlive{mesh.tet2vertex}, slots.span()));
   gather_tets(backend, Span<const Index>(slots.span()), slots.size(), mesh);
   mesh.tet2tet.resize(backend, 0);
   return slots;

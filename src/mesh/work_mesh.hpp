@@ -29,7 +29,7 @@ struct MeshView {
 template <class Backend>
 struct WorkMesh {
   template <class T>
-  using Buffer = typename Backend::template Buffer<T>;
+  using Buffer = BufferOf<Backend, T>;
 
   Buffer<Point> points;
   Buffer<Tet> tet2vertex;

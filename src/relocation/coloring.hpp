@@ -12,9 +12,9 @@ namespace tetune {
 /// color.
 template <class Backend>
 struct Coloring {
-  typename Backend::template Buffer<std::uint8_t> color;
+  BufferOf<Backend, std::uint8_t> color;
   /// The movable vertices, by color, then by id.
-  typename Backend::template Buffer<Index> vertices;
+  BufferOf<Backend, Index> vertices;
   /// The vertices of color c are vertices[first[c]] .. vertices[first[c + 1] - 1].
   std::vector<Size> first;
   int colors() const { return first.empty() ? 0 : static_cast<int>(first.size()) - 1; }

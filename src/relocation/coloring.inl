@@ -252,11 +252,10 @@ struct FindFirst {
 
 /// Colors the uncolored vertices, round by round.
 template <class Backend>
-void color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
-                     typename Backend::template Buffer<Index>& uncolored, Span<std::uint8_t> color,
-                     Span<std::uint8_t> tentative_color, bool none_colored) {
-  typename Backend::template Buffer<Index> remaining(backend, uncolored.size());
-  typename Backend::template Buffer<Index> positions(backend, uncolored.size());
+void color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors, BufferOf<Backend, Index>& uncolored,
+                     Span<std::uint8_t> color, Span<std::uint8_t> tentative_color, bool none_colored) {
+  BufferOf<Backend, Index> remaining(backend, uncolored.size());
+  BufferOf<Backend, Index> positions(backend, uncolored.size());
   Size count = uncolored.size();
   for (std::uint32_t round = 0; count > 0;) {
     const Span<const Index> vertices(uncolored.span().data(), count);
@@ -271,7 +270,7 @@ void color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
       backend.for_each(count, Exclude{vertices, color});
       break;
     }
-    backend.for_each(left, Gather{vertices, positions.span(), remaining.span()});
+    backend.for_each(left, Gather{vertices, positions, remaining});
     uncolored.swap(remaining);
     count = left;
   }
@@ -281,16 +280,16 @@ void color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
 template <class Backend>
 void group_by_color(const Backend& backend, Coloring<Backend>& coloring) {
   const Size n = coloring.color.size();
-  const Span<const std::uint8_t> color = coloring.color.span();
+  const Span<const std::uint8_t> color = coloring.color;
   coloring.vertices.resize(backend, n);
   const Size colored = backend.compact(n, IsColored{color}, coloring.vertices.span());
   coloring.vertices.resize(backend, colored);
-  typename Backend::template Buffer<std::uint8_t> keys(backend, colored);
-  backend.for_each(colored, ColorOf{color, coloring.vertices.span(), keys.span()});
+  BufferOf<Backend, std::uint8_t> keys(backend, colored);
+  backend.for_each(colored, ColorOf{color, coloring.vertices, keys});
   backend.sort_by_key(keys, coloring.vertices, 8);
-  typename Backend::template Buffer<Index> first(backend, kMaxColors);
+  BufferOf<Backend, Index> first(backend, kMaxColors);
   backend.fill(first.span(), Index{-1});
-  backend.for_each(colored, FindFirst{keys.span(), first.span()});
+  backend.for_each(colored, FindFirst{keys, first});
   coloring.first.clear();
   for (const Index f : first.download()) {
     if (f >= 0) coloring.first.push_back(f);
@@ -308,16 +307,16 @@ void color_vertices(const Backend& backend, const RingsView& rings, Span<const V
   const bool none_colored = coloring.color.size() != n;
   if (none_colored) {
     coloring.color.resize(backend, n);
-    backend.for_each(n, InitializeColor{dof, surface, coloring.color.span()});
+    backend.for_each(n, InitializeColor{dof, surface, coloring.color});
   }
-  const Span<std::uint8_t> color = coloring.color.span();
+  const Span<std::uint8_t> color = coloring.color;
   const ConflictNeighbors neighbors{rings, surface};
-  typename Backend::template Buffer<std::uint8_t> conflicts(backend, n);
-  typename Backend::template Buffer<std::uint8_t> tentative_color(backend, n);
-  backend.for_each(n, FindConflict{neighbors, color, conflicts.span()});
-  backend.for_each(n, ResetConflicting{conflicts.span(), color, tentative_color.span()});
-  typename Backend::template Buffer<Index> uncolored(backend, n);
-  uncolored.resize(backend, backend.compact(n, IsFlagged{conflicts.span()}, uncolored.span()));
+  BufferOf<Backend, std::uint8_t> conflicts(backend, n);
+  BufferOf<Backend, std::uint8_t> tentative_color(backend, n);
+  backend.for_each(n, FindConflict{neighbors, color, conflicts});
+  backend.for_each(n, ResetConflicting{conflicts, color, tentative_color});
+  BufferOf<Backend, Index> uncolored(backend, n);
+  uncolored.resize(backend, backend.compact(n, IsFlagged{conflicts}, uncolored.span()));
   color_uncolored(backend, neighbors, uncolored, color, tentative_color.span(), none_colored);
   group_by_color(backend, coloring);
 }

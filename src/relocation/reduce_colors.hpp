@@ -28,7 +28,7 @@ R reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kerne
   R total{};
   // An asynchronous backend stores the results, as the host would otherwise wait for each color.
   constexpr bool kStores = Backend::kIsAsynchronous;
-  typename Backend::template Buffer<R> results;
+  BufferOf<Backend, R> results;
   if constexpr (kStores) results.resize(backend, coloring.vertices.size());
   Size done = 0;
   for (int c = 0; c < coloring.colors() && !backend.stop_requested(); ++c) {
@@ -41,7 +41,7 @@ R reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kerne
     }
     done += count;
   }
-  if constexpr (kStores) total = backend.template reduce<R>(done, LoadResult<R>{results.span()});
+  if constexpr (kStores) total = backend.template reduce<R>(done, LoadResult<R>{results});
   return total;
 }
 

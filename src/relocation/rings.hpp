@@ -9,8 +9,8 @@ namespace tetune {
 /// The rings of all vertices in a backend's memory.
 template <class Backend>
 struct Rings {
-  typename Backend::template Buffer<std::uint32_t> offsets;
-  typename Backend::template Buffer<LinkFace> faces;
+  BufferOf<Backend, std::uint32_t> offsets;
+  BufferOf<Backend, LinkFace> faces;
   RingsView view() const { return {offsets.span(), faces.span()}; }
 };
 

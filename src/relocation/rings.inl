@@ -43,16 +43,16 @@ struct FaceOfListedCorner {
 template <class Backend>
 void build_rings(const Backend& backend, WorkMesh<Backend>& mesh, Rings<Backend>& rings) {
   using namespace rings_detail;
-  const Span<const Tet> tets = mesh.tet2vertex.span();
+  const Span<const Tet> tets = mesh.tet2vertex;
   build_csr_of<Backend, VertexOfTetCorner, FaceOfCorner, LinkFace>(backend, mesh.vertices(), 4 * mesh.slots(), {tets},
-                                                                {tets}, rings.offsets, rings.faces);
+                                                                   {tets}, rings.offsets, rings.faces);
 }
 
 template <class Backend>
 void build_rings_of(const Backend& backend, WorkMesh<Backend>& mesh, Span<const Index> tets,
                     Span<const std::uint8_t> flags, Rings<Backend>& rings) {
   using namespace rings_detail;
-  const Span<const Tet> tet2vertex = mesh.tet2vertex.span();
+  const Span<const Tet> tet2vertex = mesh.tet2vertex;
   build_csr_of<Backend, FlaggedVertexOfCorner, FaceOfListedCorner, LinkFace>(
       backend, mesh.vertices(), 4 * tets.size(), {tet2vertex, tets, flags}, {{tet2vertex}, tets}, rings.offsets,
       rings.faces);

@@ -168,16 +168,14 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   reference.across.resize(backend, 3 * triangles);
   // At 180 degrees no edge is a feature; -2 is below any cosine, with rounding errors.
   const double cos_angle = feature_angle >= 180 ? -2 : std::cos(feature_angle * std::numbers::pi / 180);
-  backend.for_each(3 * triangles,
-                   FindAcross{mesh.points.span(), reference.triangles.span(), surface.tags.span(),
-                              reference.vertex2corner.view(), constrained, cos_angle, reference.across.span()});
+  backend.for_each(3 * triangles, FindAcross{mesh.points, reference.triangles, surface.tags,
+                                             reference.vertex2corner.view(), constrained, cos_angle, reference.across});
   Csr<Backend> vertex2edge_end;
   build_csr(backend, vertices, edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
   reference.line.resize(backend, vertices);
-  backend.for_each(
-      vertices, ClassifySlidingVertex{mesh.points.span(), reference.triangles.span(), reference.across.span(),
-                                      reference.vertex2corner.view(), edges, vertex2edge_end.view(), frozen, cos_angle,
-                                      dof, reference.line.span()});
+  backend.for_each(vertices, ClassifySlidingVertex{mesh.points, reference.triangles, reference.across,
+                                                   reference.vertex2corner.view(), edges, vertex2edge_end.view(),
+                                                   frozen, cos_angle, dof, reference.line});
 }
 
 }  // namespace tetune

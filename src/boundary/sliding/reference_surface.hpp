@@ -42,7 +42,7 @@ struct ReferenceView {
 template <class Backend>
 struct ReferenceSurface {
   template <class T>
-  using Buffer = typename Backend::template Buffer<T>;
+  using Buffer = BufferOf<Backend, T>;
   Buffer<Point> points;
   Buffer<SurfaceTriangle> triangles;
   Buffer<Index> across;

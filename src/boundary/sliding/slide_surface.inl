@@ -144,16 +144,15 @@ void import_slide_surface(const Backend& backend, const SlideSurface& given, con
   reference.line.upload(backend, line);
   reference.triangles.upload(backend, triangles);
   const Size corners = 3 * reference.triangles.size();
-  build_csr(backend, vertices, corners, VertexOfSurfaceCorner{reference.triangles.span()}, reference.vertex2corner);
+  build_csr(backend, vertices, corners, VertexOfSurfaceCorner{reference.triangles}, reference.vertex2corner);
   reference.across.resize(backend, corners);
-  typename Backend::template Buffer<std::uint8_t> feature_edges;
+  BufferOf<Backend, std::uint8_t> feature_edges;
   feature_edges.upload(backend, given.feature_edges);
-  backend.for_each(corners, JoinTriangles{reference.triangles.span(), reference.vertex2corner.view(),
-                                          feature_edges.span(), reference.across.span()});
-  typename Backend::template Buffer<ElementVertices> on_buffer;
+  backend.for_each(corners,
+                   JoinTriangles{reference.triangles, reference.vertex2corner.view(), feature_edges, reference.across});
+  BufferOf<Backend, ElementVertices> on_buffer;
   on_buffer.upload(backend, on);
-  backend.for_each(vertices,
-                   PlaceVertex{reference.view(), on_buffer.span(), frozen, dofs.surface_point.span(), dofs.dof.span()});
+  backend.for_each(vertices, PlaceVertex{reference.view(), on_buffer, frozen, dofs.surface_point, dofs.dof});
 }
 
 /// The surface that the vertices of a mesh slide on at the start: the reference surface in the caller's ids.
@@ -194,8 +193,8 @@ std::vector<std::array<Index, 3>> export_surface_points(const Backend& backend, 
   using namespace slide_surface_detail;
   const VertexMap to_original{span_of(vertex2original)};
   const Size vertices = dofs.reference.points.size();
-  typename Backend::template Buffer<ElementVertices> on(backend, vertices);
-  backend.for_each(vertices, ExportSurfacePoint{dofs.reference.view(), dofs.surface_point.span(), on.span()});
+  BufferOf<Backend, ElementVertices> on(backend, vertices);
+  backend.for_each(vertices, ExportSurfacePoint{dofs.reference.view(), dofs.surface_point, on});
   const std::vector<ElementVertices> exported = on.download();
   std::vector<std::array<Index, 3>> surface_points(exported.size(), kNoSurfacePoint);
   for (Size w = 0; w < vertices; ++w) {
