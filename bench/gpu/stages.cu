@@ -4,7 +4,7 @@
 #include "energy/mesh_energy.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/sort_mesh.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/work_mesh.hpp"
 #include "operators/flip_pass.hpp"
 #include "relocation/sweep.hpp"
 

@@ -14,7 +14,7 @@
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/sort_mesh.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/work_mesh.hpp"
 #include "operators/flip_pass.hpp"
 #include "reference/generate.hpp"
 #include "relocation/coloring.hpp"

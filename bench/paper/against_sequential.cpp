@@ -15,7 +15,7 @@
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/sort_mesh.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/work_mesh.hpp"
 #include "reference/alexa.hpp"
 #include "tetune/tetune.hpp"
 

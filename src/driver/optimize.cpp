@@ -9,27 +9,15 @@
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
 #include "driver/optimize_on.hpp"
+#include "mesh/messages.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
 
 namespace tetune {
 
 const char* to_string(StopReason reason) {
-  switch (reason) {
-    case StopReason::converged:
-      return "converged";
-    case StopReason::gradient_small:
-      return "gradient small (C1)";
-    case StopReason::gradient_stationary:
-      return "gradient stationary (C2)";
-    case StopReason::no_flips:
-      return "no more flips (C3)";
-    case StopReason::iteration_limit:
-      return "iteration limit";
-    case StopReason::cancelled:
-      return "cancelled";
-  }
-  return "unknown";
+  return name_of(reason, {"converged", "gradient small (C1)", "gradient stationary (C2)", "no more flips (C3)",
+                          "iteration limit", "cancelled"});
 }
 
 namespace {

@@ -1,14 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
 #include "boundary/boundary_triangles.hpp"
-#include "driver/vertex_numbering.hpp"
+#include "mesh/work_mesh.hpp"
 #include "tetune/report.hpp"
 
 namespace tetune {
+
+/// How the vertices of a work mesh are numbered in the result. Extended ids are those of the caller's vertices,
+/// followed by those of the inserted vertices.
+class VertexNumbering {
+ public:
+  /// `vertex2original` as of WorkMesh; `originals` is the number of the caller's vertices.
+  VertexNumbering(std::vector<Index> vertex2original, std::size_t originals);
+
+  std::size_t originals() const { return originals_; }
+  std::size_t extended() const { return extended2new.size(); }
+  bool has_removed() const { return has_removed_; }
+  /// The id of each work vertex in the result, or kRemoved.
+  std::vector<Index> work2new() const;
+
+  std::vector<Index> work2extended;  ///< or kRemoved
+  std::vector<Index> extended2new;   ///< -1 for removed vertices
+  std::vector<Index> new2original;   ///< -1 for inserted vertices; empty if the caller's vertices were all kept
+
+ private:
+  std::size_t originals_;
+  bool has_removed_;
+};
 
 /// The optimized mesh on the host.
 struct HostResult {

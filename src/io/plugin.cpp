@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/plugin.hpp"
+#include "io/registry.hpp"
 
 #include <cerrno>
 #include <cstring>

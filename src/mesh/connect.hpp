@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mesh/corners.hpp"
 #include "mesh/csr.hpp"
 #include "mesh/work_mesh.hpp"
 
 /// Adjacency of tetrahedra across faces, and locked faces.
 namespace tetune {
+
+/// Maps corner 4 * tet + k to its vertex, or to -1 in a free slot: a row function for build_csr().
+struct VertexOfTetCorner {
+  Span<const Tet> tets;
+  TETUNE_HD Size operator()(Size item) const {
+    const auto corner = static_cast<HalfFace>(item);
+    const Tet& tet = tets[tet_of(corner)];
+    return tet[0] == kFreeSlot ? -1 : tet[face_of(corner)];
+  }
+};
 
 /// Defects found by build_adjacency(); a valid mesh has none.
 struct AdjacencyReport {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "backend/atomic.hpp"
-#include "mesh/corners.hpp"
 #include "mesh/work_mesh.hpp"
 
 namespace tetune {

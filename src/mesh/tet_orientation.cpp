@@ -5,9 +5,7 @@
 
 #include "backend/cpu.hpp"
 #include "math/orient.hpp"
-#include "mesh/corners.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/unit_scale.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "tetune/validate.hpp"
 

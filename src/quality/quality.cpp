@@ -10,8 +10,8 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/gather.hpp"
+#include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/unit_scale.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "quality/measure_table.hpp"
 #include "quality/tet_measures.hpp"
@@ -191,27 +191,8 @@ void check_arrays(const TetMesh& mesh) {
 }  // namespace
 
 const char* to_string(Measure measure) {
-  switch (measure) {
-    case Measure::min_dihedral:
-      return "min_dihedral_deg";
-    case Measure::max_dihedral:
-      return "max_dihedral_deg";
-    case Measure::mean_ratio:
-      return "mean_ratio";
-    case Measure::sicn:
-      return "sicn";
-    case Measure::gamma:
-      return "gamma";
-    case Measure::scaled_jacobian:
-      return "scaled_jacobian";
-    case Measure::radius_ratio:
-      return "radius_ratio";
-    case Measure::aspect_ratio:
-      return "aspect_ratio";
-    case Measure::harmonic:
-      return "q_h";
-  }
-  return "";
+  return name_of(measure, {"min_dihedral_deg", "max_dihedral_deg", "mean_ratio", "sicn", "gamma", "scaled_jacobian",
+                           "radius_ratio", "aspect_ratio", "q_h"});
 }
 
 bool larger_is_better(Measure measure) {

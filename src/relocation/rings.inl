@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mesh/corners.hpp"
+#include "mesh/connect.hpp"
 #include "mesh/csr.hpp"
 #include "relocation/rings.hpp"
 

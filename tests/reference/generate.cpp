@@ -7,7 +7,7 @@
 #include "math/orient.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/work_mesh.hpp"
 
 namespace tetune::reference {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/work_mesh.hpp"
 
 namespace tetune::reference {
 namespace {
