@@ -16,10 +16,10 @@ namespace {
 
 struct Parabola {
   double at;
-  double value(double t) const { return (t - at) * (t - at); }
+  double operator()(double t) const { return (t - at) * (t - at); }
 };
 struct Barrier {
-  double value(double t) const { return 1 / t + 1 / (3 - t) + t; }
+  double operator()(double t) const { return 1 / t + 1 / (3 - t) + t; }
 };
 
 TEST(Brent, FindsTheMinimumInsideAndAtTheEnds) {

@@ -35,12 +35,9 @@ struct Bowl {
     const Vec3 d = x - lowest;
     return {1 + 0.5 * dot(d, hessian * d), norm(d) < radius};
   }
-  struct Ray {
-    const Bowl& bowl;
-    Vec3 x, p;
-    double value(double t) const { return bowl.value(x + t * p).value; }
-  };
-  Ray ray(const Vec3& x, const Vec3& p) const { return {*this, x, p}; }
+  auto ray(const Vec3& x, const Vec3& p) const {
+    return [this, x, p](double t) { return value(x + t * p).value; };
+  }
 };
 const Sym3 kRound{1, 1, 1, 0, 0, 0};
 
