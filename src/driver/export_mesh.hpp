@@ -36,7 +36,7 @@ Outcome outcome_of(WorkingSet<Backend>& work, const TetMesh& mesh) {
           work.mesh.tet2vertex.download(),
           work.mesh.tet2tet.download(),
           regions_of(work.mesh.tet2original.download(), mesh),
-          VertexNumbering(work.mesh.vertex2original.download(), mesh.points.size()).work2new(),
+          number_vertices(work.mesh.vertex2original.download(), mesh.points.size()).work2new(),
           work.dofs.dof.download(),
           work.frozen,
           work.required_slots,
@@ -56,8 +56,8 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   HostResult result;
   result.has_duplicate_faces = count_duplicate_faces(backend, work.mesh) > 0;
   result.slot_of_tet = compact_slots(backend, work.mesh).download();
-  result.numbering.emplace(work.mesh.vertex2original.download(), mesh.points.size());
-  work.mesh.vertex2original.upload(backend, result.numbering->work2extended);
+  result.numbering = number_vertices(work.mesh.vertex2original.download(), mesh.points.size());
+  work.mesh.vertex2original.upload(backend, result.numbering.work2extended);
   backend.for_each(work.mesh.slots(),
                    export_mesh_detail::RenumberVertices{work.mesh.vertex2original, work.mesh.tet2vertex});
   result.tets.resize(to_size_t(work.mesh.slots()));
@@ -67,7 +67,7 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   result.boundary = work.boundary.triangles.download();
   std::vector<std::array<Index, 3>> surface_points;
   if (surface != nullptr) {
-    surface_points = export_surface_points(backend, work.dofs, result.numbering->work2extended);
+    surface_points = export_surface_points(backend, work.dofs, result.numbering.work2extended);
   }
   replace_mesh(mesh, std::move(result), work.required_slots, work.listed_triangles, work.scale, options.threads,
                report);

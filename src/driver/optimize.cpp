@@ -8,7 +8,6 @@
 #include "boundary/constraints.hpp"
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
-#include "driver/optimize_on.hpp"
 #include "mesh/messages.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"

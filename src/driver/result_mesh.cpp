@@ -16,10 +16,8 @@ namespace {
 /// their coordinates; removed ones keep their last position.
 std::vector<Point3> extended_points(const std::vector<Point3>& before, const std::vector<Point>& work_points,
                                     const VertexNumbering& numbering, double scale) {
-  std::vector<Point3> points;
-  points.reserve(numbering.extended());
-  points = before;
-  points.resize(numbering.extended());
+  std::vector<Point3> points = before;
+  points.resize(numbering.extended2new.size());
   auto extended = numbering.work2extended.begin();
   for (const Point& now : work_points) {
     const Index id = *extended++;
@@ -41,19 +39,14 @@ std::vector<Index> kept_of(const std::vector<Index>& old2new) {
   return new2old;
 }
 
-/// Data of the entities that were kept.
-std::vector<DataArray> data_of_kept(const std::vector<DataArray>& data, const std::vector<Index>& new2old) {
-  return data.empty() ? std::vector<DataArray>() : take_entries(data, new2old);
-}
-
 /// Data of the vertices of the result.
 std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult& result,
                                           const std::vector<Point3>& extended) {
-  const VertexNumbering& numbering = *result.numbering;
+  const VertexNumbering& numbering = result.numbering;
   if (mesh.point_data.empty() || numbering.new2original.empty()) return mesh.point_data;
   std::vector<Index> extended2original(extended.size(), -1);
   for (Index v = 0; v < std::ssize(mesh.points); ++v) span_of(extended2original)[v] = v;
-  return data_of_kept(carry_point_data(mesh.point_data, extended2original, extended, result.tets),
+  return take_entries(carry_point_data(mesh.point_data, extended2original, extended, result.tets),
                       kept_of(numbering.extended2new));
 }
 
@@ -115,10 +108,11 @@ void move_unchanged(TetMesh& mesh, TetMesh& result) noexcept {
 
 }  // namespace
 
-VertexNumbering::VertexNumbering(std::vector<Index> vertex2original, std::size_t originals)
-    : work2extended(std::move(vertex2original)), originals_(originals) {
+VertexNumbering number_vertices(std::vector<Index> vertex2original, std::size_t originals) {
+  VertexNumbering numbering;
+  numbering.work2extended = std::move(vertex2original);
   std::vector<std::uint8_t> keep(originals, 0);
-  for (Index& v : work2extended) {
+  for (Index& v : numbering.work2extended) {
     if (v == kInserted) {
       v = to_index(keep.size());
       keep.push_back(1);
@@ -126,12 +120,13 @@ VertexNumbering::VertexNumbering(std::vector<Index> vertex2original, std::size_t
       span_of(keep)[v] = 1;
     }
   }
-  has_removed_ = std::find(keep.begin(), keep.end(), 0) != keep.end();
-  extended2new = positions_of_kept(keep);
-  if (!has_removed_ && keep.size() == originals) return;
+  numbering.has_removed = std::find(keep.begin(), keep.end(), 0) != keep.end();
+  numbering.extended2new = positions_of_kept(keep);
+  if (!numbering.has_removed && keep.size() == originals) return numbering;
   for (std::size_t v = 0; v < keep.size(); ++v) {
-    if (keep[v] != 0) new2original.push_back(v < originals ? to_index(v) : -1);
+    if (keep[v] != 0) numbering.new2original.push_back(v < originals ? to_index(v) : -1);
   }
+  return numbering;
 }
 
 std::vector<Index> VertexNumbering::work2new() const {
@@ -149,7 +144,7 @@ std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMes
 
 void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
                   const std::vector<Listed>& listed_triangles, double scale, int threads, Report& report) {
-  VertexNumbering& numbering = *result.numbering;
+  VertexNumbering& numbering = result.numbering;
   TetMesh next;
   next.points = extended_points(mesh.points, result.points, numbering, scale);
   if (result.has_duplicate_faces) check_faces(result, next.points, threads);
@@ -157,7 +152,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   next.point_tags.resize(next.points.size(), 0);
   next.point_data = carried_point_data(mesh, result, next.points);
   next.tet_tags = regions_of(result.tet2original, mesh);
-  next.tet_data = data_of_kept(mesh.tet_data, result.tet2original);
+  next.tet_data = take_entries(mesh.tet_data, result.tet2original);
   next.required_tets = new_required_tets(required_slots, result.slot_of_tet);
   next.corners = mesh.corners;
   next.required_vertices = mesh.required_vertices;
@@ -167,7 +162,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   std::vector<Index> triangle2original = kept_of(triangle2new);
   next.triangles = mesh.triangles;
   next.triangle_tags = mesh.triangle_tags;
-  next.triangle_data = data_of_kept(mesh.triangle_data, triangle2original);
+  next.triangle_data = take_entries(mesh.triangle_data, triangle2original);
   next.required_triangles = mesh.required_triangles;
   follow_flips(result.boundary, numbering.work2extended, next.triangles);
   report.triangles_dropped = keep_triangles(next, triangle2new);
@@ -176,7 +171,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   std::vector<Index> edge2original = kept_of(edge2new);
   next.edges = mesh.edges;
   next.edge_tags = mesh.edge_tags;
-  next.edge_data = data_of_kept(mesh.edge_data, edge2original);
+  next.edge_data = take_entries(mesh.edge_data, edge2original);
   next.ridges = mesh.ridges;
   next.required_edges = mesh.required_edges;
   report.edges_dropped = keep_edges(next, edge2new);
@@ -189,7 +184,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   // From here on nothing can fail.
   next.tets.swap(result.tets);
   move_unchanged(mesh, next);
-  if (numbering.has_removed()) keep_vertices(next, numbering.extended2new);
+  if (numbering.has_removed) keep_vertices(next, numbering.extended2new);
   static_assert(std::is_nothrow_move_assignable_v<TetMesh>);
   mesh = std::move(next);
 }

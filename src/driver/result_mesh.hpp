@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "boundary/boundary_triangles.hpp"
@@ -13,29 +12,22 @@ namespace tetune {
 
 /// How the vertices of a work mesh are numbered in the result. Extended ids are those of the caller's vertices,
 /// followed by those of the inserted vertices.
-class VertexNumbering {
- public:
-  /// `vertex2original` as of WorkMesh; `originals` is the number of the caller's vertices.
-  VertexNumbering(std::vector<Index> vertex2original, std::size_t originals);
-
-  std::size_t originals() const { return originals_; }
-  std::size_t extended() const { return extended2new.size(); }
-  bool has_removed() const { return has_removed_; }
-  /// The id of each work vertex in the result, or kRemoved.
-  std::vector<Index> work2new() const;
-
+struct VertexNumbering {
   std::vector<Index> work2extended;  ///< or kRemoved
   std::vector<Index> extended2new;   ///< -1 for removed vertices
   std::vector<Index> new2original;   ///< -1 for inserted vertices; empty if the caller's vertices were all kept
+  bool has_removed = false;
 
- private:
-  std::size_t originals_;
-  bool has_removed_;
+  /// The id of each work vertex in the result, or kRemoved.
+  std::vector<Index> work2new() const;
 };
+
+/// `vertex2original` as of WorkMesh; `originals` is the number of the caller's vertices.
+VertexNumbering number_vertices(std::vector<Index> vertex2original, std::size_t originals);
 
 /// The optimized mesh on the host.
 struct HostResult {
-  std::optional<VertexNumbering> numbering;
+  VertexNumbering numbering;
   std::vector<Point> points;               ///< per work vertex
   std::vector<std::array<Index, 4>> tets;  ///< in extended ids
   std::vector<Index> tet2original;

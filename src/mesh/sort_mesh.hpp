@@ -10,16 +10,21 @@
 namespace tetune {
 namespace sort_mesh_detail {
 
+struct Interval {
+  double low = std::numeric_limits<double>::max();
+  double high = std::numeric_limits<double>::lowest();
+  TETUNE_HD void merge(const Interval& other) {
+    if (other.low < low) low = other.low;
+    if (other.high > high) high = other.high;
+  }
+};
+
 struct Box {
-  double low[3] = {std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
-                   std::numeric_limits<double>::max()};
-  double high[3] = {std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest(),
-                    std::numeric_limits<double>::lowest()};
+  Interval x, y, z;
   TETUNE_HD void merge(const Box& other) {
-    for (int k = 0; k < 3; ++k) {
-      if (other.low[k] < low[k]) low[k] = other.low[k];
-      if (other.high[k] > high[k]) high[k] = other.high[k];
-    }
+    x.merge(other.x);
+    y.merge(other.y);
+    z.merge(other.z);
   }
 };
 
@@ -27,11 +32,7 @@ struct BoxOfPoint {
   Span<const Point> points;
   TETUNE_HD Box operator()(Size i) const {
     const Point p = points[i];
-    Box box;
-    box.low[0] = box.high[0] = p.x;
-    box.low[1] = box.high[1] = p.y;
-    box.low[2] = box.high[2] = p.z;
-    return box;
+    return {{p.x, p.x}, {p.y, p.y}, {p.z, p.z}};
   }
 };
 
@@ -42,13 +43,13 @@ struct ComputeHilbertKey {
   Span<Index> ids;
   TETUNE_HD void operator()(Size i) const {
     const Point p = points[i];
-    double side = box.high[0] - box.low[0];
-    if (box.high[1] - box.low[1] > side) side = box.high[1] - box.low[1];
-    if (box.high[2] - box.low[2] > side) side = box.high[2] - box.low[2];
+    double side = box.x.high - box.x.low;
+    if (box.y.high - box.y.low > side) side = box.y.high - box.y.low;
+    if (box.z.high - box.z.low > side) side = box.z.high - box.z.low;
     // The odd factor and offset keep round fractions of the box, where vertices of structured meshes lie, away from
     // cell borders: the order then does not depend on the last bit, and a rescaled mesh gets the same order.
     const double scale = side > 0 ? 0.98765432109876 * kHilbertCells / side : 0;
-    keys[i] = hilbert_index(cell(p.x, box.low[0], scale), cell(p.y, box.low[1], scale), cell(p.z, box.low[2], scale));
+    keys[i] = hilbert_index(cell(p.x, box.x.low, scale), cell(p.y, box.y.low, scale), cell(p.z, box.z.low, scale));
     ids[i] = static_cast<Index>(i);
   }
   TETUNE_HD static std::uint32_t cell(double x, double low, double scale) {

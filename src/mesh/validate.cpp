@@ -63,28 +63,24 @@ void check_elements(const std::vector<std::array<Index, N>>& elements, Size vert
   check_indices({elements.front().data(), Size{N} * std::ssize(elements)}, vertices, N, where, report);
 }
 
-void add_bad_length(Size length, const std::string& where, ValidationReport& report) {
-  report.findings.push_back({Defect::bad_array_length, length, {}, where});
-}
-
 void check_length(Size tags, Size elements, const std::string& where, ValidationReport& report) {
-  if (tags != elements) add_bad_length(tags, where, report);
+  if (tags != elements) report.findings.push_back({Defect::bad_array_length, tags, {}, where});
 }
 
 void check_data(const std::vector<DataArray>& data, Size entries, const std::string& where, ValidationReport& report) {
   for (const DataArray& array : data) {
     const Size values = std::visit([](const auto& v) { return std::ssize(v); }, array.values);
     const Size components = array.components;
-    if (components < 1 || values / components != entries || values % components != 0) {
-      add_bad_length(values, "values of \"" + array.name + "\" on " + where, report);
-    }
+    check_length(values, components < 1 ? -1 : components * entries, "values of \"" + array.name + "\" on " + where,
+                 report);
   }
 }
 
 void check_block(const ElementBlock& block, Size vertices, ValidationReport& report) {
   const Size elements = std::ssize(block.tags);
   const Size per_element = std::max(1, block.vertices_per_element);
-  if (block.vertices_per_element < 1) add_bad_length(block.vertices_per_element, "vertices of " + block.kind, report);
+  const Size vertices_per_element = block.vertices_per_element;
+  check_length(vertices_per_element, per_element, "vertices of " + block.kind, report);
   check_length(elements * per_element, std::ssize(block.element2vertex), block.kind, report);
   check_indices(span_of(block.element2vertex), vertices, per_element, block.kind, report);
   check_indices(span_of(block.required), elements, 1, "required " + block.kind, report);
@@ -106,8 +102,9 @@ void check_coordinates(Span<const Point3> points, ValidationReport& report) {
 
 using Tet4 = std::array<Index, 4>;
 
-bool has_repeated_vertex(const Tet4& v) {
-  return v[0] == v[1] || v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3] || v[2] == v[3];
+bool has_repeated_vertex(Tet4 v) {
+  std::sort(v.begin(), v.end());
+  return std::adjacent_find(v.begin(), v.end()) != v.end();
 }
 
 void check_volumes(const TetMesh& mesh, int threads, ValidationReport& report) {
@@ -203,8 +200,8 @@ std::string ValidationReport::message(bool one_based) const {
 ValidationReport validate_counts(const ArrayCounts& counts) {
   ValidationReport report;
   const auto check = [&report](Size entries, Index max_entries, const std::string& where) {
-    if (entries <= max_entries) return;
-    add_bad_length(entries, where + " (there can be " + std::to_string(max_entries) + ")", report);
+    const std::string limit = " (there can be " + std::to_string(max_entries) + ")";
+    check_length(entries, std::min<Size>(entries, max_entries), where + limit, report);
   };
   check(counts.vertices, kMaxEntries, "vertices");
   check(counts.tets, kMaxTets, "tetrahedra");
