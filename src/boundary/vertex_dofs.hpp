@@ -6,6 +6,17 @@
 
 namespace tetune {
 
+/// VertexDofs as kernels access them.
+struct DofsView {
+  Span<const VertexDof> dof;
+  Span<const Vec3> axis;
+  Span<SurfacePoint> surface_point;
+  ReferenceView reference;
+  Span<const DisplacementBound> displacement_bound;
+  double max_deviation;
+  Span<std::uint8_t> active;
+};
+
 /// Where each vertex may go, where it is on the reference surface, and which vertices a sweep visits.
 template <class Backend>
 struct VertexDofs {
@@ -21,6 +32,7 @@ struct VertexDofs {
   /// The active vertices: 1 where at its last visit the vertex, or since then a vertex of its ring, moved by more than
   /// kActivationThreshold at once, or a flip changed its ring.
   BufferOf<Backend, std::uint8_t> active;
+  DofsView view() { return {dof, axis, surface_point, reference.view(), displacement_bound, max_deviation, active}; }
   /// The surface neighbors that color_vertices() must separate: those of the bound on the deviation.
   SurfaceAdjacency stars() const {
     if (!(max_deviation > 0)) return {};

@@ -10,15 +10,10 @@ namespace maximize_min_angle_detail {
 
 /// Moves one vertex.
 template <class Pack>
-struct MaximizeMinAngle {
+struct MaximizeMinAngle : DofsView {
   static constexpr Size kGrain = 16;
   RatedMesh mesh;
   RingsView rings;
-  Span<const VertexDof> dof;
-  Span<const Vec3> axis;
-  Span<SurfacePoint> surface_point;
-  ReferenceView reference;
-  double max_deviation;
   Span<const std::uint8_t> flags;
   double target_cot;
   Span<const Index> vertices = {};
@@ -51,16 +46,7 @@ Size maximize_min_angle(const Backend& backend, WorkMesh<Backend>& mesh, const C
                         const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
                         Span<const std::uint8_t> flags, double target_cot) {
   using namespace maximize_min_angle_detail;
-  const MaximizeMinAngle<typename Backend::Pack> kernel{rated(mesh, criterion),
-                                                        rings,
-                                                        dofs.dof.span(),
-                                                        dofs.axis.span(),
-
-                                                        dofs.surface_point.span(),
-                                                        dofs.reference.view(),
-                                                        dofs.max_deviation,
-                                                        flags,
-                                                        target_cot};
+  const MaximizeMinAngle<typename Backend::Pack> kernel{dofs.view(), rated(mesh, criterion), rings, flags, target_cot};
   return reduce_colors<Sum<Size>>(backend, coloring, kernel).value;
 }
 
