@@ -111,8 +111,10 @@ class UploadedView {
 
 namespace tetune {
 
-/// The array type of a backend that is a template parameter.
+/// The types of a backend that is a template parameter.
 template <class Backend, class T>
 using BufferOf = typename Backend::template Buffer<T>;
+template <class Backend, class T>
+using DeviceViewOf = typename Backend::template DeviceView<T>;
 
 }  // namespace tetune

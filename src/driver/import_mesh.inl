@@ -80,7 +80,7 @@ std::vector<Index> import_tets(const Backend& backend, const TetMesh& mesh, cons
 template <class Backend>
 void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<Index>& tets, WorkingSet<Backend>& work) {
   if (std::adjacent_find(mesh.tet_tags.begin(), mesh.tet_tags.end(), std::not_equal_to<>()) != mesh.tet_tags.end()) {
-    const typename Backend::template DeviceView<int> regions(backend, mesh.tet_tags);
+    const DeviceViewOf<Backend, int> regions(backend, mesh.tet_tags);
     lock_interfaces(backend, work.mesh, regions.span());
   }
   if (tets.empty()) return;
@@ -130,11 +130,11 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
                     const Constraints& constraints, const std::vector<Index>& original2vertex,
                     WorkingSet<Backend>& work, Report& report) {
   const std::vector<std::uint8_t> required = required_triangles(mesh);
-  const typename Backend::template DeviceView<std::array<Index, 3>> triangles(backend, mesh.triangles);
-  const typename Backend::template DeviceView<int> tags(backend, mesh.triangle_tags);
-  const typename Backend::template DeviceView<std::uint8_t> required_view(backend, required);
-  const typename Backend::template DeviceView<int> frozen_patches(backend, options.frozen_patches);
-  const typename Backend::template DeviceView<Index> original2vertex_view(backend, original2vertex);
+  const DeviceViewOf<Backend, std::array<Index, 3>> triangles(backend, mesh.triangles);
+  const DeviceViewOf<Backend, int> tags(backend, mesh.triangle_tags);
+  const DeviceViewOf<Backend, std::uint8_t> required_view(backend, required);
+  const DeviceViewOf<Backend, int> frozen_patches(backend, options.frozen_patches);
+  const DeviceViewOf<Backend, Index> original2vertex_view(backend, original2vertex);
   const ListedTriangles listed{{reinterpret_cast<const Index*>(triangles.span().data()), 3 * triangles.span().size()},
                                tags.span(),
                                required_view.span(),

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetune/optimize.hpp"
 
-#include <chrono>
 #include <string>
 
 #include "backend/cpu.hpp"
@@ -9,6 +8,7 @@
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
 #include "mesh/messages.hpp"
+#include "phases/phase_timer.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
 
@@ -31,7 +31,7 @@ Report run(TetMesh& mesh, const Options& options, const Context& context, SlideS
   if (context.progress) {
     until_stopped.progress = [&](const Progress& p) { return !(stopped = stopped || !context.progress(p)); };
   }
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = PhaseTimer::SteadyClock::now();
   DeviceChoice choice{options.device, ""};
   if (options.device == Device::automatic) choice = choose_device(mesh, options);
   Report report;
@@ -45,7 +45,7 @@ Report run(TetMesh& mesh, const Options& options, const Context& context, SlideS
   }
   report.device_reason.swap(choice.reason);
   report.warnings = ineffective_options(options);
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds = PhaseTimer::seconds_since(start);
   return report;
 }
 

@@ -249,8 +249,7 @@ TetMesh parse_text(const std::string& path, std::string_view bytes, const IoCont
     if (word == "Dimension") {
       reader.set_dimension(cursor.integer("dimension"));
     } else if (!reader.read(word, 0)) {
-      const char c = word[0];
-      if (!((c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'))) {
+      if (!TextCursor::is_letter(word[0])) {
         cursor.fail("expected a section name, found \"" + std::string(word.substr(0, 40)) +
                     "\"; the section before it is longer than it says");
       }

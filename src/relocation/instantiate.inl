@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Included once per backend, by a file that defines Instance.
-#include "relocation/maximize_min_angle.inl"
 #include "relocation/sweep.inl"
 
 namespace tetune {
@@ -14,6 +13,4 @@ template SweepSum sweep<SweepRing<Instance>>(const Instance&, WorkMesh<Instance>
 template SweepSum sweep<RegularizedRing>(const Instance&, WorkMesh<Instance>&, const Criterion&, const RingsView&,
                                          const Coloring<Instance>&, VertexDofs<Instance>&, const NewtonStep&,
                                          SweepScope);
-template Size maximize_min_angle(const Instance&, WorkMesh<Instance>&, const Criterion&, const RingsView&,
-                                 const Coloring<Instance>&, VertexDofs<Instance>&, Span<const std::uint8_t>, double);
 }  // namespace tetune

@@ -4,7 +4,6 @@
 #include "backend/atomic.hpp"
 #include "backend/prefetch.hpp"
 #include "boundary/sliding/deviation_bound.hpp"
-#include "relocation/reduce_colors.hpp"
 #include "relocation/slide.hpp"
 #include "relocation/sweep.hpp"
 

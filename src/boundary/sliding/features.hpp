@@ -145,8 +145,7 @@ struct ClassifySlidingVertex {
 ///   surface  on the surface, on no feature edge
 ///   curve    between exactly two feature edges, where the line turns by at most the feature angle
 ///   fixed    ends and junctions of feature lines, their sharper turns, points at which sheets of the surface touch,
-///   and
-///            where `frozen` is kFrozen
+///            and where `frozen` is kFrozen
 /// Feature edges are those where the surface turns by more than `feature_angle` degrees (180: none), borders between
 /// tags, edges not on two triangles, and the constrained edges.
 template <class Backend>

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "boundary/sliding/line_deviation.hpp"
+#include "boundary/sliding/surface_element.hpp"
 
 namespace tetune {
+
+/// In the corner between a feature line and a triangle both deviations count: each may use this part of the bound.
+inline constexpr double kDeviationShare = 0.7;
 
 /// The position of a reference vertex beside the prisms over the triangles of the mesh's surface.
 enum class Wedge {
