@@ -34,7 +34,7 @@ void limit_memory(const std::string& file) {
 #endif
 }
 
-constexpr const char* kTooMuchMemory = "it asks for more memory than a file of its size can fill: it is damaged";
+constexpr const char* kTooMuchMemory = "reading it takes more memory than a file of its size can fill: it is damaged";
 
 TetMesh receive() {
   struct stat info {};
