@@ -7,7 +7,7 @@
 #include "boundary/vertex_dof.hpp"
 #include "driver/result_mesh.hpp"
 #include "driver/targets.hpp"
-#include "mesh/duplicate_faces.hpp"
+#include "mesh/connect.hpp"
 #include "mesh/sort_mesh.hpp"
 #include "phases/working_set.hpp"
 #include "tetune/optimize.hpp"
@@ -54,8 +54,9 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   work.coloring = {};
   work.flips = {};
   HostResult result;
-  result.has_duplicate_faces = count_duplicate_faces(backend, work.mesh) > 0;
   result.slot_of_tet = compact_slots(backend, work.mesh).download();
+  // Flips in a mesh that overlaps itself can make a face of three or more tetrahedra.
+  result.is_manifold = build_adjacency(backend, work.mesh).ok();
   result.numbering = number_vertices(work.mesh.vertex2original.download(), mesh.points.size());
   work.mesh.vertex2original.upload(backend, result.numbering.work2extended);
   backend.for_each(work.mesh.slots(),

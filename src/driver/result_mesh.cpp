@@ -50,8 +50,8 @@ std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult&
                       kept_of(numbering.extended2new));
 }
 
-/// Throws OverlapError where flips have made faces of three or more tetrahedra.
-void check_faces(const HostResult& result, const std::vector<Point3>& extended, int threads) {
+/// Throws OverlapError, with the tetrahedra at faces of three or more, which flips have made.
+[[noreturn]] void refuse_overlaps(const HostResult& result, const std::vector<Point3>& extended, int threads) {
   TetMesh mesh;
   mesh.points = extended;
   mesh.point_tags.resize(extended.size());
@@ -61,7 +61,6 @@ void check_faces(const HostResult& result, const std::vector<Point3>& extended, 
   for (const Finding& finding : validate(mesh, threads).findings) {
     for (const Index t : finding.first) overlapping.push_back(span_of(result.tet2original)[t]);
   }
-  if (overlapping.empty()) return;
   std::sort(overlapping.begin(), overlapping.end());
   overlapping.erase(std::unique(overlapping.begin(), overlapping.end()), overlapping.end());
   throw OverlapError(std::move(overlapping));
@@ -147,7 +146,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   VertexNumbering& numbering = result.numbering;
   TetMesh next;
   next.points = extended_points(mesh.points, result.points, numbering, scale);
-  if (result.has_duplicate_faces) check_faces(result, next.points, threads);
+  if (!result.is_manifold) refuse_overlaps(result, next.points, threads);
   next.point_tags = mesh.point_tags;
   next.point_tags.resize(next.points.size(), 0);
   next.point_data = carried_point_data(mesh, result, next.points);

@@ -33,7 +33,7 @@ struct HostResult {
   std::vector<Index> tet2original;
   std::vector<Index> slot_of_tet;  ///< before compaction; increasing
   std::vector<BoundaryTriangle> boundary;
-  bool has_duplicate_faces = false;  ///< possibly: must be checked
+  bool is_manifold = true;
 };
 
 /// Returns the tags of the tetrahedra that these of the caller's have become.
