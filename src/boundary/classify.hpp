@@ -21,10 +21,6 @@ inline constexpr double kFlat = 1e-6;
 struct ListedOnlyCount {
   Size constrained = 0;  ///< vertices that are not free
   Size listed_only = 0;
-  TETUNE_HD void merge(const ListedOnlyCount& other) {
-    constrained += other.constrained;
-    listed_only += other.listed_only;
-  }
   bool are_features() const { return listed_only <= 10 || 20 * listed_only <= constrained; }
 };
 
@@ -42,6 +38,21 @@ inline bool are_feature_lines(Span<const Index> ends, Size first, Span<const Ver
     if (dof[v] != VertexDof::fixed && span_of(degree)[v] > 2) ++count.listed_only;
   }
   return count.are_features();
+}
+
+/// Fixes the listed corners, unless the list is not one of corners (see ListedOnlyCount): returns then the number of
+/// listed vertices that it leaves movable, else 0.
+inline Size fix_corners(Span<const std::uint8_t> frozen, Span<VertexDof> dof) {
+  ListedOnlyCount count;
+  for (Size v = 0; v < dof.size(); ++v) {
+    if (dof[v] != VertexDof::free) ++count.constrained;
+    if (frozen[v] == kCorner && dof[v] != VertexDof::fixed) ++count.listed_only;
+  }
+  if (!count.are_features()) return count.listed_only;
+  for (Size v = 0; v < dof.size(); ++v) {
+    if (frozen[v] == kCorner) dof[v] = VertexDof::fixed;
+  }
+  return 0;
 }
 
 namespace classify_detail {
@@ -239,22 +250,6 @@ struct ClassifyVertex {
   }
 };
 
-struct CountListedOnly {
-  Span<const std::uint8_t> frozen;
-  Span<const VertexDof> dof;
-  TETUNE_HD ListedOnlyCount operator()(Size v) const {
-    return {dof[v] != VertexDof::free ? 1 : 0, frozen[v] == kCorner && dof[v] != VertexDof::fixed ? 1 : 0};
-  }
-};
-
-struct FixCorner {
-  Span<const std::uint8_t> frozen;
-  Span<VertexDof> dof;
-  TETUNE_HD void operator()(Size v) const {
-    if (frozen[v] == kCorner) dof[v] = VertexDof::fixed;
-  }
-};
-
 }  // namespace classify_detail
 
 /// Decides for each vertex where it may go without changing the surface (Sect. 4.2, Alg. 2):
@@ -274,17 +269,6 @@ void classify_vertices(const Backend& backend, WorkMesh<Backend>& mesh, const Su
   backend.for_each(mesh.vertices(), classify_detail::ClassifyVertex{
                                         mesh.points, surface.triangles, surface.tags, surface.vertex2corner.view(),
                                         edges, vertex2edge_end.view(), constrained, frozen, surface_fixed, dof, axis});
-}
-
-/// Fixes the listed corners, unless the list is not one of corners (see ListedOnlyCount): returns then the number of
-/// listed vertices that it leaves movable, else 0.
-template <class Backend>
-Size fix_corners(const Backend& backend, Span<const std::uint8_t> frozen, Span<VertexDof> dof) {
-  using namespace classify_detail;
-  const auto count = backend.template reduce<ListedOnlyCount>(dof.size(), CountListedOnly{frozen, dof});
-  if (!count.are_features()) return count.listed_only;
-  backend.for_each(dof.size(), FixCorner{frozen, dof});
-  return 0;
 }
 
 }  // namespace tetune

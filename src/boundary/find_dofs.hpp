@@ -25,9 +25,9 @@ struct DofInput {
   const std::vector<Index>& edge_ends;
   std::size_t ridges;
   const EdgeSet<Backend>& edges;
-  Span<const std::uint8_t> frozen;  ///< kMovable, kFrozen or kCorner per work vertex
-  double scale;                     ///< coordinates of the work mesh per unit of the caller's
-  const SlideSurface* slides_on;    ///< the surface for Boundary::slide; null: the mesh's own
+  const std::vector<std::uint8_t>& frozen;  ///< kMovable, kFrozen or kCorner per work vertex
+  double scale;                             ///< coordinates of the work mesh per unit of the caller's
+  const SlideSurface* slides_on;            ///< the surface for Boundary::slide; null: the mesh's own
   const std::vector<Index>& original2vertex;
 };
 
@@ -68,15 +68,15 @@ struct StartSurfacePoint {
 
 template <class Backend>
 void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
-                          VertexDofs<Backend>& dofs, Report& report) {
+                          Span<const std::uint8_t> frozen, VertexDofs<Backend>& dofs, Report& report) {
   const Options& options = input.options;
   const bool slides = options.boundary == Boundary::slide;
   const auto classify = [&](const EdgeSet<Backend>& features) {
     if (slides) {
-      build_reference(backend, mesh, input.surface, features.ends.span(), features.view(), input.frozen,
+      build_reference(backend, mesh, input.surface, features.ends.span(), features.view(), frozen,
                       options.feature_angle, dofs.dof.span(), dofs.reference);
     } else {
-      classify_vertices(backend, mesh, input.surface, features.ends.span(), features.view(), input.frozen,
+      classify_vertices(backend, mesh, input.surface, features.ends.span(), features.view(), frozen,
                         options.boundary == Boundary::fixed, dofs.dof.span(), dofs.axis.span());
     }
   };
@@ -85,15 +85,15 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   const Size ridge_ends = 2 * static_cast<Size>(input.ridges);
   classify(EdgeSet<Backend>(backend, {ends.data(), ends.data() + ridge_ends}, mesh.vertices()));
   const Size tagged = (ends.size() - ridge_ends) / 2;
-  if (tagged > 0) {
-    const std::vector<VertexDof> without_tagged = dofs.dof.download();
-    if (are_feature_lines(ends, ridge_ends, span_of(without_tagged))) {
-      classify(input.edges);
-    } else {
-      report.edges_not_held = tagged;
-    }
+  std::vector<VertexDof> dof = dofs.dof.download();
+  if (tagged > 0 && are_feature_lines(ends, ridge_ends, span_of(dof))) {
+    classify(input.edges);
+    dof = dofs.dof.download();
+  } else {
+    report.edges_not_held = tagged;
   }
-  report.corners_not_held = fix_corners(backend, input.frozen, dofs.dof.span());
+  report.corners_not_held = fix_corners(span_of(input.frozen), span_of(dof));
+  dofs.dof.upload(backend, dof);
   if (!slides) return;
   dofs.reference.dof.assign(backend, dofs.dof);
   backend.for_each(mesh.vertices(), StartSurfacePoint{dofs.surface_point});
@@ -132,10 +132,11 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
       dofs.max_deviation = std::max(dofs.max_deviation, std::numeric_limits<double>::min());
     dofs.surface_point.resize(backend, vertices);
   }
+  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, input.frozen);
   if (input.slides_on != nullptr) {
-    import_slide_surface(backend, *input.slides_on, input.original2vertex, input.frozen, input.scale, dofs);
+    import_slide_surface(backend, *input.slides_on, input.original2vertex, frozen.span(), input.scale, dofs);
   } else {
-    classify_own_surface(backend, mesh, input, dofs, report);
+    classify_own_surface(backend, mesh, input, frozen.span(), dofs, report);
   }
   if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
     dofs.displacement_bound.resize(backend, vertices);

@@ -33,11 +33,8 @@ struct VertexDofs {
   /// kActivationThreshold at once, or a flip changed its ring.
   BufferOf<Backend, std::uint8_t> active;
   DofsView view() { return {dof, axis, surface_point, reference.view(), displacement_bound, max_deviation, active}; }
-  /// The surface neighbors that color_vertices() must separate: those of the bound on the deviation.
-  SurfaceAdjacency stars() const {
-    if (!(max_deviation > 0)) return {};
-    return {reference.triangles.span(), reference.vertex2corner.view(), reference.line.span()};
-  }
+  /// The surface whose neighbors color_vertices() must separate: that of the bound on the deviation.
+  ReferenceView stars() const { return max_deviation > 0 ? reference.view() : ReferenceView{}; }
 };
 
 }  // namespace tetune

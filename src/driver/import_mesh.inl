@@ -147,8 +147,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   work.listed_triangles = listed_state.download();
 
   freeze_vertices(mesh, constraints.frozen, original2vertex, work);
-  BufferOf<Backend, std::uint8_t> frozen;
-  frozen.upload(backend, work.frozen);
+  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
   constexpr Size kMaxCorners = std::numeric_limits<Index>::max();
   if (flips_boundary(options) && 3 * surface.triangles.size() <= kMaxCorners) {
     build_boundary(backend, surface, listed, frozen.span(), work.boundary);
@@ -161,7 +160,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   }
   EdgeSet<Backend> edges(backend, ends, work.mesh.vertices());
   find_dofs(backend, work.mesh,
-            {options, surface, ends, constraints.ridges, edges, frozen.span(), work.scale, slides_on, original2vertex},
+            {options, surface, ends, constraints.ridges, edges, work.frozen, work.scale, slides_on, original2vertex},
             work.dofs, report);
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);

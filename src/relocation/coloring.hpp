@@ -53,7 +53,7 @@ TETUNE_HD inline std::uint32_t priority(Index vertex) { return priority(static_c
 
 struct InitializeColor {
   Span<const VertexDof> dof;
-  SurfaceAdjacency surface;
+  ReferenceView surface;
   Span<std::uint8_t> color;
   TETUNE_HD void operator()(Size v) const {
     color[v] = dof[v] == VertexDof::fixed || is_beside_high_valence(v) ? kExcluded : kUncolored;
@@ -78,7 +78,7 @@ struct InitializeColor {
 /// The vertices whose color must differ from that of a vertex.
 struct ConflictNeighbors {
   RingsView rings;
-  SurfaceAdjacency surface;
+  ReferenceView surface;
 
   TETUNE_INLINE void prefetch(Span<const Index> vertices, Size i) const {
     constexpr Size kAhead = 8;
@@ -327,7 +327,7 @@ struct LoadResult {
 /// must have been made with the same `surface`. Throws MeshError where a vertex has too many neighbors.
 template <class Backend>
 void color_vertices(const Backend& backend, const RingsView& rings, Span<const VertexDof> dof,
-                    Coloring<Backend>& coloring, const SurfaceAdjacency& surface = {}) {
+                    Coloring<Backend>& coloring, const ReferenceView& surface = {}) {
   using namespace coloring_detail;
   const Size n = dof.size();
   const bool none_colored = coloring.color.size() != n;

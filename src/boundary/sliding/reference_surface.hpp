@@ -55,12 +55,4 @@ struct ReferenceSurface {
   }
 };
 
-/// The neighbors of vertices on the surface, which need not share a tetrahedron: triangles, the corners at each vertex,
-/// and the neighbors along feature lines.
-struct SurfaceAdjacency {
-  Span<const SurfaceTriangle> triangles;
-  CsrView vertex2corner;
-  Span<const LineVertex> line;
-};
-
 }  // namespace tetune
