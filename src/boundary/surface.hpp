@@ -69,9 +69,9 @@ struct Surface {
   Buffer<Index> listed2triangle;
 };
 
-/// Corners are numbered in 32 bits.
+/// Corners are numbered by Index.
 inline void check_surface_size(Size faces) {
-  constexpr Size kMaxFaces = std::numeric_limits<std::uint32_t>::max() / 3;
+  constexpr Size kMaxFaces = std::numeric_limits<Index>::max() / 3;
   if (faces <= kMaxFaces) return;
   throw MeshError("the mesh has " + std::to_string(faces) + " faces on its boundary and interfaces; at most " +
                   std::to_string(kMaxFaces) + " can be handled. Split the mesh, or weld the vertices that coincide.");

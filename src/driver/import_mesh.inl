@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <numeric>
 
 #include "backend/atomic.hpp"
@@ -148,10 +147,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
 
   freeze_vertices(mesh, constraints.frozen, original2vertex, work);
   const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
-  constexpr Size kMaxCorners = std::numeric_limits<Index>::max();
-  if (flips_boundary(options) && 3 * surface.triangles.size() <= kMaxCorners) {
-    build_boundary(backend, surface, listed, frozen.span(), work.boundary);
-  }
+  if (flips_boundary(options)) build_boundary(backend, surface, listed, frozen.span(), work.boundary);
 
   // All listed edges constrain flips.
   std::vector<Index> ends;

@@ -2,13 +2,10 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <string>
 
 #include "boundary/classify.hpp"
 #include "boundary/sliding/reference_surface.hpp"
-#include "tetune/error.hpp"
 
 namespace tetune {
 
@@ -57,24 +54,13 @@ struct ClassifySlidingVertex {
   Span<LineVertex> line;
 
   TETUNE_HD void operator()(Size v) const {
-    FeatureEnds ends;
+    EdgeEnds ends;
     dof[v] = classify(v, ends);
-    line[v] = dof[v] == VertexDof::curve ? LineVertex{{ends.next[0], ends.next[1]}} : LineVertex{{-1, -1}};
+    line[v] = dof[v] == VertexDof::curve ? LineVertex{{ends.end[0], ends.end[1]}} : LineVertex{{-1, -1}};
   }
 
  private:
-  /// The other ends of the feature edges at a vertex; the first two are stored.
-  struct FeatureEnds {
-    int count = 0;
-    Index next[2] = {-1, -1};
-    TETUNE_HD void add(Index q) {
-      if (count > 2 || (count > 0 && next[0] == q) || (count > 1 && next[1] == q)) return;
-      if (count < 2) next[count] = q;
-      ++count;
-    }
-  };
-
-  TETUNE_HD VertexDof classify(Size v, FeatureEnds& ends) const {
+  TETUNE_HD VertexDof classify(Size v, EdgeEnds& ends) const {
     if (frozen[v] == kFrozen) return VertexDof::fixed;
     const Size begin = vertex2corner.begin(v);
     const Size triangles_at_vertex = vertex2corner.size(v);
@@ -102,8 +88,8 @@ struct ClassifySlidingVertex {
     // only touches at the vertex.
     if (ends.count != 2 || in_sectors != 2 * triangles_at_vertex) return VertexDof::fixed;
     const Vec3 x = vec(points[v]);
-    const Vec3 d0 = vec(points[ends.next[0]]) - x;
-    const Vec3 d1 = vec(points[ends.next[1]]) - x;
+    const Vec3 d0 = vec(points[ends.end[0]]) - x;
+    const Vec3 d1 = vec(points[ends.end[1]]) - x;
     return -dot(d0, d1) < cos_angle * norm(d0) * norm(d1) ? VertexDof::fixed : VertexDof::curve;
   }
 
@@ -155,11 +141,6 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   using namespace features_detail;
   const Size vertices = mesh.vertices();
   const Size triangles = surface.triangles.size();
-  constexpr Size kMaxTriangles = std::numeric_limits<Index>::max() / 3;
-  if (triangles > kMaxTriangles) {
-    throw MeshError("the mesh has " + std::to_string(triangles) + " faces on its boundary and interfaces; at most " +
-                    std::to_string(kMaxTriangles) + " can slide. Preserve the boundary, or split the mesh.");
-  }
   reference.points.assign(backend, mesh.points);
   reference.triangles.assign(backend, surface.triangles);
   reference.vertex2corner.offsets.assign(backend, surface.vertex2corner.offsets);
