@@ -9,8 +9,6 @@
 
 namespace tetune {
 
-/// Vertices of the surface that may move within planes and along straight lines, so that its shape stays as it is.
-
 /// Distances from a plane or line below this part of the local edge length count as zero. A vertex that moves in such a
 /// plane changes the surface by at most about that much.
 inline constexpr double kFlat = 1e-6;

@@ -93,15 +93,6 @@ void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<In
   work.required_slots = std::move(locked);
 }
 
-/// 1 for each required triangle; empty if there are none.
-inline std::vector<std::uint8_t> required_triangles(const TetMesh& mesh) {
-  std::vector<std::uint8_t> required;
-  if (mesh.required_triangles.empty()) return required;
-  required.resize(mesh.triangles.size(), 0);
-  for (const Index t : mesh.required_triangles) span_of(required)[t] = 1;
-  return required;
-}
-
 /// Sets WorkingSet::frozen. The vertices of listed triangles that are not faces are frozen.
 template <class Backend>
 void freeze_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& by_original,
@@ -128,7 +119,9 @@ template <class Backend>
 void import_surface(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
                     const Constraints& constraints, const std::vector<Index>& original2vertex,
                     WorkingSet<Backend>& work, Report& report) {
-  const std::vector<std::uint8_t> required = required_triangles(mesh);
+  // Empty if no triangle is required.
+  std::vector<std::uint8_t> required(mesh.required_triangles.empty() ? 0 : mesh.triangles.size(), 0);
+  for (const Index t : mesh.required_triangles) span_of(required)[t] = 1;
   const DeviceViewOf<Backend, std::array<Index, 3>> triangles(backend, mesh.triangles);
   const DeviceViewOf<Backend, int> tags(backend, mesh.triangle_tags);
   const DeviceViewOf<Backend, std::uint8_t> required_view(backend, required);

@@ -29,8 +29,9 @@ struct MaximizeMinAngle : DofsView {
     const MinAngleRing ring(mesh, rings.faces.data() + begin, count);
     Vec3 x = vec(mesh.points[v]);
     if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) {
-      SlideMotion<Pack> motion{reference, DeviationBound<Pack>(reference, mesh.points, surface_point, v, max_deviation),
-                               dof[v], surface_point[v], surface_point[v]};
+      SlideMotion<Pack> motion{reference,
+                               DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v],
+                               surface_point[v], surface_point[v]};
       if (!ring.maximize(x, motion, target_cot)) return {};
       surface_point[v] = motion.surface_point;
     } else {

@@ -109,7 +109,7 @@ struct RelocateVertex : DofsView {
   template <class AnyRing>
   TETUNE_HD __attribute__((noinline)) StepResult slide(AnyRing& ring, Index v, const Vec3& x,
                                                        const DisplacementBound& displacement) const {
-    const DeviationBound<Pack> deviation(reference, points, surface_point, v, max_deviation);
+    const DeviationBound<Pack> deviation({reference, points, surface_point, v, max_deviation});
     const SlideResult slid = slide_of(step)(ring, x, surface_point[v], dof[v], reference, deviation, displacement);
     if (slid.step.decrease > 0) surface_point[v] = slid.surface_point;
     return slid.step;

@@ -74,9 +74,8 @@ struct Slider {
 
   template <class Step>
   bool visit(const Step& step, Bowl bowl) {
-    const DeviationBound<backend::Cpu::Pack> no_bound(
-        surface.view(), {mesh_points.data(), static_cast<Size>(mesh_points.size())},
-        {mesh_surface_points.data(), static_cast<Size>(mesh_surface_points.size())}, 0, 0);
+    const ReferenceView ref = surface.view();
+    const DeviationBound<backend::Cpu::Pack> no_bound({ref, span_of(mesh_points), span_of(mesh_surface_points), 0, 0});
     const double before = bowl.value(x).value;
     const SlideResult r = step(bowl, x, surface_point, dof, surface.view(), no_bound, DisplacementBound{});
     EXPECT_NEAR(r.step.decrease, before - bowl.value(r.step.position).value, 1e-12);

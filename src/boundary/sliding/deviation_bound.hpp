@@ -76,23 +76,20 @@ class LineDeviation {
 /// slide on the surface take the fast test first, if SurfaceFan::build() succeeds, and the other one for the undecided
 /// triangles; vertices on feature lines, and all other fans, take TriangleDeviation alone.
 template <class Pack>
-class DeviationBound {
+class DeviationBound : DeviationInput {
  public:
-  /// A limit of 0 is no bound.
-  TETUNE_HD DeviationBound(const ReferenceView& ref, Span<const Point> points, Span<const SurfacePoint> surface_points,
-                           Index vertex, double limit)
-      : ref_(ref), points_(points), surface_points_(surface_points), vertex_(vertex), limit_(limit) {}
+  TETUNE_HD explicit DeviationBound(const DeviationInput& input) : DeviationInput(input) {}
 
   /// Whether the vertex may be at x, which is at the surface point `on`.
   TETUNE_HD bool allows(const Vec3& x, const SurfacePoint& on) const {
-    if (!(limit_ > 0)) return true;
-    if (ref_.dof[vertex_] == VertexDof::curve && !lines_are_within(x, on)) return false;
-    const TriangleDeviation triangle_test(ref_, points_, surface_points_, vertex_, limit_);
-    if (ref_.dof[vertex_] == VertexDof::surface) {
+    if (!(limit > 0)) return true;
+    if (ref.dof[vertex] == VertexDof::curve && !lines_are_within(x, on)) return false;
+    const TriangleDeviation triangle_test(*this);
+    if (ref.dof[vertex] == VertexDof::surface) {
       SurfaceFan<Pack> fan;
-      if (fan.build(ref_, points_, vertex_, x)) {
+      if (fan.build(ref, points, vertex, x)) {
         FanMask undecided = 0;
-        FanDeviation<Pack> fan_test(fan, ref_, surface_points_, triangle_test, limit_);
+        FanDeviation<Pack> fan_test(fan, *this, triangle_test);
         if (!fan_test.is_within(on, undecided)) return false;
         for (int i = 0; i < fan.count; ++i) {
           if ((undecided >> i & 1) != 0 && !triangle_test.is_within(fan.corner[i], x, on)) return false;
@@ -100,26 +97,20 @@ class DeviationBound {
         return true;
       }
     }
-    for (Size c = ref_.vertex2corner.begin(vertex_); c < ref_.vertex2corner.end(vertex_); ++c) {
-      if (!triangle_test.is_within(ref_.vertex2corner.items[c], x, on)) return false;
+    for (Size c = ref.vertex2corner.begin(vertex); c < ref.vertex2corner.end(vertex); ++c) {
+      if (!triangle_test.is_within(ref.vertex2corner.items[c], x, on)) return false;
     }
     return true;
   }
 
  private:
   TETUNE_HD bool lines_are_within(const Vec3& x, const SurfacePoint& on) const {
-    const LineDeviation line_test(ref_, limit_);
-    for (const Index neighbor : ref_.line[vertex_].next) {
-      if (!line_test.is_within(x, on, vec(points_[neighbor]), surface_points_[neighbor])) return false;
+    const LineDeviation line_test(ref, limit);
+    for (const Index neighbor : ref.line[vertex].next) {
+      if (!line_test.is_within(x, on, vec(points[neighbor]), surface_points[neighbor])) return false;
     }
     return true;
   }
-
-  const ReferenceView& ref_;
-  Span<const Point> points_;
-  Span<const SurfacePoint> surface_points_;
-  Index vertex_;
-  double limit_;
 };
 
 }  // namespace tetune
