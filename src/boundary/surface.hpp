@@ -126,9 +126,11 @@ struct IsSurfaceFace {
   Span<const Tet> tets;
   Span<const FaceAdjacency> adjacency;
   TETUNE_HD bool operator()(Size item) const {
-    if (tets[item >> 2].v[0] == kFreeSlot) return false;
-    const HalfFace across = adjacency[item >> 2][item & 3];
-    return across == kNoHalfFace || (is_locked(across) && (item >> 2) < tet_of(across));
+    const auto half_face = static_cast<HalfFace>(item);
+    const Index tet = tet_of(half_face);
+    if (tets[tet][0] == kFreeSlot) return false;
+    const HalfFace across = adjacency[tet][face_of(half_face)];
+    return across == kNoHalfFace || (is_locked(across) && tet < tet_of(across));
   }
 };
 

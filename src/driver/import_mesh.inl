@@ -85,6 +85,7 @@ void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<In
   if (tets.empty()) return;
   const std::vector<Index> original2slot = inverse(work.mesh.tet2original.download());
   std::vector<Index> locked;
+  locked.reserve(tets.size());
   for (const Index t : tets) locked.push_back(span_of(original2slot)[t]);
   BufferOf<Backend, Index> slots;
   slots.upload(backend, locked);

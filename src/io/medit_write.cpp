@@ -43,7 +43,7 @@ class TextWriter {
     head.append(section.name).append(1, '\n').append(std::to_string(n)).append(1, '\n').append(subtitle);
     file_.write(head);
     const Size size = std::int64_t(n);
-    std::vector<std::string> parts(std::size_t{4} * cpu_.threads());
+    std::vector<std::string> parts(to_size_t(4 * cpu_.threads()));
     const Span<std::string> part = span_of(parts);
     for (Size first = 0; first < size; first += part.size() * kLinesPerPart) {
       cpu_.for_parts(part.size(), [&](Size p) {

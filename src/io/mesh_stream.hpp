@@ -67,7 +67,7 @@ class MeshWriter {
   void operator()(const std::string& text) { raw(text); }
   void operator()(const DataValues& values) {
     (*this)(std::uint64_t{values.index()});
-    std::visit([this](const auto& v) { raw(v); }, values);
+    std::visit([this](const auto& v) { this->raw(v); }, values);
   }
   template <class T>
   void operator()(const std::vector<T>& items) {

@@ -23,7 +23,7 @@ struct FaceOfCorner {
   Span<const Tet> tets;
   TETUNE_HD LinkFace operator()(std::uint32_t corner) const {
     const Tet tet = tets[corner >> 2];
-    const int k = corner & 3;
+    const int k = face_of(corner);
     return {{tet[face_vertex(k, 0)], tet[face_vertex(k, 1)], tet[face_vertex(k, 2)]}};
   }
 };
@@ -34,7 +34,7 @@ struct FlaggedVertexOfCorner {
   Span<const Index> slots;
   Span<const std::uint8_t> flags;
   TETUNE_HD Size operator()(Size corner) const {
-    const Index v = tets[slots[corner >> 2]][corner & 3];
+    const Index v = tets[slots[corner >> 2]][face_of(static_cast<HalfFace>(corner))];
     return flags[v] != 0 ? v : -1;
   }
 };
