@@ -14,6 +14,7 @@
 #include "mesh/upload.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/element_selection.hpp"
+#include "phases/tuning.hpp"
 #include "phases/working_set.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -113,12 +114,6 @@ void freeze_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& by_or
   }
 }
 
-/// Boundary flips would replace triangles of the surface that the deviation is measured from.
-inline bool flips_boundary(const Options& options) {
-  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed &&
-         !(options.max_deviation > 0) && options.max_ring > 3;
-}
-
 /// Finds the surface and decides where its vertices may go.
 template <class Backend>
 void import_surface(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
@@ -147,6 +142,11 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   constexpr Size kMaxCorners = std::numeric_limits<Index>::max();
   if (flips_boundary(options) && 3 * surface.triangles.size() <= kMaxCorners) {
     build_boundary(backend, surface, listed, frozen.span(), work.boundary);
+    if (edits_surface(options)) {
+      for (const BoundaryTriangle& t : work.boundary.triangles.download()) {
+        if (t.listed >= 0) work.listed_boundary.push_back(t.listed);
+      }
+    }
   }
 
   // All listed edges constrain flips.

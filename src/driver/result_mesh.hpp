@@ -18,7 +18,8 @@ struct HostResult {
   std::vector<Index> tet2original;
   std::vector<Index> slot_of_tet;  ///< before compaction; increasing
   std::vector<BoundaryTriangle> boundary;
-  bool has_duplicate_faces = false;  ///< possibly: must be checked
+  std::vector<Index> listed_boundary;  ///< the entries of the caller's list that were on the boundary before
+  bool has_duplicate_faces = false;    ///< possibly: must be checked
 };
 
 /// Returns the tags of the tetrahedra that these of the caller's have become.

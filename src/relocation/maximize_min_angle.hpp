@@ -8,11 +8,12 @@
 
 namespace tetune {
 
-/// Moves the flagged vertices, color by color, each within its degrees of freedom, to increase the smallest dihedral
-/// angle of its ring until the cotangent is at most `target_cot`. Returns the number of vertices that moved.
+/// Moves the flagged vertices, color by color, each within its degrees of freedom, to decrease the largest
+/// cost of the dihedral angles of its ring until it is at most `target_cost`. Returns the number of vertices that
+/// moved.
 template <class Backend>
 Size maximize_min_angle(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                         const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
-                        Span<const std::uint8_t> flags, double target_cot);
+                        Span<const std::uint8_t> flags, double target_cost);
 
 }  // namespace tetune

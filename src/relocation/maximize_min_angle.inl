@@ -21,7 +21,7 @@ struct MaximizeMinAngle {
   ReferenceView reference;
   double max_deviation;
   Span<const std::uint8_t> flags;
-  double target_cot;
+  double target_cost;
   Span<const Index> vertices = {};
 
   TETUNE_HD backend::Sum<Size> operator()(Size i) const {
@@ -29,16 +29,16 @@ struct MaximizeMinAngle {
     const Size begin = rings.offsets[v];
     const auto count = static_cast<int>(rings.offsets[v + 1] - begin);
     if (flags[v] == 0 || count == 0) return {};
-    const MinAngleRing ring(mesh, rings.faces.data() + begin, count);
+    const MinAngleRing ring(mesh, rings.faces.data() + begin, count, true);
     Vec3 x = vec(mesh.points[v]);
     if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) {
       SlideMotion<Pack> motion{reference, DeviationBound<Pack>(reference, mesh.points, surface_point, v, max_deviation),
                                dof[v], surface_point[v], surface_point[v]};
-      if (!ring.maximize(x, motion, target_cot)) return {};
+      if (!ring.maximize(x, motion, target_cost)) return {};
       surface_point[v] = motion.surface_point;
     } else {
       FreeMotion motion{{dof[v], axis[v]}};
-      if (!ring.maximize(x, motion, target_cot)) return {};
+      if (!ring.maximize(x, motion, target_cost)) return {};
     }
     mesh.points[v] = point(x);
     return {1};
@@ -50,7 +50,7 @@ struct MaximizeMinAngle {
 template <class Backend>
 Size maximize_min_angle(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                         const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
-                        Span<const std::uint8_t> flags, double target_cot) {
+                        Span<const std::uint8_t> flags, double target_cost) {
   using namespace maximize_min_angle_detail;
   const MaximizeMinAngle<typename Backend::Pack> kernel{rated(mesh, criterion),
                                                         rings,
@@ -61,7 +61,7 @@ Size maximize_min_angle(const Backend& backend, WorkMesh<Backend>& mesh, const C
                                                         dofs.reference.view(),
                                                         dofs.max_deviation,
                                                         flags,
-                                                        target_cot};
+                                                        target_cost};
   return reduce_colors<backend::Sum<Size>>(backend, coloring, kernel).value;
 }
 
