@@ -58,10 +58,11 @@ struct Work {
                                       double vertex_cot = 0) {
     std::vector<Index> around;
     for (Size t = 0; t < mesh.slots(); ++t) {
-      if (mesh.view().alive(t) && max_dihedral_cot(mesh.view(), t) > cot) around.push_back(static_cast<Index>(t));
+      if (mesh.view().alive(t) && dihedral_cots(mesh.view(), t).max > cot) around.push_back(static_cast<Index>(t));
     }
     refresh_energy(backend::Cpu(1), mesh, criterion, flips.energies);
-    return retriangulate_worst(backend::Cpu(threads), mesh, criterion, flips, dofs,
+    BoundaryTriangles<backend::Cpu>* const no_surface = nullptr;
+    return retriangulate_worst(backend::Cpu(threads), mesh, criterion, flips, dofs, no_surface,
                                {around.data(), static_cast<Size>(around.size())}, most_tets, vertex_cot);
   }
 };
@@ -387,10 +388,10 @@ TEST(MinAngleRing, IncreasesTheSmallestAngle) {
   const TetMesh m = divided_tet();
   Work work(m);
   const LinkFace faces[4] = {{{1, 3, 2}}, {{0, 2, 3}}, {{0, 3, 1}}, {{0, 1, 2}}};
-  const MinAngleRing ring(rated(work.mesh, work.criterion), faces, 4);
+  const MinAngleRing ring(rated(work.mesh, work.criterion), faces, 4, true);
   int first = 0;
   Vec3 x = vec(m.points[4]);
-  const double before = ring.max_dihedral_cot(x, 1e300, first);
+  const double before = ring.largest_cost(x, 1e300, first);
   EXPECT_NEAR(before, 1 / std::tan(quality(m).dihedral_min * 3.14159265358979324 / 180), 1e-9);
   ASSERT_TRUE(maximize(ring, x, {VertexDof::free, {}}, 0));
   // The angles of all four tetrahedra are equal in the middle only.
@@ -398,9 +399,9 @@ TEST(MinAngleRing, IncreasesTheSmallestAngle) {
   // The search ends where the target is reached.
   Vec3 y = vec(m.points[4]);
   ASSERT_TRUE(maximize(ring, y, {VertexDof::free, {}}, 0.9 * before));
-  const double reached = ring.max_dihedral_cot(y, 1e300, first);
+  const double reached = ring.largest_cost(y, 1e300, first);
   EXPECT_LE(reached, 0.9 * before);
-  EXPECT_GT(reached, 1.1 * ring.max_dihedral_cot(x, 1e300, first));
+  EXPECT_GT(reached, 1.1 * ring.largest_cost(x, 1e300, first));
   // Within a plane and along a line.
   Vec3 z = vec(m.points[4]);
   ASSERT_TRUE(maximize(ring, z, {VertexDof::plane, {0, 0, 1}}, 0));
