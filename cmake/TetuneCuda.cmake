@@ -10,10 +10,7 @@ find_package(CUDAToolkit REQUIRED)
 foreach(library ${TETUNE_LIBRARIES})
   set_target_properties(${library} PROPERTIES CUDA_ARCHITECTURES "${CMAKE_CUDA_ARCHITECTURES}")
   target_sources(${library} PRIVATE
-    src/boundary/boundary_cuda.cu
-    src/mesh/mesh_cuda.cu
     src/driver/driver_cuda.cu
-    src/energy/energy_cuda.cu
     src/operators/operators_cuda.cu
     src/relocation/relocation_cuda.cu)
   target_link_libraries(${library} PRIVATE CUDA::cudart_static)

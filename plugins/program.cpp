@@ -34,7 +34,7 @@ void limit_memory(const std::string& file) {
 #endif
 }
 
-constexpr const char* kTooMuchMemory = "it asks for more memory than a file of its size can fill: it is damaged";
+constexpr const char* kTooMuchMemory = "reading it takes more memory than a file of its size can fill: it is damaged";
 
 TetMesh receive() {
   struct stat info {};
@@ -69,9 +69,7 @@ void answer(const std::string& error, const Warnings& warnings, const TetMesh* m
   MeshWriter out([](const void* data, std::size_t bytes) {
     if (!write_all(kPluginDescriptor, data, bytes)) throw FileError("no memory for handing a mesh over");
   });
-  out(kAnswerVersion);
-  out(error);
-  out(warnings);
+  out(kAnswerVersion, error, warnings);
   if (mesh != nullptr) out(*mesh);
 }
 
@@ -88,7 +86,7 @@ int run(const std::string& verb, const std::string& file) {
       answer("", warnings, nullptr);
     } else {
       TetMesh mesh = receive();
-      // Back to the orientation of the caller's file.
+      // Restores the orientation of the caller's file.
       if (mesh.listed_inside_out) {
         for (auto& tet : mesh.tets) std::swap(tet[2], tet[3]);
       }

@@ -9,7 +9,7 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/work_mesh.hpp"
 #include "tetune/mesh.hpp"
 
 /// The working mesh of the optimizer, in the caller's order.

@@ -3,7 +3,8 @@
 #include "driver/devices.hpp"
 #include "energy/mesh_energy.hpp"
 #include "mesh/connect.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/sort_mesh.hpp"
+#include "mesh/work_mesh.hpp"
 #include "operators/flip_pass.hpp"
 #include "relocation/sweep.hpp"
 
@@ -45,7 +46,7 @@ std::vector<std::pair<std::string, double>> measure_stages(const TetMesh& mesh, 
       activate_all(backend, work, criterion, flips);
       flip_pass(backend, work, criterion, flips, {});
     });
-    std::vector<Tet> tets(backend::to_size_t(work.slots()));
+    std::vector<Tet> tets(to_size_t(work.slots()));
     measure("download", counts, [&] {
       backend::CudaMemory::download(points.data(), work.points.span().data(), points.size() * sizeof(Point));
       backend::CudaMemory::download(tets.data(), work.tet2vertex.span().data(), tets.size() * sizeof(Tet));

@@ -13,7 +13,8 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/sort_mesh.hpp"
+#include "mesh/work_mesh.hpp"
 #include "operators/flip_pass.hpp"
 #include "reference/generate.hpp"
 #include "relocation/coloring.hpp"
@@ -219,11 +220,11 @@ void sweep_with(benchmark::State& state, const Step& step) {
     }
   }
   VertexDofs<Cpu> m;
-  m.kind.upload(cpu, kinds);
+  m.dof.upload(cpu, kinds);
   m.axis.upload(cpu, std::vector<Vec3>(n, Vec3{0, 0, 0}));
   m.active.upload(cpu, std::vector<std::uint8_t>(n, 1));
   Coloring<Cpu> coloring;
-  color_vertices(cpu, rings.view(), Span<const VertexDof>(m.kind.span()), coloring);
+  color_vertices(cpu, rings.view(), Span<const VertexDof>(m.dof.span()), coloring);
   const std::vector<Point> start = work.points.download();
   for (auto _ : state) {
     state.PauseTiming();

@@ -14,7 +14,8 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/sort_mesh.hpp"
+#include "mesh/work_mesh.hpp"
 #include "reference/alexa.hpp"
 #include "tetune/tetune.hpp"
 
@@ -91,7 +92,7 @@ TetMesh sorted(const TetMesh& mesh) {
   TetMesh result;
   for (const Point& p : work.points.download()) result.points.push_back({p.x, p.y, p.z});
   for (const Tet& t : work.tet2vertex.download()) result.tets.push_back({t[0], t[1], t[2], t[3]});
-  for (const Index t : work.tet2original.download()) result.tet_tags.push_back(backend::span_of(mesh.tet_tags)[t]);
+  for (const Index t : work.tet2original.download()) result.tet_tags.push_back(span_of(mesh.tet_tags)[t]);
   result.point_tags.assign(result.points.size(), 0);
   return result;
 }

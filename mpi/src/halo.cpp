@@ -52,7 +52,7 @@ Addressed touching(const Part& part, const Marks& vertices, int rank) {
 }  // namespace
 
 Part halo_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::vector<int>& frozen_regions) {
-  // The owner rank of a vertex knows the ranks that have it.
+  // The owner rank of a vertex has a list of the ranks that hold it.
   const Blocks blocks(totals.vertices, size_of(comm));
   const std::vector<std::size_t> shared = possibly_shared(part);
   const StarForest star(comm, values_of(shared, part.vertex_id), blocks);

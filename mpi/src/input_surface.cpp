@@ -67,20 +67,20 @@ InputSurface::InputSurface(const Part& part, const Part& halo, const std::vector
       const std::size_t v(found.triangles[t][k]);
       ++triangles[v];
       all = all && own[v] != 0;
-      corners[k] = {halo.vertex_id[v], found.walls[t] >> k & 1U};
+      corners[k] = {halo.vertex_id[v], found.feature_edges[t] >> k & 1U};
     }
     if (!all) continue;
     std::sort(corners.begin(), corners.end());
     Face face{};
     for (std::size_t k = 0; k < 3; ++k) {
       face.v[k] = corners[k].first;
-      face.walls |= int(corners[k].second << k);
+      face.feature_edges |= int(corners[k].second << k);
     }
     faces_.push_back(face);
   }
   for (std::size_t v = 0; v < own.size(); ++v) {
-    if (own[v] == 0 || found.kind[v] == VertexDof::free) continue;
-    SurfaceVertex vertex{halo.vertex_id[v], found.points[v], {-1, -1}, triangles[v], found.kind[v]};
+    if (own[v] == 0 || found.dof[v] == VertexDof::free) continue;
+    SurfaceVertex vertex{halo.vertex_id[v], found.points[v], {-1, -1}, triangles[v], found.dof[v]};
     for (std::size_t side = 0; side < 2; ++side) {
       const Index next = found.line[v][side];
       if (next >= 0) vertex.line[side] = item(halo.vertex_id, next);
@@ -98,7 +98,7 @@ void InputSurface::index() {
       surface_points_, [](const SurfacePoint& p) { return p.vertex; }, keep_first);
   // Because of rounding one rank may find a feature edge that another does not.
   sort_unique(
-      faces_, [](const Face& f) { return f.v; }, [](Face& a, const Face& b) { a.walls |= b.walls; });
+      faces_, [](const Face& f) { return f.v; }, [](Face& a, const Face& b) { a.feature_edges |= b.feature_edges; });
   vertex_at_ = IdMap(ids_of(vertices_, &SurfaceVertex::id));
   point_at_ = IdMap(ids_of(surface_points_, &SurfacePoint::vertex));
   face_at_.clear();
@@ -167,7 +167,7 @@ void InputSurface::set_vertices(const Marks& near, const std::vector<Index>& pos
       is_complete = is_complete && (vertex.line[side] < 0 || line[side] >= 0);
     item(surface.points, position[i]) = vertex.x;
     item(surface.line, position[i]) = line;
-    item(surface.kind, position[i]) = is_complete ? vertex.kind : VertexDof::fixed;
+    item(surface.dof, position[i]) = is_complete ? vertex.dof : VertexDof::fixed;
   }
 }
 
@@ -184,14 +184,14 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, Marks& frozen)
   widen(near);
   const std::vector<Index> position = append_vertices(near, piece, part.mesh);
   frozen.resize(piece.id.size(), 1);
-  surface.site.assign(piece.id.size(), kNoSite);
+  surface.surface_point.assign(piece.id.size(), kNoSurfacePoint);
   for (std::size_t v = 0; v < count; ++v) {
     const Index point = point_at_[piece.id[v]];
     if (point < 0) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Id on = item(surface_points_, point).on[k];
       const Index at = on < 0 ? -1 : vertex_at_[on];
-      surface.site[v][k] = at < 0 ? -1 : item(position, at);
+      surface.surface_point[v][k] = at < 0 ? -1 : item(position, at);
     }
   }
 
@@ -203,14 +203,14 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, Marks& frozen)
     for (std::size_t k = 0; k < 3; ++k) triangle[k] = item(position, face_at_[f][k]);
     const bool of_part = std::all_of(triangle.begin(), triangle.end(), [&](Index v) { return v < to_index(count); });
     surface.triangles.push_back(triangle);
-    surface.walls.push_back(std::uint8_t(faces_[f].walls));
+    surface.feature_edges.push_back(std::uint8_t(faces_[f].feature_edges));
     for (const Index i : face_at_[f]) {
       ++item(triangles_here, i);
       item(triangles_of_part, i) += of_part ? 1 : 0;
     }
   }
   surface.points = part.mesh.points;
-  surface.kind.assign(piece.id.size(), VertexDof::free);
+  surface.dof.assign(piece.id.size(), VertexDof::free);
   surface.line.assign(piece.id.size(), {-1, -1});
   set_vertices(near, position, triangles_here, surface);
   if (!bounded) return piece;
@@ -229,10 +229,10 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, Marks& frozen)
 void InputSurface::write_back(const Piece& piece) {
   const auto id_of = [&piece](Index v) { return v < 0 ? Id{-1} : item(piece.id, v); };
   for (std::size_t v = 0; v < piece.id.size(); ++v) {
-    const std::array<Index, 3>& site = piece.surface.site[v];
+    const std::array<Index, 3>& on = piece.surface.surface_point[v];
     const Index point = point_at_[piece.id[v]];
-    if (point < 0 || site == kNoSite) continue;
-    for (std::size_t k = 0; k < 3; ++k) item(surface_points_, point).on[k] = id_of(site[k]);
+    if (point < 0 || on == kNoSurfacePoint) continue;
+    for (std::size_t k = 0; k < 3; ++k) item(surface_points_, point).on[k] = id_of(on[k]);
   }
 }
 

@@ -44,11 +44,11 @@ class InputSurface {
     Point3 x;
     std::array<Id, 2> line;  ///< the next vertices on the feature line, or -1
     int triangles;           ///< of the whole surface
-    VertexDof kind;
+    VertexDof dof;
   };
   struct Face {
     std::array<Id, 3> v;  ///< increasing
-    int walls;            ///< as of SlideSurface
+    int feature_edges;    ///< as of SlideSurface
   };
   /// The point of the surface on which a vertex of the mesh is: the vertices of a triangle, edge or vertex of the
   /// surface; unused ones are -1.

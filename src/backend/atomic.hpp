@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "backend/macros.hpp"
 
@@ -25,32 +26,18 @@ TETUNE_HD inline void atomic_or(std::uint32_t& target, std::uint32_t bits) {
 #endif
 }
 
-#if !defined(__CUDA_ARCH__)
-namespace atomic_detail {
+/// T is an unsigned integer of 32 or 64 bits.
 template <class T>
-TETUNE_HD inline void max(T& target, T value) {
+TETUNE_HD inline void atomic_max(T& target, std::type_identity_t<T> value) {
+#if defined(__CUDA_ARCH__)
+  using Word = std::conditional_t<sizeof(T) == sizeof(unsigned), unsigned, unsigned long long>;
+  static_assert(sizeof(Word) == sizeof(T));
+  atomicMax(reinterpret_cast<Word*>(&target), Word{value});
+#else
   T current = __atomic_load_n(&target, __ATOMIC_RELAXED);
   while (current < value &&
          !__atomic_compare_exchange_n(&target, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
   }
-}
-}  // namespace atomic_detail
-#endif
-
-TETUNE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
-#if defined(__CUDA_ARCH__)
-  atomicMax(&target, value);
-#else
-  atomic_detail::max(target, value);
-#endif
-}
-
-TETUNE_HD inline void atomic_max(std::uint64_t& target, std::uint64_t value) {
-#if defined(__CUDA_ARCH__)
-  static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
-  atomicMax(reinterpret_cast<unsigned long long*>(&target), static_cast<unsigned long long>(value));
-#else
-  atomic_detail::max(target, value);
 #endif
 }
 

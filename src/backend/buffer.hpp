@@ -67,6 +67,8 @@ class Buffer {
   Size size() const { return size_; }
   Span<T> span() { return {data_, size_}; }
   Span<const T> span() const { return {data_, size_}; }
+  operator Span<T>() { return span(); }
+  operator Span<const T>() const { return span(); }
 
   void upload(const Backend& backend, const std::vector<T>& host) {
     resize(backend, std::ssize(host));
@@ -106,3 +108,13 @@ class UploadedView {
 };
 
 }  // namespace tetune::backend
+
+namespace tetune {
+
+/// The types of a backend that is a template parameter.
+template <class Backend, class T>
+using BufferOf = typename Backend::template Buffer<T>;
+template <class Backend, class T>
+using DeviceViewOf = typename Backend::template DeviceView<T>;
+
+}  // namespace tetune

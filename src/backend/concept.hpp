@@ -9,7 +9,6 @@
 
 #include "backend/macros.hpp"
 #include "backend/span.hpp"
-#include "backend/sum.hpp"
 
 /// The contract between the algorithms and the machine that runs them. Everything above src/backend is written once,
 /// as templates over a backend, and is instantiated per backend by the files *_cpu.cpp and *_cuda.cu; the compiler

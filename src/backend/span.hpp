@@ -8,7 +8,7 @@
 
 #include "backend/macros.hpp"
 
-namespace tetune::backend {
+namespace tetune {
 
 using Size = std::int64_t;
 using Index32 = std::int32_t;
@@ -45,6 +45,13 @@ Span<const T> span_of(const std::vector<T>& v) {
   return {v.data(), static_cast<Size>(v.size())};
 }
 
+/// The result of a reduction that adds.
+template <class T>
+struct Sum {
+  T value{};
+  TETUNE_HD void merge(const Sum& other) { value += other.value; }
+};
+
 /// Converts a count or a position to a 32-bit index; a value that does not fit is a bug.
 template <class T>
 TETUNE_HD constexpr Index32 to_index(T value) {
@@ -59,4 +66,7 @@ constexpr std::size_t to_size_t(T value) {
   return static_cast<std::size_t>(value);
 }
 
-}  // namespace tetune::backend
+namespace backend {
+using tetune::Size, tetune::Span, tetune::Sum, tetune::span_of, tetune::to_size_t;
+}  // namespace backend
+}  // namespace tetune

@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "backend/atomic.hpp"
+#include "boundary/classify.hpp"
 #include "boundary/surface.hpp"
 
 namespace tetune {
@@ -26,18 +28,13 @@ struct VertexOfBoundaryCorner {
 
 template <class Backend>
 struct BoundaryTriangles {
-  typename Backend::template Buffer<BoundaryTriangle> triangles;
+  BufferOf<Backend, BoundaryTriangle> triangles;
   /// The corners 3 * triangle + k at each vertex.
   Csr<Backend> vertex2corner;
   bool stale = true;  ///< vertex2corner must be rebuilt
   /// Tolerance of coplanarity: heights below this part of the edge length count as zero.
   double flat = 0;
 };
-
-/// Builds the boundary triangles from the surface and the caller's list.
-template <class Backend>
-void build_boundary(const Backend& backend, const Surface<Backend>& surface, const ListedTriangles& listed,
-                    Span<const std::uint8_t> frozen, BoundaryTriangles<Backend>& boundary);
 
 /// Lists the corners at each vertex, if they are out of date.
 template <class Backend>
@@ -79,6 +76,65 @@ inline ChangedTriangles follow_changes(const std::vector<BoundaryTriangle>& boun
     is_present = 1;
   }
   return changed;
+}
+
+namespace boundary_triangles_detail {
+
+/// Counts the listed triangles that name a face of the surface, and stores the position of the last one.
+struct CountListed {
+  Span<const Index> listed2triangle;
+  Span<std::uint32_t> counts;
+  Span<std::uint32_t> last;
+  TETUNE_HD void operator()(Size i) const {
+    const Index s = listed2triangle[i];
+    if (s < 0) return;
+    backend::atomic_add(counts[s], 1);
+    backend::atomic_max(last[s], static_cast<std::uint32_t>(i));
+  }
+};
+
+struct FillTriangle {
+  Span<const SurfaceTriangle> surface;
+  Span<const int> tags;
+  ListedTriangles listed;
+  Span<const std::uint32_t> counts;
+  Span<const std::uint32_t> last;
+  Span<const std::uint8_t> frozen;
+  Span<BoundaryTriangle> triangles;
+  TETUNE_HD void operator()(Size s) const {
+    BoundaryTriangle t{};
+    for (int k = 0; k < 3; ++k) t.v[k] = surface[s].v[k];
+    t.tag = tags[s];
+    t.listed = counts[s] == 0 ? -1 : to_index(last[s]);
+    if (t.listed >= 0) {
+      const ListedTriangle entry = listed[t.listed];
+      const int first = entry.v[0] == t.v[0] ? 0 : entry.v[1] == t.v[0] ? 1 : 2;
+      t.turned = entry.v[(first + 1) % 3] == t.v[1] ? 0 : 1;
+    }
+    // Triangles that are required or of a frozen patch have frozen vertices.
+    const bool is_frozen = frozen[t.v[0]] == kFrozen && frozen[t.v[1]] == kFrozen && frozen[t.v[2]] == kFrozen;
+    t.stays = is_frozen || counts[s] > 1 ? 1 : 0;
+    triangles[s] = t;
+  }
+};
+
+}  // namespace boundary_triangles_detail
+
+/// Builds the boundary triangles from the surface and the caller's list.
+template <class Backend>
+void build_boundary(const Backend& backend, const Surface<Backend>& surface, const ListedTriangles& listed,
+                    Span<const std::uint8_t> frozen, BoundaryTriangles<Backend>& boundary) {
+  using namespace boundary_triangles_detail;
+  const Size faces = surface.triangles.size();
+  BufferOf<Backend, std::uint32_t> counts(backend, faces);
+  BufferOf<Backend, std::uint32_t> last(backend, faces);
+  backend.fill(counts.span(), std::uint32_t{0});
+  backend.fill(last.span(), std::uint32_t{0});
+  backend.for_each(listed.size(), CountListed{surface.listed2triangle, counts, last});
+  boundary.triangles.resize(backend, faces);
+  backend.for_each(faces,
+                   FillTriangle{surface.triangles, surface.tags, listed, counts, last, frozen, boundary.triangles});
+  boundary.flat = kFlat;
 }
 
 }  // namespace tetune

@@ -6,14 +6,11 @@
 #include <string>
 
 #include "backend/span.hpp"
-#include "boundary/classify.hpp"
+#include "boundary/vertex_dof.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
-
-using backend::span_of;
-using backend::to_index;
 
 std::array<Index, 2> sorted(std::array<Index, 2> edge) {
   if (edge[1] < edge[0]) std::swap(edge[0], edge[1]);
@@ -119,7 +116,7 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
 OtherElements::OtherElements(const TetMesh& mesh) {
   std::size_t element = 0;
   for (const ElementBlock& block : mesh.others) {
-    const std::size_t vertices_per_element = backend::to_size_t(std::max(1, block.vertices_per_element));
+    const std::size_t vertices_per_element = to_size_t(std::max(1, block.vertices_per_element));
     for (std::size_t i = 0; i < block.element2vertex.size(); ++i) {
       vertex2element_.emplace_back(block.element2vertex[i], element + i / vertices_per_element);
     }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <vector>
 
-#include "boundary/edge_set.hpp"
-#include "boundary/sliding/slide_surface.hpp"
+#include "boundary/classify.hpp"
+#include "boundary/sliding/features.hpp"
+#include "boundary/sliding/slide_surface.inl"
 #include "boundary/surface.hpp"
 #include "boundary/vertex_dofs.hpp"
+#include "mesh/constrained_edges.hpp"
 #include "mesh/work_mesh.hpp"
 #include "tetune/options.hpp"
 #include "tetune/report.hpp"
@@ -22,16 +25,126 @@ struct DofInput {
   const std::vector<Index>& edge_ends;
   std::size_t ridges;
   const EdgeSet<Backend>& edges;
-  Span<const std::uint8_t> frozen;  ///< kMovable, kFrozen or kCorner per work vertex
-  double scale;                     ///< coordinates of the work mesh per unit of the caller's
-  const SlideSurface* slides_on;    ///< the surface for Boundary::slide; null: the mesh's own
+  const std::vector<std::uint8_t>& frozen;  ///< kMovable, kFrozen or kCorner per work vertex
+  double scale;                             ///< coordinates of the work mesh per unit of the caller's
+  const SlideSurface* slides_on;            ///< the surface for Boundary::slide; null: the mesh's own
   const std::vector<Index>& original2vertex;
 };
+
+namespace find_dofs_detail {
+
+/// The radius of the displacement bound, in mean lengths of the edges at the vertex on the surface: for motion in
+/// planes and along lines, and for motion on a curved surface.
+inline constexpr double kMaxDisplacement = 0.5;
+inline constexpr double kMaxSlideDisplacement = 0.75;
+
+struct FindDisplacementBound {
+  Span<const Point> points;
+  Span<const SurfaceTriangle> triangles;
+  CsrView vertex2corner;
+  double relative_radius;
+  Span<DisplacementBound> displacement_bound;
+  TETUNE_HD void operator()(Size v) const {
+    const Vec3 center = vec(points[v]);
+    double sum = 0;
+    Size edges = 0;
+    for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
+      for (const Index other : triangles[vertex2corner.items[c] / 3].v) {
+        if (other == v) continue;
+        sum += norm(vec(points[other]) - center);
+        ++edges;
+      }
+    }
+    displacement_bound[v] = {
+        center, edges > 0 ? relative_radius * sum / static_cast<double>(edges) : DisplacementBound::kUnbounded};
+  }
+};
+
+/// Puts each vertex on its own reference vertex.
+struct StartSurfacePoint {
+  Span<SurfacePoint> surface_point;
+  TETUNE_HD void operator()(Size v) const { surface_point[v] = {SurfacePointKind::vertex, to_index(v)}; }
+};
+
+template <class Backend>
+void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
+                          Span<const std::uint8_t> frozen, VertexDofs<Backend>& dofs, Report& report) {
+  const Options& options = input.options;
+  const bool slides = options.boundary == Boundary::slide;
+  const auto classify = [&](const EdgeSet<Backend>& features) {
+    if (slides) {
+      build_reference(backend, mesh, input.surface, features.ends.span(), features.view(), frozen,
+                      options.feature_angle, dofs.dof.span(), dofs.reference);
+    } else {
+      classify_vertices(backend, mesh, input.surface, features.ends.span(), features.view(), frozen,
+                        options.boundary == Boundary::fixed, dofs.dof.span(), dofs.axis.span());
+    }
+  };
+  // Ridges and required edges are features. Tagged edges are features too, unless the list cannot be one of lines.
+  const Span<const Index> ends = span_of(input.edge_ends);
+  const Size ridge_ends = 2 * static_cast<Size>(input.ridges);
+  classify(EdgeSet<Backend>(backend, {ends.data(), ends.data() + ridge_ends}, mesh.vertices()));
+  const Size tagged = (ends.size() - ridge_ends) / 2;
+  std::vector<VertexDof> dof = dofs.dof.download();
+  if (tagged > 0 && are_feature_lines(ends, ridge_ends, span_of(dof))) {
+    classify(input.edges);
+    dof = dofs.dof.download();
+  } else {
+    report.edges_not_held = tagged;
+  }
+  report.corners_not_held = fix_corners(span_of(input.frozen), span_of(dof));
+  dofs.dof.upload(backend, dof);
+  if (!slides) return;
+  dofs.reference.dof.assign(backend, dofs.dof);
+  backend.for_each(mesh.vertices(), StartSurfacePoint{dofs.surface_point});
+}
+
+inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
+  for (const VertexDof dof : dofs) {
+    ++(dof == VertexDof::free      ? report.free_vertices
+       : dof == VertexDof::plane   ? report.plane_vertices
+       : dof == VertexDof::line    ? report.line_vertices
+       : dof == VertexDof::surface ? report.surface_vertices
+       : dof == VertexDof::curve   ? report.curve_vertices
+                                   : report.fixed_vertices);
+  }
+}
+
+}  // namespace find_dofs_detail
 
 /// Decides where each vertex may go, by Options::boundary, and makes all vertices active. The report receives the
 /// numbers of vertices by degrees of freedom, and of listed corners and edges that are no features.
 template <class Backend>
 void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
-               VertexDofs<Backend>& dofs, Report& report);
+               VertexDofs<Backend>& dofs, Report& report) {
+  using namespace find_dofs_detail;
+  const Options& options = input.options;
+  const Size vertices = mesh.vertices();
+  const bool slides = options.boundary == Boundary::slide;
+  dofs.dof.resize(backend, vertices);
+  dofs.axis.resize(backend, vertices);
+  dofs.active.resize(backend, vertices);
+  backend.fill(dofs.active.span(), std::uint8_t{1});
+  if (slides) {
+    dofs.max_deviation = (1 - 1e-5) * options.max_deviation * input.scale;  // slightly less, against rounding
+    // Underflow must not turn a bound into none.
+    if (options.max_deviation > 0)
+      dofs.max_deviation = std::max(dofs.max_deviation, std::numeric_limits<double>::min());
+    dofs.surface_point.resize(backend, vertices);
+  }
+  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, input.frozen);
+  if (input.slides_on != nullptr) {
+    import_slide_surface(backend, *input.slides_on, input.original2vertex, frozen.span(), input.scale, dofs);
+  } else {
+    classify_own_surface(backend, mesh, input, frozen.span(), dofs, report);
+  }
+  if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
+    dofs.displacement_bound.resize(backend, vertices);
+    backend.for_each(vertices,
+                     FindDisplacementBound{mesh.points, input.surface.triangles, input.surface.vertex2corner.view(),
+                                           slides ? kMaxSlideDisplacement : kMaxDisplacement, dofs.displacement_bound});
+  }
+  count_dofs(dofs.dof.download(), report);
+}
 
 }  // namespace tetune

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+#include <string>
+
+#include "backend/atomic.hpp"
+#include "mesh/connect.hpp"
 #include "mesh/csr.hpp"
 #include "mesh/work_mesh.hpp"
+#include "tetune/error.hpp"
 
 namespace tetune {
-
-using backend::span_of;
-using backend::to_index;
 
 /// A triangle of the surface, in the order of face_vertex(). Corner 3 * triangle + k is at its vertex k; the edge of a
 /// corner is the one opposite it.
@@ -56,7 +59,7 @@ enum class Listed : std::uint8_t {
 template <class Backend>
 struct Surface {
   template <class T>
-  using Buffer = typename Backend::template Buffer<T>;
+  using Buffer = BufferOf<Backend, T>;
   /// Each face once, and its tag.
   Buffer<SurfaceTriangle> triangles;
   Buffer<int> tags;
@@ -66,10 +69,184 @@ struct Surface {
   Buffer<Index> listed2triangle;
 };
 
+/// Corners are numbered by Index.
+inline void check_surface_size(Size faces) {
+  constexpr Size kMaxFaces = std::numeric_limits<Index>::max() / 3;
+  if (faces <= kMaxFaces) return;
+  throw MeshError("the mesh has " + std::to_string(faces) + " faces on its boundary and interfaces; at most " +
+                  std::to_string(kMaxFaces) + " can be handled. Split the mesh, or weld the vertices that coincide.");
+}
+
+/// The edge has no neighbor that a vertex may slide to: it is a feature.
+inline constexpr Index kFeatureEdge = -1;
+
+struct VertexOfSurfaceCorner {
+  Span<const SurfaceTriangle> triangles;
+  TETUNE_HD Size operator()(Size corner) const { return triangles[corner / 3].v[corner % 3]; }
+};
+
+struct VertexOfEdgeEnd {
+  Span<const Index> edges;
+  TETUNE_HD Size operator()(Size item) const { return edges[item]; }
+};
+
+/// The corner across the edge of a corner; kFeatureEdge where that edge is not on exactly two triangles.
+TETUNE_HD inline Index opposite_corner(Span<const SurfaceTriangle> triangles, const CsrView& vertex2corner,
+                                       Size corner) {
+  const Size triangle = corner / 3;
+  const SurfaceTriangle t = triangles[triangle];
+  const Index a = t.v[(corner + 1) % 3];
+  const Index b = t.v[(corner + 2) % 3];
+  const Index from = vertex2corner.shorter(a, b);
+  const Index to = a ^ b ^ from;
+  Index opposite = kFeatureEdge;
+  for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
+    const Size other = vertex2corner.items[c] / 3;
+    if (other == triangle) continue;
+    const SurfaceTriangle q = triangles[other];
+    const int end = q.v[0] == to ? 0 : q.v[1] == to ? 1 : q.v[2] == to ? 2 : -1;
+    if (end < 0) continue;
+    if (opposite != kFeatureEdge) return kFeatureEdge;
+    opposite = to_index(3 * other + 3 - end - vertex2corner.items[c] % 3);
+  }
+  return opposite;
+}
+
+namespace surface_detail {
+
+TETUNE_HD inline bool same_triangle(const Index a[3], const Index b[3]) {
+  for (int k = 0; k < 3; ++k) {
+    if (a[k] != b[0] && a[k] != b[1] && a[k] != b[2]) return false;
+  }
+  return true;
+}
+
+/// Boundary faces, and one side of each locked face.
+struct IsSurfaceFace {
+  Span<const Tet> tets;
+  Span<const FaceAdjacency> adjacency;
+  TETUNE_HD bool operator()(Size item) const {
+    const auto half_face = static_cast<HalfFace>(item);
+    const Index tet = tet_of(half_face);
+    if (tets[tet][0] == kFreeSlot) return false;
+    const HalfFace across = adjacency[tet][face_of(half_face)];
+    return across == kNoHalfFace || (is_locked(across) && tet < tet_of(across));
+  }
+};
+
+struct TriangleOfFace {
+  Span<const Tet> tets;
+  Span<const Index> faces;
+  Span<SurfaceTriangle> triangles;
+  TETUNE_HD void operator()(Size s) const {
+    const Tet tet = tets[faces[s] >> 2];
+    for (int k = 0; k < 3; ++k) triangles[s].v[k] = tet[face_vertex(faces[s] & 3, k)];
+  }
+};
+
+/// Finds a listed triangle in the surface. Where several name one face, the last one with a tag gives it its tag.
+struct MatchListed {
+  Span<const SurfaceTriangle> triangles;
+  CsrView vertex2corner;
+  ListedTriangles listed;
+  Span<Listed> state;
+  Span<Index> listed2triangle;
+  Span<std::uint32_t> triangle2listed;  ///< position + 1; 0: not listed with a tag
+  TETUNE_HD Sum<Size> operator()(Size i) const {
+    const ListedTriangle t = listed[i];
+    const Index s = find(t.v);
+    listed2triangle[i] = s;
+    if (s < 0) {
+      state[i] = t.locks != 0 ? Listed::absent : Listed::loose;
+      return {t.locks};
+    }
+    state[i] = Listed::surface;
+    if (t.tag != 0) backend::atomic_max(triangle2listed[s], static_cast<std::uint32_t>(i + 1));
+    return {};
+  }
+
+ private:
+  TETUNE_HD Index find(const Index v[3]) const {
+    const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
+    for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
+      const std::uint32_t s = vertex2corner.items[c] / 3;
+      if (same_triangle(triangles[s].v, v)) return to_index(s);
+    }
+    return -1;
+  }
+};
+
+/// Locks the faces of constraining triangles inside regions. Both tetrahedra of such a face are in the row of the same
+/// vertex and find the triangle there, so each thread writes only its own side.
+struct LockListed {
+  MeshView mesh;
+  CsrView vertex2tet;
+  ListedTriangles listed;
+  Span<const Listed> state;
+  TETUNE_HD void operator()(Size i) const {
+    if (state[i] != Listed::absent) return;
+    const ListedTriangle t = listed[i];
+    const Index from = vertex2tet.shorter(vertex2tet.shorter(t.v[0], t.v[1]), t.v[2]);
+    for (Size c = vertex2tet.begin(from); c < vertex2tet.end(from); ++c) {
+      const Index tet = to_index(vertex2tet.items[c] >> 2);
+      for (int f = 0; f < 4; ++f) {
+        Index v[3];
+        for (int k = 0; k < 3; ++k) v[k] = mesh.tet2vertex[tet][face_vertex(f, k)];
+        if (same_triangle(v, t.v)) backend::atomic_or(mesh.tet2tet[tet][f], kLocked);
+      }
+    }
+  }
+};
+
+struct TagFaces {
+  Span<const std::uint32_t> triangle2listed;
+  ListedTriangles listed;
+  Span<int> tags;
+  TETUNE_HD void operator()(Size s) const {
+    tags[s] = triangle2listed[s] == 0 ? 0 : listed[triangle2listed[s] - 1].tag;
+  }
+};
+
+}  // namespace surface_detail
+
+template <class Backend>
+void collect_surface(const Backend& backend, WorkMesh<Backend>& mesh, Surface<Backend>& surface) {
+  using namespace surface_detail;
+  BufferOf<Backend, Index> faces(backend, 4 * mesh.slots());
+  const Size count = backend.compact(4 * mesh.slots(), IsSurfaceFace{mesh.tet2vertex, mesh.tet2tet}, faces.span());
+  check_surface_size(count);
+  surface.triangles.resize(backend, count);
+  backend.for_each(count, TriangleOfFace{mesh.tet2vertex, faces, surface.triangles});
+  build_csr(backend, mesh.vertices(), 3 * count, VertexOfSurfaceCorner{surface.triangles}, surface.vertex2corner);
+}
+
 /// Collects the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or
 /// required; these it locks. `listed_state` receives the role of each listed triangle.
 template <class Backend>
 void build_surface(const Backend& backend, WorkMesh<Backend>& mesh, const ListedTriangles& listed,
-                   typename Backend::template Buffer<Listed>& listed_state, Surface<Backend>& surface);
+                   BufferOf<Backend, Listed>& listed_state, Surface<Backend>& surface) {
+  using namespace surface_detail;
+  collect_surface(backend, mesh, surface);
+  listed_state.resize(backend, listed.size());
+  surface.listed2triangle.resize(backend, listed.size());
+  BufferOf<Backend, std::uint32_t> triangle2listed;
+  const auto match = [&]() {
+    triangle2listed.resize(backend, surface.triangles.size());
+    backend.fill(triangle2listed.span(), std::uint32_t{0});
+    return backend
+        .template reduce<Sum<Size>>(listed.size(), MatchListed{surface.triangles, surface.vertex2corner.view(), listed,
+                                                               listed_state, surface.listed2triangle, triangle2listed})
+        .value;
+  };
+  if (match() > 0) {
+    Csr<Backend> vertex2tet;
+    build_vertex2tet(backend, mesh, vertex2tet);
+    backend.for_each(listed.size(), LockListed{mesh.view(), vertex2tet.view(), listed, listed_state});
+    collect_surface(backend, mesh, surface);
+    match();
+  }
+  surface.tags.resize(backend, surface.triangles.size());
+  backend.for_each(surface.triangles.size(), TagFaces{triangle2listed, listed, surface.tags});
+}
 
 }  // namespace tetune

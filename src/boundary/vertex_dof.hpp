@@ -18,6 +18,12 @@ enum class VertexDof : std::uint8_t {
   surface,  ///< on the input surface, not across its feature lines
 };
 
+/// The caller's constraint on a vertex: none, or that it must not move, or that it is listed as a corner of the shape
+/// (see fix_corners()).
+inline constexpr std::uint8_t kMovable = 0;
+inline constexpr std::uint8_t kFrozen = 1;
+inline constexpr std::uint8_t kCorner = 2;
+
 /// A ball around the initial position of a surface vertex that the vertex must not leave, so that the surface keeps
 /// its element sizes (docs/method.md, "Sizes of the surface"); the radius of a trust region over the whole run.
 struct DisplacementBound {

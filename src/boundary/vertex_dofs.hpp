@@ -6,26 +6,35 @@
 
 namespace tetune {
 
+/// VertexDofs as kernels access them.
+struct DofsView {
+  Span<const VertexDof> dof;
+  Span<const Vec3> axis;
+  Span<SurfacePoint> surface_point;
+  ReferenceView reference;
+  Span<const DisplacementBound> displacement_bound;
+  double max_deviation;
+  Span<std::uint8_t> active;
+};
+
 /// Where each vertex may go, where it is on the reference surface, and which vertices a sweep visits.
 template <class Backend>
 struct VertexDofs {
-  typename Backend::template Buffer<VertexDof> kind;
-  typename Backend::template Buffer<Vec3> axis;
+  BufferOf<Backend, VertexDof> dof;
+  BufferOf<Backend, Vec3> axis;
   /// The position of each vertex on the reference surface, and that surface; empty unless vertices slide.
-  typename Backend::template Buffer<SurfacePoint> site;
+  BufferOf<Backend, SurfacePoint> surface_point;
   ReferenceSurface<Backend> reference;
   /// Per vertex; meaningful on the surface. Empty: unbounded.
-  typename Backend::template Buffer<DisplacementBound> displacement_bound;
+  BufferOf<Backend, DisplacementBound> displacement_bound;
   /// The largest distance allowed between the mesh's surface and the reference surface; 0: no bound.
   double max_deviation = 0;
   /// The active vertices: 1 where at its last visit the vertex, or since then a vertex of its ring, moved by more than
   /// kActivationThreshold at once, or a flip changed its ring.
-  typename Backend::template Buffer<std::uint8_t> active;
-  /// The surface neighbors that color_vertices() must separate: those of the bound on the deviation.
-  SurfaceAdjacency stars() const {
-    if (!(max_deviation > 0)) return {};
-    return {reference.triangles.span(), reference.vertex2corner.view(), reference.line.span()};
-  }
+  BufferOf<Backend, std::uint8_t> active;
+  DofsView view() { return {dof, axis, surface_point, reference.view(), displacement_bound, max_deviation, active}; }
+  /// The surface whose neighbors color_vertices() must separate: that of the bound on the deviation.
+  ReferenceView stars() const { return max_deviation > 0 ? reference.view() : ReferenceView{}; }
 };
 
 }  // namespace tetune

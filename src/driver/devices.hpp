@@ -7,7 +7,8 @@
 #include "boundary/sliding/slide_surface.hpp"
 #include "tetune/optimize.hpp"
 
-/// The choice of the device. Only driver_cuda.cu queries the system, so that the rest is tested without a GPU.
+/// The choice of the device, and optimize() on it. Only driver_cuda.cu queries the system, so that the rest is tested
+/// without a GPU.
 namespace tetune {
 
 /// Device::automatic takes the CPU for meshes of fewer tetrahedra. A conservative choice: the size from which a GPU is
@@ -34,6 +35,12 @@ struct Gpu {
 };
 /// Returns the reason why the GPU cannot run with `memory` bytes of buffers; empty if it can.
 std::string why_unusable(const Gpu& gpu, std::size_t memory);
+
+/// optimize() on one backend. `surface`: the surface to slide on, whose points of contact are updated; null: the
+/// surface of the mesh.
+template <class Backend>
+Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options, const Context& context,
+                   SlideSurface* surface = nullptr);
 
 /// Returns the reason why optimize_on_cuda() would refuse this mesh; empty if it would not.
 std::string why_not_on_cuda(const TetMesh& mesh, const Options& options);

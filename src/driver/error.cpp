@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "mesh/first_ids.hpp"
+#include "mesh/messages.hpp"
 
 namespace tetune {
 namespace {

@@ -3,11 +3,12 @@
 
 #include <vector>
 
-#include "boundary/classify.hpp"
-#include "boundary/sliding/slide_surface.hpp"
+#include "boundary/sliding/slide_surface.inl"
+#include "boundary/vertex_dof.hpp"
 #include "driver/result_mesh.hpp"
 #include "driver/targets.hpp"
 #include "mesh/connect.hpp"
+#include "mesh/sort_mesh.hpp"
 #include "phases/working_set.hpp"
 #include "tetune/optimize.hpp"
 
@@ -30,13 +31,13 @@ struct RenumberVertices {
 /// The work mesh on the host, for report_targets().
 template <class Backend>
 Outcome outcome_of(WorkingSet<Backend>& work, const TetMesh& mesh) {
-  work.frozen.resize(backend::to_size_t(work.mesh.vertices()), kMovable);
+  work.frozen.resize(to_size_t(work.mesh.vertices()), kMovable);
   return {work.mesh.points.download(),
           work.mesh.tet2vertex.download(),
           work.mesh.tet2tet.download(),
           regions_of(work.mesh.tet2original.download(), mesh),
-          VertexNumbering(work.mesh.vertex2original.download(), mesh.points.size()).work2new(),
-          work.dofs.kind.download(),
+          number_vertices(work.mesh.vertex2original.download(), mesh.points.size()).work2new(),
+          work.dofs.dof.download(),
           work.frozen,
           work.required_slots,
           work.scale};
@@ -53,13 +54,14 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   work.coloring = {};
   work.flips = {};
   HostResult result;
-  result.has_duplicate_faces = count_duplicate_faces(backend, work.mesh) > 0;
   result.slot_of_tet = compact_slots(backend, work.mesh).download();
-  result.numbering.emplace(work.mesh.vertex2original.download(), mesh.points.size());
-  work.mesh.vertex2original.upload(backend, result.numbering->work2extended);
+  // Flips in a mesh that overlaps itself can make a face of three or more tetrahedra.
+  result.is_manifold = build_adjacency(backend, work.mesh).ok();
+  result.numbering = number_vertices(work.mesh.vertex2original.download(), mesh.points.size());
+  work.mesh.vertex2original.upload(backend, result.numbering.work2extended);
   backend.for_each(work.mesh.slots(),
-                   export_mesh_detail::RenumberVertices{work.mesh.vertex2original.span(), work.mesh.tet2vertex.span()});
-  result.tets.resize(backend::to_size_t(work.mesh.slots()));
+                   export_mesh_detail::RenumberVertices{work.mesh.vertex2original, work.mesh.tet2vertex});
+  result.tets.resize(to_size_t(work.mesh.slots()));
   backend.memory().download(result.tets.data(), work.mesh.tet2vertex.span().data(), result.tets.size() * sizeof(Tet));
   result.tet2original = work.mesh.tet2original.download();
   result.points = work.mesh.points.download();
@@ -67,11 +69,11 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   result.listed_boundary = std::move(work.listed_boundary);
   std::vector<std::array<Index, 3>> surface_points;
   if (surface != nullptr) {
-    surface_points = export_surface_points(backend, work.dofs, result.numbering->work2extended);
+    surface_points = export_surface_points(backend, work.dofs, result.numbering.work2extended);
   }
   replace_mesh(mesh, std::move(result), work.required_slots, work.listed_triangles, work.scale, options.threads,
                report);
-  if (surface != nullptr) surface->site.swap(surface_points);
+  if (surface != nullptr) surface->surface_point.swap(surface_points);
 }
 
 }  // namespace tetune

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <limits>
+#include <algorithm>
+#include <functional>
 #include <numeric>
 
 #include "backend/atomic.hpp"
@@ -10,9 +11,10 @@
 #include "boundary/constraints.hpp"
 #include "boundary/find_dofs.hpp"
 #include "mesh/connect.hpp"
-#include "mesh/unit_scale.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/sort_mesh.hpp"
+#include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "mesh/work_mesh.hpp"
 #include "phases/element_selection.hpp"
 #include "phases/tuning.hpp"
 #include "phases/working_set.hpp"
@@ -40,7 +42,7 @@ struct LockTet {
 inline std::vector<Index> inverse(const std::vector<Index>& to_original) {
   std::vector<Index> from_original(to_original.size());
   Index i = 0;
-  for (const Index original : to_original) backend::span_of(from_original)[original] = i++;
+  for (const Index original : to_original) span_of(from_original)[original] = i++;
   return from_original;
 }
 
@@ -48,7 +50,7 @@ inline std::vector<Index> inverse(const std::vector<Index>& to_original) {
 /// sign is uncertain after rounding.
 template <class Backend>
 void check_volumes(const Backend& backend, const TetMesh& mesh, const Options& options, WorkingSet<Backend>& work) {
-  typename Backend::template Buffer<Index> uncertain(backend, work.mesh.slots());
+  BufferOf<Backend, Index> uncertain(backend, work.mesh.slots());
   if (backend.compact(work.mesh.slots(), HasUncertifiedVolume{work.mesh.view()}, uncertain.span()) == 0) return;
   const ValidationReport report = validate(mesh, options.threads);
   for (const Finding& f : report.findings) {
@@ -77,26 +79,20 @@ std::vector<Index> import_tets(const Backend& backend, const TetMesh& mesh, cons
 /// Locks the interfaces between regions and the tetrahedra that must stay, of which the required ones come first.
 template <class Backend>
 void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<Index>& tets, WorkingSet<Backend>& work) {
-  const typename Backend::template DeviceView<int> regions(backend, mesh.tet_tags);
-  lock_interfaces(backend, work.mesh, regions.span());
+  if (std::adjacent_find(mesh.tet_tags.begin(), mesh.tet_tags.end(), std::not_equal_to<>()) != mesh.tet_tags.end()) {
+    const DeviceViewOf<Backend, int> regions(backend, mesh.tet_tags);
+    lock_interfaces(backend, work.mesh, regions.span());
+  }
   if (tets.empty()) return;
   const std::vector<Index> original2slot = inverse(work.mesh.tet2original.download());
   std::vector<Index> locked;
-  for (const Index t : tets) locked.push_back(backend::span_of(original2slot)[t]);
-  typename Backend::template Buffer<Index> slots;
+  locked.reserve(tets.size());
+  for (const Index t : tets) locked.push_back(span_of(original2slot)[t]);
+  BufferOf<Backend, Index> slots;
   slots.upload(backend, locked);
-  backend.for_each(slots.size(), LockTet{work.mesh.view(), slots.span()});
+  backend.for_each(slots.size(), LockTet{work.mesh.view(), slots});
   locked.resize(mesh.required_tets.size());
   work.required_slots = std::move(locked);
-}
-
-/// 1 for each required triangle; empty if there are none.
-inline std::vector<std::uint8_t> required_triangles(const TetMesh& mesh) {
-  std::vector<std::uint8_t> required;
-  if (mesh.required_triangles.empty()) return required;
-  required.resize(mesh.triangles.size(), 0);
-  for (const Index t : mesh.required_triangles) backend::span_of(required)[t] = 1;
-  return required;
 }
 
 /// Sets WorkingSet::frozen. The vertices of listed triangles that are not faces are frozen.
@@ -104,9 +100,9 @@ template <class Backend>
 void freeze_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& by_original,
                      const std::vector<Index>& original2vertex, WorkingSet<Backend>& work) {
   work.frozen.assign(by_original.size(), kMovable);
-  const Span<std::uint8_t> frozen = backend::span_of(work.frozen);
-  const Span<const Index> to_work = backend::span_of(original2vertex);
-  for (Size v = 0; v < frozen.size(); ++v) frozen[to_work[v]] = backend::span_of(by_original)[v];
+  const Span<std::uint8_t> frozen = span_of(work.frozen);
+  const Span<const Index> to_work = span_of(original2vertex);
+  for (Size v = 0; v < frozen.size(); ++v) frozen[to_work[v]] = span_of(by_original)[v];
   auto state = work.listed_triangles.begin();
   for (const auto& triangle : mesh.triangles) {
     if (*state++ != Listed::absent) continue;
@@ -119,44 +115,42 @@ template <class Backend>
 void import_surface(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
                     const Constraints& constraints, const std::vector<Index>& original2vertex,
                     WorkingSet<Backend>& work, Report& report) {
-  const std::vector<std::uint8_t> required = required_triangles(mesh);
-  const typename Backend::template DeviceView<std::array<Index, 3>> triangles(backend, mesh.triangles);
-  const typename Backend::template DeviceView<int> tags(backend, mesh.triangle_tags);
-  const typename Backend::template DeviceView<std::uint8_t> required_view(backend, required);
-  const typename Backend::template DeviceView<int> frozen_patches(backend, options.frozen_patches);
-  const typename Backend::template DeviceView<Index> original2vertex_view(backend, original2vertex);
+  // Empty if no triangle is required.
+  std::vector<std::uint8_t> required(mesh.required_triangles.empty() ? 0 : mesh.triangles.size(), 0);
+  for (const Index t : mesh.required_triangles) span_of(required)[t] = 1;
+  const DeviceViewOf<Backend, std::array<Index, 3>> triangles(backend, mesh.triangles);
+  const DeviceViewOf<Backend, int> tags(backend, mesh.triangle_tags);
+  const DeviceViewOf<Backend, std::uint8_t> required_view(backend, required);
+  const DeviceViewOf<Backend, int> frozen_patches(backend, options.frozen_patches);
+  const DeviceViewOf<Backend, Index> original2vertex_view(backend, original2vertex);
   const ListedTriangles listed{{reinterpret_cast<const Index*>(triangles.span().data()), 3 * triangles.span().size()},
                                tags.span(),
                                required_view.span(),
                                frozen_patches.span(),
                                original2vertex_view.span(),
                                options.open_boundaries};
-  typename Backend::template Buffer<Listed> listed_state;
+  BufferOf<Backend, Listed> listed_state;
   Surface<Backend> surface;
   build_surface(backend, work.mesh, listed, listed_state, surface);
   work.listed_triangles = listed_state.download();
 
   freeze_vertices(mesh, constraints.frozen, original2vertex, work);
-  typename Backend::template Buffer<std::uint8_t> frozen;
-  frozen.upload(backend, work.frozen);
-  constexpr Size kMaxCorners = std::numeric_limits<Index>::max();
-  if (flips_boundary(options) && 3 * surface.triangles.size() <= kMaxCorners) {
-    build_boundary(backend, surface, listed, frozen.span(), work.boundary);
-    if (edits_surface(options)) {
-      for (const BoundaryTriangle& t : work.boundary.triangles.download()) {
-        if (t.listed >= 0) work.listed_boundary.push_back(t.listed);
-      }
+  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
+  if (flips_boundary(options)) build_boundary(backend, surface, listed, frozen.span(), work.boundary);
+  if (edits_surface(options)) {
+    for (const BoundaryTriangle& t : work.boundary.triangles.download()) {
+      if (t.listed >= 0) work.listed_boundary.push_back(t.listed);
     }
   }
 
   // All listed edges constrain flips.
   std::vector<Index> ends;
   for (const auto& edge : constraints.edges) {
-    for (const Index v : edge) ends.push_back(backend::span_of(original2vertex)[v]);
+    for (const Index v : edge) ends.push_back(span_of(original2vertex)[v]);
   }
   EdgeSet<Backend> edges(backend, ends, work.mesh.vertices());
   find_dofs(backend, work.mesh,
-            {options, surface, ends, constraints.ridges, edges, frozen.span(), work.scale, slides_on, original2vertex},
+            {options, surface, ends, constraints.ridges, edges, work.frozen, work.scale, slides_on, original2vertex},
             work.dofs, report);
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);

@@ -1,35 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetune/optimize.hpp"
 
-#include <chrono>
 #include <string>
 
 #include "backend/cpu.hpp"
 #include "boundary/constraints.hpp"
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
-#include "driver/optimize_on.hpp"
+#include "mesh/messages.hpp"
+#include "phases/phase_timer.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
 
 namespace tetune {
 
 const char* to_string(StopReason reason) {
-  switch (reason) {
-    case StopReason::converged:
-      return "converged";
-    case StopReason::gradient_small:
-      return "gradient small (C1)";
-    case StopReason::gradient_stationary:
-      return "gradient stationary (C2)";
-    case StopReason::no_flips:
-      return "no more flips (C3)";
-    case StopReason::iteration_limit:
-      return "iteration limit";
-    case StopReason::cancelled:
-      return "cancelled";
-  }
-  return "unknown";
+  return name_of(reason, {"converged", "gradient small (C1)", "gradient stationary (C2)", "no more flips (C3)",
+                          "iteration limit", "cancelled"});
 }
 
 namespace {
@@ -44,7 +31,7 @@ Report run(TetMesh& mesh, const Options& options, const Context& context, SlideS
   if (context.progress) {
     until_stopped.progress = [&](const Progress& p) { return !(stopped = stopped || !context.progress(p)); };
   }
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = PhaseTimer::SteadyClock::now();
   DeviceChoice choice{options.device, ""};
   if (options.device == Device::automatic) choice = choose_device(mesh, options);
   Report report;
@@ -58,7 +45,7 @@ Report run(TetMesh& mesh, const Options& options, const Context& context, SlideS
   }
   report.device_reason.swap(choice.reason);
   report.warnings = ineffective_options(options);
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds = PhaseTimer::seconds_since(start);
   return report;
 }
 

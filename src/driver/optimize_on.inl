@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "driver/devices.hpp"
 #include "driver/export_mesh.hpp"
 #include "driver/import_mesh.inl"
-#include "driver/optimize_on.hpp"
 #include "driver/targets.hpp"
 #include "phases/alternate.hpp"
 #include "phases/improve_worst.hpp"

@@ -12,7 +12,23 @@
 namespace tetune {
 namespace {
 
-using backend::span_of;
+/// The positions of all vertices by extended id, in the caller's unit. Vertices that did not move keep the bits of
+/// their coordinates; removed ones keep their last position.
+std::vector<Point3> extended_points(const std::vector<Point3>& before, const std::vector<Point>& work_points,
+                                    const VertexNumbering& numbering, double scale) {
+  std::vector<Point3> points = before;
+  points.resize(numbering.extended2new.size());
+  auto extended = numbering.work2extended.begin();
+  for (const Point& now : work_points) {
+    const Index id = *extended++;
+    if (id == kRemoved) continue;
+    Point3& p = span_of(points)[id];
+    const Vec3 old = scale * vec(p);
+    if (old.x == now.x && old.y == now.y && old.z == now.z) continue;
+    p = {now.x / scale, now.y / scale, now.z / scale};
+  }
+  return points;
+}
 
 /// The inverse of positions_of_kept().
 std::vector<Index> kept_of(const std::vector<Index>& old2new) {
@@ -23,24 +39,19 @@ std::vector<Index> kept_of(const std::vector<Index>& old2new) {
   return new2old;
 }
 
-/// Data of the entities that were kept.
-std::vector<DataArray> data_of_kept(const std::vector<DataArray>& data, const std::vector<Index>& new2old) {
-  return data.empty() ? std::vector<DataArray>() : take_entries(data, new2old);
-}
-
 /// Data of the vertices of the result.
 std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult& result,
                                           const std::vector<Point3>& extended) {
-  const VertexNumbering& numbering = *result.numbering;
+  const VertexNumbering& numbering = result.numbering;
   if (mesh.point_data.empty() || numbering.new2original.empty()) return mesh.point_data;
   std::vector<Index> extended2original(extended.size(), -1);
   for (Index v = 0; v < std::ssize(mesh.points); ++v) span_of(extended2original)[v] = v;
-  return data_of_kept(carry_point_data(mesh.point_data, extended2original, extended, result.tets),
+  return take_entries(carry_point_data(mesh.point_data, extended2original, extended, result.tets),
                       kept_of(numbering.extended2new));
 }
 
-/// Throws OverlapError where flips have made faces of three or more tetrahedra.
-void check_faces(const HostResult& result, const std::vector<Point3>& extended, int threads) {
+/// Throws OverlapError, with the tetrahedra at faces of three or more, which flips have made.
+[[noreturn]] void refuse_overlaps(const HostResult& result, const std::vector<Point3>& extended, int threads) {
   TetMesh mesh;
   mesh.points = extended;
   mesh.point_tags.resize(extended.size());
@@ -50,7 +61,6 @@ void check_faces(const HostResult& result, const std::vector<Point3>& extended, 
   for (const Finding& finding : validate(mesh, threads).findings) {
     for (const Index t : finding.first) overlapping.push_back(span_of(result.tet2original)[t]);
   }
-  if (overlapping.empty()) return;
   std::sort(overlapping.begin(), overlapping.end());
   overlapping.erase(std::unique(overlapping.begin(), overlapping.end()), overlapping.end());
   throw OverlapError(std::move(overlapping));
@@ -62,7 +72,7 @@ void check_faces(const HostResult& result, const std::vector<Point3>& extended, 
 std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& result,
                                      const std::vector<Listed>& listed_triangles, const OtherElements& others,
                                      TetMesh& next, Report& report) {
-  ChangedTriangles changed = follow_changes(result.boundary, result.numbering->work2extended, mesh.triangles);
+  ChangedTriangles changed = follow_changes(result.boundary, result.numbering.work2extended, mesh.triangles);
   std::vector<std::uint8_t> keep;
   auto state = listed_triangles.begin();
   for (const auto& triangle : mesh.triangles) {
@@ -77,7 +87,7 @@ std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& resu
   triangle2original.insert(triangle2original.end(), changed.origin.begin(), changed.origin.end());
   next.triangles = std::move(changed.triangles);
   next.triangle_tags = mesh.triangle_tags;
-  next.triangle_data = data_of_kept(mesh.triangle_data, triangle2original);
+  next.triangle_data = take_entries(mesh.triangle_data, triangle2original);
   next.required_triangles = mesh.required_triangles;
   keep_triangles(next, triangle2new);
   next.triangles.insert(next.triangles.end(), changed.more.begin(), changed.more.end());
@@ -90,7 +100,7 @@ std::vector<Index> new_required_tets(const std::vector<Index>& required_slots, c
   std::vector<Index> tets;
   for (const Index slot : required_slots) {
     const auto at = std::lower_bound(slot_of_tet.begin(), slot_of_tet.end(), slot);
-    tets.push_back(backend::to_index(at - slot_of_tet.begin()));
+    tets.push_back(to_index(at - slot_of_tet.begin()));
   }
   return tets;
 }
@@ -116,6 +126,33 @@ void move_unchanged(TetMesh& mesh, TetMesh& result) noexcept {
 
 }  // namespace
 
+VertexNumbering number_vertices(std::vector<Index> vertex2original, std::size_t originals) {
+  VertexNumbering numbering;
+  numbering.work2extended = std::move(vertex2original);
+  std::vector<std::uint8_t> keep(originals, 0);
+  for (Index& v : numbering.work2extended) {
+    if (v == kInserted) {
+      v = to_index(keep.size());
+      keep.push_back(1);
+    } else if (v != kRemoved) {
+      span_of(keep)[v] = 1;
+    }
+  }
+  numbering.has_removed = std::find(keep.begin(), keep.end(), 0) != keep.end();
+  numbering.extended2new = positions_of_kept(keep);
+  if (!numbering.has_removed && keep.size() == originals) return numbering;
+  for (std::size_t v = 0; v < keep.size(); ++v) {
+    if (keep[v] != 0) numbering.new2original.push_back(v < originals ? to_index(v) : -1);
+  }
+  return numbering;
+}
+
+std::vector<Index> VertexNumbering::work2new() const {
+  std::vector<Index> ids = work2extended;
+  for (Index& v : ids) v = v == kRemoved ? v : span_of(extended2new)[v];
+  return ids;
+}
+
 std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMesh& mesh) {
   std::vector<int> tags;
   tags.reserve(tet2original.size());
@@ -125,15 +162,15 @@ std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMes
 
 void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
                   const std::vector<Listed>& listed_triangles, double scale, int threads, Report& report) {
-  VertexNumbering& numbering = *result.numbering;
+  VertexNumbering& numbering = result.numbering;
   TetMesh next;
   next.points = extended_points(mesh.points, result.points, numbering, scale);
-  if (result.has_duplicate_faces) check_faces(result, next.points, threads);
+  if (!result.is_manifold) refuse_overlaps(result, next.points, threads);
   next.point_tags = mesh.point_tags;
   next.point_tags.resize(next.points.size(), 0);
   next.point_data = carried_point_data(mesh, result, next.points);
   next.tet_tags = regions_of(result.tet2original, mesh);
-  next.tet_data = data_of_kept(mesh.tet_data, result.tet2original);
+  next.tet_data = take_entries(mesh.tet_data, result.tet2original);
   next.required_tets = new_required_tets(required_slots, result.slot_of_tet);
   next.corners = mesh.corners;
   next.required_vertices = mesh.required_vertices;
@@ -145,7 +182,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   std::vector<Index> edge2original = kept_of(edge2new);
   next.edges = mesh.edges;
   next.edge_tags = mesh.edge_tags;
-  next.edge_data = data_of_kept(mesh.edge_data, edge2original);
+  next.edge_data = take_entries(mesh.edge_data, edge2original);
   next.ridges = mesh.ridges;
   next.required_edges = mesh.required_edges;
   report.edges_dropped = keep_edges(next, edge2new);
@@ -158,7 +195,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   // From here on nothing can fail.
   next.tets.swap(result.tets);
   move_unchanged(mesh, next);
-  if (numbering.has_removed()) keep_vertices(next, numbering.extended2new);
+  if (numbering.has_removed) keep_vertices(next, numbering.extended2new);
   static_assert(std::is_nothrow_move_assignable_v<TetMesh>);
   mesh = std::move(next);
 }

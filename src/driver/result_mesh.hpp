@@ -1,25 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include <array>
 #include <vector>
 
 #include "boundary/boundary_triangles.hpp"
-#include "driver/vertex_numbering.hpp"
+#include "mesh/work_mesh.hpp"
 #include "tetune/report.hpp"
 
 namespace tetune {
 
+/// How the vertices of a work mesh are numbered in the result. Extended ids are those of the caller's vertices,
+/// followed by those of the inserted vertices.
+struct VertexNumbering {
+  std::vector<Index> work2extended;  ///< or kRemoved
+  std::vector<Index> extended2new;   ///< -1 for removed vertices
+  std::vector<Index> new2original;   ///< -1 for inserted vertices; empty if the caller's vertices were all kept
+  bool has_removed = false;
+
+  /// The id of each work vertex in the result, or kRemoved.
+  std::vector<Index> work2new() const;
+};
+
+/// `vertex2original` as of WorkMesh; `originals` is the number of the caller's vertices.
+VertexNumbering number_vertices(std::vector<Index> vertex2original, std::size_t originals);
+
 /// The optimized mesh on the host.
 struct HostResult {
-  std::optional<VertexNumbering> numbering;
+  VertexNumbering numbering;
   std::vector<Point> points;               ///< per work vertex
   std::vector<std::array<Index, 4>> tets;  ///< in extended ids
   std::vector<Index> tet2original;
   std::vector<Index> slot_of_tet;  ///< before compaction; increasing
   std::vector<BoundaryTriangle> boundary;
   std::vector<Index> listed_boundary;  ///< the entries of the caller's list that were on the boundary before
-  bool has_duplicate_faces = false;    ///< possibly: must be checked
+  bool is_manifold = true;
 };
 
 /// Returns the tags of the tetrahedra that these of the caller's have become.

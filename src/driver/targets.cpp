@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <string>
 #include <utility>
 
 #include "backend/cpu.hpp"
-#include "boundary/classify.hpp"
+#include "boundary/vertex_dof.hpp"
 #include "math/angle.hpp"
+#include "mesh/messages.hpp"
 #include "operators/edge_star.hpp"
 #include "quality/tet_measures.hpp"
 #include "tetune/error.hpp"
@@ -19,10 +21,7 @@ namespace {
 
 constexpr double kRegularAngle = 70.528779365509308;
 /// Slots are searched in this many ranges in parallel.
-constexpr backend::Size kRanges = 64;
-
-using backend::Size;
-using backend::span_of;
+constexpr Size kRanges = 64;
 
 bool misses(const Target& target, double value) {
   return larger_is_better(target.measure) ? value < target.value : value > target.value;
@@ -45,13 +44,11 @@ class ConstraintFinder {
  public:
   ConstraintFinder(const Outcome& outcome, const Options& options)
       : options_(options),
+        outcome_(outcome),
         points_(span_of(outcome.points)),
         tets_(span_of(outcome.tets)),
         tet2tet_(span_of(outcome.tet2tet)),
         regions_(span_of(outcome.regions)),
-        vertex2original_(span_of(outcome.vertex2original)),
-        dof_(span_of(outcome.dof)),
-        frozen_(span_of(outcome.frozen)),
         on_surface_(outcome.points.size(), 0),
         on_interface_(outcome.points.size(), 0),
         required_(outcome.tets.size(), 0) {
@@ -98,7 +95,7 @@ class ConstraintFinder {
     int on_surface = 0;
     LimitingConstraint strongest = LimitingConstraint::none;
     for (const Index v : tets_[t].v) {
-      fixed += dof_[v] == VertexDof::fixed ? 1 : 0;
+      fixed += span_of(outcome_.dof)[v] == VertexDof::fixed ? 1 : 0;
       on_surface += span_of(on_surface_)[v];
       strongest = std::min(strongest, constraint_of_vertex(v));
     }
@@ -108,9 +105,9 @@ class ConstraintFinder {
   }
 
   LimitingConstraint constraint_of_vertex(Index v) const {
-    const VertexDof dof = dof_[v];
+    const VertexDof dof = span_of(outcome_.dof)[v];
     if (dof == VertexDof::free) return LimitingConstraint::none;
-    if (frozen_[v] == kFrozen) return LimitingConstraint::frozen_vertex;
+    if (span_of(outcome_.frozen)[v] == kFrozen) return LimitingConstraint::frozen_vertex;
     if (dof == VertexDof::fixed && options_.boundary != Boundary::fixed) return LimitingConstraint::feature_corner;
     if (dof == VertexDof::line || dof == VertexDof::curve) return LimitingConstraint::feature_line;
     return span_of(on_interface_)[v] != 0 ? LimitingConstraint::interface : LimitingConstraint::boundary;
@@ -128,7 +125,7 @@ class ConstraintFinder {
       const double beyond_l = beyond_k < 0 ? -1 : angle_to_surface(t, e.l, a, b);
       if (beyond_l < 0 || !(angle + beyond_k + beyond_l < missed.surface_angle)) continue;
       missed.surface_angle = angle + beyond_k + beyond_l;
-      missed.edge = {vertex2original_[a], vertex2original_[b]};
+      missed.edge = {span_of(outcome_.vertex2original)[a], span_of(outcome_.vertex2original)[b]};
     }
   }
 
@@ -162,13 +159,11 @@ class ConstraintFinder {
   }
 
   const Options& options_;
+  const Outcome& outcome_;
   Span<const Point> points_;
   Span<const Tet> tets_;
   Span<const FaceAdjacency> tet2tet_;
   Span<const int> regions_;
-  Span<const Index> vertex2original_;
-  Span<const VertexDof> dof_;
-  Span<const std::uint8_t> frozen_;
   std::vector<std::uint8_t> on_surface_, on_interface_, required_;
 };
 
@@ -188,18 +183,9 @@ struct IsWorse {
 
 /// The tetrahedra of a range of slots that miss a target: their numbers by constraint, and at most 2 * kMaxMissed of
 /// the worst.
-class MissedInRange {
- public:
+struct MissedInRange {
   std::array<std::int64_t, kLimitingConstraints> counts{};
   std::vector<MissedSlot> worst;
-
-  void add(const MissedSlot& missed, const IsWorse& worse) {
-    ++counts[backend::to_size_t(static_cast<int>(missed.tet.held_by))];
-    worst.push_back(missed);
-    if (worst.size() < 2 * kMaxMissed) return;
-    std::nth_element(worst.begin(), worst.begin() + kMaxMissed, worst.end(), worse);
-    worst.resize(kMaxMissed);
-  }
 };
 
 MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constraints, const Target& target, Size begin,
@@ -213,14 +199,18 @@ MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constr
     if (tet[0] == kFreeSlot) continue;
     Vec3 p[4];
     for (int k = 0; k < 4; ++k) p[k] = vec(points[tet[k]]);
-    const double value = all_measures(TetShape(p))[backend::to_size_t(static_cast<int>(target.measure))];
-    if (!misses(target, value)) continue;
-    MissedSlot missed{backend::to_index(t), {}};
+    const double measured = value(all_measures(TetShape(p)), target.measure);
+    if (!misses(target, measured)) continue;
+    MissedSlot missed{to_index(t), {}};
     const Vec3 centroid = (0.25 / outcome.scale) * (p[0] + p[1] + p[2] + p[3]);
-    missed.tet.value = value;
+    missed.tet.value = measured;
     missed.tet.centroid = {centroid.x, centroid.y, centroid.z};
     constraints.find(missed.slot, target, missed.tet);
-    result.add(missed, worse);
+    ++result.counts[std::size_t(missed.tet.held_by)];
+    result.worst.push_back(missed);
+    if (result.worst.size() < 2 * kMaxMissed) continue;
+    std::nth_element(result.worst.begin(), result.worst.begin() + kMaxMissed, result.worst.end(), worse);
+    result.worst.resize(kMaxMissed);
   }
   return result;
 }
@@ -228,56 +218,25 @@ MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constr
 /// The number of tetrahedra before each slot: their ids after compaction, which keeps the order of the slots. The last
 /// entry is the number of tetrahedra.
 std::vector<Index> slot2tet_of(const std::vector<Tet>& tets) {
-  std::vector<Index> slot2tet;
-  slot2tet.reserve(tets.size() + 1);
-  Index before = 0;
-  for (const Tet& tet : tets) {
-    slot2tet.push_back(before);
-    if (tet[0] != kFreeSlot) ++before;
-  }
-  slot2tet.push_back(before);
+  std::vector<Index> slot2tet(tets.size() + 1, 0);
+  std::transform_inclusive_scan(tets.begin(), tets.end(), slot2tet.begin() + 1, std::plus<>(),
+                                [](const Tet& tet) { return tet[0] != kFreeSlot ? 1 : 0; });
   return slot2tet;
 }
 
 }  // namespace
 
 const char* to_string(LimitingConstraint constraint) {
-  switch (constraint) {
-    case LimitingConstraint::locked_element:
-      return "locked element";
-    case LimitingConstraint::surface_angle:
-      return "angle of the surface";
-    case LimitingConstraint::fixed_vertices:
-      return "no vertex may move";
-    case LimitingConstraint::surface_element:
-      return "all four vertices on the surface";
-    case LimitingConstraint::frozen_vertex:
-      return "frozen vertex";
-    case LimitingConstraint::feature_corner:
-      return "feature corner";
-    case LimitingConstraint::feature_line:
-      return "feature line";
-    case LimitingConstraint::interface:
-      return "interface";
-    case LimitingConstraint::boundary:
-      return "boundary";
-    case LimitingConstraint::none:
-      return "no constraint";
-  }
-  return "";
+  return name_of(constraint,
+                 {"locked element", "angle of the surface", "no vertex may move", "all four vertices on the surface",
+                  "frozen vertex", "feature corner", "feature line", "interface", "boundary", "no constraint"});
 }
 
 void check_target(const Target& target) {
-  double worst = 0;
-  double regular = 1;
-  if (target.measure == Measure::min_dihedral) regular = kRegularAngle;
-  if (target.measure == Measure::max_dihedral) {
-    worst = 180;
-    regular = kRegularAngle;
-  }
-  if (target.measure == Measure::radius_ratio || target.measure == Measure::aspect_ratio) worst = kFlatRatio;
-  const double low = std::min(worst, regular);
-  const double high = std::max(worst, regular);
+  const bool is_angle = target.measure == Measure::min_dihedral || target.measure == Measure::max_dihedral;
+  const double regular = is_angle ? kRegularAngle : 1;
+  const double worst = larger_is_better(target.measure) ? 0 : is_angle ? 180 : kFlatRatio;
+  const auto [low, high] = std::minmax(worst, regular);
   if (target.value >= low && target.value <= high && target.value != worst) return;
   const std::string range =
       worst == kFlatRatio ? "1 or more"
@@ -295,7 +254,7 @@ std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& 
   const ConstraintFinder constraints(outcome, options);
   std::vector<TargetReport> reports;
   for (const Target& target : options.targets) {
-    std::vector<MissedInRange> ranges(backend::to_size_t(kRanges));
+    std::vector<MissedInRange> ranges(to_size_t(kRanges));
     cpu.for_parts(kRanges, [&](Size i) {
       span_of(ranges)[i] = find_missed(outcome, constraints, target, slots * i / kRanges, slots * (i + 1) / kRanges);
     });

@@ -7,15 +7,11 @@ namespace tetune {
 
 /// The ring of one vertex in which volumes may be negative: each w is replaced by chi(w) = (w + sqrt(eps^2 + w^2)) / 2,
 /// which is positive everywhere and tends to max(w, 0) as eps tends to 0 (Garanzha et al. 2021, "Foldover-free maps in
-/// 50 lines of code", Eq. 3). The interface is that of PlainRing. The term in chi'' is left out of the Hessian, which
-/// is then that of the convex energy at chi and never indefinite (docs/method.md, "Untangling").
-class RegularizedRing {
+/// 50 lines of code", Eq. 3). The interface is that of PlainRing, without a floor. The term in chi'' is left out of the
+/// Hessian, which is then that of the convex energy at chi and never indefinite (docs/method.md, "Untangling").
+class RegularizedRing : PlainRing {
  public:
-  static constexpr Size kCapacity = PlainRing::kCapacity;
-
-  TETUNE_HD RegularizedRing(const Objective& objective, Span<const Point> points, const LinkFace* faces, Size count,
-                            const QualityFloor&)
-      : objective_(objective), points_(points), faces_(faces), count_(count) {}
+  using PlainRing::kCapacity, PlainRing::PlainRing;
 
   TETUNE_HD RingModel model(const Vec3& x) {
     double length2 = 0;
@@ -50,16 +46,9 @@ class RegularizedRing {
     return {objective_.factor * e, true};
   }
 
-  class Ray {
-   public:
-    TETUNE_HD Ray(const RegularizedRing& ring, const Vec3& x, const Vec3& p) : ring_(ring), x_(x), p_(p) {}
-    TETUNE_HD double value(double t) const { return ring_.value(x_ + t * p_).value; }
-
-   private:
-    const RegularizedRing& ring_;
-    Vec3 x_, p_;
-  };
-  TETUNE_HD Ray ray(const Vec3& x, const Vec3& p) const { return {*this, x, p}; }
+  TETUNE_HD auto ray(const Vec3& x, const Vec3& p) const {
+    return [this, x, p](double t) { return value(x + t * p).value; };
+  }
 
  private:
   struct RegularizedVolume {
@@ -70,15 +59,6 @@ class RegularizedRing {
     // For negative w, the second form of chi has no cancellation.
     return {w > 0 ? 0.5 * (w + root) : 0.5 * epsilon_ * epsilon_ / (root - w), root};
   }
-  TETUNE_HD OppositeFace<double> face(Size i) const {
-    const LinkFace f = faces_[i];
-    return opposite_face(vec(points_[f.v[0]]), vec(points_[f.v[1]]), vec(points_[f.v[2]]));
-  }
-
-  Objective objective_;
-  Span<const Point> points_;
-  const LinkFace* faces_;
-  Size count_;
   double epsilon_ = 0;
 };
 

@@ -148,26 +148,19 @@ class PlainRing {
     return {objective_.factor * e, certified};
   }
 
-  /// f along the ray x + t p, in closed form.
-  class Ray {
-   public:
-    TETUNE_HD Ray(const PlainRing& ring, const Vec3& x, const Vec3& p) : ring_(ring), x_(x), p_(p) {}
-    TETUNE_HD double value(double t) const {
+  /// f along the ray x + t p, in closed form, as a function of t.
+  TETUNE_HD auto ray(const Vec3& x, const Vec3& p) const {
+    return [this, x, p](double t) {
       double sum = 0;
-      for (Size i = 0; i < ring_.count_; ++i) {
-        const OppositeFace<double> f = ring_.face(i);
-        sum += ray_term(f, x_ - f.p0, p_).value(ring_.objective_, t);
+      for (Size i = 0; i < count_; ++i) {
+        const OppositeFace<double> f = face(i);
+        sum += ray_term(f, x - f.p0, p).value(objective_, t);
       }
       return sum;
-    }
+    };
+  }
 
-   private:
-    const PlainRing& ring_;
-    Vec3 x_, p_;
-  };
-  TETUNE_HD Ray ray(const Vec3& x, const Vec3& p) const { return {*this, x, p}; }
-
- private:
+ protected:
   TETUNE_HD OppositeFace<double> face(Size i) const {
     const LinkFace f = faces_[i];
     return opposite_face(vec(points_[f.v[0]]), vec(points_[f.v[1]]), vec(points_[f.v[2]]));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+
 #include "energy/ring.hpp"
 #include "mesh/gather.hpp"
 
@@ -16,7 +18,7 @@ class SimdRing {
 
   SimdRing(const Objective& objective, Span<const Point> points, const LinkFace* faces, Size count,
            const QualityFloor& floor = QualityFloor::none())
-      : objective_(objective), floor_(floor), count_(count), packs_(backend::to_index((count + kLanes - 1) / kLanes)) {
+      : objective_(objective), floor_(floor), count_(count), packs_(to_index((count + kLanes - 1) / kLanes)) {
     for (int k = 0; k < packs_; ++k) {
       const LinkFace* links[kLanes];
       for (int l = 0; l < kLanes; ++l) {
@@ -100,7 +102,7 @@ class SimdRing {
         terms_[i] = ray_term(f, x - f.p0, p);
       }
     }
-    double value(double t) const {
+    double operator()(double t) const {
       double sum = 0;
       for (Size i = 0; i < count_; ++i) sum += terms_[i].value(objective_, t);
       return sum;
@@ -117,20 +119,18 @@ class SimdRing {
   Pack weight(int pack) const { return pack + 1 < packs_ ? zero() + 1.0 : last_weight_; }
   static Pack zero() { return Pack{}; }
   static Vec3T<Pack> broadcast(const Vec3& x) { return {zero() + x.x, zero() + x.y, zero() + x.z}; }
-  static double sum(const Pack& v) {
+  template <class F>
+  static double fold(const Pack& v, const F& f) {
     double s = v[0];
-    for (int l = 1; l < kLanes; ++l) s += v[l];
+    for (int l = 1; l < kLanes; ++l) s = f(s, v[l]);
     return s;
   }
+  static double sum(const Pack& v) { return fold(v, std::plus<>()); }
   static double max_lane(const Pack& v) {
-    double s = v[0];
-    for (int l = 1; l < kLanes; ++l) s = v[l] > s ? v[l] : s;
-    return s;
+    return fold(v, [](double a, double b) { return b > a ? b : a; });
   }
   static double min_lane(const Pack& v) {
-    double s = v[0];
-    for (int l = 1; l < kLanes; ++l) s = v[l] < s ? v[l] : s;
-    return s;
+    return fold(v, [](double a, double b) { return b < a ? b : a; });
   }
 
   /// Copies one coordinate at a time: g++ copies the whole struct through the stack, with loads that each wait for

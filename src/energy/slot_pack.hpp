@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "backend/sum.hpp"
 #include "energy/criterion.hpp"
 #include "energy/harmonic.hpp"
 #include "mesh/gather.hpp"
@@ -33,8 +32,8 @@ class SlotPack {
                       corner(3, mesh_.points));
   }
   /// Stores one value per slot, 0 for free slots, and returns the sum.
-  TETUNE_HD TETUNE_INLINE backend::Sum<double> store_and_sum(const Pack& values, Span<double> to) const {
-    backend::Sum<double> total;
+  TETUNE_HD TETUNE_INLINE Sum<double> store_and_sum(const Pack& values, Span<double> to) const {
+    Sum<double> total;
     for_each([&](Size slot, int l) {
       to[slot] = alive_[l] ? lane(values, l) : 0;
       total.merge({to[slot]});

@@ -29,7 +29,7 @@ class TextSource {
       fail("section " + std::string(section.name) + " claims " + std::to_string(n) +
            " entries, more than the rest of the file can hold");
     }
-    return backend::to_size_t(n);
+    return to_size_t(n);
   }
   /// Calls read(source, i) for each of the next n entries.
   template <class Read>
@@ -50,8 +50,8 @@ class TextSource {
     std::vector<TextCursor::Lines> parts = cursor_.next_lines(n, kBytesPerPart);
     if (parts.empty()) return false;
     std::atomic<bool> as_expected = true;
-    const backend::Span<TextCursor::Lines> part = backend::span_of(parts);
-    backend::Cpu(threads_).for_parts(part.size(), [&](backend::Size p) {
+    const Span<TextCursor::Lines> part = span_of(parts);
+    backend::Cpu(threads_).for_parts(part.size(), [&](Size p) {
       TextCursor::Lines& lines = part[p];
       try {
         TextSource source(lines.cursor, 1);
@@ -91,7 +91,7 @@ class BinarySource {
   std::size_t count(const MeditSection& section, int reals, int integers) {
     const std::int64_t n = table_->count(*section_, section.name, reals, integers);
     next_ = bytes_.data() + table_->entries_begin(*section_);
-    return backend::to_size_t(n);
+    return to_size_t(n);
   }
   double real() { return encoding_.real(next_); }
   std::int64_t integer(const char*) { return encoding_.integer(next_); }
@@ -249,8 +249,7 @@ TetMesh parse_text(const std::string& path, std::string_view bytes, const IoCont
     if (word == "Dimension") {
       reader.set_dimension(cursor.integer("dimension"));
     } else if (!reader.read(word, 0)) {
-      const char c = word[0];
-      if (!((c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'))) {
+      if (!TextCursor::is_letter(word[0])) {
         cursor.fail("expected a section name, found \"" + std::string(word.substr(0, 40)) +
                     "\"; the section before it is longer than it says");
       }

@@ -12,102 +12,90 @@
 namespace tetune {
 namespace {
 
-/// Lines are formatted in ranges of this many, in parallel, and written in order.
-constexpr backend::Size kLinesPerPart = 1 << 15;
-
-class TextLine {
+/// Writes the sections of a text file. Lines are formatted in ranges, in parallel, and written in order.
+class TextWriter {
  public:
-  explicit TextLine(std::string& out) : out_(out) {}
-  template <class T>
-  void number(T value) {
-    char digits[40];
-    const auto result = std::to_chars(digits, digits + sizeof digits, value);
-    out_.append(std::string_view(digits, result.ptr));
+  /// The numbers of one line, each followed by a space.
+  class Entry {
+   public:
+    explicit Entry(std::string& out) : out_(out) {}
+    void real(double value) { integer(value); }
+    template <class T>
+    void integer(T value) {
+      char digits[40];
+      const auto result = std::to_chars(digits, digits + sizeof digits, value);
+      *result.ptr = ' ';
+      out_.append(digits, result.ptr + 1);
+    }
+
+   private:
+    std::string& out_;
+  };
+
+  TextWriter(FileWriter& file, int threads) : file_(file), cpu_(threads) {
+    file_.write("MeshVersionFormatted 2\n\nDimension 3\n");
   }
-  void space() { out_ += ' '; }
-  void end() { out_ += '\n'; }
+  /// Writes a list of n entries; put(entry, i) writes one of them. `subtitle`: a line before the entries.
+  template <class Put>
+  void list(const MeditSection& section, std::size_t n, int /*reals*/, int /*integers*/, const Put& put,
+            const std::string& subtitle = {}) {
+    std::string head(1, '\n');
+    head.append(section.name).append(1, '\n').append(std::to_string(n)).append(1, '\n').append(subtitle);
+    file_.write(head);
+    const Size size = std::int64_t(n);
+    std::vector<std::string> parts(to_size_t(4 * cpu_.threads()));
+    const Span<std::string> part = span_of(parts);
+    for (Size first = 0; first < size; first += part.size() * kLinesPerPart) {
+      cpu_.for_parts(part.size(), [&](Size p) {
+        part[p].clear();
+        const Size begin = std::min(size, first + p * kLinesPerPart);
+        const std::size_t end = to_size_t(std::min(size, begin + kLinesPerPart));
+        Entry entry(part[p]);
+        for (std::size_t i = to_size_t(begin); i < end; ++i) {
+          put(entry, i);
+          part[p].back() = '\n';
+        }
+      });
+      for (const std::string& lines : parts) file_.write(lines);
+    }
+  }
+  void end() { file_.write("\nEnd\n"); }
 
  private:
-  std::string& out_;
+  static constexpr Size kLinesPerPart = 1 << 15;
+  FileWriter& file_;
+  backend::Cpu cpu_;
 };
-
-/// Calls line(text, i) for each of n lines.
-template <class Line>
-void write_lines(FileWriter& file, std::size_t n, int threads, const Line& line) {
-  const backend::Cpu cpu(threads);
-  const backend::Size size = backend::to_index(n);
-  std::vector<std::string> parts(std::size_t{4} * cpu.threads());
-  const backend::Span<std::string> part = backend::span_of(parts);
-  for (backend::Size first = 0; first < size; first += part.size() * kLinesPerPart) {
-    cpu.for_parts(part.size(), [&](backend::Size p) {
-      part[p].clear();
-      const backend::Size begin = std::min(size, first + p * kLinesPerPart);
-      const std::size_t end = backend::to_size_t(std::min(size, begin + kLinesPerPart));
-      TextLine text(part[p]);
-      for (std::size_t i = backend::to_size_t(begin); i < end; ++i) line(text, i);
-    });
-    for (const std::string& text : parts) file.write(text);
-  }
-}
-
-void write_header(FileWriter& file, std::string_view name, std::size_t n) {
-  std::string header(1, '\n');
-  header.append(name).append(1, '\n').append(std::to_string(n)).append(1, '\n');
-  file.write(header);
-}
-
-template <std::size_t N>
-void write_text_elements(FileWriter& file, const MeditSection& section,
-                         const std::vector<std::array<Index, N>>& elements, const std::vector<int>& tags, int threads) {
-  if (elements.empty()) return;
-  write_header(file, section.name, elements.size());
-  write_lines(file, elements.size(), threads, [&](TextLine& line, std::size_t i) {
-    for (const Index v : elements[i]) {
-      line.number(v + 1);
-      line.space();
-    }
-    line.number(tags[i]);
-    line.end();
-  });
-}
-
-void write_text_list(FileWriter& file, std::string_view name, const std::vector<Index>& ids, int threads) {
-  if (ids.empty()) return;
-  write_header(file, name, ids.size());
-  write_lines(file, ids.size(), threads, [&](TextLine& line, std::size_t i) {
-    line.number(ids[i] + 1);
-    line.end();
-  });
-}
-
-/// The tetrahedra in the orientation in which the caller listed them.
-std::vector<std::array<Index, 4>> as_listed(const TetMesh& mesh) {
-  std::vector<std::array<Index, 4>> tets = mesh.tets;
-  if (mesh.listed_inside_out) {
-    for (auto& tet : tets) std::swap(tet[2], tet[3]);
-  }
-  return tets;
-}
 
 /// Writes the sections of a binary file.
 class BinaryWriter {
  public:
+  class Entry {
+   public:
+    Entry(const MeditEncoding& encoding, char* to) : encoding_(encoding), to_(to) {}
+    void real(double value) { MeditEncoding::put_real(to_, value); }
+    void integer(std::int64_t value) { encoding_.put_integer(to_, value); }
+
+   private:
+    const MeditEncoding& encoding_;
+    char* to_;
+  };
+
   BinaryWriter(FileWriter& file, const MeditEncoding& encoding) : file_(file), encoding_(encoding) {
     write(encoding_.file_head());
   }
-  /// Writes a list of n entries; put(to, i) encodes one of them and advances `to`.
+  /// Writes a list of n entries; put(entry, i) writes one of them.
   template <class Put>
-  void list(int code, std::size_t n, int reals, int integers, Put put) {
+  void list(const MeditSection& section, std::size_t n, int reals, int integers, const Put& put) {
     const std::int64_t body = encoding_.integer_bytes() + std::int64_t(n) * encoding_.entry_bytes(reals, integers);
-    write(encoding_.section_head(code, position_, body));
-    bytes_.resize(backend::to_size_t(body));
-    char* to = bytes_.data();
-    encoding_.put_integer(to, std::int64_t(n));
-    for (std::size_t i = 0; i < n; ++i) put(to, i);
+    write(encoding_.section_head(section.code, position_, body));
+    bytes_.resize(to_size_t(body));
+    Entry entry(encoding_, bytes_.data());
+    entry.integer(std::int64_t(n));
+    for (std::size_t i = 0; i < n; ++i) put(entry, i);
     write({bytes_.data(), bytes_.size()});
   }
   void end() { write(encoding_.file_end()); }
-  const MeditEncoding& encoding() const { return encoding_; }
 
  private:
   void write(std::string_view bytes) {
@@ -120,20 +108,27 @@ class BinaryWriter {
   std::vector<char> bytes_;
 };
 
-void write_binary_elements(BinaryWriter& out, const MeditSection& section, const Index* element2vertex,
-                           const std::vector<int>& tags) {
-  if (tags.empty()) return;
-  out.list(section.code, tags.size(), 0, section.vertices + 1,
-           [&, v = element2vertex](char*& to, std::size_t i) mutable {
-             for (const Index* const end = v + section.vertices; v != end; ++v) out.encoding().put_integer(to, *v + 1);
-             out.encoding().put_integer(to, tags[i]);
-           });
+/// The tetrahedra of a mesh whose file listed them inside out, in the orientation of the file.
+std::vector<std::array<Index, 4>> as_listed(std::vector<std::array<Index, 4>> tets) {
+  for (auto& tet : tets) std::swap(tet[2], tet[3]);
+  return tets;
 }
 
-void write_binary_list(BinaryWriter& out, const MeditSection& section, const std::vector<Index>& ids) {
+template <class Writer>
+void write_elements(Writer& out, const MeditSection& section, const Index* element2vertex,
+                    const std::vector<int>& tags) {
+  if (tags.empty()) return;
+  const std::size_t vertices = to_size_t(section.vertices);
+  out.list(section, tags.size(), 0, section.vertices + 1, [&](auto& entry, std::size_t i) {
+    for (const Index v : std::span(element2vertex + i * vertices, vertices)) entry.integer(v + 1);
+    entry.integer(tags[i]);
+  });
+}
+
+template <class Writer>
+void write_ids(Writer& out, const MeditSection& section, const std::vector<Index>& ids) {
   if (ids.empty()) return;
-  out.list(section.code, ids.size(), 0, 1,
-           [&](char*& to, std::size_t i) { out.encoding().put_integer(to, ids[i] + 1); });
+  out.list(section, ids.size(), 0, 1, [&](auto& entry, std::size_t i) { entry.integer(ids[i] + 1); });
 }
 
 template <std::size_t N>
@@ -166,8 +161,26 @@ const MeditSection& section_of(const ElementBlock& block) {
   throw FileError("MEDIT has no section for elements of kind " + block.kind);
 }
 
-void add_names(const std::vector<DataArray>& data, std::set<std::string>& names) {
-  for (const DataArray& array : data) names.insert(array.name);
+template <class Writer>
+void write_sections(Writer& out, const TetMesh& mesh) {
+  out.list(kMeditVertices, mesh.points.size(), 3, 1, [&](auto& entry, std::size_t i) {
+    for (const double x : mesh.points[i]) entry.real(x);
+    entry.integer(mesh.point_tags[i]);
+  });
+  write_elements(out, kMeditEdges, flat(mesh.edges), mesh.edge_tags);
+  write_elements(out, kMeditTriangles, flat(mesh.triangles), mesh.triangle_tags);
+  if (mesh.listed_inside_out) {
+    write_elements(out, kMeditTetrahedra, flat(as_listed(mesh.tets)), mesh.tet_tags);
+  } else {
+    write_elements(out, kMeditTetrahedra, flat(mesh.tets), mesh.tet_tags);
+  }
+  for (const ElementBlock& block : mesh.others) {
+    if (is_points(block)) continue;
+    write_elements(out, section_of(block), block.element2vertex.data(), block.tags);
+    if (block.kind == kMeditOthers[0].name) write_ids(out, kMeditRequiredQuadrilaterals, block.required);
+  }
+  for (const MeditList& list : kMeditLists) write_ids(out, list.section, list_of(mesh, list));
+  out.end();
 }
 
 }  // namespace
@@ -175,11 +188,12 @@ void add_names(const std::vector<DataArray>& data, std::set<std::string>& names)
 std::vector<std::string> lost_in_medit(const TetMesh& mesh) {
   std::vector<std::string> losses;
   std::set<std::string> names;
-  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
-    add_names(*data, names);
-  }
+  const auto add_names = [&names](const std::vector<DataArray>& data) {
+    for (const DataArray& array : data) names.insert(array.name);
+  };
+  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) add_names(*data);
   for (const ElementBlock& block : mesh.others) {
-    add_names(block.data, names);
+    add_names(block.data);
     if (is_points(block))
       losses.push_back("elements of one vertex are written as required vertices, without their tags");
   }
@@ -192,54 +206,19 @@ std::vector<std::string> lost_in_medit(const TetMesh& mesh) {
 }
 
 void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
-  file.write("MeshVersionFormatted 2\n\nDimension 3\n");
-  write_header(file, kMeditVertices.name, mesh.points.size());
-  write_lines(file, mesh.points.size(), threads, [&](TextLine& line, std::size_t i) {
-    for (const double x : mesh.points[i]) {
-      line.number(x);
-      line.space();
-    }
-    line.number(mesh.point_tags[i]);
-    line.end();
-  });
-  write_text_elements(file, kMeditEdges, mesh.edges, mesh.edge_tags, threads);
-  write_text_elements(file, kMeditTriangles, mesh.triangles, mesh.triangle_tags, threads);
-  write_text_elements(file, kMeditTetrahedra, mesh.listed_inside_out ? as_listed(mesh) : mesh.tets, mesh.tet_tags,
-                      threads);
-  for (const ElementBlock& block : mesh.others) {
-    if (is_points(block)) continue;
-    const std::size_t each = backend::to_size_t(section_of(block).vertices);
-    write_header(file, block.kind, block.tags.size());
-    write_lines(file, block.tags.size(), threads, [&](TextLine& line, std::size_t i) {
-      for (const Index v : std::span(block.element2vertex).subspan(i * each, each)) {
-        line.number(v + 1);
-        line.space();
-      }
-      line.number(block.tags[i]);
-      line.end();
-    });
-    if (block.kind == kMeditOthers[0].name) {
-      write_text_list(file, kMeditRequiredQuadrilaterals.name, block.required, threads);
-    }
-  }
-  for (const MeditList& list : kMeditLists) write_text_list(file, list.section.name, list_of(mesh, list), threads);
-  file.write("\nEnd\n");
+  TextWriter out(file, threads);
+  write_sections(out, mesh);
 }
 
 void write_medit_solution(FileWriter& file, const std::vector<Measures>& values, int threads) {
-  file.write("MeshVersionFormatted 2\n\nDimension 3\n");
-  write_header(file, "SolAtTetrahedra", values.size());
+  TextWriter out(file, threads);
   std::string fields = std::to_string(kMeasures);
   for (std::size_t k = 0; k < kMeasures; ++k) fields += " 1";  // a scalar
-  file.write(fields + "\n");
-  write_lines(file, values.size(), threads, [&](TextLine& line, std::size_t i) {
-    for (std::size_t k = 0; k < kMeasures; ++k) {
-      if (k > 0) line.space();
-      line.number(values[i][k]);
-    }
-    line.end();
-  });
-  file.write("\nEnd\n");
+  const auto put = [&values](TextWriter::Entry& entry, std::size_t i) {
+    for (const double value : values[i]) entry.real(value);
+  };
+  out.list({"SolAtTetrahedra", 0, 0}, values.size(), kMeasures, 0, put, fields.append(1, '\n'));
+  out.end();
 }
 
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
@@ -251,24 +230,7 @@ void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
   }
   for (const MeditList& list : kMeditLists) bytes += 4 * (mesh.*list.ids).size();
   BinaryWriter out(file, MeditEncoding::for_writing(0, std::int64_t(bytes)));
-  out.list(kMeditVertices.code, mesh.points.size(), 3, 1, [&](char*& to, std::size_t i) {
-    for (const double x : mesh.points[i]) MeditEncoding::put_real(to, x);
-    out.encoding().put_integer(to, mesh.point_tags[i]);
-  });
-  write_binary_elements(out, kMeditEdges, flat(mesh.edges), mesh.edge_tags);
-  write_binary_elements(out, kMeditTriangles, flat(mesh.triangles), mesh.triangle_tags);
-  if (mesh.listed_inside_out) {
-    write_binary_elements(out, kMeditTetrahedra, flat(as_listed(mesh)), mesh.tet_tags);
-  } else {
-    write_binary_elements(out, kMeditTetrahedra, flat(mesh.tets), mesh.tet_tags);
-  }
-  for (const ElementBlock& block : mesh.others) {
-    if (is_points(block)) continue;
-    write_binary_elements(out, section_of(block), block.element2vertex.data(), block.tags);
-    if (block.kind == kMeditOthers[0].name) write_binary_list(out, kMeditRequiredQuadrilaterals, block.required);
-  }
-  for (const MeditList& list : kMeditLists) write_binary_list(out, list.section, list_of(mesh, list));
-  out.end();
+  write_sections(out, mesh);
 }
 
 }  // namespace tetune

@@ -25,51 +25,25 @@ inline constexpr std::uint64_t kAnswerVersion = ~kStreamVersion;
 template <class Maybe, class T>
 concept MaybeConst = std::same_as<std::remove_const_t<Maybe>, T>;
 
-/// Calls archive(member) for each member, in one order for both directions.
+/// Calls archive() with the members, in one order for both directions.
 template <class Archive, MaybeConst<DataArray> Array>
 void transfer(Archive& archive, Array& array) {
-  archive(array.name);
-  archive(array.components);
-  archive(array.values);
+  archive(array.name, array.components, array.values);
 }
 template <class Archive, MaybeConst<Group> AnyGroup>
 void transfer(Archive& archive, AnyGroup& group) {
-  archive(group.dimension);
-  archive(group.number);
-  archive(group.name);
-  archive(group.tags);
+  archive(group.dimension, group.number, group.name, group.tags);
 }
 template <class Archive, MaybeConst<ElementBlock> Block>
 void transfer(Archive& archive, Block& block) {
-  archive(block.kind);
-  archive(block.vertices_per_element);
-  archive(block.element2vertex);
-  archive(block.tags);
-  archive(block.required);
-  archive(block.data);
+  archive(block.kind, block.vertices_per_element, block.element2vertex, block.tags, block.required, block.data);
 }
 template <class Archive, MaybeConst<TetMesh> Mesh>
 void transfer(Archive& archive, Mesh& m) {
-  archive(m.points);
-  archive(m.point_tags);
-  archive(m.tets);
-  archive(m.tet_tags);
-  archive(m.triangles);
-  archive(m.triangle_tags);
-  archive(m.edges);
-  archive(m.edge_tags);
-  for (auto* ids :
-       {&m.corners, &m.required_vertices, &m.ridges, &m.required_edges, &m.required_triangles, &m.required_tets}) {
-    archive(*ids);
-  }
-  archive(m.others);
-  for (auto* data : {&m.point_data, &m.tet_data, &m.triangle_data, &m.edge_data}) archive(*data);
-  archive(m.groups);
-  archive(m.point_tags_name);
-  archive(m.cell_tags_name);
-  archive(m.dialect);
-  archive(m.second_order);
-  archive(m.listed_inside_out);
+  archive(m.points, m.point_tags, m.tets, m.tet_tags, m.triangles, m.triangle_tags, m.edges, m.edge_tags);
+  archive(m.corners, m.required_vertices, m.ridges, m.required_edges, m.required_triangles, m.required_tets);
+  archive(m.others, m.point_data, m.tet_data, m.triangle_data, m.edge_data, m.groups);
+  archive(m.point_tags_name, m.cell_tags_name, m.dialect, m.second_order, m.listed_inside_out);
 }
 
 /// Encodes numbers, texts, lists and whole meshes. `Sink`: void(const void* data, std::size_t bytes).
@@ -78,6 +52,8 @@ class MeshWriter {
  public:
   explicit MeshWriter(Sink sink) : sink_(std::move(sink)) {}
 
+  template <class... Items>
+  requires(sizeof...(Items) > 1) void operator()(const Items&... items) { ((*this)(items), ...); }
   template <class T>
   void operator()(const T& item) {
     if constexpr (std::is_same_v<T, bool>) {
@@ -91,7 +67,7 @@ class MeshWriter {
   void operator()(const std::string& text) { raw(text); }
   void operator()(const DataValues& values) {
     (*this)(std::uint64_t{values.index()});
-    std::visit([this](const auto& v) { raw(v); }, values);
+    std::visit([this](const auto& v) { this->raw(v); }, values);
   }
   template <class T>
   void operator()(const std::vector<T>& items) {
@@ -117,6 +93,8 @@ class MeshReader {
  public:
   explicit MeshReader(std::string_view bytes) : bytes_(bytes) {}
 
+  template <class... Items>
+  requires(sizeof...(Items) > 1) void operator()(Items&... items) { ((*this)(items), ...); }
   template <class T>
   void operator()(T& item) {
     if constexpr (std::is_same_v<T, bool>) {
@@ -133,7 +111,11 @@ class MeshReader {
   void operator()(DataValues& values) {
     std::uint64_t which = 0;
     (*this)(which);
-    set_type<0>(values, which);
+    if (which >= std::variant_size_v<DataValues>) fail();
+    const auto set_type = [&]<std::size_t... I>(std::index_sequence<I...>) {
+      ((which == I ? void(values.emplace<I>()) : void()), ...);
+    };
+    set_type(std::make_index_sequence<std::variant_size_v<DataValues>>());
     std::visit([this](auto& v) { raw(v); }, values);
   }
   template <class T>
@@ -147,18 +129,6 @@ class MeshReader {
   }
 
  private:
-  template <std::size_t I>
-  static void set_type(DataValues& values, std::uint64_t which) {
-    if constexpr (I < std::variant_size_v<DataValues>) {
-      if (which == I) {
-        values.emplace<I>();
-      } else {
-        set_type<I + 1>(values, which);
-      }
-    } else {
-      fail();
-    }
-  }
   [[noreturn]] static void fail() { throw FileError("the answer of the plugin is incomplete"); }
   /// Reads the number of items of `item_bytes` or more each; fails where the rest of the bytes cannot hold them.
   std::uint64_t count(std::size_t item_bytes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/plugin.hpp"
+#include "io/registry.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -41,8 +41,7 @@ class Call {
       if (write_all(channel_.descriptor(), data, bytes)) return;
       throw FileError(path_ + ": no memory for handing the mesh to " + library_ + ": " + std::strerror(errno));
     });
-    writer(kStreamVersion);
-    writer(mesh);
+    writer(kStreamVersion, mesh);
   }
 
   /// Runs the program on `file` and reads its answer; the rest of the answer is a mesh when `mesh` is given.
@@ -68,8 +67,7 @@ class Call {
     }
     std::string error;
     std::vector<std::string> warnings;
-    answer(error);
-    answer(warnings);
+    answer(error, warnings);
     if (!error.empty()) throw FileError(path_ + ": " + error);
     for (const std::string& warning : warnings) context.warn(path_ + ": " + warning);
     if (mesh != nullptr) answer(*mesh);

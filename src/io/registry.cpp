@@ -8,9 +8,9 @@
 #include <iterator>
 
 #include "backend/span.hpp"
-#include "io/plugin.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
+#include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
 
 namespace tetune {
@@ -55,7 +55,7 @@ void check_lengths(const std::string& path, const TetMesh& mesh) {
   check("triangles", mesh.triangle_tags.size(), mesh.triangles.size());
   check("edges", mesh.edge_tags.size(), mesh.edges.size());
   for (const ElementBlock& block : mesh.others) {
-    const std::size_t each = backend::to_size_t(std::max(1, block.vertices_per_element));
+    const std::size_t each = to_size_t(std::max(1, block.vertices_per_element));
     check(block.kind, block.tags.size() * each, block.element2vertex.size());
     const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
     if (std::count_if(mesh.others.begin(), mesh.others.end(), same_kind) > 1) {
@@ -71,6 +71,18 @@ void orient(const std::string& path, TetMesh& mesh, const IoContext& context) {
     context.warn(path + ": " + std::to_string(reversed) + " of " + std::to_string(mesh.tets.size()) +
                  " tetrahedra are listed inside out, unlike their neighbors; they were reversed");
   }
+}
+
+/// Returns the mesh with its measures as data on tetrahedra.
+TetMesh with_measures(TetMesh mesh, const std::vector<Measures>& measures) {
+  for (std::size_t k = 0; k < kMeasures; ++k) {
+    const std::string name = to_string(Measure(k));
+    std::erase_if(mesh.tet_data, [&name](const DataArray& array) { return array.name == name; });
+    std::vector<double> values(measures.size());
+    for (std::size_t t = 0; t < values.size(); ++t) values[t] = measures[t][k];
+    mesh.tet_data.push_back({name, 1, std::move(values)});
+  }
+  return mesh;
 }
 
 }  // namespace
@@ -168,6 +180,25 @@ void write_text(const std::string& path, std::string_view text) {
   check_place(path);
   FileWriter file(path);
   file.write(text);
+  file.commit();
+}
+
+void write_measures(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
+  constexpr const char* kWithData[] = {".vtu", ".vtk", ".e", ".ex2", ".exo", ".msh"};
+  const std::string ending = std::filesystem::path(path).extension().string();
+  const bool with_mesh = std::find(std::begin(kWithData), std::end(kWithData), ending) != std::end(kWithData);
+  if (!with_mesh && ending != ".sol") {
+    throw FileError(path +
+                    ": measures are written as a MEDIT solution (.sol), or with the mesh as .vtu, .vtk, .e or .msh");
+  }
+  if (with_mesh) {
+    check_writable(path);
+    return write_mesh(path, with_measures(mesh, measure_each(mesh, threads)), threads, warnings);
+  }
+  check_place(path);
+  const std::vector<Measures> measures = measure_each(mesh, threads);
+  FileWriter file(path);
+  write_medit_solution(file, measures, threads);
   file.commit();
 }
 

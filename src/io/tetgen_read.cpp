@@ -25,7 +25,7 @@ std::size_t checked_count(TextCursor& cursor, const char* name, int numbers) {
   if (const std::string excess = excess_of(n, numbers == kNumbersPerTet); !excess.empty()) {
     cursor.fail("this file has " + excess);
   }
-  return backend::to_size_t(n);
+  return to_size_t(n);
 }
 
 int to_tag(TextCursor& cursor, double value) {
@@ -103,23 +103,21 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     const bool attribute = !cursor.line_done() && cursor.integer("number of attributes") > 0;
     read_rows(cursor, n, base, attribute, mesh.tets, mesh.tet_tags);
   }
-  std::error_code ignored;
-  if (const std::string name = sibling(".face"); fs::exists(name, ignored)) {
+  const auto read_optional = [&](const char* ending, const char* count, int numbers, auto& elements, auto& tags) {
+    const std::string name = sibling(ending);
+    std::error_code ignored;
+    if (!fs::exists(name, ignored)) return false;
     const MappedFile file(name);
     TextCursor cursor(name, file.bytes());
-    const std::size_t n = checked_count(cursor, "number of faces", 4);
+    const std::size_t n = checked_count(cursor, count, numbers);
     const bool marker = !cursor.line_done() && cursor.integer("boundary marker flag") != 0;
-    read_rows(cursor, n, base, marker, mesh.triangles, mesh.triangle_tags);
-  } else {
-    context.warn(name + " does not exist: boundary markers of faces are not known");
+    read_rows(cursor, n, base, marker, elements, tags);
+    return true;
+  };
+  if (!read_optional(".face", "number of faces", 4, mesh.triangles, mesh.triangle_tags)) {
+    context.warn(sibling(".face") + " does not exist: boundary markers of faces are not known");
   }
-  if (const std::string name = sibling(".edge"); fs::exists(name, ignored)) {
-    const MappedFile file(name);
-    TextCursor cursor(name, file.bytes());
-    const std::size_t n = checked_count(cursor, "number of edges", 3);
-    const bool marker = !cursor.line_done() && cursor.integer("boundary marker flag") != 0;
-    read_rows(cursor, n, base, marker, mesh.edges, mesh.edge_tags);
-  }
+  read_optional(".edge", "number of edges", 3, mesh.edges, mesh.edge_tags);
   return mesh;
 }
 

@@ -190,7 +190,7 @@ inline std::vector<TextCursor::Lines> TextCursor::next_lines(std::size_t n, std:
     const std::string_view rest(from, end_);
     if (rest.empty()) return {};
     const char* to = next_line(from + std::min(part_bytes, rest.size()) - 1);
-    std::size_t count(std::count(from, to, '\n'));
+    std::size_t count = std::size_t(std::count(from, to, '\n'));
     if (count > n - first) {
       count = n - first;
       to = from;

@@ -7,7 +7,7 @@
 
 namespace tetune {
 
-/// The minimum of f.value() on [a, b] by Brent's method: golden section search with parabolic interpolation through the
+/// The minimum of f() on [a, b] by Brent's method: golden section search with parabolic interpolation through the
 /// best three points where that converges (Brent 1973, ch. 5; Press et al., Numerical Recipes).
 template <class F>
 TETUNE_HD double brent_minimum(const F& f, double a, double b) {
@@ -19,7 +19,7 @@ TETUNE_HD double brent_minimum(const F& f, double a, double b) {
   double x = a + kGolden * (b - a);
   double w = x;
   double v = x;
-  double fx = f.value(x);
+  double fx = f(x);
   double fw = fx;
   double fv = fx;
   double step = 0, before_last = 0;
@@ -46,7 +46,7 @@ TETUNE_HD double brent_minimum(const F& f, double a, double b) {
       step = kGolden * before_last;
     }
     const double u = x + (fabs(step) >= tolerance ? step : step > 0 ? tolerance : -tolerance);
-    const double fu = f.value(u);
+    const double fu = f(u);
     if (fu <= fx) {
       (u < x ? b : a) = x;
       v = w;

@@ -43,7 +43,7 @@ class ExactSum {
       const std::uint64_t upper = k < 3 ? words[k] << shift : 0;
       shifted[k] = upper | (k > 0 && shift > 0 ? words[k - 1] >> (64 - shift) : 0);
     }
-    add(backend::to_size_t(bit / 64), shifted, negative != (a.negative != (b.negative != c.negative)));
+    add(to_size_t(bit / 64), shifted, negative != (a.negative != (b.negative != c.negative)));
   }
 
   int sign() const {

@@ -9,9 +9,6 @@
 
 namespace tetune {
 
-using backend::Size;
-using backend::Span;
-
 /// Lists of items in compressed sparse rows: row r is items[offsets[r]] .. items[offsets[r + 1] - 1], in increasing
 /// order.
 struct CsrView {
@@ -29,8 +26,8 @@ struct CsrView {
 
 template <class Backend>
 struct Csr {
-  typename Backend::template Buffer<std::uint32_t> offsets;
-  typename Backend::template Buffer<std::uint32_t> items;
+  BufferOf<Backend, std::uint32_t> offsets;
+  BufferOf<Backend, std::uint32_t> items;
   CsrView view() const { return {offsets.span(), items.span()}; }
 };
 
@@ -141,18 +138,17 @@ struct ItemItself {
 /// sorting.
 template <class Backend, class RowOf, class Make, class T>
 void build_csr_of(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of, const Make& make,
-                  typename Backend::template Buffer<std::uint32_t>& offsets,
-                  typename Backend::template Buffer<T>& grouped) {
+                  BufferOf<Backend, std::uint32_t>& offsets, BufferOf<Backend, T>& grouped) {
   using namespace csr_detail;
-  using Ids = typename Backend::template Buffer<std::uint32_t>;
+  using Ids = BufferOf<Backend, std::uint32_t>;
   Ids row(backend, item_count);
   const FindRow<RowOf> find{row_of, row.span()};
-  const Span<const std::uint32_t> rows = row.span();
+  const Span<const std::uint32_t> rows = row;
   offsets.resize(backend, row_count + 1);
   Ids positions;
   if constexpr (backend::CountsByRow<Backend>) {
     grouped.resize(backend, backend.count_by_row(find, kNoRow, rows, offsets.span(), positions));
-    const Span<T> out = grouped.span();
+    const Span<T> out = grouped;
     backend.place_by_row(rows, kNoRow, offsets.size(), positions, [&](Size item, std::uint32_t position) {
       out[position] = make(static_cast<std::uint32_t>(item));
     });
@@ -160,14 +156,14 @@ void build_csr_of(const Backend& backend, Size row_count, Size item_count, const
     backend.for_each(item_count, find);
     Ids counts(backend, row_count + 1);
     backend.fill(counts.span(), std::uint32_t{0});
-    backend.for_each(item_count, CountItems{rows, counts.span()});
+    backend.for_each(item_count, CountItems{rows, counts});
     Ids ids(backend, backend.exclusive_scan(Span<const std::uint32_t>(counts.span()), offsets.span()));
-    backend.for_each(row_count, ScanToEnds{counts.span(), offsets.span()});
-    backend.for_each(item_count, FillRows{rows, offsets.span(), ids.span()});
+    backend.for_each(row_count, ScanToEnds{counts, offsets});
+    backend.for_each(item_count, FillRows{rows, offsets, ids});
     row = Ids();  // frees memory before the next allocation
-    backend.for_each(row_count, SortRow{offsets.span(), ids.span()});
+    backend.for_each(row_count, SortRow{offsets, ids});
     grouped.resize(backend, ids.size());
-    backend.for_each(ids.size(), MakeItems<Make, T>{make, ids.span(), grouped.span()});
+    backend.for_each(ids.size(), MakeItems<Make, T>{make, ids, grouped});
   }
 }
 

@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/unit_scale.hpp"
+#include "mesh/whole_number.hpp"
 #include "mesh/work_mesh.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
-
-using backend::span_of;
 
 /// The entries new2old[0], new2old[1], ... of an array; zeros for a negative index.
 DataArray gather(const DataArray& array, const std::vector<Index>& new2old) {
@@ -26,7 +26,7 @@ DataArray gather(const DataArray& array, const std::vector<Index>& new2old) {
   const Size components = array.components;
   std::visit(
       [&](const auto& from) {
-        std::remove_cvref_t<decltype(from)> to(new2old.size() * backend::to_size_t(components));
+        std::remove_cvref_t<decltype(from)> to(new2old.size() * to_size_t(components));
         auto entry = to.begin();
         for (const Index old : new2old) {
           if (old >= 0) {
@@ -95,7 +95,7 @@ std::vector<Stencil> find_stencils(const std::vector<Index>& vertex2original, co
   const Span<const Index> original = span_of(vertex2original);
   for (Index v = 0; v < original.size(); ++v) {
     if (original[v] >= 0) continue;
-    span_of(stencil_of)[v] = backend::to_index(stencils.size());
+    span_of(stencil_of)[v] = to_index(stencils.size());
     stencils.push_back({v, {}});
   }
   const double scale = unit_scale(points);
@@ -165,6 +165,53 @@ std::vector<Index> nearest_originals(std::vector<Index> vertex2original, const s
   return vertex2original;
 }
 
+using Data = std::vector<DataArray>;
+
+/// The name that unnamed tags get as data.
+constexpr const char* kDefaultName = "medit:ref";
+
+Data::const_iterator find(const Data& data, const std::string& name) {
+  return std::find_if(data.begin(), data.end(), [&](const DataArray& array) { return array.name == name; });
+}
+
+std::string names_of(const Data& data) {
+  std::string names;
+  for (const DataArray& array : data) names += (names.empty() ? "" : ", ") + array.name;
+  return names.empty() ? "none" : names;
+}
+
+int to_tag(double value) {
+  if (std::isnan(value)) return 0;
+  if (const std::optional<int> tag = whole_number(value)) return *tag;
+  throw OptionError("it contains " + std::to_string(value));
+}
+
+std::vector<int> to_tags(const DataArray& array) {
+  const std::string refusal = "the cell data \"" + array.name + "\" cannot be used as tags: ";
+  if (array.components != 1) {
+    throw OptionError(refusal + "it has " + std::to_string(array.components) +
+                      " numbers per cell; a tag is one number");
+  }
+  try {
+    return std::visit(
+        [](const auto& values) {
+          std::vector<int> tags;
+          tags.reserve(values.size());
+          for (const auto value : values) tags.push_back(to_tag(static_cast<double>(value)));
+          return tags;
+        },
+        array.values);
+  } catch (const OptionError& e) {
+    throw OptionError(refusal + e.what() + "; a tag is a 32-bit integer");
+  }
+}
+
+/// The data and the tags of one kind of elements.
+struct ElementData {
+  Data* data;
+  std::vector<int>* tags;
+};
+
 }  // namespace
 
 std::vector<DataArray> take_entries(const std::vector<DataArray>& data, const std::vector<Index>& new2old) {
@@ -196,6 +243,44 @@ std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, cons
         array.values);
   }
   return result;
+}
+
+void use_as_tags(TetMesh& mesh, const std::string& name) {
+  if (find(mesh.tet_data, name) == mesh.tet_data.end()) {
+    if (name == (mesh.cell_tags_name.empty() ? kDefaultName : mesh.cell_tags_name))
+      return;  // the tags have this name already
+    throw OptionError("the tetrahedra have no data \"" + name + "\"; their data are: " + names_of(mesh.tet_data));
+  }
+  if (!mesh.groups.empty()) {
+    throw OptionError("the tags of this mesh are those of its named groups; its data \"" + name +
+                      "\" cannot replace them");
+  }
+  std::vector<ElementData> kinds{
+      {&mesh.tet_data, &mesh.tet_tags}, {&mesh.triangle_data, &mesh.triangle_tags}, {&mesh.edge_data, &mesh.edge_tags}};
+  for (ElementBlock& block : mesh.others) kinds.push_back({&block.data, &block.tags});
+  const bool tagged = std::any_of(kinds.begin(), kinds.end(), [](const ElementData& kind) {
+    return std::any_of(kind.tags->begin(), kind.tags->end(), [](int tag) { return tag != 0; });
+  });
+  std::string old_name = mesh.cell_tags_name.empty() ? kDefaultName : mesh.cell_tags_name;
+  const auto is_taken = [&](const ElementData& kind) { return find(*kind.data, old_name) != kind.data->end(); };
+  do {
+    old_name += ":before";
+  } while (std::any_of(kinds.begin(), kinds.end(), is_taken));
+
+  // Everything that may throw comes first, so that the mesh changes completely or not at all.
+  std::vector<std::vector<int>> tags;
+  Data before;
+  for (const ElementData& kind : kinds) {
+    const auto at = find(*kind.data, name);
+    tags.push_back(at != kind.data->end() ? to_tags(*at) : std::vector<int>());
+    tags.back().resize(kind.tags->size(), 0);
+    before.push_back({old_name, 1, std::vector<std::int32_t>(kind.tags->begin(), kind.tags->end())});
+    kind.data->reserve(kind.data->size() + 1);
+  }
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    kinds[k].tags->swap(tags[k]);
+    if (tagged && !tags[k].empty()) kinds[k].data->push_back(std::move(before[k]));
+  }
 }
 
 }  // namespace tetune

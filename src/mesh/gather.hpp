@@ -22,7 +22,7 @@ TETUNE_HD TETUNE_INLINE double lane(const Pack& pack, int l) {
 
 /// Loads one point per lane.
 template <class Pack>
-TETUNE_HD TETUNE_INLINE Vec3T<Pack> gather(backend::Span<const Point> points, const Index (&ids)[kLanesOf<Pack>]) {
+TETUNE_HD TETUNE_INLINE Vec3T<Pack> gather(Span<const Point> points, const Index (&ids)[kLanesOf<Pack>]) {
   static_assert(sizeof(Point) == 4 * sizeof(double));
   const double* row[kLanesOf<Pack>];
   for (int l = 0; l < kLanesOf<Pack>; ++l) row[l] = &points[ids[l]].x;

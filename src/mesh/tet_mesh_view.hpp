@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include "backend/prefetch.hpp"
 #include "backend/span.hpp"
 #include "mesh/tet.hpp"
@@ -8,13 +10,10 @@
 
 namespace tetune {
 
-using backend::Size;
-using backend::Span;
-
 /// The points and tetrahedra of a TetMesh on the host, with signed indices. Positions are multiplied by `scale`.
 struct TetMeshView {
   explicit TetMeshView(const TetMesh& mesh, double unit = 1)
-      : points(backend::span_of(mesh.points)), tets(backend::span_of(mesh.tets)), scale(unit) {}
+      : points(span_of(mesh.points)), tets(span_of(mesh.tets)), scale(unit) {}
 
   Tet tet(Size t) const { return {{tets[t][0], tets[t][1], tets[t][2], tets[t][3]}}; }
   Vec3 position(Index v) const { return scale * vec(points[v]); }
@@ -42,5 +41,16 @@ struct TetMeshView {
   Span<const std::array<Index, 4>> tets;
   double scale;
 };
+
+/// A power of two that scales the largest coordinate to about 1. Multiplication by it is exact, except for coordinates
+/// below 2^-1022 of the largest, and keeps products of several lengths in range.
+inline double unit_scale(const std::vector<Point3>& points) {
+  double largest = 0;
+  for (const Point3& p : points) {
+    for (const double x : p) largest = std::max(largest, std::fabs(x));
+  }
+  return largest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1020, 1020)) : 1;
+}
+inline double unit_scale(const TetMesh& mesh) { return unit_scale(mesh.points); }
 
 }  // namespace tetune

@@ -5,9 +5,7 @@
 
 #include "backend/cpu.hpp"
 #include "math/orient.hpp"
-#include "mesh/corners.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/unit_scale.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "tetune/validate.hpp"
 
@@ -53,13 +51,13 @@ class Neighbors {
     });
   }
   Span<const Neighbor> of(Index t) const {
-    const auto tet = backend::to_size_t(t);
+    const auto tet = to_size_t(t);
     return {neighbors_[tet].data(), counts_[tet]};
   }
 
  private:
   void add(const SortedHalfFace& from, const SortedHalfFace& to) {
-    const auto tet = backend::to_size_t(from.tet);
+    const auto tet = to_size_t(from.tet);
     neighbors_[tet][counts_[tet]++] = {to.tet, from.odd != to.odd};
   }
 
@@ -73,7 +71,7 @@ std::vector<std::uint8_t> find_tets_to_turn(const TetMesh& mesh) {
   const Neighbors neighbors(mesh);
   constexpr std::uint8_t kUnvisited = 2;
   std::vector<std::uint8_t> result(mesh.tets.size(), kUnvisited);
-  const Span<std::uint8_t> turned = backend::span_of(result);
+  const Span<std::uint8_t> turned = span_of(result);
   const TetMeshView view(mesh, unit_scale(mesh));
   std::vector<Index> part;
   for (Index seed = 0; seed < turned.size(); ++seed) {
@@ -104,7 +102,7 @@ std::vector<std::uint8_t> find_tets_to_turn(const TetMesh& mesh) {
 std::vector<std::int8_t> volume_signs(const TetMesh& mesh, int threads) {
   std::vector<std::int8_t> signs(mesh.tets.size());
   const TetMeshView view(mesh, unit_scale(mesh));
-  backend::Cpu(threads).for_each(std::ssize(mesh.tets), ComputeSign{view, backend::span_of(signs)});
+  backend::Cpu(threads).for_each(std::ssize(mesh.tets), ComputeSign{view, span_of(signs)});
   return signs;
 }
 

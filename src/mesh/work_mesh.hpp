@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <numeric>
+#include <vector>
 #include "backend/buffer.hpp"
 #include "mesh/half_face.hpp"
 #include "mesh/tet.hpp"
+#include "tetune/mesh.hpp"
 
 namespace tetune {
-
-using backend::Size;
-using backend::Span;
 
 /// First vertex of a slot that holds no tetrahedron.
 inline constexpr Index kFreeSlot = -1;
@@ -32,7 +32,7 @@ struct MeshView {
 template <class Backend>
 struct WorkMesh {
   template <class T>
-  using Buffer = typename Backend::template Buffer<T>;
+  using Buffer = BufferOf<Backend, T>;
 
   Buffer<Point> points;
   Buffer<Tet> tet2vertex;
@@ -53,5 +53,22 @@ struct WorkMesh {
   Size room() const { return slots() + slots() / 16; }
   MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet2original.span()}; }
 };
+
+/// Uploads points, multiplied by `scale`, and tetrahedra in the caller's order. Requires indices in range.
+template <class Backend>
+WorkMesh<Backend> upload_mesh(const Backend& backend, const TetMesh& mesh, double scale = 1) {
+  WorkMesh<Backend> work;
+  std::vector<Point> points;
+  points.reserve(mesh.points.size());
+  for (const Point3& p : mesh.points) points.push_back(point(scale * vec(p)));
+  work.points.upload(backend, points);
+  static_assert(sizeof(Tet) == sizeof(mesh.tets[0]));
+  work.tet2vertex.resize(backend, std::ssize(mesh.tets));
+  backend.memory().upload(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
+  std::vector<Index> ids(mesh.tets.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  work.tet2original.upload(backend, ids);
+  return work;
+}
 
 }  // namespace tetune

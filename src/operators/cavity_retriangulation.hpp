@@ -9,8 +9,11 @@ namespace tetune {
 /// tetrahedron is worst. Flips, edge removals and multi-face removals of any size are special cases.
 struct CavityRetriangulation {
   static constexpr int kChoices = 4;
+  /// With rings of at most three tetrahedra only the flips of the paper are made.
+  static constexpr int kMinRing = 4;
 
   TETUNE_HD static void propose(const StarProposal& p, Index t, int corner) {
+    if (p.max_ring < kMinRing) return;
     const Index apex = p.mesh.tet2vertex[t][corner];
     StarCavity star(p.mesh, p.constrained);
     if (!star.take_tet(t)) return;

@@ -33,15 +33,15 @@ VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Flip
   mesh.points.grow(backend, count);
   mesh.vertex2original.grow(backend, count);
   flips.constrained_vertex.grow(backend, count);
-  dofs.kind.grow(backend, count);
+  dofs.dof.grow(backend, count);
   dofs.axis.grow(backend, count);
   dofs.active.grow(backend, count);
-  if (dofs.site.size() > 0) dofs.site.grow(backend, count);
+  if (dofs.surface_point.size() > 0) dofs.surface_point.grow(backend, count);
   if (dofs.displacement_bound.size() > 0) dofs.displacement_bound.grow(backend, count);
   return {mesh.vertex2original.span(),
-          dofs.kind.span(),
+          dofs.dof.span(),
           dofs.axis.span(),
-          dofs.site.span(),
+          dofs.surface_point.span(),
           flips.constrained_vertex.span(),
           dofs.displacement_bound.span()};
 }
@@ -65,7 +65,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   const Size count = choices * std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers);
   StarProposals<AllOperators> proposals{rated(mesh, criterion),
                                         flips.constrained(),
-                                        dofs.kind.span(),
+                                        dofs.dof.span(),
                                         dofs.axis.span(),
                                         triangles,
                                         tets,

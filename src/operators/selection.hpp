@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "backend/sum.hpp"
 #include "operators/bid.hpp"
 #include "operators/candidate.hpp"
 

@@ -103,11 +103,11 @@ void replace_triangles(const Backend& backend, Selection<Backend, StarPatch>& se
                    ReplaceTriangles<StarPatch>{selection.records.span(), selection.selected.span(),
                                                selection.before.span(), boundary.triangles.span(), old_count});
   const Size count = boundary.triangles.size();
-  typename Backend::template Buffer<Index> kept(backend, count);
+  BufferOf<Backend, Index> kept(backend, count);
   const Size present = backend.compact(count, IsPresent{boundary.triangles.span()}, kept.span());
   boundary.stale = true;
   if (present == count) return;
-  typename Backend::template Buffer<BoundaryTriangle> triangles(backend, present);
+  BufferOf<Backend, BoundaryTriangle> triangles(backend, present);
   backend.for_each(present, CopyTriangles{boundary.triangles.span(), kept.span(), triangles.span()});
   boundary.triangles.swap(triangles);
 }

@@ -12,7 +12,7 @@ struct VertexArrays {
   Span<Index> vertex2original;
   Span<VertexDof> kind;
   Span<Vec3> axis;
-  Span<SurfacePoint> site;  ///< empty unless vertices slide
+  Span<SurfacePoint> surface_point;  ///< empty unless vertices slide
   Span<std::uint8_t> constrained_vertex;
   Span<DisplacementBound> displacement_bound;  ///< may be empty
 
@@ -21,7 +21,7 @@ struct VertexArrays {
     vertex2original[v] = kInserted;
     kind[v] = dof;
     axis[v] = direction;
-    if (site.size() > 0) site[v] = {};
+    if (surface_point.size() > 0) surface_point[v] = {};
     if (displacement_bound.size() > 0) displacement_bound[v] = {x, radius};
     constrained_vertex[v] = 0;
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "backend/atomic.hpp"
-#include "backend/sum.hpp"
 #include "math/orient.hpp"
 #include "mesh/work_mesh.hpp"
 #include "relocation/min_angle_ring.hpp"

@@ -113,7 +113,7 @@ class Optimizer {
   }
 
  private:
-  void color() { color_vertices(backend, work.rings.view(), work.dofs.kind.span(), work.coloring, work.dofs.stars()); }
+  void color() { color_vertices(backend, work.rings.view(), work.dofs.dof.span(), work.coloring, work.dofs.stars()); }
 
   double unit_;  ///< the caller's unit of energy relative to that of the scaled mesh
   double energy_ = 0;

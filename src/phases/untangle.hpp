@@ -46,7 +46,7 @@ void run_rounds(Optimizer<Backend>& optimizer) {
       tangled = activate_tangled(backend, work);
     }
     build_rings(backend, work.mesh, work.rings);
-    color_vertices(backend, work.rings.view(), work.dofs.kind.span(), work.coloring, work.dofs.stars());
+    color_vertices(backend, work.rings.view(), work.dofs.dof.span(), work.coloring, work.dofs.stars());
     Criterion criterion{kShapeObjective};
     criterion.objective.regularization = p.regularizations[backend::to_size_t(round) % p.regularizations.size()];
     for (int i = 0; i < p.max_sweeps && tangled > 0 && go_on; ++i) {
@@ -65,7 +65,7 @@ void run_rounds(Optimizer<Backend>& optimizer) {
 template <class Backend>
 std::vector<Index> untangle_slots(Optimizer<Backend>& optimizer) {
   WorkMesh<Backend>& mesh = optimizer.work.mesh;
-  const std::vector<VertexDof> kind = optimizer.work.dofs.kind.download();
+  const std::vector<VertexDof> kind = optimizer.work.dofs.dof.download();
   const std::vector<std::uint8_t> folded = folded_vertices(HostMesh(mesh), kind);
   run_rounds(optimizer);
   const HostMesh result(mesh);

@@ -8,7 +8,7 @@ namespace {
 
 using Hit = ClosestTriangle::Hit;
 
-constexpr backend::Size kMaxLeafSize = 4;
+constexpr Size kMaxLeafSize = 4;
 
 Hit closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 ab = b - a;
@@ -46,15 +46,15 @@ double centroid_coordinate(const TrianglePoints& t, double Vec3::*axis) { return
 
 ClosestTriangle::ClosestTriangle(std::vector<TrianglePoints> triangles) : triangles_(std::move(triangles)) {
   const Size count = std::ssize(triangles_);
-  nodes_.reserve(backend::to_size_t(2 * (count / kMaxLeafSize + 1)));
+  nodes_.reserve(to_size_t(2 * (count / kMaxLeafSize + 1)));
   if (count > 0) build(0, count);
 }
 
-ClosestTriangle::Size ClosestTriangle::build(Size begin, Size end) {
+Size ClosestTriangle::build(Size begin, Size end) {
   Node node;
   node.begin = begin;
   node.end = end;
-  node.low = node.high = triangles_[backend::to_size_t(begin)][0];
+  node.low = node.high = triangles_[to_size_t(begin)][0];
   const auto first = triangles_.begin() + begin;
   const auto last = triangles_.begin() + end;
   for (auto triangle = first; triangle != last; ++triangle) {
@@ -76,7 +76,7 @@ ClosestTriangle::Size ClosestTriangle::build(Size begin, Size end) {
   });
   const Size left = build(begin, middle);
   const Size right = build(middle, end);
-  Node& built = backend::span_of(nodes_)[id];
+  Node& built = span_of(nodes_)[id];
   built.left = left;
   built.right = right;
   return id;
@@ -92,8 +92,8 @@ double ClosestTriangle::Node::distance2(const Vec3& p) const {
 ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double sufficient) const {
   Hit best{p, std::numeric_limits<double>::infinity()};
   if (nodes_.empty()) return best;
-  const auto nodes = backend::span_of(nodes_);
-  const auto triangles = backend::span_of(triangles_);
+  const auto nodes = span_of(nodes_);
+  const auto triangles = span_of(triangles_);
   struct Entry {
     Size node;
     double distance2;

@@ -26,7 +26,6 @@ class ClosestTriangle {
   double distance2(const Vec3& p) const { return closest(p).distance2; }
 
  private:
-  using Size = backend::Size;
   struct Node {
     Vec3 low, high;
     Size left = -1, right = -1;  ///< children, or -1 in a leaf

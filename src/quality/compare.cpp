@@ -3,22 +3,20 @@
 #include <atomic>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/unit_scale.hpp"
-#include "mesh/upload.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "mesh/work_mesh.hpp"
 #include "quality/closest_triangle.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
 namespace {
-
-using backend::span_of;
 
 double area(const TrianglePoints& t) { return 0.5 * norm(cross(t[1] - t[0], t[2] - t[0])); }
 
@@ -93,15 +91,14 @@ double max_distance(const std::vector<Vec3>& points, const ClosestTriangle& surf
   return std::sqrt(max_distance2.load());
 }
 
-std::vector<int> tag_set(std::vector<int> tags) {
-  std::sort(tags.begin(), tags.end());
-  tags.erase(std::unique(tags.begin(), tags.end()), tags.end());
-  return tags;
-}
+using TagSet = std::set<int>;
 
-std::vector<int> nonzero_tag_set(std::vector<int> tags) {
-  tags.erase(std::remove(tags.begin(), tags.end(), 0), tags.end());
-  return tag_set(std::move(tags));
+TagSet tag_set(const std::vector<int>& tags) { return {tags.begin(), tags.end()}; }
+
+TagSet nonzero_tag_set(const std::vector<int>& tags) {
+  TagSet set = tag_set(tags);
+  set.erase(0);
+  return set;
 }
 
 double relative_change(double before, double after) { return before != 0 ? after / before - 1 : after != 0 ? 1 : 0; }
@@ -109,18 +106,16 @@ double relative_change(double before, double after) { return before != 0 ? after
 /// Volumes or areas by tag.
 using SizeByTag = std::map<int, double>;
 
-SizeByTag region_volumes(const TetMesh& mesh, double scale) {
+SizeByTag region_volumes(const TetMesh& mesh, const TetMeshView& view) {
   SizeByTag volumes;
-  const TetMeshView view(mesh, scale);
   for (Size t = 0; t < view.tets.size(); ++t) {
     volumes[span_of(mesh.tet_tags)[t]] += view.six_volume(view.tet(t)) / 6;
   }
   return volumes;
 }
 
-SizeByTag patch_areas(const TetMesh& mesh, double scale) {
+SizeByTag patch_areas(const TetMesh& mesh, const TetMeshView& view) {
   SizeByTag areas;
-  const TetMeshView view(mesh, scale);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangle_tags[t] == 0) continue;
     const auto& v = mesh.triangles[t];
@@ -161,12 +156,14 @@ std::int64_t count_moved(const TetMesh& before, const std::vector<Index>& ids, c
 }
 
 void compare_sizes(const TetMesh& before, const TetMesh& after, double scale, Comparison& c) {
-  const SizeByTag old_volumes = region_volumes(before, scale);
-  const SizeByTag new_volumes = region_volumes(after, scale);
+  const TetMeshView old_view(before, scale);
+  const TetMeshView new_view(after, scale);
+  const SizeByTag old_volumes = region_volumes(before, old_view);
+  const SizeByTag new_volumes = region_volumes(after, new_view);
   c.volume_change = relative_change(total(old_volumes), total(new_volumes));
   c.region_volume_change = max_change(old_volumes, new_volumes);
-  const SizeByTag old_areas = patch_areas(before, scale);
-  SizeByTag new_areas = patch_areas(after, scale);
+  const SizeByTag old_areas = patch_areas(before, old_view);
+  SizeByTag new_areas = patch_areas(after, new_view);
   c.patch_area_change = max_change(old_areas, new_areas);
   for (const auto& [tag, size] : old_areas) {
     c.patches.push_back({tag, size / scale / scale, relative_change(size, new_areas[tag])});

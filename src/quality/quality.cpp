@@ -2,6 +2,7 @@
 #include "tetune/quality.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -10,10 +11,9 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/gather.hpp"
+#include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/unit_scale.hpp"
 #include "mesh/validate_arrays.hpp"
-#include "quality/measure_table.hpp"
 #include "quality/tet_measures.hpp"
 #include "tetune/error.hpp"
 
@@ -34,6 +34,92 @@ static_assert(6 * std::int64_t{kMaxTets} <= std::numeric_limits<std::uint32_t>::
 /// depend on the number of threads. The bins of a chunk cost as much time as some hundred tetrahedra.
 Size chunk_count(Size tets) { return std::clamp<Size>(tets / 512, 1, 64); }
 Size chunk_begin(Size tets, Size chunk) { return tets * chunk / chunk_count(tets); }
+
+bool is_worse(const WorstTet& a, const WorstTet& b) {
+  return a.dihedral < b.dihedral || (a.dihedral == b.dihedral && a.tet < b.tet);
+}
+
+/// All measures of every tetrahedron in single precision, with exact extremes and sums per chunk, and the worst
+/// tetrahedra. Chunks may be filled concurrently; sums over chunks run in order.
+class MeasureTable {
+ public:
+  MeasureTable(Size tets, int worst_count)
+      : worst_count_(to_size_t(std::max(0, worst_count))), chunks_(to_size_t(chunk_count(tets))) {
+    for (auto& column : columns_) column.resize(to_size_t(tets));
+  }
+
+  /// Stores the measures of tetrahedron t of a chunk. `first` marks the first one of the chunk.
+  void add(const TetShape& shape, Size t, Size chunk, bool first) {
+    Chunk& c = span_of(chunks_)[chunk];
+    const Measures m = all_measures(shape);
+    for (std::size_t k = 0; k < kMeasures; ++k) {
+      span_of(columns_[k])[t] = static_cast<float>(m[k]);
+      Extent& e = c.extents[k];
+      e.min = first ? m[k] : std::min(e.min, m[k]);
+      e.max = first ? m[k] : std::max(e.max, m[k]);
+      e.sum += m[k];
+    }
+    insert_worst(c.worst, {to_index(t), value(m, Measure::min_dihedral), value(m, Measure::harmonic), {}});
+  }
+
+  /// Writes Quality::measures and Quality::worst. Reorders the table: called once, last.
+  void summarize(const TetMeshView& mesh, const backend::Cpu& cpu, Quality& quality) {
+    cpu.for_parts(kMeasures, [&](Size k) { summarize_measure(to_size_t(k), quality.measures[to_size_t(k)]); });
+    for (const Chunk& chunk : chunks_) {
+      for (const WorstTet& tet : chunk.worst) insert_worst(quality.worst, tet);
+    }
+    for (WorstTet& worst : quality.worst) worst.centroid = mesh.centroid(worst.tet);
+  }
+
+ private:
+  struct Extent {
+    double min = 0, max = 0, sum = 0;
+  };
+  struct Chunk {
+    std::array<Extent, kMeasures> extents;
+    std::vector<WorstTet> worst;
+  };
+
+  /// Inserts a tetrahedron into a sorted list of the worst ones.
+  void insert_worst(std::vector<WorstTet>& worst, const WorstTet& tet) const {
+    worst.insert(std::upper_bound(worst.begin(), worst.end(), tet, is_worse), tet);
+    if (worst.size() > worst_count_) worst.pop_back();
+  }
+
+  void summarize_measure(std::size_t measure, MeasureSummary& summary) {
+    bool first = true;
+    double sum = 0;
+    for (const Chunk& chunk : chunks_) {
+      const Extent& e = chunk.extents[measure];
+      summary.min = first ? e.min : std::min(summary.min, e.min);
+      summary.max = first ? e.max : std::max(summary.max, e.max);
+      sum += e.sum;
+      first = false;
+    }
+    std::vector<float>& column = columns_[measure];
+    const auto tets = static_cast<double>(column.size());
+    summary.mean = sum / tets;
+    const bool small_is_worse = larger_is_better(static_cast<Measure>(measure));
+    // The larger share first: worse values are before its position then.
+    auto end = column.end();
+    const auto worst_percentile = [&](double share) {
+      const auto position = column.begin() + static_cast<std::ptrdiff_t>(share * tets);
+      if (small_is_worse) {
+        std::nth_element(column.begin(), position, end);
+      } else {
+        std::nth_element(column.begin(), position, end, std::greater<>());
+      }
+      end = position + 1;
+      return std::clamp(double{*position}, summary.min, summary.max);
+    };
+    summary.p5 = worst_percentile(0.05);
+    summary.p1 = worst_percentile(0.01);
+  }
+
+  std::size_t worst_count_;
+  std::array<std::vector<float>, kMeasures> columns_;
+  std::vector<Chunk> chunks_;
+};
 
 /// Sums and extremes over a set of tetrahedra.
 struct QualitySums {
@@ -133,7 +219,7 @@ double percentile(const AngleBins& bins, double angles, double share) {
 void set_angles(const QualitySums& sums, const AngleBins& bins, Quality& q) {
   const double angles = 6 * static_cast<double>(q.tets);
   q.dihedral_min = sums.angle_min;
-  q.worst_tet = backend::to_index(sums.worst_tet);
+  q.worst_tet = to_index(sums.worst_tet);
   // The middle of a bin may lie outside the range of all angles.
   q.dihedral_1 = std::clamp(percentile(bins, angles, 0.01), sums.angle_min, sums.angle_max);
   q.dihedral_5 = std::clamp(percentile(bins, angles, 0.05), sums.angle_min, sums.angle_max);
@@ -156,14 +242,14 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   const TetMeshView view(mesh, scale);
   std::vector<double> eta(mesh.tets.size());
   const Size chunks = chunk_count(q.tets);
-  std::vector<QualitySums> chunk_sums(backend::to_size_t(chunks));
+  std::vector<QualitySums> chunk_sums(to_size_t(chunks));
   AngleBins bins(kBins, 0);
   std::mutex bins_mutex;
   const backend::Cpu cpu(threads);
-  const MeasureChunk measure_chunk{view, backend::span_of(eta), table};
+  const MeasureChunk measure_chunk{view, span_of(eta), table};
   cpu.for_parts(chunks, [&](Size chunk) {
     AngleBins chunk_bins(kBins, 0);
-    backend::span_of(chunk_sums)[chunk] = measure_chunk(chunk, backend::span_of(chunk_bins));
+    span_of(chunk_sums)[chunk] = measure_chunk(chunk, span_of(chunk_bins));
     const std::lock_guard lock(bins_mutex);
     std::transform(bins.begin(), bins.end(), chunk_bins.begin(), bins.begin(), std::plus<>());
   });
@@ -191,27 +277,8 @@ void check_arrays(const TetMesh& mesh) {
 }  // namespace
 
 const char* to_string(Measure measure) {
-  switch (measure) {
-    case Measure::min_dihedral:
-      return "min_dihedral_deg";
-    case Measure::max_dihedral:
-      return "max_dihedral_deg";
-    case Measure::mean_ratio:
-      return "mean_ratio";
-    case Measure::sicn:
-      return "sicn";
-    case Measure::gamma:
-      return "gamma";
-    case Measure::scaled_jacobian:
-      return "scaled_jacobian";
-    case Measure::radius_ratio:
-      return "radius_ratio";
-    case Measure::aspect_ratio:
-      return "aspect_ratio";
-    case Measure::harmonic:
-      return "q_h";
-  }
-  return "";
+  return name_of(measure, {"min_dihedral_deg", "max_dihedral_deg", "mean_ratio", "sicn", "gamma", "scaled_jacobian",
+                           "radius_ratio", "aspect_ratio", "q_h"});
 }
 
 bool larger_is_better(Measure measure) {
@@ -225,8 +292,7 @@ Quality quality(const TetMesh& mesh, int threads) {
 
 Quality measure_all(const TetMesh& mesh, int threads, int worst) {
   check_arrays(mesh);
-  const Size tets = std::ssize(mesh.tets);
-  MeasureTable table(tets, chunk_count(tets), worst);
+  MeasureTable table(std::ssize(mesh.tets), worst);
   return measure_mesh(mesh, threads, &table);
 }
 
@@ -234,7 +300,7 @@ std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
   check_arrays(mesh);
   const TetMeshView view(mesh, unit_scale(mesh));
   std::vector<Measures> result(mesh.tets.size());
-  const Span<Measures> measures = backend::span_of(result);
+  const Span<Measures> measures = span_of(result);
   backend::Cpu(threads).for_parts(chunk_count(measures.size()), [&](Size chunk) {
     const Size end = chunk_begin(measures.size(), chunk + 1);
     for (Size first = chunk_begin(measures.size(), chunk); first < end; first += kLanes) {

@@ -1,28 +1,324 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "boundary/sliding/reference_surface.hpp"
 #include "energy/ring.hpp"
+#include "tetune/error.hpp"
 
+/// Speculative coloring (Gebremedhin & Manne, "Scalable parallel graph coloring algorithms", 2000): in each round all
+/// uncolored vertices take tentative colors at the same time, and of two neighbors with the same tentative color the
+/// one of lower random priority (Jones & Plassmann 1993) tries again in the next round.
 namespace tetune {
 
 /// Independent sets of vertices: no two of one color share a tetrahedron (Sect. 4.1). Vertices that cannot move have no
 /// color.
 template <class Backend>
 struct Coloring {
-  typename Backend::template Buffer<std::uint8_t> color;
+  BufferOf<Backend, std::uint8_t> color;
   /// The movable vertices, by color, then by id.
-  typename Backend::template Buffer<Index> vertices;
+  BufferOf<Backend, Index> vertices;
   /// The vertices of color c are vertices[first[c]] .. vertices[first[c + 1] - 1].
   std::vector<Size> first;
   int colors() const { return first.empty() ? 0 : static_cast<int>(first.size()) - 1; }
   Span<const Index> vertices_of(int c) const {
-    const Size begin = backend::span_of(first)[c];
-    return {vertices.span().data() + begin, backend::span_of(first)[c + 1] - begin};
+    const Size begin = span_of(first)[c];
+    return {vertices.span().data() + begin, span_of(first)[c + 1] - begin};
   }
 };
+
+namespace coloring_detail {
+
+inline constexpr std::uint8_t kUncolored = 255;
+/// The vertex gets no color.
+inline constexpr std::uint8_t kExcluded = 254;
+inline constexpr int kMaxColors = 128;
+/// A tentative color is chosen at random among the free ones of the first kWindow colors: this takes fewer rounds than
+/// always choosing the first free color.
+inline constexpr int kWindow = 8;
+/// Rounds before the host reads the number of uncolored vertices.
+template <class Backend>
+inline constexpr std::uint32_t kRoundsPerBatch = Backend::kIsAsynchronous ? 4 : 1;
+
+/// A fixed pseudo-random order of the vertices (a bijection on 32 bits).
+TETUNE_HD inline std::uint32_t priority(std::uint32_t vertex) {
+  std::uint32_t h = vertex;
+  h = (h ^ (h >> 16)) * 0x7feb352dU;
+  h = (h ^ (h >> 15)) * 0x846ca68bU;
+  return h ^ (h >> 16);
+}
+TETUNE_HD inline std::uint32_t priority(Index vertex) { return priority(static_cast<std::uint32_t>(vertex)); }
+
+struct InitializeColor {
+  Span<const VertexDof> dof;
+  ReferenceView surface;
+  Span<std::uint8_t> color;
+  TETUNE_HD void operator()(Size v) const {
+    color[v] = dof[v] == VertexDof::fixed || is_beside_high_valence(v) ? kExcluded : kUncolored;
+  }
+
+ private:
+  static constexpr Size kMaxTriangles = 256;
+  /// Whether a vertex of more than kMaxTriangles triangles is in a triangle at v: all its neighbors conflict with each
+  /// other, which takes quadratic time and more colors than there are.
+  TETUNE_HD bool is_beside_high_valence(Size v) const {
+    const CsrView& corners = surface.vertex2corner;
+    if (v + 1 >= corners.offsets.size()) return false;
+    for (Size c = corners.begin(v); c < corners.end(v); ++c) {
+      for (const Index near : surface.triangles[corners.items[c] / 3].v) {
+        if (corners.size(near) > kMaxTriangles) return true;
+      }
+    }
+    return false;
+  }
+};
+
+/// The vertices whose color must differ from that of a vertex.
+struct ConflictNeighbors {
+  RingsView rings;
+  ReferenceView surface;
+
+  TETUNE_INLINE void prefetch(Span<const Index> vertices, Size i) const {
+    constexpr Size kAhead = 8;
+    if (i + kAhead < vertices.size()) rings.prefetch(vertices[i + kAhead]);
+  }
+  /// Calls `visitor` with each neighbor, with some of them repeatedly, until it returns false; returns whether it never
+  /// did.
+  template <class Visitor>
+  TETUNE_HD TETUNE_INLINE bool visit(Index v, const Visitor& visitor) const {
+    if (!visit_ring(v, visitor)) return false;
+    const CsrView& corners = surface.vertex2corner;
+    if (Size{v} + 1 >= corners.offsets.size()) return true;  // no surface was given, or the vertex was inserted
+    for (const Index next : surface.line[v].next) {
+      if (next >= 0 && !visitor(next)) return false;
+    }
+    for (Size c = corners.begin(v); c < corners.end(v); ++c) {
+      for (const Index near : surface.triangles[corners.items[c] / 3].v) {
+        if (near == v) continue;
+        for (Size d = corners.begin(near); d < corners.end(near); ++d) {
+          for (const Index far : surface.triangles[corners.items[d] / 3].v) {
+            if (far != v && !visitor(far)) return false;
+          }
+        }
+      }
+    }
+    return true;
+  }
+  /// visit() for the vertices of the ring alone.
+  template <class Visitor>
+  TETUNE_HD TETUNE_INLINE bool visit_ring(Index v, const Visitor& visitor) const {
+    for (Size i = rings.offsets[v]; i < rings.offsets[v + 1]; ++i) {
+      const LinkFace f = rings.faces[i];
+      for (int k = 0; k < 3; ++k) {
+        if (!visitor(f.v[k])) return false;
+      }
+    }
+    return true;
+  }
+};
+
+/// A visitor that returns whether a vertex keeps its color beside a neighbor: that has another one, or lower priority.
+struct KeepsColor {
+  Span<const std::uint8_t> color;
+  std::uint8_t own_color;
+  std::uint32_t own_priority;
+  TETUNE_HD bool operator()(Index other) const { return color[other] != own_color || priority(other) <= own_priority; }
+};
+
+/// Flags the vertices that have no color or that of a neighbor of higher priority. Rings alone are examined, as only
+/// they change from one coloring to the next.
+struct FindConflict {
+  ConflictNeighbors neighbors;
+  Span<const std::uint8_t> color;
+  Span<std::uint8_t> conflicts;
+  TETUNE_HD void operator()(Size v) const {
+    const Index vertex = to_index(v);
+    const bool conflict =
+        color[v] < kMaxColors && !neighbors.visit_ring(vertex, KeepsColor{color, color[v], priority(vertex)});
+    conflicts[v] = conflict || color[v] == kUncolored ? 1 : 0;
+  }
+};
+
+struct ResetConflicting {
+  Span<const std::uint8_t> conflicts;
+  Span<std::uint8_t> color;
+  Span<std::uint8_t> tentative_color;
+  TETUNE_HD void operator()(Size v) const {
+    if (conflicts[v] != 0) color[v] = kUncolored;
+    tentative_color[v] = kUncolored;
+  }
+};
+
+struct IsFlagged {
+  Span<const std::uint8_t> flags;
+  TETUNE_HD bool operator()(Size v) const { return flags[v] != 0; }
+};
+
+/// Each uncolored vertex takes a tentative color that no colored neighbor has.
+struct ChooseTentativeColor {
+  ConflictNeighbors neighbors;
+  Span<const Index> uncolored;
+  Span<const std::uint8_t> color;
+  Span<std::uint8_t> tentative_color;
+  std::uint32_t round;
+  bool none_colored;
+
+  /// The set of colors of the neighbors, in two registers: an array in memory would serialize the updates.
+  struct UsedColors {
+    static_assert(kMaxColors == 128);
+    std::uint64_t low = 0;
+    std::uint64_t high = 0;
+    TETUNE_HD bool is_free(int c) const { return (((c < 64 ? low : high) >> (c & 63)) & 1) == 0; }
+  };
+  struct Visitor {
+    Span<const std::uint8_t> color;
+    UsedColors& used;
+    TETUNE_HD bool operator()(Index other) const {
+      const std::uint8_t c = color[other];
+      const std::uint64_t bit = std::uint64_t{1} << (c & 63);
+      used.low |= c < 64 ? bit : 0;
+      used.high |= c >= 64 && c < kMaxColors ? bit : 0;
+      return true;
+    }
+  };
+
+  TETUNE_INLINE void prefetch(Size i, Size) const { neighbors.prefetch(uncolored, i); }
+  TETUNE_HD void operator()(Size i) const {
+    const Index v = uncolored[i];
+    if (color[v] != kUncolored) return;
+    UsedColors used;
+    if (!none_colored) neighbors.visit(v, Visitor{color, used});
+    std::uint32_t free_in_window = 0;
+    for (int c = 0; c < kWindow; ++c) free_in_window += used.is_free(c) ? 1 : 0;
+    std::uint32_t skip = free_in_window > 0 ? priority(priority(v) + round) % free_in_window : 0;
+    tentative_color[v] = kUncolored;
+    for (std::uint8_t c = 0; c < kMaxColors; ++c) {
+      if (used.is_free(c) && skip-- == 0) {
+        tentative_color[v] = c;
+        return;
+      }
+    }
+  }
+};
+
+/// Makes a tentative color final unless a neighbor of higher priority has the same. The tentative colors of vertices
+/// that got theirs in an earlier round cannot be the same: these were no longer free.
+struct ResolveConflicts {
+  ConflictNeighbors neighbors;
+  Span<const Index> uncolored;
+  Span<const std::uint8_t> tentative_color;
+  Span<std::uint8_t> color;
+
+  TETUNE_INLINE void prefetch(Size i, Size) const { neighbors.prefetch(uncolored, i); }
+  TETUNE_HD void operator()(Size i) const {
+    const Index v = uncolored[i];
+    if (color[v] != kUncolored) return;
+    const bool wins = neighbors.visit(v, KeepsColor{tentative_color, tentative_color[v], priority(v)});
+    if (wins) color[v] = tentative_color[v];
+  }
+};
+
+struct Exclude {
+  Span<const Index> vertices;
+  Span<std::uint8_t> color;
+  TETUNE_HD void operator()(Size i) const { color[vertices[i]] = kExcluded; }
+};
+
+struct IsUncolored {
+  Span<const Index> vertices;
+  Span<const std::uint8_t> color;
+  TETUNE_HD bool operator()(Size i) const { return color[vertices[i]] == kUncolored; }
+};
+
+struct Gather {
+  Span<const Index> from;
+  Span<const Index> positions;
+  Span<Index> to;
+  TETUNE_HD void operator()(Size i) const { to[i] = from[positions[i]]; }
+};
+
+struct IsColored {
+  Span<const std::uint8_t> color;
+  TETUNE_HD bool operator()(Size v) const { return color[v] != kExcluded; }
+};
+
+struct ColorOf {
+  Span<const std::uint8_t> color;
+  Span<const Index> vertices;
+  Span<std::uint8_t> keys;
+  TETUNE_HD void operator()(Size i) const { keys[i] = color[vertices[i]]; }
+};
+
+struct FindFirst {
+  Span<const std::uint8_t> keys;
+  Span<Index> first;
+  TETUNE_HD void operator()(Size i) const {
+    if (i == 0 || keys[i] != keys[i - 1]) first[keys[i]] = to_index(i);
+  }
+};
+
+/// Colors the uncolored vertices, round by round.
+template <class Backend>
+void color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors, BufferOf<Backend, Index>& uncolored,
+                     Span<std::uint8_t> color, Span<std::uint8_t> tentative_color, bool none_colored) {
+  BufferOf<Backend, Index> remaining(backend, uncolored.size());
+  BufferOf<Backend, Index> positions(backend, uncolored.size());
+  Size count = uncolored.size();
+  for (std::uint32_t round = 0; count > 0;) {
+    const Span<const Index> vertices(uncolored.span().data(), count);
+    for (const std::uint32_t end = round + kRoundsPerBatch<Backend>; round < end; ++round) {
+      backend.for_each(
+          count, ChooseTentativeColor{neighbors, vertices, color, tentative_color, round, none_colored && round == 0});
+      backend.for_each(count, ResolveConflicts{neighbors, vertices, tentative_color, color});
+    }
+    const Size left = backend.compact(count, IsUncolored{vertices, color}, positions.span());
+    if (left == count) {
+      if (neighbors.surface.triangles.size() == 0) throw MeshError("a vertex has too many neighbors to be colored");
+      backend.for_each(count, Exclude{vertices, color});
+      break;
+    }
+    backend.for_each(left, Gather{vertices, positions, remaining});
+    uncolored.swap(remaining);
+    count = left;
+  }
+}
+
+/// Lists the colored vertices by color.
+template <class Backend>
+void group_by_color(const Backend& backend, Coloring<Backend>& coloring) {
+  const Size n = coloring.color.size();
+  const Span<const std::uint8_t> color = coloring.color;
+  coloring.vertices.resize(backend, n);
+  const Size colored = backend.compact(n, IsColored{color}, coloring.vertices.span());
+  coloring.vertices.resize(backend, colored);
+  BufferOf<Backend, std::uint8_t> keys(backend, colored);
+  backend.for_each(colored, ColorOf{color, coloring.vertices, keys});
+  backend.sort_by_key(keys, coloring.vertices, 8);
+  BufferOf<Backend, Index> first(backend, kMaxColors);
+  backend.fill(first.span(), Index{-1});
+  backend.for_each(colored, FindFirst{keys, first});
+  coloring.first.clear();
+  for (const Index f : first.download()) {
+    if (f >= 0) coloring.first.push_back(f);
+  }
+  coloring.first.push_back(colored);
+}
+
+template <class R, class Kernel>
+struct StoreResult {
+  Kernel kernel;
+  Span<R> results;
+  TETUNE_HD void operator()(Size i) const { results[i] = kernel(i); }
+};
+template <class R>
+struct LoadResult {
+  Span<const R> results;
+  TETUNE_HD R operator()(Size i) const { return results[i]; }
+};
+
+}  // namespace coloring_detail
 
 /// Colors the vertices of a mesh. Existing colors remain where they do not conflict, so that few vertices change color
 /// after a few flips. The result does not depend on the number of threads.
@@ -31,6 +327,49 @@ struct Coloring {
 /// must have been made with the same `surface`. Throws MeshError where a vertex has too many neighbors.
 template <class Backend>
 void color_vertices(const Backend& backend, const RingsView& rings, Span<const VertexDof> dof,
-                    Coloring<Backend>& coloring, const SurfaceAdjacency& surface = {});
+                    Coloring<Backend>& coloring, const ReferenceView& surface = {}) {
+  using namespace coloring_detail;
+  const Size n = dof.size();
+  const bool none_colored = coloring.color.size() != n;
+  if (none_colored) {
+    coloring.color.resize(backend, n);
+    backend.for_each(n, InitializeColor{dof, surface, coloring.color});
+  }
+  const Span<std::uint8_t> color = coloring.color;
+  const ConflictNeighbors neighbors{rings, surface};
+  BufferOf<Backend, std::uint8_t> conflicts(backend, n);
+  BufferOf<Backend, std::uint8_t> tentative_color(backend, n);
+  backend.for_each(n, FindConflict{neighbors, color, conflicts});
+  backend.for_each(n, ResetConflicting{conflicts, color, tentative_color});
+  BufferOf<Backend, Index> uncolored(backend, n);
+  uncolored.resize(backend, backend.compact(n, IsFlagged{conflicts}, uncolored.span()));
+  color_uncolored(backend, neighbors, uncolored, color, tentative_color.span(), none_colored);
+  group_by_color(backend, coloring);
+}
+
+/// Merges the results of a kernel for all colored vertices, one color after the other; `kernel.vertices` receives the
+/// vertices of a color. Ends between two colors when a stop is requested.
+template <class R, class Backend, class Kernel>
+R reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kernel kernel) {
+  using namespace coloring_detail;
+  R total{};
+  // An asynchronous backend stores the results, as the host would otherwise wait for each color.
+  constexpr bool kStores = Backend::kIsAsynchronous;
+  BufferOf<Backend, R> results;
+  if constexpr (kStores) results.resize(backend, coloring.vertices.size());
+  Size done = 0;
+  for (int c = 0; c < coloring.colors() && !backend.stop_requested(); ++c) {
+    kernel.vertices = coloring.vertices_of(c);
+    const Size count = kernel.vertices.size();
+    if constexpr (kStores) {
+      backend.for_each(count, StoreResult<R, Kernel>{kernel, {results.span().data() + done, count}});
+    } else {
+      total.merge(backend.template reduce<R>(count, kernel));
+    }
+    done += count;
+  }
+  if constexpr (kStores) total = backend.template reduce<R>(done, LoadResult<R>{results});
+  return total;
+}
 
 }  // namespace tetune

@@ -74,8 +74,8 @@ class MinimaxModel {
 
  private:
   static constexpr int kMaxFunctions = 40;
-  static constexpr int kExchanges = 40;
-  static constexpr double kTolerance = 1e-2;
+  static constexpr int kExchanges = 400;
+  static constexpr double kTolerance = 1e-10;
 
   double value_[kMaxFunctions];
   Vec3 gradient_[kMaxFunctions];

@@ -182,8 +182,7 @@ struct GradientStep {
     if (!(displacement_step > DisplacementBound::kMinStep * length)) return result;
     if (displacement_step < lambda) lambda = displacement_step;
     for (int halving = 0; halving < kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving) lambda *= 0.5;
-    const auto ray = ring.ray(x, p);
-    double alpha = brent_minimum(ray, 0, lambda);
+    double alpha = brent_minimum(ring.ray(x, p), 0, lambda);
     for (int halving = 0; halving < kMaxHalvings; ++halving, alpha *= 0.5) {
       const Vec3 trial = x + alpha * p;
       const RingValue v = ring.value(trial);

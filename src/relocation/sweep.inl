@@ -4,42 +4,23 @@
 #include "backend/atomic.hpp"
 #include "backend/prefetch.hpp"
 #include "boundary/sliding/deviation_bound.hpp"
-#include "relocation/reduce_colors.hpp"
 #include "relocation/slide.hpp"
 #include "relocation/sweep.hpp"
 
 namespace tetune {
 namespace sweep_detail {
 
-/// The arguments of a sweep as kernels see them.
-template <class Step>
-struct SweepView {
-  Objective objective;
-  QualityFloor floor;
-  Span<Point> points;
-  RingsView rings;
-  Span<const VertexDof> dof;
-  Span<const Vec3> axis;
-  Span<const DisplacementBound> displacement_bound;
-  Span<std::uint8_t> active;
-  SweepScope scope;
-  Span<SurfacePoint> surface_point;
-  ReferenceView reference;
-  double max_deviation;
-  Step step;
-};
-
 /// Relocates one vertex. Without `kSlides` no vertex slides on a curved surface: a kernel of its own, as the registers
 /// and the memory per thread that sliding takes would otherwise be reserved in every sweep.
 template <class Ring, class Pack, class Step, bool kSlides>
-struct RelocateVertex : SweepView<Step> {
+struct RelocateVertex : DofsView {
   static constexpr Size kGrain = 16;
-  Span<const Index> vertices;
-
-  explicit RelocateVertex(const SweepView<Step>& arguments) : SweepView<Step>(arguments) {}
-  using View = SweepView<Step>;
-  using View::active, View::axis, View::displacement_bound, View::dof, View::floor, View::max_deviation,
-      View::objective, View::points, View::reference, View::rings, View::scope, View::step, View::surface_point;
+  Criterion criterion;
+  Span<Point> points;
+  RingsView rings;
+  Step step;
+  SweepScope scope;
+  Span<const Index> vertices = {};
 
   /// Vertices of one color are scattered in memory, which hardware does not prefetch. Surface points from `end` on are
   /// written by other threads.
@@ -73,10 +54,10 @@ struct RelocateVertex : SweepView<Step> {
     const LinkFace* faces = rings.faces.data() + begin;
     StepResult result;
     if (count <= Ring::kCapacity) {
-      Ring ring(objective, points, faces, count, floor);
+      Ring ring(criterion.objective, points, faces, count, criterion.floor);
       result = relocate(ring, v);
     } else {
-      PlainRing ring(objective, points, faces, count, floor);
+      PlainRing ring(criterion.objective, points, faces, count, criterion.floor);
       result = relocate(ring, v);
     }
     if (result.decrease > 0) points[v] = point(result.position);
@@ -128,7 +109,7 @@ struct RelocateVertex : SweepView<Step> {
   template <class AnyRing>
   TETUNE_HD __attribute__((noinline)) StepResult slide(AnyRing& ring, Index v, const Vec3& x,
                                                        const DisplacementBound& displacement) const {
-    const DeviationBound<Pack> deviation(reference, points, surface_point, v, max_deviation);
+    const DeviationBound<Pack> deviation({reference, points, surface_point, v, max_deviation});
     const SlideResult slid = slide_of(step)(ring, x, surface_point[v], dof[v], reference, deviation, displacement);
     if (slid.step.decrease > 0) surface_point[v] = slid.surface_point;
     return slid.step;
@@ -141,23 +122,13 @@ template <class Ring, class Backend, class Step>
 SweepSum sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion, const RingsView& rings,
                const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs, const Step& step, SweepScope scope) {
   using namespace sweep_detail;
-  const SweepView<Step> view{criterion.objective,
-                             criterion.floor,
-                             mesh.points.span(),
-                             rings,
-                             dofs.kind.span(),
-                             dofs.axis.span(),
-                             scope == SweepScope::mesh ? dofs.displacement_bound.span() : Span<DisplacementBound>(),
-                             dofs.active.span(),
-                             scope,
-                             dofs.site.span(),
-                             dofs.reference.view(),
-                             dofs.max_deviation,
-                             step};
-  using Pack = typename Backend::Pack;
-  return dofs.site.size() > 0
-             ? reduce_colors<SweepSum>(backend, coloring, RelocateVertex<Ring, Pack, Step, true>(view))
-             : reduce_colors<SweepSum>(backend, coloring, RelocateVertex<Ring, Pack, Step, false>(view));
+  DofsView view = dofs.view();
+  if (scope == SweepScope::selection) view.displacement_bound = {};
+  const auto run = [&](auto slides) {
+    using Kernel = RelocateVertex<Ring, typename Backend::Pack, Step, slides.value>;
+    return reduce_colors<SweepSum>(backend, coloring, Kernel{view, criterion, mesh.points, rings, step, scope});
+  };
+  return dofs.surface_point.size() > 0 ? run(std::true_type()) : run(std::false_type());
 }
 
 }  // namespace tetune

@@ -6,7 +6,7 @@
 #include <exception>
 #include <string>
 
-#include "driver/optimize_on.hpp"
+#include "driver/devices.hpp"
 #include "emulation/emulation.hpp"
 #include "tetune/io.hpp"
 

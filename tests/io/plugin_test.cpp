@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Formats through VTK and Gmsh: what comes back of what was written, and what damaged files do.
-#include "io/plugin.hpp"
+#include "io/registry.hpp"
 
 #include <algorithm>
 #include <iostream>

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "curved.hpp"
+#include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
-#include "driver/optimize_on.hpp"
 #include "emulation/emulation.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"

@@ -19,7 +19,7 @@ namespace tetune {
 namespace {
 
 using backend::Cpu;
-using Index = backend::Index32;
+using Index = Index32;
 
 struct Sum {
   double value = 0;

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "boundary/surface_corners.hpp"
+#include "boundary/surface.hpp"
 #include "meshes.hpp"
 #include "quality/closest_triangle.hpp"
 #include "tetune/error.hpp"
@@ -204,8 +204,8 @@ TEST(Classification, ASheetThinnerThanTheToleranceKeepsItsShape) {
 }
 
 TEST(Surface, IsRejectedWhereItsCornersExceed32Bits) {
-  EXPECT_NO_THROW(check_surface_size(1'431'655'765));
-  EXPECT_THROW(check_surface_size(1'431'655'766), MeshError);
+  EXPECT_NO_THROW(check_surface_size(715'827'882));
+  EXPECT_THROW(check_surface_size(715'827'883), MeshError);
 }
 
 TEST(ClosestTriangle, OfADegenerateTriangleIsOnItsEdges) {

@@ -33,7 +33,7 @@ struct SlidSurface {
       surface_points.push_back({SurfacePointKind::vertex, static_cast<Index>(v)});
   }
   bool allows(Index v, const TraceResult& end, double limit) const {
-    return DeviationBound<Pack>(s.view(), span_of(points), span_of(surface_points), v, limit)
+    return DeviationBound<Pack>({s.view(), span_of(points), span_of(surface_points), v, limit})
         .allows(end.position, end.surface_point);
   }
   /// Calls f(vertex, end of the walk) for each of `tries` random walks that leave the surface upright.
@@ -128,11 +128,12 @@ TEST(SmallSet, FindsIdsOfTheSameHash) {
 enum class Decision { within, beyond, undecided };
 Decision fan_decision(const SlidSurface& mesh, Index v, const TraceResult& end, double limit) {
   const ReferenceView ref = mesh.s.view();
-  const TriangleDeviation wedges(ref, span_of(mesh.points), span_of(mesh.surface_points), v, limit);
+  const DeviationInput input{ref, span_of(mesh.points), span_of(mesh.surface_points), v, limit};
+  const TriangleDeviation wedges(input);
   SurfaceFan<Pack> fan;
   if (!fan.build(ref, span_of(mesh.points), v, end.position)) return Decision::undecided;
   FanMask undecided = 0;
-  FanDeviation<Pack> test(fan, ref, span_of(mesh.surface_points), wedges, limit);
+  FanDeviation<Pack> test(fan, input, wedges);
   if (!test.is_within(end.surface_point, undecided)) return Decision::beyond;
   return undecided == 0 ? Decision::within : Decision::undecided;
 }

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "boundary/classify.hpp"
-#include "boundary/edge_set.hpp"
 #include "boundary/sliding/features.hpp"
+#include "mesh/constrained_edges.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "mesh/sort_mesh.hpp"
 #include "meshes.hpp"
 #include "work.hpp"
 
@@ -52,25 +53,6 @@ TEST(Adjacency, AnEdgeOfManyTetrahedraIsMatched) {
   EXPECT_TRUE(build_adjacency(backend::Cpu(2), work).ok());
   EXPECT_EQ(count_boundary_faces(work), 2 * n);
   EXPECT_EQ(check_adjacency(work), "");
-}
-
-TEST(Adjacency, FindsDuplicateFaces) {
-  for (const TetMesh& m : {test::one_tet(), test::two_tets(1), test::cube(9, 0.2)}) {
-    auto work = to_work(m);
-    build_adjacency(backend::Cpu(2), work);
-    EXPECT_EQ(count_duplicate_faces(backend::Cpu(2), work), 0);
-  }
-  // A tetrahedron over a face of an interior one, without adjacency.
-  TetMesh m = test::cube(4);
-  m.points.push_back({2, 3, 5});
-  const auto inner = m.tets[m.tets.size() / 2];
-  m.tets.push_back({inner[0], inner[1], inner[2], static_cast<Index>(m.points.size() - 1)});
-  m.tet_tags.push_back(0);
-  m.point_tags.resize(m.points.size());
-  auto work = to_work(m);
-  build_adjacency(backend::Cpu(1), work);
-  EXPECT_EQ(count_duplicate_faces(backend::Cpu(1), work), 2)
-      << "half-faces of the same face that are not adjacent to the first";
 }
 
 TEST(Adjacency, CountsNonManifoldAndMisorientedFaces) {

@@ -224,8 +224,8 @@ TEST(Objective, BothRingsAgree) {
         EXPECT_LT(norm(a.hessian * axis - b.hessian * axis), 1e-12 * (a.hessian.xx + a.hessian.yy + a.hessian.zz));
       }
       const double t = 0.5 * simd.step_bound(x, p);
-      EXPECT_NEAR(plain.ray(x, p).value(t), simd.ray(x, p).value(t), 1e-12 * a.value);
-      EXPECT_NEAR(simd.ray(x, p).value(t), simd.value(x + t * p).value, 1e-11 * simd.value(x + t * p).value);
+      EXPECT_NEAR(plain.ray(x, p)(t), simd.ray(x, p)(t), 1e-12 * a.value);
+      EXPECT_NEAR(simd.ray(x, p)(t), simd.value(x + t * p).value, 1e-11 * simd.value(x + t * p).value);
     }
   }
 }

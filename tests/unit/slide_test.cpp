@@ -35,12 +35,9 @@ struct Bowl {
     const Vec3 d = x - lowest;
     return {1 + 0.5 * dot(d, hessian * d), norm(d) < radius};
   }
-  struct Ray {
-    const Bowl& bowl;
-    Vec3 x, p;
-    double value(double t) const { return bowl.value(x + t * p).value; }
-  };
-  Ray ray(const Vec3& x, const Vec3& p) const { return {*this, x, p}; }
+  auto ray(const Vec3& x, const Vec3& p) const {
+    return [this, x, p](double t) { return value(x + t * p).value; };
+  }
 };
 const Sym3 kRound{1, 1, 1, 0, 0, 0};
 
@@ -77,9 +74,8 @@ struct Slider {
 
   template <class Step>
   bool visit(const Step& step, Bowl bowl) {
-    const DeviationBound<backend::Cpu::Pack> no_bound(
-        surface.view(), {mesh_points.data(), static_cast<Size>(mesh_points.size())},
-        {mesh_surface_points.data(), static_cast<Size>(mesh_surface_points.size())}, 0, 0);
+    const ReferenceView ref = surface.view();
+    const DeviationBound<backend::Cpu::Pack> no_bound({ref, span_of(mesh_points), span_of(mesh_surface_points), 0, 0});
     const double before = bowl.value(x).value;
     const SlideResult r = step(bowl, x, surface_point, dof, surface.view(), no_bound, DisplacementBound{});
     EXPECT_NEAR(r.step.decrease, before - bowl.value(r.step.position).value, 1e-12);

@@ -2,10 +2,66 @@
 #pragma once
 
 #include "boundary/sliding/fan_deviation.hpp"
-#include "boundary/sliding/line_deviation.hpp"
 #include "boundary/sliding/triangle_deviation.hpp"
 
 namespace tetune {
+
+/// The test whether the reference feature line between a vertex at x and its neighbor on the line is within the bound
+/// of the edge between them.
+class LineDeviation {
+ public:
+  TETUNE_HD LineDeviation(const ReferenceView& ref, double limit) : ref_(ref), limit_(limit) {}
+
+  TETUNE_HD bool is_within(const Vec3& x, const SurfacePoint& on, const Vec3& neighbor,
+                           const SurfacePoint& neighbor_on) const {
+    const Vec3 e = neighbor - x;
+    const double length2 = dot(e, e);
+    const EdgeVertices goal = interval(neighbor_on);
+    const EdgeVertices start = interval(on);
+    for (int side = 0; side < 2; ++side) {
+      const bool on_vertex = start.a == start.b;
+      const Index from = on_vertex || side == 0 ? start.a : start.b;
+      const Index to = on_vertex ? ref_.line[start.a].next[side] : side == 0 ? start.b : start.a;
+      if (same({from, to}, goal) || reaches(from, to, goal, x, e, length2)) return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int kMaxSegments = 64;
+
+  /// Whether the line, from one of its vertices on to the next, reaches the goal while all its vertices are within the
+  /// bound of the edge e from x.
+  TETUNE_HD bool reaches(Index from, Index at, const EdgeVertices& goal, const Vec3& x, const Vec3& e,
+                         double length2) const {
+    for (int i = 0; i < kMaxSegments; ++i) {
+      if (goal.a == goal.b && at == goal.a) return true;
+      const Vec3 d = ref_.point(at) - x;
+      double s = length2 > 0 ? dot(d, e) / length2 : 0;
+      s = s < 0 ? 0 : s > 1 ? 1 : s;
+      const Vec3 off = d - s * e;
+      if (!(dot(off, off) <= kDeviationShare * kDeviationShare * limit_ * limit_)) return false;
+      if (ref_.dof[at] != VertexDof::curve) return false;
+      const LineVertex line = ref_.line[at];
+      const Index next = line.next[0] == from ? line.next[1] : line.next[0];
+      if (same({at, next}, goal)) return true;
+      from = at;
+      at = next;
+    }
+    return false;
+  }
+
+  /// The segment of the line that a point is on; a vertex counts as a segment from itself to itself.
+  TETUNE_HD EdgeVertices interval(const SurfacePoint& on) const {
+    return on.kind == SurfacePointKind::segment ? edge_vertices(ref_, on) : EdgeVertices{on.item, on.item};
+  }
+  TETUNE_HD static bool same(const EdgeVertices& p, const EdgeVertices& q) {
+    return (p.a == q.a && p.b == q.b) || (p.a == q.b && p.b == q.a);
+  }
+
+  const ReferenceView& ref_;
+  double limit_;
+};
 
 /// The bound on the distance between the mesh's surface and the reference surface, for moves of one vertex.
 ///
@@ -20,23 +76,20 @@ namespace tetune {
 /// slide on the surface take the fast test first, if SurfaceFan::build() succeeds, and the other one for the undecided
 /// triangles; vertices on feature lines, and all other fans, take TriangleDeviation alone.
 template <class Pack>
-class DeviationBound {
+class DeviationBound : DeviationInput {
  public:
-  /// A limit of 0 is no bound.
-  TETUNE_HD DeviationBound(const ReferenceView& ref, Span<const Point> points, Span<const SurfacePoint> surface_points,
-                           Index vertex, double limit)
-      : ref_(ref), points_(points), surface_points_(surface_points), vertex_(vertex), limit_(limit) {}
+  TETUNE_HD explicit DeviationBound(const DeviationInput& input) : DeviationInput(input) {}
 
   /// Whether the vertex may be at x, which is at the surface point `on`.
   TETUNE_HD bool allows(const Vec3& x, const SurfacePoint& on) const {
-    if (!(limit_ > 0)) return true;
-    if (ref_.dof[vertex_] == VertexDof::curve && !lines_are_within(x, on)) return false;
-    const TriangleDeviation triangle_test(ref_, points_, surface_points_, vertex_, limit_);
-    if (ref_.dof[vertex_] == VertexDof::surface) {
+    if (!(limit > 0)) return true;
+    if (ref.dof[vertex] == VertexDof::curve && !lines_are_within(x, on)) return false;
+    const TriangleDeviation triangle_test(*this);
+    if (ref.dof[vertex] == VertexDof::surface) {
       SurfaceFan<Pack> fan;
-      if (fan.build(ref_, points_, vertex_, x)) {
+      if (fan.build(ref, points, vertex, x)) {
         FanMask undecided = 0;
-        FanDeviation<Pack> fan_test(fan, ref_, surface_points_, triangle_test, limit_);
+        FanDeviation<Pack> fan_test(fan, *this, triangle_test);
         if (!fan_test.is_within(on, undecided)) return false;
         for (int i = 0; i < fan.count; ++i) {
           if ((undecided >> i & 1) != 0 && !triangle_test.is_within(fan.corner[i], x, on)) return false;
@@ -44,26 +97,20 @@ class DeviationBound {
         return true;
       }
     }
-    for (Size c = ref_.vertex2corner.begin(vertex_); c < ref_.vertex2corner.end(vertex_); ++c) {
-      if (!triangle_test.is_within(ref_.vertex2corner.items[c], x, on)) return false;
+    for (Size c = ref.vertex2corner.begin(vertex); c < ref.vertex2corner.end(vertex); ++c) {
+      if (!triangle_test.is_within(ref.vertex2corner.items[c], x, on)) return false;
     }
     return true;
   }
 
  private:
   TETUNE_HD bool lines_are_within(const Vec3& x, const SurfacePoint& on) const {
-    const LineDeviation line_test(ref_, limit_);
-    for (const Index neighbor : ref_.line[vertex_].next) {
-      if (!line_test.is_within(x, on, vec(points_[neighbor]), surface_points_[neighbor])) return false;
+    const LineDeviation line_test(ref, limit);
+    for (const Index neighbor : ref.line[vertex].next) {
+      if (!line_test.is_within(x, on, vec(points[neighbor]), surface_points[neighbor])) return false;
     }
     return true;
   }
-
-  const ReferenceView& ref_;
-  Span<const Point> points_;
-  Span<const SurfacePoint> surface_points_;
-  Index vertex_;
-  double limit_;
 };
 
 }  // namespace tetune

@@ -17,13 +17,12 @@ namespace tetune {
 ///   - the surface point of one of its ring vertices is not over it;
 ///   - more than kMaxTriangles reference triangles or kMaxVertices vertices were found.
 template <class Pack>
-class FanDeviation {
+class FanDeviation : DeviationInput {
  public:
   using Fan = SurfaceFan<Pack>;
 
-  TETUNE_HD FanDeviation(const Fan& fan, const ReferenceView& ref, Span<const SurfacePoint> surface_points,
-                         const TriangleDeviation& wedges, double limit)
-      : fan_(fan), ref_(ref), surface_points_(surface_points), wedges_(wedges), limit_(limit) {}
+  TETUNE_HD FanDeviation(const Fan& fan, const DeviationInput& input, const TriangleDeviation& wedges)
+      : DeviationInput(input), fan_(fan), wedges_(wedges) {}
 
   /// Tests the fan with its vertex on `on`. False: the bound is exceeded. True: it holds except for the triangles in
   /// `undecided`.
@@ -56,18 +55,18 @@ class FanDeviation {
   TETUNE_HD void add_triangles_at(const SurfacePoint& on) {
     if (on.kind == SurfacePointKind::triangle) {
       add(on.item, fan_.all);
-    } else if (on.kind == SurfacePointKind::edge && ref_.across[on.item] != kFeatureEdge) {
+    } else if (on.kind == SurfacePointKind::edge && ref.across[on.item] != kFeatureEdge) {
       add(on.item / 3, fan_.all);
-      add(ref_.across[on.item] / 3, fan_.all);
-    } else if (on.kind == SurfacePointKind::vertex && ref_.dof[on.item] == VertexDof::surface) {
-      for (Size c = ref_.vertex2corner.begin(on.item); c < ref_.vertex2corner.end(on.item); ++c)
-        add(to_index(ref_.vertex2corner.items[c] / 3), fan_.all);
+      add(ref.across[on.item] / 3, fan_.all);
+    } else if (on.kind == SurfacePointKind::vertex && ref.dof[on.item] == VertexDof::surface) {
+      for (Size c = ref.vertex2corner.begin(on.item); c < ref.vertex2corner.end(on.item); ++c)
+        add(to_index(ref.vertex2corner.items[c] / 3), fan_.all);
     } else {
       undecided_ = fan_.all;
     }
   }
   TETUNE_HD void add(Index triangle, FanMask over) {
-    backend::prefetch(&ref_.across[3 * triangle]);
+    backend::prefetch(&ref.across[3 * triangle]);
     if (triangles_.find(triangle) < 0 && triangles_.add(triangle) < 0) undecided_ |= over;
   }
 
@@ -85,13 +84,13 @@ class FanDeviation {
   /// Compares a reference vertex with all triangles. Each 64-bit word collects up to four masks of 16 bits, at bits 0,
   /// 16, 32 and 48.
   TETUNE_HD void relate(Index v, VertexRelation& r) const {
-    const Vec3 d = ref_.point(v) - fan_.x;
+    const Vec3 d = ref.point(v) - fan_.x;
     using Bits = backend::BitsOf<Pack>;
     using backend::where;
     Bits sides{};
     Bits beside{};
     Bits along_edge{};
-    const Pack limit = Pack{} + limit_;
+    const Pack max_height = Pack{} + limit;
     for (int i = 0; i < fan_.count; i += Fan::kLanes) {
       const auto bit = backend::load<Bits>(fan_.bit + i);
       const Pack la = fan_.slope_a.dots(i, d);
@@ -100,7 +99,7 @@ class FanDeviation {
       const Pack height = fan_.unit.dots(i, d);
       const Pack along = fan_.edge.dots(i, d);
       sides |= where(l0 < kPrismInset, bit) | where(la < kPrismInset, bit << 16) | where(lb < kPrismInset, bit << 32);
-      const auto low = where(height <= limit, bit << 48) & where(height >= -limit, bit << 48);
+      const auto low = where(height <= max_height, bit << 48) & where(height >= -max_height, bit << 48);
       sides |= low ^ (bit << 48);
       const auto beyond_outer =
           where(l0 < 0.0, bit) & where(fan_.inward.dots(i, d) <= backend::load<Pack>(fan_.inward_offset + i), bit);
@@ -128,7 +127,7 @@ class FanDeviation {
   /// Whether a vertex of the ring is on the reference vertex.
   TETUNE_HD bool is_under_ring(Index v) const {
     for (int i = 0; i < fan_.count; ++i) {
-      const SurfacePoint on = surface_points_[fan_.ring[i]];
+      const SurfacePoint on = surface_points[fan_.ring[i]];
       if (on.kind == SurfacePointKind::vertex && on.item == v) return true;
     }
     return false;
@@ -138,7 +137,7 @@ class FanDeviation {
   /// over them has an edge without a neighbor, those triangles are covered. False: the bound is exceeded.
   TETUNE_HD bool visit(int position, bool is_start) {
     const Index triangle = triangles_[position];
-    const SurfaceTriangle t = ref_.triangles[triangle];
+    const SurfaceTriangle t = ref.triangles[triangle];
     VertexRelation* corner[3];
     for (int k = 0; k < 3; ++k) corner[k] = relation(t.v[k]);
     if (corner[0] == nullptr || corner[1] == nullptr || corner[2] == nullptr) {
@@ -172,12 +171,12 @@ class FanDeviation {
     const VertexRelation& b = *corner[(k + 2) % 3];
     FanMask crossed = over;
     for (int side = 0; side < 3; ++side) crossed &= ~(a.outside[side] & b.outside[side]);
-    const Index opposite = ref_.across[3 * triangle + k];
+    const Index opposite = ref.across[3 * triangle + k];
     if (opposite == kFeatureEdge) {
       undecided_ |= crossed;
       return nullptr;
     }
-    VertexRelation* const apex = relation(ref_.triangles[opposite / 3].v[opposite % 3]);
+    VertexRelation* const apex = relation(ref.triangles[opposite / 3].v[opposite % 3]);
     if (apex == nullptr) undecided_ |= over;
     if (crossed != 0) add(opposite / 3, crossed);
     return apex;
@@ -233,7 +232,7 @@ class FanDeviation {
         w[k] = (1 - 3 * kPrismInset) * weight[j][k] + kPrismInset * (weight[0][k] + weight[1][k] + weight[2][k]);
       if (w[0] < 0 || w[1] < 0 || w[2] < 0) continue;
       const double sum = w[0] * p[0].height + w[1] * p[1].height + w[2] * p[2].height;
-      const double max_sum = (w[0] + w[1] + w[2]) * limit_;
+      const double max_sum = (w[0] + w[1] + w[2]) * limit;
       if (!(sum <= max_sum && sum >= -max_sum)) return false;
     }
     return true;
@@ -258,7 +257,7 @@ class FanDeviation {
     const double rise = b.height - a.height;
     return from > to || (height_is_within(a.height + from * rise) && height_is_within(a.height + to * rise));
   }
-  TETUNE_HD bool height_is_within(double height) const { return height <= limit_ && height >= -limit_; }
+  TETUNE_HD bool height_is_within(double height) const { return height <= limit && height >= -limit; }
 
   /// The triangles in `over` over which a reference triangle is not upright.
   TETUNE_HD FanMask not_upright(VertexRelation* const corner[3], FanMask over) const {
@@ -276,7 +275,7 @@ class FanDeviation {
   TETUNE_HD FanMask not_over_surface_points() const {
     FanMask missing = 0;
     for (int i = 0; i < fan_.count; ++i) {
-      const FanMask over = over_surface_point(surface_points_[fan_.ring[i]]);
+      const FanMask over = over_surface_point(surface_points[fan_.ring[i]]);
       const FanMask bit = FanMask{1} << i;
       missing |= ~over & (bit | fan_.to_previous(bit));
     }
@@ -287,7 +286,7 @@ class FanDeviation {
       case SurfacePointKind::triangle:
         return over_triangle(on.item);
       case SurfacePointKind::edge: {
-        const Index opposite = ref_.across[on.item];
+        const Index opposite = ref.across[on.item];
         return over_triangle(on.item / 3) | (opposite != kFeatureEdge ? over_triangle(opposite / 3) : 0);
       }
       case SurfacePointKind::vertex:
@@ -308,10 +307,7 @@ class FanDeviation {
   }
 
   const Fan& fan_;
-  const ReferenceView& ref_;
-  Span<const SurfacePoint> surface_points_;
   const TriangleDeviation& wedges_;
-  double limit_;
   FanMask undecided_ = 0;
   SmallSet<kMaxTriangles> triangles_;
   FanMask over_[kMaxTriangles];  ///< per visited reference triangle: the triangles it has a part over

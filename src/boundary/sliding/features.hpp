@@ -1,23 +1,161 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+#include <numbers>
+
 #include "boundary/classify.hpp"
 #include "boundary/sliding/reference_surface.hpp"
 
 namespace tetune {
+
+namespace features_detail {
+
+/// Finds the corner across each edge, or that the edge is a feature.
+struct FindAcross {
+  Span<const Point> points;
+  Span<const SurfaceTriangle> triangles;
+  Span<const int> tags;
+  CsrView vertex2corner;
+  ConstrainedEdges constrained;
+  double cos_angle;
+  Span<Index> across;
+
+  TETUNE_HD void operator()(Size corner) const {
+    across[corner] = kFeatureEdge;
+    const Size triangle = corner / 3;
+    const auto k = static_cast<int>(corner % 3);
+    const SurfaceTriangle t = triangles[triangle];
+    const Index a = t.v[(k + 1) % 3];
+    const Index b = t.v[(k + 2) % 3];
+    if (constrained.contains(a, b)) return;
+    const Index opposite = opposite_corner(triangles, vertex2corner, corner);
+    if (opposite == kFeatureEdge || tags[opposite / 3] != tags[triangle]) return;
+    const Vec3 x = vec(points[a]);
+    const Vec3 e = vec(points[b]) - x;
+    const Vec3 n1 = cross(e, vec(points[t.v[k]]) - x);
+    const Vec3 n2 = cross(vec(points[triangles[opposite / 3].v[opposite % 3]]) - x, e);
+    // The product of the lengths, as that of their squares underflows in a small part of a large mesh.
+    if (dot(n1, n2) < cos_angle * (norm(n1) * norm(n2))) return;
+    across[corner] = opposite;
+  }
+};
+
+struct ClassifySlidingVertex {
+  Span<const Point> points;
+  Span<const SurfaceTriangle> triangles;
+  Span<const Index> across;
+  CsrView vertex2corner;
+  Span<const Index> edges;
+  CsrView vertex2edge_end;
+  Span<const std::uint8_t> frozen;
+  double cos_angle;
+  Span<VertexDof> dof;
+  Span<LineVertex> line;
+
+  TETUNE_HD void operator()(Size v) const {
+    EdgeEnds ends;
+    dof[v] = classify(v, ends);
+    line[v] = dof[v] == VertexDof::curve ? LineVertex{{ends.end[0], ends.end[1]}} : LineVertex{{-1, -1}};
+  }
+
+ private:
+  TETUNE_HD VertexDof classify(Size v, EdgeEnds& ends) const {
+    if (frozen[v] == kFrozen) return VertexDof::fixed;
+    const Size begin = vertex2corner.begin(v);
+    const Size triangles_at_vertex = vertex2corner.size(v);
+    if (triangles_at_vertex == 0 && vertex2edge_end.size(v) == 0) return VertexDof::free;
+
+    for (Size e = vertex2edge_end.begin(v); e < vertex2edge_end.end(v); ++e) {
+      ends.add(edges[Size{vertex2edge_end.items[e]} ^ 1]);
+    }
+    Size in_sectors = 0;
+    for (Size c = begin; c < vertex2corner.end(v); ++c) {
+      const std::uint32_t corner = vertex2corner.items[c];
+      for (int side = 1; side <= 2; ++side) {
+        if (across_edge(corner, side) != kFeatureEdge) continue;
+        ends.add(other_end(corner, side));
+        in_sectors += sector(corner, side, triangles_at_vertex);
+      }
+    }
+    if (ends.count == 0) {
+      // One closed fan contains all triangles; sheets that only touch at the vertex have several fans.
+      const bool one_fan =
+          triangles_at_vertex > 0 && sector(vertex2corner.items[begin], 1, triangles_at_vertex) == triangles_at_vertex;
+      return one_fan ? VertexDof::surface : VertexDof::fixed;
+    }
+    // Each sector between two features is traversed from both its ends; triangles in no sector belong to a sheet that
+    // only touches at the vertex.
+    if (ends.count != 2 || in_sectors != 2 * triangles_at_vertex) return VertexDof::fixed;
+    const Vec3 x = vec(points[v]);
+    const Vec3 d0 = vec(points[ends.end[0]]) - x;
+    const Vec3 d1 = vec(points[ends.end[1]]) - x;
+    return -dot(d0, d1) < cos_angle * norm(d0) * norm(d1) ? VertexDof::fixed : VertexDof::curve;
+  }
+
+  /// The corner across the edge from a vertex's corner to the next (side 1) or second next (side 2) vertex.
+  TETUNE_HD Index across_edge(std::uint32_t corner, int side) const {
+    return across[Size{corner / 3} * 3 + (corner + 3 - static_cast<std::uint32_t>(side)) % 3];
+  }
+  TETUNE_HD Index other_end(std::uint32_t corner, int side) const {
+    return triangles[corner / 3].v[(corner + static_cast<std::uint32_t>(side)) % 3];
+  }
+
+  /// The number of triangles from this one on around the vertex, away from the edge on `side`, up to the next feature
+  /// edge or back to the start; at most max_count + 1.
+  TETUNE_HD Size sector(std::uint32_t corner, int side, Size max_count) const {
+    const std::uint32_t start = corner;
+    Size count = 0;
+    do {
+      ++count;
+      // Leave by the other edge, and enter the next triangle by it.
+      const Index through = across_edge(corner, 3 - side);
+      if (through == kFeatureEdge) break;
+      const Index shared = other_end(corner, 3 - side);
+      const auto opposite = static_cast<std::uint32_t>(through);
+      const SurfaceTriangle t = triangles[opposite / 3];
+      const std::uint32_t k = opposite % 3;
+      // Of the two ends of the edge opposite `through`, one is shared, the other is the vertex.
+      const std::uint32_t at = t.v[(k + 1) % 3] == shared ? (k + 2) % 3 : (k + 1) % 3;
+      corner = opposite / 3 * 3 + at;
+      side = t.v[(at + 1) % 3] == shared ? 1 : 2;
+    } while (corner != start && count <= max_count);
+    return count;
+  }
+};
+
+}  // namespace features_detail
 
 /// Makes the surface the reference surface, finds its features, and decides where each vertex may go:
 ///   free     not on the surface and on no constrained edge
 ///   surface  on the surface, on no feature edge
 ///   curve    between exactly two feature edges, where the line turns by at most the feature angle
 ///   fixed    ends and junctions of feature lines, their sharper turns, points at which sheets of the surface touch,
-///   and
-///            where `frozen` is kFrozen
+///            and where `frozen` is kFrozen
 /// Feature edges are those where the surface turns by more than `feature_angle` degrees (180: none), borders between
 /// tags, edges not on two triangles, and the constrained edges.
 template <class Backend>
 void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
                      Span<const Index> edges, const ConstrainedEdges& constrained, Span<const std::uint8_t> frozen,
-                     double feature_angle, Span<VertexDof> dof, ReferenceSurface<Backend>& reference);
+                     double feature_angle, Span<VertexDof> dof, ReferenceSurface<Backend>& reference) {
+  using namespace features_detail;
+  const Size vertices = mesh.vertices();
+  const Size triangles = surface.triangles.size();
+  reference.points.assign(backend, mesh.points);
+  reference.triangles.assign(backend, surface.triangles);
+  reference.vertex2corner.offsets.assign(backend, surface.vertex2corner.offsets);
+  reference.vertex2corner.items.assign(backend, surface.vertex2corner.items);
+  reference.across.resize(backend, 3 * triangles);
+  // At 180 degrees no edge is a feature; -2 is below any cosine, with rounding errors.
+  const double cos_angle = feature_angle >= 180 ? -2 : std::cos(feature_angle * std::numbers::pi / 180);
+  backend.for_each(3 * triangles, FindAcross{mesh.points, reference.triangles, surface.tags,
+                                             reference.vertex2corner.view(), constrained, cos_angle, reference.across});
+  Csr<Backend> vertex2edge_end;
+  build_csr(backend, vertices, edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
+  reference.line.resize(backend, vertices);
+  backend.for_each(vertices, ClassifySlidingVertex{mesh.points, reference.triangles, reference.across,
+                                                   reference.vertex2corner.view(), edges, vertex2edge_end.view(),
+                                                   frozen, cos_angle, dof, reference.line});
+}
 
 }  // namespace tetune

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "boundary/surface.hpp"
-#include "boundary/surface_corners.hpp"
 #include "boundary/vertex_dof.hpp"
 
 /// The reference surface: the input surface as it was, on which the boundary vertices slide (Sect. 4.3).
@@ -43,7 +42,7 @@ struct ReferenceView {
 template <class Backend>
 struct ReferenceSurface {
   template <class T>
-  using Buffer = typename Backend::template Buffer<T>;
+  using Buffer = BufferOf<Backend, T>;
   Buffer<Point> points;
   Buffer<SurfaceTriangle> triangles;
   Buffer<Index> across;
@@ -54,14 +53,6 @@ struct ReferenceSurface {
   ReferenceView view() const {
     return {points.span(), triangles.span(), across.span(), vertex2corner.view(), line.span(), dof.span()};
   }
-};
-
-/// The neighbors of vertices on the surface, which need not share a tetrahedron: triangles, the corners at each vertex,
-/// and the neighbors along feature lines.
-struct SurfaceAdjacency {
-  Span<const SurfaceTriangle> triangles;
-  CsrView vertex2corner;
-  Span<const LineVertex> line;
 };
 
 }  // namespace tetune

@@ -114,6 +114,8 @@ struct VertexMap {
 
 }  // namespace slide_surface_detail
 
+/// Makes a given surface the reference surface, and decides where each vertex may go; one that is not on it is fixed.
+/// `scale`: coordinates of the work mesh per unit of the caller's.
 template <class Backend>
 void import_slide_surface(const Backend& backend, const SlideSurface& given, const std::vector<Index>& original2vertex,
                           Span<const std::uint8_t> frozen, double scale, VertexDofs<Backend>& dofs) {
@@ -128,9 +130,9 @@ void import_slide_surface(const Backend& backend, const SlideSurface& given, con
     const Index w = to_work.from2to[v];
     const std::array<Index, 2>& next = span_of(given.line)[v];
     span_of(points)[w] = point(scale * vec(span_of(given.points)[v]));
-    span_of(dof)[w] = span_of(given.kind)[v];
+    span_of(dof)[w] = span_of(given.dof)[v];
     span_of(line)[w] = {{to_work(next[0]), to_work(next[1])}};
-    span_of(on)[w] = to_work(span_of(given.site)[v]);
+    span_of(on)[w] = to_work(span_of(given.surface_point)[v]);
   }
   std::vector<SurfaceTriangle> triangles(given.triangles.size());
   std::transform(given.triangles.begin(), given.triangles.end(), triangles.begin(),
@@ -142,18 +144,18 @@ void import_slide_surface(const Backend& backend, const SlideSurface& given, con
   reference.line.upload(backend, line);
   reference.triangles.upload(backend, triangles);
   const Size corners = 3 * reference.triangles.size();
-  build_csr(backend, vertices, corners, VertexOfSurfaceCorner{reference.triangles.span()}, reference.vertex2corner);
+  build_csr(backend, vertices, corners, VertexOfSurfaceCorner{reference.triangles}, reference.vertex2corner);
   reference.across.resize(backend, corners);
-  typename Backend::template Buffer<std::uint8_t> feature_edges;
-  feature_edges.upload(backend, given.walls);
-  backend.for_each(corners, JoinTriangles{reference.triangles.span(), reference.vertex2corner.view(),
-                                          feature_edges.span(), reference.across.span()});
-  typename Backend::template Buffer<ElementVertices> on_buffer;
+  BufferOf<Backend, std::uint8_t> feature_edges;
+  feature_edges.upload(backend, given.feature_edges);
+  backend.for_each(corners,
+                   JoinTriangles{reference.triangles, reference.vertex2corner.view(), feature_edges, reference.across});
+  BufferOf<Backend, ElementVertices> on_buffer;
   on_buffer.upload(backend, on);
-  backend.for_each(vertices,
-                   PlaceVertex{reference.view(), on_buffer.span(), frozen, dofs.site.span(), dofs.kind.span()});
+  backend.for_each(vertices, PlaceVertex{reference.view(), on_buffer, frozen, dofs.surface_point, dofs.dof});
 }
 
+/// The surface that the vertices of a mesh slide on at the start: the reference surface in the caller's ids.
 template <class Backend>
 SlideSurface export_slide_surface(const ReferenceSurface<Backend>& reference, const std::vector<Point3>& points,
                                   const std::vector<Index>& vertex2original) {
@@ -165,35 +167,36 @@ SlideSurface export_slide_surface(const ReferenceSurface<Backend>& reference, co
   const std::vector<Index> across = reference.across.download();
   SlideSurface surface;
   surface.points = points;
-  surface.kind.resize(points.size());
+  surface.dof.resize(points.size());
   surface.line.resize(points.size());
-  surface.site.resize(points.size(), kNoSite);
+  surface.surface_point.resize(points.size(), kNoSurfacePoint);
   for (Size w = 0; w < std::ssize(vertex2original); ++w) {
     const Index v = to_original(to_index(w));
     const LineVertex& next = span_of(line)[w];
-    span_of(surface.kind)[v] = span_of(dof)[w];
+    span_of(surface.dof)[v] = span_of(dof)[w];
     span_of(surface.line)[v] = {to_original(next.next[0]), to_original(next.next[1])};
-    if (span_of(dof)[w] != VertexDof::free) span_of(surface.site)[v][0] = v;
+    if (span_of(dof)[w] != VertexDof::free) span_of(surface.surface_point)[v][0] = v;
   }
   for (const SurfaceTriangle& t : triangles) surface.triangles.push_back(to_original(t));
   for (auto corner = across.begin(); corner != across.end(); corner += 3) {
     unsigned features = 0;
     for (unsigned k = 0; k < 3; ++k) features |= corner[k] == kFeatureEdge ? 1U << k : 0U;
-    surface.walls.push_back(static_cast<std::uint8_t>(features));
+    surface.feature_edges.push_back(static_cast<std::uint8_t>(features));
   }
   return surface;
 }
 
+/// The current surface points of the vertices, as in SlideSurface::surface_point.
 template <class Backend>
 std::vector<std::array<Index, 3>> export_surface_points(const Backend& backend, const VertexDofs<Backend>& dofs,
                                                         const std::vector<Index>& vertex2original) {
   using namespace slide_surface_detail;
   const VertexMap to_original{span_of(vertex2original)};
   const Size vertices = dofs.reference.points.size();
-  typename Backend::template Buffer<ElementVertices> on(backend, vertices);
-  backend.for_each(vertices, ExportSurfacePoint{dofs.reference.view(), dofs.site.span(), on.span()});
+  BufferOf<Backend, ElementVertices> on(backend, vertices);
+  backend.for_each(vertices, ExportSurfacePoint{dofs.reference.view(), dofs.surface_point, on});
   const std::vector<ElementVertices> exported = on.download();
-  std::vector<std::array<Index, 3>> surface_points(exported.size(), kNoSite);
+  std::vector<std::array<Index, 3>> surface_points(exported.size(), kNoSurfacePoint);
   for (Size w = 0; w < vertices; ++w) {
     const Index v = to_original.from2to[w];
     if (v >= 0) span_of(surface_points)[v] = to_original(span_of(exported)[w]);

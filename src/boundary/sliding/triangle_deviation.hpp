@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "boundary/sliding/line_deviation.hpp"
+#include "boundary/sliding/surface_element.hpp"
 
 namespace tetune {
+
+/// In the corner between a feature line and a triangle both deviations count: each may use this part of the bound.
+inline constexpr double kDeviationShare = 0.7;
 
 /// The position of a reference vertex beside the prisms over the triangles of the mesh's surface.
 enum class Wedge {
@@ -21,23 +24,30 @@ struct PrismPoint {
 /// Reference triangles that only touch the boundary of a prism, to within this tolerance, are not over the triangle.
 inline constexpr double kPrismInset = 1e-6;
 
+/// A vertex that is to be moved on the surface, and the bound on its deviation.
+struct DeviationInput {
+  const ReferenceView& ref;
+  Span<const Point> points;
+  Span<const SurfacePoint> surface_points;
+  Index vertex;
+  double limit;  ///< 0: no bound
+};
+
 /// The test of one surface triangle at a moved vertex against the bound, for any input: the reference triangles are
 /// found from the surface points of the triangle's vertices by traversal from neighbor to neighbor within the patch,
 /// and clipped to the prism over the triangle. A test that exceeds the fixed memory of a thread counts as beyond the
 /// bound.
-class TriangleDeviation {
+class TriangleDeviation : DeviationInput {
  public:
-  TETUNE_HD TriangleDeviation(const ReferenceView& ref, Span<const Point> points,
-                              Span<const SurfacePoint> surface_points, Index vertex, double limit)
-      : ref_(ref), points_(points), surface_points_(surface_points), vertex_(vertex), limit_(limit) {}
+  TETUNE_HD explicit TriangleDeviation(const DeviationInput& input) : DeviationInput(input) {}
 
   /// Whether the triangle at `corner` of the moved vertex is within the bound, with the vertex at x.
   TETUNE_HD bool is_within(std::uint32_t corner, const Vec3& x, const SurfacePoint& on) const {
-    const SurfaceTriangle t = ref_.triangles[corner / 3];
+    const SurfaceTriangle t = ref.triangles[corner / 3];
     const Index va = t.v[(corner + 1) % 3];
     const Index vb = t.v[(corner + 2) % 3];
-    const Vec3 a = vec(points_[va]) - x;
-    const Vec3 b = vec(points_[vb]) - x;
+    const Vec3 a = vec(points[va]) - x;
+    const Vec3 b = vec(points[vb]) - x;
     const Vec3 normal = cross(a, b);
     const double n2 = dot(normal, normal);
     if (!(n2 > 0)) return false;
@@ -45,8 +55,8 @@ class TriangleDeviation {
 
     ReferenceQueue queue;
     add_triangles_at(on, queue);
-    add_triangles_at(surface_points_[va], queue);
-    add_triangles_at(surface_points_[vb], queue);
+    add_triangles_at(surface_points[va], queue);
+    add_triangles_at(surface_points[vb], queue);
     const int starts = queue.count;
     WedgeCache wedges;
     Coverage coverage;
@@ -57,17 +67,17 @@ class TriangleDeviation {
     if (uncovered <= kMaxUncovered * std::sqrt(n2)) return true;
     // Beside a feature line the triangle may extend beyond the patch by the area between the line and its chord.
     double beside_line = 0;
-    if (!slides(vertex_) && !slides(va)) beside_line += norm(a);
-    if (!slides(vertex_) && !slides(vb)) beside_line += norm(b);
+    if (!slides(vertex) && !slides(va)) beside_line += norm(a);
+    if (!slides(vertex) && !slides(vb)) beside_line += norm(b);
     if (!slides(va) && !slides(vb)) beside_line += norm(b - a);
-    return coverage.max_height <= kDeviationShare * limit_ && uncovered <= 2 * limit_ * beside_line;
+    return coverage.max_height <= kDeviationShare * limit && uncovered <= 2 * limit * beside_line;
   }
 
   /// Tests a reference vertex p outside the prism over the triangle at `corner`, where l are its coordinates from the
   /// corner's vertex on: whether p is in the wedge at an edge or vertex of the triangle, which no prism covers, and
   /// within the bound there.
   TETUNE_HD Wedge wedge_of(std::uint32_t corner, const Vec3& x, const Vec3& p, const double l[3]) const {
-    const SurfaceTriangle t = ref_.triangles[corner / 3];
+    const SurfaceTriangle t = ref.triangles[corner / 3];
     for (std::uint32_t side = 0; side < 3; ++side) {
       const std::uint32_t k = (corner + side) % 3;
       const Vec3 a = position(t.v[(k + 1) % 3], x);
@@ -76,10 +86,10 @@ class TriangleDeviation {
       const double e2 = dot(e, e);
       const double s = dot(d, e) / e2;
       if (l[side] < 0 && s > 0 && s < 1) {
-        const Index opposite = ref_.across[Size{corner / 3} * 3 + k];
+        const Index opposite = ref.across[Size{corner / 3} * 3 + k];
         // At a feature line the patch ends, and LineDeviation decides.
         if (opposite == kFeatureEdge) continue;
-        const Vec3 apex = position(ref_.triangles[opposite / 3].v[opposite % 3], x) - a;
+        const Vec3 apex = position(ref.triangles[opposite / 3].v[opposite % 3], x) - a;
         if (dot(d, apex - (dot(apex, e) / e2) * e) > 0) continue;
         return compare(d - s * e);
       }
@@ -87,9 +97,9 @@ class TriangleDeviation {
       if (s > 0 || dot(d, position(t.v[k], x) - a) > 0) continue;
       bool closer = false;
       const Index v = t.v[(k + 1) % 3];
-      for (Size c = ref_.vertex2corner.begin(v); c < ref_.vertex2corner.end(v) && !closer; ++c) {
-        const std::uint32_t o = ref_.vertex2corner.items[c];
-        const SurfaceTriangle q = ref_.triangles[o / 3];
+      for (Size c = ref.vertex2corner.begin(v); c < ref.vertex2corner.end(v) && !closer; ++c) {
+        const std::uint32_t o = ref.vertex2corner.items[c];
+        const SurfaceTriangle q = ref.triangles[o / 3];
         closer = dot(d, position(q.v[(o + 1) % 3], x) - a) > 0 || dot(d, position(q.v[(o + 2) % 3], x) - a) > 0;
       }
       if (!closer) return compare(d);
@@ -157,15 +167,15 @@ class TriangleDeviation {
       queue.add(on.item);
     } else if (on.kind == SurfacePointKind::edge) {
       queue.add(on.item / 3);
-      if (ref_.across[on.item] != kFeatureEdge) queue.add(ref_.across[on.item] / 3);
+      if (ref.across[on.item] != kFeatureEdge) queue.add(ref.across[on.item] / 3);
     } else if (on.kind == SurfacePointKind::vertex || on.kind == SurfacePointKind::segment) {
-      const bool vertex = on.kind == SurfacePointKind::vertex;
-      const EdgeVertices edge = vertex ? EdgeVertices{on.item, on.item} : edge_vertices(ref_, on);
-      const Index from = ref_.vertex2corner.shorter(edge.a, edge.b);
+      const bool on_vertex = on.kind == SurfacePointKind::vertex;
+      const EdgeVertices edge = on_vertex ? EdgeVertices{on.item, on.item} : edge_vertices(ref, on);
+      const Index from = ref.vertex2corner.shorter(edge.a, edge.b);
       const Index to = edge.a ^ edge.b ^ from;
-      for (Size c = ref_.vertex2corner.begin(from); c < ref_.vertex2corner.end(from); ++c) {
-        const Index triangle = to_index(ref_.vertex2corner.items[c] / 3);
-        const SurfaceTriangle t = ref_.triangles[triangle];
+      for (Size c = ref.vertex2corner.begin(from); c < ref.vertex2corner.end(from); ++c) {
+        const Index triangle = to_index(ref.vertex2corner.items[c] / 3);
+        const SurfaceTriangle t = ref.triangles[triangle];
         if (t.v[0] == to || t.v[1] == to || t.v[2] == to) queue.add(triangle);
       }
     }
@@ -177,8 +187,8 @@ class TriangleDeviation {
     PrismPoint polygon[kMaxPolygon];
     PrismPoint corners[3];
     int n = 3;
-    const SurfaceTriangle r = ref_.triangles[queue.triangle[i]];
-    for (int k = 0; k < 3; ++k) polygon[k] = corners[k] = prism.point(ref_.point(r.v[k]));
+    const SurfaceTriangle r = ref.triangles[queue.triangle[i]];
+    for (int k = 0; k < 3; ++k) polygon[k] = corners[k] = prism.point(ref.point(r.v[k]));
     for (int side = 0; side < 3 && n > 0; ++side) n = clip(polygon, n, side);
     queue.relevant[i] = false;
     // Triangles at the starting points may belong to other patches; those of this patch may be reached again later.
@@ -194,7 +204,7 @@ class TriangleDeviation {
       if (entry == kMaxTriangles) return false;
       if (entry == wedges.count) {
         wedges.vertex[wedges.count] = r.v[k];
-        wedges.wedge[wedges.count++] = wedge_of(corner, prism.origin, ref_.point(r.v[k]), l);
+        wedges.wedge[wedges.count++] = wedge_of(corner, prism.origin, ref.point(r.v[k]), l);
       }
       if (wedges.wedge[entry] == Wedge::far) return false;
       in_wedge = in_wedge || wedges.wedge[entry] == Wedge::near;
@@ -203,7 +213,7 @@ class TriangleDeviation {
     queue.relevant[i] = true;
     if (!add_coverage(polygon, n, coverage)) return false;
     for (Index k = 0; k < 3; ++k) {
-      const Index opposite = ref_.across[3 * queue.triangle[i] + k];
+      const Index opposite = ref.across[3 * queue.triangle[i] + k];
       if (opposite != kFeatureEdge) queue.add(opposite / 3);
     }
     return !queue.overflow;
@@ -212,7 +222,7 @@ class TriangleDeviation {
   /// Whether one of the first i triangles of the queue is relevant and a neighbor of triangle i within the patch.
   TETUNE_HD bool is_beside_relevant(const ReferenceQueue& queue, int i) const {
     for (Index k = 0; k < 3; ++k) {
-      const Index opposite = ref_.across[3 * queue.triangle[i] + k];
+      const Index opposite = ref.across[3 * queue.triangle[i] + k];
       for (int j = 0; opposite != kFeatureEdge && j < i; ++j) {
         if (queue.triangle[j] == opposite / 3 && queue.relevant[j]) return true;
       }
@@ -225,7 +235,7 @@ class TriangleDeviation {
     double twice_area = 0;
     for (int k = 0; k < n; ++k) {
       const double height = std::fabs(polygon[k].height);
-      if (!(height <= limit_)) return false;
+      if (!(height <= limit)) return false;
       coverage.max_height = height > coverage.max_height ? height : coverage.max_height;
       const PrismPoint& p = polygon[k];
       const PrismPoint& q = polygon[(k + 1) % n];
@@ -256,15 +266,9 @@ class TriangleDeviation {
     return m;
   }
 
-  TETUNE_HD Vec3 position(Index v, const Vec3& x) const { return v == vertex_ ? x : vec(points_[v]); }
-  TETUNE_HD Wedge compare(const Vec3& d) const { return dot(d, d) <= limit_ * limit_ ? Wedge::near : Wedge::far; }
-  TETUNE_HD bool slides(Index v) const { return ref_.dof[v] == VertexDof::surface; }
-
-  const ReferenceView& ref_;
-  Span<const Point> points_;
-  Span<const SurfacePoint> surface_points_;
-  Index vertex_;
-  double limit_;
+  TETUNE_HD Vec3 position(Index v, const Vec3& x) const { return v == vertex ? x : vec(points[v]); }
+  TETUNE_HD Wedge compare(const Vec3& d) const { return dot(d, d) <= limit * limit ? Wedge::near : Wedge::far; }
+  TETUNE_HD bool slides(Index v) const { return ref.dof[v] == VertexDof::surface; }
 };
 
 }  // namespace tetune

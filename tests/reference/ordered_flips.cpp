@@ -5,12 +5,10 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/work_mesh.hpp"
 
 namespace tetune::reference {
 namespace {
-
-using backend::span_of;
 
 constexpr double kMinRelativeGain = 1e-9;
 
@@ -119,7 +117,7 @@ bool OrderedFlips::is_current(const Candidate& c) const {
 
 Index OrderedFlips::allocate_slot() {
   if (free_.empty()) {
-    free_.push_back(backend::to_index(tets_.size()));
+    free_.push_back(to_index(tets_.size()));
     tets_.emplace_back();
     adjacency_.emplace_back();
     tags_.push_back(0);
@@ -192,7 +190,7 @@ void OrderedFlips::apply(const Candidate& c, FlipResult& result) {
 }
 
 FlipResult OrderedFlips::run() {
-  const Index count = backend::to_index(tets_.size());
+  const Index count = to_index(tets_.size());
   // An uncertified volume counts with the large, finite energy that tet_energy() returns for it.
   for (Index t = 0; t < count; ++t) span_of(eta_)[t] = alive(t) ? energy_of(tet(t)).energy : 0;
   for (Index t = 0; t < count; ++t) {

@@ -7,7 +7,7 @@
 #include "math/orient.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/upload.hpp"
+#include "mesh/work_mesh.hpp"
 
 namespace tetune::reference {
 namespace {
@@ -62,13 +62,13 @@ TetMesh lattice(int n, double jitter, std::uint32_t seed) {
     }
     m.points.push_back(p);
   });
-  m.tets.reserve(backend::to_size_t(backend::Size{6} * n * n * n));
+  m.tets.reserve(to_size_t(Size{6} * n * n * n));
   for_each_cell(n, [&](const std::array<int, 3>& cell) {
     for (int p = 0; p < 6; ++p) {
       std::array<int, 3> at = cell;
       std::array<Index, 4> tet{lattice_vertex(n, at), 0, 0, 0};
       for (std::size_t s = 0; s < 3; ++s) {
-        ++at[backend::to_size_t(kPaths[p][s])];
+        ++at[to_size_t(kPaths[p][s])];
         tet[s + 1] = lattice_vertex(n, at);
       }
       if (p >= 3) std::swap(tet[2], tet[3]);
@@ -88,20 +88,20 @@ TetMesh scrambled(TetMesh mesh, int rounds, std::uint32_t seed) {
     build_adjacency(cpu, work);
     const Span<FaceAdjacency> adjacency = work.view().tet2tet;
     std::vector<char> flags(mesh.tets.size(), 0);
-    const Span<char> used = backend::span_of(flags);
+    const Span<char> used = span_of(flags);
     for (Index t = 0; t < used.size(); ++t) {
       for (int f = 0; f < 4; ++f) {
         const HalfFace across = adjacency[t][f];
         if (across == kNoHalfFace || random() % 2 == 0) continue;
         const Index other = tet_of(across);
-        const int tag = backend::span_of(mesh.tet_tags)[t];
-        if (other < t || used[t] != 0 || used[other] != 0 || tag != backend::span_of(mesh.tet_tags)[other]) continue;
+        const int tag = span_of(mesh.tet_tags)[t];
+        if (other < t || used[t] != 0 || used[other] != 0 || tag != span_of(mesh.tet_tags)[other]) continue;
         const TetMeshView view(mesh);
         const Flip23 flip(view.tet(t), f, view.tet(other), face_of(across));
         if (!flip.is_valid(view)) continue;
         used[t] = used[other] = 1;
-        backend::span_of(mesh.tets)[t] = to_array(flip.after[0]);
-        backend::span_of(mesh.tets)[other] = to_array(flip.after[1]);
+        span_of(mesh.tets)[t] = to_array(flip.after[0]);
+        span_of(mesh.tets)[other] = to_array(flip.after[1]);
         mesh.tets.push_back(to_array(flip.after[2]));
         mesh.tet_tags.push_back(tag);
       }

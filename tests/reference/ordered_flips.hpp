@@ -11,9 +11,6 @@
 
 namespace tetune::reference {
 
-using backend::Size;
-using backend::Span;
-
 /// A mesh with face adjacency in plain vectors, on which 2-3 and 3-2 flips are applied from one ordered queue.
 class OrderedFlips {
  public:
@@ -23,10 +20,10 @@ class OrderedFlips {
   /// Evaluates every face and edge, and flips until the queue is empty.
   FlipResult run();
 
-  Span<const Tet> tets() const { return backend::span_of(tets_); }
+  Span<const Tet> tets() const { return span_of(tets_); }
   bool alive(Index t) const { return tet(t)[0] >= 0; }
-  int tag(Index t) const { return backend::span_of(tags_)[t]; }
-  HalfFace across(Index t, int face) const { return backend::span_of(adjacency_)[t][face]; }
+  int tag(Index t) const { return span_of(tags_)[t]; }
+  HalfFace across(Index t, int face) const { return span_of(adjacency_)[t][face]; }
 
  private:
   /// A flip that lowered the energy when it was evaluated. It is still valid if its tetrahedra have the same stamps.
@@ -48,7 +45,7 @@ class OrderedFlips {
   };
   static NewTets tets_after(const Candidate& c);
 
-  const Tet& tet(Index t) const { return backend::span_of(tets_)[t]; }
+  const Tet& tet(Index t) const { return span_of(tets_)[t]; }
   TetEnergy energy_of(const Tet& t) const;
   /// Negative if the volume is not certified positive.
   double eta(const Tet& t) const;

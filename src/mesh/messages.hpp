@@ -3,12 +3,20 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
 #include "tetune/mesh.hpp"
 
 namespace tetune {
+
+/// The name of an enumerator, given the names of all in their order.
+template <class Enum>
+const char* name_of(Enum enumerator, std::initializer_list<const char*> names) {
+  const auto position = std::size_t(enumerator);
+  return position < names.size() ? names.begin()[position] : "unknown";
+}
 
 /// The number of ids that a message lists.
 inline constexpr std::size_t kShownIds = 5;

@@ -4,22 +4,27 @@
 #include <limits>
 
 #include "math/hilbert.hpp"
-#include "mesh/connect.hpp"
+#include "mesh/work_mesh.hpp"
 
 /// The order of vertices and slots in memory.
 namespace tetune {
 namespace sort_mesh_detail {
 
+struct Interval {
+  double low = std::numeric_limits<double>::max();
+  double high = std::numeric_limits<double>::lowest();
+  TETUNE_HD void merge(const Interval& other) {
+    if (other.low < low) low = other.low;
+    if (other.high > high) high = other.high;
+  }
+};
+
 struct Box {
-  double low[3] = {std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
-                   std::numeric_limits<double>::max()};
-  double high[3] = {std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest(),
-                    std::numeric_limits<double>::lowest()};
+  Interval x, y, z;
   TETUNE_HD void merge(const Box& other) {
-    for (int k = 0; k < 3; ++k) {
-      if (other.low[k] < low[k]) low[k] = other.low[k];
-      if (other.high[k] > high[k]) high[k] = other.high[k];
-    }
+    x.merge(other.x);
+    y.merge(other.y);
+    z.merge(other.z);
   }
 };
 
@@ -27,11 +32,7 @@ struct BoxOfPoint {
   Span<const Point> points;
   TETUNE_HD Box operator()(Size i) const {
     const Point p = points[i];
-    Box box;
-    box.low[0] = box.high[0] = p.x;
-    box.low[1] = box.high[1] = p.y;
-    box.low[2] = box.high[2] = p.z;
-    return box;
+    return {{p.x, p.x}, {p.y, p.y}, {p.z, p.z}};
   }
 };
 
@@ -42,13 +43,13 @@ struct ComputeHilbertKey {
   Span<Index> ids;
   TETUNE_HD void operator()(Size i) const {
     const Point p = points[i];
-    double side = box.high[0] - box.low[0];
-    if (box.high[1] - box.low[1] > side) side = box.high[1] - box.low[1];
-    if (box.high[2] - box.low[2] > side) side = box.high[2] - box.low[2];
+    double side = box.x.high - box.x.low;
+    if (box.y.high - box.y.low > side) side = box.y.high - box.y.low;
+    if (box.z.high - box.z.low > side) side = box.z.high - box.z.low;
     // The odd factor and offset keep round fractions of the box, where vertices of structured meshes lie, away from
     // cell borders: the order then does not depend on the last bit, and a rescaled mesh gets the same order.
     const double scale = side > 0 ? 0.98765432109876 * kHilbertCells / side : 0;
-    keys[i] = hilbert_index(cell(p.x, box.low[0], scale), cell(p.y, box.low[1], scale), cell(p.z, box.low[2], scale));
+    keys[i] = hilbert_index(cell(p.x, box.x.low, scale), cell(p.y, box.y.low, scale), cell(p.z, box.z.low, scale));
     ids[i] = static_cast<Index>(i);
   }
   TETUNE_HD static std::uint32_t cell(double x, double low, double scale) {
@@ -105,12 +106,11 @@ struct IsAlive {
 /// Makes the tetrahedra those of the slots `order`, in that order.
 template <class Backend>
 void gather_tets(const Backend& backend, Span<const Index> order, Size room, WorkMesh<Backend>& mesh) {
-  typename Backend::template Buffer<Tet> tets;
-  typename Backend::template Buffer<Index> originals;
+  BufferOf<Backend, Tet> tets;
+  BufferOf<Backend, Index> originals;
   tets.resize(backend, order.size(), room);
   originals.resize(backend, order.size(), room);
-  backend.for_each(order.size(),
-                   GatherTets{mesh.tet2vertex.span(), mesh.tet2original.span(), order, tets.span(), originals.span()});
+  backend.for_each(order.size(), GatherTets{mesh.tet2vertex, mesh.tet2original, order, tets, originals});
   mesh.tet2vertex.swap(tets);
   mesh.tet2original.swap(originals);
   mesh.free_count = 0;
@@ -118,38 +118,39 @@ void gather_tets(const Backend& backend, Span<const Index> order, Size room, Wor
 
 }  // namespace sort_mesh_detail
 
+/// Renumbers a freshly uploaded mesh for locality: vertices along a Hilbert curve, tetrahedra by lowest vertex.
+/// Requires points and tet2vertex in the caller's order; sets vertex2original and permutes tet2original.
 template <class Backend>
 void sort_mesh(const Backend& backend, WorkMesh<Backend>& mesh) {
   using namespace sort_mesh_detail;
   const Size vertices = mesh.vertices();
   const Size tets = mesh.slots();
 
-  const Box box = backend.template reduce<Box>(vertices, BoxOfPoint{mesh.points.span()});
-  typename Backend::template Buffer<std::uint64_t> keys(backend, vertices);
+  const Box box = backend.template reduce<Box>(vertices, BoxOfPoint{mesh.points});
+  BufferOf<Backend, std::uint64_t> keys(backend, vertices);
   mesh.vertex2original.resize(backend, vertices);
-  backend.for_each(vertices, ComputeHilbertKey{mesh.points.span(), box, keys.span(), mesh.vertex2original.span()});
+  backend.for_each(vertices, ComputeHilbertKey{mesh.points, box, keys, mesh.vertex2original});
   backend.sort_by_key(keys, mesh.vertex2original, kHilbertBits);
-  typename Backend::template Buffer<Point> points(backend, vertices);
-  typename Backend::template Buffer<Index> original2vertex(backend, vertices);
-  backend.for_each(
-      vertices, PermutePoints{mesh.points.span(), mesh.vertex2original.span(), points.span(), original2vertex.span()});
+  BufferOf<Backend, Point> points(backend, vertices);
+  BufferOf<Backend, Index> original2vertex(backend, vertices);
+  backend.for_each(vertices, PermutePoints{mesh.points, mesh.vertex2original, points, original2vertex});
   mesh.points.swap(points);
 
-  typename Backend::template Buffer<std::uint32_t> lowest_vertex(backend, tets);
-  typename Backend::template Buffer<Index> order(backend, tets);
-  backend.for_each(tets,
-                   RelabelTet{mesh.tet2vertex.span(), original2vertex.span(), lowest_vertex.span(), order.span()});
+  BufferOf<Backend, std::uint32_t> lowest_vertex(backend, tets);
+  BufferOf<Backend, Index> order(backend, tets);
+  backend.for_each(tets, RelabelTet{mesh.tet2vertex, original2vertex, lowest_vertex, order});
   int bits = 1;
   while ((Size{1} << bits) < vertices) ++bits;
   backend.sort_by_key(lowest_vertex, order, bits);
   gather_tets(backend, Span<const Index>(order.span()), mesh.room(), mesh);
 }
 
+/// Removes free slots and drops tet2tet. Returns the previous slot of each tetrahedron.
 template <class Backend>
-typename Backend::template Buffer<Index> compact_slots(const Backend& backend, WorkMesh<Backend>& mesh) {
+BufferOf<Backend, Index> compact_slots(const Backend& backend, WorkMesh<Backend>& mesh) {
   using namespace sort_mesh_detail;
-  typename Backend::template Buffer<Index> slots(backend, mesh.slots());
-  slots.resize(backend, backend.compact(mesh.slots(), IsAlive{mesh.tet2vertex.span()}, slots.span()));
+  BufferOf<Backend, Index> slots(backend, mesh.slots());
+  slots.resize(backend, backend.compact(mesh.slots(), IsAlive{mesh.tet2vertex}, slots.span()));
   gather_tets(backend, Span<const Index>(slots.span()), slots.size(), mesh);
   mesh.tet2tet.resize(backend, 0);
   return slots;

@@ -13,8 +13,6 @@
 namespace tetune::reference {
 namespace {
 
-using backend::span_of;
-
 /// tr(L) = eta / 9.
 constexpr double kTracePerEta = 1.0 / 9;
 /// The descent has converged when kMaxIdleIterations consecutive iterations lower the energy by less than this factor
@@ -73,7 +71,11 @@ class Descent {
     before_ = points_;
     max_eta_ = 0;
     for_each_tet([this](const Tet& t) { max_eta_ = std::max(max_eta_, energy_of(t).energy); });
-    if (lambda > 0) move(brent_minimum(EnergyAlongDescent{*this}, 0, lambda));
+    const auto energy_after = [this](double alpha) {
+      move(alpha);
+      return energy();
+    };
+    if (lambda > 0) move(brent_minimum(energy_after, 0, lambda));
     report.descent_seconds += seconds_since(start);
     const auto projection = std::chrono::steady_clock::now();
     project_to_surface();
@@ -89,14 +91,6 @@ class Descent {
   }
 
  private:
-  struct EnergyAlongDescent {
-    Descent& descent;
-    double value(double alpha) const {
-      descent.move(alpha);
-      return descent.energy();
-    }
-  };
-
   const Vec3& at(Index v) const { return span_of(points_)[v]; }
   template <class F>
   void for_each_tet(const F& f) const {

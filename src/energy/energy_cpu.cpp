@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-#include "backend/cpu.hpp"
-
-namespace tetune {
-using Instance = backend::Cpu;
-}
-
-#include "energy/instantiate.inl"

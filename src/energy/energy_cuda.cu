@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-#include "backend/cuda.cuh"
-
-namespace tetune {
-using Instance = backend::Cuda;
-}
-
-#include "energy/instantiate.inl"
