@@ -47,6 +47,14 @@ enum class Effort {
   best,      ///< sweeps end at 0.01 %, then there is more of that work, and vertices are inserted and removed
 };
 
+/// Whether vertices of the surface and of interfaces are inserted and removed, so that the surface keeps its shape:
+/// inside flat parts of a patch and along straight feature lines.
+enum class SurfaceVertices {
+  automatic,  ///< "auto": as edit with Effort::best, else as keep
+  keep,       ///< they are kept
+  edit,       ///< they are inserted and removed, inside the mesh too, with any effort that works on the worst elements
+};
+
 /// The options of optimize(). Section, equation and algorithm numbers are those of Stroeter et al. 2022.
 ///
 /// A value out of its range, and options that leave nothing to do, are refused with OptionError. An option that has no
@@ -59,6 +67,8 @@ struct Options {
   Effort effort = Effort::standard;
   /// If true, Effort::best inserts and removes no vertex; the other efforts never do.
   bool keep_vertices = false;
+  /// Vertices of the surface, with Boundary::preserve.
+  SurfaceVertices surface_vertices = SurfaceVertices::automatic;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;
   /// If true, inverted and flat tetrahedra are made positive first, instead of refused with MeshError: vertices move as

@@ -105,6 +105,7 @@ void update_ids(Part& part, const Report& report) {
 
 Options options_for(const Options& all_options, const TetMesh& mesh) {
   Options options = all_options;
+  options.surface_vertices = SurfaceVertices::keep;  // triangles keep their ids
   options.frozen_regions = present(options.frozen_regions, mesh.tet_tags);
   options.frozen_patches = present(options.frozen_patches, mesh.triangle_tags);
   return options;

@@ -34,6 +34,8 @@ class Options(TypedDict, total=False):
     """How much is done; fast: flips are searched for once, and sweeps end when one lowers the energy by less than 2 %; standard: sweeps end at 0.2 %, then the worst elements and the smallest dihedral angles are improved; best: sweeps end at 0.01 %, then there is more of that work, and vertices are inserted and removed. Default: standard."""
     keep_vertices: bool
     """No vertex is inserted or removed (as with any effort other than effort=best). Default: False."""
+    surface_vertices: Literal["auto", "keep", "edit"]
+    """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too, in flat parts of a patch and along straight feature lines, so that the surface keeps its shape. Default: auto."""
     untangle: bool
     """Inverted and flat tetrahedra are made positive first, instead of refused. Default: False."""
     flips: bool

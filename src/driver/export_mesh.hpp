@@ -66,6 +66,7 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   result.tet2original = work.mesh.tet2original.download();
   result.points = work.mesh.points.download();
   result.boundary = work.boundary.triangles.download();
+  result.listed_boundary = std::move(work.listed_boundary);
   std::vector<std::array<Index, 3>> surface_points;
   if (surface != nullptr) {
     surface_points = export_surface_points(backend, work.dofs, result.numbering.work2extended);

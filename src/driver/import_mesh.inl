@@ -16,6 +16,7 @@
 #include "mesh/validate_arrays.hpp"
 #include "mesh/work_mesh.hpp"
 #include "phases/element_selection.hpp"
+#include "phases/tuning.hpp"
 #include "phases/working_set.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -109,12 +110,6 @@ void freeze_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& by_or
   }
 }
 
-/// Boundary flips would replace triangles of the surface that the deviation is measured from.
-inline bool flips_boundary(const Options& options) {
-  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed &&
-         !(options.max_deviation > 0) && options.max_ring > 3;
-}
-
 /// Finds the surface and decides where its vertices may go.
 template <class Backend>
 void import_surface(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
@@ -142,6 +137,11 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   freeze_vertices(mesh, constraints.frozen, original2vertex, work);
   const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
   if (flips_boundary(options)) build_boundary(backend, surface, listed, frozen.span(), work.boundary);
+  if (edits_surface(options)) {
+    for (const BoundaryTriangle& t : work.boundary.triangles.download()) {
+      if (t.listed >= 0) work.listed_boundary.push_back(t.listed);
+    }
+  }
 
   // All listed edges constrain flips.
   std::vector<Index> ends;

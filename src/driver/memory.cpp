@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "phases/tuning.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {
@@ -26,7 +27,7 @@ std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
   bytes += bytes / 32;
   // Two copies of the data exist during export, and a third of vertex data if vertices are inserted or removed.
   bytes += 2 * (bytes_of(mesh.tet_data) + bytes_of(mesh.triangle_data) + bytes_of(mesh.edge_data));
-  const bool inserts = options.effort == Effort::best && !options.keep_vertices;
+  const bool inserts = edits_vertices(options);
   bytes += (inserts ? 3 : 2) * bytes_of(mesh.point_data);
   for (const ElementBlock& block : mesh.others) bytes += bytes_of(block.data);
   return bytes;

@@ -54,6 +54,13 @@ constexpr std::array kTerminations{
                  "when a sweep lowers the energy by less than the part that effort sets"},
     OptionChoice{"paper", choice_value(Termination::paper), "by the conditions C1 to C3 of the paper (Sect. 4.5)"}};
 
+constexpr std::array kSurfaceVertices{
+    OptionChoice{"auto", choice_value(SurfaceVertices::automatic), "as edit with effort=best, else as keep"},
+    OptionChoice{"keep", choice_value(SurfaceVertices::keep), "none is inserted or removed"},
+    OptionChoice{"edit", choice_value(SurfaceVertices::edit),
+                 "vertices are inserted and removed, inside the mesh too, in flat parts of a patch and along straight "
+                 "feature lines, so that the surface keeps its shape"}};
+
 constexpr const char* kSurface = "Surface and constraints";
 constexpr const char* kMethod = "Method";
 constexpr const char* kTargets = "Targets";
@@ -84,6 +91,19 @@ constexpr std::array kBoundaryFlipConditions{
     kWithoutFlips,
     OptionCondition{[](const Options& o) { return o.max_deviation > 0; }, "has no effect with max_deviation"},
     OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
+constexpr std::array kSurfaceEditConditions{
+    OptionCondition{[](const Options& o) { return o.boundary != Boundary::preserve; },
+                    "has no effect without boundary=preserve"},
+    OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
+    OptionCondition{[](const Options& o) { return !o.boundary_flips; }, "has no effect with boundary_flips=false"},
+    OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"},
+    OptionCondition{[](const Options& o) { return o.effort == Effort::fast; }, "has no effect with effort=fast"},
+    OptionCondition{[](const Options& o) { return o.energy == Energy::harmonic; },
+                    "has no effect with energy=harmonic"},
+    OptionCondition{[](const Options& o) { return o.termination == Termination::paper; },
+                    "has no effect with termination=paper"},
+    kWithoutFlips,
+    kWithoutSweeps};
 constexpr std::array kOnGpu{
     OptionCondition{[](const Options& o) { return o.device == Device::cuda; }, "has no effect with device=cuda"}};
 
@@ -124,6 +144,13 @@ const std::array kTable{
     OptionInfo{"effort", &Options::effort, kMethod, "How much is done", kEfforts, {}, kEffortConditions},
     OptionInfo{"keep_vertices", &Options::keep_vertices, kMethod,
                "No vertex is inserted or removed (as with any effort other than effort=best)"},
+    OptionInfo{"surface_vertices",
+               &Options::surface_vertices,
+               kMethod,
+               "Whether vertices of the surface and of interfaces are inserted and removed",
+               kSurfaceVertices,
+               {},
+               kSurfaceEditConditions},
     OptionInfo{"untangle", &Options::untangle, kMethod,
                "Inverted and flat tetrahedra are made positive first, instead of refused"},
     OptionInfo{"flips", &Options::flips, kMethod, "Edges and faces are flipped; otherwise vertices are only moved"},

@@ -66,16 +66,33 @@ std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult&
   throw OverlapError(std::move(overlapping));
 }
 
-/// The positions of the listed triangles in the result: those inside one region that lock nothing are dropped, unless
-/// they are sides of other elements.
-std::vector<Index> new_triangles(const TetMesh& mesh, const std::vector<Listed>& listed_triangles,
-                                 const OtherElements& others) {
+/// Replaces the listed triangles by those of the result. Those inside one region that lock nothing are dropped and
+/// counted, unless they are sides of other elements; so are those whose place on the boundary others have taken.
+/// Returns the original of each.
+std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& result,
+                                     const std::vector<Listed>& listed_triangles, const OtherElements& others,
+                                     TetMesh& next, Report& report) {
+  ChangedTriangles changed = follow_changes(result.boundary, result.numbering.work2extended, mesh.triangles);
   std::vector<std::uint8_t> keep;
   auto state = listed_triangles.begin();
   for (const auto& triangle : mesh.triangles) {
     keep.push_back(*state++ != Listed::loose || others.have(triangle) ? 1 : 0);
   }
-  return positions_of_kept(keep);
+  report.triangles_dropped = std::count(keep.begin(), keep.end(), 0);
+  for (const Index entry : result.listed_boundary) {
+    if (span_of(changed.is_present)[entry] == 0) span_of(keep)[entry] = 0;
+  }
+  const std::vector<Index> triangle2new = positions_of_kept(keep);
+  std::vector<Index> triangle2original = kept_of(triangle2new);
+  triangle2original.insert(triangle2original.end(), changed.origin.begin(), changed.origin.end());
+  next.triangles = std::move(changed.triangles);
+  next.triangle_tags = mesh.triangle_tags;
+  next.triangle_data = take_entries(mesh.triangle_data, triangle2original);
+  next.required_triangles = mesh.required_triangles;
+  keep_triangles(next, triangle2new);
+  next.triangles.insert(next.triangles.end(), changed.more.begin(), changed.more.end());
+  for (const Index origin : changed.origin) next.triangle_tags.push_back(span_of(mesh.triangle_tags)[origin]);
+  return triangle2original;
 }
 
 /// The required tetrahedra of the result: they never left their slots, and compaction kept the order of the slots.
@@ -90,7 +107,9 @@ std::vector<Index> new_required_tets(const std::vector<Index>& required_slots, c
 
 /// The identity is reported as an empty list.
 std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size) {
-  if (new2old.size() == old_size) new2old.clear();
+  Index next = 0;
+  const bool in_order = std::all_of(new2old.begin(), new2old.end(), [&](Index old) { return old == next++; });
+  if (new2old.size() == old_size && in_order) new2old.clear();
   return new2old;
 }
 
@@ -157,14 +176,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   next.required_vertices = mesh.required_vertices;
 
   const OtherElements others(mesh);
-  const std::vector<Index> triangle2new = new_triangles(mesh, listed_triangles, others);
-  std::vector<Index> triangle2original = kept_of(triangle2new);
-  next.triangles = mesh.triangles;
-  next.triangle_tags = mesh.triangle_tags;
-  next.triangle_data = take_entries(mesh.triangle_data, triangle2original);
-  next.required_triangles = mesh.required_triangles;
-  follow_flips(result.boundary, numbering.work2extended, next.triangles);
-  report.triangles_dropped = keep_triangles(next, triangle2new);
+  std::vector<Index> triangle2original = replace_triangles(mesh, result, listed_triangles, others, next, report);
 
   const std::vector<Index> edge2new = positions_of_kept(lasting_edges(mesh, result.tets, others));
   std::vector<Index> edge2original = kept_of(edge2new);

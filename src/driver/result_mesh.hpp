@@ -33,6 +33,7 @@ struct HostResult {
   std::vector<Index> tet2original;
   std::vector<Index> slot_of_tet;  ///< before compaction; increasing
   std::vector<BoundaryTriangle> boundary;
+  std::vector<Index> listed_boundary;  ///< the entries of the caller's list that were on the boundary before
   bool is_manifold = true;
 };
 

@@ -8,13 +8,27 @@
 
 namespace tetune {
 
+/// The extreme cotangents of the dihedral angles of a tetrahedron: `max` is that of the smallest angle, `min` that of
+/// the largest.
+struct DihedralCots {
+  double max = -1, min = 1;
+
+  /// The measure that is minimized to open small angles and to close large ones: the largest cotangent, or the largest
+  /// negative one times a weight. With weight 0 large angles do not count.
+  TETUNE_HD double cost(double obtuse_weight) const {
+    const double obtuse = -obtuse_weight * min;
+    return obtuse > max ? obtuse : max;
+  }
+};
+
 /// The worst quality in a mesh: no operation may create a tetrahedron that is worse.
 struct QualityFloor {
   /// Relative tolerance for rounding.
   static constexpr double kTolerance = 1e-12;
 
-  double worst_shape = 0;  ///< largest shape energy
-  double max_cot = -1;     ///< cotangent of the smallest dihedral angle
+  double worst_shape = 0;         ///< largest shape energy
+  double max_cot = -1;            ///< cotangent of the smallest dihedral angle
+  double min_cot = -kInfeasible;  ///< cotangent of the largest dihedral angle
   /// No tetrahedron with a shape energy up to this has a smaller angle: the shape energy times the sine of any
   /// dihedral angle is at least (3 - its cosine) / sqrt(8) (docs/method.md, "Quality floor").
   double safe_shape = 0;
@@ -24,48 +38,60 @@ struct QualityFloor {
     return (1 - kTolerance) * std::sqrt(0.125) * (3 * std::sqrt(1 + cot * cot) - cot);
   }
   /// The floor that allows every tetrahedron.
-  TETUNE_HD static QualityFloor none() { return {kInfeasible, kInfeasible, kInfeasible}; }
+  TETUNE_HD static QualityFloor none() { return {kInfeasible, kInfeasible, -kInfeasible, kInfeasible}; }
   /// Relaxes measured values by the tolerance. Called once, after the measurement.
   TETUNE_HD void add_tolerance() {
     worst_shape *= 1 + kTolerance;
     max_cot *= 1 + kTolerance;
     update_safe_shape();
   }
-  /// Lowers the largest cotangent allowed. add_tolerance() is not called again: tolerances would accumulate.
-  TETUNE_HD void limit_max_cot(double cot) {
-    max_cot = cot < max_cot ? cot : max_cot;
+  /// Allows no angle of a larger cost, as of DihedralCots. add_tolerance() is not called again: tolerances would
+  /// accumulate.
+  TETUNE_HD void limit_cost(double cost, double obtuse_weight) {
+    max_cot = cost < max_cot ? cost : max_cot;
+    if (obtuse_weight > 0 && -cost / obtuse_weight > min_cot) min_cot = -cost / obtuse_weight;
+    update_safe_shape();
+  }
+
+  /// Allows no angle that `other` does not allow.
+  TETUNE_HD void limit_angles(const QualityFloor& other) {
+    max_cot = other.max_cot < max_cot ? other.max_cot : max_cot;
+    min_cot = other.min_cot > min_cot ? other.min_cot : min_cot;
     update_safe_shape();
   }
 
   /// Whether the tetrahedron p, of this shape energy and with w = 6 * volume, is no worse than the floor.
   TETUNE_HD bool allows(double shape, const Vec3 p[4], double w) const {
-    return shape <= safe_shape || (shape <= worst_shape && max_dihedral_cot(p, w) <= max_cot);
+    return shape <= safe_shape || (shape <= worst_shape && allows(dihedral_cots(p, w)));
   }
+  TETUNE_HD bool allows(const DihedralCots& cots) const { return cots.max <= max_cot && cots.min >= min_cot; }
 
-  /// Cotangent of the smallest dihedral angle. With n_i, n_j the outward cross products of two faces and e their common
+  /// The extreme cotangents. With n_i, n_j the outward cross products of two faces and e their common
   /// edge, cos = -n_i . n_j / (|n_i| |n_j|) and sin = w |e| / (|n_i| |n_j|): nothing cancels in a flat tetrahedron.
-  TETUNE_HD static double max_dihedral_cot(const Vec3 p[4], double w) {
+  TETUNE_HD static DihedralCots dihedral_cots(const Vec3 p[4], double w) {
     Vec3 n[4];
     for (int f = 0; f < 4; ++f) {
       const Vec3& a = p[face_vertex(f, 0)];
       n[f] = cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
     }
-    double max_cot = -1;
+    DihedralCots cots;
     for (int i = 0; i < 4; ++i) {
       for (int j = i + 1; j < 4; ++j) {
         // The faces opposite i and j share the edge (k, l).
         const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
         const int l = 6 - i - j - k;
         const double cot = -dot(n[i], n[j]) / (w * norm(p[k] - p[l]));
-        max_cot = cot > max_cot ? cot : max_cot;
+        cots.max = cot > cots.max ? cot : cots.max;
+        cots.min = cot < cots.min ? cot : cots.min;
       }
     }
-    return max_cot;
+    return cots;
   }
 
  private:
   TETUNE_HD void update_safe_shape() {
     safe_shape = min_shape(max_cot);
+    if (min_cot > -kInfeasible && min_shape(min_cot) < safe_shape) safe_shape = min_shape(min_cot);
     if (worst_shape < safe_shape) safe_shape = worst_shape;
   }
 };

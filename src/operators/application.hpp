@@ -155,21 +155,30 @@ struct Write {
     const P& patch = r.patch;
     const Index original = mesh.tet2original[patch.tets[0]];
     double decrease = energy_before(patch, energies);
+    if constexpr (requires { patch.parent(0); }) write_originals(r);
     for (int k = 0; k < patch.old_count(); ++k) marks[patch.tets[k]] = 0;
     for (int x = 0; x < patch.new_count(); ++x) {
       const Index s = r.slot(x);
       FaceAdjacency adjacency{};
       for (int f = 0; f < 4; ++f) {
         const NewNeighbor n = patch.new_neighbor(x, f);
-        adjacency[f] = n.tet < 0 ? r.across[n.face] : make_half_face(r.slot(n.tet), n.face);
+        adjacency[f] = n.tet < 0 ? r.across[n.face] : make_half_face(r.slot(n.tet), n.face) | n.lock;
       }
       mesh.tet2vertex[s] = patch.new_tet(x);
       mesh.tet2tet[s] = adjacency;
-      if (P::kOneOriginal || x >= patch.old_count()) mesh.tet2original[s] = original;
+      if constexpr (!requires { patch.parent(0); }) {
+        if (x >= patch.old_count()) mesh.tet2original[s] = original;
+      }
       energies[s] = slot_energy(mesh, mesh.tet2vertex[s]).energy;
       decrease -= energies[s];
     }
     return decrease;
+  }
+  /// All are read before one is written: the parents are among the slots.
+  TETUNE_HD void write_originals(const Record<P>& r) const {
+    Index originals[P::kMaxExtraTets];
+    for (int x = 0; x < r.patch.new_count(); ++x) originals[x] = mesh.tet2original[r.patch.parent(x)];
+    for (int x = 0; x < r.patch.new_count(); ++x) mesh.tet2original[r.slot(x)] = originals[x];
   }
 };
 

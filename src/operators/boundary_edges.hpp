@@ -10,11 +10,6 @@
 namespace tetune {
 namespace boundary_flip_detail {
 
-struct VertexOfCorner {
-  Span<const BoundaryTriangle> triangles;
-  TETUNE_HD Size operator()(Size corner) const { return triangles[corner / 3].v[corner % 3]; }
-};
-
 struct IsAtBoundary {
   MeshView mesh;
   TETUNE_HD bool operator()(Size t) const {

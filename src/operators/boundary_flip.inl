@@ -156,11 +156,7 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
                               Span<std::uint8_t> changed) {
   using namespace boundary_flip_detail;
   PassResult result;
-  if (boundary.stale) {
-    build_csr(backend, mesh.vertices(), 3 * boundary.triangles.size(), VertexOfCorner{boundary.triangles.span()},
-              boundary.vertex2corner);
-    boundary.stale = false;
-  }
+  list_corners(backend, mesh, boundary);
   const FindEdge find{mesh.points.span(), state.constrained(), boundary.triangles.span(), boundary.vertex2corner.view(),
                       boundary.flat};
   auto corners = find_corners(backend, find, changed);

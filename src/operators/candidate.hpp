@@ -18,20 +18,21 @@ struct NewFace {
   int tet, face;
 };
 /// The face across a face of a new tetrahedron: that of new tetrahedron `tet`, or with tet < 0 that which lies across
-/// boundary face `face` of the cavity.
+/// boundary face `face` of the cavity. `lock` is kLocked where a locked face lies between two new tetrahedra.
 struct NewNeighbor {
   int tet, face;
+  HalfFace lock = 0;
 };
 
 /// A cavity with all that its application needs. Boundary faces are numbered; face_count() of them are there before,
 /// new_surface_faces() more, numbered after these, are made in a surface. The first new_count() slots of new tetrahedra
-/// are those of the old ones, in order.
+/// are those of the old ones, in order. The others descend from the first old one; where a patch has parent(x), each
+/// new tetrahedron descends from that one.
 template <class P>
 concept CavityPatch = std::is_trivially_copyable_v<P> &&
     requires(const P& p, const MeshView& mesh, int i, FlipCounts& flips, ChangeCounts& changes) {
   { P::kMaxExtraTets } -> std::convertible_to<int>;
   { P::kMaxCavityFaces } -> std::convertible_to<int>;
-  { P::kOneOriginal } -> std::convertible_to<bool>;
   { p.old_count() } -> std::same_as<int>;
   { p.tets[i] } -> std::convertible_to<Index>;
   { p.face_count() } -> std::same_as<int>;

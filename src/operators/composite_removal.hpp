@@ -31,7 +31,10 @@ struct CompositeRemoval {
         if (p.is_movable(v)) try_move(p, ring, v, best);
       }
     }
-    if (best.v >= 0) p.add(best.star, best.before, best.v, kNoVertex, best.star.open_angle(best.x));
+    if (best.v < 0) return;
+    StarCandidate c = best.star.candidate(best.v, kNoVertex, best.star.open_angle(best.x));
+    c.is_moved = true;
+    p.add(best.star, best.before, c);
   }
 
  private:
@@ -48,12 +51,12 @@ struct CompositeRemoval {
     Vec3 x = vec(p.mesh.points[v]);
     if (!star.find_kernel_point(x)) return;
     x = star.relax(x);
-    const double screen = kScreenRatio * best.ratio * star.cot_before();
-    if (!(star.cot_after(v, x, screen) < screen)) return;
+    const double screen = kScreenRatio * best.ratio * star.cost_before();
+    if (!(star.cost_after(v, x, screen) < screen)) return;
     x = star.relax_and_grow(x);
-    const double before = star.cot_before();
+    const double before = star.cost_before();
     const double limit = best.ratio * before;
-    const double after = star.cot_after(v, x, limit);
+    const double after = star.cost_after(v, x, limit);
     if (after < limit && star.preserves_constraints(v)) best = {star, v, x, before, after / before};
   }
 };

@@ -44,7 +44,6 @@ struct FlipCandidate {
   static constexpr int kMaxExtraTets = kMaxRing - 3;
   static constexpr int kMaxCavityFaces = 2 * kMaxRing;
   /// The slots that are used again keep the original of their tetrahedron.
-  static constexpr bool kOneOriginal = false;
   using Patch = FlipCandidate;
 
   FlipKind kind = FlipKind::none;

@@ -18,6 +18,6 @@ template PassResult boundary_flip_pass(const Instance&, WorkMesh<Instance>&, con
 template PassResult face_removal_pass(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&,
                                       Span<std::uint8_t>);
 template RetriangulationReport retriangulate_worst(const Instance&, WorkMesh<Instance>&, const Criterion&,
-                                                   FlipState<Instance>&, VertexDofs<Instance>&, Span<const Index>, Size,
-                                                   double);
+                                                   FlipState<Instance>&, VertexDofs<Instance>&,
+                                                   BoundaryTriangles<Instance>*, Span<const Index>, Size, double);
 }  // namespace tetune

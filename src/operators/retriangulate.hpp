@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "boundary/boundary_triangles.hpp"
 #include "operators/flip_state.hpp"
 #include "relocation/sweep.hpp"
 
@@ -14,9 +15,10 @@ struct RetriangulationReport {
 
 /// Opens the smallest dihedral angles of some tetrahedra, by operators that retriangulate a cavity from one point: each
 /// tetrahedron proposes the removal of one of its edges, with a vertex around that edge moved to where this is possible
-/// (CompositeRemoval); where it has an angle whose cotangent is above `vertex_cot` (kInfeasible: nowhere), also the
+/// (CompositeRemoval); where it has an angle whose cost is above `vertex_cost` (kInfeasible: nowhere), also the
 /// insertion of a vertex on each of its edges (VertexInsertion), and the contraction of each of its free vertices to
-/// each other (VertexContraction). Surfaces and constrained edges stay as they are.
+/// each other (VertexContraction); with a `surface` (null: its vertices stay), vertices are inserted and removed there
+/// too, so that it keeps its shape (SurfaceInsertion, SurfaceContraction). Constrained edges stay as they are.
 ///
 /// Inserted vertices take the ids from mesh.vertices() on; removed ones are in no tetrahedron afterwards. The
 /// vertex2original of both is kInserted or kRemoved. `dofs.active` is set for the vertices whose ring changed; the
@@ -24,7 +26,8 @@ struct RetriangulationReport {
 /// where the mesh would get more than `max_tets` tetrahedra.
 template <class Backend>
 RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                                          FlipState<Backend>& flips, VertexDofs<Backend>& dofs, Span<const Index> tets,
-                                          Size max_tets, double vertex_cot);
+                                          FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
+                                          BoundaryTriangles<Backend>* surface, Span<const Index> tets, Size max_tets,
+                                          double vertex_cost);
 
 }  // namespace tetune

@@ -4,8 +4,11 @@
 #include <algorithm>
 
 #include "operators/application.hpp"
+#include "operators/cavity_retriangulation.hpp"
 #include "operators/composite_removal.hpp"
 #include "operators/retriangulate.hpp"
+#include "operators/surface_contraction.hpp"
+#include "operators/surface_insertion.hpp"
 #include "operators/vertex_contraction.hpp"
 #include "operators/vertex_insertion.hpp"
 
@@ -13,8 +16,11 @@ namespace tetune {
 namespace retriangulate_detail {
 
 /// All operators that retriangulate a cavity from one point. The first ones keep the number of vertices.
-using AllOperators = StarOperators<CompositeRemoval, VertexInsertion, VertexContraction>;
+using AllOperators = StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction,
+                                   SurfaceInsertion, SurfaceContraction>;
 inline constexpr int kVertexKeepingChoices = CompositeRemoval::kChoices;
+inline constexpr int kSurfaceKeepingChoices =
+    StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction>::kChoices;
 
 /// At most kMinProposers + tets / kMinProposers tetrahedra are processed per pass: in structured meshes all elements
 /// tie for the worst angle.
@@ -31,29 +37,56 @@ VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Flip
   dofs.axis.grow(backend, count);
   dofs.active.grow(backend, count);
   if (dofs.surface_point.size() > 0) dofs.surface_point.grow(backend, count);
-  return {mesh.vertex2original.span(), dofs.dof.span(), dofs.axis.span(), dofs.surface_point.span(),
-          flips.constrained_vertex.span()};
+  if (dofs.displacement_bound.size() > 0) dofs.displacement_bound.grow(backend, count);
+  return {mesh.vertex2original.span(),
+          dofs.dof.span(),
+          dofs.axis.span(),
+          dofs.surface_point.span(),
+          flips.constrained_vertex.span(),
+          dofs.displacement_bound.span()};
 }
 
 }  // namespace retriangulate_detail
 
 template <class Backend>
 RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                                          FlipState<Backend>& flips, VertexDofs<Backend>& dofs, Span<const Index> tets,
-                                          Size max_tets, double vertex_cot) {
+                                          FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
+                                          BoundaryTriangles<Backend>* surface, Span<const Index> tets, Size max_tets,
+                                          double vertex_cost) {
   using namespace retriangulate_detail;
-  const int choices = vertex_cot < kInfeasible ? AllOperators::kChoices : kVertexKeepingChoices;
-  const Size count = choices * std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers);
-  const StarProposals<AllOperators> proposals{
-      rated(mesh, criterion), flips.constrained(), dofs.dof.span(), tets, choices, flips.max_ring, vertex_cot};
-  auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
-  const ChangeCounts& total = selection.total;
-  if (selection.size() == 0 || mesh.tets() + total.taken - total.freed > max_tets ||
-      SlotChange(mesh, total).needed > kMaxSlots) {
-    return {};
+  const int choices = !(vertex_cost < kInfeasible) ? kVertexKeepingChoices
+                      : surface == nullptr         ? kSurfaceKeepingChoices
+                                                   : AllOperators::kChoices;
+  SurfaceTriangles triangles{};
+  if (surface != nullptr) {
+    list_corners(backend, mesh, *surface);
+    triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->flat};
   }
+  const Size count = choices * std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers);
+  StarProposals<AllOperators> proposals{rated(mesh, criterion),
+                                        flips.constrained(),
+                                        dofs.dof.span(),
+                                        dofs.axis.span(),
+                                        triangles,
+                                        tets,
+                                        choices,
+                                        flips.max_ring,
+                                        vertex_cost,
+                                        true};
+  auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
+  const auto has_room = [&] {
+    const ChangeCounts& total = selection.total;
+    return mesh.tets() + total.taken - total.freed <= max_tets && SlotChange(mesh, total).needed <= kMaxSlots;
+  };
+  if (!has_room() && vertex_cost < kInfeasible) {
+    proposals.inserts = false;
+    selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
+  }
+  if (selection.size() == 0 || !has_room()) return {};
+  const ChangeCounts& total = selection.total;
   const VertexArrays vertices = grow_vertices(backend, mesh, flips, dofs, mesh.vertices() + total.inserted);
   apply_selection(backend, mesh, criterion, flips, selection, dofs.active.span(), vertices);
+  if (surface != nullptr) replace_triangles(backend, selection, *surface);
   return {total.inserted, total.removed, selection.size() - total.inserted - total.removed};
 }
 

@@ -24,12 +24,14 @@ inline void check_slots(Size needed) {
                   std::to_string(kMaxSlots) + ". Use a smaller mesh, or flips that add fewer (max_ring 3).");
 }
 
-/// The slots that cavities take and free and the vertices that they insert and remove; a scan adds them up.
+/// The slots that cavities take and free, and the vertices and triangles that they make and remove; a scan adds them
+/// up.
 struct ChangeCounts {
   std::uint32_t taken = 0;  ///< slots
   std::uint32_t freed = 0;  ///< slots
   std::uint32_t inserted = 0;
   std::uint32_t removed = 0;
+  std::uint32_t triangles = 0;  ///< of the surface that are made beyond those replaced
 
   TETUNE_HD void add_tets(int before, int after) {
     if (after > before) taken += static_cast<std::uint32_t>(after - before);
@@ -41,6 +43,7 @@ struct ChangeCounts {
     freed += y.freed;
     inserted += y.inserted;
     removed += y.removed;
+    triangles += y.triangles;
     return *this;
   }
 };

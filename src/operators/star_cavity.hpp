@@ -12,7 +12,11 @@ namespace tetune {
 /// A star-shaped cavity, retriangulated from one point, the apex, by a tetrahedron on each face that the apex is not
 /// on. Where all these are positive, they fill the cavity and nothing else (docs/method.md, "Insertion and
 /// contraction"): with a new vertex inside as the apex a vertex is inserted; with one on the cavity of all tetrahedra
-/// around a vertex that vertex is removed. In the memory of one thread.
+/// around a vertex that vertex is removed.
+///
+/// A cavity of all tetrahedra around a simplex of the surface also replaces the surface triangles that contain it. The
+/// apex must be in their planes: then the new tetrahedra fill the cavity up to the surface, and the surface keeps its
+/// shape. In the memory of one thread.
 class StarCavity {
  public:
   TETUNE_HD StarCavity(const RatedMesh& mesh, const ConstrainedEdges& constrained)
@@ -37,10 +41,35 @@ class StarCavity {
     return find_faces();
   }
 
+  /// Takes t alone.
+  TETUNE_HD bool take_tet(Index t) {
+    tets_[tet_count_++] = t;
+    return find_faces();
+  }
   /// Takes all tetrahedra around a vertex of t that is on no surface.
   TETUNE_HD bool take_vertex(Index t, int corner) {
     tets_[tet_count_++] = t;
     return take_all_around(mesh_.tet2vertex[t][corner]);
+  }
+  /// Takes all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too.
+  TETUNE_HD bool take_surface(Index t, const SurfaceSimplex& simplex) {
+    simplex_ = simplex;
+    tets_[tet_count_++] = t;
+    for (int i = 0; i < tet_count_; ++i) {
+      const Tet tet = mesh_.tet2vertex[tets_[i]];
+      for (int f = 0; f < 4; ++f) {
+        if (!simplex.is_on_face(tet, f)) continue;
+        const HalfFace across = mesh_.tet2tet[tets_[i]][f];
+        if (across != kNoHalfFace && !contains(tet_of(across))) {
+          if (tet_count_ == kMaxStarTets) return false;
+          tets_[tet_count_++] = tet_of(across);
+        }
+        if (!is_locked(across) || (across != kNoHalfFace && tet_of(across) < tets_[i])) continue;
+        if (base_count_ == kMaxStarTriangles) return false;
+        bases_[base_count_++] = link_face(tet, f);
+      }
+    }
+    return base_count_ > 0 && find_faces();
   }
   /// Takes all tetrahedra around a vertex of the cavity, in addition to those it has.
   TETUNE_HD bool take_all_around(Index v) {
@@ -60,6 +89,22 @@ class StarCavity {
   }
 
   TETUNE_HD int tet_count() const { return tet_count_; }
+  /// The surface triangles that the cavity replaces.
+  TETUNE_HD int base_count() const { return base_count_; }
+  TETUNE_HD const LinkFace& base(int i) const { return bases_[i]; }
+  /// Restricts the motion of the apex.
+  TETUNE_HD void restrict_apex(VertexDof dof, const Vec3& axis) { space_ = {dof, axis}; }
+  /// Whether no face with a vertex as the apex ends at an edge of a replaced triangle: it would become a part of the
+  /// surface.
+  TETUNE_HD bool keeps_faces_of(Index apex) const {
+    for (int i = 0; i < face_count_; ++i) {
+      const LinkFace& f = faces_[i];
+      for (int k = 0; k < 3; ++k) {
+        if (f.v[k] == apex && is_base_edge(f.v[(k + 1) % 3], f.v[(k + 2) % 3])) return false;
+      }
+    }
+    return true;
+  }
   TETUNE_HD Index tet(int i) const { return tets_[i]; }
   /// The candidate of the retriangulation from x.
   TETUNE_HD StarCandidate candidate(Index apex, Index removed, const Vec3& x) const {
@@ -67,7 +112,10 @@ class StarCavity {
     c.apex_position = x;
     c.apex = apex;
     c.removed = removed;
+    c.is_moved = false;
     c.tet_count = tet_count_;
+    c.simplex = simplex_;
+    c.triangle_count = 0;
     for (int i = 0; i < tet_count_; ++i) {
       c.tets[i] = tets_[i];
       c.outer_faces[i] = 0;
@@ -80,27 +128,27 @@ class StarCavity {
     return c;
   }
 
-  /// Cotangent of the smallest dihedral angle in the cavity as it is.
-  TETUNE_HD double cot_before() const {
-    double max_cot = -1;
+  /// The largest cost of the dihedral angles (DihedralCots::cost()) in the cavity as it is.
+  TETUNE_HD double cost_before() const {
+    double largest = -1;
     for (int i = 0; i < tet_count_; ++i) {
-      const double cot = max_dihedral_cot(mesh_, tets_[i]);
-      max_cot = cot > max_cot ? cot : max_cot;
+      const double cost = dihedral_cots(mesh_, tets_[i]).cost(mesh_.obtuse_weight);
+      largest = cost > largest ? cost : largest;
     }
-    return max_cot;
+    return largest;
   }
   /// That of the retriangulation from x; `limit` where it is not below that, or where a tetrahedron is not certified
   /// positive or worse than the floor.
-  TETUNE_HD double cot_after(Index apex, const Vec3& x, double limit) const {
-    double max_cot = -1;
+  TETUNE_HD double cost_after(Index apex, const Vec3& x, double limit, bool keeps_floor = false) const {
+    double largest = -1;
     for (int i = 0; i < face_count_; ++i) {
       if (has_vertex(faces_[i], apex)) continue;
       int first = 0;
-      const double cot = MinAngleRing(mesh_, &faces_[i], 1).max_dihedral_cot(x, limit, first);
-      if (!(cot < limit)) return limit;
-      max_cot = cot > max_cot ? cot : max_cot;
+      const double cost = MinAngleRing(mesh_, &faces_[i], 1, keeps_floor).largest_cost(x, limit, first);
+      if (!(cost < limit)) return limit;
+      largest = cost > largest ? cost : largest;
     }
-    return max_cot;
+    return largest;
   }
 
   /// Moves x into the kernel of the cavity, that is to where all faces are visible, by steps over the plane of the most
@@ -146,17 +194,37 @@ class StarCavity {
   /// A place for the apex where the energy of the retriangulation is lower, from one in the kernel.
   TETUNE_HD Vec3 relax(const Vec3& x) const {
     PlainRing ring(mesh_.objective, mesh_.points, faces_, face_count_);
-    return NewtonStep{1, kMinGain}(ring, x, MotionSpace{VertexDof::free, {}}).position;
+    return NewtonStep{1, kMinGain}(ring, x, space_).position;
   }
   /// Enlarges the cavity and relaxes the apex in turn, while that lowers the energy.
   TETUNE_HD Vec3 relax_and_grow(Vec3 x) {
     for (int round = 0; round < kGrowthRounds && grow(x); ++round) x = relax(x);
     return x;
   }
+  /// Enlarges the cavity across the face whose new tetrahedron costs most, until none costs `limit` or more with the
+  /// apex at x. Returns false where a surface, an edge, a vertex or the size forbids it.
+  TETUNE_HD bool grow_below(Index apex, const Vec3& x, double limit) {
+    for (int step = 0; step < kMaxStarTets; ++step) {
+      int worst = -1;
+      double largest = limit;
+      for (int i = 0; i < face_count_; ++i) {
+        if (has_vertex(faces_[i], apex)) continue;
+        int first = 0;
+        const double cost = MinAngleRing(mesh_, &faces_[i], 1, false).largest_cost(x, kInfeasible, first);
+        worst = cost >= largest ? i : worst;
+        largest = cost >= largest ? cost : largest;
+      }
+      if (worst < 0) return true;
+      const Growth g = has_room() ? growth_across(worst) : Growth{};
+      if (g.t < 0) return false;
+      take(g);
+    }
+    return false;
+  }
   /// A place for the apex with a larger smallest angle.
   TETUNE_HD Vec3 open_angle(Vec3 x) const {
-    FreeMotion motion{{VertexDof::free, {}}};
-    MinAngleRing(mesh_, faces_, face_count_).maximize(x, motion, 0);
+    FreeMotion motion{space_};
+    MinAngleRing(mesh_, faces_, face_count_, false).maximize(x, motion, 0);
     return x;
   }
 
@@ -172,6 +240,16 @@ class StarCavity {
   TETUNE_HD bool contains(Index t) const {
     for (int i = 0; i < tet_count_; ++i) {
       if (tets_[i] == t) return true;
+    }
+    return false;
+  }
+  /// Whether the edge is one of a replaced triangle, opposite a vertex of the simplex.
+  TETUNE_HD bool is_base_edge(Index a, Index b) const {
+    for (int i = 0; i < base_count_; ++i) {
+      if (!has_vertex(bases_[i], a) || !has_vertex(bases_[i], b)) continue;
+      for (const Index v : bases_[i].v) {
+        if (v != a && v != b && simplex_.has(v)) return true;
+      }
     }
     return false;
   }
@@ -198,10 +276,12 @@ class StarCavity {
       const Tet tet = mesh_.tet2vertex[tets_[i]];
       const FaceAdjacency links = mesh_.tet2tet[tets_[i]];
       for (int f = 0; f < 4; ++f) {
+        const bool is_base = is_locked(links[f]) && simplex_.is_on_face(tet, f);
         if (links[f] != kNoHalfFace && contains(tet_of(links[f]))) {
-          if (is_locked(links[f])) return false;
+          if (is_locked(links[f]) && !is_base) return false;
           continue;
         }
+        if (is_base) continue;
         if (face_count_ == kMaxStarFaces) return false;
         faces_[face_count_] = link_face(tet, f);
         sides_[face_count_++] = make_half_face(tets_[i], f);
@@ -215,50 +295,68 @@ class StarCavity {
   TETUNE_HD bool grow(const Vec3& x) {
     bool grown = false;
     for (int i = 0; i < face_count_; ++i) {
-      while (tet_count_ < kMaxStarTets && face_count_ + 2 <= kMaxStarFaces && grow_across(i, x)) grown = true;
+      while (has_room() && grow_across(i, x)) grown = true;
     }
     return grown;
   }
 
-  /// Takes the tetrahedron across face i if that lowers the energy. Its faces towards the cavity vanish, one or two of
-  /// them: with three, a vertex would vanish as well.
-  TETUNE_HD bool grow_across(int i, const Vec3& x) {
+  /// The tetrahedron across a face, with its faces towards the cavity: one or two of them.
+  struct Growth {
+    Tet tet;
+    Index t = -1;  ///< -1: it cannot be taken
+    int face = 0, first = 0, second = -1, other = -1;
+  };
+  /// Where the tetrahedron across face i may be taken. Its faces towards the cavity vanish, one or two of them: with
+  /// three, a vertex would vanish as well.
+  TETUNE_HD Growth growth_across(int i) const {
+    Growth g;
     const HalfFace across = mesh_.tet2tet[tet_of(sides_[i])][face_of(sides_[i])];
-    if (is_locked(across)) return false;
+    if (is_locked(across)) return {};
     const Index t = tet_of(across);
-    const int first = face_of(across);
-    const Tet tet = mesh_.tet2vertex[t];
+    g.face = i;
+    g.first = face_of(across);
+    g.tet = mesh_.tet2vertex[t];
     const FaceAdjacency links = mesh_.tet2tet[t];
-    int second = -1;
     for (int f = 0; f < 4; ++f) {
-      if (f == first || links[f] == kNoHalfFace || !contains(tet_of(links[f]))) continue;
-      if (second >= 0 || is_locked(links[f])) return false;
-      second = f;
+      if (f == g.first || links[f] == kNoHalfFace || !contains(tet_of(links[f]))) continue;
+      if (g.second >= 0 || is_locked(links[f])) return {};
+      g.second = f;
     }
-    int other = -1;  // place of the second face
-    if (second >= 0) {
+    if (g.second >= 0) {
       // The edge between the two vanishes.
-      const int k = first * second != 0 ? 0 : first + second == 1 ? 2 : 1;
-      if (constrained_.contains(tet[k], tet[6 - first - second - k])) return false;
-      other = place_of_side(links[second]);
+      const int k = g.first * g.second != 0 ? 0 : g.first + g.second == 1 ? 2 : 1;
+      const int l = 6 - g.first - g.second - k;
+      if (constrained_.contains(g.tet[k], g.tet[l]) || is_base_edge(g.tet[k], g.tet[l])) return {};
+      g.other = place_of_side(links[g.second]);
     }
-    double before = energy(faces_[i], x) + energy(link_face(tet, first), vec(mesh_.points[tet[first]]));
-    if (second >= 0) before += energy(faces_[other], x);
-    double after = 0;
-    for (int f = 0; f < 4; ++f) {
-      if (f != first && f != second) after += energy(link_face(tet, f), x);
-    }
-    if (!(after < before)) return false;
-
-    tets_[tet_count_++] = t;
-    const int places[3] = {i, second >= 0 ? other : face_count_, face_count_ + 1};
-    if (second < 0) face_count_ += 2;
+    g.t = t;
+    return g;
+  }
+  TETUNE_HD void take(const Growth& g) {
+    tets_[tet_count_++] = g.t;
+    const int places[3] = {g.face, g.second >= 0 ? g.other : face_count_, face_count_ + 1};
+    if (g.second < 0) face_count_ += 2;
     int n = 0;
     for (int f = 0; f < 4; ++f) {
-      if (f == first || f == second) continue;
-      faces_[places[n]] = link_face(tet, f);
-      sides_[places[n++]] = make_half_face(t, f);
+      if (f == g.first || f == g.second) continue;
+      faces_[places[n]] = link_face(g.tet, f);
+      sides_[places[n++]] = make_half_face(g.t, f);
     }
+  }
+  TETUNE_HD bool has_room() const { return tet_count_ < kMaxStarTets && face_count_ + 2 <= kMaxStarFaces; }
+
+  /// Takes the tetrahedron across face i if that lowers the energy.
+  TETUNE_HD bool grow_across(int i, const Vec3& x) {
+    const Growth g = growth_across(i);
+    if (g.t < 0) return false;
+    double before = energy(faces_[i], x) + energy(link_face(g.tet, g.first), vec(mesh_.points[g.tet[g.first]]));
+    if (g.second >= 0) before += energy(faces_[g.other], x);
+    double after = 0;
+    for (int f = 0; f < 4; ++f) {
+      if (f != g.first && f != g.second) after += energy(link_face(g.tet, f), x);
+    }
+    if (!(after < before)) return false;
+    take(g);
     return true;
   }
 
@@ -267,8 +365,12 @@ class StarCavity {
   Index tets_[kMaxStarTets];
   LinkFace faces_[kMaxStarFaces];
   HalfFace sides_[kMaxStarFaces];
+  LinkFace bases_[kMaxStarTriangles];
+  SurfaceSimplex simplex_;
+  MotionSpace space_{VertexDof::free, {}};
   int tet_count_ = 0;
   int face_count_ = 0;
+  int base_count_ = 0;
 };
 
 }  // namespace tetune

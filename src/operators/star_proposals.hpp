@@ -3,36 +3,64 @@
 
 #include "operators/selection.hpp"
 #include "operators/star_cavity.hpp"
+#include "operators/surface_triangles.hpp"
 
 /// Proposals to retriangulate a cavity from one point, so that its smallest dihedral angle opens.
 namespace tetune {
 
-/// The cotangent of the smallest angle must fall by this part.
-inline constexpr double kMinCotGain = 0.02;
-/// A place for an apex is improved further when the cotangent there is at most this many times what it was.
+/// The largest cost of the angles (DihedralCots::cost()) must fall by this part.
+inline constexpr double kMinCostGain = 0.02;
+/// A place for an apex is improved further when the cost there is at most this many times what it was.
 inline constexpr double kAcceptRatio = 1.5;
 /// The bound before the cavity is enlarged.
 inline constexpr double kScreenRatio = 2;
+
+/// How often the cavity of a new vertex is enlarged and the vertex moved.
+inline constexpr int kOpeningRounds = 3;
 
 /// What an operator needs to evaluate one of its choices, and where it adds the candidate.
 struct StarProposal {
   RatedMesh mesh;
   ConstrainedEdges constrained;
   Span<const VertexDof> kind;
-  int max_ring;       ///< of the removal of an edge
-  double vertex_cot;  ///< vertices are inserted and removed where an angle has a larger cotangent
+  Span<const Vec3> axis;
+  SurfaceTriangles surface;
+  int max_ring;        ///< of the removal of an edge
+  double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost
+  bool inserts;        ///< vertices may be inserted
   Proposals<StarCandidate> proposals;
   Size id;
 
   TETUNE_HD bool is_movable(Index v) const { return kind[v] == VertexDof::free && !constrained.has_end(v); }
-  TETUNE_HD bool may_change_vertices(Index t) const { return max_dihedral_cot(mesh, t) > vertex_cot; }
+  TETUNE_HD bool may_change_vertices(Index t) const {
+    return dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
+  }
 
-  /// Adds the retriangulation from x where it opens the smallest angle, whose cotangent is `before`.
-  TETUNE_HD void add(const StarCavity& star, double before, Index apex, Index removed, const Vec3& x) const {
-    const double limit = (1 - kMinCotGain) * before;
-    const double after = star.cot_after(apex, x, limit);
+  TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
+
+  /// Moves a new vertex to where the largest cost is lower than before, and enlarges the cavity where it is not.
+  /// Returns false where there is no such place.
+  TETUNE_HD bool open(StarCavity& star, Vec3& x) const {
+    const double before = star.cost_before();
+    const double limit = (1 - kMinCostGain) * before;
+    const double screen = kAcceptRatio * before;
+    if (star.cost_after(kNewVertex, x, screen) < screen) {
+      x = star.open_angle(x);
+      if (star.cost_after(kNewVertex, x, limit) < limit) return true;
+    }
+    for (int round = 0; round < kOpeningRounds; ++round) {
+      if (!star.grow_below(kNewVertex, x, limit)) return false;
+      x = star.open_angle(x);
+    }
+    return true;
+  }
+
+  /// Adds a retriangulation where it lowers the largest cost, which is `before`.
+  TETUNE_HD void add(const StarCavity& star, double before, const StarCandidate& c) const {
+    const double limit = (1 - kMinCostGain) * before;
+    const double after = star.cost_after(c.apex, c.apex_position, limit, true);
     if (!(after < limit) || !(before - after > 0)) return;
-    proposals.add(id, star.candidate(apex, removed, x), before - after, static_cast<std::uint32_t>(id));
+    proposals.add(id, c, before - after, static_cast<std::uint32_t>(id));
   }
 };
 
@@ -66,13 +94,16 @@ struct StarProposals {
   RatedMesh mesh;
   ConstrainedEdges constrained;
   Span<const VertexDof> kind;
+  Span<const Vec3> axis;
+  SurfaceTriangles surface;
   Span<const Index> tets;
   int choices;
   int max_ring;
-  double vertex_cot;
+  double vertex_cost;
+  bool inserts;
 
   TETUNE_HD Size operator()(Size id, const Proposals<StarCandidate>& proposals) const {
-    const StarProposal proposal{mesh, constrained, kind, max_ring, vertex_cot, proposals, id};
+    const StarProposal proposal{mesh, constrained, kind, axis, surface, max_ring, vertex_cost, inserts, proposals, id};
     Operators::propose(proposal, tets[id / choices], static_cast<int>(id % choices));
     return 1;
   }

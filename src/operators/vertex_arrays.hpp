@@ -14,12 +14,15 @@ struct VertexArrays {
   Span<Vec3> axis;
   Span<SurfacePoint> surface_point;  ///< empty unless vertices slide
   Span<std::uint8_t> constrained_vertex;
+  Span<DisplacementBound> displacement_bound;  ///< may be empty
 
-  TETUNE_HD void insert(Index v) const {
+  /// Initializes a new vertex; `radius` is that of its displacement bound.
+  TETUNE_HD void insert(Index v, const Vec3& x, VertexDof dof, const Vec3& direction, double radius) const {
     vertex2original[v] = kInserted;
-    kind[v] = VertexDof::free;
-    axis[v] = {0, 0, 0};
+    kind[v] = dof;
+    axis[v] = direction;
     if (surface_point.size() > 0) surface_point[v] = {};
+    if (displacement_bound.size() > 0) displacement_bound[v] = {x, radius};
     constrained_vertex[v] = 0;
   }
 };

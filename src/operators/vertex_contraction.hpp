@@ -16,7 +16,9 @@ struct VertexContraction {
     const int to = (from + 1 + choice % 3) % 4;
     StarCavity star(p.mesh, p.constrained);
     if (!p.is_movable(tet[from]) || !star.take_vertex(t, from)) return;
-    p.add(star, star.cot_before(), tet[to], tet[from], vec(p.mesh.points[tet[to]]));
+    const Vec3 x = vec(p.mesh.points[tet[to]]);
+    if (!star.grow_below(tet[to], x, (1 - kMinCostGain) * star.cost_before())) return;
+    p.add(star, star.cost_before(), star.candidate(tet[to], tet[from], x));
   }
 };
 

@@ -55,12 +55,12 @@ struct FlagVertices {
   }
 };
 
-struct FlagVerticesOfSharp {
-  MeshView mesh;
+struct FlagVerticesOfExtreme {
+  RatedMesh mesh;
   FlagVertices flag;
-  double cot;
+  double cost;
   TETUNE_HD void operator()(Size i) const {
-    if (max_dihedral_cot(mesh, flag.slots[i]) > cot) flag(i);
+    if (dihedral_cots(mesh, flag.slots[i]).cost(mesh.obtuse_weight) > cost) flag(i);
   }
 };
 
@@ -120,11 +120,11 @@ double upper_quantile(const Backend& backend, Span<const double> values, double 
   return low;
 }
 
-/// Returns the cotangent of the angle below which about part * count tetrahedra have their smallest dihedral angle.
-/// `sharpness`: see Sharpness.
+/// Returns the cost of the dihedral angles that about part * count tetrahedra exceed. `extremeness`: see
+/// AngleExtremes.
 template <class Backend>
-double upper_cot_quantile(const Backend& backend, Span<const double> sharpness, double part, Size count) {
-  const double quantile = upper_quantile(backend, sharpness, part, count);
+double upper_cost_quantile(const Backend& backend, Span<const double> extremeness, double part, Size count) {
+  const double quantile = upper_quantile(backend, extremeness, part, count);
   return std::sqrt(quantile * quantile - 1);
 }
 
@@ -134,12 +134,12 @@ void flag_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Span<const I
   backend.for_each(tets.size(), selection_detail::FlagVertices{mesh.tet2vertex.span(), tets, flags});
 }
 
-/// Flags the vertices of the listed tetrahedra whose smallest dihedral angle is below acot(cot).
+/// Flags the vertices of the listed tetrahedra whose dihedral angles exceed a cost.
 template <class Backend>
-void flag_vertices_of_sharp(const Backend& backend, WorkMesh<Backend>& mesh, Span<const Index> tets, double cot,
-                            Span<std::uint8_t> flags) {
-  backend.for_each(tets.size(),
-                   selection_detail::FlagVerticesOfSharp{mesh.view(), {mesh.tet2vertex.span(), tets, flags}, cot});
+void flag_vertices_of_extreme(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                              Span<const Index> tets, double cost, Span<std::uint8_t> flags) {
+  backend.for_each(tets.size(), selection_detail::FlagVerticesOfExtreme{
+                                    rated(mesh, criterion), {mesh.tet2vertex.span(), tets, flags}, cost});
 }
 
 /// Also flags the vertices that share a tetrahedron with a flagged one: the worst tetrahedra improve only if the

@@ -31,13 +31,14 @@ namespace improve_around_detail {
 
 /// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and removed edges as flips.
 template <class Backend>
-void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets, double vertex_cot,
-                   WorstReport& r) {
+void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
+                   double vertex_cost, WorstReport& r) {
   Report& report = optimizer.report;
   const auto max_tets = static_cast<Size>(optimizer.tuning.max_tets_ratio * static_cast<double>(report.tets_before));
   WorkingSet<Backend>& work = optimizer.work;
   const RetriangulationReport changes =
-      retriangulate_worst(optimizer.backend, work.mesh, criterion, work.flips, work.dofs, tets, max_tets, vertex_cot);
+      retriangulate_worst(optimizer.backend, work.mesh, criterion, work.flips, work.dofs,
+                          edits_surface(optimizer.options) ? &work.boundary : nullptr, tets, max_tets, vertex_cost);
   r.inserted = changes.inserted;
   r.removed = changes.removed;
   r.flips = changes.edges;
@@ -69,18 +70,18 @@ Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterio
 }  // namespace improve_around_detail
 
 /// Improves the neighborhood of the listed tetrahedra: retriangulates, flips, and moves their vertices and the
-/// neighbors of these. Vertices are inserted and removed at angles whose cotangent is above `vertex_cot` (kInfeasible:
+/// neighbors of these. Vertices are inserted and removed at angles whose cost is above `vertex_cost` (kInfeasible:
 /// nowhere). The energies of the slots are up to date before and afterwards. Returns the tetrahedra with a vertex that
 /// may have moved; only these vertices have rings afterwards.
 template <class Backend>
 typename Backend::template Buffer<Index> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion,
-                                                        Span<const Index> tets, double vertex_cot, WorstReport& r) {
+                                                        Span<const Index> tets, double vertex_cost, WorstReport& r) {
   using namespace improve_around_detail;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   backend.fill(work.dofs.active.span(), std::uint8_t{0});
   flag_vertices(backend, work.mesh, tets, work.dofs.active.span());
-  if (!backend.stop_requested()) retriangulate(optimizer, criterion, tets, vertex_cot, r);
+  if (!backend.stop_requested()) retriangulate(optimizer, criterion, tets, vertex_cost, r);
   r.flips += flip_around_active(optimizer, criterion);
   const Span<std::uint8_t> active = work.dofs.active.span();
   flag_neighbors(backend, work.mesh, active);

@@ -15,26 +15,28 @@ Size open_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstReport& 
   const AngleParameters& p = optimizer.tuning.angles;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
-  const Sharpness<Backend> sharpness(backend, work.mesh, optimizer.slot_energies(), p.min_cot);
-  const auto cot_of = [&](double part) {
-    return std::max(p.min_cot, upper_cot_quantile(backend, sharpness.values.span(), part, work.mesh.tets()));
+  const AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
+  const auto cost_of = [&](double part, double min_count) {
+    part = std::max(part, min_count / static_cast<double>(work.mesh.tets()));
+    return std::max(p.min_cost, upper_cost_quantile(backend, extremes.values.span(), part, work.mesh.tets()));
   };
-  const double cot = cot_of(p.max_part);
-  const auto sharp = tets_above(backend, work.mesh, sharpness.values.span(), std::sqrt(1 + cot * cot));
-  r.worst = sharp.size();
-  // From now on no angle may fall below the present minimum; shapes may become worse in between.
-  floor.limit_max_cot((1 + QualityFloor::kTolerance) * sharpness.max_cot);
-  const Criterion criterion{kShapeObjective, floor};
-  const bool keeps_vertices = !(p.max_vertex_part > 0) || optimizer.options.keep_vertices;
-  const auto affected =
-      improve_around(optimizer, criterion, sharp.span(), keeps_vertices ? kInfeasible : cot_of(p.max_vertex_part), r);
+  const double cost = cost_of(p.max_part, p.min_count);
+  const auto extreme = tets_above(backend, work.mesh, extremes.values.span(), std::sqrt(1 + cost * cost));
+  r.worst = extreme.size();
+  // From now on no angle may cost more than the worst at present; shapes may become worse in between.
+  floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, p.obtuse_weight);
+  const Criterion criterion{kShapeObjective, floor, p.obtuse_weight};
+  const AngleParameters& vertices = p.max_vertex_part > 0 ? p : tuning_of(Effort::best).angles;
+  const double vertex_cost =
+      edits_vertices(optimizer.options) ? cost_of(vertices.max_vertex_part, vertices.min_vertex_count) : kInfeasible;
+  const auto affected = improve_around(optimizer, criterion, extreme.span(), vertex_cost, r);
   VertexMask<Backend> selected(backend, work.mesh.vertices());
   backend.fill(selected.span(), std::uint8_t{0});
-  flag_vertices_of_sharp(backend, work.mesh, affected.span(), cot, selected.span());
+  flag_vertices_of_extreme(backend, work.mesh, criterion, affected.span(), cost, selected.span());
   Size opened = 0;
   for (int pass = 0; pass < p.opening_passes; ++pass) {
     opened += maximize_min_angle(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
-                                 Span<const std::uint8_t>(selected.span()), cot);
+                                 Span<const std::uint8_t>(selected.span()), cost);
   }
   refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, affected.span());
   optimizer.set_energy(sum_energy(backend, work.flips.energies));

@@ -18,7 +18,11 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
   optimizer.timer.measure(Phase::angles, [&] {
     optimizer.sum_energy(kShapeObjective);
     criterion.floor = find_floor(backend, work.mesh, optimizer.slot_energies());
-    criterion.floor.limit_max_cot(reached.max_cot);
+    const AngleParameters& angles = optimizer.tuning.angles;
+    const AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), angles.min_cost,
+                                          angles.obtuse_weight);
+    criterion.floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, angles.obtuse_weight);
+    criterion.floor.limit_angles(reached);
     backend.fill(work.dofs.active.span(), std::uint8_t{1});
   });
   const int angle_rounds = optimizer.tuning.angles.max_rounds;

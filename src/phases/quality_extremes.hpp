@@ -27,41 +27,46 @@ struct MaxCotAbove {
   MeshView mesh;
   Span<const double> energies;
   double bound;
-  TETUNE_HD Maximum operator()(Size t) const { return {energies[t] > bound ? max_dihedral_cot(mesh, t) : -1}; }
+  TETUNE_HD Maximum operator()(Size t) const { return {energies[t] > bound ? dihedral_cots(mesh, t).max : -1}; }
 };
 
 struct MaxCot {
   MeshView mesh;
-  TETUNE_HD Maximum operator()(Size t) const { return {mesh.alive(t) ? max_dihedral_cot(mesh, t) : -1}; }
+  TETUNE_HD Maximum operator()(Size t) const { return {mesh.alive(t) ? dihedral_cots(mesh, t).max : -1}; }
 };
 
-struct ComputeSharpness {
+struct ComputeExtremeness {
   MeshView mesh;
   Span<const double> shapes;
-  double min_cot;
+  double min_cost;
   double min_shape;
+  double obtuse_weight;
   Span<double> values;
   TETUNE_HD Maximum operator()(Size t) const {
-    const double cot = shapes[t] > min_shape ? max_dihedral_cot(mesh, t) : 0;
-    values[t] = cot > min_cot ? std::sqrt(1 + cot * cot) : 0;
-    return {cot};
+    const double cost = shapes[t] > min_shape ? dihedral_cots(mesh, t).cost(obtuse_weight) : 0;
+    values[t] = cost > min_cost ? std::sqrt(1 + cost * cost) : 0;
+    return {cost};
   }
 };
 
 }  // namespace quality_extremes_detail
 
-/// The sharpness of each slot: 1 / sin of its smallest dihedral angle if the cotangent is above `min_cot`, else 0. And
-/// the largest cotangent, at least `min_cot`. `shapes` are the shape energies of all slots.
+/// The extremeness of each slot: the square root of 1 + cost^2 if the cost of its dihedral angles
+/// (DihedralCots::cost()) is above `min_cost`, else 0; for a small angle this is 1 / sin. And the largest cost, at
+/// least `min_cost`. `shapes` are the shape energies of all slots.
 template <class Backend>
-struct Sharpness {
+struct AngleExtremes {
   typename Backend::template Buffer<double> values;
-  double max_cot;
+  double max_cost;
 
-  Sharpness(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes, double min_cot)
+  AngleExtremes(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes, double min_cost,
+                double obtuse_weight)
       : values(backend, mesh.slots()) {
     using namespace quality_extremes_detail;
-    const ComputeSharpness compute{mesh.view(), shapes, min_cot, QualityFloor::min_shape(min_cot), values.span()};
-    max_cot = std::max(min_cot, backend.template reduce<Maximum>(mesh.slots(), compute).value);
+    double min_shape = QualityFloor::min_shape(min_cost);
+    if (obtuse_weight > 0) min_shape = std::min(min_shape, QualityFloor::min_shape(-min_cost / obtuse_weight));
+    const ComputeExtremeness compute{mesh.view(), shapes, min_cost, min_shape, obtuse_weight, values.span()};
+    max_cost = std::max(min_cost, backend.template reduce<Maximum>(mesh.slots(), compute).value);
   }
 };
 

@@ -74,14 +74,19 @@ struct WorstParameters {
 /// open_smallest_angles(): rounds of work around the tetrahedra of the smallest dihedral angles.
 struct AngleParameters {
   int max_rounds = 1;
-  /// At most this part of the tetrahedra are worked on,
+  /// At most this part of the tetrahedra, or this number of them in a small mesh, are worked on,
   double max_part = 3e-4;
-  /// and only those with a dihedral angle whose cotangent is above this: below about 40 degrees.
-  double min_cot = 1.2;
+  double min_count = 0;
+  /// and only those with a dihedral angle whose cost (DihedralCots::cost()) is above this: below about 40 degrees.
+  double min_cost = 1.2;
+  /// The weight of large angles in that cost. 0: they do not count.
+  double obtuse_weight = 0;
   /// Passes per round that move vertices to enlarge the smallest angle around them.
   int opening_passes = 2;
-  /// Vertices are inserted and removed around at most this part of the tetrahedra. 0: none are.
+  /// Vertices are inserted and removed around at most this part of the tetrahedra, or this number of them in a small
+  /// mesh. 0: none are.
   double max_vertex_part = 0;
+  double min_vertex_count = 0;
 };
 
 /// polish(): sweeps and flips above the floor of the angles reached.
@@ -121,9 +126,12 @@ constexpr Tuning best() {
   t.alternation.min_flip_decrease = 1e-4;
   t.alternation.min_pass_decrease = 1e-4;
   t.worst.has_budget = false;
-  t.angles.max_rounds = 6;
+  t.angles.max_rounds = 8;
   t.angles.max_part = 4e-3;
+  t.angles.min_count = 60;
   t.angles.max_vertex_part = 6e-4;
+  t.angles.min_vertex_count = 25;
+  t.angles.obtuse_weight = 1.5;
   t.polish = {4, 2};
   return t;
 }
@@ -143,6 +151,25 @@ inline const Tuning& tuning_of(Effort effort) {
 inline bool improves_worst(const Options& options) {
   return tuning_of(options.effort).worst.max_rounds > 0 && options.termination == Termination::relative &&
          options.energy == Energy::shape && options.max_iterations > 0;
+}
+
+/// Whether vertices are inserted and removed.
+inline bool edits_vertices(const Options& options) {
+  const bool asked = options.effort == Effort::best || options.surface_vertices == SurfaceVertices::edit;
+  return improves_worst(options) && asked && !options.keep_vertices;
+}
+
+/// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the
+/// surface that the deviation is measured from.
+inline bool flips_boundary(const Options& options) {
+  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed &&
+         !(options.max_deviation > 0) && options.max_ring > 3;
+}
+
+/// Whether vertices are inserted and removed on the surface too.
+inline bool edits_surface(const Options& options) {
+  return edits_vertices(options) && flips_boundary(options) && options.boundary == Boundary::preserve &&
+         options.surface_vertices != SurfaceVertices::keep;
 }
 
 }  // namespace tetune

@@ -29,6 +29,9 @@ struct WorkingSet {
   std::vector<Index> required_slots;
   /// One entry for each of the caller's triangles.
   std::vector<Listed> listed_triangles;
+  /// The entries of the caller's list that are on the boundary at the start, if vertices are inserted and removed
+  /// there.
+  std::vector<Index> listed_boundary;
 };
 
 }  // namespace tetune

@@ -18,7 +18,7 @@ struct MaximizeMinAngle : DofsView {
   RatedMesh mesh;
   RingsView rings;
   Span<const std::uint8_t> flags;
-  double target_cot;
+  double target_cost;
   Span<const Index> vertices = {};
 
   TETUNE_HD Sum<Size> operator()(Size i) const {
@@ -26,17 +26,17 @@ struct MaximizeMinAngle : DofsView {
     const Size begin = rings.offsets[v];
     const auto count = static_cast<int>(rings.offsets[v + 1] - begin);
     if (flags[v] == 0 || count == 0) return {};
-    const MinAngleRing ring(mesh, rings.faces.data() + begin, count);
+    const MinAngleRing ring(mesh, rings.faces.data() + begin, count, true);
     Vec3 x = vec(mesh.points[v]);
     if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) {
       SlideMotion<Pack> motion{reference,
                                DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v],
                                surface_point[v], surface_point[v]};
-      if (!ring.maximize(x, motion, target_cot)) return {};
+      if (!ring.maximize(x, motion, target_cost)) return {};
       surface_point[v] = motion.surface_point;
     } else {
       FreeMotion motion{{dof[v], axis[v]}};
-      if (!ring.maximize(x, motion, target_cot)) return {};
+      if (!ring.maximize(x, motion, target_cost)) return {};
     }
     mesh.points[v] = point(x);
     return {1};
@@ -45,14 +45,14 @@ struct MaximizeMinAngle : DofsView {
 
 }  // namespace maximize_min_angle_detail
 
-/// Moves the flagged vertices, color by color, each within its degrees of freedom, to increase the smallest dihedral
-/// angle of its ring until the cotangent is at most `target_cot`. Returns the number of vertices that moved.
+/// Moves the flagged vertices, color by color, each within its degrees of freedom, to decrease the largest cost of
+/// the dihedral angles of its ring until it is at most `target_cost`. Returns the number of vertices that moved.
 template <class Backend>
 Size maximize_min_angle(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                         const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
-                        Span<const std::uint8_t> flags, double target_cot) {
+                        Span<const std::uint8_t> flags, double target_cost) {
   using namespace maximize_min_angle_detail;
-  const MaximizeMinAngle<typename Backend::Pack> kernel{dofs.view(), rated(mesh, criterion), rings, flags, target_cot};
+  const MaximizeMinAngle<typename Backend::Pack> kernel{dofs.view(), rated(mesh, criterion), rings, flags, target_cost};
   return reduce_colors<Sum<Size>>(backend, coloring, kernel).value;
 }
 

@@ -8,23 +8,25 @@
 #include "energy/ring.hpp"
 #include "math/orient.hpp"
 #include "mesh/work_mesh.hpp"
+#include "relocation/minimax_model.hpp"
 #include "relocation/step.hpp"
 
 namespace tetune {
 
-/// Cotangent of the smallest dihedral angle of a tetrahedron. Where its volume is not certified, the error bound of the
-/// volume takes its place.
-TETUNE_HD inline double max_dihedral_cot(const MeshView& mesh, Size t) {
+/// The extreme cotangents of the dihedral angles of a tetrahedron. Where its volume is not certified, the error bound
+/// of the volume takes its place.
+TETUNE_HD inline DihedralCots dihedral_cots(const MeshView& mesh, Size t) {
   const Tet tet = mesh.tet2vertex[t];
   const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
                      vec(mesh.points[tet[3]])};
   const Orient o = orient(p[0], p[1], p[2], p[3]);
-  return QualityFloor::max_dihedral_cot(p, o.certified() ? o.det : o.bound);
+  return QualityFloor::dihedral_cots(p, o.certified() ? o.det : o.bound);
 }
 
 /// The trial steps of a vertex in its space of motion.
 struct FreeMotion {
   MotionSpace space;
+  TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return tangent_gradient(gradient, space); }
   /// The position after a step from x.
   TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) const { return x + tangent_gradient(step, space); }
   /// Whether the vertex may move to the last trial position; if so, makes it the current one.
@@ -40,6 +42,7 @@ struct SlideMotion {
   SurfacePoint surface_point;
   SurfacePoint trial_point;
 
+  TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return gradient; }
   TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) {
     const SurfaceElement element = steepest(reference, dof, surface_point, -1.0 * step);
     trial_point = surface_point;
@@ -55,17 +58,19 @@ struct SlideMotion {
   }
 };
 
-/// The smallest dihedral angle of the tetrahedra between a point and given faces, in terms of its cotangent, which is
-/// to be minimized. It is neither a smooth nor a convex function of the point: a pattern search minimizes it.
+/// The extreme dihedral angles of the tetrahedra between a point and given faces, in terms of their cost
+/// (DihedralCots::cost()), which is to be minimized. It is neither a smooth nor a convex function of the point: a
+/// pattern search minimizes it.
 class MinAngleRing {
  public:
-  TETUNE_HD MinAngleRing(const RatedMesh& mesh, const LinkFace* faces, int count)
-      : mesh_(mesh), faces_(faces), count_(count) {}
+  /// With `keeps_floor`, no position is feasible where an angle is beyond the floor.
+  TETUNE_HD MinAngleRing(const RatedMesh& mesh, const LinkFace* faces, int count, bool keeps_floor)
+      : mesh_(mesh), faces_(faces), count_(count), keeps_floor_(keeps_floor) {}
 
-  /// Moves x by steps of `motion` (FreeMotion, SlideMotion) while these increase the smallest angle, until its
-  /// cotangent is at most `target_cot`. Returns whether x moved.
+  /// Moves x by steps of `motion` (FreeMotion, SlideMotion) while these decrease the cost, until it is at most
+  /// `target_cost`. Returns whether x moved.
   template <class VertexMotion>
-  TETUNE_HD bool maximize(Vec3& x, VertexMotion& motion, double target_cot) const {
+  TETUNE_HD bool maximize(Vec3& x, VertexMotion& motion, double target_cost) const {
     double length2 = 0;
     for (int k = 0; k < count_; ++k) {
       const Vec3 d = corner(k, 0) - x;
@@ -73,68 +78,110 @@ class MinAngleRing {
     }
     const double length = std::sqrt(length2 / count_);
     int worst = 0;
-    double cot = max_dihedral_cot(x, kInfeasible, worst);
+    double cost = largest_cost(x, kInfeasible, worst);
     bool moved = false;
-    for (double step = kFirstStep * length; step > kLastStep * length && cot > target_cot;) {
+    double radius = kFirstStep * length;
+    while (cost > target_cost && radius > kLastStep * length) {
+      const MinimaxModel model = model_at(x, cost, motion);
+      const double limit = cost - kMinGain * (1 + cost);
       bool improved = false;
-      for (int d = 0; d < kDirections && !improved; ++d) {
-        const Vec3 trial = motion.trial(x, step * direction(d));
-        const double limit = cot - kMinGain * (1 + cot);
-        const double trial_cot = max_dihedral_cot(trial, limit, worst);
-        if (!(trial_cot < limit) || !motion.accept(trial)) continue;
+      for (; radius > kLastStep * length; radius *= 0.5) {
+        const Vec3 trial = motion.trial(x, model.step(radius));
+        const double trial_cost = largest_cost(trial, limit, worst);
+        if (!(trial_cost < limit) || !motion.accept(trial)) continue;
         x = trial;
-        cot = trial_cot;
-        improved = true;
+        cost = trial_cost;
+        improved = moved = true;
+        break;
       }
-      moved = moved || improved;
-      if (!improved) step *= 0.5;
+      if (improved && radius < kFirstStep * length) radius *= 2;
     }
     return moved;
   }
 
-  /// The cotangent of the smallest angle with the point at x; `limit` where it is not below `limit`, or where a
+  /// The largest cost with the point at x; `limit` where it is not below `limit`, or where a
   /// tetrahedron is not certified positive or is worse than the floor. Tetrahedron `first` is evaluated first, and the
-  /// one with the smallest angle replaces it.
-  TETUNE_HD double max_dihedral_cot(const Vec3& x, double limit, int& first) const {
-    double max_cot = -1;
+  /// one of the largest cost replaces it.
+  TETUNE_HD double largest_cost(const Vec3& x, double limit, int& first) const {
+    double largest = -1;
     const int start = first;
     for (int k = 0; k < count_; ++k) {
       const int at = k == 0 ? start : k <= start ? k - 1 : k;
       const Vec3 p[4] = {x, corner(at, 0), corner(at, 1), corner(at, 2)};
       const TetEnergy e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);
-      const bool feasible = e.certified && e.shape <= mesh_.floor.worst_shape;
-      const double cot = feasible ? QualityFloor::max_dihedral_cot(p, e.w) : limit;
-      if (cot > max_cot) {
-        max_cot = cot;
+      if (!e.certified || e.shape > mesh_.floor.worst_shape) {
+        first = at;
+        return limit;
+      }
+      const DihedralCots cots = QualityFloor::dihedral_cots(p, e.w);
+      const double cost = !keeps_floor_ || mesh_.floor.allows(cots) ? cots.cost(mesh_.obtuse_weight) : limit;
+      if (cost > largest) {
+        largest = cost;
         first = at;
       }
-      if (!(max_cot < limit)) return limit;
+      if (!(largest < limit)) return limit;
     }
-    return max_cot;
+    return largest;
   }
 
  private:
+  /// The costs that are close to the largest, and their gradients in the space of motion.
+  template <class VertexMotion>
+  TETUNE_HD MinimaxModel model_at(const Vec3& x, double cost, const VertexMotion& motion) const {
+    MinimaxModel model;
+    for (int i = 0; i < count_; ++i) {
+      const Vec3 p[4] = {x, corner(i, 0), corner(i, 1), corner(i, 2)};
+      const double w = orient(p[0], p[1], p[2], p[3]).det;
+      add_angles(p, w, cost - kBand * (1 + cost), motion, model);
+    }
+    return model;
+  }
+  /// Adds the angles of one tetrahedron whose cost is above a bound. With n_i the normals of the faces, cos / sin =
+  /// -n_i . n_j / (w |e|); when x moves by d, n_i changes by d x s_i with s_i the side of face i opposite x.
+  template <class VertexMotion>
+  TETUNE_HD void add_angles(const Vec3 p[4], double w, double bound, const VertexMotion& motion,
+                            MinimaxModel& model) const {
+    Vec3 n[4];
+    Vec3 side[4];
+    for (int f = 0; f < 4; ++f) {
+      const Vec3& a = p[face_vertex(f, 0)];
+      const Vec3& b = p[face_vertex(f, 1)];
+      const Vec3& c = p[face_vertex(f, 2)];
+      n[f] = cross(b - a, c - a);
+      side[f] = f == 0 ? Vec3{0, 0, 0} : face_vertex(f, 0) == 0 ? b - c : face_vertex(f, 1) == 0 ? c - a : a - b;
+    }
+    const Vec3 dw = (dot(n[0], p[0] - p[1]) > 0 ? 1 / w : -1 / w) * n[0];
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
+        const int l = 6 - i - j - k;
+        const Vec3 edge = p[k] - p[l];
+        const double size = w * norm(edge);
+        const double cot = -dot(n[i], n[j]) / size;
+        const double obtuse = -mesh_.obtuse_weight * cot;
+        const double cost = obtuse > cot ? obtuse : cot;
+        if (!(cost > bound)) continue;
+        Vec3 gradient = (-1 / size) * (cross(side[i], n[j]) + cross(side[j], n[i])) - cot * dw;
+        if (k == 0) gradient = gradient - (cot / dot(edge, edge)) * edge;
+        model.add(cost, motion.tangent(obtuse > cot ? -mesh_.obtuse_weight * gradient : gradient));
+      }
+    }
+  }
+
   /// In local lengths.
   static constexpr double kFirstStep = 0.2;
   static constexpr double kLastStep = 5e-3;
-  /// The smallest relative decrease of the cotangent for which a step is taken.
+  /// The smallest relative decrease of the cost for which a step is taken.
   static constexpr double kMinGain = 1e-3;
-  static constexpr int kDirections = 14;
+  /// Angles within this part of the largest cost take part in a step.
+  static constexpr double kBand = 0.6;
 
-  /// The directions from the center of a cube to its faces and corners.
-  TETUNE_HD static Vec3 direction(int d) {
-    const double s = d % 2 == 0 ? 1 : -1;
-    if (d < 2) return {s, 0, 0};
-    if (d < 4) return {0, s, 0};
-    if (d < 6) return {0, 0, s};
-    const double c = 0.57735026918962573;
-    return {(d & 1) != 0 ? c : -c, (d & 2) != 0 ? c : -c, (d & 4) != 0 ? c : -c};
-  }
   TETUNE_HD Vec3 corner(int face, int k) const { return vec(mesh_.points[faces_[face].v[k]]); }
 
   RatedMesh mesh_;
   const LinkFace* faces_;
   int count_;
+  bool keeps_floor_;
 };
 
 }  // namespace tetune

@@ -78,7 +78,7 @@ class Optimize(CliTest):
         self.assertEqual(report["input"], source)
         self.assertEqual(report["output"], self.path("out.mesh"))
         self.assertEqual(report["options"], {
-            "boundary": "preserve", "energy": "shape", "effort": "standard", "keep_vertices": False, "untangle": False,
+            "boundary": "preserve", "energy": "shape", "effort": "standard", "keep_vertices": False, "surface_vertices": "auto", "untangle": False,
             "feature_angle": 45, "feature_angle_deg": 45, "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
             "frozen_patches": [], "relocation": "newton", "termination": "paper", "device": "cpu", "max_iterations": 7,
             "flips": True, "max_ring": 7, "boundary_flips": True, "targets": [], "threads": 2, "trace_angles": False})

@@ -141,6 +141,30 @@ class Slide(CliTest):
         self.assertGreater(angles["best"], angles["default"])
         self.assertGreaterEqual(angles["kept"], angles["default"])
 
+    def test_vertices_of_the_surface_are_inserted_and_removed_if_they_may(self):
+        mesh = unflipped(cube(6, 0.3))
+        source = self.put("in.mesh", with_triangles(mesh, [(f, 4) for f in sorted(mesh.boundary_faces())]))
+        faces = {}
+        for name, options in (("edit", ["--effort", "best", "--surface-vertices", "edit"]), ("auto", ["--effort", "best"]),
+                              ("keep", ["--effort", "best", "--surface-vertices", "keep"])):
+            self.run_cli("optimize", source, "-o", self.path("out.mesh"), *options)
+            after = Mesh.read(self.path("out.mesh"))
+            self.assertAlmostEqual(sum(after.volumes()), 1)
+            words = (self.folder / "out.mesh").read_text().split()
+            at = words.index("Triangles") + 1
+            rows = [words[at + 1 + 4 * i:at + 5 + 4 * i] for i in range(int(words[at]))]
+            self.assertEqual(after.boundary_faces(), {tuple(sorted(int(v) - 1 for v in row[:3])) for row in rows})
+            self.assertEqual({row[3] for row in rows}, {"4"})
+            self.assertEqual(len(rows), len(after.boundary_faces()))
+            faces[name] = len(rows)
+            compared = self.run_cli("compare", source, self.path("out.mesh")).stdout
+            self.assertNotIn("NO", compared)
+        self.assertEqual(faces["edit"], faces["auto"])
+        self.assertNotEqual(faces["edit"], faces["keep"])
+        self.assertEqual(faces["keep"], len(mesh.boundary_faces()))
+        text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--boundary", "slide", "--surface-vertices", "edit").stderr
+        self.assertIn("--surface-vertices edit has no effect without --boundary preserve", text)
+
     def test_freeze(self):
         mesh = bent(cube(4))
         mesh.tet_tags = [1 if t < len(mesh.tets) // 2 else 2 for t in range(len(mesh.tets))]

@@ -166,6 +166,7 @@ Options make_options(Source& from, const TetMesh& mesh) {
   o.energy = from.pick({Energy::shape, Energy::shape, Energy::harmonic});
   o.effort = from.pick({Effort::fast, Effort::standard, Effort::best});
   o.keep_vertices = from.flag();
+  o.surface_vertices = from.pick({SurfaceVertices::automatic, SurfaceVertices::keep, SurfaceVertices::edit});
   o.relocation = from.pick({Relocation::newton, Relocation::newton, Relocation::gradient});
   o.termination = from.pick({Termination::relative, Termination::relative, Termination::paper});
   o.untangle = from.flag();

@@ -69,9 +69,7 @@ struct Fixture {
   std::vector<std::array<Index, 3>> listed_now(const TetMesh& mesh) {
     std::vector<Index> same(mesh.points.size());
     for (std::size_t v = 0; v < same.size(); ++v) same[v] = static_cast<Index>(v);
-    std::vector<std::array<Index, 3>> triangles = mesh.triangles;
-    follow_flips(boundary.triangles.download(), same, triangles);
-    return triangles;
+    return follow_changes(boundary.triangles.download(), same, mesh.triangles).triangles;
   }
   /// The outer faces, each turned as its tetrahedron has it and from its lowest vertex on.
   std::set<std::array<Index, 3>> faces() {

@@ -109,16 +109,28 @@ TEST(Compare, FindsChanges) {
 }
 
 TEST(QualityFloor, TolerancesDoNotAccumulate) {
-  QualityFloor floor{3, 1.5, 0};
+  QualityFloor floor{3, 1.5};
   floor.add_tolerance();
   const double relaxed = floor.max_cot;
   EXPECT_GT(relaxed, 1.5);
   EXPECT_NEAR(relaxed, 1.5, 2e-12);
-  for (int round = 0; round < 5; ++round) floor.limit_max_cot((1 + QualityFloor::kTolerance) * floor.max_cot);
+  for (int round = 0; round < 5; ++round) floor.limit_cost((1 + QualityFloor::kTolerance) * floor.max_cot, 0);
   EXPECT_EQ(floor.max_cot, relaxed);
-  floor.limit_max_cot(1.25);
+  floor.limit_cost(1.25, 0);
   EXPECT_EQ(floor.max_cot, 1.25);
   EXPECT_EQ(floor.safe_shape, QualityFloor::min_shape(1.25));
+  EXPECT_EQ(floor.min_cot, -kInfeasible);
+}
+
+TEST(QualityFloor, AWeightLimitsLargeAnglesToo) {
+  QualityFloor floor{3, 1.5};
+  floor.limit_cost(1.8, 1.5);
+  EXPECT_EQ(floor.max_cot, 1.5);
+  EXPECT_DOUBLE_EQ(floor.min_cot, -1.2);
+  EXPECT_TRUE(floor.allows(DihedralCots{1.5, -1.2}));
+  EXPECT_FALSE(floor.allows(DihedralCots{1.5, -1.21}));
+  EXPECT_EQ(DihedralCots({1.5, -1.2}).cost(0), 1.5);
+  EXPECT_DOUBLE_EQ(DihedralCots({1.5, -1.2}).cost(2), 2.4);
 }
 
 }  // namespace

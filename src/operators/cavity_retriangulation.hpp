@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "operators/star_proposals.hpp"
+
+namespace tetune {
+
+/// A cavity around a tetrahedron retriangulated from each of its vertices: it grows across the face whose new
+/// tetrahedron is worst. Flips, edge removals and multi-face removals of any size are special cases.
+struct CavityRetriangulation {
+  static constexpr int kChoices = 4;
+  /// With rings of at most three tetrahedra only the flips of the paper are made.
+  static constexpr int kMinRing = 4;
+
+  TETUNE_HD static void propose(const StarProposal& p, Index t, int corner) {
+    if (p.max_ring < kMinRing) return;
+    const Index apex = p.mesh.tet2vertex[t][corner];
+    StarCavity star(p.mesh, p.constrained);
+    if (!star.take_tet(t)) return;
+    const Vec3 x = vec(p.mesh.points[apex]);
+    if (star.grow_below(apex, x, (1 - kMinCostGain) * star.cost_before())) {
+      p.add(star, star.cost_before(), star.candidate(apex, kNoVertex, x));
+    }
+  }
+};
+
+}  // namespace tetune

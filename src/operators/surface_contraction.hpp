@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "operators/star_proposals.hpp"
+
+namespace tetune {
+
+/// Each vertex that a tetrahedron has in a flat part of one patch, or on a straight feature line, removed by the
+/// contraction of an edge to each of the others that is in the same planes.
+struct SurfaceContraction {
+  static constexpr int kChoices = 12;
+
+  TETUNE_HD static void propose(const StarProposal& p, Index t, int choice) {
+    if (!p.edits_surface() || !p.may_change_vertices(t)) return;
+    const Tet tet = p.mesh.tet2vertex[t];
+    const int from = choice / 3;
+    const Index v = tet[from];
+    const Index apex = tet[(from + 1 + choice % 3) % 4];
+    const Vec3 x = vec(p.mesh.points[apex]);
+    const Vec3 edge = x - vec(p.mesh.points[v]);
+    const double tolerance = p.surface.flat * norm(edge);
+    const bool in_plane = p.kind[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance;
+    const bool on_line = p.kind[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance;
+    if ((!in_plane && !on_line) || p.constrained.has_end(v)) return;
+    StarCavity star(p.mesh, p.constrained);
+    StarCandidate found;
+    if (!star.take_surface(t, {{v, -1, -1}, 1}) || !keeps_planes(p, star, v, apex) || !star.keeps_faces_of(apex) ||
+        !p.surface.find_replaced(star, found)) {
+      return;
+    }
+    if (!star.grow_below(apex, x, (1 - kMinCostGain) * star.cost_before()) || !star.keeps_faces_of(apex)) return;
+    StarCandidate c = star.candidate(apex, v, x);
+    c.triangle_count = found.triangle_count;
+    for (int i = 0; i < found.triangle_count; ++i) c.triangles[i] = found.triangles[i];
+    p.add(star, star.cost_before(), c);
+  }
+
+ private:
+  /// Whether each triangle stays in its plane, and is not turned over, when v moves to the apex.
+  TETUNE_HD static bool keeps_planes(const StarProposal& p, const StarCavity& star, Index v, Index apex) {
+    for (int i = 0; i < star.base_count(); ++i) {
+      LinkFace f = star.base(i);
+      if (has_vertex(f, apex)) continue;
+      const Vec3 n = area_normal(p.mesh, f);
+      const Vec3 d = vec(p.mesh.points[apex]) - vec(p.mesh.points[f.v[0]]);
+      if (!(std::fabs(dot(n, d)) <= p.surface.flat * norm(n) * norm(d))) return false;
+      for (Index& w : f.v) w = w == v ? apex : w;
+      if (!(dot(n, area_normal(p.mesh, f)) > 0)) return false;
+    }
+    return true;
+  }
+};
+
+}  // namespace tetune

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "operators/star_proposals.hpp"
+
+namespace tetune {
+
+/// A vertex inserted on each edge and each triangle that a tetrahedron has on the surface; it moves within flat parts
+/// of one patch, or along its edge, and its cavity grows while that lowers the energy (Klingner and Shewchuk,
+/// "Aggressive tetrahedral mesh improvement", 2008).
+struct SurfaceInsertion {
+  static constexpr int kChoices = 10;
+
+  TETUNE_HD static void propose(const StarProposal& p, Index t, int choice) {
+    if (!p.inserts || !p.edits_surface() || !p.may_change_vertices(t)) return;
+    const Tet tet = p.mesh.tet2vertex[t];
+    SurfaceSimplex simplex;
+    if (choice < 6) {
+      const EdgeCorners e = edge_corners(choice);
+      simplex = {{tet[e.i], tet[e.j], -1}, 2};
+      if (p.constrained.contains(simplex.v[0], simplex.v[1])) return;
+    } else {
+      const LinkFace f = link_face(tet, choice - 6);
+      simplex = {{f.v[0], f.v[1], f.v[2]}, 3};
+    }
+    Vec3 x{0, 0, 0};
+    for (int k = 0; k < simplex.size; ++k) {
+      if (!p.surface.has(simplex.v[k])) return;
+      x = x + (1.0 / simplex.size) * vec(p.mesh.points[simplex.v[k]]);
+    }
+    StarCavity star(p.mesh, p.constrained);
+    StarCandidate found;
+    if (!star.take_surface(t, simplex) || !p.surface.find_replaced(star, found)) return;
+    const NewVertexDof dof = find_dof(p, star, found, simplex);
+    star.restrict_apex(dof.dof, dof.axis);
+    x = star.relax_and_grow(star.relax(x));
+    if (!p.open(star, x)) return;
+    StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
+    c.dof = dof;
+    c.triangle_count = found.triangle_count;
+    for (int i = 0; i < found.triangle_count; ++i) c.triangles[i] = found.triangles[i];
+    p.add(star, star.cost_before(), c);
+  }
+
+ private:
+  TETUNE_HD static NewVertexDof find_dof(const StarProposal& p, const StarCavity& star, const StarCandidate& found,
+                                         const SurfaceSimplex& simplex) {
+    const Vec3 origin = vec(p.mesh.points[simplex.v[0]]);
+    const Vec3 edge = vec(p.mesh.points[simplex.v[1]]) - origin;
+    const double length = norm(edge);
+    const double radius = 0.25 * length;
+    const Vec3 n = area_normal(p.mesh, star.base(0));
+    if (simplex.size == 3) return {VertexDof::plane, (1 / norm(n)) * n, radius};
+    if (star.base_count() == 2 && p.surface.in_one_patch(found.triangles[0], found.triangles[1])) {
+      const Vec3 to_first = apex(p, star.base(0), simplex) - origin;
+      const Vec3 to_second = apex(p, star.base(1), simplex) - origin;
+      const Vec3 n1 = cross(edge, to_first);
+      const Vec3 n2 = cross(to_second, edge);
+      const double flat = p.surface.flat * length;
+      const bool is_flat = std::fabs(dot(n1, to_second)) <= flat * norm(n1) &&
+                           std::fabs(dot(n2, to_first)) <= flat * norm(n2) && dot(n1, n2) > 0;
+      const Vec3 sum = n1 + n2;
+      if (is_flat) return {VertexDof::plane, (1 / norm(sum)) * sum, radius};
+    }
+    return {VertexDof::line, (1 / length) * edge, radius};
+  }
+  /// The vertex of a triangle at an edge that is not on the edge.
+  TETUNE_HD static Vec3 apex(const StarProposal& p, const LinkFace& f, const SurfaceSimplex& edge) {
+    const int k = !edge.has(f.v[0]) ? 0 : !edge.has(f.v[1]) ? 1 : 2;
+    return vec(p.mesh.points[f.v[k]]);
+  }
+};
+
+}  // namespace tetune

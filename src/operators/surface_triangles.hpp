@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "boundary/boundary_triangles.hpp"
+#include "operators/star_cavity.hpp"
+
+/// The triangles of the boundary as operators see and change them that insert vertices there or remove some.
+namespace tetune {
+
+struct SurfaceTriangles {
+  Span<const BoundaryTriangle> triangles;  ///< empty: the vertices of the surface stay
+  CsrView vertex2corner;
+  double flat;  ///< heights below this part of an edge count as zero
+
+  /// Whether a vertex is on the surface, among vertices that existed when the corners were listed.
+  TETUNE_HD bool has(Index v) const { return vertex2corner.size(v) > 0; }
+  /// The triangle of three vertices, or -1.
+  TETUNE_HD Index find(const LinkFace& f) const {
+    const Index from = vertex2corner.shorter(vertex2corner.shorter(f.v[0], f.v[1]), f.v[2]);
+    for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
+      const Size triangle = vertex2corner.items[c] / 3;
+      const LinkFace t{{triangles[triangle].v[0], triangles[triangle].v[1], triangles[triangle].v[2]}};
+      if (has_vertex(t, f.v[0]) && has_vertex(t, f.v[1]) && has_vertex(t, f.v[2])) return static_cast<Index>(triangle);
+    }
+    return -1;
+  }
+  /// Finds the triangles that a cavity replaces. Returns false where one of them must stay.
+  TETUNE_HD bool find_replaced(const StarCavity& star, StarCandidate& c) const {
+    c.triangle_count = star.base_count();
+    for (int i = 0; i < star.base_count(); ++i) {
+      c.triangles[i] = find(star.base(i));
+      if (c.triangles[i] < 0 || triangles[c.triangles[i]].stays != 0) return false;
+    }
+    return true;
+  }
+  /// Whether two triangles are in one patch.
+  TETUNE_HD bool in_one_patch(Index s, Index t) const {
+    return triangles[s].tag == triangles[t].tag && (triangles[s].listed < 0) == (triangles[t].listed < 0);
+  }
+};
+
+/// The normal of a triangle; its length is twice the area.
+TETUNE_HD inline Vec3 area_normal(const MeshView& mesh, const LinkFace& f) {
+  const Vec3 a = vec(mesh.points[f.v[0]]);
+  return cross(vec(mesh.points[f.v[1]]) - a, vec(mesh.points[f.v[2]]) - a);
+}
+
+namespace surface_triangles_detail {
+
+/// Makes the new triangles of each applied record, the first in place of the old one. Each is an old one with a vertex
+/// of the simplex replaced by the apex, so it keeps orientation, tag and place in the caller's list.
+template <class P>
+struct ReplaceTriangles {
+  Span<const Record<P>> records;
+  Span<const Index> selected;
+  Span<const ChangeCounts> before;
+  Span<BoundaryTriangle> triangles;
+  Size old_count;
+  TETUNE_HD void operator()(Size i) const {
+    const P& patch = records[selected[i]].patch;
+    Size next = old_count + before[i].triangles;
+    for (int k = 0; k < patch.triangle_count; ++k) {
+      const BoundaryTriangle old = triangles[patch.triangles[k]];
+      for (int s = 0; s < patch.simplex.size; ++s) {
+        BoundaryTriangle t = old;
+        bool has_apex = false;
+        for (Index& v : t.v) {
+          has_apex = has_apex || v == patch.apex;
+          v = v == patch.simplex.v[s] ? patch.apex : v;
+        }
+        if (has_apex) t.v[0] = kRemoved;
+        triangles[s == 0 ? patch.triangles[k] : next++] = t;
+      }
+    }
+  }
+};
+
+struct IsPresent {
+  Span<const BoundaryTriangle> triangles;
+  TETUNE_HD bool operator()(Size i) const { return triangles[i].v[0] != kRemoved; }
+};
+
+struct CopyTriangles {
+  Span<const BoundaryTriangle> from;
+  Span<const Index> kept;
+  Span<BoundaryTriangle> to;
+  TETUNE_HD void operator()(Size i) const { to[i] = from[kept[i]]; }
+};
+
+}  // namespace surface_triangles_detail
+
+/// Updates the boundary triangles after the application of a selection.
+template <class Backend>
+void replace_triangles(const Backend& backend, Selection<Backend, StarPatch>& selection,
+                       BoundaryTriangles<Backend>& boundary) {
+  using namespace surface_triangles_detail;
+  const Size old_count = boundary.triangles.size();
+  if (old_count == 0) return;
+  boundary.triangles.grow(backend, old_count + selection.total.triangles);
+  backend.for_each(selection.size(),
+                   ReplaceTriangles<StarPatch>{selection.records.span(), selection.selected.span(),
+                                               selection.before.span(), boundary.triangles.span(), old_count});
+  const Size count = boundary.triangles.size();
+  BufferOf<Backend, Index> kept(backend, count);
+  const Size present = backend.compact(count, IsPresent{boundary.triangles.span()}, kept.span());
+  boundary.stale = true;
+  if (present == count) return;
+  BufferOf<Backend, BoundaryTriangle> triangles(backend, present);
+  backend.for_each(present, CopyTriangles{boundary.triangles.span(), kept.span(), triangles.span()});
+  boundary.triangles.swap(triangles);
+}
+
+}  // namespace tetune

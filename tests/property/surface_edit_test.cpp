@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vertices inserted and removed on the surface: it keeps its shape, its patches and the lists of the caller.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "constrained.hpp"
+#include "mesh/tet.hpp"
+#include "meshes.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+using Face = std::array<Index, 3>;
+
+Face sorted(Face f) {
+  std::sort(f.begin(), f.end());
+  return f;
+}
+
+/// Lists the faces on the sides of the unit cube, tagged 1 to 6, and those between two regions, tagged 7.
+TetMesh listed(TetMesh m) {
+  std::map<Face, std::pair<Face, int>> once;
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    const auto& v = m.tets[t];
+    for (const Face& f :
+         {Face{v[1], v[2], v[3]}, Face{v[0], v[3], v[2]}, Face{v[0], v[1], v[3]}, Face{v[0], v[2], v[1]}}) {
+      const auto [at, is_new] = once.emplace(sorted(f), std::pair(f, m.tet_tags[t]));
+      if (is_new) continue;
+      if (at->second.second != m.tet_tags[t]) {
+        m.triangles.push_back(f);
+        m.triangle_tags.push_back(7);
+      }
+      once.erase(at);
+    }
+  }
+  for (const auto& [key, face] : once) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (const double side : {0.0, 1.0}) {
+        const auto is_on = [&](Index v) { return m.points[static_cast<std::size_t>(v)][k] == side; };
+        if (!std::all_of(key.begin(), key.end(), is_on)) continue;
+        m.triangles.push_back(face.first);
+        m.triangle_tags.push_back(static_cast<int>(1 + k) + (side == 1 ? 3 : 0));
+      }
+    }
+  }
+  return m;
+}
+
+double area(const TetMesh& m, const Face& f) {
+  const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
+  return 0.5 * norm(cross(p(f[1]) - p(f[0]), p(f[2]) - p(f[0])));
+}
+
+std::map<int, double> area_by_tag(const TetMesh& m) {
+  std::map<int, double> areas;
+  for (std::size_t i = 0; i < m.triangles.size(); ++i) areas[m.triangle_tags[i]] += area(m, m.triangles[i]);
+  return areas;
+}
+
+std::map<int, double> volume_by_tag(const TetMesh& m) {
+  std::map<int, double> volumes;
+  const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    const auto& v = m.tets[t];
+    volumes[m.tet_tags[t]] += dot(cross(p(v[1]) - p(v[0]), p(v[2]) - p(v[0])), p(v[3]) - p(v[0])) / 6;
+  }
+  return volumes;
+}
+
+void expect_same(const std::map<int, double>& before, const std::map<int, double>& after) {
+  ASSERT_EQ(before.size(), after.size());
+  for (const auto& [tag, value] : before) EXPECT_NEAR(after.at(tag), value, 1e-11) << tag;
+}
+
+Options editing() {
+  Options options;
+  options.effort = Effort::best;
+  options.surface_vertices = SurfaceVertices::edit;
+  return options;
+}
+
+bool is_on_surface(const Point3& p) { return !test::is_inner(p); }
+
+/// Inserted vertices of the surface, and vertices of the surface that are gone.
+std::pair<int, int> surface_changes(const TetMesh& before, const TetMesh& after, const Report& report) {
+  int inserted = 0;
+  std::set<Index> present;
+  for (std::size_t v = 0; v < report.vertex2original.size(); ++v) {
+    const Index original = report.vertex2original[v];
+    if (original >= 0) present.insert(original);
+    inserted += original < 0 && is_on_surface(after.points[v]) ? 1 : 0;
+  }
+  int removed = 0;
+  for (std::size_t v = 0; v < before.points.size(); ++v) {
+    removed += is_on_surface(before.points[v]) && present.count(static_cast<Index>(v)) == 0 ? 1 : 0;
+  }
+  return {inserted, report.vertex2original.empty() ? 0 : removed};
+}
+
+TEST(SurfaceEdit, KeepsPatchesInterfacesAndLists) {
+  std::pair<int, int> total{0, 0};
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const TetMesh before =
+        listed(test::scrambled(seed % 2 == 0 ? test::two_materials(6, 0.3) : test::cube(5, 0.3, seed), 3, seed));
+    TetMesh after = before;
+    const Report report = optimize(after, editing());
+    ASSERT_TRUE(validate(after).ok());
+    test::expect_present(after);
+    expect_same(area_by_tag(before), area_by_tag(after));
+    expect_same(volume_by_tag(before), volume_by_tag(after));
+    // The list has each face of the surface once: listing again finds each a second time.
+    std::multiset<Face> faces;
+    for (const Face& f : listed(after).triangles) faces.insert(sorted(f));
+    for (const Face& f : after.triangles) EXPECT_EQ(faces.count(sorted(f)), 2U);
+    EXPECT_EQ(faces.size(), 2 * after.triangles.size());
+    EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min);
+    EXPECT_LE(static_cast<double>(after.tets.size()), 1.1 * static_cast<double>(before.tets.size()));
+    const auto changes = surface_changes(before, after, report);
+    total.first += changes.first;
+    total.second += changes.second;
+  }
+  EXPECT_GT(total.first, 5) << "vertices inserted on the surface";
+  EXPECT_GT(total.second, 5) << "vertices removed from the surface";
+}
+
+TEST(SurfaceEdit, TrianglesDescendFromTheirPatch) {
+  const TetMesh before = listed(test::scrambled(test::cube(5, 0.3), 3, 1));
+  TetMesh after = before;
+  const Report report = optimize(after, editing());
+  ASSERT_EQ(report.triangle2original.size(), after.triangles.size());
+  for (std::size_t i = 0; i < after.triangles.size(); ++i) {
+    const auto original = static_cast<std::size_t>(report.triangle2original[i]);
+    EXPECT_EQ(after.triangle_tags[i], before.triangle_tags[original]);
+    const auto normal = [](const TetMesh& m, const Face& f) {
+      const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
+      return cross(p(f[1]) - p(f[0]), p(f[2]) - p(f[0]));
+    };
+    EXPECT_GT(dot(normal(after, after.triangles[i]), normal(before, before.triangles[original])), 0);
+  }
+}
+
+TEST(SurfaceEdit, IsTheSameForAnyNumberOfThreads) {
+  const TetMesh before = listed(test::scrambled(test::two_materials(6, 0.3), 3, 5));
+  Options options = editing();
+  options.threads = 1;
+  TetMesh one = before;
+  optimize(one, options);
+  options.threads = 3;
+  TetMesh three = before;
+  optimize(three, options);
+  EXPECT_EQ(one.points, three.points);
+  EXPECT_EQ(one.tets, three.tets);
+  EXPECT_EQ(one.triangles, three.triangles);
+}
+
+TEST(SurfaceEdit, HappensWhereItIsAskedForOnly) {
+  const TetMesh before = listed(test::scrambled(test::cube(5, 0.3, 3), 3, 3));
+  const auto edits = [&before](const Options& options) {
+    TetMesh after = before;
+    const Report report = optimize(after, options);
+    const auto changes = surface_changes(before, after, report);
+    return changes.first + changes.second;
+  };
+  Options options = editing();
+  EXPECT_GT(edits(options), 0);
+  options.surface_vertices = SurfaceVertices::automatic;
+  EXPECT_GT(edits(options), 0);
+  options.surface_vertices = SurfaceVertices::keep;
+  EXPECT_EQ(edits(options), 0);
+  options = editing();
+  options.keep_vertices = true;
+  EXPECT_EQ(edits(options), 0);
+  options = editing();
+  options.boundary_flips = false;
+  EXPECT_EQ(edits(options), 0);
+  for (const Boundary boundary : {Boundary::fixed, Boundary::slide}) {
+    options = editing();
+    options.boundary = boundary;
+    EXPECT_EQ(edits(options), 0);
+  }
+  options = editing();
+  options.effort = Effort::standard;
+  EXPECT_GT(edits(options), 0);
+  EXPECT_EQ(edits(Options{}), 0);
+}
+
+TEST(SurfaceEdit, LeavesConstraintsAlone) {
+  TetMesh before = listed(test::scrambled(test::cube(5, 0.3), 3, 4));
+  std::vector<Face> kept;
+  for (std::size_t i = 0; i < before.triangles.size(); i += 5) {
+    before.required_triangles.push_back(static_cast<Index>(i));
+    kept.push_back(sorted(before.triangles[i]));
+  }
+  for (Index v = 0; v < 20; ++v) before.required_vertices.push_back(v);
+  TetMesh after = before;
+  const Report report = optimize(after, editing());
+  ASSERT_TRUE(validate(after).ok());
+  test::expect_present(after);
+  ASSERT_EQ(after.required_triangles.size(), kept.size());
+  std::map<Index, Index> original2new;
+  for (std::size_t v = 0; v < after.points.size(); ++v) {
+    const Index original = report.vertex2original.empty() ? static_cast<Index>(v) : report.vertex2original[v];
+    if (original >= 0) original2new[original] = static_cast<Index>(v);
+  }
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    Face now{};
+    for (std::size_t k = 0; k < 3; ++k) now[k] = original2new.at(kept[i][k]);
+    EXPECT_EQ(sorted(now), sorted(after.triangles[static_cast<std::size_t>(after.required_triangles[i])]));
+  }
+  for (Index v = 0; v < 20; ++v) {
+    EXPECT_EQ(after.points[static_cast<std::size_t>(original2new.at(v))], before.points[static_cast<std::size_t>(v)]);
+  }
+}
+
+}  // namespace
+}  // namespace tetune
