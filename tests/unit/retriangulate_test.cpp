@@ -204,7 +204,7 @@ TEST(Retriangulate, InsertsAVertexAboveASliverOnTheSurface) {
   const TetMesh before = sliver_on_the_surface();
   ASSERT_TRUE(validate(before).ok());
   Work work(before);
-  work.flips.max_ring = 3;  // no other operation opens the angle
+  work.flips.max_ring = 3;                                  // no other operation opens the angle
   const RetriangulationReport r = work.retriangulate(1.7);  // 30 degrees
   EXPECT_EQ(r.inserted, 1);
   EXPECT_EQ(r.removed, 0);
