@@ -37,7 +37,8 @@ struct MaximizeMinAngle {
       if (!ring.maximize(x, motion, target_cot)) return {};
       surface_point[v] = motion.surface_point;
     } else {
-      FreeMotion motion{{dof[v], axis[v]}};
+      // Free vertices have no axis: where the surface slides, it was never written.
+      FreeMotion motion{{dof[v], dof[v] == VertexDof::free ? Vec3{} : axis[v]}};
       if (!ring.maximize(x, motion, target_cot)) return {};
     }
     mesh.points[v] = point(x);
@@ -52,16 +53,9 @@ Size maximize_min_angle(const Backend& backend, WorkMesh<Backend>& mesh, const C
                         const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
                         Span<const std::uint8_t> flags, double target_cot) {
   using namespace maximize_min_angle_detail;
-  const MaximizeMinAngle<typename Backend::Pack> kernel{rated(mesh, criterion),
-                                                        rings,
-                                                        dofs.kind.span(),
-                                                        dofs.axis.span(),
-
-                                                        dofs.site.span(),
-                                                        dofs.reference.view(),
-                                                        dofs.max_deviation,
-                                                        flags,
-                                                        target_cot};
+  const MaximizeMinAngle<typename Backend::Pack> kernel{
+      rated(mesh, criterion), rings, dofs.kind.span(), dofs.axis.span(), dofs.site.span(), dofs.reference.view(),
+      dofs.max_deviation,     flags, target_cot};
   return reduce_colors<backend::Sum<Size>>(backend, coloring, kernel).value;
 }
 
