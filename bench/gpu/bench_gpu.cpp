@@ -5,6 +5,8 @@
 //   bench_gpu small                          small meshes that run all kernels, for compute-sanitizer
 //   bench_gpu mesh TETS|FILE RUNS            times of valid results; TETS: the approximate size of a generated mesh
 //   bench_gpu once TETS|FILE                 one run after a warm-up run, for profilers
+//   bench_gpu count TETS|FILE fixed|preserve|slide fast|default|best
+//                                            one run alone, compared with the CPU's: for bench/gpu/model
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -215,6 +217,33 @@ void run_on_gpu(const TetMesh& mesh, Options options, int times) {
   }
 }
 
+template <class T>
+T value_named(const std::string& name, const std::map<std::string, T>& values) {
+  const auto found = values.find(name);
+  if (found == values.end()) fail(name + " is no option");
+  return found->second;
+}
+
+void run_once_and_compare(const std::string& source, const std::string& boundary, const std::string& effort) {
+  Options options;
+  options.boundary = value_named<Boundary>(
+      boundary, {{"fixed", Boundary::fixed}, {"preserve", Boundary::preserve}, {"slide", Boundary::slide}});
+  options.effort =
+      value_named<Effort>(effort, {{"fast", Effort::fast}, {"default", Effort::standard}, {"best", Effort::best}});
+  TetMesh on_gpu = load_or_generate(source);
+  TetMesh on_cpu = on_gpu;
+  const Report cpu = optimize(on_cpu, options);
+  options.device = Device::cuda;
+  const Report gpu = optimize(on_gpu, options);
+  check_valid(on_gpu, "a mesh by the GPU");
+  Json line;
+  line.text("mesh", source).text("boundary", boundary).text("effort", effort);
+  line.add("tets", std::to_string(on_cpu.tets.size())).add("sweeps", std::to_string(gpu.sweeps.size()));
+  line.number("energy_difference", energy_difference(gpu, cpu));
+  line.add("same_flips", flips_of(cpu) == flips_of(gpu) ? "true" : "false");
+  line.number("cpu_seconds", cpu.seconds).number("cpu_threads", cpu.threads).print();
+}
+
 void run_small() {
   constexpr double kTets = 3000;
   Options options;
@@ -255,20 +284,23 @@ void require_gpu() { run_on_gpu(reference::lattice(1), {}, 1); }
 
 int usage() {
   std::fprintf(stderr,
-               "usage: bench_gpu ceilings | parity [FILE ...] | small | mesh TETS|FILE RUNS | once TETS|FILE\n");
+               "usage: bench_gpu ceilings | parity [FILE ...] | small | mesh TETS|FILE RUNS | once TETS|FILE |\n"
+               "       count TETS|FILE fixed|preserve|slide fast|default|best\n");
   return 2;
 }
 
 int run(const std::vector<std::string>& args) {
   const std::string command = args.empty() ? "" : args[0];
-  const std::map<std::string, std::size_t> arguments{{"ceilings", 1}, {"small", 1}, {"once", 2}, {"mesh", 3}};
+  const std::map<std::string, std::size_t> arguments{
+      {"ceilings", 1}, {"small", 1}, {"once", 2}, {"mesh", 3}, {"count", 4}};
   const auto expected = arguments.find(command);
   if (command != "parity" && (expected == arguments.end() || expected->second != args.size())) return usage();
   const int runs = command == "mesh" ? std::atoi(args[2].c_str()) : 1;
   if (runs < 1) return usage();
-  require_gpu();
+  if (command != "count") require_gpu();
   if (command == "ceilings") print_ceilings();
   if (command == "small") run_small();
+  if (command == "count") run_once_and_compare(args[1], args[2], args[3]);
   if (command == "once") run_on_gpu(load_or_generate(args[1]), {}, 2);
   if (command == "mesh") {
     const TetMesh mesh = load_or_generate(args[1]);

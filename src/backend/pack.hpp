@@ -59,12 +59,21 @@ TETUNE_INLINE void load_columns(const double* const (&row)[4], Pack4 (&column)[3
 }
 #endif
 
-/// Loads a pack from an address without alignment.
+/// Loads a pack of consecutive words. Requires the alignment of a word and no more.
 template <class T>
 TETUNE_HD TETUNE_INLINE T load(const void* from) {
   T pack;
   std::memcpy(&pack, from, sizeof(T));
   return pack;
+}
+/// A pack of one word: nvcc does not know its alignment in a copy of bytes, and would load it byte by byte.
+template <>
+TETUNE_HD TETUNE_INLINE double load<double>(const void* from) {
+  return *static_cast<const double*>(from);
+}
+template <>
+TETUNE_HD TETUNE_INLINE std::uint64_t load<std::uint64_t>(const void* from) {
+  return *static_cast<const std::uint64_t*>(from);
 }
 
 }  // namespace tetune::backend

@@ -9,6 +9,8 @@
 
 namespace tetune::backend {
 
+[[gnu::weak]] PoolObserver* pool_observer() noexcept { return nullptr; }
+
 Pool::Pool(void* block, std::size_t bytes)
     : block_(static_cast<char*>(block)), block_bytes_(bytes / kAlignment * kAlignment), end_(block_) {}
 
@@ -43,10 +45,12 @@ void* Pool::allocate(std::size_t bytes) {
   if (part->second.bytes > rounded) parts_.emplace(part->first + rounded, Part{part->second.bytes - rounded, true});
   part->second = {rounded, false};
   in_use_ += rounded;
+  if (PoolObserver* const observer = pool_observer()) observer->allocated(part->first, bytes);
   return part->first;
 }
 
 void Pool::release(void* memory) noexcept {
+  if (PoolObserver* const observer = pool_observer()) observer->released(memory);
   const auto part = parts_.find(static_cast<char*>(memory));
   part->second.is_free = true;
   in_use_ -= part->second.bytes;

@@ -6,6 +6,22 @@
 
 namespace tetune::backend {
 
+/// Is called with each part of a pool that comes into use and that is released, so that a checker of memory accesses
+/// knows which bytes of the block may be accessed.
+class PoolObserver {
+ public:
+  /// `bytes`: as requested, not rounded up. The content of the part is unspecified.
+  virtual void allocated(void* part, std::size_t bytes) noexcept = 0;
+  virtual void released(void* part) noexcept = 0;
+
+ protected:
+  ~PoolObserver() = default;
+};
+
+/// The observer of all pools of the process: none in the library. The function is weak, so that a program may define it
+/// once more: tests/ptxsim does.
+PoolObserver* pool_observer() noexcept;
+
 /// A free-list allocator over one large block of device memory. It does not access the block, and unlike the allocator
 /// of the device it does not synchronize with the device.
 ///

@@ -35,7 +35,8 @@ struct MaximizeMinAngle : DofsView {
       if (!ring.maximize(x, motion, target_cost)) return {};
       surface_point[v] = motion.surface_point;
     } else {
-      FreeMotion motion{{dof[v], axis[v]}};
+      // Free vertices have no axis: where the surface slides, it was never written.
+      FreeMotion motion{{dof[v], dof[v] == VertexDof::free ? Vec3{} : axis[v]}};
       if (!ring.maximize(x, motion, target_cost)) return {};
     }
     mesh.points[v] = point(x);

@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <ostream>
-#include <string>
 
 #include "curved.hpp"
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
 #include "emulation/emulation.hpp"
+#include "parity/cases.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
 
@@ -18,81 +17,11 @@ namespace {
 
 using backend::DeviceMemory;
 using backend::Emulation;
-
-struct Case {
-  std::string name;
-  TetMesh mesh;
-  Options options;
-};
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
-
-TetMesh with_patches(TetMesh m) {
-  for (const test::SkinFace& f : test::skin(m)) {
-    m.triangles.push_back(f.v);
-    m.triangle_tags.push_back(m.points[static_cast<std::size_t>(f.v[0])][0] < 0.4 ? 7 : 9);
-  }
-  return m;
-}
-
-std::vector<Case> cases() {
-  std::vector<Case> all;
-  const auto add = [&all](const std::string& name, TetMesh mesh) -> Options& {
-    all.push_back({name, std::move(mesh), {}});
-    return all.back().options;
-  };
-  const std::pair<const char*, Effort> efforts[] = {
-      {"fast", Effort::fast}, {"standard", Effort::standard}, {"best", Effort::best}};
-  for (const auto& [name, effort] : efforts) {
-    Options& fixed = add(std::string("fixed_") + name, test::waved(test::cube(9, 0.2)));
-    fixed.boundary = Boundary::fixed;
-    fixed.effort = effort;
-    add(std::string("preserve_") + name, test::scrambled(test::two_materials(10, 0.2), 3, 1)).effort = effort;
-    Options& slide = add(std::string("slide_") + name, test::ball(9));
-    slide.boundary = Boundary::slide;
-    slide.effort = effort;
-  }
-  add("gradient", test::two_materials(8, 0.2)).relocation = Relocation::gradient;
-  Options& gradient = add("gradient_slide", test::ball(7));
-  gradient.relocation = Relocation::gradient;
-  gradient.boundary = Boundary::slide;
-  add("harmonic", test::cube(8, 0.2)).energy = Energy::harmonic;
-  add("paper", test::cube(8, 0.2)).termination = Termination::paper;
-  Options& bound = add("deviation", test::waved(test::cube(8, 0.15)));
-  bound.boundary = Boundary::slide;
-  bound.max_deviation = 2e-3;
-  Options& patches = add("patches", with_patches(test::waved(test::two_materials(8, 0.15))));
-  patches.boundary = Boundary::slide;
-  patches.frozen_patches = {7};
-  add("frozen_region", test::two_materials(8, 0.2)).frozen_regions = {2};
-  Options& vertices = add("frozen_vertices", test::cube(8, 0.2));
-  vertices.frozen_vertices.resize(all.back().mesh.points.size());
-  for (std::size_t v = 0; v < vertices.frozen_vertices.size(); v += 5) vertices.frozen_vertices[v] = 1;
-  add("required", test::cube(8, 0.2));
-  for (Index t = 0; t < 200; t += 7) all.back().mesh.required_tets.push_back(t);
-  add("edges", test::cube(8, 0.2));
-  for (std::size_t t = 0; t < 100; t += 9) {
-    TetMesh& m = all.back().mesh;
-    m.edges.push_back({m.tets[t][0], m.tets[t][2]});
-    m.edge_tags.push_back(3);
-  }
-  add("no_flips", test::cube(8, 0.2)).flips = false;
-  add("flips_alone", test::cube(8, 0.2)).max_iterations = 0;
-  for (const auto boundary : {Boundary::preserve, Boundary::slide}) {
-    Options& untangle = add(boundary == Boundary::slide ? "untangle_slide" : "untangle", test::tangled(8, 0.9, 7));
-    untangle.boundary = boundary;
-    untangle.untangle = true;
-  }
-  return all;
-}
+using test::Case;
+using test::expect_parity;
+using test::expect_same;
 
 class EmulationAgainstCpu : public testing::TestWithParam<Case> {};
-
-void expect_same(const TetMesh& a, const TetMesh& b) {
-  EXPECT_EQ(a.points, b.points);
-  EXPECT_EQ(a.tets, b.tets);
-  EXPECT_EQ(a.tet_tags, b.tet_tags);
-  EXPECT_EQ(a.triangles, b.triangles);
-}
 
 TEST_P(EmulationAgainstCpu, Agrees) {
   const Case& c = GetParam();
@@ -104,19 +33,8 @@ TEST_P(EmulationAgainstCpu, Agrees) {
   const Report report = optimize_on(Emulation(1, memory), first, c.options, {});
   EXPECT_TRUE(validate(first).ok()) << validate(first).message(false);
   EXPECT_LT(std::min(report.energy_after, on_cpu.energy_after), on_cpu.energy_before) << "nothing was done";
-  EXPECT_NEAR(report.energy_after, on_cpu.energy_after, 1e-9 * on_cpu.energy_after);
-  EXPECT_EQ(report.tets_untangled, on_cpu.tets_untangled);
+  expect_parity(report, on_cpu);
   EXPECT_EQ(report.tets_untangled > 0, c.options.untangle);
-  EXPECT_EQ(report.flips23, on_cpu.flips23);
-  EXPECT_EQ(report.flips32, on_cpu.flips32);
-  EXPECT_EQ(report.edge_removals, on_cpu.edge_removals);
-  EXPECT_EQ(report.face_removals, on_cpu.face_removals);
-  EXPECT_EQ(report.boundary_flips, on_cpu.boundary_flips);
-  EXPECT_EQ(report.compound_flips, on_cpu.compound_flips);
-  EXPECT_EQ(report.vertices_inserted, on_cpu.vertices_inserted);
-  EXPECT_EQ(report.vertices_removed, on_cpu.vertices_removed);
-  EXPECT_EQ(report.sweeps.size(), on_cpu.sweeps.size());
-  EXPECT_EQ(report.stop, on_cpu.stop);
 
   TetMesh second = c.mesh;
   const Report again = optimize_on(Emulation(2), second, c.options, {});
@@ -129,7 +47,7 @@ TEST_P(EmulationAgainstCpu, Agrees) {
   expect_same(first, given);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EmulationAgainstCpu, testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(All, EmulationAgainstCpu, testing::ValuesIn(test::cases()),
                          [](const auto& one) { return one.param.name; });
 
 /// The maximum number of bytes that cross between two calls of the progress callback.

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The primitives of the CUDA backend against their contract in backend/concept.hpp. Skipped where there is no GPU.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "backend/cuda.cuh"
+
+namespace tetune::backend {
+namespace {
+
+struct Reciprocal {
+  TETUNE_HD Sum<double> operator()(Size i) const { return {1.0 / static_cast<double>(i + 1)}; }
+};
+struct IsThird {
+  TETUNE_HD bool operator()(Size i) const { return i % 3 == 0; }
+};
+struct AddSquare {
+  Span<Size> out;
+  TETUNE_HD void operator()(Size i) const { out[i] += i * i; }
+};
+
+/// The merges of reduce() in its order: a tree over chunks of 128, repeated until one is left.
+double sum_in_chunks(std::vector<double> values) {
+  constexpr std::size_t kChunk = 128;
+  do {
+    std::vector<double> sums;
+    for (std::size_t begin = 0; begin < values.size(); begin += kChunk) {
+      double chunk[kChunk] = {};
+      std::copy(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                values.begin() + static_cast<std::ptrdiff_t>(std::min(begin + kChunk, values.size())), chunk);
+      for (std::size_t half = kChunk / 2; half > 0; half /= 2) {
+        for (std::size_t t = 0; t < half; ++t) chunk[t] += chunk[t + half];
+      }
+      sums.push_back(chunk[0]);
+    }
+    values = std::move(sums);
+  } while (values.size() > 1);
+  return values[0];
+}
+
+class CudaPrimitives : public testing::TestWithParam<Size> {
+ protected:
+  void SetUp() override {
+    int devices = 0;
+    if (cudaGetDeviceCount(&devices) != cudaSuccess || devices == 0) GTEST_SKIP() << "no GPU";
+    cuda.emplace(std::size_t{64} << 20U);
+  }
+  Size n() const { return GetParam(); }
+  std::optional<Cuda> cuda;
+};
+
+TEST_P(CudaPrimitives, ForEachCallsEachIndexOnce) {
+  Cuda::Buffer<Size> out(*cuda, n());
+  cuda->fill(out.span(), Size{5});
+  cuda->for_each(n(), AddSquare{out.span()});
+  const std::vector<Size> host = out.download();
+  for (Size i = 0; i < n(); ++i) ASSERT_EQ(host[to_size_t(i)], 5 + i * i);
+}
+
+TEST_P(CudaPrimitives, ReduceMergesInItsOrder) {
+  std::vector<double> values(to_size_t(n()));
+  for (Size i = 0; i < n(); ++i) values[to_size_t(i)] = 1.0 / static_cast<double>(i + 1);
+  EXPECT_EQ(cuda->reduce<Sum<double>>(n(), Reciprocal{}).value, sum_in_chunks(values));
+}
+
+TEST_P(CudaPrimitives, ScanSumsThePrecedingElements) {
+  std::vector<std::uint32_t> host(to_size_t(n()));
+  std::iota(host.begin(), host.end(), 1U);
+  std::vector<std::uint32_t> expected(host.size());
+  std::exclusive_scan(host.begin(), host.end(), expected.begin(), 0U);
+  Cuda::Buffer<std::uint32_t> in;
+  in.upload(*cuda, host);
+  Cuda::Buffer<std::uint32_t> out(*cuda, n());
+  const std::uint32_t sum = expected.back() + host.back();
+  EXPECT_EQ(cuda->exclusive_scan(Span<const std::uint32_t>(in.span()), out.span()), sum);
+  EXPECT_EQ(cuda->exclusive_scan(Span<const std::uint32_t>(in.span()), in.span()), sum);
+  EXPECT_EQ(out.download(), expected);
+  EXPECT_EQ(in.download(), expected);
+}
+
+TEST_P(CudaPrimitives, CompactKeepsOrder) {
+  Cuda::Buffer<Index32> out(*cuda, n());
+  const Size kept = cuda->compact(n(), IsThird{}, out.span());
+  ASSERT_EQ(kept, (n() + 2) / 3);
+  cuda->fill(Span<Index32>(out.span().data() + kept, n() - kept), Index32{0});
+  const std::vector<Index32> host = out.download();
+  for (Size i = 0; i < kept; ++i) ASSERT_EQ(host[to_size_t(i)], 3 * i);
+}
+
+TEST_P(CudaPrimitives, SortIsStableAndReadsTheLowestBits) {
+  std::mt19937_64 random(3);
+  std::vector<std::uint64_t> keys(to_size_t(n()));
+  for (auto& k : keys) k = (random() % 1000) << 30U | (random() % 3) << 40U;
+  constexpr std::uint64_t kMask = (std::uint64_t{1} << 40U) - 1;
+  std::vector<Index32> expected(keys.size());
+  std::iota(expected.begin(), expected.end(), 0);
+  Cuda::Buffer<std::uint64_t> k;
+  Cuda::Buffer<Index32> v;
+  k.upload(*cuda, keys);
+  v.upload(*cuda, expected);
+  std::stable_sort(expected.begin(), expected.end(),
+                   [&](Index32 a, Index32 b) { return (keys[to_size_t(a)] & kMask) < (keys[to_size_t(b)] & kMask); });
+  cuda->sort_by_key(k, v, 40);
+  EXPECT_EQ(v.download(), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, CudaPrimitives, testing::Values(1, 2, 127, 128, 129, 1000, 5000, 17000, 70000));
+
+}  // namespace
+}  // namespace tetune::backend

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Operations in which the lanes of a warp exchange values. Each names the lanes that take part.
+#include "ptxsim/lanes.hpp"
+#include "ptxsim/problems.hpp"
+#include "ptxsim/statement.hpp"
+
+namespace tetune::ptxsim {
+namespace {
+
+/// Whether all lanes that take part are here. If not, those that are here wait for the others.
+bool all_arrived(Warp& w, LaneMask named, const Instruction& i) {
+  if ((w.active & ~named) != 0) {
+    problems().report(Fault::unnamed_lane, &i, [&] {
+      return formatted("an operation of the lanes %08x is run by the lanes %08x\n  %s\n  %s", named, w.active,
+                       thread_name(w, w.first_active()).c_str(), place_of(i).c_str());
+    });
+    return true;
+  }
+  const LaneMask awaited = named & w.not_ended;
+  if ((w.active & awaited) == awaited) return true;
+  LaneMask here = w.active;
+  for (u32 l = 0; l < kLanes; ++l) {
+    const Lane& lane = w.lanes[l];
+    const bool waits =
+        lane.state == LaneState::at_warp_sync && lane.pc == w.pc && lane.register_base == w.register_base;
+    here |= waits ? LaneMask{1} << l : 0;
+  }
+  const bool complete = (here & awaited) == awaited;
+  for_each_lane(here, [&](u32 l) {
+    w.lanes[l].state = complete ? LaneState::running : LaneState::at_warp_sync;
+    w.lanes[l].pc = w.pc;
+    w.lanes[l].awaited = named;
+  });
+  w.must_choose = true;
+  return false;
+}
+
+/// The operand with the lanes that take part, which is the same for all of them.
+LaneMask named_lanes(Warp& w, Row row) { return static_cast<LaneMask>(w.row(row)[w.first_active()]); }
+
+void execute_warp_barrier(Warp& w, const Instruction& i) { all_arrived(w, named_lanes(w, i.a), i); }
+
+enum Shuffle : u8 { kUp, kDown, kButterfly, kIndexed };
+
+/// The lane that a shuffle reads, and whether it is in the segment; else a lane reads itself.
+struct Source {
+  u32 lane;
+  bool in_segment;
+};
+Source source_of(u32 lane, u32 b, u32 clamp, u8 shuffle) {
+  const u32 offset = b & 31U;
+  const u32 segment = clamp >> 8U & 31U;
+  const u32 limit = (lane & segment) | (clamp & 31U & ~segment);
+  u32 source = 0;
+  bool in_segment = false;
+  if (shuffle == kUp) {
+    source = lane - offset;
+    in_segment = lane >= offset && source >= limit;
+  } else {
+    source = shuffle == kDown        ? lane + offset
+             : shuffle == kButterfly ? lane ^ offset
+                                     : (lane & segment) | (offset & ~segment);
+    in_segment = source <= limit;
+  }
+  return {in_segment ? source : lane, in_segment};
+}
+
+void execute_shuffle(Warp& w, const Instruction& i) {
+  if (!all_arrived(w, named_lanes(w, i.d), i)) return;
+  const u64* const a = w.row(i.a);
+  const u64* const b = w.row(i.b);
+  const u64* const clamp = w.row(i.c);
+  u64 value[kLanes] = {};
+  bool in_segment[kLanes] = {};
+  for_each_lane(w.active, [&](u32 l) {
+    const Source source = source_of(l, static_cast<u32>(b[l]), static_cast<u32>(clamp[l]), i.variant);
+    if ((w.active >> source.lane & 1U) == 0) {
+      problems().report(Fault::absent_lane, &i, [&] {
+        return formatted("a shuffle reads lane %u, which does not take part\n  %s\n  %s", source.lane,
+                         thread_name(w, l).c_str(), place_of(i).c_str());
+      });
+    }
+    value[l] = static_cast<u32>(a[source.lane]);
+    in_segment[l] = source.in_segment;
+  });
+  u64* const to = w.row_or_null(i.to);
+  u64* const valid = w.row_or_null(i.second_to);
+  for_each_lane(w.active, [&](u32 l) {
+    if (to != nullptr) to[l] = value[l];
+    if (valid != nullptr) valid[l] = in_segment[l] ? 1 : 0;
+  });
+}
+
+enum Vote : u8 { kAll, kAny, kUniform, kBallot };
+
+void execute_vote(Warp& w, const Instruction& i) {
+  if (!all_arrived(w, named_lanes(w, i.b), i)) return;
+  const u64* const predicate = w.row(i.a);
+  LaneMask votes = 0;
+  for_each_lane(w.active,
+                [&](u32 l) { votes |= ((predicate[l] & 1U) != 0) != i.negated ? LaneMask{1} << l : LaneMask{0}; });
+  const bool all = votes == w.active;
+  const u64 result = i.variant == kBallot ? u64{votes}
+                     : i.variant == kAll  ? u64{all}
+                     : i.variant == kAny  ? u64{votes != 0}
+                                          : u64{all || votes == 0};
+  u64* const to = w.row(i.to);
+  for_each_lane(w.active, [&](u32 l) { to[l] = result; });
+}
+
+void execute_match(Warp& w, const Instruction& i) {
+  if (!all_arrived(w, named_lanes(w, i.b), i)) return;
+  const u64* const a = w.row(i.a);
+  const u64 compared = i.bytes == 8 ? ~u64{0} : 0xffffffffU;
+  u64 equal[kLanes] = {};
+  for_each_lane(w.active, [&](u32 l) {
+    for_each_lane(w.active, [&](u32 other) { equal[l] |= ((a[l] ^ a[other]) & compared) == 0 ? u64{1} << other : 0; });
+  });
+  u64* const to = w.row(i.to);
+  for_each_lane(w.active, [&](u32 l) { to[l] = equal[l]; });
+}
+
+void execute_active_mask(Warp& w, const Instruction& i) {
+  u64* const to = w.row(i.to);
+  for_each_lane(w.active, [&](u32 l) { to[l] = w.active; });
+}
+
+bool decode_synchronizing(Execute execute, u32 operands, const Statement& s, Instruction& i) {
+  i.execute = execute;
+  i.kind = Kind::sync;
+  i.is_control = true;
+  return s.has("sync") && i.guard == kNoRow && take_rows(s, operands, i);
+}
+
+bool decode_shuffle(const Statement& s, Scope&, Instruction& i) {
+  i.variant = s.has("up") ? kUp : s.has("down") ? kDown : s.has("bfly") ? kButterfly : kIndexed;
+  i.second_to = s.operands[0].second_row;
+  return decode_synchronizing(execute_shuffle, 5, s, i);
+}
+
+bool decode_vote(const Statement& s, Scope&, Instruction& i) {
+  i.variant = s.has("all") ? kAll : s.has("any") ? kAny : s.has("uni") ? kUniform : kBallot;
+  i.negated = s.operands[1].negated;
+  return decode_synchronizing(execute_vote, 3, s, i);
+}
+
+bool decode_match(const Statement& s, Scope&, Instruction& i) {
+  i.bytes = static_cast<u8>(s.type().bits / 8);
+  return s.has("any") && decode_synchronizing(execute_match, 3, s, i);
+}
+
+bool decode_active_mask(const Statement& s, Scope&, Instruction& i) {
+  i.execute = execute_active_mask;
+  i.kind = Kind::sync;
+  return take_rows(s, 1, i);
+}
+
+bool decode_barrier(const Statement& s, Scope& scope, Instruction& i) {
+  if (!s.has("warp")) return decode_block_barrier(s, scope, i);
+  i.execute = execute_warp_barrier;
+  i.kind = Kind::sync;
+  i.is_control = true;
+  i.a = s.operands[0].row;
+  return i.guard == kNoRow;
+}
+
+}  // namespace
+
+void add_warp_operations(DecodeTable& table) {
+  table["bar"] = decode_barrier;
+  table["barrier"] = decode_barrier;
+  table["shfl"] = decode_shuffle;
+  table["vote"] = decode_vote;
+  table["match"] = decode_match;
+  table["activemask"] = decode_active_mask;
+}
+
+}  // namespace tetune::ptxsim
