@@ -24,8 +24,9 @@ struct SurfaceContraction {
     if ((!in_plane && !on_line) || p.constrained.has_end(v)) return;
     StarCavity star(p.mesh, p.constrained);
     StarCandidate found;
-    if (!star.take_surface(t, {{v, -1, -1}, 1}) || !keeps_planes(p, star, v, apex) || !star.keeps_faces_of(apex) ||
-        !p.surface.find_replaced(star, found)) {
+    const SurfaceSimplex simplex{{v, -1, -1}, 1};
+    if (!star.take_surface(t, simplex) || !keeps_planes(p, star, v, apex) || !star.keeps_faces_of(apex) ||
+        !p.surface.find_replaced(star, simplex, found)) {
       return;
     }
     if (!star.grow_below(apex, x, (1 - kMinCostGain) * star.cost_before()) || !star.keeps_faces_of(apex)) return;

@@ -30,7 +30,7 @@ struct SurfaceInsertion {
     }
     StarCavity star(p.mesh, p.constrained);
     StarCandidate found;
-    if (!star.take_surface(t, simplex) || !p.surface.find_replaced(star, found)) return;
+    if (!star.take_surface(t, simplex) || !p.surface.find_replaced(star, simplex, found)) return;
     const NewVertexDof dof = find_dof(p, star, found, simplex);
     star.restrict_apex(dof.dof, dof.axis);
     x = star.relax_and_grow(star.relax(x));

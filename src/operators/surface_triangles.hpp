@@ -26,8 +26,21 @@ struct SurfaceTriangles {
     }
     return -1;
   }
-  /// Finds the triangles that a cavity replaces. Returns false where one of them must stay.
-  TETUNE_HD bool find_replaced(const StarCavity& star, StarCandidate& c) const {
+  /// The number of triangles that contain a simplex.
+  TETUNE_HD int count(const SurfaceSimplex& simplex) const {
+    int found = 0;
+    for (Size c = vertex2corner.begin(simplex.v[0]); c < vertex2corner.end(simplex.v[0]); ++c) {
+      const BoundaryTriangle& t = triangles[vertex2corner.items[c] / 3];
+      int shared = 0;
+      for (const Index v : t.v) shared += simplex.has(v) ? 1 : 0;
+      found += shared == simplex.size ? 1 : 0;
+    }
+    return found;
+  }
+  /// Finds the triangles that a cavity replaces. Returns false where one of them must stay, or where not all triangles
+  /// at the simplex are on the cavity: parts of the mesh touch there.
+  TETUNE_HD bool find_replaced(const StarCavity& star, const SurfaceSimplex& simplex, StarCandidate& c) const {
+    if (count(simplex) != star.base_count()) return false;
     c.triangle_count = star.base_count();
     for (int i = 0; i < star.base_count(); ++i) {
       c.triangles[i] = find(star.base(i));

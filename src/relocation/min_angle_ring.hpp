@@ -59,8 +59,8 @@ struct SlideMotion {
 };
 
 /// The extreme dihedral angles of the tetrahedra between a point and given faces, in terms of their cost
-/// (DihedralCots::cost()), which is to be minimized. It is neither a smooth nor a convex function of the point: a
-/// pattern search minimizes it.
+/// (DihedralCots::cost()), which is to be minimized. It is neither a smooth nor a convex function of the point: its
+/// steps are those of a MinimaxModel.
 class MinAngleRing {
  public:
   /// With `keeps_floor`, no position is feasible where an angle is beyond the floor.

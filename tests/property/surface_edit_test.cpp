@@ -145,6 +145,51 @@ TEST(SurfaceEdit, TrianglesDescendFromTheirPatch) {
   }
 }
 
+/// Two cubes that share the vertices of one edge and no face.
+TetMesh touching_cubes() {
+  TetMesh m = test::scrambled(test::cube(4, 0.3), 3, 7);
+  std::vector<Index> copy(m.points.size());
+  const std::size_t n = m.points.size();
+  for (std::size_t v = 0; v < n; ++v) {
+    const Point3 p = m.points[v];
+    const bool is_shared = p[0] == 0 && p[1] == 0;
+    copy[v] = is_shared ? static_cast<Index>(v) : static_cast<Index>(m.points.size());
+    if (!is_shared) m.points.push_back({-p[0], -p[1], p[2]});
+  }
+  const std::size_t tets = m.tets.size();
+  for (std::size_t t = 0; t < tets; ++t) {
+    auto tet = m.tets[t];
+    for (Index& v : tet) v = copy[static_cast<std::size_t>(v)];
+    m.tets.push_back(tet);
+  }
+  return test::with_tags(std::move(m));
+}
+
+TEST(SurfaceEdit, PartsThatTouchStayConforming) {
+  const TetMesh before = touching_cubes();
+  ASSERT_TRUE(validate(before).ok());
+  TetMesh after = before;
+  const Report report = optimize(after, editing());
+  EXPECT_GT(report.vertices_inserted + report.vertices_removed, 0);
+  ASSERT_TRUE(validate(after).ok());
+  // Each edge on the common line is one of both parts.
+  std::map<std::pair<Index, Index>, std::set<bool>> parts;
+  for (const auto& tet : after.tets) {
+    double x = 0;
+    for (const Index v : tet) x += after.points[static_cast<std::size_t>(v)][0];
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) {
+        const Point3& p = after.points[static_cast<std::size_t>(tet[i])];
+        const Point3& q = after.points[static_cast<std::size_t>(tet[j])];
+        const bool on_line = p[0] == 0 && p[1] == 0 && q[0] == 0 && q[1] == 0;
+        if (tet[i] < tet[j] && on_line) parts[{tet[i], tet[j]}].insert(x > 0);
+      }
+    }
+  }
+  EXPECT_FALSE(parts.empty());
+  for (const auto& [edge, sides] : parts) EXPECT_EQ(sides.size(), 2U);
+}
+
 TEST(SurfaceEdit, IsTheSameForAnyNumberOfThreads) {
   const TetMesh before = listed(test::scrambled(test::two_materials(6, 0.3), 3, 5));
   Options options = editing();
