@@ -82,8 +82,9 @@ std::vector<Case> cases() {
   return all;
 }
 
-void expect_parity(const Report& report, const Report& on_cpu) {
-  EXPECT_NEAR(report.energy_after, on_cpu.energy_after, 1e-9 * on_cpu.energy_after);
+void expect_parity(const Report& report, const Report& on_cpu, const Options& options) {
+  const double tolerance = options.effort == Effort::best ? 1e-5 : 1e-9;
+  EXPECT_NEAR(report.energy_after, on_cpu.energy_after, tolerance * on_cpu.energy_after);
   for (const auto& operation : kOperationCounts) {
     EXPECT_EQ(report.*operation.count, on_cpu.*operation.count) << operation.name;
   }
