@@ -52,7 +52,8 @@ def test_maps():
     tags = (points[tets].mean(axis=1)[:, 0] > 5).astype(int) + 3
     r = tetune.optimize(tetune.TetMesh(points, tets, tet_tags=tags), effort="best")
     assert r.report.vertices_inserted + r.report.vertices_removed > 0, "the test needs a case where vertices change"
-    assert (r.vertex_map < 0).sum() == r.report.vertices_inserted
+    assert len(r.mesh.points) - len(points) == r.report.vertices_inserted - r.report.vertices_removed
+    assert 0 < (r.vertex_map < 0).sum() <= r.report.vertices_inserted  # some may have been removed again
     assert np.array_equal(r.mesh.tet_tags, tags[r.parent])
     old = r.vertex_map >= 0
     assert r.moved[~old].all()
