@@ -52,7 +52,7 @@ TEST(Devices, OldGpusAndFullOnesAreRefusedWithTheNeed) {
   gpu = usable_gpu();
   expect_says(why_unusable(gpu, std::size_t{15} << 30), {"Tesla T4", "15360 of its 16384 MiB", "effort=fast"});
   // Beside the buffers there is the local memory of the threads.
-  const std::size_t most = std::size_t{14} << 30;
+  const std::size_t most = std::size_t{13} << 30;
   EXPECT_EQ(why_unusable(gpu, most), "");
   gpu.resident_threads *= 100;
   EXPECT_NE(why_unusable(gpu, most), "");
