@@ -13,8 +13,10 @@ namespace tetune {
 /// thread.
 class MinimaxModel {
  public:
-  /// Adds a function. Where there is no room, it replaces the one of the smallest value if its own is larger.
+  /// Adds a function. Where there is no room, it replaces the one of the smallest value if its own is larger. Gradients
+  /// that overflow, as at volumes close to underflow, are left out.
   TETUNE_HD void add(double value, const Vec3& gradient) {
+    if (!(dot(gradient, gradient) < kMaxNorm2)) return;
     int at = count_;
     if (count_ == kMaxFunctions) {
       at = 0;
@@ -60,6 +62,7 @@ class MinimaxModel {
           from = i;
         }
       }
+      if (from < 0) break;
       const Vec3 difference = gradient_[to] - gradient_[from];
       const double curvature = tau * dot(difference, difference);
       if (!(high - low > kTolerance * radius * std::sqrt(norm2)) || !(curvature > 0)) break;
@@ -74,6 +77,7 @@ class MinimaxModel {
 
  private:
   static constexpr int kMaxFunctions = 40;
+  static constexpr double kMaxNorm2 = 1e200;
   static constexpr int kExchanges = 400;
   static constexpr double kTolerance = 1e-10;
 

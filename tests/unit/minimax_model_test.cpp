@@ -2,7 +2,10 @@
 // Steps that decrease the maximum of several linear functions, against exact solutions.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "relocation/minimax_model.hpp"
 
@@ -30,6 +33,15 @@ TEST(MinimaxModel, OpposedGradientsLeaveTheDirectionThatDecreasesBoth) {
   const Vec3 d = model.step(0.1);
   EXPECT_NEAR(d.x, 0, 1e-12);
   EXPECT_LT(d.z, 0);
+}
+
+TEST(MinimaxModel, GradientsThatOverflowAreLeftOut) {
+  MinimaxModel model;
+  model.add(1, {1e300, 0, 0});
+  model.add(2, {std::nan(""), 0, 0});
+  EXPECT_EQ(norm(model.step(1)), 0);
+  model.add(1, {0, 2, 0});
+  EXPECT_NEAR(model.step(1).y, -1, 1e-15);
 }
 
 TEST(MinimaxModel, AnOptimumHasNoStep) {
