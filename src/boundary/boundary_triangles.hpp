@@ -21,10 +21,20 @@ struct BoundaryTriangle {
   std::uint8_t stays;   ///< it must not be flipped
 };
 
-struct VertexOfBoundaryCorner {
-  Span<const BoundaryTriangle> triangles;
-  TETUNE_HD Size operator()(Size corner) const { return triangles[corner / 3].v[corner % 3]; }
-};
+TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
+  return t.v[0] == v || t.v[1] == v || t.v[2] == v;
+}
+/// The triangle of three vertices, or -1.
+TETUNE_HD inline Index find_triangle(Span<const BoundaryTriangle> triangles, const CsrView& vertex2corner,
+                                     const Index v[3]) {
+  const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
+  for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
+    const Size triangle = vertex2corner.items[c] / 3;
+    const BoundaryTriangle& t = triangles[triangle];
+    if (has_vertex(t, v[0]) && has_vertex(t, v[1]) && has_vertex(t, v[2])) return to_index(triangle);
+  }
+  return -1;
+}
 
 template <class Backend>
 struct BoundaryTriangles {
@@ -40,8 +50,8 @@ struct BoundaryTriangles {
 template <class Backend>
 void list_corners(const Backend& backend, const WorkMesh<Backend>& mesh, BoundaryTriangles<Backend>& boundary) {
   if (!boundary.stale) return;
-  build_csr(backend, mesh.vertices(), 3 * boundary.triangles.size(), VertexOfBoundaryCorner{boundary.triangles.span()},
-            boundary.vertex2corner);
+  build_csr(backend, mesh.vertices(), 3 * boundary.triangles.size(),
+            VertexOfCorner<BoundaryTriangle>{boundary.triangles.span()}, boundary.vertex2corner);
   boundary.stale = false;
 }
 

@@ -80,8 +80,10 @@ inline void check_surface_size(Size faces) {
 /// The edge has no neighbor that a vertex may slide to: it is a feature.
 inline constexpr Index kFeatureEdge = -1;
 
-struct VertexOfSurfaceCorner {
-  Span<const SurfaceTriangle> triangles;
+/// The vertex at each corner 3 * triangle + k.
+template <class Triangle>
+struct VertexOfCorner {
+  Span<const Triangle> triangles;
   TETUNE_HD Size operator()(Size corner) const { return triangles[corner / 3].v[corner % 3]; }
 };
 
@@ -217,7 +219,8 @@ void collect_surface(const Backend& backend, WorkMesh<Backend>& mesh, Surface<Ba
   check_surface_size(count);
   surface.triangles.resize(backend, count);
   backend.for_each(count, TriangleOfFace{mesh.tet2vertex, faces, surface.triangles});
-  build_csr(backend, mesh.vertices(), 3 * count, VertexOfSurfaceCorner{surface.triangles}, surface.vertex2corner);
+  build_csr(backend, mesh.vertices(), 3 * count, VertexOfCorner<SurfaceTriangle>{surface.triangles},
+            surface.vertex2corner);
 }
 
 /// Collects the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or

@@ -6,8 +6,8 @@
 #include "driver/import_mesh.inl"
 #include "driver/targets.hpp"
 #include "phases/alternate.hpp"
+#include "phases/improve_angles.hpp"
 #include "phases/improve_worst.hpp"
-#include "phases/open_smallest_angles.hpp"
 #include "phases/polish.hpp"
 #include "phases/untangle.hpp"
 
@@ -38,7 +38,7 @@ void run_phases(Optimizer<Backend>& optimizer) {
   if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return;
   if (!improves_worst(optimizer.options)) return;
   if (!improve_worst(optimizer, criterion.floor)) return;
-  if (!open_smallest_angles(optimizer, criterion.floor)) return;
+  if (!improve_angles(optimizer, criterion.floor)) return;
   polish(optimizer, criterion.floor);
 }
 

@@ -21,6 +21,20 @@ struct DihedralCots {
   }
 };
 
+/// Visits the dihedral angles of a tetrahedron: `visit(cot, i, j, k, l)` gets the cotangent at edge (k, l) between the
+/// faces opposite i and j. With n_i, n_j the outward cross products of these faces and e the edge,
+/// cos = -n_i . n_j / (|n_i| |n_j|) and sin = w |e| / (|n_i| |n_j|): nothing cancels in a flat tetrahedron.
+template <class Visit>
+TETUNE_HD void for_each_dihedral_cot(const Vec3 p[4], const Vec3 n[4], double w, const Visit& visit) {
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i + 1; j < 4; ++j) {
+      const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
+      const int l = 6 - i - j - k;
+      visit(-dot(n[i], n[j]) / (w * norm(p[k] - p[l])), i, j, k, l);
+    }
+  }
+}
+
 /// The worst quality in a mesh: no operation may create a tetrahedron that is worse.
 struct QualityFloor {
   /// Relative tolerance for rounding.
@@ -66,8 +80,6 @@ struct QualityFloor {
   }
   TETUNE_HD bool allows(const DihedralCots& cots) const { return cots.max <= max_cot && cots.min >= min_cot; }
 
-  /// The extreme cotangents. With n_i, n_j the outward cross products of two faces and e their common
-  /// edge, cos = -n_i . n_j / (|n_i| |n_j|) and sin = w |e| / (|n_i| |n_j|): nothing cancels in a flat tetrahedron.
   TETUNE_HD static DihedralCots dihedral_cots(const Vec3 p[4], double w) {
     Vec3 n[4];
     for (int f = 0; f < 4; ++f) {
@@ -75,16 +87,10 @@ struct QualityFloor {
       n[f] = cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
     }
     DihedralCots cots;
-    for (int i = 0; i < 4; ++i) {
-      for (int j = i + 1; j < 4; ++j) {
-        // The faces opposite i and j share the edge (k, l).
-        const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
-        const int l = 6 - i - j - k;
-        const double cot = -dot(n[i], n[j]) / (w * norm(p[k] - p[l]));
-        cots.max = cot > cots.max ? cot : cots.max;
-        cots.min = cot < cots.min ? cot : cots.min;
-      }
-    }
+    for_each_dihedral_cot(p, n, w, [&cots](double cot, int, int, int, int) {
+      cots.max = cot > cots.max ? cot : cots.max;
+      cots.min = cot < cots.min ? cot : cots.min;
+    });
     return cots;
   }
 

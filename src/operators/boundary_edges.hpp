@@ -18,10 +18,6 @@ struct IsAtBoundary {
   }
 };
 
-TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
-  return t.v[0] == v || t.v[1] == v || t.v[2] == v;
-}
-
 /// Finds each triangle in the mesh; of one with tetrahedra on both sides, the lower of the two faces.
 struct FindFaces {
   MeshView mesh;
@@ -35,14 +31,8 @@ struct FindFaces {
       const HalfFace link = mesh.tet2tet[tets[i]][f];
       if (!is_locked(link) || (link != kNoHalfFace && tet_of(link) < tets[i])) continue;
       const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
-      const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
-      for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
-        const Size triangle = vertex2corner.items[c] / 3;
-        const BoundaryTriangle& t = triangles[triangle];
-        if (has_vertex(t, v[0]) && has_vertex(t, v[1]) && has_vertex(t, v[2])) {
-          triangle2face[triangle] = 4 * tets[i] + f;
-        }
-      }
+      const Index triangle = find_triangle(triangles, vertex2corner, v);
+      if (triangle >= 0) triangle2face[triangle] = 4 * tets[i] + f;
     }
   }
 };

@@ -130,9 +130,9 @@ struct FlipTriangles {
 template <class Backend>
 auto find_corners(const Backend& backend, const FindEdge& find, Span<const std::uint8_t> changed) {
   const Size count = 3 * find.triangles.size();
-  typename Backend::template Buffer<std::uint8_t> marks(backend, count);
+  BufferOf<Backend, std::uint8_t> marks(backend, count);
   backend.for_each(count, MarkEdge{find, changed, marks.span()});
-  typename Backend::template Buffer<Index> corners(backend, count);
+  BufferOf<Backend, Index> corners(backend, count);
   corners.resize(backend, backend.compact(count, IsMarkedCorner{marks.span()}, corners.span()));
   return corners;
 }
@@ -140,9 +140,9 @@ auto find_corners(const Backend& backend, const FindEdge& find, Span<const std::
 /// Each triangle's face in the mesh, 4 * slot + face.
 template <class Backend>
 auto find_faces(const Backend& backend, WorkMesh<Backend>& mesh, BoundaryTriangles<Backend>& boundary) {
-  typename Backend::template Buffer<Index> tets(backend, mesh.slots());
+  BufferOf<Backend, Index> tets(backend, mesh.slots());
   tets.resize(backend, backend.compact(mesh.slots(), IsAtBoundary{mesh.view()}, tets.span()));
-  typename Backend::template Buffer<Index> triangle2face(backend, boundary.triangles.size());
+  BufferOf<Backend, Index> triangle2face(backend, boundary.triangles.size());
   backend.for_each(tets.size(), FindFaces{mesh.view(), tets.span(), boundary.triangles.span(),
                                           boundary.vertex2corner.view(), triangle2face.span()});
   return triangle2face;
@@ -163,7 +163,7 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   const Size count = corners.size();
   result.active = count;
   if (count == 0 || backend.stop_requested()) return result;
-  typename Backend::template Buffer<BoundaryEdge> edges(backend, count);
+  BufferOf<Backend, BoundaryEdge> edges(backend, count);
   backend.for_each(count, FillEdge{find, corners.span(), edges.span()});
   auto triangle2face = find_faces(backend, mesh, boundary);
 

@@ -6,7 +6,7 @@
 namespace tetune {
 
 /// The best removal of an edge of a tetrahedron with a vertex of its ring moved at the same time: a composite operation
-/// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2008).
+/// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007).
 struct CompositeRemoval {
   static constexpr int kChoices = 1;
   /// The maximum number of tetrahedra around the edge: with more it hardly ever helps.
@@ -32,7 +32,7 @@ struct CompositeRemoval {
       }
     }
     if (best.v < 0) return;
-    StarCandidate c = best.star.candidate(best.v, kNoVertex, best.star.open_angle(best.x));
+    StarCandidate c = best.star.candidate(best.v, kNoVertex, best.star.lower_cost(best.x));
     c.is_moved = true;
     p.add(best.star, best.before, c);
   }

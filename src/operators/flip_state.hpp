@@ -43,7 +43,7 @@ struct PassResult {
 template <class Backend>
 struct FlipState {
   template <class T>
-  using Buffer = typename Backend::template Buffer<T>;
+  using Buffer = BufferOf<Backend, T>;
   /// Energy of each slot; 0 for a free one.
   Buffer<double> energies;
   /// The highest bid on each slot: gain in the high half, id in the low one. Scratch of a pass.

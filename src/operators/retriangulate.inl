@@ -63,16 +63,15 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
     triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->flat};
   }
   const Size count = choices * std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers);
-  StarProposals<AllOperators> proposals{rated(mesh, criterion),
-                                        flips.constrained(),
-                                        dofs.dof.span(),
-                                        dofs.axis.span(),
-                                        triangles,
-                                        tets,
-                                        choices,
-                                        flips.max_ring,
-                                        vertex_cost,
-                                        true};
+  const StarContext context{rated(mesh, criterion),
+                            flips.constrained(),
+                            dofs.dof.span(),
+                            dofs.axis.span(),
+                            triangles,
+                            flips.max_ring,
+                            vertex_cost,
+                            true};
+  StarProposals<AllOperators> proposals{context, tets, choices};
   auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
   const auto has_room = [&] {
     const ChangeCounts& total = selection.total;

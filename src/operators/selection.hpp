@@ -66,9 +66,9 @@ struct Record {
 /// Records that hold all of their tetrahedra, and what they change.
 template <class Backend, CavityPatch P>
 struct Selection {
-  typename Backend::template Buffer<Record<P>> records;    ///< the selected ones, and a few more
-  typename Backend::template Buffer<Index> selected;       ///< positions of records
-  typename Backend::template Buffer<ChangeCounts> before;  ///< sums over the selected records before each
+  BufferOf<Backend, Record<P>> records;    ///< the selected ones, and a few more
+  BufferOf<Backend, Index> selected;       ///< positions of records
+  BufferOf<Backend, ChangeCounts> before;  ///< sums over the selected records before each
   ChangeCounts total;
   Size evaluated = 0;
   bool is_stopped = false;  ///< a stop was requested: nothing is selected
@@ -192,7 +192,7 @@ void reserve_records(const Backend& backend, Buffer& records, Size needed, doubl
 /// before each batch. `tet2bid` is scratch for all slots; afterwards it is kReplaced for the selected tetrahedra.
 template <class Backend, class Generator>
 auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size count, const Generator& generator,
-                       typename Backend::template Buffer<std::uint64_t>& tet2bid) {
+                       BufferOf<Backend, std::uint64_t>& tet2bid) {
   using namespace selection_detail;
   using C = typename Generator::Candidate;
   using P = typename C::Patch;
@@ -201,9 +201,9 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
   backend.fill(tet2bid.span(), std::uint64_t{0});
   {
     const Size batch = batch_size<Backend>(count, Generator::kBatch);
-    typename Backend::template Buffer<C> candidates(backend, Generator::kParts * batch);
-    typename Backend::template Buffer<std::uint64_t> bids(backend, Generator::kParts * batch);
-    typename Backend::template Buffer<Index> entries(backend, Generator::kParts * batch);
+    BufferOf<Backend, C> candidates(backend, Generator::kParts * batch);
+    BufferOf<Backend, std::uint64_t> bids(backend, Generator::kParts * batch);
+    BufferOf<Backend, Index> entries(backend, Generator::kParts * batch);
     Size room = 0;
     for (Size first = 0; first < count; first += batch) {
       if (backend.stop_requested()) {

@@ -39,6 +39,12 @@ struct SurfaceSimplex {
   TETUNE_HD bool is_on_face(const Tet& tet, int f) const { return size > 0 && !has(tet[f]); }
 };
 
+/// Triangles of the surface, by their position in the list.
+struct ReplacedTriangles {
+  int count = 0;
+  Index triangle[kMaxStarTriangles];
+};
+
 /// Where a new vertex may go.
 struct NewVertexDof {
   VertexDof dof = VertexDof::free;
@@ -63,13 +69,12 @@ struct StarPatch {
   int made = 0;
   int faces_count = 0;
   int base_edges_count = 0;
-  int triangle_count = 0;
+  ReplacedTriangles replaced;  ///< the surface triangles that vanish
   Index tets[kMaxStarTets];
   LinkFace faces[kMaxStarFaces];
   HalfFace sides[kMaxStarFaces];        ///< the faces as those of the old tetrahedra
   std::int8_t face2tet[kMaxStarFaces];  ///< the new tetrahedron on a face; negative where the apex is on it
   std::int8_t tet2face[kMaxStarFaces];
-  Index triangles[kMaxStarTriangles];  ///< the surface triangles that are replaced
 
   /// An edge of a replaced surface triangle that forms a new one with the apex.
   struct BaseEdge {
@@ -152,7 +157,7 @@ struct StarPatch {
     counts.add_tets(tet_count, made);
     counts.inserted = is_inserted ? 1 : 0;
     counts.removed = removed >= 0 ? 1 : 0;
-    counts.triangles = is_inserted ? static_cast<std::uint32_t>(triangle_count * (simplex.size - 1)) : 0;
+    counts.triangles = is_inserted ? static_cast<std::uint32_t>(replaced.count * (simplex.size - 1)) : 0;
   }
 
  private:
@@ -182,11 +187,10 @@ struct StarCandidate {
   bool is_moved;  ///< the apex is a vertex that moves; all tetrahedra around it are in the cavity
   NewVertexDof dof;
   SurfaceSimplex simplex;
+  ReplacedTriangles replaced;
   int tet_count;
-  int triangle_count;
   Index tets[kMaxStarTets];
   std::uint8_t outer_faces[kMaxStarTets];  ///< of each tetrahedron, as bits
-  Index triangles[kMaxStarTriangles];
 
   TETUNE_HD int old_count() const { return tet_count; }
   TETUNE_HD StarPatch expand(const MeshView& mesh) const {
@@ -199,8 +203,7 @@ struct StarCandidate {
     p.dof = dof;
     p.simplex = simplex;
     p.tet_count = tet_count;
-    p.triangle_count = triangle_count;
-    for (int i = 0; i < triangle_count; ++i) p.triangles[i] = triangles[i];
+    p.replaced = replaced;
     for (int i = 0; i < tet_count; ++i) {
       p.tets[i] = tets[i];
       const Tet tet = mesh.tet2vertex[tets[i]];

@@ -4,7 +4,7 @@
 #include "mesh/constrained_edges.hpp"
 #include "operators/edge_star.hpp"
 #include "operators/star_candidate.hpp"
-#include "relocation/min_angle_ring.hpp"
+#include "relocation/angle_cost_ring.hpp"
 #include "relocation/step.hpp"
 
 namespace tetune {
@@ -115,7 +115,6 @@ class StarCavity {
     c.is_moved = false;
     c.tet_count = tet_count_;
     c.simplex = simplex_;
-    c.triangle_count = 0;
     for (int i = 0; i < tet_count_; ++i) {
       c.tets[i] = tets_[i];
       c.outer_faces[i] = 0;
@@ -144,7 +143,7 @@ class StarCavity {
     for (int i = 0; i < face_count_; ++i) {
       if (has_vertex(faces_[i], apex)) continue;
       int first = 0;
-      const double cost = MinAngleRing(mesh_, &faces_[i], 1, keeps_floor).largest_cost(x, limit, first);
+      const double cost = AngleCostRing(mesh_, &faces_[i], 1, keeps_floor).largest_cost(x, limit, first);
       if (!(cost < limit)) return limit;
       largest = cost > largest ? cost : largest;
     }
@@ -159,9 +158,9 @@ class StarCavity {
     for (int i = 0; i < face_count_; ++i) {
       const Vec3 p = vec(mesh_.points[faces_[i].v[0]]);
       const Vec3 n = opposite_face(p, vec(mesh_.points[faces_[i].v[1]]), vec(mesh_.points[faces_[i].v[2]])).n;
-      const double area = norm(n);
-      normal[i] = (1 / area) * n;
-      height[i] = dot(normal[i], p) + kHeight * std::sqrt(area);
+      const double twice_area = norm(n);
+      normal[i] = (1 / twice_area) * n;
+      height[i] = dot(normal[i], p) + kHeight * std::sqrt(twice_area);
     }
     for (int step = 0; step < kRelaxations; ++step) {
       double min_above = 0;
@@ -210,7 +209,7 @@ class StarCavity {
       for (int i = 0; i < face_count_; ++i) {
         if (has_vertex(faces_[i], apex)) continue;
         int first = 0;
-        const double cost = MinAngleRing(mesh_, &faces_[i], 1, false).largest_cost(x, kInfeasible, first);
+        const double cost = AngleCostRing(mesh_, &faces_[i], 1, false).largest_cost(x, kInfeasible, first);
         worst = cost >= largest ? i : worst;
         largest = cost >= largest ? cost : largest;
       }
@@ -221,10 +220,10 @@ class StarCavity {
     }
     return false;
   }
-  /// A place for the apex with a larger smallest angle.
-  TETUNE_HD Vec3 open_angle(Vec3 x) const {
+  /// A place for the apex where the largest cost of the angles is lower.
+  TETUNE_HD Vec3 lower_cost(Vec3 x) const {
     FreeMotion motion{space_};
-    MinAngleRing(mesh_, faces_, face_count_, false).maximize(x, motion, 0);
+    AngleCostRing(mesh_, faces_, face_count_, false).minimize(x, motion, 0);
     return x;
   }
 
@@ -232,7 +231,7 @@ class StarCavity {
   static constexpr int kGrowthRounds = 3;
   static constexpr int kRelaxations = 30;
   static constexpr double kOverRelaxation = 1.5;
-  /// The height required over a face, in parts of the square root of its area.
+  /// The height required over a face, in parts of the square root of twice its area.
   static constexpr double kHeight = 0.1;
   /// The part of the energy that a step must reduce, by its model.
   static constexpr double kMinGain = 1e-3;

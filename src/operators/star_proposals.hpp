@@ -5,10 +5,11 @@
 #include "operators/star_cavity.hpp"
 #include "operators/surface_triangles.hpp"
 
-/// Proposals to retriangulate a cavity from one point, so that its smallest dihedral angle opens.
+/// Proposals to retriangulate a cavity from one point, so that the largest cost of its dihedral angles
+/// (DihedralCots::cost()) falls.
 namespace tetune {
 
-/// The largest cost of the angles (DihedralCots::cost()) must fall by this part.
+/// The largest cost must fall by this part.
 inline constexpr double kMinCostGain = 0.02;
 /// A place for an apex is improved further when the cost there is at most this many times what it was.
 inline constexpr double kAcceptRatio = 1.5;
@@ -18,8 +19,8 @@ inline constexpr double kScreenRatio = 2;
 /// How often the cavity of a new vertex is enlarged and the vertex moved.
 inline constexpr int kOpeningRounds = 3;
 
-/// What an operator needs to evaluate one of its choices, and where it adds the candidate.
-struct StarProposal {
+/// The data that operators share.
+struct StarContext {
   RatedMesh mesh;
   ConstrainedEdges constrained;
   Span<const VertexDof> kind;
@@ -28,8 +29,6 @@ struct StarProposal {
   int max_ring;        ///< of the removal of an edge
   double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost
   bool inserts;        ///< vertices may be inserted
-  Proposals<StarCandidate> proposals;
-  Size id;
 
   TETUNE_HD bool is_movable(Index v) const { return kind[v] == VertexDof::free && !constrained.has_end(v); }
   TETUNE_HD bool may_change_vertices(Index t) const {
@@ -37,6 +36,12 @@ struct StarProposal {
   }
 
   TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
+};
+
+/// One choice of an operator, and where it adds the candidate.
+struct StarProposal : StarContext {
+  Proposals<StarCandidate> proposals;
+  Size id;
 
   /// Moves a new vertex to where the largest cost is lower than before, and enlarges the cavity where it is not.
   /// Returns false where there is no such place.
@@ -45,12 +50,12 @@ struct StarProposal {
     const double limit = (1 - kMinCostGain) * before;
     const double screen = kAcceptRatio * before;
     if (star.cost_after(kNewVertex, x, screen) < screen) {
-      x = star.open_angle(x);
+      x = star.lower_cost(x);
       if (star.cost_after(kNewVertex, x, limit) < limit) return true;
     }
     for (int round = 0; round < kOpeningRounds; ++round) {
       if (!star.grow_below(kNewVertex, x, limit)) return false;
-      x = star.open_angle(x);
+      x = star.lower_cost(x);
     }
     return true;
   }
@@ -86,25 +91,16 @@ struct StarOperators<First, Others...> {
 
 /// The choices of some tetrahedra, the first `choices` of each.
 template <class Operators>
-struct StarProposals {
+struct StarProposals : StarContext {
   using Candidate = StarCandidate;
   static constexpr int kParts = 1;
   static constexpr Size kGrain = 4;
   static constexpr Size kBatch = Size{1} << 12;
-  RatedMesh mesh;
-  ConstrainedEdges constrained;
-  Span<const VertexDof> kind;
-  Span<const Vec3> axis;
-  SurfaceTriangles surface;
   Span<const Index> tets;
   int choices;
-  int max_ring;
-  double vertex_cost;
-  bool inserts;
 
   TETUNE_HD Size operator()(Size id, const Proposals<StarCandidate>& proposals) const {
-    const StarProposal proposal{mesh, constrained, kind, axis, surface, max_ring, vertex_cost, inserts, proposals, id};
-    Operators::propose(proposal, tets[id / choices], static_cast<int>(id % choices));
+    Operators::propose(StarProposal{*this, proposals, id}, tets[id / choices], static_cast<int>(id % choices));
     return 1;
   }
 };

@@ -23,16 +23,15 @@ struct SurfaceContraction {
     const bool on_line = p.kind[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance;
     if ((!in_plane && !on_line) || p.constrained.has_end(v)) return;
     StarCavity star(p.mesh, p.constrained);
-    StarCandidate found;
+    ReplacedTriangles replaced;
     const SurfaceSimplex simplex{{v, -1, -1}, 1};
     if (!star.take_surface(t, simplex) || !keeps_planes(p, star, v, apex) || !star.keeps_faces_of(apex) ||
-        !p.surface.find_replaced(star, simplex, found)) {
+        !p.surface.find_replaced(star, simplex, replaced)) {
       return;
     }
     if (!star.grow_below(apex, x, (1 - kMinCostGain) * star.cost_before()) || !star.keeps_faces_of(apex)) return;
     StarCandidate c = star.candidate(apex, v, x);
-    c.triangle_count = found.triangle_count;
-    for (int i = 0; i < found.triangle_count; ++i) c.triangles[i] = found.triangles[i];
+    c.replaced = replaced;
     p.add(star, star.cost_before(), c);
   }
 

@@ -7,7 +7,7 @@ namespace tetune {
 
 /// A vertex inserted on each edge and each triangle that a tetrahedron has on the surface; it moves within flat parts
 /// of one patch, or along its edge, and its cavity grows while that lowers the energy (Klingner and Shewchuk,
-/// "Aggressive tetrahedral mesh improvement", 2008).
+/// "Aggressive tetrahedral mesh improvement", 2007).
 struct SurfaceInsertion {
   static constexpr int kChoices = 10;
 
@@ -29,29 +29,28 @@ struct SurfaceInsertion {
       x = x + (1.0 / simplex.size) * vec(p.mesh.points[simplex.v[k]]);
     }
     StarCavity star(p.mesh, p.constrained);
-    StarCandidate found;
-    if (!star.take_surface(t, simplex) || !p.surface.find_replaced(star, simplex, found)) return;
-    const NewVertexDof dof = find_dof(p, star, found, simplex);
+    ReplacedTriangles replaced;
+    if (!star.take_surface(t, simplex) || !p.surface.find_replaced(star, simplex, replaced)) return;
+    const NewVertexDof dof = find_dof(p, star, replaced, simplex);
     star.restrict_apex(dof.dof, dof.axis);
     x = star.relax_and_grow(star.relax(x));
     if (!p.open(star, x)) return;
     StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
     c.dof = dof;
-    c.triangle_count = found.triangle_count;
-    for (int i = 0; i < found.triangle_count; ++i) c.triangles[i] = found.triangles[i];
+    c.replaced = replaced;
     p.add(star, star.cost_before(), c);
   }
 
  private:
-  TETUNE_HD static NewVertexDof find_dof(const StarProposal& p, const StarCavity& star, const StarCandidate& found,
-                                         const SurfaceSimplex& simplex) {
+  TETUNE_HD static NewVertexDof find_dof(const StarProposal& p, const StarCavity& star,
+                                         const ReplacedTriangles& replaced, const SurfaceSimplex& simplex) {
     const Vec3 origin = vec(p.mesh.points[simplex.v[0]]);
     const Vec3 edge = vec(p.mesh.points[simplex.v[1]]) - origin;
     const double length = norm(edge);
     const double radius = 0.25 * length;
     const Vec3 n = area_normal(p.mesh, star.base(0));
     if (simplex.size == 3) return {VertexDof::plane, (1 / norm(n)) * n, radius};
-    if (star.base_count() == 2 && p.surface.in_one_patch(found.triangles[0], found.triangles[1])) {
+    if (star.base_count() == 2 && p.surface.in_one_patch(replaced.triangle[0], replaced.triangle[1])) {
       const Vec3 to_first = apex(p, star.base(0), simplex) - origin;
       const Vec3 to_second = apex(p, star.base(1), simplex) - origin;
       const Vec3 n1 = cross(edge, to_first);

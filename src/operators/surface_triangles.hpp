@@ -17,15 +17,7 @@ struct SurfaceTriangles {
   /// Whether a vertex is on the surface, among vertices that existed when the corners were listed.
   TETUNE_HD bool has(Index v) const { return vertex2corner.size(v) > 0; }
   /// The triangle of three vertices, or -1.
-  TETUNE_HD Index find(const LinkFace& f) const {
-    const Index from = vertex2corner.shorter(vertex2corner.shorter(f.v[0], f.v[1]), f.v[2]);
-    for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
-      const Size triangle = vertex2corner.items[c] / 3;
-      const LinkFace t{{triangles[triangle].v[0], triangles[triangle].v[1], triangles[triangle].v[2]}};
-      if (has_vertex(t, f.v[0]) && has_vertex(t, f.v[1]) && has_vertex(t, f.v[2])) return static_cast<Index>(triangle);
-    }
-    return -1;
-  }
+  TETUNE_HD Index find(const LinkFace& f) const { return find_triangle(triangles, vertex2corner, f.v); }
   /// The number of triangles that contain a simplex.
   TETUNE_HD int count(const SurfaceSimplex& simplex) const {
     int found = 0;
@@ -39,12 +31,14 @@ struct SurfaceTriangles {
   }
   /// Finds the triangles that a cavity replaces. Returns false where one of them must stay, or where not all triangles
   /// at the simplex are on the cavity: parts of the mesh touch there.
-  TETUNE_HD bool find_replaced(const StarCavity& star, const SurfaceSimplex& simplex, StarCandidate& c) const {
+  TETUNE_HD bool find_replaced(const StarCavity& star, const SurfaceSimplex& simplex,
+                               ReplacedTriangles& replaced) const {
     if (count(simplex) != star.base_count()) return false;
-    c.triangle_count = star.base_count();
+    replaced.count = star.base_count();
     for (int i = 0; i < star.base_count(); ++i) {
-      c.triangles[i] = find(star.base(i));
-      if (c.triangles[i] < 0 || triangles[c.triangles[i]].stays != 0) return false;
+      const Index t = find(star.base(i));
+      if (t < 0 || triangles[t].stays != 0) return false;
+      replaced.triangle[i] = t;
     }
     return true;
   }
@@ -74,8 +68,8 @@ struct ReplaceTriangles {
   TETUNE_HD void operator()(Size i) const {
     const P& patch = records[selected[i]].patch;
     Size next = old_count + before[i].triangles;
-    for (int k = 0; k < patch.triangle_count; ++k) {
-      const BoundaryTriangle old = triangles[patch.triangles[k]];
+    for (int k = 0; k < patch.replaced.count; ++k) {
+      const BoundaryTriangle old = triangles[patch.replaced.triangle[k]];
       for (int s = 0; s < patch.simplex.size; ++s) {
         BoundaryTriangle t = old;
         bool has_apex = false;
@@ -84,7 +78,7 @@ struct ReplaceTriangles {
           v = v == patch.simplex.v[s] ? patch.apex : v;
         }
         if (has_apex) t.v[0] = kRemoved;
-        triangles[s == 0 ? patch.triangles[k] : next++] = t;
+        triangles[s == 0 ? patch.replaced.triangle[k] : next++] = t;
       }
     }
   }

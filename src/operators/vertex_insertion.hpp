@@ -6,7 +6,7 @@
 namespace tetune {
 
 /// A vertex inserted near the midpoint of each edge of a tetrahedron; its cavity grows while that lowers the energy
-/// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2008).
+/// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007).
 struct VertexInsertion {
   static constexpr int kChoices = 7;
 

@@ -6,7 +6,7 @@
 #include "backend/atomic.hpp"
 #include "math/orient.hpp"
 #include "mesh/work_mesh.hpp"
-#include "relocation/min_angle_ring.hpp"
+#include "relocation/angle_cost_ring.hpp"
 
 /// Selection of tetrahedra and of their vertices, for work on a few of them (docs/method.md, "The worst elements").
 namespace tetune {
@@ -83,24 +83,23 @@ struct FlagNeighbors {
 
 /// Returns the slots for which a predicate holds.
 template <class Backend, class Predicate>
-typename Backend::template Buffer<Index> find_tets(const Backend& backend, WorkMesh<Backend>& mesh,
-                                                   const Predicate& predicate) {
-  typename Backend::template Buffer<Index> tets(backend, mesh.slots());
+BufferOf<Backend, Index> find_tets(const Backend& backend, WorkMesh<Backend>& mesh, const Predicate& predicate) {
+  BufferOf<Backend, Index> tets(backend, mesh.slots());
   tets.resize(backend, backend.compact(mesh.slots(), predicate, tets.span()));
   return tets;
 }
 
 /// Returns the slots whose value is above `bound`; `values` has one entry per slot.
 template <class Backend>
-typename Backend::template Buffer<Index> tets_above(const Backend& backend, WorkMesh<Backend>& mesh,
-                                                    Span<const double> values, double bound) {
+BufferOf<Backend, Index> tets_above(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> values,
+                                    double bound) {
   return find_tets(backend, mesh, selection_detail::IsAbove{values, bound});
 }
 
 /// Returns the tetrahedra that have a flagged vertex.
 template <class Backend>
-typename Backend::template Buffer<Index> tets_with_flagged_vertex(const Backend& backend, WorkMesh<Backend>& mesh,
-                                                                  Span<const std::uint8_t> flags) {
+BufferOf<Backend, Index> tets_with_flagged_vertex(const Backend& backend, WorkMesh<Backend>& mesh,
+                                                  Span<const std::uint8_t> flags) {
   return find_tets(backend, mesh, selection_detail::HasFlaggedVertex{mesh.view(), flags});
 }
 

@@ -74,8 +74,8 @@ Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterio
 /// nowhere). The energies of the slots are up to date before and afterwards. Returns the tetrahedra with a vertex that
 /// may have moved; only these vertices have rings afterwards.
 template <class Backend>
-typename Backend::template Buffer<Index> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion,
-                                                        Span<const Index> tets, double vertex_cost, WorstReport& r) {
+BufferOf<Backend, Index> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion,
+                                        Span<const Index> tets, double vertex_cost, WorstReport& r) {
   using namespace improve_around_detail;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;

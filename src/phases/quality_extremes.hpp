@@ -6,7 +6,7 @@
 
 #include "energy/quality_floor.hpp"
 #include "mesh/work_mesh.hpp"
-#include "relocation/min_angle_ring.hpp"
+#include "relocation/angle_cost_ring.hpp"
 
 /// The largest energy and the smallest dihedral angle of a mesh (docs/method.md, "The worst elements").
 namespace tetune {
@@ -56,7 +56,7 @@ struct ComputeExtremeness {
 /// least `min_cost`. `shapes` are the shape energies of all slots.
 template <class Backend>
 struct AngleExtremes {
-  typename Backend::template Buffer<double> values;
+  BufferOf<Backend, double> values;
   double max_cost;
 
   AngleExtremes(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes, double min_cost,

@@ -54,7 +54,7 @@ struct AlternationParameters {
 
 /// improve_worst(): rounds of work around the tetrahedra of the largest energy.
 struct WorstParameters {
-  /// 0: the phase is left out, and open_smallest_angles() with it.
+  /// 0: the phase is left out, and improve_angles() with it.
   int max_rounds = 10;
   /// At most this part of the tetrahedra are among the worst,
   double max_part = 3e-4;
@@ -71,7 +71,7 @@ struct WorstParameters {
   bool has_budget = true;
 };
 
-/// open_smallest_angles(): rounds of work around the tetrahedra of the smallest dihedral angles.
+/// improve_angles(): rounds of work around the tetrahedra of the smallest dihedral angles.
 struct AngleParameters {
   int max_rounds = 1;
   /// At most this part of the tetrahedra, or this number of them in a small mesh, are worked on,

@@ -9,7 +9,7 @@ namespace tetune {
 
 /// A temporary selection: a flag per vertex.
 template <class Backend>
-using VertexMask = typename Backend::template Buffer<std::uint8_t>;
+using VertexMask = BufferOf<Backend, std::uint8_t>;
 
 /// The vertices whose ring flips have changed since the set was cleared.
 template <class Backend>

@@ -4,14 +4,14 @@
 #include <cmath>
 
 #include "phases/improve_around.hpp"
-#include "relocation/maximize_min_angle.hpp"
+#include "relocation/minimize_angle_cost.hpp"
 
 namespace tetune {
-namespace open_smallest_angles_detail {
+namespace improve_angles_detail {
 
 /// One round. Returns the number of changes.
 template <class Backend>
-Size open_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstReport& r) {
+Size improve_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstReport& r) {
   const AngleParameters& p = optimizer.tuning.angles;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
@@ -33,25 +33,25 @@ Size open_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstReport& 
   VertexMask<Backend> selected(backend, work.mesh.vertices());
   backend.fill(selected.span(), std::uint8_t{0});
   flag_vertices_of_extreme(backend, work.mesh, criterion, affected.span(), cost, selected.span());
-  Size opened = 0;
+  Size moved = 0;
   for (int pass = 0; pass < p.opening_passes; ++pass) {
-    opened += maximize_min_angle(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
+    moved += minimize_angle_cost(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
                                  Span<const std::uint8_t>(selected.span()), cost);
   }
   refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, affected.span());
   optimizer.set_energy(sum_energy(backend, work.flips.energies));
-  r.moved += opened;
-  return r.inserted + r.removed + r.flips + opened;
+  r.moved += moved;
+  return r.inserted + r.removed + r.flips + moved;
 }
 
-}  // namespace open_smallest_angles_detail
+}  // namespace improve_angles_detail
 
-/// Enlarges the smallest dihedral angles, in rounds: the neighborhood of their tetrahedra is improved, with
-/// Effort::best by inserted and removed vertices too, and vertices are moved to where the smallest angle around them is
-/// largest. Raises `floor` to the smallest angle of each round. Reports Report::worst_rounds. Returns false when the
-/// caller cancels.
+/// Lowers the largest cost of the dihedral angles (DihedralCots::cost()), in rounds: the neighborhood of their
+/// tetrahedra is improved, with Effort::best by inserted and removed vertices too, and vertices are moved to where the
+/// largest cost around them is lowest. Tightens `floor` to the angles of each round. Reports Report::worst_rounds.
+/// Returns false when the caller cancels.
 template <class Backend>
-bool open_smallest_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
+bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   const int rounds = optimizer.tuning.angles.max_rounds;
   optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
   for (int round = 1; round <= rounds; ++round) {
@@ -59,7 +59,7 @@ bool open_smallest_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
     r.round = round;
     Size changes = 0;
     r.seconds = optimizer.timer.measure(Phase::angles,
-                                        [&] { changes = open_smallest_angles_detail::open_once(optimizer, floor, r); });
+                                        [&] { changes = improve_angles_detail::improve_once(optimizer, floor, r); });
     r.dihedral_min = optimizer.traced_angle();
     optimizer.report.worst_rounds.push_back(r);
     optimizer.progress.estimate.finish_angle_step(round, rounds + optimizer.tuning.polish.sweeps);

@@ -61,16 +61,16 @@ struct SlideMotion {
 /// The extreme dihedral angles of the tetrahedra between a point and given faces, in terms of their cost
 /// (DihedralCots::cost()), which is to be minimized. It is neither a smooth nor a convex function of the point: its
 /// steps are those of a MinimaxModel.
-class MinAngleRing {
+class AngleCostRing {
  public:
   /// With `keeps_floor`, no position is feasible where an angle is beyond the floor.
-  TETUNE_HD MinAngleRing(const RatedMesh& mesh, const LinkFace* faces, int count, bool keeps_floor)
+  TETUNE_HD AngleCostRing(const RatedMesh& mesh, const LinkFace* faces, int count, bool keeps_floor)
       : mesh_(mesh), faces_(faces), count_(count), keeps_floor_(keeps_floor) {}
 
   /// Moves x by steps of `motion` (FreeMotion, SlideMotion) while these decrease the cost, until it is at most
   /// `target_cost`. Returns whether x moved.
   template <class VertexMotion>
-  TETUNE_HD bool maximize(Vec3& x, VertexMotion& motion, double target_cost) const {
+  TETUNE_HD bool minimize(Vec3& x, VertexMotion& motion, double target_cost) const {
     double length2 = 0;
     for (int k = 0; k < count_; ++k) {
       const Vec3 d = corner(k, 0) - x;
@@ -151,21 +151,14 @@ class MinAngleRing {
       side[f] = f == 0 ? Vec3{0, 0, 0} : face_vertex(f, 0) == 0 ? b - c : face_vertex(f, 1) == 0 ? c - a : a - b;
     }
     const Vec3 dw = (dot(n[0], p[0] - p[1]) > 0 ? 1 / w : -1 / w) * n[0];
-    for (int i = 0; i < 4; ++i) {
-      for (int j = i + 1; j < 4; ++j) {
-        const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
-        const int l = 6 - i - j - k;
-        const Vec3 edge = p[k] - p[l];
-        const double size = w * norm(edge);
-        const double cot = -dot(n[i], n[j]) / size;
-        const double obtuse = -mesh_.obtuse_weight * cot;
-        const double cost = obtuse > cot ? obtuse : cot;
-        if (!(cost > bound)) continue;
-        Vec3 gradient = (-1 / size) * (cross(side[i], n[j]) + cross(side[j], n[i])) - cot * dw;
-        if (k == 0) gradient = gradient - (cot / dot(edge, edge)) * edge;
-        model.add(cost, motion.tangent(obtuse > cot ? -mesh_.obtuse_weight * gradient : gradient));
-      }
-    }
+    for_each_dihedral_cot(p, n, w, [&](double cot, int i, int j, int k, int l) {
+      const double cost = DihedralCots{cot, cot}.cost(mesh_.obtuse_weight);
+      if (!(cost > bound)) return;
+      const Vec3 edge = p[k] - p[l];
+      Vec3 gradient = (-1 / (w * norm(edge))) * (cross(side[i], n[j]) + cross(side[j], n[i])) - cot * dw;
+      if (k == 0) gradient = gradient - (cot / dot(edge, edge)) * edge;
+      model.add(cost, motion.tangent(cost > cot ? -mesh_.obtuse_weight * gradient : gradient));
+    });
   }
 
   /// In local lengths.

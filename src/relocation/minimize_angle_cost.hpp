@@ -4,16 +4,16 @@
 #include "boundary/vertex_dofs.hpp"
 #include "energy/criterion.hpp"
 #include "mesh/work_mesh.hpp"
+#include "relocation/angle_cost_ring.hpp"
 #include "relocation/coloring.hpp"
-#include "relocation/min_angle_ring.hpp"
 
 namespace tetune {
 
-namespace maximize_min_angle_detail {
+namespace minimize_angle_cost_detail {
 
 /// Moves one vertex.
 template <class Pack>
-struct MaximizeMinAngle : DofsView {
+struct MinimizeAngleCost : DofsView {
   static constexpr Size kGrain = 16;
   RatedMesh mesh;
   RingsView rings;
@@ -26,34 +26,35 @@ struct MaximizeMinAngle : DofsView {
     const Size begin = rings.offsets[v];
     const auto count = static_cast<int>(rings.offsets[v + 1] - begin);
     if (flags[v] == 0 || count == 0) return {};
-    const MinAngleRing ring(mesh, rings.faces.data() + begin, count, true);
+    const AngleCostRing ring(mesh, rings.faces.data() + begin, count, true);
     Vec3 x = vec(mesh.points[v]);
     if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) {
       SlideMotion<Pack> motion{reference,
                                DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v],
                                surface_point[v], surface_point[v]};
-      if (!ring.maximize(x, motion, target_cost)) return {};
+      if (!ring.minimize(x, motion, target_cost)) return {};
       surface_point[v] = motion.surface_point;
     } else {
       // Free vertices have no axis: where the surface slides, it was never written.
       FreeMotion motion{{dof[v], dof[v] == VertexDof::free ? Vec3{} : axis[v]}};
-      if (!ring.maximize(x, motion, target_cost)) return {};
+      if (!ring.minimize(x, motion, target_cost)) return {};
     }
     mesh.points[v] = point(x);
     return {1};
   }
 };
 
-}  // namespace maximize_min_angle_detail
+}  // namespace minimize_angle_cost_detail
 
 /// Moves the flagged vertices, color by color, each within its degrees of freedom, to decrease the largest cost of
 /// the dihedral angles of its ring until it is at most `target_cost`. Returns the number of vertices that moved.
 template <class Backend>
-Size maximize_min_angle(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                        const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
-                        Span<const std::uint8_t> flags, double target_cost) {
-  using namespace maximize_min_angle_detail;
-  const MaximizeMinAngle<typename Backend::Pack> kernel{dofs.view(), rated(mesh, criterion), rings, flags, target_cost};
+Size minimize_angle_cost(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                         const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
+                         Span<const std::uint8_t> flags, double target_cost) {
+  using namespace minimize_angle_cost_detail;
+  const MinimizeAngleCost<typename Backend::Pack> kernel{dofs.view(), rated(mesh, criterion), rings, flags,
+                                                         target_cost};
   return reduce_colors<Sum<Size>>(backend, coloring, kernel).value;
 }
 
