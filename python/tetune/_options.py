@@ -35,7 +35,7 @@ class Options(TypedDict, total=False):
     keep_vertices: bool
     """No vertex is inserted or removed (as with any effort other than effort=best). Default: False."""
     surface_vertices: Literal["auto", "keep", "edit"]
-    """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too, in flat parts of a patch and along straight feature lines, so that the surface keeps its shape. Default: auto."""
+    """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input surface and its feature lines, and edges of the surface are flipped. Default: auto."""
     untangle: bool
     """Inverted and flat tetrahedra are made positive first, instead of refused. Default: False."""
     flips: bool

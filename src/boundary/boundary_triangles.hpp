@@ -19,10 +19,25 @@ struct BoundaryTriangle {
   Index listed;         ///< its position in the caller's list, or -1
   std::uint8_t turned;  ///< the caller lists it in the opposite orientation
   std::uint8_t stays;   ///< it must not be flipped
+  /// With Boundary::slide, where operations may bend the surface: bit k is set where the edge opposite corner k is a
+  /// feature edge.
+  std::uint32_t features;
+  /// Likewise: the bound on the distance that these operations have added, and a triangle of the reference surface in
+  /// the same sheet.
+  double deviation;
+  Index reference;
 };
+
+/// The bound on the distance that operations on a curved surface add, in local lengths of its edges.
+inline constexpr double kMaxBend = 0.1;
 
 TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
   return t.v[0] == v || t.v[1] == v || t.v[2] == v;
+}
+/// Whether the edge between two vertices of a triangle is a feature edge.
+TETUNE_HD inline bool is_feature_edge(const BoundaryTriangle& t, Index a, Index b) {
+  const int k = t.v[0] != a && t.v[0] != b ? 0 : t.v[1] != a && t.v[1] != b ? 1 : 2;
+  return (t.features >> k & 1) != 0;
 }
 /// The triangle of three vertices, or -1.
 TETUNE_HD inline Index find_triangle(Span<const BoundaryTriangle> triangles, const CsrView& vertex2corner,
@@ -44,6 +59,8 @@ struct BoundaryTriangles {
   bool stale = true;  ///< vertex2corner must be rebuilt
   /// Tolerance of coplanarity: heights below this part of the edge length count as zero.
   double flat = 0;
+  /// Operations may bend the surface within kMaxBend.
+  bool bends = false;
 };
 
 /// Lists the corners at each vertex, if they are out of date.
@@ -128,7 +145,26 @@ struct FillTriangle {
   }
 };
 
+struct LinkReference {
+  Span<const Index> across;
+  Span<BoundaryTriangle> triangles;
+  TETUNE_HD void operator()(Size s) const {
+    unsigned features = 0;
+    for (unsigned k = 0; k < 3; ++k) features |= across[3 * s + k] == kFeatureEdge ? 1U << k : 0U;
+    triangles[s].features = features;
+    triangles[s].reference = to_index(s);
+  }
+};
+
 }  // namespace boundary_triangles_detail
+
+/// Finds the feature edges of the boundary where it is the reference surface, given the corners across its edges, and
+/// makes each triangle the reference of itself.
+template <class Backend>
+void link_to_reference(const Backend& backend, Span<const Index> across, BoundaryTriangles<Backend>& boundary) {
+  backend.for_each(boundary.triangles.size(),
+                   boundary_triangles_detail::LinkReference{across, boundary.triangles.span()});
+}
 
 /// Builds the boundary triangles from the surface and the caller's list.
 template <class Backend>

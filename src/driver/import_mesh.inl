@@ -152,6 +152,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   find_dofs(backend, work.mesh,
             {options, surface, ends, constraints.ridges, edges, work.frozen, work.scale, slides_on, original2vertex},
             work.dofs, report);
+  if (bends_surface(options)) link_to_reference(backend, work.dofs.reference.across.span(), work.boundary);
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);
 }

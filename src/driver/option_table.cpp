@@ -57,9 +57,11 @@ constexpr std::array kTerminations{
 constexpr std::array kSurfaceVertices{
     OptionChoice{"auto", choice_value(SurfaceVertices::automatic), "as edit with effort=best, else as keep"},
     OptionChoice{"keep", choice_value(SurfaceVertices::keep), "none is inserted or removed"},
-    OptionChoice{"edit", choice_value(SurfaceVertices::edit),
-                 "vertices are inserted and removed, inside the mesh too, in flat parts of a patch and along straight "
-                 "feature lines, so that the surface keeps its shape"}};
+    OptionChoice{
+        "edit", choice_value(SurfaceVertices::edit),
+        "vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch "
+        "and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input "
+        "surface and its feature lines, and edges of the surface are flipped"}};
 
 constexpr const char* kSurface = "Surface and constraints";
 constexpr const char* kMethod = "Method";
@@ -92,8 +94,9 @@ constexpr std::array kBoundaryFlipConditions{
     OptionCondition{[](const Options& o) { return o.max_deviation > 0; }, "has no effect with max_deviation"},
     OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
 constexpr std::array kSurfaceEditConditions{
-    OptionCondition{[](const Options& o) { return o.boundary != Boundary::preserve; },
-                    "has no effect without boundary=preserve"},
+    OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
+                    "has no effect with boundary=fixed"},
+    OptionCondition{[](const Options& o) { return o.max_deviation > 0; }, "has no effect with max_deviation"},
     OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
     OptionCondition{[](const Options& o) { return !o.boundary_flips; }, "has no effect with boundary_flips=false"},
     OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"},

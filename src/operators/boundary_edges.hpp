@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "boundary/sliding/open_fan.hpp"
 #include "mesh/constrained_edges.hpp"
 #include "operators/boundary_flip.hpp"
 
@@ -53,6 +54,7 @@ struct FindEdge {
   Span<const BoundaryTriangle> triangles;
   CsrView vertex2corner;
   double flat;
+  bool bends;  ///< flips may bend the surface, within kMaxBend
 
   /// The edge opposite a corner.
   TETUNE_HD BoundaryEdge operator()(Size corner) const {
@@ -84,13 +86,31 @@ struct FindEdge {
     return cot(t.v[(k + 1) % 3], t.v[(k + 2) % 3], t.v[k]);
   }
 
-  /// Whether an edge lies within a flat part of one patch.
+  /// Whether an edge lies within a flat part of one patch, or in one sheet of a surface that may bend.
   TETUNE_HD bool is_candidate(const BoundaryEdge& e) const {
     if (e.other < 0 || constrained.contains(e.a, e.b)) return false;
     const BoundaryTriangle& t = triangles[e.triangle];
     const BoundaryTriangle& u = triangles[e.other];
     const bool in_one_patch = t.stays == 0 && u.stays == 0 && t.tag == u.tag && (t.listed < 0) == (u.listed < 0);
-    return in_one_patch && is_flat(e) && !is_edge(e.p, e.q);
+    return in_one_patch && (bends ? deviation_after(e) < kInfeasible : is_flat(e)) && !is_edge(e.p, e.q);
+  }
+
+  /// The deviation (BoundaryTriangle::deviation) after a flip; kInfeasible where it would be too large.
+  TETUNE_HD double deviation_after(const BoundaryEdge& e) const {
+    const BoundaryTriangle& t = triangles[e.triangle];
+    const BoundaryTriangle& u = triangles[e.other];
+    if (is_feature_edge(t, e.a, e.b)) return kInfeasible;
+    const Vec3 a = vec(points[e.a]);
+    OpenFan before;
+    before.add(e.b, e.p);
+    before.add(e.q, e.b);
+    OpenFan after;  // around p
+    after.add(e.a, e.q);
+    after.add(e.q, e.b);
+    const FanComparison comparison(points, a, before);
+    const double distance = comparison.distance(a, before, vec(points[e.p]), after);
+    const double largest = t.deviation > u.deviation ? t.deviation : u.deviation;
+    return largest + distance <= kMaxBend * comparison.edge_length(before) ? largest + distance : kInfeasible;
   }
 
  private:

@@ -104,6 +104,7 @@ struct BoundaryFlipProposals {
 
 /// The two triangles at each flipped edge become those at the new one, each with its orientation.
 struct FlipTriangles {
+  FindEdge find;
   Span<const BoundaryEdge> edges;
   Span<const Record<FlipCandidate>> records;
   Span<const Index> selected;
@@ -112,6 +113,7 @@ struct FlipTriangles {
     const Record<FlipCandidate>& r = records[selected[i]];
     if (!r.is_leader(selected[i])) return;
     const BoundaryEdge& e = edges[r.proposal];
+    BoundaryTriangle& triangle = triangles[e.triangle];
     BoundaryTriangle& other = triangles[e.other];
     int a = 0;
     while (other.v[a] != e.a) ++a;
@@ -119,11 +121,21 @@ struct FlipTriangles {
     const bool is_same = other.v[(a + 1) % 3] != e.b;
     const Index first[3] = {e.a, e.q, e.p};
     const Index second[3] = {e.q, is_same ? e.b : e.p, is_same ? e.p : e.b};
+    const unsigned first_features =
+        bit(is_feature_edge(triangle, e.p, e.a), 1) | bit(is_feature_edge(other, e.a, e.q), 2);
+    const unsigned second_features =
+        bit(is_feature_edge(triangle, e.b, e.p), 0) | bit(is_feature_edge(other, e.q, e.b), is_same ? 2 : 1);
+    if (find.bends) triangle.deviation = other.deviation = find.deviation_after(e);
+    triangle.features = first_features;
+    other.features = second_features;
     for (int k = 0; k < 3; ++k) {
-      triangles[e.triangle].v[k] = first[k];
+      triangle.v[k] = first[k];
       other.v[k] = second[k];
     }
   }
+
+ private:
+  TETUNE_HD static unsigned bit(bool is_set, unsigned k) { return is_set ? 1U << k : 0U; }
 };
 
 /// The corners opposite the edges that may be flipped with a gain.
@@ -158,7 +170,7 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   PassResult result;
   list_corners(backend, mesh, boundary);
   const FindEdge find{mesh.points.span(), state.constrained(), boundary.triangles.span(), boundary.vertex2corner.view(),
-                      boundary.flat};
+                      boundary.flat,      boundary.bends};
   auto corners = find_corners(backend, find, changed);
   const Size count = corners.size();
   result.active = count;
@@ -175,8 +187,8 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   if (selection.size() == 0 || backend.stop_requested()) return result;
   result = flip_selected(backend, mesh, criterion, state, selection, changed);
   result.active = count;
-  backend.for_each(selection.size(), FlipTriangles{edges.span(), selection.records.span(), selection.selected.span(),
-                                                   boundary.triangles.span()});
+  backend.for_each(selection.size(), FlipTriangles{find, edges.span(), selection.records.span(),
+                                                   selection.selected.span(), boundary.triangles.span()});
   boundary.stale = true;
   return result;
 }

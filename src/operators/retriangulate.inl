@@ -60,7 +60,8 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   SurfaceTriangles triangles{};
   if (surface != nullptr) {
     list_corners(backend, mesh, *surface);
-    triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->flat};
+    triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->flat, surface->bends,
+                 dofs.reference.view(),     dofs.surface_point.span()};
   }
   const Size count = choices * std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers);
   const StarContext context{rated(mesh, criterion),

@@ -39,17 +39,11 @@ struct SurfaceSimplex {
   TETUNE_HD bool is_on_face(const Tet& tet, int f) const { return size > 0 && !has(tet[f]); }
 };
 
-/// Triangles of the surface, by their position in the list.
+/// Triangles of the surface that an operation replaces, by their position in the list.
 struct ReplacedTriangles {
   int count = 0;
+  double deviation = 0;  ///< of the new triangles (BoundaryTriangle::deviation)
   Index triangle[kMaxStarTriangles];
-};
-
-/// Where a new vertex may go.
-struct NewVertexDof {
-  VertexDof dof = VertexDof::free;
-  Vec3 axis{0, 0, 0};
-  double radius = DisplacementBound::kUnbounded;  ///< of its displacement bound
 };
 
 /// A cavity retriangulated from its apex, with the faces of both. Where it replaces surface triangles, the apex is in
@@ -149,7 +143,7 @@ struct StarPatch {
   TETUNE_HD void write_vertex(const MeshView& mesh, const VertexArrays& vertices) const {
     if (removed >= 0) vertices.vertex2original[removed] = kRemoved;
     if (is_inserted || is_moved) mesh.points[apex] = point(apex_position);
-    if (is_inserted) vertices.insert(apex, apex_position, dof.dof, dof.axis, dof.radius);
+    if (is_inserted) vertices.insert(apex, apex_position, dof);
   }
 
   TETUNE_HD void count(FlipCounts&) const {}

@@ -92,8 +92,12 @@ class StarCavity {
   /// The surface triangles that the cavity replaces.
   TETUNE_HD int base_count() const { return base_count_; }
   TETUNE_HD const LinkFace& base(int i) const { return bases_[i]; }
-  /// Restricts the motion of the apex.
-  TETUNE_HD void restrict_apex(VertexDof dof, const Vec3& axis) { space_ = {dof, axis}; }
+  /// Restricts the motion of the apex; on the reference surface where it has a surface point there.
+  TETUNE_HD void restrict_apex(const NewVertexDof& dof, const ReferenceView& reference) {
+    motion_ = {{{dof.dof, dof.axis}}, {reference, {}, dof.dof, dof.surface_point, dof.surface_point}};
+  }
+  /// The place of the apex on the reference surface.
+  TETUNE_HD const SurfacePoint& surface_point() const { return motion_.slide.surface_point; }
   /// Whether no face with a vertex as the apex ends at an edge of a replaced triangle: it would become a part of the
   /// surface.
   TETUNE_HD bool keeps_faces_of(Index apex) const {
@@ -190,10 +194,12 @@ class StarCavity {
     return true;
   }
 
-  /// A place for the apex where the energy of the retriangulation is lower, from one in the kernel.
+  /// A place for the apex where the energy of the retriangulation is lower, from one in the kernel; x itself where the
+  /// apex slides.
   TETUNE_HD Vec3 relax(const Vec3& x) const {
+    if (motion_.slides()) return x;
     PlainRing ring(mesh_.objective, mesh_.points, faces_, face_count_);
-    return NewtonStep{1, kMinGain}(ring, x, space_).position;
+    return NewtonStep{1, kMinGain}(ring, x, motion_.free.space).position;
   }
   /// Enlarges the cavity and relaxes the apex in turn, while that lowers the energy.
   TETUNE_HD Vec3 relax_and_grow(Vec3 x) {
@@ -221,9 +227,8 @@ class StarCavity {
     return false;
   }
   /// A place for the apex where the largest cost of the angles is lower.
-  TETUNE_HD Vec3 lower_cost(Vec3 x) const {
-    FreeMotion motion{space_};
-    AngleCostRing(mesh_, faces_, face_count_, false).minimize(x, motion, 0);
+  TETUNE_HD Vec3 lower_cost(Vec3 x) {
+    AngleCostRing(mesh_, faces_, face_count_, false).minimize(x, motion_, 0);
     return x;
   }
 
@@ -366,7 +371,7 @@ class StarCavity {
   HalfFace sides_[kMaxStarFaces];
   LinkFace bases_[kMaxStarTriangles];
   SurfaceSimplex simplex_;
-  MotionSpace space_{VertexDof::free, {}};
+  ApexMotion motion_{{{VertexDof::free, {}}}, {}};
   int tet_count_ = 0;
   int face_count_ = 0;
   int base_count_ = 0;

@@ -36,6 +36,7 @@ struct StarContext {
   }
 
   TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
+  TETUNE_HD SurfaceBend bend() const { return {mesh.points, surface.triangles}; }
 };
 
 /// One choice of an operator, and where it adds the candidate.

@@ -6,7 +6,8 @@
 namespace tetune {
 
 /// Each vertex that a tetrahedron has in a flat part of one patch, or on a straight feature line, removed by the
-/// contraction of an edge to each of the others that is in the same planes.
+/// contraction of an edge to each of the others that is in the same planes; where the surface may bend, each vertex of
+/// a sheet or of a feature line.
 struct SurfaceContraction {
   static constexpr int kChoices = 12;
 
@@ -17,17 +18,18 @@ struct SurfaceContraction {
     const Index v = tet[from];
     const Index apex = tet[(from + 1 + choice % 3) % 4];
     const Vec3 x = vec(p.mesh.points[apex]);
-    const Vec3 edge = x - vec(p.mesh.points[v]);
-    const double tolerance = p.surface.flat * norm(edge);
-    const bool in_plane = p.kind[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance;
-    const bool on_line = p.kind[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance;
-    if ((!in_plane && !on_line) || p.constrained.has_end(v)) return;
+    if (!(p.surface.bends ? is_on_sheet(p, v, apex) : is_in_planes(p, v, x)) || p.constrained.has_end(v)) return;
     StarCavity star(p.mesh, p.constrained);
     ReplacedTriangles replaced;
     const SurfaceSimplex simplex{{v, -1, -1}, 1};
-    if (!star.take_surface(t, simplex) || !keeps_planes(p, star, v, apex) || !star.keeps_faces_of(apex) ||
-        !p.surface.find_replaced(star, simplex, replaced)) {
+    if (!star.take_surface(t, simplex) || !(p.surface.bends || keeps_planes(p, star, v, apex)) ||
+        !star.keeps_faces_of(apex) || !p.surface.find_replaced(star, simplex, replaced)) {
       return;
+    }
+    if (p.surface.bends) {
+      if (!is_beside(p, replaced, v, apex)) return;
+      replaced.deviation = p.bend().after_contraction(v, apex, replaced);
+      if (!(replaced.deviation < kInfeasible)) return;
     }
     if (!star.grow_below(apex, x, (1 - kMinCostGain) * star.cost_before()) || !star.keeps_faces_of(apex)) return;
     StarCandidate c = star.candidate(apex, v, x);
@@ -36,6 +38,25 @@ struct SurfaceContraction {
   }
 
  private:
+  /// Whether the edge from v to x is in the plane or on the line of v.
+  TETUNE_HD static bool is_in_planes(const StarProposal& p, Index v, const Vec3& x) {
+    const Vec3 edge = x - vec(p.mesh.points[v]);
+    const double tolerance = p.surface.flat * norm(edge);
+    return (p.kind[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance) ||
+           (p.kind[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance);
+  }
+  /// Whether v slides, and both vertices are on the surface.
+  TETUNE_HD static bool is_on_sheet(const StarProposal& p, Index v, Index apex) {
+    return p.surface.has(apex) && (p.kind[v] == VertexDof::surface || p.kind[v] == VertexDof::curve);
+  }
+  /// Whether v has an edge of the surface to the apex, along its feature line where it is on one.
+  TETUNE_HD static bool is_beside(const StarProposal& p, const ReplacedTriangles& replaced, Index v, Index apex) {
+    for (int i = 0; i < replaced.count; ++i) {
+      const BoundaryTriangle& t = p.surface.triangles[replaced.triangle[i]];
+      if (has_vertex(t, apex)) return p.kind[v] == VertexDof::surface || is_feature_edge(t, v, apex);
+    }
+    return false;
+  }
   /// Whether each triangle stays in its plane, and is not turned over, when v moves to the apex.
   TETUNE_HD static bool keeps_planes(const StarProposal& p, const StarCavity& star, Index v, Index apex) {
     for (int i = 0; i < star.base_count(); ++i) {

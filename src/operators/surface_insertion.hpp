@@ -6,8 +6,8 @@
 namespace tetune {
 
 /// A vertex inserted on each edge and each triangle that a tetrahedron has on the surface; it moves within flat parts
-/// of one patch, or along its edge, and its cavity grows while that lowers the energy (Klingner and Shewchuk,
-/// "Aggressive tetrahedral mesh improvement", 2007).
+/// of one patch, along its edge, or on the reference surface, and its cavity grows while that lowers the energy
+/// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007).
 struct SurfaceInsertion {
   static constexpr int kChoices = 10;
 
@@ -31,10 +31,17 @@ struct SurfaceInsertion {
     StarCavity star(p.mesh, p.constrained);
     ReplacedTriangles replaced;
     if (!star.take_surface(t, simplex) || !p.surface.find_replaced(star, simplex, replaced)) return;
-    const NewVertexDof dof = find_dof(p, star, replaced, simplex);
-    star.restrict_apex(dof.dof, dof.axis);
+    NewVertexDof dof =
+        p.surface.bends ? place_on_reference(p, replaced, simplex, x) : find_dof(p, star, replaced, simplex);
+    if (dof.dof == VertexDof::fixed) return;
+    star.restrict_apex(dof, p.surface.reference);
     x = star.relax_and_grow(star.relax(x));
     if (!p.open(star, x)) return;
+    if (p.surface.bends) {
+      dof.surface_point = star.surface_point();
+      replaced.deviation = p.bend().after_insertion(simplex, replaced, x);
+      if (!(replaced.deviation < kInfeasible)) return;
+    }
     StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
     c.dof = dof;
     c.replaced = replaced;
@@ -42,6 +49,24 @@ struct SurfaceInsertion {
   }
 
  private:
+  /// Moves x to the reference surface, in the same sheet or on the same feature line. Degrees of freedom: fixed where
+  /// there is none.
+  TETUNE_HD static NewVertexDof place_on_reference(const StarProposal& p, const ReplacedTriangles& replaced,
+                                                   const SurfaceSimplex& simplex, Vec3& x) {
+    const BoundaryTriangle& t = p.surface.triangles[replaced.triangle[0]];
+    const double radius = 0.25 * norm(vec(p.mesh.points[simplex.v[1]]) - vec(p.mesh.points[simplex.v[0]]));
+    NewVertexDof dof{VertexDof::surface, {0, 0, 0}, radius, {SurfacePointKind::triangle, t.reference}};
+    Vec3 from = p.surface.reference.centroid(t.reference);
+    if (simplex.size == 2 && is_feature_edge(t, simplex.v[0], simplex.v[1])) {
+      const Index v = p.kind[simplex.v[0]] == VertexDof::curve ? simplex.v[0] : simplex.v[1];
+      if (p.kind[v] != VertexDof::curve) return {VertexDof::fixed};
+      dof.dof = VertexDof::curve;
+      dof.surface_point = p.surface.surface_point[v];
+      from = vec(p.mesh.points[v]);
+    }
+    x = project_on_reference(p.surface.reference, dof.dof, from, x, dof.surface_point);
+    return dof;
+  }
   TETUNE_HD static NewVertexDof find_dof(const StarProposal& p, const StarCavity& star,
                                          const ReplacedTriangles& replaced, const SurfaceSimplex& simplex) {
     const Vec3 origin = vec(p.mesh.points[simplex.v[0]]);

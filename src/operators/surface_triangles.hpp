@@ -5,6 +5,7 @@
 
 #include "boundary/boundary_triangles.hpp"
 #include "operators/star_cavity.hpp"
+#include "operators/surface_bend.hpp"
 
 /// The triangles of the boundary as operators see and change them that insert vertices there or remove some.
 namespace tetune {
@@ -12,7 +13,10 @@ namespace tetune {
 struct SurfaceTriangles {
   Span<const BoundaryTriangle> triangles;  ///< empty: the vertices of the surface stay
   CsrView vertex2corner;
-  double flat;  ///< heights below this part of an edge count as zero
+  double flat;                             ///< heights below this part of an edge count as zero
+  bool bends;                              ///< operations may bend the surface, within kMaxBend
+  ReferenceView reference;                 ///< where it bends: the surface that its vertices slide on,
+  Span<const SurfacePoint> surface_point;  ///< and their places there
 
   /// Whether a vertex is on the surface, among vertices that existed when the corners were listed.
   TETUNE_HD bool has(Index v) const { return vertex2corner.size(v) > 0; }
@@ -56,6 +60,25 @@ TETUNE_HD inline Vec3 area_normal(const MeshView& mesh, const LinkFace& f) {
 
 namespace surface_triangles_detail {
 
+/// Whether one of the replaced triangles has a feature edge between two vertices.
+template <class P>
+TETUNE_HD bool had_feature_edge(const P& patch, Span<const BoundaryTriangle> triangles, Index a, Index b) {
+  for (int i = 0; i < patch.replaced.count; ++i) {
+    const BoundaryTriangle& t = triangles[patch.replaced.triangle[i]];
+    if (has_vertex(t, a) && has_vertex(t, b) && is_feature_edge(t, a, b)) return true;
+  }
+  return false;
+}
+
+/// Whether the new edge between the apex and w is a feature edge: a part of the edge that a vertex was inserted on, or
+/// the edge between w and one of the two vertices that a contraction made one.
+template <class P>
+TETUNE_HD bool has_feature_edge_to(const P& patch, Span<const BoundaryTriangle> triangles, Index w) {
+  const SurfaceSimplex& s = patch.simplex;
+  if (patch.is_inserted) return s.size == 2 && s.has(w) && had_feature_edge(patch, triangles, s.v[0], s.v[1]);
+  return had_feature_edge(patch, triangles, s.v[0], w) || had_feature_edge(patch, triangles, patch.apex, w);
+}
+
 /// Makes the new triangles of each applied record, the first in place of the old one. Each is an old one with a vertex
 /// of the simplex replaced by the apex, so it keeps orientation, tag and place in the caller's list.
 template <class P>
@@ -67,10 +90,13 @@ struct ReplaceTriangles {
   Size old_count;
   TETUNE_HD void operator()(Size i) const {
     const P& patch = records[selected[i]].patch;
+    const int size = patch.simplex.size;
+    unsigned features[3 * kMaxStarTriangles];
+    for (int n = 0; n < patch.replaced.count * size; ++n) features[n] = new_features(patch, n / size, n % size);
     Size next = old_count + before[i].triangles;
     for (int k = 0; k < patch.replaced.count; ++k) {
       const BoundaryTriangle old = triangles[patch.replaced.triangle[k]];
-      for (int s = 0; s < patch.simplex.size; ++s) {
+      for (int s = 0; s < size; ++s) {
         BoundaryTriangle t = old;
         bool has_apex = false;
         for (Index& v : t.v) {
@@ -78,9 +104,27 @@ struct ReplaceTriangles {
           v = v == patch.simplex.v[s] ? patch.apex : v;
         }
         if (has_apex) t.v[0] = kRemoved;
+        t.features = features[k * size + s];
+        t.deviation = patch.replaced.deviation;
         triangles[s == 0 ? patch.replaced.triangle[k] : next++] = t;
       }
     }
+  }
+
+ private:
+  /// The feature edges of replaced triangle k with vertex s of the simplex replaced by the apex.
+  TETUNE_HD unsigned new_features(const P& patch, int k, int s) const {
+    const BoundaryTriangle& t = triangles[patch.replaced.triangle[k]];
+    unsigned features = 0;
+    for (unsigned c = 0; c < 3; ++c) {
+      // The edge opposite corner c keeps its ends, or has the apex at one.
+      const Index v = patch.simplex.v[s];
+      const Index a = t.v[(c + 1) % 3];
+      const Index b = t.v[(c + 2) % 3];
+      const bool is_feature = t.v[c] == v ? is_feature_edge(t, a, b) : has_feature_edge_to(patch, triangles, a ^ b ^ v);
+      features |= is_feature ? 1U << c : 0U;
+    }
+    return features;
   }
 };
 

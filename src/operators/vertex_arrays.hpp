@@ -7,6 +7,14 @@
 
 namespace tetune {
 
+/// Where a new vertex may go.
+struct NewVertexDof {
+  VertexDof dof = VertexDof::free;
+  Vec3 axis{0, 0, 0};
+  double radius = DisplacementBound::kUnbounded;  ///< of its displacement bound
+  SurfacePoint surface_point = {};                ///< where it slides: its place on the reference surface
+};
+
 /// The arrays of the vertices that operators write which insert or remove some.
 struct VertexArrays {
   Span<Index> vertex2original;
@@ -16,13 +24,13 @@ struct VertexArrays {
   Span<std::uint8_t> constrained_vertex;
   Span<DisplacementBound> displacement_bound;  ///< may be empty
 
-  /// Initializes a new vertex; `radius` is that of its displacement bound.
-  TETUNE_HD void insert(Index v, const Vec3& x, VertexDof dof, const Vec3& direction, double radius) const {
+  /// Initializes a new vertex at x.
+  TETUNE_HD void insert(Index v, const Vec3& x, const NewVertexDof& dof) const {
     vertex2original[v] = kInserted;
-    kind[v] = dof;
-    axis[v] = direction;
-    if (surface_point.size() > 0) surface_point[v] = {};
-    if (displacement_bound.size() > 0) displacement_bound[v] = {x, radius};
+    kind[v] = dof.dof;
+    axis[v] = dof.axis;
+    if (surface_point.size() > 0) surface_point[v] = dof.surface_point;
+    if (displacement_bound.size() > 0) displacement_bound[v] = {x, dof.radius};
     constrained_vertex[v] = 0;
   }
 };

@@ -53,6 +53,8 @@ Size improve_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstRepor
 template <class Backend>
 bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   const int rounds = optimizer.tuning.angles.max_rounds;
+  // Not earlier: flips that lower the energy would use up the bound that the worst angles need.
+  optimizer.work.boundary.bends = bends_surface(optimizer.options);
   optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
   for (int round = 1; round <= rounds; ++round) {
     WorstReport r;

@@ -11,6 +11,21 @@
 /// Steps that the phases after alternate() share.
 namespace tetune {
 
+/// Flips edges of the boundary between active vertices. Returns the number of flips.
+template <class Backend>
+Size flip_boundary_at_active(Optimizer<Backend>& optimizer, const Criterion& criterion) {
+  WorkingSet<Backend>& work = optimizer.work;
+  if (work.boundary.triangles.size() == 0) return 0;
+  // The pass examines the edges of the vertices that it is given.
+  optimizer.changed.assign(optimizer.backend, work.dofs.active);
+  const FlipCounts made =
+      boundary_flip_pass(optimizer.backend, work.mesh, criterion, work.flips, work.boundary, optimizer.changed.output())
+          .counts;
+  activate(optimizer.backend, optimizer.changed, work.dofs);
+  optimizer.count(made);
+  return made.flips();
+}
+
 /// Face removals, then other flips until there are none, from the active tetrahedra on. Activates the vertices whose
 /// ring changes. Returns the number of flips.
 template <class Backend>
@@ -51,19 +66,9 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
 template <class Backend>
 Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterion) {
   if (!optimizer.options.flips) return 0;
-  const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
-  activate_around(backend, work.mesh, work.flips, Span<const std::uint8_t>(work.dofs.active.span()));
-  Size flips = 0;
-  if (work.boundary.triangles.size() > 0) {
-    // The pass examines the edges of the vertices that it is given.
-    optimizer.changed.assign(optimizer.backend, work.dofs.active);
-    const FlipCounts made =
-        boundary_flip_pass(backend, work.mesh, criterion, work.flips, work.boundary, optimizer.changed.output()).counts;
-    activate(backend, optimizer.changed, work.dofs);
-    optimizer.count(made);
-    flips = made.flips();
-  }
+  activate_around(optimizer.backend, work.mesh, work.flips, Span<const std::uint8_t>(work.dofs.active.span()));
+  const Size flips = flip_boundary_at_active(optimizer, criterion);
   return flips + flip_until_none_active(optimizer, criterion);
 }
 

@@ -38,6 +38,7 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
       } else {
         activate_drifted(backend, work.mesh, criterion, work.flips);
       }
+      if (optimizer.work.boundary.bends) flip_boundary_at_active(optimizer, criterion);
       flip_until_none_active(optimizer, criterion);
     });
     optimizer.progress.estimate.finish_angle_step(angle_rounds + sweep, angle_rounds + p.sweeps);

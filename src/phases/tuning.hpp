@@ -168,8 +168,12 @@ inline bool flips_boundary(const Options& options) {
 
 /// Whether vertices are inserted and removed on the surface too.
 inline bool edits_surface(const Options& options) {
-  return edits_vertices(options) && flips_boundary(options) && options.boundary == Boundary::preserve &&
-         options.surface_vertices != SurfaceVertices::keep;
+  return edits_vertices(options) && flips_boundary(options) && options.surface_vertices != SurfaceVertices::keep;
+}
+
+/// Whether such operations, and flips of surface edges, may bend the surface within kMaxBend.
+inline bool bends_surface(const Options& options) {
+  return edits_surface(options) && options.boundary == Boundary::slide;
 }
 
 }  // namespace tetune

@@ -33,11 +33,16 @@ struct FreeMotion {
   TETUNE_HD bool accept(const Vec3&) const { return true; }
 };
 
+/// A surface without a bound on its deviation.
+struct NoDeviationBound {
+  TETUNE_HD bool allows(const Vec3&, const SurfacePoint&) const { return true; }
+};
+
 /// The trial steps of a vertex on the input surface: each ends at the boundary of the surface element at the latest.
-template <class Pack>
+template <class Deviation>
 struct SlideMotion {
   ReferenceView reference;
-  DeviationBound<Pack> deviation;
+  Deviation deviation;
   VertexDof dof;
   SurfacePoint surface_point;
   SurfacePoint trial_point;
@@ -58,6 +63,19 @@ struct SlideMotion {
   }
 };
 
+/// The trial steps of the apex of a cavity, in one of the two ways.
+struct ApexMotion {
+  FreeMotion free;
+  SlideMotion<NoDeviationBound> slide;
+
+  TETUNE_HD bool slides() const { return slide.surface_point.kind != SurfacePointKind::none; }
+  TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return slides() ? gradient : free.tangent(gradient); }
+  TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) {
+    return slides() ? slide.trial(x, step) : free.trial(x, step);
+  }
+  TETUNE_HD bool accept(const Vec3& x) { return !slides() || slide.accept(x); }
+};
+
 /// The extreme dihedral angles of the tetrahedra between a point and given faces, in terms of their cost
 /// (DihedralCots::cost()), which is to be minimized. It is neither a smooth nor a convex function of the point: its
 /// steps are those of a MinimaxModel.
@@ -67,8 +85,8 @@ class AngleCostRing {
   TETUNE_HD AngleCostRing(const RatedMesh& mesh, const LinkFace* faces, int count, bool keeps_floor)
       : mesh_(mesh), faces_(faces), count_(count), keeps_floor_(keeps_floor) {}
 
-  /// Moves x by steps of `motion` (FreeMotion, SlideMotion) while these decrease the cost, until it is at most
-  /// `target_cost`. Returns whether x moved.
+  /// Moves x by steps of `motion` (FreeMotion, SlideMotion, ApexMotion) while these decrease the cost, until it is at
+  /// most `target_cost`. Returns whether x moved.
   template <class VertexMotion>
   TETUNE_HD bool minimize(Vec3& x, VertexMotion& motion, double target_cost) const {
     double length2 = 0;

@@ -29,9 +29,9 @@ struct MinimizeAngleCost : DofsView {
     const AngleCostRing ring(mesh, rings.faces.data() + begin, count, true);
     Vec3 x = vec(mesh.points[v]);
     if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) {
-      SlideMotion<Pack> motion{reference,
-                               DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v],
-                               surface_point[v], surface_point[v]};
+      SlideMotion<DeviationBound<Pack>> motion{
+          reference, DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v],
+          surface_point[v], surface_point[v]};
       if (!ring.minimize(x, motion, target_cost)) return {};
       surface_point[v] = motion.surface_point;
     } else {

@@ -162,8 +162,10 @@ class Slide(CliTest):
         self.assertEqual(faces["edit"], faces["auto"])
         self.assertNotEqual(faces["edit"], faces["keep"])
         self.assertEqual(faces["keep"], len(mesh.boundary_faces()))
-        text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--boundary", "slide", "--surface-vertices", "edit").stderr
-        self.assertIn("--surface-vertices edit has no effect without --boundary preserve", text)
+        for options, word in ((["--boundary", "fixed"], "--boundary fixed"),
+                              (["--boundary", "slide", "--max-deviation", "0.1%"], "--max-deviation")):
+            text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--surface-vertices", "edit", *options).stderr
+            self.assertIn(f"--surface-vertices edit has no effect with {word}", text)
 
     def test_freeze(self):
         mesh = bent(cube(4))

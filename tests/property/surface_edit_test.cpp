@@ -7,6 +7,7 @@
 #include <set>
 
 #include "constrained.hpp"
+#include "curved.hpp"
 #include "mesh/tet.hpp"
 #include "meshes.hpp"
 #include "tetune/optimize.hpp"
@@ -85,22 +86,23 @@ Options editing() {
   return options;
 }
 
-bool is_on_surface(const Point3& p) { return !test::is_inner(p); }
+std::set<Index> surface_vertices(const TetMesh& m) {
+  std::set<Index> vertices;
+  for (const test::SkinFace& f : test::skin(m)) vertices.insert(f.v.begin(), f.v.end());
+  return vertices;
+}
 
 /// Inserted vertices of the surface, and vertices of the surface that are gone.
 std::pair<int, int> surface_changes(const TetMesh& before, const TetMesh& after, const Report& report) {
+  if (report.vertex2original.empty()) return {0, 0};
   int inserted = 0;
-  std::set<Index> present;
-  for (std::size_t v = 0; v < report.vertex2original.size(); ++v) {
-    const Index original = report.vertex2original[v];
-    if (original >= 0) present.insert(original);
-    inserted += original < 0 && is_on_surface(after.points[v]) ? 1 : 0;
+  for (const Index v : surface_vertices(after)) {
+    inserted += report.vertex2original[static_cast<std::size_t>(v)] < 0 ? 1 : 0;
   }
+  const std::set<Index> present(report.vertex2original.begin(), report.vertex2original.end());
   int removed = 0;
-  for (std::size_t v = 0; v < before.points.size(); ++v) {
-    removed += is_on_surface(before.points[v]) && present.count(static_cast<Index>(v)) == 0 ? 1 : 0;
-  }
-  return {inserted, report.vertex2original.empty() ? 0 : removed};
+  for (const Index v : surface_vertices(before)) removed += present.count(v) == 0 ? 1 : 0;
+  return {inserted, removed};
 }
 
 TEST(SurfaceEdit, KeepsPatchesInterfacesAndLists) {
@@ -224,11 +226,15 @@ TEST(SurfaceEdit, HappensWhereItIsAskedForOnly) {
   options = editing();
   options.boundary_flips = false;
   EXPECT_EQ(edits(options), 0);
-  for (const Boundary boundary : {Boundary::fixed, Boundary::slide}) {
-    options = editing();
-    options.boundary = boundary;
-    EXPECT_EQ(edits(options), 0);
-  }
+  options = editing();
+  options.boundary = Boundary::fixed;
+  EXPECT_EQ(edits(options), 0);
+  options.boundary = Boundary::slide;
+  options.max_deviation = 0.01;
+  EXPECT_EQ(edits(options), 0);
+  options = editing();
+  options.boundary = Boundary::slide;
+  EXPECT_GT(edits(options), 0);
   options = editing();
   options.effort = Effort::standard;
   EXPECT_GT(edits(options), 0);
@@ -261,6 +267,84 @@ TEST(SurfaceEdit, LeavesConstraintsAlone) {
   for (Index v = 0; v < 20; ++v) {
     EXPECT_EQ(after.points[static_cast<std::size_t>(original2new.at(v))], before.points[static_cast<std::size_t>(v)]);
   }
+}
+
+/// The faces of the surface by sheet: the regions on both sides, and the tag.
+using Sheets = std::map<std::pair<std::array<int, 2>, int>, std::vector<test::SkinFace>>;
+Sheets sheets_of(const TetMesh& m) {
+  Sheets sheets;
+  for (const test::SkinFace& f : test::skin(m)) sheets[{f.regions, f.tag}].push_back(f);
+  return sheets;
+}
+
+/// A mesh with a curved surface, whose outer faces are listed with two tags.
+TetMesh curved(std::uint32_t seed) {
+  TetMesh m = seed % 2 == 0 ? test::waved(test::two_materials(6, 0.15), seed) : test::ball(6, 0.15, seed);
+  for (const test::SkinFace& f : test::skin(m)) {
+    double x = 0;
+    for (const Index v : f.v) x += test::at(m, v).x / 3;
+    m.triangles.push_back(f.v);
+    m.triangle_tags.push_back(x < 0.3 ? 1 : 2);
+  }
+  return m;
+}
+
+Options bending() {
+  Options options = editing();
+  options.boundary = Boundary::slide;
+  options.feature_angle = 60;
+  return options;
+}
+
+TEST(SurfaceEdit, OnACurvedSurfaceKeepsItsSheetsAndLines) {
+  std::int64_t changes = 0;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const TetMesh before = curved(seed);
+    TetMesh after = before;
+    const Report report = optimize(after, bending());
+    ASSERT_TRUE(validate(after).ok()) << validate(after).message(false);
+    EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min - 1e-9);
+    EXPECT_EQ(after.triangles.size(), test::skin(after).size());
+    const Sheets old_sheets = sheets_of(before);
+    const Sheets new_sheets = sheets_of(after);
+    ASSERT_EQ(old_sheets.size(), new_sheets.size());
+    for (const auto& [sheet, faces] : new_sheets) {
+      const std::vector<TrianglePoints> old_faces = test::corners(before, old_sheets.at(sheet));
+      const std::vector<TrianglePoints> new_faces = test::corners(after, faces);
+      const ClosestTriangle old_tree(old_faces);
+      for (const TrianglePoints& t : new_faces) {
+        for (const Vec3& p : t) EXPECT_LT(std::sqrt(old_tree.distance2(p)), 1e-13);
+      }
+      // The mean edge is 1/6 to 1/3. Sliding alone reaches half of it at corners below the feature angle.
+      EXPECT_LT(test::sampled_distance(new_faces, old_tree, 4), 0.1);
+      EXPECT_LT(test::sampled_distance(old_faces, ClosestTriangle(new_faces), 4), 0.1);
+    }
+    // The lines between sheets.
+    const auto lines = [](const TetMesh& m) {
+      return test::corners(m, test::plain_features(m, test::skin(m), 180).edges);
+    };
+    const ClosestTriangle old_lines(lines(before));
+    const ClosestTriangle new_lines(lines(after));
+    EXPECT_LT(test::sampled_distance(lines(after), old_lines, 10), 0.1);
+    EXPECT_LT(test::sampled_distance(lines(before), new_lines, 10), 0.1);
+    const auto [inserted, removed] = surface_changes(before, after, report);
+    changes += inserted + removed;
+  }
+  EXPECT_GT(changes, 10);
+}
+
+TEST(SurfaceEdit, OnACurvedSurfaceIsTheSameForAnyNumberOfThreads) {
+  const TetMesh before = curved(2);
+  Options options = bending();
+  options.threads = 1;
+  TetMesh one = before;
+  optimize(one, options);
+  options.threads = 3;
+  TetMesh three = before;
+  optimize(three, options);
+  EXPECT_EQ(one.points, three.points);
+  EXPECT_EQ(one.tets, three.tets);
+  EXPECT_EQ(one.triangles, three.triangles);
 }
 
 }  // namespace

@@ -36,6 +36,10 @@ struct ReferenceView {
   Span<const VertexDof> dof;    ///< per vertex
 
   TETUNE_HD Vec3 point(Index v) const { return vec(points[v]); }
+  TETUNE_HD Vec3 centroid(Index triangle) const {
+    const SurfaceTriangle& t = triangles[triangle];
+    return (1.0 / 3) * (point(t.v[0]) + point(t.v[1]) + point(t.v[2]));
+  }
 };
 
 /// The reference surface in a backend's memory. Empty unless vertices slide.

@@ -95,4 +95,21 @@ TETUNE_HD inline TraceResult advance(const ReferenceView& ref, VertexDof dof, co
   return trace_detail::advance_to_boundary(ref, dof, element, l, rates, t);
 }
 
+/// Moves over the surface, from `from` at surface point `on`, while that leads closer to a target; returns the end and
+/// its surface point.
+TETUNE_HD inline Vec3 project_on_reference(const ReferenceView& ref, VertexDof dof, const Vec3& from,
+                                           const Vec3& target, SurfacePoint& on) {
+  constexpr int kMaxTraceSteps = 32;
+  Vec3 x = from;
+  for (int step = 0; step < kMaxTraceSteps; ++step) {
+    const SurfaceElement element = steepest(ref, dof, on, x - target);
+    if (element.on.kind == SurfacePointKind::none) break;
+    const TraceResult end = advance(ref, dof, element, on, x, element.descent, 1);
+    x = end.position;
+    on = end.surface_point;
+    if (!end.at_boundary) break;
+  }
+  return x;
+}
+
 }  // namespace tetune
