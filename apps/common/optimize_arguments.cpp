@@ -33,14 +33,14 @@ CLI::Validator is_positive() {
 void define_files(CLI::App& c, OptimizeArguments& a) {
   c.add_option("files", a.files,
                "Mesh to read: " + readable_endings() +
-                   "; or - for the standard input (MEDIT). A second name is that of the mesh to write, unless -o is "
-                   "given: then any number of meshes is read. Name the output with -o for patterns as *.mesh, which "
-                   "may match two files")
+                   "; or - for the standard input (MEDIT). A second name is that of the mesh to write, which must not "
+                   "exist, unless -o is given: then any number of meshes is read")
       ->option_text("INPUT [OUTPUT]");
   c.add_option(
        "-o,--output", a.names.output,
        "Mesh to write: " + writable_endings() +
-           "; or - for the standard output (MEDIT, binary if the input is). For several meshes: a folder, with / at "
+           "; or - for the standard output (MEDIT, binary if the input is). A file that exists is replaced. For "
+           "several meshes: a folder, with / at "
            "its end, which is made if necessary; or a name with {}, which stands for the name of each mesh without "
            "ending")
       ->option_text("FILE");
@@ -131,6 +131,16 @@ void define_output(CLI::App& c, OptimizeArguments& a) {
   c.add_flag("--quiet", a.quiet, "Only errors and warnings: -v 0")->excludes(v)->group(kOutput);
 }
 
+/// Throws OptionError if the output is a file that exists: the second name may be a mesh that a pattern as *.mesh has
+/// matched.
+void refuse_existing(const std::string& output) {
+  std::error_code ignored;
+  if (output == kPipe || !std::filesystem::exists(output, ignored)) return;
+  throw OptionError(output +
+                    ": the second name is that of the mesh to write, and this file exists; replace it with -o " +
+                    output + ", or name a folder with -o FOLDER/ to improve several meshes");
+}
+
 /// Returns the inputs, and takes the output from the files where it is the second of two.
 std::vector<std::string> find_inputs(OptimizeArguments& a) {
   if (a.files.empty()) throw OptionError("no input: name a mesh to read, or - for the standard input");
@@ -185,7 +195,10 @@ std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& a) {
   check(command, a);
   if (a.quiet) a.verbosity = 0;
   if (a.print_options) return {};
-  return make_jobs(find_inputs(a), a.names);
+  const bool is_named = !a.names.output.empty();  // with -o
+  std::vector<Job> jobs = make_jobs(find_inputs(a), a.names);
+  if (!is_named && !a.dry_run) refuse_existing(jobs.front().output);
+  return jobs;
 }
 
 }  // namespace tetune::cli
