@@ -9,8 +9,6 @@
 namespace tetune::plugin {
 namespace {
 
-constexpr std::array<Pair, 6> kTet10Edges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
-
 template <std::size_t N>
 Kind kind_of(int dimension, int type, const std::vector<std::array<Index, N>>& elements, const std::vector<int>& tags,
              const std::vector<DataArray>& data, std::vector<Pair> middles) {
@@ -88,7 +86,7 @@ std::vector<Kind> kinds_of(const TetMesh& mesh) {
   };
   const bool second = mesh.second_order;
   std::vector<Kind> kinds;
-  kinds.push_back(kind_of(3, second ? kTet10 : kTet, mesh.tets, mesh.tet_tags, mesh.tet_data, pairs(kTet10Edges)));
+  kinds.push_back(kind_of(3, second ? kTet10 : kTet, mesh.tets, mesh.tet_tags, mesh.tet_data, pairs(kGmshTetEdges)));
   kinds.push_back(kind_of(2, second ? kTriangle6 : kTriangle, mesh.triangles, mesh.triangle_tags, mesh.triangle_data,
                           pairs(kTriangleEdges)));
   kinds.push_back(kind_of(1, second ? kEdge3 : kEdge, mesh.edges, mesh.edge_tags, mesh.edge_data, pairs(kEdgeEdges)));

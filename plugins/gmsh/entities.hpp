@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gmsh_mesh.hpp"
-#include "second_order.hpp"
+#include "io/second_order.hpp"
 
 namespace tetune::plugin {
 

@@ -9,13 +9,10 @@
 #include <set>
 
 #include "gmsh_mesh.hpp"
-#include "second_order.hpp"
+#include "io/second_order.hpp"
 
 namespace tetune::plugin {
 namespace {
-
-/// Gmsh's tetrahedron has the last two middle nodes exchanged.
-constexpr std::array<Pair, 6> kTet10Edges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
 
 /// From Gmsh's numbers, which may have gaps, to indices.
 class Numbers {
@@ -168,7 +165,7 @@ class Reader {
     };
     switch (type) {
       case kTet10:
-        add_middles(v, 4, kTet10Edges);
+        add_middles(v, 4, kGmshTetEdges);
         [[fallthrough]];
       case kTet:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});

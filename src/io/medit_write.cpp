@@ -183,10 +183,8 @@ void write_sections(Writer& out, const TetMesh& mesh) {
   out.end();
 }
 
-}  // namespace
-
-std::vector<std::string> lost_in_medit(const TetMesh& mesh) {
-  std::vector<std::string> losses;
+/// Warns of the contents that a MEDIT file cannot hold.
+void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
   std::set<std::string> names;
   const auto add_names = [&names](const std::vector<DataArray>& data) {
     for (const DataArray& array : data) names.insert(array.name);
@@ -194,19 +192,20 @@ std::vector<std::string> lost_in_medit(const TetMesh& mesh) {
   for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) add_names(*data);
   for (const ElementBlock& block : mesh.others) {
     add_names(block.data);
-    if (is_points(block))
-      losses.push_back("elements of one vertex are written as required vertices, without their tags");
+    if (is_points(block)) context.warn("elements of one vertex are written as required vertices, without their tags");
   }
-  for (const std::string& name : names) losses.push_back("MEDIT has no room for the data \"" + name + "\"");
+  for (const std::string& name : names) context.warn("MEDIT has no room for the data \"" + name + "\"");
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
-    losses.push_back("MEDIT has no room for the names of groups");
+    context.warn("MEDIT has no room for the names of groups");
   }
-  if (mesh.second_order) losses.push_back("written as linear elements, without the nodes in the middles of edges");
-  return losses;
+  if (mesh.second_order) context.warn("written as linear elements, without the nodes in the middles of edges");
 }
 
-void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
-  TextWriter out(file, threads);
+}  // namespace
+
+void write_medit_text(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
+  warn_of_losses(mesh, context);
+  TextWriter out(file, context.threads);
   write_sections(out, mesh);
 }
 
@@ -221,7 +220,8 @@ void write_medit_solution(FileWriter& file, const std::vector<Measures>& values,
   out.end();
 }
 
-void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
+void write_medit_binary(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
+  warn_of_losses(mesh, context);
   // An upper bound: the last term covers the heads of the sections.
   std::size_t bytes =
       28 * mesh.points.size() + 20 * mesh.tets.size() + 16 * mesh.triangles.size() + 12 * mesh.edges.size() + 1000;

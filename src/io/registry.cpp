@@ -96,7 +96,7 @@ const std::vector<Format>& formats() {
       {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false},
       {"VTK legacy", {".vtk"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true},
-      {"Gmsh", {".msh"}, nullptr, nullptr, &kGmshPlugin, true, true},
+      {"Gmsh", {".msh"}, read_msh, write_msh},
       {"I-deas universal", {".unv"}, nullptr, nullptr, &kGmshPlugin, true, true},
       {"Abaqus", {".inp"}, nullptr, nullptr, &kGmshPlugin, false, true},
       {"Nastran", {".bdf"}, nullptr, nullptr, &kGmshPlugin, true, true},
@@ -155,10 +155,11 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
   check_lengths(path, mesh);
   const IoContext context{threads, warnings};
   if (format.write != nullptr) {
-    for (const std::string& loss : lost_in_medit(mesh)) context.warn(path + ": " + loss);
+    std::vector<std::string> losses;
     FileWriter file(path);
-    format.write(file, mesh, threads);
+    format.write(file, mesh, {threads, &losses});
     file.commit();
+    for (const std::string& loss : losses) context.warn(path + ": " + loss);
   } else {
     TemporaryFile file(path);
     write_by_plugin(*format.plugin, path, file.name(), mesh, context);
@@ -170,10 +171,11 @@ void write_mesh(int descriptor, const std::string& name, bool binary, const TetM
                 std::vector<std::string>* warnings) {
   check_lengths(name, mesh);
   const IoContext context{threads, warnings};
-  for (const std::string& loss : lost_in_medit(mesh)) context.warn(name + ": " + loss);
+  std::vector<std::string> losses;
   FileWriter file(descriptor, name);
-  (binary ? write_medit_binary : write_medit_text)(file, mesh, threads);
+  (binary ? write_medit_binary : write_medit_text)(file, mesh, {threads, &losses});
   file.commit();
+  for (const std::string& loss : losses) context.warn(name + ": " + loss);
 }
 
 void write_text(const std::string& path, std::string_view text) {

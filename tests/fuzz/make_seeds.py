@@ -123,6 +123,11 @@ def plugin_answer(points, tets, extra):
         out.extend(struct.pack("<ii", 3, 1))
         string("steel")
         array("i", [1])
+    out.extend(struct.pack("<Q", 1 if extra else 0))
+    if extra:
+        out.extend(struct.pack("<iii", 2, 4, 3))
+        array("d", [])
+        array("i", [(0, 1)])
     for text in ("medit:ref", "", "msh 4.1 binary"):
         string(text)
     return bytes(out) + bytes(2)
