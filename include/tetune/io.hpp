@@ -16,10 +16,11 @@ namespace tetune {
 /// - `.ele .node .face`: TetGen; the other files of the same stem are read too
 /// - `.vtu .pvtu .vtk`: VTK: unstructured grids, XML (one file, or parts) and legacy
 /// - `.e .ex2 .exo`: Exodus
-/// - `.msh`: Gmsh (versions 1 to 4.1, text or binary)
+/// - `.msh`: Gmsh (versions 2.2 and 4.1, text or binary, either byte order)
 /// - `.unv .bdf .med .cgns`: I-deas universal, Nastran, MED, CGNS
 ///
-/// The last four are read by separate programs of the installation that use VTK and Gmsh (docs/formats.md).
+/// Files of VTK and Exodus, the last four, and other versions of `.msh` are read by separate programs of the
+/// installation that use VTK and Gmsh (docs/formats.md).
 /// Skipped sections and the like are reported in `warnings`, if given. Tetrahedra that are listed inside out are
 /// reversed: if all are, without a warning (`listed_inside_out` is set); see orient_uniformly(). Throws FileError,
 /// whose message names file, place and remedy. `threads` 0 means all.

@@ -28,9 +28,6 @@ struct Kind {
 /// The elements of a mesh by kind.
 std::vector<Kind> kinds_of(const TetMesh& mesh);
 
-/// Returns the array of the name, or null.
-const DataArray* find(const std::vector<DataArray>& data, const std::string& name);
-
 /// Assigns the elements of a dimension to entities of Gmsh; returns the entities with their tags.
 std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups,
                                  const Format& format);

@@ -34,8 +34,8 @@ template <class Archive, MaybeConst<Group> AnyGroup>
 void transfer(Archive& archive, AnyGroup& group) {
   archive(group.dimension, group.number, group.name, group.tags);
 }
-template <class Archive, MaybeConst<PeriodicLink> Link>
-void transfer(Archive& archive, Link& link) {
+template <class Archive, MaybeConst<PeriodicLink> AnyLink>
+void transfer(Archive& archive, AnyLink& link) {
   archive(link.dimension, link.entity, link.master, link.affine, link.pairs);
 }
 template <class Archive, MaybeConst<ElementBlock> Block>

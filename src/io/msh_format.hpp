@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "backend/span.hpp"
 #include "io/second_order.hpp"
 
 /// Gmsh's format, versions 2.2 and 4.1 (Gmsh's manual, Sect. "MSH file format"): what its reader and writer share.
@@ -64,7 +65,7 @@ inline constexpr const MshType* find_msh_type(std::int64_t number) {
 template <class Function>
 void for_each_msh_middle(std::size_t list, const Function& f) {
   const auto each = [&f](const auto& pairs) {
-    for (const Pair& pair : pairs) f(static_cast<std::size_t>(pair[0]), static_cast<std::size_t>(pair[1]));
+    for (const Pair& pair : pairs) f(to_size_t(pair[0]), to_size_t(pair[1]));
   };
   if (list == kMshTets) each(kGmshTetEdges);
   if (list == kMshTriangles) each(kTriangleEdges);

@@ -63,7 +63,7 @@ std::vector<int> known_numbers(const MshKind& kind) {
     if (array.name != kMshEntities || array.components != 1) continue;
     const auto add = [&numbers](const auto& values) {
       for (const auto value : values) {
-        const std::optional<int> number = whole_number(static_cast<double>(value));
+        const std::optional<int> number = whole_number(double(value));
         numbers.push_back(number && *number > 0 ? *number : 0);
       }
     };
@@ -166,8 +166,8 @@ void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, 
       if (tags.count(number) == 0) linked.insert(number);
     }
   }
-  for (const auto& [number, tag] : tags) add(number, tag, true);
-  for (const int number : linked) add(number, 0, false);
+  for (const int number : linked) tags.emplace(number, 0);
+  for (const auto& [number, tag] : tags) add(number, tag, linked.count(number) == 0);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     kinds[k].entity.reserve(kinds[k].size());
     for (std::size_t e = 0; e < kinds[k].size(); ++e) {
@@ -202,7 +202,7 @@ void find_bounds(int dimension, std::size_t vertices, MshLayout& layout) {
   };
   simplices(dimension - 1, [&](const MshKind& kind) {
     for (std::size_t e = 0; e < kind.size(); ++e) {
-      const std::span<const Index> corners(kind.corners(e), static_cast<std::size_t>(dimension));
+      const std::span<const Index> corners(kind.corners(e), to_size_t(dimension));
       for (const Index v : corners) span_of(is_on_side)[v] = 1;
       sides.push_back({side_key(corners), kind.entity[e]});
     }
@@ -211,7 +211,7 @@ void find_bounds(int dimension, std::size_t vertices, MshLayout& layout) {
   std::sort(sides.begin(), sides.end());
   std::set<std::pair<Index, Index>> found;
   simplices(dimension, [&](const MshKind& kind) {
-    const auto n = static_cast<std::size_t>(dimension) + 1;
+    const auto n = to_size_t(dimension) + 1;
     for (std::size_t e = 0; e < kind.size(); ++e) {
       const std::span<const Index> corners(kind.corners(e), n);
       const auto on_sides =
@@ -220,8 +220,8 @@ void find_bounds(int dimension, std::size_t vertices, MshLayout& layout) {
       for (std::size_t left_out = 0; left_out < n; ++left_out) {
         std::array<Index, 3> side{};
         std::copy_n(corners.begin(), left_out, side.begin());
-        std::copy(corners.begin() + static_cast<std::ptrdiff_t>(left_out) + 1, corners.end(),
-                  side.begin() + static_cast<std::ptrdiff_t>(left_out));
+        std::copy(corners.begin() + std::ptrdiff_t(left_out) + 1, corners.end(),
+                  side.begin() + std::ptrdiff_t(left_out));
         const auto key = side_key({side.data(), n - 1});
         for (auto at = std::lower_bound(sides.begin(), sides.end(), Side{key, 0});
              at != sides.end() && at->vertices == key; ++at) {
@@ -244,7 +244,7 @@ void find_boxes(const TetMesh& mesh, MshLayout& layout) {
       std::uint8_t& set = span_of(is_set)[kind.entity[e]];
       if (set == 0) box = {kMost, kMost, kMost, -kMost, -kMost, -kMost};
       set = 1;
-      for (const Index v : std::span(kind.corners(e), static_cast<std::size_t>(kind.type->corners))) {
+      for (const Index v : std::span(kind.corners(e), to_size_t(kind.type->corners))) {
         const Point3& p = span_of(mesh.points)[v];
         for (std::size_t k = 0; k < 3; ++k) {
           box[k] = std::min(box[k], p[k]);
@@ -268,6 +268,14 @@ void place_points(const TetMesh& mesh, MshLayout& layout) {
 }
 
 }  // namespace
+
+Index MshLayout::find(int dimension, int number) const {
+  const auto is_before = [](const MshLayoutEntity& entity, const std::pair<int, int>& sought) {
+    return std::pair{entity.dimension, entity.number} < sought;
+  };
+  return to_index(std::lower_bound(entities.begin(), entities.end(), std::pair{dimension, number}, is_before) -
+                  entities.begin());
+}
 
 MshLayout lay_out(const TetMesh& mesh, const IoContext& context) {
   MshLayout layout;

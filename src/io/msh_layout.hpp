@@ -22,9 +22,7 @@ struct MshKind {
   std::vector<Index> entity{};  ///< position in MshLayout::entities, per element
   std::int64_t first_number = 1;
   std::size_t size() const { return tags->size(); }
-  const Index* corners(std::size_t element) const {
-    return element2vertex + element * static_cast<std::size_t>(type->corners);
-  }
+  const Index* corners(std::size_t element) const { return element2vertex + element * to_size_t(type->corners); }
 };
 
 /// An entity to be written.
@@ -42,6 +40,8 @@ struct MshLayout {
   std::vector<MshKind> kinds;             ///< from the lowest dimension up
   std::vector<MshLayoutEntity> entities;  ///< ascending in dimension and number
   std::vector<Group> names;               ///< named groups
+  /// The position of an entity that is in the list.
+  Index find(int dimension, int number) const;
 };
 
 /// Assigns elements to entities and groups. The entities are those that the elements came from where they are known;

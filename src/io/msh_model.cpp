@@ -20,8 +20,8 @@ MshElements kept(const MshElements& from, const std::vector<std::uint8_t>& keep,
   MshElements to;
   for (std::size_t e = 0; e < keep.size(); ++e) {
     if (keep[e] == 0) continue;
-    const auto first = from.corners.begin() + static_cast<std::ptrdiff_t>(e * corners);
-    to.corners.insert(to.corners.end(), first, first + static_cast<std::ptrdiff_t>(corners));
+    const auto first = from.corners.begin() + std::ptrdiff_t(e * corners);
+    to.corners.insert(to.corners.end(), first, first + std::ptrdiff_t(corners));
     to.cell.push_back(from.cell[e]);
     to.number.push_back(from.number[e]);
   }
@@ -68,10 +68,10 @@ void join(MshElements& list, std::size_t corners, const std::vector<std::uint8_t
   std::vector<std::uint8_t> keep(list.cell.size(), 1);
   for (std::size_t e = 0; e < keep.size(); ++e) {
     if (span_of(is_split)[list.cell[e]] == 0) continue;
-    const MshCell& cell = cells[static_cast<std::size_t>(list.cell[e])];
-    const auto first = list.corners.begin() + static_cast<std::ptrdiff_t>(e * corners);
+    const MshCell& cell = cells[to_size_t(list.cell[e])];
+    const auto first = list.corners.begin() + std::ptrdiff_t(e * corners);
     const auto [at, is_new] =
-        first_of.try_emplace({Key(first, first + static_cast<std::ptrdiff_t>(corners)), cell.entity}, to_index(e));
+        first_of.try_emplace({Key(first, first + std::ptrdiff_t(corners)), cell.entity}, to_index(e));
     groups_of[at->second].insert(cell.groups.begin(), cell.groups.end());
     keep[e] = is_new ? 1 : 0;
   }
@@ -96,7 +96,7 @@ NumberIndex::NumberIndex(const std::vector<std::int64_t>& numbers) : order_(numb
                      [&](Index a, Index b) { return span_of(numbers)[a] < span_of(numbers)[b]; });
   }
   const bool is_dense = (*most - first_) / kTablePerNumber <= std::ssize(numbers);
-  if (is_dense) table_.assign(static_cast<std::size_t>(*most - first_) + 1, -1);
+  if (is_dense) table_.assign(to_size_t(*most - first_) + 1, -1);
   std::int64_t last = -1;
   Index rank = 0;
   for (const Index at : order_) {
@@ -122,7 +122,7 @@ void join_repeated_elements(MshModel& model) {
   for (const MshCell& cell : model.cells) is_split.push_back(by_groups.is_split(cell) ? 1 : 0);
   if (std::find(is_split.begin(), is_split.end(), 1) == is_split.end()) return;
   for (std::size_t list = 0; list < kMshLists; ++list) {
-    const auto corners = static_cast<std::size_t>(msh_type_of(list).corners);
+    const auto corners = to_size_t(msh_type_of(list).corners);
     join(model.elements[list], corners, is_split, by_groups, model.cells);
   }
   for (MshCell& cell : model.cells) cell.is_dropped = true;

@@ -24,7 +24,7 @@ class NumberIndex {
   Index rank(std::int64_t number) const {
     if (table_.empty()) return search(number);
     const std::int64_t at = number - first_;
-    return at < 0 || at >= std::ssize(table_) ? -1 : table_[static_cast<std::size_t>(at)];
+    return at < 0 || at >= std::ssize(table_) ? -1 : table_[to_size_t(at)];
   }
   /// The positions in the list in ascending order of the numbers.
   const std::vector<Index>& order() const { return order_; }

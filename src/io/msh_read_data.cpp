@@ -73,7 +73,7 @@ void read_msh_names(MshSource& source, MshModel& model) {
       source.fail("group " + std::to_string(number) + " of dimension " + std::to_string(dimension) +
                   " is none: numbers are from 1, dimensions from 0 to 3");
     }
-    model.names.push_back({static_cast<int>(dimension), static_cast<int>(number), quoted(source)});
+    model.names.push_back({int(dimension), int(number), quoted(source)});
   }
 }
 
@@ -143,8 +143,8 @@ void read_msh_view(MshSource& source, bool on_nodes, MshModel& model, const IoCo
                  " components are not kept: 1, 3 or 9 are possible");
     return source.skip_section(on_nodes ? "NodeData" : "ElementData");
   }
-  view.components = static_cast<int>(each);
-  view.step = static_cast<int>(header[0]);
+  view.components = int(each);
+  view.step = int(header[0]);
   const std::size_t n = source.checked(header[2], "number of values", view.components + 1, 4 + 8 * view.components);
   view.numbers.reserve(n);
   view.values.reserve(n * to_size_t(each));

@@ -26,7 +26,7 @@ void MshElementReader::read_entities(bool partitioned) {
   std::array<std::size_t, 4> counts{};
   for (std::size_t& n : counts) n = source_.count("number of entities", 4, 36);
   for (int dimension = 0; dimension <= 3; ++dimension) {
-    for (std::size_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) {
+    for (std::size_t i = 0; i < counts[to_size_t(dimension)]; ++i) {
       const int number = source_.integer("number of an entity");
       Entity entity;
       if (partitioned) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
@@ -29,7 +30,7 @@ class MshSink {
   }
   void integer(int value) { put(value); }
   void long_integer(std::int64_t value) { put(value); }
-  void count(std::size_t value) { put(static_cast<std::int64_t>(value)); }
+  void count(std::size_t value) { put(std::int64_t(value)); }
   void real(double value) { put(value); }
   /// Ends a line of text.
   void end_line() {
@@ -63,5 +64,13 @@ class MshSink {
   bool is_binary_;
   std::string buffer_;
 };
+
+/// A name as it stands between quotation marks in one line.
+inline std::string msh_quoted(std::string name) {
+  std::replace(name.begin(), name.end(), '"', '\'');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return '"' + name + '"';
+}
 
 }  // namespace tetune

@@ -85,9 +85,9 @@ class MshSource {
     const std::string end = std::string("\n$End").append(section);
     const std::int64_t rest = text_.remaining();
     const char* at = text_.skip(0);
-    const auto found = std::string_view(at - 1, static_cast<std::size_t>(rest) + 1).find(end);
+    const auto found = std::string_view(at - 1, to_size_t(rest) + 1).find(end);
     if (found == std::string_view::npos) fail("the section $" + printable(section) + " has no end");
-    text_.skip(static_cast<std::int64_t>(found));
+    text_.skip(std::int64_t(found));
   }
 
   [[noreturn]] void fail(const std::string& text) const {

@@ -86,13 +86,13 @@ void unpack(const std::vector<Index>& corners, std::vector<std::array<Index, N>>
 /// Adds the values of a view that belong to the elements or nodes that find() gives a position.
 template <class Find>
 void add_view(const MshView& view, std::size_t entries, std::vector<DataArray>& data, const Find& find) {
-  const auto each = static_cast<std::size_t>(view.components);
+  const auto each = to_size_t(view.components);
   std::vector<double> all;
   for (std::size_t i = 0; i < view.numbers.size(); ++i) {
     const Index at = find(view.numbers[i]);
     if (at < 0) continue;
     if (all.empty()) all.assign(entries * each, std::numeric_limits<double>::quiet_NaN());
-    std::copy_n(&view.values[i * each], each, &all[static_cast<std::size_t>(at) * each]);
+    std::copy_n(&view.values[i * each], each, &all[to_size_t(at) * each]);
   }
   if (all.empty()) return;
   std::erase_if(data, [&view](const DataArray& array) { return array.name == view.name; });

@@ -16,14 +16,6 @@
 namespace tetune {
 namespace {
 
-/// A name as it stands between quotation marks in one line.
-std::string quoted(std::string name) {
-  std::replace(name.begin(), name.end(), '"', '\'');
-  std::replace_if(
-      name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return '"' + name + '"';
-}
-
 std::vector<double> doubles_of(const DataArray& array) {
   return std::visit([](const auto& v) { return std::vector<double>(v.begin(), v.end()); }, array.values);
 }
@@ -35,10 +27,14 @@ class MshWriter {
         middles_(middles),
         context_(context),
         layout_(lay_out(mesh, context)),
+        links_(mesh.periodic),
         is_old_(mesh.dialect.starts_with("msh 2.2")),
         sink_(file, !mesh.dialect.starts_with("msh") || !mesh.dialect.ends_with("text")) {}
 
   void write() {
+    for (PeriodicLink& link : links_) {
+      if (middles_ != nullptr) middles_->extend(link);
+    }
     write_header();
     write_names();
     if (is_old_) {
@@ -68,7 +64,10 @@ class MshWriter {
     sink_.begin("PhysicalNames");
     sink_.text(std::to_string(layout_.names.size()) + "\n");
     for (const Group& group : layout_.names) {
-      sink_.text(std::to_string(group.dimension) + " " + std::to_string(group.number) + " " + quoted(group.name) +
+      if (group.name.find_first_of("\"\n\r") != std::string::npos) {
+        context_.warn("names are written without quotation marks and ends of lines: " + msh_quoted(group.name));
+      }
+      sink_.text(std::to_string(group.dimension) + " " + std::to_string(group.number) + " " + msh_quoted(group.name) +
                  "\n");
     }
     sink_.text("$EndPhysicalNames\n");
@@ -115,14 +114,27 @@ class MshWriter {
     return (second ? msh_second_order_type_of(kind.type->list) : *kind.type).number;
   }
 
-  /// The vertices by entity: that of the lowest dimension that has the vertex; the last one for vertices in no element.
+  /// The vertices by entity: that of the lowest dimension that has the vertex in an element or a periodic pair; the
+  /// last one for others. Gmsh takes the vertices of an entity for those of its periodic links.
   std::vector<std::vector<Index>> vertices_by_entity() const {
     std::vector<Index> owner(mesh_.points.size(), -1);
-    for (const MshKind& kind : layout_.kinds) {
-      for (std::size_t e = 0; e < kind.size(); ++e) {
-        for_each_node(kind, e, [&](Index v) {
-          if (span_of(owner)[v] < 0) span_of(owner)[v] = kind.entity[e];
-        });
+    const auto claim = [&owner](Index v, Index entity) {
+      if (span_of(owner)[v] < 0) span_of(owner)[v] = entity;
+    };
+    for (int dimension = 0; dimension <= 3; ++dimension) {
+      for (const MshKind& kind : layout_.kinds) {
+        for (std::size_t e = 0; kind.type->dimension == dimension && e < kind.size(); ++e) {
+          for_each_node(kind, e, [&](Index v) { claim(v, kind.entity[e]); });
+        }
+      }
+      for (const PeriodicLink& link : links_) {
+        if (link.dimension != dimension) continue;
+        const Index entity = layout_.find(dimension, link.entity);
+        const Index master = layout_.find(dimension, link.master);
+        for (const auto& pair : link.pairs) {
+          claim(pair[0], entity);
+          claim(pair[1], master);
+        }
       }
     }
     std::vector<std::vector<Index>> vertices(layout_.entities.size());
@@ -154,7 +166,7 @@ class MshWriter {
         sink_.long_integer(std::int64_t{v} + 1);
         sink_.end_line();
       }
-      for (const Index v : vertices[i]) put_point(static_cast<std::size_t>(v));
+      for (const Index v : vertices[i]) put_point(to_size_t(v));
     }
     sink_.end("Nodes");
   }
@@ -187,7 +199,7 @@ class MshWriter {
     sink_.end_line();
     for (const Index e : elements) {
       sink_.long_integer(kind.first_number + e);
-      for_each_node(kind, static_cast<std::size_t>(e), [this](Index v) { sink_.long_integer(std::int64_t{v} + 1); });
+      for_each_node(kind, to_size_t(e), [this](Index v) { sink_.long_integer(std::int64_t{v} + 1); });
       sink_.end_line();
     }
   }
@@ -221,15 +233,15 @@ class MshWriter {
     if (excess_of(std::int64_t(total), false) != "") throw FileError("version 2.2 cannot hold that many elements");
     sink_.begin("Elements");
     sink_.text(std::to_string(total) + "\n");
-    int repeated = static_cast<int>(layout_.kinds.back().first_number + std::ssize(*layout_.kinds.back().tags));
+    int repeated = to_index(layout_.kinds.back().first_number + std::ssize(*layout_.kinds.back().tags));
     for (std::size_t k = 0; k < counts.size(); ++k) {
       const MshKind& kind = layout_.kinds[k];
       if (sink_.is_binary()) {
-        for (const int word : {type_number(kind), static_cast<int>(counts[k]), 2}) sink_.integer(word);
+        for (const int word : {type_number(kind), to_index(counts[k]), 2}) sink_.integer(word);
       }
       for (std::size_t e = 0; e < kind.size(); ++e) {
         // The first keeps the number, to which data refer.
-        int number = static_cast<int>(kind.first_number + std::int64_t(e));
+        int number = to_index(kind.first_number + std::int64_t(e));
         for (const int group : old_groups(kind, e)) {
           write_old_element(kind, e, number, group);
           number = repeated++;
@@ -254,14 +266,13 @@ class MshWriter {
   // What follows the elements.
 
   void write_periodic() {
-    if (mesh_.periodic.empty()) return;
+    if (links_.empty()) return;
     const bool is_binary = sink_.is_binary();
     if (is_old_) sink_.set_binary(false);
     sink_.begin("Periodic");
-    sink_.count(mesh_.periodic.size());
+    sink_.count(links_.size());
     sink_.end_line();
-    for (PeriodicLink link : mesh_.periodic) {
-      if (middles_ != nullptr) middles_->extend(link);
+    for (const PeriodicLink& link : links_) {
       for (const int word : {link.dimension, link.entity, link.master}) sink_.integer(word);
       sink_.end_line();
       if (!is_old_) sink_.count(link.affine.size());
@@ -327,11 +338,11 @@ class MshWriter {
       return;
     }
     sink_.begin(section);
-    sink_.text("1\n" + quoted(view.name) + "\n1\n0\n3\n0\n" + std::to_string(view.components) + "\n" +
+    sink_.text("1\n" + msh_quoted(view.name) + "\n1\n0\n3\n0\n" + std::to_string(view.components) + "\n" +
                std::to_string(view.numbers.size()) + "\n");
     const auto each = to_size_t(view.components);
     for (std::size_t i = 0; i < view.numbers.size(); ++i) {
-      sink_.integer(static_cast<int>(view.numbers[i]));
+      sink_.integer(to_index(view.numbers[i]));
       for (std::size_t c = 0; c < each; ++c) sink_.real(view.values[i * each + c]);
       sink_.end_line();
     }
@@ -357,6 +368,7 @@ class MshWriter {
   const Middles* middles_;  ///< of elements of second order
   const IoContext& context_;
   MshLayout layout_;
+  std::vector<PeriodicLink> links_;
   bool is_old_;  ///< version 2.2
   MshSink sink_;
 };

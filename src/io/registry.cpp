@@ -16,6 +16,8 @@
 namespace tetune {
 namespace {
 
+constexpr const char* kNoPeriodic = ": the format cannot hold periodic links";
+
 std::string endings(bool to_write) {
   std::string known;
   for (const Format& format : formats()) {
@@ -154,6 +156,7 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
   check_writable(path);
   check_lengths(path, mesh);
   const IoContext context{threads, warnings};
+  if (!mesh.periodic.empty() && format.write != write_msh) context.warn(path + kNoPeriodic);
   if (format.write != nullptr) {
     std::vector<std::string> losses;
     FileWriter file(path);
@@ -171,6 +174,7 @@ void write_mesh(int descriptor, const std::string& name, bool binary, const TetM
                 std::vector<std::string>* warnings) {
   check_lengths(name, mesh);
   const IoContext context{threads, warnings};
+  if (!mesh.periodic.empty()) context.warn(name + kNoPeriodic);
   std::vector<std::string> losses;
   FileWriter file(descriptor, name);
   (binary ? write_medit_binary : write_medit_text)(file, mesh, {threads, &losses});

@@ -23,10 +23,10 @@ double distance(const Point3& p, const Point3& q) { return std::hypot(p[0] - q[0
 /// The values of vertex v.
 template <class Values>
 auto entry_of(Values& values, Index v, std::size_t each) {
-  return std::span(values).subspan(static_cast<std::size_t>(v) * each, each);
+  return std::span(values).subspan(to_size_t(v) * each, each);
 }
 
-std::size_t components_of(const DataArray& array) { return static_cast<std::size_t>(array.components); }
+std::size_t components_of(const DataArray& array) { return to_size_t(array.components); }
 
 template <class Function>
 void for_each_list(TetMesh& mesh, const Function& f) {
