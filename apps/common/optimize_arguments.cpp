@@ -131,16 +131,6 @@ void define_output(CLI::App& c, OptimizeArguments& a) {
   c.add_flag("--quiet", a.quiet, "Only errors and warnings: -v 0")->excludes(v)->group(kOutput);
 }
 
-/// Throws OptionError if the output is a file that exists: the second name may be a mesh that a pattern as *.mesh has
-/// matched.
-void refuse_existing(const std::string& output) {
-  std::error_code ignored;
-  if (output == kPipe || !std::filesystem::exists(output, ignored)) return;
-  throw OptionError(output +
-                    ": the second name is that of the mesh to write, and this file exists; replace it with -o " +
-                    output + ", or name a folder with -o FOLDER/ to improve several meshes");
-}
-
 /// Returns the inputs, and takes the output from the files where it is the second of two.
 std::vector<std::string> find_inputs(OptimizeArguments& a) {
   if (a.files.empty()) throw OptionError("no input: name a mesh to read, or - for the standard input");

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <charconv>
 #include <set>
 #include <span>
 
-#include "backend/cpu.hpp"
+#include "io/line_writer.hpp"
 #include "io/medit_codec.hpp"
 #include "io/registry.hpp"
 #include "tetune/error.hpp"
@@ -12,28 +11,11 @@
 namespace tetune {
 namespace {
 
-/// Writes the sections of a text file. Lines are formatted in ranges, in parallel, and written in order.
+/// Writes the sections of a text file.
 class TextWriter {
  public:
-  /// The numbers of one line, each followed by a space.
-  class Entry {
-   public:
-    explicit Entry(std::string& out) : out_(out) {}
-    void real(double value) { integer(value); }
-    template <class T>
-    void integer(T value) {
-      char digits[40];
-      const auto result = std::to_chars(digits, digits + sizeof digits, value);
-      *result.ptr = ' ';
-      out_.append(digits, result.ptr + 1);
-    }
-
-   private:
-    std::string& out_;
-  };
-
-  TextWriter(FileWriter& file, int threads) : file_(file), cpu_(threads) {
-    file_.write("MeshVersionFormatted 2\n\nDimension 3\n");
+  TextWriter(FileWriter& file, int threads) : out_(file, threads) {
+    out_.text("MeshVersionFormatted 2\n\nDimension 3\n");
   }
   /// Writes a list of n entries; put(entry, i) writes one of them. `subtitle`: a line before the entries.
   template <class Put>
@@ -41,30 +23,13 @@ class TextWriter {
             const std::string& subtitle = {}) {
     std::string head(1, '\n');
     head.append(section.name).append(1, '\n').append(std::to_string(n)).append(1, '\n').append(subtitle);
-    file_.write(head);
-    const Size size = std::int64_t(n);
-    std::vector<std::string> parts(to_size_t(4 * cpu_.threads()));
-    const Span<std::string> part = span_of(parts);
-    for (Size first = 0; first < size; first += part.size() * kLinesPerPart) {
-      cpu_.for_parts(part.size(), [&](Size p) {
-        part[p].clear();
-        const Size begin = std::min(size, first + p * kLinesPerPart);
-        const std::size_t end = to_size_t(std::min(size, begin + kLinesPerPart));
-        Entry entry(part[p]);
-        for (std::size_t i = to_size_t(begin); i < end; ++i) {
-          put(entry, i);
-          part[p].back() = '\n';
-        }
-      });
-      for (const std::string& lines : parts) file_.write(lines);
-    }
+    out_.text(head);
+    out_.lines(n, put);
   }
-  void end() { file_.write("\nEnd\n"); }
+  void end() { out_.text("\nEnd\n"); }
 
  private:
-  static constexpr Size kLinesPerPart = 1 << 15;
-  FileWriter& file_;
-  backend::Cpu cpu_;
+  LineWriter out_;
 };
 
 /// Writes the sections of a binary file.
@@ -213,7 +178,7 @@ void write_medit_solution(FileWriter& file, const std::vector<Measures>& values,
   TextWriter out(file, threads);
   std::string fields = std::to_string(kMeasures);
   for (std::size_t k = 0; k < kMeasures; ++k) fields += " 1";  // a scalar
-  const auto put = [&values](TextWriter::Entry& entry, std::size_t i) {
+  const auto put = [&values](LineWriter::Entry& entry, std::size_t i) {
     for (const double value : values[i]) entry.real(value);
   };
   out.list({"SolAtTetrahedra", 0, 0}, values.size(), kMeasures, 0, put, fields.append(1, '\n'));

@@ -24,13 +24,6 @@ MshKind kind_of(std::size_t list, const std::vector<std::array<Index, N>>& eleme
   return {&msh_type_of(list), elements.empty() ? nullptr : elements.front().data(), &tags, &data};
 }
 
-void check_vertices(const MshKind& kind, std::size_t vertices) {
-  for (const Index v : std::span(kind.element2vertex, kind.size() * to_size_t(kind.type->corners))) {
-    if (v < 0 || to_size_t(v) >= vertices)
-      throw FileError("an element has vertex " + std::to_string(v) + ", which does not exist");
-  }
-}
-
 std::vector<MshKind> kinds_of(const TetMesh& mesh) {
   std::vector<MshKind> kinds{kind_of(kMshTets, mesh.tets, mesh.tet_tags, mesh.tet_data),
                              kind_of(kMshTriangles, mesh.triangles, mesh.triangle_tags, mesh.triangle_data),
@@ -45,7 +38,6 @@ std::vector<MshKind> kinds_of(const TetMesh& mesh) {
     kinds.push_back({&*type, block.element2vertex.data(), &block.tags, &block.data});
   }
   std::erase_if(kinds, [](const MshKind& kind) { return kind.size() == 0; });
-  for (const MshKind& kind : kinds) check_vertices(kind, mesh.points.size());
   std::stable_sort(kinds.begin(), kinds.end(),
                    [](const MshKind& a, const MshKind& b) { return a.type->dimension < b.type->dimension; });
   std::int64_t next = 1;

@@ -38,13 +38,15 @@ struct Format {
   const char* name;
   std::vector<std::string> endings;
   TetMesh (*read)(const std::string& path, const IoContext& context);
-  /// The texts of warnings name no file.
-  void (*write)(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+  /// Replaces the file as a whole or not at all. The texts of warnings name no file.
+  void (*write)(const std::string& path, const TetMesh& mesh, const IoContext& context);
   /// The plugin that reads or writes the format where there is no function.
   const Plugin* plugin = nullptr;
   bool plugin_reads = false, plugin_writes = false;
   /// Some builds of the plugin's library do not have the format.
   bool is_optional = false;
+  /// A mesh is written to files of all the endings.
+  bool is_set = false;
   bool reads() const { return read != nullptr || plugin_reads; }
   bool writes() const { return write != nullptr || plugin_writes; }
 };
@@ -70,6 +72,8 @@ void write_medit_solution(FileWriter& file, const std::vector<Measures>& values,
 TetMesh read_tetgen(const std::string& path, const IoContext& context);
 /// Reads versions 2.2 and 4.1 of Gmsh's format; others with Gmsh's plugin where it is installed.
 TetMesh read_msh(const std::string& path, const IoContext& context);
+/// Writes the set of files to which `path` belongs.
+void write_tetgen(const std::string& path, const TetMesh& mesh, const IoContext& context);
 /// Writes the version and encoding of TetMesh::dialect, or 4.1 binary.
 void write_msh(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 
