@@ -186,7 +186,8 @@ TetMesh read_msh(const std::string& path, const IoContext& context) {
   const MshHeader header = read_header(source);
   const bool is_old = header.version >= 2 && header.version < 3;
   if (!is_old && header.version != 4.1) {
-    if (has_plugin(kGmshPlugin)) return read_by_plugin(kGmshPlugin, path, context);  // written as version 4.1
+    const bool known = header.version == 1 || header.version == 3 || header.version == 4;
+    if (known && has_plugin(kGmshPlugin)) return read_by_plugin(kGmshPlugin, path, context);  // written as version 4.1
     std::ostringstream version;
     version << header.version;
     source.fail(std::string("this is version ")

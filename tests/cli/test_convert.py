@@ -46,6 +46,16 @@ class Convert(CliTest):
         done = self.run_cli("convert", self.path("a.msh"), self.path("b.ele"))
         self.assertIn("b.ele: TetGen's files cannot hold the data \"gmsh:geometrical\"", done.stderr)
 
+    def test_versions_of_msh(self):
+        _, source = self.source()
+        for word, head in (("2.2-text", b"2.2 0 8"), ("2.2-binary", b"2.2 1 8"), ("4.1-text", b"4.1 0 8"), ("4.1-binary", b"4.1 1 8")):
+            self.run_cli("convert", source, "-o", self.path("a.msh"), "--msh", word)
+            self.assertTrue(self.read_bytes("a.msh").startswith(b"$MeshFormat\n" + head))
+            self.run_cli("convert", self.path("a.msh"), "-o", self.path("b.msh"))  # that of the input
+            self.assertEqual(self.read_bytes("b.msh")[:20], self.read_bytes("a.msh")[:20])
+        self.assertIn("--msh has no effect", self.run_cli("convert", source, "-o", self.path("c.mesh"), "--msh", word).stderr)
+        self.refused("convert", source, "-o", self.path("a.msh"), "--msh", "1.0", said=["--msh", "1.0"])
+
     def test_no_mesh_is_overwritten_without_o(self):
         _, source = self.source()
         for name, other in (("b.mesh", "b.mesh"), ("b.node", "b.ele"), ("b.ele", "b.face")):
