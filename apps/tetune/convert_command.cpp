@@ -54,8 +54,7 @@ void add_convert(CLI::App& app, int& exit_code) {
                     "; or - for the standard output (MEDIT, binary if the input is)");
   c->add_option("-o,--output", a->replaced_output, "Mesh to write; a file that exists is replaced")
       ->option_text("FILE");
-  c->add_option("--msh", a->msh,
-                "Version and encoding of an .msh file; otherwise those of the input, or 4.1-binary")
+  c->add_option("--msh", a->msh, "Version and encoding of an .msh file; otherwise those of the input, or 4.1-binary")
       ->check(is_word({"2.2-text", "2.2-binary", "4.1-text", "4.1-binary"}))
       ->option_text("VERSION");
   c->add_option("--tags", a->tags, kTagsHelp)->option_text("NAME");

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """tetune convert. Run: see cli_case.py."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -8,6 +9,31 @@ import subprocess
 import cli_case
 from cli_case import CliTest, Mesh, cube, with_triangles
 
+PERIODIC = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+1
+3 8 "empty"
+$EndPhysicalNames
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+$EndNodes
+$Elements
+1
+1 4 2 7 1 1 2 3 4
+$EndElements
+$Periodic
+1
+0 2 1
+1
+2 1
+$EndPeriodic
+"""
 BUILT_IN = ["mesh", "meshb", "msh", "ele"]
 
 
@@ -55,6 +81,17 @@ class Convert(CliTest):
             self.assertEqual(self.read_bytes("b.msh")[:20], self.read_bytes("a.msh")[:20])
         self.assertIn("--msh has no effect", self.run_cli("convert", source, "-o", self.path("c.mesh"), "--msh", word).stderr)
         self.refused("convert", source, "-o", self.path("a.msh"), "--msh", "1.0", said=["--msh", "1.0"])
+
+    def test_periodic_links_are_told(self):
+        self.put("a.msh", PERIODIC)
+        text = self.run_cli("info", self.path("a.msh")).stdout
+        self.assertRegex(text, "periodic pairs +1\n")
+        self.assertRegex(text, "group of dimension 3 +8   \"empty\", no elements\n")
+        self.run_cli("convert", self.path("a.msh"), self.path("b.msh"), "--msh", "4.1-binary")
+        counts = json.loads(self.run_cli("info", self.path("b.msh"), "--json").stdout)["counts"]
+        self.assertEqual(counts["periodic_pairs"], 1)
+        done = self.run_cli("convert", self.path("b.msh"), self.path("b.mesh"))
+        self.assertIn("b.mesh: the format cannot hold periodic links", done.stderr)
 
     def test_no_mesh_is_overwritten_without_o(self):
         _, source = self.source()
