@@ -130,36 +130,56 @@ std::vector<int> groups_of(const TetMesh& mesh, const MshLayoutEntity& entity) {
   return groups;
 }
 
+/// Adds the periodic links of one dimension; returns the entities that only they name. Where the entities of the mesh
+/// have new numbers, the links are not kept.
+std::set<int> add_links(const TetMesh& mesh, int dimension, bool renumbered, const EntityTags& tags,
+                        const IoContext& context, MshLayout& layout) {
+  std::set<int> linked;
+  std::size_t dropped = 0;
+  for (const PeriodicLink& link : mesh.periodic) {
+    if (link.dimension != dimension) continue;
+    if (renumbered) {
+      ++dropped;
+      continue;
+    }
+    layout.links.push_back(link);
+    for (const int number : {link.entity, link.master}) {
+      if (tags.count(number) == 0) linked.insert(number);
+    }
+  }
+  if (dropped > 0) {
+    context.warn(std::to_string(dropped) + " periodic links of dimension " + std::to_string(dimension) +
+                 " are not written: elements of one entity have different tags, so that entities get new numbers");
+  }
+  return linked;
+}
+
 /// Adds the entities of one dimension.
 void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, const IoContext& context,
                   MshLayout& layout) {
   EntityTags tags;
   std::vector<std::vector<int>> numbers = known_entities(kinds, tags);
-  if (numbers.empty() && !kinds.empty()) {
+  const bool known = !numbers.empty() || kinds.empty();
+  if (!known) {
     tags.clear();
     numbers = entities_of_tags(kinds, tags);
   }
+  const bool renumbered = !known && std::any_of(kinds.begin(), kinds.end(),
+                                                [](const MshKind& kind) { return !known_numbers(kind).empty(); });
+  const std::set<int> linked = add_links(mesh, dimension, renumbered, tags, context, layout);
+  for (const int number : linked) tags.emplace(number, 0);
   std::map<int, Index> positions;
-  const auto add = [&](int number, int tag, bool has_elements) {
-    const auto [at, is_new] = positions.try_emplace(number, to_index(layout.entities.size()));
-    if (!is_new) return;
+  for (const auto& [number, tag] : tags) {
+    positions[number] = to_index(layout.entities.size());
     MshLayoutEntity entity{dimension, number, tag};
-    if (has_elements) entity.groups = groups_of(mesh, entity);
+    entity.has_elements = linked.count(number) == 0;
+    if (entity.has_elements) entity.groups = groups_of(mesh, entity);
     if (entity.groups.empty() && tag < 0 && !mesh.cell_tags_name.starts_with("gmsh")) {
       context.warn("Gmsh's groups have positive numbers: elements of dimension " + std::to_string(dimension) +
                    " with the tag " + std::to_string(tag) + " are entity " + std::to_string(number) + ", in no group");
     }
     layout.entities.push_back(std::move(entity));
-  };
-  std::set<int> linked;  // entities without elements
-  for (const PeriodicLink& link : mesh.periodic) {
-    if (link.dimension != dimension) continue;
-    for (const int number : {link.entity, link.master}) {
-      if (tags.count(number) == 0) linked.insert(number);
-    }
   }
-  for (const int number : linked) tags.emplace(number, 0);
-  for (const auto& [number, tag] : tags) add(number, tag, linked.count(number) == 0);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     kinds[k].entity.reserve(kinds[k].size());
     for (std::size_t e = 0; e < kinds[k].size(); ++e) {
@@ -249,10 +269,11 @@ void find_boxes(const TetMesh& mesh, MshLayout& layout) {
 
 /// Gives periodic entities of dimension 0 without elements the position of their vertex.
 void place_points(const TetMesh& mesh, MshLayout& layout) {
-  for (const PeriodicLink& link : mesh.periodic) {
+  for (const PeriodicLink& link : layout.links) {
     if (link.dimension != 0 || link.pairs.empty()) continue;
     for (MshLayoutEntity& entity : layout.entities) {
-      if (entity.dimension != 0 || (entity.number != link.entity && entity.number != link.master)) continue;
+      if (entity.dimension != 0 || entity.has_elements) continue;
+      if (entity.number != link.entity && entity.number != link.master) continue;
       const Point3& p = span_of(mesh.points)[link.pairs[0][entity.number == link.entity ? 0 : 1]];
       for (std::size_t k = 0; k < 3; ++k) entity.box[k] = entity.box[k + 3] = p[k];
     }

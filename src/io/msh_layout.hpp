@@ -33,6 +33,7 @@ struct MshLayoutEntity {
   std::vector<int> groups{};
   std::vector<int> bounds{};  ///< numbers of the entities of the dimension below that share a side with it
   std::array<double, 6> box{};
+  bool has_elements = true;  ///< false: only a periodic link names it
 };
 
 /// The elements, entities and groups of a mesh as an .msh file has them.
@@ -40,6 +41,7 @@ struct MshLayout {
   std::vector<MshKind> kinds;             ///< from the lowest dimension up
   std::vector<MshLayoutEntity> entities;  ///< ascending in dimension and number
   std::vector<Group> names;               ///< named groups
+  std::vector<PeriodicLink> links;        ///< those of entities that the mesh still has
   /// The position of an entity that is in the list.
   Index find(int dimension, int number) const;
 };

@@ -27,12 +27,11 @@ class MshWriter {
         middles_(middles),
         context_(context),
         layout_(lay_out(mesh, context)),
-        links_(mesh.periodic),
         is_old_(mesh.dialect.starts_with("msh 2.2")),
         sink_(file, !mesh.dialect.starts_with("msh") || !mesh.dialect.ends_with("text")) {}
 
   void write() {
-    for (PeriodicLink& link : links_) {
+    for (PeriodicLink& link : layout_.links) {
       if (middles_ != nullptr) middles_->extend(link);
     }
     write_header();
@@ -127,7 +126,7 @@ class MshWriter {
           for_each_node(kind, e, [&](Index v) { claim(v, kind.entity[e]); });
         }
       }
-      for (const PeriodicLink& link : links_) {
+      for (const PeriodicLink& link : layout_.links) {
         if (link.dimension != dimension) continue;
         const Index entity = layout_.find(dimension, link.entity);
         const Index master = layout_.find(dimension, link.master);
@@ -266,13 +265,13 @@ class MshWriter {
   // What follows the elements.
 
   void write_periodic() {
-    if (links_.empty()) return;
+    if (layout_.links.empty()) return;
     const bool is_binary = sink_.is_binary();
     if (is_old_) sink_.set_binary(false);
     sink_.begin("Periodic");
-    sink_.count(links_.size());
+    sink_.count(layout_.links.size());
     sink_.end_line();
-    for (const PeriodicLink& link : links_) {
+    for (const PeriodicLink& link : layout_.links) {
       for (const int word : {link.dimension, link.entity, link.master}) sink_.integer(word);
       sink_.end_line();
       if (!is_old_) sink_.count(link.affine.size());
@@ -355,7 +354,8 @@ class MshWriter {
                                      [](const MshLayoutEntity& entity) { return !entity.groups.empty(); });
     std::string lines;
     for (const MshLayoutEntity& entity : layout_.entities) {
-      if (!entity.groups.empty() || entity.tag == (grouped ? -entity.number : entity.number)) continue;
+      if (!entity.has_elements || !entity.groups.empty() || entity.tag == (grouped ? -entity.number : entity.number))
+        continue;
       lines += std::to_string(entity.dimension) + " " + std::to_string(entity.number) + " " +
                std::to_string(entity.tag) + "\n";
     }
@@ -368,7 +368,6 @@ class MshWriter {
   const Middles* middles_;  ///< of elements of second order
   const IoContext& context_;
   MshLayout layout_;
-  std::vector<PeriodicLink> links_;
   bool is_old_;  ///< version 2.2
   MshSink sink_;
 };

@@ -121,10 +121,21 @@ TEST_F(Msh, PeriodicLinksAreKeptAndTheirVerticesStay) {
       EXPECT_EQ(q[0], 0);
     }
   }
+  EXPECT_FALSE(contains(get("a.msh"), "$Comments"));  // only the link names its entities
   std::vector<std::string> warnings;
   write_mesh(path("a.mesh"), m, 1, &warnings);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_TRUE(contains(warnings[0], "periodic links"));
+  // Entities that other tags divide are no longer those of the link.
+  TetMesh divided = read_mesh(path("a.msh"), nullptr, 1);
+  divided.triangles = {{0, 1, 6}, {0, 6, 5}};
+  divided.triangle_tags = {1, 2};
+  divided.triangle_data = {{"gmsh:geometrical", 1, std::vector<std::int32_t>{4, 4}}};
+  warnings.clear();
+  write_mesh(path("a.msh"), divided, 1, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "1 periodic links of dimension 2 are not written"));
+  EXPECT_TRUE(read_mesh(path("a.msh"), nullptr, 1).periodic.empty());
   // The middles of paired edges are pairs.
   m.second_order = true;
   m.dialect = "msh 4.1 text";
