@@ -32,9 +32,10 @@ TETUNE_API TetMesh parse_mesh(const std::string& name, std::string_view bytes,
                               std::vector<std::string>* warnings = nullptr, int threads = 0);
 
 /// Writes a mesh in the format that the ending of the name says: those of read_mesh() except .pvtu, and .inp
-/// (Abaqus); for .ele, .node and .face all of TetGen's files. The file is written under a temporary name and renamed once complete, so that a failure or an
-/// interruption leaves an old file unchanged. MEDIT text has the shortest digits that read back to the same bits. Data
-/// and names that the format cannot hold are reported in `warnings`, if given. Throws FileError. `threads` 0 means all.
+/// (Abaqus); for .ele, .node and .face all of TetGen's files. The file is written under a temporary name and renamed
+/// once complete, so that a failure or an interruption leaves an old file unchanged. MEDIT text has the shortest digits
+/// that read back to the same bits. Data and names that the format cannot hold are reported in `warnings`, if given.
+/// Throws FileError. `threads` 0 means all.
 TETUNE_API void write_mesh(const std::string& path, const TetMesh& mesh, int threads = 0,
                            std::vector<std::string>* warnings = nullptr);
 
