@@ -14,8 +14,8 @@ namespace tetune {
 
 /// The constraints by the caller's lists and options, in the caller's ids.
 struct Constraints {
-  /// kMovable, kFrozen or kCorner per vertex. Required entities, periodic links and elements of other kinds freeze their
-  /// vertices.
+  /// kMovable, kFrozen or kCorner per vertex. Required entities, periodic links and elements of other kinds freeze
+  /// their vertices.
   std::vector<std::uint8_t> frozen;
   /// 1 per listed triangle that must not change: a required one, or one of periodic vertices; empty if there is none.
   std::vector<std::uint8_t> required_triangles;
