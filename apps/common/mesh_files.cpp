@@ -106,6 +106,24 @@ std::string unused_regions(const TetMesh& mesh) {
   return "";
 }
 
+using FileInputs = std::map<std::string, std::string>;  // file to its input
+
+/// Throws OptionError if a file that is to be written for `input` is written for another, too, or read.
+void check_clashes(const std::string& file, const std::string& input, bool is_mesh, const FileInputs& read,
+                   FileInputs& written) {
+  const std::string same = identity(file);
+  const auto [other, first] = written.emplace(same, input);
+  if (!first) {
+    throw OptionError(
+        fmt::format("{} would be written {}; give another name", file,
+                    other->second == input ? "twice" : fmt::format("for {} and for {}", other->second, input)));
+  }
+  const auto source = read.find(same);
+  if (source != read.end() && (source->second != input || !is_mesh)) {
+    throw OptionError(fmt::format("{} would be written for {}, but is read as well; give another name", file, input));
+  }
+}
+
 }  // namespace
 
 Input read_input(const std::string& path, int threads) {
@@ -148,6 +166,17 @@ std::vector<std::string> write_output(const std::string& path, bool binary, cons
   return warnings;
 }
 
+void refuse_existing(const std::string& output) {
+  for (const std::string& file : files_of(output)) {
+    std::error_code ignored;
+    if (output == kPipe || !std::filesystem::exists(file, ignored)) continue;
+    throw OptionError(
+        fmt::format("{}: the second name is that of the mesh to write, and {} exists; replace it with "
+                    "-o {}",
+                    output, file == output ? "this file" : file, output));
+  }
+}
+
 std::string shown_name(const std::string& path, bool output) {
   return path != kPipe ? path : output ? "standard output" : "standard input";
 }
@@ -172,28 +201,20 @@ OutputFolder::~OutputFolder() {
 std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern) {
   const bool several = inputs.size() > 1;
   std::vector<Job> jobs;
-  std::map<std::string, std::string> read, written;  // file to its input
+  FileInputs read, written;
   for (const std::string& input : inputs) {
     if (input == kPipe && several) throw OptionError("the standard input (-) cannot be one of several meshes");
-    if (!read.emplace(identity(input), input).second) throw OptionError(input + ": this mesh is named twice");
+    for (const std::string& file : files_of(input)) {
+      if (!read.emplace(identity(file), input).second) throw OptionError(input + ": this mesh is named twice");
+    }
   }
   for (const std::string& input : inputs) {
     const Job job{input, output_of(pattern.output, input, several), fill_in("--report", pattern.report, input, several),
                   fill_in("--trace", pattern.trace, input, several), fill_in("--map", pattern.map, input, several)};
     for (const std::string* path : {&job.output, &job.report, &job.trace, &job.map}) {
       if (path->empty() || *path == kPipe) continue;
-      const std::string same = identity(*path);
-      const auto [other, first] = written.emplace(same, input);
-      if (!first) {
-        throw OptionError(
-            fmt::format("{} would be written {}; give another name", *path,
-                        other->second == input ? "twice" : fmt::format("for {} and for {}", other->second, input)));
-      }
-      const auto source = read.find(same);
-      if (source != read.end() && (source->second != input || path != &job.output)) {
-        throw OptionError(
-            fmt::format("{} would be written for {}, but is read as well; give another name", *path, input));
-      }
+      const std::vector<std::string> files = path == &job.output ? files_of(*path) : std::vector{*path};
+      for (const std::string& file : files) check_clashes(file, input, path == &job.output, read, written);
     }
     jobs.push_back(job);
   }

@@ -35,6 +35,10 @@ void choose_tags(Input& input, const std::string& path, const std::string& tags)
 /// Writes to a file, or to kPipe. Returns warnings about what the format cannot hold. Throws FileError.
 std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads);
 
+/// Throws OptionError if a file exists that would be written: a second name may be a mesh that a pattern as *.mesh has
+/// matched.
+void refuse_existing(const std::string& output);
+
 /// The name of a file in messages.
 std::string shown_name(const std::string& path, bool output);
 

@@ -33,14 +33,14 @@ CLI::Validator is_positive() {
 void define_files(CLI::App& c, OptimizeArguments& a) {
   c.add_option("files", a.files,
                "Mesh to read: " + readable_endings() +
-                   "; or - for the standard input (MEDIT). A second name is that of the mesh to write, unless -o is "
-                   "given: then any number of meshes is read. Name the output with -o for patterns as *.mesh, which "
-                   "may match two files")
+                   "; or - for the standard input (MEDIT). A second name is that of the mesh to write, which must not "
+                   "exist, unless -o is given: then any number of meshes is read")
       ->option_text("INPUT [OUTPUT]");
   c.add_option(
        "-o,--output", a.names.output,
        "Mesh to write: " + writable_endings() +
-           "; or - for the standard output (MEDIT, binary if the input is). For several meshes: a folder, with / at "
+           "; or - for the standard output (MEDIT, binary if the input is). A file that exists is replaced. For "
+           "several meshes: a folder, with / at "
            "its end, which is made if necessary; or a name with {}, which stands for the name of each mesh without "
            "ending")
       ->option_text("FILE");
@@ -185,7 +185,10 @@ std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& a) {
   check(command, a);
   if (a.quiet) a.verbosity = 0;
   if (a.print_options) return {};
-  return make_jobs(find_inputs(a), a.names);
+  const bool is_named = !a.names.output.empty();  // with -o
+  std::vector<Job> jobs = make_jobs(find_inputs(a), a.names);
+  if (!is_named && !a.dry_run) refuse_existing(jobs.front().output);
+  return jobs;
 }
 
 }  // namespace tetune::cli

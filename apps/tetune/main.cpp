@@ -51,6 +51,7 @@ int run(int argc, char** argv) {
       "tetrahedra: no mesh was written); 2 nothing was written. Of several meshes, the largest.");
   int exit_code = kDone;
   add_optimize(app, exit_code);
+  add_convert(app, exit_code);
   add_info(app, exit_code);
   add_compare(app, exit_code);
   add_report(app);

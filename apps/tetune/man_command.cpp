@@ -51,7 +51,7 @@ No element is inverted, the smallest dihedral angle does not decrease, and
 says how the boundary may change.
 The result is the same file for any number of threads.
 .PP
-Meshes are read and written in the formats of MEDIT, VTK, Exodus, Gmsh and others, and read in TetGen's; the ending of
+Meshes are read and written in the formats of MEDIT, VTK, Exodus, Gmsh, TetGen and others; the ending of
 the name selects the format.
 .B \-
 is the standard input or output.

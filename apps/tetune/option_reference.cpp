@@ -70,9 +70,8 @@ std::string markdown() {
       "JSON reports. The command line has them as flags, and some more (`tetune optimize --help`). This page is "
       "generated\n"
       "from the library's table of options.\n\n"
-      "A value out of its range, and options that leave nothing to do, are refused. An option that has no effect "
-      "beside\n"
-      "the others is not refused: a warning names it.\n";
+      "A value out of its range is refused. An option that has no effect beside the others is not refused: a warning\n"
+      "names it.\n";
   std::string_view group;
   for (const OptionInfo& option : option_table()) {
     if (option.group != group) {

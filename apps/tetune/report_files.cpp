@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 
 namespace tetune::cli {
 
@@ -187,6 +188,11 @@ Json to_json(const ValidationReport& report) {
   return {{"valid", report.ok()}, {"findings", findings}};
 }
 
+std::size_t periodic_pairs(const TetMesh& mesh) {
+  return std::accumulate(mesh.periodic.begin(), mesh.periodic.end(), std::size_t{0},
+                         [](std::size_t n, const PeriodicLink& link) { return n + link.pairs.size(); });
+}
+
 Json counts_json(const TetMesh& mesh) {
   Json json = {{"listed_inside_out", mesh.listed_inside_out},
                {"vertices", mesh.points.size()},
@@ -198,7 +204,8 @@ Json counts_json(const TetMesh& mesh) {
                {"ridges", mesh.ridges.size()},
                {"required_edges", mesh.required_edges.size()},
                {"required_triangles", mesh.required_triangles.size()},
-               {"required_tetrahedra", mesh.required_tets.size()}};
+               {"required_tetrahedra", mesh.required_tets.size()},
+               {"periodic_pairs", periodic_pairs(mesh)}};
   for (const ElementBlock& block : mesh.others) json[block.kind] = block.tags.size();
   return json;
 }

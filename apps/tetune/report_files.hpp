@@ -15,6 +15,8 @@ nlohmann::ordered_json to_json(const Report& report);
 nlohmann::ordered_json to_json(const TargetReport& report);
 nlohmann::ordered_json to_json(const ValidationReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
+/// The number of pairs of all periodic links.
+std::size_t periodic_pairs(const TetMesh& mesh);
 
 /// The JSON text with a final line break. Bytes that are not UTF-8 (in names from files) are replaced.
 std::string json_text(const nlohmann::ordered_json& json);

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "option_flags.hpp"
+#include "report_files.hpp"
 
 namespace tetune::cli {
 namespace {
@@ -64,10 +65,11 @@ std::string mesh_summary(const TetMesh& mesh) {
   line("required edges", mesh.required_edges.size(), "");
   line("required triangles", mesh.required_triangles.size(), "");
   line("required tetrahedra", mesh.required_tets.size(), "");
+  line("periodic pairs", periodic_pairs(mesh), "");
   for (const Group& group : mesh.groups) {
     text += fmt::format("  {:<22}{:>12}   {}{}\n", fmt::format("group of dimension {}", group.dimension), group.number,
                         group.name.empty() ? "" : fmt::format("\"{}\", ", group.name),
-                        fmt::format("tags {}", fmt::join(group.tags, ", ")));
+                        group.tags.empty() ? "no elements" : fmt::format("tags {}", fmt::join(group.tags, ", ")));
   }
   const auto data = [&text](const char* where, const std::vector<DataArray>& arrays) {
     if (!arrays.empty()) text += fmt::format("  data on {:<14}{}\n", where, names_of(arrays));

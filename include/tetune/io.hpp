@@ -16,10 +16,11 @@ namespace tetune {
 /// - `.ele .node .face`: TetGen; the other files of the same stem are read too
 /// - `.vtu .pvtu .vtk`: VTK: unstructured grids, XML (one file, or parts) and legacy
 /// - `.e .ex2 .exo`: Exodus
-/// - `.msh`: Gmsh (versions 1 to 4.1, text or binary)
+/// - `.msh`: Gmsh (versions 2.2 and 4.1, text or binary, either byte order)
 /// - `.unv .bdf .med .cgns`: I-deas universal, Nastran, MED, CGNS
 ///
-/// The last four are read by separate programs of the installation that use VTK and Gmsh (docs/formats.md).
+/// Files of VTK and Exodus, the last four, and other versions of `.msh` are read by separate programs of the
+/// installation that use VTK and Gmsh (docs/formats.md).
 /// Skipped sections and the like are reported in `warnings`, if given. Tetrahedra that are listed inside out are
 /// reversed: if all are, without a warning (`listed_inside_out` is set); see orient_uniformly(). Throws FileError,
 /// whose message names file, place and remedy. `threads` 0 means all.
@@ -30,10 +31,11 @@ TETUNE_API TetMesh read_mesh(const std::string& path, std::vector<std::string>* 
 TETUNE_API TetMesh parse_mesh(const std::string& name, std::string_view bytes,
                               std::vector<std::string>* warnings = nullptr, int threads = 0);
 
-/// Writes a mesh in the format that the ending of the name says: those of read_mesh() except .ele .node .face .pvtu,
-/// and .inp (Abaqus). The file is written under a temporary name and renamed once complete, so that a failure or an
-/// interruption leaves an old file unchanged. MEDIT text has the shortest digits that read back to the same bits. Data
-/// and names that the format cannot hold are reported in `warnings`, if given. Throws FileError. `threads` 0 means all.
+/// Writes a mesh in the format that the ending of the name says: those of read_mesh() except .pvtu, and .inp
+/// (Abaqus); for .ele, .node and .face all of TetGen's files. The file is written under a temporary name and renamed
+/// once complete, so that a failure or an interruption leaves an old file unchanged. MEDIT text has the shortest digits
+/// that read back to the same bits. Data and names that the format cannot hold are reported in `warnings`, if given.
+/// Throws FileError. `threads` 0 means all.
 TETUNE_API void write_mesh(const std::string& path, const TetMesh& mesh, int threads = 0,
                            std::vector<std::string>* warnings = nullptr);
 
@@ -48,6 +50,9 @@ TETUNE_API void write_text(const std::string& path, std::string_view text);
 /// Throws FileError if write_mesh() does not know the ending of `path`, or if its folder does not exist or is not
 /// writable: to fail before the work rather than after it.
 TETUNE_API void check_writable(const std::string& path);
+
+/// The names of the files that write_mesh() writes for a name: several for TetGen, in which any of them names the mesh.
+TETUNE_API std::vector<std::string> files_of(const std::string& path);
 
 /// The endings that read_mesh() and write_mesh() know: ".mesh .meshb ...".
 TETUNE_API std::string readable_endings();

@@ -56,6 +56,19 @@ struct ElementBlock {
   std::vector<DataArray> data{};
 };
 
+/// Vertices on a part of the boundary that are images of vertices on another part (Gmsh: a link of $Periodic). They do
+/// not move, and triangles of such vertices do not change.
+struct PeriodicLink {
+  /// Of the part: 0 to 2.
+  int dimension = 2;
+  /// Numbers of both entities in the file.
+  int entity = 0, master = 0;
+  /// The map from the master, a matrix of 4 x 4 row by row; empty if unknown.
+  std::vector<double> affine;
+  /// Vertex, and the vertex of the master that it is the image of.
+  std::vector<std::array<Index, 2>> pairs;
+};
+
 /// A tetrahedral mesh as a structure of arrays, owned by the caller.
 ///
 /// A tag vector is as long as the array that it belongs to; the tag 0 means "no tag". Every function of the library
@@ -97,6 +110,9 @@ struct TetMesh {
 
   /// Named sets of tags.
   std::vector<Group> groups;
+
+  /// Periodic parts of the boundary.
+  std::vector<PeriodicLink> periodic;
 
   /// Names of the data from which the tags were read, for example "medit:ref", and to which they are written; empty:
   /// the format's own.

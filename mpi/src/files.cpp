@@ -12,6 +12,9 @@ namespace {
 
 /// Refuses meshes with data, which are not sent between ranks: no output is better than one without them.
 void refuse_data(const std::string& path, const TetMesh& mesh) {
+  if (!mesh.periodic.empty()) {
+    throw FileError(path + ": has periodic links, which a distributed mesh does not carry; optimize it on one machine");
+  }
   for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
     if (data->empty()) continue;
     throw FileError(

@@ -9,8 +9,6 @@
 namespace tetune::plugin {
 namespace {
 
-constexpr std::array<Pair, 6> kTet10Edges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
-
 template <std::size_t N>
 Kind kind_of(int dimension, int type, const std::vector<std::array<Index, N>>& elements, const std::vector<int>& tags,
              const std::vector<DataArray>& data, std::vector<Pair> middles) {
@@ -19,37 +17,8 @@ Kind kind_of(int dimension, int type, const std::vector<std::array<Index, N>>& e
   return kind;
 }
 
-/// Assigns each element to the entity that it came from, if that is known and all elements of an entity have the same
-/// tag. Returns the entities with their tags, or none.
-std::map<int, int> known_entities(std::vector<Kind>& kinds, int dimension) {
-  std::map<int, int> entity2tag;
-  for (Kind& kind : kinds) {
-    if (kind.dimension != dimension || kind.size() == 0) continue;
-    const DataArray* array = find(*kind.data, kGeometrical);
-    kind.entities.clear();
-    if (array != nullptr && array->components == 1) {
-      std::visit(
-          [&kind](const auto& values) {
-            for (const auto v : values) {
-              const auto number = double(v);
-              const bool possible = number >= 1 && number <= std::numeric_limits<int>::max();
-              kind.entities.push_back(possible ? int(number) : 0);
-            }
-          },
-          array->values);
-    }
-    if (kind.entities.size() != kind.size()) return {};
-    for (std::size_t e = 0; e < kind.size(); ++e) {
-      const auto [at, fresh] = entity2tag.try_emplace(kind.entities[e], (*kind.tags)[e]);
-      if (kind.entities[e] <= 0 || at->second != (*kind.tags)[e]) return {};
-    }
-  }
-  return entity2tag;
-}
-
 /// Assigns the elements of each tag to an entity with the number of the tag; where that is not possible, with minus
-/// that number, as from_gmsh() expects of entities in no group, or with a free one. Returns the entities with their
-/// tags.
+/// that number, or with a free one. Returns the entities with their tags.
 std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std::set<int> taken, int max_entity) {
   std::map<int, int> tag2entity;
   for (const Kind& kind : kinds) {
@@ -77,18 +46,13 @@ std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std
 
 }  // namespace
 
-const DataArray* find(const std::vector<DataArray>& data, const std::string& name) {
-  const auto at = std::find_if(data.begin(), data.end(), [&name](const DataArray& a) { return a.name == name; });
-  return at == data.end() ? nullptr : &*at;
-}
-
 std::vector<Kind> kinds_of(const TetMesh& mesh) {
   const auto pairs = [&mesh](const auto& edges) {
     return mesh.second_order ? std::vector<Pair>(edges.begin(), edges.end()) : std::vector<Pair>();
   };
   const bool second = mesh.second_order;
   std::vector<Kind> kinds;
-  kinds.push_back(kind_of(3, second ? kTet10 : kTet, mesh.tets, mesh.tet_tags, mesh.tet_data, pairs(kTet10Edges)));
+  kinds.push_back(kind_of(3, second ? kTet10 : kTet, mesh.tets, mesh.tet_tags, mesh.tet_data, pairs(kGmshTetEdges)));
   kinds.push_back(kind_of(2, second ? kTriangle6 : kTriangle, mesh.triangles, mesh.triangle_tags, mesh.triangle_data,
                           pairs(kTriangleEdges)));
   kinds.push_back(kind_of(1, second ? kEdge3 : kEdge, mesh.edges, mesh.edge_tags, mesh.edge_data, pairs(kEdgeEdges)));
@@ -110,14 +74,10 @@ std::vector<Kind> kinds_of(const TetMesh& mesh) {
 
 std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups,
                                  const Format& format) {
-  if (format.msh_version > 0) {
-    std::map<int, int> known = known_entities(kinds, dimension);
-    if (!known.empty()) return known;
-  }
   // add_groups() makes groups of such numbers, and I-deas' files have one list of groups for all dimensions.
   std::set<int> taken;
   for (const Group& group : groups) {
-    if (format.msh_version == 0 && format.groups) taken.insert(group.number);
+    if (format.groups) taken.insert(group.number);
   }
   return entities_of_tags(kinds, dimension, std::move(taken), format.max_entity);
 }

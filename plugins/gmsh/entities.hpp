@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gmsh_mesh.hpp"
-#include "second_order.hpp"
+#include "io/second_order.hpp"
 
 namespace tetune::plugin {
 
@@ -27,9 +27,6 @@ struct Kind {
 
 /// The elements of a mesh by kind.
 std::vector<Kind> kinds_of(const TetMesh& mesh);
-
-/// Returns the array of the name, or null.
-const DataArray* find(const std::vector<DataArray>& data, const std::string& name);
 
 /// Assigns the elements of a dimension to entities of Gmsh; returns the entities with their tags.
 std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups,

@@ -26,50 +26,6 @@ void check_start(const std::string& file, const std::string& ending) {
   throw FileError("this is not a Gmsh mesh: it does not start with $MeshFormat");
 }
 
-/// The dialect of a file, such as "msh 2.2 text"; empty where the line with it is missing.
-std::string dialect_of(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string line;
-  while (std::getline(in, line) && line.rfind("$MeshFormat", 0) != 0) {
-  }
-  double version = 0;
-  int binary = 0;
-  if (!(in >> version >> binary)) return "";
-  return std::string(version < 4 ? "msh 2.2" : "msh 4.1") + (binary != 0 ? " binary" : " text");
-}
-
-/// The last lines of .msh files of tetune: the tags of entities in no group, as `dimension entity tag`. Gmsh skips
-/// them.
-constexpr const char* kLooseTags = "$Comments\ntetune: tags of entities in no physical group\n";
-constexpr const char* kEndLooseTags = "$EndComments\n";
-
-EntityTags read_loose_tags(const std::string& file) {
-  constexpr std::uintmax_t kMaxBytes = 1'000'000;
-  std::ifstream in(file, std::ios::binary);
-  const std::uintmax_t size = std::filesystem::file_size(file);
-  std::string end(std::min(size, kMaxBytes), '\0');
-  in.seekg(std::streamoff(size - end.size()));
-  in.read(end.data(), std::ssize(end));
-  const auto at = end.rfind(kLooseTags);
-  if (!in || at == std::string::npos || !end.ends_with(kEndLooseTags)) return {};
-  std::istringstream lines(end.substr(at + std::strlen(kLooseTags)));
-  EntityTags tags;
-  int dimension = 0;
-  int entity = 0;
-  int tag = 0;
-  while (lines >> dimension >> entity >> tag) tags[{dimension, entity}] = tag;
-  return tags;
-}
-
-void append_loose_tags(const std::string& file, const EntityTags& tags) {
-  if (tags.empty()) return;
-  std::ofstream out(file, std::ios::binary | std::ios::app);
-  out << kLooseTags;
-  for (const auto& [entity, tag] : tags) out << entity.first << ' ' << entity.second << ' ' << tag << '\n';
-  out << kEndLooseTags << std::flush;
-  if (!out) throw FileError(std::string("cannot write: ") + std::strerror(errno));
-}
-
 /// Replaces the second line, the name of the temporary file, by one that is the same in every run.
 void replace_heading(const std::string& file) {
   const std::string heading = "*Heading\ntetune\n";
@@ -91,7 +47,7 @@ void replace_heading(const std::string& file) {
   std::filesystem::resize_file(file, std::uintmax_t(size));
 }
 
-/// The limits of formats other than Gmsh's own.
+/// The limits of the formats.
 Format format_of(const std::string& ending) {
   constexpr int kMax8Digits = 99'999'999;
   constexpr int kMax9Digits = 999'999'999;  // of ten, of which one must stay blank before the next number
@@ -214,37 +170,26 @@ TetMesh read(const std::string& file, Warnings& warnings) {
   guarded([&] {
     gmsh::open(file);
     check_log();
-    mesh = from_gmsh(ending == ".msh" ? read_loose_tags(file) : EntityTags(), warnings);
+    mesh = from_gmsh(warnings);
   });
   check_end(file, ending, warnings);
-  if (ending == ".msh") mesh.dialect = dialect_of(file);
   return mesh;
 }
 
 void write(const std::string& file, TetMesh mesh, Warnings& warnings) {
   const std::string ending = ending_of(file);
-  if (ending != ".msh") erase_points(mesh, warnings);
+  erase_points(mesh, warnings);
   refuse_pyramids(mesh, ending);
   start_gmsh();
   check_support(ending);
   guarded([&] {
-    Format format = format_of(ending);
-    if (ending == ".msh") format.msh_version = mesh.dialect.rfind("msh 2.2", 0) == 0 ? 2.2 : 4.1;
-    const Handover done = to_gmsh(mesh, format, warnings);
     // Gmsh leaves elements out that are in no group when there are groups.
-    gmsh::option::setNumber("Mesh.SaveAll", done.all_grouped ? 0 : 1);
-    if (ending == ".msh") gmsh::option::setNumber("Mesh.MshFileVersion", format.msh_version);
-    const bool text = mesh.dialect.rfind("msh", 0) == 0 && mesh.dialect.find("text") != std::string::npos;
-    gmsh::option::setNumber("Mesh.Binary", ending == ".msh" && !text ? 1 : 0);
+    gmsh::option::setNumber("Mesh.SaveAll", to_gmsh(mesh, format_of(ending), warnings) ? 0 : 1);
+    gmsh::option::setNumber("Mesh.Binary", 0);
     gmsh::option::setNumber("Mesh.BdfFieldFormat", 2);  // 16 characters a number, not 8
     warn_of_format(mesh, ending, warnings);
     gmsh::write(file);
-    if (ending == ".msh") {
-      append_data(file, mesh, warnings);
-      append_loose_tags(file, done.loose_tags);
-    } else {
-      warn_of_data(mesh, warnings);
-    }
+    warn_of_data(mesh, warnings);
   });
   check_closed_files();
   if (ending == ".inp") replace_heading(file);

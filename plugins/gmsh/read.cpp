@@ -9,13 +9,10 @@
 #include <set>
 
 #include "gmsh_mesh.hpp"
-#include "second_order.hpp"
+#include "io/second_order.hpp"
 
 namespace tetune::plugin {
 namespace {
-
-/// Gmsh's tetrahedron has the last two middle nodes exchanged.
-constexpr std::array<Pair, 6> kTet10Edges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
 
 /// From Gmsh's numbers, which may have gaps, to indices.
 class Numbers {
@@ -39,8 +36,7 @@ struct Kind {
 
 class Reader {
  public:
-  Reader(TetMesh& mesh, const EntityTags& loose_tags, Warnings& warnings)
-      : mesh_(mesh), loose_tags_(loose_tags), warnings_(warnings) {
+  Reader(TetMesh& mesh, Warnings& warnings) : mesh_(mesh), warnings_(warnings) {
     for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
   }
 
@@ -110,11 +106,9 @@ class Reader {
   }
 
   /// The number of the entity's physical group; minus its own where it is in several or in none; its own where the
-  /// file has no groups. A tag in `loose_tags` takes precedence for entities in no group.
+  /// file has no groups.
   int tag_of(int dimension, int entity) const {
     const std::vector<int> groups = groups_of(dimension, entity);
-    const auto loose = loose_tags_.find({dimension, entity});
-    if (groups.empty() && loose != loose_tags_.end()) return loose->second;
     if (!grouped_) return entity;
     return groups.size() == 1 ? std::abs(groups[0]) : -entity;
   }
@@ -168,7 +162,7 @@ class Reader {
     };
     switch (type) {
       case kTet10:
-        add_middles(v, 4, kTet10Edges);
+        add_middles(v, 4, kGmshTetEdges);
         [[fallthrough]];
       case kTet:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
@@ -272,7 +266,6 @@ class Reader {
   }
 
   TetMesh& mesh_;
-  const EntityTags& loose_tags_;
   Warnings& warnings_;
   bool grouped_ = false;
   Kind tets_, triangles_, edges_;
@@ -283,9 +276,9 @@ class Reader {
 
 }  // namespace
 
-TetMesh from_gmsh(const EntityTags& loose_tags, Warnings& warnings) {
+TetMesh from_gmsh(Warnings& warnings) {
   TetMesh mesh;
-  Reader(mesh, loose_tags, warnings).read();
+  Reader(mesh, warnings).read();
   return mesh;
 }
 

@@ -11,10 +11,10 @@
 namespace tetune::plugin {
 namespace {
 
-/// Adds the physical groups of one dimension to the model; returns the entities that are in none, with their tags.
-std::map<int, int> add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& entity2tag,
-                              const Format& format, Warnings& warnings) {
-  std::map<int, int> loose;
+/// Adds the physical groups of one dimension to the model; returns whether every entity is in one.
+bool add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& entity2tag, const Format& format,
+                Warnings& warnings) {
+  bool all_grouped = true;
   std::map<int, std::vector<int>> number2entities;
   std::vector<std::string> renumbered;
   for (const auto& [entity, tag] : entity2tag) {
@@ -26,25 +26,15 @@ std::map<int, int> add_groups(const TetMesh& mesh, int dimension, const std::map
       number2entities[group.number].push_back(entity);
       grouped = true;
     }
-    if (format.msh_version == 0 && entity != tag && !(grouped && format.groups)) {
+    if (entity != tag && !(grouped && format.groups)) {
       // Where there are groups, a positive tag is that of its group, and elements without a tag are in none.
       if (tag < 0 || !format.groups) {
         renumbered.push_back(std::to_string(tag) + " is written as " + std::to_string(entity));
       }
     }
-    // A tag is written as a group, unless it came as the number of an entity. In formats other than .msh, groups are
-    // all that distinguishes elements without a tag.
-    const bool from_entity = format.msh_version > 0 && mesh.cell_tags_name == kGeometrical;
-    if (!grouped && !from_entity && (tag > 0 || (tag < 0 && format.msh_version == 0))) {
-      number2entities[tag > 0 ? tag : entity].push_back(entity);
-      grouped = true;
-    }
-    if (!grouped) loose[entity] = tag;
-    if (!grouped && tag < 0 && !mesh.cell_tags_name.starts_with("gmsh")) {
-      warnings.push_back("Gmsh's groups have positive numbers: elements of dimension " + std::to_string(dimension) +
-                         " with the tag " + std::to_string(tag) + " are entity " + std::to_string(entity) +
-                         ", in no group");
-    }
+    // Groups are all that distinguishes elements without a tag.
+    if (!grouped && tag != 0) number2entities[tag > 0 ? tag : entity].push_back(entity);
+    all_grouped = all_grouped && (grouped || tag != 0);
   }
   if (!renumbered.empty()) {
     const std::string rest = renumbered.size() == 1 ? "" : ", and " + std::to_string(renumbered.size() - 1) + " more";
@@ -63,7 +53,7 @@ std::map<int, int> add_groups(const TetMesh& mesh, int dimension, const std::map
     }
     gmsh::model::setPhysicalName(dimension, group.number, group.name);
   }
-  return loose;
+  return all_grouped;
 }
 
 /// Calls take(node) for the nodes of an element, numbered from 1; for middle nodes only where `middles` is given.
@@ -86,34 +76,16 @@ std::vector<std::uint8_t> used_nodes(const TetMesh& mesh, const std::vector<Kind
   return used;
 }
 
-/// Assigns nodes to entities: with `classify` to that of lowest dimension that has the node, else all to
-/// `default_entity`.
-void add_nodes(const TetMesh& mesh, const std::vector<Kind>& kinds, const Middles* middles,
-               std::pair<int, int> default_entity, bool classify) {
-  std::vector<std::pair<int, int>> owner(mesh.points.size() + 1, {-1, 0});
-  for (const Kind& kind : kinds) {
-    if (!classify) break;
-    for (std::size_t e = 0; e < kind.size(); ++e) {
-      for_each_node(kind, e, middles, [&](std::size_t node) {
-        if (owner[node].first < 0) owner[node] = {kind.dimension, kind.entities[e]};
-      });
-    }
-  }
-  struct Nodes {
-    std::vector<std::size_t> numbers;
-    std::vector<double> x;
-  };
-  std::map<std::pair<int, int>, Nodes> entity2nodes;
-  const std::vector<std::uint8_t> used = used_nodes(mesh, kinds, middles);
-  for (std::size_t node = 1; node < owner.size(); ++node) {
+/// Adds the nodes to one entity: Gmsh numbers nodes entity by entity, and so keeps their order.
+void add_nodes(const TetMesh& mesh, const std::vector<std::uint8_t>& used, std::pair<int, int> entity) {
+  std::vector<std::size_t> numbers;
+  std::vector<double> x;
+  for (std::size_t node = 1; node < used.size(); ++node) {
     if (used[node] == 0) continue;
-    Nodes& nodes = entity2nodes[owner[node].first < 0 ? default_entity : owner[node]];
-    nodes.numbers.push_back(node);
-    nodes.x.insert(nodes.x.end(), mesh.points[node - 1].begin(), mesh.points[node - 1].end());
+    numbers.push_back(node);
+    x.insert(x.end(), mesh.points[node - 1].begin(), mesh.points[node - 1].end());
   }
-  for (const auto& [entity, nodes] : entity2nodes) {
-    gmsh::model::mesh::addNodes(entity.first, entity.second, nodes.numbers, nodes.x);
-  }
+  gmsh::model::mesh::addNodes(entity.first, entity.second, numbers, x);
 }
 
 void add_elements(const Kind& kind, const Middles* middles) {
@@ -150,13 +122,13 @@ void warn_of_lists(const TetMesh& mesh, Warnings& warnings) {
 
 }  // namespace
 
-Handover to_gmsh(TetMesh mesh, Format& format, Warnings& warnings) {
+bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings) {
   warn_of_lists(mesh, warnings);
   const auto middles = mesh.second_order ? std::make_unique<Middles>(mesh) : nullptr;
   std::vector<Kind> kinds = kinds_of(mesh);
   number_elements(kinds);
   gmsh::model::add("tetune");
-  EntityTags loose;
+  bool all_grouped = true;
   std::pair<int, int> default_entity{-1, 0};  // one of the highest dimension
   for (int dimension = 0; dimension <= 3; ++dimension) {
     const std::map<int, int> entity2tag = find_entities(kinds, dimension, mesh.groups, format);
@@ -165,34 +137,19 @@ Handover to_gmsh(TetMesh mesh, Format& format, Warnings& warnings) {
       gmsh::model::addDiscreteEntity(dimension, entity, boundaries.of(entity));
       default_entity = {dimension, entity};
     }
-    for (const auto& [entity, tag] : add_groups(mesh, dimension, entity2tag, format, warnings)) {
-      loose[{dimension, entity}] = tag;
-    }
+    if (!add_groups(mesh, dimension, entity2tag, format, warnings)) all_grouped = false;
   }
   if (default_entity.first < 0) throw FileError("the mesh has no elements; Gmsh writes no mesh without them");
   const std::vector<std::uint8_t> used = used_nodes(mesh, kinds, middles.get());
   if (const auto unused = std::count(used.begin() + 1, used.end(), 0); unused > 0) {
     warnings.push_back(std::to_string(unused) + " vertices are in no element; Gmsh does not write them");
   }
-  Handover done;
   gmsh::vectorpair groups;
   gmsh::model::getPhysicalGroups(groups);
-  const bool any_group = !groups.empty();
-  done.all_grouped = loose.empty();
-  for (const auto& [entity, tag] : loose) {
-    if (tag != (any_group ? -entity.second : entity.second)) done.loose_tags[entity] = tag;
-  }
-  if (format.msh_version == 0 && format.groups && !any_group) {
-    warnings.emplace_back("nothing has a tag: the number 1 is written for it");
-  }
-  if (format.msh_version > 0 && format.msh_version < 4 && any_group && !done.all_grouped) {
-    format.msh_version = 4.1;
-    warnings.emplace_back("Gmsh writes no groups to version 2.2 where elements are in none; this is version 4.1");
-  }
-  // In formats without entities of nodes, Gmsh numbers nodes entity by entity; with one entity it keeps their order.
-  add_nodes(mesh, kinds, middles.get(), default_entity, format.msh_version > 4);
+  if (format.groups && groups.empty()) warnings.emplace_back("nothing has a tag: the number 1 is written for it");
+  add_nodes(mesh, used, default_entity);
   for (const Kind& kind : kinds) add_elements(kind, middles.get());
-  return done;
+  return all_grouped;
 }
 
 void warn_of_data(const TetMesh& mesh, Warnings& warnings) {
@@ -205,56 +162,6 @@ void warn_of_data(const TetMesh& mesh, Warnings& warnings) {
   add(mesh.point_data);
   for (const Kind& kind : kinds_of(mesh)) add(*kind.data);
   for (const std::string& name : names) warnings.push_back("the format cannot hold the data \"" + name + "\"");
-}
-
-void append_data(const std::string& file, const TetMesh& mesh, Warnings& warnings) {
-  std::vector<Kind> kinds = kinds_of(mesh);
-  number_elements(kinds);
-  gmsh::option::setNumber("PostProcessing.SaveMesh", 0);
-  const auto append = [&](const std::string& name, const char* type, const std::vector<std::size_t>& numbers,
-                          const std::vector<double>& values, int components) {
-    if (components != 1 && components != 3 && components != 9) {
-      warnings.push_back("Gmsh cannot hold the data \"" + name + "\" of " + std::to_string(components) +
-                         " components: 1, 3 or 9 are possible");
-      return;
-    }
-    const int view = gmsh::view::add(name);
-    gmsh::view::addHomogeneousModelData(view, 0, "tetune", type, numbers, values, 0, components);
-    gmsh::view::write(view, file, true);
-  };
-  const auto as_doubles = [](const DataArray& array) {
-    return std::visit([](const auto& v) { return std::vector<double>(v.begin(), v.end()); }, array.values);
-  };
-  const std::vector<std::uint8_t> used = used_nodes(mesh, kinds, nullptr);
-  for (const DataArray& array : mesh.point_data) {
-    const std::vector<double> all = as_doubles(array);
-    const std::size_t each = components_of(array);
-    std::vector<std::size_t> numbers;
-    std::vector<double> values;
-    for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-      if (used[v + 1] == 0) continue;
-      numbers.push_back(v + 1);
-      for (std::size_t c = 0; c < each; ++c) values.push_back(all[v * each + c]);
-    }
-    append(array.name, "NodeData", numbers, values, array.components);
-  }
-  // All kinds of elements that have data of one name share a view.
-  std::set<std::string> done{kGeometrical};
-  for (const Kind& kind : kinds) {
-    for (const DataArray& array : *kind.data) {
-      if (!done.insert(array.name).second) continue;
-      std::vector<std::size_t> numbers;
-      std::vector<double> values;
-      for (const Kind& other : kinds) {
-        const DataArray* same = find(*other.data, array.name);
-        if (same == nullptr || same->components != array.components) continue;
-        const std::vector<double> own = as_doubles(*same);
-        values.insert(values.end(), own.begin(), own.end());
-        for (std::size_t e = 0; e < other.size(); ++e) numbers.push_back(other.first_element + e);
-      }
-      append(array.name, "ElementData", numbers, values, array.components);
-    }
-  }
 }
 
 }  // namespace tetune::plugin

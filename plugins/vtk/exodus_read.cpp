@@ -6,7 +6,7 @@
 
 #include "exodus.hpp"
 #include "exodus_file.hpp"
-#include "second_order.hpp"
+#include "io/second_order.hpp"
 
 namespace tetune::plugin {
 namespace {

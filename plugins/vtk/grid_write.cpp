@@ -13,7 +13,7 @@
 
 #include "grid.hpp"
 #include "grid_names.hpp"
-#include "second_order.hpp"
+#include "io/second_order.hpp"
 #include "vtk_arrays.hpp"
 
 namespace tetune::plugin {

@@ -137,7 +137,7 @@ void bind_errors(nb::module_& m) {
   nb::exception<OverlapError>(m, "OverlapError", mesh_error).doc() =
       "The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.";
   nb::exception<OptionError>(m, "OptionError", error).doc() =
-      "An option is out of its range, names a tag that no element has, or leaves nothing to do.";
+      "An option is out of its range, or names a tag that no element has.";
   nb::exception<DeviceError>(m, "DeviceError", error).doc() = "A device is absent, unusable or out of memory.";
 }
 

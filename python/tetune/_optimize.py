@@ -111,7 +111,7 @@ def optimize(
         MeshError: the mesh is not valid: it has inverted elements, indices out of range or the like.
         OverlapError: the mesh overlaps itself, and flips would make faces that three or more tetrahedra share.
         UntangleError: the option untangle could not make every volume positive.
-        OptionError: an option is out of its range, names a tag that no element has, or leaves nothing to do. (Options
+        OptionError: an option is out of its range, or names a tag that no element has. (Options
             without effect are a UserWarning.)
     """
     work, adapter = _prepared(mesh, tets, tags)

@@ -82,6 +82,27 @@ void find_edges(const TetMesh& mesh, Constraints& constraints) {
                       std::back_inserter(constraints.edges));
 }
 
+/// Sets Constraints::required_triangles.
+void find_required_triangles(const TetMesh& mesh, Constraints& constraints) {
+  std::vector<std::uint8_t> required(mesh.triangles.size(), 0);
+  for (const Index t : mesh.required_triangles) span_of(required)[t] = 1;
+  for (const PeriodicLink& link : mesh.periodic) {
+    if (link.dimension != 2) continue;
+    std::vector<std::uint8_t> is_paired(mesh.points.size(), 0);
+    for (const auto& [vertex, master] : link.pairs) {
+      span_of(is_paired)[vertex] |= 1;
+      span_of(is_paired)[master] |= 2;
+    }
+    for (std::size_t t = 0; t < required.size(); ++t) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      const Span<const std::uint8_t> sides = span_of(is_paired);
+      if ((sides[a] & sides[b] & sides[c]) != 0) required[t] = 1;
+    }
+  }
+  const bool any = std::find(required.begin(), required.end(), 1) != required.end();
+  if (any) constraints.required_triangles = std::move(required);
+}
+
 }  // namespace
 
 Constraints find_constraints(const TetMesh& mesh, const Options& options) {
@@ -95,6 +116,10 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   freeze(mesh.required_vertices);
   for (const Index e : mesh.required_edges) freeze(span_of(mesh.edges)[e]);
   for (const Index t : mesh.required_triangles) freeze(span_of(mesh.triangles)[t]);
+  for (const PeriodicLink& link : mesh.periodic) {
+    for (const auto& pair : link.pairs) freeze(pair);
+  }
+  find_required_triangles(mesh, result);
   result.locked_tets = mesh.required_tets;
   add_tagged(mesh.tet_tags, options.frozen_regions, "frozen_regions", "tetrahedron", result.locked_tets);
   for (const Index t : result.locked_tets) freeze(span_of(mesh.tets)[t]);
@@ -198,6 +223,9 @@ void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
   for (auto& edge : mesh.edges) renumber(edge, old2new);
   for (ElementBlock& block : mesh.others) renumber(block.element2vertex, old2new);
   renumber(mesh.required_vertices, old2new);
+  for (PeriodicLink& link : mesh.periodic) {
+    for (auto& pair : link.pairs) renumber(pair, old2new);
+  }
   renumber(mesh.corners, old2new);
   mesh.corners.erase(std::remove(mesh.corners.begin(), mesh.corners.end(), -1), mesh.corners.end());
 }

@@ -14,8 +14,11 @@ namespace tetune {
 
 /// The constraints by the caller's lists and options, in the caller's ids.
 struct Constraints {
-  /// kMovable, kFrozen or kCorner per vertex. Required entities and elements of other kinds freeze their vertices.
+  /// kMovable, kFrozen or kCorner per vertex. Required entities, periodic links and elements of other kinds freeze
+  /// their vertices.
   std::vector<std::uint8_t> frozen;
+  /// 1 per listed triangle that must not change: a required one, or one of periodic vertices; empty if there is none.
+  std::vector<std::uint8_t> required_triangles;
   /// Tetrahedra that must not change: required ones, then those of frozen regions.
   std::vector<Index> locked_tets;
   /// Listed edges that remain edges: tagged, ridges or required. Each once, as a pair in ascending order; ridges and

@@ -115,12 +115,9 @@ template <class Backend>
 void import_surface(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
                     const Constraints& constraints, const std::vector<Index>& original2vertex,
                     WorkingSet<Backend>& work, Report& report) {
-  // Empty if no triangle is required.
-  std::vector<std::uint8_t> required(mesh.required_triangles.empty() ? 0 : mesh.triangles.size(), 0);
-  for (const Index t : mesh.required_triangles) span_of(required)[t] = 1;
   const DeviceViewOf<Backend, std::array<Index, 3>> triangles(backend, mesh.triangles);
   const DeviceViewOf<Backend, int> tags(backend, mesh.triangle_tags);
-  const DeviceViewOf<Backend, std::uint8_t> required_view(backend, required);
+  const DeviceViewOf<Backend, std::uint8_t> required_view(backend, constraints.required_triangles);
   const DeviceViewOf<Backend, int> frozen_patches(backend, options.frozen_patches);
   const DeviceViewOf<Backend, Index> original2vertex_view(backend, original2vertex);
   const ListedTriangles listed{{reinterpret_cast<const Index*>(triangles.span().data()), 3 * triangles.span().size()},

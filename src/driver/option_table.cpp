@@ -78,8 +78,13 @@ constexpr OptionCondition kWithoutSweeps{[](const Options& o) { return o.max_ite
                                          "has no effect with max_iterations=0"};
 constexpr OptionCondition kWithoutFlips{[](const Options& o) { return !o.flips; }, "has no effect with flips=false"};
 
+constexpr OptionCondition kWithoutOperations{
+    [](const Options& o) { return !o.flips && o.max_iterations == 0 && !o.untangle; },
+    "with flips=false leaves nothing to improve"};
+
 constexpr std::array kSliding{kWithoutSliding};
 constexpr std::array kSweeping{kWithoutSweeps};
+constexpr std::array kOperating{kWithoutOperations};
 constexpr std::array kFlipping{kWithoutFlips};
 constexpr std::array kEffortConditions{
     kWithoutSweeps,
@@ -165,7 +170,8 @@ const std::array kTable{
                kMethod,
                "Maximum number of relocation sweeps; 0: only flips",
                {},
-               {0, kMaxInt}},
+               {0, kMaxInt},
+               kOperating},
     OptionInfo{"max_ring",
                &Options::max_ring,
                kMethod,
@@ -290,9 +296,6 @@ std::string to_string(const OptionRange& range) {
 void check_options(const Options& options) {
   for (const OptionInfo& option : kTable) check_range(option, options);
   for (const Target& target : options.targets) check_target(target);
-  if (!options.flips && options.max_iterations == 0) {
-    throw OptionError("flips=false and max_iterations=0 leave nothing to do: allow flips or sweeps");
-  }
 }
 
 const char* why_ineffective(const OptionInfo& option, const Options& options) {

@@ -117,6 +117,7 @@ std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size) 
 void move_unchanged(TetMesh& mesh, TetMesh& result) noexcept {
   result.others.swap(mesh.others);
   result.groups.swap(mesh.groups);
+  result.periodic.swap(mesh.periodic);
   result.point_tags_name.swap(mesh.point_tags_name);
   result.cell_tags_name.swap(mesh.cell_tags_name);
   result.dialect.swap(mesh.dialect);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <charconv>
 #include <set>
 #include <span>
 
-#include "backend/cpu.hpp"
+#include "io/line_writer.hpp"
 #include "io/medit_codec.hpp"
 #include "io/registry.hpp"
 #include "tetune/error.hpp"
@@ -12,28 +11,11 @@
 namespace tetune {
 namespace {
 
-/// Writes the sections of a text file. Lines are formatted in ranges, in parallel, and written in order.
+/// Writes the sections of a text file.
 class TextWriter {
  public:
-  /// The numbers of one line, each followed by a space.
-  class Entry {
-   public:
-    explicit Entry(std::string& out) : out_(out) {}
-    void real(double value) { integer(value); }
-    template <class T>
-    void integer(T value) {
-      char digits[40];
-      const auto result = std::to_chars(digits, digits + sizeof digits, value);
-      *result.ptr = ' ';
-      out_.append(digits, result.ptr + 1);
-    }
-
-   private:
-    std::string& out_;
-  };
-
-  TextWriter(FileWriter& file, int threads) : file_(file), cpu_(threads) {
-    file_.write("MeshVersionFormatted 2\n\nDimension 3\n");
+  TextWriter(FileWriter& file, int threads) : out_(file, threads) {
+    out_.text("MeshVersionFormatted 2\n\nDimension 3\n");
   }
   /// Writes a list of n entries; put(entry, i) writes one of them. `subtitle`: a line before the entries.
   template <class Put>
@@ -41,30 +23,13 @@ class TextWriter {
             const std::string& subtitle = {}) {
     std::string head(1, '\n');
     head.append(section.name).append(1, '\n').append(std::to_string(n)).append(1, '\n').append(subtitle);
-    file_.write(head);
-    const Size size = std::int64_t(n);
-    std::vector<std::string> parts(to_size_t(4 * cpu_.threads()));
-    const Span<std::string> part = span_of(parts);
-    for (Size first = 0; first < size; first += part.size() * kLinesPerPart) {
-      cpu_.for_parts(part.size(), [&](Size p) {
-        part[p].clear();
-        const Size begin = std::min(size, first + p * kLinesPerPart);
-        const std::size_t end = to_size_t(std::min(size, begin + kLinesPerPart));
-        Entry entry(part[p]);
-        for (std::size_t i = to_size_t(begin); i < end; ++i) {
-          put(entry, i);
-          part[p].back() = '\n';
-        }
-      });
-      for (const std::string& lines : parts) file_.write(lines);
-    }
+    out_.text(head);
+    out_.lines(n, put);
   }
-  void end() { file_.write("\nEnd\n"); }
+  void end() { out_.text("\nEnd\n"); }
 
  private:
-  static constexpr Size kLinesPerPart = 1 << 15;
-  FileWriter& file_;
-  backend::Cpu cpu_;
+  LineWriter out_;
 };
 
 /// Writes the sections of a binary file.
@@ -183,10 +148,8 @@ void write_sections(Writer& out, const TetMesh& mesh) {
   out.end();
 }
 
-}  // namespace
-
-std::vector<std::string> lost_in_medit(const TetMesh& mesh) {
-  std::vector<std::string> losses;
+/// Warns of the contents that a MEDIT file cannot hold.
+void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
   std::set<std::string> names;
   const auto add_names = [&names](const std::vector<DataArray>& data) {
     for (const DataArray& array : data) names.insert(array.name);
@@ -194,19 +157,20 @@ std::vector<std::string> lost_in_medit(const TetMesh& mesh) {
   for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) add_names(*data);
   for (const ElementBlock& block : mesh.others) {
     add_names(block.data);
-    if (is_points(block))
-      losses.push_back("elements of one vertex are written as required vertices, without their tags");
+    if (is_points(block)) context.warn("elements of one vertex are written as required vertices, without their tags");
   }
-  for (const std::string& name : names) losses.push_back("MEDIT has no room for the data \"" + name + "\"");
+  for (const std::string& name : names) context.warn("MEDIT has no room for the data \"" + name + "\"");
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
-    losses.push_back("MEDIT has no room for the names of groups");
+    context.warn("MEDIT has no room for the names of groups");
   }
-  if (mesh.second_order) losses.push_back("written as linear elements, without the nodes in the middles of edges");
-  return losses;
+  if (mesh.second_order) context.warn("written as linear elements, without the nodes in the middles of edges");
 }
 
-void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads) {
-  TextWriter out(file, threads);
+}  // namespace
+
+void write_medit_text(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
+  warn_of_losses(mesh, context);
+  TextWriter out(file, context.threads);
   write_sections(out, mesh);
 }
 
@@ -214,14 +178,15 @@ void write_medit_solution(FileWriter& file, const std::vector<Measures>& values,
   TextWriter out(file, threads);
   std::string fields = std::to_string(kMeasures);
   for (std::size_t k = 0; k < kMeasures; ++k) fields += " 1";  // a scalar
-  const auto put = [&values](TextWriter::Entry& entry, std::size_t i) {
+  const auto put = [&values](LineWriter::Entry& entry, std::size_t i) {
     for (const double value : values[i]) entry.real(value);
   };
   out.list({"SolAtTetrahedra", 0, 0}, values.size(), kMeasures, 0, put, fields.append(1, '\n'));
   out.end();
 }
 
-void write_medit_binary(FileWriter& file, const TetMesh& mesh, int) {
+void write_medit_binary(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
+  warn_of_losses(mesh, context);
   // An upper bound: the last term covers the heads of the sections.
   std::size_t bytes =
       28 * mesh.points.size() + 20 * mesh.tets.size() + 16 * mesh.triangles.size() + 12 * mesh.edges.size() + 1000;

@@ -18,7 +18,7 @@ namespace tetune {
 
 /// The first word of a stream with a mesh, and of an answer: "tetune" and the version of the encoding, which increases
 /// with every change of transfer() or of the types below it. A plugin of another build is recognized by it.
-inline constexpr std::uint64_t kStreamVersion = 0x7465'7475'6e65'0002;
+inline constexpr std::uint64_t kStreamVersion = 0x7465'7475'6e65'0003;
 inline constexpr std::uint64_t kAnswerVersion = ~kStreamVersion;
 
 /// T, or const T.
@@ -34,6 +34,10 @@ template <class Archive, MaybeConst<Group> AnyGroup>
 void transfer(Archive& archive, AnyGroup& group) {
   archive(group.dimension, group.number, group.name, group.tags);
 }
+template <class Archive, MaybeConst<PeriodicLink> AnyLink>
+void transfer(Archive& archive, AnyLink& link) {
+  archive(link.dimension, link.entity, link.master, link.affine, link.pairs);
+}
 template <class Archive, MaybeConst<ElementBlock> Block>
 void transfer(Archive& archive, Block& block) {
   archive(block.kind, block.vertices_per_element, block.element2vertex, block.tags, block.required, block.data);
@@ -42,7 +46,7 @@ template <class Archive, MaybeConst<TetMesh> Mesh>
 void transfer(Archive& archive, Mesh& m) {
   archive(m.points, m.point_tags, m.tets, m.tet_tags, m.triangles, m.triangle_tags, m.edges, m.edge_tags);
   archive(m.corners, m.required_vertices, m.ridges, m.required_edges, m.required_triangles, m.required_tets);
-  archive(m.others, m.point_data, m.tet_data, m.triangle_data, m.edge_data, m.groups);
+  archive(m.others, m.point_data, m.tet_data, m.triangle_data, m.edge_data, m.groups, m.periodic);
   archive(m.point_tags_name, m.cell_tags_name, m.dialect, m.second_order, m.listed_inside_out);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <span>
 
 #include "backend/span.hpp"
 #include "tetune/error.hpp"
@@ -16,6 +17,8 @@
 namespace tetune {
 namespace {
 
+constexpr const char* kNoPeriodic = ": the format cannot hold periodic links";
+
 std::string endings(bool to_write) {
   std::string known;
   for (const Format& format : formats()) {
@@ -23,6 +26,14 @@ std::string endings(bool to_write) {
     for (const std::string& e : format.endings) known += (known.empty() ? "" : " ") + e;
   }
   return known;
+}
+
+/// Writes a format of one file.
+template <void (*Write)(FileWriter& file, const TetMesh& mesh, const IoContext& context)>
+void write_file(const std::string& path, const TetMesh& mesh, const IoContext& context) {
+  FileWriter file(path);
+  Write(file, mesh, context);
+  file.commit();
 }
 
 const Format& format_of(const std::string& path, bool to_write) {
@@ -43,8 +54,22 @@ const Format& format_of(const std::string& path, bool to_write) {
                   "\"; known endings: " + endings(to_write));
 }
 
-/// Throws FileError where arrays of tags differ in length from those of their elements, by which writers index them.
-void check_lengths(const std::string& path, const TetMesh& mesh) {
+/// Throws FileError where an element has a vertex that does not exist.
+void check_vertices(const std::string& path, const char* kind, std::span<const Index> vertices, std::size_t points) {
+  for (const Index v : vertices) {
+    if (v >= 0 && to_size_t(v) < points) continue;
+    throw FileError(path + ": one of the " + kind + " has vertex " + std::to_string(v) + ", counted from 0, of " +
+                    std::to_string(points));
+  }
+}
+template <std::size_t N>
+std::span<const Index> flat(const std::vector<std::array<Index, N>>& elements) {
+  return {elements.empty() ? nullptr : elements.front().data(), N * elements.size()};
+}
+
+/// Throws FileError where arrays of tags differ in length from those of their elements, by which writers index them, or
+/// where a vertex does not exist.
+void check_arrays(const std::string& path, const TetMesh& mesh) {
   const auto check = [&path](const std::string& kind, std::size_t tags, std::size_t elements) {
     if (tags == elements) return;
     throw FileError(path + ": the mesh has " + std::to_string(tags) + " tags for " + std::to_string(elements) + " " +
@@ -54,7 +79,13 @@ void check_lengths(const std::string& path, const TetMesh& mesh) {
   check("tetrahedra", mesh.tet_tags.size(), mesh.tets.size());
   check("triangles", mesh.triangle_tags.size(), mesh.triangles.size());
   check("edges", mesh.edge_tags.size(), mesh.edges.size());
+  const std::size_t points = mesh.points.size();
+  check_vertices(path, "tetrahedra", flat(mesh.tets), points);
+  check_vertices(path, "triangles", flat(mesh.triangles), points);
+  check_vertices(path, "edges", flat(mesh.edges), points);
+  for (const PeriodicLink& link : mesh.periodic) check_vertices(path, "periodic pairs", flat(link.pairs), points);
   for (const ElementBlock& block : mesh.others) {
+    check_vertices(path, block.kind.c_str(), block.element2vertex, points);
     const std::size_t each = to_size_t(std::max(1, block.vertices_per_element));
     check(block.kind, block.tags.size() * each, block.element2vertex.size());
     const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
@@ -89,14 +120,14 @@ TetMesh with_measures(TetMesh mesh, const std::vector<Measures>& measures) {
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> list = {
-      {"MEDIT text", {".mesh"}, read_medit, write_medit_text},
-      {"MEDIT binary", {".meshb"}, read_medit, write_medit_binary},
-      {"TetGen", {".ele", ".node", ".face"}, read_tetgen, nullptr},
+      {"MEDIT text", {".mesh"}, read_medit, write_file<write_medit_text>},
+      {"MEDIT binary", {".meshb"}, read_medit, write_file<write_medit_binary>},
+      {"TetGen", {".ele", ".node", ".face"}, read_tetgen, write_tetgen, nullptr, false, false, false, true},
       {"VTK XML", {".vtu"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false},
       {"VTK legacy", {".vtk"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true},
-      {"Gmsh", {".msh"}, nullptr, nullptr, &kGmshPlugin, true, true},
+      {"Gmsh", {".msh"}, read_msh, write_file<write_msh>},
       {"I-deas universal", {".unv"}, nullptr, nullptr, &kGmshPlugin, true, true},
       {"Abaqus", {".inp"}, nullptr, nullptr, &kGmshPlugin, false, true},
       {"Nastran", {".bdf"}, nullptr, nullptr, &kGmshPlugin, true, true},
@@ -110,6 +141,19 @@ std::string excess_of(std::int64_t entries, bool tets) {
   const Index max = tets ? kMaxTets : kMaxEntries;
   if (entries <= max) return "";
   return std::to_string(entries) + " entries; tetune takes at most " + std::to_string(max);
+}
+
+std::vector<std::string> files_of(const std::string& path) {
+  const std::filesystem::path named(path);
+  for (const Format& format : formats()) {
+    const auto& all = format.endings;
+    if (!format.is_set || std::find(all.begin(), all.end(), named.extension().string()) == all.end()) continue;
+    std::vector<std::string> files;
+    for (const std::string& ending : all)
+      files.push_back(std::filesystem::path(path).replace_extension(ending).string());
+    return files;
+  }
+  return {path};
 }
 
 std::string readable_endings() { return endings(false); }
@@ -152,13 +196,13 @@ void check_writable(const std::string& path) {
 void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
   const Format& format = format_of(path, true);
   check_writable(path);
-  check_lengths(path, mesh);
+  check_arrays(path, mesh);
   const IoContext context{threads, warnings};
+  if (!mesh.periodic.empty() && format.write != write_file<write_msh>) context.warn(path + kNoPeriodic);
   if (format.write != nullptr) {
-    for (const std::string& loss : lost_in_medit(mesh)) context.warn(path + ": " + loss);
-    FileWriter file(path);
-    format.write(file, mesh, threads);
-    file.commit();
+    std::vector<std::string> losses;
+    format.write(path, mesh, {threads, &losses});
+    for (const std::string& loss : losses) context.warn(path + ": " + loss);
   } else {
     TemporaryFile file(path);
     write_by_plugin(*format.plugin, path, file.name(), mesh, context);
@@ -168,12 +212,14 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
 
 void write_mesh(int descriptor, const std::string& name, bool binary, const TetMesh& mesh, int threads,
                 std::vector<std::string>* warnings) {
-  check_lengths(name, mesh);
+  check_arrays(name, mesh);
   const IoContext context{threads, warnings};
-  for (const std::string& loss : lost_in_medit(mesh)) context.warn(name + ": " + loss);
+  if (!mesh.periodic.empty()) context.warn(name + kNoPeriodic);
+  std::vector<std::string> losses;
   FileWriter file(descriptor, name);
-  (binary ? write_medit_binary : write_medit_text)(file, mesh, threads);
+  (binary ? write_medit_binary : write_medit_text)(file, mesh, {threads, &losses});
   file.commit();
+  for (const std::string& loss : losses) context.warn(name + ": " + loss);
 }
 
 void write_text(const std::string& path, std::string_view text) {

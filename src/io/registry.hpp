@@ -38,12 +38,15 @@ struct Format {
   const char* name;
   std::vector<std::string> endings;
   TetMesh (*read)(const std::string& path, const IoContext& context);
-  void (*write)(FileWriter& file, const TetMesh& mesh, int threads);
+  /// Replaces the file as a whole or not at all. The texts of warnings name no file.
+  void (*write)(const std::string& path, const TetMesh& mesh, const IoContext& context);
   /// The plugin that reads or writes the format where there is no function.
   const Plugin* plugin = nullptr;
   bool plugin_reads = false, plugin_writes = false;
   /// Some builds of the plugin's library do not have the format.
   bool is_optional = false;
+  /// A mesh is written to files of all the endings.
+  bool is_set = false;
   bool reads() const { return read != nullptr || plugin_reads; }
   bool writes() const { return write != nullptr || plugin_writes; }
 };
@@ -62,13 +65,17 @@ const std::vector<Format>& formats();
 TetMesh read_medit(const std::string& path, const IoContext& context);
 /// Reads from bytes in memory; `name` stands for them in messages.
 TetMesh parse_medit(const std::string& name, std::string_view bytes, const IoContext& context);
-void write_medit_text(FileWriter& file, const TetMesh& mesh, int threads);
-void write_medit_binary(FileWriter& file, const TetMesh& mesh, int threads);
-/// The contents of the mesh that a MEDIT file cannot hold, one sentence for each.
-std::vector<std::string> lost_in_medit(const TetMesh& mesh);
+void write_medit_text(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+void write_medit_binary(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 /// Writes a MEDIT solution in text, with one scalar field on tetrahedra per measure.
 void write_medit_solution(FileWriter& file, const std::vector<Measures>& values, int threads);
 TetMesh read_tetgen(const std::string& path, const IoContext& context);
+/// Reads versions 2.2 and 4.1 of Gmsh's format; others with Gmsh's plugin where it is installed.
+TetMesh read_msh(const std::string& path, const IoContext& context);
+/// Writes the set of files to which `path` belongs.
+void write_tetgen(const std::string& path, const TetMesh& mesh, const IoContext& context);
+/// Writes the version and encoding of TetMesh::dialect, or 4.1 binary.
+void write_msh(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 
 /// Whether this installation has the plugin.
 bool has_plugin(const Plugin& plugin);

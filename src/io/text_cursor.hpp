@@ -35,6 +35,23 @@ class TextCursor {
     return w;
   }
 
+  /// Returns the rest of this line and continues after it.
+  std::string_view line() {
+    const char* start = at_;
+    while (at_ < end_ && *at_ != '\n') ++at_;
+    std::string_view text(start, at_);
+    if (at_ < end_) ++at_;
+    if (text.ends_with('\r')) text.remove_suffix(1);
+    return text;
+  }
+
+  /// Continues after the next n bytes, and returns them; `n` is at most remaining().
+  const char* skip(std::int64_t n) {
+    const char* start = at_;
+    at_ += n;
+    return start;
+  }
+
   /// Reads an integer of at most 18 digits; `name` stands for it in messages.
   std::int64_t integer(const char* name) {
     skip_space();

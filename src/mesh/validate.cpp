@@ -233,6 +233,7 @@ ValidationReport validate_arrays(const TetMesh& mesh) {
   check_indices(span_of(mesh.required_edges), edges, 1, "required edges", report);
   check_indices(span_of(mesh.required_triangles), triangles, 1, "required triangles", report);
   check_indices(span_of(mesh.required_tets), tets, 1, "required tetrahedra", report);
+  for (const PeriodicLink& link : mesh.periodic) check_elements(link.pairs, vertices, "periodic pairs", report);
   for (const ElementBlock& block : mesh.others) check_block(block, vertices, report);
   check_data(mesh.point_data, vertices, "vertices", report);
   check_data(mesh.tet_data, tets, "tetrahedra", report);

@@ -16,6 +16,22 @@ class Files(CliTest):
         self.run_cli("optimize", source, "-o", self.path("b.mesh"), "--quiet")
         self.assertEqual(self.read_bytes("a.mesh"), self.read_bytes("b.mesh"))
 
+    def test_no_mesh_is_eaten(self):
+        """The second name may be a mesh that a pattern as *.mesh has matched."""
+        first, second = self.put("a.mesh", cube(2)), self.put("b.mesh", cube(3))
+        os.mkdir(self.path("new"))
+        self.put("new/a.mesh", cube(1))
+        for words in ([first, second], [first, first], [first, self.path("new")], ["-", second]):
+            names = self.files()
+            self.refused("optimize", *words, "--report", self.path("r.json"), said=[words[1], "exists", "-o"])
+            self.assertEqual(self.files(), names)
+        self.assertEqual(self.read_bytes("b.mesh").decode(), cube(3).text())
+        self.assertEqual(self.read_bytes("new/a.mesh").decode(), cube(1).text())
+        self.run_cli("optimize", first, "-o", second, "--quiet")
+        self.assertNotEqual(self.read_bytes("b.mesh").decode(), cube(3).text())
+        os.symlink("absent.mesh", self.path("link.mesh"))
+        self.run_cli("optimize", first, self.path("link.mesh"), "--quiet")
+
     def test_which_words_are_needed(self):
         source = self.put("in.mesh", cube(1))
         self.refused("optimize", said=["input"])
@@ -50,7 +66,7 @@ class Several(CliTest):
         done = self.run_cli("optimize", *sources, "-o", self.path("new") + "/")
         self.assertEqual(sorted(os.listdir(self.path("new"))), ["a.mesh", "b.mesh", "c.mesh"])
         for source in sources:
-            self.run_cli("optimize", source, self.path("one.mesh"), "--quiet")
+            self.run_cli("optimize", source, "-o", self.path("one.mesh"), "--quiet")
             self.assertEqual(self.read_bytes("new/" + os.path.basename(source)), self.read_bytes("one.mesh"))
         lines = done.stdout.splitlines()
         self.assertEqual(len(lines), 4)
@@ -125,7 +141,7 @@ class Pipes(CliTest):
             if ending == "mesh":  # with the mark that some editors put before a text
                 self.assertEqual(self.piped(b"\xef\xbb\xbf" + data, "optimize", "-", "-", "--quiet").stdout, again)
             self.assertEqual(self.piped(b"", "optimize", self.path(f"out.{ending}"), "-", "--quiet").stdout, again)
-            self.piped(data, "optimize", "-", self.path("x.mesh"), "--quiet")
+            self.piped(data, "optimize", "-", "-o", self.path("x.mesh"), "--quiet")
             self.assertEqual(Mesh.read(self.path("x.mesh")).points, Mesh.read(self.path("again.mesh")).points)
             info = json.loads(self.piped(data, "info", "--json", "-").stdout)
             self.assertEqual(info["counts"]["vertices"], 64)
@@ -142,7 +158,7 @@ class Pipes(CliTest):
     def test_nothing_but_a_mesh_goes_there(self):
         source = self.put("in.mesh", cube(1))
         for option in ("--report", "--trace", "--map"):
-            self.refused("optimize", source, self.path("out.mesh"), option, "-", said=[option + " -: ", "file name"])
+            self.refused("optimize", source, "-o", self.path("out.mesh"), option, "-", said=[option + " -: ", "file name"])
 
     def test_json_and_a_mesh(self):
         done = self.piped(cube(2).text().encode(), "optimize", "-", "-", "--progress", "json")

@@ -220,16 +220,16 @@ class Corrupt(CliTest):
                     folder.rename(folder.with_name(f"{name}_{folder.name}"))
 
     def test_msh_2_text(self):
-        self.plugin("a.msh", msh2(cube(3), False), damaged_text, "tetune-gmsh")
+        self.check("a.msh", {"a.msh": msh2(cube(3), False)}, damaged_text, OWN_VARIANTS, own=True)
 
     def test_msh_2_binary(self):
-        self.plugin("a.msh", msh2(cube(3), True), damaged_bytes, "tetune-gmsh")
+        self.check("a.msh", {"a.msh": msh2(cube(3), True)}, damaged_bytes, OWN_VARIANTS, own=True)
 
     def test_msh_4_text(self):
-        self.plugin("a.msh", msh4(cube(3)), damaged_text, "tetune-gmsh")
+        self.check("a.msh", {"a.msh": msh4(cube(3))}, damaged_text, OWN_VARIANTS, own=True)
 
     def test_msh_4_binary(self):
-        self.plugin("a.msh", lambda: self.by_tetune("a.msh"), damaged_bytes, "tetune-gmsh")
+        self.check("a.msh", {"a.msh": self.by_tetune("a.msh")}, damaged_bytes, OWN_VARIANTS, own=True)
 
     def test_unv(self):
         self.plugin("a.unv", lambda: self.by_tetune("a.unv"), damaged_text, "tetune-gmsh")

@@ -149,7 +149,6 @@ class Refusals(CliTest):
     def test_contradictory_options(self):
         source = self.put("in.mesh", cube(1))
         self.optimize_refused(source, "--quiet", "-v", "2", said=["--quiet", "-v"])
-        self.optimize_refused(source, "--no-flips", "--max-iterations", "0", said=["nothing to do"])
 
     @unittest.skipIf(shutil.which("nvidia-smi"), "there may be a GPU")
     def test_cuda_without_a_gpu(self):

@@ -28,7 +28,7 @@ class LongRuns(CliTest):
         return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=0, pipesize=4096, **more)
 
     def start_one(self):
-        return self.start(self.put("in.mesh", self.text), self.path("out.mesh"))
+        return self.start(self.put("in.mesh", self.text), "-o", self.path("out.mesh"))
 
     def wait_for(self, process, phase):
         """Reads the events up to the first of this phase, and not a byte more."""
@@ -118,7 +118,7 @@ class LongRuns(CliTest):
         source = self.put("in.mesh", self.text)
         sweeps = {}
         for limit in ("0.01", "1000"):
-            done = self.run_cli("optimize", source, self.path("out.mesh"), "--threads", "1", "--time-limit", limit, "--report",
+            done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--threads", "1", "--time-limit", limit, "--report",
                                 self.path("r.json"), code=0 if limit == "1000" else 1)
             run = json.loads(self.read_bytes("r.json"))["optimization"]
             sweeps[limit] = len(run["sweeps"])
@@ -133,12 +133,12 @@ class LongRuns(CliTest):
 class Limits(CliTest):
     def test_memory(self):
         source = self.put("in.mesh", cube(8))
-        self.run_cli("optimize", source, self.path("out.mesh"), "-m", "1000", "--quiet")
+        self.run_cli("optimize", source, "-o", self.path("out.mesh"), "-m", "1000", "--quiet")
         os.remove(self.path("out.mesh"))
-        done = self.refused("optimize", source, self.path("out.mesh"), "-m", "1", said=["in.mesh", "--max-memory", "allows 1;"])
+        done = self.refused("optimize", source, "-o", self.path("out.mesh"), "-m", "1", said=["in.mesh", "--max-memory", "allows 1;"])
         self.assertRegex(done.stderr, r"needs about \d+ MB")
         self.assertEqual(self.files(), ["in.mesh"])
-        self.refused("optimize", source, self.path("out.mesh"), "-m", "much", said=["--max-memory"])
+        self.refused("optimize", source, "-o", self.path("out.mesh"), "-m", "much", said=["--max-memory"])
 
     def test_dry_run(self):
         mesh = cube(5)
@@ -149,7 +149,7 @@ class Limits(CliTest):
             self.assertRegex(done.stdout, rf"(?m)^  {name} +{count}\b")
         self.assertRegex(done.stdout, r"memory +about \d+ MB")
         self.assertRegex(done.stdout, r"time +about [\d.e-]+ s on \d+ threads")
-        self.run_cli("optimize", source, self.path("out.mesh"), "--dry-run", "--map", self.path("m"), "--report",
+        self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--dry-run", "--map", self.path("m"), "--report",
                      self.path("r.json"))
         self.assertEqual(self.files(), ["in.mesh"])
         several = [source, self.put("b.mesh", cube(2)), self.put("c.mesh", cube(3))]
@@ -169,7 +169,7 @@ class ProgressEvents(CliTest):
         source = self.put("in.mesh", unflipped(cube(6, 0.25)))
         for effort, phases in (("fast", {"load", "flips", "sweep"}), ("standard", {"load", "flips", "sweep", "worst", "angles"}),
                                ("best", {"load", "flips", "sweep", "worst", "angles"})):
-            done = self.run_cli("optimize", source, self.path("out.mesh"), "--progress", "json", "--effort", effort)
+            done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--progress", "json", "--effort", effort)
             events = [json.loads(line) for line in done.stderr.splitlines()]
             self.assertEqual(events[0], {"event": "start", "input": source, "output": self.path("out.mesh")})
             self.assertEqual([e["phase"] for e in events if e["event"] == "phase"], ["reading", "optimizing", "writing"])
@@ -192,10 +192,10 @@ class ProgressEvents(CliTest):
 
     def test_warnings_and_errors_are_events(self):
         source = self.put("in.mesh", cube(1).text().replace("End", "Normals\n1\n0 0 1\nEnd"))
-        done = self.run_cli("optimize", source, self.path("out.mesh"), "--progress", "json", "--quiet")
+        done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--progress", "json", "--quiet")
         events = [json.loads(line) for line in done.stderr.splitlines()]
         self.assertIn("Normals", next(e["text"] for e in events if e["event"] == "warning"))
-        done = self.run_cli("optimize", self.path("absent.mesh"), self.path("out.mesh"), "--progress", "json", code=2)
+        done = self.run_cli("optimize", self.path("absent.mesh"), "-o", self.path("out.mesh"), "--progress", "json", code=2)
         events = [json.loads(line) for line in done.stderr.splitlines()]
         self.assertIn("absent.mesh", next(e["text"] for e in events if e["event"] == "error"))
         self.assertEqual(events[-1]["exit_code"], 2)
@@ -219,12 +219,12 @@ class ProgressEvents(CliTest):
 
     def test_line_on_a_terminal(self):
         source = self.put("in.mesh", cube(8))
-        text = self.on_terminal(source, self.path("out.mesh"))
+        text = self.on_terminal(source, "-o", self.path("out.mesh"))
         for part in ("reading ...", " %  ", "energy -", "worst angle ", "writing ..."):
             self.assertIn(part, text)
         self.assertTrue(text.endswith("\r\x1b[K"))
         for words in (["--progress", "none"], ["--quiet"]):
-            self.assertEqual(self.on_terminal(source, self.path("out.mesh"), *words), "")
+            self.assertEqual(self.on_terminal(source, "-o", self.path("out.mesh"), *words), "")
 
     def test_watching_changes_nothing(self):
         source = self.put("in.mesh", unflipped(cube(6)))
@@ -235,7 +235,7 @@ class ProgressEvents(CliTest):
 
 class Map(CliTest):
     def read_map(self, *words):
-        self.run_cli("optimize", self.path("in.mesh"), self.path("out.mesh"), "--map", self.path("m.txt"), *words)
+        self.run_cli("optimize", self.path("in.mesh"), "-o", self.path("out.mesh"), "--map", self.path("m.txt"), *words)
         lines = self.read_bytes("m.txt").decode().splitlines()
         self.assertEqual(lines[0], "# tetune map: old new, counted from 1; 0: none")
         maps, at = [], 1
@@ -280,8 +280,8 @@ class Map(CliTest):
 
     def test_refused(self):
         self.put("in.mesh", cube(1))
-        self.refused("optimize", self.path("in.mesh"), self.path("out.mesh"), "--map", self.path("absent/m"), said=["absent"])
-        self.refused("optimize", self.path("in.mesh"), self.path("out.mesh"), "--map", "/dev/null", said=["/dev/null", "regular"])
+        self.refused("optimize", self.path("in.mesh"), "-o", self.path("out.mesh"), "--map", self.path("absent/m"), said=["absent"])
+        self.refused("optimize", self.path("in.mesh"), "-o", self.path("out.mesh"), "--map", "/dev/null", said=["/dev/null", "regular"])
         self.assertEqual(self.files(), ["in.mesh"])
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import cli_case
 from cli_case import CliTest, Mesh, cube, unflipped
 
-COMMANDS = ["optimize", "info", "compare", "report", "completion", "man"]
+COMMANDS = ["optimize", "convert", "info", "compare", "report", "completion", "man"]
 
 
 class Help(CliTest):
@@ -72,7 +72,7 @@ class Options(CliTest):
         source = self.put("in.mesh", cube(3))
 
         def lines(*words):
-            return len(self.run_cli("optimize", *words, source, self.path("out.mesh")).stdout.splitlines())
+            return len(self.run_cli("optimize", *words, source, "-o", self.path("out.mesh")).stdout.splitlines())
         self.assertEqual(lines("-v", "-1"), 0)
         self.assertEqual(lines("-v", "0"), 0)
         usual = lines()
@@ -83,16 +83,16 @@ class Options(CliTest):
     def test_what_mmg_has_and_tetune_has_not(self):
         source = self.put("in.mesh", cube(1))
         for word in ("-hmax", "-hsiz", "-sol", "-ls"):
-            self.refused("optimize", source, self.path("out.mesh"), word, "0.1", said=[word, "sizes", "remove"])
+            self.refused("optimize", source, "-o", self.path("out.mesh"), word, "0.1", said=[word, "sizes", "remove"])
         # Not the help that begins with the same letter.
-        self.refused("optimize", source, self.path("out.mesh"), "-hfoo", said=["-hfoo", "--help"])
-        self.refused("optimize", source, self.path("out.mesh"), "-xyz", said=["-xyz"])
+        self.refused("optimize", source, "-o", self.path("out.mesh"), "-hfoo", said=["-hfoo", "--help"])
+        self.refused("optimize", source, "-o", self.path("out.mesh"), "-xyz", said=["-xyz"])
 
     def test_no_flips_moves_vertices_alone(self):
         mesh = unflipped(cube(5))
         source = self.put("in.mesh", mesh)
         for effort in ("fast", "standard"):
-            self.run_cli("optimize", source, self.path("out.mesh"), "-noswap", "--effort", effort, "--report",
+            self.run_cli("optimize", source, "-o", self.path("out.mesh"), "-noswap", "--effort", effort, "--report",
                          self.path("r.json"))
             after = Mesh.read(self.path("out.mesh"))
             self.assertEqual(sorted(tuple(sorted(t)) for t in after.tets), sorted(tuple(sorted(t)) for t in mesh.tets))
@@ -101,8 +101,21 @@ class Options(CliTest):
             run = json.loads(self.read_bytes("r.json"))["optimization"]
             self.assertEqual(run["flip_passes"], [])
             self.assertLess(run["energy_after"], run["energy_before"])
-        self.refused("optimize", source, self.path("x.mesh"), "-noswap", "-nomove",
-                     said=["--no-flips and --max-iterations 0 leave nothing to do"])
+
+    def test_without_operations_a_mesh_is_only_converted(self):
+        mesh = unflipped(cube(5))
+        source = self.put("in.mesh", mesh)
+        for effort in ("fast", "standard", "best"):
+            done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "-noswap", "-nomove", "--effort", effort)
+            self.assertIn("warning: --max-iterations 0 with --no-flips leaves nothing to improve", done.stderr)
+            after = Mesh.read(self.path("out.mesh"))
+            self.assertEqual(after.points, mesh.points)
+            self.assertEqual(sorted(tuple(sorted(t)) for t in after.tets), sorted(tuple(sorted(t)) for t in mesh.tets))
+
+    def test_redundant_options_are_warnings(self):
+        source = self.put("in.mesh", cube(3))
+        done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--no-boundary-flips", "--max-ring", "3")
+        self.assertIn("warning: --no-boundary-flips has no effect with --max-ring 3", done.stderr)
 
     def test_former_names_are_accepted_with_a_warning(self):
         for words, name, value in ((["--effort", "default"], "effort", "standard"), (["--device", "automatic"], "device", "auto")):
@@ -133,14 +146,14 @@ class Options(CliTest):
             self.assertIn("tetune: warning: " + said, done.stderr)
         # They are in the report, and the run goes on.
         source = self.put("in.mesh", cube(2))
-        self.run_cli("optimize", source, self.path("out.mesh"), "-nosurf", "-ar", "60", "--report", self.path("r.json"))
+        self.run_cli("optimize", source, "-o", self.path("out.mesh"), "-nosurf", "-ar", "60", "--report", self.path("r.json"))
         self.assertEqual(json.loads(self.read_bytes("r.json"))["warnings"],
                          ["--feature-angle 60 has no effect without --boundary slide"])
 
     def test_noinsert_with_every_effort(self):
         source = self.put("in.mesh", unflipped(cube(6, 0.25)))
         for effort in ("fast", "standard", "best"):
-            self.run_cli("optimize", source, self.path("out.mesh"), "-noinsert", "--effort", effort, "--quiet")
+            self.run_cli("optimize", source, "-o", self.path("out.mesh"), "-noinsert", "--effort", effort, "--quiet")
             self.assertEqual(len(Mesh.read(self.path("out.mesh")).points), 7 ** 3)
 
 
@@ -162,7 +175,7 @@ class Mistakes(CliTest):
                             (["-m", "0"], "--max-memory: '0' is not a positive number"),
                             (["--bogus"], "--bogus"),
                             (["--effort"], "--effort: ")):
-            done = self.refused("optimize", source, self.path("out.mesh"), *words, said=["tetune: ", said,
+            done = self.refused("optimize", source, "-o", self.path("out.mesh"), *words, said=["tetune: ", said,
                                 "; see tetune optimize --help"])
             self.assertEqual(len(done.stderr.splitlines()), 1)
 
@@ -170,7 +183,7 @@ class Mistakes(CliTest):
         source = self.put("in.mesh", cube(1))
         for words, said in ((["-ar", "200"], "--feature-angle 200 is out of range: it must be above 0 and at most 180 degrees"),
                             (["-nt", "-1"], "--threads -1 is out of range: it must be 0 to 4096")):
-            self.refused("optimize", source, self.path("out.mesh"), *words, said=[said])
+            self.refused("optimize", source, "-o", self.path("out.mesh"), *words, said=[said])
 
     def test_a_folder_is_no_mesh(self):
         self.refused("info", str(self.folder), said=[str(self.folder), "is a folder"])

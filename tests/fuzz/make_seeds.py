@@ -80,6 +80,91 @@ def tetgen(points, tets, extra, base):
     return text.encode()
 
 
+class Msh:
+    """An .msh file of version 2.2 or 4.1, text or binary."""
+
+    def __init__(self, old, binary):
+        self.old, self.binary = old, binary
+        self.out = f"$MeshFormat\n{'2.2' if old else '4.1'} {int(binary)} 8\n".encode()
+        self.put("i", 1) if binary else None
+        self.text(("\n" if binary else "") + "$EndMeshFormat\n")
+
+    def text(self, text):
+        self.out += text.encode()
+
+    def put(self, form, *values):
+        """Numbers of struct's form, and the end of a line."""
+        if self.binary:
+            self.out += struct.pack("<" + form, *values)
+        else:
+            self.text(" ".join(map(str, values)) + "\n")
+
+    def end(self, name):
+        self.text(("\n" if self.binary else "") + f"$End{name}\n")
+
+
+def msh_elements(tets, extra):
+    """Type, dimension, entity, group and vertices."""
+    listed = [(4, 3, 1 + i % 2, 1, *(v + 1 for v in t)) for i, t in enumerate(tets)]
+    return listed + ([(2, 2, 4, 5, 1, 2, 3), (1, 1, 2, 7, 1, 2), (15, 0, 1, 0, 1), (2, 2, 4, 6, 1, 2, 3)] if extra else [])
+
+
+def msh(points, tets, extra, old, binary):
+    m = Msh(old, binary)
+    if extra:
+        m.text('$PhysicalNames\n2\n3 1 "steel"\n2 5 "inlet"\n$EndPhysicalNames\n$Comments\na comment\n$EndComments\n')
+    elements = msh_elements(tets, extra)
+    cells = sorted({(dimension, entity, group) for _, dimension, entity, group, *_ in elements})
+    if not old:
+        m.text("$Entities\n")
+        entities = sorted({(dimension, entity) for dimension, entity, _ in cells})
+        m.put("4Q", *(sum(d == dimension for d, _ in entities) for dimension in range(4)))
+        for dimension, entity in entities:
+            groups = [g for d, e, g in cells if (d, e) == (dimension, entity) and g]
+            box = [0.0] * (3 if dimension == 0 else 6)
+            bounds = [0] if dimension > 0 else []
+            m.put(f"i{len(box)}dQ{len(groups)}i" + "Q" * len(bounds), entity, *box, len(groups), *groups, *bounds)
+        m.end("Entities")
+    m.text("$Nodes\n" + (f"{len(points)}\n" if old else ""))
+    if old:
+        for i, p in enumerate(points):
+            m.put("i3d", i + 1, *map(float, p))
+    else:
+        m.put("4Q", 1, len(points), 1, len(points))
+        m.put("iiiQ", 3, 1, 0, len(points))
+        for i in range(len(points)):
+            m.put("Q", i + 1)
+        for p in points:
+            m.put("3d", *map(float, p))
+    m.end("Nodes")
+    m.text("$Elements\n" + (f"{len(elements)}\n" if old else ""))
+    if not old:
+        m.put("4Q", len(elements), len(elements), 1, len(elements))
+    for i, (kind, dimension, entity, group, *v) in enumerate(elements):
+        if old and binary:
+            m.put("3i", kind, 1, 2)
+        if old:
+            head = (i + 1, group, entity) if binary else (i + 1, kind, 2, group, entity)
+            m.put(f"{len(head) + len(v)}i", *head, *v)
+        else:
+            m.put("3iQ", dimension, entity, kind, 1)
+            m.put(f"{1 + len(v)}Q", i + 1, *v)
+    m.end("Elements")
+    if extra:
+        m.text("$Periodic\n")
+        if old:
+            m.text("1\n2 4 3\nAffine 1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1\n1\n1 2\n$EndPeriodic\n")
+        else:
+            m.put("QiiiQ16dQQQ", 1, 2, 4, 3, 16, *([1.0] * 16), 1, 1, 2)
+            m.end("Periodic")
+        for name, count in (("NodeData", len(points)), ("ElementData", len(tets))):
+            m.text(f'${name}\n1\n"heat"\n1\n0\n3\n0\n1\n{count}\n')
+            for i in range(count):
+                m.put("id", i + 1, 0.5)
+            m.end(name)
+    return bytes(m.out)
+
+
 def plugin_answer(points, tets, extra):
     """No error, a warning, and the mesh, as src/io/mesh_stream.hpp has them."""
     out = bytearray()
@@ -123,6 +208,11 @@ def plugin_answer(points, tets, extra):
         out.extend(struct.pack("<ii", 3, 1))
         string("steel")
         array("i", [1])
+    out.extend(struct.pack("<Q", 1 if extra else 0))
+    if extra:
+        out.extend(struct.pack("<iii", 2, 4, 3))
+        array("d", [])
+        array("i", [(0, 1)])
     for text in ("medit:ref", "", "msh 4.1 binary"):
         string(text)
     return bytes(out) + bytes(2)
@@ -144,6 +234,9 @@ def main(folder):
             stem = name + ("_all" if extra else "")
             put("medit_text", stem, medit_text(points, tets, extra))
             put("plugin_answer", stem, plugin_answer(points, tets, extra))
+            for old in (False, True):
+                for binary in (False, True):
+                    put("msh", f"{stem}_{'22' if old else '41'}{'b' if binary else ''}", msh(points, tets, extra, old, binary))
             put("tetgen", stem, tetgen(points, tets, extra, int(extra)))
             for version in (1, 2, 3, 4):
                 for order in "<>":

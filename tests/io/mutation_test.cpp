@@ -110,6 +110,25 @@ TEST_F(MutationTest, MeditBinary) {
   }
 }
 
+TEST_F(MutationTest, Msh) {
+  std::vector<std::string> words = {"$Nodes\n",    "$EndNodes\n", "$Elements\n", "$Periodic\n", "-1 ",         "0 ",
+                                    "2147483648 ", "1e400 ",      "nan ",        "\n",          "99999999999 "};
+  for (const std::int64_t word : {-1, 0, 1, 4, 11, 16, 2147483647}) {
+    words.emplace_back(8, '\0');
+    std::memcpy(words.back().data(), &word, 8);
+  }
+  for (const std::string dialect : {"msh 2.2 text", "msh 2.2 binary", "msh 4.1 text", "msh 4.1 binary"}) {
+    TetMesh m = cube(2, 0.2);
+    m.triangles = {{0, 2, 3}};
+    m.triangle_tags = {7};
+    m.point_data = {{"heat", 1, std::vector<double>(m.points.size(), 0.5)}};
+    m.periodic = {{2, 7, 7, {}, {{0, 1}}}};
+    m.dialect = dialect;
+    write_mesh(path("whole.msh"), m);
+    run("a.msh", get("whole.msh"), words, 6);
+  }
+}
+
 TEST_F(MutationTest, TetGen) {
   put("m.node", "4 3 0 1\n1 0 0 0 1\n2 1 0 0 2\n3 0 1 0 3\n4 0 0 1 4\n");
   put("m.face", "2 1\n1 1 2 3 5\n2 1 2 4 6\n");

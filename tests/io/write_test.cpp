@@ -135,7 +135,7 @@ TEST_F(IoTest, PlacesThatCannotBeWritten) {
   };
   refused(path("absent/a.mesh"), "the folder " + path("absent") + " does not exist");
   refused(path("a.stl"), "known endings: .mesh .meshb");
-  refused(path("a.ele"), "tetune reads, but does not write files of ending \".ele\"");
+  refused(path("a.pvtu"), "tetune reads, but does not write files of ending \".pvtu\"");
   std::filesystem::create_directory(path("folder.mesh"));
   refused(path("folder.mesh"), "is a folder");
   put("file", "");

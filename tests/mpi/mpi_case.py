@@ -38,7 +38,7 @@ class MpiTest(cli_case.CliTest):
 
     def on_one_machine(self, mesh, *args):
         out = self.path("one_machine.meshb")
-        subprocess.run([TETUNE, "optimize", "--quiet", mesh, out, *args], check=True)
+        subprocess.run([TETUNE, "optimize", "--quiet", mesh, "-o", out, *args], check=True)
         return self.info(out)
 
 

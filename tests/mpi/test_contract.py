@@ -107,15 +107,15 @@ class Contract(MpiTest):
             with self.subTest(options=options):
                 alone, one = self.path("alone.mesh"), self.path("one.mesh")
                 options = ["--quiet", "--effort", "fast", *options]
-                subprocess.run([mpi_case.TETUNE, "optimize", mpi_case.BRACKET, alone, *options], check=True)
+                subprocess.run([mpi_case.TETUNE, "optimize", mpi_case.BRACKET, "-o", alone, *options], check=True)
                 self.mpi(1, mpi_case.BRACKET, one, *options)
                 self.assertEqual(Path(alone).read_bytes(), Path(one).read_bytes())
 
     def test_text_and_binary_are_the_same_mesh(self):
         text = self.path("in.mesh")
-        subprocess.run([mpi_case.TETUNE, "optimize", "--quiet", mpi_case.BRACKET, text, "--effort", "fast"], check=True)
+        subprocess.run([mpi_case.TETUNE, "optimize", "--quiet", mpi_case.BRACKET, "-o", text, "--effort", "fast"], check=True)
         binary = self.path("in.meshb")
-        subprocess.run([mpi_case.TETUNE, "optimize", "--quiet", mpi_case.BRACKET, binary, "--effort", "fast"], check=True)
+        subprocess.run([mpi_case.TETUNE, "optimize", "--quiet", mpi_case.BRACKET, "-o", binary, "--effort", "fast"], check=True)
         for source, name in ((text, "a.mesh"), (text, "b.meshb"), (binary, "c.mesh"), (binary, "d.meshb")):
             self.mpi(2, source, self.path(name), "--quiet", "--effort", "fast")
         self.assertEqual(Path(self.path("a.mesh")).read_bytes(), Path(self.path("c.mesh")).read_bytes())
@@ -183,7 +183,7 @@ class Contract(MpiTest):
     def bracket_as_text(self):
         text = self.path("edges.mesh")
         subprocess.run([mpi_case.TETUNE, "optimize", "--quiet", "--boundary", "fixed", "--effort", "fast",
-                        mpi_case.BRACKET, text], check=True)
+                        mpi_case.BRACKET, "-o", text], check=True)
         return cli_case.Mesh.read(text)
 
     def test_vertices_inserted_and_removed(self):

@@ -6,12 +6,13 @@
 
 #include "tetune/mesh.hpp"
 
-namespace tetune::plugin {
+namespace tetune {
 
 /// The edges of a tetrahedron, triangle and edge in the order in which second-order elements of VTK and Exodus number
 /// their middle nodes. Gmsh's tetrahedron has the last two exchanged.
 using Pair = std::array<int, 2>;
 inline constexpr std::array<Pair, 6> kTetEdges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+inline constexpr std::array<Pair, 6> kGmshTetEdges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
 inline constexpr std::array<Pair, 3> kTriangleEdges{{{0, 1}, {1, 2}, {2, 0}}};
 inline constexpr std::array<Pair, 1> kEdgeEdges{{{0, 1}}};
 
@@ -21,8 +22,8 @@ struct Middle {
   std::array<Index, 2> ends;
 };
 
-/// Erases the nodes in the middles of edges, and their data. Throws FileError where a node is not in the middle, so
-/// that the element is curved, or where it is a vertex of another element.
+/// Erases the nodes in the middles of edges, their data and their periodic pairs. Throws FileError where a node is not
+/// in the middle, so that the element is curved, or where it is a vertex of another element.
 void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh);
 
 /// Adds a node in the middle of each edge of the tetrahedra, listed triangles and edges, after all others. Its data are
@@ -30,11 +31,14 @@ void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh);
 class Middles {
  public:
   explicit Middles(TetMesh& mesh);
+  /// The node in the middle of an edge of the mesh.
   Index of(Index a, Index b) const;
+  /// Adds the pairs of the nodes in the middles of paired edges.
+  void extend(PeriodicLink& link) const;
 
  private:
   std::vector<std::array<Index, 2>> edges_;
   Index first_ = 0;
 };
 
-}  // namespace tetune::plugin
+}  // namespace tetune

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "second_order.hpp"
+#include "io/second_order.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
 #include <string>
 
-#include "plugin.hpp"
+#include "backend/span.hpp"
 #include "tetune/error.hpp"
 
-namespace tetune::plugin {
+namespace tetune {
 namespace {
 
 /// The largest distance of a node from the middle of its edge, relative to the edge, that rounding explains.
@@ -17,6 +19,14 @@ constexpr double kStraight = 1e-4;
 std::array<Index, 2> sorted(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
 
 double distance(const Point3& p, const Point3& q) { return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]); }
+
+/// The values of vertex v.
+template <class Values>
+auto entry_of(Values& values, Index v, std::size_t each) {
+  return std::span(values).subspan(to_size_t(v) * each, each);
+}
+
+std::size_t components_of(const DataArray& array) { return to_size_t(array.components); }
 
 template <class Function>
 void for_each_list(TetMesh& mesh, const Function& f) {
@@ -35,18 +45,18 @@ void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   mesh.second_order = true;
   std::vector<Index> old2new(mesh.points.size(), 0);
   for (const Middle& m : middles) {
-    const Point3& p = item(mesh.points, m.ends[0]);
-    const Point3& q = item(mesh.points, m.ends[1]);
+    const Point3& p = span_of(mesh.points)[m.ends[0]];
+    const Point3& q = span_of(mesh.points)[m.ends[1]];
     const Point3 middle{(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2};
-    if (!(distance(middle, item(mesh.points, m.node)) <= kStraight * distance(p, q))) {
+    if (!(distance(middle, span_of(mesh.points)[m.node]) <= kStraight * distance(p, q))) {
       throw FileError("it has curved second-order elements: node " + std::to_string(m.node + 1) +
                       " is not in the middle of its edge; tetune takes straight ones (in Gmsh, set "
                       "Mesh.SecondOrderLinear=1 before making them)");
     }
-    item(old2new, m.node) = -1;
+    span_of(old2new)[m.node] = -1;
   }
   const auto drop = [&](const Index* ids, std::size_t n) {
-    if (std::any_of(ids, ids + n, [&](Index v) { return item(old2new, v) < 0; })) {
+    if (std::any_of(ids, ids + n, [&](Index v) { return span_of(old2new)[v] < 0; })) {
       throw FileError("a node is in the middle of one element's edge and a vertex of another element");
     }
   };
@@ -54,8 +64,13 @@ void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   std::vector<Index> new2old;
   for (std::size_t v = 0; v < old2new.size(); ++v) {
     if (old2new[v] < 0) continue;
-    old2new[v] = index_count(new2old);
+    old2new[v] = to_index(new2old.size());
     new2old.push_back(Index(v));
+  }
+  for (PeriodicLink& link : mesh.periodic) {
+    std::erase_if(link.pairs,
+                  [&](const auto& pair) { return span_of(old2new)[pair[0]] < 0 || span_of(old2new)[pair[1]] < 0; });
+    for (auto& pair : link.pairs) pair = {span_of(old2new)[pair[0]], span_of(old2new)[pair[1]]};
   }
   const auto take = [&new2old](auto& values, std::size_t each) {
     for (std::size_t v = 0; v < new2old.size(); ++v) {
@@ -69,11 +84,11 @@ void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
     std::visit([&](auto& values) { take(values, components_of(array)); }, array.values);
   }
   for_each_list(mesh, [&](Index* ids, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) ids[i] = item(old2new, ids[i]);
+    for (std::size_t i = 0; i < n; ++i) ids[i] = span_of(old2new)[ids[i]];
   });
 }
 
-Middles::Middles(TetMesh& mesh) : first_(index_count(mesh.points)) {
+Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
   const auto add = [this](const Index* v, const auto& pairs) {
     for (const Pair& p : pairs) edges_.push_back(sorted(v[p[0]], v[p[1]]));
   };
@@ -83,8 +98,8 @@ Middles::Middles(TetMesh& mesh) : first_(index_count(mesh.points)) {
   std::sort(edges_.begin(), edges_.end());
   edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
   for (const auto& [a, b] : edges_) {
-    const Point3& p = item(mesh.points, a);
-    const Point3& q = item(mesh.points, b);
+    const Point3& p = span_of(mesh.points)[a];
+    const Point3& q = span_of(mesh.points)[b];
     const Point3 middle{(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2};
     mesh.points.push_back(middle);
   }
@@ -108,7 +123,20 @@ Middles::Middles(TetMesh& mesh) : first_(index_count(mesh.points)) {
 }
 
 Index Middles::of(Index a, Index b) const {
-  return first_ + Index(std::lower_bound(edges_.begin(), edges_.end(), sorted(a, b)) - edges_.begin());
+  return first_ + to_index(std::lower_bound(edges_.begin(), edges_.end(), sorted(a, b)) - edges_.begin());
 }
 
-}  // namespace tetune::plugin
+void Middles::extend(PeriodicLink& link) const {
+  std::map<Index, Index> master_of;
+  for (const auto& [vertex, master] : link.pairs) master_of[vertex] = master;
+  for (const auto& [a, b] : edges_) {
+    const auto p = master_of.find(a);
+    const auto q = master_of.find(b);
+    if (p == master_of.end() || q == master_of.end()) continue;
+    const auto master = sorted(p->second, q->second);
+    if (std::binary_search(edges_.begin(), edges_.end(), master))
+      link.pairs.push_back({of(a, b), of(master[0], master[1])});
+  }
+}
+
+}  // namespace tetune

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command convert.
+#include <algorithm>
+#include <memory>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "definitions.hpp"
+#include "exit_code.hpp"
+#include "mesh_files.hpp"
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+
+namespace tetune::cli {
+namespace {
+
+struct Arguments {
+  std::string input, output;
+  std::string replaced_output;  ///< with -o
+  std::string tags;
+  std::string msh;
+  int threads = 0;
+};
+
+int convert(const Arguments& a) {
+  if (a.output.empty() == a.replaced_output.empty()) {
+    throw OptionError("name one mesh to write, after the input or with -o");
+  }
+  if (a.replaced_output.empty()) refuse_existing(a.output);
+  const std::string& output = a.output.empty() ? a.replaced_output : a.output;
+  if (output != kPipe) check_writable(output);
+  Console console(ProgressMode::none, 0, nullptr);
+  Input input = read_input(a.input, a.threads);
+  if (!a.tags.empty()) choose_tags(input, a.input, a.tags);
+  for (const std::string& warning : input.warnings) console.warn(warning);
+  if (!a.msh.empty()) {
+    input.mesh.dialect = "msh " + a.msh;
+    std::replace(input.mesh.dialect.begin(), input.mesh.dialect.end(), '-', ' ');
+    if (!output.ends_with(".msh")) console.warn("--msh has no effect: the output is not an .msh file");
+  }
+  for (const std::string& warning : write_output(output, input.binary, input.mesh, a.threads)) console.warn(warning);
+  return kDone;
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand("convert", "Write a mesh in another format; warnings name what is lost.");
+  c->add_option("INPUT", a->input, "Mesh to read: " + readable_endings() + "; or - for the standard input (MEDIT)")
+      ->required();
+  c->add_option("OUTPUT", a->output,
+                "Mesh to write, which must not exist: " + writable_endings() +
+                    "; or - for the standard output (MEDIT, binary if the input is)");
+  c->add_option("-o,--output", a->replaced_output, "Mesh to write; a file that exists is replaced")
+      ->option_text("FILE");
+  c->add_option("--msh", a->msh, "Version and encoding of an .msh file; otherwise those of the input, or 4.1-binary")
+      ->check(is_word({"2.2-text", "2.2-binary", "4.1-text", "4.1-binary"}))
+      ->option_text("VERSION");
+  c->add_option("--tags", a->tags, kTagsHelp)->option_text("NAME");
+  c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
+  refuse_empty_values(*c);
+  c->callback([a, &exit_code] { exit_code = convert(*a); });
+}
+
+}  // namespace tetune::cli

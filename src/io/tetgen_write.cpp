@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// TetGen's .node, .ele, .face and .edge files (TetGen manual, Sect. 5.2).
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "io/line_writer.hpp"
+#include "io/registry.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+bool has_tags(const std::vector<int>& tags) {
+  return std::any_of(tags.begin(), tags.end(), [](int tag) { return tag != 0; });
+}
+
+/// The files of a mesh: they are complete before the first replaces an old one.
+class TetgenWriter {
+ public:
+  TetgenWriter(std::filesystem::path path, int threads) : path_(std::move(path)), threads_(threads) {}
+
+  void write_points(const TetMesh& mesh) {
+    LineWriter out = start(".node");
+    const bool tagged = has_tags(mesh.point_tags);
+    out.text(std::to_string(mesh.points.size()) + (tagged ? " 3 0 1\n" : " 3 0 0\n"));
+    out.lines(mesh.points.size(), [&](auto& entry, std::size_t i) {
+      entry.integer(i + 1);
+      for (const double x : mesh.points[i]) entry.real(x);
+      if (tagged) entry.integer(mesh.point_tags[i]);
+    });
+  }
+  /// Writes elements; `head`: what follows their number in the first line, before the flag of tags.
+  template <std::size_t N>
+  void write_elements(const char* ending, const char* head, const std::vector<std::array<Index, N>>& elements,
+                      const std::vector<int>& tags, bool inside_out = false) {
+    LineWriter out = start(ending);
+    const bool tagged = has_tags(tags);
+    out.text(std::to_string(elements.size()) + head + (tagged ? " 1\n" : " 0\n"));
+    out.lines(elements.size(), [&](auto& entry, std::size_t i) {
+      entry.integer(i + 1);
+      auto vertices = elements[i];
+      if (inside_out) std::swap(vertices[N - 2], vertices[N - 1]);
+      for (const Index v : vertices) entry.integer(v + 1);
+      if (tagged) entry.integer(tags[i]);
+    });
+  }
+  /// Whether there is a file of the set with this ending, which must not stay beside the others.
+  bool exists(const char* ending) const {
+    std::error_code ignored;
+    return std::filesystem::exists(std::filesystem::path(path_).replace_extension(ending), ignored);
+  }
+  void commit() {
+    for (const auto& file : files_) file->commit();
+  }
+
+ private:
+  LineWriter start(const char* ending) {
+    const std::string name = std::filesystem::path(path_).replace_extension(ending).string();
+    check_place(name);
+    files_.push_back(std::make_unique<FileWriter>(name));
+    return {*files_.back(), threads_};
+  }
+  std::filesystem::path path_;
+  int threads_;
+  std::vector<std::unique_ptr<FileWriter>> files_;
+};
+
+void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
+  const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.ridges.empty() ||
+                      !mesh.required_edges.empty() || !mesh.required_triangles.empty() || !mesh.required_tets.empty();
+  if (listed) context.warn("TetGen's files cannot hold lists of corners, ridges and required entities");
+  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
+    for (const DataArray& array : *data) context.warn("TetGen's files cannot hold the data \"" + array.name + "\"");
+  }
+  if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
+    context.warn("TetGen's files cannot hold the names of groups");
+  }
+  if (mesh.second_order) context.warn("written as linear elements, without the nodes in the middles of edges");
+}
+
+}  // namespace
+
+void write_tetgen(const std::string& path, const TetMesh& mesh, const IoContext& context) {
+  for (const ElementBlock& block : mesh.others) {
+    if (block.kind != kPoints)
+      throw FileError("TetGen's files cannot hold " + block.kind + "; choose .vtu, .msh or .mesh");
+    context.warn("TetGen's files cannot hold elements of one vertex");
+  }
+  warn_of_losses(mesh, context);
+  TetgenWriter files(path, context.threads);
+  files.write_points(mesh);
+  files.write_elements(".ele", " 4", mesh.tets, mesh.tet_tags, mesh.listed_inside_out);
+  files.write_elements(".face", "", mesh.triangles, mesh.triangle_tags);
+  if (!mesh.edges.empty() || files.exists(".edge")) {
+    files.write_elements(".edge", "", mesh.edges, mesh.edge_tags);
+  }
+  files.commit();
+}
+
+}  // namespace tetune

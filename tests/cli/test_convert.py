@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tetune convert. Run: see cli_case.py."""
+
+import json
+import os
+import shutil
+import subprocess
+
+import cli_case
+from cli_case import CliTest, Mesh, cube, with_triangles
+
+PERIODIC = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+1
+3 8 "empty"
+$EndPhysicalNames
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+$EndNodes
+$Elements
+1
+1 4 2 7 1 1 2 3 4
+$EndElements
+$Periodic
+1
+0 2 1
+1
+2 1
+$EndPeriodic
+"""
+BUILT_IN = ["mesh", "meshb", "msh", "ele"]
+
+
+class Convert(CliTest):
+    def source(self):
+        mesh = cube(3)
+        # A fifth of the tetrahedra in another region, and one face.
+        mesh.tet_tags = [1 + (t % 5 == 0) for t in range(len(mesh.tets))]
+        return mesh, self.put("in.mesh", with_triangles(mesh, [(mesh.tets[0][:3], 9)]))
+
+    def test_from_every_format_to_every_other(self):
+        mesh, source = self.source()
+        for first in BUILT_IN:
+            a = self.path(f"a.{first}")
+            self.run_cli("convert", source, "-o", a)
+            for second in BUILT_IN:
+                with self.subTest(f"{first} to {second}"):
+                    b, c = self.path(f"b.{second}"), self.path("c.mesh")
+                    self.run_cli("convert", a, "-o", b)
+                    self.run_cli("convert", b, "-o", c)
+                    back = Mesh.read(c)
+                    self.assertEqual(back.points, mesh.points)
+                    self.assertEqual(dict(zip(map(frozenset, back.tets), back.tet_tags)),
+                                     dict(zip(map(frozenset, mesh.tets), mesh.tet_tags)))
+                    if "msh" not in (first, second):
+                        self.assertEqual((back.point_tags, back.tets), (mesh.point_tags, mesh.tets))
+        self.run_cli("convert", source, self.path("text.mesh"))
+        self.run_cli("convert", self.path("text.mesh"), self.path("again.mesh"))
+        self.assertEqual(self.read_bytes("text.mesh"), self.read_bytes("again.mesh"))
+
+    def test_what_is_lost_is_told(self):
+        _, source = self.source()
+        done = self.run_cli("convert", source, self.path("a.msh"))
+        self.assertIn(f"warning: {self.path('a.msh')}: the format cannot hold tags of vertices", done.stderr)
+        self.assertEqual(done.stdout, "")
+        done = self.run_cli("convert", self.path("a.msh"), self.path("b.ele"))
+        self.assertIn("b.ele: TetGen's files cannot hold the data \"gmsh:geometrical\"", done.stderr)
+
+    def test_versions_of_msh(self):
+        _, source = self.source()
+        for word, head in (("2.2-text", b"2.2 0 8"), ("2.2-binary", b"2.2 1 8"), ("4.1-text", b"4.1 0 8"), ("4.1-binary", b"4.1 1 8")):
+            self.run_cli("convert", source, "-o", self.path("a.msh"), "--msh", word)
+            self.assertTrue(self.read_bytes("a.msh").startswith(b"$MeshFormat\n" + head))
+            self.run_cli("convert", self.path("a.msh"), "-o", self.path("b.msh"))  # that of the input
+            self.assertEqual(self.read_bytes("b.msh")[:20], self.read_bytes("a.msh")[:20])
+        self.assertIn("--msh has no effect", self.run_cli("convert", source, "-o", self.path("c.mesh"), "--msh", word).stderr)
+        self.refused("convert", source, "-o", self.path("a.msh"), "--msh", "1.0", said=["--msh", "1.0"])
+
+    def test_periodic_links_are_told(self):
+        self.put("a.msh", PERIODIC)
+        text = self.run_cli("info", self.path("a.msh")).stdout
+        self.assertRegex(text, "periodic pairs +1\n")
+        self.assertRegex(text, "group of dimension 3 +8   \"empty\", no elements\n")
+        self.run_cli("convert", self.path("a.msh"), self.path("b.msh"), "--msh", "4.1-binary")
+        counts = json.loads(self.run_cli("info", self.path("b.msh"), "--json").stdout)["counts"]
+        self.assertEqual(counts["periodic_pairs"], 1)
+        done = self.run_cli("convert", self.path("b.msh"), self.path("b.mesh"))
+        self.assertIn("b.mesh: the format cannot hold periodic links", done.stderr)
+
+    def test_no_mesh_is_overwritten_without_o(self):
+        _, source = self.source()
+        for name, other in (("b.mesh", "b.mesh"), ("b.node", "b.ele"), ("b.ele", "b.face")):
+            self.put(other, "old")
+            self.refused("convert", source, self.path(name), said=[other, "exists", "-o"])
+            self.refused("optimize", source, self.path(name), said=[other, "exists", "-o"])
+            self.assertEqual(self.read_bytes(other), b"old")
+            os.remove(self.path(other))
+        self.refused("convert", source, said=["-o"])
+        self.refused("convert", source, self.path("b.mesh"), "-o", self.path("c.mesh"), said=["-o"])
+        self.refused("convert", source, self.path("absent/b.mesh"), said=["absent"])
+        self.refused("convert", source, self.path("b.stl"), said=["b.stl"])
+        self.assertEqual(self.files(), ["in.mesh"])
+
+    def test_meshes_that_are_not_valid_are_converted(self):
+        self.put("in.mesh", cli_case.tangled(4))
+        self.run_cli("convert", self.path("in.mesh"), self.path("out.meshb"))
+        broken = cube(1)
+        broken.tets[2] = (0, 1, 2, 1000)
+        self.put("broken.mesh", broken)
+        for name in ("out.mesh", "out.msh", "out.ele"):
+            self.refused("convert", self.path("broken.mesh"), self.path(name), said=["vertex 1000", "counted from 0"])
+        self.assertEqual(self.files(), ["broken.mesh", "in.mesh", "out.meshb"])
+
+    def test_pipes(self):
+        mesh, source = self.source()
+        done = subprocess.run([cli_case.TETUNE, "convert", "-", "-"], input=self.read_bytes("in.mesh"), capture_output=True)
+        self.run_cli("convert", source, self.path("out.mesh"))
+        self.assertEqual((done.returncode, done.stdout), (0, self.read_bytes("out.mesh")))
+
+    def test_files_of_tetgen_are_one_mesh(self):
+        """They are written together; two names of one mesh clash; an old .edge file does not stay beside a new mesh."""
+        _, source = self.source()
+        self.put("a.edge", "1 1\n1 1 2 7\n")
+        self.run_cli("convert", source, self.path("a.node"), code=0)
+        self.assertEqual(self.files(), ["a.edge", "a.ele", "a.face", "a.node", "in.mesh"])
+        self.assertEqual(self.read_bytes("a.edge"), b"0 0\n")
+        self.assertEqual(self.run_cli("info", self.path("a.node"), "--check").stderr, "")
+        self.refused("optimize", self.path("a.node"), self.path("a.ele"), "-o", self.path("new") + "/", said=["named twice"])
+        self.put("new.mesh", cube(2))
+        self.refused("optimize", self.path("new.mesh"), self.path("a.node"), "-o", self.path("a.ele"), said=["a.ele"])
+        self.run_cli("optimize", self.path("a.node"), "-o", self.path("a.ele"), "--quiet")
+
+    def test_a_failure_leaves_all_files(self):
+        _, source = self.source()
+        for name in ("a.ele", "a.node"):
+            self.put(name, "old")
+        os.mkdir(self.path("a.face"))
+        self.refused("convert", source, "-o", self.path("a.ele"), said=["a.face", "folder"])
+        self.assertEqual((self.read_bytes("a.ele"), self.read_bytes("a.node")), (b"old", b"old"))
+
+    def test_tetgen_takes_what_is_written(self):
+        program = shutil.which("tetgen")
+        if program is None:
+            self.skipTest("no tetgen")
+        mesh, source = self.source()
+        self.run_cli("convert", source, self.path("a.ele"))
+        done = subprocess.run([program, "-rCN", self.path("a.ele")], capture_output=True, text=True, timeout=cli_case.HANG)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertRegex(done.stdout, rf"Mesh tetrahedra: {len(mesh.tets)}\n")
+        self.assertNotRegex(done.stdout, "(?i)error|warning")
+
+
+if __name__ == "__main__":
+    cli_case.main(__doc__)
