@@ -10,6 +10,7 @@ namespace tetune {
 enum class Phase {
   load,
   untangling,
+  motion,
   flips,
   boundary_flips,
   rings,
@@ -25,8 +26,8 @@ enum class Phase {
 
 /// The name of a phase in Report::phases. Users read these names: they do not change.
 inline const char* name_of(Phase phase) {
-  constexpr std::array kNames{"load", "untangling", "flips",  "boundary flips", "rings",   "colouring", "sweeps",
-                              "sums", "worst",      "angles", "trace",          "targets", "store"};
+  constexpr std::array kNames{"load",   "untangling", "motion", "flips",  "boundary flips", "rings",   "colouring",
+                              "sweeps", "sums",       "worst",  "angles", "trace",          "targets", "store"};
   return kNames.at(static_cast<std::size_t>(phase));
 }
 
