@@ -60,6 +60,11 @@ class Adapter(Generic[M]):
     def points(self) -> Array:
         raise NotImplementedError
 
+    def point_data(self, name: str) -> Array:
+        """A displacement: point data with three numbers per vertex."""
+        raise TypeError(f"targets is {name!r}, the name of point data, which a meshio or pyvista mesh has; "
+                        "give the positions as an array")
+
     def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> Any:
         return work
 
@@ -130,6 +135,15 @@ class BlockAdapter(Adapter[M]):
         return blocks
 
 
+def displacement_of(data: Mapping[str, Any], name: str) -> Array:
+    if name not in data:
+        raise OptionError(f"targets is {name!r}; the point data of this mesh are: {', '.join(data) or 'none'}")
+    values = np.asarray(data[name])
+    if values.ndim != 2 or values.shape[1] != 3:
+        raise OptionError(f"targets is {name!r}, which has the shape {values.shape}; a displacement has three numbers a vertex")
+    return values
+
+
 def _joined(parts: list[Array]) -> Array | None:
     if len(parts) == 0:
         return None
@@ -191,6 +205,9 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
     def points(self) -> Array:
         return np.asarray(self._mesh.points)
 
+    def point_data(self, name: str) -> Array:
+        return displacement_of(self._mesh.point_data, name)
+
     def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> meshio.Mesh:
         import meshio
 
@@ -243,6 +260,9 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
 
     def points(self) -> Array:
         return np.asarray(self._grid.points)
+
+    def point_data(self, name: str) -> Array:
+        return displacement_of(dict(self._grid.point_data), name)
 
     def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> pv.UnstructuredGrid:
         import pyvista as pv

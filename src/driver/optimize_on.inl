@@ -19,6 +19,7 @@ void follow_all(Optimizer<Backend>& optimizer, MoveJob& job) {
   optimizer.sum_energy(optimizer.objective());
   optimizer.report.energy_before = optimizer.in_callers_unit(optimizer.energy());
   optimizer.progress.set_done(0);
+  job.report.fraction = 0;
   if (!optimizer.proceed(Phase::load, 0)) return;
   const std::vector<Index> vertex2original = optimizer.work.mesh.vertex2original.download();
   TargetFollower<Backend> follower(optimizer, job.targets.size(), job.report.steps);

@@ -125,8 +125,11 @@ struct System {
     switch (dof[v]) {
       case VertexDof::free:
         return d;
-      case VertexDof::plane:
-        return d - dot(axis[v], d) * axis[v];
+      case VertexDof::plane: {
+        // With the basis, a coordinate that is the same all over the plane stays to the last bit.
+        const PlaneBasis basis = plane_basis(axis[v]);
+        return dot(basis.u, d) * basis.u + dot(basis.v, d) * basis.v;
+      }
       case VertexDof::line:
         return dot(axis[v], d) * axis[v];
       default:
