@@ -125,8 +125,8 @@ std::string move_summary(const MoveReport& r, const TetMesh& mesh) {
     return ids_text + (ids.size() > kListed ? ", ..." : "");
   };
   Point3 center{};
-  for (const Index v : mesh.tets.at(static_cast<std::size_t>(r.blocking_tets[0]))) {
-    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * mesh.points[static_cast<std::size_t>(v)][k];
+  for (const Index v : mesh.tets.begin()[r.blocking_tets[0]]) {
+    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * mesh.points.begin()[v][k];
   }
   text += fmt::format("  {} tetrahedra of the result block it ({}; the first near {:.6g} {:.6g} {:.6g})",
                       r.blocking_tets.size(), list(r.blocking_tets), center[0], center[1], center[2]);

@@ -100,6 +100,14 @@ void bind_targets(nb::module_& m) {
       .def_prop_ro("met", &TargetReport::met);
 }
 
+/// A member of all places as a numpy array of four columns.
+template <class T>
+nb::object columns_of(const std::vector<MeshPlace>& places, std::array<T, 4> MeshPlace::*member) {
+  auto* rows = new std::vector<std::array<T, 4>>();
+  for (const MeshPlace& place : places) rows->push_back(place.*member);
+  return nb::cast(view(*rows, owner_of(rows)));
+}
+
 /// The maps from the result to the input.
 void bind_maps(nb::class_<Report>& report) {
   report
@@ -114,7 +122,15 @@ void bind_maps(nb::class_<Report>& report) {
           "For each listed triangle of the result its row in the input; empty where all were kept.")
       .def_prop_ro(
           "edge2original", [](nb::handle_t<Report> s) { return view(nb::cast<Report&>(s).edge2original, s); },
-          "For each listed edge of the result its row in the input; empty where all were kept.");
+          "For each listed edge of the result its row in the input; empty where all were kept.")
+      .def_prop_ro(
+          "place_vertices", [](const Report& r) { return columns_of(r.places, &MeshPlace::vertices); },
+          "With data='interpolate': four vertices of the input, in one of whose tetrahedra each vertex of the result "
+          "is.",
+          nb::sig("def place_vertices(self) -> NDArray[numpy.int32]"))
+      .def_prop_ro(
+          "place_weights", [](const Report& r) { return columns_of(r.places, &MeshPlace::weights); },
+          "Its barycentric coordinates there.", nb::sig("def place_weights(self) -> NDArray[numpy.float64]"));
 }
 
 void bind_motion(nb::module_& m) {

@@ -53,12 +53,6 @@ Report improve(TetMesh& mesh, const nb::dict& options, nb::object progress) {
   return report;
 }
 
-/// The owner of the memory that a numpy array refers to.
-template <class T>
-nb::capsule owner_of(std::vector<T>* values) {
-  return {values, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); }};
-}
-
 MoveReport move_mesh(TetMesh& mesh, const nb::list& targets, const nb::dict& options, nb::object progress) {
   std::vector<VertexTargets> parsed;
   for (const nb::handle target : targets) assign("targets", target, parsed.emplace_back());

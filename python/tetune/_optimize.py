@@ -99,8 +99,8 @@ def optimize(
 
     Args:
         mesh: points of shape (n, 3) with `tets` of shape (m, 4), zero-based; or a TetMesh, meshio.Mesh or
-            pyvista.UnstructuredGrid. Point data follow their vertex, cell data the parent tetrahedron. An inserted
-            vertex has means of its neighbors' floating-point data (by mean value coordinates, which reproduce linear
+            pyvista.UnstructuredGrid. Point data follow their vertex (or, with data="interpolate", are evaluated at
+            its new place in the input), cell data the parent tetrahedron. An inserted vertex has means of its neighbors' floating-point data (by mean value coordinates, which reproduce linear
             fields exactly), and other data of the nearest vertex of the input.
         tags: of a meshio or pyvista mesh, the name of the cell data that number regions, patches and lines: faces
             between regions are kept. By default the first of `medit:ref`, `gmsh:physical`, `gmsh:geometrical` that the

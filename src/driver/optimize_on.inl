@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+
 #include "driver/devices.hpp"
 #include "driver/export_mesh.hpp"
 #include "driver/import_mesh.inl"
 #include "driver/move_job.hpp"
+#include "driver/place_tracker.hpp"
 #include "driver/targets.hpp"
 #include "phases/follow_targets.hpp"
 #include "phases/improve.hpp"
@@ -13,16 +16,28 @@
 namespace tetune {
 namespace optimize_on_detail {
 
+/// Runs improve(), and follows the vertices if there is a tracker.
+template <class Backend>
+auto improve_with(PlaceTracker* tracker) {
+  return [tracker](Optimizer<Backend>& optimizer) {
+    if (tracker == nullptr) return improve(optimizer);
+    optimizer.timer.measure(Phase::data, [&] { tracker->start(HostMesh(optimizer.work.mesh)); });
+    const bool proceeds = improve(optimizer);
+    optimizer.timer.measure(Phase::data, [&] { tracker->finish(HostMesh(optimizer.work.mesh)); });
+    return proceeds;
+  };
+}
+
 /// Moves the mesh to one target after the other, until one cannot be reached or the caller cancels.
 template <class Backend>
-void follow_all(Optimizer<Backend>& optimizer, MoveJob& job) {
+void follow_all(Optimizer<Backend>& optimizer, MoveJob& job, PlaceTracker* tracker) {
   optimizer.sum_energy(optimizer.objective());
   optimizer.report.energy_before = optimizer.in_callers_unit(optimizer.energy());
   optimizer.progress.set_done(0);
   job.report.fraction = 0;
   if (!optimizer.proceed(Phase::load, 0)) return;
   const std::vector<Index> vertex2original = optimizer.work.mesh.vertex2original.download();
-  TargetFollower<Backend> follower(optimizer, job.targets.size(), job.report.steps);
+  TargetFollower<Backend> follower(optimizer, improve_with<Backend>(tracker), job.targets.size(), job.report.steps);
   for (std::size_t i = 0; i < job.targets.size(); ++i) {
     const WorkTarget target = work_target(job.targets[i], vertex2original, optimizer.work.scale);
     job.report.fraction = follower.follow(i, target.positions, target.prescribed);
@@ -38,15 +53,23 @@ void follow_all(Optimizer<Backend>& optimizer, MoveJob& job) {
                   job.report);
 }
 
-/// Runs the phases in order, until one is cancelled.
+/// Runs the phases in order, until one is cancelled. Returns the places of the vertices with DataTransfer::interpolate.
+/// Untangling is no motion through the input, as an inverted mesh has no places.
 template <class Backend>
-void run_phases(Optimizer<Backend>& optimizer, MoveJob* job) {
+std::unique_ptr<PlaceTracker> run_phases(Optimizer<Backend>& optimizer, MoveJob* job) {
   if (optimizer.work.tangled > 0) untangle(optimizer);
-  if (job == nullptr) {
-    improve(optimizer);
-  } else {
-    follow_all(optimizer, *job);
+  std::unique_ptr<PlaceTracker> tracker;
+  if (optimizer.options.data == DataTransfer::interpolate) {
+    const auto& mesh = optimizer.work.mesh;
+    tracker =
+        std::make_unique<PlaceTracker>(HostMesh(mesh), mesh.vertex2original.download(), optimizer.options.threads);
   }
+  if (job == nullptr) {
+    improve_with<Backend>(tracker.get())(optimizer);
+  } else {
+    follow_all(optimizer, *job, tracker.get());
+  }
+  return tracker;
 }
 
 }  // namespace optimize_on_detail
@@ -64,12 +87,15 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
   timer.measure(Phase::load, [&] { import_mesh(backend, mesh, options, surface, work, report); });
 
   Optimizer<Backend> optimizer(backend, work, options, context, report, timer, start);
-  optimize_on_detail::run_phases(optimizer, job);
+  const auto tracker = optimize_on_detail::run_phases(optimizer, job);
   optimizer.sum_energy(optimizer.objective());
   report.energy_after = optimizer.in_callers_unit(optimizer.energy());
 
   if (!options.targets.empty()) {
     timer.measure(Phase::targets, [&] { report.targets = report_targets(outcome_of(work, mesh), options); });
+  }
+  if (tracker != nullptr) {
+    timer.measure(Phase::data, [&] { report.places = places_of(*tracker, work, mesh.points.size()); });
   }
   timer.measure(Phase::store, [&] { export_mesh(backend, work, options, mesh, surface, report); });
   report.tets_after = std::ssize(mesh.tets);

@@ -61,6 +61,13 @@ constexpr std::array kSurfaceVertices{
                  "vertices are inserted and removed, inside the mesh too, in flat parts of a patch and along straight "
                  "feature lines, so that the surface keeps its shape"}};
 
+constexpr std::array kDataTransfers{
+    OptionChoice{"carry", choice_value(DataTransfer::carry), "those of the vertex of the input, wherever it has moved"},
+    OptionChoice{
+        "interpolate", choice_value(DataTransfer::interpolate),
+        "those of the input at the place of the vertex: floating-point numbers linearly, integers of the nearest "
+        "vertex"}};
+
 constexpr const char* kSurface = "Surface and constraints";
 constexpr const char* kMethod = "Method";
 constexpr const char* kTargets = "Targets";
@@ -182,6 +189,7 @@ const std::array kTable{
                {0, 4096},
                kOnGpu},
     OptionInfo{"device", &Options::device, kResources, "Where to compute", kDevices},
+    OptionInfo{"data", &Options::data, kOutput, "What data of vertices are on the result", kDataTransfers},
     OptionInfo{"trace_angles", &Options::trace_angles, kOutput,
                "The smallest dihedral angle is measured after each sweep and round, for the report; takes a twelfth of "
                "the time"}};

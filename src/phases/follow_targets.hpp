@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "phases/harmonic_extension.hpp"
-#include "phases/improve.hpp"
+#include "phases/optimizer.hpp"
 #include "tetune/move.hpp"
 
 namespace tetune {
@@ -140,12 +142,14 @@ struct HoldBesideMovedPlanes {
 
 }  // namespace follow_targets_detail
 
-/// Moves a mesh to targets in steps of positive volumes, each followed by improve().
+/// Moves a mesh to targets in steps of positive volumes, each followed by an improvement.
 template <class Backend>
 class TargetFollower {
  public:
-  TargetFollower(Optimizer<Backend>& optimizer, std::size_t targets, std::vector<MoveStep>& steps)
-      : optimizer_(optimizer), targets_(static_cast<double>(targets)), steps_(steps) {}
+  /// `improve` is called after each step; it returns false when the caller cancels.
+  TargetFollower(Optimizer<Backend>& optimizer, std::function<bool(Optimizer<Backend>&)> improve, std::size_t targets,
+                 std::vector<MoveStep>& steps)
+      : optimizer_(optimizer), improve_(std::move(improve)), targets_(static_cast<double>(targets)), steps_(steps) {}
 
   /// Moves to the target number `index`: a position per vertex of the mesh, that counts where `prescribed` is 1.
   /// Requires that prescribed vertices are fixed. Returns the fraction of the way that was possible: 1 if the target
@@ -172,7 +176,7 @@ class TargetFollower {
       step.fraction = 1 - rest;
       step.dihedral_moved = smallest_angle();
       optimizer_.progress.set_done((static_cast<double>(index) + step.fraction) / targets_);
-      const bool proceeds = improve(optimizer_);
+      const bool proceeds = improve_(optimizer_);
       step.dihedral_min = smallest_angle();
       step.seconds = PhaseTimer::seconds_since(start);
       steps_.push_back(step);
@@ -281,6 +285,7 @@ class TargetFollower {
   }
 
   Optimizer<Backend>& optimizer_;
+  const std::function<bool(Optimizer<Backend>&)> improve_;
   const double targets_;
   std::vector<MoveStep>& steps_;
   BufferOf<Backend, Vec3> target_;

@@ -156,8 +156,7 @@ TEST(EmulationMemory, APoolAsLargeAsItsPeakDoesAndASmallerOneLeavesTheMeshAsItWa
   }
 }
 
-/// A piston, in the memory that a GPU would set aside.
-TEST(Emulated, Motion) {
+TEST(EmulationOfMove, APistonFitsIntoTheMemoryThatIsReserved) {
   const TetMesh before = test::scrambled(test::cube(9, 0.2, 4), 2, 2);
   std::vector<VertexTargets> targets(1);
   Options options;
