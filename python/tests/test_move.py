@@ -101,6 +101,47 @@ def test_pyvista():
     assert (r.mesh.points[sides(points)[1], 0] == 5).all()
 
 
+def test_data_are_interpolated_at_the_new_places():
+    meshio = pytest.importorskip("meshio")
+    points, tets = shaken_box()
+    linear = points @ [1, 2, 3] + 4
+    fields = {"a": linear, "v": np.stack([linear, -linear], axis=1).astype(np.float32), "id": np.arange(len(points))}
+    mesh = meshio.Mesh(points, [("tetra", tets)], point_data=fields)
+    for effort in ("standard", "best"):
+        r = tetune.optimize(mesh, data="interpolate", effort=effort)
+        new = r.mesh
+        assert r.moved.any() and (effort == "standard" or (r.vertex_map < 0).any())
+        assert np.abs(new.point_data["a"] - (new.points @ [1, 2, 3] + 4)).max() < 1e-12
+        assert new.point_data["v"].dtype == np.float32
+        assert np.abs(new.point_data["v"][:, 1] + new.point_data["a"]).max() < 1e-4
+        assert r.report.place_vertices.shape == (len(new.points), 4)
+        assert np.abs(r.report.place_weights.sum(axis=1) - 1).max() < 1e-14
+        nearest = r.report.place_vertices[np.arange(len(new.points)), r.report.place_weights.argmax(axis=1)]
+        assert (new.point_data["id"] == nearest).all()
+    # Without the option, values stay with their vertex.
+    carried = tetune.optimize(mesh)
+    assert (carried.mesh.point_data["a"] == linear).all() and len(carried.report.place_weights) == 0
+
+
+def test_fields_move_with_the_mesh():
+    meshio = pytest.importorskip("meshio")
+    points, tets = shaken_box()
+    mesh = meshio.Mesh(points, [("tetra", tets)], point_data={"x": points[:, 0], "u": [3.0, 0, 0] + 0 * points})
+    r = tetune.move(mesh, targets="u", surface=True, data="interpolate")
+    assert r.motion.reached
+    assert np.abs(r.mesh.point_data["x"] - (r.mesh.points[:, 0] - 3)).max() < 1e-3
+
+
+def test_interpolation_of_special_values():
+    from tetune._adapters import interpolated
+
+    values = np.array([1.0, 2.0, np.nan, 4.0])
+    places = np.array([[0, 1, 3, 2], [0, 1, 2, 3], [2, 0, 1, 3]])
+    weights = np.array([[0.5, 0.25, 0.25, 0], [0.5, 0.25, 0.25, 0], [0.4, 0.2, 0.2, 0.2]])
+    result = interpolated(values, places, weights)
+    assert result[0] == 2 and result[1] == 1 and np.isnan(result[2])
+
+
 def test_progress_stops():
     points, tets = shaken_box()
     seen = []

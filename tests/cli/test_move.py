@@ -104,6 +104,23 @@ class Moves(CliTest):
         self.run_cli("move", self.source, "-o", self.path("out.mesh"), "--displacement", "u", "--quiet")
         self.assertAlmostEqual(sum(Mesh.read(self.path("out.mesh")).volumes()), 1.25)
 
+    def test_data_are_interpolated(self):
+        """A linear field is exact at the new places, and moves with a mesh that is shifted."""
+        source = self.vtk("in.vtk", [(p[0], p[1] - p[2], 2.0) for p in self.mesh.points])
+
+        def read(name):
+            out = self.path(name)
+            bytes_of = self.read_bytes(name)
+            self.assertIn(b"VECTORS u double", bytes_of.replace(b"vectors", b"VECTORS"), out)
+            numbers = bytes_of[bytes_of.index(b"double\n", bytes_of.index(b" u ") - 10) + 7:]
+            return struct.iter_unpack(">3d", numbers[:24 * len(self.mesh.points)])
+
+        self.run_cli("optimize", source, self.path("out.vtk"), "--data", "interpolate", "--quiet")
+        self.run_cli("optimize", source, self.path("out.mesh"), "--quiet")
+        for p, u in zip(Mesh.read(self.path("out.mesh")).points, read("out.vtk"), strict=True):
+            for x, y in zip(u, (p[0], p[1] - p[2], 2.0)):
+                self.assertAlmostEqual(x, y, places=12)
+
     def test_patches(self):
         top = next(t for t in self.mesh.tets if sum(self.mesh.points[v][2] == 1 for v in t) == 3)
         triangle = tuple(v for v in top if self.mesh.points[v][2] == 1)
