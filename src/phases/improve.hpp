@@ -2,8 +2,8 @@
 #pragma once
 
 #include "phases/alternate.hpp"
-#include "phases/improve_worst.hpp"
 #include "phases/improve_angles.hpp"
+#include "phases/improve_worst.hpp"
 #include "phases/polish.hpp"
 
 namespace tetune {
