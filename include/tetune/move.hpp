@@ -70,6 +70,9 @@ TETUNE_API MoveReport move(TetMesh& mesh, std::span<const VertexTargets> targets
 TETUNE_API MoveReport move(TetMesh& mesh, const VertexTargets& target, const Options& options = {},
                            const Context& context = {});
 
+/// An estimate of the peak of main memory of move(), in bytes, including mesh and targets: as memory_needed().
+TETUNE_API std::size_t memory_needed_to_move(const TetMesh& mesh, std::size_t targets, const Options& options = {});
+
 /// The positions `points` as targets of the vertices of the surface alone, so that the inner vertices follow: of the
 /// faces that are on one tetrahedron, or between different regions, and of listed triangles. With `patches` only of the
 /// listed triangles with one of these tags: OptionError if no triangle has the tag.

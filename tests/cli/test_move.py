@@ -164,6 +164,10 @@ class Moves(CliTest):
             self.refused("move", self.source, out, *words, said=said)
         self.assertFalse(os.path.exists(out))
 
+    def test_a_limit_of_memory(self):
+        to = self.put("to.mesh", stretched(self.mesh))
+        self.refused("move", self.source, self.path("x.mesh"), "--to", to, "--max-memory", "1", said=["needs about", "MB"])
+
     def test_dry_run_writes_nothing(self):
         to = self.put("to.mesh", stretched(self.mesh))
         done = self.run_cli("move", self.source, "--to", to, "--dry-run")
