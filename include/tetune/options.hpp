@@ -110,7 +110,7 @@ struct Options {
   /// The quality that every element should have. It does not change the result: Report::targets says which elements
   /// miss it and what constrains them.
   std::vector<Target> targets;
-  /// How data of vertices follow. Numbers of vertices and other labels are carried.
+  /// What data of vertices are on the result, in files and in TetMesh::point_data.
   DataTransfer data = DataTransfer::carry;
   /// If true, the smallest dihedral angle is measured after each sweep and round, for SweepReport::dihedral_min and
   /// WorstReport::dihedral_min. It takes a twelfth of the time.

@@ -45,10 +45,11 @@ void follow_all(Optimizer<Backend>& optimizer, MoveJob& job, PlaceTracker* track
     ++job.report.targets_reached;
     if (optimizer.report.stop == StopReason::cancelled) break;
   }
-  if (job.report.reached() || optimizer.report.stop == StopReason::cancelled) return;
+  if (job.report.reached()) return;
   if (job.report.fraction == 1) job.report.fraction = 0;  // stopped between two targets
+  if (optimizer.report.stop == StopReason::cancelled) return;
   const auto& mesh = optimizer.work.mesh;
-  report_blocking({mesh.tet2vertex.download(), follower.blocking_slots(), follower.unfinished(),
+  report_blocking({mesh.tet2vertex.download(), follower.blocking_slots(1 - job.report.fraction), follower.unfinished(),
                    number_vertices(mesh.vertex2original.download(), job.targets[0].size()).work2new()},
                   job.report);
 }

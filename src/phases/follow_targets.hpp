@@ -186,12 +186,13 @@ class TargetFollower {
     return 1 - rest;
   }
 
-  /// The tetrahedra that a further step would invert, or else distort too much.
-  std::vector<Index> blocking_slots() {
+  /// The tetrahedra that a further step would invert, or else distort too much. `rest` is the fraction of the way that
+  /// is not done.
+  std::vector<Index> blocking_slots(double rest) {
     extend(0);
+    const double part = std::min(1.0, parameters().min_fraction / rest);
     for (const bool strict : {false, true}) {
-      const auto slots =
-          find_tets(optimizer_.backend, optimizer_.work.mesh, refuses(parameters().min_fraction, strict));
+      const auto slots = find_tets(optimizer_.backend, optimizer_.work.mesh, refuses(part, strict));
       if (slots.size() > 0) return slots.download();
     }
     return {};

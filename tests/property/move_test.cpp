@@ -166,6 +166,7 @@ TEST(Move, StopsAtEverySafePoint) {
     EXPECT_EQ(r.optimization.stop, StopReason::cancelled);
     EXPECT_TRUE(r.blocking_tets.empty());
     expect_valid(m);
+    EXPECT_LE(r.fraction, 1);
     expect_on_way(before, m, target, r);
     if (stop == 1) {
       EXPECT_EQ(m.points, before.points);
@@ -355,6 +356,19 @@ TEST(Move, DataAndTagsFollow) {
   }
   EXPECT_NEAR(volumes[0], 0.75, 1e-12);
   EXPECT_NEAR(volumes[1], 0.75, 1e-12);
+}
+
+TEST(Move, StopsBetweenTwoTargets) {
+  TetMesh mesh = test::cube(4, 0.2);
+  std::vector<VertexTargets> targets(2, surface_targets(mesh, mesh.points));
+  for (Point3& p : targets[1]) p[0] += 1;
+  Context context;
+  context.progress = [](const Progress& p) { return p.fraction < 0.5; };
+  const MoveReport r = move(mesh, targets, {}, context);
+  EXPECT_EQ(r.optimization.stop, StopReason::cancelled);
+  EXPECT_EQ(r.targets_reached, 1U);
+  EXPECT_EQ(r.fraction, 0);
+  expect_valid(mesh);
 }
 
 TEST(Move, ProgressReachesTheEnd) {
