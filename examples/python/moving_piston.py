@@ -20,7 +20,7 @@ for position in np.linspace(2, 0.4, 9)[1:]:
     targets = np.full((len(points), 3), np.nan)  # NaN: the vertex follows
     targets[head | piston] = points[head | piston]
     targets[piston, 0] = position
-    result = tetune.move(mesh, targets=targets)
+    result = tetune.move(mesh, to=targets)
     assert result.motion.reached
     mesh = result.mesh
     angle = result.motion.steps[-1].dihedral_min

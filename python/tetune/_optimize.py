@@ -152,7 +152,7 @@ class MoveResult(Result[M]):
 def move(
     mesh: ArrayLike,
     tets: ArrayLike,
-    targets: Targets,
+    to: Targets,
     *,
     surface: bool = False,
     progress: bool | Callable[[Progress], object] = False,
@@ -162,7 +162,7 @@ def move(
 def move(
     mesh: pv.UnstructuredGrid,
     *,
-    targets: Targets | str,
+    to: Targets | str,
     tags: Tags = None,
     surface: bool = False,
     patches: Sequence[int] = (),
@@ -173,7 +173,7 @@ def move(
 def move(
     mesh: TetMesh,
     *,
-    targets: Targets,
+    to: Targets,
     surface: bool = False,
     patches: Sequence[int] = (),
     progress: bool | Callable[[Progress], object] = False,
@@ -183,7 +183,7 @@ def move(
 def move(
     mesh: meshio.Mesh,
     *,
-    targets: Targets | str,
+    to: Targets | str,
     tags: Tags = None,
     surface: bool = False,
     patches: Sequence[int] = (),
@@ -193,7 +193,7 @@ def move(
 def move(
     mesh: Any,
     tets: ArrayLike | None = None,
-    targets: Targets | str | None = None,
+    to: Targets | str | None = None,
     *,
     tags: Tags = None,
     surface: bool = False,
@@ -206,10 +206,10 @@ def move(
 
     Args:
         mesh: as in optimize(), also `tets`, `tags`, `progress` and `options`.
-        targets: the positions of all vertices, of shape (n, 3), with three NaN for a vertex that follows the others:
+        to: the positions of all vertices, of shape (n, 3), with three NaN for a vertex that follows the others:
             for a displacement `points + displacement`. Or a list of such arrays, which are reached one after the other.
             Or, of a meshio or pyvista mesh, the name of point data that hold a displacement.
-        surface: True: of `targets`, only the positions of the vertices of the boundary, of interfaces between regions
+        surface: True: of `to`, only the positions of the vertices of the boundary, of interfaces between regions
             and of listed triangles count; the vertices inside the mesh follow.
         patches: as `surface`, for the vertices of the listed triangles with these tags alone.
 
@@ -218,16 +218,16 @@ def move(
     there bit for bit. The option boundary="slide" is refused.
 
     Raises:
-        OptionError: `targets` are not usable, or as in optimize().
+        OptionError: `to` is not usable, or as in optimize().
         MeshError, OverlapError, UntangleError: as in optimize().
     """
     work, adapter = _prepared(mesh, tets, tags)
     before = np.array(mesh if tets is not None else adapter.points(), dtype=np.float64)
-    if isinstance(targets, str):
-        targets = before + adapter.point_data(targets)
-    if targets is None:
+    if isinstance(to, str):
+        to = before + adapter.point_data(to)
+    if to is None:
         raise TypeError("move() needs targets: an array of positions, or a list of them")
-    listed = list(targets) if isinstance(targets, (list, tuple)) and np.ndim(targets[0]) == 2 else [targets]
+    listed = list(to) if isinstance(to, (list, tuple)) and np.ndim(to[0]) == 2 else [to]
     arrays = [np.asarray(t, dtype=np.float64) for t in listed]
     if surface or len(patches) > 0:
         arrays = [_core.surface_targets(work, t, list(patches)) for t in arrays]

@@ -45,7 +45,7 @@ class TetuneAccessor:
 
     def move(
         self,
-        targets: Targets | str,
+        to: Targets | str,
         *,
         tags: Tags = None,
         surface: bool = False,
@@ -53,9 +53,9 @@ class TetuneAccessor:
         progress: bool | Callable[[Progress], object] = False,
         **options: Unpack[Options],
     ) -> MoveResult[pv.UnstructuredGrid]:
-        """`tetune.move(grid, targets=targets, ...)`."""
+        """`tetune.move(grid, to=to, ...)`."""
         return move(
-            self._grid, targets=targets, tags=tags, surface=surface, patches=patches, progress=progress, **options
+            self._grid, to=to, tags=tags, surface=surface, patches=patches, progress=progress, **options
         )
 
     def quality(self, *, worst: int = 10, threads: int = 0) -> Quality:
