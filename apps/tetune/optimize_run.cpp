@@ -65,8 +65,8 @@ class Run {
     if (!a_.max_deviation.empty()) {
       options_.max_deviation = parse_length("--max-deviation", a_.max_deviation, input_.mesh);
     }
-    const std::size_t needed = a_.move ? memory_needed_to_move(input_.mesh, targets_.size(), options_)
-                                       : memory_needed(input_.mesh, options_);
+    const std::size_t needed =
+        a_.move ? memory_needed_to_move(input_.mesh, targets_.size(), options_) : memory_needed(input_.mesh, options_);
     needed_mb_ = static_cast<double>(needed) / (1024 * 1024);
     if (a_.max_memory && needed_mb_ > *a_.max_memory) {
       throw MeshError(
