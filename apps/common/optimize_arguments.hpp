@@ -15,7 +15,15 @@ namespace tetune::cli {
 
 enum class ProgressMode { automatic, none, json };
 
-/// The arguments of `tetune optimize`.
+/// The arguments of the motion in `tetune move`.
+struct MoveArguments {
+  std::vector<std::string> to;  ///< files of the targets; empty: the input
+  std::string displacement;     ///< point data; empty: the positions are the targets
+  std::vector<int> patches;     ///< empty: the whole surface
+  bool all_vertices = false;
+};
+
+/// The arguments of `tetune optimize` and `tetune move`.
 struct OptimizeArguments {
   std::vector<std::string> files;  ///< inputs; without --output, one input and the output
   Job names;                       ///< patterns of the names of written files; its input is empty
@@ -25,6 +33,7 @@ struct OptimizeArguments {
   std::vector<Frozen> frozen;  ///< parsed from `freeze`
   std::optional<double> target_dihedral;
   std::vector<std::pair<double, std::string>> target_quality;
+  std::optional<MoveArguments> move;
   Options options;
   std::optional<double> time_limit;  ///< seconds
   std::optional<double> max_memory;  ///< MB of 1024 * 1024 bytes

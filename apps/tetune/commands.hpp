@@ -8,6 +8,7 @@ namespace tetune::cli {
 /// Each adds its subcommand; the callback stores the ExitCode.
 void add_optimize(CLI::App& app, int& exit_code);
 void add_convert(CLI::App& app, int& exit_code);
+void add_move(CLI::App& app, int& exit_code);
 void add_info(CLI::App& app, int& exit_code);
 void add_compare(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app);

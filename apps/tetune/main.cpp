@@ -27,7 +27,7 @@ std::string failure(const CLI::App* app, const CLI::Error& e) {
                      command.empty() ? "" : " " + command[0]->get_name());
 }
 
-/// Options of optimize with which it only prints.
+/// Options of optimize and move with which they only print.
 constexpr std::array kPrintOnly{"--help", "--print-options", "--dry-run"};
 
 /// Opens standard streams that are closed: otherwise the next file to be opened would get the number of a stream, and
@@ -46,12 +46,14 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message(failure);
   app.footer(
-      "Exit codes: 0 success; 1 stopped early or a target was missed, and a valid mesh was written (info and compare: "
+      "Exit codes: 0 success; 1 stopped early, a target was missed, or not reached by move, and a valid mesh was "
+      "written (info and compare: "
       "the mesh has no tetrahedron, is not valid, or not of the required quality; --untangle could not repair all "
       "tetrahedra: no mesh was written); 2 nothing was written. Of several meshes, the largest.");
   int exit_code = kDone;
   add_optimize(app, exit_code);
   add_convert(app, exit_code);
+  add_move(app, exit_code);
   add_info(app, exit_code);
   add_compare(app, exit_code);
   add_report(app);
@@ -75,11 +77,13 @@ int run(int argc, char** argv) {
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
     print_to(stderr, fmt::format("tetune: cannot write standard output: {}\n", std::strerror(errno)));
-    // An optimized mesh that was written is a success.
-    const CLI::App* optimize = app.get_subcommand("optimize");
-    const bool only_printed =
-        !optimize->parsed() ||
-        std::any_of(kPrintOnly.begin(), kPrintOnly.end(), [&](const char* name) { return optimize->count(name) > 0; });
+    // A mesh that was written is a success.
+    const auto wrote_mesh = [&app](const char* name) {
+      const CLI::App* c = app.get_subcommand(name);
+      return c->parsed() && std::none_of(kPrintOnly.begin(), kPrintOnly.end(),
+                                         [c](const char* option) { return c->count(option) > 0; });
+    };
+    const bool only_printed = !wrote_mesh("optimize") && !wrote_mesh("move");
     if (only_printed) exit_code = kNothingWritten;
   }
   return exit_code;

@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "move_targets.hpp"
 #include "optimize_run.hpp"
 #include "option_flags.hpp"
 #include "report_files.hpp"
@@ -65,6 +66,7 @@ void print_options(OptimizeArguments& a) {
 }
 
 int run(const CLI::App& command, OptimizeArguments& a) {
+  if (a.move && !a.print_options) check_move_arguments(*a.move);
   const std::vector<Job> jobs = resolve_jobs(command, a);
   const bool to_pipe = !jobs.empty() && jobs[0].output == kPipe;
   Console console(a.progress, a.verbosity, !to_pipe ? stdout : a.progress == ProgressMode::json ? nullptr : stderr);
@@ -83,6 +85,15 @@ int run(const CLI::App& command, OptimizeArguments& a) {
 void add_optimize(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<OptimizeArguments>();
   CLI::App* c = app.add_subcommand("optimize", "Improve a mesh, or several.");
+  define_arguments(*c, *a);
+  c->callback([c, a, &exit_code] { exit_code = run(*c, *a); });
+}
+
+void add_move(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<OptimizeArguments>();
+  CLI::App* c = app.add_subcommand(
+      "move", "Move vertices of a mesh to prescribed positions; the others follow, and the mesh is improved.");
+  define_move_arguments(*c, *a);
   define_arguments(*c, *a);
   c->callback([c, a, &exit_code] { exit_code = run(*c, *a); });
 }

@@ -13,6 +13,7 @@
 #include "interrupt.hpp"
 #include "map_file.hpp"
 #include "mesh_files.hpp"
+#include "move_targets.hpp"
 #include "option_flags.hpp"
 #include "option_values.hpp"
 #include "report_files.hpp"
@@ -56,10 +57,17 @@ class Run {
     const std::string name = shown_name(job_.input, false);
     if (input_.mesh.tets.empty()) throw MeshError(name + ": there is no tetrahedron in this file");
     freeze(a_.frozen, name, input_.mesh, options_);
+    if (a_.move) {
+      std::vector<std::string> target_warnings;
+      targets_ = read_targets(input_.mesh, *a_.move, options_.threads, target_warnings);
+      for (const std::string& w : target_warnings) warn(w);
+    }
     if (!a_.max_deviation.empty()) {
       options_.max_deviation = parse_length("--max-deviation", a_.max_deviation, input_.mesh);
     }
-    needed_mb_ = static_cast<double>(memory_needed(input_.mesh, options_)) / (1024 * 1024);
+    const std::size_t needed =
+        a_.move ? memory_needed_to_move(input_.mesh, targets_.size(), options_) : memory_needed(input_.mesh, options_);
+    needed_mb_ = static_cast<double>(needed) / (1024 * 1024);
     if (a_.max_memory && needed_mb_ > *a_.max_memory) {
       throw MeshError(
           fmt::format("{}: needs about {:.0f} MB of memory, and --max-memory allows {:.6g}; allow more, or use a "
@@ -79,7 +87,12 @@ class Run {
     try {
       outcome_.before = measure();
       measured_at_ = Time::now();
-      report_ = optimize(input_.mesh, options_, context);
+      if (a_.move) {
+        motion_ = move(input_.mesh, targets_, options_, context);
+        report_ = std::move(motion_.optimization);
+      } else {
+        report_ = optimize(input_.mesh, options_, context);
+      }
     } catch (const UntangleError& e) {
       if (e.reason == UntangleError::Reason::stopped) {
         throw NotUntangled(file + "stopped before all tetrahedra were made positive, nothing was written");
@@ -141,7 +154,7 @@ class Run {
     text += constraint_table(report_) + constraint_notes(report_);
     text += quality_table({"now"}, {outcome_.before});
     text += fmt::format("  memory                 about {:.0f} MB\n", needed_mb_);
-    if (options_.termination == Termination::relative && options_.relocation == Relocation::newton) {
+    if (!a_.move && options_.termination == Termination::relative && options_.relocation == Relocation::newton) {
       // Measured ratios of the time of a run to that of loading: docs/command-line.md, --dry-run.
       const double ratio = options_.effort == Effort::best ? 42 : options_.effort == Effort::fast ? 4.5 : 9;
       text += fmt::format("  time                   about {:.2g} s on {} threads\n",
@@ -155,7 +168,7 @@ class Run {
 
   void optimize_mesh() {
     if (options_.boundary == Boundary::slide) original_ = std::make_unique<TetMesh>(input_.mesh);
-    console_.phase("optimizing");
+    console_.phase(a_.move ? "moving" : "optimizing");
     std::optional<Time::time_point> end;
     Context context;
     if (console_.shows_progress()) {
@@ -199,8 +212,11 @@ class Run {
   void finish() {
     outcome_.after = measure();
     const bool met = std::all_of(report_.targets.begin(), report_.targets.end(), [](const auto& t) { return t.met(); });
-    outcome_.code = stopped() || !met ? kStoppedEarly : kDone;
-    outcome_.summary = stopped() ? (late_ ? "time limit" : "interrupted") : met ? "done" : "target missed";
+    outcome_.code = stopped() || !motion_.reached() || !met ? kStoppedEarly : kDone;
+    outcome_.summary = stopped()            ? (late_ ? "time limit" : "interrupted")
+                       : !motion_.reached() ? "motion blocked"
+                       : met                ? "done"
+                                            : "target missed";
     // The comparison takes long: not after an early stop.
     std::optional<Comparison> change;
     if (original_ && !stopped() && (console_.verbosity() > 0 || !job_.report.empty())) {
@@ -232,6 +248,7 @@ class Run {
     const char* reason = stopped() ? outcome_.summary : to_string(report_.stop);
     std::string text = quality_table({"before", "after"}, {outcome_.before, outcome_.after});
     text += count_line(report_, reason) + constraint_notes(report_);
+    if (a_.move) text += move_summary(motion_, input_.mesh);
     if (change) text += surface_table(*change);
     if (change && options_.max_deviation > 0) {
       text += fmt::format("  --max-deviation        {:.2e}{}\n", options_.max_deviation,
@@ -239,8 +256,8 @@ class Run {
     }
     for (const TargetReport& t : report_.targets) text += target_table(t);
     if (console_.verbosity() > 1) text += run_table(report_);
-    text += fmt::format("  read {:.3f} s, optimized {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
-                        report_.seconds, report_.device,
+    text += fmt::format("  read {:.3f} s, {} {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
+                        a_.move ? "moved" : "optimized", report_.seconds, report_.device,
                         report_.threads > 0 ? fmt::format(" ({} threads)", report_.threads) : "", write_seconds_,
                         shown_name(job_.output, true));
     if (!report_.device_reason.empty()) {
@@ -263,6 +280,7 @@ class Run {
     json["before"] = to_json(outcome_.before);
     json["after"] = to_json(outcome_.after);
     json["optimization"] = to_json(report_);
+    if (a_.move) json["motion"] = to_json(motion_);
     if (stopped()) json["optimization"]["stopped"] = outcome_.summary;
     return json;
   }
@@ -277,6 +295,8 @@ class Run {
   std::vector<std::string> warnings_;
   double needed_mb_ = 0;
   std::unique_ptr<const TetMesh> original_;  ///< with Boundary::slide, for the comparison of the surfaces
+  std::vector<VertexTargets> targets_;       ///< of `tetune move`
+  MoveReport motion_;                        ///< without its Report
   Report report_;
   bool late_ = false;  ///< the time limit was reached
   bool deviation_kept_ = true;

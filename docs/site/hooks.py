@@ -21,6 +21,7 @@ PAGES = {
     "CONTRIBUTING.md": "contributing.md",
     "SECURITY.md": "security.md",
     "bench/peers/README.md": "benchmarks/peers-harness.md",
+    "bench/motion/README.md": "benchmarks/motion-harness.md",
     "bench/paper/shapes/README.md": "benchmarks/paper-shapes.md",
     "plugins/gmsh/LICENSE-NOTE.md": "gmsh-license.md",
     "examples": "examples.md",
@@ -36,6 +37,8 @@ PYTHON = """# Python
 
 ## Optimize
 {tetune.optimize tetune.Options tetune.Result tetune.Progress}
+## Move
+{tetune.move tetune.MoveResult tetune.MoveReport tetune.MoveStep}
 ## Measure and compare
 {tetune.quality tetune.measure_each tetune.compare tetune.validate}
 ## Meshes and files

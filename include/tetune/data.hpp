@@ -7,6 +7,7 @@
 
 #include "tetune/export.hpp"
 #include "tetune/mesh.hpp"
+#include "tetune/report.hpp"
 
 namespace tetune {
 
@@ -29,6 +30,13 @@ TETUNE_API std::vector<DataArray> carry_point_data(const std::vector<DataArray>&
                                                    const std::vector<Index>& vertex2original,
                                                    const std::vector<Point3>& points,
                                                    const std::vector<std::array<Index, 4>>& tets);
+
+/// Evaluates data of the vertices of a mesh at places in it, as optimize() does with DataTransfer::interpolate:
+/// floating-point values linearly, so that linear fields are exact up to rounding and no value is outside those of the
+/// four vertices; integers, and values that are not finite, are those of the vertex of the largest weight. Throws
+/// MeshError if an entry is out of range or an array has no components.
+TETUNE_API std::vector<DataArray> interpolate_point_data(const std::vector<DataArray>& data,
+                                                         const std::vector<MeshPlace>& places);
 
 /// Copies the cell data of this name to the tags of tetrahedra, triangles, edges and other elements. Former tags other
 /// than 0 become data, under their name with ":before" appended.

@@ -23,10 +23,11 @@ struct OptionChoice {
 };
 
 /// The member of Options that holds an option.
-using OptionMember = std::variant<bool Options::*, int Options::*, double Options::*, Device Options::*,
-                                  Boundary Options::*, Energy Options::*, Effort Options::*, Relocation Options::*,
-                                  Termination Options::*, SurfaceVertices Options::*, std::vector<int> Options::*,
-                                  std::vector<std::uint8_t> Options::*, std::vector<Target> Options::*>;
+using OptionMember =
+    std::variant<bool Options::*, int Options::*, double Options::*, Device Options::*, Boundary Options::*,
+                 Energy Options::*, Effort Options::*, Relocation Options::*, Termination Options::*,
+                 SurfaceVertices Options::*, DataTransfer Options::*, std::vector<int> Options::*,
+                 std::vector<std::uint8_t> Options::*, std::vector<Target> Options::*>;
 
 /// The values that a number may have: at least `min` (or greater, where that is excluded) and at most `max`.
 struct OptionRange {

@@ -58,6 +58,12 @@ enum class SurfaceVertices {
   edit,       ///< they are inserted and removed, inside the mesh too, with any effort that works on the worst elements
 };
 
+/// What data of vertices are on the result.
+enum class DataTransfer {
+  carry,        ///< those of the vertex of the input, wherever it has moved
+  interpolate,  ///< those of the input at the place of the vertex: interpolate_point_data()
+};
+
 /// The options of optimize(). Section, equation and algorithm numbers are those of Stroeter et al. 2022.
 ///
 /// A value out of its range, and options that leave nothing to do, are refused with OptionError. An option that has no
@@ -107,6 +113,8 @@ struct Options {
   /// The quality that every element should have. It does not change the result: Report::targets says which elements
   /// miss it and what constrains them.
   std::vector<Target> targets;
+  /// What data of vertices are on the result, in files and in TetMesh::point_data.
+  DataTransfer data = DataTransfer::carry;
   /// If true, the smallest dihedral angle is measured after each sweep and round, for SweepReport::dihedral_min and
   /// WorstReport::dihedral_min. It takes a twelfth of the time.
   bool trace_angles = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -62,6 +63,12 @@ enum class StopReason {
 /// In words: "converged", "gradient small (C1)", ...
 TETUNE_API const char* to_string(StopReason reason);
 
+/// A point of a mesh: the barycentric coordinates of vertices of a tetrahedron, none negative, which sum to 1.
+struct MeshPlace {
+  std::array<Index, 4> vertices{-1, -1, -1, -1};
+  std::array<double, 4> weights{1, 0, 0, 0};
+};
+
 /// The time spent in one phase, summed over its parts.
 struct PhaseTime {
   std::string phase;
@@ -90,6 +97,11 @@ struct Report : OperationCounts {
   double energy_before = 0, energy_after = 0;             ///< the sum that Options::energy names
   /// For each vertex of the result that of the input, or -1 for an inserted one. Empty if all vertices were kept.
   std::vector<Index> vertex2original;
+  /// With DataTransfer::interpolate: the place of each vertex of the result in the input. A vertex that did not move
+  /// has the weight 1. Where the surface has moved outward, the closest point of the input; a vertex that is in no
+  /// tetrahedron is at its own place. After move(), the input has taken part in the motion: a place is a material
+  /// point.
+  std::vector<MeshPlace> places;
   /// For each tetrahedron of the result one of the input in the same region: itself if it was not changed, else one
   /// that was replaced near it.
   std::vector<Index> tet2original;

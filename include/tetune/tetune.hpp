@@ -6,6 +6,7 @@
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 #include "tetune/mesh.hpp"
+#include "tetune/move.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/option_table.hpp"
 #include "tetune/quality.hpp"

@@ -120,4 +120,10 @@ auto view(std::vector<T>& of, nb::handle owner) {
   return nb::ndarray<nb::numpy, T, nb::shape<-1>>(of.data(), {of.size()}, owner);
 }
 
+/// The owner of the memory that a numpy array refers to.
+template <class T>
+nb::capsule owner_of(std::vector<T>* values) {
+  return {values, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); }};
+}
+
 }  // namespace tetune::python

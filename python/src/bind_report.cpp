@@ -100,6 +100,14 @@ void bind_targets(nb::module_& m) {
       .def_prop_ro("met", &TargetReport::met);
 }
 
+/// A member of all places as a numpy array of four columns.
+template <class T>
+nb::object columns_of(const std::vector<MeshPlace>& places, std::array<T, 4> MeshPlace::*member) {
+  auto* rows = new std::vector<std::array<T, 4>>();
+  for (const MeshPlace& place : places) rows->push_back(place.*member);
+  return nb::cast(view(*rows, owner_of(rows)));
+}
+
 /// The maps from the result to the input.
 void bind_maps(nb::class_<Report>& report) {
   report
@@ -114,7 +122,45 @@ void bind_maps(nb::class_<Report>& report) {
           "For each listed triangle of the result its row in the input; empty where all were kept.")
       .def_prop_ro(
           "edge2original", [](nb::handle_t<Report> s) { return view(nb::cast<Report&>(s).edge2original, s); },
-          "For each listed edge of the result its row in the input; empty where all were kept.");
+          "For each listed edge of the result its row in the input; empty where all were kept.")
+      .def_prop_ro(
+          "place_vertices", [](const Report& r) { return columns_of(r.places, &MeshPlace::vertices); },
+          "With data='interpolate': four vertices of the input, in one of whose tetrahedra each vertex of the result "
+          "is.",
+          nb::sig("def place_vertices(self) -> NDArray[numpy.int32]"))
+      .def_prop_ro(
+          "place_weights", [](const Report& r) { return columns_of(r.places, &MeshPlace::weights); },
+          "Its barycentric coordinates there.", nb::sig("def place_weights(self) -> NDArray[numpy.float64]"));
+}
+
+void bind_motion(nb::module_& m) {
+  nb::class_<MoveStep>(m, "MoveStep", "One step of move(): all vertices move at once, then the mesh is improved.")
+      .def_ro("target", &MoveStep::target, "Position in the list of targets.")
+      .def_ro("fraction", &MoveStep::fraction, "Of the straight way to that target that is done after the step.")
+      .def_ro("solver_iterations", &MoveStep::solver_iterations)
+      .def_ro("dihedral_moved", &MoveStep::dihedral_moved, "Smallest dihedral angle after the motion, degrees.")
+      .def_ro("dihedral_min", &MoveStep::dihedral_min, "Smallest dihedral angle after the improvement, degrees.")
+      .def_ro("seconds", &MoveStep::seconds);
+  nb::class_<MoveReport>(m, "MoveReport", "The account of a run of move().")
+      .def_ro("optimization", &MoveReport::optimization, "The account of the work on the mesh, all steps together.")
+      .def_ro("prescribed", &MoveReport::prescribed, "Number of vertices with a position in at least one target.")
+      .def_ro("steps", &MoveReport::steps)
+      .def_ro("targets", &MoveReport::targets, "Number of targets.")
+      .def_ro("targets_reached", &MoveReport::targets_reached, "Number of those that were reached in full.")
+      .def_ro("fraction", &MoveReport::fraction,
+              "Of the straight way to the first target that was not reached, the part that is done; 1 if all were.")
+      .def_prop_ro(
+          "blocking_tets", [](nb::handle_t<MoveReport> s) { return view(nb::cast<MoveReport&>(s).blocking_tets, s); },
+          "Tetrahedra of the result that a further step would invert.")
+      .def_prop_ro(
+          "blocking_vertices",
+          [](nb::handle_t<MoveReport> s) { return view(nb::cast<MoveReport&>(s).blocking_vertices, s); },
+          "The prescribed vertices of the result nearest to these.")
+      .def_prop_ro("reached", &MoveReport::reached)
+      .def("__repr__", [](const MoveReport& r) {
+        return "<tetune.MoveReport: " + std::to_string(r.targets_reached) + " of " + std::to_string(r.targets) +
+               " targets in " + std::to_string(r.steps.size()) + " steps>";
+      });
 }
 
 }  // namespace
@@ -167,6 +213,7 @@ void bind_report(nb::module_& m) {
         return "<tetune.Report: " + std::to_string(r.tets_before) + " -> " + std::to_string(r.tets_after) +
                " tetrahedra, " + to_string(r.stop) + ">";
       });
+  bind_motion(m);
 }
 
 }  // namespace tetune::python

@@ -53,10 +53,27 @@ Report improve(TetMesh& mesh, const nb::dict& options, nb::object progress) {
   return report;
 }
 
-/// The owner of the memory that a numpy array refers to.
-template <class T>
-nb::capsule owner_of(std::vector<T>* values) {
-  return {values, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); }};
+MoveReport move_mesh(TetMesh& mesh, const nb::list& targets, const nb::dict& options, nb::object progress) {
+  std::vector<VertexTargets> parsed;
+  for (const nb::handle target : targets) assign("targets", target, parsed.emplace_back());
+  const Options parsed_options = parse_options(options);
+  const Context context = context_of(std::move(progress));
+  MoveReport report = [&] {
+    const nb::gil_scoped_release release;
+    return move(mesh, parsed, parsed_options, context);
+  }();
+  for (const std::string& text : report.optimization.warnings) warn(text);
+  return report;
+}
+
+nb::object surface_targets_of(const TetMesh& mesh, nb::object points, const std::vector<int>& patches) {
+  std::vector<Point3> positions;
+  assign("points", std::move(points), positions);
+  auto* targets = new VertexTargets([&] {
+    const nb::gil_scoped_release release;
+    return surface_targets(mesh, positions, patches);
+  }());
+  return nb::cast(view(*targets, owner_of(targets)));
 }
 
 nb::dict measures_by_name(const TetMesh& mesh, int threads) {
@@ -146,6 +163,16 @@ void bind_functions(nb::module_& m) {
         nb::sig("def improve(mesh: TetMesh, options: dict[str, Any], progress: Callable[[Progress], object] | None = "
                 "None) -> Report"),
         "Improves a mesh in place, which invalidates views of its arrays.");
+  m.def("move", &move_mesh, "mesh"_a, "targets"_a, "options"_a, "progress"_a = nb::none(),
+        nb::sig("def move(mesh: TetMesh, targets: list[NDArray[numpy.float64]], options: dict[str, Any], progress: "
+                "Callable[[Progress], object] | None = None) -> MoveReport"),
+        "Moves a mesh in place, which invalidates views of its arrays.");
+  m.def(
+      "surface_targets", &surface_targets_of, "mesh"_a, "points"_a, "patches"_a = std::vector<int>(),
+      nb::sig("def surface_targets(mesh: TetMesh, points: NDArray[numpy.float64], patches: Sequence[int] = ...) -> "
+              "NDArray[numpy.float64]"),
+      "The positions `points` for the vertices of the surface, or of listed triangles with one of the tags `patches`; "
+      "NaN for the others.");
   m.def(
       "measure_all", [](const TetMesh& mesh, int threads, int worst) { return measure_all(mesh, threads, worst); },
       "mesh"_a, nb::kw_only(), "threads"_a = 0, "worst"_a = 10, nb::call_guard<nb::gil_scoped_release>());

@@ -49,6 +49,12 @@ def test_mmgpy_pyvista(tmp_path):
     assert after > before and (tmp_path / "out.vtk").is_file()
 
 
+def test_moving_piston():
+    lines = run("moving_piston.py").splitlines()
+    assert len(lines) == 8
+    assert numbers(lines[-1])[0] == 0.4 and numbers(lines[-1])[2] > 8  # degrees
+
+
 def test_poisson():
     before, after = (numbers(line) for line in run("poisson.py", "skfem").splitlines()[1:])
     assert after[1] < before[1] / 2  # condition number

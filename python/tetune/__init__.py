@@ -2,6 +2,7 @@
 """Improves tetrahedral meshes.
 
     result = tetune.optimize(points, tets)            # numpy arrays
+    result = tetune.move(points, tets, targets)       # prescribed vertices, the others follow
     result = tetune.optimize(mesh)                    # meshio.Mesh, pyvista.UnstructuredGrid, tetune.TetMesh
     result.mesh, result.report, result.vertex_map, result.parent, result.moved
 """
@@ -17,6 +18,8 @@ from ._core import (
     MeasureSummary,
     MeshError,
     MissedTet,
+    MoveReport,
+    MoveStep,
     OptionError,
     OverlapError,
     Progress,
@@ -33,7 +36,7 @@ from ._core import (
     validate,
     write_mesh,
 )
-from ._optimize import Result, measure_each, optimize, quality
+from ._optimize import MoveResult, Result, measure_each, move, optimize, quality
 from ._options import Options
 
 __version__ = version("tetune")
@@ -47,6 +50,9 @@ __all__ = [
     "MeasureSummary",
     "MeshError",
     "MissedTet",
+    "MoveReport",
+    "MoveResult",
+    "MoveStep",
     "OptionError",
     "OverlapError",
     "Options",
@@ -63,6 +69,7 @@ __all__ = [
     "__version__",
     "compare",
     "measure_each",
+    "move",
     "optimize",
     "quality",
     "read_mesh",

@@ -60,6 +60,11 @@ class Adapter(Generic[M]):
     def points(self) -> Array:
         raise NotImplementedError
 
+    def point_data(self, name: str) -> Array:
+        """A displacement: point data with three numbers per vertex."""
+        raise TypeError(f"to is {name!r}, the name of point data, which a meshio or pyvista mesh has; "
+                        "give the positions as an array")
+
     def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> Any:
         return work
 
@@ -130,10 +135,47 @@ class BlockAdapter(Adapter[M]):
         return blocks
 
 
+def displacement_of(data: Mapping[str, Any], name: str) -> Array:
+    if name not in data:
+        raise OptionError(f"to is {name!r}; the point data of this mesh are: {', '.join(data) or 'none'}")
+    values = np.asarray(data[name])
+    if values.ndim != 2 or values.shape[1] != 3:
+        raise OptionError(f"to is {name!r}, which has the shape {values.shape}; a displacement has three numbers a vertex")
+    return values
+
+
 def _joined(parts: list[Array]) -> Array | None:
     if len(parts) == 0:
         return None
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def transfer_point_data(
+    data: Mapping[str, Any], work: TetMesh, report: Report, vertex_map: NDArray[np.int32], vertices: int
+) -> dict[str, Array]:
+    """Data of the vertices of the result, as the option `data` says."""
+    if len(report.place_weights) == 0:
+        return carry_point_data(data, work, vertex_map, vertices)
+    places, weights = report.place_vertices, report.place_weights
+    return {name: interpolated(np.asarray(values), places, weights) for name, values in data.items()}
+
+
+def interpolated(values: Array, places: Array, weights: Array) -> Array:
+    """Floating-point data at places in the input, within the values of their four vertices; other data of the vertex of
+    the largest weight."""
+    nearest: Array = values[places[np.arange(len(places)), weights.argmax(axis=1)]]
+    if values.dtype not in (np.float64, np.float32) or values.size == 0:
+        return nearest
+    corners = values.reshape(len(values), -1)[places].astype(np.float64)
+    w = weights[:, :, None]
+    counts = w > 0
+    with np.errstate(invalid="ignore"):
+        mean = np.where(counts, w * corners, 0).sum(axis=1)
+    low = np.where(counts, corners, np.inf).min(axis=1)
+    high = np.where(counts, corners, -np.inf).max(axis=1)
+    mean = np.clip(mean, low, high).reshape(nearest.shape)
+    result: Array = np.where(np.isfinite(mean), mean, nearest).astype(values.dtype)
+    return result
 
 
 def carry_point_data(
@@ -191,6 +233,9 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
     def points(self) -> Array:
         return np.asarray(self._mesh.points)
 
+    def point_data(self, name: str) -> Array:
+        return displacement_of(self._mesh.point_data, name)
+
     def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> meshio.Mesh:
         import meshio
 
@@ -201,7 +246,7 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
         new = meshio.Mesh(
             work.points,
             [(b.kind, b.vertices) for b in blocks],
-            point_data=carry_point_data(old.point_data, work, vertex_map, len(old.points)),
+            point_data=transfer_point_data(old.point_data, work, report, vertex_map, len(old.points)),
             cell_data={
                 name: [np.asarray(v)[b.rows] for v, b in zip(values, blocks, strict=True)]
                 for name, values in old.cell_data.items()
@@ -244,6 +289,9 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
     def points(self) -> Array:
         return np.asarray(self._grid.points)
 
+    def point_data(self, name: str) -> Array:
+        return displacement_of(dict(self._grid.point_data), name)
+
     def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> pv.UnstructuredGrid:
         import pyvista as pv
 
@@ -261,7 +309,7 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
             pv.CellArray.from_arrays(offsets, connectivity.astype(offsets.dtype)),
         )
         parent = np.concatenate([c[b.rows] for c, b in zip(self._cells, blocks, strict=True)])
-        for name, values in carry_point_data(dict(old.point_data), work, vertex_map, old.n_points).items():
+        for name, values in transfer_point_data(dict(old.point_data), work, report, vertex_map, old.n_points).items():
             new.point_data[name] = values
         for name, values in old.cell_data.items():
             new.cell_data[name] = values[parent]

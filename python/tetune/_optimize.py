@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""optimize() and quality() for arrays and for the meshes of other packages."""
+"""optimize(), move() and quality() for arrays and for the meshes of other packages."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, Unpack, overload
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, Unpack, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._adapters import Adapter, Tags, adapter_of
-from ._core import Progress, Quality, Report, TetMesh
+from ._core import MoveReport, Progress, Quality, Report, TetMesh
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     import pyvista as pv
 
 Float64s = NDArray[np.float64]
+Targets: TypeAlias = ArrayLike | Sequence[ArrayLike]
 M = TypeVar("M")
+R = TypeVar("R")
 
 
 @dataclass(frozen=True)
@@ -97,8 +99,8 @@ def optimize(
 
     Args:
         mesh: points of shape (n, 3) with `tets` of shape (m, 4), zero-based; or a TetMesh, meshio.Mesh or
-            pyvista.UnstructuredGrid. Point data follow their vertex, cell data the parent tetrahedron. An inserted
-            vertex has means of its neighbors' floating-point data (by mean value coordinates, which reproduce linear
+            pyvista.UnstructuredGrid. Point data follow their vertex (or, with data="interpolate", are evaluated at
+            its new place in the input), cell data the parent tetrahedron. An inserted vertex has means of its neighbors' floating-point data (by mean value coordinates, which reproduce linear
             fields exactly), and other data of the nearest vertex of the input.
         tags: of a meshio or pyvista mesh, the name of the cell data that number regions, patches and lines: faces
             between regions are kept. By default the first of `medit:ref`, `gmsh:physical`, `gmsh:geometrical` that the
@@ -116,17 +118,122 @@ def optimize(
     """
     work, adapter = _prepared(mesh, tets, tags)
     before = np.asarray(mesh if tets is not None else adapter.points(), dtype=np.float64)
-    if progress is True:
-        from ._progress import ProgressBar
+    report = _with_progress(progress, lambda hook: _core.improve(work, dict(options), hook))
+    return _result(work, adapter, report, before)
 
-        bar = ProgressBar()
-        with bar:
-            report = _core.improve(work, dict(options), bar)
-    else:
-        report = _core.improve(work, dict(options), progress if callable(progress) else None)
+
+def _with_progress(
+    progress: bool | Callable[[Progress], object], run: Callable[[Callable[[Progress], object] | None], R]
+) -> R:
+    if progress is not True:
+        return run(progress if callable(progress) else None)
+    from ._progress import ProgressBar
+
+    bar = ProgressBar()
+    with bar:
+        return run(bar)
+
+
+def _result(work: TetMesh, adapter: Adapter[Any], report: Report, before: Float64s) -> Result[Any]:
     vertex_map = _vertex_map(report, len(work.points))
     moved = (vertex_map < 0) | np.any(work.points != before[vertex_map], axis=1)
     return Result(adapter.result(work, report, vertex_map), report, vertex_map, report.tet2original, moved)
+
+
+@dataclass(frozen=True)
+class MoveResult(Result[M]):
+    """The result of move()."""
+
+    motion: MoveReport
+    """How far the motion went, its steps, and what blocked it."""
+
+
+@overload
+def move(
+    mesh: ArrayLike,
+    tets: ArrayLike,
+    to: Targets,
+    *,
+    surface: bool = False,
+    progress: bool | Callable[[Progress], object] = False,
+    **options: Unpack[Options],
+) -> MoveResult[TetMesh]: ...
+@overload
+def move(
+    mesh: pv.UnstructuredGrid,
+    *,
+    to: Targets | str,
+    tags: Tags = None,
+    surface: bool = False,
+    patches: Sequence[int] = (),
+    progress: bool | Callable[[Progress], object] = False,
+    **options: Unpack[Options],
+) -> MoveResult[pv.UnstructuredGrid]: ...
+@overload
+def move(
+    mesh: TetMesh,
+    *,
+    to: Targets,
+    surface: bool = False,
+    patches: Sequence[int] = (),
+    progress: bool | Callable[[Progress], object] = False,
+    **options: Unpack[Options],
+) -> MoveResult[TetMesh]: ...
+@overload
+def move(
+    mesh: meshio.Mesh,
+    *,
+    to: Targets | str,
+    tags: Tags = None,
+    surface: bool = False,
+    patches: Sequence[int] = (),
+    progress: bool | Callable[[Progress], object] = False,
+    **options: Unpack[Options],
+) -> MoveResult[meshio.Mesh]: ...
+def move(
+    mesh: Any,
+    tets: ArrayLike | None = None,
+    to: Targets | str | None = None,
+    *,
+    tags: Tags = None,
+    surface: bool = False,
+    patches: Sequence[int] = (),
+    progress: bool | Callable[[Progress], object] = False,
+    **options: Unpack[Options],
+) -> MoveResult[Any]:
+    """Moves vertices of a mesh to prescribed positions; the others follow, and every volume stays positive. The argument
+    is not changed.
+
+    Args:
+        mesh: as in optimize(), also `tets`, `tags`, `progress` and `options`.
+        to: the positions of all vertices, of shape (n, 3), with three NaN for a vertex that follows the others:
+            for a displacement `points + displacement`. Or a list of such arrays, which are reached one after the other.
+            Or, of a meshio or pyvista mesh, the name of point data that hold a displacement.
+        surface: True: of `to`, only the positions of the vertices of the boundary, of interfaces between regions
+            and of listed triangles count; the vertices inside the mesh follow.
+        patches: as `surface`, for the vertices of the listed triangles with these tags alone.
+
+    A target that cannot be reached is no error: `result.motion.reached` is False, the mesh is the valid one of the last
+    fraction, and `result.motion.blocking_tets` says where it ended. Prescribed vertices that reached their target are
+    there bit for bit. The option boundary="slide" is refused.
+
+    Raises:
+        OptionError: `to` is not usable, or as in optimize().
+        MeshError, OverlapError, UntangleError: as in optimize().
+    """
+    work, adapter = _prepared(mesh, tets, tags)
+    before = np.array(mesh if tets is not None else adapter.points(), dtype=np.float64)
+    if isinstance(to, str):
+        to = before + adapter.point_data(to)
+    if to is None:
+        raise TypeError("move() needs targets: an array of positions, or a list of them")
+    listed = list(to) if isinstance(to, (list, tuple)) and np.ndim(to[0]) == 2 else [to]
+    arrays = [np.asarray(t, dtype=np.float64) for t in listed]
+    if surface or len(patches) > 0:
+        arrays = [_core.surface_targets(work, t, list(patches)) for t in arrays]
+    motion = _with_progress(progress, lambda hook: _core.move(work, arrays, dict(options), hook))
+    r = _result(work, adapter, motion.optimization, before)
+    return MoveResult(r.mesh, r.report, r.vertex_map, r.parent, r.moved, motion)
 
 
 def quality(mesh: Any, tets: ArrayLike | None = None, *, worst: int = 10, threads: int = 0) -> Quality:

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Unpack
 
 import pyvista as pv
 
 from ._core import Progress, Quality
-from ._optimize import Float64s, Result, measure_each, optimize, quality
+from ._optimize import Float64s, MoveResult, Result, Targets, measure_each, move, optimize, quality
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @pv.register_dataset_accessor("tetune", pv.UnstructuredGrid)  # type: ignore[untyped-decorator, unused-ignore]
 class TetuneAccessor:
-    """Optimizes and measures the tetrahedra of a grid."""
+    """Optimizes, moves and measures the tetrahedra of a grid."""
 
     def __init__(self, grid: pv.UnstructuredGrid) -> None:
         self._grid = grid
@@ -42,6 +42,21 @@ class TetuneAccessor:
     ) -> Result[pv.UnstructuredGrid]:
         """`tetune.optimize(grid, ...)`, with the report and the maps."""
         return optimize(self._grid, tags=tags, progress=progress, **options)
+
+    def move(
+        self,
+        to: Targets | str,
+        *,
+        tags: Tags = None,
+        surface: bool = False,
+        patches: Sequence[int] = (),
+        progress: bool | Callable[[Progress], object] = False,
+        **options: Unpack[Options],
+    ) -> MoveResult[pv.UnstructuredGrid]:
+        """`tetune.move(grid, to=to, ...)`."""
+        return move(
+            self._grid, to=to, tags=tags, surface=surface, patches=patches, progress=progress, **options
+        )
 
     def quality(self, *, worst: int = 10, threads: int = 0) -> Quality:
         """`tetune.quality(grid)`."""

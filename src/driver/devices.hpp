@@ -11,6 +11,8 @@
 /// without a GPU.
 namespace tetune {
 
+struct MoveJob;
+
 /// Device::automatic takes the CPU for meshes of fewer tetrahedra. A conservative choice: the size from which a GPU is
 /// faster has not been measured.
 inline constexpr std::size_t kAutoTets = 1000000;
@@ -36,17 +38,22 @@ struct Gpu {
 /// Returns the reason why the GPU cannot run with `memory` bytes of buffers; empty if it can.
 std::string why_unusable(const Gpu& gpu, std::size_t memory);
 
-/// optimize() on one backend. `surface`: the surface to slide on, whose points of contact are updated; null: the
-/// surface of the mesh.
+/// optimize() or, with a job, move() on one backend. `surface`: the surface to slide on, whose points of contact are
+/// updated; null: the surface of the mesh.
 template <class Backend>
 Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options, const Context& context,
-                   SlideSurface* surface = nullptr);
+                   SlideSurface* surface = nullptr, MoveJob* job = nullptr);
+
+/// optimize_on() the device that the options choose, after a check of the options.
+Report run_on_device(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
+                     MoveJob* job);
 
 /// Returns the reason why optimize_on_cuda() would refuse this mesh; empty if it would not.
 std::string why_not_on_cuda(const TetMesh& mesh, const Options& options);
 
 /// optimize_on() the calling thread's current NVIDIA GPU. Throws DeviceError.
-Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface);
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
+                        MoveJob* job);
 
 /// The device that Device::automatic stands for.
 struct DeviceChoice {

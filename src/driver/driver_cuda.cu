@@ -29,7 +29,7 @@ Gpu current_gpu() {
 
 }  // namespace
 
-template Report optimize_on(const backend::Cuda&, TetMesh&, const Options&, const Context&, SlideSurface*);
+template Report optimize_on(const backend::Cuda&, TetMesh&, const Options&, const Context&, SlideSurface*, MoveJob*);
 
 std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
   std::string why = why_no_gpu(cuda_system());
@@ -42,11 +42,13 @@ std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
   }
 }
 
-Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface) {
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
+                        MoveJob* job) {
   if (const std::string why = why_not_on_cuda(mesh, options); !why.empty()) throw DeviceError(why);
   std::string name = current_gpu().name;  // allocated before the mesh changes: nothing may fail afterwards
-  const backend::Cuda cuda(memory_needed_on_device(mesh, options), context.stop);
-  Report report = optimize_on(cuda, mesh, options, context, surface);
+  const std::size_t memory = memory_needed_on_device(mesh, options) + (job == nullptr ? 0 : motion_memory(mesh));
+  const backend::Cuda cuda(memory, context.stop);
+  Report report = optimize_on(cuda, mesh, options, context, surface, job);
   report.device.swap(name);
   return report;
 }

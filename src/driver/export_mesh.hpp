@@ -5,6 +5,7 @@
 
 #include "boundary/sliding/slide_surface.inl"
 #include "boundary/vertex_dof.hpp"
+#include "driver/place_tracker.hpp"
 #include "driver/result_mesh.hpp"
 #include "driver/targets.hpp"
 #include "mesh/connect.hpp"
@@ -41,6 +42,12 @@ Outcome outcome_of(WorkingSet<Backend>& work, const TetMesh& mesh) {
           work.frozen,
           work.required_slots,
           work.scale};
+}
+
+/// Where the vertices are in the input, in the numbers of the result. `vertices`: the number of the caller's.
+template <class Backend>
+std::vector<MeshPlace> places_of(const PlaceTracker& tracker, const WorkingSet<Backend>& work, std::size_t vertices) {
+  return tracker.places(number_vertices(work.mesh.vertex2original.download(), vertices).work2new());
 }
 
 /// Replaces the caller's mesh by the result, and updates the points of contact of the surface that it slides on.

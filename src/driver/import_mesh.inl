@@ -64,7 +64,6 @@ void check_volumes(const Backend& backend, const TetMesh& mesh, const Options& o
 template <class Backend>
 std::vector<Index> import_tets(const Backend& backend, const TetMesh& mesh, const Options& options,
                                WorkingSet<Backend>& work) {
-  work.scale = unit_scale(mesh);
   work.mesh = upload_mesh(backend, mesh, work.scale);
   sort_mesh(backend, work.mesh);
   std::vector<Index> original2vertex = inverse(work.mesh.vertex2original.download());
@@ -157,7 +156,8 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
 }  // namespace import_mesh_detail
 
 /// Builds the working set of a mesh: checks the mesh, renumbers it, finds its surface and decides where each vertex may
-/// go. `slides_on`: the surface for Boundary::slide; null: the mesh's own. Throws MeshError and OptionError.
+/// go. Requires WorkingSet::scale. `slides_on`: the surface for Boundary::slide; null: the mesh's own. Throws MeshError
+/// and OptionError.
 template <class Backend>
 void import_mesh(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
                  WorkingSet<Backend>& work, Report& report) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "driver/move_job.hpp"
 #include "phases/tuning.hpp"
 #include "tetune/optimize.hpp"
 
@@ -31,6 +32,10 @@ std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
   bytes += (inserts ? 3 : 2) * bytes_of(mesh.point_data);
   for (const ElementBlock& block : mesh.others) bytes += bytes_of(block.data);
   return bytes;
+}
+
+std::size_t memory_needed_to_move(const TetMesh& mesh, std::size_t targets, const Options& options) {
+  return memory_needed(mesh, options) + motion_memory(mesh) + targets * mesh.points.size() * sizeof(Point3);
 }
 
 std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options) {

@@ -10,7 +10,7 @@ std::string why_not_on_cuda(const TetMesh&, const Options&) {
          "CPU (device=cpu).";
 }
 
-Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context&, SlideSurface*) {
+Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context&, SlideSurface*, MoveJob*) {
   throw DeviceError(why_not_on_cuda(mesh, options));
 }
 

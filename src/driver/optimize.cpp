@@ -19,10 +19,8 @@ const char* to_string(StopReason reason) {
                           "iteration limit", "cancelled"});
 }
 
-namespace {
-
-/// `surface`: the surface to slide on; null: the mesh's own.
-Report run(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface) {
+Report run_on_device(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
+                     MoveJob* job) {
   check_options(options);
   // Latch the stop request: an interrupted step must not be resumed.
   bool stopped = false;
@@ -36,10 +34,10 @@ Report run(TetMesh& mesh, const Options& options, const Context& context, SlideS
   if (options.device == Device::automatic) choice = choose_device(mesh, options);
   Report report;
   if (choice.device == Device::cuda) {
-    report = optimize_on_cuda(mesh, options, until_stopped, surface);
+    report = optimize_on_cuda(mesh, options, until_stopped, surface, job);
   } else {
     const backend::Cpu cpu(options.threads, until_stopped.stop);
-    report = optimize_on(cpu, mesh, options, until_stopped, surface);
+    report = optimize_on(cpu, mesh, options, until_stopped, surface, job);
     report.device = "CPU";
     report.threads = cpu.threads();
   }
@@ -49,14 +47,12 @@ Report run(TetMesh& mesh, const Options& options, const Context& context, SlideS
   return report;
 }
 
-}  // namespace
-
 Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
-  return run(mesh, options, context, nullptr);
+  return run_on_device(mesh, options, context, nullptr, nullptr);
 }
 
 Report optimize(TetMesh& mesh, const Options& options, const Context& context, SlideSurface& surface) {
-  return run(mesh, options, context, &surface);
+  return run_on_device(mesh, options, context, &surface, nullptr);
 }
 
 void erase_vertices(TetMesh& mesh, const std::vector<std::uint8_t>& keep) {

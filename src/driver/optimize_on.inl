@@ -1,67 +1,102 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+
 #include "driver/devices.hpp"
 #include "driver/export_mesh.hpp"
 #include "driver/import_mesh.inl"
+#include "driver/move_job.hpp"
+#include "driver/place_tracker.hpp"
 #include "driver/targets.hpp"
-#include "phases/alternate.hpp"
-#include "phases/improve_angles.hpp"
-#include "phases/improve_worst.hpp"
-#include "phases/polish.hpp"
+#include "phases/follow_targets.hpp"
+#include "phases/improve.hpp"
 #include "phases/untangle.hpp"
 
 namespace tetune {
 namespace optimize_on_detail {
 
-/// Computes the energies of the mesh, and the floor below which no later phase takes a tetrahedron.
+/// Runs improve(), and follows the vertices if there is a tracker.
 template <class Backend>
-Criterion measure_input(Optimizer<Backend>& optimizer) {
-  Criterion criterion{optimizer.objective()};
-  const bool has_floor = optimizer.options.energy == Energy::shape;
-  const double seconds = optimizer.timer.measure(Phase::load, [&] {
-    optimizer.sum_energy(criterion.objective);
-    if (has_floor) {
-      criterion.floor = find_floor(optimizer.backend, optimizer.work.mesh, optimizer.slot_energies());
-    }
-  });
-  if (has_floor) optimizer.progress.set_smallest_angle(criterion.floor.max_cot, seconds);
-  optimizer.report.energy_before = optimizer.in_callers_unit(optimizer.energy());
-  return criterion;
+auto improve_with(PlaceTracker* tracker) {
+  return [tracker](Optimizer<Backend>& optimizer) {
+    if (tracker == nullptr) return improve(optimizer);
+    optimizer.timer.measure(Phase::data, [&] { tracker->start(HostMesh(optimizer.work.mesh)); });
+    const bool proceeds = improve(optimizer);
+    optimizer.timer.measure(Phase::data, [&] { tracker->finish(HostMesh(optimizer.work.mesh)); });
+    return proceeds;
+  };
 }
 
-/// Runs the phases in order, until one is cancelled.
+/// Moves the mesh to one target after the other, until one cannot be reached or the caller cancels.
 template <class Backend>
-void run_phases(Optimizer<Backend>& optimizer) {
+void follow_all(Optimizer<Backend>& optimizer, MoveJob& job, PlaceTracker* tracker) {
+  optimizer.sum_energy(optimizer.objective());
+  optimizer.report.energy_before = optimizer.in_callers_unit(optimizer.energy());
+  optimizer.progress.set_done(0);
+  job.report.fraction = 0;
+  if (!optimizer.proceed(Phase::load, 0)) return;
+  const std::vector<Index> vertex2original = optimizer.work.mesh.vertex2original.download();
+  TargetFollower<Backend> follower(optimizer, improve_with<Backend>(tracker), job.targets.size(), job.report.steps);
+  for (std::size_t i = 0; i < job.targets.size(); ++i) {
+    const WorkTarget target = work_target(job.targets[i], vertex2original, optimizer.work.scale);
+    job.report.fraction = follower.follow(i, target.positions, target.prescribed);
+    if (job.report.fraction < 1) break;
+    ++job.report.targets_reached;
+    if (optimizer.report.stop == StopReason::cancelled) break;
+  }
+  if (job.report.reached()) return;
+  if (job.report.fraction == 1) job.report.fraction = 0;  // stopped between two targets
+  if (optimizer.report.stop == StopReason::cancelled) return;
+  const auto& mesh = optimizer.work.mesh;
+  report_blocking({mesh.tet2vertex.download(), follower.blocking_slots(1 - job.report.fraction), follower.unfinished(),
+                   number_vertices(mesh.vertex2original.download(), job.targets[0].size()).work2new()},
+                  job.report);
+}
+
+/// Runs the phases in order, until one is cancelled. Returns the places of the vertices with DataTransfer::interpolate.
+/// Untangling is no motion through the input, as an inverted mesh has no places.
+template <class Backend>
+std::unique_ptr<PlaceTracker> run_phases(Optimizer<Backend>& optimizer, MoveJob* job) {
   if (optimizer.work.tangled > 0) untangle(optimizer);
-  Criterion criterion = measure_input(optimizer);
-  if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return;
-  if (!improves_worst(optimizer.options)) return;
-  if (!improve_worst(optimizer, criterion.floor)) return;
-  if (!improve_angles(optimizer, criterion.floor)) return;
-  polish(optimizer, criterion.floor);
+  std::unique_ptr<PlaceTracker> tracker;
+  if (optimizer.options.data == DataTransfer::interpolate) {
+    const auto& mesh = optimizer.work.mesh;
+    tracker =
+        std::make_unique<PlaceTracker>(HostMesh(mesh), mesh.vertex2original.download(), optimizer.options.threads);
+  }
+  if (job == nullptr) {
+    improve_with<Backend>(tracker.get())(optimizer);
+  } else {
+    follow_all(optimizer, *job, tracker.get());
+  }
+  return tracker;
 }
 
 }  // namespace optimize_on_detail
 
 template <class Backend>
 Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options, const Context& context,
-                   SlideSurface* surface) {
+                   SlideSurface* surface, MoveJob* job) {
   const auto start = PhaseTimer::SteadyClock::now();
   Report report;
   PhaseTimer timer(report);
   report.vertices = std::ssize(mesh.points);
   report.tets_before = std::ssize(mesh.tets);
   WorkingSet<Backend> work;
+  work.scale = job == nullptr ? unit_scale(mesh) : std::min(unit_scale(mesh), job->scale);
   timer.measure(Phase::load, [&] { import_mesh(backend, mesh, options, surface, work, report); });
 
   Optimizer<Backend> optimizer(backend, work, options, context, report, timer, start);
-  optimize_on_detail::run_phases(optimizer);
+  const auto tracker = optimize_on_detail::run_phases(optimizer, job);
   optimizer.sum_energy(optimizer.objective());
   report.energy_after = optimizer.in_callers_unit(optimizer.energy());
 
   if (!options.targets.empty()) {
     timer.measure(Phase::targets, [&] { report.targets = report_targets(outcome_of(work, mesh), options); });
+  }
+  if (tracker != nullptr) {
+    timer.measure(Phase::data, [&] { report.places = places_of(*tracker, work, mesh.points.size()); });
   }
   timer.measure(Phase::store, [&] { export_mesh(backend, work, options, mesh, surface, report); });
   report.tets_after = std::ssize(mesh.tets);

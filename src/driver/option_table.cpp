@@ -63,6 +63,13 @@ constexpr std::array kSurfaceVertices{
         "and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input "
         "surface and its feature lines, and edges of the surface are flipped"}};
 
+constexpr std::array kDataTransfers{
+    OptionChoice{"carry", choice_value(DataTransfer::carry), "those of the vertex of the input, wherever it has moved"},
+    OptionChoice{
+        "interpolate", choice_value(DataTransfer::interpolate),
+        "those of the input at the place of the vertex: floating-point numbers linearly, integers of the nearest "
+        "vertex"}};
+
 constexpr const char* kSurface = "Surface and constraints";
 constexpr const char* kMethod = "Method";
 constexpr const char* kTargets = "Targets";
@@ -191,6 +198,7 @@ const std::array kTable{
                {0, 4096},
                kOnGpu},
     OptionInfo{"device", &Options::device, kResources, "Where to compute", kDevices},
+    OptionInfo{"data", &Options::data, kOutput, "What data of vertices are on the result", kDataTransfers},
     OptionInfo{"trace_angles", &Options::trace_angles, kOutput,
                "The smallest dihedral angle is measured after each sweep and round, for the report; takes a twelfth of "
                "the time"}};

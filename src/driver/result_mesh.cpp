@@ -169,7 +169,11 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   if (!result.is_manifold) refuse_overlaps(result, next.points, threads);
   next.point_tags = mesh.point_tags;
   next.point_tags.resize(next.points.size(), 0);
-  next.point_data = carried_point_data(mesh, result, next.points);
+  if (report.places.empty()) {
+    next.point_data = carried_point_data(mesh, result, next.points);
+  } else {
+    next.point_data = interpolate_point_data(mesh.point_data, report.places);
+  }
   next.tet_tags = regions_of(result.tet2original, mesh);
   next.tet_data = take_entries(mesh.tet_data, result.tet2original);
   next.required_tets = new_required_tets(required_slots, result.slot_of_tet);

@@ -165,6 +165,29 @@ std::vector<Index> nearest_originals(std::vector<Index> vertex2original, const s
   return vertex2original;
 }
 
+/// Replaces the values of the nearest vertex, where those of all four are finite, by a linear interpolation.
+template <class T>
+void interpolate_at(const std::vector<T>& from, Size components, const std::vector<MeshPlace>& places,
+                    std::vector<T>& to) {
+  auto value = to.begin();
+  for (const MeshPlace& place : places) {
+    for (Size c = 0; c < components; ++c, ++value) {
+      double sum = 0;
+      T low = std::numeric_limits<T>::max();
+      T high = std::numeric_limits<T>::lowest();
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (place.weights[k] == 0) continue;
+        const T x = span_of(from)[place.vertices[k] * components + c];
+        sum += place.weights[k] * double{x};
+        low = std::min(low, x);
+        high = std::max(high, x);
+      }
+      // Rounding must not lead out of the range of the values.
+      if (std::isfinite(sum)) *value = std::clamp(static_cast<T>(sum), low, high);
+    }
+  }
+}
+
 using Data = std::vector<DataArray>;
 
 /// The name that unnamed tags get as data.
@@ -241,6 +264,33 @@ std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, cons
           if constexpr (std::is_floating_point_v<T>) interpolate(values, array.components, stencils);
         },
         array.values);
+  }
+  return result;
+}
+
+std::vector<DataArray> interpolate_point_data(const std::vector<DataArray>& data,
+                                              const std::vector<MeshPlace>& places) {
+  std::vector<Index> nearest;
+  Index largest = -1;
+  for (const MeshPlace& place : places) {
+    const auto at = std::max_element(place.weights.begin(), place.weights.end()) - place.weights.begin();
+    nearest.push_back(place.vertices[to_size_t(at)]);
+    for (const Index v : place.vertices) {
+      if (v < 0) throw MeshError("a place has the vertex " + std::to_string(v));
+      largest = std::max(largest, v);
+    }
+  }
+  if (largest >= 0) take_entries(data, {largest});  // all entries exist
+  std::vector<DataArray> result = take_entries(data, nearest);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    std::visit(
+        [&](auto& to) {
+          using Values = std::remove_cvref_t<decltype(to)>;
+          if constexpr (std::is_floating_point_v<typename Values::value_type>) {
+            interpolate_at(std::get<Values>(data[i].values), data[i].components, places, to);
+          }
+        },
+        result[i].values);
   }
   return result;
 }

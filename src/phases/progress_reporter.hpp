@@ -21,6 +21,9 @@ class ProgressReporter {
 
   ProgressEstimate estimate;
 
+  /// Replaces the estimate by the part of the run that is done, 0 to 1.
+  void set_done(double part) { done_ = part; }
+
   /// The angle of a cotangent, in degrees.
   static double degrees(double cot) { return std::atan2(1, cot) * kDegreesPerRadian; }
 
@@ -42,8 +45,8 @@ class ProgressReporter {
       set_smallest_angle(cot, PhaseTimer::seconds_since(before));
       angle_cost_sum_ += angle_cost_;
     }
-    const double done = estimate.fraction();
-    const double left = iteration > 0 ? seconds * (1 - done) / done : -1;
+    const double done = done_ < 0 ? estimate.fraction() : done_;
+    const double left = iteration > 0 && done > 0 ? seconds * (1 - done) / done : -1;
     return context_.progress({progress_name_of(phase), iteration, energy, energy_before, angle_, done, seconds, left});
   }
 
@@ -53,6 +56,7 @@ class ProgressReporter {
 
   const Context& context_;
   SteadyClock::time_point start_;
+  double done_ = -1;                            ///< negative: estimated
   double angle_ = 0;                            ///< degrees
   double angle_cost_ = 0, angle_cost_sum_ = 0;  ///< seconds: of the last measurement, of all
 };

@@ -4,21 +4,10 @@
 #include <vector>
 
 #include "boundary/vertex_dof.hpp"
-#include "mesh/work_mesh.hpp"
+#include "mesh/host_mesh.hpp"
 
 /// Exact checks of an untangled mesh, on the host.
 namespace tetune {
-
-/// A work mesh in the host's memory.
-struct HostMesh {
-  std::vector<Point> points;
-  std::vector<Tet> tets;
-  std::vector<FaceAdjacency> tet2tet;
-
-  template <class Backend>
-  explicit HostMesh(const WorkMesh<Backend>& mesh)
-      : points(mesh.points.download()), tets(mesh.tet2vertex.download()), tet2tet(mesh.tet2tet.download()) {}
-};
 
 /// Returns those of the `slots` whose volume is not positive in exact arithmetic.
 std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slots);

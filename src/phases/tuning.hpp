@@ -95,6 +95,23 @@ struct PolishParameters {
   int sweeps_with_flips = 0;  ///< the first ones
 };
 
+/// TargetFollower: the steps of a motion. A fraction is of the straight way to a target.
+struct MotionParameters {
+  /// The residual of the harmonic extension, relative to the right-hand side, and a limit on its iterations.
+  double solver_tolerance = 1e-6;
+  int max_solver_iterations = 5000;
+  /// A step is accepted while the energy of each tetrahedron is below this, or has grown by less than this factor.
+  double safe_energy = 8;
+  double max_energy_growth = 2;
+  /// A step that is refused is repeated with this part of its length; the next one may be this many times longer.
+  double step_decrease = 0.75;
+  double step_increase = 2;
+  /// Steps of less than this fraction are stalls: they are accepted where all volumes stay positive, whatever the
+  /// energies. The motion ends after this number of stalls in succession.
+  double min_fraction = 1e-3;
+  int max_stalls = 4;
+};
+
 struct Tuning {
   UntangleParameters untangle;
   RelocationParameters relocation;
@@ -102,6 +119,7 @@ struct Tuning {
   WorstParameters worst;
   AngleParameters angles;
   PolishParameters polish;
+  MotionParameters motion;
   /// The energy is summed again when it has fallen below this part of its last sum: rounding errors of the decreases
   /// subtracted since then are relative to that sum.
   double resum_part = 0.1;

@@ -81,7 +81,8 @@ class Optimize(CliTest):
             "boundary": "preserve", "energy": "shape", "effort": "standard", "keep_vertices": False, "surface_vertices": "auto", "untangle": False,
             "feature_angle": 45, "feature_angle_deg": 45, "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
             "frozen_patches": [], "relocation": "newton", "termination": "paper", "device": "cpu", "max_iterations": 7,
-            "flips": True, "max_ring": 7, "boundary_flips": True, "targets": [], "threads": 2, "trace_angles": False})
+            "flips": True, "max_ring": 7, "boundary_flips": True, "targets": [], "threads": 2, "data": "carry",
+            "trace_angles": False})
         self.assertGreaterEqual(report["read_seconds"], 0)
         self.assertGreaterEqual(report["write_seconds"], 0)
         before, after, run = report["before"], report["after"], report["optimization"]

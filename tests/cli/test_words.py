@@ -11,7 +11,7 @@ from pathlib import Path
 import cli_case
 from cli_case import CliTest, Mesh, cube, unflipped
 
-COMMANDS = ["optimize", "convert", "info", "compare", "report", "completion", "man"]
+COMMANDS = ["optimize", "convert", "move", "info", "compare", "report", "completion", "man"]
 
 
 class Help(CliTest):

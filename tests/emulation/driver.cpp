@@ -3,5 +3,6 @@
 #include "emulation/emulation.hpp"
 
 namespace tetune {
-template Report optimize_on(const backend::Emulation&, TetMesh&, const Options&, const Context&, SlideSurface*);
+template Report optimize_on(const backend::Emulation&, TetMesh&, const Options&, const Context&, SlideSurface*,
+                            MoveJob*);
 }  // namespace tetune

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "curved.hpp"
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
+#include "driver/move_job.hpp"
 #include "emulation/emulation.hpp"
 #include "parity/cases.hpp"
 #include "tetune/error.hpp"
@@ -151,6 +153,44 @@ TEST(EmulationMemory, APoolAsLargeAsItsPeakDoesAndASmallerOneLeavesTheMeshAsItWa
       EXPECT_NE(std::string(e.what()).find("device=cpu"), std::string::npos) << e.what();
     }
     expect_same(m, before);
+  }
+}
+
+TEST(EmulationOfMove, APistonFitsIntoTheMemoryThatIsReserved) {
+  const TetMesh before = test::scrambled(test::cube(9, 0.2, 4), 2, 2);
+  std::vector<VertexTargets> targets(1);
+  Options options;
+  options.threads = 1;
+  for (const Point3& p : before.points) {
+    const bool moves = p[0] == 0 || p[0] == 1;
+    targets[0].push_back(moves ? Point3{0.5 * p[0], p[1], p[2]} : Point3{NAN, NAN, NAN});
+    options.frozen_vertices.push_back(moves ? 1 : 0);
+  }
+  TetMesh cpu = before;
+  const MoveReport on_cpu = move(cpu, targets, options);
+  ASSERT_TRUE(on_cpu.reached());
+  const std::size_t memory = memory_needed_on_device(before, options) + motion_memory(before);
+  TetMesh first;
+  for (const unsigned seed : {1U, 2U}) {
+    TetMesh m = before;
+    MoveReport report;
+    report.targets = targets.size();
+    MoveJob job{targets, 1, report};
+    const Report done = optimize_on(Emulation(seed, memory), m, options, {}, nullptr, &job);
+    EXPECT_TRUE(report.reached());
+    EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
+    EXPECT_EQ(report.steps.size(), on_cpu.steps.size());
+    EXPECT_NEAR(done.energy_after, on_cpu.optimization.energy_after, 1e-2 * done.energy_after);
+    for (std::size_t v = 0; v < m.points.size(); ++v) {
+      if (options.frozen_vertices[v] != 0) {
+        EXPECT_EQ(m.points[v], targets[0][v]);
+      }
+    }
+    if (seed == 1) {
+      first = std::move(m);
+    } else {
+      expect_same(first, m);
+    }
   }
 }
 

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "move_targets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+
+namespace tetune::cli {
+namespace {
+
+constexpr const char* kMotion = "Motion";
+
+void define_motion(CLI::App& c, MoveArguments& a) {
+  c.add_option("--to", a.to,
+               "Mesh with as many vertices as the input, which are its positions after the motion; with --displacement "
+               "a mesh with that point data. May be repeated: the targets are reached one after the other")
+      ->option_text("FILE")
+      ->allow_extra_args(false)
+      ->group(kMotion);
+  c.add_option("--displacement", a.displacement,
+               "Name of point data with three numbers per vertex: how far each vertex of the input moves, with NaN for "
+               "a vertex that follows the others. Without --to they are read from the input")
+      ->option_text("NAME")
+      ->group(kMotion);
+  c.add_option("--patches", a.patches,
+               "Tags of the listed triangles whose vertices move as the target says; the others follow. Default: the "
+               "vertices of the boundary, of interfaces between regions and of listed triangles")
+      ->option_text("TAG,...")
+      ->delimiter(',')
+      ->group(kMotion);
+  c.add_flag("--all-vertices", a.all_vertices, "All vertices move as the target says, those inside the mesh too")
+      ->group(kMotion);
+}
+
+/// The input's positions plus the point data `name` of `source`.
+std::vector<Point3> displaced(const TetMesh& mesh, const TetMesh& source, const std::string& path,
+                              const std::string& name) {
+  const DataArray* found = nullptr;
+  std::string names;
+  for (const DataArray& array : source.point_data) {
+    if (array.name == name) found = &array;
+    names += (names.empty() ? "" : ", ") + array.name;
+  }
+  if (found == nullptr) {
+    throw OptionError(fmt::format("--displacement \"{}\": {} has no point data of this name; it has: {}", name, path,
+                                  names.empty() ? "none" : names));
+  }
+  if (found->components != 3) {
+    throw OptionError(fmt::format("--displacement \"{}\": {} has {} numbers per vertex; a displacement has 3", name,
+                                  path, found->components));
+  }
+  std::vector<Point3> points = mesh.points;
+  std::visit(
+      [&points](const auto& values) {
+        auto value = values.begin();
+        for (Point3& p : points) {
+          for (double& x : p) x += static_cast<double>(*value++);
+        }
+      },
+      found->values);
+  return points;
+}
+
+void check_count(const TetMesh& mesh, const TetMesh& source, const std::string& path) {
+  if (source.points.size() == mesh.points.size()) return;
+  throw OptionError(
+      fmt::format("--to {}: it has {} vertices, and the input has {}; both must have the same vertices in "
+                  "the same order",
+                  path, source.points.size(), mesh.points.size()));
+}
+
+bool is_nan(const Point3& p) { return std::isnan(p[0]) || std::isnan(p[1]) || std::isnan(p[2]); }
+
+}  // namespace
+
+void define_move_arguments(CLI::App& command, OptimizeArguments& arguments) {
+  define_motion(command, arguments.move.emplace());
+}
+
+void check_move_arguments(const MoveArguments& a) {
+  if (a.to.empty() && a.displacement.empty()) {
+    throw OptionError("no target: name a mesh with --to, or point data with --displacement");
+  }
+  if (a.all_vertices && !a.patches.empty()) {
+    throw OptionError("--all-vertices and --patches exclude each other; give one of them");
+  }
+}
+
+std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments& a, int threads,
+                                        std::vector<std::string>& warnings) {
+  std::vector<VertexTargets> targets;
+  const auto add = [&](const TetMesh& source, const std::string& path) {
+    check_count(mesh, source, path);
+    VertexTargets target = a.displacement.empty() ? source.points : displaced(mesh, source, path, a.displacement);
+    for (Point3& p : target) {
+      if (is_nan(p)) p = {NAN, NAN, NAN};
+    }
+    targets.push_back(a.all_vertices ? std::move(target) : surface_targets(mesh, target, a.patches));
+  };
+  for (const std::string& path : a.to) {
+    std::vector<std::string> read_warnings;
+    add(read_mesh(path, &read_warnings, threads), path);
+    warnings.insert(warnings.end(), read_warnings.begin(), read_warnings.end());
+  }
+  if (a.to.empty()) add(mesh, "the input");
+  return targets;
+}
+
+std::string move_summary(const MoveReport& r, const TetMesh& mesh) {
+  std::string text = fmt::format("  moved {} vertices to {} of {} targets in {} steps\n", r.prescribed,
+                                 r.targets_reached, r.targets, r.steps.size());
+  if (r.reached()) return text;
+  text += fmt::format("  target {}: stopped after {:.4g} % of the way\n", r.targets_reached + 1, 100 * r.fraction);
+  if (r.blocking_tets.empty()) return text;
+  const auto list = [](const std::vector<Index>& ids) {
+    constexpr std::size_t kListed = 5;
+    std::string ids_text;
+    for (std::size_t i = 0; i < std::min(kListed, ids.size()); ++i) {
+      ids_text += fmt::format("{}{}", i == 0 ? "" : ", ", ids[i] + 1);
+    }
+    return ids_text + (ids.size() > kListed ? ", ..." : "");
+  };
+  Point3 center{};
+  for (const Index v : mesh.tets.begin()[r.blocking_tets[0]]) {
+    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * mesh.points.begin()[v][k];
+  }
+  text += fmt::format("  {} tetrahedra of the result block it ({}; the first near {:.6g} {:.6g} {:.6g})",
+                      r.blocking_tets.size(), list(r.blocking_tets), center[0], center[1], center[2]);
+  if (!r.blocking_vertices.empty()) text += fmt::format(", with the motion of vertices {}", list(r.blocking_vertices));
+  return text + "\n";
+}
+
+nlohmann::ordered_json to_json(const MoveReport& r) {
+  const auto one_based = [](const std::vector<Index>& ids) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Index id : ids) list.push_back(id + 1);
+    return list;
+  };
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  for (const MoveStep& s : r.steps) {
+    steps.push_back({{"target", s.target + 1},
+                     {"fraction", s.fraction},
+                     {"solver_iterations", s.solver_iterations},
+                     {"dihedral_min_moved_deg", s.dihedral_moved},
+                     {"dihedral_min_deg", s.dihedral_min},
+                     {"seconds", s.seconds}});
+  }
+  return {{"vertices_prescribed", r.prescribed},
+          {"targets", r.targets},
+          {"targets_reached", r.targets_reached},
+          {"fraction", r.fraction},
+          {"blocking_tetrahedra", one_based(r.blocking_tets)},
+          {"blocking_vertices", one_based(r.blocking_vertices)},
+          {"steps", steps}};
+}
+
+}  // namespace tetune::cli

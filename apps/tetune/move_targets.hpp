@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "optimize_arguments.hpp"
+#include "tetune/move.hpp"
+
+/// What `tetune move` has beside `tetune optimize`.
+namespace tetune::cli {
+
+/// Defines the arguments of the motion: sets OptimizeArguments::move.
+void define_move_arguments(CLI::App& command, OptimizeArguments& arguments);
+
+/// Throws OptionError for arguments that name no target, or contradict each other.
+void check_move_arguments(const MoveArguments& arguments);
+
+/// The targets that the arguments name, for a mesh that was read. Throws FileError and OptionError.
+std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments& arguments, int threads,
+                                        std::vector<std::string>& warnings);
+
+/// How far the motion went, and what blocked it. `mesh` is the result.
+std::string move_summary(const MoveReport& report, const TetMesh& mesh);
+nlohmann::ordered_json to_json(const MoveReport& report);
+
+}  // namespace tetune::cli

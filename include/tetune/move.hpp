@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tetune/context.hpp"
+#include "tetune/export.hpp"
+#include "tetune/mesh.hpp"
+#include "tetune/options.hpp"
+#include "tetune/report.hpp"
+
+namespace tetune {
+
+/// One position per vertex of a mesh, in the mesh's unit. A vertex with a position is *prescribed*: it ends there.
+/// Three NaN stand for a vertex without one.
+using VertexTargets = std::vector<Point3>;
+
+/// One step of move(): all vertices move at once, then the mesh is improved.
+struct MoveStep {
+  std::size_t target = 0;     ///< position in the list of targets
+  double fraction = 0;        ///< of the straight way to that target that is done after the step, 0 to 1
+  int solver_iterations = 0;  ///< of the conjugate gradient method
+  double dihedral_moved = 0;  ///< smallest dihedral angle after the motion, degrees
+  double dihedral_min = 0;    ///< smallest dihedral angle after the improvement, degrees
+  double seconds = 0;
+};
+
+/// The account of a run of move().
+struct MoveReport {
+  /// The account of the work on the mesh, all steps together. Its maps are from the result to the input.
+  Report optimization;
+  std::int64_t prescribed = 0;  ///< number of vertices with a position in at least one target
+  std::vector<MoveStep> steps;
+  std::size_t targets = 0, targets_reached = 0;  ///< numbers of targets given, and reached in full
+  /// Of the straight way to the first target that was not reached, the part that is done, from 0 and below 1; 1 if all
+  /// targets were reached.
+  double fraction = 1;
+  /// If a target was not reached: tetrahedra of the result that a further step would invert, at most kMaxBlocking, in
+  /// increasing order; and the prescribed vertices of the result nearest to them in the mesh. Empty after a requested
+  /// stop.
+  std::vector<Index> blocking_tets, blocking_vertices;
+  bool reached() const { return targets_reached == targets; }
+};
+inline constexpr std::size_t kMaxBlocking = 1000;
+
+/// Moves vertices of a mesh to prescribed positions, one target after the other; the other vertices follow, so that
+/// every volume stays positive (docs/method.md, "Moving a mesh").
+///
+/// A prescribed vertex ends bit for bit at its position in the last target that has one, whatever freezes it otherwise;
+/// until then, and in targets in which it has none, it stays where the target before left it. The others follow by a
+/// harmonic extension of the motion, in as many steps as positive volumes take; after each step the mesh is improved as
+/// by optimize() with `options`. The vertices of the boundary and of interfaces that are not prescribed move as
+/// Options::boundary allows: `fixed` and `preserve` as in optimize(), in the plane or along the line of the input, but
+/// not at all beside prescribed vertices that leave that plane. `slide` is refused.
+///
+/// If a target cannot be reached, or a hook of `context` requests a stop, move() returns the valid mesh of the last
+/// fraction that was reached; the report says how far that is and which elements block the way. A straight way to a
+/// target approximates a rotation by a few degrees only: larger ones take several targets.
+///
+/// Kept, renumbered and dropped is the same as by optimize(), and the result is the same bit for bit for any number of
+/// threads. Data of vertices follow their vertex. Throws as optimize() does, and OptionError if `targets` is empty, has
+/// another length than mesh.points, infinite coordinates, or no position at all; the mesh is then unchanged.
+TETUNE_API MoveReport move(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options = {},
+                           const Context& context = {});
+
+/// A single target.
+TETUNE_API MoveReport move(TetMesh& mesh, const VertexTargets& target, const Options& options = {},
+                           const Context& context = {});
+
+/// An estimate of the peak of main memory of move(), in bytes, including mesh and targets: as memory_needed().
+TETUNE_API std::size_t memory_needed_to_move(const TetMesh& mesh, std::size_t targets, const Options& options = {});
+
+/// The positions `points` as targets of the vertices of the surface alone, so that the inner vertices follow: of the
+/// faces that are on one tetrahedron, or between different regions, and of listed triangles. With `patches` only of the
+/// listed triangles with one of these tags: OptionError if no triangle has the tag.
+TETUNE_API VertexTargets surface_targets(const TetMesh& mesh, const std::vector<Point3>& points,
+                                         const std::vector<int>& patches = {});
+
+}  // namespace tetune

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""move(): for arrays and for the meshes of other packages."""
+
+import numpy as np
+import pytest
+
+import tetune
+from meshes import shaken_box, volumes
+
+
+def sides(points):
+    """Flags of the vertices of shaken_box() on the sides x = 0 and x = 8."""
+    return points[:, 0] == 0, points[:, 0] == 8
+
+
+def compressed(points):
+    """A target: the side x = 8 moves to x = 5, and x = 0 stays."""
+    targets = np.full_like(points, np.nan)
+    left, right = sides(points)
+    targets[left | right] = points[left | right]
+    targets[right, 0] = 5
+    return targets
+
+
+def test_arrays():
+    points, tets = shaken_box()
+    targets = compressed(points)
+    r = tetune.move(points, tets, targets)
+    assert r.motion.reached and r.motion.fraction == 1 and r.motion.targets_reached == 1
+    prescribed = ~np.isnan(targets[:, 0])
+    assert r.motion.prescribed == prescribed.sum()
+    assert (r.mesh.points[prescribed] == targets[prescribed]).all()
+    assert volumes(r.mesh.points, r.mesh.tets).min() > 0
+    assert volumes(r.mesh.points, r.mesh.tets).sum() == pytest.approx(5 * 4 * 4)
+    assert r.motion.steps[-1].fraction == 1 and r.motion.steps[-1].dihedral_min > 5
+    assert r.moved[sides(points)[1]].all() and not r.moved[sides(points)[0]].any()
+    assert tetune.validate(r.mesh) == ""
+    assert "1 of 1 targets" in repr(r.motion)
+
+
+def test_several_targets_and_the_surface_alone():
+    points, tets = shaken_box()
+    turned = []
+    for angle in np.radians([10, 20, 30]):
+        c, s = np.cos(angle), np.sin(angle)
+        turned.append(points @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]]).T)
+    r = tetune.move(points, tets, turned, surface=True, threads=2)
+    assert r.motion.targets == 3 and r.motion.reached
+    inner = np.all((points > 0) & (points < [8, 4, 4]), axis=1)
+    assert r.motion.prescribed == (~inner).sum()
+    assert (r.mesh.points[~inner] == turned[-1][~inner]).all()
+    assert volumes(r.mesh.points, r.mesh.tets).sum() == pytest.approx(128)
+    same = tetune.move(tetune.TetMesh(points, tets), to=turned, surface=True, threads=1)
+    assert (same.mesh.points == r.mesh.points).all() and (same.mesh.tets == r.mesh.tets).all()
+
+
+def test_a_target_out_of_reach():
+    points, tets = shaken_box(3, 3, 3)
+    r = tetune.move(points, tets, points * [-1, 1, 1] + [3, 0, 0])
+    assert not r.motion.reached and 0.4 < r.motion.fraction < 0.5
+    assert volumes(r.mesh.points, r.mesh.tets).min() > 0
+    assert len(r.motion.blocking_tets) > 0 and len(r.motion.blocking_vertices) > 0
+    assert r.motion.blocking_tets.max() < len(r.mesh.tets)
+
+
+def test_patches():
+    points, tets = shaken_box(3, 3, 3)
+    face = next(t for t in tets if (points[t][:, 2] == 3).sum() == 3)
+    triangle = np.array([[v for v in face if points[v, 2] == 3]])
+    mesh = tetune.TetMesh(points, tets, triangles=triangle, triangle_tags=[5])
+    r = tetune.move(mesh, to=points + [0, 0, 0.1], patches=[5])
+    assert r.motion.prescribed == 3 and r.motion.reached
+    assert (r.mesh.points[triangle[0]] == (points + [0, 0, 0.1])[triangle[0]]).all()
+    with pytest.raises(tetune.OptionError, match="no triangle has the tag 6"):
+        tetune.move(mesh, to=points, patches=[6])
+
+
+def test_meshio():
+    meshio = pytest.importorskip("meshio")
+    points, tets = shaken_box()
+    d = compressed(points) - points
+    mesh = meshio.Mesh(points, [("tetra", tets)], point_data={"u": d, "id": np.arange(len(points))})
+    r = tetune.move(mesh, to="u")
+    assert isinstance(r.mesh, meshio.Mesh) and r.motion.reached
+    right = sides(points)[1]
+    assert (r.mesh.points[right, 0] == 5).all()
+    assert (r.mesh.point_data["id"] == np.arange(len(points))).all()
+    with pytest.raises(tetune.OptionError, match="the point data of this mesh are: u, id"):
+        tetune.move(mesh, to="v")
+    with pytest.raises(tetune.OptionError, match="three numbers a vertex"):
+        tetune.move(mesh, to="id")
+
+
+def test_pyvista():
+    pv = pytest.importorskip("pyvista")
+    points, tets = shaken_box()
+    grid = pv.UnstructuredGrid({pv.CellType.TETRA: tets}, points)
+    grid.point_data["u"] = compressed(points) - points
+    r = grid.tetune.move("u")
+    assert isinstance(r.mesh, pv.UnstructuredGrid) and r.motion.reached
+    assert (r.mesh.points[sides(points)[1], 0] == 5).all()
+
+
+def test_data_are_interpolated_at_the_new_places():
+    meshio = pytest.importorskip("meshio")
+    points, tets = shaken_box()
+    linear = points @ [1, 2, 3] + 4
+    fields = {"a": linear, "v": np.stack([linear, -linear], axis=1).astype(np.float32), "id": np.arange(len(points))}
+    mesh = meshio.Mesh(points, [("tetra", tets)], point_data=fields)
+    for effort in ("standard", "best"):
+        r = tetune.optimize(mesh, data="interpolate", effort=effort)
+        new = r.mesh
+        assert r.moved.any()
+        assert np.abs(new.point_data["a"] - (new.points @ [1, 2, 3] + 4)).max() < 1e-12
+        assert new.point_data["v"].dtype == np.float32
+        assert np.abs(new.point_data["v"][:, 1] + new.point_data["a"]).max() < 1e-4
+        assert r.report.place_vertices.shape == (len(new.points), 4)
+        assert np.abs(r.report.place_weights.sum(axis=1) - 1).max() < 1e-14
+        nearest = r.report.place_vertices[np.arange(len(new.points)), r.report.place_weights.argmax(axis=1)]
+        assert (new.point_data["id"] == nearest).all()
+    # Without the option, values stay with their vertex.
+    carried = tetune.optimize(mesh)
+    assert (carried.mesh.point_data["a"] == linear).all() and len(carried.report.place_weights) == 0
+
+
+def test_fields_move_with_the_mesh():
+    meshio = pytest.importorskip("meshio")
+    points, tets = shaken_box()
+    mesh = meshio.Mesh(points, [("tetra", tets)], point_data={"x": points[:, 0], "u": [3.0, 0, 0] + 0 * points})
+    r = tetune.move(mesh, to="u", surface=True, data="interpolate")
+    assert r.motion.reached
+    assert np.abs(r.mesh.point_data["x"] - (r.mesh.points[:, 0] - 3)).max() < 1e-3
+
+
+def test_interpolation_of_special_values():
+    from tetune._adapters import interpolated
+
+    values = np.array([1.0, 2.0, np.nan, 4.0])
+    places = np.array([[0, 1, 3, 2], [0, 1, 2, 3], [2, 0, 1, 3]])
+    weights = np.array([[0.5, 0.25, 0.25, 0], [0.5, 0.25, 0.25, 0], [0.4, 0.2, 0.2, 0.2]])
+    result = interpolated(values, places, weights)
+    assert result[0] == 2 and result[1] == 1 and np.isnan(result[2])
+
+
+def test_progress_stops():
+    points, tets = shaken_box()
+    seen = []
+
+    def stop(p):
+        seen.append(p.fraction)
+        return len(seen) < 4
+
+    r = tetune.move(points, tets, compressed(points), progress=stop)
+    assert r.report.stop == "cancelled" and len(seen) == 4
+    assert volumes(r.mesh.points, r.mesh.tets).min() > 0
+
+
+@pytest.mark.parametrize(
+    ("targets", "options", "error", "said"),
+    [
+        (None, {}, TypeError, "needs targets"),
+        ("u", {}, TypeError, "a meshio or pyvista mesh"),
+        (np.zeros((3, 3)), {}, tetune.OptionError, "target 1 has 3 positions"),
+        (np.zeros((3, 2)), {}, ValueError, "targets has the shape"),
+        ("points", {"boundary": "slide"}, tetune.OptionError, "boundary=slide"),
+        ("nan", {}, tetune.OptionError, "nothing to move"),
+    ],
+)
+def test_refusals(targets, options, error, said):
+    points, tets = shaken_box(2, 2, 2)
+    if isinstance(targets, str) and targets != "u":
+        targets = points if targets == "points" else np.full_like(points, np.nan)
+    with pytest.raises(error, match=said):
+        tetune.move(points, tets, targets, **options)

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/move.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "driver/devices.hpp"
+#include "driver/move_job.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "mesh/tet_orientation.hpp"
+#include "mesh/validate_arrays.hpp"
+#include "mesh/work_mesh.hpp"
+#include "tetune/error.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Whether a vertex has no position; a position has no NaN.
+bool is_free(const Point3& p) { return std::isnan(p[0]) && std::isnan(p[1]) && std::isnan(p[2]); }
+
+/// Flags the vertices that are prescribed in at least one target. Throws OptionError for unusable targets.
+std::vector<std::uint8_t> prescribed_vertices(const TetMesh& mesh, std::span<const VertexTargets> targets) {
+  if (targets.empty()) throw OptionError("there is no target to move to");
+  std::vector<std::uint8_t> prescribed(mesh.points.size(), 0);
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const std::string target = "target " + std::to_string(i + 1);
+    if (targets[i].size() != mesh.points.size()) {
+      throw OptionError(target + " has " + std::to_string(targets[i].size()) + " positions for " +
+                        std::to_string(mesh.points.size()) + " vertices; it must have one per vertex");
+    }
+    for (std::size_t v = 0; v < targets[i].size(); ++v) {
+      const Point3& p = targets[i][v];
+      if (is_free(p)) continue;
+      if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+        throw OptionError(target + ": the position of vertex " + std::to_string(v) +
+                          " is not finite; three NaN stand for a vertex that is free to follow");
+      }
+      prescribed[v] = 1;
+    }
+  }
+  if (std::find(prescribed.begin(), prescribed.end(), 1) == prescribed.end()) {
+    throw OptionError("no target has a position for any vertex: there is nothing to move");
+  }
+  return prescribed;
+}
+
+/// A power of two for coordinates of all targets: as of unit_scale().
+double scale_of(std::span<const VertexTargets> targets) {
+  std::vector<Point3> given;
+  double scale = std::numeric_limits<double>::infinity();
+  for (const VertexTargets& target : targets) {
+    given.clear();
+    std::copy_if(target.begin(), target.end(), std::back_inserter(given), [](const Point3& p) { return !is_free(p); });
+    if (!given.empty()) scale = std::min(scale, unit_scale(given));
+  }
+  return scale;
+}
+
+/// Sets the vertices of the result to the last position that they reached, to the last bit: coordinates far below the
+/// largest ones are rounded by the scale of the work mesh.
+void restore_bits(TetMesh& mesh, std::span<const VertexTargets> reached, const std::vector<Index>& vertex2original) {
+  for (Size v = 0; v < std::ssize(mesh.points); ++v) {
+    const Index original = vertex2original.empty() ? to_index(v) : span_of(vertex2original)[v];
+    for (auto target = reached.rbegin(); original >= 0 && target != reached.rend(); ++target) {
+      const Point3& p = span_of(*target)[original];
+      if (is_free(p)) continue;
+      span_of(mesh.points)[v] = p;
+      break;
+    }
+  }
+}
+
+/// Flags the vertices of the tetrahedra that have a flagged vertex.
+std::vector<std::uint8_t> grow(const std::vector<Tet>& tets, const std::vector<std::uint8_t>& flags) {
+  std::vector<std::uint8_t> grown = flags;
+  for (const Tet& tet : tets) {
+    if (tet[0] == kFreeSlot) continue;
+    bool touches = false;
+    for (const Index v : tet.v) touches = touches || span_of(flags)[v] != 0;
+    for (const Index v : tet.v) {
+      if (touches) span_of(grown)[v] = 1;
+    }
+  }
+  return grown;
+}
+
+}  // namespace
+
+WorkTarget work_target(const VertexTargets& targets, const std::vector<Index>& vertex2original, double scale) {
+  WorkTarget work{std::vector<Vec3>(vertex2original.size(), Vec3{0, 0, 0}),
+                  std::vector<std::uint8_t>(vertex2original.size(), 0)};
+  for (Size v = 0; v < std::ssize(vertex2original); ++v) {
+    const Point3& p = span_of(targets)[span_of(vertex2original)[v]];
+    if (is_free(p)) continue;
+    span_of(work.positions)[v] = scale * vec(p);
+    span_of(work.prescribed)[v] = 1;
+  }
+  return work;
+}
+
+void report_blocking(const BlockedMesh& blocked, MoveReport& report) {
+  std::vector<std::uint8_t> flags(blocked.unfinished.size(), 0);
+  for (const Index slot : blocked.slots) {
+    for (const Index v : span_of(blocked.tets)[slot].v) span_of(flags)[v] = 1;
+  }
+  Index tet = -1;
+  auto next = blocked.slots.begin();
+  for (Size slot = 0; slot < std::ssize(blocked.tets) && next != blocked.slots.end(); ++slot) {
+    if (span_of(blocked.tets)[slot][0] != kFreeSlot) ++tet;
+    if (slot != *next) continue;
+    ++next;
+    if (report.blocking_tets.size() < kMaxBlocking) report.blocking_tets.push_back(tet);
+  }
+  // The blocking tetrahedra need not have a prescribed vertex themselves.
+  constexpr int kMaxLayers = 100;
+  for (int layer = 0; layer < kMaxLayers && !blocked.slots.empty() && report.blocking_vertices.empty(); ++layer) {
+    for (Size v = 0; v < std::ssize(flags) && report.blocking_vertices.size() < kMaxBlocking; ++v) {
+      if (span_of(flags)[v] != 0 && span_of(blocked.unfinished)[v] != 0) {
+        report.blocking_vertices.push_back(span_of(blocked.work2new)[v]);
+      }
+    }
+    flags = grow(blocked.tets, flags);
+  }
+  std::sort(report.blocking_vertices.begin(), report.blocking_vertices.end());
+}
+
+MoveReport move(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options, const Context& context) {
+  if (options.boundary == Boundary::slide) {
+    throw OptionError(
+        "boundary=slide has no input surface to slide on when the boundary moves; use boundary=preserve "
+        "or boundary=fixed, and prescribe the vertices of curved surfaces");
+  }
+  MoveReport report;
+  const std::vector<std::uint8_t> prescribed = prescribed_vertices(mesh, targets);
+  report.prescribed = std::count(prescribed.begin(), prescribed.end(), 1);
+  report.targets = targets.size();
+  Options held = options;
+  if (held.frozen_vertices.empty()) held.frozen_vertices.resize(prescribed.size(), 0);
+  // Another length is refused later.
+  for (Size v = 0; v < std::min(std::ssize(prescribed), std::ssize(held.frozen_vertices)); ++v) {
+    span_of(held.frozen_vertices)[v] |= span_of(prescribed)[v];
+  }
+  MoveJob job{targets, scale_of(targets), report};
+  report.optimization = run_on_device(mesh, held, context, nullptr, &job);
+  restore_bits(mesh, targets.first(report.targets_reached), report.optimization.vertex2original);
+  return report;
+}
+
+MoveReport move(TetMesh& mesh, const VertexTargets& target, const Options& options, const Context& context) {
+  return move(mesh, std::span<const VertexTargets>(&target, 1), options, context);
+}
+
+VertexTargets surface_targets(const TetMesh& mesh, const std::vector<Point3>& points, const std::vector<int>& patches) {
+  const ValidationReport arrays = validate_arrays(mesh);
+  if (!arrays.ok()) throw MeshError(arrays.message(false));
+  if (points.size() != mesh.points.size()) {
+    throw OptionError(std::to_string(points.size()) + " positions for " + std::to_string(mesh.points.size()) +
+                      " vertices; there must be one per vertex");
+  }
+  VertexTargets targets(points.size(), Point3{kNan, kNan, kNan});
+  const auto add = [&](const std::array<Index, 3>& triangle) {
+    for (const Index v : triangle) span_of(targets)[v] = span_of(points)[v];
+  };
+  for (const int patch : patches) {
+    if (std::find(mesh.triangle_tags.begin(), mesh.triangle_tags.end(), patch) == mesh.triangle_tags.end()) {
+      throw OptionError("no triangle has the tag " + std::to_string(patch));
+    }
+  }
+  for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {
+    const int tag = span_of(mesh.triangle_tags)[t];
+    if (patches.empty() || std::find(patches.begin(), patches.end(), tag) != patches.end()) {
+      add(span_of(mesh.triangles)[t]);
+    }
+  }
+  if (!patches.empty()) return targets;
+  for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
+    const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
+    if (end - begin == 1 || region(*begin) != region(*(begin + 1))) add(begin->vertices);
+  });
+  return targets;
+}
+
+}  // namespace tetune

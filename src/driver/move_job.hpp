@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mesh/tet.hpp"
+#include "tetune/move.hpp"
+
+namespace tetune {
+
+/// A run of move(): what optimize_on() does beside its own work.
+struct MoveJob {
+  std::span<const VertexTargets> targets;
+  double scale;  ///< see unit_scale(): of all targets
+  MoveReport& report;
+};
+
+/// The memory of a backend that motion takes beside the rest, in bytes: the stiffness matrix and the vectors of its
+/// solver.
+inline std::size_t motion_memory(const TetMesh& mesh) { return 90 * mesh.tets.size() + 260 * mesh.points.size(); }
+
+/// A target in the order and the unit of the work mesh.
+struct WorkTarget {
+  std::vector<Vec3> positions;  ///< per work vertex; meaningful where prescribed
+  std::vector<std::uint8_t> prescribed;
+};
+WorkTarget work_target(const VertexTargets& targets, const std::vector<Index>& vertex2original, double scale);
+
+/// What report_blocking() needs of a work mesh.
+struct BlockedMesh {
+  std::vector<Tet> tets;                 ///< per slot
+  std::vector<Index> slots;              ///< those that a further step would invert, in increasing order
+  std::vector<std::uint8_t> unfinished;  ///< per vertex: it is prescribed and not at its target
+  std::vector<Index> work2new;           ///< as of VertexNumbering
+};
+
+/// Sets MoveReport::blocking_tets and blocking_vertices. The tetrahedra of the result are the occupied slots, in order.
+void report_blocking(const BlockedMesh& blocked, MoveReport& report);
+
+}  // namespace tetune

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "phases/alternate.hpp"
+#include "phases/improve_angles.hpp"
+#include "phases/improve_worst.hpp"
+#include "phases/polish.hpp"
+
+namespace tetune {
+namespace improve_detail {
+
+/// Computes the energies of the mesh, and the floor below which no phase takes a tetrahedron.
+template <class Backend>
+Criterion measure_mesh(Optimizer<Backend>& optimizer) {
+  Criterion criterion{optimizer.objective()};
+  const bool has_floor = optimizer.options.energy == Energy::shape;
+  const double seconds = optimizer.timer.measure(Phase::load, [&] {
+    optimizer.sum_energy(criterion.objective);
+    if (has_floor) {
+      criterion.floor = find_floor(optimizer.backend, optimizer.work.mesh, optimizer.slot_energies());
+    }
+  });
+  if (has_floor) optimizer.progress.set_smallest_angle(criterion.floor.max_cot, seconds);
+  if (optimizer.report.energy_before == 0)
+    optimizer.report.energy_before = optimizer.in_callers_unit(optimizer.energy());
+  return criterion;
+}
+
+}  // namespace improve_detail
+
+/// Improves a mesh of positive volumes: the phases after untangling, in order. Returns false when the caller cancels.
+template <class Backend>
+bool improve(Optimizer<Backend>& optimizer) {
+  Criterion criterion = improve_detail::measure_mesh(optimizer);
+  if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return false;
+  if (!improves_worst(optimizer.options)) return true;
+  return improve_worst(optimizer, criterion.floor) && improve_angles(optimizer, criterion.floor) &&
+         polish(optimizer, criterion.floor);
+}
+
+}  // namespace tetune

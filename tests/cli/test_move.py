@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tetune move: targets in files, what is written, and exit codes. Run: see cli_case.py."""
+
+import json
+import math
+import os
+import re
+import signal
+import struct
+import subprocess
+
+import cli_case
+from cli_case import CliTest, Mesh, cube, with_triangles
+
+
+def on_side(point):
+    return any(x in (0, 1) for x in point)
+
+
+def moved(mesh, function):
+    return Mesh([function(p) for p in mesh.points], mesh.tets, mesh.point_tags, mesh.tet_tags)
+
+
+def stretched(mesh):
+    return moved(mesh, lambda p: (1.5 * p[0], p[1], p[2]))
+
+
+class Moves(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.mesh = cube(5)
+        self.source = self.put("in.mesh", self.mesh)
+
+    def move(self, *words, code=0):
+        done = self.run_cli("move", self.source, "-o", self.path("out.mesh"), *words, "--report", self.path("r.json"), code=code)
+        after = Mesh.read(self.path("out.mesh"))
+        self.assertGreater(min(after.volumes()), 0)
+        after.boundary_faces()
+        self.assertEqual(after.point_tags, self.mesh.point_tags)
+        with open(self.path("r.json")) as file:
+            return after, json.load(file)["motion"], done.stdout
+
+    def vtk(self, name, values, field="u"):
+        """A legacy VTK file with point data of three components; binary, as VTK reads no NaN in text."""
+        mesh = self.mesh
+
+        def numbers(code, rows):
+            flat = [x for row in rows for x in row]
+            return struct.pack(f">{len(flat)}{code}", *flat) + b"\n"
+
+        parts = ["# vtk DataFile Version 3.0\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\n"
+                 f"POINTS {len(mesh.points)} double\n".encode(), numbers("d", mesh.points),
+                 f"CELLS {len(mesh.tets)} {5 * len(mesh.tets)}\n".encode(), numbers("i", [(4, *t) for t in mesh.tets]),
+                 f"CELL_TYPES {len(mesh.tets)}\n".encode(), numbers("i", [(10,)] * len(mesh.tets)),
+                 f"POINT_DATA {len(mesh.points)}\nVECTORS {field} double\n".encode(), numbers("d", values)]
+        with open(self.path(name), "wb") as file:
+            file.write(b"".join(part if isinstance(part, bytes) else part.encode() for part in parts))
+        return self.path(name)
+
+    def test_to_the_surface_of_a_second_mesh(self):
+        target = stretched(self.mesh)
+        after, motion, out = self.move("--to", self.put("to.mesh", target))
+        self.assertEqual((motion["targets"], motion["targets_reached"], motion["fraction"]), (1, 1, 1))
+        self.assertIn("to 1 of 1 targets", out)
+        surface = [v for v, p in enumerate(self.mesh.points) if on_side(p)]
+        self.assertEqual(motion["vertices_prescribed"], len(surface))
+        for v in surface:
+            self.assertEqual(after.points[v], target.points[v])
+        self.assertNotEqual(after.points, target.points)
+        self.assertAlmostEqual(sum(after.volumes()), 1.5)
+        self.assertEqual(motion["steps"][-1]["fraction"], 1)
+
+    def test_all_vertices(self):
+        target = stretched(self.mesh)
+        after, motion, _ = self.move("--to", self.put("to.mesh", target), "--all-vertices", "--effort", "fast")
+        self.assertEqual(after.points, target.points)
+        self.assertEqual(motion["vertices_prescribed"], len(target.points))
+
+    def test_several_targets(self):
+        words = []
+        for i, degrees in enumerate((20, 40, 60)):
+            c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+            turned = moved(self.mesh, lambda p: (c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]))
+            words += ["--to", self.put(f"to{i}.mesh", turned)]
+        after, motion, _ = self.move(*words)
+        self.assertEqual(motion["targets_reached"], 3)
+        self.assertAlmostEqual(sum(after.volumes()), 1)
+        for p, q in zip(self.mesh.points, after.points):
+            if on_side(p):
+                self.assertEqual(q, (c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]))
+
+    def test_displacement_with_vertices_that_follow(self):
+        nan = math.nan
+        piston = [(-0.4, 0.0, 0.0) if p[0] == 1 else (0.0, 0.0, 0.0) if p[0] == 0 else (nan, nan, nan) for p in self.mesh.points]
+        after, motion, _ = self.move("--to", self.vtk("to.vtk", piston), "--displacement", "u")
+        self.assertEqual(motion["vertices_prescribed"], 2 * 6 * 6)
+        for p, q in zip(self.mesh.points, after.points):
+            if p[0] in (0, 1):
+                self.assertEqual(q, (p[0] + (-0.4 if p[0] == 1 else 0.0), p[1], p[2]))
+            self.assertTrue(all(b == a for a, b in zip(p[1:], q[1:]) if a in (0, 1)))
+        self.assertAlmostEqual(sum(after.volumes()), 0.6)
+
+    def test_displacement_of_the_input(self):
+        self.source = self.vtk("in.vtk", [(0.0, 0.25 * p[1], 0.0) for p in self.mesh.points])
+        self.run_cli("move", self.source, "-o", self.path("out.mesh"), "--displacement", "u", "--quiet")
+        self.assertAlmostEqual(sum(Mesh.read(self.path("out.mesh")).volumes()), 1.25)
+
+    def test_data_are_interpolated(self):
+        """A linear field is exact at the new places, and moves with a mesh that is shifted."""
+        source = self.vtk("in.vtk", [(p[0], p[1] - p[2], 2.0) for p in self.mesh.points])
+
+        def read(name):
+            head, numbers = re.split(rb"\n?u 3 216 double\n|VECTORS u double\n", self.read_bytes(name))
+            return struct.iter_unpack(">3d", numbers[:24 * len(self.mesh.points)])
+
+        self.run_cli("optimize", source, self.path("out.vtk"), "--data", "interpolate", "--quiet")
+        self.run_cli("optimize", source, self.path("out.mesh"), "--quiet")
+        for p, u in zip(Mesh.read(self.path("out.mesh")).points, read("out.vtk"), strict=True):
+            for x, y in zip(u, (p[0], p[1] - p[2], 2.0)):
+                self.assertAlmostEqual(x, y, places=12)
+
+    def test_patches(self):
+        top = next(t for t in self.mesh.tets if sum(self.mesh.points[v][2] == 1 for v in t) == 3)
+        triangle = tuple(v for v in top if self.mesh.points[v][2] == 1)
+        self.source = self.put("in.mesh", with_triangles(self.mesh, [(triangle, 4)]))
+        to = self.put("to.mesh", moved(self.mesh, lambda p: (p[0], p[1], p[2] + 0.05)))
+        after, motion, _ = self.move("--to", to, "--patches", "4")
+        self.assertEqual(motion["vertices_prescribed"], 3)
+        for v in triangle:
+            self.assertEqual(after.points[v][2], 1.05)
+        self.refused("move", self.source, self.path("x.mesh"), "--to", to, "--patches", "4,5", said=["no triangle has the tag 5"])
+
+    def test_a_target_out_of_reach(self):
+        mirrored = moved(self.mesh, lambda p: (1 - p[0], p[1], p[2]))
+        after, motion, out = self.move("--to", self.put("to.mesh", mirrored), code=1)
+        self.assertLess(motion["fraction"], 0.5)
+        self.assertGreater(motion["fraction"], 0.4)
+        self.assertIn("target 1: stopped after", out)
+        self.assertIn("block it", out)
+        self.assertTrue(motion["blocking_tetrahedra"] and motion["blocking_vertices"])
+        self.assertLessEqual(max(motion["blocking_tetrahedra"]), len(after.tets))
+        self.assertGreaterEqual(min(motion["blocking_vertices"]), 1)
+
+    def test_the_same_file_for_any_number_of_threads(self):
+        to = self.put("to.mesh", stretched(self.mesh))
+        for threads in "1", "3":
+            self.run_cli("move", self.source, self.path(threads + ".mesh"), "--to", to, "--threads", threads, "--quiet")
+        self.assertEqual(self.read_bytes("1.mesh"), self.read_bytes("3.mesh"))
+
+    def test_refusals(self):
+        to = self.put("to.mesh", stretched(self.mesh))
+        small = self.put("small.mesh", cube(2))
+        one = self.vtk("one.vtk", [(0.0, 0.0, 0.0)] * len(self.mesh.points))
+        out = self.path("x.mesh")
+        for words, said in (([], ["no target", "--to", "--displacement"]),
+                            (["--to", self.path("none.mesh")], ["none.mesh"]),
+                            (["--to", small], ["27 vertices", "the input has 216"]),
+                            (["--to", one, "--displacement", "v"], ["no point data of this name; it has: u"]),
+                            (["--displacement", "v"], ["the input has no point data of this name"]),
+                            (["--to", to, "--boundary", "slide"], ["--boundary slide"]),
+                            (["--to", to, "--all-vertices", "--patches", "1"], ["exclude each other"])):
+            self.refused("move", self.source, out, *words, said=said)
+        self.assertFalse(os.path.exists(out))
+
+    def test_a_limit_of_memory(self):
+        to = self.put("to.mesh", stretched(self.mesh))
+        self.refused("move", self.source, self.path("x.mesh"), "--to", to, "--max-memory", "1", said=["needs about", "MB"])
+
+    def test_dry_run_writes_nothing(self):
+        to = self.put("to.mesh", stretched(self.mesh))
+        done = self.run_cli("move", self.source, "--to", to, "--dry-run")
+        self.assertIn("nothing is written", done.stdout)
+        self.assertEqual(self.files(), ["in.mesh", "to.mesh"])
+
+    def test_a_signal_leaves_a_valid_mesh(self):
+        self.mesh = cube(16)
+        source = self.put("big.mesh", self.mesh)
+        to = self.put("to.mesh", stretched(self.mesh))
+        process = subprocess.Popen(
+            [cli_case.TETUNE, "move", source, self.path("out.mesh"), "--to", to, "--threads", "1", "--progress", "json"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=0, pipesize=4096)
+        while line := process.stderr.readline():
+            if json.loads(line).get("phase") == "sweep":
+                break
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=cli_case.HANG)
+        self.assertEqual(process.returncode, 1)
+        after = Mesh.read(self.path("out.mesh"))
+        self.assertGreater(min(after.volumes()), 0)
+
+
+if __name__ == "__main__":
+    cli_case.main(__doc__)

@@ -1,0 +1,419 @@
+// SPDX-License-Identifier: Apache-2.0
+// move(): prescribed vertices arrive to the last bit, whatever happens the mesh is valid, and the boundary is kept.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "meshes.hpp"
+#include "tetune/tetune.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr Point3 kFree{kNan, kNan, kNan};
+
+bool is_free(const Point3& p) { return std::isnan(p[0]); }
+bool same_bits(const Point3& a, const Point3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+Options options_of(Effort effort, Boundary boundary) {
+  Options options;
+  options.effort = effort;
+  options.boundary = boundary;
+  options.threads = 2;
+  return options;
+}
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// The vertex of the result for each of the input, or -1.
+std::vector<Index> original2new(const MoveReport& r, std::size_t originals, std::size_t vertices) {
+  std::vector<Index> map(originals, -1);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const Index original =
+        r.optimization.vertex2original.empty() ? static_cast<Index>(v) : r.optimization.vertex2original[v];
+    if (original >= 0) map[at(original)] = static_cast<Index>(v);
+  }
+  return map;
+}
+
+/// Targets for some of the vertices, which move by up to `length`.
+VertexTargets random_targets(const TetMesh& mesh, double part, double length, std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  VertexTargets targets(mesh.points.size(), kFree);
+  for (std::size_t v = 0; v < targets.size(); ++v) {
+    if (v > 0 && unit(random) > part) continue;
+    targets[v] = mesh.points[v];
+    for (double& x : targets[v]) x += length * (2 * unit(random) - 1);
+  }
+  return targets;
+}
+
+void expect_valid(const TetMesh& mesh) {
+  const ValidationReport valid = validate(mesh);
+  ASSERT_TRUE(valid.ok()) << valid.message(false);
+}
+
+/// The prescribed vertices are at their targets, or on the straight way there.
+void expect_on_way(const TetMesh& before, const TetMesh& after, const VertexTargets& target, const MoveReport& r) {
+  const std::vector<Index> now = original2new(r, before.points.size(), after.points.size());
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    if (is_free(target[v])) continue;
+    ASSERT_GE(now[v], 0) << "a prescribed vertex was removed";
+    const Point3& p = after.points[at(now[v])];
+    if (r.reached()) {
+      ASSERT_TRUE(same_bits(p, target[v])) << "vertex " << v;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_NEAR(p[k], before.points[v][k] + r.fraction * (target[v][k] - before.points[v][k]), 1e-9);
+    }
+  }
+}
+
+/// Vertices that are not prescribed stay on the sides of the unit cube that they were on, to the last bit.
+void expect_sides_kept(const TetMesh& before, const TetMesh& after, const VertexTargets& target, const MoveReport& r,
+                       Boundary boundary) {
+  const std::vector<Index> now = original2new(r, before.points.size(), after.points.size());
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    if (!is_free(target[v]) || now[v] < 0) continue;
+    const Point3& p = after.points[at(now[v])];
+    bool on_boundary = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (before.points[v][k] != 0 && before.points[v][k] != 1) continue;
+      on_boundary = true;
+      ASSERT_EQ(p[k], before.points[v][k]);
+    }
+    if (on_boundary && boundary == Boundary::fixed) {
+      ASSERT_EQ(p, before.points[v]);
+    }
+  }
+}
+
+TEST(Move, RandomMotionsOfRandomMeshes) {
+  std::mt19937 random(11);
+  int reached = 0;
+  int blocked = 0;
+  for (int i = 0; i < 60; ++i) {
+    const int n = 3 + i % 3;
+    const TetMesh base =
+        i % 2 == 0 ? test::cube(n, 0.2, static_cast<std::uint32_t>(i + 1)) : test::two_materials(4, 0.2);
+    const TetMesh before = test::scrambled(base, 5, static_cast<std::uint32_t>(i));
+    const Boundary boundary = i % 3 == 0 ? Boundary::fixed : Boundary::preserve;
+    const VertexTargets target = random_targets(before, 0.1 + 0.2 * (i % 4), 0.12 * (1 + i % 5) / n, random);
+    TetMesh after = before;
+    const MoveReport r = move(after, target, options_of(i % 20 == 12 ? Effort::best : Effort::standard, boundary));
+    SCOPED_TRACE("motion " + std::to_string(i));
+    expect_valid(after);
+    expect_on_way(before, after, target, r);
+    expect_sides_kept(before, after, target, r, boundary);
+    EXPECT_EQ(r.fraction == 1, r.reached());
+    EXPECT_EQ(r.blocking_tets.empty(), r.reached());
+    EXPECT_EQ(r.blocking_vertices.empty(), r.reached());
+    for (const Index v : r.blocking_vertices) EXPECT_LT(at(v), after.points.size());
+    for (const Index t : r.blocking_tets) EXPECT_LT(at(t), after.tets.size());
+    ++(r.reached() ? reached : blocked);
+  }
+  EXPECT_GT(reached, 20);
+  EXPECT_GT(blocked, 5) << "no motion was too large";
+}
+
+TEST(Move, SameBitsForAnyNumberOfThreads) {
+  std::mt19937 random(5);
+  for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
+    const int n = effort == Effort::best ? 4 : 9;
+    const TetMesh before = test::scrambled(test::cube(n, 0.2, 3), 1, 2);
+    std::vector<VertexTargets> targets;
+    for (int i = 0; i < 2; ++i) targets.push_back(random_targets(before, 0.2, 0.3 / n, random));
+    Options options = options_of(effort, Boundary::preserve);
+    options.threads = 1;
+    TetMesh one = before;
+    const MoveReport with_one = move(one, targets, options);
+    options.threads = 3;
+    TetMesh three = before;
+    const MoveReport with_three = move(three, targets, options);
+    EXPECT_EQ(one.points, three.points);
+    EXPECT_EQ(one.tets, three.tets);
+    EXPECT_EQ(with_one.fraction, with_three.fraction);
+    EXPECT_EQ(with_one.steps.size(), with_three.steps.size());
+  }
+}
+
+/// Wherever it is stopped: the mesh is valid, and the prescribed vertices are on their way.
+TEST(Move, StopsAtEverySafePoint) {
+  std::mt19937 random(7);
+  const TetMesh before = test::scrambled(test::cube(5, 0.2, 1), 3, 1);
+  const VertexTargets target = random_targets(before, 0.3, 0.08, random);
+  const Options options = options_of(Effort::standard, Boundary::preserve);
+  int points = 0;
+  Context context;
+  context.stop = [&points] {
+    ++points;
+    return false;
+  };
+  TetMesh whole = before;
+  ASSERT_NE(move(whole, target, options, context).optimization.stop, StopReason::cancelled);
+  ASSERT_GT(points, 20);
+  for (int stop = 1; stop <= points; stop += 1 + stop / 6) {
+    int asked = 0;
+    context.stop = [&asked, stop] { return ++asked == stop; };
+    TetMesh m = before;
+    const MoveReport r = move(m, target, options, context);
+    EXPECT_EQ(r.optimization.stop, StopReason::cancelled);
+    EXPECT_TRUE(r.blocking_tets.empty());
+    expect_valid(m);
+    EXPECT_LE(r.fraction, 1);
+    expect_on_way(before, m, target, r);
+    if (stop == 1) {
+      EXPECT_EQ(m.points, before.points);
+      EXPECT_EQ(r.fraction, 0);
+    }
+  }
+}
+
+/// A piston: one side of a cube is prescribed, the opposite one stays, and the vertices of the walls slide.
+TEST(Move, PistonCompressesToAFifth) {
+  const TetMesh before = test::scrambled(test::cube(8, 0.2, 4), 2, 2);
+  VertexTargets target(before.points.size(), kFree);
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    const Point3& p = before.points[v];
+    if (p[0] == 1) target[v] = {0.2, p[1], p[2]};
+  }
+  TetMesh after = before;
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  EXPECT_TRUE(r.reached());
+  expect_valid(after);
+  expect_on_way(before, after, target, r);
+  expect_sides_kept(before, after, target, r, Boundary::preserve);
+  EXPECT_NEAR(quality(after).volume, 0.2, 1e-12);
+  EXPECT_GT(quality(after).dihedral_min, 8);
+  // With walls that stay, the piston is stopped by the next layer of them.
+  TetMesh fixed = before;
+  const MoveReport stopped = move(fixed, target, options_of(Effort::standard, Boundary::fixed));
+  EXPECT_FALSE(stopped.reached());
+  EXPECT_LT(stopped.fraction, 0.2);
+  expect_valid(fixed);
+}
+
+/// Beside prescribed vertices that leave a plane, the vertices of the plane stay: they must not follow into a new
+/// shape.
+TEST(Move, PlanesAreNotBent) {
+  const TetMesh before = test::cube(6);
+  VertexTargets target(before.points.size(), kFree);
+  const auto is_center = [](const Point3& p) {
+    return p[2] == 1 && std::fabs(p[0] - 0.5) < 0.01 && std::fabs(p[1] - 0.5) < 0.01;
+  };
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    if (is_center(before.points[v])) target[v] = {0.5, 0.5, 1.2};
+  }
+  TetMesh after = before;
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  EXPECT_EQ(r.prescribed, 1);
+  ASSERT_TRUE(r.reached());
+  expect_valid(after);
+  expect_sides_kept(before, after, target, r, Boundary::preserve);
+  // The pyramid over the triangles around the vertex, of which those neighbors are the base.
+  double area = 0;
+  for (const auto& tet : before.tets) {
+    std::vector<Point3> corners;
+    for (const Index v : tet) {
+      if (before.points[at(v)][2] == 1) corners.push_back(before.points[at(v)]);
+    }
+    if (corners.size() != 3 || std::none_of(corners.begin(), corners.end(), is_center)) continue;
+    area += 0.5 * std::fabs((corners[1][0] - corners[0][0]) * (corners[2][1] - corners[0][1]) -
+                            (corners[1][1] - corners[0][1]) * (corners[2][0] - corners[0][0]));
+  }
+  ASSERT_GT(area, 0);
+  EXPECT_NEAR(quality(after).volume, 1 + area * 0.2 / 3, 1e-12);
+}
+
+/// A target in which all vertices turn over cannot be reached.
+TEST(Move, ReportsWhatBlocks) {
+  const TetMesh before = test::cube(4, 0.1);
+  VertexTargets target(before.points.size(), kFree);
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    const Point3& p = before.points[v];
+    target[v] = {1 - p[0], p[1], p[2]};
+  }
+  TetMesh after = before;
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  EXPECT_FALSE(r.reached());
+  EXPECT_GT(r.fraction, 0.45);
+  EXPECT_LT(r.fraction, 0.5);
+  EXPECT_FALSE(r.blocking_tets.empty());
+  EXPECT_FALSE(r.blocking_vertices.empty());
+  EXPECT_TRUE(std::is_sorted(r.blocking_tets.begin(), r.blocking_tets.end()));
+  expect_valid(after);
+  expect_on_way(before, after, target, r);
+}
+
+/// A vertex that one target prescribes stays where that left it in those that do not.
+TEST(Move, SequencesOfTargets) {
+  const TetMesh before = test::scrambled(test::cube(5, 0.2, 9), 1, 1);
+  std::vector<VertexTargets> targets(3, VertexTargets(before.points.size(), kFree));
+  std::vector<std::size_t> inner;
+  for (std::size_t v = 0; v < before.points.size(); ++v) {
+    if (test::is_inner(before.points[v])) inner.push_back(v);
+  }
+  ASSERT_GT(inner.size(), 20U);
+  const auto moved = [&](std::size_t v, double by) {
+    Point3 p = before.points[v];
+    p[0] += by;
+    return p;
+  };
+  targets[0][inner[0]] = moved(inner[0], 0.02);
+  targets[1][inner[9]] = moved(inner[9], -0.02);
+  targets[2][inner[9]] = moved(inner[9], 0.01);
+  TetMesh after = before;
+  const MoveReport r = move(after, targets, options_of(Effort::standard, Boundary::preserve));
+  EXPECT_EQ(r.prescribed, 2);
+  EXPECT_EQ(r.targets_reached, 3U);
+  EXPECT_TRUE(same_bits(after.points[inner[0]], targets[0][inner[0]]));
+  EXPECT_TRUE(same_bits(after.points[inner[9]], targets[2][inner[9]]));
+  EXPECT_EQ(r.steps.back().target, 2U);
+  expect_valid(after);
+}
+
+/// Positions far smaller than the mesh, and negative zeros, keep their bits.
+TEST(Move, PositionsKeepTheirBits) {
+  const TetMesh base = test::cube(3);
+  TetMesh before = base;
+  for (Point3& p : before.points) {
+    for (double& x : p) x = 1e200 * (x - 0.5);
+  }
+  VertexTargets target(before.points.size(), kFree);
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    if (!test::is_inner(base.points[v])) target[v] = before.points[v];
+  }
+  const std::size_t v = static_cast<std::size_t>(
+      std::find_if(base.points.begin(), base.points.end(), [](const Point3& p) { return test::is_inner(p); }) -
+      base.points.begin());
+  ASSERT_LT(v, target.size());
+  target[v] = before.points[v];
+  target[v][0] = -0.0;
+  target[v][1] = 1e-300;
+  TetMesh after = before;
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  ASSERT_TRUE(r.reached());
+  EXPECT_TRUE(same_bits(after.points[v], target[v]));
+  expect_valid(after);
+}
+
+/// Coordinates grow by orders of magnitude: the scale of the work mesh is that of the targets.
+TEST(Move, FarAway) {
+  const TetMesh before = test::cube(4, 0.2);
+  VertexTargets target = surface_targets(before, before.points);
+  for (Point3& p : target) p[1] += 1e6;
+  TetMesh after = before;
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  EXPECT_TRUE(r.reached());
+  expect_valid(after);
+  expect_on_way(before, after, target, r);
+}
+
+TEST(Move, SurfaceTargets) {
+  TetMesh mesh = test::two_materials(4, 0.2);
+  const auto count = [](const VertexTargets& t) {
+    return std::count_if(t.begin(), t.end(), [](const Point3& p) { return !is_free(p); });
+  };
+  const VertexTargets all = surface_targets(mesh, mesh.points);
+  for (std::size_t v = 0; v < all.size(); ++v) {
+    EXPECT_EQ(is_free(all[v]), test::is_inner(mesh.points[v])) << "boundary and interface";
+  }
+  mesh.triangles = {{mesh.tets[0][0], mesh.tets[0][1], mesh.tets[0][2]}};
+  mesh.triangle_tags = {7};
+  EXPECT_EQ(count(surface_targets(mesh, mesh.points, {7})), 3);
+  EXPECT_THROW(surface_targets(mesh, mesh.points, {8}), OptionError);
+  EXPECT_THROW(surface_targets(mesh, {}), OptionError);
+}
+
+TEST(Move, DataAndTagsFollow) {
+  TetMesh before = test::two_materials(4, 0.2);
+  std::vector<double> values;
+  for (std::size_t v = 0; v < before.points.size(); ++v) values.push_back(static_cast<double>(v));
+  before.point_data.push_back({"id", 1, values});
+  VertexTargets target = surface_targets(before, before.points);
+  for (Point3& p : target) p[2] *= 1.5;
+  TetMesh after = before;
+  const MoveReport r = move(after, target);
+  ASSERT_TRUE(r.reached());
+  EXPECT_EQ(std::get<std::vector<double>>(after.point_data[0].values), values);
+  double volumes[2] = {0, 0};
+  for (std::size_t t = 0; t < after.tets.size(); ++t) {
+    const auto& tet = after.tets[t];
+    Point3 e[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) e[k][c] = after.points[at(tet[k + 1])][c] - after.points[at(tet[0])][c];
+    }
+    volumes[after.tet_tags[t] - 1] +=
+        (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+        6;
+  }
+  EXPECT_NEAR(volumes[0], 0.75, 1e-12);
+  EXPECT_NEAR(volumes[1], 0.75, 1e-12);
+}
+
+TEST(Move, StopsBetweenTwoTargets) {
+  TetMesh mesh = test::cube(4, 0.2);
+  std::vector<VertexTargets> targets(2, surface_targets(mesh, mesh.points));
+  for (Point3& p : targets[1]) p[0] += 1;
+  Context context;
+  context.progress = [](const Progress& p) { return p.fraction < 0.5; };
+  const MoveReport r = move(mesh, targets, {}, context);
+  EXPECT_EQ(r.optimization.stop, StopReason::cancelled);
+  EXPECT_EQ(r.targets_reached, 1U);
+  EXPECT_EQ(r.fraction, 0);
+  expect_valid(mesh);
+}
+
+TEST(Move, ProgressReachesTheEnd) {
+  TetMesh mesh = test::cube(5, 0.2);
+  VertexTargets target = surface_targets(mesh, mesh.points);
+  for (Point3& p : target) p[0] *= 2;
+  double last = 0;
+  Context context;
+  context.progress = [&last](const Progress& p) {
+    EXPECT_GE(p.fraction, last);
+    EXPECT_LE(p.fraction, 1);
+    last = p.fraction;
+    return true;
+  };
+  EXPECT_TRUE(move(mesh, target, {}, context).reached());
+  EXPECT_EQ(last, 1);
+}
+
+TEST(Move, RefusesUnusableTargets) {
+  const TetMesh before = test::cube(3);
+  const auto refuses = [&before](const std::vector<VertexTargets>& targets, const Options& options,
+                                 const std::string& said) {
+    TetMesh mesh = before;
+    try {
+      move(mesh, targets, options);
+      ADD_FAILURE() << "accepted, though: " << said;
+    } catch (const OptionError& e) {
+      EXPECT_NE(std::string(e.what()).find(said), std::string::npos) << e.what();
+    }
+    EXPECT_EQ(mesh.points, before.points);
+  };
+  const VertexTargets none(before.points.size(), kFree);
+  refuses({}, {}, "no target");
+  refuses({none}, {}, "nothing to move");
+  refuses({VertexTargets(3, kFree)}, {}, "target 1 has 3 positions for 64 vertices");
+  VertexTargets half = none;
+  half[5] = {kNan, 0, 0};
+  refuses({before.points, half}, {}, "target 2: the position of vertex 5 is not finite");
+  half[5] = {std::numeric_limits<double>::infinity(), 0, 0};
+  refuses({half}, {}, "vertex 5 is not finite");
+  refuses({before.points}, options_of(Effort::standard, Boundary::slide), "boundary=slide");
+  Options options;
+  options.frozen_vertices = {1, 1};
+  refuses({before.points}, options, "frozen_vertices has 2 entries");
+}
+
+}  // namespace
+}  // namespace tetune
