@@ -10,7 +10,8 @@ namespace tetune {
 struct SurfaceContraction {
   static constexpr int kChoices = 12;
 
-  TETUNE_HD static void propose(const StarProposal& p, Index t, int choice) {
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
     if (!p.edits_surface() || !p.may_change_vertices(t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const int from = choice / 3;
@@ -29,15 +30,15 @@ struct SurfaceContraction {
         !p.surface.find_replaced(star, simplex, replaced)) {
       return;
     }
-    if (!star.grow_below(apex, x, (1 - kMinCostGain) * star.cost_before()) || !star.keeps_faces_of(apex)) return;
+    if (!p.grow(star, apex, x) || !star.keeps_faces_of(apex)) return;
     StarCandidate c = star.candidate(apex, v, x);
     c.replaced = replaced;
-    p.add(star, star.cost_before(), c);
+    p.add(star, p.cost_before(star), c);
   }
 
  private:
   /// Whether each triangle stays in its plane, and is not turned over, when v moves to the apex.
-  TETUNE_HD static bool keeps_planes(const StarProposal& p, const StarCavity& star, Index v, Index apex) {
+  TETUNE_HD static bool keeps_planes(const StarContext& p, const StarCavity& star, Index v, Index apex) {
     for (int i = 0; i < star.base_count(); ++i) {
       LinkFace f = star.base(i);
       if (has_vertex(f, apex)) continue;
