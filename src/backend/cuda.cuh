@@ -4,6 +4,7 @@
 #include <cuda_runtime.h>
 #include <thrust/iterator/counting_iterator.h>
 
+#include <algorithm>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
@@ -16,7 +17,9 @@
 #include "backend/buffer.hpp"
 #include "backend/concept.hpp"
 #include "backend/pool.hpp"
+#include "backend/results.hpp"
 #include "backend/span.hpp"
+#include "backend/team.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune::backend {
@@ -31,6 +34,62 @@ template <class F>
 __global__ void for_each_kernel(Size n, F f) {
   const Size i = static_cast<Size>(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i < n) f(i);
+}
+
+/// A warp as a team (backend/team.hpp).
+class Warp {
+ public:
+  static constexpr int kSize = 32;
+
+  TETUNE_HD static int rank() {
+#if defined(__CUDA_ARCH__)
+    return static_cast<int>(threadIdx.x) % kSize;
+#else
+    return 0;
+#endif
+  }
+  TETUNE_HD static bool any([[maybe_unused]] bool condition) {
+#if defined(__CUDA_ARCH__)
+    return __any_sync(kAll, condition) != 0;
+#else
+    return condition;
+#endif
+  }
+  template <class T>
+  TETUNE_HD static T merge(T value) {
+    for (int distance = kSize / 2; distance > 0; distance /= 2) value.merge(broadcast(value, rank() ^ distance));
+    return value;
+  }
+  template <class T>
+  TETUNE_HD static T broadcast(const T& value, [[maybe_unused]] int rank) {
+#if defined(__CUDA_ARCH__)
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(unsigned) == 0);
+    constexpr int kWords = sizeof(T) / sizeof(unsigned);
+    unsigned words[kWords];
+    memcpy(words, &value, sizeof(T));
+    for (int k = 0; k < kWords; ++k) words[k] = __shfl_sync(kAll, words[k], rank);
+    T result;
+    memcpy(&result, words, sizeof(T));
+    return result;
+#else
+    return value;
+#endif
+  }
+  TETUNE_HD static void sync() {
+#if defined(__CUDA_ARCH__)
+    __syncwarp();
+#endif
+  }
+
+ private:
+  static constexpr unsigned kAll = ~0U;
+};
+
+/// An item per block of one warp.
+template <class F>
+__global__ void __launch_bounds__(Warp::kSize) team_kernel(F f) {
+  __shared__ alignas(16) unsigned char shared[sizeof(typename F::Shared)];
+  f(Warp(), *reinterpret_cast<typename F::Shared*>(shared), static_cast<Size>(blockIdx.x));
 }
 
 /// Each block merges one chunk of fixed length by a tree of fixed shape, so that each run yields the same bits. One
@@ -49,12 +108,6 @@ __global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partia
   }
   if (threadIdx.x == 0) partial[blockIdx.x] = shared[0];
 }
-
-template <class R>
-struct ReadPartial {
-  const R* partial;
-  TETUNE_HD R operator()(Size i) const { return partial[i]; }
-};
 
 /// A handle of the pool of a Cuda backend.
 ///
@@ -97,7 +150,7 @@ class Cuda {
 
   /// `memory`: the bytes for all buffers and scratch memory. Throws DeviceError.
   explicit Cuda(std::size_t memory, std::function<bool()> stop = {})
-      : stop_(std::move(stop)), block_(allocate_block(memory)), pool_(block_.get(), memory) {}
+      : stop_(std::move(stop)), warps_(resident_warps()), block_(allocate_block(memory)), pool_(block_.get(), memory) {}
 
   Memory memory() const { return Memory(pool_); }
 
@@ -105,7 +158,15 @@ class Cuda {
 
   template <class F>
   void for_each(Size n, const F& f) const {
-    launch(n, f, n < kSmallLaunch ? kWarp : kThreads);
+    static_assert(std::is_trivially_copyable_v<F>);
+    if (n == 0) return;
+    if constexpr (TeamKernel<F>) {
+      team_kernel<<<blocks(n, 1), static_cast<unsigned>(kWarp)>>>(f);
+    } else {
+      const int threads = n < kSmallLaunch ? warp_threads<F>(n) : kThreads;
+      for_each_kernel<<<blocks(n, threads), static_cast<unsigned>(threads)>>>(n, f);
+    }
+    check_cuda(cudaGetLastError(), "launch");
   }
 
   template <class R, class F>
@@ -114,7 +175,7 @@ class Cuda {
     static_assert(kThreads * sizeof(R) <= 48 * 1024, "a block's partial results must fit its shared memory");
     if (n == 0) return R{};
     Buffer<R> partial = reduce_chunks<R>(n, f);
-    while (partial.size() > 1) partial = reduce_chunks<R>(partial.size(), ReadPartial<R>{partial.span().data()});
+    while (partial.size() > 1) partial = reduce_chunks<R>(partial.size(), LoadResult<R>{partial.span()});
     R result{};
     Memory::download(&result, partial.span().data(), sizeof(R));
     return result;
@@ -191,30 +252,57 @@ class Cuda {
     return Block(block);
   }
 
-  template <class F>
-  static void launch(Size n, const F& f, int threads) {
-    static_assert(std::is_trivially_copyable_v<F>);
-    if (n == 0) return;
-    for_each_kernel<<<blocks(n, threads), static_cast<unsigned>(threads)>>>(n, f);
-    check_cuda(cudaGetLastError(), "launch");
+  static Size attribute(cudaDeviceAttr attribute) {
+    int device = 0;
+    int value = 0;
+    check_cuda(cudaGetDevice(&device), "device query");
+    check_cuda(cudaDeviceGetAttribute(&value, attribute, device), "device query");
+    return value;
+  }
+  /// The warps that kernels of much work are spread over: as many as can be resident with all registers of a thread;
+  /// one per multiprocessor where one suffices to occupy the units for double precision, as on cards for consumers.
+  static Size resident_warps() {
+    constexpr Size kWarpsPerProcessor = 8;
+    constexpr Size kMaxRatio = 4;
+    const Size ratio = attribute(cudaDevAttrSingleToDoublePrecisionPerfRatio);
+    return attribute(cudaDevAttrMultiProcessorCount) * (ratio <= kMaxRatio ? kWarpsPerProcessor : 1);
   }
 
+  /// The merged results of the chunks of a loop. Where kernels of much work are spread (for_each), the results are
+  /// stored first: the chunks must be the same on all devices.
   template <class R, class F>
   Buffer<R> reduce_chunks(Size n, const F& f) const {
-    Buffer<R> partial(*this, blocks(n, kThreads));
-    reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data());
-    check_cuda(cudaGetLastError(), "launch");
-    return partial;
+    if constexpr (requires { F::kGrain; }) {
+      Buffer<R> results(*this, n);
+      for_each(n, StoreResult<R, F>{f, results.span()});
+      return reduce_chunks<R>(n, LoadResult<R>{results.span()});
+    } else {
+      Buffer<R> partial(*this, blocks(n, kThreads));
+      reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data());
+      check_cuda(cudaGetLastError(), "launch");
+      return partial;
+    }
+  }
+  /// Threads per warp of a short launch. Threads that do much work take different paths, one after the other in a warp:
+  /// few of them are spread over more warps.
+  template <class F>
+  int warp_threads(Size n) const {
+    if constexpr (requires { F::kGrain; }) {
+      return static_cast<int>(std::clamp<Size>((n + warps_ - 1) / warps_, 1, kWarp));
+    } else {
+      return kWarp;
+    }
   }
 
   static constexpr int kThreads = 128;
   /// Short launches run in blocks of one warp, to occupy as many multiprocessors as possible.
-  static constexpr int kWarp = 32;
+  static constexpr int kWarp = Warp::kSize;
   static constexpr Size kSmallLaunch = 65536;
   /// Far below the limit of 2^31 - 1, as all indices have 32 bits.
   static unsigned blocks(Size n, int each) { return static_cast<unsigned>((n + each - 1) / each); }
 
   std::function<bool()> stop_;
+  Size warps_;
   Block block_;
   mutable Pool pool_;
 };

@@ -12,14 +12,15 @@ struct CavityRetriangulation {
   /// With rings of at most three tetrahedra only the flips of the paper are made.
   static constexpr int kMinRing = 4;
 
-  TETUNE_HD static void propose(const StarProposal& p, Index t, int corner) {
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& p, Index t, int corner) {
     if (p.max_ring < kMinRing) return;
     const Index apex = p.mesh.tet2vertex[t][corner];
     StarCavity star(p.mesh, p.constrained);
     if (!star.take_tet(t)) return;
     const Vec3 x = vec(p.mesh.points[apex]);
-    if (star.grow_below(apex, x, (1 - kMinCostGain) * star.cost_before())) {
-      p.add(star, star.cost_before(), star.candidate(apex, kNoVertex, x));
+    if (p.grow(star, apex, x)) {
+      p.add(star, p.cost_before(star), star.candidate(apex, kNoVertex, x));
     }
   }
 };

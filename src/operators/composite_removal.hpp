@@ -6,35 +6,49 @@
 namespace tetune {
 
 /// The best removal of an edge of a tetrahedron with a vertex of its ring moved at the same time: a composite operation
-/// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007).
+/// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007). The moves are tried in turn, each against
+/// the best one so far. A backend of many threads evaluates all moves beforehand, one per thread (EvaluateMoves); then
+/// only the one that the sequence would end with is tried.
 struct CompositeRemoval {
   static constexpr int kChoices = 1;
   /// The maximum number of tetrahedra around the edge: with more it hardly ever helps.
   static constexpr int kMaxEdgeTets = 6;
+  /// The moves of a tetrahedron: one per edge and vertex of its ring.
+  static constexpr int kMoves = 6 * kMaxEdgeTets;
 
-  TETUNE_HD static void propose(const StarProposal& p, Index t, int) {
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& p, Index t, int) {
+    const int only = p.moves == nullptr ? -1 : chosen_move(p.moves);
+    if (only == kMoves) return;
     Move best{StarCavity(p.mesh, p.constrained), -1, {}, 0, kAcceptRatio};
-    const Tet tet = p.mesh.tet2vertex[t];
     for (int edge = 0; edge < 6; ++edge) {
+      if (only >= 0 && only / kMaxEdgeTets != edge) continue;
       StarCavity ring(p.mesh, p.constrained);
-      if (!ring.take_edge(t, edge) || ring.tet_count() > kMaxEdgeTets || ring.tet_count() > p.max_ring) continue;
-      const EdgeCorners e = edge_corners(edge);
-      Index before = tet[e.k];
+      if (!take_ring(p, t, edge, ring)) continue;
+      RingWalk walk(p.mesh, t, edge);
       for (int i = 0; i < ring.tet_count(); ++i) {
-        // Tetrahedron i has the vertices before and after the face to the next one.
-        const Tet current = p.mesh.tet2vertex[ring.tet(i)];
-        Index v = before;
-        for (int k = 0; k < 4; ++k) {
-          v = current[k] != tet[e.i] && current[k] != tet[e.j] && current[k] != before ? current[k] : v;
-        }
-        before = v;
-        if (p.is_movable(v)) try_move(p, ring, v, best);
+        const Index v = walk.next(p.mesh.tet2vertex[ring.tet(i)]);
+        if ((only >= 0 && only % kMaxEdgeTets != i) || !p.is_movable(v)) continue;
+        try_move(p, ring, v, best);
       }
     }
     if (best.v < 0) return;
-    StarCandidate c = best.star.candidate(best.v, kNoVertex, best.star.lower_cost(best.x));
+    StarCandidate c = best.star.candidate(best.v, kNoVertex, p.lower_cost(best.star, best.x));
     c.is_moved = true;
     p.add(best.star, best.before, c);
+  }
+
+  /// The costs of one move of a tetrahedron.
+  TETUNE_HD static MoveCosts evaluate(const StarContext& p, Index t, int move) {
+    const int edge = move / kMaxEdgeTets;
+    StarCavity star(p.mesh, p.constrained);
+    if (!take_ring(p, t, edge, star) || move % kMaxEdgeTets >= star.tet_count()) return {};
+    RingWalk walk(p.mesh, t, edge);
+    Index v = kNoVertex;
+    for (int i = 0; i <= move % kMaxEdgeTets; ++i) v = walk.next(p.mesh.tet2vertex[star.tet(i)]);
+    if (!p.is_movable(v)) return {};
+    Vec3 x;
+    return evaluate(p, star, v, x, kAcceptRatio, backend::SingleThread());
   }
 
  private:
@@ -46,18 +60,77 @@ struct CompositeRemoval {
     double before;
     double ratio;  ///< of the cotangents after and before
   };
-  TETUNE_HD static void try_move(const StarProposal& p, StarCavity star, Index v, Move& best) {
-    if (!star.take_all_around(v)) return;
-    Vec3 x = vec(p.mesh.points[v]);
-    if (!star.find_kernel_point(x)) return;
+  /// The vertices of the ring of an edge in turn.
+  class RingWalk {
+   public:
+    TETUNE_HD RingWalk(const MeshView& mesh, Index t, int edge) {
+      const EdgeCorners e = edge_corners(edge);
+      const Tet tet = mesh.tet2vertex[t];
+      from_ = tet[e.i];
+      to_ = tet[e.j];
+      vertex_ = tet[e.k];
+    }
+    /// Each tetrahedron has the vertices before and after the face to the next one.
+    TETUNE_HD Index next(const Tet& tet) {
+      Index v = vertex_;
+      for (int k = 0; k < 4; ++k) v = tet[k] != from_ && tet[k] != to_ && tet[k] != vertex_ ? tet[k] : v;
+      return vertex_ = v;
+    }
+
+   private:
+    Index from_, to_, vertex_;
+  };
+
+  TETUNE_HD static bool take_ring(const StarContext& p, Index t, int edge, StarCavity& ring) {
+    return ring.take_edge(t, edge) && ring.tet_count() <= kMaxEdgeTets && ring.tet_count() <= p.max_ring;
+  }
+  /// The move that propose() ends with; kMoves: none.
+  TETUNE_HD static int chosen_move(const MoveCosts* moves) {
+    int chosen = kMoves;
+    double ratio = kAcceptRatio;
+    for (int m = 0; m < kMoves; ++m) {
+      if (!moves[m].is_below(ratio)) continue;
+      chosen = m;
+      ratio = moves[m].after / moves[m].before;
+    }
+    return chosen;
+  }
+  template <class Proposal>
+  TETUNE_HD static void try_move(const Proposal& p, StarCavity star, Index v, Move& best) {
+    Vec3 x;
+    const MoveCosts costs = evaluate(p, star, v, x, best.ratio, p.team);
+    if (costs.is_below(best.ratio)) best = {star, v, x, costs.before, costs.after / costs.before};
+  }
+  /// Moves v to x, and enlarges the cavity, as long as the costs are below `ratio`.
+  template <class Team>
+  TETUNE_HD static MoveCosts evaluate(const StarContext& p, StarCavity& star, Index v, Vec3& x, double ratio,
+                                      const Team& team) {
+    MoveCosts costs;
+    if (!star.take_all_around(v)) return costs;
+    x = vec(p.mesh.points[v]);
+    if (!star.find_kernel_point(x, team)) return costs;
     x = star.relax(x);
-    const double screen = kScreenRatio * best.ratio * star.cost_before();
-    if (!(star.cost_after(v, x, screen) < screen)) return;
+    costs.first_before = star.cost_before(team);
+    costs.first_after = star.cost_after(v, x, costs.screen(ratio), false, team);
+    if (!(costs.first_after < costs.screen(ratio))) return costs;
     x = star.relax_and_grow(x);
-    const double before = star.cost_before();
-    const double limit = best.ratio * before;
-    const double after = star.cost_after(v, x, limit);
-    if (after < limit && star.preserves_constraints(v)) best = {star, v, x, before, after / before};
+    costs.before = star.cost_before(team);
+    const double after = star.cost_after(v, x, ratio * costs.before, false, team);
+    if (after < ratio * costs.before && star.preserves_constraints(v)) costs.after = after;
+    return costs;
+  }
+};
+
+/// Evaluates the moves of some tetrahedra.
+struct EvaluateMoves {
+  static constexpr Size kGrain = 4;
+  StarContext context;
+  Span<const Index> tets;
+  Span<MoveCosts> moves;
+
+  TETUNE_HD void operator()(Size i) const {
+    moves[i] = CompositeRemoval::evaluate(context, tets[i / CompositeRemoval::kMoves],
+                                          static_cast<int>(i % CompositeRemoval::kMoves));
   }
 };
 

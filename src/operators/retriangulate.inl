@@ -63,7 +63,8 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
     triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->flat, surface->bends,
                  dofs.reference.view(),     dofs.surface_point.span()};
   }
-  const Size count = choices * std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers);
+  tets = {tets.data(), std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers)};
+  const Size count = choices * tets.size();
   const StarContext context{rated(mesh, criterion),
                             flips.constrained(),
                             dofs.dof.span(),
@@ -73,6 +74,12 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
                             vertex_cost,
                             true};
   StarProposals<AllOperators> proposals{context, tets, choices};
+  BufferOf<Backend, MoveCosts> moves;
+  if constexpr (Backend::kIsAsynchronous) {
+    moves.resize(backend, CompositeRemoval::kMoves * tets.size());
+    backend.for_each(moves.size(), EvaluateMoves{context, tets, moves.span()});
+    proposals.moves = moves.span();
+  }
   auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
   const auto has_room = [&] {
     const ChangeCounts& total = selection.total;

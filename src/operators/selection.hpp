@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "backend/team.hpp"
 #include "operators/bid.hpp"
 #include "operators/candidate.hpp"
 
@@ -14,7 +15,12 @@
 ///   static constexpr Size kGrain = ...;  proposals that are work enough for a thread
 ///   static constexpr Size kBatch = ...;  proposals that take a core about a tenth of a second
 ///   Size operator()(Size i, const Proposals<Candidate>&) const;   returns the number of cavities evaluated
+///   using Shared = ...;                  optional: a team evaluates a proposal (backend/team.hpp), by
+///                                        operator()(team, shared, i, proposals)
 ///   void prefetch(Size i) const;         optional
+///   Size group() const;                  optional: consecutive proposals that differ in kind, in the same order in
+///   each
+///                                        group; threads of a device that run together get proposals of one kind
 /// All candidates bid; of each proposal the best one alone is stored: the tetrahedra of a proposal's candidates
 /// overlap, so that no other can be selected.
 namespace tetune {
@@ -81,16 +87,31 @@ namespace selection_detail {
 template <class Generator>
 struct Propose {
   static constexpr Size kGrain = Generator::kGrain;
+  using Shared = backend::SharedOf<Generator>;
   Generator generator;
   Proposals<typename Generator::Candidate> proposals;
+  Size group;   ///< of proposals that are evaluated apart from each other; 1: in order
+  Size groups;  ///< of the batch
 
   TETUNE_INLINE void prefetch(Size i, Size) const {
     if constexpr (requires { generator.prefetch(i); }) generator.prefetch(proposals.first + i);
   }
   TETUNE_HD backend::Sum<Size> operator()(Size i) const {
-    const Size proposal = proposals.first + i;
-    for (int part = 0; part < Generator::kParts; ++part) proposals.bids[proposals.entry(proposal, part)] = 0;
+    const Size proposal = begin(i, true);
     return {generator(proposal, proposals)};
+  }
+  template <class Team, class Memory>
+  TETUNE_HD backend::Sum<Size> operator()(const Team& team, Memory& shared, Size i) const {
+    const Size proposal = begin(i, team.rank() == 0);
+    return {generator(team, shared, proposal, proposals)};
+  }
+
+ private:
+  /// The proposal of item i, without candidates yet.
+  TETUNE_HD Size begin(Size i, bool clears) const {
+    const Size proposal = proposals.first + (group == 1 ? i : i % groups * group + i / groups);
+    for (int part = 0; clears && part < Generator::kParts; ++part) proposals.bids[proposals.entry(proposal, part)] = 0;
+    return proposal;
   }
 };
 
@@ -168,12 +189,23 @@ struct MarkReplaced {
   }
 };
 
-/// Proposals per batch. The candidates of a batch are stored apart until it is known which lead: on a device the memory
-/// of this is a quarter of what all would take, but for small meshes.
+/// The length of the groups of proposals that are evaluated apart from each other.
+template <class Backend, class Generator>
+Size group_size(const Generator& generator) {
+  if constexpr (Backend::kIsAsynchronous && requires { generator.group(); }) {
+    return generator.group();
+  } else {
+    return 1;
+  }
+}
+
+/// Proposals per batch: whole groups. The candidates of a batch are stored apart until it is known which lead: on a
+/// device the memory of this is a quarter of what all would take, but for small meshes.
 template <class Backend>
-Size batch_size(Size count, Size host_batch) {
+Size batch_size(Size count, Size host_batch, Size group) {
   constexpr Size kMinDeviceBatch = Size{1} << 15;
-  return std::min(count, Backend::kIsAsynchronous ? std::max(kMinDeviceBatch, (count + 3) / 4) : host_batch);
+  const Size batch = Backend::kIsAsynchronous ? std::max(kMinDeviceBatch, (count + 3) / 4) : host_batch;
+  return std::min(count, (batch + group - 1) / group * group);
 }
 
 /// Memory for all records, from how many there are after a part of the proposals.
@@ -200,7 +232,8 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
   tet2bid.resize(backend, mesh.slots(), mesh.room());
   backend.fill(tet2bid.span(), std::uint64_t{0});
   {
-    const Size batch = batch_size<Backend>(count, Generator::kBatch);
+    const Size group = group_size<Backend>(generator);
+    const Size batch = batch_size<Backend>(count, Generator::kBatch, group);
     BufferOf<Backend, C> candidates(backend, Generator::kParts * batch);
     BufferOf<Backend, std::uint64_t> bids(backend, Generator::kParts * batch);
     BufferOf<Backend, Index> entries(backend, Generator::kParts * batch);
@@ -212,7 +245,8 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
       }
       const Size size = std::min(batch, count - first);
       const Proposals<C> proposals{tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
-      s.evaluated += backend.template reduce<backend::Sum<Size>>(size, Propose<Generator>{generator, proposals}).value;
+      const Propose<Generator> propose{generator, proposals, group, size / group};
+      s.evaluated += backend.template reduce<backend::Sum<Size>>(size, propose).value;
       const Size found = backend.compact(Generator::kParts * size, HoldsSoFar<C>{proposals}, entries.span());
       const Size before = s.records.size();
       reserve_records(backend, s.records, before + found,

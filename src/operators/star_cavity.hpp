@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mesh/constrained_edges.hpp"
+#include "mesh/small_set.hpp"
 #include "operators/edge_star.hpp"
 #include "operators/star_candidate.hpp"
 #include "relocation/angle_cost_ring.hpp"
@@ -31,10 +32,10 @@ class StarCavity {
     if (is_locked(links[e.k]) || is_locked(links[e.l])) return false;
     if (constrained_.contains(tet[e.i], tet[e.j])) return false;
     const Index last = tet_of(links[e.l]);
-    tets_[tet_count_++] = t;
+    tets_.add(t);
     for (EdgeWalk walk{tet[e.l], links[e.k]};;) {
-      if (2 * tet_count_ == kMaxStarFaces) return false;
-      tets_[tet_count_++] = walk.tet();
+      if (2 * tets_.size() == kMaxStarFaces) return false;
+      tets_.add(walk.tet());
       if (walk.tet() == last) break;
       if (!walk.step(mesh_)) return false;
     }
@@ -43,26 +44,26 @@ class StarCavity {
 
   /// Takes t alone.
   TETUNE_HD bool take_tet(Index t) {
-    tets_[tet_count_++] = t;
+    tets_.add(t);
     return find_faces();
   }
   /// Takes all tetrahedra around a vertex of t that is on no surface.
   TETUNE_HD bool take_vertex(Index t, int corner) {
-    tets_[tet_count_++] = t;
+    tets_.add(t);
     return take_all_around(mesh_.tet2vertex[t][corner]);
   }
   /// Takes all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too.
   TETUNE_HD bool take_surface(Index t, const SurfaceSimplex& simplex) {
     simplex_ = simplex;
-    tets_[tet_count_++] = t;
-    for (int i = 0; i < tet_count_; ++i) {
+    tets_.add(t);
+    for (int i = 0; i < tets_.size(); ++i) {
       const Tet tet = mesh_.tet2vertex[tets_[i]];
       for (int f = 0; f < 4; ++f) {
         if (!simplex.is_on_face(tet, f)) continue;
         const HalfFace across = mesh_.tet2tet[tets_[i]][f];
-        if (across != kNoHalfFace && !contains(tet_of(across))) {
-          if (tet_count_ == kMaxStarTets) return false;
-          tets_[tet_count_++] = tet_of(across);
+        if (across != kNoHalfFace && !tets_.contains(tet_of(across))) {
+          if (tets_.is_full()) return false;
+          tets_.add(tet_of(across));
         }
         if (!is_locked(across) || (across != kNoHalfFace && tet_of(across) < tets_[i])) continue;
         if (base_count_ == kMaxStarTriangles) return false;
@@ -73,22 +74,22 @@ class StarCavity {
   }
   /// Takes all tetrahedra around a vertex of the cavity, in addition to those it has.
   TETUNE_HD bool take_all_around(Index v) {
-    for (int i = 0; i < tet_count_; ++i) {
+    for (int i = 0; i < tets_.size(); ++i) {
       const Tet tet = mesh_.tet2vertex[tets_[i]];
       if (tet[local_index(tet, v)] != v) continue;
       const FaceAdjacency links = mesh_.tet2tet[tets_[i]];
       for (int f = 0; f < 4; ++f) {
         if (tet[f] == v) continue;
         if (is_locked(links[f])) return false;
-        if (contains(tet_of(links[f]))) continue;
-        if (tet_count_ == kMaxStarTets) return false;
-        tets_[tet_count_++] = tet_of(links[f]);
+        if (tets_.contains(tet_of(links[f]))) continue;
+        if (tets_.is_full()) return false;
+        tets_.add(tet_of(links[f]));
       }
     }
     return find_faces();
   }
 
-  TETUNE_HD int tet_count() const { return tet_count_; }
+  TETUNE_HD int tet_count() const { return tets_.size(); }
   /// The surface triangles that the cavity replaces.
   TETUNE_HD int base_count() const { return base_count_; }
   TETUNE_HD const LinkFace& base(int i) const { return bases_[i]; }
@@ -117,71 +118,78 @@ class StarCavity {
     c.apex = apex;
     c.removed = removed;
     c.is_moved = false;
-    c.tet_count = tet_count_;
+    c.tet_count = tets_.size();
     c.simplex = simplex_;
-    for (int i = 0; i < tet_count_; ++i) {
+    for (int i = 0; i < tets_.size(); ++i) {
       c.tets[i] = tets_[i];
       c.outer_faces[i] = 0;
     }
     for (int k = 0; k < face_count_; ++k) {
-      int i = 0;
-      while (tets_[i] != tet_of(sides_[k])) ++i;
+      const int i = tets_.find(tet_of(sides_[k]));
       c.outer_faces[i] = static_cast<std::uint8_t>(c.outer_faces[i] | 1 << face_of(sides_[k]));
     }
     return c;
   }
 
   /// The largest cost of the dihedral angles (DihedralCots::cost()) in the cavity as it is.
-  TETUNE_HD double cost_before() const {
-    double largest = -1;
-    for (int i = 0; i < tet_count_; ++i) {
-      const double cost = dihedral_cots(mesh_, tets_[i]).cost(mesh_.obtuse_weight);
-      largest = cost > largest ? cost : largest;
+  template <class Team = backend::SingleThread>
+  TETUNE_HD double cost_before(const Team& team = {}) const {
+    backend::Max largest{-1};
+    for (int i = team.rank(); i < tets_.size(); i += Team::kSize) {
+      largest.merge({dihedral_cots(mesh_, tets_[i]).cost(mesh_.obtuse_weight)});
     }
-    return largest;
+    return team.merge(largest).value;
   }
   /// That of the retriangulation from x; `limit` where it is not below that, or where a tetrahedron is not certified
   /// positive or worse than the floor.
-  TETUNE_HD double cost_after(Index apex, const Vec3& x, double limit, bool keeps_floor = false) const {
-    double largest = -1;
-    for (int i = 0; i < face_count_; ++i) {
-      if (has_vertex(faces_[i], apex)) continue;
-      int first = 0;
-      const double cost = AngleCostRing(mesh_, &faces_[i], 1, keeps_floor).largest_cost(x, limit, first);
-      if (!(cost < limit)) return limit;
-      largest = cost > largest ? cost : largest;
+  template <class Team = backend::SingleThread>
+  TETUNE_HD double cost_after(Index apex, const Vec3& x, double limit, bool keeps_floor = false,
+                              const Team& team = {}) const {
+    backend::Max largest{-1};
+    for (int begin = 0; begin < face_count_; begin += Team::kSize) {
+      const int i = begin + team.rank();
+      bool fails = false;
+      if (i < face_count_ && !has_vertex(faces_[i], apex)) {
+        int first = 0;
+        const double cost = AngleCostRing(mesh_, &faces_[i], 1, keeps_floor).largest_cost(x, limit, first);
+        largest.merge({cost});
+        fails = !(cost < limit);
+      }
+      if (team.any(fails)) return limit;
     }
-    return largest;
+    return team.merge(largest).value;
   }
 
   /// Moves x into the kernel of the cavity, that is to where all faces are visible, by steps over the plane of the most
   /// violated face (relaxation after Motzkin and Schoenberg). Returns false where it finds no such place.
-  TETUNE_HD bool find_kernel_point(Vec3& x) const {
-    Vec3 normal[kMaxStarFaces];
-    double height[kMaxStarFaces];  // of the plane that x is to be above
-    for (int i = 0; i < face_count_; ++i) {
+  template <class Team = backend::SingleThread>
+  TETUNE_HD bool find_kernel_point(Vec3& x, const Team& team = {}) const {
+    // Face i belongs to thread i % kSize of the team.
+    constexpr int kOwn = (kMaxStarFaces + Team::kSize - 1) / Team::kSize;
+    Vec3 normal[kOwn];
+    double height[kOwn];  // of the plane that x is to be above
+    for (int i = team.rank(); i < face_count_; i += Team::kSize) {
       const Vec3 p = vec(mesh_.points[faces_[i].v[0]]);
       const Vec3 n = opposite_face(p, vec(mesh_.points[faces_[i].v[1]]), vec(mesh_.points[faces_[i].v[2]])).n;
       const double twice_area = norm(n);
-      normal[i] = (1 / twice_area) * n;
-      height[i] = dot(normal[i], p) + kHeight * std::sqrt(twice_area);
+      normal[i / Team::kSize] = (1 / twice_area) * n;
+      height[i / Team::kSize] = dot(normal[i / Team::kSize], p) + kHeight * std::sqrt(twice_area);
     }
     for (int step = 0; step < kRelaxations; ++step) {
-      double min_above = 0;
-      int lowest = -1;
-      for (int i = 0; i < face_count_; ++i) {
-        const double above = dot(normal[i], x) - height[i];
-        lowest = above < min_above ? i : lowest;
-        min_above = above < min_above ? above : min_above;
+      backend::IndexedMax below{0, -1};
+      for (int i = team.rank(); i < face_count_; i += Team::kSize) {
+        below.add(height[i / Team::kSize] - dot(normal[i / Team::kSize], x), i);
       }
-      if (lowest < 0) return true;
-      x = x - (kOverRelaxation * min_above) * normal[lowest];
+      below = team.merge(below);
+      if (below.index < 0) return true;
+      x = x + (kOverRelaxation * below.value) *
+                  team.broadcast(normal[below.index / Team::kSize], below.index % Team::kSize);
     }
     return false;
   }
   /// Whether all vertices and constrained edges of the cavity, except for the apex inside it, are on its faces.
   TETUNE_HD bool preserves_constraints(Index apex) const {
-    for (int i = 0; i < tet_count_; ++i) {
+    for (int i = 0; i < tets_.size(); ++i) {
       const Tet tet = mesh_.tet2vertex[tets_[i]];
       for (int k = 0; k < 4; ++k) {
         if (tet[k] == apex) continue;
@@ -208,27 +216,29 @@ class StarCavity {
   }
   /// Enlarges the cavity across the face whose new tetrahedron costs most, until none costs `limit` or more with the
   /// apex at x. Returns false where a surface, an edge, a vertex or the size forbids it.
-  TETUNE_HD bool grow_below(Index apex, const Vec3& x, double limit) {
+  template <class Team = backend::SingleThread>
+  TETUNE_HD bool grow_below(Index apex, const Vec3& x, double limit, const Team& team = {}) {
     for (int step = 0; step < kMaxStarTets; ++step) {
-      int worst = -1;
-      double largest = limit;
-      for (int i = 0; i < face_count_; ++i) {
-        if (has_vertex(faces_[i], apex)) continue;
+      backend::IndexedMax worst{-1, -1};  // the last of equals: indices count from the last face on
+      for (int k = team.rank(); k < face_count_; k += Team::kSize) {
+        const LinkFace& face = faces_[face_count_ - 1 - k];
+        if (has_vertex(face, apex)) continue;
         int first = 0;
-        const double cost = AngleCostRing(mesh_, &faces_[i], 1, false).largest_cost(x, kInfeasible, first);
-        worst = cost >= largest ? i : worst;
-        largest = cost >= largest ? cost : largest;
+        const double cost = AngleCostRing(mesh_, &face, 1, false).largest_cost(x, kInfeasible, first);
+        if (cost >= limit) worst.add(cost, k);
       }
-      if (worst < 0) return true;
-      const Growth g = has_room() ? growth_across(worst) : Growth{};
+      worst = team.merge(worst);
+      if (worst.index < 0) return true;
+      const Growth g = has_room() ? growth_across(face_count_ - 1 - worst.index) : Growth{};
       if (g.t < 0) return false;
       take(g);
     }
     return false;
   }
-  /// A place for the apex where the largest cost of the angles is lower.
-  TETUNE_HD Vec3 lower_cost(Vec3 x) {
-    AngleCostRing(mesh_, faces_, face_count_, false).minimize(x, motion_, 0);
+  /// A place for the apex where the largest cost of the angles is lower; `model` as in AngleCostRing::minimize().
+  template <class Team = backend::SingleThread>
+  TETUNE_HD Vec3 lower_cost(Vec3 x, MinimaxModel& model, const Team& team = {}) {
+    AngleCostRing(mesh_, faces_, face_count_, false).minimize(x, motion_, 0, model, team);
     return x;
   }
 
@@ -241,12 +251,6 @@ class StarCavity {
   /// The part of the energy that a step must reduce, by its model.
   static constexpr double kMinGain = 1e-3;
 
-  TETUNE_HD bool contains(Index t) const {
-    for (int i = 0; i < tet_count_; ++i) {
-      if (tets_[i] == t) return true;
-    }
-    return false;
-  }
   /// Whether the edge is one of a replaced triangle, opposite a vertex of the simplex.
   TETUNE_HD bool is_base_edge(Index a, Index b) const {
     for (int i = 0; i < base_count_; ++i) {
@@ -276,12 +280,12 @@ class StarCavity {
 
   TETUNE_HD bool find_faces() {
     face_count_ = 0;
-    for (int i = 0; i < tet_count_; ++i) {
+    for (int i = 0; i < tets_.size(); ++i) {
       const Tet tet = mesh_.tet2vertex[tets_[i]];
       const FaceAdjacency links = mesh_.tet2tet[tets_[i]];
       for (int f = 0; f < 4; ++f) {
         const bool is_base = is_locked(links[f]) && simplex_.is_on_face(tet, f);
-        if (links[f] != kNoHalfFace && contains(tet_of(links[f]))) {
+        if (links[f] != kNoHalfFace && tets_.contains(tet_of(links[f]))) {
           if (is_locked(links[f]) && !is_base) return false;
           continue;
         }
@@ -322,7 +326,7 @@ class StarCavity {
     g.tet = mesh_.tet2vertex[t];
     const FaceAdjacency links = mesh_.tet2tet[t];
     for (int f = 0; f < 4; ++f) {
-      if (f == g.first || links[f] == kNoHalfFace || !contains(tet_of(links[f]))) continue;
+      if (f == g.first || links[f] == kNoHalfFace || !tets_.contains(tet_of(links[f]))) continue;
       if (g.second >= 0 || is_locked(links[f])) return {};
       g.second = f;
     }
@@ -337,7 +341,7 @@ class StarCavity {
     return g;
   }
   TETUNE_HD void take(const Growth& g) {
-    tets_[tet_count_++] = g.t;
+    tets_.add(g.t);
     const int places[3] = {g.face, g.second >= 0 ? g.other : face_count_, face_count_ + 1};
     if (g.second < 0) face_count_ += 2;
     int n = 0;
@@ -347,7 +351,7 @@ class StarCavity {
       sides_[places[n++]] = make_half_face(g.t, f);
     }
   }
-  TETUNE_HD bool has_room() const { return tet_count_ < kMaxStarTets && face_count_ + 2 <= kMaxStarFaces; }
+  TETUNE_HD bool has_room() const { return !tets_.is_full() && face_count_ + 2 <= kMaxStarFaces; }
 
   /// Takes the tetrahedron across face i if that lowers the energy.
   TETUNE_HD bool grow_across(int i, const Vec3& x) {
@@ -366,13 +370,12 @@ class StarCavity {
 
   RatedMesh mesh_;
   ConstrainedEdges constrained_;
-  Index tets_[kMaxStarTets];
+  SmallSet<kMaxStarTets> tets_;
   LinkFace faces_[kMaxStarFaces];
   HalfFace sides_[kMaxStarFaces];
   LinkFace bases_[kMaxStarTriangles];
   SurfaceSimplex simplex_;
   ApexMotion motion_{{{VertexDof::free, {}}}, {}};
-  int tet_count_ = 0;
   int face_count_ = 0;
   int base_count_ = 0;
 };

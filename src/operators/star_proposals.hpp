@@ -19,6 +19,16 @@ inline constexpr double kScreenRatio = 2;
 /// How often the cavity of a new vertex is enlarged and the vertex moved.
 inline constexpr int kOpeningRounds = 3;
 
+/// The largest costs in a cavity before and after its retriangulation from a vertex that moves.
+struct MoveCosts {
+  double first_before = 0, first_after = kInfeasible;  ///< before the cavity is enlarged
+  double before = 0, after = kInfeasible;              ///< after that; kInfeasible also where a constraint is violated
+
+  /// The bound on `first_after`, where the costs may be at most `ratio` times those before.
+  TETUNE_HD double screen(double ratio) const { return kScreenRatio * ratio * first_before; }
+  TETUNE_HD bool is_below(double ratio) const { return first_after < screen(ratio) && after < ratio * before; }
+};
+
 /// The data that operators share.
 struct StarContext {
   RatedMesh mesh;
@@ -39,24 +49,36 @@ struct StarContext {
   TETUNE_HD SurfaceBend bend() const { return {mesh.points, surface.triangles}; }
 };
 
-/// One choice of an operator, and where it adds the candidate.
+/// One choice of an operator, and where it adds the candidate. A team evaluates it: each of its threads has the cavity
+/// for itself, and they share the work on its faces.
+template <class Team>
 struct StarProposal : StarContext {
   Proposals<StarCandidate> proposals;
   Size id;
+  const MoveCosts* moves;  ///< the costs of all moves of CompositeRemoval; null: not evaluated
+  Team team;
+  MinimaxModel& model;  ///< scratch memory that the team shares
+
+  TETUNE_HD double cost_before(const StarCavity& star) const { return star.cost_before(team); }
+  TETUNE_HD Vec3 lower_cost(StarCavity& star, const Vec3& x) const { return star.lower_cost(x, model, team); }
+  /// Enlarges the cavity until the largest cost is lower than before.
+  TETUNE_HD bool grow(StarCavity& star, Index apex, const Vec3& x) const {
+    return star.grow_below(apex, x, (1 - kMinCostGain) * cost_before(star), team);
+  }
 
   /// Moves a new vertex to where the largest cost is lower than before, and enlarges the cavity where it is not.
   /// Returns false where there is no such place.
   TETUNE_HD bool open(StarCavity& star, Vec3& x) const {
-    const double before = star.cost_before();
+    const double before = cost_before(star);
     const double limit = (1 - kMinCostGain) * before;
     const double screen = kAcceptRatio * before;
-    if (star.cost_after(kNewVertex, x, screen) < screen) {
-      x = star.lower_cost(x);
-      if (star.cost_after(kNewVertex, x, limit) < limit) return true;
+    if (star.cost_after(kNewVertex, x, screen, false, team) < screen) {
+      x = lower_cost(star, x);
+      if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
     }
     for (int round = 0; round < kOpeningRounds; ++round) {
-      if (!star.grow_below(kNewVertex, x, limit)) return false;
-      x = star.lower_cost(x);
+      if (!star.grow_below(kNewVertex, x, limit, team)) return false;
+      x = lower_cost(star, x);
     }
     return true;
   }
@@ -64,29 +86,38 @@ struct StarProposal : StarContext {
   /// Adds a retriangulation where it lowers the largest cost, which is `before`.
   TETUNE_HD void add(const StarCavity& star, double before, const StarCandidate& c) const {
     const double limit = (1 - kMinCostGain) * before;
-    const double after = star.cost_after(c.apex, c.apex_position, limit, true);
-    if (!(after < limit) || !(before - after > 0)) return;
+    const double after = star.cost_after(c.apex, c.apex_position, limit, true, team);
+    if (!(after < limit) || !(before - after > 0) || team.rank() != 0) return;
     proposals.add(id, c, before - after, static_cast<std::uint32_t>(id));
   }
 };
 
-/// Operators, each with a number of choices per tetrahedron; propose() is that of the operator that has a choice.
+/// Operators, each with a number of choices per tetrahedron; propose() is that of the operator that has a choice. Each
+/// is a function of its own in the machine code of a GPU, where a thread has memory for one of them at a time.
 template <class... Operators>
 struct StarOperators;
 template <>
 struct StarOperators<> {
   static constexpr int kChoices = 0;
-  TETUNE_HD static void propose(const StarProposal&, Index, int) {}
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal&, Index, int) {}
 };
 template <class First, class... Others>
 struct StarOperators<First, Others...> {
   static constexpr int kChoices = First::kChoices + StarOperators<Others...>::kChoices;
-  TETUNE_HD static void propose(const StarProposal& proposal, Index t, int choice) {
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& proposal, Index t, int choice) {
     if (choice < First::kChoices) {
-      First::propose(proposal, t, choice);
+      propose_first(proposal, t, choice);
     } else {
       StarOperators<Others...>::propose(proposal, t, choice - First::kChoices);
     }
+  }
+
+ private:
+  template <class Proposal>
+  TETUNE_HD __attribute__((noinline)) static void propose_first(const Proposal& proposal, Index t, int choice) {
+    First::propose(proposal, t, choice);
   }
 };
 
@@ -99,9 +130,22 @@ struct StarProposals : StarContext {
   static constexpr Size kBatch = Size{1} << 12;
   Span<const Index> tets;
   int choices;
+  Span<const MoveCosts> moves = {};  ///< of all tetrahedra; may be empty
 
+  using Shared = MinimaxModel;
+
+  Size group() const { return choices; }
   TETUNE_HD Size operator()(Size id, const Proposals<StarCandidate>& proposals) const {
-    Operators::propose(StarProposal{*this, proposals, id}, tets[id / choices], static_cast<int>(id % choices));
+    MinimaxModel model;
+    return (*this)(backend::SingleThread(), model, id, proposals);
+  }
+  template <class Team>
+  TETUNE_HD Size operator()(const Team& team, MinimaxModel& model, Size id,
+                            const Proposals<StarCandidate>& proposals) const {
+    const MoveCosts* costs = nullptr;
+    if (moves.size() > 0) costs = &moves[id / choices * (moves.size() / tets.size())];
+    const StarProposal<Team> proposal{*this, proposals, id, costs, team, model};
+    Operators::propose(proposal, tets[id / choices], static_cast<int>(id % choices));
     return 1;
   }
 };

@@ -11,7 +11,8 @@ namespace tetune {
 struct SurfaceContraction {
   static constexpr int kChoices = 12;
 
-  TETUNE_HD static void propose(const StarProposal& p, Index t, int choice) {
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
     if (!p.edits_surface() || !p.may_change_vertices(t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const int from = choice / 3;
@@ -31,26 +32,26 @@ struct SurfaceContraction {
       replaced.deviation = p.bend().after_contraction(v, apex, replaced);
       if (!(replaced.deviation < kInfeasible)) return;
     }
-    if (!star.grow_below(apex, x, (1 - kMinCostGain) * star.cost_before()) || !star.keeps_faces_of(apex)) return;
+    if (!p.grow(star, apex, x) || !star.keeps_faces_of(apex)) return;
     StarCandidate c = star.candidate(apex, v, x);
     c.replaced = replaced;
-    p.add(star, star.cost_before(), c);
+    p.add(star, p.cost_before(star), c);
   }
 
  private:
   /// Whether the edge from v to x is in the plane or on the line of v.
-  TETUNE_HD static bool is_in_planes(const StarProposal& p, Index v, const Vec3& x) {
+  TETUNE_HD static bool is_in_planes(const StarContext& p, Index v, const Vec3& x) {
     const Vec3 edge = x - vec(p.mesh.points[v]);
     const double tolerance = p.surface.flat * norm(edge);
     return (p.kind[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance) ||
            (p.kind[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance);
   }
   /// Whether v slides, and both vertices are on the surface.
-  TETUNE_HD static bool is_on_sheet(const StarProposal& p, Index v, Index apex) {
+  TETUNE_HD static bool is_on_sheet(const StarContext& p, Index v, Index apex) {
     return p.surface.has(apex) && (p.kind[v] == VertexDof::surface || p.kind[v] == VertexDof::curve);
   }
   /// Whether v has an edge of the surface to the apex, along its feature line where it is on one.
-  TETUNE_HD static bool is_beside(const StarProposal& p, const ReplacedTriangles& replaced, Index v, Index apex) {
+  TETUNE_HD static bool is_beside(const StarContext& p, const ReplacedTriangles& replaced, Index v, Index apex) {
     for (int i = 0; i < replaced.count; ++i) {
       const BoundaryTriangle& t = p.surface.triangles[replaced.triangle[i]];
       if (has_vertex(t, apex)) return p.kind[v] == VertexDof::surface || is_feature_edge(t, v, apex);
@@ -58,7 +59,7 @@ struct SurfaceContraction {
     return false;
   }
   /// Whether each triangle stays in its plane, and is not turned over, when v moves to the apex.
-  TETUNE_HD static bool keeps_planes(const StarProposal& p, const StarCavity& star, Index v, Index apex) {
+  TETUNE_HD static bool keeps_planes(const StarContext& p, const StarCavity& star, Index v, Index apex) {
     for (int i = 0; i < star.base_count(); ++i) {
       LinkFace f = star.base(i);
       if (has_vertex(f, apex)) continue;

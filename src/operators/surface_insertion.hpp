@@ -11,7 +11,8 @@ namespace tetune {
 struct SurfaceInsertion {
   static constexpr int kChoices = 10;
 
-  TETUNE_HD static void propose(const StarProposal& p, Index t, int choice) {
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
     if (!p.inserts || !p.edits_surface() || !p.may_change_vertices(t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     SurfaceSimplex simplex;
@@ -45,13 +46,13 @@ struct SurfaceInsertion {
     StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
     c.dof = dof;
     c.replaced = replaced;
-    p.add(star, star.cost_before(), c);
+    p.add(star, p.cost_before(star), c);
   }
 
  private:
   /// Moves x to the reference surface, in the same sheet or on the same feature line. Degrees of freedom: fixed where
   /// there is none.
-  TETUNE_HD static NewVertexDof place_on_reference(const StarProposal& p, const ReplacedTriangles& replaced,
+  TETUNE_HD static NewVertexDof place_on_reference(const StarContext& p, const ReplacedTriangles& replaced,
                                                    const SurfaceSimplex& simplex, Vec3& x) {
     const BoundaryTriangle& t = p.surface.triangles[replaced.triangle[0]];
     const double radius = 0.25 * norm(vec(p.mesh.points[simplex.v[1]]) - vec(p.mesh.points[simplex.v[0]]));
@@ -67,7 +68,7 @@ struct SurfaceInsertion {
     x = project_on_reference(p.surface.reference, dof.dof, from, x, dof.surface_point);
     return dof;
   }
-  TETUNE_HD static NewVertexDof find_dof(const StarProposal& p, const StarCavity& star,
+  TETUNE_HD static NewVertexDof find_dof(const StarContext& p, const StarCavity& star,
                                          const ReplacedTriangles& replaced, const SurfaceSimplex& simplex) {
     const Vec3 origin = vec(p.mesh.points[simplex.v[0]]);
     const Vec3 edge = vec(p.mesh.points[simplex.v[1]]) - origin;
@@ -89,7 +90,7 @@ struct SurfaceInsertion {
     return {VertexDof::line, (1 / length) * edge, radius};
   }
   /// The vertex of a triangle at an edge that is not on the edge.
-  TETUNE_HD static Vec3 apex(const StarProposal& p, const LinkFace& f, const SurfaceSimplex& edge) {
+  TETUNE_HD static Vec3 apex(const StarContext& p, const LinkFace& f, const SurfaceSimplex& edge) {
     const int k = !edge.has(f.v[0]) ? 0 : !edge.has(f.v[1]) ? 1 : 2;
     return vec(p.mesh.points[f.v[k]]);
   }

@@ -9,7 +9,8 @@ namespace tetune {
 struct VertexContraction {
   static constexpr int kChoices = 12;
 
-  TETUNE_HD static void propose(const StarProposal& p, Index t, int choice) {
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
     if (!p.may_change_vertices(t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const int from = choice / 3;
@@ -17,8 +18,8 @@ struct VertexContraction {
     StarCavity star(p.mesh, p.constrained);
     if (!p.is_movable(tet[from]) || !star.take_vertex(t, from)) return;
     const Vec3 x = vec(p.mesh.points[tet[to]]);
-    if (!star.grow_below(tet[to], x, (1 - kMinCostGain) * star.cost_before())) return;
-    p.add(star, star.cost_before(), star.candidate(tet[to], tet[from], x));
+    if (!p.grow(star, tet[to], x)) return;
+    p.add(star, p.cost_before(star), star.candidate(tet[to], tet[from], x));
   }
 };
 

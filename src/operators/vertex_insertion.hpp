@@ -10,7 +10,8 @@ namespace tetune {
 struct VertexInsertion {
   static constexpr int kChoices = 7;
 
-  TETUNE_HD static void propose(const StarProposal& p, Index t, int edge) {
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& p, Index t, int edge) {
     if (!p.inserts || !p.may_change_vertices(t)) return;
     StarCavity star(p.mesh, p.constrained);
     if (edge == 6) {
@@ -22,16 +23,17 @@ struct VertexInsertion {
     const EdgeCorners e = edge_corners(edge);
     const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
     Vec3 x = star.relax_and_grow(star.relax(middle));
-    if (p.open(star, x)) p.add(star, star.cost_before(), star.candidate(kNewVertex, kNoVertex, x));
+    if (p.open(star, x)) p.add(star, p.cost_before(star), star.candidate(kNewVertex, kNoVertex, x));
   }
 
  private:
-  TETUNE_HD static void insert_inside(const StarProposal& p, Index t, StarCavity& star) {
+  template <class Proposal>
+  TETUNE_HD static void insert_inside(const Proposal& p, Index t, StarCavity& star) {
     if (!star.take_tet(t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     Vec3 x{0, 0, 0};
     for (int k = 0; k < 4; ++k) x = x + 0.25 * vec(p.mesh.points[tet[k]]);
-    if (p.open(star, x)) p.add(star, star.cost_before(), star.candidate(kNewVertex, kNoVertex, x));
+    if (p.open(star, x)) p.add(star, p.cost_before(star), star.candidate(kNewVertex, kNoVertex, x));
   }
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
+#include "backend/team.hpp"
 #include "boundary/sliding/deviation_bound.hpp"
 #include "boundary/sliding/trace.hpp"
 #include "boundary/vertex_dof.hpp"
@@ -86,9 +89,11 @@ class AngleCostRing {
       : mesh_(mesh), faces_(faces), count_(count), keeps_floor_(keeps_floor) {}
 
   /// Moves x by steps of `motion` (FreeMotion, SlideMotion, ApexMotion) while these decrease the cost, until it is at
-  /// most `target_cost`. Returns whether x moved.
-  template <class VertexMotion>
-  TETUNE_HD bool minimize(Vec3& x, VertexMotion& motion, double target_cost) const {
+  /// most `target_cost`. Returns whether x moved. `model` is scratch memory that the threads of the team share; each
+  /// thread has x and the motion for itself.
+  template <class VertexMotion, class Team = backend::SingleThread>
+  TETUNE_HD bool minimize(Vec3& x, VertexMotion& motion, double target_cost, MinimaxModel& model,
+                          const Team& team = {}) const {
     double length2 = 0;
     for (int k = 0; k < count_; ++k) {
       const Vec3 d = corner(k, 0) - x;
@@ -96,16 +101,16 @@ class AngleCostRing {
     }
     const double length = std::sqrt(length2 / count_);
     int worst = 0;
-    double cost = largest_cost(x, kInfeasible, worst);
+    double cost = largest_cost(x, kInfeasible, worst, team);
     bool moved = false;
     double radius = kFirstStep * length;
     while (cost > target_cost && radius > kLastStep * length) {
-      const MinimaxModel model = model_at(x, cost, motion);
+      find_model(x, cost, motion, model, team);
       const double limit = cost - kMinGain * (1 + cost);
       bool improved = false;
       for (; radius > kLastStep * length; radius *= 0.5) {
-        const Vec3 trial = motion.trial(x, model.step(radius));
-        const double trial_cost = largest_cost(trial, limit, worst);
+        const Vec3 trial = motion.trial(x, model.step(radius, team));
+        const double trial_cost = largest_cost(trial, limit, worst, team);
         if (!(trial_cost < limit) || !motion.accept(trial)) continue;
         x = trial;
         cost = trial_cost;
@@ -117,67 +122,95 @@ class AngleCostRing {
     return moved;
   }
 
-  /// The largest cost with the point at x; `limit` where it is not below `limit`, or where a
-  /// tetrahedron is not certified positive or is worse than the floor. Tetrahedron `first` is evaluated first, and the
-  /// one of the largest cost replaces it.
-  TETUNE_HD double largest_cost(const Vec3& x, double limit, int& first) const {
-    double largest = -1;
+  /// The largest cost with the point at x; `limit` where it is not below `limit`, or where a tetrahedron is not
+  /// certified positive or is worse than the floor. Tetrahedron `first` is evaluated first, and the one of the largest
+  /// cost replaces it: this saves work, and does not affect the result.
+  template <class Team = backend::SingleThread>
+  TETUNE_HD double largest_cost(const Vec3& x, double limit, int& first, const Team& team = {}) const {
+    backend::IndexedMax worst{-1, first};
     const int start = first;
-    for (int k = 0; k < count_; ++k) {
-      const int at = k == 0 ? start : k <= start ? k - 1 : k;
-      const Vec3 p[4] = {x, corner(at, 0), corner(at, 1), corner(at, 2)};
-      const TetEnergy e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);
-      if (!e.certified || e.shape > mesh_.floor.worst_shape) {
-        first = at;
+    for (int begin = 0; begin < count_; begin += Team::kSize) {
+      const int k = begin + team.rank();
+      bool fails = false;
+      if (k < count_) {
+        const int at = k == 0 ? start : k <= start ? k - 1 : k;
+        const double cost = cost_of(x, at);
+        if (cost > worst.value) worst = {cost, at};
+        fails = !(worst.value < limit);
+      }
+      if (team.any(fails)) {
+        first = team.merge(worst).index;
         return limit;
       }
-      const DihedralCots cots = QualityFloor::dihedral_cots(p, e.w);
-      const double cost = !keeps_floor_ || mesh_.floor.allows(cots) ? cots.cost(mesh_.obtuse_weight) : limit;
-      if (cost > largest) {
-        largest = cost;
-        first = at;
-      }
-      if (!(largest < limit)) return limit;
     }
-    return largest;
+    worst = team.merge(worst);
+    first = worst.index;
+    return worst.value;
   }
 
  private:
-  /// The costs that are close to the largest, and their gradients in the space of motion.
-  template <class VertexMotion>
-  TETUNE_HD MinimaxModel model_at(const Vec3& x, double cost, const VertexMotion& motion) const {
-    MinimaxModel model;
-    for (int i = 0; i < count_; ++i) {
-      const Vec3 p[4] = {x, corner(i, 0), corner(i, 1), corner(i, 2)};
-      const double w = orient(p[0], p[1], p[2], p[3]).det;
-      add_angles(p, w, cost - kBand * (1 + cost), motion, model);
-    }
-    return model;
+  /// The cost of the tetrahedron at a face; infinite where it is not certified positive or is worse than the floor.
+  TETUNE_HD double cost_of(const Vec3& x, int face) const {
+    const Vec3 p[4] = {x, corner(face, 0), corner(face, 1), corner(face, 2)};
+    const TetEnergy e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);
+    if (!e.certified || e.shape > mesh_.floor.worst_shape) return HUGE_VAL;
+    const DihedralCots cots = QualityFloor::dihedral_cots(p, e.w);
+    return !keeps_floor_ || mesh_.floor.allows(cots) ? cots.cost(mesh_.obtuse_weight) : HUGE_VAL;
   }
-  /// Adds the angles of one tetrahedron whose cost is above a bound. With n_i the normals of the faces, cos / sin =
-  /// -n_i . n_j / (w |e|); when x moves by d, n_i changes by d x s_i with s_i the side of face i opposite x.
-  template <class VertexMotion>
-  TETUNE_HD void add_angles(const Vec3 p[4], double w, double bound, const VertexMotion& motion,
-                            MinimaxModel& model) const {
-    Vec3 n[4];
-    Vec3 side[4];
-    for (int f = 0; f < 4; ++f) {
-      const Vec3& a = p[face_vertex(f, 0)];
-      const Vec3& b = p[face_vertex(f, 1)];
-      const Vec3& c = p[face_vertex(f, 2)];
-      n[f] = cross(b - a, c - a);
-      side[f] = f == 0 ? Vec3{0, 0, 0} : face_vertex(f, 0) == 0 ? b - c : face_vertex(f, 1) == 0 ? c - a : a - b;
+
+  /// Finds the costs that are close to the largest, and their gradients in the space of motion. They are added in the
+  /// order of the faces.
+  template <class VertexMotion, class Team>
+  TETUNE_HD void find_model(const Vec3& x, double cost, const VertexMotion& motion, MinimaxModel& model,
+                            const Team& team) const {
+    model.clear(team);
+    for (int begin = 0; begin < count_; begin += Team::kSize) {
+      AngleCosts angles;
+      const int i = begin + team.rank();
+      if (i < count_) {
+        const Vec3 p[4] = {x, corner(i, 0), corner(i, 1), corner(i, 2)};
+        angles.find(p, orient(p[0], p[1], p[2], p[3]).det, cost - kBand * (1 + cost), mesh_.obtuse_weight, motion);
+      }
+      const int turns = count_ - begin < Team::kSize ? count_ - begin : Team::kSize;
+      for (int turn = 0; turn < turns; ++turn) {
+        if (turn == team.rank()) {
+          for (int k = 0; k < angles.count; ++k) model.add(angles.cost[k], angles.gradient[k]);
+        }
+        team.sync();
+      }
     }
-    const Vec3 dw = (dot(n[0], p[0] - p[1]) > 0 ? 1 / w : -1 / w) * n[0];
-    for_each_dihedral_cot(p, n, w, [&](double cot, int i, int j, int k, int l) {
-      const double cost = DihedralCots{cot, cot}.cost(mesh_.obtuse_weight);
-      if (!(cost > bound)) return;
-      const Vec3 edge = p[k] - p[l];
-      Vec3 gradient = (-1 / (w * norm(edge))) * (cross(side[i], n[j]) + cross(side[j], n[i])) - cot * dw;
-      if (k == 0) gradient = gradient - (cot / dot(edge, edge)) * edge;
-      model.add(cost, motion.tangent(cost > cot ? -mesh_.obtuse_weight * gradient : gradient));
-    });
   }
+  /// Angles of a tetrahedron with their gradients.
+  struct AngleCosts {
+    int count = 0;
+    double cost[6];
+    Vec3 gradient[6];
+
+    /// Finds the angles whose cost is above a bound. With n_i the normals of the faces, cos / sin = -n_i . n_j / (w
+    /// |e|); when x moves by d, n_i changes by d x s_i with s_i the side of face i opposite x.
+    template <class VertexMotion>
+    TETUNE_HD void find(const Vec3 p[4], double w, double bound, double obtuse_weight, const VertexMotion& motion) {
+      Vec3 n[4];
+      Vec3 side[4];
+      for (int f = 0; f < 4; ++f) {
+        const Vec3& a = p[face_vertex(f, 0)];
+        const Vec3& b = p[face_vertex(f, 1)];
+        const Vec3& c = p[face_vertex(f, 2)];
+        n[f] = cross(b - a, c - a);
+        side[f] = f == 0 ? Vec3{0, 0, 0} : face_vertex(f, 0) == 0 ? b - c : face_vertex(f, 1) == 0 ? c - a : a - b;
+      }
+      const Vec3 dw = (dot(n[0], p[0] - p[1]) > 0 ? 1 / w : -1 / w) * n[0];
+      for_each_dihedral_cot(p, n, w, [&](double cot, int i, int j, int k, int l) {
+        const double angle_cost = DihedralCots{cot, cot}.cost(obtuse_weight);
+        if (!(angle_cost > bound)) return;
+        const Vec3 edge = p[k] - p[l];
+        Vec3 g = (-1 / (w * norm(edge))) * (cross(side[i], n[j]) + cross(side[j], n[i])) - cot * dw;
+        if (k == 0) g = g - (cot / dot(edge, edge)) * edge;
+        cost[count] = angle_cost;
+        gradient[count++] = motion.tangent(angle_cost > cot ? -obtuse_weight * g : g);
+      });
+    }
+  };
 
   /// In local lengths.
   static constexpr double kFirstStep = 0.2;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "backend/results.hpp"
 #include "boundary/sliding/reference_surface.hpp"
 #include "energy/ring.hpp"
 #include "tetune/error.hpp"
@@ -306,18 +307,6 @@ void group_by_color(const Backend& backend, Coloring<Backend>& coloring) {
   coloring.first.push_back(colored);
 }
 
-template <class R, class Kernel>
-struct StoreResult {
-  Kernel kernel;
-  Span<R> results;
-  TETUNE_HD void operator()(Size i) const { results[i] = kernel(i); }
-};
-template <class R>
-struct LoadResult {
-  Span<const R> results;
-  TETUNE_HD R operator()(Size i) const { return results[i]; }
-};
-
 }  // namespace coloring_detail
 
 /// Colors the vertices of a mesh. Existing colors remain where they do not conflict, so that few vertices change color
@@ -362,13 +351,13 @@ R reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kerne
     kernel.vertices = coloring.vertices_of(c);
     const Size count = kernel.vertices.size();
     if constexpr (kStores) {
-      backend.for_each(count, StoreResult<R, Kernel>{kernel, {results.span().data() + done, count}});
+      backend.for_each(count, backend::StoreResult<R, Kernel>{kernel, {results.span().data() + done, count}});
     } else {
       total.merge(backend.template reduce<R>(count, kernel));
     }
     done += count;
   }
-  if constexpr (kStores) total = backend.template reduce<R>(done, LoadResult<R>{results});
+  if constexpr (kStores) total = backend.template reduce<R>(done, backend::LoadResult<R>{results});
   return total;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "backend/team.hpp"
 #include "mesh/tet.hpp"
 
 namespace tetune {
@@ -10,66 +11,66 @@ namespace tetune {
 /// A model of the maximum of several functions of a position: each by its value and gradient. Its minimum within a
 /// given distance is the step of a method for nonsmooth functions (the proximal form of the active-set method of
 /// Freitag and Ollivier-Gooch, "Tetrahedral mesh improvement using swapping and smoothing", 1997). In the memory of one
-/// thread.
+/// thread, or in that which a team shares.
 class MinimaxModel {
  public:
+  /// Removes all functions. Called by all threads of a team; in memory of a team, before anything else.
+  template <class Team>
+  TETUNE_HD void clear(const Team& team) {
+    team.sync();
+    if (team.rank() == 0) count_ = 0;
+    team.sync();
+  }
   /// Adds a function. Where there is no room, it replaces the one of the smallest value if its own is larger. Gradients
   /// that overflow, as at volumes close to underflow, are left out.
   TETUNE_HD void add(double value, const Vec3& gradient) {
     if (!(dot(gradient, gradient) < kMaxNorm2)) return;
-    int at = count_;
-    if (count_ == kMaxFunctions) {
-      at = 0;
-      for (int i = 1; i < count_; ++i) at = value_[i] < value_[at] ? i : at;
-      if (value <= value_[at]) return;
-    } else {
-      ++count_;
-    }
+    if (count_ == kMaxFunctions && value <= value_[smallest_]) return;
+    const int at = count_ == kMaxFunctions ? smallest_ : count_++;
     value_[at] = value;
     gradient_[at] = gradient;
+    if (count_ == kMaxFunctions) find_smallest();
   }
 
   /// The step of at most `radius` that minimizes the model with a quadratic term, so that a single function would
   /// decrease by the whole radius: d = -tau sum l_i g_i, where the weights l maximize the dual. They are found by
   /// pairwise exchange between the function of the largest and that of the smallest modeled value.
-  TETUNE_HD Vec3 step(double radius) const {
-    double weight[kMaxFunctions];
-    int largest = 0;
-    double norm2 = 0;
-    for (int i = 0; i < count_; ++i) {
-      weight[i] = 0;
-      largest = value_[i] > value_[largest] ? i : largest;
-      const double g2 = dot(gradient_[i], gradient_[i]);
-      norm2 = g2 > norm2 ? g2 : norm2;
+  template <class Team = backend::SingleThread>
+  TETUNE_HD Vec3 step(double radius, const Team& team = {}) const {
+    // Function i belongs to thread i % kSize of the team.
+    double weight[(kMaxFunctions + Team::kSize - 1) / Team::kSize];
+    backend::IndexedMax largest{kLowest, 0};
+    backend::IndexedMax norm2{0, 0};
+    for (int i = team.rank(); i < count_; i += Team::kSize) {
+      weight[i / Team::kSize] = 0;
+      largest.add(value_[i], i);
+      norm2.add(dot(gradient_[i], gradient_[i]), i);
     }
-    if (count_ == 0 || !(norm2 > 0)) return {0, 0, 0};
-    const double tau = radius / std::sqrt(norm2);
-    weight[largest] = 1;
-    Vec3 d = -tau * gradient_[largest];
+    largest = team.merge(largest);
+    norm2 = team.merge(norm2);
+    if (!(norm2.value > 0)) return {0, 0, 0};
+    const double tau = radius / std::sqrt(norm2.value);
+    if (owns(team, largest.index)) weight[largest.index / Team::kSize] = 1;
+    Vec3 d = -tau * gradient_[largest.index];
     for (int round = 0; round < kExchanges; ++round) {
-      int to = 0;
-      int from = -1;
-      double high = -1e300;
-      double low = 1e300;
-      for (int i = 0; i < count_; ++i) {
+      backend::IndexedMax high{kLowest, 0};
+      backend::IndexedMax low{kLowest, -1};  // of the negative values
+      for (int i = team.rank(); i < count_; i += Team::kSize) {
         const double modeled = value_[i] + dot(gradient_[i], d);
-        if (modeled > high) {
-          high = modeled;
-          to = i;
-        }
-        if (weight[i] > 0 && modeled < low) {
-          low = modeled;
-          from = i;
-        }
+        high.add(modeled, i);
+        if (weight[i / Team::kSize] > 0) low.add(-modeled, i);
       }
-      if (from < 0) break;
-      const Vec3 difference = gradient_[to] - gradient_[from];
+      high = team.merge(high);
+      low = team.merge(low);
+      if (low.index < 0) break;
+      const Vec3 difference = gradient_[high.index] - gradient_[low.index];
       const double curvature = tau * dot(difference, difference);
-      if (!(high - low > kTolerance * radius * std::sqrt(norm2)) || !(curvature > 0)) break;
-      double moved = (high - low) / curvature;
-      moved = moved < weight[from] ? moved : weight[from];
-      weight[to] += moved;
-      weight[from] -= moved;
+      const double gap = high.value + low.value;
+      if (!(gap > kTolerance * radius * std::sqrt(norm2.value)) || !(curvature > 0)) break;
+      const double available = team.broadcast(weight[low.index / Team::kSize], low.index % Team::kSize);
+      const double moved = gap / curvature < available ? gap / curvature : available;
+      if (owns(team, high.index)) weight[high.index / Team::kSize] += moved;
+      if (owns(team, low.index)) weight[low.index / Team::kSize] -= moved;
       d = d - (tau * moved) * difference;
     }
     return d;
@@ -80,10 +81,21 @@ class MinimaxModel {
   static constexpr double kMaxNorm2 = 1e200;
   static constexpr int kExchanges = 400;
   static constexpr double kTolerance = 1e-10;
+  static constexpr double kLowest = -1e300;
+
+  template <class Team>
+  TETUNE_HD static bool owns(const Team& team, int i) {
+    return i % Team::kSize == team.rank();
+  }
+  TETUNE_HD void find_smallest() {
+    smallest_ = 0;
+    for (int i = 1; i < kMaxFunctions; ++i) smallest_ = value_[i] < value_[smallest_] ? i : smallest_;
+  }
 
   double value_[kMaxFunctions];
   Vec3 gradient_[kMaxFunctions];
   int count_ = 0;
+  int smallest_ = 0;  ///< the function of the smallest value, once there is no room
 };
 
 }  // namespace tetune

@@ -11,7 +11,7 @@ namespace tetune {
 
 namespace minimize_angle_cost_detail {
 
-/// Moves one vertex.
+/// Moves one vertex. A team moves it together, as each step takes the angles of all tetrahedra around it.
 template <class Pack>
 struct MinimizeAngleCost : DofsView {
   static constexpr Size kGrain = 16;
@@ -20,26 +20,33 @@ struct MinimizeAngleCost : DofsView {
   Span<const std::uint8_t> flags;
   double target_cost;
   Span<const Index> vertices = {};
+  using Shared = MinimaxModel;
 
   TETUNE_HD Sum<Size> operator()(Size i) const {
+    MinimaxModel model;
+    return (*this)(backend::SingleThread(), model, i);
+  }
+  template <class Team>
+  TETUNE_HD Sum<Size> operator()(const Team& team, MinimaxModel& model, Size i) const {
     const Index v = vertices[i];
     const Size begin = rings.offsets[v];
     const auto count = static_cast<int>(rings.offsets[v + 1] - begin);
     if (flags[v] == 0 || count == 0) return {};
     const AngleCostRing ring(mesh, rings.faces.data() + begin, count, true);
-    Vec3 x = vec(mesh.points[v]);
+    Vec3 x = vec(backend::read_once(team, mesh.points[v]));
     if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) {
+      const SurfacePoint start = backend::read_once(team, surface_point[v]);
       SlideMotion<DeviationBound<Pack>> motion{
-          reference, DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v],
-          surface_point[v], surface_point[v]};
-      if (!ring.minimize(x, motion, target_cost)) return {};
-      surface_point[v] = motion.surface_point;
+          reference, DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v], start,
+          start};
+      if (!ring.minimize(x, motion, target_cost, model, team)) return {};
+      if (team.rank() == 0) surface_point[v] = motion.surface_point;
     } else {
       // Free vertices have no axis: where the surface slides, it was never written.
       FreeMotion motion{{dof[v], dof[v] == VertexDof::free ? Vec3{} : axis[v]}};
-      if (!ring.minimize(x, motion, target_cost)) return {};
+      if (!ring.minimize(x, motion, target_cost, model, team)) return {};
     }
-    mesh.points[v] = point(x);
+    if (team.rank() == 0) mesh.points[v] = point(x);
     return {1};
   }
 };

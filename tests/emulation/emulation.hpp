@@ -12,6 +12,7 @@
 #include "backend/buffer.hpp"
 #include "backend/concept.hpp"
 #include "backend/pool.hpp"
+#include "backend/results.hpp"
 #include "backend/span.hpp"
 #include "emulation/device_memory.hpp"
 
@@ -72,8 +73,7 @@ class Emulation {
   R reduce(Size n, const F& f) const {
     if (n == 0) return R{};
     Buffer<R> partial = reduce_chunks<R>(n, f);
-    while (partial.size() > 1)
-      partial = reduce_chunks<R>(partial.size(), ReadPartial<R>{std::as_const(partial).span()});
+    while (partial.size() > 1) partial = reduce_chunks<R>(partial.size(), LoadResult<R>{std::as_const(partial).span()});
     R result{};
     memory().download(&result, partial.span().data(), sizeof(R));
     return result;
@@ -173,12 +173,6 @@ class Emulation {
   /// A little more than CUB requires.
   static Size scratch_bytes(Size n) { return n / 16 + 65536; }
 
-  template <class R>
-  struct ReadPartial {
-    Span<const R> partial;
-    R operator()(Size i) const { return partial[i]; }
-  };
-
   /// A permutation of [0, n) that depends on a random number: the multiples of a step coprime to n.
   class Order {
    public:
@@ -212,6 +206,16 @@ class Emulation {
 
   template <class R, class F>
   Buffer<R> reduce_chunks(Size n, const F& f) const {
+    if constexpr (requires { F::kGrain; }) {
+      Buffer<R> results(*this, n);
+      for_each(n, StoreResult<R, F>{f, results.span()});
+      return reduce_chunks<R>(n, LoadResult<R>{std::as_const(results).span()});
+    } else {
+      return merge_chunks<R>(n, f);
+    }
+  }
+  template <class R, class F>
+  Buffer<R> merge_chunks(Size n, const F& f) const {
     Buffer<R> partial(*this, blocks(n));
     launch(n, f, [&](Size block, const F& kernel) {
       R shared[kThreads];

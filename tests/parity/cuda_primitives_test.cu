@@ -10,10 +10,53 @@
 #include "backend/cuda.cuh"
 
 namespace tetune::backend {
-namespace {
+namespace cuda_primitives_test {
 
 struct Reciprocal {
   TETUNE_HD Sum<double> operator()(Size i) const { return {1.0 / static_cast<double>(i + 1)}; }
+};
+/// With much work per item: few items are spread over warps.
+struct HeavyReciprocal : Reciprocal {
+  static constexpr Size kGrain = 1;
+};
+/// The largest of 50 values that depend on i, its index, and their sum; each thread of the team has some of them, and
+/// writes its part of the sum to shared memory.
+struct LargestOfItem {
+  static constexpr Size kGrain = 1;
+  static constexpr int kValues = 50;
+  struct Shared {
+    Size sum[Warp::kSize];
+  };
+  struct Result {
+    double largest = 0;
+    Size index = 0, sum = 0;
+    TETUNE_HD void merge(const Result& other) {
+      largest += other.largest;
+      index += other.index;
+      sum += other.sum;
+    }
+  };
+  TETUNE_HD static int value(Size i, int k) { return static_cast<int>((i * 31 + k * 17) % 23); }
+  TETUNE_HD Result operator()(Size i) const {
+    Shared shared;
+    return (*this)(SingleThread(), shared, i);
+  }
+  template <class Team>
+  TETUNE_HD Result operator()(const Team& team, Shared& shared, Size i) const {
+    IndexedMax largest{-1, -1};
+    shared.sum[team.rank()] = 0;
+    for (int k = team.rank(); k < kValues; k += Team::kSize) {
+      largest.add(value(i, k), k);
+      shared.sum[team.rank()] += value(i, k);
+    }
+    largest = team.merge(largest);
+    const bool is_owner = largest.index % Team::kSize == team.rank();
+    const int found = team.broadcast(is_owner ? largest.index : -1, largest.index % Team::kSize);
+    team.sync();
+    Result result{largest.value, team.any(is_owner) ? found : -1, 0};
+    for (int t = 0; t < Team::kSize; ++t) result.sum += shared.sum[t];
+    return result;
+  }
 };
 struct IsThird {
   TETUNE_HD bool operator()(Size i) const { return i % 3 == 0; }
@@ -65,6 +108,16 @@ TEST_P(CudaPrimitives, ReduceMergesInItsOrder) {
   std::vector<double> values(to_size_t(n()));
   for (Size i = 0; i < n(); ++i) values[to_size_t(i)] = 1.0 / static_cast<double>(i + 1);
   EXPECT_EQ(cuda->reduce<Sum<double>>(n(), Reciprocal{}).value, sum_in_chunks(values));
+  EXPECT_EQ(cuda->reduce<Sum<double>>(n(), HeavyReciprocal{}).value, sum_in_chunks(values));
+}
+
+TEST_P(CudaPrimitives, TeamsFindWhatASingleThreadFinds) {
+  const auto found = cuda->reduce<LargestOfItem::Result>(n(), LargestOfItem{});
+  LargestOfItem::Result expected;
+  for (Size i = 0; i < n(); ++i) expected.merge(LargestOfItem{}(i));
+  EXPECT_EQ(found.largest, expected.largest);
+  EXPECT_EQ(found.index, expected.index);
+  EXPECT_EQ(found.sum, expected.sum);
 }
 
 TEST_P(CudaPrimitives, ScanSumsThePrecedingElements) {
@@ -110,5 +163,5 @@ TEST_P(CudaPrimitives, SortIsStableAndReadsTheLowestBits) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, CudaPrimitives, testing::Values(1, 2, 127, 128, 129, 1000, 5000, 17000, 70000));
 
-}  // namespace
+}  // namespace cuda_primitives_test
 }  // namespace tetune::backend

@@ -30,6 +30,13 @@ __global__ void reverse_in_shared(int* p) {
   if (kHasBarrier) __syncthreads();
   p[threadIdx.x] = values[kSize - 1 - threadIdx.x];
 }
+template <bool kHasBarrier>
+__global__ void reverse_in_warp(int* p) {
+  __shared__ int values[kLanes];
+  values[threadIdx.x] = p[threadIdx.x];
+  if (kHasBarrier) __syncwarp();
+  p[threadIdx.x] = values[kLanes - 1 - threadIdx.x];
+}
 __global__ void read_shared(int* p, int index) {
   __shared__ int values[kSize];
   values[threadIdx.x] = 1;
@@ -85,6 +92,7 @@ TEST_F(Faults, NoneInCorrectCode) {
   copy_from<<<1, kSize>>>(written.data(), unwritten.data(), 0);
   count<<<4, kSize>>>(unwritten.data());
   reverse_in_shared<true><<<1, kSize>>>(written.data());
+  reverse_in_warp<true><<<1, kLanes>>>(written.data());
   EXPECT_TRUE(problems().all().empty());
   EXPECT_EQ(unwritten.data()[0], 3 + 4 * kSize);
 }
@@ -115,6 +123,10 @@ TEST_F(Faults, OneThreadWritesWhatAnotherReads) {
 }
 TEST_F(Faults, MissingBarrier) {
   reverse_in_shared<false><<<1, kSize>>>(written.data());
+  expect_only(Fault::race);
+}
+TEST_F(Faults, MissingWarpBarrier) {
+  reverse_in_warp<false><<<1, kLanes>>>(written.data());
   expect_only(Fault::race);
 }
 TEST_F(Faults, ReadBeyondSharedMemory) {

@@ -85,6 +85,8 @@ int processor_attribute(cudaDeviceAttr attribute) {
       return static_cast<int>(settings().compute_capability % 10);
     case cudaDevAttrMultiProcessorCount:
       return static_cast<int>(settings().processors);
+    case cudaDevAttrSingleToDoublePrecisionPerfRatio:
+      return static_cast<int>(settings().double_ratio);
     case cudaDevAttrMaxSharedMemoryPerBlock:
       return 48 * 1024;
     case cudaDevAttrMaxSharedMemoryPerBlockOptin:

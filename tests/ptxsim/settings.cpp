@@ -20,6 +20,7 @@ Settings from_environment() {
   Settings s;
   s.compute_capability = static_cast<u32>(number("PTXSIM_CC", s.compute_capability));
   s.processors = static_cast<u32>(number("PTXSIM_SMS", s.processors));
+  s.double_ratio = static_cast<u32>(number("PTXSIM_DOUBLE_RATIO", s.double_ratio));
   s.memory_bytes = number("PTXSIM_MEMORY_GIB", s.memory_bytes >> 30) << 30;
   s.races = number("PTXSIM_RACES", 0) != 0;
   s.unwritten = number("PTXSIM_UNWRITTEN", 1) != 0;

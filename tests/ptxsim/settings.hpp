@@ -11,6 +11,7 @@ namespace tetune::ptxsim {
 struct Settings {
   u32 compute_capability = 75;      ///< PTXSIM_CC: 75 or 90, the PTX that is run
   u32 processors = 30;              ///< PTXSIM_SMS: multiprocessors of the device
+  u32 double_ratio = 2;             ///< PTXSIM_DOUBLE_RATIO: of operations in single to those in double precision
   u64 memory_bytes = u64{6} << 30;  ///< PTXSIM_MEMORY_GIB: of the device
   bool races = false;               ///< PTXSIM_RACES=1: races are searched for; 16 bytes per byte of device memory
   bool unwritten = true;            ///< PTXSIM_UNWRITTEN=0: reads of unwritten memory are not searched for

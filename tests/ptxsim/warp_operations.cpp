@@ -38,7 +38,11 @@ bool all_arrived(Warp& w, LaneMask named, const Instruction& i) {
 /// The operand with the lanes that take part, which is the same for all of them.
 LaneMask named_lanes(Warp& w, Row row) { return static_cast<LaneMask>(w.row(row)[w.first_active()]); }
 
-void execute_warp_barrier(Warp& w, const Instruction& i) { all_arrived(w, named_lanes(w, i.a), i); }
+/// In a block of one warp, a barrier of all threads orders their accesses as a barrier of the block does.
+void execute_warp_barrier(Warp& w, const Instruction& i) {
+  const LaneMask named = named_lanes(w, i.a);
+  if (all_arrived(w, named, i) && w.block->warps.size() == 1 && (w.not_ended & ~named) == 0) ++w.block->epoch;
+}
 
 enum Shuffle : u8 { kUp, kDown, kButterfly, kIndexed };
 

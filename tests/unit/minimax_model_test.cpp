@@ -2,6 +2,7 @@
 // Steps that decrease the maximum of several linear functions, against exact solutions.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -50,6 +51,25 @@ TEST(MinimaxModel, AnOptimumHasNoStep) {
   model.add(1, {-0.5, 1, 0});
   model.add(1, {-0.5, -1, 0});
   EXPECT_LT(norm(model.step(1)), 0.02);
+}
+
+TEST(MinimaxModel, TheLargestFunctionsAreKept) {
+  constexpr int kMany = 100;
+  constexpr int kKept = 40;
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<std::pair<double, Vec3>> functions;
+  for (int i = 0; i < kMany; ++i) {
+    functions.emplace_back(uniform(random), Vec3{uniform(random), uniform(random), uniform(random)});
+  }
+  MinimaxModel model;
+  for (const auto& [value, gradient] : functions) model.add(value, gradient);
+  std::sort(functions.begin(), functions.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  MinimaxModel expected;
+  for (int i = 0; i < kKept; ++i) expected.add(functions[i].first, functions[i].second);
+  EXPECT_LT(norm(model.step(0.5) - expected.step(0.5)), 1e-12);
+  model.clear(backend::SingleThread());
+  EXPECT_EQ(norm(model.step(0.5)), 0);
 }
 
 TEST(MinimaxModel, FunctionsFarBelowTheLargestDoNotCount) {

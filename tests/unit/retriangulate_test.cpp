@@ -383,7 +383,8 @@ TEST(Retriangulate, IsTheSameForAnyNumberOfThreads) {
 
 bool minimize(const AngleCostRing& ring, Vec3& x, const MotionSpace& space, double target_cot) {
   FreeMotion motion{space};
-  return ring.minimize(x, motion, target_cot);
+  MinimaxModel model;
+  return ring.minimize(x, motion, target_cot, model);
 }
 
 TEST(AngleCostRing, IncreasesTheSmallestAngle) {

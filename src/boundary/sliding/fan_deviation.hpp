@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "boundary/sliding/small_set.hpp"
 #include "boundary/sliding/surface_fan.hpp"
 #include "boundary/sliding/triangle_deviation.hpp"
+#include "mesh/small_set.hpp"
 
 namespace tetune {
 

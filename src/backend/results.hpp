@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "backend/span.hpp"
+#include "backend/team.hpp"
+
+/// Kernels that store the results of another one, and that load them to be merged.
+namespace tetune::backend {
+
+template <class R, class Kernel>
+struct StoreResult {
+  static constexpr Size kGrain = Kernel::kGrain;
+  using Shared = SharedOf<Kernel>;
+  Kernel kernel;
+  Span<R> results;
+  TETUNE_HD void operator()(Size i) const { results[i] = kernel(i); }
+  template <class Team, class Memory>
+  TETUNE_HD void operator()(const Team& team, Memory& shared, Size i) const {
+    const R result = kernel(team, shared, i);
+    if (team.rank() == 0) results[i] = result;
+  }
+};
+
+template <class R>
+struct LoadResult {
+  Span<const R> results;
+  TETUNE_HD R operator()(Size i) const { return results[i]; }
+};
+
+}  // namespace tetune::backend

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <type_traits>
+
+#include "backend/macros.hpp"
+
+/// Teams: threads that evaluate one item of a kernel together. All of them call the kernel with the same item, and make
+/// the same calls of the team's functions; what they share is a Kernel::Shared. A team has
+///   kSize, rank()        the number of its threads, and which of them this is
+///   any(condition)       whether the condition holds for one of them
+///   merge(value)         the values of all of them merged by merge(), whose result must not depend on the order
+///   broadcast(value, r)  the value of thread r
+///   sync()               stores to shared memory before are visible to all of them afterwards
+/// The team of the CPU is a single thread; that of a GPU is a warp (backend/cuda.cuh).
+namespace tetune::backend {
+
+struct SingleThread {
+  static constexpr int kSize = 1;
+  TETUNE_HD static constexpr int rank() { return 0; }
+  TETUNE_HD static constexpr bool any(bool condition) { return condition; }
+  template <class T>
+  TETUNE_HD static constexpr T merge(const T& value) {
+    return value;
+  }
+  template <class T>
+  TETUNE_HD static constexpr T broadcast(const T& value, int) {
+    return value;
+  }
+  TETUNE_HD static constexpr void sync() {}
+};
+
+/// Reads a value that a thread of the team will write: one thread reads it for all.
+template <class Team, class T>
+TETUNE_HD T read_once(const Team& team, const T& from) {
+  T value{};
+  if (team.rank() == 0) value = from;
+  return team.broadcast(value, 0);
+}
+
+namespace team_detail {
+
+template <class Kernel>
+struct Shared {
+  using type = void;
+};
+template <class Kernel>
+requires requires { typename Kernel::Shared; }
+struct Shared<Kernel> {
+  using type = typename Kernel::Shared;
+};
+
+}  // namespace team_detail
+
+/// Kernel::Shared; void where items are evaluated by single threads.
+template <class Kernel>
+using SharedOf = typename team_detail::Shared<Kernel>::type;
+/// A kernel whose items teams evaluate: it has operator()(team, shared, i), beside operator()(i) for single threads.
+template <class Kernel>
+concept TeamKernel = !std::is_void_v<SharedOf<Kernel>>;
+
+/// The largest of several values.
+struct Max {
+  double value;
+  TETUNE_HD void merge(const Max& other) { value = other.value > value ? other.value : value; }
+};
+/// The largest of several values with its index, the lowest of equals.
+struct IndexedMax {
+  double value;
+  int index;
+  /// Requires increasing indices.
+  TETUNE_HD void add(double other, int at) {
+    if (other > value) *this = {other, at};
+  }
+  TETUNE_HD void merge(const IndexedMax& other) {
+    if (other.value > value || (other.value == value && other.index < index)) *this = other;
+  }
+};
+
+}  // namespace tetune::backend

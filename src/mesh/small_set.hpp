@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "mesh/tet.hpp"
+
+namespace tetune {
+
+/// A set of at most kCapacity ids in the memory of a thread; each id has a position, in the order of insertion. Found
+/// by open addressing with linear probing (Knuth, "The Art of Computer Programming", vol. 3, sec. 6.4).
+template <int kCapacity>
+class SmallSet {
+ public:
+  static constexpr int kAbsent = -1;
+  TETUNE_HD int size() const { return size_; }
+  TETUNE_HD bool is_full() const { return size_ == kCapacity; }
+  TETUNE_HD Index operator[](int position) const { return items_[position]; }
+  /// The position of an id, or kAbsent.
+  TETUNE_HD int find(Index item) const { return slots_[slot_of(item)] - 1; }
+  TETUNE_HD bool contains(Index item) const { return slots_[slot_of(item)] != 0; }
+  /// Inserts an id that is not in the set; returns its position, or kAbsent where the set is full.
+  TETUNE_HD int add(Index item) {
+    if (is_full()) return kAbsent;
+    const unsigned slot = slot_of(item);
+    items_[size_] = item;
+    slots_[slot] = static_cast<std::uint8_t>(size_ + 1);
+    return size_++;
+  }
+
+ private:
+  /// At least twice the capacity, so that probes are short.
+  static constexpr unsigned kSlots = kCapacity <= 64 ? 128 : 256;
+  static_assert(2 * kCapacity <= static_cast<int>(kSlots));
+
+  /// The slot of an id, or the empty one where it would be.
+  TETUNE_HD unsigned slot_of(Index item) const {
+    unsigned slot = static_cast<unsigned>(item) % kSlots;
+    while (slots_[slot] != 0 && items_[slots_[slot] - 1] != item) slot = (slot + 1) % kSlots;
+    return slot;
+  }
+
+  Index items_[kCapacity];
+  std::uint8_t slots_[kSlots] = {};  ///< 1 + the position of the id; 0: none
+  int size_ = 0;
+};
+
+}  // namespace tetune
