@@ -161,7 +161,7 @@ class Cuda {
     static_assert(std::is_trivially_copyable_v<F>);
     if (n == 0) return;
     if constexpr (TeamKernel<F>) {
-      team_kernel<<<blocks(n, 1), static_cast<unsigned>(kWarp)>>>(f);
+      team_kernel<<<blocks(n, 1), unsigned{kWarp}>>>(f);
     } else {
       const int threads = n < kSmallLaunch ? warp_threads<F>(n) : kThreads;
       for_each_kernel<<<blocks(n, threads), static_cast<unsigned>(threads)>>>(n, f);
@@ -288,7 +288,7 @@ class Cuda {
   template <class F>
   int warp_threads(Size n) const {
     if constexpr (requires { F::kGrain; }) {
-      return static_cast<int>(std::clamp<Size>((n + warps_ - 1) / warps_, 1, kWarp));
+      return to_index(std::clamp<Size>((n + warps_ - 1) / warps_, 1, kWarp));
     } else {
       return kWarp;
     }

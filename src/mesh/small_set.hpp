@@ -31,7 +31,7 @@ class SmallSet {
  private:
   /// At least twice the capacity, so that probes are short.
   static constexpr unsigned kSlots = kCapacity <= 64 ? 128 : 256;
-  static_assert(2 * kCapacity <= static_cast<int>(kSlots));
+  static_assert(2 * kCapacity <= int{kSlots});
 
   /// The slot of an id, or the empty one where it would be.
   TETUNE_HD unsigned slot_of(Index item) const {

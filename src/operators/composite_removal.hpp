@@ -129,8 +129,8 @@ struct EvaluateMoves {
   Span<MoveCosts> moves;
 
   TETUNE_HD void operator()(Size i) const {
-    moves[i] = CompositeRemoval::evaluate(context, tets[i / CompositeRemoval::kMoves],
-                                          static_cast<int>(i % CompositeRemoval::kMoves));
+    moves[i] =
+        CompositeRemoval::evaluate(context, tets[i / CompositeRemoval::kMoves], to_index(i % CompositeRemoval::kMoves));
   }
 };
 

@@ -145,7 +145,7 @@ struct FillRecord {
     const Size entry = entries[i];
     r.patch = proposals.candidates[entry].expand(mesh);
     r.bid = proposals.bids[entry];
-    r.proposal = static_cast<Index>(proposals.first + entry / proposals.parts);
+    r.proposal = to_index(proposals.first + entry / proposals.parts);
     r.twin = find_twin(first + i, entry);
     const int faces = r.patch.face_count();
     for (int k = 0; k < faces; ++k) {
@@ -159,7 +159,7 @@ struct FillRecord {
   /// The parts of a candidate are neighbors, as all of them hold their tetrahedra or none does.
   TETUNE_HD Index find_twin(Size record, Size entry) const {
     if (proposals.parts == 1 || proposals.bids[entry ^ 1] == 0) return -1;
-    return static_cast<Index>(entry % 2 == 0 ? record + 1 : record - 1);
+    return to_index(entry % 2 == 0 ? record + 1 : record - 1);
   }
 };
 

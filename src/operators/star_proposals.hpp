@@ -145,7 +145,7 @@ struct StarProposals : StarContext {
     const MoveCosts* costs = nullptr;
     if (moves.size() > 0) costs = &moves[id / choices * (moves.size() / tets.size())];
     const StarProposal<Team> proposal{*this, proposals, id, costs, team, model};
-    Operators::propose(proposal, tets[id / choices], static_cast<int>(id % choices));
+    Operators::propose(proposal, tets[id / choices], to_index(id % choices));
     return 1;
   }
 };

@@ -30,7 +30,7 @@ struct MinimizeAngleCost : DofsView {
   TETUNE_HD Sum<Size> operator()(const Team& team, MinimaxModel& model, Size i) const {
     const Index v = vertices[i];
     const Size begin = rings.offsets[v];
-    const auto count = static_cast<int>(rings.offsets[v + 1] - begin);
+    const auto count = to_index(rings.offsets[v + 1] - begin);
     if (flags[v] == 0 || count == 0) return {};
     const AngleCostRing ring(mesh, rings.faces.data() + begin, count, true);
     Vec3 x = vec(backend::read_once(team, mesh.points[v]));
