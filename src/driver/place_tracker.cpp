@@ -3,6 +3,8 @@
 
 #include <numeric>
 
+#include "backend/cpu.hpp"
+
 namespace tetune {
 namespace {
 
@@ -33,7 +35,7 @@ std::vector<Index> known_vertices(const HostMesh& mesh, const PointLocator& know
 }  // namespace
 
 PlaceTracker::PlaceTracker(HostMesh mesh, std::vector<Index> vertex2original, int threads)
-    : cpu_(threads), input_(std::move(mesh)), vertex2original_(std::move(vertex2original)) {
+    : threads_(threads), input_(std::move(mesh)), vertex2original_(std::move(vertex2original)) {
   for (const Point& p : input_.mesh().points) material_.push_back(vec(p));
   start_.resize(material_.size());
   std::iota(start_.begin(), start_.end(), 0);
@@ -43,7 +45,7 @@ void PlaceTracker::finish(const HostMesh& mesh) {
   const std::vector<Index> near = known_vertices(mesh, *before_);
   std::vector<Vec3> material(mesh.points.size());
   std::vector<Index> start(mesh.points.size(), 0);
-  cpu_.for_each(
+  backend::Cpu(threads_).for_each(
       std::ssize(mesh.points),
       [&, old = span_of(material_), old_start = span_of(start_), to = span_of(material), to_start = span_of(start),
        near = span_of(near), points = span_of(mesh.points), before = span_of(before_->mesh().points)](Size v) {
@@ -75,18 +77,19 @@ std::vector<MeshPlace> PlaceTracker::places(const std::vector<Index>& work2new) 
   std::vector<MeshPlace> places(to_size_t(count));
   const auto points = span_of(input_.mesh().points);
   const auto original = span_of(vertex2original_);
-  cpu_.for_each(std::ssize(work2new), [&, to = span_of(places), ids = span_of(work2new), material = span_of(material_),
-                                       start = span_of(start_)](Size v) {
-    if (ids[v] < 0) return;
-    MeshPlace& place = to[ids[v]];
-    if (v < points.size() && (same(material[v], vec(points[v])) || !input_.has_tet(start[v]))) {
-      place.vertices.fill(original[v]);
-      return;
-    }
-    const TetPoint at = input_.locate(material[v], start[v]);
-    for (int k = 0; k < 4; ++k) place.vertices[to_size_t(k)] = original[at.vertices[k]];
-    place.weights = at.weights;
-  });
+  backend::Cpu(threads_).for_each(
+      std::ssize(work2new), [&, to = span_of(places), ids = span_of(work2new), material = span_of(material_),
+                             start = span_of(start_)](Size v) {
+        if (ids[v] < 0) return;
+        MeshPlace& place = to[ids[v]];
+        if (v < points.size() && (same(material[v], vec(points[v])) || !input_.has_tet(start[v]))) {
+          place.vertices.fill(original[v]);
+          return;
+        }
+        const TetPoint at = input_.locate(material[v], start[v]);
+        for (int k = 0; k < 4; ++k) place.vertices[to_size_t(k)] = original[at.vertices[k]];
+        place.weights = at.weights;
+      });
   return places;
 }
 

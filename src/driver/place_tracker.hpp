@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "backend/cpu.hpp"
 #include "mesh/point_locator.hpp"
 #include "tetune/report.hpp"
 
@@ -26,7 +25,7 @@ class PlaceTracker {
   std::vector<MeshPlace> places(const std::vector<Index>& work2new) const;
 
  private:
-  const backend::Cpu cpu_;
+  const int threads_;
   const PointLocator input_;
   const std::vector<Index> vertex2original_;
   std::vector<Vec3> material_;  ///< per vertex: its position in the input

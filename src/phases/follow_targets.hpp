@@ -30,6 +30,7 @@ struct DisplacedPoints {
 struct RefusesStep {
   MeshView mesh;
   DisplacedPoints displaced;
+  Objective objective;  ///< the shape energy
   double safe_energy;
   double max_growth;
   TETUNE_HD bool operator()(Size t) const {
@@ -45,9 +46,9 @@ struct RefusesStep {
     }
     if (!moves) return false;
     if (!orient(to[0], to[1], to[2], to[3]).certified() || !is_positive_between(from, to)) return true;
-    const double energy = tet_energy(kShapeObjective, to[0], to[1], to[2], to[3]).energy;
+    const double energy = tet_energy(objective, to[0], to[1], to[2], to[3]).energy;
     return energy > safe_energy &&
-           energy > max_growth * tet_energy(kShapeObjective, from[0], from[1], from[2], from[3]).energy;
+           energy > max_growth * tet_energy(objective, from[0], from[1], from[2], from[3]).energy;
   }
 
  private:
@@ -255,6 +256,7 @@ class TargetFollower {
     return {mesh,
             {mesh.points, std::as_const(displacement_).span(), std::as_const(target_).span(),
              std::as_const(prescribed_).span(), part},
+            kShapeObjective,
             strict ? parameters().safe_energy : kInfeasible,
             parameters().max_energy_growth};
   }
