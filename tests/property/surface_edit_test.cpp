@@ -192,9 +192,7 @@ TEST(SurfaceEdit, PartsThatTouchStayConforming) {
   for (const auto& [edge, sides] : parts) EXPECT_EQ(sides.size(), 2U);
 }
 
-TEST(SurfaceEdit, IsTheSameForAnyNumberOfThreads) {
-  const TetMesh before = listed(test::scrambled(test::two_materials(6, 0.3), 3, 5));
-  Options options = editing();
+void expect_same_for_any_number_of_threads(const TetMesh& before, Options options) {
   options.threads = 1;
   TetMesh one = before;
   optimize(one, options);
@@ -204,6 +202,10 @@ TEST(SurfaceEdit, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.points, three.points);
   EXPECT_EQ(one.tets, three.tets);
   EXPECT_EQ(one.triangles, three.triangles);
+}
+
+TEST(SurfaceEdit, IsTheSameForAnyNumberOfThreads) {
+  expect_same_for_any_number_of_threads(listed(test::scrambled(test::two_materials(6, 0.3), 3, 5)), editing());
 }
 
 TEST(SurfaceEdit, HappensWhereItIsAskedForOnly) {
@@ -334,17 +336,7 @@ TEST(SurfaceEdit, OnACurvedSurfaceKeepsItsSheetsAndLines) {
 }
 
 TEST(SurfaceEdit, OnACurvedSurfaceIsTheSameForAnyNumberOfThreads) {
-  const TetMesh before = curved(2);
-  Options options = bending();
-  options.threads = 1;
-  TetMesh one = before;
-  optimize(one, options);
-  options.threads = 3;
-  TetMesh three = before;
-  optimize(three, options);
-  EXPECT_EQ(one.points, three.points);
-  EXPECT_EQ(one.tets, three.tets);
-  EXPECT_EQ(one.triangles, three.triangles);
+  expect_same_for_any_number_of_threads(curved(2), bending());
 }
 
 }  // namespace
