@@ -18,13 +18,13 @@ PROGRAM = TETUNE = BRACKET = ""
 
 
 class MpiTest(cli_case.CliTest):
-    def mpi(self, ranks, source, out, *args, code=0, cwd=None):
+    def mpi(self, ranks, source, out, *args, code=0):
         """Replaces `out`. The exit code of mpiexec is that of the ranks."""
         args = (source, "-o", out, *args)
         done = subprocess.run(
             ["mpiexec", "--allow-run-as-root", "--oversubscribe", "--mca", "btl", "self,vader", "--mca",
              "btl_vader_single_copy_mechanism", "none", "-n", str(ranks), PROGRAM, *map(str, args)],
-            capture_output=True, text=True, timeout=cli_case.HANG, cwd=cwd,
+            capture_output=True, text=True, timeout=cli_case.HANG,
             env={**os.environ, "OMPI_MCA_rmaps_base_oversubscribe": "1"})
         self.assertEqual(done.returncode, code, f"{args}\n{done.stdout}\n{done.stderr}")
         return done
