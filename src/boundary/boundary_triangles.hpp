@@ -14,19 +14,19 @@ namespace tetune {
 /// A triangle of the boundary as boundary flips change it. "Boundary" is all that flips must preserve: the outer
 /// boundary, interfaces and constrained triangles.
 struct BoundaryTriangle {
-  Index v[3];           ///< in the order of face_vertex()
-  int tag;              ///< of its patch
-  Index listed;         ///< its position in the caller's list, or -1
-  std::uint8_t turned;  ///< the caller lists it in the opposite orientation
-  std::uint8_t stays;   ///< it must not be flipped
-  /// With Boundary::slide, where operations may bend the surface: bit k is set where the edge opposite corner k is a
-  /// feature edge.
-  std::uint32_t features;
-  /// Likewise: the bound on the distance that these operations have added, and a triangle of the reference surface in
-  /// the same sheet.
-  double deviation;
+  Index v[3];    ///< in the order of face_vertex()
+  int tag;       ///< of its patch
+  Index listed;  ///< its position in the caller's list, or -1
+  /// With Boundary::slide, where operations may bend the surface: a triangle of the reference surface in the same
+  /// sheet, the bound on the distance that these operations have added, and the feature edges: bit k is set where the
+  /// edge opposite corner k is one.
   Index reference;
+  double deviation;
+  std::uint32_t features;
+  std::uint16_t turned;  ///< the caller lists it in the opposite orientation
+  std::uint16_t stays;   ///< it must not be flipped
 };
+static_assert(sizeof(BoundaryTriangle) == 40, "copies between host and device read no padding");
 
 /// The bound on the distance that operations on a curved surface add, in local lengths of its edges.
 inline constexpr double kMaxBend = 0.1;
