@@ -194,10 +194,16 @@ struct StarCandidate {
     p.removed = removed;
     p.is_inserted = apex == kNewVertex;
     p.is_moved = is_moved;
-    p.dof = dof;
+    // Neither padding nor the rest of an array is copied: nobody wrote them.
+    p.dof.dof = dof.dof;
+    p.dof.axis = dof.axis;
+    p.dof.radius = dof.radius;
+    p.dof.surface_point = dof.surface_point;
     p.simplex = simplex;
     p.tet_count = tet_count;
-    p.replaced = replaced;
+    p.replaced.count = replaced.count;
+    p.replaced.deviation = replaced.deviation;
+    for (int i = 0; i < replaced.count; ++i) p.replaced.triangle[i] = replaced.triangle[i];
     for (int i = 0; i < tet_count; ++i) {
       p.tets[i] = tets[i];
       const Tet tet = mesh.tet2vertex[tets[i]];

@@ -7,8 +7,9 @@
 /// The reference surface: the input surface as it was, on which the boundary vertices slide (Sect. 4.3).
 namespace tetune {
 
-/// The kind of element of the reference surface that a point lies in.
-enum class SurfacePointKind : std::uint8_t {
+/// The kind of element of the reference surface that a point lies in. As wide as an index, so that SurfacePoint has no
+/// padding.
+enum class SurfacePointKind : std::int32_t {
   none,      ///< not on the surface
   vertex,    ///< item: the reference vertex
   edge,      ///< inside an edge; item: one of its two corners
