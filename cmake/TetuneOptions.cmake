@@ -9,6 +9,10 @@ function(tetune_target_options target)
   target_compile_options(${target} PRIVATE
     $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-psabi -Wno-ignored-attributes -fno-math-errno
     -fno-trapping-math -ffp-contract=off>)
+  if(EMSCRIPTEN)
+    # Sizes of arrays have 64 bits in the code, and 32 in the memory of WebAssembly.
+    target_compile_options(${target} PRIVATE -Wno-shorten-64-to-32 -Wno-sign-conversion)
+  endif()
   if(TETUNE_NATIVE)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-march=native>)
   endif()

@@ -2,7 +2,8 @@
 #include "console.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
+
+#include "system/process.hpp"
 
 namespace tetune::cli {
 
@@ -15,7 +16,7 @@ void print_to(std::FILE* stream, std::string_view text) {
 
 Console::Console(ProgressMode mode, int verbosity, std::FILE* tables)
     : json_(mode == ProgressMode::json),
-      line_(mode == ProgressMode::automatic && verbosity > 0 && isatty(STDERR_FILENO) == 1),
+      line_(mode == ProgressMode::automatic && verbosity > 0 && process::is_terminal(2)),
       verbosity_(verbosity),
       tables_(tables) {}
 

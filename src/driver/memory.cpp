@@ -47,7 +47,9 @@ std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options)
   if (options.boundary == Boundary::slide) loop += 100 * vertices;  // the reference surface
   if (options.effort == Effort::best) loop += loop / 6;             // room for inserted vertices
   const std::size_t load = 70 * tets + 100 * vertices + 24 * mesh.triangles.size();
-  const std::size_t bytes = (std::size_t{4} << 20) + std::max(loop, load) + 32 * mesh.edges.size();
+  // Of small meshes most is the candidates of a batch of proposals.
+  const std::size_t candidates = std::size_t{options.effort == Effort::best ? 8U : 4U} << 20;
+  const std::size_t bytes = candidates + std::max(loop, load) + 32 * mesh.edges.size();
   return bytes + bytes / 10;
 }
 

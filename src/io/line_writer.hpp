@@ -10,6 +10,7 @@
 
 #include "backend/cpu.hpp"
 #include "system/file.hpp"
+#include "system/real_text.hpp"
 
 namespace tetune {
 
@@ -21,16 +22,21 @@ class LineWriter {
   class Entry {
    public:
     explicit Entry(std::string& out) : out_(out) {}
-    void real(double value) { integer(value); }
+    void real(double value) {
+      char digits[40];
+      append(digits, print_real(digits, digits + sizeof digits, value).ptr);
+    }
     template <class T>
     void integer(T value) {
       char digits[40];
-      const auto result = std::to_chars(digits, digits + sizeof digits, value);
-      *result.ptr = ' ';
-      out_.append(digits, result.ptr + 1);
+      append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
     }
 
    private:
+    void append(const char* digits, char* end) {
+      *end = ' ';
+      out_.append(digits, std::size_t(end + 1 - digits));
+    }
     std::string& out_;
   };
 

@@ -18,7 +18,7 @@ namespace tetune {
 
 /// The first word of a stream with a mesh, and of an answer: "tetune" and the version of the encoding, which increases
 /// with every change of transfer() or of the types below it. A plugin of another build is recognized by it.
-inline constexpr std::uint64_t kStreamVersion = 0x7465'7475'6e65'0003;
+inline constexpr std::uint64_t kStreamVersion = 0x7465'7475'6e65'0004;
 inline constexpr std::uint64_t kAnswerVersion = ~kStreamVersion;
 
 /// T, or const T.
@@ -47,7 +47,7 @@ void transfer(Archive& archive, Mesh& m) {
   archive(m.points, m.point_tags, m.tets, m.tet_tags, m.triangles, m.triangle_tags, m.edges, m.edge_tags);
   archive(m.corners, m.required_vertices, m.ridges, m.required_edges, m.required_triangles, m.required_tets);
   archive(m.others, m.point_data, m.tet_data, m.triangle_data, m.edge_data, m.groups, m.periodic);
-  archive(m.point_tags_name, m.cell_tags_name, m.dialect, m.second_order, m.listed_inside_out);
+  archive(m.point_tags_name, m.cell_tags_name, m.dialect, m.second_order, m.curved_edges, m.listed_inside_out);
 }
 
 /// Encodes numbers, texts, lists and whole meshes. `Sink`: void(const void* data, std::size_t bytes).

@@ -8,6 +8,7 @@
 #include "io/mesh_stream.hpp"
 #include "io/plugin_protocol.hpp"
 #include "system/child_process.hpp"
+#include "system/path.hpp"
 #include "system/write_all.hpp"
 #include "tetune/error.hpp"
 
@@ -84,8 +85,14 @@ class Call {
 bool has_plugin(const Plugin& plugin) { return !find_program(plugin).empty(); }
 
 void require_plugin(const Plugin& plugin, const std::string& path) {
+  if (!has_child_processes()) {
+    throw FileError(path + ": files with the extension \"" + path_of(path).extension().string() +
+                    "\" need tetune's plugin for " + plugin.library +
+                    ", which exists on Linux only; convert the mesh to .mesh, .meshb, .msh or .inp first, for example "
+                    "with meshio or Gmsh");
+  }
   if (has_plugin(plugin)) return;
-  throw FileError(path + ": files with the extension \"" + fs::path(path).extension().string() +
+  throw FileError(path + ": files with the extension \"" + path_of(path).extension().string() +
                   "\" need tetune's plugin for " + plugin.library + ", which is not installed; install " +
                   plugin.library + " with its headers and build tetune again");
 }

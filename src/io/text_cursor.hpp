@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -25,7 +25,7 @@ class TextCursor {
     skip_space();
     const char* start = at_;
     while (at_ < end_ && !is_space(*at_) && *at_ != '#') ++at_;
-    return {start, at_};
+    return {start, std::size_t(at_ - start)};
   }
 
   std::string_view peek() {
@@ -39,7 +39,7 @@ class TextCursor {
   std::string_view line() {
     const char* start = at_;
     while (at_ < end_ && *at_ != '\n') ++at_;
-    std::string_view text(start, at_);
+    std::string_view text(start, std::size_t(at_ - start));
     if (at_ < end_) ++at_;
     if (text.ends_with('\r')) text.remove_suffix(1);
     return text;
@@ -75,7 +75,7 @@ class TextCursor {
     skip_space();
     const char* start = at_;
     double value = 0;
-    const auto [stop, error] = std::from_chars(at_, end_, value);
+    const auto [stop, error] = parse_real(at_, end_, value);
     at_ = stop;
     if (error != std::errc() || !ended()) return unusual_real(start, name);
     return value;
@@ -170,11 +170,11 @@ class TextCursor {
     const char* to = from + token.size();
     if (token.size() > 1 && token[0] == '+' && token[1] != '-') ++from;
     double value = 0;
-    auto [stop, error] = std::from_chars(from, to, value);
+    auto [stop, error] = parse_real(from, to, value);
     if (error == std::errc::result_out_of_range) {
       // Too small reads as zero, too large as infinity, which validation reports.
       long double wide = 0;
-      const auto again = std::from_chars(from, to, wide);
+      const auto again = parse_real(from, to, wide);
       if (again.ec != std::errc()) fail_token(start, "a number in the range of double", name);
       value = double(wide);
     } else if (error != std::errc()) {
@@ -197,14 +197,14 @@ struct TextCursor::Lines {
 
 inline std::vector<TextCursor::Lines> TextCursor::next_lines(std::size_t n, std::size_t part_bytes) {
   const auto next_line = [this](const char* from) {
-    const std::size_t line_end = std::string_view(from, end_).find('\n');
+    const std::size_t line_end = std::string_view(from, std::size_t(end_ - from)).find('\n');
     return line_end == std::string_view::npos ? end_ : from + line_end + 1;
   };
   std::vector<Lines> parts;
   if (!line_done()) return parts;
   const char* from = next_line(at_);
   for (std::size_t first = 0; first < n;) {
-    const std::string_view rest(from, end_);
+    const std::string_view rest(from, std::size_t(end_ - from));
     if (rest.empty()) return {};
     const char* to = next_line(from + std::min(part_bytes, rest.size()) - 1);
     std::size_t count = std::size_t(std::count(from, to, '\n'));
@@ -214,7 +214,7 @@ inline std::vector<TextCursor::Lines> TextCursor::next_lines(std::size_t n, std:
       for (std::size_t line = 0; line < count; ++line) to = next_line(to);
     }
     if (count == 0) return {};
-    parts.push_back({first, count, TextCursor(path_, {from, to})});
+    parts.push_back({first, count, TextCursor(path_, {from, std::size_t(to - from)})});
     first += count;
     from = to;
   }

@@ -17,6 +17,8 @@
 
 namespace tetune {
 
+bool has_child_processes() { return true; }
+
 std::string own_folder() {
   Dl_info info{};
   link_map* map = nullptr;

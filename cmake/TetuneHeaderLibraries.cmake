@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# For cross builds: the header-only libraries of the command line, from the system that builds. Links to their folders
+# stand in a folder of their own, because its include folder as a whole has headers of another system.
+set(header_libraries ${PROJECT_BINARY_DIR}/header-libraries)
+file(MAKE_DIRECTORY ${header_libraries})
+foreach(library CLI fmt nlohmann toml++)
+  if(EXISTS /usr/include/${library} AND NOT EXISTS ${header_libraries}/${library})
+    file(CREATE_LINK /usr/include/${library} ${header_libraries}/${library} SYMBOLIC)
+  endif()
+endforeach()
+if(EXISTS ${header_libraries}/CLI AND EXISTS ${header_libraries}/fmt AND EXISTS ${header_libraries}/nlohmann)
+  foreach(target CLI11::CLI11 fmt::fmt nlohmann_json::nlohmann_json)
+    add_library(${target} INTERFACE IMPORTED GLOBAL)
+    target_include_directories(${target} INTERFACE ${header_libraries})
+  endforeach()
+  target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
+endif()
+if(EXISTS ${header_libraries}/toml++)
+  add_library(tomlplusplus::tomlplusplus INTERFACE IMPORTED GLOBAL)
+  target_include_directories(tomlplusplus::tomlplusplus INTERFACE ${header_libraries})
+  set(tomlplusplus_FOUND TRUE)
+endif()
