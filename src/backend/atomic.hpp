@@ -69,7 +69,9 @@ TETUNE_HD inline T load_shared(const T& target) {
 #if defined(__CUDA_ARCH__)
   return *const_cast<const volatile T*>(&target);
 #else
-  return __atomic_load_n(&target, __ATOMIC_RELAXED);
+  T loaded;
+  __atomic_load(&target, &loaded, __ATOMIC_RELAXED);
+  return loaded;
 #endif
 }
 

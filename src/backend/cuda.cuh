@@ -36,10 +36,11 @@ __global__ void for_each_kernel(Size n, F f) {
   if (i < n) f(i);
 }
 
-/// A warp as a team (backend/team.hpp).
-class Warp {
+/// kThreads consecutive threads of a warp as a team (backend/team.hpp).
+template <int kThreads>
+class PartOfWarp {
  public:
-  static constexpr int kSize = 32;
+  static constexpr int kSize = kThreads;
 
   TETUNE_HD static int rank() {
 #if defined(__CUDA_ARCH__)
@@ -50,7 +51,7 @@ class Warp {
   }
   TETUNE_HD static bool any([[maybe_unused]] bool condition) {
 #if defined(__CUDA_ARCH__)
-    return __any_sync(kAll, condition) != 0;
+    return __any_sync(threads(), condition) != 0;
 #else
     return condition;
 #endif
@@ -63,11 +64,11 @@ class Warp {
   template <class T>
   TETUNE_HD static T broadcast(const T& value, [[maybe_unused]] int rank) {
 #if defined(__CUDA_ARCH__)
-    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(unsigned) == 0);
-    constexpr int kWords = sizeof(T) / sizeof(unsigned);
-    unsigned words[kWords];
+    static_assert(std::is_trivially_copyable_v<T>);
+    constexpr int kWords = (sizeof(T) + sizeof(unsigned) - 1) / sizeof(unsigned);
+    unsigned words[kWords]{};
     memcpy(words, &value, sizeof(T));
-    for (int k = 0; k < kWords; ++k) words[k] = __shfl_sync(kAll, words[k], rank);
+    for (int k = 0; k < kWords; ++k) words[k] = __shfl_sync(threads(), words[k], rank, kSize);
     T result;
     memcpy(&result, words, sizeof(T));
     return result;
@@ -77,19 +78,30 @@ class Warp {
   }
   TETUNE_HD static void sync() {
 #if defined(__CUDA_ARCH__)
-    __syncwarp();
+    __syncwarp(threads());
 #endif
   }
 
  private:
-  static constexpr unsigned kAll = ~0U;
+#if defined(__CUDA_ARCH__)
+  /// The lanes of the team.
+  __device__ static unsigned threads() {
+    constexpr unsigned kFirst = ~0U >> (32 - kSize);
+    return kFirst << (threadIdx.x % 32 / kSize * kSize);
+  }
+#endif
 };
+using Warp = PartOfWarp<32>;
 
-/// An item per block of one warp.
+/// A block of one warp, or of the teams of one that there are items for.
 template <class F>
-__global__ void __launch_bounds__(Warp::kSize) team_kernel(F f) {
-  __shared__ alignas(16) unsigned char shared[sizeof(typename F::Shared)];
-  f(Warp(), *reinterpret_cast<typename F::Shared*>(shared), static_cast<Size>(blockIdx.x));
+__global__ void __launch_bounds__(Warp::kSize) team_kernel(Size n, F f) {
+  using Team = PartOfWarp<kTeamSizeOf<F>>;
+  constexpr unsigned kTeams = Warp::kSize / Team::kSize;
+  __shared__ alignas(16) unsigned char shared[kTeams][sizeof(typename F::Shared)];
+  const unsigned team = threadIdx.x / Team::kSize;
+  const Size i = static_cast<Size>(blockIdx.x) * (blockDim.x / Team::kSize) + team;
+  if (i < n) f(Team(), *reinterpret_cast<typename F::Shared*>(shared[team]), i);
 }
 
 /// Each block merges one chunk of fixed length by a tree of fixed shape, so that each run yields the same bits. One
@@ -161,9 +173,10 @@ class Cuda {
     static_assert(std::is_trivially_copyable_v<F>);
     if (n == 0) return;
     if constexpr (TeamKernel<F>) {
-      team_kernel<<<blocks(n, 1), unsigned{kWarp}>>>(f);
+      const int teams = std::min(warp_items<F>(n), kWarp / kTeamSizeOf<F>);
+      team_kernel<<<blocks(n, teams), static_cast<unsigned>(teams * kTeamSizeOf<F>)>>>(n, f);
     } else {
-      const int threads = n < kSmallLaunch ? warp_threads<F>(n) : kThreads;
+      const int threads = n < kSmallLaunch ? warp_items<F>(n) : kThreads;
       for_each_kernel<<<blocks(n, threads), static_cast<unsigned>(threads)>>>(n, f);
     }
     check_cuda(cudaGetLastError(), "launch");
@@ -283,10 +296,10 @@ class Cuda {
       return partial;
     }
   }
-  /// Threads per warp of a short launch. Threads that do much work take different paths, one after the other in a warp:
+  /// Items per warp of a short launch. Those that take much work take different paths, one after the other in a warp:
   /// few of them are spread over more warps.
   template <class F>
-  int warp_threads(Size n) const {
+  int warp_items(Size n) const {
     if constexpr (requires { F::kGrain; }) {
       return to_index(std::clamp<Size>((n + warps_ - 1) / warps_, 1, kWarp));
     } else {

@@ -11,6 +11,7 @@ template <class R, class Kernel>
 struct StoreResult {
   static constexpr Size kGrain = Kernel::kGrain;
   using Shared = SharedOf<Kernel>;
+  static constexpr int kTeamSize = kTeamSizeOf<Kernel>;
   Kernel kernel;
   Span<R> results;
   TETUNE_HD void operator()(Size i) const { results[i] = kernel(i); }

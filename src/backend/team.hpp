@@ -6,13 +6,13 @@
 #include "backend/macros.hpp"
 
 /// Teams: threads that evaluate one item of a kernel together. All of them call the kernel with the same item, and make
-/// the same calls of the team's functions; what they share is a Kernel::Shared. A team has
+/// the same calls of the team's functions; their common memory is a Kernel::Shared. A team has
 ///   kSize, rank()        the number of its threads, and which of them this is
 ///   any(condition)       whether the condition holds for one of them
 ///   merge(value)         the values of all of them merged by merge(), whose result must not depend on the order
 ///   broadcast(value, r)  the value of thread r
 ///   sync()               stores to shared memory before are visible to all of them afterwards
-/// The team of the CPU is a single thread; that of a GPU is a warp (backend/cuda.cuh).
+/// The team of the CPU is a single thread; that of a GPU is a warp, or a part of one (backend/cuda.cuh).
 namespace tetune::backend {
 
 struct SingleThread {
@@ -58,6 +58,12 @@ using SharedOf = typename team_detail::Shared<Kernel>::type;
 /// A kernel whose items teams evaluate: it has operator()(team, shared, i), beside operator()(i) for single threads.
 template <class Kernel>
 concept TeamKernel = !std::is_void_v<SharedOf<Kernel>>;
+/// Kernel::kTeamSize, a power of two: the threads of its teams on a GPU; those of a warp where it has none.
+template <class Kernel>
+inline constexpr int kTeamSizeOf = 32;
+template <class Kernel>
+requires requires { Kernel::kTeamSize; }
+inline constexpr int kTeamSizeOf<Kernel> = Kernel::kTeamSize;
 
 /// The largest of several values.
 struct Max {

@@ -9,9 +9,9 @@ namespace tetune {
 /// which is positive everywhere and tends to max(w, 0) as eps tends to 0 (Garanzha et al. 2021, "Foldover-free maps in
 /// 50 lines of code", Eq. 3). The interface is that of PlainRing, without a floor. The term in chi'' is left out of the
 /// Hessian, which is then that of the convex energy at chi and never indefinite (docs/method.md, "Untangling").
-class RegularizedRing : PlainRing {
+class RegularizedRing : PlainRing<> {
  public:
-  using PlainRing::kCapacity, PlainRing::PlainRing;
+  using PlainRing<>::kCapacity, PlainRing<>::PlainRing;
 
   TETUNE_HD RingModel model(const Vec3& x) {
     double length2 = 0;

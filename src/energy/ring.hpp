@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "backend/prefetch.hpp"
+#include "backend/team.hpp"
 #include "energy/harmonic.hpp"
 #include "energy/quality_floor.hpp"
 #include "mesh/csr.hpp"
@@ -70,6 +71,18 @@ struct ModelSum {
     h.xz += eq * q.xz + eu.x * u.z + ev.x * v.z;
     h.yz += eq * q.yz + eu.y * u.z + ev.y * v.z;
   }
+  TETUNE_HD ModelSum& operator+=(const ModelSum& other) {
+    e += other.e;
+    length2 += other.length2;
+    g = g + other.g;
+    h.xx += other.h.xx;
+    h.yy += other.h.yy;
+    h.zz += other.h.zz;
+    h.xy += other.h.xy;
+    h.xz += other.h.xz;
+    h.yz += other.h.yz;
+    return *this;
+  }
 };
 
 TETUNE_HD inline RingModel to_model(const Objective& objective, const ModelSum<double>& s, Size count) {
@@ -101,60 +114,87 @@ TETUNE_HD inline bool allowed(const QualityFloor& floor, const OppositeFace<doub
   return floor.allows(shape, p, dot(f.n, x - f.p0));
 }
 
-/// The ring of one vertex, read from memory on each evaluation: for the GPU, with one thread per vertex, and for rings
-/// of any size. Relocation is written against this interface; SimdRing implements it for the CPU.
+/// Sums over a ring are made of this many partial sums, one per lane of a vector or thread of a team: that of lane l
+/// over the faces l, l + kRingLanes, ..., all of which are then added in the order of the lanes. All rings give the
+/// same bits.
+inline constexpr int kRingLanes = 4;
+
+/// Each volume of a ring exceeds the bound on its rounding error if the smallest, `w_min`, exceeds the bound for the
+/// largest possible faces, where `length2` is the sum of the squared distances |y|^2: permanent <= sqrt(2) |a| |b| |y|,
+/// and |a|, |b| are at most twice the longest y.
+TETUNE_HD TETUNE_INLINE bool exceeds_error_bound(double w_min, double length2) {
+  return w_min > 6 * kOrientBound * length2 * std::sqrt(length2);
+}
+
+/// The ring of one vertex, read from memory on each evaluation: for a GPU, where a team evaluates it (every thread
+/// calls each function with the same arguments and gets the same result), and for rings of any size. Relocation is
+/// written against this interface; SimdRing implements it for the CPU.
+template <class Team = backend::SingleThread>
 class PlainRing {
  public:
   static constexpr Size kCapacity = Size{1} << 31;
+  static_assert(kRingLanes % Team::kSize == 0);
 
   TETUNE_HD PlainRing(const Objective& objective, Span<const Point> points, const LinkFace* faces, Size count,
                       const QualityFloor& floor = QualityFloor::none())
       : objective_(objective), floor_(floor), points_(points), faces_(faces), count_(count) {}
 
   TETUNE_HD RingModel model(const Vec3& x) {
-    ModelSum<double> sum{};
-    for (Size i = 0; i < count_; ++i) {
-      const OppositeFace<double> f = face(i);
-      const Vec3 y = x - f.p0;
-      sum.add(objective_, f, y, 1 / safe_volume(f, y), 1.0);
-    }
-    return to_model(objective_, sum, count_);
+    ModelSum<double> partial[kSums]{};
+    double w_min = 1;
+    for_own_faces(
+        [&](const OppositeFace<double>& f, ModelSum<double>& sum) {
+          const Vec3 y = x - f.p0;
+          const double w = dot(f.n, y);
+          w_min = w < w_min ? w : w_min;
+          sum.add(objective_, f, y, 1 / w, 1.0);
+        },
+        partial);
+    const ModelSum<double> sum = total(partial);
+    is_uncertain_ = !exceeds_error_bound(-team_.merge(backend::Max{-w_min}).value, sum.length2);
+    return is_uncertain_ ? model_with_error_bounds(x) : to_model(objective_, sum, count_);
   }
 
-  /// The smallest t > 0 at which x + t p leaves the kernel of the ring, or infinity.
+  /// The smallest t > 0 at which x + t p leaves the kernel of the ring, or infinity. Requires a call of model() at the
+  /// same position before.
   TETUNE_HD double step_bound(const Vec3& x, const Vec3& p) {
-    double rate = 0;
-    for (Size i = 0; i < count_; ++i) {
+    backend::Max rate{0};
+    for (Size i = team_.rank(); i < count_; i += Team::kSize) {
       const OppositeFace<double> f = face(i);
-      const double r = -dot(f.n, p) / safe_volume(f, x - f.p0);
-      rate = r > rate ? r : rate;
+      const Vec3 y = x - f.p0;
+      rate.merge({-(dot(f.n, p) * (1 / (is_uncertain_ ? safe_volume(f, y) : dot(f.n, y))))});
     }
-    return 1 / rate;
+    return 1 / team_.merge(rate).value;
   }
 
   TETUNE_HD RingValue value(const Vec3& x) {
-    double e = 0;
+    double partial[kSums]{};
     bool certified = true;
-    for (Size i = 0; i < count_ && certified; ++i) {
-      const OppositeFace<double> f = face(i);
-      const Vec3 y = x - f.p0;
-      const double w = dot(f.n, y);
-      double shape = 0;
-      certified = w > 0 && volume_margin(f, y, w) > 0;
-      e += objective_.term(area_term(f, y), 1 / w, shape);
-      certified =
-          certified && (kShapeFactor * shape <= floor_.safe_shape || allowed(floor_, f, x, kShapeFactor * shape));
-    }
-    return {objective_.factor * e, certified};
+    for_own_faces(
+        [&](const OppositeFace<double>& f, double& sum) {
+          const Vec3 y = x - f.p0;
+          const double w = dot(f.n, y);
+          double shape = 0;
+          sum += objective_.term(area_term(f, y), 1 / w, shape);
+          certified = certified && w > 0 && volume_margin(f, y, w) > 0 &&
+                      (shape <= floor_.safe_shape / kShapeFactor || allowed(floor_, f, x, kShapeFactor * shape));
+        },
+        partial);
+    return {objective_.factor * total(partial), !team_.any(!certified)};
   }
 
-  /// f along the ray x + t p, in closed form, as a function of t.
+  /// f along the ray x + t p, in closed form, as a function of t. Summed in the order of the faces.
   TETUNE_HD auto ray(const Vec3& x, const Vec3& p) const {
     return [this, x, p](double t) {
       double sum = 0;
-      for (Size i = 0; i < count_; ++i) {
-        const OppositeFace<double> f = face(i);
-        sum += ray_term(f, x - f.p0, p).value(objective_, t);
+      for (Size begin = 0; begin < count_; begin += Team::kSize) {
+        const Size i = begin + team_.rank();
+        double own = 0;
+        if (i < count_) {
+          const OppositeFace<double> f = face(i);
+          own = ray_term(f, x - f.p0, p).value(objective_, t);
+        }
+        for (int k = 0; k < Team::kSize && begin + k < count_; ++k) sum += team_.broadcast(own, k);
       }
       return sum;
     };
@@ -166,11 +206,46 @@ class PlainRing {
     return opposite_face(vec(points_[f.v[0]]), vec(points_[f.v[1]]), vec(points_[f.v[2]]));
   }
 
+ private:
+  /// The lanes of a thread.
+  static constexpr int kSums = kRingLanes / Team::kSize;
+
+  /// Calls f(face, partial[lane of the thread]) for the faces of this thread.
+  template <class F, class T>
+  TETUNE_HD void for_own_faces(const F& f, T (&partial)[kSums]) const {
+    for (Size i = team_.rank(); i < count_; i += Team::kSize) f(face(i), partial[i % kRingLanes / Team::kSize]);
+  }
+  /// The sum over all lanes, in their order.
+  template <class T>
+  TETUNE_HD T total(const T (&partial)[kSums]) const {
+    T sum = team_.broadcast(partial[0], 0);
+    for (int lane = 1; lane < kRingLanes; ++lane) {
+      sum += team_.broadcast(partial[lane / Team::kSize], lane % Team::kSize);
+    }
+    return sum;
+  }
+  /// model() for a ring in which the sign of a volume is uncertain: the bound on its rounding error replaces it. Each
+  /// thread computes it all, in the order of the faces.
+  TETUNE_HD __attribute__((noinline)) RingModel model_with_error_bounds(const Vec3& x) const {
+    ModelSum<double> sum{};
+    for (Size i = 0; i < count_; ++i) {
+      const OppositeFace<double> f = face(i);
+      const Vec3 y = x - f.p0;
+      sum.add(objective_, f, y, 1 / safe_volume(f, y), 1.0);
+    }
+    return to_model(objective_, sum, count_);
+  }
+
+ protected:
   Objective objective_;
   QualityFloor floor_;
   Span<const Point> points_;
   const LinkFace* faces_;
   Size count_;
+
+ private:
+  Team team_;
+  bool is_uncertain_ = false;
 };
 
 }  // namespace tetune

@@ -14,7 +14,7 @@ template <class Pack>
 struct RingOf;
 template <>
 struct RingOf<double> {
-  using type = PlainRing;
+  using type = PlainRing<>;
 };
 #if !defined(__CUDACC__)
 template <>

@@ -9,11 +9,12 @@
 namespace tetune {
 
 /// The ring of one vertex on the CPU: gathered once per visit and evaluated in vector registers, kLanes tetrahedra at a
-/// time. Sums run in a fixed order, so that the result is the same on every run of one build.
+/// time. The bits of all results are those of PlainRing.
 class SimdRing {
  public:
   using Pack = backend::Pack4;
   static constexpr int kLanes = kLanesOf<Pack>;
+  static_assert(kLanes == kRingLanes);
   static constexpr Size kCapacity = 128;
 
   SimdRing(const Objective& objective, Span<const Point> points, const LinkFace* faces, Size count,
@@ -51,10 +52,7 @@ class SimdRing {
       inverse_volume_[k] = 1.0 / w;
       total.add(objective_, f, y, inverse_volume_[k], weight(k));
     }
-    // Each volume exceeds the bound on its error if the smallest exceeds the bound for the largest possible faces:
-    // permanent <= sqrt(2) |a| |b| |y|, and |a|, |b| are at most twice the longest y.
-    const double length2 = sum(total.length2);
-    if (!(min_lane(w_min) > 6 * kOrientBound * length2 * std::sqrt(length2))) return model_with_error_bounds(x);
+    if (!exceeds_error_bound(min_lane(w_min), sum(total.length2))) return model_with_error_bounds(x);
     const Sym3T<Pack>& h = total.h;
     return to_model(objective_,
                     {sum(total.e),
@@ -159,8 +157,8 @@ class SimdRing {
     for (Size i = 0; i < count_; ++i) {
       const OppositeFace<double> f = face(i);
       const Vec3 y = x - f.p0;
-      const double shape = kShapeFactor * Objective::shape_term(area_term(f, y), 1 / dot(f.n, y));
-      if (shape > floor_.safe_shape && !allowed(floor_, f, x, shape)) return false;
+      const double shape = Objective::shape_term(area_term(f, y), 1 / dot(f.n, y));
+      if (!(shape <= floor_.safe_shape / kShapeFactor) && !allowed(floor_, f, x, kShapeFactor * shape)) return false;
     }
     return true;
   }

@@ -52,10 +52,7 @@ struct SlideMotion {
 
   TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return gradient; }
   TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) {
-    const SurfaceElement element = steepest(reference, dof, surface_point, -1.0 * step);
-    trial_point = surface_point;
-    if (element.on.kind == SurfacePointKind::none) return x;
-    const TraceResult end = advance(reference, dof, element, surface_point, x, element.descent, 1);
+    const TraceResult end = project_step(reference, dof, surface_point, x, step);
     trial_point = end.surface_point;
     return end.position;
   }

@@ -15,6 +15,10 @@ namespace sweep_detail {
 template <class Ring, class Pack, class Step, bool kSlides>
 struct RelocateVertex : DofsView {
   static constexpr Size kGrain = 16;
+  /// A team evaluates a ring whose class has a form for teams.
+  struct NoMemory {};
+  using Shared = std::conditional_t<std::is_same_v<Ring, PlainRing<>>, NoMemory, void>;
+  static constexpr int kTeamSize = kRingLanes;
   Criterion criterion;
   Span<Point> points;
   RingsView rings;
@@ -42,36 +46,39 @@ struct RelocateVertex : DofsView {
     if (surface_point.size() > 0 && i + kPointsAhead < end) prefetch_corners(surface_point[near]);
   }
 
-  TETUNE_HD SweepSum operator()(Size i) const {
-    const Index v = vertices[i];
-    if (active[v] == 0) return {};
+  TETUNE_HD SweepSum operator()(Size i) const { return relocate<Ring>(backend::SingleThread(), vertices[i]); }
+  template <class Team>
+  TETUNE_HD SweepSum operator()(const Team& team, NoMemory&, Size i) const {
+    return relocate<PlainRing<Team>>(team, vertices[i]);
+  }
+
+ private:
+  template <class AnyRing, class Team>
+  TETUNE_HD SweepSum relocate(const Team& team, Index v) const {
+    if (read_once(team, active[v]) == 0) return {};
     const Size begin = rings.offsets[v];
     const Size count = rings.offsets[v + 1] - begin;
+    const bool writes = team.rank() == 0;
     if (count == 0) {
-      backend::store_shared(active[v], 0);
+      if (writes) backend::store_shared(active[v], 0);
       return {};
     }
     const LinkFace* faces = rings.faces.data() + begin;
-    StepResult result;
-    if (count <= Ring::kCapacity) {
-      Ring ring(criterion.objective, points, faces, count, criterion.floor);
-      result = relocate(ring, v);
-    } else {
-      PlainRing ring(criterion.objective, points, faces, count, criterion.floor);
-      result = relocate(ring, v);
-    }
-    if (result.decrease > 0) points[v] = point(result.position);
+    const auto step_in = [&](auto ring) { return step_from(vec(read_once(team, points[v])), ring, team, v); };
+    const StepResult result =
+        count <= AnyRing::kCapacity
+            ? step_in(AnyRing(criterion.objective, points, faces, count, criterion.floor))
+            : step_in(PlainRing<Team>(criterion.objective, points, faces, count, criterion.floor));
+    if (writes && result.decrease > 0) points[v] = point(result.position);
     const bool far = result.relative_move > kActivationThreshold;
-    backend::store_shared(active[v], far ? 1 : 0);
+    if (writes) backend::store_shared(active[v], far ? 1 : 0);
     if (far && scope == SweepScope::mesh) {
-      for (Size j = 0; j < count; ++j) {
+      for (Size j = team.rank(); j < count; j += Team::kSize) {
         for (int k = 0; k < 3; ++k) backend::store_shared(active[faces[j].v[k]], 1);
       }
     }
     return {result.decrease, result.gradient2, result.decrease > 0 ? 1 : 0};
   }
-
- private:
   static Index triangle_of(const SurfacePoint& s) {
     return s.kind == SurfacePointKind::triangle ? s.item : s.kind == SurfacePointKind::edge ? s.item / 3 : -1;
   }
@@ -93,25 +100,25 @@ struct RelocateVertex : DofsView {
     for (const Index corner : reference.triangles[triangle].v) backend::prefetch(&reference.points[corner]);
   }
 
-  template <class AnyRing>
-  TETUNE_HD StepResult relocate(AnyRing& ring, Index v) const {
-    const Vec3 x = vec(points[v]);
+  template <class AnyRing, class Team>
+  TETUNE_HD StepResult step_from(const Vec3& x, AnyRing& ring, const Team& team, Index v) const {
     const VertexDof space = dof[v];
     // Most vertices are free; the arrays that only others read are not in the cache.
     if (space == VertexDof::free) return step(ring, x, MotionSpace{space, {}});
     const DisplacementBound bound = displacement_bound.size() == 0 ? DisplacementBound{} : displacement_bound[v];
     if constexpr (kSlides) {
-      if (space == VertexDof::curve || space == VertexDof::surface) return slide(ring, v, x, bound);
+      if (space == VertexDof::curve || space == VertexDof::surface) return slide(x, ring, team, v, bound);
     }
     return step(ring, x, MotionSpace{space, axis[v], bound});
   }
   /// Out of line to reduce register pressure in the steps of the free vertices.
-  template <class AnyRing>
-  TETUNE_HD __attribute__((noinline)) StepResult slide(AnyRing& ring, Index v, const Vec3& x,
+  template <class AnyRing, class Team>
+  TETUNE_HD __attribute__((noinline)) StepResult slide(const Vec3& x, AnyRing& ring, const Team& team, Index v,
                                                        const DisplacementBound& displacement) const {
     const DeviationBound<Pack> deviation({reference, points, surface_point, v, max_deviation});
-    const SlideResult slid = slide_of(step)(ring, x, surface_point[v], dof[v], reference, deviation, displacement);
-    if (slid.step.decrease > 0) surface_point[v] = slid.surface_point;
+    const SlideResult slid =
+        slide_of(step)(ring, x, read_once(team, surface_point[v]), dof[v], reference, deviation, displacement);
+    if (team.rank() == 0 && slid.step.decrease > 0) surface_point[v] = slid.surface_point;
     return slid.step;
   }
 };

@@ -19,9 +19,8 @@ void PrintTo(const Case& c, std::ostream* out);
 std::vector<Case> cases();
 
 /// What is the same on all backends (docs/architecture.md, "Equal results"): the operations one by one, the number of
-/// sweeps and why they stopped, and the energy within 1e-9; with Effort::best within 1e-5, as the steps that lower the
-/// largest of several costs amplify rounding.
-void expect_parity(const Report& report, const Report& on_cpu, const Options& options);
+/// sweeps and why they stopped; sums over the mesh to rounding.
+void expect_parity(const Report& report, const Report& on_cpu);
 
 /// The same bits.
 void expect_same(const TetMesh& a, const TetMesh& b);

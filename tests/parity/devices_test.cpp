@@ -34,8 +34,8 @@ TEST(Devices, CudaAgreesWithTheCpu) {
     options.device = Device::cuda;
     const Report on_gpu = optimize(gpu, options);
     EXPECT_TRUE(validate(gpu).ok()) << validate(gpu).message(false);
-    test::expect_parity(on_gpu, on_cpu, c.options);
-    EXPECT_EQ(gpu.tets, cpu.tets);
+    test::expect_parity(on_gpu, on_cpu);
+    test::expect_same(gpu, cpu);
   }
 }
 

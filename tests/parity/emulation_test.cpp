@@ -35,7 +35,8 @@ TEST_P(EmulationAgainstCpu, Agrees) {
   const Report report = optimize_on(Emulation(1, memory), first, c.options, {});
   EXPECT_TRUE(validate(first).ok()) << validate(first).message(false);
   EXPECT_LT(std::min(report.energy_after, on_cpu.energy_after), on_cpu.energy_before) << "nothing was done";
-  expect_parity(report, on_cpu, c.options);
+  expect_parity(report, on_cpu);
+  expect_same(first, cpu);
   EXPECT_EQ(report.tets_untangled > 0, c.options.untangle);
 
   TetMesh second = c.mesh;

@@ -2,6 +2,7 @@
 // Operations of the simulated device against the same code on the host.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -281,6 +282,51 @@ TEST(WarpOperations, ExchangeValuesBetweenLanes) {
   const DeviceArray<u32> to(kLanes);
   exchange_kernel<<<1, kLanes>>>(from.data(), to.data());
   for (u32 t = 0; t < kLanes; ++t) EXPECT_EQ(to.data()[t], exchanged(in, t)) << t;
+}
+
+/// Groups of four lanes, of which each takes its own number of turns.
+__global__ void exchange_in_groups_kernel(const u32* in, u32* out) {
+  const u32 t = threadIdx.x;
+  const u32 group = 0xfU << (t / 4 * 4);
+  u32 x = in[t];
+  for (u32 turn = 0; turn <= t / 4 % 3; ++turn) {
+    x = x * 3 + __shfl_sync(group, x, static_cast<int>(t + 1), 4);
+    x += 5 * __ballot_sync(group, static_cast<int>(x & 1U)) + __any_sync(group, (x & 14U) == 0);
+    __syncwarp(group);
+  }
+  out[t] = x + __match_any_sync(group, x & 1U);
+}
+
+/// exchange_in_groups_kernel for one group.
+std::array<u32, 4> exchanged_in_group(std::array<u32, 4> x, u32 group) {
+  for (u32 turn = 0; turn <= group % 3; ++turn) {
+    const std::array<u32, 4> old = x;
+    u32 odd = 0, any = 0;
+    for (u32 k = 0; k < 4; ++k) {
+      x[k] = old[k] * 3 + old[(k + 1) % 4];
+      odd |= (x[k] & 1U) << (4 * group + k);
+    }
+    for (u32 k = 0; k < 4; ++k) any |= (x[k] & 14U) == 0 ? 1 : 0;
+    for (u32 k = 0; k < 4; ++k) x[k] += 5 * odd + any;
+  }
+  std::array<u32, 4> result = x;
+  for (u32 k = 0; k < 4; ++k) {
+    for (u32 other = 0; other < 4; ++other) result[k] += ((x[k] ^ x[other]) & 1U) == 0 ? 1U << (4 * group + other) : 0;
+  }
+  return result;
+}
+
+TEST(WarpOperations, ExchangeValuesWithinGroupsThatDiverge) {
+  std::vector<u32> in(kLanes);
+  for (u32 t = 0; t < kLanes; ++t) in[t] = (t * 37 + 11) % 50;
+  const DeviceArray<u32> from(in);
+  const DeviceArray<u32> to(kLanes);
+  exchange_in_groups_kernel<<<1, kLanes>>>(from.data(), to.data());
+  for (u32 group = 0; group < kLanes / 4; ++group) {
+    const auto expected =
+        exchanged_in_group({in[4 * group], in[4 * group + 1], in[4 * group + 2], in[4 * group + 3]}, group);
+    for (u32 k = 0; k < 4; ++k) EXPECT_EQ(to.data()[4 * group + k], expected[k]) << group << ' ' << k;
+  }
 }
 
 __global__ void block_kernel(const u32* in, u32* out) {

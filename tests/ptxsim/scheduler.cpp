@@ -14,8 +14,8 @@ bool wake_waiting_lanes(Warp& w) {
     LaneMask waiting = 0;
     for (u32 k = 0; k < kLanes; ++k) {
       const Lane& other = w.lanes[k];
-      const bool waits_there =
-          other.state == LaneState::at_warp_sync && other.pc == lane.pc && other.register_base == lane.register_base;
+      const bool waits_there = other.state == LaneState::at_warp_sync && other.pc == lane.pc &&
+                               other.awaited == lane.awaited && other.register_base == lane.register_base;
       waiting |= waits_there ? LaneMask{1} << k : 0;
     }
     const LaneMask awaited = lane.awaited & w.not_ended;

@@ -7,41 +7,62 @@
 namespace tetune::ptxsim {
 namespace {
 
-/// Whether all lanes that take part are here. If not, those that are here wait for the others.
-bool all_arrived(Warp& w, LaneMask named, const Instruction& i) {
-  if ((w.active & ~named) != 0) {
+/// The lanes of `among` whose operand names `mask`.
+LaneMask lanes_that_name(const u64* named, LaneMask mask, LaneMask among) {
+  LaneMask lanes = 0;
+  for_each_lane(among,
+                [&](u32 l) { lanes |= static_cast<LaneMask>(named[l]) == mask ? LaneMask{1} << l : LaneMask{0}; });
+  return lanes;
+}
+
+/// Whether all lanes of a group, which name `mask`, are active. If not, those that are wait for the others, or run when
+/// the others wait here already.
+bool group_arrived(Warp& w, LaneMask group, LaneMask mask, const Instruction& i) {
+  if ((group & ~mask) != 0) {
     problems().report(Fault::unnamed_lane, &i, [&] {
-      return formatted("an operation of the lanes %08x is run by the lanes %08x\n  %s\n  %s", named, w.active,
-                       thread_name(w, w.first_active()).c_str(), place_of(i).c_str());
+      return formatted("an operation of the lanes %08x is run by the lanes %08x\n  %s\n  %s", mask, group,
+                       thread_name(w, static_cast<u32>(std::countr_zero(group))).c_str(), place_of(i).c_str());
     });
     return true;
   }
-  const LaneMask awaited = named & w.not_ended;
-  if ((w.active & awaited) == awaited) return true;
-  LaneMask here = w.active;
+  const LaneMask awaited = mask & w.not_ended;
+  if ((group & awaited) == awaited) return true;
+  LaneMask here = group;
   for (u32 l = 0; l < kLanes; ++l) {
     const Lane& lane = w.lanes[l];
-    const bool waits =
-        lane.state == LaneState::at_warp_sync && lane.pc == w.pc && lane.register_base == w.register_base;
+    const bool waits = lane.state == LaneState::at_warp_sync && lane.pc == w.pc && lane.awaited == mask &&
+                       lane.register_base == w.register_base;
     here |= waits ? LaneMask{1} << l : 0;
   }
   const bool complete = (here & awaited) == awaited;
   for_each_lane(here, [&](u32 l) {
     w.lanes[l].state = complete ? LaneState::running : LaneState::at_warp_sync;
-    w.lanes[l].pc = w.pc;
-    w.lanes[l].awaited = named;
+    w.lanes[l].awaited = mask;
   });
+  return false;
+}
+
+/// Whether all lanes that take part are here, in each of the groups of active lanes that name the same lanes. If not,
+/// the active lanes are chosen afresh.
+bool all_arrived(Warp& w, Row row, const Instruction& i) {
+  const u64* const named = w.row(row);
+  bool all = true;
+  for (LaneMask rest = w.active; rest != 0;) {
+    const auto mask = static_cast<LaneMask>(named[std::countr_zero(rest)]);
+    const LaneMask group = lanes_that_name(named, mask, rest);
+    all = group_arrived(w, group, mask, i) && all;
+    rest &= ~group;
+  }
+  if (all) return true;
+  for_each_lane(w.active, [&w](u32 l) { w.lanes[l].pc = w.pc; });
   w.must_choose = true;
   return false;
 }
 
-/// The operand with the lanes that take part, which is the same for all of them.
-LaneMask named_lanes(Warp& w, Row row) { return static_cast<LaneMask>(w.row(row)[w.first_active()]); }
-
 /// In a block of one warp, a barrier of all threads orders their accesses as a barrier of the block does.
 void execute_warp_barrier(Warp& w, const Instruction& i) {
-  const LaneMask named = named_lanes(w, i.a);
-  if (all_arrived(w, named, i) && w.block->warps.size() == 1 && (w.not_ended & ~named) == 0) ++w.block->epoch;
+  const auto named = static_cast<LaneMask>(w.row(i.a)[w.first_active()]);
+  if (all_arrived(w, i.a, i) && w.block->warps.size() == 1 && (w.not_ended & ~named) == 0) ++w.block->epoch;
 }
 
 enum Shuffle : u8 { kUp, kDown, kButterfly, kIndexed };
@@ -70,15 +91,16 @@ Source source_of(u32 lane, u32 b, u32 clamp, u8 shuffle) {
 }
 
 void execute_shuffle(Warp& w, const Instruction& i) {
-  if (!all_arrived(w, named_lanes(w, i.d), i)) return;
+  if (!all_arrived(w, i.d, i)) return;
   const u64* const a = w.row(i.a);
   const u64* const b = w.row(i.b);
   const u64* const clamp = w.row(i.c);
+  const u64* const named = w.row(i.d);
   u64 value[kLanes] = {};
   bool in_segment[kLanes] = {};
   for_each_lane(w.active, [&](u32 l) {
     const Source source = source_of(l, static_cast<u32>(b[l]), static_cast<u32>(clamp[l]), i.variant);
-    if ((w.active >> source.lane & 1U) == 0) {
+    if (((w.active & named[l]) >> source.lane & 1U) == 0) {
       problems().report(Fault::absent_lane, &i, [&] {
         return formatted("a shuffle reads lane %u, which does not take part\n  %s\n  %s", source.lane,
                          thread_name(w, l).c_str(), place_of(i).c_str());
@@ -98,27 +120,32 @@ void execute_shuffle(Warp& w, const Instruction& i) {
 enum Vote : u8 { kAll, kAny, kUniform, kBallot };
 
 void execute_vote(Warp& w, const Instruction& i) {
-  if (!all_arrived(w, named_lanes(w, i.b), i)) return;
+  if (!all_arrived(w, i.b, i)) return;
   const u64* const predicate = w.row(i.a);
   LaneMask votes = 0;
   for_each_lane(w.active,
                 [&](u32 l) { votes |= ((predicate[l] & 1U) != 0) != i.negated ? LaneMask{1} << l : LaneMask{0}; });
-  const bool all = votes == w.active;
-  const u64 result = i.variant == kBallot ? u64{votes}
-                     : i.variant == kAll  ? u64{all}
-                     : i.variant == kAny  ? u64{votes != 0}
-                                          : u64{all || votes == 0};
+  const u64* const named = w.row(i.b);
   u64* const to = w.row(i.to);
-  for_each_lane(w.active, [&](u32 l) { to[l] = result; });
+  for_each_lane(w.active, [&](u32 l) {
+    const LaneMask group = w.active & static_cast<LaneMask>(named[l]);
+    const LaneMask own = votes & group;
+    to[l] = i.variant == kBallot ? u64{own}
+            : i.variant == kAll  ? u64{own == group}
+            : i.variant == kAny  ? u64{own != 0}
+                                 : u64{own == group || own == 0};
+  });
 }
 
 void execute_match(Warp& w, const Instruction& i) {
-  if (!all_arrived(w, named_lanes(w, i.b), i)) return;
+  if (!all_arrived(w, i.b, i)) return;
   const u64* const a = w.row(i.a);
   const u64 compared = i.bytes == 8 ? ~u64{0} : 0xffffffffU;
   u64 equal[kLanes] = {};
+  const u64* const named = w.row(i.b);
   for_each_lane(w.active, [&](u32 l) {
-    for_each_lane(w.active, [&](u32 other) { equal[l] |= ((a[l] ^ a[other]) & compared) == 0 ? u64{1} << other : 0; });
+    const LaneMask group = w.active & static_cast<LaneMask>(named[l]);
+    for_each_lane(group, [&](u32 other) { equal[l] |= ((a[l] ^ a[other]) & compared) == 0 ? u64{1} << other : 0; });
   });
   u64* const to = w.row(i.to);
   for_each_lane(w.active, [&](u32 l) { to[l] = equal[l]; });

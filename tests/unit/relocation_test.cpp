@@ -41,7 +41,7 @@ struct Fixture {
     return {kHarmonicObjective, work.points.span(), rings.faces.span().data() + begin,
             rings.offsets.span()[v + 1] - begin};
   }
-  PlainRing plain(Index v) {
+  PlainRing<> plain(Index v) {
     const Size begin = rings.offsets.span()[v];
     return {kHarmonicObjective, work.points.span(), rings.faces.span().data() + begin,
             rings.offsets.span()[v + 1] - begin};
@@ -136,7 +136,7 @@ TEST(NewtonStep, LeavesAVolumeBelowTheRoundingError) {
     if (orient_sign(p3(x), p3(f.at(face.v[0])), p3(f.at(face.v[1])), p3(f.at(face.v[2]))) <= 0) continue;
     ++tried;
     SimdRing ring = f.simd(v);
-    PlainRing plain = f.plain(v);
+    PlainRing<> plain = f.plain(v);
     ASSERT_FALSE(ring.value(x).certified);
     const StepResult r = NewtonStep{1.6, 1e-10}(ring, x, {VertexDof::free, {}});
     EXPECT_TRUE(ring.value(r.position).certified);
