@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/registry.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
 #include <span>
 
 #include "backend/span.hpp"
+#include "system/native.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 #include "tetune/quality.hpp"
@@ -18,6 +18,7 @@ namespace tetune {
 namespace {
 
 constexpr const char* kNoPeriodic = ": the format cannot hold periodic links";
+constexpr const char* kNoDeck = ": the format cannot hold the rest of the deck, such as materials, loads and steps";
 
 std::string endings(bool to_write) {
   std::string known;
@@ -37,7 +38,7 @@ void write_file(const std::string& path, const TetMesh& mesh, const IoContext& c
 }
 
 const Format& format_of(const std::string& path, bool to_write) {
-  const std::string ending = std::filesystem::path(path).extension().string();
+  const std::string ending = path_of(path).extension().string();
   bool other_way = false;
   for (const Format& format : formats()) {
     if (std::find(format.endings.begin(), format.endings.end(), ending) == format.endings.end()) continue;
@@ -45,7 +46,7 @@ const Format& format_of(const std::string& path, bool to_write) {
     other_way = true;
   }
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw FileError(path + ": is a folder; give a file name");
+  if (std::filesystem::is_directory(path_of(path), ignored)) throw FileError(path + ": is a folder; give a file name");
   throw FileError(path + ": tetune " +
                   (!other_way ? "does not "
                    : to_write ? "reads, but does not "
@@ -128,8 +129,8 @@ const std::vector<Format>& formats() {
       {"VTK legacy", {".vtk"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"Gmsh", {".msh"}, read_msh, write_file<write_msh>},
+      {"Abaqus, CalculiX", {".inp"}, read_inp, write_file<write_inp>},
       {"I-deas universal", {".unv"}, nullptr, nullptr, &kGmshPlugin, true, true},
-      {"Abaqus", {".inp"}, nullptr, nullptr, &kGmshPlugin, false, true},
       {"Nastran", {".bdf"}, nullptr, nullptr, &kGmshPlugin, true, true},
       {"MED", {".med"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
       {"CGNS", {".cgns"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
@@ -144,13 +145,12 @@ std::string excess_of(std::int64_t entries, bool tets) {
 }
 
 std::vector<std::string> files_of(const std::string& path) {
-  const std::filesystem::path named(path);
+  const std::filesystem::path named = path_of(path);
   for (const Format& format : formats()) {
     const auto& all = format.endings;
     if (!format.is_set || std::find(all.begin(), all.end(), named.extension().string()) == all.end()) continue;
     std::vector<std::string> files;
-    for (const std::string& ending : all)
-      files.push_back(std::filesystem::path(path).replace_extension(ending).string());
+    for (const std::string& ending : all) files.push_back(path_of(path).replace_extension(ending).string());
     return files;
   }
   return {path};
@@ -175,15 +175,17 @@ TetMesh parse_mesh(const std::string& name, std::string_view bytes, std::vector<
 }
 
 void check_place(const std::string& path) {
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const std::filesystem::path place = native::long_path(path);
+  const std::filesystem::path folder = place.parent_path();
   const std::string name = folder.empty() ? "." : folder.string();
   std::error_code ignored;
-  if (!std::filesystem::is_directory(name, ignored)) throw FileError(path + ": the folder " + name + " does not exist");
-  if (std::filesystem::is_directory(path, ignored)) throw FileError(path + ": is a folder; give a file name");
-  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+  if (!std::filesystem::is_directory(path_of(name), ignored))
+    throw FileError(path + ": the folder " + name + " does not exist");
+  if (std::filesystem::is_directory(place, ignored)) throw FileError(path + ": is a folder; give a file name");
+  if (std::filesystem::exists(place, ignored) && !std::filesystem::is_regular_file(place, ignored)) {
     throw FileError(path + ": exists and is not a regular file; give another name, or - for the standard output");
   }
-  if (::access(name.c_str(), W_OK) != 0) throw FileError(path + ": no permission to write in " + name);
+  if (!native::is_writable(name)) throw FileError(path + ": no permission to write in " + name);
 }
 
 void check_writable(const std::string& path) {
@@ -199,6 +201,7 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
   check_arrays(path, mesh);
   const IoContext context{threads, warnings};
   if (!mesh.periodic.empty() && format.write != write_file<write_msh>) context.warn(path + kNoPeriodic);
+  if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + kNoDeck);
   if (format.write != nullptr) {
     std::vector<std::string> losses;
     format.write(path, mesh, {threads, &losses});
@@ -215,6 +218,7 @@ void write_mesh(int descriptor, const std::string& name, bool binary, const TetM
   check_arrays(name, mesh);
   const IoContext context{threads, warnings};
   if (!mesh.periodic.empty()) context.warn(name + kNoPeriodic);
+  if (mesh.deck != nullptr) context.warn(name + kNoDeck);
   std::vector<std::string> losses;
   FileWriter file(descriptor, name);
   (binary ? write_medit_binary : write_medit_text)(file, mesh, {threads, &losses});
@@ -231,7 +235,7 @@ void write_text(const std::string& path, std::string_view text) {
 
 void write_measures(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
   constexpr const char* kWithData[] = {".vtu", ".vtk", ".e", ".ex2", ".exo", ".msh"};
-  const std::string ending = std::filesystem::path(path).extension().string();
+  const std::string ending = path_of(path).extension().string();
   const bool with_mesh = std::find(std::begin(kWithData), std::end(kWithData), ending) != std::end(kWithData);
   if (!with_mesh && ending != ".sol") {
     throw FileError(path +

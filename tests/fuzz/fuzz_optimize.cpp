@@ -166,6 +166,7 @@ Options make_options(Source& from, const TetMesh& mesh) {
   o.energy = from.pick({Energy::shape, Energy::shape, Energy::harmonic});
   o.effort = from.pick({Effort::fast, Effort::standard, Effort::best});
   o.keep_vertices = from.flag();
+  if (from.flag()) o.max_growth = from.wildly(2) ? from.real() : from.whole(1, 100);
   o.surface_vertices = from.pick({SurfaceVertices::automatic, SurfaceVertices::keep, SurfaceVertices::edit});
   o.relocation = from.pick({Relocation::newton, Relocation::newton, Relocation::gradient});
   o.termination = from.pick({Termination::relative, Termination::relative, Termination::paper});

@@ -165,6 +165,26 @@ def msh(points, tets, extra, old, binary):
     return bytes(m.out)
 
 
+def inp(points, tets, extra):
+    """A deck; `extra`: with sets, surfaces, loads and other elements."""
+    def rows(numbered):
+        return "".join(", ".join(map(str, row)) + "\n" for row in numbered)
+
+    elements = [(3 * i + 7, *(10 * v + 1 for v in t)) for i, t in enumerate(tets)]
+    text = "*HEADING\na deck\n*NODE, NSET=ALL\n" + rows((10 * i + 1, *p) for i, p in enumerate(points))
+    if not extra:
+        return (text + "*ELEMENT, TYPE=C3D4\n" + rows(elements)).encode()
+    half = len(elements) // 2
+    text += ("*ELEMENT, TYPE=C3D4, ELSET=A\n" + rows(elements[:half]) + "** the rest\n*element, type=c3d4\n" + rows(elements[half:])
+             + "*ELEMENT, TYPE=S3, ELSET=SKIN\n1000, 1, 11, 21\n*ELEMENT, TYPE=MASS\n1001, 1\n"
+             + "*ELSET, ELSET=B, GENERATE\n7, 9, 3\n*ELSET, ELSET=C\nA, B, 10\n*ELSET, ELSET=_S1\n7\n"
+             + "*NSET, NSET=N\n1, 11, 21, 31\n*NSET, NSET=M, UNSORTED\n41, N\n*NSET, NSET=E, ELSET=B\n"
+             + "*SURFACE, NAME=TOP\n_S1, S1\n10, S2\n*SURFACE, NAME=P, TYPE=NODE\nN,\n"
+             + "*STEP\n*BOUNDARY\nN, 1, 3\n11, 1\n*DLOAD\n7, P3, 2.\nC, GRAV, 9.81, 0, 0, -1\n*EQUATION\n2\n1, 1, 1., 11, 1, -1.\n"
+             + "*END STEP\n")
+    return text.encode()
+
+
 def plugin_answer(points, tets, extra):
     """No error, a warning, and the mesh, as src/io/mesh_stream.hpp has them."""
     out = bytearray()
@@ -237,6 +257,7 @@ def main(folder):
             for old in (False, True):
                 for binary in (False, True):
                     put("msh", f"{stem}_{'22' if old else '41'}{'b' if binary else ''}", msh(points, tets, extra, old, binary))
+            put("inp", stem, inp(points, tets, extra))
             put("tetgen", stem, tetgen(points, tets, extra, int(extra)))
             for version in (1, 2, 3, 4):
                 for order in "<>":

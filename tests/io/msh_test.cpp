@@ -145,6 +145,38 @@ TEST_F(Msh, PeriodicLinksAreKeptAndTheirVerticesStay) {
   EXPECT_EQ(read_mesh(path("a.msh"), nullptr, 1).periodic[0].pairs, link.pairs);
 }
 
+/// A tetrahedron of ten nodes, the first six lines of it as given: nodes 5 to 10 are on the edges 12, 23, 31, 14,
+/// 34, 24.
+std::string tet10(const std::string& fifth, const std::string& element = "1 11 2 1 1 1 2 3 4 5 6 7 8 9 10") {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n11\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 " + fifth +
+         "\n6 0.5 0.5 0\n7 0 0.5 0\n8 0 0 0.5\n9 0 0.5 0.5000001\n10 0.5 0 0.5\n11 9 9 9\n$EndNodes\n$Elements\n1\n" +
+         element + "\n$EndElements\n";
+}
+
+TEST_F(Msh, CurvedEdgesKeepTheBitsOfTheirNodes) {
+  const TetMesh straight = read_mesh(put("straight.msh", tet10("0.50001 0 0")), nullptr, 1);
+  EXPECT_TRUE(straight.second_order);
+  EXPECT_TRUE(straight.curved_edges.empty());  // rounding explains both
+  const TetMesh curved = read_mesh(put("curved.msh", tet10("0.5 -0.1 0.3")), nullptr, 1);
+  EXPECT_EQ(curved.points.size(), 5U);
+  EXPECT_EQ(curved.curved_edges, (std::vector<CurvedEdge>{{{0, 1}, {0.5, -0.1, 0.3}}, {{2, 3}, {0, 0.5, 0.5000001}}}));
+  for (const std::string dialect : {"msh 2.2 text", "msh 2.2 binary", "msh 4.1 text", "msh 4.1 binary"}) {
+    TetMesh m = curved;
+    m.dialect = dialect;
+    write_mesh(path("a.msh"), m, 1);
+    const TetMesh back = read_mesh(path("a.msh"), nullptr, 1);
+    EXPECT_EQ(back.points, curved.points);
+    EXPECT_EQ(back.curved_edges, curved.curved_edges) << dialect;
+  }
+  write_mesh(path("a.inp"), curved, 1);
+  EXPECT_TRUE(contains(get("a.inp"), "TYPE=C3D10, ELSET=Volume1\n1, 1, 2, 3, 4, 6, 9, 7, 8, 10, 11\n")) << get("a.inp");
+  std::vector<std::string> warnings;
+  write_mesh(path("a.mesh"), curved, 1, &warnings);
+  EXPECT_TRUE(contains(warnings.back(), "2 curved edges are straight"));
+  const std::string two = read_error(put("two.msh", tet10("0.5 0.1 0", "1 11 2 1 1 1 2 3 4 5 6 7 8 9 5")));
+  EXPECT_TRUE(contains(two, "node 5 is a mid-side node of two edges")) << two;
+}
+
 TEST_F(Msh, PeriodicTrianglesAreNotFlipped) {
   TetMesh m = cube(3);
   m.triangle_tags.clear();

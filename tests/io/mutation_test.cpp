@@ -129,6 +129,18 @@ TEST_F(MutationTest, Msh) {
   }
 }
 
+TEST_F(MutationTest, Inp) {
+  TetMesh m = two_materials(2);
+  m.triangles = {{0, 1, 4}, {0, 4, 3}};
+  m.triangle_tags = {7, 8};
+  m.groups = {{3, 1, "steel", {1}}, {2, 7, "inlet", {7, 8}}};
+  write_mesh(path("whole.inp"), m);
+  run("a.inp", get("whole.inp"),
+      {"*NODE\n", "*ELEMENT, TYPE=C3D8\n", "*NSET, NSET=A, GENERATE\n", "*ELSET, ELSET=B\n", "*SURFACE, NAME=C\n", "**",
+       "*INCLUDE, INPUT=a.inp\n", "-1, ", "0, ", "99999999999999999999, ", "1e400", "nan", "\n", "\"", "S4\n", "A, S1"},
+      8);
+}
+
 TEST_F(MutationTest, TetGen) {
   put("m.node", "4 3 0 1\n1 0 0 0 1\n2 1 0 0 2\n3 0 1 0 3\n4 0 0 1 4\n");
   put("m.face", "2 1\n1 1 2 3 5\n2 1 2 4 6\n");

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/number_index.hpp"
+#include "io/registry.hpp"
+#include "tetune/mesh.hpp"
+
+namespace tetune {
+
+/// A part of the text of a deck, in the order of the file; the contents of included files stand in their place.
+struct InpPiece {
+  enum class Kind { text, nodes, tets, set, faces };
+  Kind kind = Kind::text;
+  std::string_view text;
+  /// Of kind nodes and tets: the card; set: the position in InpModel::set_cards; faces: in face_cards.
+  Index card = -1;
+  /// The nodes or tetrahedra that it defines, one after another.
+  Index first = 0, last = 0;
+};
+
+/// A *NODE card, or an *ELEMENT card of tetrahedra.
+struct InpEntityCard {
+  Index set = -1;    ///< that its entities are in
+  Index first = 0;   ///< the first of its entities
+  std::string type;  ///< of elements
+};
+
+/// A set of nodes or elements: all cards of one name.
+struct InpSet {
+  std::string name;        ///< as written
+  std::string parameters;  ///< of a further card of the set: "*NSET, NSET=name"
+  bool of_nodes = false;
+  /// Nodes by position, elements by position among all elements; ascending.
+  std::vector<Index> members;
+  /// Positions in InpModel::set_cards.
+  std::vector<Index> cards;
+  /// A set of tetrahedra for one line of faces and nothing else: it follows those faces, and makes no region.
+  bool is_auxiliary = false;
+  /// A set of nodes of which every member keeps its place.
+  bool is_held = false;
+  /// Tags of the regions in a set of elements; of those with all vertices in a set of nodes.
+  std::vector<int> regions;
+  /// Face groups with all vertices in a set of nodes, and tags of such patches.
+  std::vector<Index> groups;
+  std::vector<int> patches;
+};
+
+/// An *NSET or *ELSET card.
+struct InpSetCard {
+  Index set = -1;
+  std::string_view head;           ///< the keyword line
+  std::vector<Index> members;      ///< that it lists by number
+  std::vector<Index> nested;       ///< sets that it lists by name
+  std::vector<std::string> names;  ///< of these, as written
+  bool generates = false;
+  bool follows_elements = false;  ///< *NSET, ELSET=: it lists nothing
+};
+
+/// A face of a tetrahedron: 1 to 4 as Abaqus counts.
+struct InpFace {
+  Index element;
+  int face;
+  auto operator<=>(const InpFace&) const = default;
+};
+
+/// A line with a set of elements in the place of one.
+struct InpFaceSet {
+  Index set;
+  int face;
+  std::string line;
+};
+
+/// Lines `element, <before><face><after>` of one card: the faces of a *SURFACE, or those under one load.
+struct InpFaceGroup {
+  std::string before, after;
+  std::vector<InpFace> faces;    ///< of tetrahedra, ascending
+  std::vector<InpFace> direct;   ///< those that no auxiliary set lists
+  std::vector<InpFaceSet> sets;  ///< auxiliary ones
+};
+
+/// A *SURFACE card, or one of loads on faces.
+struct InpFaceCard {
+  std::string_view head;
+  std::string name;           ///< of a *SURFACE
+  std::string other_lines;    ///< that are no faces of tetrahedra
+  std::vector<Index> groups;  ///< positions in InpModel::face_groups
+};
+
+/// A face of a patch belongs to a group by the tetrahedron on one of its sides.
+struct InpPatchMember {
+  Index group;
+  int side;  ///< 0: the tetrahedron that the normal of the triangle points away from
+  auto operator<=>(const InpPatchMember&) const = default;
+};
+
+/// The tetrahedra of one tag.
+struct InpRegion {
+  int tag;
+  std::vector<Index> sets;
+};
+
+/// The triangles of one tag.
+struct InpPatch {
+  int tag;
+  std::vector<InpPatchMember> members;
+};
+
+/// The contents of a deck.
+struct InpModel {
+  std::deque<std::string> files;  ///< their bytes, which all views refer to
+  const char* newline = "\n";
+  std::vector<InpPiece> pieces;
+
+  std::vector<std::int64_t> node_labels;
+  std::vector<const char*> node_lines;  ///< where the line of each begins
+  std::vector<Point3> points;
+  NumberIndex nodes;
+  std::vector<InpEntityCard> node_cards;
+
+  std::vector<std::int64_t> element_labels;
+  std::vector<Index> element2tet;  ///< -1 for other elements
+  NumberIndex elements;
+
+  std::vector<Index> tet2element;
+  std::vector<std::array<Index, 4>> tets;  ///< nodes, as listed
+  std::vector<const char*> tet_lines;
+  std::vector<Index> tet2card;
+  std::vector<InpEntityCard> tet_cards;
+
+  std::vector<InpSet> sets;
+  std::vector<InpSetCard> set_cards;
+  std::vector<InpFaceGroup> face_groups;
+  std::vector<InpFaceCard> face_cards;
+
+  std::vector<InpRegion> regions;  ///< by tag, ascending
+  std::vector<InpPatch> patches;   ///< by tag, ascending
+  std::vector<int> tet_tags;       ///< per tetrahedron
+
+  /// The position of a node or element with this number, or -1.
+  Index node(std::int64_t label) const { return position(nodes, label); }
+  Index element(std::int64_t label) const { return position(elements, label); }
+
+ private:
+  static Index position(const NumberIndex& index, std::int64_t label) {
+    const Index rank = index.rank(label);
+    return rank < 0 ? -1 : span_of(index.order())[rank];
+  }
+};
+
+/// A deck and the mesh that was read from it.
+class AbaqusDeck {
+ public:
+  explicit AbaqusDeck(InpModel model) : model_(std::move(model)) {}
+  const InpModel& model() const { return model_; }
+
+ private:
+  InpModel model_;
+};
+
+/// Writes a mesh that has no deck.
+void write_inp_plain(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+
+}  // namespace tetune
