@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tetune/curved.hpp"
 #include "tetune/export.hpp"
 #include "tetune/mesh.hpp"
 
@@ -87,6 +88,9 @@ struct Quality {
   /// angle, then by id.
   std::array<MeasureSummary, kMeasures> measures{};
   std::vector<WorstTet> worst;
+  /// Second-order tetrahedra with curved edges. All other entries are those of the straight ones with the same
+  /// vertices.
+  CurvedQuality curved;
   const MeasureSummary& of(Measure measure) const { return measures[static_cast<std::size_t>(measure)]; }
 };
 
@@ -123,6 +127,8 @@ struct Comparison {
   /// mean edge length of the old boundary: from vertices of the new surface to the old one, and from vertices, edge
   /// midpoints and triangle centroids of either surface to the other.
   double vertices_to_old = 0, new_to_old = 0, old_to_new = 0;
+  /// One in this many of those vertices, midpoints and centroids was measured.
+  std::int64_t sample_stride = 1;
   /// Mean edge length of the old boundary.
   double mean_edge = 0;
   std::int64_t old_vertices = 0, new_vertices = 0, old_tets = 0, new_tets = 0;
@@ -137,7 +143,9 @@ struct Comparison {
   std::int64_t required_moved = 0, corners_moved = 0;
 };
 
-/// Compares two meshes. `threads` 0 means all. Throws MeshError as quality() does.
-TETUNE_API Comparison compare(const TetMesh& before, const TetMesh& after, int threads = 0);
+/// Compares two meshes. `threads` 0 means all. The distances between the surfaces are measured at about `max_samples`
+/// points of each at most, spread evenly over the mesh's order, or with 0 at all. Throws MeshError as quality() does.
+TETUNE_API Comparison compare(const TetMesh& before, const TetMesh& after, int threads = 0,
+                              std::int64_t max_samples = 0);
 
 }  // namespace tetune

@@ -103,27 +103,25 @@ BufferOf<Backend, Index> tets_with_flagged_vertex(const Backend& backend, WorkMe
   return find_tets(backend, mesh, selection_detail::HasFlaggedVertex{mesh.view(), flags});
 }
 
-/// Returns a value that at most about part * count of the `values` exceed, all of which are 0 or at least 1: to within
-/// 1 %, by bisection of the logarithm.
+/// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within 1 %.
+/// The values are 0 or at least 1.
 template <class Backend>
-double upper_quantile(const Backend& backend, Span<const double> values, double part, Size count) {
+double upper_quantile(const Backend& backend, Span<const double> values, double max_above) {
   using namespace selection_detail;
-  const auto max_above = static_cast<Size>(part * static_cast<double>(count));
   double low = 1;
   double high = 1e6;
   while (high > 1.01 * low) {
     const double middle = std::sqrt(low * high);
     const Size above = backend.template reduce<backend::Sum<Size>>(values.size(), CountAbove{{values, middle}}).value;
-    (above > max_above ? low : high) = middle;
+    (static_cast<double>(above) > std::floor(max_above) ? low : high) = middle;
   }
   return low;
 }
 
-/// Returns the cost of the dihedral angles that about part * count tetrahedra exceed. `extremeness`: see
-/// AngleExtremes.
+/// Returns the cost of the dihedral angles that about `max_above` tetrahedra exceed. `extremeness`: see AngleExtremes.
 template <class Backend>
-double upper_cost_quantile(const Backend& backend, Span<const double> extremeness, double part, Size count) {
-  const double quantile = upper_quantile(backend, extremeness, part, count);
+double upper_cost_quantile(const Backend& backend, Span<const double> extremeness, double max_above) {
+  const double quantile = upper_quantile(backend, extremeness, max_above);
   return std::sqrt(quantile * quantile - 1);
 }
 

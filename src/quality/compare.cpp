@@ -27,20 +27,8 @@ struct MeshSurface {
   double area = 0;       ///< of the boundary
   double mean_edge = 0;  ///< of the boundary
 
-  /// The vertices, and the midpoints of edges and triangles. Of the triangles at an edge at least one lists it in
-  /// increasing order of its end points.
-  std::vector<Vec3> samples() const {
-    std::vector<Vec3> points = vertices;
-    for (const TrianglePoints& t : triangles) {
-      points.push_back((1.0 / 3) * (t[0] + t[1] + t[2]));
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3& a = t[k];
-        const Vec3& b = t[(k + 1) % 3];
-        if (std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z)) points.push_back(0.5 * (a + b));
-      }
-    }
-    return points;
-  }
+  /// About the number of the vertices, triangles and edges of a closed surface.
+  std::int64_t sample_count() const { return std::ssize(vertices) + std::ssize(triangles) * 5 / 2; }
 };
 
 MeshSurface find_surface(const TetMesh& mesh, double scale, const backend::Cpu& cpu) {
@@ -77,10 +65,37 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, const backend::Cpu& 
   return surface;
 }
 
-/// The largest distance of the points from the surface. A point within the largest distance found so far needs no exact
-/// distance; the result does not depend on the order.
-double max_distance(const std::vector<Vec3>& points, const ClosestTriangle& surface, const backend::Cpu& cpu) {
-  std::atomic<double> max_distance2{0};
+/// One in `stride` of some points.
+std::vector<Vec3> every(std::int64_t stride, const std::vector<Vec3>& points) {
+  std::vector<Vec3> sampled;
+  for (Size i = 0; i < std::ssize(points); i += stride) sampled.push_back(span_of(points)[i]);
+  return sampled;
+}
+
+/// One in `stride` of the midpoints of edges and triangles. Of the triangles at an edge at least one lists it in
+/// increasing order of its end points.
+std::vector<Vec3> midpoints(std::int64_t stride, const std::vector<TrianglePoints>& triangles) {
+  std::vector<Vec3> points;
+  std::int64_t passed = 0;
+  const auto add = [&](const Vec3& p) {
+    if (passed++ % stride == 0) points.push_back(p);
+  };
+  for (const TrianglePoints& t : triangles) {
+    add((1.0 / 3) * (t[0] + t[1] + t[2]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& a = t[k];
+      const Vec3& b = t[(k + 1) % 3];
+      if (std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z)) add(0.5 * (a + b));
+    }
+  }
+  return points;
+}
+
+/// The largest distance of the points from the surface, at least `at_least`. A point within the largest distance found
+/// so far needs no exact distance; the result does not depend on the order.
+double max_distance(const std::vector<Vec3>& points, const ClosestTriangle& surface, const backend::Cpu& cpu,
+                    double at_least = 0) {
+  std::atomic<double> max_distance2{at_least * at_least};
   const Span<const Vec3> samples = span_of(points);
   cpu.for_each(samples.size(), [&](Size i) {
     double known = max_distance2.load(std::memory_order_relaxed);
@@ -170,7 +185,8 @@ void compare_sizes(const TetMesh& before, const TetMesh& after, double scale, Co
   }
 }
 
-void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale, int threads, Comparison& c) {
+void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale, int threads, std::int64_t max_samples,
+                      Comparison& c) {
   const backend::Cpu cpu(threads);
   const MeshSurface old_surface = find_surface(before, scale, cpu);
   const MeshSurface new_surface = find_surface(after, scale, cpu);
@@ -179,9 +195,16 @@ void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale,
   if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
   const ClosestTriangle old_triangles(old_surface.triangles);
   const ClosestTriangle new_triangles(new_surface.triangles);
-  c.vertices_to_old = max_distance(new_surface.vertices, old_triangles, cpu) / old_surface.mean_edge;
-  c.new_to_old = max_distance(new_surface.samples(), old_triangles, cpu) / old_surface.mean_edge;
-  c.old_to_new = max_distance(old_surface.samples(), new_triangles, cpu) / old_surface.mean_edge;
+  const std::int64_t samples = std::max(old_surface.sample_count(), new_surface.sample_count());
+  c.sample_stride = max_samples > 0 ? (samples + max_samples - 1) / max_samples : 1;
+  const auto farthest = [&](const MeshSurface& surface, const ClosestTriangle& triangles, double vertices) {
+    return max_distance(midpoints(c.sample_stride, surface.triangles), triangles, cpu, vertices);
+  };
+  const double new_vertices = max_distance(every(c.sample_stride, new_surface.vertices), old_triangles, cpu);
+  const double old_vertices = max_distance(every(c.sample_stride, old_surface.vertices), new_triangles, cpu);
+  c.vertices_to_old = new_vertices / old_surface.mean_edge;
+  c.new_to_old = farthest(new_surface, old_triangles, new_vertices) / old_surface.mean_edge;
+  c.old_to_new = farthest(old_surface, new_triangles, old_vertices) / old_surface.mean_edge;
 }
 
 void compare_tags(const TetMesh& before, const TetMesh& after, Comparison& c) {
@@ -195,7 +218,7 @@ void compare_tags(const TetMesh& before, const TetMesh& after, Comparison& c) {
 
 }  // namespace
 
-Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
+Comparison compare(const TetMesh& before, const TetMesh& after, int threads, std::int64_t max_samples) {
   for (const TetMesh* mesh : {&before, &after}) {
     if (const ValidationReport arrays = validate_arrays(*mesh); !arrays.ok()) throw MeshError(arrays.message(false));
   }
@@ -207,7 +230,7 @@ Comparison compare(const TetMesh& before, const TetMesh& after, int threads) {
   // A common unit in which squares and cubes of lengths neither underflow nor overflow.
   const double scale = std::min(unit_scale(before), unit_scale(after));
   compare_sizes(before, after, scale, c);
-  compare_surfaces(before, after, scale, threads, c);
+  compare_surfaces(before, after, scale, threads, max_samples, c);
   compare_tags(before, after, c);
   c.required_moved = count_moved(before, before.required_vertices, after, after.required_vertices);
   c.corners_moved = count_moved(before, before.corners, after, after.corners);

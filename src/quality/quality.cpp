@@ -9,20 +9,17 @@
 #include <mutex>
 #include <numeric>
 
-#include "backend/cpu.hpp"
-#include "mesh/gather.hpp"
+#include "curved/curved_edges.hpp"
 #include "mesh/messages.hpp"
-#include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
-#include "quality/tet_measures.hpp"
+#include "quality/shape_loop.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
 
-using Pack = backend::Cpu::Pack;
-
-constexpr int kLanes = kLanesOf<Pack>;
+using Pack = ShapePack;
+constexpr int kLanes = kShapeLanes;
 
 /// Counts of dihedral angles in bins of 0.01 degrees.
 using AngleBins = std::vector<std::uint32_t>;
@@ -30,10 +27,9 @@ constexpr int kBinsPerDegree = 100;
 constexpr int kBins = 180 * kBinsPerDegree + 1;
 static_assert(6 * std::int64_t{kMaxTets} <= std::numeric_limits<std::uint32_t>::max());
 
-/// Tetrahedra are measured in chunks, each with bins of its own; sums run over the chunks in order, so that they do not
-/// depend on the number of threads. The bins of a chunk cost as much time as some hundred tetrahedra.
-Size chunk_count(Size tets) { return std::clamp<Size>(tets / 512, 1, 64); }
-Size chunk_begin(Size tets, Size chunk) { return tets * chunk / chunk_count(tets); }
+/// Each chunk has bins of its own, which cost as much time as some hundred tetrahedra.
+Size chunk_count(Size tets) { return shape_chunk_count(tets); }
+Size chunk_begin(Size tets, Size chunk) { return shape_chunk_begin(tets, chunk); }
 
 bool is_worse(const WorstTet& a, const WorstTet& b) {
   return a.dihedral < b.dihedral || (a.dihedral == b.dihedral && a.tet < b.tet);
@@ -141,23 +137,6 @@ struct QualitySums {
     volume += other.volume;
   }
 };
-
-/// Loads kLanes consecutive tetrahedra, one per SIMD lane, padding with the last.
-TetShapeT<Pack> load_shapes(const TetMeshView& mesh, Size first, Size last) {
-  Vec3T<Pack> p[4];
-  for (int l = 0; l < kLanes; ++l) {
-    const Size t = std::min(first + l, last);
-    mesh.prefetch_ahead(t);
-    const Tet tet = mesh.tet(t);
-    for (int k = 0; k < 4; ++k) {
-      const Vec3 x = mesh.position(tet[k]);
-      p[k].x[l] = x.x;
-      p[k].y[l] = x.y;
-      p[k].z[l] = x.z;
-    }
-  }
-  return TetShapeT<Pack>(p);
-}
 
 /// Measures one chunk of the tetrahedra.
 struct MeasureChunk {
@@ -287,13 +266,17 @@ bool larger_is_better(Measure measure) {
 
 Quality quality(const TetMesh& mesh, int threads) {
   check_arrays(mesh);
-  return measure_mesh(mesh, threads, nullptr);
+  Quality q = measure_mesh(mesh, threads, nullptr);
+  q.curved = summarize_curved(mesh, threads, 0);
+  return q;
 }
 
 Quality measure_all(const TetMesh& mesh, int threads, int worst) {
   check_arrays(mesh);
   MeasureTable table(std::ssize(mesh.tets), worst);
-  return measure_mesh(mesh, threads, &table);
+  Quality q = measure_mesh(mesh, threads, &table);
+  q.curved = summarize_curved(mesh, threads, worst);
+  return q;
 }
 
 std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
@@ -302,11 +285,8 @@ std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
   std::vector<Measures> result(mesh.tets.size());
   const Span<Measures> measures = span_of(result);
   backend::Cpu(threads).for_parts(chunk_count(measures.size()), [&](Size chunk) {
-    const Size end = chunk_begin(measures.size(), chunk + 1);
-    for (Size first = chunk_begin(measures.size(), chunk); first < end; first += kLanes) {
-      const TetShapeT<Pack> shapes = load_shapes(view, first, end - 1);
-      for (int l = 0; l < kLanes && first + l < end; ++l) measures[first + l] = all_measures(lane(shapes, l));
-    }
+    for_each_shape(view, chunk,
+                   [&](const TetShapeT<Pack>& shapes, int l, Size t) { measures[t] = all_measures(lane(shapes, l)); });
   });
   return result;
 }

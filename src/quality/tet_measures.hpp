@@ -7,6 +7,7 @@
 
 #include "energy/objective.hpp"
 #include "math/angle.hpp"
+#include "math/elementary.hpp"
 #include "mesh/gather.hpp"
 #include "tetune/quality.hpp"
 
@@ -73,10 +74,10 @@ inline double max_angle(const TetShape& s) { return *std::max_element(s.angles, 
 /// eta divided by that of the regular tetrahedron of the same volume V, which has edges a = (6 sqrt(2) V)^(1/3) and
 /// eta = 9 a / sqrt(2).
 inline double relative_eta(const TetShape& s) {
-  return s.eta() / (4.5 * std::numbers::sqrt2 * std::cbrt(6 * std::numbers::sqrt2 * std::fabs(s.volume)));
+  return s.eta() / (4.5 * std::numbers::sqrt2 * elementary::cbrt(6 * std::numbers::sqrt2 * std::fabs(s.volume)));
 }
 inline double mean_ratio(double volume, double length2) {
-  return volume > 0 ? 12 * std::cbrt(9 * volume * volume) / length2 : 0;
+  return volume > 0 ? 12 * elementary::cbrt(9 * volume * volume) / length2 : 0;
 }
 
 inline double value(const Measures& measures, Measure measure) { return measures[static_cast<std::size_t>(measure)]; }

@@ -97,6 +97,14 @@ TEST(Compare, FindsChanges) {
     EXPECT_EQ(scaled.old_to_new, c.old_to_new);
   }
 
+  const Comparison sampled = compare(before, after, 0, 20);
+  EXPECT_GT(sampled.sample_stride, 10);
+  EXPECT_LE(sampled.new_to_old, c.new_to_old);
+  EXPECT_LE(sampled.old_to_new, c.old_to_new);
+  const Comparison all = compare(before, after, 0, 1000000);
+  EXPECT_EQ(all.sample_stride, 1);
+  EXPECT_EQ(all.new_to_old, c.new_to_old);
+
   after.tet_tags[0] = 4;
   after.point_tags[3] = 2;
   TetMesh corner = before;

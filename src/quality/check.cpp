@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "mesh/connect.hpp"
+#include "mesh/validate_arrays.hpp"
+#include "mesh/work_mesh.hpp"
+#include "quality/check_measures.hpp"
+#include "quality/shape_loop.hpp"
+#include "tetune/criteria.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+/// The numbers of one criterion for a part of the mesh.
+struct CriterionSums {
+  std::int64_t count = 0, warned = 0, failed = 0;
+  double worst = 0;
+  Size worst_tet = -1;
+};
+
+/// Counts values by the limits of a criterion.
+class CriterionCounter {
+ public:
+  explicit CriterionCounter(const AcceptanceCriterion& criterion)
+      : criterion_(criterion), larger_is_better_(info_of(criterion.measure).larger_is_better) {}
+
+  void add(CriterionSums& sums, double value, Size tet) const {
+    ++sums.count;
+    if (criterion_.fail && misses(value, *criterion_.fail)) {
+      ++sums.failed;
+    } else if (criterion_.warn && misses(value, *criterion_.warn)) {
+      ++sums.warned;
+    }
+    if (is_new_worst(sums, value)) {
+      sums.worst = value;
+      sums.worst_tet = tet;
+    }
+  }
+  void merge(CriterionSums& sums, const CriterionSums& next) const {
+    sums.count += next.count;
+    sums.warned += next.warned;
+    sums.failed += next.failed;
+    if (next.worst_tet >= 0 && is_new_worst(sums, next.worst)) {
+      sums.worst = next.worst;
+      sums.worst_tet = next.worst_tet;
+    }
+  }
+  Verdict verdict(const CriterionSums& sums) const {
+    const double allowed = criterion_.allowed_percent / 100 * double(sums.count);
+    if (double(sums.failed) > allowed) return Verdict::fail;
+    const bool many = criterion_.warn && double(sums.warned + sums.failed) > allowed;
+    return sums.failed > 0 || many ? Verdict::warn : Verdict::pass;
+  }
+
+ private:
+  /// A value that is not a number misses every limit.
+  bool misses(double value, double limit) const { return larger_is_better_ ? !(value >= limit) : !(value <= limit); }
+  bool is_new_worst(const CriterionSums& sums, double value) const {
+    if (sums.worst_tet < 0) return true;
+    if (std::isnan(sums.worst)) return false;
+    return larger_is_better_ ? !(value >= sums.worst) : !(value <= sums.worst);
+  }
+
+  const AcceptanceCriterion& criterion_;
+  bool larger_is_better_;
+};
+
+/// Measures tetrahedra and faces of a mesh, in the caller's unit.
+class CheckedMesh {
+ public:
+  CheckedMesh(const TetMesh& mesh, bool with_neighbors, int threads) : view_(mesh, unit_scale(mesh)), cpu_(threads) {
+    if (!with_neighbors) return;
+    work_ = upload_mesh(cpu_, mesh);
+    build_adjacency(cpu_, work_);
+  }
+
+  CriterionSums measure(const AcceptanceCriterion& criterion) {
+    const CriterionCounter counter(criterion);
+    std::vector<CriterionSums> chunks(to_size_t(shape_chunk_count(view_.tets.size())));
+    cpu_.for_parts(std::ssize(chunks), [&](Size chunk) {
+      CriterionSums& sums = span_of(chunks)[chunk];
+      for_each_shape(view_, chunk, [&](const TetShapeT<ShapePack>& shapes, int l, Size t) {
+        add(counter, criterion.measure, lane(shapes, l), t, sums);
+      });
+    });
+    CriterionSums sums;
+    for (const CriterionSums& chunk : chunks) counter.merge(sums, chunk);
+    return sums;
+  }
+
+ private:
+  void add(const CriterionCounter& counter, CheckMeasure measure, const TetShape& shape, Size t,
+           CriterionSums& sums) const {
+    if (measure == CheckMeasure::orthogonal_quality) {
+      counter.add(sums, orthogonal_quality(shape, t), t);
+    } else if (info_of(measure).of_faces) {
+      for (int f = 0; f < 4; ++f) add_face(counter, measure, shape, t, f, sums);
+    } else {
+      const double unit = measure == CheckMeasure::volume                                                   ? 3
+                          : measure == CheckMeasure::shortest_edge || measure == CheckMeasure::min_altitude ? 1
+                                                                                                            : 0;
+      counter.add(sums, shape_measure(shape, measure) * std::pow(view_.scale, -unit), t);
+    }
+  }
+
+  HalfFace across(Size t, int face) const { return std::as_const(work_.tet2tet).span()[t][face]; }
+  Vec3 centroid(Size t) const {
+    const Tet tet = view_.tet(t);
+    const Vec3 p[4] = {view_.position(tet[0]), view_.position(tet[1]), view_.position(tet[2]), view_.position(tet[3])};
+    return centroid_of(p);
+  }
+
+  double orthogonal_quality(const TetShape& s, Size t) const {
+    const Vec3 center = centroid_of(s.p);
+    double quality = volume_part(s);
+    for (int f = 0; f < 4; ++f) {
+      const Vec3 outward = outward_normal(s, f);
+      quality = std::min(quality, cosine(outward, face_centroid(s.p, f) - center));
+      const HalfFace other = across(t, f);
+      if (other != kNoHalfFace) quality = std::min(quality, cosine(outward, centroid(tet_of(other)) - center));
+    }
+    return quality;
+  }
+
+  /// Away from the vertex opposite the face, whatever the orientation.
+  static Vec3 outward_normal(const TetShape& s, int f) {
+    const Vec3 n = s.n[f];
+    return dot(n, s.p[face_vertex(f, 0)] - s.p[f]) < 0 ? -1.0 * n : n;
+  }
+
+  /// A face between two tetrahedra is counted by the one of smaller id.
+  void add_face(const CriterionCounter& counter, CheckMeasure measure, const TetShape& s, Size t, int f,
+                CriterionSums& sums) const {
+    const HalfFace other = across(t, f);
+    const bool inside = other != kNoHalfFace;
+    if (inside && tet_of(other) < t) return;
+    const Vec3 own = centroid_of(s.p);
+    const Vec3 neighbor = inside ? centroid(tet_of(other)) : own;
+    const Vec3 normal = outward_normal(s, f);
+    if (measure == CheckMeasure::non_orthogonality) {
+      if (inside) counter.add(sums, angle_between(normal, neighbor - own), t);
+      return;
+    }
+    const Vec3 corners[3] = {s.p[face_vertex(f, 0)], s.p[face_vertex(f, 1)], s.p[face_vertex(f, 2)]};
+    counter.add(sums, face_skewness(corners, normal, own, inside ? &neighbor : nullptr), t);
+  }
+
+  TetMeshView view_;
+  backend::Cpu cpu_;
+  WorkMesh<backend::Cpu> work_;
+};
+
+}  // namespace
+
+AcceptanceReport check(const TetMesh& mesh, const AcceptanceCriteria& criteria, int threads) {
+  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+  bool with_neighbors = false;
+  for (const AcceptanceCriterion& c : criteria.criteria) {
+    check_criterion(c);
+    with_neighbors = with_neighbors || c.measure == CheckMeasure::orthogonal_quality || info_of(c.measure).of_faces;
+  }
+  AcceptanceReport report;
+  report.name = criteria.name;
+  if (mesh.tets.empty()) {
+    report.verdict = Verdict::fail;
+    return report;
+  }
+  CheckedMesh checked(mesh, with_neighbors, threads);
+  for (const AcceptanceCriterion& c : criteria.criteria) {
+    const CriterionSums sums = checked.measure(c);
+    CriterionResult result{c, CriterionCounter(c).verdict(sums), sums.count, sums.warned, sums.failed, sums.worst};
+    if (sums.worst_tet >= 0) {
+      result.worst_tet = to_index(sums.worst_tet);
+      result.centroid = TetMeshView(mesh).centroid(sums.worst_tet);
+    }
+    report.verdict = std::max(report.verdict, result.verdict);
+    report.results.push_back(result);
+  }
+  return report;
+}
+
+}  // namespace tetune

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/criteria.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/messages.hpp"
+#include "tetune/error.hpp"
+#include "tetune/quality.hpp"
+
+namespace tetune {
+namespace {
+
+using M = CheckMeasure;
+
+CheckMeasureInfo info(Measure measure) {
+  const bool is_angle = measure == Measure::min_dihedral || measure == Measure::max_dihedral;
+  return {M(measure), to_string(measure), larger_is_better(measure), false, is_angle ? "degrees" : ""};
+}
+
+const std::array<CheckMeasureInfo, kCheckMeasures> kMeasureTable{
+    info(Measure::min_dihedral),
+    info(Measure::max_dihedral),
+    info(Measure::mean_ratio),
+    info(Measure::sicn),
+    info(Measure::gamma),
+    info(Measure::scaled_jacobian),
+    info(Measure::radius_ratio),
+    info(Measure::aspect_ratio),
+    info(Measure::harmonic),
+    CheckMeasureInfo{M::volume, "volume", true, false, "length^3"},
+    CheckMeasureInfo{M::jacobian_ratio, "jacobian_ratio", false, false, ""},
+    CheckMeasureInfo{M::min_face_angle, "min_face_angle_deg", true, false, "degrees"},
+    CheckMeasureInfo{M::max_face_angle, "max_face_angle_deg", false, false, "degrees"},
+    CheckMeasureInfo{M::equiangle_skew, "equiangle_skew", false, false, ""},
+    CheckMeasureInfo{M::volume_skew, "volume_skew", false, false, ""},
+    CheckMeasureInfo{M::collapse, "collapse", true, false, ""},
+    CheckMeasureInfo{M::edge_ratio, "edge_ratio", false, false, ""},
+    CheckMeasureInfo{M::edge_altitude_ratio, "edge_altitude_ratio", false, false, ""},
+    CheckMeasureInfo{M::triangle_aspect, "triangle_aspect", false, false, ""},
+    CheckMeasureInfo{M::shortest_edge, "shortest_edge", true, false, "length"},
+    CheckMeasureInfo{M::min_altitude, "min_altitude", true, false, "length"},
+    CheckMeasureInfo{M::orthogonal_quality, "orthogonal_quality", true, false, ""},
+    CheckMeasureInfo{M::non_orthogonality, "non_orthogonality_deg", false, true, "degrees"},
+    CheckMeasureInfo{M::face_skewness, "face_skewness", false, true, ""}};
+
+/// No volume may be zero or negative.
+constexpr double kSmallestVolume = 1e-300;
+/// The solver refuses a determinant, which is six times the volume, below 1e-20.
+constexpr double kCalculixVolume = 1e-20 / 6;
+
+AcceptanceCriterion fails(M measure, double limit, const char* source) {
+  return {measure, std::nullopt, limit, 0, source};
+}
+AcceptanceCriterion warns(M measure, double limit, const char* source) {
+  return {measure, limit, std::nullopt, 0, source};
+}
+AcceptanceCriterion both(M measure, double warn, double fail, const char* source) {
+  return {measure, warn, fail, 0, source};
+}
+
+const std::array kPresets{
+    AcceptanceCriteria{
+        "abaqus",
+        {fails(M::volume, kSmallestVolume, "the input file processor refuses volumes that are not positive"),
+         warns(M::volume_skew, 1 - 1e-4, "Abaqus/CAE, Verify Mesh, shape metrics: shape factor 0.0001"),
+         warns(M::min_face_angle, 5, "Abaqus/CAE, Verify Mesh, shape metrics: smaller face corner angle"),
+         warns(M::max_face_angle, 170, "Abaqus/CAE, Verify Mesh, shape metrics: larger face corner angle"),
+         warns(M::edge_ratio, 10, "Abaqus/CAE, Verify Mesh, shape metrics: aspect ratio")}},
+    AcceptanceCriteria{
+        "ansys",
+        {fails(M::volume, kSmallestVolume, "Mechanical APDL refuses volumes that are not positive"),
+         both(M::triangle_aspect, 20, 1e6, "Mechanical APDL, SHPP, aspect ratio"),
+         both(M::max_face_angle, 165, 179.9, "Mechanical APDL, SHPP, maximum corner angle of triangles")}},
+    AcceptanceCriteria{
+        "calculix", {fails(M::volume, kCalculixVolume, "ccx, e_c3d: nonpositive jacobian determinant, below 1e-20")}},
+    AcceptanceCriteria{
+        "fluent",
+        {fails(M::volume, kSmallestVolume, "Fluent User's Guide, Checking the Mesh: volumes must be positive"),
+         fails(M::orthogonal_quality, 0.01, "Fluent User's Guide, Mesh Quality: more than 0.01"),
+         warns(M::volume_skew, 0.95, "Fluent User's Guide, Mesh Quality: skewness below 0.95")}},
+    AcceptanceCriteria{"nastran",
+                       {fails(M::volume, kSmallestVolume, "GEOMCHECK TET_DETJ: the determinant must be positive"),
+                        warns(M::edge_altitude_ratio, 100, "GEOMCHECK TET_AR"),
+                        warns(M::min_face_angle, 5, "Autodesk Nastran, TETFACEMINIATOL"),
+                        warns(M::max_face_angle, 170, "Autodesk Nastran, TETFACEMAXIATOL")}},
+    AcceptanceCriteria{"openfoam",
+                       {fails(M::volume, kSmallestVolume, "checkMesh: cell volumes must be positive"),
+                        both(M::non_orthogonality, 70, 90, "checkMesh, primitiveMesh::nonOrthThreshold_"),
+                        fails(M::face_skewness, 4, "checkMesh, primitiveMesh::skewThreshold_")}}};
+
+}  // namespace
+
+std::span<const CheckMeasureInfo> check_measures() { return kMeasureTable; }
+
+const CheckMeasureInfo& info_of(CheckMeasure measure) { return kMeasureTable.at(std::size_t(measure)); }
+
+const CheckMeasureInfo* find_check_measure(std::string_view name) {
+  const auto found = std::find_if(kMeasureTable.begin(), kMeasureTable.end(),
+                                  [name](const CheckMeasureInfo& measure) { return measure.name == name; });
+  return found == kMeasureTable.end() ? nullptr : &*found;
+}
+
+std::span<const AcceptanceCriteria> preset_criteria() { return kPresets; }
+
+const AcceptanceCriteria* find_preset(std::string_view name) {
+  const auto found = std::find_if(kPresets.begin(), kPresets.end(),
+                                  [name](const AcceptanceCriteria& preset) { return preset.name == name; });
+  return found == kPresets.end() ? nullptr : &*found;
+}
+
+void check_criterion(const AcceptanceCriterion& c) {
+  const auto refuse = [&](const std::string& why) {
+    throw OptionError("the criterion for " + std::string(info_of(c.measure).name) + " " + why);
+  };
+  if (!c.warn && !c.fail) refuse("has no limit; give warn, fail or both");
+  if ((c.warn && !std::isfinite(*c.warn)) || (c.fail && !std::isfinite(*c.fail)))
+    refuse("has a limit that is no number");
+  if (!(c.allowed_percent >= 0 && c.allowed_percent <= 100)) refuse("allows a percentage that is not in 0 to 100");
+  if (!c.warn || !c.fail) return;
+  const bool larger = info_of(c.measure).larger_is_better;
+  if (larger ? *c.warn < *c.fail : *c.warn > *c.fail) {
+    refuse(std::string("warns later than it fails: warn must be at ") + (larger ? "least" : "most") + " fail");
+  }
+}
+
+const char* to_string(Verdict verdict) { return name_of(verdict, {"pass", "warn", "fail"}); }
+
+}  // namespace tetune

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""--criteria: verdicts, exit codes, JSON, errors. Run: see cli_case.py."""
+
+import json
+import subprocess
+
+import cli_case
+from cli_case import CliTest, cube
+
+PRESETS = ("abaqus", "ansys", "calculix", "fluent", "nastran", "openfoam")
+
+
+class Criteria(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.put("in.mesh", cube(3))
+
+    def run_here(self, *args, code=0):
+        return self.run_cli(*args, code=code, cwd=self.folder)
+
+    def needs_files(self):
+        self.put("mine.toml", "[edge_ratio]\nfail = 100\n")
+        run = subprocess.run([cli_case.TETUNE, "info", "in.mesh", "--criteria", "mine.toml"], capture_output=True,
+                             text=True, cwd=self.folder, timeout=60)
+        if "reads no criteria files" in run.stderr:
+            self.skipTest("toml++ was not installed")
+
+    def test_presets(self):
+        for name in PRESETS:
+            done = self.run_here("info", "in.mesh", "--criteria", name)
+            self.assertIn(f"acceptance by {name}: pass", done.stdout)
+            line = self.run_here("info", "--check", "in.mesh", "--criteria", name).stdout
+            self.assertTrue(line.endswith(f"; {name}: pass\n"), line)
+        for command in ("info", "compare", "optimize"):
+            text = self.run_here(command, "--help").stdout
+            self.assertTrue(all(name in text for name in PRESETS))
+
+    def test_a_failed_criterion_is_exit_code_1(self):
+        self.needs_files()
+        self.put("mine.toml", "# gr\u00f6\u00dfer\n[edge_ratio]\nfail = 1.01\n\n[mean_ratio]\nwarn = 0.999\nfail = 1e-3\n")
+        self.run_here("info", "in.mesh", "--criteria", "mine.toml", code=1)
+        done = self.run_here("info", "in.mesh", "--json", "--criteria", "mine.toml", code=1)
+        acceptance = json.loads(done.stdout)["acceptance"]
+        self.assertEqual((acceptance["criteria"], acceptance["verdict"]), ("mine.toml", "fail"))
+        edges, ratio = acceptance["results"]
+        self.assertEqual((edges["measure"], edges["verdict"], edges["failed"], edges["warn"]),
+                         ("edge_ratio", "fail", edges["count"], None))
+        self.assertEqual((ratio["verdict"], ratio["failed"], ratio["source"]), ("warn", 0, "mine.toml"))
+        done = self.run_here("optimize", "in.mesh", "-o", "out.mesh", "--criteria", "mine.toml", "--report", "r.json",
+                             code=1)
+        self.assertIn("acceptance by mine.toml: fail", done.stdout)
+        both = json.loads(self.read_bytes("r.json"))["acceptance"]
+        self.assertEqual((both["before"]["verdict"], both["after"]["verdict"]), ("fail", "fail"))
+        self.assertLess(both["after"]["results"][0]["worst"], both["before"]["results"][0]["worst"])
+        self.run_here("compare", "in.mesh", "out.mesh", "--criteria", "mine.toml", code=1)
+
+    def test_what_optimize_repairs_is_accepted(self):
+        self.needs_files()
+        after = self.run_here("optimize", "in.mesh", "-o", "out.mesh", "--report", "r.json")
+        quality = json.loads(self.read_bytes("r.json"))
+        limit = (quality["before"]["mean_ratio_min"] + quality["after"]["mean_ratio_min"]) / 2
+        self.put("mine.toml", f"[mean_ratio]\nfail = {limit}\n")
+        self.run_here("info", "in.mesh", "--criteria", "mine.toml", code=1)
+        self.assertNotIn("acceptance", after.stdout)
+        self.run_here("optimize", "in.mesh", "-o", "out.mesh", "--criteria", "mine.toml")
+        done = self.run_here("compare", "in.mesh", "out.mesh", "--criteria", "mine.toml", "--json")
+        both = json.loads(done.stdout)
+        self.assertEqual((both["before"]["acceptance"]["verdict"], both["after"]["acceptance"]["verdict"]),
+                         ("fail", "pass"))
+        self.put("mine.toml", f"[mean_ratio]\nfail = {limit}\nallowed_percent = 99\n")
+        self.assertIn("mine.toml: warn", self.run_here("info", "--check", "in.mesh", "--criteria", "mine.toml").stdout)
+
+    def test_errors_name_file_line_and_the_nearest_name(self):
+        self.needs_files()
+        for text, said in (("\n[edge_ration]\nfail = 2\n", ["mine.toml:2:", "'edge_ration'", "mean 'edge_ratio'?"]),
+                           ("[edge_ratio]\nfails = 2\n", ["mine.toml:2:", "'fails'", "mean 'fail'?"]),
+                           ("[edge_ratio]\nfail = 'two'\n", ["mine.toml:2:", "must be a number"]),
+                           ("[edge_ratio]\nfail = 2\nwarn = 3\n", ["mine.toml:1:", "edge_ratio", "at most fail"]),
+                           ("[edge_ratio]\n", ["mine.toml:1:", "no limit"]),
+                           ("edge_ratio = 2\n", ["mine.toml:1:", "must be a table"]),
+                           ("[edge_ratio\nfail = 2\n", ["mine.toml:1:", "not TOML"]),
+                           ("[edge_ratio]\n\0", ["mine.toml:2:", "control character"]),
+                           ("", ["mine.toml", "no criterion"])):
+            self.put("mine.toml", text)
+            for command in (["info", "in.mesh"], ["optimize", "in.mesh", "-o", "out.mesh"]):
+                done = self.run_here(*command, "--criteria", "mine.toml", code=2)
+                for part in said:
+                    self.assertIn(part, done.stderr)
+        done = self.run_here("info", "in.mesh", "--criteria", "open-foam", code=2)
+        self.assertIn("did you mean 'openfoam'?", done.stderr)
+        self.assertEqual(self.files(), ["in.mesh", "mine.toml"])
+
+
+if __name__ == "__main__":
+    cli_case.main(__doc__)

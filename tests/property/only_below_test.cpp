@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options::only_below: the rest of the mesh stays bit for bit.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <ostream>
+#include <set>
+#include <string>
+
+#include "constrained.hpp"
+#include "meshes.hpp"
+#include "tetune/error.hpp"
+#include "tetune/move.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+bool is_bad(const Measures& m, const Target& limit) {
+  const double value = m[static_cast<std::size_t>(limit.measure)];
+  return larger_is_better(limit.measure) ? value < limit.value : value > limit.value;
+}
+
+/// The active tetrahedra by the definition, one ring after the other.
+std::vector<bool> active_by_definition(const TetMesh& mesh, const Options& options) {
+  std::vector<bool> active;
+  for (const Measures& m : measure_each(mesh)) {
+    active.push_back(std::any_of(options.only_below.begin(), options.only_below.end(),
+                                 [&](const Target& limit) { return is_bad(m, limit); }));
+  }
+  for (const Index t : mesh.required_tets) active[at(t)] = false;
+  for (int ring = 0; ring < options.rings; ++ring) {
+    std::set<Index> vertices;
+    for (std::size_t t = 0; t < active.size(); ++t) {
+      if (active[t]) vertices.insert(mesh.tets[t].begin(), mesh.tets[t].end());
+    }
+    for (std::size_t t = 0; t < active.size(); ++t) {
+      for (const Index v : mesh.tets[t]) active[t] = active[t] || vertices.count(v) == 1;
+    }
+  }
+  return active;
+}
+
+template <class T>
+T entry(const DataArray& data, std::size_t i) {
+  return std::get<std::vector<T>>(data.values)[i];
+}
+
+/// Checks that what is not active has stayed, and that the maps are true.
+void expect_rest_unchanged(const TetMesh& before, const TetMesh& after, const std::vector<bool>& active,
+                           const Report& report) {
+  // Vertices keep their numbers, and outside the active part their positions.
+  ASSERT_GE(after.points.size(), before.points.size());
+  for (std::size_t t = 0; t < before.tets.size(); ++t) {
+    if (active[t]) continue;
+    for (const Index v : before.tets[t]) {
+      EXPECT_EQ(before.points[at(v)], after.points[at(v)]);
+      EXPECT_EQ(before.point_tags[at(v)], after.point_tags[at(v)]);
+    }
+  }
+  ASSERT_EQ(report.tet2original.size(), after.tets.size());
+  std::vector<std::size_t> rest_before;
+  std::vector<std::size_t> rest_after;
+  for (std::size_t t = 0; t < before.tets.size(); ++t) {
+    if (!active[t]) rest_before.push_back(t);
+  }
+  for (std::size_t t = 0; t < after.tets.size(); ++t) {
+    const std::size_t original = at(report.tet2original[t]);
+    EXPECT_EQ(after.tet_tags[t], before.tet_tags[original]);
+    EXPECT_EQ(entry<double>(after.tet_data[0], t), entry<double>(before.tet_data[0], original));
+    if (!active[original]) rest_after.push_back(t);
+  }
+  ASSERT_EQ(rest_before.size(), rest_after.size());
+  for (std::size_t i = 0; i < rest_before.size(); ++i) {
+    EXPECT_EQ(before.tets[rest_before[i]], after.tets[rest_after[i]]);
+    if (after.tets.size() >= before.tets.size()) {
+      EXPECT_EQ(rest_before[i], rest_after[i]);
+    }
+  }
+  for (std::size_t v = 0; v < after.points.size(); ++v) {
+    const bool inserted = !report.vertex2original.empty() && report.vertex2original[v] < 0;
+    if (inserted) continue;
+    EXPECT_EQ(report.vertex2original.empty() ? v : at(report.vertex2original[v]), v);
+    EXPECT_EQ(entry<double>(after.point_data[0], v), entry<double>(before.point_data[0], v));
+  }
+}
+
+void number_data(TetMesh& mesh) {
+  const auto numbers = [](std::size_t size, double first) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < size; ++i) values.push_back(first + static_cast<double>(i));
+    return DataArray{"number", 1, values};
+  };
+  mesh.point_data = {numbers(mesh.points.size(), 0.5)};
+  mesh.tet_data = {numbers(mesh.tets.size(), 0.25)};
+}
+
+/// The value of the mean ratio that a part of the tetrahedra miss.
+double limit_missed_by(const TetMesh& mesh, double part) {
+  std::vector<double> values;
+  for (const Measures& m : measure_each(mesh)) values.push_back(m[static_cast<std::size_t>(Measure::mean_ratio)]);
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(part * static_cast<double>(values.size()))];
+}
+
+struct Case {
+  Boundary boundary;
+  Effort effort;
+  std::uint32_t seed;
+  friend void PrintTo(const Case& c, std::ostream* out) {
+    *out << "boundary " << static_cast<int>(c.boundary) << " effort " << static_cast<int>(c.effort) << " seed "
+         << c.seed;
+  }
+};
+
+class OnlyBelow : public testing::TestWithParam<Case> {};
+
+TEST_P(OnlyBelow, keeps_the_rest_and_does_not_get_worse) {
+  const Case c = GetParam();
+  TetMesh before = test::varied(c.seed);
+  number_data(before);
+  Options options;
+  options.boundary = c.boundary;
+  options.effort = c.effort;
+  options.only_below = {{Measure::mean_ratio, limit_missed_by(before, 0.02)}};
+  options.rings = static_cast<int>(c.seed % 3);
+  const std::vector<bool> active = active_by_definition(before, options);
+  TetMesh after = before;
+  options.threads = 1;
+  const Report report = optimize(after, options);
+
+  EXPECT_EQ(report.tets_active, std::count(active.begin(), active.end(), true));
+  EXPECT_EQ(report.tets_before, static_cast<std::int64_t>(before.tets.size()));
+  EXPECT_EQ(report.tets_after, static_cast<std::int64_t>(after.tets.size()));
+  const ValidationReport valid = validate(after);
+  EXPECT_TRUE(valid.ok()) << valid.message(false);
+  EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min - 1e-9);
+  expect_rest_unchanged(before, after, active, report);
+  EXPECT_EQ(test::as_set(before, before.required_tets), test::as_set(after, after.required_tets));
+  if (c.boundary != Boundary::slide) {
+    const Comparison change = compare(before, after);
+    EXPECT_LT(std::abs(change.area_change), 1e-12);
+    EXPECT_LT(change.region_volume_change, 1e-12);
+    EXPECT_LT(change.patch_area_change, 1e-12);
+  }
+  // Otherwise vertices are inserted on the surface too.
+  if (c.effort != Effort::best) {
+    EXPECT_EQ(test::tagged(before.triangles, before.triangle_tags), test::tagged(after.triangles, after.triangle_tags));
+  }
+  EXPECT_EQ(test::tagged(before.edges, before.edge_tags), test::tagged(after.edges, after.edge_tags));
+  test::expect_present(after);
+
+  TetMesh again = before;
+  options.threads = 3;
+  optimize(again, options);
+  EXPECT_EQ(again.points, after.points);
+  EXPECT_EQ(again.tets, after.tets);
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  std::uint32_t seed = 1;
+  for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
+    for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
+      for (int i = 0; i < 3; ++i) all.push_back({boundary, effort, seed++});
+    }
+  }
+  return all;
+}
+INSTANTIATE_TEST_SUITE_P(Cases, OnlyBelow, testing::ValuesIn(cases()));
+
+TetMesh with_bad_corner() {
+  TetMesh mesh = test::cube(8);
+  for (Point3& p : mesh.points) {
+    // A vertex inside, near one corner of the cube.
+    if (std::abs(p[0] - 0.25) + std::abs(p[1] - 0.25) + std::abs(p[2] - 0.25) < 1e-9) p[0] += 0.11;
+  }
+  number_data(mesh);
+  return mesh;
+}
+
+TEST(OnlyBelowLimit, improves_what_is_bad) {
+  TetMesh mesh = with_bad_corner();
+  const TetMesh before = mesh;
+  Options options;
+  options.only_below = {{Measure::min_dihedral, 20}};
+  const Report report = optimize(mesh, options);
+  EXPECT_GT(report.tets_bad, 0);
+  EXPECT_LT(report.tets_active, 600);
+  EXPECT_LT(quality(before).dihedral_min, 10);
+  EXPECT_GT(quality(mesh).dihedral_min, 25);
+  expect_rest_unchanged(before, mesh, active_by_definition(before, options), report);
+}
+
+TEST(OnlyBelowLimit, nothing_is_done_where_nothing_is_bad) {
+  TetMesh mesh = test::cube(3);
+  number_data(mesh);
+  const TetMesh before = mesh;
+  Options options;
+  options.only_below = {{Measure::min_dihedral, 20}};
+  options.targets = {{Measure::min_dihedral, 60}};
+  options.data = DataTransfer::interpolate;
+  const Report report = optimize(mesh, options);
+  EXPECT_EQ(report.tets_active, 0);
+  EXPECT_EQ(mesh.points, before.points);
+  EXPECT_EQ(mesh.tets, before.tets);
+  EXPECT_EQ(report.stop, StopReason::converged);
+  EXPECT_EQ(report.fixed_vertices, static_cast<std::int64_t>(mesh.points.size()));
+  ASSERT_EQ(report.targets.size(), 1U);
+  EXPECT_EQ(report.targets[0].missed, report.tets_before);
+  EXPECT_EQ(report.targets[0].held_by[static_cast<std::size_t>(LimitingConstraint::locked_element)],
+            report.tets_before);
+}
+
+TEST(OnlyBelowLimit, targets_are_reported_for_the_whole_mesh) {
+  TetMesh mesh = with_bad_corner();
+  Options options;
+  options.only_below = {{Measure::min_dihedral, 20}};
+  options.targets = {{Measure::mean_ratio, 0.8}};
+  const Report report = optimize(mesh, options);
+  std::map<Index, double> missed;
+  const std::vector<Measures> measures = measure_each(mesh);
+  for (Index t = 0; t < static_cast<Index>(measures.size()); ++t) {
+    const double value = measures[at(t)][static_cast<std::size_t>(Measure::mean_ratio)];
+    if (value < 0.8) missed[t] = value;
+  }
+  ASSERT_EQ(report.targets.size(), 1U);
+  EXPECT_EQ(report.targets[0].tets, static_cast<std::int64_t>(mesh.tets.size()));
+  EXPECT_EQ(report.targets[0].missed, static_cast<std::int64_t>(missed.size()));
+  for (const MissedTet& m : report.targets[0].worst) EXPECT_NEAR(missed.at(m.tet), m.value, 1e-12);
+}
+
+TEST(OnlyBelowLimit, inverted_tetrahedra_are_bad) {
+  TetMesh mesh = test::cube(6);
+  for (Point3& p : mesh.points) {
+    if (std::abs(p[0] - 0.5) + std::abs(p[1] - 0.5) + std::abs(p[2] - 0.5) < 1e-9) p[0] += 0.25;
+  }
+  Options options;
+  options.only_below = {{Measure::min_dihedral, 5}};
+  TetMesh refused = mesh;
+  EXPECT_THROW(optimize(refused, options), MeshError);
+  EXPECT_EQ(refused.points, mesh.points);
+  options.untangle = true;
+  const Report report = optimize(mesh, options);
+  EXPECT_GT(report.tets_untangled, 0);
+  EXPECT_LT(report.tets_active, report.tets_before);
+  EXPECT_TRUE(validate(mesh).ok());
+}
+
+TEST(OnlyBelowLimit, tetrahedra_that_cannot_be_repaired_are_named_by_their_numbers) {
+  TetMesh mesh = test::cube(6);
+  const Index last = static_cast<Index>(mesh.tets.size()) - 1;
+  // The last tetrahedron is made flat, and all its vertices are held.
+  const auto tet = mesh.tets[at(last)];
+  for (std::size_t k = 0; k < 3; ++k) {
+    mesh.points[at(tet[3])][k] =
+        (mesh.points[at(tet[0])][k] + mesh.points[at(tet[1])][k] + mesh.points[at(tet[2])][k]) / 3;
+  }
+  mesh.required_tets = {last};
+  Options options;
+  options.only_below = {{Measure::min_dihedral, 1}};
+  options.untangle = true;
+  try {
+    optimize(mesh, options);
+    FAIL() << "a flat tetrahedron cannot be repaired where it must not change";
+  } catch (const UntangleError& e) {
+    EXPECT_TRUE(std::find(e.left.begin(), e.left.end(), last) != e.left.end());
+  }
+}
+
+/// A corner that is listed, and that the geometry does not show, is held as in the whole mesh.
+TEST(OnlyBelowLimit, listed_corners_do_not_move) {
+  TetMesh mesh = test::cube(8, 0.2, 3);
+  for (Index v = 0; v < static_cast<Index>(mesh.points.size()) && mesh.corners.empty(); ++v) {
+    const Point3& p = mesh.points[at(v)];
+    if (p[2] == 0 && p[0] > 0.3 && p[0] < 0.7 && p[1] > 0.3 && p[1] < 0.7) mesh.corners.push_back(v);
+  }
+  ASSERT_EQ(mesh.corners.size(), 1U);
+  const TetMesh before = mesh;
+  Options options;
+  options.only_below = {{Measure::min_dihedral, 40}};
+  options.effort = Effort::best;
+  const Report report = optimize(mesh, options);
+  EXPECT_GT(report.plane_vertices, 0);
+  ASSERT_EQ(mesh.corners, before.corners);
+  EXPECT_EQ(mesh.points[at(mesh.corners[0])], before.points[at(before.corners[0])]);
+}
+
+/// Replaces a tetrahedron by four around a new vertex in its middle.
+void split(TetMesh& mesh, std::size_t t) {
+  const auto tet = mesh.tets[t];
+  Point3 center{};
+  for (const Index v : tet) {
+    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * mesh.points[at(v)][k];
+  }
+  const auto added = static_cast<Index>(mesh.points.size());
+  mesh.points.push_back(center);
+  mesh.point_tags.push_back(7);
+  for (std::size_t k = 0; k < 4; ++k) {
+    auto part = tet;
+    part[k] = added;
+    if (k == 0) {
+      mesh.tets[t] = part;
+    } else {
+      mesh.tets.push_back(part);
+      mesh.tet_tags.push_back(mesh.tet_tags[t]);
+    }
+  }
+}
+
+TEST(OnlyBelowLimit, vertices_do_not_become_fewer) {
+  Options options;
+  options.effort = Effort::best;
+  // Effort::best removes the vertex in the middle.
+  TetMesh alone = test::one_tet();
+  split(alone, 0);
+  options.frozen_vertices = {1, 1, 1, 1, 0};
+  optimize(alone, options);
+  ASSERT_EQ(alone.points.size(), 4U);
+  // In a larger mesh it stays, as others would be renumbered.
+  options.frozen_vertices.clear();
+  options.rings = 0;
+  options.only_below = {{Measure::min_dihedral, 35}};
+  TetMesh mesh = test::cube(5);
+  split(mesh, mesh.tets.size() / 2);
+  number_data(mesh);
+  const TetMesh before = mesh;
+  const std::vector<bool> active = active_by_definition(mesh, options);
+  ASSERT_EQ(std::count(active.begin(), active.end(), true), 4);
+  const Report report = optimize(mesh, options);
+  EXPECT_EQ(mesh.points.size(), before.points.size());
+  EXPECT_EQ(report.vertices_removed, 0);
+  EXPECT_EQ(mesh.point_tags, before.point_tags);
+  expect_rest_unchanged(before, mesh, active, report);
+}
+
+TEST(OnlyBelowLimit, wrong_options_are_refused) {
+  TetMesh mesh = test::cube(2);
+  Options options;
+  options.only_below = {{Measure::min_dihedral, 80}};
+  EXPECT_THROW(optimize(mesh, options), OptionError);
+  options.only_below = {{Measure::min_dihedral, 10}};
+  options.rings = -1;
+  EXPECT_THROW(optimize(mesh, options), OptionError);
+  options.rings = 2;
+  options.frozen_regions = {77};
+  EXPECT_THROW(optimize(mesh, options), OptionError);
+  options.frozen_regions.clear();
+  EXPECT_THROW(move(mesh, mesh.points, options), OptionError);
+}
+
+}  // namespace
+}  // namespace tetune
