@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -69,6 +70,16 @@ struct PeriodicLink {
   std::vector<std::array<Index, 2>> pairs;
 };
 
+/// An edge of second-order elements whose mid-side node is not the midpoint, so that the edge is a parabola.
+struct CurvedEdge {
+  std::array<Index, 2> vertices{};  ///< in ascending order
+  Point3 middle{};                  ///< position of the mid-side node
+  friend bool operator==(const CurvedEdge&, const CurvedEdge&) = default;
+};
+
+/// The text of an Abaqus or CalculiX deck around its mesh.
+class AbaqusDeck;
+
 /// A tetrahedral mesh as a structure of arrays, owned by the caller.
 ///
 /// A tag vector is as long as the array that it belongs to; the tag 0 means "no tag". Every function of the library
@@ -120,9 +131,18 @@ struct TetMesh {
   /// Version and encoding of the file that was read, where its format has several ("msh 2.2 text"): writers of that
   /// format use the same.
   std::string dialect;
-  /// True if the elements of the file had nodes at the midpoints of their straight edges; readers drop these nodes, and
-  /// writers add new ones after all others.
+  /// True if the elements of the file had mid-side nodes. Readers take these nodes out of `points`, and writers add
+  /// them after all others: at the positions of `curved_edges`, on all other edges at the midpoint.
   bool second_order = false;
+  /// The curved edges of tetrahedra, listed triangles and listed edges, by their vertices in ascending order, each
+  /// once. Where one is listed, readers list every edge whose node is not the midpoint in all bits. Empty unless
+  /// `second_order`.
+  std::vector<CurvedEdge> curved_edges;
+
+  /// The .inp file that the mesh was read from; write_mesh() writes it back, with this mesh, to files of that format.
+  std::shared_ptr<const AbaqusDeck> deck;
+  /// The number of each vertex in the deck, and 0 for one that was inserted; empty without a deck.
+  std::vector<std::int64_t> deck_nodes;
 
   /// True if the file listed its tetrahedra with det < 0; readers reverse them, and writers reverse them back.
   bool listed_inside_out = false;

@@ -27,6 +27,7 @@ enum class Defect {
   duplicate_tet,       ///< the same four vertices
   face_on_three_tets,  ///< or on more: the mesh is not a manifold there
   same_side_of_face,   ///< two tetrahedra overlap: they lie on the same side of their common face
+  bad_curved_edge,     ///< not in order, listed twice, or not an edge of a tetrahedron, listed triangle or listed edge
 };
 
 /// In words, for example "flat tetrahedra".

@@ -6,6 +6,7 @@
 #include "io/line_writer.hpp"
 #include "io/medit_codec.hpp"
 #include "io/registry.hpp"
+#include "io/second_order.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -163,7 +164,7 @@ void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
     context.warn("MEDIT has no room for the names of groups");
   }
-  if (mesh.second_order) context.warn("written as linear elements, without the nodes in the middles of edges");
+  if (mesh.second_order) context.warn(lost_middles(mesh));
 }
 
 }  // namespace

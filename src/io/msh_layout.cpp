@@ -300,7 +300,9 @@ MshLayout lay_out(const TetMesh& mesh, const IoContext& context) {
     const auto first = std::find_if_not(layout.kinds.begin(), layout.kinds.end(), is_before);
     const auto last = std::find_if(first, layout.kinds.end(),
                                    [dimension](const MshKind& kind) { return kind.type->dimension != dimension; });
-    add_entities(mesh, dimension, std::span(first, last), context, layout);
+    const auto kinds =
+        std::span(layout.kinds).subspan(std::size_t(first - layout.kinds.begin()), std::size_t(last - first));
+    add_entities(mesh, dimension, kinds, context, layout);
   }
   for (int dimension = 1; dimension <= 3; ++dimension) find_bounds(dimension, mesh.points.size(), layout);
   find_boxes(mesh, layout);

@@ -2,16 +2,12 @@
 #include "io/msh_model.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <numeric>
 #include <set>
 
 #include "backend/span.hpp"
 
 namespace tetune {
 namespace {
-
-constexpr std::int64_t kTablePerNumber = 8;
 
 using Key = std::vector<Index>;
 
@@ -84,37 +80,6 @@ void join(MshElements& list, std::size_t corners, const std::vector<std::uint8_t
 }
 
 }  // namespace
-
-NumberIndex::NumberIndex(const std::vector<std::int64_t>& numbers) : order_(numbers.size()) {
-  if (numbers.empty()) return;
-  std::iota(order_.begin(), order_.end(), 0);
-  const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
-  first_ = *least;
-  const bool is_ascending = std::adjacent_find(numbers.begin(), numbers.end(), std::greater_equal<>()) == numbers.end();
-  if (!is_ascending) {
-    std::stable_sort(order_.begin(), order_.end(),
-                     [&](Index a, Index b) { return span_of(numbers)[a] < span_of(numbers)[b]; });
-  }
-  const bool is_dense = (*most - first_) / kTablePerNumber <= std::ssize(numbers);
-  if (is_dense) table_.assign(to_size_t(*most - first_) + 1, -1);
-  std::int64_t last = -1;
-  Index rank = 0;
-  for (const Index at : order_) {
-    const std::int64_t number = span_of(numbers)[at];
-    if (number == last) repeated_ = number;
-    last = number;
-    if (is_dense) {
-      span_of(table_)[number - first_] = rank++;
-    } else {
-      sorted_.push_back(number);
-    }
-  }
-}
-
-Index NumberIndex::search(std::int64_t number) const {
-  const auto at = std::lower_bound(sorted_.begin(), sorted_.end(), number);
-  return at == sorted_.end() || *at != number ? -1 : to_index(at - sorted_.begin());
-}
 
 void join_repeated_elements(MshModel& model) {
   CellsByGroups by_groups(model.cells);

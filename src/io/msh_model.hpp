@@ -9,35 +9,11 @@
 #include <vector>
 
 #include "io/msh_format.hpp"
+#include "io/number_index.hpp"
 #include "io/registry.hpp"
 #include "tetune/mesh.hpp"
 
 namespace tetune {
-
-/// The positions of numbers, which may have gaps.
-class NumberIndex {
- public:
-  NumberIndex() = default;
-  /// `numbers` are not negative.
-  explicit NumberIndex(const std::vector<std::int64_t>& numbers);
-  /// Returns the position of a number in the ascending order of all, or -1.
-  Index rank(std::int64_t number) const {
-    if (table_.empty()) return search(number);
-    const std::int64_t at = number - first_;
-    return at < 0 || at >= std::ssize(table_) ? -1 : table_[to_size_t(at)];
-  }
-  /// The positions in the list in ascending order of the numbers.
-  const std::vector<Index>& order() const { return order_; }
-  /// A number that occurs twice, or -1.
-  std::int64_t repeated() const { return repeated_; }
-
- private:
-  Index search(std::int64_t number) const;
-  std::vector<Index> order_;
-  std::int64_t first_ = 0, repeated_ = -1;
-  std::vector<Index> table_;          ///< rank by number, from first_; empty where the numbers are sparse
-  std::vector<std::int64_t> sorted_;  ///< otherwise
-};
 
 /// Elements of one entity and partition that are in the same physical groups.
 struct MshCell {

@@ -8,8 +8,10 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "system/file.hpp"
+#include "system/real_text.hpp"
 
 namespace tetune {
 
@@ -55,10 +57,15 @@ class MshSink {
       std::memcpy(to, &value, sizeof value);
       to += sizeof value;
     } else {
-      to = std::to_chars(to, to + digits.size() - 1, value).ptr;
+      char* const end = to + digits.size() - 1;
+      if constexpr (std::is_floating_point_v<T>) {
+        to = print_real(to, end, value).ptr;
+      } else {
+        to = std::to_chars(to, end, value).ptr;
+      }
       *to++ = ' ';
     }
-    text({digits.data(), to});
+    text({digits.data(), std::size_t(to - digits.data())});
   }
   FileWriter& file_;
   bool is_binary_;

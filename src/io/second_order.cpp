@@ -6,8 +6,10 @@
 #include <map>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "backend/span.hpp"
+#include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -16,9 +18,12 @@ namespace {
 /// The largest distance of a node from the middle of its edge, relative to the edge, that rounding explains.
 constexpr double kStraight = 1e-4;
 
-std::array<Index, 2> sorted(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
+double distance(const Point3& p, const Point3& q) {
+  const Point3 d{p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+  return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
 
-double distance(const Point3& p, const Point3& q) { return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]); }
+Point3 midpoint(const Point3& p, const Point3& q) { return {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2}; }
 
 /// The values of vertex v.
 template <class Values>
@@ -27,6 +32,35 @@ auto entry_of(Values& values, Index v, std::size_t each) {
 }
 
 std::size_t components_of(const DataArray& array) { return to_size_t(array.components); }
+
+/// The edges whose node is not the midpoint in all bits; none if rounding explains all of them. Throws FileError where
+/// one edge has two nodes, or one node two edges.
+std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const std::vector<Point3>& points) {
+  const auto is_curved = [&points](const Middle& m) {
+    const Point3& p = span_of(points)[m.ends[0]];
+    const Point3& q = span_of(points)[m.ends[1]];
+    return !(distance(midpoint(p, q), span_of(points)[m.node]) <= kStraight * distance(p, q));
+  };
+  if (std::none_of(middles.begin(), middles.end(), is_curved)) return {};
+  std::vector<std::pair<std::array<Index, 2>, Index>> nodes;
+  for (const Middle& m : middles) nodes.emplace_back(ascending(m.ends[0], m.ends[1]), m.node);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  std::vector<std::uint8_t> taken(points.size(), 0);
+  std::vector<CurvedEdge> curved;
+  std::array<Index, 2> last{-1, -1};
+  for (const auto& [edge, node] : nodes) {
+    if (edge == last || std::exchange(span_of(taken)[node], std::uint8_t{1}) != 0) {
+      throw FileError("node " + std::to_string(node + 1) +
+                      " is a mid-side node of two edges, or one of two nodes of the same edge; repair the second-order "
+                      "elements in the program that made them");
+    }
+    last = edge;
+    const Point3& middle = span_of(points)[node];
+    if (middle != midpoint(span_of(points)[edge[0]], span_of(points)[edge[1]])) curved.push_back({edge, middle});
+  }
+  return curved;
+}
 
 template <class Function>
 void for_each_list(TetMesh& mesh, const Function& f) {
@@ -43,18 +77,9 @@ void for_each_list(TetMesh& mesh, const Function& f) {
 void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   if (middles.empty()) return;
   mesh.second_order = true;
+  mesh.curved_edges = find_curved(middles, mesh.points);
   std::vector<Index> old2new(mesh.points.size(), 0);
-  for (const Middle& m : middles) {
-    const Point3& p = span_of(mesh.points)[m.ends[0]];
-    const Point3& q = span_of(mesh.points)[m.ends[1]];
-    const Point3 middle{(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2};
-    if (!(distance(middle, span_of(mesh.points)[m.node]) <= kStraight * distance(p, q))) {
-      throw FileError("it has curved second-order elements: node " + std::to_string(m.node + 1) +
-                      " is not in the middle of its edge; tetune takes straight ones (in Gmsh, set "
-                      "Mesh.SecondOrderLinear=1 before making them)");
-    }
-    span_of(old2new)[m.node] = -1;
-  }
+  for (const Middle& m : middles) span_of(old2new)[m.node] = -1;
   const auto drop = [&](const Index* ids, std::size_t n) {
     if (std::any_of(ids, ids + n, [&](Index v) { return span_of(old2new)[v] < 0; })) {
       throw FileError("a node is in the middle of one element's edge and a vertex of another element");
@@ -86,11 +111,22 @@ void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   for_each_list(mesh, [&](Index* ids, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) ids[i] = span_of(old2new)[ids[i]];
   });
+  // The numbers keep their order.
+  for (CurvedEdge& edge : mesh.curved_edges) {
+    for (Index& v : edge.vertices) v = span_of(old2new)[v];
+  }
+}
+
+std::string lost_middles(const TetMesh& mesh) {
+  std::string text = "written as linear elements, without the nodes in the middles of edges";
+  if (!mesh.curved_edges.empty())
+    text += "; " + std::to_string(mesh.curved_edges.size()) + " curved edges are straight";
+  return text;
 }
 
 Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
   const auto add = [this](const Index* v, const auto& pairs) {
-    for (const Pair& p : pairs) edges_.push_back(sorted(v[p[0]], v[p[1]]));
+    for (const Pair& p : pairs) edges_.push_back(ascending(v[p[0]], v[p[1]]));
   };
   for (const auto& tet : mesh.tets) add(tet.data(), kTetEdges);
   for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
@@ -98,10 +134,12 @@ Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
   std::sort(edges_.begin(), edges_.end());
   edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
   for (const auto& [a, b] : edges_) {
-    const Point3& p = span_of(mesh.points)[a];
-    const Point3& q = span_of(mesh.points)[b];
-    const Point3 middle{(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2};
+    const Point3 middle = midpoint(span_of(mesh.points)[a], span_of(mesh.points)[b]);
     mesh.points.push_back(middle);
+  }
+  for (const CurvedEdge& edge : mesh.curved_edges) {
+    const auto& [a, b] = edge.vertices;
+    if (std::binary_search(edges_.begin(), edges_.end(), edge.vertices)) span_of(mesh.points)[of(a, b)] = edge.middle;
   }
   mesh.point_tags.resize(mesh.points.size(), 0);
   for (DataArray& array : mesh.point_data) {
@@ -123,7 +161,7 @@ Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
 }
 
 Index Middles::of(Index a, Index b) const {
-  return first_ + to_index(std::lower_bound(edges_.begin(), edges_.end(), sorted(a, b)) - edges_.begin());
+  return first_ + to_index(std::lower_bound(edges_.begin(), edges_.end(), ascending(a, b)) - edges_.begin());
 }
 
 void Middles::extend(PeriodicLink& link) const {
@@ -133,7 +171,7 @@ void Middles::extend(PeriodicLink& link) const {
     const auto p = master_of.find(a);
     const auto q = master_of.find(b);
     if (p == master_of.end() || q == master_of.end()) continue;
-    const auto master = sorted(p->second, q->second);
+    const auto master = ascending(p->second, q->second);
     if (std::binary_search(edges_.begin(), edges_.end(), master))
       link.pairs.push_back({of(a, b), of(master[0], master[1])});
   }

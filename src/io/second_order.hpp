@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "tetune/mesh.hpp"
@@ -22,12 +23,16 @@ struct Middle {
   std::array<Index, 2> ends;
 };
 
-/// Erases the nodes in the middles of edges, their data and their periodic pairs. Throws FileError where a node is not
-/// in the middle, so that the element is curved, or where it is a vertex of another element.
+/// Erases the nodes in the middles of edges, their data and their periodic pairs, and lists the curved edges. A mesh is
+/// straight if no node is farther than 1e-4 of the edge from the midpoint. Throws FileError where a node is a vertex of
+/// another element, or a curved mesh has two nodes on an edge or two edges at a node.
 void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh);
 
-/// Adds a node in the middle of each edge of the tetrahedra, listed triangles and edges, after all others. Its data are
-/// the means of both ends, or the integers of the first end.
+/// The warning of writers of linear elements.
+std::string lost_middles(const TetMesh& mesh);
+
+/// Adds a node in the middle of each edge of the tetrahedra, listed triangles and edges, after all others; on a curved
+/// edge at the listed position. Its data are the means of both ends, or the integers of the first end.
 class Middles {
  public:
   explicit Middles(TetMesh& mesh);

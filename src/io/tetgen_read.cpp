@@ -8,6 +8,7 @@
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
 #include "mesh/whole_number.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -87,7 +88,7 @@ void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, bool attrib
 
 TetMesh read_tetgen(const std::string& path, const IoContext& context) {
   namespace fs = std::filesystem;
-  const auto sibling = [&path](const char* ending) { return fs::path(path).replace_extension(ending).string(); };
+  const auto sibling = [&path](const char* ending) { return path_of(path).replace_extension(ending).string(); };
   TetMesh mesh;
   const std::int64_t base = read_nodes(sibling(".node"), mesh);
   {
@@ -106,7 +107,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
   const auto read_optional = [&](const char* ending, const char* count, int numbers, auto& elements, auto& tags) {
     const std::string name = sibling(ending);
     std::error_code ignored;
-    if (!fs::exists(name, ignored)) return false;
+    if (!fs::exists(path_of(name), ignored)) return false;
     const MappedFile file(name);
     TextCursor cursor(name, file.bytes());
     const std::size_t n = checked_count(cursor, count, numbers);

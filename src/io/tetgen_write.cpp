@@ -6,6 +6,8 @@
 
 #include "io/line_writer.hpp"
 #include "io/registry.hpp"
+#include "io/second_order.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -18,7 +20,7 @@ bool has_tags(const std::vector<int>& tags) {
 /// The files of a mesh: they are complete before the first replaces an old one.
 class TetgenWriter {
  public:
-  TetgenWriter(std::filesystem::path path, int threads) : path_(std::move(path)), threads_(threads) {}
+  TetgenWriter(const std::string& path, int threads) : path_(path_of(path)), threads_(threads) {}
 
   void write_points(const TetMesh& mesh) {
     LineWriter out = start(".node");
@@ -76,7 +78,7 @@ void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
     context.warn("TetGen's files cannot hold the names of groups");
   }
-  if (mesh.second_order) context.warn("written as linear elements, without the nodes in the middles of edges");
+  if (mesh.second_order) context.warn(lost_middles(mesh));
 }
 
 }  // namespace

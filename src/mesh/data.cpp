@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "math/elementary.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/whole_number.hpp"
 #include "mesh/work_mesh.hpp"
@@ -78,7 +79,7 @@ std::array<double, 3> mean_value_weights(const Vec3& x, const std::array<Vec3, 3
     const Vec3& v = unit[(i + 2) % 3];
     const double sine = norm(cross(u, v));
     normal[i] = (1 / sine) * cross(u, v);
-    mean = mean + 0.5 * std::atan2(sine, dot(u, v)) * normal[i];
+    mean = mean + 0.5 * elementary::atan2(sine, dot(u, v)) * normal[i];
   }
   std::array<double, 3> weights{};
   for (std::size_t i = 0; i < 3; ++i) {

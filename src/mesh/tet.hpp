@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "math/packed_table.hpp"
 #include "math/vec3.hpp"
 
@@ -19,6 +21,9 @@ struct alignas(16) Tet {
   TETUNE_HD Index operator[](int i) const { return v[i]; }
   TETUNE_HD Index& operator[](int i) { return v[i]; }
 };
+
+/// Both vertices of an edge, the lower one first.
+inline std::array<Index, 2> ascending(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
 
 /// Local index of vertex k of a face; face i lies opposite vertex i. The vertices of a face are counter-clockwise seen
 /// from inside a positively oriented tetrahedron: (i, face_vertex(i, 0), face_vertex(i, 1), face_vertex(i, 2)) is an

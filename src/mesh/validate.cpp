@@ -100,6 +100,51 @@ void check_coordinates(Span<const Point3> points, ValidationReport& report) {
   not_finite.finish(report);
 }
 
+/// Edges of tetrahedra, listed triangles and listed edges that are in a sorted list: 1 per entry.
+std::vector<std::uint8_t> find_edges(const TetMesh& mesh, const std::vector<CurvedEdge>& list) {
+  std::vector<std::uint8_t> found(list.size(), 0);
+  const auto find_in = [&](const auto& elements) {
+    for (const auto& element : elements) {
+      for (std::size_t i = 0; i < element.size(); ++i) {
+        for (std::size_t j = i + 1; j < element.size(); ++j) {
+          const std::array edge{std::min(element[i], element[j]), std::max(element[i], element[j])};
+          const auto at = std::lower_bound(list.begin(), list.end(), edge,
+                                           [](const CurvedEdge& e, const auto& sought) { return e.vertices < sought; });
+          if (at != list.end() && at->vertices == edge) span_of(found)[at - list.begin()] = 1;
+        }
+      }
+    }
+  };
+  find_in(mesh.tets);
+  find_in(mesh.triangles);
+  find_in(mesh.edges);
+  return found;
+}
+
+void check_curved_edges(const TetMesh& mesh, ValidationReport& report) {
+  const std::string where = "curved edges";
+  const std::vector<CurvedEdge>& list = mesh.curved_edges;
+  FindingCollector out_of_range(Defect::index_out_of_range, where);
+  FindingCollector not_finite(Defect::not_finite, where);
+  FindingCollector bad(Defect::bad_curved_edge, where);
+  bool is_sorted = true;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto& [vertices, middle] = list[i];
+    if (vertices[0] < 0 || vertices[1] >= std::ssize(mesh.points)) out_of_range.add(Size(i));
+    if (!std::all_of(middle.begin(), middle.end(), [](double x) { return std::isfinite(x); })) not_finite.add(Size(i));
+    if (vertices[0] < vertices[1] && (i == 0 || list[i - 1].vertices < vertices)) continue;
+    bad.add(Size(i));
+    is_sorted = false;
+  }
+  if (is_sorted) {
+    const std::vector<std::uint8_t> found = find_edges(mesh, list);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (found[i] == 0) bad.add(Size(i));
+    }
+  }
+  for (const FindingCollector* defect : {&out_of_range, &not_finite, &bad}) defect->finish(report);
+}
+
 using Tet4 = std::array<Index, 4>;
 
 bool has_repeated_vertex(Tet4 v) {
@@ -177,7 +222,8 @@ const char* to_string(Defect defect) {
                           "flat tetrahedra (zero volume)",
                           "tetrahedra too small for arithmetic at the scale of the largest coordinate",
                           "tetrahedra listed twice", "tetrahedra at a non-manifold face, which three or more share",
-                          "misoriented tetrahedra, on the same side of a face as their neighbor"});
+                          "misoriented tetrahedra, on the same side of a face as their neighbor",
+                          "entry that is not in ascending order, listed twice or no edge of an element"});
 }
 
 std::string ValidationReport::message(bool one_based) const {
@@ -240,6 +286,7 @@ ValidationReport validate_arrays(const TetMesh& mesh) {
   check_data(mesh.triangle_data, triangles, "triangles", report);
   check_data(mesh.edge_data, edges, "edges", report);
   check_coordinates(span_of(mesh.points), report);
+  if (!mesh.curved_edges.empty() && report.ok()) check_curved_edges(mesh, report);
   return report;
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "mesh/validate_arrays.hpp"
 #include "meshes.hpp"
@@ -27,6 +28,34 @@ void expect_refused(TetMesh mesh, Defect defect, std::int64_t count, const std::
     EXPECT_NE(std::string(e.what()).find(to_string(defect)), std::string::npos) << e.what();
   }
   EXPECT_EQ(mesh.tets, tets);
+}
+
+TEST(Validate, CurvedEdgesAreEdgesInOrder) {
+  TetMesh m = test::cube(1);
+  m.second_order = true;
+  const std::array<Index, 4> tet = m.tets[0];
+  const Index a = *std::min_element(tet.begin(), tet.end());
+  const Index b = *std::max_element(tet.begin(), tet.end());
+  m.curved_edges = {{{a, b}, {0, 0, 0}}};
+  EXPECT_TRUE(validate(m).ok());
+  const auto refused = [&m](Defect defect) {
+    const ValidationReport report = validate(m);
+    return report.findings.size() == 1 && report.findings[0].defect == defect &&
+           report.findings[0].where == "curved edges";
+  };
+  m.curved_edges = {{{b, a}, {0, 0, 0}}};
+  EXPECT_TRUE(refused(Defect::bad_curved_edge));
+  m.curved_edges = {{{a, b}, {0, 0, 0}}, {{a, b}, {0, 0, 0}}};
+  EXPECT_TRUE(refused(Defect::bad_curved_edge));
+  m.curved_edges = {{{a, b}, {0, std::nan(""), 0}}};
+  EXPECT_TRUE(refused(Defect::not_finite));
+  m.curved_edges = {{{a, 99}, {0, 0, 0}}};
+  EXPECT_FALSE(validate(m).ok());
+  EXPECT_EQ(validate(m).findings[0].defect, Defect::index_out_of_range);
+  m.points.push_back({9, 9, 9});
+  m.point_tags.push_back(0);
+  m.curved_edges = {{{a, Index(m.points.size() - 1)}, {0, 0, 0}}};
+  EXPECT_TRUE(refused(Defect::bad_curved_edge));
 }
 
 TEST(Validate, AcceptsGoodMeshes) {

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "curved/curved_edges.hpp"
+
+#include <algorithm>
+
+#include "backend/cpu.hpp"
+#include "mesh/messages.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "mesh/validate_arrays.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+void check_arrays(const TetMesh& mesh) {
+  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+}
+
+bool is_worse(const CurvedTet& a, const CurvedTet& b) {
+  return a.scaled_jacobian() < b.scaled_jacobian() || (a.scaled_jacobian() == b.scaled_jacobian() && a.tet < b.tet);
+}
+
+}  // namespace
+
+const char* to_string(CurvedValidity validity) { return name_of(validity, {"valid", "inverted", "undecided"}); }
+
+CurvedEdges::CurvedEdges(const TetMesh& mesh) : mesh_(mesh), first_(mesh.points.size() + 1, 0) {
+  for (const CurvedEdge& edge : mesh.curved_edges) ++span_of(first_)[edge.vertices[0] + 1];
+  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+}
+
+const CurvedEdge* CurvedEdges::find(Index a, Index b) const {
+  const auto edge = ascending(a, b);
+  const auto begin = mesh_.curved_edges.begin() + span_of(first_)[edge[0]];
+  const auto end = mesh_.curved_edges.begin() + span_of(first_)[edge[0] + 1];
+  const auto at = std::lower_bound(begin, end, edge[1], [](const CurvedEdge& e, Index v) { return e.vertices[1] < v; });
+  return at != end && at->vertices[1] == edge[1] ? &*at : nullptr;
+}
+
+Vec3 CurvedEdges::middle(Index a, Index b) const {
+  if (const CurvedEdge* edge = find(a, b)) return vec(edge->middle);
+  return 0.5 * (vec(span_of(mesh_.points)[a]) + vec(span_of(mesh_.points)[b]));
+}
+
+bool CurvedEdges::has_curved(const std::array<Index, 4>& tet) const {
+  return std::any_of(kCurvedTetEdges.begin(), kCurvedTetEdges.end(),
+                     [&](const auto& e) { return find(tet[e[0]], tet[e[1]]) != nullptr; });
+}
+
+TenNodes CurvedEdges::nodes(const std::array<Index, 4>& tet) const {
+  TenNodes nodes{};
+  for (std::size_t k = 0; k < 4; ++k) nodes[k] = vec(span_of(mesh_.points)[tet[k]]);
+  for (std::size_t e = 0; e < 6; ++e) nodes[4 + e] = middle(tet[kCurvedTetEdges[e][0]], tet[kCurvedTetEdges[e][1]]);
+  return nodes;
+}
+
+std::vector<Index> curved_tets(const TetMesh& mesh, const CurvedEdges& edges) {
+  std::vector<Index> tets;
+  if (mesh.curved_edges.empty()) return tets;
+  for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
+    if (edges.has_curved(span_of(mesh.tets)[t])) tets.push_back(t);
+  }
+  return tets;
+}
+
+std::vector<CurvedTet> measure_tets(const TetMesh& mesh, const CurvedEdges& edges, const std::vector<Index>& tets,
+                                    int threads) {
+  constexpr Size kChunk = 64;
+  std::vector<CurvedTet> result(tets.size());
+  const Size n = std::ssize(tets);
+  backend::Cpu(threads).for_parts((n + kChunk - 1) / kChunk, [&](Size chunk) {
+    for (Size i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
+      const Index t = span_of(tets)[i];
+      CurvedTet& tet = span_of(result)[i];
+      tet = measure_nodes(edges.nodes(span_of(mesh.tets)[t]));
+      tet.tet = t;
+      tet.centroid = TetMeshView(mesh).centroid(t);
+    }
+  });
+  return result;
+}
+
+CurvedQuality summarize_curved(const TetMesh& mesh, int threads, int worst) {
+  CurvedQuality q;
+  q.curved_edges = std::ssize(mesh.curved_edges);
+  if (q.curved_edges == 0) return q;
+  const CurvedEdges edges(mesh);
+  std::vector<CurvedTet> tets = measure_tets(mesh, edges, curved_tets(mesh, edges), threads);
+  q.tets = std::ssize(tets);
+  for (const CurvedTet& t : tets) {
+    q.valid += t.validity == CurvedValidity::valid ? 1 : 0;
+    q.inverted += t.validity == CurvedValidity::inverted ? 1 : 0;
+    q.undecided += t.validity == CurvedValidity::undecided ? 1 : 0;
+    q.bad_integration += t.integration_ratio > 0 ? 0 : 1;
+    q.min_scaled_jacobian = std::min(q.min_scaled_jacobian, t.scaled_jacobian());
+    q.max_corner_ratio = std::max(q.max_corner_ratio, t.corner_ratio);
+    q.max_middle_offset = std::max(q.max_middle_offset, t.middle_offset);
+  }
+  std::sort(tets.begin(), tets.end(), is_worse);
+  tets.resize(std::min(tets.size(), to_size_t(std::max(0, worst))));
+  q.worst = std::move(tets);
+  return q;
+}
+
+std::vector<CurvedTet> measure_curved_each(const TetMesh& mesh, int threads) {
+  check_arrays(mesh);
+  const CurvedEdges edges(mesh);
+  return measure_tets(mesh, edges, curved_tets(mesh, edges), threads);
+}
+
+CurvedQuality measure_curved(const TetMesh& mesh, int threads, int worst) {
+  check_arrays(mesh);
+  return summarize_curved(mesh, threads, worst);
+}
+
+}  // namespace tetune

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "curved/jacobian.hpp"
+#include "mesh/tet.hpp"
+#include "tetune/mesh.hpp"
+
+namespace tetune {
+
+/// The curved edges of a mesh by their vertices. Refers to the mesh.
+class CurvedEdges {
+ public:
+  explicit CurvedEdges(const TetMesh& mesh);
+  /// The mid-side node of an edge: that of a curved edge, or the midpoint.
+  Vec3 middle(Index a, Index b) const;
+  /// Null for a straight edge.
+  const CurvedEdge* find(Index a, Index b) const;
+  bool has_curved(const std::array<Index, 4>& tet) const;
+  TenNodes nodes(const std::array<Index, 4>& tet) const;
+
+ private:
+  const TetMesh& mesh_;
+  std::vector<Index> first_;  ///< per vertex, its first edge in the list; one entry more
+};
+
+/// The tetrahedra with a curved edge, in ascending order.
+std::vector<Index> curved_tets(const TetMesh& mesh, const CurvedEdges& edges);
+
+/// measure_curved_each() of listed tetrahedra, for a mesh that has been checked.
+std::vector<CurvedTet> measure_tets(const TetMesh& mesh, const CurvedEdges& edges, const std::vector<Index>& tets,
+                                    int threads);
+
+/// Summary of all curved tetrahedra of a mesh that has been checked.
+CurvedQuality summarize_curved(const TetMesh& mesh, int threads, int worst);
+
+}  // namespace tetune

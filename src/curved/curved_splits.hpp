@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "curved/relaxation.hpp"
+
+namespace tetune {
+
+/// What a mesh with inserted elements descends from.
+struct Origins {
+  std::vector<Index> tets;      ///< per tetrahedron
+  std::vector<Index> vertices;  ///< per vertex; -1 for an inserted one
+};
+
+/// Splits the longest edge that is not held of each listed tetrahedron at its midpoint, with all tetrahedra around
+/// it, unless one of these is split already. Where the surface alone makes a determinant negative, because an element
+/// has two faces on it, the new vertex gives each part a face of its own: relax_curved() moves it inward. New vertices
+/// and tetrahedra are behind all others; tags, data and `origins` follow. Returns the tetrahedra around new vertices.
+std::vector<Index> split_edges(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, Origins& origins);
+
+}  // namespace tetune

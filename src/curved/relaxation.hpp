@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "tetune/mesh.hpp"
+
+/// Makes curved elements valid, or better, by moving inner vertices and inner mid-side nodes around them.
+namespace tetune {
+
+/// Nodes that keep the bits of their positions.
+struct HeldNodes {
+  std::vector<std::uint8_t> vertices;       ///< 1 per held vertex
+  std::vector<std::array<Index, 2>> edges;  ///< with held mid-side nodes; sorted
+  bool has_edge(Index a, Index b) const;
+};
+
+/// The goals of relaxation.
+struct RelaxationGoal {
+  /// The smallest dihedral angle, in degrees, that a straight element may get; or less where it has less.
+  double min_dihedral = 0;
+  bool moves_vertices = true;  ///< if false, only mid-side nodes move
+  int threads = 0;
+  std::function<bool()> stop{};
+};
+
+struct RelaxationReport {
+  std::int64_t patches = 0;   ///< connected groups of the listed elements with their surroundings
+  std::int64_t improved = 0;  ///< patches that were accepted
+};
+
+/// Relaxes patches around the listed tetrahedra. A patch is accepted if its number of elements that are not proved
+/// valid falls, or is 0 and its smallest scaled Jacobian rises; else it stays as it is. Entries of `curved_edges` are
+/// added where inner edges become curved. Deterministic: the result does not depend on the number of threads.
+RelaxationReport relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets,
+                              const RelaxationGoal& goal);
+
+}  // namespace tetune

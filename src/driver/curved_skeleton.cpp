@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/curved_skeleton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "backend/span.hpp"
+#include "boundary/constraints.hpp"
+#include "boundary/vertex_dof.hpp"
+#include "curved/curved_edges.hpp"
+#include "mesh/tet_orientation.hpp"
+#include "tetune/data.hpp"
+
+namespace tetune {
+namespace {
+
+/// The largest distance of a mid-side node from the midpoint, relative to the edge, at which an edge of the surface is
+/// no constraint.
+constexpr double kRounding = 1e-9;
+
+/// The largest distance of a node from the plane of a flat triangle, relative to the root of twice its area.
+constexpr double kFlat = 1e-6;
+
+using Triangle = std::array<Index, 3>;
+using Edge = std::array<Index, 2>;
+
+constexpr std::array<std::array<std::size_t, 2>, 3> kSides{{{0, 1}, {1, 2}, {2, 0}}};
+
+/// Calls f(vertices) for each face of the boundary and between regions, and for each tagged listed triangle.
+template <class F>
+void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
+  for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
+    const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
+    if (end - begin == 1 || region(*begin) != region(*(begin + 1))) f(begin->vertices);
+  });
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (mesh.triangle_tags[i] != 0) f(mesh.triangles[i]);
+  }
+  for (const Index i : mesh.required_triangles) f(span_of(mesh.triangles)[i]);
+}
+
+bool is_straight(const TetMesh& mesh, const CurvedEdge& edge) {
+  const Vec3 p = vec(span_of(mesh.points)[edge.vertices[0]]);
+  const Vec3 q = vec(span_of(mesh.points)[edge.vertices[1]]);
+  return norm(vec(edge.middle) - 0.5 * (p + q)) <= kRounding * norm(q - p);
+}
+
+Triangle sorted(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// The entries of `list` of the result whose original is one of `originals`.
+std::vector<Index> with_original(const std::vector<Index>& originals, const std::vector<Index>& new2original,
+                                 std::size_t entries) {
+  const std::set<Index> wanted(originals.begin(), originals.end());
+  std::vector<Index> result;
+  for (Index i = 0; i < Index(entries); ++i) {
+    if (wanted.contains(new2original.empty() ? i : span_of(new2original)[i])) result.push_back(i);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index>& tets) {
+  std::set<Triangle> surface;
+  for_each_surface_triangle(mesh, [&surface](const Triangle& t) { surface.insert(sorted(t)); });
+  const CurvedEdges edges(mesh);
+  const auto tangent = [&](Index from, Index to) {
+    const Vec3 p = vec(span_of(mesh.points)[from]);
+    return 4.0 * (edges.middle(from, to) - p) - (vec(span_of(mesh.points)[to]) - p);
+  };
+  const auto is_folded = [&](const Triangle& t) {
+    const Vec3 a = vec(span_of(mesh.points)[t[0]]);
+    const Vec3 normal = cross(vec(span_of(mesh.points)[t[1]]) - a, vec(span_of(mesh.points)[t[2]]) - a);
+    const bool is_flat = std::all_of(kSides.begin(), kSides.end(), [&](const auto& side) {
+      const Vec3 middle = edges.middle(t[side[0]], t[side[1]]) - a;
+      return std::fabs(dot(middle, normal)) <= kFlat * norm(normal) * std::sqrt(norm(normal));
+    });
+    return is_flat && std::any_of(kSides.begin(), kSides.end(), [&](const auto& side) {
+             const Index at = t[side[0]];
+             const Index third = t[3 - side[0] - side[1]];
+             return dot(cross(tangent(at, t[side[1]]), tangent(at, third)), normal) <= 0;
+           });
+  };
+  std::vector<Index> folded;
+  for (const Index tet : tets) {
+    const auto& v = span_of(mesh.tets)[tet];
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Triangle face = sorted({v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]});
+      if (!surface.contains(face) || !is_folded(face)) continue;
+      folded.push_back(tet);
+      break;
+    }
+  }
+  return folded;
+}
+
+HeldNodes find_held(const TetMesh& mesh, const Options& options) {
+  HeldNodes held;
+  const Constraints constraints = find_constraints(mesh, options);
+  for (const std::uint8_t state : constraints.frozen) {
+    held.vertices.push_back(state == kMovable ? 0 : 1);
+  }
+  for_each_surface_triangle(mesh, [&held](const Triangle& t) {
+    for (const auto& [i, j] : kSides) held.edges.push_back(ascending(t[i], t[j]));
+  });
+  for (const Edge& e : mesh.edges) held.edges.push_back(ascending(e[0], e[1]));
+  for (const Index t : constraints.locked_tets) {
+    const auto& tet = span_of(mesh.tets)[t];
+    for (const auto& [i, j] : kCurvedTetEdges) held.edges.push_back(ascending(tet[i], tet[j]));
+  }
+  std::sort(held.edges.begin(), held.edges.end());
+  held.edges.erase(std::unique(held.edges.begin(), held.edges.end()), held.edges.end());
+  for (const Edge& e : held.edges) {
+    for (const Index v : e) span_of(held.vertices)[v] = 1;
+  }
+  return held;
+}
+
+CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& tets)
+    : mesh(whole), whole_(whole), held_(held) {
+  mesh.curved_edges.clear();
+  keep_edges(tets);
+  require_triangles();
+  mesh.required_tets.insert(mesh.required_tets.end(), tets.begin(), tets.end());
+  std::sort(mesh.required_tets.begin(), mesh.required_tets.end());
+  mesh.required_tets.erase(std::unique(mesh.required_tets.begin(), mesh.required_tets.end()), mesh.required_tets.end());
+}
+
+void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
+  std::set<Edge> locked;
+  for (const Index t : tets) {
+    const auto& tet = span_of(whole_.tets)[t];
+    for (const auto& [i, j] : kCurvedTetEdges) locked.insert(ascending(tet[i], tet[j]));
+  }
+  for (const CurvedEdge& edge : whole_.curved_edges) {
+    const auto& [a, b] = edge.vertices;
+    const bool is_held = held_.has_edge(a, b);
+    if (locked.contains(edge.vertices) || (is_held && !is_straight(whole_, edge))) {
+      kept_.push_back(edge);
+    } else if (is_held) {
+      rounded_.push_back(edge);
+    }
+  }
+}
+
+void CurvedSkeleton::require_triangles() {
+  const auto is_kept = [this](Index a, Index b) {
+    const auto edge = ascending(a, b);
+    const auto at = std::lower_bound(kept_.begin(), kept_.end(), edge,
+                                     [](const CurvedEdge& e, const Edge& sought) { return e.vertices < sought; });
+    return at != kept_.end() && at->vertices == edge;
+  };
+  std::set<Triangle> curved;
+  for_each_surface_triangle(whole_, [&](const Triangle& t) {
+    if (is_kept(t[0], t[1]) || is_kept(t[1], t[2]) || is_kept(t[2], t[0])) curved.insert(sorted(t));
+  });
+  for (Index i = 0; i < std::ssize(mesh.triangles); ++i) {
+    const auto at = curved.find(sorted(span_of(mesh.triangles)[i]));
+    if (at == curved.end()) continue;
+    mesh.required_triangles.push_back(i);
+    curved.erase(at);
+  }
+  std::vector<Index> new2old;
+  for (Index i = 0; i < std::ssize(mesh.triangles); ++i) new2old.push_back(i);
+  for (const Triangle& t : curved) {
+    mesh.required_triangles.push_back(to_index(mesh.triangles.size()));
+    mesh.triangles.push_back(t);
+    mesh.triangle_tags.push_back(0);
+    new2old.push_back(-1);
+  }
+  mesh.triangle_data = take_entries(mesh.triangle_data, new2old);
+  for (Index e = 0; e < std::ssize(mesh.edges); ++e) {
+    const Edge& edge = span_of(mesh.edges)[e];
+    if (is_kept(edge[0], edge[1])) mesh.required_edges.push_back(e);
+  }
+  for (auto* list : {&mesh.required_triangles, &mesh.required_edges}) {
+    std::sort(list->begin(), list->end());
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  }
+}
+
+void CurvedSkeleton::restore(Report& report) {
+  restore_triangles(report);
+  restore_lists(report);
+  restore_curved_edges(report);
+}
+
+void CurvedSkeleton::restore_triangles(Report& report) {
+  const Size originals = std::ssize(whole_.triangles);
+  std::vector<Index> kept;
+  std::vector<Index> triangle2original;
+  for (Index i = 0; i < std::ssize(mesh.triangles); ++i) {
+    const Index original = report.triangle2original.empty() ? i : span_of(report.triangle2original)[i];
+    if (original >= originals) continue;
+    kept.push_back(i);
+    triangle2original.push_back(original);
+  }
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    mesh.triangles[i] = span_of(mesh.triangles)[kept[i]];
+    mesh.triangle_tags[i] = span_of(mesh.triangle_tags)[kept[i]];
+  }
+  mesh.triangles.resize(kept.size());
+  mesh.triangle_tags.resize(kept.size());
+  mesh.triangle_data = take_entries(mesh.triangle_data, kept);
+  Index next = 0;
+  const bool in_order = std::ssize(kept) == originals && std::all_of(triangle2original.begin(), triangle2original.end(),
+                                                                     [&next](Index t) { return t == next++; });
+  if (in_order) triangle2original.clear();
+  report.triangle2original = std::move(triangle2original);
+}
+
+void CurvedSkeleton::restore_lists(const Report& report) {
+  mesh.required_triangles = with_original(whole_.required_triangles, report.triangle2original, mesh.triangles.size());
+  mesh.required_edges = with_original(whole_.required_edges, report.edge2original, mesh.edges.size());
+  mesh.required_tets = with_original(whole_.required_tets, report.tet2original, mesh.tets.size());
+}
+
+void CurvedSkeleton::restore_curved_edges(const Report& report) {
+  std::vector<Index> old2new(whole_.points.size(), -1);
+  for (Index v = 0; v < std::ssize(mesh.points); ++v) {
+    const Index original = report.vertex2original.empty() ? v : span_of(report.vertex2original)[v];
+    if (original >= 0) span_of(old2new)[original] = v;
+  }
+  std::set<Edge> edges;
+  const auto add = [&edges](const auto& elements) {
+    for (const auto& element : elements) {
+      for (std::size_t i = 0; i < element.size(); ++i) {
+        for (std::size_t j = i + 1; j < element.size(); ++j) edges.insert(ascending(element[i], element[j]));
+      }
+    }
+  };
+  add(mesh.tets);
+  add(mesh.triangles);
+  add(mesh.edges);
+  const auto restore_if = [&](const CurvedEdge& edge, bool unmoved_only) {
+    const auto& [a, b] = edge.vertices;
+    const Edge now{span_of(old2new)[a], span_of(old2new)[b]};
+    if (now[0] < 0 || now[1] < 0 || !edges.contains(now)) return;
+    const auto moved = [&](Index from, Index to) { return span_of(whole_.points)[from] != span_of(mesh.points)[to]; };
+    if (unmoved_only && (moved(a, now[0]) || moved(b, now[1]))) return;
+    mesh.curved_edges.push_back({now, edge.middle});
+  };
+  mesh.curved_edges.clear();
+  for (const CurvedEdge& edge : kept_) restore_if(edge, false);
+  for (const CurvedEdge& edge : rounded_) restore_if(edge, true);
+  // Vertices keep their order.
+  std::sort(mesh.curved_edges.begin(), mesh.curved_edges.end(),
+            [](const CurvedEdge& e, const CurvedEdge& f) { return e.vertices < f.vertices; });
+}
+
+}  // namespace tetune

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/optimize_curved.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "backend/span.hpp"
+#include "curved/curved_edges.hpp"
+#include "curved/curved_splits.hpp"
+#include "driver/curved_skeleton.hpp"
+#include "driver/latched_hooks.hpp"
+#include "mesh/messages.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "mesh/validate_arrays.hpp"
+#include "phases/phase_timer.hpp"
+#include "tetune/data.hpp"
+#include "tetune/error.hpp"
+#include "tetune/option_table.hpp"
+#include "tetune/quality.hpp"
+
+namespace tetune {
+namespace {
+
+/// Elements below this scaled Jacobian are relaxed.
+constexpr double kRelaxBelow = 0.5;
+/// The accuracy of a scaled Jacobian.
+constexpr double kAccuracy = 2e-3;
+
+std::vector<Index> all_below(const std::vector<CurvedTet>& tets, double limit, bool or_not_valid) {
+  std::vector<Index> ids;
+  for (const CurvedTet& t : tets) {
+    const bool is_invalid = t.validity != CurvedValidity::valid;
+    if (t.scaled_jacobian() < limit || (or_not_valid && is_invalid)) ids.push_back(t.tet);
+  }
+  return ids;
+}
+
+constexpr double kNoBound = -1e300;
+
+class CurvedOptimizer {
+ public:
+  CurvedOptimizer(const TetMesh& mesh, const Options& options, const Context& context)
+      : options_(options),
+        context_(context),
+        base_(mesh),
+        held_(find_held(mesh, options)),
+        vertices_(mesh.points.size()) {
+    for (Index t = 0; t < std::ssize(mesh.tets); ++t) origins_.tets.push_back(t);
+    for (Index v = 0; v < std::ssize(mesh.points); ++v) origins_.vertices.push_back(v);
+  }
+
+  Report run(TetMesh& mesh) {
+    goal_ = {quality(base_, options_.threads).dihedral_min, options_.data == DataTransfer::carry, options_.threads,
+             context_.stop};
+    make_base_valid();
+    floor_ = smallest(base_) - kAccuracy;
+    std::vector<Index> locked;
+    for (int attempt = 0;; ++attempt) {
+      if (attempt == kMaxAttempts) locked = all_curved(base_);
+      if (attempt > kMaxAttempts) locked = all_tets(base_);
+      CurvedSkeleton skeleton(base_, held_, locked);
+      Report report = optimize(skeleton.mesh, linear_options(), attempt == 0 ? context_ : without_progress());
+      skeleton.restore(report);
+      const std::vector<Index> bad = attempt > kMaxAttempts ? std::vector<Index>() : relax(skeleton.mesh, report);
+      if (bad.empty()) {
+        follow_origins(report);
+        report.vertices = std::ssize(mesh.points);
+        report.tets_before = std::ssize(mesh.tets);
+        mesh = std::move(skeleton.mesh);
+        return report;
+      }
+      if (is_stopped()) attempt = std::max(attempt, kMaxAttempts - 1);
+      lock(bad, skeleton.mesh, report, locked);
+    }
+  }
+
+ private:
+  /// After these attempts curved elements are locked, and if that does not suffice, all.
+  static constexpr int kMaxAttempts = 4;
+  static constexpr int kMaxRounds = 4;  ///< of splits and relaxation
+
+  /// The maps of the report lead to the input.
+  void follow_origins(Report& report) const {
+    for (Index& t : report.tet2original) t = span_of(origins_.tets)[t];
+    if (base_.points.size() == vertices_) return;
+    if (report.vertex2original.empty()) {
+      report.vertex2original = origins_.vertices;
+    } else {
+      for (Index& v : report.vertex2original) v = v < 0 ? v : span_of(origins_.vertices)[v];
+    }
+  }
+
+  /// Untangles the curved elements of the input with Options::untangle; else refuses them.
+  void make_base_valid() {
+    const std::vector<Index> invalid = find_invalid(base_);
+    if (invalid.empty()) return;
+    if (!options_.untangle) {
+      throw MeshError("the Jacobian determinant of " + std::to_string(invalid.size()) +
+                      " second-order tetrahedra is not proved positive" + first_ids(invalid, false) +
+                      "\n  make them valid (untangle=true), or measure them with measure_curved().");
+    }
+    // The straight tetrahedra have to stay positive; their angles are improved afterwards.
+    RelaxationGoal goal = goal_;
+    goal.min_dihedral = 0;
+    relax_curved(base_, held_, invalid, goal);
+    const std::vector<Index> rest = find_invalid(base_);
+    if (!with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
+    const bool may_insert = !options_.keep_vertices && options_.data == DataTransfer::carry;
+    for (int round = 0; round < kMaxRounds && may_insert && !is_stopped(); ++round) {
+      std::vector<Index> left = find_invalid(base_);
+      if (left.empty()) break;
+      const std::vector<Index> around = split_edges(base_, held_, left, origins_);
+      if (around.empty()) break;
+      held_.vertices.resize(base_.points.size(), 0);
+      left.insert(left.end(), around.begin(), around.end());
+      std::sort(left.begin(), left.end());
+      left.erase(std::unique(left.begin(), left.end()), left.end());
+      relax_curved(base_, held_, left, goal);
+    }
+    extend_options();
+    if (const std::vector<Index> left = find_invalid(base_); !left.empty()) refuse(std::ssize(invalid), left);
+    goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
+  }
+
+  /// Inserted vertices have data, and are not frozen.
+  void extend_options() {
+    if (base_.points.size() == vertices_) return;
+    base_.point_data = carry_point_data(base_.point_data, origins_.vertices, base_.points, base_.tets);
+    if (!options_.frozen_vertices.empty()) options_.frozen_vertices.resize(base_.points.size(), 0);
+    held_ = find_held(base_, options_);
+  }
+
+  [[noreturn]] void refuse(std::int64_t invalid, const std::vector<Index>& left) const {
+    const auto in_input = [this](const std::vector<Index>& tets) {
+      std::vector<Index> ids;
+      for (const Index t : tets) ids.push_back(span_of(origins_.tets)[t]);
+      std::sort(ids.begin(), ids.end());
+      ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+      return ids;
+    };
+    const std::vector<Index> folded = in_input(with_folded_face(base_, left));
+    if (folded.empty()) {
+      throw UntangleError(invalid, in_input(left),
+                          is_stopped() ? UntangleError::Reason::stopped : UntangleError::Reason::no_room);
+    }
+    const Point3 place = TetMeshView(base_).centroid(left[0]);
+    throw MeshError("of " + std::to_string(invalid) + " second-order tetrahedra that are not proved valid, " +
+                    std::to_string(in_input(left).size()) + " stay so, and " + std::to_string(folded.size()) +
+                    " of these have a face on the surface that its own mid-side nodes fold" + first_ids(folded, false) +
+                    ", the first near " + std::to_string(place[0]) + " " + std::to_string(place[1]) + " " +
+                    std::to_string(place[2]) +
+                    "\n  no position of inner nodes makes them valid: mesh the surface more finely there.");
+  }
+  bool is_stopped() const { return context_.stop && context_.stop(); }
+
+  std::vector<CurvedTet> measure(const TetMesh& mesh) const {
+    const CurvedEdges edges(mesh);
+    return measure_tets(mesh, edges, curved_tets(mesh, edges), options_.threads);
+  }
+  std::vector<Index> find_invalid(const TetMesh& mesh) const { return all_below(measure(mesh), kNoBound, true); }
+  double smallest(const TetMesh& mesh) const {
+    double least = 1;
+    for (const CurvedTet& t : measure(mesh)) least = std::min(least, t.scaled_jacobian());
+    return least;
+  }
+  static std::vector<Index> all_tets(const TetMesh& mesh) {
+    std::vector<Index> tets(mesh.tets.size());
+    std::iota(tets.begin(), tets.end(), 0);
+    return tets;
+  }
+  static std::vector<Index> all_curved(const TetMesh& mesh) { return curved_tets(mesh, CurvedEdges(mesh)); }
+
+  /// Relaxes the elements of a small scaled Jacobian. Returns those that are not valid or below the floor then.
+  std::vector<Index> relax(TetMesh& mesh, const Report& report) const {
+    const double limit = options_.max_iterations == 0 ? floor_ : std::max(kRelaxBelow, floor_);
+    const std::vector<Index> low = all_below(measure(mesh), limit, true);
+    if (!low.empty()) relax_curved(mesh, find_held(mesh, options_of(mesh, report)), low, goal_);
+    return all_below(measure(mesh), floor_, true);
+  }
+
+  /// Lists the tetrahedra of the input around bad ones of the result: those that share a vertex with them.
+  void lock(const std::vector<Index>& bad, const TetMesh& mesh, const Report& report,
+            std::vector<Index>& locked) const {
+    std::vector<std::uint8_t> is_near(base_.points.size(), 0);
+    for (const Index t : bad) {
+      for (const Index v : span_of(mesh.tets)[t]) {
+        const Index original = report.vertex2original.empty() ? v : span_of(report.vertex2original)[v];
+        if (original >= 0) span_of(is_near)[original] = 1;
+      }
+    }
+    for (Index t = 0; t < std::ssize(base_.tets); ++t) {
+      const auto& tet = span_of(base_.tets)[t];
+      if (std::any_of(tet.begin(), tet.end(), [&](Index v) { return span_of(is_near)[v] != 0; })) locked.push_back(t);
+    }
+    std::sort(locked.begin(), locked.end());
+    locked.erase(std::unique(locked.begin(), locked.end()), locked.end());
+  }
+
+  Options linear_options() const {
+    Options options = options_;
+    options.untangle = false;
+    return options;
+  }
+  /// The caller's options for the vertices of the result.
+  Options options_of(const TetMesh& mesh, const Report& report) const {
+    Options options = options_;
+    if (options.frozen_vertices.empty() || report.vertex2original.empty()) return options;
+    options.frozen_vertices.assign(mesh.points.size(), 0);
+    for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+      const Index original = report.vertex2original[v];
+      if (original >= 0) options.frozen_vertices[v] = span_of(options_.frozen_vertices)[original];
+    }
+    return options;
+  }
+  Context without_progress() const {
+    Context context;
+    context.stop = context_.stop;
+    return context;
+  }
+
+  Options options_;
+  const Context& context_;
+  TetMesh base_;     ///< the input, made valid
+  Origins origins_;  ///< of base_ in the input
+  HeldNodes held_;
+  std::size_t vertices_;  ///< of the input
+  RelaxationGoal goal_;
+  double floor_ = 0;
+};
+
+}  // namespace
+
+Report optimize_curved(TetMesh& mesh, const Options& options, const Context& context) {
+  const auto start = PhaseTimer::SteadyClock::now();
+  check_options(options);
+  if (!options.only_below.empty()) {
+    throw OptionError("only_below: curved second-order elements are relaxed wherever they are; leave it empty");
+  }
+  if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
+    throw MeshError(
+        "the straight tetrahedra of a curved mesh have to be valid first (convert them to straight ones, in C++ by an "
+        "empty curved_edges, "
+        "and untangle these): " +
+        report.message(false));
+  }
+  const LatchedHooks hooks(context);
+  Report report = CurvedOptimizer(mesh, options, hooks.context()).run(mesh);
+  if (hooks.is_stopped()) report.stop = StopReason::cancelled;
+  report.warnings = ineffective_options(options);
+  report.seconds = PhaseTimer::seconds_since(start);
+  return report;
+}
+
+}  // namespace tetune

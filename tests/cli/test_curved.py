@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Curved second-order tetrahedra on the command line. Run: see cli_case.py."""
+
+import json
+import math
+
+import cli_case
+from cli_case import CliTest, cube
+
+# The order of the nodes of Gmsh's tetrahedra of ten nodes.
+EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3))
+
+
+def bend(p):
+    x, y, z = p
+    return (x + 0.08 * math.sin(2 * y), y + 0.05 * math.sin(3 * z), z + 0.06 * x * x)
+
+
+def curved_block(n=4, jitter=0.15):
+    """A bent cube: the nodes of each tetrahedron, the positions, and the mid-side nodes of the surface."""
+    mesh = cube(n, jitter=jitter)
+    points = [tuple(p) for p in mesh.points]
+    middles, nodes = {}, []
+    faces = {}
+    for tet in mesh.tets:
+        row = list(tet)
+        for a, b in EDGES:
+            edge = tuple(sorted((tet[a], tet[b])))
+            if edge not in middles:
+                middles[edge] = len(points)
+                points.append(tuple((points[edge[0]][k] + points[edge[1]][k]) / 2 for k in range(3)))
+            row.append(middles[edge])
+        nodes.append(row)
+        for skipped in range(4):
+            face = tuple(sorted(tet[k] for k in range(4) if k != skipped))
+            faces[face] = faces.get(face, 0) + 1
+    on_surface = {middles[e] for f, count in faces.items() if count == 1 for e in ((f[0], f[1]), (f[1], f[2]), (f[0], f[2]))}
+    return nodes, [bend(p) for p in points], on_surface
+
+
+def write_msh(path, nodes, points):
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(points))]
+    lines += [f"{i + 1} {p[0]!r} {p[1]!r} {p[2]!r}" for i, p in enumerate(points)]
+    lines += ["$EndNodes", "$Elements", str(len(nodes))]
+    lines += [f"{i + 1} 11 2 1 1 " + " ".join(str(v + 1) for v in row) for i, row in enumerate(nodes)]
+    lines += ["$EndElements", ""]
+    path.write_text("\n".join(lines))
+
+
+def read_nodes(path):
+    lines = path.read_text().splitlines()
+    first = lines.index("$Nodes") + 2
+    return {tuple(float(x) for x in line.split()[1:4]) for line in lines[first:first + int(lines[first - 1])]}
+
+
+class Curved(CliTest):
+    def path_of(self, name):
+        return self.folder / name
+
+    def info(self, name, code=0):
+        return json.loads(self.run_cli("info", self.path_of(name), "--json", code=code).stdout)
+
+    def test_the_curved_surface_stays_and_all_elements_are_proved_valid(self):
+        nodes, points, on_surface = curved_block()
+        write_msh(self.path_of("in.msh"), nodes, points)
+        before = self.run_cli("info", self.path_of("in.msh")).stdout
+        self.assertIn("proved valid, 0 inverted, 0 undecided", before)
+        results = set()
+        for threads in ("1", "3"):
+            self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--threads", threads)
+            results.add(self.path_of("out.msh").read_bytes())
+        self.assertEqual(len(results), 1)
+        after = read_nodes(self.path_of("out.msh"))
+        self.assertEqual([p for i, p in enumerate(points) if i in on_surface and p not in after], [])
+        self.assertIn("proved valid, 0 inverted, 0 undecided", self.run_cli("info", self.path_of("out.msh")).stdout)
+        self.assertNotEqual(self.path_of("in.msh").read_bytes(), self.path_of("out.msh").read_bytes())
+
+    def test_inverted_elements_are_refused_or_made_valid(self):
+        nodes, points, on_surface = curved_block(jitter=0)
+        inner = next(v for v in nodes[len(nodes) // 2][4:] if v not in on_surface)
+        points[inner] = tuple(x + d for x, d in zip(points[inner], (0.2, 0.15, 0.1)))
+        write_msh(self.path_of("in.msh"), nodes, points)
+        self.run_cli("info", self.path_of("in.msh"), code=1)
+        self.assertIn("not proved positive",
+                      self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), code=2).stderr)
+        self.assertFalse(self.path_of("out.msh").exists())
+        self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle")
+        self.run_cli("info", self.path_of("out.msh"))
+
+    def test_only_below_is_refused(self):
+        nodes, points, _ = curved_block(n=2)
+        write_msh(self.path_of("in.msh"), nodes, points)
+        done = self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--only-below", "20", code=2)
+        self.assertIn("curved second-order elements", done.stderr)
+
+    def test_move_refuses_curved_meshes(self):
+        nodes, points, _ = curved_block(n=2)
+        write_msh(self.path_of("in.msh"), nodes, points)
+        done = self.run_cli("move", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--to", self.path_of("in.msh"), code=2)
+        self.assertIn("curved", done.stderr)
+
+
+if __name__ == "__main__":
+    cli_case.main(__doc__)
