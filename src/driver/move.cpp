@@ -20,9 +20,6 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Whether a vertex has no position; a position has no NaN.
-bool is_free(const Point3& p) { return std::isnan(p[0]) && std::isnan(p[1]) && std::isnan(p[2]); }
-
 /// Flags the vertices that are prescribed in at least one target. Throws OptionError for unusable targets.
 std::vector<std::uint8_t> prescribed_vertices(const TetMesh& mesh, std::span<const VertexTargets> targets) {
   if (targets.empty()) throw OptionError("there is no target to move to");
@@ -36,7 +33,7 @@ std::vector<std::uint8_t> prescribed_vertices(const TetMesh& mesh, std::span<con
     for (std::size_t v = 0; v < targets[i].size(); ++v) {
       const Point3& p = targets[i][v];
       if (is_free(p)) continue;
-      if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+      if (!is_finite(p)) {
         throw OptionError(target + ": the position of vertex " + std::to_string(v) +
                           " is not finite; three NaN stand for a vertex that is free to follow");
       }
@@ -135,6 +132,7 @@ MoveReport move(TetMesh& mesh, std::span<const VertexTargets> targets, const Opt
         "boundary=slide has no input surface to slide on when the boundary moves; use boundary=preserve "
         "or boundary=fixed, and prescribe the vertices of curved surfaces");
   }
+  if (!options.only_below.empty()) throw OptionError("only_below is for optimize(): move() changes the whole mesh");
   MoveReport report;
   const std::vector<std::uint8_t> prescribed = prescribed_vertices(mesh, targets);
   report.prescribed = std::count(prescribed.begin(), prescribed.end(), 1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "tetune/move.hpp"
 
 namespace tetune {
+
+/// Whether a vertex has no target; a target has no NaN.
+inline bool is_free(const Point3& p) { return std::isnan(p[0]) && std::isnan(p[1]) && std::isnan(p[2]); }
+inline bool is_finite(const Point3& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
 
 /// A run of move(): what optimize_on() does beside its own work.
 struct MoveJob {

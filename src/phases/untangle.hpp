@@ -32,15 +32,81 @@ void flip_around_active(const Backend& backend, WorkingSet<Backend>& work) {
   flip_until_none(backend, work.mesh, criterion, work.flips, {});
 }
 
-/// Rounds of soft sweeps and flips. Stops when no tetrahedron is tangled or the caller cancels.
+/// The positions of all vertices.
+template <class Backend>
+struct Positions {
+  BufferOf<Backend, Point> points;
+  BufferOf<Backend, SurfacePoint> surface_points;
+
+  Positions(const Backend& backend, const WorkingSet<Backend>& work) {
+    points.assign(backend, work.mesh.points);
+    surface_points.assign(backend, work.dofs.surface_point);
+  }
+  void restore(const Backend& backend, WorkingSet<Backend>& work) const {
+    work.mesh.points.assign(backend, points);
+    work.dofs.surface_point.assign(backend, surface_points);
+  }
+};
+
+/// Flags with 1 what is flagged, but for vertices that slide on the surface.
+struct FlagWithOne {
+  Span<const VertexDof> dof;
+  Span<std::uint8_t> flags;
+  TETUNE_HD void operator()(Size v) const {
+    const bool slides = dof[v] == VertexDof::curve || dof[v] == VertexDof::surface;
+    if (flags[v] != 0) flags[v] = slides ? 0 : 1;
+  }
+};
+
+/// Regularized sweeps, from the given positions, over all vertices near a tetrahedron that is tangled there. The
+/// elements around a tangle make room for it, which a sweep over the tangle alone cannot do. Requires the rings and
+/// colors of all vertices. Returns the number of tangled tetrahedra; the positions are restored unless that is 0.
+template <class Backend>
+Size untangle_by_continuation(Optimizer<Backend>& optimizer, const Positions<Backend>& start) {
+  const UntangleParameters& p = optimizer.tuning.untangle;
+  const Backend& backend = optimizer.backend;
+  WorkingSet<Backend>& work = optimizer.work;
+  const Positions<Backend> before(backend, work);
+  start.restore(backend, work);
+  Size tangled = activate_tangled(backend, work);
+  BufferOf<Backend, std::uint8_t> region;
+  region.assign(backend, work.dofs.active);
+  for (int ring = 0; ring < p.rings; ++ring) {
+    flag_neighbors(backend, work.mesh, region.span());
+    backend.for_each(region.size(), FlagWithOne{work.dofs.dof.span(), region.span()});
+  }
+  Criterion criterion{kShapeObjective};
+  criterion.objective.regularization = p.start;
+  for (int i = 0; i < p.max_continuation_sweeps && tangled > 0; ++i) {
+    work.dofs.active.assign(backend, region);
+    sweep<RegularizedRing>(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
+                           NewtonStep{p.relaxation, optimizer.tuning.relocation.min_gain}, SweepScope::selection);
+    criterion.objective.regularization *= p.decay;
+    tangled = activate_tangled(backend, work);
+    if (!optimizer.proceed(Phase::untangling, 0)) break;
+  }
+  if (tangled > 0) {
+    before.restore(backend, work);
+    tangled = activate_tangled(backend, work);
+  }
+  return tangled;
+}
+
+/// Rounds of regularized sweeps and flips. Stops when no tetrahedron is tangled or the caller cancels.
 template <class Backend>
 void run_rounds(Optimizer<Backend>& optimizer) {
   const UntangleParameters& p = optimizer.tuning.untangle;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   Size tangled = activate_tangled(backend, work);
+  const Positions<Backend> start(backend, work);
   bool go_on = true;
   for (int round = 0; round < p.max_rounds && tangled > 0 && go_on; ++round) {
+    if (round == p.first_flip_round) {
+      tangled = untangle_by_continuation(optimizer, start);
+      go_on = optimizer.proceed(Phase::untangling, 0);
+      if (tangled == 0 || !go_on) break;
+    }
     if (round >= p.first_flip_round && work.flips.max_ring > 0) {
       flip_around_active(backend, work);
       tangled = activate_tangled(backend, work);

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "meshes.hpp"
+#include "safe_points.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {
@@ -149,20 +150,16 @@ TEST(Move, StopsAtEverySafePoint) {
   const TetMesh before = test::scrambled(test::cube(5, 0.2, 1), 3, 1);
   const VertexTargets target = random_targets(before, 0.3, 0.08, random);
   const Options options = options_of(Effort::standard, Boundary::preserve);
-  int points = 0;
-  Context context;
-  context.stop = [&points] {
-    ++points;
-    return false;
-  };
   TetMesh whole = before;
-  ASSERT_NE(move(whole, target, options, context).optimization.stop, StopReason::cancelled);
+  MoveReport complete;
+  const int points =
+      test::count_safe_points([&](const Context& context) { complete = move(whole, target, options, context); });
+  ASSERT_NE(complete.optimization.stop, StopReason::cancelled);
   ASSERT_GT(points, 20);
   for (int stop = 1; stop <= points; stop += 1 + stop / 6) {
     int asked = 0;
-    context.stop = [&asked, stop] { return ++asked == stop; };
     TetMesh m = before;
-    const MoveReport r = move(m, target, options, context);
+    const MoveReport r = move(m, target, options, test::stop_once_at(stop, asked));
     EXPECT_EQ(r.optimization.stop, StopReason::cancelled);
     EXPECT_TRUE(r.blocking_tets.empty());
     expect_valid(m);

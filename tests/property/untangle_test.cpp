@@ -56,6 +56,25 @@ TEST(Untangle, MakesEveryVolumePositiveAndKeepsTheSurface) {
   EXPECT_GT(all, 1000);
 }
 
+TEST(Untangle, MakesRoomAroundATangleWhereFlipsAreNotAllowed) {
+  int done = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    TetMesh m = tangled(1.5 + 0.1 * seed, seed);
+    const auto tets = m.tets;
+    Options options = untangling(Boundary::fixed);
+    options.flips = false;
+    options.max_iterations = 0;
+    try {
+      optimize(m, options);
+    } catch (const UntangleError&) {
+      continue;
+    }
+    EXPECT_TRUE(validate(m).ok());
+    ++done;
+  }
+  EXPECT_EQ(done, 20);
+}
+
 TEST(Untangle, LeavesWhatIsFrozen) {
   TetMesh before = tangled(0.6, 5);
   for (std::size_t v = 0; v < before.points.size(); v += 10) {

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tetune/context.hpp"
+#include "tetune/export.hpp"
+#include "tetune/mesh.hpp"
+#include "tetune/move.hpp"
+#include "tetune/options.hpp"
+#include "tetune/report.hpp"
+
+namespace tetune {
+
+/// A mesh that a simulation changes step after step, and of which each step disturbs a part: only that part and its
+/// neighborhood are worked on, and all else keeps its coordinates and numbers bit for bit.
+///
+/// The work of a step is that of optimize() or move() on the part, and a few passes over the lists of the whole mesh.
+/// Vertices keep their numbers. With Effort::best vertices are inserted, behind all others or with the numbers of
+/// removed ones; none is removed unless as many are inserted. Results are the same bit for bit for any number of
+/// threads. Not for concurrent calls on one object.
+class TETUNE_API LiveMesh {
+ public:
+  /// `options` hold for all calls; those with one entry per vertex follow its vertices. `neighborhood`, at
+  /// least 1: the number of rings of tetrahedra around a disturbed one that may change.
+  ///
+  /// Throws MeshError if the lists of the mesh are not consistent or it is curved, and OptionError; Options::only_below
+  /// must be empty.
+  explicit LiveMesh(TetMesh mesh, Options options = {}, int neighborhood = 3);
+
+  const TetMesh& mesh() const { return mesh_; }
+  /// Moves the mesh out; the object is then empty.
+  TetMesh release() && { return std::move(mesh_); }
+
+  /// Sets positions of vertices, as many as `vertices`, and marks these as disturbed. Tetrahedra may become inverted:
+  /// then optimize() requires Options::untangle. Throws OptionError for a vertex that does not exist or a position that
+  /// is not finite; the mesh is then unchanged.
+  void set_points(std::span<const Index> vertices, std::span<const Point3> positions);
+
+  /// The number of vertices that were disturbed since the last call of optimize() or optimize_all().
+  std::int64_t disturbed() const;
+
+  /// Optimizes the tetrahedra with a disturbed vertex and their neighborhood, as optimize() with Options::only_below
+  /// does; Report::tets_bad is the number of those with a disturbed vertex. Without disturbed vertices nothing changes.
+  /// When it throws, the mesh is unchanged.
+  Report optimize(const Context& context = {});
+
+  /// Optimizes the whole mesh; tetrahedra get other numbers, and with Effort::best vertices too
+  /// (Report::vertex2original).
+  Report optimize_all(const Context& context = {});
+
+  /// move() with one target for the neighborhood of the prescribed vertices whose position changes. Where the target
+  /// cannot be reached there, the neighborhood is doubled, up to the whole mesh. The whole mesh is worked on as well
+  /// where it has locked tetrahedra or elements of other kinds.
+  MoveReport move(const VertexTargets& target, const Context& context = {});
+
+ private:
+  bool moves_in_parts(const std::vector<std::uint8_t>& moves) const;
+  /// move() of flagged vertices in their neighborhood. Nothing if a part of the mesh is refused.
+  std::optional<MoveReport> move_part(const VertexTargets& target, const std::vector<std::uint8_t>& moves,
+                                      const Context& context);
+  /// Takes the arrays with an entry per vertex along.
+  void follow(const Report& report);
+
+  TetMesh mesh_;
+  Options options_;
+  int neighborhood_;
+  std::vector<std::uint8_t> disturbed_;
+};
+
+}  // namespace tetune

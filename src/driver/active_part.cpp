@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/active_part.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "boundary/vertex_dof.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "quality/limits.hpp"
+
+namespace tetune {
+namespace {
+
+/// The tag of the faces between the part and the rest: it continues no patch of the mesh.
+constexpr int kCutTag = std::numeric_limits<int>::min();
+
+using Marks = std::vector<std::uint8_t>;
+
+/// Marks the vertices of the tetrahedra that are (or are not) active.
+Marks vertices_of(const TetMesh& mesh, const Marks& active, bool are_active) {
+  Marks vertices(mesh.points.size(), 0);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    if ((active[t] != 0) != are_active) continue;
+    for (const Index v : mesh.tets[t]) span_of(vertices)[v] = 1;
+  }
+  return vertices;
+}
+
+/// Takes a part out of a mesh.
+class PartTaker {
+ public:
+  PartTaker(const TetMesh& mesh, const ActiveTets& active, const Constraints& constraints, const Options& options)
+      : mesh_(mesh), constraints_(constraints), vertex2part_(mesh.points.size(), -1) {
+    part_.options = options;
+    part_.options.only_below.clear();
+    part_.options.rings = Options().rings;
+    part_.options.frozen_regions.clear();
+    part_.options.frozen_patches.clear();
+    take_vertices(vertices_of(mesh, active.flags, true), vertices_of(mesh, active.flags, false));
+    take_tets(active.flags);
+  }
+
+  ActivePart take(const ListedFeatures& features, const std::vector<int>& frozen_patches) {
+    take_corners(features.corners);
+    take_triangles(frozen_patches);
+    take_edges(features.edges);
+    list_cut();
+    part_.options.frozen_vertices = std::move(frozen_);
+    return std::move(part_);
+  }
+
+ private:
+  Index to_part(Index v) const { return span_of(vertex2part_)[v]; }
+
+  void take_vertices(const Marks& in_part, const Marks& in_rest) {
+    for (Index v = 0; v < std::ssize(in_part); ++v) {
+      if (span_of(in_part)[v] == 0) continue;
+      span_of(vertex2part_)[v] = to_index(part_.vertex2whole.size());
+      part_.vertex2whole.push_back(v);
+      part_.mesh.points.push_back(span_of(mesh_.points)[v]);
+      on_cut_.push_back(span_of(in_rest)[v]);
+      const bool held = on_cut_.back() != 0 || span_of(constraints_.frozen)[v] == kFrozen;
+      frozen_.push_back(held ? 1 : 0);
+    }
+    part_.mesh.point_tags.assign(part_.mesh.points.size(), 0);
+  }
+
+  void take_tets(const Marks& active) {
+    Marks locked(mesh_.tets.size(), 0);
+    for (const Index t : constraints_.locked_tets) span_of(locked)[t] = 1;
+    for (Index t = 0; t < std::ssize(active); ++t) {
+      if (span_of(active)[t] == 0) continue;
+      if (span_of(locked)[t] != 0) part_.mesh.required_tets.push_back(to_index(part_.tet2whole.size()));
+      part_.tet2whole.push_back(t);
+      auto tet = span_of(mesh_.tets)[t];
+      for (Index& v : tet) v = to_part(v);
+      part_.mesh.tets.push_back(tet);
+      part_.mesh.tet_tags.push_back(span_of(mesh_.tet_tags)[t]);
+    }
+  }
+
+  void take_corners(bool are_features) {
+    for (const Index v : mesh_.corners) {
+      if (are_features && to_part(v) >= 0) span_of(frozen_)[to_part(v)] = 1;
+    }
+  }
+
+  /// Translates a listed entity. Returns false unless all its vertices are in the part; those that are do not move
+  /// then, because the entity is none of the mesh.
+  template <std::size_t N>
+  bool translate(std::array<Index, N>& entity) {
+    const auto is_outside = [this](Index v) { return to_part(v) < 0; };
+    const bool inside = std::none_of(entity.begin(), entity.end(), is_outside);
+    for (Index& v : entity) {
+      v = to_part(v);
+      if (!inside && v >= 0) span_of(frozen_)[v] = 1;
+    }
+    return inside;
+  }
+
+  void take_triangles(const std::vector<int>& frozen_patches) {
+    TetMesh& to = part_.mesh;
+    for (Index i = 0; i < std::ssize(mesh_.triangles); ++i) {
+      auto triangle = span_of(mesh_.triangles)[i];
+      if (!translate(triangle)) continue;
+      const int tag = span_of(mesh_.triangle_tags)[i];
+      const bool required =
+          (!constraints_.required_triangles.empty() && span_of(constraints_.required_triangles)[i] != 0) ||
+          std::find(frozen_patches.begin(), frozen_patches.end(), tag) != frozen_patches.end();
+      if (required) to.required_triangles.push_back(to_index(to.triangles.size()));
+      part_.triangle2whole.push_back(i);
+      to.triangles.push_back(triangle);
+      to.triangle_tags.push_back(tag);
+    }
+  }
+
+  void take_edges(bool are_features) {
+    Marks is_ridge(mesh_.edges.size(), 0);
+    Marks is_required(mesh_.edges.size(), 0);
+    for (const Index e : mesh_.ridges) span_of(is_ridge)[e] = 1;
+    for (const Index e : mesh_.required_edges) span_of(is_required)[e] = 1;
+    TetMesh& to = part_.mesh;
+    for (Index i = 0; i < std::ssize(mesh_.edges); ++i) {
+      auto edge = span_of(mesh_.edges)[i];
+      if (!translate(edge)) continue;
+      const int tag = span_of(mesh_.edge_tags)[i];
+      const Index at = to_index(to.edges.size());
+      if (span_of(is_ridge)[i] != 0 || (are_features && tag != 0)) to.ridges.push_back(at);
+      if (span_of(is_required)[i] != 0) to.required_edges.push_back(at);
+      part_.edge2whole.push_back(i);
+      to.edges.push_back(edge);
+      to.edge_tags.push_back(tag);
+    }
+  }
+
+  template <std::size_t N>
+  Marks all_frozen(const std::vector<std::array<Index, N>>& entities) const {
+    Marks stays;
+    for (const auto& entity : entities) {
+      const auto is_frozen = [this](Index v) { return span_of(frozen_)[v] != 0; };
+      stays.push_back(std::all_of(entity.begin(), entity.end(), is_frozen) ? 1 : 0);
+    }
+    return stays;
+  }
+
+  /// Lists the faces of one tetrahedron of the part whose vertices are all on the cut, behind the listed triangles.
+  void list_cut() {
+    part_.triangle_stays = all_frozen(part_.mesh.triangles);
+    part_.edge_stays = all_frozen(part_.mesh.edges);
+    std::vector<std::array<Index, 3>> faces;
+    for (const auto& tet : part_.mesh.tets) {
+      for (std::size_t f = 0; f < 4; ++f) {
+        std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
+        const auto is_on_cut = [this](Index v) { return span_of(on_cut_)[v] != 0; };
+        if (!std::all_of(face.begin(), face.end(), is_on_cut)) continue;
+        std::sort(face.begin(), face.end());
+        faces.push_back(face);
+      }
+    }
+    std::sort(faces.begin(), faces.end());
+    TetMesh& to = part_.mesh;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const bool shared = (i > 0 && faces[i - 1] == faces[i]) || (i + 1 < faces.size() && faces[i + 1] == faces[i]);
+      if (shared) continue;
+      to.required_triangles.push_back(to_index(to.triangles.size()));
+      to.triangles.push_back(faces[i]);
+      to.triangle_tags.push_back(kCutTag);
+    }
+  }
+
+  const TetMesh& mesh_;
+  const Constraints& constraints_;
+  std::vector<Index> vertex2part_;
+  Marks on_cut_, frozen_;  ///< per vertex of the part
+  ActivePart part_;
+};
+
+}  // namespace
+
+Marks tets_at(const TetMesh& mesh, const Marks& vertices) {
+  Marks tets(mesh.tets.size(), 0);
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    for (const Index v : mesh.tets[t]) tets[t] |= span_of(vertices)[v];
+  }
+  return tets;
+}
+
+ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const Constraints& constraints, int rings) {
+  ActiveTets active;
+  active.flags = std::move(flags);
+  const TetMeshView view(mesh, unit_scale(mesh));
+  for (const Index t : constraints.locked_tets) {
+    if (view.six_volume(view.tet(t)) > 0) span_of(active.flags)[t] = 0;
+  }
+  active.count = active.bad = std::count(active.flags.begin(), active.flags.end(), 1);
+  std::int64_t before = 0;
+  for (int ring = 0; ring < rings && active.count > before; ++ring) {
+    active.flags = tets_at(mesh, vertices_of(mesh, active.flags, true));
+    before = std::exchange(active.count, std::count(active.flags.begin(), active.flags.end(), 1));
+  }
+  return active;
+}
+
+ActiveTets find_active(const TetMesh& mesh, const Constraints& constraints, const Options& options) {
+  return activate(mesh, find_missing(mesh, options.only_below, options.threads), constraints, options.rings);
+}
+
+ActivePart take_part(const TetMesh& mesh, const ActiveTets& active, const Constraints& constraints,
+                     const ListedFeatures& features, const Options& options) {
+  return PartTaker(mesh, active, constraints, options).take(features, options.frozen_patches);
+}
+
+}  // namespace tetune

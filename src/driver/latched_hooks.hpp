@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "tetune/context.hpp"
+
+namespace tetune {
+
+/// Hooks that latch the request to stop: an interrupted step must not be resumed. Those of the caller are called on the
+/// thread that made this object alone; on others the request is the latched one.
+class LatchedHooks {
+ public:
+  explicit LatchedHooks(const Context& caller) : caller_(caller) {
+    context_.stop = [this] {
+      if (std::this_thread::get_id() == thread_ && !stopped_ && caller_.stop && caller_.stop()) stopped_ = true;
+      return stopped_.load();
+    };
+    if (caller_.progress) {
+      context_.progress = [this](const Progress& p) {
+        if (!stopped_ && !caller_.progress(p)) stopped_ = true;
+        return !stopped_;
+      };
+    }
+  }
+  LatchedHooks(const LatchedHooks&) = delete;
+  LatchedHooks& operator=(const LatchedHooks&) = delete;
+  const Context& context() const { return context_; }
+  bool is_stopped() const { return stopped_; }
+
+ private:
+  const Context& caller_;
+  const std::thread::id thread_ = std::this_thread::get_id();
+  std::atomic<bool> stopped_ = false;
+  Context context_;
+};
+
+}  // namespace tetune

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/live_mesh.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "driver/move_job.hpp"
+#include "driver/optimize_active.hpp"
+#include "tetune/error.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+namespace {
+
+/// The targets of the vertices of a part.
+VertexTargets targets_of(const VertexTargets& whole, const std::vector<Index>& vertex2whole) {
+  VertexTargets part;
+  for (const Index v : vertex2whole) part.push_back(span_of(whole)[v]);
+  return part;
+}
+
+/// Translates ids of the result of the part, in increasing order.
+void translate(std::vector<Index>& ids, const std::vector<Index>& part2whole) {
+  for (Index& i : ids) i = span_of(part2whole)[i];
+  std::sort(ids.begin(), ids.end());
+}
+
+}  // namespace
+
+LiveMesh::LiveMesh(TetMesh mesh, Options options, int neighborhood)
+    : mesh_(std::move(mesh)),
+      options_(std::move(options)),
+      neighborhood_(neighborhood),
+      disturbed_(mesh_.points.size(), 0) {
+  if (!options_.only_below.empty()) {
+    throw OptionError("only_below: a live mesh works on the tetrahedra that were disturbed; leave it empty");
+  }
+  if (neighborhood < 1) throw OptionError("neighborhood: must be at least 1");
+  if (!mesh_.curved_edges.empty()) throw MeshError("a live mesh has straight elements; this one has curved edges");
+  checked_constraints(mesh_, options_);
+}
+
+void LiveMesh::set_points(std::span<const Index> vertices, std::span<const Point3> positions) {
+  if (vertices.size() != positions.size()) {
+    throw OptionError(std::to_string(positions.size()) + " positions for " + std::to_string(vertices.size()) +
+                      " vertices");
+  }
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (vertices[i] < 0 || vertices[i] >= std::ssize(mesh_.points)) {
+      throw OptionError("vertex " + std::to_string(vertices[i]) + " does not exist; the mesh has " +
+                        std::to_string(mesh_.points.size()));
+    }
+    if (!is_finite(positions[i])) {
+      throw OptionError("the position of vertex " + std::to_string(vertices[i]) + " is not finite");
+    }
+  }
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    Point3& p = span_of(mesh_.points)[vertices[i]];
+    if (p == positions[i]) continue;
+    p = positions[i];
+    span_of(disturbed_)[vertices[i]] = 1;
+  }
+}
+
+std::int64_t LiveMesh::disturbed() const { return std::count(disturbed_.begin(), disturbed_.end(), 1); }
+
+Report LiveMesh::optimize(const Context& context) {
+  Report report = optimize_tets(mesh_, tets_at(mesh_, disturbed_), neighborhood_, options_, context);
+  follow(report);
+  std::fill(disturbed_.begin(), disturbed_.end(), 0);
+  return report;
+}
+
+Report LiveMesh::optimize_all(const Context& context) {
+  Report report = tetune::optimize(mesh_, options_, context);
+  follow(report);
+  std::fill(disturbed_.begin(), disturbed_.end(), 0);
+  return report;
+}
+
+MoveReport LiveMesh::move(const VertexTargets& target, const Context& context) {
+  const std::size_t n = mesh_.points.size();
+  bool is_usable =
+      target.size() == n && options_.boundary != Boundary::slide && !std::all_of(target.begin(), target.end(), is_free);
+  std::vector<std::uint8_t> moves(n, 0);
+  for (std::size_t v = 0; v < n && is_usable; ++v) {
+    is_usable = is_free(target[v]) || is_finite(target[v]);
+    moves[v] = !is_free(target[v]) && target[v] != mesh_.points[v] ? 1 : 0;
+  }
+  if (is_usable && moves_in_parts(moves)) {
+    if (std::optional<MoveReport> report = move_part(target, moves, context)) {
+      report->prescribed = std::count_if(target.begin(), target.end(), is_finite);
+      return *std::move(report);
+    }
+  }
+  // The whole mesh: it gives the messages, too, with its numbers.
+  MoveReport report = tetune::move(mesh_, target, options_, context);
+  follow(report.optimization);
+  return report;
+}
+
+std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const std::vector<std::uint8_t>& moves,
+                                              const Context& context) {
+  MoveReport report;
+  report.targets = report.targets_reached = 1;
+  int rings = neighborhood_;
+  for (std::size_t size = 0, last = 0;; last = size) {
+    const auto change = [&](ActivePart& part) {
+      report = tetune::move(part.mesh, targets_of(target, part.vertex2whole), part.options, context);
+      size = part.tet2whole.size();
+      const bool can_grow = size > last && size < mesh_.tets.size();
+      return report.reached() || !can_grow || report.optimization.stop == StopReason::cancelled;
+    };
+    try {
+      const auto maps = change_tets(mesh_, tets_at(mesh_, moves), rings, options_, change, report.optimization);
+      rings *= 2;
+      if (!maps) continue;
+      translate(report.blocking_tets, maps->tet2whole);
+      translate(report.blocking_vertices, maps->vertex2whole);
+    } catch (const Error&) {
+      return std::nullopt;
+    }
+    follow(report.optimization);
+    return report;
+  }
+}
+
+/// Parts have all tetrahedra of the vertices that move: none of these may be locked, nor have elements of other kinds.
+bool LiveMesh::moves_in_parts(const std::vector<std::uint8_t>& moves) const {
+  if (!mesh_.required_tets.empty() || !options_.frozen_regions.empty() || !mesh_.others.empty()) return false;
+  std::vector<std::uint8_t> has_tet(moves.size(), 0);
+  for (const auto& tet : mesh_.tets) {
+    for (const Index v : tet) span_of(has_tet)[v] = 1;
+  }
+  for (std::size_t v = 0; v < moves.size(); ++v) {
+    if (moves[v] != 0 && has_tet[v] == 0) return false;
+  }
+  return true;
+}
+
+void LiveMesh::follow(const Report& report) {
+  if (report.vertex2original.empty()) return;
+  const auto take = [&](std::vector<std::uint8_t>& flags) {
+    std::vector<std::uint8_t> taken;
+    for (const Index v : report.vertex2original) taken.push_back(v < 0 ? 0 : span_of(flags)[v]);
+    flags = std::move(taken);
+  };
+  take(disturbed_);
+  if (!options_.frozen_vertices.empty()) take(options_.frozen_vertices);
+}
+
+}  // namespace tetune

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/optimize_active.hpp"
+
+#include <algorithm>
+
+#include "backend/cpu.hpp"
+#include "boundary/classify.hpp"
+#include "driver/active_part.hpp"
+#include "driver/devices.hpp"
+#include "mesh/validate_arrays.hpp"
+#include "phases/phase_timer.hpp"
+#include "tetune/error.hpp"
+#include "tetune/option_table.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+/// Ids of the part, translated to those of the whole mesh, in increasing order.
+std::vector<Index> in_whole(std::vector<Index> ids, const std::vector<Index>& part2whole) {
+  for (Index& id : ids) id = span_of(part2whole)[id];
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+/// Optimizes the part. Errors name tetrahedra of the whole mesh.
+Report run_part(const TetMesh& whole, ActivePart& part, const Context& context) {
+  try {
+    return run_on_device(part.mesh, part.options, context, nullptr, nullptr);
+  } catch (const UntangleError& e) {
+    throw UntangleError(e.tangled, in_whole(e.left, part.tet2whole), e.reason);
+  } catch (const OverlapError& e) {
+    throw OverlapError(in_whole(e.tets, part.tet2whole));
+  } catch (const MeshError&) {
+    throw MeshError(validate(whole, part.options.threads).message(false));
+  }
+}
+
+/// The number of vertices that the tagged edges other than ridges and required ones make junctions of lines.
+Size count_junctions(const TetMesh& mesh, const Constraints& constraints) {
+  std::vector<Index> degree(mesh.points.size(), 0);
+  for (std::size_t e = constraints.ridges; e < constraints.edges.size(); ++e) {
+    for (const Index v : constraints.edges[e]) ++span_of(degree)[v];
+  }
+  return std::count_if(degree.begin(), degree.end(), [](Index d) { return d > 2; });
+}
+
+/// Few corners and junctions are features whatever the geometry; else the whole mesh is classified.
+ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options, const Constraints& constraints,
+                                    Report& report) {
+  if (std::ssize(mesh.corners) <= kFewListed && count_junctions(mesh, constraints) <= kFewListed) return {true, true};
+  report = report_constraints(mesh, options);
+  return {report.corners_not_held == 0, report.edges_not_held == 0};
+}
+
+/// The hooks of a run that may be repeated: the fraction that is done does not fall.
+Context with_rising_fraction(const Context& context) {
+  Context rising = context;
+  if (context.progress) {
+    rising.progress = [progress = context.progress, reached = 0.0](Progress p) mutable {
+      reached = p.fraction = std::max(reached, p.fraction);
+      return progress(p);
+    };
+  }
+  return rising;
+}
+
+/// The report of an empty part.
+Report report_nothing(const Options& options) {
+  Report report;
+  report.device = "CPU";
+  report.threads = backend::Cpu(options.threads).threads();
+  for (const Target& target : options.targets) report.targets.emplace_back().target = target;
+  return report;
+}
+
+}  // namespace
+
+namespace {
+
+/// change_tets() for known constraints and active tetrahedra.
+std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
+                                      const Options& options, const ChangePart& change, Report& report) {
+  ActivePart part;
+  part.options = options;
+  if (active.count > 0) {
+    Report whole;
+    const ListedFeatures features = find_listed_features(mesh, options, constraints, whole);
+    part = take_part(mesh, active, constraints, features, options);
+    const std::size_t vertices = part.mesh.points.size();
+    if (!change(part)) return std::nullopt;
+    if (part.mesh.points.size() < vertices) {
+      // Vertices would get other numbers.
+      part = take_part(mesh, active, constraints, features, options);
+      part.options.keep_vertices = true;
+      if (!change(part)) return std::nullopt;
+    }
+    report.corners_not_held = whole.corners_not_held;
+    report.edges_not_held = whole.edges_not_held;
+  }
+  PartMaps maps = replace_part(mesh, std::move(part), active, report);
+  report.tets_bad = active.bad;
+  report.tets_active = active.count;
+  report.warnings = ineffective_options(options);
+  return maps;
+}
+
+Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
+                            const Options& options, const Context& caller) {
+  const Context context = with_rising_fraction(caller);
+  Report report = report_nothing(options);
+  const auto change = [&](ActivePart& part) {
+    report = run_part(mesh, part, context);
+    return true;
+  };
+  change_active(mesh, constraints, active, options, change, report);
+  return report;
+}
+
+}  // namespace
+
+Constraints checked_constraints(const TetMesh& mesh, const Options& options) {
+  check_options(options);
+  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+  return find_constraints(mesh, options);
+}
+
+Report optimize_active(TetMesh& mesh, const Options& options, const Context& context) {
+  const auto start = PhaseTimer::SteadyClock::now();
+  const Constraints constraints = checked_constraints(mesh, options);
+  Report report = optimize_active_tets(mesh, constraints, find_active(mesh, constraints, options), options, context);
+  report.seconds = PhaseTimer::seconds_since(start);
+  return report;
+}
+
+Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
+                     const Context& context) {
+  const auto start = PhaseTimer::SteadyClock::now();
+  const Constraints constraints = checked_constraints(mesh, options);
+  const ActiveTets active = activate(mesh, std::move(flags), constraints, rings);
+  Report report = optimize_active_tets(mesh, constraints, active, options, context);
+  report.seconds = PhaseTimer::seconds_since(start);
+  return report;
+}
+
+std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
+                                    const ChangePart& change, Report& report) {
+  const auto start = PhaseTimer::SteadyClock::now();
+  const Constraints constraints = checked_constraints(mesh, options);
+  const ActiveTets active = activate(mesh, std::move(flags), constraints, rings);
+  auto maps = change_active(mesh, constraints, active, options, change, report);
+  report.seconds = PhaseTimer::seconds_since(start);
+  return maps;
+}
+
+}  // namespace tetune

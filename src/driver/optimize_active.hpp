@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "driver/active_part.hpp"
+#include "tetune/optimize.hpp"
+
+namespace tetune {
+
+/// Checks options and the lists of a mesh, and finds the constraints. Throws OptionError or MeshError.
+Constraints checked_constraints(const TetMesh& mesh, const Options& options);
+
+/// optimize() with Options::only_below: optimizes the active tetrahedra as a mesh of their own.
+Report optimize_active(TetMesh& mesh, const Options& options, const Context& context);
+
+/// The same for flagged tetrahedra and those within `rings` around them.
+Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
+                     const Context& context);
+
+/// Changes a part and returns whether the result is to be taken.
+using ChangePart = std::function<bool(ActivePart&)>;
+
+/// Takes the part of the flagged tetrahedra and those within `rings` around them, changes it, and puts it in its place;
+/// `report` is that of the part, which `change` fills, and becomes one of the whole mesh. Where the result is not
+/// taken, returns nothing, and the mesh is as before.
+std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
+                                    const ChangePart& change, Report& report);
+
+/// The constraints of a mesh, as optimize() reports them: vertices by degrees of freedom, listed corners and edges that
+/// do not constrain. Computed on the CPU.
+Report report_constraints(const TetMesh& mesh, const Options& options);
+
+}  // namespace tetune
