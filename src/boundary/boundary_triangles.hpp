@@ -8,6 +8,7 @@
 #include "backend/atomic.hpp"
 #include "boundary/classify.hpp"
 #include "boundary/surface.hpp"
+#include "energy/objective.hpp"
 
 namespace tetune {
 
@@ -30,6 +31,12 @@ static_assert(sizeof(BoundaryTriangle) == 40, "copies between host and device re
 
 /// The bound on the distance that operations on a curved surface add, in local lengths of its edges.
 inline constexpr double kMaxBend = 0.1;
+
+/// The deviation of the triangles that an operation makes: its distance is added to the largest deviation of those that
+/// it replaces. kInfeasible beyond the bound.
+TETUNE_HD inline double bent_deviation(double largest, double distance, double edge_length) {
+  return largest + distance <= kMaxBend * edge_length ? largest + distance : kInfeasible;
+}
 
 TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
   return t.v[0] == v || t.v[1] == v || t.v[2] == v;

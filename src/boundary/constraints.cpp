@@ -26,18 +26,17 @@ std::vector<std::uint8_t> constraining_edges(const TetMesh& mesh) {
   return constrains;
 }
 
-/// Removes the entries without a new position; returns their number.
-template <class T>
-std::int64_t move_kept(std::vector<T>& items, std::vector<int>& tags, const std::vector<Index>& old2new) {
-  const Size size = std::ssize(items);
+/// Removes the entries without a new position from lists of the same length; returns their number.
+template <class... Lists>
+std::int64_t move_kept(const std::vector<Index>& old2new, Lists&... lists) {
+  const Size size = std::ssize(old2new);
   Size kept = 0;
   for (Size i = 0; i < size; ++i) {
     if (span_of(old2new)[i] < 0) continue;
-    span_of(items)[kept] = span_of(items)[i];
-    span_of(tags)[kept++] = span_of(tags)[i];
+    ((span_of(lists)[kept] = span_of(lists)[i]), ...);
+    ++kept;
   }
-  items.erase(items.begin() + kept, items.end());
-  tags.erase(tags.begin() + kept, tags.end());
+  (lists.erase(lists.begin() + kept, lists.end()), ...);
   return size - kept;
 }
 
@@ -154,7 +153,7 @@ std::span<const std::pair<Index, std::size_t>> OtherElements::of(Index vertex) c
   const auto begin =
       std::lower_bound(vertex2element_.begin(), vertex2element_.end(), std::pair{vertex, std::size_t{0}});
   const auto end = std::find_if(begin, vertex2element_.end(), [vertex](const auto& e) { return e.first != vertex; });
-  return {begin, end};
+  return std::span(vertex2element_).subspan(std::size_t(begin - vertex2element_.begin()), std::size_t(end - begin));
 }
 
 bool OtherElements::any_has(std::span<const Index> vertices) const {
@@ -207,17 +206,21 @@ std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep) {
 
 std::int64_t keep_triangles(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
   renumber(mesh.required_triangles, old2new);
-  return move_kept(mesh.triangles, mesh.triangle_tags, old2new);
+  return move_kept(old2new, mesh.triangles, mesh.triangle_tags);
 }
 
 std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
   renumber(mesh.ridges, old2new);
   renumber(mesh.required_edges, old2new);
-  return move_kept(mesh.edges, mesh.edge_tags, old2new);
+  return move_kept(old2new, mesh.edges, mesh.edge_tags);
 }
 
 void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
-  move_kept(mesh.points, mesh.point_tags, old2new);
+  if (mesh.deck == nullptr) {
+    move_kept(old2new, mesh.points, mesh.point_tags);
+  } else {
+    move_kept(old2new, mesh.points, mesh.point_tags, mesh.deck_nodes);
+  }
   for (auto& tet : mesh.tets) renumber(tet, old2new);
   for (auto& triangle : mesh.triangles) renumber(triangle, old2new);
   for (auto& edge : mesh.edges) renumber(edge, old2new);
@@ -226,6 +229,7 @@ void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
   for (PeriodicLink& link : mesh.periodic) {
     for (auto& pair : link.pairs) renumber(pair, old2new);
   }
+  for (CurvedEdge& edge : mesh.curved_edges) renumber(edge.vertices, old2new);
   renumber(mesh.corners, old2new);
   mesh.corners.erase(std::remove(mesh.corners.begin(), mesh.corners.end(), -1), mesh.corners.end());
 }

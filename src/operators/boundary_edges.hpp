@@ -108,9 +108,11 @@ struct FindEdge {
     after.add(e.a, e.q);
     after.add(e.q, e.b);
     const FanComparison comparison(points, a, before);
-    const double distance = comparison.distance(a, before, vec(points[e.p]), after);
+    const Vec3 p = vec(points[e.p]);
+    const double apexes = segment_distance(a, vec(points[e.b]), p, vec(points[e.q]));
+    const double distance = comparison.distance(a, before, p, after, apexes);
     const double largest = t.deviation > u.deviation ? t.deviation : u.deviation;
-    return largest + distance <= kMaxBend * comparison.edge_length(before) ? largest + distance : kInfeasible;
+    return bent_deviation(largest, distance, comparison.edge_length(before));
   }
 
  private:

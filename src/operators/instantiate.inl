@@ -19,5 +19,6 @@ template PassResult face_removal_pass(const Instance&, WorkMesh<Instance>&, cons
                                       Span<std::uint8_t>);
 template RetriangulationReport retriangulate_worst(const Instance&, WorkMesh<Instance>&, const Criterion&,
                                                    FlipState<Instance>&, VertexDofs<Instance>&,
-                                                   BoundaryTriangles<Instance>*, Span<const Index>, Size, double);
+                                                   BoundaryTriangles<Instance>*, Span<const Index>,
+                                                   const RetriangulationLimits&);
 }  // namespace tetune

@@ -13,21 +13,28 @@ struct RetriangulationReport {
   Size edges = 0;
 };
 
-/// Opens the smallest dihedral angles of some tetrahedra, by operators that retriangulate a cavity from one point: each
-/// tetrahedron proposes the removal of one of its edges, with a vertex around that edge moved to where this is possible
-/// (CompositeRemoval); where it has an angle whose cost is above `vertex_cost` (kInfeasible: nowhere), also the
-/// insertion of a vertex on each of its edges (VertexInsertion), and the contraction of each of its free vertices to
-/// each other (VertexContraction); with a `surface` (null: its vertices stay), vertices are inserted and removed there
-/// too, so that it keeps its shape (SurfaceInsertion, SurfaceContraction). Constrained edges stay as they are.
+struct RetriangulationLimits {
+  Size max_tets;       ///< nothing is changed where the mesh would get more tetrahedra
+  double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost; kInfeasible: nowhere
+  double min_gain;     ///< the largest cost in a cavity must fall by this part
+};
+
+/// Improves some tetrahedra by operators that retriangulate a cavity from one point: each tetrahedron proposes the
+/// removal of one of its edges, with a vertex around that edge moved to where this is possible (CompositeRemoval), and
+/// the retriangulation of a cavity around it from one of its vertices (CavityRetriangulation). Where it has an angle
+/// whose cost is above `vertex_cost`, it also proposes the insertion of a vertex on each of its
+/// edges (VertexInsertion) and the contraction of each of its free vertices to each other (VertexContraction). With a
+/// `surface` (null: its vertices stay), vertices are inserted and removed there too (SurfaceInsertion,
+/// SurfaceContraction); the surface keeps its shape, or bends within kMaxBend where it may. Constrained edges stay as
+/// they are.
 ///
 /// Inserted vertices take the ids from mesh.vertices() on; removed ones are in no tetrahedron afterwards. The
 /// vertex2original of both is kInserted or kRemoved. `dofs.active` is set for the vertices whose ring changed; the
-/// energies in `flips` stay up to date; the active set, rings and colors have to be built again. Nothing is changed
-/// where the mesh would get more than `max_tets` tetrahedra.
+/// energies in `flips` stay up to date; the active set, rings and colors have to be built again.
 template <class Backend>
 RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                                           FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
-                                          BoundaryTriangles<Backend>* surface, Span<const Index> tets, Size max_tets,
-                                          double vertex_cost);
+                                          BoundaryTriangles<Backend>* surface, Span<const Index> tets,
+                                          const RetriangulationLimits& limits);
 
 }  // namespace tetune

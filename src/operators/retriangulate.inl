@@ -22,10 +22,6 @@ inline constexpr int kVertexKeepingChoices = CompositeRemoval::kChoices;
 inline constexpr int kSurfaceKeepingChoices =
     StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction>::kChoices;
 
-/// At most kMinProposers + tets / kMinProposers tetrahedra are processed per pass: in structured meshes all elements
-/// tie for the worst angle.
-inline constexpr Size kMinProposers = 250;
-
 /// Room for inserted vertices in the arrays of all vertices.
 template <class Backend>
 VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, FlipState<Backend>& flips,
@@ -51,28 +47,22 @@ VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Flip
 template <class Backend>
 RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                                           FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
-                                          BoundaryTriangles<Backend>* surface, Span<const Index> tets, Size max_tets,
-                                          double vertex_cost) {
+                                          BoundaryTriangles<Backend>* surface, Span<const Index> tets,
+                                          const RetriangulationLimits& limits) {
   using namespace retriangulate_detail;
-  const int choices = !(vertex_cost < kInfeasible) ? kVertexKeepingChoices
-                      : surface == nullptr         ? kSurfaceKeepingChoices
-                                                   : AllOperators::kChoices;
+  const int choices = !(limits.vertex_cost < kInfeasible) ? kVertexKeepingChoices
+                      : surface == nullptr                ? kSurfaceKeepingChoices
+                                                          : AllOperators::kChoices;
   SurfaceTriangles triangles{};
   if (surface != nullptr) {
     list_corners(backend, mesh, *surface);
     triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->flat, surface->bends,
                  dofs.reference.view(),     dofs.surface_point.span()};
   }
-  tets = {tets.data(), std::min(tets.size(), kMinProposers + mesh.tets() / kMinProposers)};
   const Size count = choices * tets.size();
-  const StarContext context{rated(mesh, criterion),
-                            flips.constrained(),
-                            dofs.dof.span(),
-                            dofs.axis.span(),
-                            triangles,
-                            flips.max_ring,
-                            vertex_cost,
-                            true};
+  const StarContext context{rated(mesh, criterion), flips.constrained(), dofs.dof.span(),
+                            dofs.axis.span(),       triangles,           flips.max_ring,
+                            limits.vertex_cost,     limits.min_gain,     true};
   StarProposals<AllOperators> proposals{context, tets, choices};
   BufferOf<Backend, MoveCosts> moves;
   if constexpr (Backend::kIsAsynchronous) {
@@ -83,9 +73,9 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
   const auto has_room = [&] {
     const ChangeCounts& total = selection.total;
-    return mesh.tets() + total.taken - total.freed <= max_tets && SlotChange(mesh, total).needed <= kMaxSlots;
+    return mesh.tets() + total.taken - total.freed <= limits.max_tets && SlotChange(mesh, total).needed <= kMaxSlots;
   };
-  if (!has_room() && vertex_cost < kInfeasible) {
+  if (!has_room() && limits.vertex_cost < kInfeasible) {
     proposals.inserts = false;
     selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
   }

@@ -18,9 +18,8 @@
 ///   using Shared = ...;                  optional: a team evaluates a proposal (backend/team.hpp), by
 ///                                        operator()(team, shared, i, proposals)
 ///   void prefetch(Size i) const;         optional
-///   Size group() const;                  optional: consecutive proposals that differ in kind, in the same order in
-///   each
-///                                        group; threads of a device that run together get proposals of one kind
+///   Size group() const;                  optional: the number of kinds of proposals, which take turns; threads of a
+///                                        device that run together get proposals of one kind
 /// All candidates bid; of each proposal the best one alone is stored: the tetrahedra of a proposal's candidates
 /// overlap, so that no other can be selected.
 namespace tetune {

@@ -46,8 +46,8 @@ struct ReplacedTriangles {
   Index triangle[kMaxStarTriangles];
 };
 
-/// A cavity retriangulated from its apex, with the faces of both. Where it replaces surface triangles, the apex is in
-/// their planes, and each becomes the triangles of the apex and of its edges opposite the vertices of the simplex.
+/// A cavity retriangulated from its apex, with the faces of both. Each surface triangle that it replaces becomes the
+/// triangles of the apex and of its edges opposite the vertices of the simplex.
 struct StarPatch {
   static constexpr int kMaxExtraTets = kMaxStarFaces;
   /// One more for the outside, beyond all new triangles of the surface.

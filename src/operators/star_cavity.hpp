@@ -15,9 +15,9 @@ namespace tetune {
 /// contraction"): with a new vertex inside as the apex a vertex is inserted; with one on the cavity of all tetrahedra
 /// around a vertex that vertex is removed.
 ///
-/// A cavity of all tetrahedra around a simplex of the surface also replaces the surface triangles that contain it. The
-/// apex must be in their planes: then the new tetrahedra fill the cavity up to the surface, and the surface keeps its
-/// shape. In the memory of one thread.
+/// A cavity of all tetrahedra around a simplex of the surface also replaces the surface triangles that contain it. With
+/// an apex in their planes the surface keeps its shape; with another apex, on a curved surface, it bends within a bound
+/// (SurfaceBend). The cavity is in the memory of one thread.
 class StarCavity {
  public:
   TETUNE_HD StarCavity(const RatedMesh& mesh, const ConstrainedEdges& constrained)
@@ -206,7 +206,7 @@ class StarCavity {
   /// apex slides.
   TETUNE_HD Vec3 relax(const Vec3& x) const {
     if (motion_.slides()) return x;
-    PlainRing ring(mesh_.objective, mesh_.points, faces_, face_count_);
+    PlainRing<> ring(mesh_.objective, mesh_.points, faces_, face_count_);
     return NewtonStep{1, kMinGain}(ring, x, motion_.free.space).position;
   }
   /// Enlarges the cavity and relaxes the apex in turn, while that lowers the energy.

@@ -9,8 +9,6 @@
 /// (DihedralCots::cost()) falls.
 namespace tetune {
 
-/// The largest cost must fall by this part.
-inline constexpr double kMinCostGain = 0.02;
 /// A place for an apex is improved further when the cost there is at most this many times what it was.
 inline constexpr double kAcceptRatio = 1.5;
 /// The bound before the cavity is enlarged.
@@ -38,6 +36,7 @@ struct StarContext {
   SurfaceTriangles surface;
   int max_ring;        ///< of the removal of an edge
   double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost
+  double min_gain;     ///< the largest cost must fall by this part
   bool inserts;        ///< vertices may be inserted
 
   TETUNE_HD bool is_movable(Index v) const { return kind[v] == VertexDof::free && !constrained.has_end(v); }
@@ -63,14 +62,14 @@ struct StarProposal : StarContext {
   TETUNE_HD Vec3 lower_cost(StarCavity& star, const Vec3& x) const { return star.lower_cost(x, model, team); }
   /// Enlarges the cavity until the largest cost is lower than before.
   TETUNE_HD bool grow(StarCavity& star, Index apex, const Vec3& x) const {
-    return star.grow_below(apex, x, (1 - kMinCostGain) * cost_before(star), team);
+    return star.grow_below(apex, x, (1 - min_gain) * cost_before(star), team);
   }
 
   /// Moves a new vertex to where the largest cost is lower than before, and enlarges the cavity where it is not.
   /// Returns false where there is no such place.
   TETUNE_HD bool open(StarCavity& star, Vec3& x) const {
     const double before = cost_before(star);
-    const double limit = (1 - kMinCostGain) * before;
+    const double limit = (1 - min_gain) * before;
     const double screen = kAcceptRatio * before;
     if (star.cost_after(kNewVertex, x, screen, false, team) < screen) {
       x = lower_cost(star, x);
@@ -85,7 +84,7 @@ struct StarProposal : StarContext {
 
   /// Adds a retriangulation where it lowers the largest cost, which is `before`.
   TETUNE_HD void add(const StarCavity& star, double before, const StarCandidate& c) const {
-    const double limit = (1 - kMinCostGain) * before;
+    const double limit = (1 - min_gain) * before;
     const double after = star.cost_after(c.apex, c.apex_position, limit, true, team);
     if (!(after < limit) || !(before - after > 0) || team.rank() != 0) return;
     proposals.add(id, c, before - after, static_cast<std::uint32_t>(id));

@@ -43,14 +43,13 @@ class SurfaceBend {
     }
     return largest;
   }
-  /// The sum of a distance and of the largest deviation so far; kInfeasible beyond the bound.
   TETUNE_HD double add_to_deviation(const ReplacedTriangles& replaced, double distance, double edge_length) const {
     double largest = 0;
     for (int i = 0; i < replaced.count; ++i) {
       const double d = triangles_[replaced.triangle[i]].deviation;
       largest = d > largest ? d : largest;
     }
-    return largest + distance <= kMaxBend * edge_length ? largest + distance : kInfeasible;
+    return bent_deviation(largest, distance, edge_length);
   }
   /// The vertex other than the apex that v has a feature edge to, or -1.
   TETUNE_HD Index line_end(Index v, Index apex, const ReplacedTriangles& replaced) const {
@@ -87,21 +86,18 @@ class SurfaceBend {
       if (simplex.has(b)) after.add(v, a);
     }
     const FanComparison comparison(points_, c, before);
+    const Vec3 b = vec(points_[simplex.v[1]]);
+    const double distance_to_edge = segment_distance(x, x, c, b);
     double distance = 0;
     if (simplex.size == 2 && before.count == 1) {
       // On a feature line: the map that moves the foot of x on the edge to x and is linear on both parts of the
       // triangle.
-      if (!comparison.is_graph(x, after)) return kInfeasible;
-      distance = distance_to_segment(x, c, vec(points_[simplex.v[1]]));
+      if (comparison.shape(x, after) == FanShape::folded) return kInfeasible;
+      distance = distance_to_edge;
     } else {
-      distance = comparison.distance(c, before, x, after);
+      distance = comparison.distance(c, before, x, after, distance_to_edge);
     }
     return add_to_deviation(replaced, distance, comparison.edge_length(before));
-  }
-  TETUNE_HD static double distance_to_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
-    const Vec3 e = b - a;
-    const double s = dot(x - a, e) / dot(e, e);
-    return norm(x - a - (s < 0 ? 0 : s > 1 ? 1 : s) * e);
   }
 
   TETUNE_HD double of_contraction(Index v, Index apex, Index line_end, const ReplacedTriangles& replaced,
@@ -116,7 +112,7 @@ class SurfaceBend {
     const Vec3 x = vec(points_[apex]);
     const FanComparison comparison(points_, c, before);
     const double length = comparison.edge_length(before);
-    if (!comparison.is_graph(c, before)) return kInfeasible;
+    if (comparison.shape(c, before) == FanShape::folded) return kInfeasible;
     double moved = 0;
     if (line_end >= 0) {
       // The outline follows the line: first v moves onto its new segment.
@@ -127,7 +123,7 @@ class SurfaceBend {
       moved = norm(foot - c);
       c = foot;
     }
-    return add_to_deviation(replaced, moved + comparison.distance(c, before, x, after), length);
+    return add_to_deviation(replaced, moved + comparison.distance(c, before, x, after, norm(x - c)), length);
   }
   /// Moves the triangles of one sheet, those that are connected over edges at v that are no features, from `left` to a
   /// fan.

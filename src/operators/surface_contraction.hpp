@@ -46,9 +46,9 @@ struct SurfaceContraction {
     return (p.kind[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance) ||
            (p.kind[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance);
   }
-  /// Whether v slides, and both vertices are on the surface.
+  /// Whether v may move over the surface, and both vertices are on it.
   TETUNE_HD static bool is_on_sheet(const StarContext& p, Index v, Index apex) {
-    return p.surface.has(apex) && (p.kind[v] == VertexDof::surface || p.kind[v] == VertexDof::curve);
+    return p.surface.has(apex) && p.kind[v] != VertexDof::fixed && p.surface.has(v);
   }
   /// Whether v has an edge of the surface to the apex, along its feature line where it is on one.
   TETUNE_HD static bool is_beside(const StarContext& p, const ReplacedTriangles& replaced, Index v, Index apex) {

@@ -60,13 +60,31 @@ struct SurfaceInsertion {
     Vec3 from = p.surface.reference.centroid(t.reference);
     if (simplex.size == 2 && is_feature_edge(t, simplex.v[0], simplex.v[1])) {
       const Index v = p.kind[simplex.v[0]] == VertexDof::curve ? simplex.v[0] : simplex.v[1];
-      if (p.kind[v] != VertexDof::curve) return {VertexDof::fixed};
+      if (p.kind[v] != VertexDof::curve) return place_between_corners(p, simplex, radius);
       dof.dof = VertexDof::curve;
       dof.surface_point = p.surface.surface_point[v];
       from = vec(p.mesh.points[v]);
     }
     x = project_on_reference(p.surface.reference, dof.dof, from, x, dof.surface_point);
     return dof;
+  }
+  /// On a feature edge without a vertex that slides on its line: the edge itself where it is a part of the reference
+  /// surface. Otherwise vertices of the line were removed, and the line between its ends is not known.
+  TETUNE_HD static NewVertexDof place_between_corners(const StarContext& p, const SurfaceSimplex& edge, double radius) {
+    const Vec3 a = vec(p.mesh.points[edge.v[0]]);
+    const Vec3 along = vec(p.mesh.points[edge.v[1]]) - a;
+    const NewVertexDof on_line{VertexDof::line, (1 / norm(along)) * along, radius, {SurfacePointKind::none, -1}};
+    const bool is_part = p.kind[edge.v[0]] == VertexDof::line || p.kind[edge.v[1]] == VertexDof::line ||
+                         has_edge(p.surface.reference, edge.v[0], edge.v[1]);
+    return is_part ? on_line : NewVertexDof{VertexDof::fixed};
+  }
+  /// Whether the reference surface has an edge between two of its vertices.
+  TETUNE_HD static bool has_edge(const ReferenceView& reference, Index a, Index b) {
+    for (Size c = reference.vertex2corner.begin(a); c < reference.vertex2corner.end(a); ++c) {
+      const SurfaceTriangle& t = reference.triangles[reference.vertex2corner.items[c] / 3];
+      if (t.v[0] == b || t.v[1] == b || t.v[2] == b) return true;
+    }
+    return false;
   }
   TETUNE_HD static NewVertexDof find_dof(const StarContext& p, const StarCavity& star,
                                          const ReplacedTriangles& replaced, const SurfaceSimplex& simplex) {

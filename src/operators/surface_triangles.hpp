@@ -20,8 +20,6 @@ struct SurfaceTriangles {
 
   /// Whether a vertex is on the surface, among vertices that existed when the corners were listed.
   TETUNE_HD bool has(Index v) const { return vertex2corner.size(v) > 0; }
-  /// The triangle of three vertices, or -1.
-  TETUNE_HD Index find(const LinkFace& f) const { return find_triangle(triangles, vertex2corner, f.v); }
   /// The number of triangles that contain a simplex.
   TETUNE_HD int count(const SurfaceSimplex& simplex) const {
     int found = 0;
@@ -40,7 +38,7 @@ struct SurfaceTriangles {
     if (count(simplex) != star.base_count()) return false;
     replaced.count = star.base_count();
     for (int i = 0; i < star.base_count(); ++i) {
-      const Index t = find(star.base(i));
+      const Index t = find_triangle(triangles, vertex2corner, star.base(i).v);
       if (t < 0 || triangles[t].stays != 0) return false;
       replaced.triangle[i] = t;
     }

@@ -16,9 +16,10 @@ Size improve_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstRepor
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   const AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
+  const double selectable = selection_scale(optimizer.options) * static_cast<double>(work.mesh.tets());
   const auto cost_of = [&](double part, double min_count) {
-    part = std::max(part, min_count / static_cast<double>(work.mesh.tets()));
-    return std::max(p.min_cost, upper_cost_quantile(backend, extremes.values.span(), part, work.mesh.tets()));
+    const double max_above = std::max(part * selectable, min_count);
+    return std::max(p.min_cost, upper_cost_quantile(backend, extremes.values.span(), max_above));
   };
   const double cost = cost_of(p.max_part, p.min_count);
   const auto extreme = tets_above(backend, work.mesh, extremes.values.span(), std::sqrt(1 + cost * cost));

@@ -44,16 +44,25 @@ Size flip_until_none_active(Optimizer<Backend>& optimizer, const Criterion& crit
 
 namespace improve_around_detail {
 
+/// At most kMinProposers + kProposingPart * tets tetrahedra are processed per pass: in structured meshes all elements
+/// tie for the worst angle.
+inline constexpr Size kMinProposers = 250;
+inline constexpr double kProposingPart = 4e-3;
+
 /// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and removed edges as flips.
 template <class Backend>
 void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
                    double vertex_cost, WorstReport& r) {
   Report& report = optimizer.report;
-  const auto max_tets = static_cast<Size>(optimizer.tuning.max_tets_ratio * static_cast<double>(report.tets_before));
+  const Options& options = optimizer.options;
+  const auto max_tets = static_cast<Size>(options.max_growth * static_cast<double>(report.tets_before));
   WorkingSet<Backend>& work = optimizer.work;
-  const RetriangulationReport changes =
-      retriangulate_worst(optimizer.backend, work.mesh, criterion, work.flips, work.dofs,
-                          edits_surface(optimizer.options) ? &work.boundary : nullptr, tets, max_tets, vertex_cost);
+  const auto max_proposers = kMinProposers + static_cast<Size>(kProposingPart * selection_scale(options) *
+                                                               static_cast<double>(work.mesh.tets()));
+  tets = {tets.data(), std::min(tets.size(), max_proposers)};
+  const RetriangulationReport changes = retriangulate_worst(
+      optimizer.backend, work.mesh, criterion, work.flips, work.dofs, edits_surface(options) ? &work.boundary : nullptr,
+      tets, {max_tets, vertex_cost, optimizer.tuning.angles.min_cost_gain});
   r.inserted = changes.inserted;
   r.removed = changes.removed;
   r.flips = changes.edges;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "math/elementary.hpp"
 #include "phases/improve_around.hpp"
 
 namespace tetune {
@@ -21,8 +22,8 @@ bool improve_worst(Optimizer<Backend>& optimizer, const QualityFloor& floor) {
   double last_energy = 0;
   optimizer.timer.measure(Phase::worst, [&] {
     optimizer.sum_energy(kShapeObjective);
-    const double quantile = upper_quantile(backend, optimizer.slot_energies(), p.max_part, work.mesh.tets());
-    bound = std::pow(std::max(p.min_energy, quantile), 1 << p.log2_power);
+    const double quantile = upper_quantile(backend, optimizer.slot_energies(), p.max_part * tets);
+    bound = elementary::repeated_square(std::max(p.min_energy, quantile), p.log2_power);
     last_energy = refresh_energy(backend, work.mesh, criterion, work.flips.energies);
   });
   for (int round = 1; round <= p.max_rounds; ++round) {

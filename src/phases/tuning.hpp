@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "tetune/options.hpp"
@@ -21,6 +22,13 @@ struct UntangleParameters {
   /// The first round with flips, counted from 0. Earlier, where many tetrahedra are inverted, flips create tangles that
   /// no position of the vertices resolves.
   int first_flip_round = 2;
+  /// Before the first flips, one continuation over all vertices within `rings` of a tetrahedron that was tangled in the
+  /// input: its regularization at the start, the factor per sweep, the number of sweeps and their over-relaxation.
+  int rings = 8;
+  double start = 0.3;
+  double decay = 0.97;
+  int max_continuation_sweeps = 400;
+  double relaxation = 1.7;
 };
 
 /// One visit of a vertex by a sweep.
@@ -71,7 +79,7 @@ struct WorstParameters {
   bool has_budget = true;
 };
 
-/// improve_angles(): rounds of work around the tetrahedra of the smallest dihedral angles.
+/// improve_angles(): rounds of work around the tetrahedra whose dihedral angles cost most.
 struct AngleParameters {
   int max_rounds = 1;
   /// At most this part of the tetrahedra, or this number of them in a small mesh, are worked on,
@@ -81,7 +89,9 @@ struct AngleParameters {
   double min_cost = 1.2;
   /// The weight of large angles in that cost. 0: they do not count.
   double obtuse_weight = 0;
-  /// Passes per round that move vertices to enlarge the smallest angle around them.
+  /// A retriangulation must lower the largest cost in its cavity by this part.
+  double min_cost_gain = 0.02;
+  /// Passes per round that move vertices to where the largest cost around them is lowest.
   int opening_passes = 2;
   /// Vertices are inserted and removed around at most this part of the tetrahedra, or this number of them in a small
   /// mesh. 0: none are.
@@ -123,8 +133,6 @@ struct Tuning {
   /// The energy is summed again when it has fallen below this part of its last sum: rounding errors of the decreases
   /// subtracted since then are relative to that sum.
   double resum_part = 0.1;
-  /// Vertices are inserted until the mesh has this many times the tetrahedra of the input.
-  double max_tets_ratio = 1.1;
 };
 
 namespace tuning_detail {
@@ -146,9 +154,10 @@ constexpr Tuning best() {
   t.worst.has_budget = false;
   t.angles.max_rounds = 8;
   t.angles.max_part = 4e-3;
-  t.angles.min_count = 60;
+  t.angles.min_count = 200;
   t.angles.max_vertex_part = 6e-4;
-  t.angles.min_vertex_count = 25;
+  t.angles.min_vertex_count = 100;
+  t.angles.min_cost_gain = 3e-3;
   t.angles.obtuse_weight = 1.5;
   t.polish = {4, 2};
   return t;
@@ -175,6 +184,13 @@ inline bool improves_worst(const Options& options) {
 inline bool edits_vertices(const Options& options) {
   const bool asked = options.effort == Effort::best || options.surface_vertices == SurfaceVertices::edit;
   return improves_worst(options) && asked && !options.keep_vertices;
+}
+
+/// improve_angles() works on the parts of the tetrahedra in its parameters times this: a mesh that may grow by more
+/// than the default does so in as many rounds.
+inline double selection_scale(const Options& options) {
+  constexpr double kScalePerGrowth = 60;
+  return edits_vertices(options) ? 1 + kScalePerGrowth * std::max(0.0, options.max_growth - Options{}.max_growth) : 1;
 }
 
 /// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the

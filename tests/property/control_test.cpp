@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "meshes.hpp"
+#include "safe_points.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {
@@ -29,21 +30,16 @@ TEST(Control, StopsAtEverySafePoint) {
   for (const Effort effort : {Effort::standard, Effort::best}) {
     for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
       const Options options = options_of(effort, boundary);
-      int points = 0;
-      Context context;
-      context.stop = [&points] {
-        ++points;
-        return false;
-      };
       TetMesh whole = before;
-      ASSERT_NE(optimize(whole, options, context).stop, StopReason::cancelled);
+      Report complete;
+      const int points =
+          test::count_safe_points([&](const Context& context) { complete = optimize(whole, options, context); });
+      ASSERT_NE(complete.stop, StopReason::cancelled);
       EXPECT_GT(points, 50);
       for (int at = 1; at <= points; at += 1 + at / 4) {
         int asked = 0;
-        // Said once: as an event that is taken from a queue.
-        context.stop = [&asked, at] { return ++asked == at; };
         TetMesh m = before;
-        const Report report = optimize(m, options, context);
+        const Report report = optimize(m, options, test::stop_once_at(at, asked));
         EXPECT_EQ(report.stop, StopReason::cancelled);
         EXPECT_EQ(asked, at);
         const ValidationReport valid = validate(m);

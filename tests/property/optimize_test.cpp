@@ -76,6 +76,26 @@ TEST(Optimize, BestOpensTheSmallestAngles) {
   EXPECT_GT(quality(best).mean_ratio, quality(standard).mean_ratio - 0.01);
 }
 
+TEST(Optimize, InsertsWithinTheAllowedGrowth) {
+  // Stretched elements, which improve by vertices between theirs.
+  TetMesh before = test::cube(6, 0.1, 3);
+  for (Point3& p : before.points) p[2] *= 4;
+  const auto tets = static_cast<double>(before.tets.size());
+  std::vector<double> growths;
+  for (const double max_growth : {1.0, 1.1, 2.0}) {
+    Options options;
+    options.effort = Effort::best;
+    options.max_growth = max_growth;
+    TetMesh after = before;
+    optimize(after, options);
+    ASSERT_TRUE(validate(after).ok());
+    EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min);
+    growths.push_back(static_cast<double>(after.tets.size()) / tets);
+    EXPECT_LE(growths.back(), max_growth);
+  }
+  EXPECT_GT(growths.back(), 1.1);
+}
+
 /// For each vertex half the mean length of its edges on the boundary; 0 for inner ones.
 std::vector<double> half_surface_edges(const TetMesh& mesh) {
   std::vector<double> sum(mesh.points.size(), 0);

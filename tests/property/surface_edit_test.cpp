@@ -298,6 +298,37 @@ Options bending() {
   return options;
 }
 
+/// The number of vertices on an edge of the unit cube stretched along x.
+int vertices_on_long_edges(const TetMesh& m) {
+  int on = 0;
+  for (const Point3& p : m.points) on += (p[1] == 0 || p[1] == 1) && (p[2] == 0 || p[2] == 1) ? 1 : 0;
+  return on;
+}
+
+/// All vertices on the edges of a bar are listed as corners: no vertex slides along these edges.
+TEST(SurfaceEdit, InsertsBetweenCorners) {
+  int inserted = 0;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    TetMesh before = test::cube(4, 0.2, seed);
+    for (std::size_t v = 0; v < before.points.size(); ++v) {
+      Point3& p = before.points[v];
+      const int sides = (p[1] == 0 || p[1] == 1) + (p[2] == 0 || p[2] == 1) + (p[0] == 0 || p[0] == 1);
+      if (sides >= 2) before.corners.push_back(static_cast<Index>(v));
+      p[0] *= 4;
+    }
+    TetMesh after = before;
+    Options options = editing();
+    options.boundary = Boundary::slide;
+    optimize(after, options);
+    ASSERT_TRUE(validate(after).ok());
+    test::expect_present(after);
+    // Exactly on the edges: the bar keeps its shape.
+    inserted += vertices_on_long_edges(after) - vertices_on_long_edges(before);
+    EXPECT_NEAR(volume_by_tag(after).at(0), 4, 1e-12);
+  }
+  EXPECT_GT(inserted, 0);
+}
+
 TEST(SurfaceEdit, OnACurvedSurfaceKeepsItsSheetsAndLines) {
   std::int64_t changes = 0;
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {

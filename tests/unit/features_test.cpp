@@ -59,6 +59,58 @@ struct Sliding {
 
 Index id(int n, int i, int j, int k) { return static_cast<Index>((k * (n + 1) + j) * (n + 1) + i); }
 
+/// A pyramid with its tip down, over a square whose triangle beside the diagonal (0, 1) is a cap with its vertex at
+/// `cap`; vertex 2 is at `corner`.
+TetMesh pyramid_with_cap(const Point3& cap, const Point3& corner) {
+  TetMesh m;
+  m.points = {{-1, 0, 0}, {1, 0, 0}, corner, {0, -1, 0}, cap, {0, 0, -2}};
+  m.tets = {{0, 1, 2, 5}, {0, 4, 1, 5}, {0, 3, 4, 5}, {4, 3, 1, 5}};
+  for (auto& t : m.tets) std::swap(t[0], t[1]);
+  return test::with_tags(m);
+}
+/// Whether the edge between two vertices is one of the reference surface that is no feature.
+bool is_smooth_edge(const Sliding& s, Index a, Index b) {
+  const ReferenceView ref = s.reference.view();
+  for (Size corner = 0; corner < 3 * ref.triangles.size(); ++corner) {
+    const SurfaceTriangle& t = ref.triangles[corner / 3];
+    const Index u = t.v[(corner + 1) % 3];
+    const Index v = t.v[(corner + 2) % 3];
+    if ((u == a && v == b) || (u == b && v == a)) return ref.across[corner] != kFeatureEdge;
+  }
+  ADD_FAILURE() << "no edge " << a << ' ' << b;
+  return false;
+}
+
+TEST(Features, NoneAtACapWhoseNormalIsNoise) {
+  // The cap is turned by 63 degrees against all its neighbors, which are coplanar.
+  const Sliding s(pyramid_with_cap({0, -0.01, 0.02}, {0, 1, 0}), 50);
+  EXPECT_TRUE(is_smooth_edge(s, 0, 1));
+  EXPECT_TRUE(is_smooth_edge(s, 0, 4));
+  EXPECT_TRUE(is_smooth_edge(s, 1, 4));
+  EXPECT_EQ(s.dof[4], VertexDof::surface);
+}
+TEST(Features, BesideACapAreKept) {
+  // The surface folds by 45 degrees at the diagonal, beside which the cap is coplanar with the other two triangles.
+  const Sliding flat(pyramid_with_cap({0, -0.01, 0}, {0, 1, -1}), 40);
+  EXPECT_FALSE(is_smooth_edge(flat, 0, 1));
+  EXPECT_EQ(flat.dof[4], VertexDof::surface);
+  // With a cap whose normal is noise, the fold is at its short edges.
+  const Sliding noisy(pyramid_with_cap({0, -0.01, 0.02}, {0, 1, -1}), 40);
+  EXPECT_TRUE(is_smooth_edge(noisy, 0, 1));
+  EXPECT_FALSE(is_smooth_edge(noisy, 0, 4));
+  EXPECT_FALSE(is_smooth_edge(noisy, 1, 4));
+  EXPECT_EQ(noisy.dof[4], VertexDof::curve);
+}
+TEST(Features, ATriangleWithAShortEdgeIsNoCap) {
+  // Two long strips of width 0.01 that fold by 90 degrees: thin triangles with normals that count.
+  TetMesh m;
+  m.points = {{0, 0, 0}, {1, 0, 0}, {0, 0.01, 0}, {1, 0.01, 0}, {0, 0, -0.01}, {1, 0, -0.01}};
+  m.tets = {{0, 2, 1, 4}, {1, 2, 3, 5}, {1, 2, 5, 4}};
+  const Sliding s(test::with_tags(m), 40);
+  EXPECT_FALSE(is_smooth_edge(s, 0, 1));
+  EXPECT_TRUE(is_smooth_edge(s, 1, 2));
+}
+
 TEST(Features, OfACube) {
   expect(classify(test::cube(4)), 8, 36, 54, 27);
   expect(classify(test::cube(4), 89), 8, 36, 54, 27);

@@ -199,7 +199,7 @@ void expect_derivatives(const Objective& objective, double flatness, std::uint32
 TEST(Objective, GradientAndHessianAreThoseOfTheDefinition) {
   for (const Objective& objective : kObjectives) {
     for (const double flatness : {1.0, 1e-2, 1e-4, 1e-8}) {
-      expect_derivatives<PlainRing>(objective, flatness, 7);
+      expect_derivatives<PlainRing<>>(objective, flatness, 7);
       expect_derivatives<SimdRing>(objective, flatness, 8);
     }
   }
@@ -210,7 +210,7 @@ TEST(Objective, BothRingsAgree) {
   for (const Objective& objective : kObjectives) {
     for (int i = 0; i < 100; ++i) {
       const Octahedron ring(random);
-      auto plain = ring.ring<PlainRing>(objective);
+      auto plain = ring.ring<PlainRing<>>(objective);
       auto simd = ring.ring<SimdRing>(objective);
       const Vec3 x = 0.2 * random_vec(random);
       const Vec3 p = random_vec(random);
@@ -236,7 +236,7 @@ TEST(Objective, IsConvexOnTheKernel) {
     int tried = 0;
     for (int i = 0; i < 5000; ++i) {
       const Octahedron octahedron(random);
-      auto ring = octahedron.ring<PlainRing>(objective);
+      auto ring = octahedron.ring<PlainRing<>>(objective);
       // Some segments end close to the boundary of the kernel, where the energy is steep.
       const Vec3 a = 1.0 * random_vec(random);
       const Vec3 b = 0.6 * random_vec(random);

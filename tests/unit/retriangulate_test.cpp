@@ -63,7 +63,7 @@ struct Work {
     refresh_energy(backend::Cpu(1), mesh, criterion, flips.energies);
     BoundaryTriangles<backend::Cpu>* const no_surface = nullptr;
     return retriangulate_worst(backend::Cpu(threads), mesh, criterion, flips, dofs, no_surface,
-                               {around.data(), static_cast<Size>(around.size())}, most_tets, vertex_cot);
+                               {around.data(), static_cast<Size>(around.size())}, {most_tets, vertex_cot, 0.02});
   }
 };
 

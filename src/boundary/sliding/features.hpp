@@ -6,12 +6,17 @@
 
 #include "boundary/classify.hpp"
 #include "boundary/sliding/reference_surface.hpp"
+#include "math/elementary.hpp"
 
 namespace tetune {
 
 namespace features_detail {
 
 /// Finds the corner across each edge, or that the edge is a feature.
+///
+/// A cap is a triangle with a vertex close to its longest edge. In scanned surfaces its normal is noise: a displacement
+/// by a part of its height turns it. Where the surface seems to fold at one of its short edges, it has the normal of
+/// the triangle across the longest edge instead, so that no fold is found where there is none.
 struct FindAcross {
   Span<const Point> points;
   Span<const SurfaceTriangle> triangles;
@@ -22,22 +27,60 @@ struct FindAcross {
   Span<Index> across;
 
   TETUNE_HD void operator()(Size corner) const {
-    across[corner] = kFeatureEdge;
-    const Size triangle = corner / 3;
-    const auto k = static_cast<int>(corner % 3);
-    const SurfaceTriangle t = triangles[triangle];
-    const Index a = t.v[(k + 1) % 3];
-    const Index b = t.v[(k + 2) % 3];
-    if (constrained.contains(a, b)) return;
+    const Index opposite = opposite_in_patch(corner);
+    const bool is_feature = opposite == kFeatureEdge || is_fold(corner, smooth_normal(corner / 3), Size{opposite},
+                                                                smooth_normal(Size{opposite} / 3));
+    across[corner] = is_feature ? kFeatureEdge : opposite;
+  }
+
+ private:
+  static constexpr double kMaxCapHeight = 0.02;        ///< over the longest edge, relative to it,
+  static constexpr double kMaxCapHeightOfShort = 0.1;  ///< and to the shortest edge
+
+  /// The ends of the edge opposite a corner, in the orientation of its triangle.
+  TETUNE_HD Index start(Size corner) const { return triangles[corner / 3].v[(corner + 1) % 3]; }
+  TETUNE_HD Index end(Size corner) const { return triangles[corner / 3].v[(corner + 2) % 3]; }
+  TETUNE_HD Vec3 edge(Size corner) const { return vec(points[end(corner)]) - vec(points[start(corner)]); }
+
+  /// The corner across the edge opposite a corner, or kFeatureEdge where the patch ends or the edge is constrained.
+  TETUNE_HD Index opposite_in_patch(Size corner) const {
+    if (constrained.contains(start(corner), end(corner))) return kFeatureEdge;
     const Index opposite = opposite_corner(triangles, vertex2corner, corner);
-    if (opposite == kFeatureEdge || tags[opposite / 3] != tags[triangle]) return;
-    const Vec3 x = vec(points[a]);
-    const Vec3 e = vec(points[b]) - x;
-    const Vec3 n1 = cross(e, vec(points[t.v[k]]) - x);
-    const Vec3 n2 = cross(vec(points[triangles[opposite / 3].v[opposite % 3]]) - x, e);
+    return opposite == kFeatureEdge || tags[opposite / 3] != tags[corner / 3] ? kFeatureEdge : opposite;
+  }
+  /// Whether the surface folds between the triangles of two corners opposite one edge, with normals n and m.
+  TETUNE_HD bool is_fold(Size corner, const Vec3& n, Size opposite, const Vec3& m) const {
+    const double turned = start(corner) == start(opposite) ? -1 : 1;
     // The product of the lengths, as that of their squares underflows in a small part of a large mesh.
-    if (dot(n1, n2) < cos_angle * (norm(n1) * norm(n2))) return;
-    across[corner] = opposite;
+    return turned * dot(n, m) < cos_angle * (norm(n) * norm(m));
+  }
+  TETUNE_HD Vec3 normal(Size triangle) const { return cross(edge(3 * triangle), edge(3 * triangle + 1)); }
+  TETUNE_HD Vec3 smooth_normal(Size triangle) const {
+    const Vec3 n = normal(triangle);
+    Size longest = 3 * triangle;
+    double length2[3];
+    for (Size k = 0; k < 3; ++k) {
+      const Vec3 e = edge(3 * triangle + k);
+      length2[k] = dot(e, e);
+      longest = length2[k] > length2[longest % 3] ? 3 * triangle + k : longest;
+    }
+    const double shortest2 = std::fmin(std::fmin(length2[0], length2[1]), length2[2]);
+    const double longest2 = length2[longest % 3];
+    const double height2 = dot(n, n) / longest2;
+    const bool is_cap = height2 < kMaxCapHeight * kMaxCapHeight * longest2 &&
+                        height2 < kMaxCapHeightOfShort * kMaxCapHeightOfShort * shortest2;
+    if (!is_cap) return n;
+    const Index beyond = opposite_in_patch(longest);
+    if (beyond == kFeatureEdge || !folds_at_short_edge(triangle, longest, n)) return n;
+    const Vec3 m = normal(beyond / 3);
+    return start(longest) == start(Size{beyond}) ? -1.0 * m : m;
+  }
+  TETUNE_HD bool folds_at_short_edge(Size triangle, Size longest, const Vec3& n) const {
+    for (Size corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
+      const Index opposite = corner == longest ? kFeatureEdge : opposite_in_patch(corner);
+      if (opposite != kFeatureEdge && is_fold(corner, n, Size{opposite}, normal(opposite / 3))) return true;
+    }
+    return false;
   }
 };
 
@@ -147,7 +190,7 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   reference.vertex2corner.items.assign(backend, surface.vertex2corner.items);
   reference.across.resize(backend, 3 * triangles);
   // At 180 degrees no edge is a feature; -2 is below any cosine, with rounding errors.
-  const double cos_angle = feature_angle >= 180 ? -2 : std::cos(feature_angle * std::numbers::pi / 180);
+  const double cos_angle = feature_angle >= 180 ? -2 : elementary::cos(feature_angle * std::numbers::pi / 180);
   backend.for_each(3 * triangles, FindAcross{mesh.points, reference.triangles, surface.tags,
                                              reference.vertex2corner.view(), constrained, cos_angle, reference.across});
   Csr<Backend> vertex2edge_end;

@@ -20,9 +20,36 @@ struct OpenFan {
   }
 };
 
-/// Compares two triangulations of one part of the surface, each a fan, with the same outline, as graphs of a height
-/// over a plane. The difference of the heights is linear between the points where edges of the two cross or end, so
-/// its maximum is at one of these; it bounds the distance between the two in both directions.
+/// The shape of a fan over a plane.
+enum class FanShape {
+  graph,               ///< of a height
+  has_thin_triangles,  ///< a graph up to triangles that are so thin that their normals are noise
+  folded,
+};
+
+/// The distance between two segments, or slightly more where they are nearly parallel.
+TETUNE_HD inline double segment_distance(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
+  const auto clamp = [](double t) { return t > 0 ? t < 1 ? t : 1.0 : 0.0; };
+  const Vec3 d = b - a;
+  const Vec3 e = q - p;
+  const Vec3 ap = p - a;
+  const double dd = dot(d, d);
+  const double de = dot(d, e);
+  const double ee = dot(e, e);
+  const double det = dd * ee - de * de;
+  double s = det > 0 ? clamp((ee * dot(d, ap) - de * dot(e, ap)) / det) : 0.0;
+  const double t = ee > 0 ? clamp((s * de - dot(e, ap)) / ee) : 0.0;
+  s = dd > 0 ? clamp((t * de + dot(d, ap)) / dd) : 0.0;
+  return norm(ap + t * e - s * d);
+}
+
+/// Compares two triangulations of one part of the surface, each a fan, with the same outline. There are two bounds on
+/// the distance between them, in both directions:
+///   - As graphs of a height over a plane: the difference of the heights is linear between the points where edges of
+///     the two cross or end, so its maximum is at one of these.
+///   - Each is a cone over the outline. The map that is linear on the cones and moves one apex to the other moves no
+///     point further than that. It needs no plane, so it also holds where a triangle is so thin that its normal is
+///     noise, as in caps of scanned surfaces.
 class FanComparison {
  public:
   /// The plane is the mean plane of the fan with its center at c.
@@ -38,18 +65,44 @@ class FanComparison {
     constexpr double kTwiceAreaOfUnitTriangle = 0.8660254037844386;
     return std::sqrt(twice_area_ / (kTwiceAreaOfUnitTriangle * fan.count));
   }
-  /// Whether the normals of all triangles are within 60 degrees of that of the plane.
-  TETUNE_HD bool is_graph(const Vec3& c, const OpenFan& fan) const {
+  /// Whether the normals of all triangles, or of all but thin ones, are within 60 degrees of that of the plane.
+  TETUNE_HD FanShape shape(const Vec3& c, const OpenFan& fan) const {
+    FanShape shape = FanShape::graph;
     for (int i = 0; i < fan.count; ++i) {
       const Vec3 n = area_normal(c, fan, i);
-      if (!(dot(normal_, n) > kMinCos * norm(n))) return false;
+      if (dot(normal_, n) > kMinCos * norm(n)) continue;
+      if (!is_thin(c, fan, i, norm(n))) return FanShape::folded;
+      shape = FanShape::has_thin_triangles;
     }
-    return true;
+    return shape;
   }
-  /// The largest difference of the heights of a fan with its center at a and one with its center at b; kInfeasible
-  /// where one of them is no graph.
-  TETUNE_HD double distance(const Vec3& a, const OpenFan& fan_a, const Vec3& b, const OpenFan& fan_b) const {
-    if (!is_graph(a, fan_a) || !is_graph(b, fan_b)) return kInfeasible;
+  /// A bound on the distance between a fan with its center at a and one with its center at b; kInfeasible where one of
+  /// them is folded. `apexes`: the distance between a point from which the first is a cone and one from which the
+  /// second is.
+  TETUNE_HD double distance(const Vec3& a, const OpenFan& fan_a, const Vec3& b, const OpenFan& fan_b,
+                            double apexes) const {
+    const FanShape of_both[2] = {shape(a, fan_a), shape(b, fan_b)};
+    if (of_both[0] == FanShape::folded || of_both[1] == FanShape::folded) return kInfeasible;
+    if (of_both[0] != FanShape::graph || of_both[1] != FanShape::graph) return apexes;
+    const double heights = height_difference(a, fan_a, b, fan_b);
+    return heights < apexes ? heights : apexes;
+  }
+
+ private:
+  static constexpr double kMinCos = 0.5;
+  /// A triangle is thin whose height over its longest edge is below this part of the edge.
+  static constexpr double kThin = 0.02;
+  /// The tolerance of barycentric coordinates for rounding.
+  static constexpr double kOutside = 1e-9;
+
+  TETUNE_HD bool is_thin(const Vec3& c, const OpenFan& fan, int i, double twice_area) const {
+    const Vec3 a = vec(points_[fan.edge[i][0]]);
+    const Vec3 b = vec(points_[fan.edge[i][1]]);
+    double longest2 = dot(b - a, b - a);
+    for (const Vec3& d : {a - c, b - c}) longest2 = dot(d, d) > longest2 ? dot(d, d) : longest2;
+    return twice_area < kThin * longest2;
+  }
+  TETUNE_HD double height_difference(const Vec3& a, const OpenFan& fan_a, const Vec3& b, const OpenFan& fan_b) const {
     const double of_a = height_over(a, b, fan_b);
     const double of_b = height_over(b, a, fan_a);
     double largest = of_a > of_b ? of_a : of_b;
@@ -62,11 +115,6 @@ class FanComparison {
     }
     return largest;
   }
-
- private:
-  static constexpr double kMinCos = 0.5;
-  /// The tolerance of barycentric coordinates for rounding.
-  static constexpr double kOutside = 1e-9;
 
   TETUNE_HD Vec3 area_normal(const Vec3& c, const OpenFan& fan, int i) const {
     return cross(vec(points_[fan.edge[i][0]]) - c, vec(points_[fan.edge[i][1]]) - c);

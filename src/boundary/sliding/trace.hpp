@@ -95,6 +95,15 @@ TETUNE_HD inline TraceResult advance(const ReferenceView& ref, VertexDof dof, co
   return trace_detail::advance_to_boundary(ref, dof, element, l, rates, t);
 }
 
+/// The end of a step from x, at surface point `on`: its projection onto the element that it descends into, at most to
+/// the boundary of that element; x itself where there is none.
+TETUNE_HD inline TraceResult project_step(const ReferenceView& ref, VertexDof dof, const SurfacePoint& on,
+                                          const Vec3& x, const Vec3& step) {
+  const SurfaceElement element = steepest(ref, dof, on, -1.0 * step);
+  if (element.on.kind == SurfacePointKind::none) return {x, on, 0, false};
+  return advance(ref, dof, element, on, x, element.descent, 1);
+}
+
 /// Moves over the surface, from `from` at surface point `on`, while that leads closer to a target; returns the end and
 /// its surface point.
 TETUNE_HD inline Vec3 project_on_reference(const ReferenceView& ref, VertexDof dof, const Vec3& from,
@@ -102,9 +111,7 @@ TETUNE_HD inline Vec3 project_on_reference(const ReferenceView& ref, VertexDof d
   constexpr int kMaxTraceSteps = 32;
   Vec3 x = from;
   for (int step = 0; step < kMaxTraceSteps; ++step) {
-    const SurfaceElement element = steepest(ref, dof, on, x - target);
-    if (element.on.kind == SurfacePointKind::none) break;
-    const TraceResult end = advance(ref, dof, element, on, x, element.descent, 1);
+    const TraceResult end = project_step(ref, dof, on, x, target - x);
     x = end.position;
     on = end.surface_point;
     if (!end.at_boundary) break;
