@@ -9,11 +9,14 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <set>
 #include <type_traits>
 
+#include "system/path.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
@@ -26,9 +29,10 @@ constexpr const char* kPlaceholder = "{}";
 std::string read_pipe() {
   std::string bytes;
   std::size_t size = 0;
+  constexpr std::size_t kMaxPart = std::size_t{1} << 30;
   for (;;) {
     if (bytes.size() - size < (1U << 16)) bytes.resize(std::max<std::size_t>(1U << 20, 2 * bytes.size()));
-    const ssize_t got = ::read(STDIN_FILENO, bytes.data() + size, bytes.size() - size);
+    const auto got = ::read(STDIN_FILENO, bytes.data() + size, unsigned(std::min(bytes.size() - size, kMaxPart)));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw FileError(std::string("standard input: cannot read: ") + std::strerror(errno));
     if (got == 0) break;
@@ -41,9 +45,14 @@ std::string read_pipe() {
 /// The canonical path: equal for all names of one file.
 std::string identity(const std::string& path) {
   std::error_code error;
-  const std::filesystem::path whole = std::filesystem::absolute(path, error);
+  const std::filesystem::path whole = std::filesystem::absolute(path_of(path), error);
   const std::filesystem::path same = error ? whole : std::filesystem::weakly_canonical(whole, error);
   return error ? path : same.string();
+}
+
+/// Whether the name ends like that of a folder.
+bool names_folder(const std::string& name) {
+  return name.ends_with('/') || name.ends_with(char(std::filesystem::path::preferred_separator));
 }
 
 std::string fill_in(const std::string& option, const std::string& pattern, const std::string& input, bool several) {
@@ -60,19 +69,18 @@ std::string fill_in(const std::string& option, const std::string& pattern, const
   if (input == kPipe) {
     throw OptionError(fmt::format("{} {}: the standard input has no name to insert; give a name", option, pattern));
   }
-  return pattern.substr(0, at) + std::filesystem::path(input).stem().string() +
-         pattern.substr(at + std::strlen(kPlaceholder));
+  return pattern.substr(0, at) + path_of(input).stem().string() + pattern.substr(at + std::strlen(kPlaceholder));
 }
 
 std::string output_of(const std::string& pattern, const std::string& input, bool several) {
   std::error_code ignored;
-  const bool folder = pattern.ends_with('/') || std::filesystem::is_directory(pattern, ignored);
+  const bool folder = names_folder(pattern) || std::filesystem::is_directory(path_of(pattern), ignored);
   if (folder) {
     if (input == kPipe) {
       throw OptionError(
           fmt::format("--output {}: the standard input has no name to use in a folder; give a name", pattern));
     }
-    return (std::filesystem::path(pattern) / std::filesystem::path(input).filename()).string();
+    return (path_of(pattern) / path_of(input).filename()).string();
   }
   if (several && !pattern.empty() && pattern.find(kPlaceholder) == std::string::npos) {
     throw OptionError(
@@ -135,7 +143,7 @@ Input read_input(const std::string& path, int threads) {
     input.binary = bytes.substr(0, 4).find('\0') != std::string::npos;
   } else {
     input.mesh = read_mesh(path, &input.warnings, threads);
-    input.binary = std::filesystem::path(path).extension() == ".meshb";
+    input.binary = path_of(path).extension() == ".meshb";
   }
   input.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return input;
@@ -166,10 +174,22 @@ std::vector<std::string> write_output(const std::string& path, bool binary, cons
   return warnings;
 }
 
+bool copy_mesh(const std::string& input, const std::string& output) {
+  const auto ending = [](const std::string& path) { return path_of(path).extension(); };
+  if (input == kPipe || output == kPipe || ending(input) != ending(output)) return false;
+  if (files_of(input).size() > 1) return false;
+  if (identity(input) == identity(output)) return true;
+  std::ifstream file(path_of(input), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw FileError(input + ": cannot read: " + std::strerror(errno));
+  write_text(output, bytes);
+  return true;
+}
+
 void refuse_existing(const std::string& output) {
   for (const std::string& file : files_of(output)) {
     std::error_code ignored;
-    if (output == kPipe || !std::filesystem::exists(file, ignored)) continue;
+    if (output == kPipe || !std::filesystem::exists(path_of(file), ignored)) continue;
     throw OptionError(
         fmt::format("{}: the second name is that of the mesh to write, and {} exists; replace it with "
                     "-o {}",
@@ -182,9 +202,9 @@ std::string shown_name(const std::string& path, bool output) {
 }
 
 OutputFolder::OutputFolder(const std::string& pattern, bool dry_run) {
-  if (!pattern.ends_with('/')) return;
+  if (!names_folder(pattern)) return;
   std::error_code error;
-  const std::filesystem::path folder = std::filesystem::path(pattern).parent_path();
+  const std::filesystem::path folder = path_of(pattern).parent_path();
   const bool created = std::filesystem::create_directory(folder, error);
   if (!std::filesystem::is_directory(folder)) {
     throw OptionError(fmt::format("--output {}: the folder does not exist and cannot be created{}", pattern,

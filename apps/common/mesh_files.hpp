@@ -35,6 +35,10 @@ void choose_tags(Input& input, const std::string& path, const std::string& tags)
 /// Writes to a file, or to kPipe. Returns warnings about what the format cannot hold. Throws FileError.
 std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads);
 
+/// Copies the files of a mesh byte for byte where both names have the same format. Returns false where they have not,
+/// or one is kPipe. Throws FileError.
+bool copy_mesh(const std::string& input, const std::string& output);
+
 /// Throws OptionError if a file exists that would be written: a second name may be a mesh that a pattern as *.mesh has
 /// matched.
 void refuse_existing(const std::string& output);

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <filesystem>
 
+#include "criteria_file.hpp"
 #include "definitions.hpp"
 #include "option_flags.hpp"
 #include "python_package.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 
@@ -64,6 +66,14 @@ void define_options(CLI::App& c, OptimizeArguments& a) {
                    "tag=1,2,patch=inlet")
           ->option_text("tag=N|NAME,...,patch=N|NAME,...")
           ->group(kSurface);
+    } else if (std::string_view(option.name) == "only_below") {
+      c.add_option(flag, a.only_below,
+                   "Only tetrahedra with a dihedral angle below this, and those around them, may change; all others "
+                   "stay bit for bit, and in their order. For another measure of `tetune info`: mean_ratio=0.2, "
+                   "radius_ratio=5. May be repeated: tetrahedra that miss one of the limits")
+          ->option_text("DEG|MEASURE=Q")
+          ->allow_extra_args(false)
+          ->group(option.group);
     } else if (!flag.empty()) {
       define_option(c, option, a.options, a.warnings);
     }
@@ -82,6 +92,10 @@ void define_targets(CLI::App& c, OptimizeArguments& a) {
       ->option_text("Q MEASURE")
       ->allow_extra_args(false)
       ->group(kTargets);
+}
+
+void define_criteria(CLI::App& c, OptimizeArguments& a) {
+  c.add_option("--criteria", a.criteria_name, criteria_help("the result"))->option_text("NAME|FILE")->group(kTargets);
 }
 
 void define_limits(CLI::App& c, OptimizeArguments& a) {
@@ -137,7 +151,7 @@ std::vector<std::string> find_inputs(OptimizeArguments& a) {
   std::vector<std::string> inputs = a.files;
   // With --dry-run both files may be inputs; one that does not exist can only be an output.
   std::error_code ignored;
-  const bool both = a.dry_run && inputs.size() == 2 && std::filesystem::exists(inputs.back(), ignored);
+  const bool both = a.dry_run && inputs.size() == 2 && std::filesystem::exists(path_of(inputs.back()), ignored);
   if (a.names.output.empty() && inputs.size() == 2 && !both) {
     a.names.output = inputs.back();
     inputs.pop_back();
@@ -171,6 +185,7 @@ void define_arguments(CLI::App& command, OptimizeArguments& arguments) {
   define_files(command, arguments);
   define_options(command, arguments);
   define_targets(command, arguments);
+  define_criteria(command, arguments);
   define_limits(command, arguments);
   define_output(command, arguments);
   refuse_empty_values(command);
@@ -182,6 +197,10 @@ std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& a) {
   for (const auto& [value, name] : a.target_quality) {
     a.options.targets.push_back({parse_measure("--target-quality", name), value});
   }
+  for (const std::string& text : a.only_below) {
+    a.options.only_below.push_back(parse_bound("--only-below", text, Measure::min_dihedral));
+  }
+  if (!a.criteria_name.empty()) a.criteria = read_criteria(a.criteria_name);
   check(command, a);
   if (a.quiet) a.verbosity = 0;
   if (a.print_options) return {};

@@ -9,6 +9,7 @@
 
 #include "mesh_files.hpp"
 #include "option_values.hpp"
+#include "tetune/criteria.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune::cli {
@@ -33,6 +34,9 @@ struct OptimizeArguments {
   std::vector<Frozen> frozen;  ///< parsed from `freeze`
   std::optional<double> target_dihedral;
   std::vector<std::pair<double, std::string>> target_quality;
+  std::vector<std::string> only_below;
+  std::string criteria_name;
+  std::optional<AcceptanceCriteria> criteria;  ///< read from `criteria_name`
   std::optional<MoveArguments> move;
   Options options;
   std::optional<double> time_limit;  ///< seconds

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune::cli {
@@ -54,7 +55,7 @@ Box bounding_box(const TetMesh& mesh) {
 double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh) {
   double value = 0;
   const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, value);
+  const auto [at, error] = parse_real(text.data(), end, value);
   const bool percent = error == std::errc() && at + 1 == end && *at == '%';
   if (error != std::errc() || (at != end && !percent) || !(value > 0) || !std::isfinite(value)) {
     throw OptionError(fmt::format(
@@ -75,16 +76,16 @@ Measure parse_measure(const std::string& option, const std::string& name) {
   throw OptionError(fmt::format("{}: '{}' is not a measure; the measures are {}", option, name, known));
 }
 
-Target parse_bound(const std::string& text) {
+Target parse_bound(const std::string& option, const std::string& text, Measure by_default) {
   const std::size_t equals = text.find('=');
   const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
-  Target target{Measure::mean_ratio, 0};
-  if (equals != std::string::npos) target.measure = parse_measure("--min-quality", text.substr(0, equals));
+  Target target{by_default, 0};
+  if (equals != std::string::npos) target.measure = parse_measure(option, text.substr(0, equals));
   const char* end = number.data() + number.size();
-  const auto [at, error] = std::from_chars(number.data(), end, target.value);
+  const auto [at, error] = parse_real(number.data(), end, target.value);
   if (error != std::errc() || at != end || !std::isfinite(target.value)) {
     throw OptionError(fmt::format(
-        "--min-quality: invalid value '{}'; give a number, or a measure and a number as min_dihedral_deg=10", text));
+        "{}: invalid value '{}'; give a number, or a measure and a number as min_dihedral_deg=10", option, text));
   }
   return target;
 }

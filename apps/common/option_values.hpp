@@ -23,8 +23,9 @@ double parse_length(const std::string& option, const std::string& text, const Te
 /// Parses the name of a measure, for example "mean_ratio". Throws OptionError, whose message names `option`.
 Measure parse_measure(const std::string& option, const std::string& name);
 
-/// Parses a bound of `info --min-quality`: "0.2", of the mean ratio, or "radius_ratio=5". Throws OptionError.
-Target parse_bound(const std::string& text);
+/// Parses a bound, for example of `info --min-quality`: "0.2", of the measure `by_default`, or "radius_ratio=5". Throws
+/// OptionError, whose message names `option`.
+Target parse_bound(const std::string& option, const std::string& text, Measure by_default);
 
 /// A frozen region or patch.
 struct Frozen {

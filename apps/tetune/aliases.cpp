@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "definitions.hpp"
+#include "nearest_name.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune::cli {
@@ -60,34 +61,17 @@ std::string with_two_dashes(const CLI::App& command, const std::string& word) {
   return command.get_option_no_throw(longer.substr(0, longer.find('='))) != nullptr ? longer : word;
 }
 
-/// The Levenshtein distance: the number of characters to change, add or remove.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, substituted}));
-    }
-  }
-  return row.back();
-}
-
 /// Refuses an unknown long option, with the most similar name. (CLI11 2.1 has no suggestions.)
 void check_name(const CLI::App& command, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
   if (!word.starts_with("--") || word == "--" || command.get_option_no_throw(name) != nullptr) return;
-  std::string nearest;
-  std::size_t min_distance = std::min<std::size_t>(3, name.size() / 3) + 1;
+  std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& known : names_of(*option)) {
-      const std::size_t d = distance(name, known);
-      if (d >= min_distance || !known.starts_with("--")) continue;
-      min_distance = d;
-      nearest = known;
+    for (const std::string& each : names_of(*option)) {
+      if (each.starts_with("--")) known.push_back(each);
     }
   }
+  const std::string nearest = nearest_name(name, known);
   const bool is_program = command.get_name() == "tetune";
   throw OptionError(fmt::format("{}: there is no such option{}; see tetune{} --help", name,
                                 nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest),
@@ -128,8 +112,7 @@ void refuse_foreign(const std::string& word) {
 
 }  // namespace
 
-std::vector<std::string> expand_aliases(const CLI::App& app, int argc, const char* const* argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
+std::vector<std::string> expand_aliases(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* command = find_command(app, words);
   if (command == nullptr) return words;
   std::vector<std::string> expanded{words[0]};

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "criteria_file.hpp"
 #include "definitions.hpp"
 #include "exit_code.hpp"
 #include "mesh_files.hpp"
@@ -25,6 +27,7 @@ struct Arguments {
   std::string cell_data;
   std::string tags;
   std::vector<std::string> min_quality;
+  std::string criteria;
   bool json = false;
   bool check = false;
   int threads = 0;
@@ -53,14 +56,23 @@ struct Inspection {
   ValidationReport validity;
   Quality quality;
   bool measured = true;
+  std::optional<AcceptanceReport> acceptance;  ///< with --criteria
 };
 
-Inspection inspect(const Arguments& a, std::size_t file) {
+/// Null without --criteria.
+std::optional<AcceptanceCriteria> criteria_of(const Arguments& a) {
+  return a.criteria.empty() ? std::nullopt : std::optional(read_criteria(a.criteria));
+}
+
+bool is_accepted(const Inspection& i) { return !i.acceptance || i.acceptance->verdict != Verdict::fail; }
+
+Inspection inspect(const Arguments& a, const std::optional<AcceptanceCriteria>& criteria, std::size_t file) {
   Inspection i;
   i.mesh = read(a, file);
   i.validity = validate(i.mesh, a.threads);
   try {
     i.quality = measure_all(i.mesh, a.threads, a.worst);
+    if (criteria) i.acceptance = tetune::check(i.mesh, *criteria, a.threads);
   } catch (const MeshError&) {
     i.measured = false;
   }
@@ -68,14 +80,14 @@ Inspection inspect(const Arguments& a, std::size_t file) {
 }
 
 /// The worst element compared to a bound.
-struct Verdict {
+struct BoundVerdict {
   Target bound;
   double worst;
   bool met;
 };
 
-std::vector<Verdict> judge(const Quality& q, const std::vector<Target>& bounds) {
-  std::vector<Verdict> verdicts;
+std::vector<BoundVerdict> judge(const Quality& q, const std::vector<Target>& bounds) {
+  std::vector<BoundVerdict> verdicts;
   for (const Target& b : bounds) {
     const bool up = larger_is_better(b.measure);
     const double worst = up ? q.of(b.measure).min : q.of(b.measure).max;
@@ -84,19 +96,20 @@ std::vector<Verdict> judge(const Quality& q, const std::vector<Target>& bounds) 
   return verdicts;
 }
 
-std::string to_text(const Verdict& v) {
+std::string to_text(const BoundVerdict& v) {
   const bool up = larger_is_better(v.bound.measure);
   return fmt::format("{} {:.6g}, {}: {} {:.6g}", to_string(v.bound.measure), v.worst, v.met ? "met" : "NOT met",
                      up ? ">=" : "<=", v.bound.value);
 }
 
-void print_json(const Arguments& a, const Inspection& i, const std::vector<Verdict>& verdicts) {
+void print_json(const Arguments& a, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
   nlohmann::ordered_json json = {
       {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
   const Box box = bounding_box(i.mesh);
   json["box"] = {{"low", box.low}, {"high", box.high}, {"diagonal", box.diagonal()}};
   if (i.measured) json["quality"] = to_json(i.quality);
-  for (const Verdict& v : verdicts) {
+  if (i.acceptance) json["acceptance"] = to_json(*i.acceptance);
+  for (const BoundVerdict& v : verdicts) {
     json["bounds"].push_back(
         {{"measure", to_string(v.bound.measure)}, {"value", v.bound.value}, {"worst", v.worst}, {"met", v.met}});
   }
@@ -104,18 +117,21 @@ void print_json(const Arguments& a, const Inspection& i, const std::vector<Verdi
 }
 
 /// One line, for --check.
-void print_verdict(const std::string& name, const Inspection& i, const std::vector<Verdict>& verdicts) {
-  std::string text = !i.validity.ok()       ? validity_message(i.validity)
-                     : !i.mesh.tets.empty() ? "valid"
-                                            : "there is no tetrahedron";
+void print_verdict(const std::string& name, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
+  std::string text = !i.validity.ok()                ? validity_message(i.validity)
+                     : i.mesh.tets.empty()           ? "there is no tetrahedron"
+                     : !i.quality.curved.all_valid() ? fmt::format("{} curved tetrahedra are not proved valid",
+                                                                   i.quality.curved.tets - i.quality.curved.valid)
+                                                     : "valid";
   for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) {
     text.replace(at, 3, text[at - 1] == ':' ? " " : "; ");
   }
-  for (const Verdict& v : verdicts) text += "; " + to_text(v);
+  for (const BoundVerdict& v : verdicts) text += "; " + to_text(v);
+  if (i.acceptance) text += fmt::format("; {}: {}", i.acceptance->name, to_string(i.acceptance->verdict));
   fmt::print("{}: {}\n", name, text);
 }
 
-void print_tables(const std::string& name, const Inspection& i, const std::vector<Verdict>& verdicts) {
+void print_tables(const std::string& name, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
   const bool has_tets = !i.mesh.tets.empty();
   const Box box = bounding_box(i.mesh);
   fmt::print("{}\n{}", name, mesh_summary(i.mesh));
@@ -136,17 +152,21 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
     if (inverted) fmt::print("  inverted tetrahedra are measured by their absolute volume\n");
     fmt::print("{}{}", quality_table({""}, {i.quality}), measure_table("measures", i.quality));
     fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
+    fmt::print("{}", curved_table(i.quality.curved));
   }
-  for (const Verdict& v : verdicts) fmt::print("  {}\n", to_text(v));
+  for (const BoundVerdict& v : verdicts) fmt::print("  {}\n", to_text(v));
+  if (i.acceptance) fmt::print("{}", acceptance_table("acceptance", *i.acceptance));
 }
 
 int info(const Arguments& a) {
   const std::string name = shown_name(a.files[0], false);
   std::vector<Target> bounds;
-  for (const std::string& text : a.min_quality) bounds.push_back(parse_bound(text));
-  const Inspection i = inspect(a, 0);
-  const std::vector<Verdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<Verdict>{};
-  const bool met = i.measured && std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.met; });
+  for (const std::string& text : a.min_quality)
+    bounds.push_back(parse_bound("--min-quality", text, Measure::mean_ratio));
+  const Inspection i = inspect(a, criteria_of(a), 0);
+  const std::vector<BoundVerdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<BoundVerdict>{};
+  const bool met =
+      i.measured && std::all_of(verdicts.begin(), verdicts.end(), [](const BoundVerdict& v) { return v.met; });
   if (!a.cell_data.empty()) {
     if (!i.measured) throw MeshError(name + ": " + validity_message(i.validity));
     std::vector<std::string> warnings;
@@ -160,33 +180,41 @@ int info(const Arguments& a) {
   } else {
     print_tables(name, i, verdicts);
   }
-  return !i.mesh.tets.empty() && i.validity.ok() && (met || bounds.empty()) ? kDone : kStoppedEarly;
+  return !i.mesh.tets.empty() && i.validity.ok() && i.quality.curved.all_valid() && (met || bounds.empty()) &&
+                 is_accepted(i)
+             ? kDone
+             : kStoppedEarly;
 }
 
 int compare_files(const Arguments& a) {
-  const Inspection before = inspect(a, 0);
-  const Inspection after = inspect(a, 1);
+  const std::optional<AcceptanceCriteria> criteria = criteria_of(a);
+  const Inspection before = inspect(a, criteria, 0);
+  const Inspection after = inspect(a, criteria, 1);
   if (!before.measured || !after.measured) {
     const bool first = !before.measured;
     throw MeshError(a.files[first ? 0 : 1] + ": " + validity_message(first ? before.validity : after.validity));
   }
   const Comparison c = compare(before.mesh, after.mesh, a.threads);
   if (a.json) {
-    const nlohmann::ordered_json json = {
+    nlohmann::ordered_json json = {
         {"before",
          {{"file", a.files[0]}, {"validity", to_json(before.validity)}, {"quality", to_json(before.quality)}}},
         {"after", {{"file", a.files[1]}, {"validity", to_json(after.validity)}, {"quality", to_json(after.quality)}}},
         {"change", to_json(c)}};
+    if (before.acceptance) json["before"]["acceptance"] = to_json(*before.acceptance);
+    if (after.acceptance) json["after"]["acceptance"] = to_json(*after.acceptance);
     fmt::print("{}", json_text(json));
   } else {
     fmt::print("{}{}{}{}{}{}", quality_table({"before", "after"}, {before.quality, after.quality}),
                measure_table("measures before", before.quality), measure_table("measures after", after.quality),
                worst_table("worst before", before.quality), worst_table("worst after", after.quality),
                comparison_table(c));
+    if (before.acceptance) fmt::print("{}", acceptance_table("acceptance before", *before.acceptance));
+    if (after.acceptance) fmt::print("{}", acceptance_table("acceptance after", *after.acceptance));
     if (!before.validity.ok()) fmt::print("  {}: {}\n", a.files[0], validity_message(before.validity));
     if (!after.validity.ok()) fmt::print("  {}: {}\n", a.files[1], validity_message(after.validity));
   }
-  return before.validity.ok() && after.validity.ok() ? kDone : kStoppedEarly;
+  return before.validity.ok() && after.validity.ok() && is_accepted(after) ? kDone : kStoppedEarly;
 }
 
 CLI::App* add_common(CLI::App& app, const char* name, const char* description, const std::shared_ptr<Arguments>& a) {
@@ -194,6 +222,7 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
   c->add_flag("--json", a->json, "Print JSON");
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
   c->add_option("--tags", a->tags, kTagsHelp)->option_text("NAME");
+  c->add_option("--criteria", a->criteria, criteria_help("the mesh (of two: the second)"))->option_text("NAME|FILE");
   c->add_option("--worst", a->worst, "Number of the worst tetrahedra to list")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();

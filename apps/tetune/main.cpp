@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +13,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "exit_code.hpp"
+#include "system/process.hpp"
 #include "tetune/error.hpp"
 #include "tetune/version.hpp"
 
@@ -30,25 +29,18 @@ std::string failure(const CLI::App* app, const CLI::Error& e) {
 /// Options of optimize and move with which they only print.
 constexpr std::array kPrintOnly{"--help", "--print-options", "--dry-run"};
 
-/// Opens standard streams that are closed: otherwise the next file to be opened would get the number of a stream, and
-/// messages would be written into it.
-void occupy_standard_streams() {
-  int descriptor = 0;
-  while (descriptor >= 0 && descriptor <= STDERR_FILENO) descriptor = ::open("/dev/null", O_RDONLY);
-  ::close(descriptor);
-}
-
-int run(int argc, char** argv) {
+int run(const std::vector<std::string>& arguments) {
   using namespace tetune::cli;
   CLI::App app{"tetune improves a tetrahedral mesh by harmonic flips and vertex relocation, and keeps its boundary.",
                "tetune"};
   app.set_version_flag("--version", "tetune " TETUNE_VERSION);
+  app.allow_windows_style_options(false);  // a name may start with /
   app.require_subcommand(1);
   app.failure_message(failure);
   app.footer(
-      "Exit codes: 0 success; 1 stopped early, a target was missed, or not reached by move, and a valid mesh was "
-      "written (info and compare: "
-      "the mesh has no tetrahedron, is not valid, or not of the required quality; --untangle could not repair all "
+      "Exit codes: 0 success; 1 stopped early, a target was missed, a criterion failed, or a target not reached by "
+      "move, and a valid mesh was written (info and compare: the mesh has no tetrahedron, is not valid, or not of the "
+      "required quality; --untangle could not repair all "
       "tetrahedra: no mesh was written); 2 nothing was written. Of several meshes, the largest.");
   int exit_code = kDone;
   add_optimize(app, exit_code);
@@ -60,7 +52,7 @@ int run(int argc, char** argv) {
   add_completion(app);
   add_man(app);
   try {
-    std::vector<std::string> words = expand_aliases(app, argc, argv);
+    std::vector<std::string> words = expand_aliases(app, arguments);
     std::reverse(words.begin(), words.end());  // CLI11 expects them in reverse
     app.parse(std::move(words));
   } catch (const CLI::ParseError& e) {
@@ -92,9 +84,9 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  occupy_standard_streams();
+  tetune::process::prepare_standard_streams();
   try {
-    return run(argc, argv);
+    return run(tetune::process::arguments(argc, argv));
   } catch (...) {  // not enough memory even for a message
     return tetune::cli::kNothingWritten;
   }

@@ -86,6 +86,7 @@ class Run {
     const std::string file = shown_name(job_.input, false) + ": ";
     try {
       outcome_.before = measure();
+      if (a_.criteria) accepted_before_ = check(input_.mesh, *a_.criteria, options_.threads);
       measured_at_ = Time::now();
       if (a_.move) {
         motion_ = move(input_.mesh, targets_, options_, context);
@@ -198,7 +199,12 @@ class Run {
   void write() {
     console_.phase("writing");
     const auto start = Time::now();
-    const auto warnings = write_output(job_.output, input_.binary, input_.mesh, options_.threads);
+    std::vector<std::string> warnings;
+    // A deck may include other files, with names relative to its own folder.
+    const bool may_copy = !has_changed() && a_.tags.empty() && input_.mesh.deck == nullptr;
+    if (!may_copy || !copy_mesh(job_.input, job_.output)) {
+      warnings = write_output(job_.output, input_.binary, input_.mesh, options_.threads);
+    }
     interrupt::enter(interrupt::Stage::written);
     write_seconds_ = seconds_since(start);
     for (const std::string& w : warnings) warn(w);
@@ -207,20 +213,27 @@ class Run {
     }
   }
 
+  /// False where --only-below has left nothing to do.
+  bool has_changed() const { return options_.only_below.empty() || report_.tets_active > 0; }
   bool stopped() const { return report_.stop == StopReason::cancelled; }
 
   void finish() {
     outcome_.after = measure();
+    if (a_.criteria) accepted_ = check(input_.mesh, *a_.criteria, options_.threads);
+    const bool accepted = accepted_.verdict != Verdict::fail;
     const bool met = std::all_of(report_.targets.begin(), report_.targets.end(), [](const auto& t) { return t.met(); });
-    outcome_.code = stopped() || !motion_.reached() || !met ? kStoppedEarly : kDone;
+    outcome_.code = stopped() || !motion_.reached() || !met || !accepted ? kStoppedEarly : kDone;
     outcome_.summary = stopped()            ? (late_ ? "time limit" : "interrupted")
                        : !motion_.reached() ? "motion blocked"
-                       : met                ? "done"
-                                            : "target missed";
+                       : !met               ? "target missed"
+                       : !accepted          ? "criterion failed"
+                                            : "done";
     // The comparison takes long: not after an early stop.
     std::optional<Comparison> change;
     if (original_ && !stopped() && (console_.verbosity() > 0 || !job_.report.empty())) {
-      change = compare(*original_, input_.mesh, options_.threads);
+      // A bound is tested at all points; otherwise the comparison must not take longer than the optimization.
+      constexpr std::int64_t kMaxSamples = 100'000;
+      change = compare(*original_, input_.mesh, options_.threads, options_.max_deviation > 0 ? 0 : kMaxSamples);
     }
     if (change && options_.max_deviation > 0) check_deviation(*change);
     if (!job_.report.empty()) {
@@ -247,7 +260,8 @@ class Run {
   std::string summary(const std::optional<Comparison>& change) const {
     const char* reason = stopped() ? outcome_.summary : to_string(report_.stop);
     std::string text = quality_table({"before", "after"}, {outcome_.before, outcome_.after});
-    text += count_line(report_, reason) + constraint_notes(report_);
+    text += active_line(report_, options_);
+    if (has_changed()) text += count_line(report_, reason) + constraint_notes(report_);
     if (a_.move) text += move_summary(motion_, input_.mesh);
     if (change) text += surface_table(*change);
     if (change && options_.max_deviation > 0) {
@@ -255,6 +269,7 @@ class Run {
                           deviation_kept_ ? ", kept" : ", EXCEEDED");
     }
     for (const TargetReport& t : report_.targets) text += target_table(t);
+    if (a_.criteria) text += acceptance_table("acceptance", accepted_);
     if (console_.verbosity() > 1) text += run_table(report_);
     text += fmt::format("  read {:.3f} s, {} {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
                         a_.move ? "moved" : "optimized", report_.seconds, report_.device,
@@ -280,6 +295,7 @@ class Run {
     json["before"] = to_json(outcome_.before);
     json["after"] = to_json(outcome_.after);
     json["optimization"] = to_json(report_);
+    if (a_.criteria) json["acceptance"] = {{"before", to_json(accepted_before_)}, {"after", to_json(accepted_)}};
     if (a_.move) json["motion"] = to_json(motion_);
     if (stopped()) json["optimization"]["stopped"] = outcome_.summary;
     return json;
@@ -298,7 +314,8 @@ class Run {
   std::vector<VertexTargets> targets_;       ///< of `tetune move`
   MoveReport motion_;                        ///< without its Report
   Report report_;
-  bool late_ = false;  ///< the time limit was reached
+  AcceptanceReport accepted_before_, accepted_;  ///< with --criteria
+  bool late_ = false;                            ///< the time limit was reached
   bool deviation_kept_ = true;
   double write_seconds_ = 0;
   Outcome outcome_;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_files.hpp"
+#include "system/path.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numeric>
 
@@ -65,6 +67,31 @@ Json worst_rounds_json(const Report& r) {
 
 }  // namespace
 
+Json to_json(const CurvedQuality& q) {
+  Json worst = Json::array();
+  const auto if_finite = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
+  for (const CurvedTet& t : q.worst) {
+    worst.push_back({{"tetrahedron", t.tet + 1},
+                     {"validity", to_string(t.validity)},
+                     {"jacobian_min", {if_finite(t.min_lower), if_finite(t.min_upper)}},
+                     {"jacobian_max", {if_finite(t.max_lower), if_finite(t.max_upper)}},
+                     {"corner_ratio", if_finite(t.corner_ratio)},
+                     {"integration_ratio", if_finite(t.integration_ratio)},
+                     {"middle_offset", t.middle_offset},
+                     {"centroid", t.centroid}});
+  }
+  return {{"curved_edges", q.curved_edges},
+          {"tetrahedra", q.tets},
+          {"valid", q.valid},
+          {"inverted", q.inverted},
+          {"undecided", q.undecided},
+          {"bad_integration", q.bad_integration},
+          {"min_scaled_jacobian", if_finite(q.min_scaled_jacobian)},
+          {"max_corner_ratio", if_finite(q.max_corner_ratio)},
+          {"max_middle_offset", q.max_middle_offset},
+          {"worst", worst}};
+}
+
 Json to_json(const Quality& q) {
   Json measures = Json::object();
   for (std::size_t k = 0; k < kMeasures; ++k) {
@@ -77,23 +104,25 @@ Json to_json(const Quality& q) {
     worst.push_back(
         {{"tetrahedron", w.tet + 1}, {"min_dihedral_deg", w.dihedral}, {"q_h", w.harmonic}, {"centroid", w.centroid}});
   }
-  return {{"tetrahedra", q.tets},
-          {"dihedral_min_deg", q.dihedral_min},
-          {"dihedral_1_percent_deg", q.dihedral_p1},
-          {"dihedral_5_percent_deg", q.dihedral_p5},
-          {"dihedral_mean_deg", q.dihedral_mean},
-          {"dihedral_max_deg", q.dihedral_max},
-          {"eta_max", q.eta_max},
-          {"eta_95_percent", q.eta_95},
-          {"eta_sum", q.eta_sum},
-          {"shape_sum", q.shape_sum},
-          {"mean_ratio", q.mean_ratio},
-          {"mean_ratio_min", q.mean_ratio_min},
-          {"volume", q.volume},
-          {"worst_tetrahedron", q.worst_tet + 1},
-          {"dihedral_histogram_10_deg", q.histogram},
-          {"measures", measures},
-          {"worst", worst}};
+  Json json = {{"tetrahedra", q.tets},
+               {"dihedral_min_deg", q.dihedral_min},
+               {"dihedral_1_percent_deg", q.dihedral_p1},
+               {"dihedral_5_percent_deg", q.dihedral_p5},
+               {"dihedral_mean_deg", q.dihedral_mean},
+               {"dihedral_max_deg", q.dihedral_max},
+               {"eta_max", q.eta_max},
+               {"eta_95_percent", q.eta_95},
+               {"eta_sum", q.eta_sum},
+               {"shape_sum", q.shape_sum},
+               {"mean_ratio", q.mean_ratio},
+               {"mean_ratio_min", q.mean_ratio_min},
+               {"volume", q.volume},
+               {"worst_tetrahedron", q.worst_tet + 1},
+               {"dihedral_histogram_10_deg", q.histogram},
+               {"measures", measures},
+               {"worst", worst}};
+  if (q.curved.tets > 0) json["curved"] = to_json(q.curved);
+  return json;
 }
 
 Json to_json(const Comparison& c) {
@@ -110,6 +139,7 @@ Json to_json(const Comparison& c) {
           {"distance_vertices_to_old", c.vertices_to_old},
           {"distance_new_to_old", c.new_to_old},
           {"distance_old_to_new", c.old_to_new},
+          {"distance_sample_stride", c.sample_stride},
           {"deviation", c.mean_edge * std::max(c.new_to_old, c.old_to_new)},
           {"vertices_before", c.old_vertices},
           {"vertices_after", c.new_vertices},
@@ -138,6 +168,8 @@ Json to_json(const Report& r) {
                {"edges_not_held", r.edges_not_held},
                {"tetrahedra_before", r.tets_before},
                {"tetrahedra_after", r.tets_after},
+               {"tetrahedra_bad", r.tets_bad},
+               {"tetrahedra_active", r.tets_active},
                {"triangles_dropped", r.triangles_dropped},
                {"edges_dropped", r.edges_dropped},
                {"colors", r.colors},
@@ -176,6 +208,26 @@ Json to_json(const TargetReport& r) {
           {"missed", r.missed},
           {"held_by", held_by},
           {"worst", worst}};
+}
+
+Json to_json(const AcceptanceReport& report) {
+  Json results = Json::array();
+  for (const CriterionResult& r : report.results) {
+    const AcceptanceCriterion& c = r.criterion;
+    results.push_back({{"measure", info_of(c.measure).name},
+                       {"verdict", to_string(r.verdict)},
+                       {"warn", c.warn ? Json(*c.warn) : Json()},
+                       {"fail", c.fail ? Json(*c.fail) : Json()},
+                       {"allowed_percent", c.allowed_percent},
+                       {"count", r.count},
+                       {"warned", r.warned},
+                       {"failed", r.failed},
+                       {"worst", r.worst},
+                       {"worst_tetrahedron", r.worst_tet + 1},
+                       {"centroid", r.centroid},
+                       {"source", c.source}});
+  }
+  return {{"criteria", report.name}, {"verdict", to_string(report.verdict)}, {"results", results}};
 }
 
 Json to_json(const ValidationReport& report) {
@@ -238,12 +290,12 @@ std::string trace_csv(const Report& report) {
 }
 
 void check_folder(const std::string& path) {
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const std::filesystem::path folder = path_of(path).parent_path();
   std::error_code error;
   if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
     throw FileError(path + ": the folder " + folder.string() + " does not exist");
   }
-  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
+  if (std::filesystem::exists(path_of(path), error) && !std::filesystem::is_regular_file(path_of(path), error)) {
     throw FileError(path + ": exists and is not a regular file; give another name");
   }
 }

@@ -10,10 +10,12 @@ namespace tetune::cli {
 
 /// Of the result of measure_all().
 nlohmann::ordered_json to_json(const Quality& quality);
+nlohmann::ordered_json to_json(const CurvedQuality& quality);
 nlohmann::ordered_json to_json(const Comparison& comparison);
 nlohmann::ordered_json to_json(const Report& report);
 nlohmann::ordered_json to_json(const TargetReport& report);
 nlohmann::ordered_json to_json(const ValidationReport& report);
+nlohmann::ordered_json to_json(const AcceptanceReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
 /// The number of pairs of all periodic links.
 std::size_t periodic_pairs(const TetMesh& mesh);

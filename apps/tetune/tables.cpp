@@ -84,6 +84,26 @@ std::string mesh_summary(const TetMesh& mesh) {
   return text;
 }
 
+std::string curved_table(const CurvedQuality& q) {
+  if (q.tets == 0) return "";
+  std::string text = fmt::format(
+      "  curved edges          {:>12}\n  curved tetrahedra     {:>12}   {} proved valid, {} inverted, {} undecided\n"
+      "  scaled Jacobian  min  {:>12.5g}   corner ratio max {:.5g}, offset of mid-side nodes max {:.5g}\n",
+      q.curved_edges, q.tets, q.valid, q.inverted, q.undecided, q.min_scaled_jacobian, q.max_corner_ratio,
+      q.max_middle_offset);
+  if (q.bad_integration > 0) {
+    text += fmt::format("  not positive at an integration point: {} tetrahedra\n", q.bad_integration);
+  }
+  if (q.worst.empty()) return text;
+  text += "  worst curved, counted from 1\n";
+  for (const CurvedTet& t : q.worst) {
+    text += fmt::format(
+        "    {:>10}  {:<9}  scaled Jacobian {:>10.4g}  corner ratio {:>9.4g}  near {:.6g} {:.6g} {:.6g}\n", t.tet + 1,
+        to_string(t.validity), t.scaled_jacobian(), t.corner_ratio, t.centroid[0], t.centroid[1], t.centroid[2]);
+  }
+  return text;
+}
+
 std::string quality_table(const std::vector<std::string>& titles, const std::vector<Quality>& columns) {
   struct Row {
     const char* name;
@@ -171,6 +191,10 @@ std::string surface_table(const Comparison& c) {
   distance("surface distance", "new to old", c.new_to_old);
   distance("", "old to new", c.old_to_new);
   distance("", "vertices to old", c.vertices_to_old);
+  if (c.sample_stride > 1) {
+    text += fmt::format("  {:<22} at one in {} vertices, midpoints and centroids; at all: tetune compare IN OUT\n", "",
+                        c.sample_stride);
+  }
   return text;
 }
 
@@ -256,6 +280,32 @@ std::string count_line(const Report& r, const char* reason) {
         r.tets_untangled);
   }
   return text;
+}
+
+std::string acceptance_table(const std::string& title, const AcceptanceReport& report) {
+  const auto limit = [](const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : "-"; };
+  std::string text = fmt::format("  {} by {}: {}\n", title, report.name, to_string(report.verdict));
+  text += fmt::format("  {:<22}{:>8}{:>12}{:>12}{:>12}{:>10}{:>10}{:>10}    {}\n", "criterion", "verdict", "worst",
+                      "warn", "fail", "warned", "failed", "allowed", "worst tetrahedron, from 1");
+  for (const CriterionResult& r : report.results) {
+    const AcceptanceCriterion& c = r.criterion;
+    const std::string place = r.worst_tet < 0 ? "-"
+                                              : fmt::format("{} at {:.6g} {:.6g} {:.6g}", r.worst_tet + 1,
+                                                            r.centroid[0], r.centroid[1], r.centroid[2]);
+    text += fmt::format("  {:<22}{:>8}{:>12.6g}{:>12}{:>12}{:>10}{:>10}{:>10}    {}\n", info_of(c.measure).name,
+                        to_string(r.verdict), r.worst, limit(c.warn), limit(c.fail), r.warned, r.failed,
+                        fmt::format("{:.4g} %", c.allowed_percent), place);
+  }
+  return text;
+}
+
+std::string active_line(const Report& r, const Options& options) {
+  if (options.only_below.empty()) return "";
+  if (r.tets_active == 0) {
+    return "  nothing to do: no tetrahedron is below the limits of --only-below, and the mesh stays as it is\n";
+  }
+  return fmt::format("  {} tetrahedra below the limits of --only-below, {} might change; all others stay\n", r.tets_bad,
+                     r.tets_active);
 }
 
 std::string run_table(const Report& report) {

@@ -17,6 +17,9 @@ std::string quality_table(const std::vector<std::string>& titles, const std::vec
 /// All measures of the result of measure_all().
 std::string measure_table(const std::string& title, const Quality& quality);
 
+/// Validity and measures of curved tetrahedra, and the worst ones; empty without any.
+std::string curved_table(const CurvedQuality& q);
+
 /// The worst tetrahedra of the result of measure_all(), with their centroids.
 std::string worst_table(const std::string& title, const Quality& quality);
 
@@ -37,6 +40,12 @@ std::string constraint_table(const Report& report);
 
 /// Listed elements that do not constrain or were dropped.
 std::string constraint_notes(const Report& report);
+
+/// The verdict of each criterion. `title` says of which mesh: "acceptance", "acceptance before".
+std::string acceptance_table(const std::string& title, const AcceptanceReport& report);
+
+/// With Options::only_below: how many tetrahedra might change. Empty without.
+std::string active_line(const Report& report, const Options& options);
 
 /// The line of all counters. `reason`: why the run ended.
 std::string count_line(const Report& report, const char* reason);

@@ -17,6 +17,7 @@ namespace tetune {
 /// - `.vtu .pvtu .vtk`: VTK: unstructured grids, XML (one file, or parts) and legacy
 /// - `.e .ex2 .exo`: Exodus
 /// - `.msh`: Gmsh (versions 2.2 and 4.1, text or binary, either byte order)
+/// - `.inp`: decks of Abaqus and CalculiX (tetrahedra of 4 nodes); all around the mesh is kept in TetMesh::deck
 /// - `.unv .bdf .med .cgns`: I-deas universal, Nastran, MED, CGNS
 ///
 /// Files of VTK and Exodus, the last four, and other versions of `.msh` are read by separate programs of the
@@ -31,8 +32,8 @@ TETUNE_API TetMesh read_mesh(const std::string& path, std::vector<std::string>* 
 TETUNE_API TetMesh parse_mesh(const std::string& name, std::string_view bytes,
                               std::vector<std::string>* warnings = nullptr, int threads = 0);
 
-/// Writes a mesh in the format that the ending of the name says: those of read_mesh() except .pvtu, and .inp
-/// (Abaqus); for .ele, .node and .face all of TetGen's files. The file is written under a temporary name and renamed
+/// Writes a mesh in the format that the ending of the name says: those of read_mesh() except .pvtu; for
+/// .ele, .node and .face all of TetGen's files. The file is written under a temporary name and renamed
 /// once complete, so that a failure or an interruption leaves an old file unchanged. MEDIT text has the shortest digits
 /// that read back to the same bits. Data and names that the format cannot hold are reported in `warnings`, if given.
 /// Throws FileError. `threads` 0 means all.

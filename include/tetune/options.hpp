@@ -76,6 +76,9 @@ struct Options {
   Effort effort = Effort::standard;
   /// If true, Effort::best inserts and removes no vertex; the other efforts never do.
   bool keep_vertices = false;
+  /// Maximum number of tetrahedra of the result, in parts of those of the input, 1 to 100. With a larger value vertices
+  /// are inserted around more of the worst tetrahedra, and the time grows likewise. Without effect where none are.
+  double max_growth = 1.1;
   /// Vertices of the surface, with Boundary::preserve.
   SurfaceVertices surface_vertices = SurfaceVertices::automatic;
   Relocation relocation = Relocation::newton;
@@ -98,6 +101,13 @@ struct Options {
   /// Empty, or one flag per vertex: a vertex whose flag is not 0 does not move. (TetMesh::required_vertices, a list of
   /// ids, does the same as a part of the mesh, and is kept in files.)
   std::vector<std::uint8_t> frozen_vertices;
+  /// If not empty, only tetrahedra that miss one of these limits may change, and those within `rings` around them: a
+  /// ring is the tetrahedra that share a vertex with those before. All others keep their vertices, the order in which
+  /// they are listed, and the coordinates of these, bit for bit; their faces are not checked. The time of the work is
+  /// in proportion to Report::tets_active. Refused by move().
+  std::vector<Target> only_below;
+  /// With `only_below`: 0 to 100.
+  int rings = 2;
   /// Maximum number of relocation sweeps, 0 or more; 0 means only flips.
   int max_iterations = 100;
   /// Number of CPU threads, 0 to 4096; 0 means all. The result does not depend on it.

@@ -21,7 +21,7 @@ struct Target {
 
 /// The strongest constraint of an element that misses a target: the first of these that applies.
 enum class LimitingConstraint : std::uint8_t {
-  locked_element,   ///< the tetrahedron is required, or in a frozen region
+  locked_element,   ///< the tetrahedron is required, in a frozen region, or not among those of Options::only_below
   surface_angle,    ///< the surface has so small an angle at an edge of the element that none there can do better
   fixed_vertices,   ///< none of its vertices may move
   surface_element,  ///< all four vertices are on the surface

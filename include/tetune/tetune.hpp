@@ -2,9 +2,12 @@
 #pragma once
 
 /// The whole public API.
+#include "tetune/criteria.hpp"
+#include "tetune/curved.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
+#include "tetune/live_mesh.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/move.hpp"
 #include "tetune/optimize.hpp"

@@ -10,10 +10,18 @@
 namespace tetune::mpi {
 namespace {
 
-/// Refuses meshes with data, which are not sent between ranks: no output is better than one without them.
+/// Refuses meshes with data or in a deck, which are not sent between ranks: no output is better than one without them.
 void refuse_data(const std::string& path, const TetMesh& mesh) {
   if (!mesh.periodic.empty()) {
     throw FileError(path + ": has periodic links, which a distributed mesh does not carry; optimize it on one machine");
+  }
+  if (!mesh.curved_edges.empty()) {
+    throw FileError(path + ": has curved edges, which a distributed mesh does not carry; optimize it on one machine");
+  }
+  if (mesh.deck != nullptr) {
+    throw FileError(path +
+                    ": is a deck, which a distributed mesh does not carry; optimize it on one machine, or convert " +
+                    "its mesh to .meshb");
   }
   for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
     if (data->empty()) continue;

@@ -76,6 +76,7 @@ class Rounds {
     if (options_.untangle) {
       throw OptionError("untangle works on whole meshes; repair the mesh on one machine first");
     }
+    if (!options_.only_below.empty()) throw OptionError("only_below is for meshes on one machine");
     if (!options_.targets.empty()) throw OptionError("targets are for meshes on one machine; measure the result");
     if (!options_.frozen_vertices.empty()) {
       throw OptionError("frozen_vertices is for meshes on one machine; list the vertices as required instead");

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 
 #include "closed_files.hpp"
 #include "gmsh_mesh.hpp"
@@ -24,27 +22,6 @@ void check_start(const std::string& file, const std::string& ending) {
     if (start.rfind(known, 0) == 0) return;
   }
   throw FileError("this is not a Gmsh mesh: it does not start with $MeshFormat");
-}
-
-/// Replaces the second line, the name of the temporary file, by one that is the same in every run.
-void replace_heading(const std::string& file) {
-  const std::string heading = "*Heading\ntetune\n";
-  std::ifstream in(file, std::ios::binary);
-  std::string line;
-  std::getline(in, line);
-  std::getline(in, line);
-  if (!in || in.tellg() < std::ssize(heading)) return;
-  // The rest moves towards the start, so that writing never overtakes reading.
-  std::fstream out(file, std::ios::binary | std::ios::in | std::ios::out);
-  out << heading;
-  std::vector<char> block(std::size_t{1} << 20);
-  while (in.read(block.data(), std::ssize(block)), in.gcount() > 0) {
-    out.write(block.data(), in.gcount());
-  }
-  const std::streamoff size = out.tellp();
-  out.close();
-  if (!out) throw FileError(std::string("cannot write: ") + std::strerror(errno));
-  std::filesystem::resize_file(file, std::uintmax_t(size));
 }
 
 /// The limits of the formats.
@@ -66,7 +43,6 @@ void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& wa
     const bool named = std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return g.name != ""; });
     if (named) warnings.emplace_back("the format cannot hold the names of groups");
   }
-  if (ending == ".inp") warnings.emplace_back("coordinates are rounded to 14 digits");
   if (ending != ".unv") return;
   gmsh::vectorpair groups;
   gmsh::model::getPhysicalGroups(groups);
@@ -134,7 +110,7 @@ void erase_points(TetMesh& mesh, Warnings& warnings) {
 }
 
 void refuse_pyramids(const TetMesh& mesh, const std::string& ending) {
-  if (ending != ".unv" && ending != ".inp") return;
+  if (ending != ".unv") return;
   for (const ElementBlock& block : mesh.others) {
     if (block.kind != "Pyramids") continue;
     throw FileError("Gmsh writes no pyramids to " + ending + " files; choose .msh or .vtu");
@@ -192,7 +168,6 @@ void write(const std::string& file, TetMesh mesh, Warnings& warnings) {
     warn_of_data(mesh, warnings);
   });
   check_closed_files();
-  if (ending == ".inp") replace_heading(file);
   if (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) throw FileError("Gmsh wrote nothing");
 }
 

@@ -36,6 +36,7 @@ void bind_comparison(nb::module_& m) {
       .def_ro("area_change", &Comparison::area_change)
       .def_ro("vertices_to_old", &Comparison::vertices_to_old)
       .def_ro("new_to_old", &Comparison::new_to_old)
+      .def_ro("sample_stride", &Comparison::sample_stride)
       .def_ro("mean_edge", &Comparison::mean_edge)
       .def_ro("old_to_new", &Comparison::old_to_new)
       .def_ro("vertex_tags_kept", &Comparison::vertex_tags_kept)

@@ -179,6 +179,8 @@ void bind_report(nb::module_& m) {
       .def_ro("tets_before", &Report::tets_before)
       .def_ro("tets_after", &Report::tets_after)
       .def_ro("tets_untangled", &Report::tets_untangled, "With untangle: of the input, inverted or flat.")
+      .def_ro("tets_bad", &Report::tets_bad, "With only_below: of the input, those that miss a limit.")
+      .def_ro("tets_active", &Report::tets_active, "With only_below: of the input, those that might change.")
       .def_ro("free_vertices", &Report::free_vertices)
       .def_ro("plane_vertices", &Report::plane_vertices)
       .def_ro("line_vertices", &Report::line_vertices)

@@ -21,9 +21,6 @@ void warn(const std::string& text) {
   if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw nb::python_error();
 }
 
-namespace {
-
-/// Calls `progress` with the GIL held, after Python's handlers of signals (Ctrl-C).
 Context context_of(nb::object progress) {
   Context context;
   context.progress = [progress](const Progress& p) {
@@ -41,6 +38,8 @@ Context context_of(nb::object progress) {
   };
   return context;
 }
+
+namespace {
 
 Report improve(TetMesh& mesh, const nb::dict& options, nb::object progress) {
   const Options parsed = parse_options(options);
@@ -186,9 +185,13 @@ void bind_functions(nb::module_& m) {
         nb::sig("def measure_each(mesh: TetMesh, *, threads: int = 0) -> dict[str, NDArray[numpy.float64]]"));
   m.def(
       "compare",
-      [](const TetMesh& before, const TetMesh& after, int threads) { return compare(before, after, threads); },
-      "before"_a, "after"_a, nb::kw_only(), "threads"_a = 0, nb::call_guard<nb::gil_scoped_release>(),
-      "Compares two meshes of the same shape: volume, surface, tags.");
+      [](const TetMesh& before, const TetMesh& after, int threads, std::int64_t max_samples) {
+        return compare(before, after, threads, max_samples);
+      },
+      "before"_a, "after"_a, nb::kw_only(), "threads"_a = 0, "max_samples"_a = 0,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "Compares two meshes of the same shape: volume, surface, tags. Distances between the surfaces are measured at "
+      "about `max_samples` points of each, or with 0 at all vertices, midpoints and centroids.");
   m.def(
       "validate",
       [](const TetMesh& mesh, int threads) {
@@ -232,8 +235,10 @@ void bind_files(nb::module_& m) {
 NB_MODULE(_core, m) {
   nb::set_leak_warnings(false);  // VTK releases arrays, and with them meshes, after the interpreter has ended
   bind_errors(m);
+  bind_live(m);
   bind_mesh(m);
   bind_quality(m);
+  bind_criteria(m);
   bind_report(m);
   bind_functions(m);
   bind_files(m);

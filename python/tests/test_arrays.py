@@ -163,6 +163,18 @@ def test_traced_angles():
     assert plain.report.sweeps[0].dihedral_min == 0 and np.array_equal(plain.mesh.points, r.mesh.points)
 
 
+def test_only_below():
+    points, tets = shaken_box()
+    angles = smallest_dihedral(points, tets)
+    limit = float(np.sort(angles)[2:4].mean())
+    r = tetune.optimize(points, tets, only_below={"min_dihedral_deg": limit}, rings=0)
+    assert r.report.tets_bad == 3 and r.report.tets_active == 3
+    rest = angles >= limit
+    assert np.array_equal(r.mesh.points[tets[rest]], points[tets[rest]])
+    same = tetune.optimize(points, tets, only_below={"min_dihedral_deg": 0.99 * float(angles.min())})
+    assert same.report.tets_active == 0 and np.array_equal(same.mesh.tets, tets)
+
+
 def test_targets():
     points, tets = shaken_box()
     r = tetune.optimize(points, tets, targets={"min_dihedral_deg": 65, "mean_ratio": 1e-3})

@@ -229,6 +229,32 @@ def test_what_is_no_mesh_for_us():
         tetune.optimize(points, tets, tags="region")
 
 
+DECK = """*NODE, NSET=ALL
+{nodes}*ELEMENT, TYPE=C3D4
+{tets}*ELSET, ELSET=STEEL
+{steel}
+*MATERIAL, NAME=M
+** the end
+"""
+
+
+def test_decks(tmp_path):
+    points, tets, region = two_regions()
+    (tmp_path / "in.inp").write_text(DECK.format(
+        nodes="".join(f"{10 * i + 10}, {x!r}, {y!r}, {z!r}\n" for i, (x, y, z) in enumerate(points.tolist())),
+        tets="".join(f"{t + 1}, {', '.join(str(10 * v + 10) for v in tet)}\n" for t, tet in enumerate(tets.tolist())),
+        steel=",\n".join(str(t + 1) for t in np.flatnonzero(region == region[0]))))
+    mesh = tetune.read_mesh(str(tmp_path / "in.inp"))
+    assert len(set(mesh.tet_tags[region == region[0]])) == 1 and len(set(mesh.tet_tags)) == 2
+    r = tetune.optimize(mesh)
+    tetune.write_mesh(str(tmp_path / "out.inp"), r.mesh)
+    text = (tmp_path / "out.inp").read_text()
+    assert text.endswith("*MATERIAL, NAME=M\n** the end\n")
+    back = tetune.read_mesh(str(tmp_path / "out.inp"))
+    assert r.moved.any() and np.array_equal(back.points, r.mesh.points)
+    assert sorted(back.tet_tags) == sorted(r.mesh.tet_tags)
+
+
 def test_files_of_vtk(tmp_path):
     if not (Path(tetune.__file__).parent / "libexec/tetune/tetune-vtk").is_file():
         pytest.skip("built without VTK: install libvtk9-dev")

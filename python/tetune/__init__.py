@@ -10,7 +10,9 @@
 from importlib.metadata import version
 
 from ._core import (
+    AcceptanceReport,
     Comparison,
+    CriterionResult,
     DeviceError,
     Error,
     FileError,
@@ -36,17 +38,21 @@ from ._core import (
     validate,
     write_mesh,
 )
-from ._optimize import MoveResult, Result, measure_each, move, optimize, quality
+from ._live import LiveMesh
+from ._optimize import MoveResult, Result, check, measure_each, move, optimize, quality
 from ._options import Options
 
 __version__ = version("tetune")
 
 __all__ = [
+    "AcceptanceReport",
     "Comparison",
+    "CriterionResult",
     "DeviceError",
     "Error",
     "FileError",
     "FlipReport",
+    "LiveMesh",
     "MeasureSummary",
     "MeshError",
     "MissedTet",
@@ -67,6 +73,7 @@ __all__ = [
     "WorstReport",
     "WorstTet",
     "__version__",
+    "check",
     "compare",
     "measure_each",
     "move",

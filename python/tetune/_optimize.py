@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, Unpack, overload
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._adapters import Adapter, Tags, adapter_of
-from ._core import MoveReport, Progress, Quality, Report, TetMesh
+from ._core import AcceptanceReport, MoveReport, Progress, Quality, Report, TetMesh
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -244,6 +245,26 @@ def quality(mesh: Any, tets: ArrayLike | None = None, *, worst: int = 10, thread
 def measure_each(mesh: Any, tets: ArrayLike | None = None, *, threads: int = 0) -> dict[str, Float64s]:
     """All measures of each tetrahedron of a mesh, given as in optimize(), by name."""
     return _core.measure_each(_measured(mesh, tets), threads=threads)
+
+
+def check(
+    mesh: Any,
+    criteria: str | PathLike[str] | Mapping[str, Mapping[str, float]],
+    *,
+    tets: ArrayLike | None = None,
+    threads: int = 0,
+) -> AcceptanceReport:
+    """The verdict of acceptance criteria on a mesh, given as in optimize().
+
+    `criteria`: "abaqus", "ansys", "calculix", "fluent", "nastran", "openfoam"; the name of a TOML file; or limits by
+    measure, as {"mean_ratio": {"warn": 0.2, "fail": 0.05, "allowed_percent": 0.1}}.
+
+    Raises:
+        FileError: the file cannot be read, or names what is unknown.
+        OptionError: a limit is not usable.
+    """
+    given = dict(criteria) if isinstance(criteria, Mapping) else str(criteria)
+    return _core.check(_measured(mesh, tets), given, threads=threads)
 
 
 def _measured(mesh: Any, tets: ArrayLike | None) -> TetMesh:

@@ -34,6 +34,8 @@ class Options(TypedDict, total=False):
     """How much is done; fast: flips are searched for once, and sweeps end when one lowers the energy by less than 2 %; standard: sweeps end at 0.2 %, then the worst elements and the smallest dihedral angles are improved; best: sweeps end at 0.01 %, then there is more of that work, and vertices are inserted and removed. Default: standard."""
     keep_vertices: bool
     """No vertex is inserted or removed (as with any effort other than effort=best). Default: False."""
+    max_growth: float
+    """Maximum number of tetrahedra of the result, in parts of those of the input. With a larger value vertices are inserted around more of the worst tetrahedra, and the time grows likewise. Default: 1.1."""
     surface_vertices: Literal["auto", "keep", "edit"]
     """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input surface and its feature lines, and edges of the surface are flipped. Default: auto."""
     untangle: bool
@@ -52,6 +54,10 @@ class Options(TypedDict, total=False):
     """Maximum number of tetrahedra around an edge that a flip removes or creates; 3: only 3-2 and 2-3 flips, as in the paper. Default: 7."""
     targets: Mapping[str, float]
     """Quality that every element should have, by measure. It does not change the result: the report lists the elements that miss it and what constrains them. Default: none."""
+    only_below: Mapping[str, float]
+    """Limits of quality, by measure: only tetrahedra that miss one, and those around them, may change; all others stay bit for bit, and in their order. Default: none."""
+    rings: int
+    """How far around the tetrahedra of only_below others may change: each ring is the tetrahedra that share a vertex with those before. Default: 2."""
     threads: int
     """Number of CPU threads; 0: all. The result does not depend on it. Default: 0."""
     device: Literal["auto", "cpu", "cuda"]

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
 from typing import TYPE_CHECKING, Unpack
 
 import pyvista as pv
 
-from ._core import Progress, Quality
-from ._optimize import Float64s, MoveResult, Result, Targets, measure_each, move, optimize, quality
+from ._core import AcceptanceReport, Progress, Quality
+from ._optimize import Float64s, MoveResult, Result, Targets, check, measure_each, move, optimize, quality
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -61,6 +62,12 @@ class TetuneAccessor:
     def quality(self, *, worst: int = 10, threads: int = 0) -> Quality:
         """`tetune.quality(grid)`."""
         return quality(self._grid, worst=worst, threads=threads)
+
+    def check(
+        self, criteria: str | PathLike[str] | Mapping[str, Mapping[str, float]], *, threads: int = 0
+    ) -> AcceptanceReport:
+        """`tetune.check(grid, criteria)`."""
+        return check(self._grid, criteria, threads=threads)
 
     def measure_each(self, *, threads: int = 0) -> dict[str, Float64s]:
         """`tetune.measure_each(grid)`: all measures of each tetrahedron, in the order of the grid's tetrahedra."""

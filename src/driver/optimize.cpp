@@ -7,6 +7,9 @@
 #include "boundary/constraints.hpp"
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
+#include "driver/latched_hooks.hpp"
+#include "driver/optimize_active.hpp"
+#include "driver/optimize_curved.hpp"
 #include "mesh/messages.hpp"
 #include "phases/phase_timer.hpp"
 #include "tetune/error.hpp"
@@ -22,13 +25,13 @@ const char* to_string(StopReason reason) {
 Report run_on_device(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
                      MoveJob* job) {
   check_options(options);
-  // Latch the stop request: an interrupted step must not be resumed.
-  bool stopped = false;
-  Context until_stopped;
-  until_stopped.stop = [&] { return stopped = stopped || (context.stop && context.stop()); };
-  if (context.progress) {
-    until_stopped.progress = [&](const Progress& p) { return !(stopped = stopped || !context.progress(p)); };
+  if (!mesh.curved_edges.empty()) {
+    throw MeshError("the mesh has " + std::to_string(mesh.curved_edges.size()) +
+                    " curved edges of second-order elements, which are not supported here; convert it to straight ones "
+                    "(to .mesh, or by an empty curved_edges in C++)");
   }
+  const LatchedHooks hooks(context);
+  const Context& until_stopped = hooks.context();
   const auto start = PhaseTimer::SteadyClock::now();
   DeviceChoice choice{options.device, ""};
   if (options.device == Device::automatic) choice = choose_device(mesh, options);
@@ -48,6 +51,8 @@ Report run_on_device(TetMesh& mesh, const Options& options, const Context& conte
 }
 
 Report optimize(TetMesh& mesh, const Options& options, const Context& context) {
+  if (!mesh.curved_edges.empty()) return optimize_curved(mesh, options, context);
+  if (!options.only_below.empty()) return optimize_active(mesh, options, context);
   return run_on_device(mesh, options, context, nullptr, nullptr);
 }
 

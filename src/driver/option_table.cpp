@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 #include <type_traits>
 
 #include "driver/targets.hpp"
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -119,6 +119,13 @@ constexpr std::array kSurfaceEditConditions{
                     "has no effect with termination=paper"},
     kWithoutFlips,
     kWithoutSweeps};
+constexpr std::array kGrowthConditions{
+    OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
+    OptionCondition{
+        [](const Options& o) { return o.effort != Effort::best && o.surface_vertices != SurfaceVertices::edit; },
+        "has no effect without effort=best or surface_vertices=edit"}};
+constexpr std::array kLimited{
+    OptionCondition{[](const Options& o) { return o.only_below.empty(); }, "has no effect without only_below"}};
 constexpr std::array kOnGpu{
     OptionCondition{[](const Options& o) { return o.device == Device::cuda; }, "has no effect with device=cuda"}};
 
@@ -159,6 +166,14 @@ const std::array kTable{
     OptionInfo{"effort", &Options::effort, kMethod, "How much is done", kEfforts, {}, kEffortConditions},
     OptionInfo{"keep_vertices", &Options::keep_vertices, kMethod,
                "No vertex is inserted or removed (as with any effort other than effort=best)"},
+    OptionInfo{"max_growth",
+               &Options::max_growth,
+               kMethod,
+               "Maximum number of tetrahedra of the result, in parts of those of the input. With a larger value "
+               "vertices are inserted around more of the worst tetrahedra, and the time grows likewise",
+               {},
+               {1, 100},
+               kGrowthConditions},
     OptionInfo{"surface_vertices",
                &Options::surface_vertices,
                kMethod,
@@ -190,6 +205,18 @@ const std::array kTable{
     OptionInfo{"targets", &Options::targets, kTargets,
                "Quality that every element should have, by measure. It does not change the result: the report lists "
                "the elements that miss it and what constrains them"},
+    OptionInfo{"only_below", &Options::only_below, kTargets,
+               "Limits of quality, by measure: only tetrahedra that miss one, and those around them, may change; all "
+               "others stay bit for bit, and in their order"},
+    OptionInfo{
+        "rings",
+        &Options::rings,
+        kTargets,
+        "How far around the tetrahedra of only_below others may change: each ring is the tetrahedra that share a "
+        "vertex with those before",
+        {},
+        {0, 100},
+        kLimited},
     OptionInfo{"threads",
                &Options::threads,
                kResources,
@@ -205,7 +232,7 @@ const std::array kTable{
 
 std::string number_text(double value) {
   std::array<char, 32> digits{};
-  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
+  return {digits.data(), print_real(digits.data(), digits.data() + digits.size(), value).ptr};
 }
 
 std::string value_text(const Target& target) {
@@ -303,7 +330,8 @@ std::string to_string(const OptionRange& range) {
 
 void check_options(const Options& options) {
   for (const OptionInfo& option : kTable) check_range(option, options);
-  for (const Target& target : options.targets) check_target(target);
+  for (const Target& target : options.targets) check_target(target, "the target for ");
+  for (const Target& limit : options.only_below) check_target(limit, "the limit of only_below for ");
 }
 
 const char* why_ineffective(const OptionInfo& option, const Options& options) {

@@ -105,19 +105,12 @@ std::vector<Index> new_required_tets(const std::vector<Index>& required_slots, c
   return tets;
 }
 
-/// The identity is reported as an empty list.
-std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size) {
-  Index next = 0;
-  const bool in_order = std::all_of(new2old.begin(), new2old.end(), [&](Index old) { return old == next++; });
-  if (new2old.size() == old_size && in_order) new2old.clear();
-  return new2old;
-}
-
 /// Moves the parts that an optimization leaves as they are from `mesh` to its result.
 void move_unchanged(TetMesh& mesh, TetMesh& result) noexcept {
   result.others.swap(mesh.others);
   result.groups.swap(mesh.groups);
   result.periodic.swap(mesh.periodic);
+  result.deck.swap(mesh.deck);
   result.point_tags_name.swap(mesh.point_tags_name);
   result.cell_tags_name.swap(mesh.cell_tags_name);
   result.dialect.swap(mesh.dialect);
@@ -154,6 +147,13 @@ std::vector<Index> VertexNumbering::work2new() const {
   return ids;
 }
 
+std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size) {
+  Index next = 0;
+  const bool in_order = std::all_of(new2old.begin(), new2old.end(), [&](Index old) { return old == next++; });
+  if (new2old.size() == old_size && in_order) new2old.clear();
+  return new2old;
+}
+
 std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMesh& mesh) {
   std::vector<int> tags;
   tags.reserve(tet2original.size());
@@ -169,6 +169,8 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   if (!result.is_manifold) refuse_overlaps(result, next.points, threads);
   next.point_tags = mesh.point_tags;
   next.point_tags.resize(next.points.size(), 0);
+  next.deck_nodes = mesh.deck_nodes;
+  if (mesh.deck != nullptr) next.deck_nodes.resize(next.points.size(), 0);
   if (report.places.empty()) {
     next.point_data = carried_point_data(mesh, result, next.points);
   } else {

@@ -11,27 +11,27 @@
 #include "backend/cpu.hpp"
 #include "boundary/vertex_dof.hpp"
 #include "math/angle.hpp"
+#include "math/elementary.hpp"
 #include "mesh/messages.hpp"
 #include "operators/edge_star.hpp"
+#include "quality/check_measures.hpp"
+#include "quality/limits.hpp"
 #include "quality/tet_measures.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
 
-constexpr double kRegularAngle = 70.528779365509308;
 /// Slots are searched in this many ranges in parallel.
 constexpr Size kRanges = 64;
 
-bool misses(const Target& target, double value) {
-  return larger_is_better(target.measure) ? value < target.value : value > target.value;
-}
-
 /// The best known value that a tetrahedron with a dihedral angle of `degrees` can have (docs/quality.md).
 double best_at(Measure measure, double degrees) {
-  if (measure == Measure::min_dihedral) return std::min(degrees, kRegularAngle);
+  if (measure == Measure::min_dihedral) return std::min(degrees, kRegularDihedral);
   const double angle = degrees / kDegreesPerRadian;
-  return degrees >= kRegularAngle ? 1 : std::cbrt(8 * std::pow(std::sin(angle), 2) / std::pow(3 - std::cos(angle), 2));
+  return degrees >= kRegularDihedral ? 1
+                                     : elementary::cbrt(8 * elementary::repeated_square(elementary::sin(angle), 1) /
+                                                        elementary::repeated_square(3 - elementary::cos(angle), 1));
 }
 /// Whether best_at() bounds the measure.
 bool is_bounded_by_angle(Measure measure) {
@@ -155,7 +155,7 @@ class ConstraintFinder {
     for (const Index v : tets_[t].v) {
       if (v != a && v != b) normals[n++] = cross(edge, vec(points_[v]) - origin);
     }
-    return kDegreesPerRadian * std::atan2(norm(cross(normals[0], normals[1])), dot(normals[0], normals[1]));
+    return kDegreesPerRadian * elementary::atan2(norm(cross(normals[0], normals[1])), dot(normals[0], normals[1]));
   }
 
   const Options& options_;
@@ -219,8 +219,9 @@ MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constr
 /// entry is the number of tetrahedra.
 std::vector<Index> slot2tet_of(const std::vector<Tet>& tets) {
   std::vector<Index> slot2tet(tets.size() + 1, 0);
-  std::transform_inclusive_scan(tets.begin(), tets.end(), slot2tet.begin() + 1, std::plus<>(),
-                                [](const Tet& tet) { return tet[0] != kFreeSlot ? 1 : 0; });
+  std::transform_inclusive_scan(
+      tets.begin(), tets.end(), slot2tet.begin() + 1, std::plus<>(),
+      [](const Tet& tet) { return tet[0] != kFreeSlot ? 1 : 0; }, Index{0});
   return slot2tet;
 }
 
@@ -232,9 +233,9 @@ const char* to_string(LimitingConstraint constraint) {
                   "frozen vertex", "feature corner", "feature line", "interface", "boundary", "no constraint"});
 }
 
-void check_target(const Target& target) {
+void check_target(const Target& target, const std::string& what) {
   const bool is_angle = target.measure == Measure::min_dihedral || target.measure == Measure::max_dihedral;
-  const double regular = is_angle ? kRegularAngle : 1;
+  const double regular = is_angle ? kRegularDihedral : 1;
   const double worst = larger_is_better(target.measure) ? 0 : is_angle ? 180 : kFlatRatio;
   const auto [low, high] = std::minmax(worst, regular);
   if (target.value >= low && target.value <= high && target.value != worst) return;
@@ -243,8 +244,7 @@ void check_target(const Target& target) {
       : worst < regular
           ? "above 0 and at most " + (regular == 1 ? std::string("1") : "70.528, the regular tetrahedron's")
           : std::string("at least 70.529, the regular tetrahedron's, and below 180");
-  throw OptionError("the target for " + std::string(to_string(target.measure)) + " is " + std::to_string(target.value) +
-                    "; it must be " + range);
+  throw OptionError(what + to_string(target.measure) + " is " + std::to_string(target.value) + "; it must be " + range);
 }
 
 std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "boundary/vertex_dof.hpp"
@@ -11,8 +12,8 @@
 /// The elements that miss a target, and the constraints that limit them (docs/quality.md, "Targets").
 namespace tetune {
 
-/// Throws OptionError for a target that every element meets or that none can.
-void check_target(const Target& target);
+/// Throws OptionError for a target that every element meets or that none can. `what` names it: "the target for ".
+void check_target(const Target& target, const std::string& what);
 
 /// The optimized mesh on the host, by slots, before they are compacted.
 struct Outcome {

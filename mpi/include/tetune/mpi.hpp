@@ -55,10 +55,10 @@ struct DistributedReport : OperationCounts {
 /// `stop`, if given, is called on every rank at its safe points (Context::stop); all ranks end when it returns true on
 /// one.
 ///
-/// Throws on all ranks alike: MeshError, OptionError (also for Options::untangle, frozen_vertices and targets, which
-/// are for whole meshes), DeviceError, or Error where the optimizer runs out of memory; `dm` is then as it was. Where a
-/// call of PETSc fails, or memory runs out during communication, that rank alone throws Error or std::bad_alloc,
-/// and the program should end by MPI_Abort.
+/// Throws on all ranks alike: MeshError, OptionError (also for Options::untangle, frozen_vertices, only_below and
+/// targets, which are for whole meshes), DeviceError, or Error where the optimizer runs out of memory; `dm` is then as
+/// it was. Where a call of PETSc fails, or memory runs out during communication, that rank alone throws Error or
+/// std::bad_alloc, and the program should end by MPI_Abort.
 DistributedReport optimize(DM& dm, const Options& options = {}, const std::function<bool()>& stop = {});
 
 }  // namespace tetune
