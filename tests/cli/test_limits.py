@@ -25,7 +25,7 @@ def can_mount():
 
 def plugins():
     folder = Path(cli_case.TETUNE).parent / "../libexec/tetune"
-    return [ending for program, endings in (("tetune-vtk", ["vtu", "vtk", "e"]), ("tetune-gmsh", ["unv", "bdf", "inp"]))
+    return [ending for program, endings in (("tetune-vtk", ["vtu", "vtk", "e"]), ("tetune-gmsh", ["unv", "bdf"]))
             if (folder / program).is_file() for ending in endings]
 
 
@@ -44,7 +44,7 @@ class Mounts(CliTest):
 
     def test_a_full_disk(self):
         self.put("in.mesh", cube(12))
-        for ending in ["mesh", "meshb", "msh", "ele", *plugins()]:
+        for ending in ["mesh", "meshb", "msh", "ele", "inp", *plugins()]:
             with self.subTest(ending):
                 code, log, names, left = self.on_disk("rw", f"out.{ending}")
                 self.assertEqual(code, 2, log)

@@ -10,7 +10,7 @@ from cli_case import CliTest, Mesh, bent, cube, unflipped, with_triangles
 
 
 SURFACE_KEYS = {"volume_change", "area_change", "region_volume_change", "patch_area_change", "patches",
-                "mean_boundary_edge", "distance_vertices_to_old", "distance_new_to_old", "deviation", "distance_old_to_new", "vertices_before",
+                "mean_boundary_edge", "distance_vertices_to_old", "distance_new_to_old", "distance_sample_stride", "deviation", "distance_old_to_new", "vertices_before",
                 "vertices_after", "vertex_tags_kept", "edge_tags_kept", "triangle_tags_kept",
                 "tetrahedron_tags_kept", "required_vertices_moved", "corners_moved"}
 
@@ -234,6 +234,7 @@ class Slide(CliTest):
         source = self.put("in.mesh", cube(2))
         for options, said in (
                 (["--boundary", "slide", "--feature-angle", "-1"], ["--feature-angle -1 is out of range"]),
+                (["--max-growth", "0.9"], ["--max-growth 0.9 is out of range: it must be 1 to 100"]),
                 (["--boundary", "slide", "--feature-angle", "0"], ["--feature-angle 0 is out of range: it must be above 0 and"]),
                 (["--boundary", "slide", "--feature-angle", "181"], ["--feature-angle"]),
                 (["--boundary", "slide", "-ar"], ["--feature-angle"]),
