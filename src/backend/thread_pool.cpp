@@ -35,9 +35,27 @@ ThreadPool::ThreadPool(int threads) {
 
 ThreadPool::~ThreadPool() {
   stop_.store(true, std::memory_order_relaxed);
-  round_.fetch_add(1);
-  round_.notify_all();
+  begin(round_.load(std::memory_order_relaxed) + 1);
   for (std::thread& worker : workers_) worker.join();
+}
+
+void ThreadPool::begin(std::uint32_t round) {
+  round_.store(round);
+  if (blocked_.load() == 0) return;
+  // A worker that holds the mutex has tested the round before this lock, and waits after it.
+  { const std::lock_guard lock(block_mutex_); }
+  begun_.notify_all();
+}
+
+void ThreadPool::wait_for_round(std::uint32_t seen) {
+  for (int spin = 0; spin < kSpins; ++spin) {
+    if (round_.load(std::memory_order_acquire) != seen) return;
+    relax();
+  }
+  std::unique_lock lock(block_mutex_);
+  blocked_.fetch_add(1);
+  begun_.wait(lock, [&] { return round_.load() != seen; });
+  blocked_.fetch_sub(1, std::memory_order_relaxed);
 }
 
 void ThreadPool::take_parts() {
@@ -55,8 +73,7 @@ void ThreadPool::take_parts() {
 void ThreadPool::work() {
   std::uint32_t seen = 0;
   for (;;) {
-    for (int spin = 0; spin < kSpins && round_.load(std::memory_order_acquire) == seen; ++spin) relax();
-    round_.wait(seen);
+    wait_for_round(seen);
     seen = round_.load(std::memory_order_acquire);
     if (stop_.load(std::memory_order_relaxed)) return;
     std::uint64_t gate = gate_.load(std::memory_order_relaxed);
@@ -81,8 +98,7 @@ void ThreadPool::run(Size parts, const PartTask& task) {
   next_.store(0, std::memory_order_relaxed);
   const std::uint32_t round = round_.load(std::memory_order_relaxed) + 1;
   gate_.store((std::uint64_t{round} << 32) | kOpen, std::memory_order_release);
-  round_.store(round);
-  round_.notify_all();
+  begin(round);
   take_parts();
   gate_.fetch_and(~kOpen, std::memory_order_relaxed);
   for (int spin = 0; (gate_.load(std::memory_order_acquire) & kInside) != 0; ++spin) {

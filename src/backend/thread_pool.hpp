@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <mutex>
@@ -46,6 +47,10 @@ class ThreadPool {
 
  private:
   void work();
+  /// Publishes a round, and wakes the workers that block.
+  void begin(std::uint32_t round);
+  /// Returns when a round other than `seen` has begun.
+  void wait_for_round(std::uint32_t seen);
   void take_parts();
 
   // The loop in progress; written while the gate is closed.
@@ -55,9 +60,14 @@ class ThreadPool {
   std::mutex error_mutex_;
   std::exception_ptr error_;
 
-  /// The number of the loop, on which workers block. Its changes are sequentially consistent: notify_all() must not
-  /// test for waiting threads before the change is visible, as a thread that starts to wait in between would miss it.
+  /// The number of the loop. A worker increments `blocked_` before it tests the round a last time, and begin() writes
+  /// the round before it reads `blocked_`, both sequentially consistent: one of the two sees the other.
   std::atomic<std::uint32_t> round_{0};
+  /// The number of workers that block, or are about to.
+  std::atomic<int> blocked_{0};
+  /// Instead of std::atomic::wait(), which loses notifications in libstdc++ 12 where the system has no futex (Windows).
+  std::mutex block_mutex_;
+  std::condition_variable begun_;
   /// The round in the upper half, then one bit for "open", then the number of workers inside. A worker enters by
   /// incrementing that number while the gate is open, so none can enter late.
   std::atomic<std::uint64_t> gate_{0};
