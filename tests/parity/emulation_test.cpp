@@ -11,6 +11,7 @@
 #include "driver/move_job.hpp"
 #include "emulation/emulation.hpp"
 #include "parity/cases.hpp"
+#include "sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
 
@@ -104,6 +105,7 @@ TEST(EmulationMemory, TheEstimateIsEnoughAndNotFarAbove) {
   const TetMesh mesh = test::waved(test::cube(20, 0.2));
   for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
     for (const Effort effort : {Effort::fast, Effort::best}) {
+      if (test::kSanitized && effort == Effort::best && boundary != Boundary::slide) continue;
       Options options;
       options.boundary = boundary;
       options.effort = effort;

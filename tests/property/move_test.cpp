@@ -11,6 +11,7 @@
 
 #include "meshes.hpp"
 #include "safe_points.hpp"
+#include "sanitized.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {
@@ -99,7 +100,8 @@ TEST(Move, RandomMotionsOfRandomMeshes) {
   std::mt19937 random(11);
   int reached = 0;
   int blocked = 0;
-  for (int i = 0; i < 60; ++i) {
+  constexpr int kMotions = test::kSanitized ? 20 : 60;
+  for (int i = 0; i < kMotions; ++i) {
     const int n = 3 + i % 3;
     const TetMesh base =
         i % 2 == 0 ? test::cube(n, 0.2, static_cast<std::uint32_t>(i + 1)) : test::two_materials(4, 0.2);
@@ -119,14 +121,14 @@ TEST(Move, RandomMotionsOfRandomMeshes) {
     for (const Index t : r.blocking_tets) EXPECT_LT(at(t), after.tets.size());
     ++(r.reached() ? reached : blocked);
   }
-  EXPECT_GT(reached, 20);
-  EXPECT_GT(blocked, 5) << "no motion was too large";
+  EXPECT_GT(reached, kMotions / 3);
+  EXPECT_GT(blocked, kMotions / 12) << "no motion was too large";
 }
 
 TEST(Move, SameBitsForAnyNumberOfThreads) {
   std::mt19937 random(5);
   for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
-    const int n = effort == Effort::best ? 4 : 9;
+    const int n = effort == Effort::best ? 4 : test::kSanitized ? 6 : 9;
     const TetMesh before = test::scrambled(test::cube(n, 0.2, 3), 1, 2);
     std::vector<VertexTargets> targets;
     for (int i = 0; i < 2; ++i) targets.push_back(random_targets(before, 0.2, 0.3 / n, random));

@@ -12,6 +12,7 @@
 #include "curved.hpp"
 #include "mesh/tet.hpp"
 #include "meshes.hpp"
+#include "sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -34,11 +35,7 @@ TetMesh fan(int count) {
 
 TEST(Optimize, VerticesOfManyTetrahedraTakeNoSquaredTime) {
   // What is in proportion to the square took a minute here; this takes a second or two, and longer under sanitizers.
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-  constexpr std::chrono::seconds kEnough(300);
-#else
-  constexpr std::chrono::seconds kEnough(30);
-#endif
+  constexpr std::chrono::seconds kEnough(test::kSanitized ? 300 : 30);
   for (const auto& [boundary, bound] :
        {std::pair(Boundary::preserve, 0.0), {Boundary::slide, 0.0}, {Boundary::slide, 0.01}}) {
     TetMesh m = fan(60'000);
@@ -346,7 +343,7 @@ TEST(Optimize, LeavesTheMeshAsItWasWhereverMemoryRunsOut) {
   options.effort = Effort::best;
   TetMesh after = before;
   bool done = false;
-  for (std::size_t granted = 0; !done; ++granted) {
+  for (std::size_t granted = 0; !done; granted += test::kSanitized ? 13 : 1) {
     ASSERT_LT(granted, 10000U);
     try {
       const test::AllocationWatch watch(granted);

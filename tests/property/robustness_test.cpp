@@ -10,6 +10,7 @@
 
 #include "curved.hpp"
 #include "meshes.hpp"
+#include "sanitized.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
@@ -17,11 +18,7 @@
 namespace tetune {
 namespace {
 
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr std::uint32_t kSeeds = 8;
-#else
-constexpr std::uint32_t kSeeds = 40;
-#endif
+constexpr std::uint32_t kSeeds = test::kSanitized ? 8 : 40;
 
 /// Degrees: of one and the same tetrahedron with its vertices in another order.
 constexpr double kRounding = 1e-12;
