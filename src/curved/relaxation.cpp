@@ -35,8 +35,8 @@ class VertexTets {
     }
   }
   std::span<const Index> of(Index v) const {
-    const auto begin = items_.begin() + span_of(first_)[v];
-    return {begin, items_.begin() + span_of(first_)[v + 1]};
+    const Index* const begin = items_.data() + span_of(first_)[v];
+    return {begin, items_.data() + span_of(first_)[v + 1]};
   }
 
  private:
