@@ -65,6 +65,10 @@ TETUNE_API const OptionChoice* find_choice(const OptionInfo& option, std::string
 /// The value of an option as text: "slide", "0.5", "true", "1,2"; targets as "mean_ratio:0.2".
 TETUNE_API std::string option_value(const OptionInfo& option, const Options& options);
 
+/// Sets an option to a value in the form of option_value(). Throws OptionError if there is no such option or the text
+/// is no value of it; check_options() checks the range.
+TETUNE_API void set_option(Options& options, std::string_view name, std::string_view text);
+
 /// The range of a number in words: "3 to 7", "above 0 and at most 180 degrees".
 TETUNE_API std::string to_string(const OptionRange& range);
 

@@ -44,6 +44,39 @@ TEST(OptionTable, values_as_text) {
   EXPECT_EQ(option_value(*find_option("targets"), options), "mean_ratio:0.25");
 }
 
+TEST(OptionTable, TextSetsEveryOption) {
+  Options options;
+  for (const auto& [name, text] : {std::pair("boundary", "slide"),
+                                   {"flips", "false"},
+                                   {"feature_angle", "30.5"},
+                                   {"frozen_regions", "1,20"},
+                                   {"targets", "mean_ratio:0.25,min_dihedral_deg:10"},
+                                   {"max_ring", "5"},
+                                   {"frozen_vertices", "0,1,1"},
+                                   {"device", "cpu"}}) {
+    set_option(options, name, text);
+    EXPECT_EQ(option_value(*find_option(name), options), text) << name;
+  }
+  // The value of each option, as text, is one that it takes.
+  const Options defaults;
+  for (const OptionInfo& option : option_table()) {
+    set_option(options, option.name, option_value(option, defaults));
+    EXPECT_EQ(option_value(option, options), option_value(option, defaults)) << option.name;
+  }
+  for (const auto& [name, text] : {std::pair("bound", "slide"),
+                                   {"boundary", "slid"},
+                                   {"flips", "yes"},
+                                   {"feature_angle", "30 deg"},
+                                   {"frozen_regions", "1;20"},
+                                   {"targets", "mean_ratio"},
+                                   {"targets", "mean:0.2"},
+                                   {"max_ring", ""},
+                                   {"max_ring", "5.5"},
+                                   {"frozen_vertices", "0,2"}}) {
+    EXPECT_THROW(set_option(options, name, text), OptionError) << name;
+  }
+}
+
 TEST(OptionTable, former_names_of_choices_are_found) {
   const OptionInfo& effort = *find_option("effort");
   EXPECT_STREQ(find_choice(effort, "default")->name, "standard");

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface, over the public C++ headers.
+#include <algorithm>
+#include <limits>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tetune/tetune.h"
+#include "tetune/tetune.hpp"
+
+struct tetune_mesh {
+  tetune::TetMesh mesh;
+};
+struct tetune_options {
+  tetune::Options options;
+};
+struct tetune_report {
+  tetune::Report report;
+};
+
+namespace {
+
+using tetune::Index;
+using tetune::TetMesh;
+
+thread_local std::string last_error;
+
+/// An error of the caller, which no exception of the library names.
+struct InvalidArgument {
+  const char* text;
+};
+
+tetune_status failed(tetune_status status, const char* text) noexcept {
+  try {
+    last_error = text;
+  } catch (const std::bad_alloc&) {
+    last_error.clear();
+  }
+  return status;
+}
+
+/// Calls f, and turns exceptions into a status.
+template <class F>
+tetune_status guarded(const F& f) noexcept {
+  try {
+    f();
+    return TETUNE_OK;
+  } catch (const InvalidArgument& e) {
+    return failed(TETUNE_INVALID_ARGUMENT, e.text);
+  } catch (const tetune::FileError& e) {
+    return failed(TETUNE_FILE_ERROR, e.what());
+  } catch (const tetune::MeshError& e) {
+    return failed(TETUNE_MESH_ERROR, e.what());
+  } catch (const tetune::OptionError& e) {
+    return failed(TETUNE_OPTION_ERROR, e.what());
+  } catch (const tetune::DeviceError& e) {
+    return failed(TETUNE_DEVICE_ERROR, e.what());
+  } catch (const std::bad_alloc&) {
+    return failed(TETUNE_OUT_OF_MEMORY, "out of memory");
+  } catch (const std::exception& e) {
+    return failed(TETUNE_INTERNAL_ERROR, e.what());
+  } catch (...) {
+    return failed(TETUNE_INTERNAL_ERROR, "an unknown exception");
+  }
+}
+
+void require(bool condition, const char* text) {
+  if (!condition) throw InvalidArgument{text};
+}
+
+template <class T>
+T& checked(T* object) {
+  require(object != nullptr, "a null pointer was given where an object is required");
+  return *object;
+}
+
+/// The number of entries of a caller's array, which exists unless it is empty.
+std::size_t checked_size(const void* array, std::int64_t count) {
+  require(count >= 0 && count <= std::numeric_limits<Index>::max(),
+          "a number of entries is negative or above 2^31 - 1");
+  require(array != nullptr || count == 0, "a null pointer was given where an array is required");
+  return std::size_t(count);
+}
+
+template <class T, std::size_t n>
+std::vector<std::array<T, n>> rows(const T* values, std::int64_t count) {
+  std::vector<std::array<T, n>> result(checked_size(values, count));
+  for (std::size_t i = 0; i < result.size(); ++i) std::copy_n(values + n * i, n, result[i].begin());
+  return result;
+}
+
+template <class Vector>
+auto* first_value(const Vector& rows) {
+  return rows.empty() ? nullptr : rows.data()->data();
+}
+
+/// The vector of a kind of entities, const as the mesh is.
+template <class Mesh>
+auto* tags_of(Mesh& mesh, tetune_kind kind) {
+  switch (kind) {
+    case TETUNE_VERTICES:
+      return &mesh.point_tags;
+    case TETUNE_EDGES:
+      return &mesh.edge_tags;
+    case TETUNE_TRIANGLES:
+      return &mesh.triangle_tags;
+    case TETUNE_TETRAHEDRA:
+      return &mesh.tet_tags;
+  }
+  throw InvalidArgument{"an unknown kind of entities was given"};
+}
+
+std::vector<Index>& required_of(TetMesh& mesh, tetune_kind kind) {
+  switch (kind) {
+    case TETUNE_VERTICES:
+      return mesh.required_vertices;
+    case TETUNE_EDGES:
+      return mesh.required_edges;
+    case TETUNE_TRIANGLES:
+      return mesh.required_triangles;
+    case TETUNE_TETRAHEDRA:
+      return mesh.required_tets;
+  }
+  throw InvalidArgument{"an unknown kind of entities was given"};
+}
+
+tetune::Context hooks_of(tetune_progress_function progress, void* user) {
+  tetune::Context context;
+  if (progress != nullptr) {
+    context.progress = [progress, user](const tetune::Progress& now) {
+      const tetune_progress state{now.phase, now.fraction, now.seconds, now.worst_angle};
+      return progress(&state, user) != 0;
+    };
+  }
+  return context;
+}
+
+}  // namespace
+
+const char* tetune_version(void) { return TETUNE_VERSION; }
+
+const char* tetune_last_error(void) { return last_error.c_str(); }
+
+tetune_status tetune_mesh_create(const double* points, int64_t vertices, const int32_t* tetrahedra, int64_t count,
+                                 tetune_mesh** mesh) {
+  return guarded([&] {
+    checked(mesh) = nullptr;
+    TetMesh made;
+    made.points = rows<double, 3>(points, vertices);
+    made.tets = rows<Index, 4>(tetrahedra, count);
+    made.point_tags.resize(made.points.size());
+    made.tet_tags.resize(made.tets.size());
+    *mesh = new tetune_mesh{std::move(made)};
+  });
+}
+
+void tetune_mesh_destroy(tetune_mesh* mesh) { delete mesh; }
+
+tetune_status tetune_mesh_read(const char* path, tetune_mesh** mesh) {
+  return guarded([&] {
+    checked(mesh) = nullptr;
+    *mesh = new tetune_mesh{tetune::read_mesh(&checked(path))};
+  });
+}
+
+tetune_status tetune_mesh_write(const tetune_mesh* mesh, const char* path) {
+  return guarded([&] { tetune::write_mesh(&checked(path), checked(mesh).mesh); });
+}
+
+tetune_status tetune_mesh_set_elements(tetune_mesh* mesh, tetune_kind kind, const int32_t* ids, int64_t count) {
+  return guarded([&] {
+    TetMesh& to = checked(mesh).mesh;
+    require(kind == TETUNE_EDGES || kind == TETUNE_TRIANGLES, "only edges and triangles can be set");
+    if (kind == TETUNE_EDGES) {
+      auto edges = rows<Index, 2>(ids, count);
+      std::vector<int> tags(edges.size());
+      to.edges = std::move(edges);
+      to.edge_tags = std::move(tags);
+      to.ridges.clear();
+      to.required_edges.clear();
+      to.edge_data.clear();
+    } else {
+      auto triangles = rows<Index, 3>(ids, count);
+      std::vector<int> tags(triangles.size());
+      to.triangles = std::move(triangles);
+      to.triangle_tags = std::move(tags);
+      to.required_triangles.clear();
+      to.triangle_data.clear();
+    }
+  });
+}
+
+tetune_status tetune_mesh_set_tags(tetune_mesh* mesh, tetune_kind kind, const int32_t* tags, int64_t count) {
+  return guarded([&] {
+    std::vector<int>& to = *tags_of(checked(mesh).mesh, kind);
+    require(checked_size(tags, count) == to.size(), "there must be one tag per entity");
+    std::copy_n(tags, to.size(), to.begin());
+  });
+}
+
+tetune_status tetune_mesh_set_required(tetune_mesh* mesh, tetune_kind kind, const int32_t* positions, int64_t count) {
+  return guarded([&] {
+    std::vector<Index>& to = required_of(checked(mesh).mesh, kind);
+    to.assign(positions, positions + checked_size(positions, count));
+  });
+}
+
+int64_t tetune_mesh_count(const tetune_mesh* mesh, tetune_kind kind) {
+  std::int64_t count = 0;
+  guarded([&] { count = std::ssize(*tags_of(checked(mesh).mesh, kind)); });
+  return count;
+}
+
+const double* tetune_mesh_points(const tetune_mesh* mesh) {
+  const double* points = nullptr;
+  guarded([&] { points = first_value(checked(mesh).mesh.points); });
+  return points;
+}
+
+const int32_t* tetune_mesh_elements(const tetune_mesh* mesh, tetune_kind kind) {
+  const Index* ids = nullptr;
+  guarded([&] {
+    const TetMesh& from = checked(mesh).mesh;
+    require(kind != TETUNE_VERTICES, "vertices have coordinates: tetune_mesh_points()");
+    if (kind == TETUNE_EDGES) ids = first_value(from.edges);
+    if (kind == TETUNE_TRIANGLES) ids = first_value(from.triangles);
+    if (kind == TETUNE_TETRAHEDRA) ids = first_value(from.tets);
+  });
+  return ids;
+}
+
+const int32_t* tetune_mesh_tags(const tetune_mesh* mesh, tetune_kind kind) {
+  const int* tags = nullptr;
+  guarded([&] { tags = tags_of(checked(mesh).mesh, kind)->data(); });
+  return tags;
+}
+
+tetune_status tetune_mesh_validate(const tetune_mesh* mesh) {
+  return guarded([&] {
+    const tetune::ValidationReport report = tetune::validate(checked(mesh).mesh);
+    if (!report.ok()) throw tetune::MeshError(report.message(false));
+  });
+}
+
+tetune_status tetune_mesh_quality(const tetune_mesh* mesh, tetune_quality* quality) {
+  return guarded([&] {
+    const tetune::Quality q = tetune::quality(checked(mesh).mesh);
+    checked(quality) = {q.dihedral_min,   q.dihedral_max, q.dihedral_p5, q.mean_ratio,
+                        q.mean_ratio_min, q.volume,       q.worst_tet};
+  });
+}
+
+tetune_status tetune_options_create(tetune_options** options) {
+  return guarded([&] {
+    checked(options) = nullptr;
+    *options = new tetune_options{};
+  });
+}
+
+void tetune_options_destroy(tetune_options* options) { delete options; }
+
+tetune_status tetune_options_set(tetune_options* options, const char* name, const char* value) {
+  return guarded([&] { tetune::set_option(checked(options).options, &checked(name), &checked(value)); });
+}
+
+tetune_status tetune_optimize(tetune_mesh* mesh, const tetune_options* options, tetune_progress_function progress,
+                              void* user, tetune_report** report) {
+  return guarded([&] {
+    if (report != nullptr) *report = nullptr;
+    TetMesh& to = checked(mesh).mesh;
+    // Allocated before the mesh changes.
+    tetune_report* const made = report == nullptr ? nullptr : new tetune_report{};
+    try {
+      tetune::Report done =
+          tetune::optimize(to, options == nullptr ? tetune::Options{} : options->options, hooks_of(progress, user));
+      if (made != nullptr) made->report = std::move(done);
+    } catch (...) {
+      delete made;
+      throw;
+    }
+    if (report != nullptr) *report = made;
+  });
+}
+
+void tetune_report_destroy(tetune_report* report) { delete report; }
+
+const char* tetune_report_stop(const tetune_report* report) {
+  const char* stop = "";
+  guarded([&] { stop = to_string(checked(report).report.stop); });
+  return stop;
+}
+
+double tetune_report_seconds(const tetune_report* report) {
+  double seconds = 0;
+  guarded([&] { seconds = checked(report).report.seconds; });
+  return seconds;
+}
+
+double tetune_report_energy(const tetune_report* report, int after) {
+  double energy = 0;
+  guarded([&] {
+    const tetune::Report& of = checked(report).report;
+    energy = after != 0 ? of.energy_after : of.energy_before;
+  });
+  return energy;
+}
+
+const int32_t* tetune_report_original(const tetune_report* report, tetune_kind kind) {
+  const Index* original = nullptr;
+  guarded([&] {
+    const tetune::Report& of = checked(report).report;
+    const auto& map = kind == TETUNE_VERTICES    ? of.vertex2original
+                      : kind == TETUNE_EDGES     ? of.edge2original
+                      : kind == TETUNE_TRIANGLES ? of.triangle2original
+                                                 : of.tet2original;
+    if (!map.empty()) original = map.data();
+  });
+  return original;
+}
+
+int64_t tetune_report_warnings(const tetune_report* report) {
+  std::int64_t count = 0;
+  guarded([&] { count = std::ssize(checked(report).report.warnings); });
+  return count;
+}
+
+const char* tetune_report_warning(const tetune_report* report, int64_t position) {
+  const char* text = nullptr;
+  guarded([&] {
+    const auto& warnings = checked(report).report.warnings;
+    require(position >= 0 && position < std::ssize(warnings), "there is no warning at this position");
+    text = warnings[std::size_t(position)].c_str();
+  });
+  return text;
+}
