@@ -18,6 +18,7 @@ namespace tetune {
 /// - `.e .ex2 .exo`: Exodus
 /// - `.msh`: Gmsh (versions 2.2 and 4.1, text or binary, either byte order)
 /// - `.inp`: decks of Abaqus and CalculiX (tetrahedra of 4 nodes); all around the mesh is kept in TetMesh::deck
+/// - `.su2`: SU2
 /// - `.unv .bdf .med .cgns`: I-deas universal, Nastran, MED, CGNS
 ///
 /// Files of VTK and Exodus, the last four, and other versions of `.msh` are read by separate programs of the

@@ -130,6 +130,7 @@ const std::vector<Format>& formats() {
       {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"Gmsh", {".msh"}, read_msh, write_file<write_msh>},
       {"Abaqus, CalculiX", {".inp"}, read_inp, write_file<write_inp>},
+      {"SU2", {".su2"}, read_su2, write_file<write_su2>},
       {"I-deas universal", {".unv"}, nullptr, nullptr, &kGmshPlugin, true, true},
       {"Nastran", {".bdf"}, nullptr, nullptr, &kGmshPlugin, true, true},
       {"MED", {".med"}, nullptr, nullptr, &kGmshPlugin, true, true, true},

@@ -85,6 +85,9 @@ TetMesh parse_inp(const std::string& path, std::string bytes, const IoContext& c
 /// where a part of the deck cannot follow the mesh.
 void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 
+TetMesh read_su2(const std::string& path, const IoContext& context);
+void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+
 /// Whether this installation has the plugin.
 bool has_plugin(const Plugin& plugin);
 

@@ -141,6 +141,16 @@ TEST_F(MutationTest, Inp) {
       8);
 }
 
+TEST_F(MutationTest, Su2) {
+  TetMesh m = two_materials(2);
+  m.triangles = {{0, 1, 4}, {0, 4, 3}};
+  m.triangle_tags = {7, 8};
+  m.groups = {{2, 7, "inlet", {7}}};
+  write_mesh(path("whole.su2"), m);
+  run("a.su2", get("whole.su2"),
+      {"NELEM= 9\n", "MARKER_TAG= a\n", "%", "=", "-1 ", "1e400 ", "nan ", "\n", "12 ", "FFD= 1\n"}, 8);
+}
+
 TEST_F(MutationTest, TetGen) {
   put("m.node", "4 3 0 1\n1 0 0 0 1\n2 1 0 0 2\n3 0 1 0 3\n4 0 0 1 4\n");
   put("m.face", "2 1\n1 1 2 3 5\n2 1 2 4 6\n");

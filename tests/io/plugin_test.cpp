@@ -26,7 +26,7 @@ class Plugins : public IoTest {
 
 const char* yes(bool kept) { return kept ? "yes" : "no"; }
 
-const std::vector<std::string> kWritten{".mesh", ".meshb", ".msh", ".inp", ".ele",
+const std::vector<std::string> kWritten{".mesh", ".meshb", ".msh", ".inp", ".ele", ".su2",
                                         ".vtu",  ".vtk",   ".e",   ".unv", ".bdf"};
 
 /// How the names of groups come back.

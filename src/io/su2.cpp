@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+// SU2's native meshes (.su2): the SU2 documentation, "Mesh File".
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "backend/span.hpp"
+#include "io/line_writer.hpp"
+#include "io/registry.hpp"
+#include "io/second_order.hpp"
+#include "io/text_cursor.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr int kTriangle = 5;
+constexpr int kTetrahedron = 10;
+
+/// A kind of other elements, by its number in VTK, in which order its vertices are.
+struct Su2Kind {
+  int type;
+  const char* kind;
+  int vertices;
+  bool is_solid;
+};
+constexpr std::array<Su2Kind, 4> kKinds{
+    {{9, "Quadrilaterals", 4, false}, {12, "Hexahedra", 8, true}, {13, "Prisms", 6, true}, {14, "Pyramids", 5, true}}};
+
+class Su2Reader {
+ public:
+  Su2Reader(const std::string& path, std::string_view text, const IoContext& context)
+      : cursor_(path, text), path_(path), context_(context) {}
+
+  TetMesh read() {
+    while (!at_end()) read_section();
+    if (!has_points_ || !has_elements_) {
+      cursor_.fail(std::string("the file has no ") + (has_points_ ? "NELEM=" : "NPOIN=") + " section");
+    }
+    mesh_.tet_tags.assign(mesh_.tets.size(), 0);
+    mesh_.point_tags.assign(mesh_.points.size(), 0);
+    for (const std::string& name : skipped_) context_.warn(path_ + ": the section " + name + " is not kept");
+    return std::move(mesh_);
+  }
+
+ private:
+  /// Skips comments, and returns whether nothing follows.
+  bool at_end() {
+    while (cursor_.peek().starts_with('%')) cursor_.line();
+    return cursor_.at_end();
+  }
+  std::int64_t integer(const char* name) {
+    at_end();
+    return cursor_.integer(name);
+  }
+
+  /// Reads "NAME= value", with or without blanks around the sign; the cursor is then before the value.
+  std::string keyword() {
+    const char* const all = cursor_.skip(0);
+    const std::string_view line = cursor_.line();
+    const std::size_t equals = line.find('=');
+    if (equals == std::string_view::npos) cursor_.fail("expected a section such as NELEM= before this line");
+    cursor_.skip(line.data() + equals + 1 - cursor_.skip(0));
+    std::string name(all, to_size_t(line.data() + equals - all));
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; };
+    name.erase(std::remove_if(name.begin(), name.end(), is_blank), name.end());
+    return name;
+  }
+
+  void read_section() {
+    const std::string name = keyword();
+    if (name == "NDIME") {
+      if (cursor_.integer("dimension") != 3) cursor_.fail("the dimension must be 3");
+    } else if (name == "NZONE") {
+      if (cursor_.integer("number of zones") != 1) cursor_.fail("the file has several zones; write each to a file");
+    } else if (name == "NELEM") {
+      read_elements(checked_count("number of elements", 5), false);
+      has_elements_ = true;
+    } else if (name == "NPOIN") {
+      read_points();
+      has_points_ = true;
+    } else if (name == "MARKER_TAG") {
+      read_marker();
+    } else {
+      skip(name);
+    }
+  }
+
+  /// Skips a section without a part of the mesh.
+  void skip(const std::string& name) {
+    constexpr std::array<std::string_view, 3> kWithoutContent{"NMARK", "NPERIODIC", "IZONE"};
+    const bool is_periodic = name.starts_with("PERIODIC_");
+    if (!is_periodic && std::find(kWithoutContent.begin(), kWithoutContent.end(), name) == kWithoutContent.end()) {
+      skipped_.insert(name);
+    }
+    cursor_.line();
+    while (!at_end()) {
+      const char* const start = cursor_.skip(0);
+      const bool is_next = cursor_.line().find('=') != std::string_view::npos;
+      if (!is_next) continue;
+      cursor_.skip(start - cursor_.skip(0));
+      return;
+    }
+  }
+
+  /// Refuses a count that the rest of the file cannot hold, with `numbers` numbers per entry.
+  std::size_t checked_count(const char* name, int numbers) {
+    const std::int64_t n = cursor_.integer(name);
+    if (n < 0 || n > cursor_.remaining() / (2 * numbers) + 1) {
+      cursor_.fail(std::string(name) + " is " + std::to_string(n) + ", more than the rest of the file can hold");
+    }
+    if (const std::string excess = excess_of(n, true); !excess.empty()) cursor_.fail("this file has " + excess);
+    return to_size_t(n);
+  }
+
+  Index vertex() {
+    const std::int64_t v = cursor_.integer("point number");
+    if (v < 0 || v > std::numeric_limits<Index>::max()) cursor_.fail("point number out of range");
+    return Index(v);
+  }
+
+  void read_points() {
+    if (has_points_) cursor_.fail("a second NPOIN= section");
+    mesh_.points.resize(checked_count("number of points", 3));
+    cursor_.line();  // further counts
+    for (Point3& p : mesh_.points) {
+      at_end();
+      for (double& x : p) x = cursor_.real("coordinate");
+      while (!cursor_.line_done()) cursor_.word();  // its number
+    }
+  }
+
+  void read_elements(std::size_t n, bool is_marker) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t type = integer("type of an element");
+      if (type == kTetrahedron && !is_marker) {
+        mesh_.tets.push_back({});
+        for (Index& v : mesh_.tets.back()) v = vertex();
+      } else if (type == kTriangle && is_marker) {
+        mesh_.triangles.push_back({});
+        for (Index& v : mesh_.triangles.back()) v = vertex();
+        mesh_.triangle_tags.push_back(marker_);
+      } else {
+        read_other(type, is_marker);
+      }
+      while (!cursor_.line_done()) cursor_.word();  // its number
+    }
+  }
+
+  void read_other(std::int64_t type, bool is_marker) {
+    const auto kind = std::find_if(kKinds.begin(), kKinds.end(), [type](const Su2Kind& k) { return k.type == type; });
+    if (kind == kKinds.end() || kind->is_solid == is_marker) {
+      cursor_.fail("elements of type " + std::to_string(type) + " cannot be " + (is_marker ? "in a marker" : "solids"));
+    }
+    auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
+                              [&kind](const ElementBlock& b) { return b.kind == kind->kind; });
+    if (block == mesh_.others.end()) block = mesh_.others.insert(block, {kind->kind, kind->vertices, {}, {}, {}});
+    for (int k = 0; k < kind->vertices; ++k) block->element2vertex.push_back(vertex());
+    block->tags.push_back(is_marker ? marker_ : 0);
+  }
+
+  void read_marker() {
+    const std::string name(cursor_.word());
+    if (name.empty()) cursor_.fail("MARKER_TAG= has no name");
+    ++marker_;
+    mesh_.groups.push_back({2, marker_, name, {marker_}});
+    if (at_end() || keyword() != "MARKER_ELEMS") cursor_.fail("MARKER_ELEMS= is expected after MARKER_TAG= " + name);
+    read_elements(checked_count("number of elements of the marker", 3), true);
+    if (!at_end() && cursor_.peek().starts_with("SEND_TO")) {
+      cursor_.fail("the file is a part of a partitioned mesh (SEND_TO); use the whole mesh");
+    }
+  }
+
+  TextCursor cursor_;
+  const std::string& path_;
+  const IoContext& context_;
+  TetMesh mesh_;
+  int marker_ = 0;
+  bool has_points_ = false, has_elements_ = false;
+  std::set<std::string> skipped_;
+};
+
+/// The elements of a mesh by markers: one per group of triangles, and one per other tag.
+class Su2Markers {
+ public:
+  explicit Su2Markers(const TetMesh& mesh) {
+    for (const Group& group : mesh.groups) {
+      if (group.dimension != 2) continue;
+      std::string name = group.name.empty() ? "patch" + std::to_string(group.number) : group.name;
+      std::replace(name.begin(), name.end(), ' ', '_');
+      for (const int tag : group.tags) is_shared_ |= !names_.emplace(tag, name).second;
+      if (group.tags.empty()) lines_[name];
+    }
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const auto& [a, b, c] = mesh.triangles[i];
+      add(mesh.triangle_tags[i], {kTriangle, a, b, c});
+    }
+    for (const ElementBlock& block : mesh.others) {
+      if (block.kind != std::string_view(kKinds[0].kind)) continue;
+      for (std::size_t i = 0; i < block.tags.size(); ++i) {
+        const Index* const v = block.element2vertex.data() + 4 * i;
+        add(block.tags[i], {kKinds[0].type, v[0], v[1], v[2], v[3]});
+      }
+    }
+  }
+  const std::map<std::string, std::vector<std::vector<Index>>>& lines() const { return lines_; }
+  /// Whether a tag is in several groups; its elements are in the marker of the first.
+  bool is_shared() const { return is_shared_; }
+
+ private:
+  void add(int tag, std::vector<Index> line) {
+    const auto name = names_.find(tag);
+    lines_[name != names_.end() ? name->second : "patch" + std::to_string(tag)].push_back(std::move(line));
+  }
+  std::map<int, std::string> names_;
+  std::map<std::string, std::vector<std::vector<Index>>> lines_;
+  bool is_shared_ = false;
+};
+
+void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
+  const auto differ = [](const std::vector<int>& tags) {
+    return std::any_of(tags.begin(), tags.end(), [&tags](int tag) { return tag != tags[0]; });
+  };
+  if (differ(mesh.tet_tags)) context.warn("the format cannot hold regions: tags of tetrahedra are lost");
+  if (differ(mesh.point_tags)) context.warn("the format cannot hold tags of vertices");
+  if (!mesh.edges.empty()) context.warn("the format cannot hold edges");
+  const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.required_triangles.empty() ||
+                      !mesh.required_tets.empty();
+  if (listed) context.warn("the format cannot hold lists of corners and required entities");
+  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data}) {
+    for (const DataArray& array : *data) context.warn("the format cannot hold the data \"" + array.name + "\"");
+  }
+  if (mesh.triangles.empty()) context.warn("the mesh lists no triangles: SU2 needs a marker on the whole boundary");
+  if (mesh.second_order) context.warn(lost_middles(mesh));
+}
+
+}  // namespace
+
+TetMesh read_su2(const std::string& path, const IoContext& context) {
+  const MappedFile file(path);
+  return Su2Reader(path, file.bytes(), context).read();
+}
+
+void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
+  warn_of_losses(mesh, context);
+  std::size_t solids = mesh.tets.size();
+  for (const ElementBlock& block : mesh.others) {
+    const auto kind =
+        std::find_if(kKinds.begin(), kKinds.end(), [&block](const Su2Kind& k) { return k.kind == block.kind; });
+    if (kind != kKinds.end() && kind->is_solid) solids += block.tags.size();
+    if (kind == kKinds.end()) context.warn("the format cannot hold elements of kind " + block.kind);
+  }
+  LineWriter out(file, context.threads);
+  out.text("NDIME= 3\nNELEM= " + std::to_string(solids) + "\n");
+  out.lines(mesh.tets.size(), [&](auto& entry, std::size_t t) {
+    auto tet = mesh.tets[t];
+    if (mesh.listed_inside_out) std::swap(tet[2], tet[3]);
+    entry.integer(kTetrahedron);
+    for (const Index v : tet) entry.integer(v);
+  });
+  for (const ElementBlock& block : mesh.others) {
+    for (const Su2Kind& kind : kKinds) {
+      if (!kind.is_solid || kind.kind != block.kind) continue;
+      out.lines(block.tags.size(), [&](auto& entry, std::size_t i) {
+        entry.integer(kind.type);
+        const std::size_t n = to_size_t(kind.vertices);
+        for (std::size_t k = 0; k < n; ++k) entry.integer(block.element2vertex[n * i + k]);
+      });
+    }
+  }
+  out.text("NPOIN= " + std::to_string(mesh.points.size()) + "\n");
+  out.lines(mesh.points.size(), [&](auto& entry, std::size_t v) {
+    for (const double x : mesh.points[v]) entry.real(x);
+  });
+  const Su2Markers markers(mesh);
+  if (markers.is_shared()) context.warn("a triangle can be in one marker only: it is in that of its first group");
+  out.text("NMARK= " + std::to_string(markers.lines().size()) + "\n");
+  for (const auto& [name, lines] : markers.lines()) {
+    out.text("MARKER_TAG= " + name + "\nMARKER_ELEMS= " + std::to_string(lines.size()) + "\n");
+    out.lines(lines.size(), [&, &elements = lines](auto& entry, std::size_t i) {
+      for (const Index v : elements[i]) entry.integer(v);
+    });
+  }
+}
+
+}  // namespace tetune
