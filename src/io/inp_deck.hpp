@@ -42,6 +42,8 @@ struct InpSet {
   std::vector<Index> members;
   /// Mid-side nodes, which are not in `members`; ascending.
   std::vector<Index> middles;
+  /// A set of nodes that has all mid-side nodes of its regions and patches, and new ones join it.
+  bool adds_middles = false;
   /// Positions in InpModel::set_cards.
   std::vector<Index> cards;
   /// A set of tetrahedra for one line of faces and nothing else: it follows those faces, and makes no region.

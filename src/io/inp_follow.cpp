@@ -198,7 +198,7 @@ class InpFollower {
       const auto any_of = [](const std::vector<int>& tags, const std::set<int>& found) {
         return std::any_of(tags.begin(), tags.end(), [&found](int tag) { return found.count(tag) != 0; });
       };
-      if (is_middle && set.middles.empty()) continue;
+      if (is_middle && !set.adds_middles) continue;
       if (set.of_nodes && (any_of(set.regions, regions) || any_of(set.patches, patches))) sets.push_back(s);
     }
     return sets;

@@ -2,6 +2,7 @@
 #include "io/inp_middles.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "backend/span.hpp"
 #include "io/inp_format.hpp"
@@ -42,7 +43,7 @@ void find_held(InpModel& model, const TetMesh& mesh, const std::vector<std::uint
   for (const Index v : mesh.required_vertices) {
     if (span_of(is_middle)[v] != 0) model.held_middles.push_back(v);
   }
-  for (const InpSet& set : model.sets) {
+  for (InpSet& set : model.sets) {
     if (set.middles.empty()) continue;
     std::vector<Index> follow;
     if (!set.is_held) {
@@ -50,6 +51,9 @@ void find_held(InpModel& model, const TetMesh& mesh, const std::vector<std::uint
       collect(model, mesh.triangles, mesh.triangle_tags, set.patches, kTriangleEdges, follow);
     }
     sort_unique(follow);
+    set.adds_middles =
+        !follow.empty() && std::includes(set.middles.begin(), set.middles.end(), follow.begin(), follow.end());
+    if (!set.adds_middles) follow.clear();
     std::set_difference(set.middles.begin(), set.middles.end(), follow.begin(), follow.end(),
                         std::back_inserter(model.held_middles));
   }
@@ -103,14 +107,17 @@ void erase_inp_middles(InpModel& model, TetMesh& mesh, const std::string& path) 
   }
   find_held(model, mesh, is_middle);
   std::erase_if(mesh.required_vertices, [&](Index v) { return span_of(is_middle)[v] != 0; });
+  std::set<std::array<Index, 2>> listed;
+  for (const auto& [a, b] : mesh.edges) listed.insert(ascending(a, b));
   std::vector<Middle> middles;
   for (const auto& [ends, node] : model.middles) {
     middles.push_back({node, ends});
     if (!std::binary_search(model.held_middles.begin(), model.held_middles.end(), node)) continue;
+    mesh.required_vertices.insert(mesh.required_vertices.end(), ends.begin(), ends.end());
+    if (listed.contains(ends)) continue;  // as a beam, which is required too
     mesh.required_edges.push_back(to_index(mesh.edges.size()));
     mesh.edges.push_back(ends);
     mesh.edge_tags.push_back(0);
-    mesh.required_vertices.insert(mesh.required_vertices.end(), ends.begin(), ends.end());
   }
   sort_unique(mesh.required_vertices);
   std::vector<std::int64_t> labels;
@@ -131,6 +138,7 @@ Middles add_inp_middles(const InpModel& model, TetMesh& mesh) {
   std::vector<Index> nodes;
   for (const std::int64_t label : mesh.deck_nodes) nodes.push_back(label == 0 ? -1 : model.node(label));
   mesh.deck_nodes.resize(bare.points.size(), 0);
+  std::vector<Index> node2vertex(model.points.size(), -1);
   for (const auto& tet : mesh.tets) {
     for (const auto& [i, j] : kTetEdges) {
       const Index a = tet[to_size_t(i)];
@@ -141,6 +149,7 @@ Middles add_inp_middles(const InpModel& model, TetMesh& mesh) {
       const auto at = std::lower_bound(model.middles.begin(), model.middles.end(), std::pair{ends, Index{0}});
       if (p < 0 || q < 0 || at == model.middles.end() || at->first != ends) continue;
       const Index v = middles.of(a, b);
+      span_of(node2vertex)[at->second] = v;
       span_of(mesh.deck_nodes)[v] = span_of(model.node_labels)[at->second];
       const bool is_still =
           span_of(model.points)[p] == span_of(mesh.points)[a] && span_of(model.points)[q] == span_of(mesh.points)[b];
@@ -151,13 +160,9 @@ Middles add_inp_middles(const InpModel& model, TetMesh& mesh) {
   }
   mesh.points = std::move(bare.points);
   for (const Index node : model.held_middles) {
-    const std::int64_t label = span_of(model.node_labels)[node];
-    const auto at = std::find(mesh.deck_nodes.begin(), mesh.deck_nodes.end(), label);
-    const bool is_same = at != mesh.deck_nodes.end() &&
-                         mesh.points[to_size_t(at - mesh.deck_nodes.begin())] == span_of(model.points)[node];
-    if (is_same) continue;
-    throw FileError("the mid-side " + name_of(model, node) +
-                    ", which the deck names, is gone or has moved; freeze its edge, or take it out of its set");
+    if (span_of(node2vertex)[node] >= 0) continue;
+    throw FileError("the edge of the mid-side " + name_of(model, node) +
+                    ", which the deck names, is gone; make the edge required, or take the node out of its card");
   }
   return middles;
 }
