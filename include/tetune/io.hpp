@@ -17,7 +17,7 @@ namespace tetune {
 /// - `.vtu .pvtu .vtk`: VTK: unstructured grids, XML (one file, or parts) and legacy
 /// - `.e .ex2 .exo`: Exodus
 /// - `.msh`: Gmsh (versions 2.2 and 4.1, text or binary, either byte order)
-/// - `.inp`: decks of Abaqus and CalculiX (tetrahedra of 4 nodes); all around the mesh is kept in TetMesh::deck
+/// - `.inp`: decks of Abaqus and CalculiX (tetrahedra of 4 or 10 nodes); all around the mesh is kept in TetMesh::deck
 /// - `.su2`: SU2
 /// - `.unv .bdf .med .cgns`: I-deas universal, Nastran, MED, CGNS
 ///

@@ -63,8 +63,10 @@ void read_inp_tets(InpCursor& cursor, Index set, InpScan& scan) {
   while (!cursor.at_end() && cursor.line_kind() == InpCursor::Line::data) {
     model.tet_lines.push_back(cursor.at());
     const std::int64_t label = cursor.label("number of an element");
-    for (int k = 0; k < 4; ++k) {
-      if (!cursor.take_comma()) cursor.fail("the element has fewer than 4 nodes");
+    for (int k = 0; k < scan.nodes_per_tet; ++k) {
+      if (!cursor.take_comma()) {
+        cursor.fail("the element has fewer than " + std::to_string(scan.nodes_per_tet) + " nodes");
+      }
       if (cursor.line_done() && !cursor.at_end()) {
         cursor.end_line();
         cursor.skip_comments();

@@ -6,6 +6,7 @@
 #include <deque>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/number_index.hpp"
@@ -39,6 +40,10 @@ struct InpSet {
   bool of_nodes = false;
   /// Nodes by position, elements by position among all elements; ascending.
   std::vector<Index> members;
+  /// Mid-side nodes, which are not in `members`; ascending.
+  std::vector<Index> middles;
+  /// A set of nodes that has all mid-side nodes of its regions and patches, and new ones join it.
+  bool adds_middles = false;
   /// Positions in InpModel::set_cards.
   std::vector<Index> cards;
   /// A set of tetrahedra for one line of faces and nothing else: it follows those faces, and makes no region.
@@ -130,6 +135,10 @@ struct InpModel {
 
   std::vector<Index> tet2element;
   std::vector<std::array<Index, 4>> tets;  ///< nodes, as listed
+  /// The edges of second-order tetrahedra by their nodes, ascending, with their mid-side nodes.
+  std::vector<std::pair<std::array<Index, 2>, Index>> middles;
+  std::vector<Index> held_middles;  ///< mid-side nodes that other cards name and no set can follow
+  bool is_second_order = false, is_straight = false;
   std::vector<const char*> tet_lines;
   std::vector<Index> tet2card;
   std::vector<InpEntityCard> tet_cards;

@@ -38,8 +38,8 @@ std::string without_generate(std::string_view written, const char* newline) {
 
 class InpFollower {
  public:
-  InpFollower(const InpModel& model, const TetMesh& mesh, const InpMatch& match)
-      : model_(model), mesh_(mesh), match_(match), additions_(model.sets.size()) {}
+  InpFollower(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles)
+      : model_(model), mesh_(mesh), match_(match), middles_(middles), additions_(model.sets.size()) {}
 
   InpChanges follow() {
     changes_.cards_after_tets.resize(model_.tet_cards.size());
@@ -159,21 +159,27 @@ class InpFollower {
     std::vector<Index> vertex2inserted(mesh_.points.size(), -1);
     for (std::size_t i = 0; i < match_.inserted.size(); ++i) span_of(vertex2inserted)[match_.inserted[i]] = to_index(i);
     std::vector<std::set<int>> regions(match_.inserted.size()), patches(match_.inserted.size());
-    const auto collect = [&](const auto& elements, const std::vector<int>& tags, std::vector<std::set<int>>& of) {
+    const auto collect = [&](const auto& elements, const std::vector<int>& tags, std::vector<std::set<int>>& of,
+                             const auto& edges) {
       for (std::size_t i = 0; i < elements.size(); ++i) {
         for (const Index v : elements[i]) {
+          if (const Index n = span_of(vertex2inserted)[v]; n >= 0) span_of(of)[n].insert(tags[i]);
+        }
+        if (middles_ == nullptr || !middles_->has(elements[i])) continue;
+        for (const auto& [a, b] : edges) {
+          const Index v = middles_->of(elements[i][to_size_t(a)], elements[i][to_size_t(b)]);
           if (const Index n = span_of(vertex2inserted)[v]; n >= 0) span_of(of)[n].insert(tags[i]);
         }
       }
     };
     if (match_.inserted.empty()) return;
-    collect(mesh_.tets, mesh_.tet_tags, regions);
-    collect(mesh_.triangles, mesh_.triangle_tags, patches);
+    collect(mesh_.tets, mesh_.tet_tags, regions, kTetEdges);
+    collect(mesh_.triangles, mesh_.triangle_tags, patches, kTriangleEdges);
     const Index set_of_card = model_.node_cards.back().set;
     std::vector<std::vector<Index>> sets_of(match_.inserted.size());
     changes_.appends_nodes = true;
     for (std::size_t i = 0; i < sets_of.size(); ++i) {
-      sets_of[i] = sets_with(regions[i], patches[i]);
+      sets_of[i] = sets_with(regions[i], patches[i], middles_ != nullptr && middles_->is_middle(match_.inserted[i]));
       if (set_of_card >= 0 && !has(sets_of[i], set_of_card)) changes_.appends_nodes = false;
     }
     std::set<Index> all;
@@ -185,13 +191,14 @@ class InpFollower {
     changes_.cards_after_nodes = further_cards({all.begin(), all.end()});
   }
   /// The sets of nodes that have all vertices of one of these regions or patches.
-  std::vector<Index> sets_with(const std::set<int>& regions, const std::set<int>& patches) const {
+  std::vector<Index> sets_with(const std::set<int>& regions, const std::set<int>& patches, bool is_middle) const {
     std::vector<Index> sets;
     for (Index s = 0; s < std::ssize(model_.sets); ++s) {
       const InpSet& set = span_of(model_.sets)[s];
       const auto any_of = [](const std::vector<int>& tags, const std::set<int>& found) {
         return std::any_of(tags.begin(), tags.end(), [&found](int tag) { return found.count(tag) != 0; });
       };
+      if (is_middle && !set.adds_middles) continue;
       if (set.of_nodes && (any_of(set.regions, regions) || any_of(set.patches, patches))) sets.push_back(s);
     }
     return sets;
@@ -234,6 +241,7 @@ class InpFollower {
   const InpModel& model_;
   const TetMesh& mesh_;
   const InpMatch& match_;
+  const Middles* middles_;
   std::map<Index, std::set<std::int64_t>> auxiliary_members_;  ///< numbers of elements, by set
   std::vector<std::vector<InpLabeledFace>> faces_;             ///< per face group
   std::vector<std::vector<std::int64_t>> additions_;           ///< per set
@@ -242,8 +250,8 @@ class InpFollower {
 
 }  // namespace
 
-InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match) {
-  return InpFollower(model, mesh, match).follow();
+InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles) {
+  return InpFollower(model, mesh, match, middles).follow();
 }
 
 }  // namespace tetune

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/inp_match.hpp"
+#include "io/second_order.hpp"
 
 namespace tetune {
 
@@ -22,6 +23,6 @@ struct InpChanges {
 };
 
 /// Finds the sets and surfaces of a deck in a mesh. Throws FileError where one of them is lost.
-InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match);
+InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles);
 
 }  // namespace tetune

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Abaqus's and CalculiX's decks (.inp).
+#include "io/inp_middles.hpp"
 #include "io/inp_scan.hpp"
 
 namespace tetune {
@@ -9,6 +10,7 @@ TetMesh parse_inp(const std::string& path, std::string bytes, const IoContext& c
   TetMesh mesh;
   resolve_inp(scan, mesh, path, context);
   partition_inp(scan, scan.model, mesh, context);
+  erase_inp_middles(scan.model, mesh, path);
   mesh.deck = std::make_shared<const AbaqusDeck>(std::move(scan.model));
   return mesh;
 }

@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "io/inp_data.hpp"
+#include "io/inp_middles.hpp"
+#include "io/second_order.hpp"
+#include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -45,10 +48,17 @@ class InpResolver {
     model_.tets.resize(model_.tet2element.size());
     auto label = scan_.tet_node_labels.begin();
     for (std::size_t t = 0; t < model_.tets.size(); ++t) {
-      for (Index& v : model_.tets[t]) v = node_of(*label++, model_.tet2element[t]);
+      const Index element = model_.tet2element[t];
+      for (Index& v : model_.tets[t]) v = node_of(*label++, element);
+      if (!model_.is_second_order) continue;
+      for (const auto& [a, b] : kTetEdges) {
+        const auto& v = model_.tets[t];
+        model_.middles.emplace_back(ascending(v[to_size_t(a)], v[to_size_t(b)]), node_of(*label++, element));
+      }
     }
     scan_.tet_node_labels = {};
     mesh_.tets = model_.tets;
+    check_inp_middles(model_, path_);
   }
 
   void resolve_other(const InpOther& other) {
@@ -101,6 +111,7 @@ class InpResolver {
     }
     for (std::size_t c = 0; c < model_.set_cards.size(); ++c) resolve_set_card(c);
     for (InpSet& set : model_.sets) sort_unique(set.members);
+    split_inp_sets(model_);
   }
 
   void resolve_set_card(std::size_t c) {

@@ -126,13 +126,16 @@ class InpScanner {
     const std::string* type = keyword.find("TYPE");
     if (type == nullptr) where.fail("*ELEMENT has no TYPE");
     type_ = inp_element_type(inp_name(*type));
-    if (type_.role == InpElementType::Role::quadratic_tetrahedron) {
-      where.fail("the elements have type " + *type +
-                 "; tetune takes tetrahedra of 4 nodes (C3D4), and no second-order ones from decks");
-    }
     element_set_ = -1;
     if (const std::string* set = keyword.find("ELSET")) element_set_ = set_of(false, *set, where);
-    const bool is_tet = type_.role == InpElementType::Role::tetrahedron;
+    const bool is_second_order = type_.role == InpElementType::Role::quadratic_tetrahedron;
+    const bool is_tet = is_second_order || type_.role == InpElementType::Role::tetrahedron;
+    if (is_tet && scan_.nodes_per_tet != 0 && scan_.nodes_per_tet != type_.nodes) {
+      where.fail("the elements have type " + *type + ", and others before are tetrahedra of " +
+                 std::to_string(scan_.nodes_per_tet) + " nodes; use one of both kinds in a deck");
+    }
+    if (is_tet) scan_.nodes_per_tet = type_.nodes;
+    if (is_second_order) model_.is_second_order = true;
     mode_ = is_tet ? Mode::tets : Mode::others;
     if (is_tet) model_.tet_cards.push_back({element_set_, to_index(model_.tet2element.size()), inp_name(*type)});
     add_piece(InpPiece::Kind::text, start);

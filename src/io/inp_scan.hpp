@@ -45,7 +45,8 @@ struct InpScan {
   /// Face groups by card and by what their lines have before and after the number of the face.
   std::map<std::tuple<std::size_t, std::string, std::string>, Index> face_group_of;
   std::vector<InpPlace> set_places, face_places;  ///< of cards
-  std::vector<std::int64_t> tet_node_labels;      ///< four per tetrahedron
+  int nodes_per_tet = 0;
+  std::vector<std::int64_t> tet_node_labels;  ///< nodes_per_tet per tetrahedron
   std::vector<std::int64_t> other_nodes;
   std::vector<InpOther> others;
   /// Sets by kind (of nodes) and name.

@@ -4,6 +4,7 @@
 
 #include "io/inp_follow.hpp"
 #include "io/inp_format.hpp"
+#include "io/inp_middles.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -11,12 +12,13 @@ namespace {
 
 class InpDeckWriter {
  public:
-  InpDeckWriter(FileWriter& file, const InpModel& model, const TetMesh& mesh)
+  InpDeckWriter(FileWriter& file, const InpModel& model, const TetMesh& mesh, const Middles* middles)
       : file_(file),
         model_(model),
         mesh_(mesh),
+        middles_(middles),
         match_(match_inp(model, mesh)),
-        changes_(follow_inp(model, mesh, match_)) {}
+        changes_(follow_inp(model, mesh, match_, middles)) {}
 
   void write() {
     for (const InpPiece& piece : model_.pieces) {
@@ -69,7 +71,14 @@ class InpDeckWriter {
       out_ += ", ";
       out_ += std::to_string(span_of(match_.vertex_labels)[v]);
     }
+    if (middles_ != nullptr) put_middles(span_of(match_.listed)[t]);
     out_ += model_.newline;
+  }
+  void put_middles(const std::array<Index, 4>& tet) {
+    for (const auto& [a, b] : kTetEdges) {
+      const Index v = middles_->of(tet[to_size_t(a)], tet[to_size_t(b)]);
+      out_ += ", " + std::to_string(span_of(match_.vertex_labels)[v]);
+    }
   }
   /// The text of an entry of a piece, of which the next one starts at `next`.
   static std::string_view text_of(const char* line, const char* next) { return {line, to_size_t(next - line)}; }
@@ -118,6 +127,7 @@ class InpDeckWriter {
   FileWriter& file_;
   const InpModel& model_;
   const TetMesh& mesh_;
+  const Middles* middles_;
   InpMatch match_;
   InpChanges changes_;
   std::string out_;
@@ -127,7 +137,14 @@ class InpDeckWriter {
 
 void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
   if (mesh.deck == nullptr) return write_inp_plain(file, mesh, context);
-  InpDeckWriter(file, mesh.deck->model(), mesh).write();
+  const InpModel& model = mesh.deck->model();
+  if (mesh.second_order != model.is_second_order) {
+    throw FileError("the mesh and its deck have tetrahedra of different order; write another format");
+  }
+  if (!mesh.second_order) return InpDeckWriter(file, model, mesh, nullptr).write();
+  TetMesh with_middles = mesh;
+  const Middles middles = add_inp_middles(model, with_middles);
+  InpDeckWriter(file, model, with_middles, &middles).write();
 }
 
 }  // namespace tetune

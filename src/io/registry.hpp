@@ -77,7 +77,7 @@ void write_tetgen(const std::string& path, const TetMesh& mesh, const IoContext&
 /// Writes the version and encoding of TetMesh::dialect, or 4.1 binary.
 void write_msh(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 
-/// Reads a deck of Abaqus or CalculiX, with the files that it includes. Throws FileError for second-order tetrahedra.
+/// Reads a deck of Abaqus or CalculiX, with the files that it includes.
 TetMesh read_inp(const std::string& path, const IoContext& context);
 /// Reads from bytes in memory; `path` stands for them in messages, and included files are relative to it.
 TetMesh parse_inp(const std::string& path, std::string bytes, const IoContext& context);

@@ -160,6 +160,8 @@ Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
   }
 }
 
+bool Middles::has(Index a, Index b) const { return std::binary_search(edges_.begin(), edges_.end(), ascending(a, b)); }
+
 Index Middles::of(Index a, Index b) const {
   return first_ + to_index(std::lower_bound(edges_.begin(), edges_.end(), ascending(a, b)) - edges_.begin());
 }

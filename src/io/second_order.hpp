@@ -38,6 +38,18 @@ class Middles {
   explicit Middles(TetMesh& mesh);
   /// The node in the middle of an edge of the mesh.
   Index of(Index a, Index b) const;
+  bool is_middle(Index v) const { return v >= first_; }
+  /// Whether all edges of a triangle or tetrahedron have nodes.
+  template <std::size_t n>
+  bool has(const std::array<Index, n>& element) const {
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (!has(element[i], element[j])) return false;
+      }
+    }
+    return true;
+  }
+  bool has(Index a, Index b) const;
   /// Adds the pairs of the nodes in the middles of paired edges.
   void extend(PeriodicLink& link) const;
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from cli_case import Mesh, cube
 
 FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
+PAIRS = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))  # of the mid-side nodes of C3D10
 READ = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "DLOAD")
 
 
@@ -20,6 +21,7 @@ class Deck:
     def __init__(self, path):
         self.nodes, self.tets, self.others, self.nsets, self.elsets, self.surfaces = {}, {}, {}, {}, {}, {}
         self.rest, self.card, self.param = [], "", {}
+        self.middles = {}  # mid-side nodes by the ends of their edges
         for line in Path(path).read_text().splitlines():
             if line.startswith("**") or not line.strip():
                 self.rest.append(line)
@@ -40,9 +42,13 @@ class Deck:
             self.nodes[int(words[0])] = tuple(map(float, words[1:4]))
             self.nsets.setdefault(self.param.get("NSET"), set()).add(int(words[0]))
         elif self.card == "ELEMENT":
-            to = self.tets if self.param["TYPE"] == "C3D4" else self.others
+            to = self.tets if self.param["TYPE"] in ("C3D4", "C3D10") else self.others
             assert int(words[0]) not in self.tets and int(words[0]) not in self.others
-            to[int(words[0])] = tuple(map(int, words[1:]))
+            nodes = tuple(map(int, words[1:]))
+            to[int(words[0])] = nodes[:4] if to is self.tets else nodes
+            for pair, node in zip(PAIRS, nodes[4:] if to is self.tets else ()):
+                ends = tuple(sorted(nodes[k] for k in pair))
+                assert self.middles.setdefault(ends, node) == node
             self.elsets.setdefault(self.param.get("ELSET"), set()).add(int(words[0]))
         elif self.card in ("NSET", "ELSET"):
             sets = self.nsets if self.card == "NSET" else self.elsets
@@ -83,6 +89,9 @@ class Deck:
             sign = -0.5 if sum(a * b for a, b in zip(normal, inward)) > 0 else 0.5
             total = [t + sign * x for t, x in zip(total, normal)]
         return total
+
+    def midpoint(self, edge):
+        return tuple((p + q) / 2 for p, q in zip(*(self.nodes[v] for v in edge)))
 
     def vertices(self, surface):
         return {self.tets[e][k] for e, f in self.surfaces[surface] for k in FACES[f - 1]}

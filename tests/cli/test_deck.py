@@ -177,7 +177,7 @@ class Decks(CliTest):
                 ("*NODE\n\n1.5, 0., 0.\n", "a.inp:3: expected the number of a node, found \"1.5\""),
                 (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3\n", "a.inp:7: the element has fewer than 4 nodes"),
                 (head + "*ELEMENT\n1, 1, 2, 3, 4\n", "a.inp:6: *ELEMENT has no TYPE"),
-                (head + "*ELEMENT, TYPE=C3D10\n", "C3D10; tetune takes tetrahedra of 4 nodes"),
+                (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D10\n", "use one of both kinds in a deck"),
                 (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 9\n", "element 1 has the node 9, which is not defined"),
                 (head + head + tet, "node 4 is defined twice"), (head + tet + tet, "element 1 is defined twice"),
                 (head, "the deck has no *ELEMENT card"), (tet, "the deck has no *NODE card"), (head + tet + "*NGEN\n1, 4, 1\n", "a.inp:8: *NGEN: this card generates"),

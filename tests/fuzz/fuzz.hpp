@@ -100,6 +100,12 @@ inline bool is_doubtful(const TetMesh& mesh, const Quality& quality) {
   std::abort();
 }
 
+/// Whether elements are curved and not proved valid: they are refused without untangling.
+inline bool has_invalid_curved(const TetMesh& mesh) {
+  const CurvedQuality curved = measure_curved(mesh, 1);
+  return curved.valid != curved.tets;
+}
+
 /// Properties of any optimization except of the harmonic energy.
 inline void check_angle(const TetMesh& mesh, const Quality& before, const Quality& after) {
   if (after.dihedral_min < before.dihedral_min * (1 - 1e-9) && !is_doubtful(mesh, before)) {
@@ -110,7 +116,7 @@ inline void check_angle(const TetMesh& mesh, const Quality& before, const Qualit
 /// Checks that a mesh from a reader can be validated, and that a valid mesh can be optimized and stays valid. Anything
 /// else ends the process.
 inline void check(const TetMesh& mesh) {
-  if (!validate(mesh, 1).ok() || mesh.tets.size() >= 2000) return;
+  if (!validate(mesh, 1).ok() || mesh.tets.size() >= 2000 || has_invalid_curved(mesh)) return;
   const Quality before = quality(mesh, 1);
   for (const Effort effort : {Effort::fast, Effort::standard}) {
     Options options;

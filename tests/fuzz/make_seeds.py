@@ -185,6 +185,25 @@ def inp(points, tets, extra):
     return text.encode()
 
 
+def inp_second_order(points, tets):
+    """A deck of tetrahedra of 10 nodes, with sets, a load on a face and one on a mid-side node."""
+    pairs = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+    nodes, middles = list(points), {}
+    for tet in tets:
+        for i, j in pairs:
+            ends = tuple(sorted((tet[i], tet[j])))
+            if ends not in middles:
+                middles[ends] = len(nodes)
+                nodes.append(tuple((p + q) / 2 for p, q in zip(points[ends[0]], points[ends[1]])))
+    text = "*NODE, NSET=ALL\n" + "".join(", ".join(map(str, (v + 1, *p))) + "\n" for v, p in enumerate(nodes))
+    text += "*ELEMENT, TYPE=C3D10, ELSET=E\n"
+    for number, tet in enumerate(tets, 1):
+        row = [*tet, *(middles[tuple(sorted((tet[i], tet[j])))] for i, j in pairs)]
+        text += ", ".join(map(str, (number, *(v + 1 for v in row)))) + "\n"
+    text += f"*NSET, NSET=SOME, GENERATE\n1, {len(nodes)}, 2\n*DLOAD\n1, P1, 2.\n*CLOAD\n{len(nodes)}, 1, 1.\n"
+    return text.encode()
+
+
 def plugin_answer(points, tets, extra):
     """No error, a warning, and the mesh, as src/io/mesh_stream.hpp has them."""
     out = bytearray()
@@ -258,6 +277,7 @@ def main(folder):
                 for binary in (False, True):
                     put("msh", f"{stem}_{'22' if old else '41'}{'b' if binary else ''}", msh(points, tets, extra, old, binary))
             put("inp", stem, inp(points, tets, extra))
+            put("inp", name + "_10", inp_second_order(points, tets))
             put("tetgen", stem, tetgen(points, tets, extra, int(extra)))
             for version in (1, 2, 3, 4):
                 for order in "<>":

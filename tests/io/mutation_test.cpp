@@ -134,11 +134,15 @@ TEST_F(MutationTest, Inp) {
   m.triangles = {{0, 1, 4}, {0, 4, 3}};
   m.triangle_tags = {7, 8};
   m.groups = {{3, 1, "steel", {1}}, {2, 7, "inlet", {7, 8}}};
-  write_mesh(path("whole.inp"), m);
-  run("a.inp", get("whole.inp"),
-      {"*NODE\n", "*ELEMENT, TYPE=C3D8\n", "*NSET, NSET=A, GENERATE\n", "*ELSET, ELSET=B\n", "*SURFACE, NAME=C\n", "**",
-       "*INCLUDE, INPUT=a.inp\n", "-1, ", "0, ", "99999999999999999999, ", "1e400", "nan", "\n", "\"", "S4\n", "A, S1"},
-      8);
+  for (const bool second_order : {false, true}) {
+    m.second_order = second_order;
+    write_mesh(path("whole.inp"), m);
+    run("a.inp", get("whole.inp"),
+        {"*NODE\n", "*ELEMENT, TYPE=C3D8\n", "*NSET, NSET=A, GENERATE\n", "*ELSET, ELSET=B\n", "*SURFACE, NAME=C\n",
+         "**", "*INCLUDE, INPUT=a.inp\n", "-1, ", "0, ", "99999999999999999999, ", "1e400", "nan", "\n", "\"", "S4\n",
+         "A, S1"},
+        8);
+  }
 }
 
 TEST_F(MutationTest, Su2) {
