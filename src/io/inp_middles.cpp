@@ -134,7 +134,7 @@ Middles add_inp_middles(const InpModel& model, TetMesh& mesh) {
   bare.points = mesh.points;
   bare.tets = mesh.tets;
   bare.curved_edges = mesh.curved_edges;
-  const Middles middles(bare);
+  Middles middles(bare);
   std::vector<Index> nodes;
   for (const std::int64_t label : mesh.deck_nodes) nodes.push_back(label == 0 ? -1 : model.node(label));
   mesh.deck_nodes.resize(bare.points.size(), 0);
