@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+"use strict";
+(async () => {
+  const $ = (id) => document.getElementById(id);
+  const inflated = async (text) => {
+    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+  };
+  const wasm = await inflated($("wasm").textContent);
+  const script = URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" }));
+  const scenes = [null, null];
+  let files = {}, input = null, worker = null, place = null;
+  const camera = { turn: -0.7, tilt: 0.45, distance: 2.6 };
+  const status = (text) => { $("status").textContent = text; };
+
+  // ---- 3D
+  const kVertex = `#version 300 es
+    in vec4 corner; uniform mat4 view; out vec3 at; out float quality; out vec3 edge;
+    void main() {
+      gl_Position = view * vec4(corner.xyz, 1.0); at = corner.xyz; quality = corner.w;
+      edge = vec3(equal(ivec3(gl_VertexID % 3), ivec3(0, 1, 2)));
+    }`;
+  const kFragment = `#version 300 es
+    precision highp float; in vec3 at; in float quality; in vec3 edge; out vec4 color;
+    void main() {
+      vec3 n = normalize(cross(dFdx(at), dFdy(at)));
+      float light = 0.65 + 0.35 * abs(dot(n, normalize(vec3(0.4, -0.6, 0.7))));
+      float q = clamp(quality, 0.0, 1.0);
+      vec3 c = q < 0.5 ? mix(vec3(0.27, 0.0, 0.33), vec3(0.13, 0.57, 0.55), 2.0 * q) : mix(vec3(0.13, 0.57, 0.55), vec3(0.99, 0.91, 0.14), 2.0 * q - 1.0);
+      if (quality < -0.5) c = vec3(0.85, 0.1, 0.1);
+      vec3 d = edge / fwidth(edge);
+      color = vec4(c * light * mix(0.55, 1.0, smoothstep(0.3, 1.2, min(d.x, min(d.y, d.z)))), 1.0);
+    }`;
+  const views = [0, 1].map((which) => {
+    const canvas = $("view" + which);
+    const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+    if (!gl) return null;
+    const program = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, kVertex], [gl.FRAGMENT_SHADER, kFragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    gl.useProgram(program);
+    gl.enable(gl.DEPTH_TEST);
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    const corner = gl.getAttribLocation(program, "corner");
+    gl.enableVertexAttribArray(corner);
+    gl.vertexAttribPointer(corner, 4, gl.FLOAT, false, 0, 0);
+    return { canvas, gl, view: gl.getUniformLocation(program, "view"), count: 0 };
+  });
+  const kFaces = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+  const middle = (s, t, c) => (s.points[3 * s.tets[4 * t] + c] + s.points[3 * s.tets[4 * t + 1] + c] +
+    s.points[3 * s.tets[4 * t + 2] + c] + s.points[3 * s.tets[4 * t + 3] + c]) / 4;
+  const box_of = (s) => {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    s.points.forEach((v, i) => { low[i % 3] = Math.min(low[i % 3], v); high[i % 3] = Math.max(high[i % 3], v); });
+    return { low, high, middle: low.map((v, c) => (v + high[c]) / 2), size: Math.hypot(...low.map((v, c) => high[c] - v)) || 1 };
+  };
+  /** Fills the buffer of a view with the faces between drawn tetrahedra and others. */
+  const fill = (which) => {
+    const s = scenes[which], v = views[which];
+    if (!s || !v) return;
+    const box = scenes[0].box;
+    const axis = Number($("axis").value);
+    const at = axis < 0 ? 0 : box.low[axis] + (box.high[axis] - box.low[axis]) * $("plane").value / 1000;
+    const n = s.tets.length / 4;
+    const kept = new Uint8Array(n);
+    const cut = Math.max(axis, 0);
+    for (let t = 0; t < n; ++t) {
+      if (place) {
+        const d = Math.hypot(...[0, 1, 2].map((c) => middle(s, t, c) - place.at[c]));
+        kept[t] = d < 3 * place.size && middle(s, t, cut) <= place.at[cut] ? 1 : 0;
+      } else {
+        kept[t] = axis < 0 || middle(s, t, axis) <= at ? 1 : 0;
+      }
+    }
+    if (place && place.which === which) kept[place.tet] = 1;
+    const center = place ? place.at : box.middle, size = place ? 6 * place.size : box.size;
+    const each = s[$("color").value], scale = $("color").value === "angle" ? 1 / 70.53 : 1;
+    let count = 0;
+    const shown = (f) => kept[f >> 2] && (s.neighbors[f] < 0 || !kept[s.neighbors[f]]);
+    for (let f = 0; f < 4 * n; ++f) count += shown(f) ? 3 : 0;
+    const data = new Float32Array(4 * count);
+    let i = 0;
+    for (let f = 0; f < 4 * n; ++f) {
+      if (!shown(f)) continue;
+      const t = f >> 2;
+      for (const k of kFaces[f & 3]) {
+        for (let c = 0; c < 3; ++c) data[i++] = (s.points[3 * s.tets[4 * t + k] + c] - center[c]) / size;
+        data[i++] = place && place.which === which && place.tet === t ? -1 : each[t] * scale;
+      }
+    }
+    v.gl.bufferData(v.gl.ARRAY_BUFFER, data, v.gl.STATIC_DRAW);
+    v.count = count;
+  };
+  const draw = () => views.forEach((v) => {
+    if (!v) return;
+    const { gl, canvas } = v;
+    canvas.width = canvas.clientWidth;
+    canvas.height = canvas.clientHeight;
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(1, 1, 1, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const [c, s, d, e] = [Math.cos(camera.turn), Math.sin(camera.turn), Math.cos(camera.tilt), Math.sin(camera.tilt)];
+    const rows = [[c, -s, 0], [e * s, e * c, d], [d * s, d * c, -e]]; // right, up, into the screen
+    const f = 2.2, aspect = canvas.width / Math.max(1, canvas.height), near = 0.05, far = 20;
+    const m = new Float32Array(16);
+    for (let k = 0; k < 3; ++k) {
+      m[4 * k] = f / aspect * rows[0][k];
+      m[4 * k + 1] = f * rows[1][k];
+      m[4 * k + 2] = rows[2][k] * (far + near) / (far - near);
+      m[4 * k + 3] = rows[2][k];
+    }
+    m[14] = camera.distance * (far + near) / (far - near) - 2 * far * near / (far - near);
+    m[15] = camera.distance;
+    gl.uniformMatrix4fv(v.view, false, m);
+    gl.drawArrays(gl.TRIANGLES, 0, v.count);
+  });
+  const refresh = () => { fill(0); fill(1); draw(); };
+  views.forEach((v) => {
+    if (!v) return;
+    v.canvas.addEventListener("pointerdown", (e) => v.canvas.setPointerCapture(e.pointerId));
+    v.canvas.addEventListener("pointermove", (e) => {
+      if (!e.buttons) return;
+      camera.turn += e.movementX * 0.01;
+      camera.tilt = Math.max(-1.57, Math.min(1.57, camera.tilt + e.movementY * 0.01));
+      draw();
+    });
+    v.canvas.addEventListener("wheel", (e) => {
+      e.preventDefault();
+      camera.distance = Math.max(0.1, Math.min(10, camera.distance * Math.exp(e.deltaY * 0.001)));
+      draw();
+    }, { passive: false });
+  });
+
+  // ---- figures
+  const histogram = (canvas, name, high) => {
+    canvas.width = canvas.clientWidth;
+    canvas.height = canvas.clientHeight;
+    const g = canvas.getContext("2d"), kBins = 72;
+    const bins = scenes.map((s) => {
+      const counts = new Float64Array(kBins);
+      if (s) for (const q of s[name]) counts[Math.max(0, Math.min(kBins - 1, Math.floor(q / high * kBins)))] += 1 / s[name].length;
+      return counts;
+    });
+    const top = Math.max(1e-9, ...bins[0], ...bins[1]);
+    bins.forEach((counts, which) => {
+      g.fillStyle = which ? "#1f6fb2a0" : "#b35900a0";
+      const width = canvas.width / kBins;
+      counts.forEach((c, i) => g.fillRect(i * width, canvas.height * (1 - c / top), width - 1, canvas.height * c / top));
+    });
+  };
+  const show_worst = (which) => {
+    const s = scenes[which], table = $("worst" + which);
+    table.querySelectorAll("tr").forEach((r) => r.remove());
+    if (!s) return;
+    const order = [];
+    for (let t = 0; t < s.angle.length; ++t) {
+      if (order.length === 12 && s.angle[t] >= s.angle[order[11]]) continue;
+      const i = order.findIndex((o) => s.angle[t] < s.angle[o]);
+      order.splice(i < 0 ? order.length : i, 0, t);
+      order.length = Math.min(order.length, 12);
+    }
+    for (const t of order) {
+      const row = table.insertRow();
+      for (const text of [t + 1, `${s.angle[t].toFixed(2)}°`, s.ratio[t].toFixed(4)]) row.insertCell().textContent = text;
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = "Show";
+      button.setAttribute("aria-label", `Show element ${t + 1} ${which ? "after" : "before"}`);
+      button.addEventListener("click", () => {
+        const at = [0, 1, 2].map((c) => middle(s, t, c));
+        const size = Math.max(...[0, 1, 2, 3].map((k) => Math.hypot(...at.map((a, c) => s.points[3 * s.tets[4 * t + k] + c] - a))));
+        place = { which, tet: t, at, size: size || 1e-9 };
+        $("whole").hidden = false;
+        refresh();
+        $("cut").scrollIntoView();
+      });
+      row.insertCell().append(button);
+    }
+  };
+  const charts = () => { histogram($("histogram0"), "angle", 72); histogram($("histogram1"), "ratio", 1); };
+  const show_all = () => { [0, 1].forEach(show_worst); charts(); refresh(); };
+
+  // ---- runs
+  const stop = () => {
+    worker?.terminate();
+    worker = null;
+    $("cancel").disabled = true;
+    $("start").disabled = !scenes[0];
+  };
+  const work = (message, done) => {
+    stop();
+    $("start").disabled = true;
+    $("cancel").disabled = false;
+    worker = new Worker(script);
+    worker.onerror = (e) => { stop(); status(`The program failed: ${e.message}`); };
+    worker.onmessage = ({ data }) => {
+      if (data.kind === "line") {
+        if (!data.line.startsWith("{")) return;
+        const { event, phase, iteration } = JSON.parse(data.line);
+        if (event === "progress") status(`Optimizing: ${phase ?? ""}${iteration === undefined ? "" : `, sweep ${iteration}`}`);
+      } else if (data.kind === "error") {
+        stop();
+        status(data.message);
+      } else {
+        stop();
+        done(data);
+      }
+    };
+    worker.postMessage({ wasm, files, ...message });
+  };
+  const angle_of = (s) => s.angle.reduce((a, b) => Math.min(a, b), 180).toFixed(2);
+  const open = async (list) => {
+    stop();
+    files = {};
+    for (const f of list) files[f.name] = new Uint8Array(await f.arrayBuffer());
+    const names = Object.keys(files);
+    input = names.find((n) => n.endsWith(".ele")) ?? names[0];
+    place = scenes[0] = scenes[1] = null;
+    $("whole").hidden = true;
+    $("downloads").replaceChildren();
+    views.forEach((v) => { if (v) v.count = 0; });
+    status(`Reading ${input}`);
+    work({ input }, (data) => {
+      scenes[0] = { ...data, box: box_of(data) };
+      $("start").disabled = false;
+      show_all();
+      status(`${input}: ${(data.tets.length / 4).toLocaleString("en")} tetrahedra, smallest dihedral angle ${angle_of(data)}°.`);
+    });
+  };
+  $("start").addEventListener("click", () => {
+    const dot = input.lastIndexOf(".");
+    const output = `${input.slice(0, dot)}-optimized${input.slice(dot)}`;
+    status("Optimizing");
+    work({ input, output, words: ["--boundary", $("boundary").value, "--effort", $("effort").value] }, (data) => {
+      scenes[1] = data;
+      $("downloads").replaceChildren(...Object.entries(data.results).map(([name, bytes]) => {
+        const a = document.createElement("a");
+        a.href = URL.createObjectURL(new Blob([bytes]));
+        a.download = a.textContent = name;
+        return a;
+      }));
+      show_all();
+      status(`Done in ${data.seconds.toFixed(1)} s: smallest dihedral angle ${angle_of(scenes[0])}° before, ${angle_of(data)}° after.`);
+    });
+  });
+  $("cancel").addEventListener("click", () => { stop(); status("Canceled."); });
+  $("file").addEventListener("change", (e) => { if (e.target.files.length) open(e.target.files); });
+  const drop = $("drop");
+  addEventListener("dragover", (e) => { e.preventDefault(); drop.classList.add("over"); });
+  addEventListener("dragleave", () => drop.classList.remove("over"));
+  addEventListener("drop", (e) => {
+    e.preventDefault();
+    drop.classList.remove("over");
+    if (e.dataTransfer.files.length) open(e.dataTransfer.files);
+  });
+  for (const id of ["axis", "plane", "color"]) $(id).addEventListener("input", refresh);
+  $("whole").addEventListener("click", () => { place = null; $("whole").hidden = true; refresh(); });
+  addEventListener("resize", () => { charts(); draw(); });
+  document.querySelectorAll("form").forEach((f) => f.addEventListener("submit", (e) => e.preventDefault()));
+  draw();
+  document.documentElement.dataset.ready = "true";
+})();

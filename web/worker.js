@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+"use strict";
+// Runs the command line in a worker, on files in memory. Each command has an instance of the module of its own.
+const command = async (wasm, words, files, on_line) => {
+  const errors = [];
+  let code = 0;
+  const module = await tetune_module({
+    wasmBinary: wasm, noInitialRun: true,
+    print: (line) => on_line(line), printErr: (line) => { errors.push(line); on_line(line); }, quit: (status) => { code = status; },
+  });
+  for (const [name, bytes] of Object.entries(files)) module.FS.writeFile(name, bytes);
+  try {
+    const status = module.callMain(words);
+    if (typeof status === "number" && status) code = status;
+  } catch (e) {
+    if (e.name !== "ExitStatus") throw e;
+    code = e.status;
+  }
+  const read = (name) => (module.FS.analyzePath(name).exists ? module.FS.readFile(name) : null);
+  return { code, errors, read, names: () => module.FS.readdir(".").filter((n) => !n.startsWith(".")) };
+};
+
+/** Points and tetrahedra of a binary MEDIT file as the command line writes it. */
+const parsed = (bytes) => {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const version = view.getInt32(4, true);
+  const wide = version >= 4 ? 8 : 4;
+  const integer = (at, size) => (size === 8 ? Number(view.getBigInt64(at, true)) : view.getInt32(at, true));
+  const mesh = {};
+  for (let at = 8; at > 0 && at < bytes.length;) {
+    const keyword = view.getInt32(at, true);
+    if (keyword === 54) break;
+    const place = version >= 3 ? 8 : 4;
+    const next = integer(at + 4, place);
+    at += 4 + place;
+    if (keyword === 4) {
+      const n = integer(at, wide);
+      const real = version === 1 ? 4 : 8;
+      mesh.points = new Float64Array(3 * n);
+      at += wide;
+      for (let v = 0; v < n; ++v, at += 3 * real + wide) {
+        for (let c = 0; c < 3; ++c) mesh.points[3 * v + c] = real === 8 ? view.getFloat64(at + 8 * c, true) : view.getFloat32(at + 4 * c, true);
+      }
+    } else if (keyword === 8) {
+      const n = integer(at, wide);
+      mesh.tets = new Uint32Array(4 * n);
+      at += wide;
+      for (let t = 0; t < n; ++t, at += 5 * wide) {
+        for (let c = 0; c < 4; ++c) mesh.tets[4 * t + c] = integer(at + c * wide, wide) - 1;
+      }
+    }
+    at = next;
+  }
+  return mesh;
+};
+
+const kFaces = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+/** The tetrahedron behind each face, or -1. */
+const neighbors_of = (tets) => {
+  const count = tets.length;
+  const bits = Math.ceil(Math.log2(2 * count + 2));
+  const table = new Int32Array(2 ** bits).fill(-1);
+  const neighbors = new Int32Array(count).fill(-1);
+  const key = (face) => {
+    const t = face & ~3;
+    const [a, b, c] = kFaces[face & 3].map((v) => tets[t + v]);
+    const low = Math.min(a, b, c), high = Math.max(a, b, c);
+    return [low, a + b + c - low - high, high];
+  };
+  for (let face = 0; face < count; ++face) {
+    const [a, b, c] = key(face);
+    let slot = (Math.imul(a, 73856093) ^ Math.imul(b, 19349663) ^ Math.imul(c, 83492791)) >>> (32 - bits);
+    for (; table[slot] >= 0; slot = (slot + 1) & (table.length - 1)) {
+      const [x, y, z] = key(table[slot]);
+      if (x === a && y === b && z === c) break;
+    }
+    if (table[slot] >= 0) {
+      neighbors[face] = table[slot] >> 2;
+      neighbors[table[slot]] = face >> 2;
+    } else {
+      table[slot] = face;
+    }
+  }
+  return neighbors;
+};
+
+/** Smallest dihedral angle in degrees and mean ratio of each tetrahedron, zero for an inverted one. */
+const measured = ({ points, tets }) => {
+  const n = tets.length / 4;
+  const angle = new Float32Array(n), ratio = new Float32Array(n);
+  const p = [0, 1, 2, 3].map(() => [0, 0, 0]);
+  const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  for (let t = 0; t < n; ++t) {
+    for (let v = 0; v < 4; ++v) for (let c = 0; c < 3; ++c) p[v][c] = points[3 * tets[4 * t + v] + c];
+    const e = [minus(p[1], p[0]), minus(p[2], p[0]), minus(p[3], p[0])];
+    const volume = dot(e[0], cross(e[1], e[2])) / 6;
+    if (!(volume > 0)) continue;
+    const squares = [...e, minus(p[2], p[1]), minus(p[3], p[1]), minus(p[3], p[2])].reduce((sum, d) => sum + dot(d, d), 0);
+    ratio[t] = 12 * (3 * volume) ** (2 / 3) / squares;
+    const normal = kFaces.map(([a, b, c]) => cross(minus(p[b], p[a]), minus(p[c], p[a])));
+    let largest = -1;
+    for (let i = 0; i < 4; ++i) {
+      for (let j = 0; j < i; ++j) largest = Math.max(largest, -dot(normal[i], normal[j]) / Math.sqrt(dot(normal[i], normal[i]) * dot(normal[j], normal[j])));
+    }
+    angle[t] = Math.acos(Math.min(1, largest)) * 180 / Math.PI;
+  }
+  return { angle, ratio };
+};
+
+const scene = async (wasm, files, name) => {
+  let bytes = files[name];
+  const done = await command(wasm, ["convert", name, "-o", "view.meshb"], files, () => {});
+  bytes = done.read("view.meshb");
+  if (!bytes) throw new Error(done.errors.join("\n"));
+  const mesh = parsed(bytes);
+  if (!mesh.tets || !mesh.tets.length) throw new Error(`${name}: there is no tetrahedron to show`);
+  return { points: mesh.points, tets: mesh.tets, neighbors: neighbors_of(mesh.tets), ...measured(mesh) };
+};
+const send = (kind, s, more = {}) => postMessage({ kind, ...s, ...more }, [s.points, s.tets, s.neighbors, s.angle, s.ratio].map((a) => a.buffer));
+
+onmessage = async ({ data: { wasm, files, input, output, words } }) => {
+  try {
+    if (!output) {
+      send("before", await scene(wasm, files, input));
+      return;
+    }
+    const start = performance.now();
+    const done = await command(wasm, ["optimize", input, "-o", output, "--threads", "1", "--progress", "json", ...words], files,
+      (line) => postMessage({ kind: "line", line }));
+    const seconds = (performance.now() - start) / 1000;
+    const results = Object.fromEntries(done.names().filter((n) => !(n in files) && done.read(n)).map((n) => [n, done.read(n)]));
+    if (!results[output]) throw new Error(done.errors.filter((l) => !l.startsWith("{")).join("\n") || `exit code ${done.code}`);
+    send("after", await scene(wasm, results, output), { results, seconds });
+  } catch (e) {
+    postMessage({ kind: "error", message: e.message ?? String(e) });
+  }
+};
