@@ -8,6 +8,8 @@ const command = async (wasm, words, files, on_line) => {
     wasmBinary: wasm, noInitialRun: true,
     print: (line) => on_line(line), printErr: (line) => { errors.push(line); on_line(line); }, quit: (status) => { code = status; },
   });
+  module.FS.mkdir("/mesh");
+  module.FS.chdir("/mesh");
   for (const [name, bytes] of Object.entries(files)) module.FS.writeFile(name, bytes);
   try {
     const status = module.callMain(words);
@@ -54,33 +56,45 @@ const parsed = (bytes) => {
   return mesh;
 };
 
+/** Turns tetrahedra that the file lists inside out. */
+const turn = ({ points, tets }) => {
+  let inverted = 0;
+  for (let t = 0; t < tets.length; t += 4) {
+    const [a, b, c] = [1, 2, 3].map((k) => [0, 1, 2].map((i) => points[3 * tets[t + k] + i] - points[3 * tets[t] + i]));
+    const volume = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    inverted += volume < 0 ? 1 : 0;
+  }
+  if (8 * inverted <= tets.length) return;
+  for (let t = 0; t < tets.length; t += 4) [tets[t + 2], tets[t + 3]] = [tets[t + 3], tets[t + 2]];
+};
+
 const kFaces = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
-/** The tetrahedron behind each face, or -1. */
+/** The tetrahedron behind each face, or -1. Faces of the same smallest vertex are in one list. */
 const neighbors_of = (tets) => {
   const count = tets.length;
-  const bits = Math.ceil(Math.log2(2 * count + 2));
-  const table = new Int32Array(2 ** bits).fill(-1);
-  const neighbors = new Int32Array(count).fill(-1);
-  const key = (face) => {
-    const t = face & ~3;
-    const [a, b, c] = kFaces[face & 3].map((v) => tets[t + v]);
-    const low = Math.min(a, b, c), high = Math.max(a, b, c);
-    return [low, a + b + c - low - high, high];
-  };
+  const low = new Uint32Array(count), mid = new Uint32Array(count), high = new Uint32Array(count);
   for (let face = 0; face < count; ++face) {
-    const [a, b, c] = key(face);
-    let slot = (Math.imul(a, 73856093) ^ Math.imul(b, 19349663) ^ Math.imul(c, 83492791)) >>> (32 - bits);
-    for (; table[slot] >= 0; slot = (slot + 1) & (table.length - 1)) {
-      const [x, y, z] = key(table[slot]);
-      if (x === a && y === b && z === c) break;
+    const t = face & ~3, [i, j, k] = kFaces[face & 3];
+    const a = tets[t + i], b = tets[t + j], c = tets[t + k];
+    low[face] = Math.min(a, b, c);
+    high[face] = Math.max(a, b, c);
+    mid[face] = a + b + c - low[face] - high[face];
+  }
+  const first = new Int32Array(low.reduce((m, v) => Math.max(m, v), 0) + 1).fill(-1);
+  const next = new Int32Array(count), neighbors = new Int32Array(count).fill(-1);
+  for (let face = 0; face < count; ++face) {
+    let before = -1, other = first[low[face]];
+    for (; other >= 0 && (mid[other] !== mid[face] || high[other] !== high[face]); other = next[other]) before = other;
+    if (other < 0) {
+      next[face] = first[low[face]];
+      first[low[face]] = face;
+      continue;
     }
-    if (table[slot] >= 0) {
-      neighbors[face] = table[slot] >> 2;
-      neighbors[table[slot]] = face >> 2;
-    } else {
-      table[slot] = face;
-    }
+    neighbors[face] = other >> 2;
+    neighbors[other] = face >> 2;
+    if (before < 0) first[low[face]] = next[other];
+    else next[before] = next[other];
   }
   return neighbors;
 };
@@ -111,12 +125,12 @@ const measured = ({ points, tets }) => {
 };
 
 const scene = async (wasm, files, name) => {
-  let bytes = files[name];
   const done = await command(wasm, ["convert", name, "-o", "view.meshb"], files, () => {});
-  bytes = done.read("view.meshb");
+  const bytes = done.read("view.meshb");
   if (!bytes) throw new Error(done.errors.join("\n"));
   const mesh = parsed(bytes);
   if (!mesh.tets || !mesh.tets.length) throw new Error(`${name}: there is no tetrahedron to show`);
+  turn(mesh);
   return { points: mesh.points, tets: mesh.tets, neighbors: neighbors_of(mesh.tets), ...measured(mesh) };
 };
 const send = (kind, s, more = {}) => postMessage({ kind, ...s, ...more }, [s.points, s.tets, s.neighbors, s.angle, s.ratio].map((a) => a.buffer));
