@@ -9,8 +9,8 @@
   const wasm = await inflated($("wasm").textContent);
   const script = URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" }));
   const scenes = [null, null];
-  let files = {}, input = null, worker = null, place = null;
-  const camera = { turn: -0.7, tilt: 0.45, distance: 2.6 };
+  let files = {}, warnings = [], input = null, worker = null, place = null;
+  const camera = { turn: -0.7, tilt: 0.45, distance: 1.7 };
   const status = (text) => { $("status").textContent = text; };
 
   // ---- 3D
@@ -29,7 +29,9 @@
       vec3 c = q < 0.5 ? mix(vec3(0.27, 0.0, 0.33), vec3(0.13, 0.57, 0.55), 2.0 * q) : mix(vec3(0.13, 0.57, 0.55), vec3(0.99, 0.91, 0.14), 2.0 * q - 1.0);
       if (quality < -0.5) c = vec3(0.85, 0.1, 0.1);
       vec3 d = edge / fwidth(edge);
-      color = vec4(c * light * mix(0.55, 1.0, smoothstep(0.3, 1.2, min(d.x, min(d.y, d.z)))), 1.0);
+      vec3 w = fwidth(edge);
+      float line = 0.45 * (1.0 - smoothstep(0.08, 0.35, max(w.x, max(w.y, w.z)))); // none on faces of a few pixels
+      color = vec4(c * light * mix(1.0 - line, 1.0, smoothstep(0.3, 1.2, min(d.x, min(d.y, d.z)))), 1.0);
     }`;
   const views = [0, 1].map((which) => {
     const canvas = $("view" + which);
@@ -96,11 +98,16 @@
     v.gl.bufferData(v.gl.ARRAY_BUFFER, data, v.gl.STATIC_DRAW);
     v.count = count;
   };
+  const sized = (canvas) => {
+    const scale = devicePixelRatio || 1;
+    canvas.width = Math.round(canvas.clientWidth * scale);
+    canvas.height = Math.round(canvas.clientHeight * scale);
+    return scale;
+  };
   const draw = () => views.forEach((v) => {
     if (!v) return;
     const { gl, canvas } = v;
-    canvas.width = canvas.clientWidth;
-    canvas.height = canvas.clientHeight;
+    sized(canvas);
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(1, 1, 1, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -137,32 +144,47 @@
   });
 
   // ---- figures
-  const histogram = (canvas, name, high) => {
-    canvas.width = canvas.clientWidth;
-    canvas.height = canvas.clientHeight;
-    const g = canvas.getContext("2d"), kBins = 72;
-    const bins = scenes.map((s) => {
-      const counts = new Float64Array(kBins);
-      if (s) for (const q of s[name]) counts[Math.max(0, Math.min(kBins - 1, Math.floor(q / high * kBins)))] += 1 / s[name].length;
-      return counts;
+  /** Shares before and after; `binned` are the numbers of a scene, from 0 to `high`. */
+  const histogram = (canvas, binned, high, unit) => {
+    const scale = sized(canvas);
+    const g = canvas.getContext("2d");
+    g.scale(scale, scale);
+    const width = canvas.clientWidth, bottom = canvas.clientHeight - 22;
+    const shares = scenes.map((s) => {
+      if (!s) return [];
+      const counts = binned(s), sum = counts.reduce((a, c) => a + c, 0) || 1;
+      return Array.from(counts, (c) => c / sum);
     });
-    const top = Math.max(1e-9, ...bins[0], ...bins[1]);
-    bins.forEach((counts, which) => {
+    const top = Math.max(1e-9, ...shares.flat());
+    shares.forEach((each, which) => {
       g.fillStyle = which ? "#1f6fb2a0" : "#b35900a0";
-      const width = canvas.width / kBins;
-      counts.forEach((c, i) => g.fillRect(i * width, canvas.height * (1 - c / top), width - 1, canvas.height * c / top));
+      const step = width / each.length;
+      each.forEach((c, i) => g.fillRect(i * step, bottom * (1 - c / top), Math.max(1, step - 1), bottom * c / top));
     });
+    g.fillStyle = "#59636e";
+    g.font = "13px sans-serif";
+    g.fillRect(0, bottom, width, 1);
+    for (let i = 0; i <= 6; ++i) {
+      g.textAlign = i === 0 ? "left" : i === 6 ? "right" : "center";
+      g.fillText(`${Number((high * i / 6).toFixed(2))}${unit}`, width * i / 6, bottom + 17);
+    }
   };
+  const ratios = (s) => {
+    const counts = new Float64Array(60);
+    for (const q of s.ratio) ++counts[Math.max(0, Math.min(59, Math.floor(q * 60)))];
+    return counts;
+  };
+  const kWorst = 8;
   const show_worst = (which) => {
-    const s = scenes[which], table = $("worst" + which);
+    const s = scenes[which], table = $("worst" + which).tBodies[0];
     table.querySelectorAll("tr").forEach((r) => r.remove());
     if (!s) return;
     const order = [];
     for (let t = 0; t < s.angle.length; ++t) {
-      if (order.length === 12 && s.angle[t] >= s.angle[order[11]]) continue;
+      if (order.length === kWorst && s.angle[t] >= s.angle[order[kWorst - 1]]) continue;
       const i = order.findIndex((o) => s.angle[t] < s.angle[o]);
       order.splice(i < 0 ? order.length : i, 0, t);
-      order.length = Math.min(order.length, 12);
+      order.length = Math.min(order.length, kWorst);
     }
     for (const t of order) {
       const row = table.insertRow();
@@ -182,7 +204,7 @@
       row.insertCell().append(button);
     }
   };
-  const charts = () => { histogram($("histogram0"), "angle", 72); histogram($("histogram1"), "ratio", 1); };
+  const charts = () => { histogram($("histogram0"), (s) => s.angles, 180, "°"); histogram($("histogram1"), ratios, 1, ""); };
   const show_all = () => { [0, 1].forEach(show_worst); charts(); refresh(); };
 
   // ---- runs
@@ -194,6 +216,7 @@
   };
   const work = (message, done) => {
     stop();
+    warnings = [];
     $("start").disabled = true;
     $("cancel").disabled = false;
     worker = new Worker(script);
@@ -201,7 +224,8 @@
     worker.onmessage = ({ data }) => {
       if (data.kind === "line") {
         if (!data.line.startsWith("{")) return;
-        const { event, phase, iteration } = JSON.parse(data.line);
+        const { event, phase, iteration, text } = JSON.parse(data.line);
+        if (event === "warning") warnings.push(text);
         if (event === "progress") status(`Optimizing: ${phase ?? ""}${iteration === undefined ? "" : `, sweep ${iteration}`}`);
       } else if (data.kind === "error") {
         stop();
@@ -245,7 +269,7 @@
         return a;
       }));
       show_all();
-      status(`Done in ${data.seconds.toFixed(1)} s: smallest dihedral angle ${angle_of(scenes[0])}° before, ${angle_of(data)}° after.`);
+      status(`Done in ${data.seconds.toFixed(1)} s: smallest dihedral angle ${angle_of(scenes[0])}° before, ${angle_of(data)}° after.${warnings.map((w) => `\nWarning: ${w}`).join("")}`);
     });
   });
   $("cancel").addEventListener("click", () => { stop(); status("Canceled."); });

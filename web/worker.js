@@ -99,10 +99,11 @@ const neighbors_of = (tets) => {
   return neighbors;
 };
 
-/** Smallest dihedral angle in degrees and mean ratio of each tetrahedron, zero for an inverted one. */
+/** Smallest dihedral angle in degrees and mean ratio of each tetrahedron, zero for an inverted one; numbers of all
+    dihedral angles by steps of two degrees. */
 const measured = ({ points, tets }) => {
   const n = tets.length / 4;
-  const angle = new Float32Array(n), ratio = new Float32Array(n);
+  const angle = new Float32Array(n), ratio = new Float32Array(n), angles = new Float64Array(90);
   const p = [0, 1, 2, 3].map(() => [0, 0, 0]);
   const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -115,13 +116,18 @@ const measured = ({ points, tets }) => {
     const squares = [...e, minus(p[2], p[1]), minus(p[3], p[1]), minus(p[3], p[2])].reduce((sum, d) => sum + dot(d, d), 0);
     ratio[t] = 12 * (3 * volume) ** (2 / 3) / squares;
     const normal = kFaces.map(([a, b, c]) => cross(minus(p[b], p[a]), minus(p[c], p[a])));
-    let largest = -1;
+    let smallest = 180;
     for (let i = 0; i < 4; ++i) {
-      for (let j = 0; j < i; ++j) largest = Math.max(largest, -dot(normal[i], normal[j]) / Math.sqrt(dot(normal[i], normal[i]) * dot(normal[j], normal[j])));
+      for (let j = 0; j < i; ++j) {
+        const cosine = -dot(normal[i], normal[j]) / Math.sqrt(dot(normal[i], normal[i]) * dot(normal[j], normal[j]));
+        const degrees = Math.acos(Math.max(-1, Math.min(1, cosine))) * 180 / Math.PI;
+        ++angles[Math.min(89, Math.floor(degrees / 2))];
+        smallest = Math.min(smallest, degrees);
+      }
     }
-    angle[t] = Math.acos(Math.min(1, largest)) * 180 / Math.PI;
+    angle[t] = smallest;
   }
-  return { angle, ratio };
+  return { angle, ratio, angles };
 };
 
 const scene = async (wasm, files, name) => {
@@ -146,7 +152,9 @@ onmessage = async ({ data: { wasm, files, input, output, words } }) => {
       (line) => postMessage({ kind: "line", line }));
     const seconds = (performance.now() - start) / 1000;
     const results = Object.fromEntries(done.names().filter((n) => !(n in files) && done.read(n)).map((n) => [n, done.read(n)]));
-    if (!results[output]) throw new Error(done.errors.filter((l) => !l.startsWith("{")).join("\n") || `exit code ${done.code}`);
+    const reasons = done.errors.map((l) => (l.startsWith("{") ? JSON.parse(l) : { event: "error", text: l }))
+      .filter(({ event }) => event === "error").map(({ text }) => text);
+    if (!results[output]) throw new Error(reasons.join("\n") || `exit code ${done.code}`);
     send("after", await scene(wasm, results, output), { results, seconds });
   } catch (e) {
     postMessage({ kind: "error", message: e.message ?? String(e) });
