@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of scripts/web in a browser: its files are those of the command line, and nothing is requested.
+
+python3 tests/bits/browser.py COMMAND ...    the words that start the command line; exit code 1 on a difference
+"""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).parents[2]
+BRACKET = ROOT / "data" / "bracket.meshb"
+
+
+def optimize_in(tab, page, mesh, boundary, effort):
+    """The bytes of the file that the page offers."""
+    tab.goto(page.as_uri())
+    tab.wait_for_selector("html[data-ready=true]", state="attached")
+    tab.locator("#file").set_input_files(mesh)
+    tab.wait_for_selector("#start:enabled")
+    tab.locator("#boundary").select_option(boundary)
+    tab.locator("#effort").select_option(effort)
+    tab.locator("#start").click()
+    with tab.expect_download() as download:
+        tab.locator("#downloads a").first.click()
+    return download.value.path().read_bytes()
+
+
+def check(tab, folder, command):
+    page = folder / "index.html"
+    errors, requests = [], []
+    tab.set_default_timeout(60_000)
+    tab.on("pageerror", lambda e: errors.append(str(e)))
+    tab.on("request", lambda r: requests.append(r.url))
+    for boundary, effort in (("preserve", "fast"), ("slide", "standard")):
+        expected = folder / "expected.meshb"
+        words = ["optimize", BRACKET, "-o", expected, "--boundary", boundary, "--effort", effort, "--threads", "1", "--quiet"]
+        subprocess.run([*command, *words], check=True)
+        same = optimize_in(tab, page, BRACKET, boundary, effort) == expected.read_bytes()
+        assert same, f"the page's file differs from the command line's: {boundary}, {effort}"
+    assert tab.locator("#worst1 tbody tr").count() == 8
+    tab.locator("#worst1 button").first.click()
+    tab.locator("#whole").click()
+    bad = folder / "bad.mesh"
+    bad.write_text("no mesh\n")
+    tab.locator("#file").set_input_files(bad)
+    tab.get_by_text("bad.mesh:1: this is not a MEDIT mesh").wait_for()
+    assert errors == [], errors
+    assert [r for r in requests if not r.startswith(("file:", "data:", "blob:"))] == [], requests
+
+
+def main():
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        print("browser: skipped, not installed: playwright (pip install playwright)")
+        return
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    if chromium is None:
+        print("browser: skipped, not installed: chromium")
+        return
+    with tempfile.TemporaryDirectory() as name, sync_playwright() as p:
+        folder = pathlib.Path(name)
+        subprocess.run([ROOT / "scripts" / "web", folder], check=True, stdout=subprocess.DEVNULL)
+        switches = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        browser = p.chromium.launch(executable_path=chromium, args=switches)
+        check(browser.new_page(viewport={"width": 1300, "height": 1000}), folder, sys.argv[1:])
+        browser.close()
+    print("browser: the page's files are the command line's")
+
+
+if __name__ == "__main__":
+    main()
