@@ -10,7 +10,7 @@
   const script = URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" }));
   const scenes = [null, null];
   let files = {}, warnings = [], input = null, worker = null, place = null;
-  const camera = { turn: -0.7, tilt: 0.45, distance: 1.7 };
+  const camera = { turn: -0.7, tilt: 0.45, distance: 1.25 };
   const status = (text) => { $("status").textContent = text; };
 
   // ---- 3D
