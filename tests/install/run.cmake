@@ -5,7 +5,7 @@ function(run)
     message(FATAL_ERROR "${ARGN}\n${text}")
   endif()
 endfunction()
-file(REMOVE_RECURSE ${WORK}/prefix ${WORK}/consumer ${WORK}/readme ${WORK}/c_page)
+file(REMOVE_RECURSE ${WORK}/prefix ${WORK}/consumer ${WORK}/shown)
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/consumer -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
   -DCMAKE_CXX_COMPILER=${COMPILER} -DMPI_PROGRAM=${MPI_PROGRAM})
@@ -14,37 +14,28 @@ run(${WORK}/consumer/consumer)
 if(MPI_PROGRAM)
   run(${WORK}/consumer/consumer_mpi -n 4)
 endif()
-# The program and the project that README.md shows.
-file(WRITE ${WORK}/readme/in.mesh "MeshVersionFormatted 2 Dimension 3 Vertices 4 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0
-  Tetrahedra 1 1 2 3 4 1 End")
-file(READ ${README} readme)
-string(REGEX MATCH "```cpp\n(#include[^\n]*\n)([^`]*)```" found "${readme}")
-file(WRITE ${WORK}/readme/main.cpp "${CMAKE_MATCH_1}int main() {\n${CMAKE_MATCH_2}}\n")
-string(REGEX MATCH "```cmake\n([^`]*)```" found "${readme}")
-file(WRITE ${WORK}/readme/CMakeLists.txt
-  "cmake_minimum_required(VERSION 3.25)\nproject(readme LANGUAGES CXX)\nadd_executable(app main.cpp)\n${CMAKE_MATCH_1}")
-run(${CMAKE_COMMAND} -S ${WORK}/readme -B ${WORK}/readme/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
-  -DCMAKE_CXX_COMPILER=${COMPILER})
-run(${CMAKE_COMMAND} --build ${WORK}/readme/build)
-run(${CMAKE_COMMAND} -E chdir ${WORK}/readme build/app)
-if(NOT EXISTS ${WORK}/readme/out.meshb)
-  message(FATAL_ERROR "the program of README.md wrote no out.meshb")
-endif()
-# The C program that docs/c.md shows.
-file(READ ${C_PAGE} page)
-string(REGEX MATCH "```c\n([^`]*)```" found "${page}")
-file(WRITE ${WORK}/c_page/main.c "${CMAKE_MATCH_1}")
-string(REGEX MATCH "```cmake\n([^`]*)```" found "${page}")
-file(WRITE ${WORK}/c_page/CMakeLists.txt
-  "cmake_minimum_required(VERSION 3.25)\nproject(page LANGUAGES C CXX)\nadd_executable(app main.c)\n${CMAKE_MATCH_1}")
-run(${CMAKE_COMMAND} -S ${WORK}/c_page -B ${WORK}/c_page/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
-  -DCMAKE_CXX_COMPILER=${COMPILER})
-run(${CMAKE_COMMAND} --build ${WORK}/c_page/build)
-file(COPY ${WORK}/readme/in.mesh DESTINATION ${WORK}/c_page)
-run(${CMAKE_COMMAND} -E chdir ${WORK}/c_page build/app)
-if(NOT EXISTS ${WORK}/c_page/out.meshb)
-  message(FATAL_ERROR "the program of docs/c.md wrote no out.meshb")
-endif()
+# Builds and runs the program and the project that a page shows: `pattern` finds the program.
+function(run_shown page pattern source languages opening closing)
+  get_filename_component(name ${page} NAME_WE)
+  set(folder ${WORK}/shown/${name})
+  file(WRITE ${folder}/in.mesh "MeshVersionFormatted 2 Dimension 3 Vertices 4 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0
+    Tetrahedra 1 1 2 3 4 1 End")
+  file(READ ${page} text)
+  string(REGEX MATCH "${pattern}" found "${text}")
+  file(WRITE ${folder}/${source} "${CMAKE_MATCH_1}${opening}${CMAKE_MATCH_2}${closing}")
+  string(REGEX MATCH "```cmake\n([^`]*)```" found "${text}")
+  file(WRITE ${folder}/CMakeLists.txt
+    "cmake_minimum_required(VERSION 3.25)\nproject(shown LANGUAGES ${languages})\nadd_executable(app ${source})\n${CMAKE_MATCH_1}")
+  run(${CMAKE_COMMAND} -S ${folder} -B ${folder}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
+    -DCMAKE_CXX_COMPILER=${COMPILER})
+  run(${CMAKE_COMMAND} --build ${folder}/build)
+  run(${CMAKE_COMMAND} -E chdir ${folder} build/app)
+  if(NOT EXISTS ${folder}/out.meshb)
+    message(FATAL_ERROR "the program of ${page} wrote no out.meshb")
+  endif()
+endfunction()
+run_shown(${README} "```cpp\n(#include[^\n]*\n)([^`]*)```" main.cpp CXX "int main() {\n" "}\n")
+run_shown(${C_PAGE} "```c\n(#include[^\n]*\n)([^`]*)```" main.c "C CXX" "" "")
 # The manual and the completions, where the command line was built.
 if(EXISTS ${WORK}/prefix/bin/tetune)
   foreach(file share/man/man1/tetune.1 share/bash-completion/completions/tetune share/zsh/site-functions/_tetune
