@@ -24,7 +24,11 @@ class NetgenReader {
   TetMesh read() {
     if (cursor_.word() != "mesh3d") cursor_.fail("expected \"mesh3d\", with which files of Netgen start");
     for (std::string_view name = cursor_.word(); name != "endmesh"; name = cursor_.word()) {
-      if (name.empty()) cursor_.fail("the file ends before \"endmesh\"");
+      if (name.empty() && !has_points_) cursor_.fail("the file ends before its section \"points\"");
+      if (name.empty()) {
+        context_.warn(path_ + ": the file ends without \"endmesh\"; it may be incomplete");
+        break;
+      }
       read_section(std::string(name));
     }
     if (!has_points_) cursor_.fail("the file has no section \"points\"");

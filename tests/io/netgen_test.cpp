@@ -144,8 +144,17 @@ TEST_F(Netgen, DamageIsNamedWithItsLine) {
   EXPECT_TRUE(contains(error("points\n7", "dots\n7"), "no section \"points\""));
   EXPECT_TRUE(contains(error("2 3 -1 -1 0 1 2", "2 3 -1 -1 0 1 9"), "no description"));
   EXPECT_TRUE(contains(error("1 5 1", "1 99 1"), "an identified point does not exist"));
-  for (std::size_t n = 0; n < kTwo.find("endmesh"); ++n)
-    EXPECT_NE(read_error(put("b.vol", kTwo.substr(0, n))), "") << n;
+  // Netgen reads a file without its end, and some have none.
+  const std::size_t points = kTwo.find("pointelements");
+  for (std::size_t n = 0; n < kTwo.size(); ++n) {
+    std::vector<std::string> warnings;
+    try {
+      read_mesh(put("b.vol", kTwo.substr(0, n)), &warnings, 1);
+      EXPECT_GE(n, points - 3);
+      EXPECT_FALSE(warnings.empty()) << n;
+    } catch (const FileError&) {
+    }
+  }
 }
 
 }  // namespace
