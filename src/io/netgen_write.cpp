@@ -343,7 +343,9 @@ void write_mesh_to(LineWriter out, const TetMesh& mesh, const IoContext& context
   warn_of_losses(mesh, context);
   if (!mesh.second_order) return NetgenWriter(out, mesh, nullptr).write(context);
   TetMesh second = mesh;
+  second.edges.clear();  // the format's edges have no nodes in the middle
   const Middles middles(second);
+  second.edges = mesh.edges;
   NetgenWriter(out, second, &middles).write(context);
 }
 

@@ -89,6 +89,13 @@ TEST_F(Netgen, MiddlesCurvedEdgesAndCompressedFiles) {
   EXPECT_TRUE(back.second_order);
   EXPECT_EQ(back.points, m.points);
   EXPECT_EQ(back.tets, m.tets);
+  // A listed edge of no element adds no node.
+  m.edges = {{0, Index(m.points.size() - 1)}};
+  m.edge_tags = {1};
+  write_mesh(path("edge.vol"), m, 1);
+  EXPECT_EQ(read_mesh(path("edge.vol"), nullptr, 1).points, m.points);
+  m.edges.clear();
+  m.edge_tags.clear();
   // Midpoints in all bits are not listed.
   EXPECT_EQ(back.curved_edges, m.curved_edges);
   std::string text = get("a.vol");
