@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "io/group_order.hpp"
 #include "io/gzip.hpp"
 #include "io/line_writer.hpp"
 #include "io/netgen_format.hpp"
@@ -38,15 +39,15 @@ class NetgenNumbers {
     }
     for (const auto& [tag, number] : numbers_)
       names_.resize(std::max(names_.size(), to_size_t(number)), kNetgenUnnamed);
-    for (const Group& group : mesh.groups) {
-      if (group.dimension == dimension && !group.name.empty()) add_name(group);
+    for (const Group* const group : specific_first(mesh, dimension)) {
+      if (!group->name.empty()) add_name(*group);
     }
   }
   int of(int tag) const { return numbers_.at(tag); }
   const std::vector<std::string>& names() const { return names_; }
   /// Whether a tag has another number.
   bool is_changed() const { return is_changed_; }
-  /// Whether a tag has several names, of which the first is kept.
+  /// Whether a tag has several names, of which one is kept.
   bool is_shared() const { return is_shared_; }
 
  private:
@@ -183,7 +184,7 @@ class NetgenWriter {
       context.warn("tags that are not from 1 to 9999 have other numbers");
     }
     if (std::any_of(all.begin(), all.end(), [](const NetgenNumbers* n) { return n->is_shared(); })) {
-      context.warn("an element can have one name only: it has that of its first group");
+      context.warn("an element can have one name only: it has that of its group with the fewest tags");
     }
   }
 

@@ -120,7 +120,7 @@ TEST_F(Netgen, TagsBecomeNumbersFromOne) {
   for (int& tag : m.tet_tags) tag = tag == m.tet_tags[0] ? 0 : 50000;
   m.triangles = {{0, 1, 4}, {0, 4, 3}};
   m.triangle_tags = {-5, 2};
-  m.groups = {{3, 1, "air", {50000}}, {2, 2, "in let", {2, -5}}, {2, 3, "again", {2}}};
+  m.groups = {{3, 1, "air", {50000}}, {2, 2, "all", {2, -5}}, {2, 3, "in let", {2}}};
   m.corners = {0};
   std::vector<std::string> warnings;
   write_mesh(path("a.vol"), m, 1, &warnings);
@@ -132,9 +132,11 @@ TEST_F(Netgen, TagsBecomeNumbersFromOne) {
   EXPECT_EQ(back.tet_tags[0], 1);
   EXPECT_EQ(back.tet_tags.back() + back.tet_tags.front(), 3);
   EXPECT_EQ(back.triangle_tags, (std::vector{1, 2}));
-  ASSERT_EQ(back.groups.size(), 2U);
+  ASSERT_EQ(back.groups.size(), 3U);
   EXPECT_EQ(back.groups[0].tags, (std::vector{2}));
-  EXPECT_EQ(back.groups[1].tags, (std::vector{1, 2}));
+  // Of several groups the most specific one.
+  EXPECT_EQ(back.groups[1].name + back.groups[2].name, "allin let");
+  EXPECT_EQ(back.groups[2].tags, (std::vector{2}));
 }
 
 TEST_F(Netgen, DamageIsNamedWithItsLine) {
