@@ -128,7 +128,9 @@ class NetgenReader {
     return v - 1;
   }
   std::vector<Index> vertices(int n) {
-    std::vector<Index> list(to_size_t(std::min(n, 20)));
+    constexpr int kMaxNodes = 20;
+    if (n < 1 || n > kMaxNodes) cursor_.fail("elements of " + std::to_string(n) + " nodes are not supported");
+    std::vector<Index> list(to_size_t(n));
     for (Index& v : list) v = vertex();
     return list;
   }

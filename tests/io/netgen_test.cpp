@@ -148,6 +148,7 @@ TEST_F(Netgen, DamageIsNamedWithItsLine) {
   EXPECT_TRUE(contains(error("mesh3d", "mesh2d"), "a.vol:3: expected \"mesh3d\""));
   EXPECT_TRUE(contains(error("dimension\n3", "dimension\n2"), "a.vol:5: the dimension must be 3"));
   EXPECT_TRUE(contains(error("1 4 1 3 2 4", "1 7 1 3 2 4 5 6 7"), "volume elements of 7 nodes"));
+  EXPECT_TRUE(contains(error("1 4 1 3 2 4", "1 -7 1 3 2 4"), "elements of -7 nodes"));
   EXPECT_TRUE(contains(error("points\n7", "points\n70000000"), "more than the rest of the file can hold"));
   EXPECT_TRUE(contains(error("1 4 1 3", "1 4 0 3"), "point number out of range"));
   EXPECT_TRUE(contains(error("points\n7", "dots\n7"), "no section \"points\""));
