@@ -19,6 +19,7 @@ namespace tetune {
 /// - `.msh`: Gmsh (versions 2.2 and 4.1, text or binary, either byte order)
 /// - `.inp`: decks of Abaqus and CalculiX (tetrahedra of 4 or 10 nodes); all around the mesh is kept in TetMesh::deck
 /// - `.su2`: SU2
+/// - `.vol`, `.vol.gz`: Netgen
 /// - `.unv .bdf .med .cgns`: I-deas universal, Nastran, MED, CGNS
 ///
 /// Files of VTK and Exodus, the last four, and other versions of `.msh` are read by separate programs of the

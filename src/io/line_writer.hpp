@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "backend/cpu.hpp"
@@ -40,8 +42,11 @@ class LineWriter {
     std::string& out_;
   };
 
-  LineWriter(FileWriter& file, int threads) : file_(file), cpu_(threads) {}
-  void text(std::string_view text) { file_.write(text); }
+  LineWriter(FileWriter& file, int threads)
+      : LineWriter([&file](std::string_view text) { file.write(text); }, threads) {}
+  /// `write` takes the text in order, in parts.
+  LineWriter(std::function<void(std::string_view)> write, int threads) : write_(std::move(write)), cpu_(threads) {}
+  void text(std::string_view text) { write_(text); }
   /// Writes n lines; put(entry, i) writes one of them.
   template <class Put>
   void lines(std::size_t n, const Put& put) {
@@ -59,13 +64,13 @@ class LineWriter {
           part[p].back() = '\n';
         }
       });
-      for (const std::string& lines : parts) file_.write(lines);
+      for (const std::string& lines : parts) write_(lines);
     }
   }
 
  private:
   static constexpr Size kLinesPerPart = 1 << 15;
-  FileWriter& file_;
+  std::function<void(std::string_view)> write_;
   backend::Cpu cpu_;
 };
 

@@ -37,8 +37,15 @@ void write_file(const std::string& path, const TetMesh& mesh, const IoContext& c
   file.commit();
 }
 
+/// The extension, with the one before it for compressed files.
+std::string ending_of(const std::string& path) {
+  const std::filesystem::path name = path_of(path);
+  const std::string ending = name.extension().string();
+  return ending == ".gz" ? name.stem().extension().string() + ending : ending;
+}
+
 const Format& format_of(const std::string& path, bool to_write) {
-  const std::string ending = path_of(path).extension().string();
+  const std::string ending = ending_of(path);
   bool other_way = false;
   for (const Format& format : formats()) {
     if (std::find(format.endings.begin(), format.endings.end(), ending) == format.endings.end()) continue;
@@ -131,6 +138,8 @@ const std::vector<Format>& formats() {
       {"Gmsh", {".msh"}, read_msh, write_file<write_msh>},
       {"Abaqus, CalculiX", {".inp"}, read_inp, write_file<write_inp>},
       {"SU2", {".su2"}, read_su2, write_file<write_su2>},
+      {"Netgen", {".vol"}, read_netgen, write_file<write_netgen>},
+      {"Netgen, compressed", {".vol.gz"}, read_netgen, write_file<write_netgen_compressed>},
       {"I-deas universal", {".unv"}, nullptr, nullptr, &kGmshPlugin, true, true},
       {"Nastran", {".bdf"}, nullptr, nullptr, &kGmshPlugin, true, true},
       {"MED", {".med"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
@@ -201,7 +210,9 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
   check_writable(path);
   check_arrays(path, mesh);
   const IoContext context{threads, warnings};
-  if (!mesh.periodic.empty() && format.write != write_file<write_msh>) context.warn(path + kNoPeriodic);
+  const bool is_netgen =
+      format.write == write_file<write_netgen> || format.write == write_file<write_netgen_compressed>;
+  if (!mesh.periodic.empty() && format.write != write_file<write_msh> && !is_netgen) context.warn(path + kNoPeriodic);
   if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + kNoDeck);
   if (format.write != nullptr) {
     std::vector<std::string> losses;

@@ -88,6 +88,11 @@ void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 TetMesh read_su2(const std::string& path, const IoContext& context);
 void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 
+/// Reads a mesh of Netgen, compressed if the name ends in .gz.
+TetMesh read_netgen(const std::string& path, const IoContext& context);
+void write_netgen(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+void write_netgen_compressed(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+
 /// Whether this installation has the plugin.
 bool has_plugin(const Plugin& plugin);
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "backend/span.hpp"
+#include "io/group_order.hpp"
 #include "io/line_writer.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
@@ -187,12 +188,11 @@ class Su2Reader {
 class Su2Markers {
  public:
   explicit Su2Markers(const TetMesh& mesh) {
-    for (const Group& group : mesh.groups) {
-      if (group.dimension != 2) continue;
-      std::string name = group.name.empty() ? "patch" + std::to_string(group.number) : group.name;
+    for (const Group* const group : specific_first(mesh, 2)) {
+      std::string name = group->name.empty() ? "patch" + std::to_string(group->number) : group->name;
       std::replace(name.begin(), name.end(), ' ', '_');
-      for (const int tag : group.tags) is_shared_ |= !names_.emplace(tag, name).second;
-      if (group.tags.empty()) lines_[name];
+      for (const int tag : group->tags) is_shared_ |= !names_.emplace(tag, name).second;
+      if (group->tags.empty()) lines_[name];
     }
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto& [a, b, c] = mesh.triangles[i];
@@ -207,7 +207,7 @@ class Su2Markers {
     }
   }
   const std::map<std::string, std::vector<std::vector<Index>>>& lines() const { return lines_; }
-  /// Whether a tag is in several groups; its elements are in the marker of the first.
+  /// Whether a tag is in several groups; its elements are in the marker of that with the fewest tags.
   bool is_shared() const { return is_shared_; }
 
  private:
@@ -276,7 +276,8 @@ void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
     for (const double x : mesh.points[v]) entry.real(x);
   });
   const Su2Markers markers(mesh);
-  if (markers.is_shared()) context.warn("a triangle can be in one marker only: it is in that of its first group");
+  if (markers.is_shared())
+    context.warn("a triangle can be in one marker only: it is in that of its group with the fewest tags");
   out.text("NMARK= " + std::to_string(markers.lines().size()) + "\n");
   for (const auto& [name, lines] : markers.lines()) {
     out.text("MARKER_TAG= " + name + "\nMARKER_ELEMS= " + std::to_string(lines.size()) + "\n");

@@ -156,7 +156,7 @@ class TextCursor {
     const std::string_view w = word();
     at_ = start;
     fail(std::string("expected ") + expected + " (" + name + "), found " +
-         (w.empty() ? "the end of the file" : "\"" + std::string(w.substr(0, 40)) + "\""));
+         (w.empty() ? "the end of the file" : std::string("\"").append(w.substr(0, 40)).append("\"")));
   }
   /// Reads numbers that from_chars refuses: with a plus sign, 1.0D-3 as Fortran programs write, or beyond the range of
   /// double.

@@ -149,3 +149,34 @@ def block(n=4, seed=1, jitter=0.2):
              "*STEP\n*STATIC\n*BOUNDARY\nFIX, 1, 3\n*DLOAD\n" + "".join(f"{e}, P{f}, -70.\n" for e, f in faces(lies(0, 1.0)))
              + "*NODE PRINT, NSET=FIX, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=LOAD\nU\n*END STEP\n")
     return text
+
+
+def contact(n=3, jitter=0.15):
+    """Two unit cubes of meshes of their own, one on the other in contact, with a pressure of 10 on the upper one. The stress
+    is uniform, so that the result does not depend on the meshes."""
+    sets = {name: [] for name in ("BOTTOM", "X0", "Y0", "TIP", "MASTER", "SLAVE", "PRESSED")}
+    text = "*HEADING\nTwo cubes\n*NODE, NSET=NALL\n"
+    rows = {}
+    for part, (name, surfaces) in enumerate((("LOWER", {1.0: "MASTER"}), ("UPPER", {1.0: "SLAVE", 2.0: "PRESSED"}))):
+        mesh = cube(n, jitter, part + 1)
+        points = [(p[0], p[1], p[2] + part) for p in mesh.points]
+        first = 1 + 10_000 * part
+        text += "".join(f"{first + v}, {x!r}, {y!r}, {z!r}\n" for v, (x, y, z) in enumerate(points))
+        for at, (axis, value) in {"BOTTOM": (2, 0), "X0": (0, 0), "Y0": (1, 0)}.items():
+            sets[at] += [first + v for v, p in enumerate(points) if p[axis] == value]
+        sets["TIP"] += [first + v for v, p in enumerate(points) if p == (1, 1, 2)]
+        rows[name] = "".join(lines([first + t, *(first + v for v in tet)]) for t, tet in enumerate(mesh.tets))
+        for z, surface in surfaces.items():
+            sets[surface] += [(first + t, f + 1) for t, tet in enumerate(mesh.tets) for f, face in enumerate(FACES)
+                              if all(points[tet[k]][2] == z for k in face)]
+    for name, row in rows.items():
+        text += f"*ELEMENT, TYPE=C3D4, ELSET={name}\n{row}"
+    text += "*ELSET, ELSET=ALL\nLOWER, UPPER\n"
+    text += "".join(f"*NSET, NSET={name}\n" + lines(sets[name]) for name in ("BOTTOM", "X0", "Y0", "TIP"))
+    text += "".join(f"*SURFACE, NAME={name}, TYPE=ELEMENT\n" + "".join(f"{e}, S{f}\n" for e, f in sets[name])
+                    for name in ("MASTER", "SLAVE"))
+    return (text + "*MATERIAL, NAME=STEEL\n*ELASTIC\n1000., 0.3\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n"
+            "*SURFACE INTERACTION, NAME=TOUCH\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.E6, 0.1\n"
+            "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE\nSLAVE, MASTER\n*STEP\n*STATIC\n1., 1.\n"
+            "*BOUNDARY\nBOTTOM, 3, 3\nX0, 1, 1\nY0, 2, 2\n*DLOAD\n" + "".join(f"{e}, P{f}, 10.\n" for e, f in sets["PRESSED"])
+            + "*NODE PRINT, NSET=TIP\nU\n*NODE PRINT, NSET=BOTTOM, TOTALS=ONLY\nRF\n*END STEP\n")

@@ -8,7 +8,7 @@ import unittest
 
 import cli_case
 from cli_case import CliTest, Mesh, cube, with_triangles
-from deck import FACES, Deck, block
+from deck import FACES, Deck, block, contact
 
 
 def numbers(text):
@@ -202,6 +202,26 @@ class Decks(CliTest):
             self.assertEqual(time, 1)
             self.assertAlmostEqual(reaction, -70, places=3)  # the pressure times the area
             self.assertAlmostEqual(displacement / results[0][5], 1, delta=0.02)
+
+    def test_surfaces_in_contact_stay_in_contact(self):
+        self.put("a.inp", contact())
+        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
+        before, after = Deck(self.path("a.inp")), Deck(self.path("b.inp"))
+        self.assertNotEqual(before.tets, after.tets)
+        self.assertEqual(before.rest, after.rest)
+        for name in ("MASTER", "SLAVE", "DLOAD"):
+            self.assert_close(before.area_vector(name), after.area_vector(name))
+            self.assertLessEqual({e for e, _ in after.surfaces[name]}, after.elsets["LOWER" if name == "MASTER" else "UPPER"])
+        for name, axis, at in (("BOTTOM", 2, 0), ("X0", 0, 0), ("Y0", 1, 0)):
+            self.assertEqual(after.nsets[name], {v for v, p in after.nodes.items() if p[axis] == at})
+        self.assertEqual(after.nsets["TIP"], before.nsets["TIP"])
+        if shutil.which("ccx") is None:
+            self.skipTest("SKIPPED, NOT TESTED: no CalculiX (Debian: calculix-ccx)")
+        for name in "ab":
+            subprocess.run(["ccx", name], cwd=self.folder, check=True, capture_output=True, timeout=cli_case.HANG)
+            _, _, _, displacement, _, _, _, reaction = numbers((self.folder / f"{name}.dat").read_text())
+            self.assertAlmostEqual(displacement, -0.02, delta=2e-5)  # of both cubes, and 1e-5 of the contact
+            self.assertAlmostEqual(reaction, 10, places=3)
 
 
 if __name__ == "__main__":

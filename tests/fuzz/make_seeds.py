@@ -71,6 +71,27 @@ def medit_binary(points, tets, extra, version=2, order="<"):
     return out + struct.pack(order + "i", 54) + struct.pack(position, 0)
 
 
+def su2(points, tets, extra):
+    rows = [(10, *t) for t in tets] + ([(14, 0, 1, 3, 2, 4)] if extra else [])
+    text = f"NDIME= 3\nNELEM= {len(rows)}\n" + "".join(" ".join(map(str, (*row, i))) + "\n" for i, row in enumerate(rows))
+    text += f"NPOIN= {len(points)}\n" + "".join(f"{x} {y} {z} {i}\n" for i, (x, y, z) in enumerate(points))
+    if extra:
+        text += "NMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 2\n5 0 1 2\n9 0 1 3 2\n"
+    return text.encode()
+
+
+def netgen(points, tets, extra):
+    """Edges in the form of older files, or with descriptions."""
+    text = "mesh3d\ndimension\n3\ngeomtype\n0\nsurfaceelements\n1\n1 1 1 0 3 1 2 3\n"
+    text += f"volumeelements\n{len(tets)}\n" + "".join("1 4 " + " ".join(str(t[k] + 1) for k in (0, 2, 1, 3)) + "\n" for t in tets)
+    text += "edgesegmentsgi3\n1\n1 2 -1 -1 0 1 0\n" if extra else "edgesegmentsgi2\n1\n1 0 1 2 -1 -1 0 0 1 0 1 1\n"
+    text += f"points\n{len(points)}\n" + "".join(f"{x} {y} {z}\n" for x, y, z in points)
+    if extra:
+        text += ("pointelements\n1\n1 1\nmaterials\n1\n1 steel\nbcnames\n1\n1 a wall\ncd2names\n1\n1 rim\nedgedescriptors\n"
+                 "1\n1 0 4 0 0 -1 0 -1 rim\nidentifications\n1\n1 2 1\nidentificationtypes\n1\n2\nface_colours\n1\n1 0 1 0\n")
+    return (text + "endmesh\n").encode()
+
+
 def tetgen(points, tets, extra, base):
     nodes = "".join(f"{i + base} {x} {y} {z} 0.5 {i}\n" for i, (x, y, z) in enumerate(points))
     cells = "".join(f"{i + base} {' '.join(str(v + base) for v in t)} {i}\n" for i, t in enumerate(tets))
@@ -278,6 +299,8 @@ def main(folder):
                     put("msh", f"{stem}_{'22' if old else '41'}{'b' if binary else ''}", msh(points, tets, extra, old, binary))
             put("inp", stem, inp(points, tets, extra))
             put("inp", name + "_10", inp_second_order(points, tets))
+            put("su2", stem, su2(points, tets, extra))
+            put("netgen", stem, netgen(points, tets, extra))
             put("tetgen", stem, tetgen(points, tets, extra, int(extra)))
             for version in (1, 2, 3, 4):
                 for order in "<>":

@@ -155,6 +155,32 @@ TEST_F(MutationTest, Su2) {
       {"NELEM= 9\n", "MARKER_TAG= a\n", "%", "=", "-1 ", "1e400 ", "nan ", "\n", "12 ", "FFD= 1\n"}, 8);
 }
 
+TEST_F(MutationTest, Netgen) {
+  TetMesh m = two_materials(2);
+  m.triangles = {{0, 1, 4}, {0, 4, 3}};
+  m.triangle_tags = {7, 8};
+  m.edges = {{0, 1}};
+  m.edge_tags = {1};
+  m.groups = {{2, 7, "inlet", {7}}};
+  m.periodic = {{2, 7, 7, {}, {{0, 1}}}};
+  m.second_order = true;
+  write_mesh(path("whole.vol"), m);
+  const std::vector<std::string> words = {"points\n",          "bcnames\n", "endmesh\n", "edgesegmentsgi3\n",
+                                          "identifications\n", "-1 ",       "99999999 ", "1e400 ",
+                                          "curvedelements\n",  "10 "};
+  run("a.vol", get("whole.vol"), words, 9);
+  try {
+    write_mesh(path("whole.vol.gz"), m);
+  } catch (const FileError&) {
+    return;  // no zlib
+  }
+  std::mt19937 random(10);
+  for (int i = 0; i < 50; ++i) {
+    const std::string damaged = mutated(get("whole.vol.gz"), words, random);
+    read_error(put("b.vol.gz", damaged));
+  }
+}
+
 TEST_F(MutationTest, TetGen) {
   put("m.node", "4 3 0 1\n1 0 0 0 1\n2 1 0 0 2\n3 0 1 0 3\n4 0 0 1 4\n");
   put("m.face", "2 1\n1 1 2 3 5\n2 1 2 4 6\n");

@@ -27,7 +27,7 @@ class Plugins : public IoTest {
 const char* yes(bool kept) { return kept ? "yes" : "no"; }
 
 const std::vector<std::string> kWritten{".mesh", ".meshb", ".msh", ".inp", ".ele", ".su2",
-                                        ".vtu",  ".vtk",   ".e",   ".unv", ".bdf"};
+                                        ".vol",  ".vtu",   ".vtk", ".e",   ".unv", ".bdf"};
 
 /// How the names of groups come back.
 std::string names_kept(TetMesh m, const TetMesh& back) {

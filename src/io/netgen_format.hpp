@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "backend/span.hpp"
+
+namespace tetune {
+
+/// A kind of other elements in Netgen's files, by its number of nodes. Solids are listed the other way around than in
+/// MEDIT's and VTK's files: vertex k there is vertex order[k] here, and the reverse.
+struct NetgenKind {
+  const char* kind;
+  int vertices;
+  bool is_solid;
+  std::array<int, 8> order;
+};
+inline constexpr std::array<NetgenKind, 4> kNetgenKinds{{{"Quadrilaterals", 4, false, {0, 1, 2, 3}},
+                                                         {"Pyramids", 5, true, {0, 3, 2, 1, 4}},
+                                                         {"Prisms", 6, true, {0, 2, 1, 3, 5, 4}},
+                                                         {"Hexahedra", 8, true, {0, 3, 2, 1, 4, 7, 6, 5}}}};
+
+/// The places of tetune's vertices, and of the nodes in the middles of its edges as VTK numbers these, among the nodes
+/// of tetrahedra and triangles.
+inline constexpr std::array<int, 10> kNetgenTet{0, 2, 1, 3, 5, 7, 4, 6, 9, 8};
+inline constexpr std::array<int, 6> kNetgenTriangle{0, 1, 2, 5, 3, 4};
+
+/// The name of what has no name.
+inline constexpr const char* kNetgenUnnamed = "default";
+/// Data of triangles: the number of the face of the geometry.
+inline constexpr const char* kNetgenSurface = "netgen:surface";
+/// The type of identified points that are periodic.
+inline constexpr int kNetgenPeriodic = 2;
+
+}  // namespace tetune
