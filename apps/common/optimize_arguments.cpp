@@ -51,6 +51,21 @@ void define_files(CLI::App& c, OptimizeArguments& a) {
   c.add_flag("--print-options", a.print_options, "Print the options as JSON and exit");
 }
 
+void define_periodic(CLI::App& c, OptimizeArguments& a) {
+  c.add_option("--periodic", a.periodic,
+               "The mesh is a box, periodic along these axes: vertices of opposite faces, which must match, move "
+               "together. $Periodic of a Gmsh file is followed without this option")
+      ->option_text("x,y,z")
+      ->delimiter(',')
+      ->check(is_word({"x", "y", "z"}))
+      ->group(kSurface);
+  c.add_option("--periodic-map", a.periodic_map,
+               "Text file of vertices that move together: a line \"translation X Y Z\", and then a line \"VERTEX "
+               "MASTER\" for each pair that it maps from the master to the vertex, in numbers from 1")
+      ->option_text("FILE")
+      ->group(kSurface);
+}
+
 /// Those of the library's options, in the order of its table, and those that stand for several of them.
 void define_options(CLI::App& c, OptimizeArguments& a) {
   for (const OptionInfo& option : option_table()) {
@@ -66,6 +81,7 @@ void define_options(CLI::App& c, OptimizeArguments& a) {
                    "tag=1,2,patch=inlet")
           ->option_text("tag=N|NAME,...,patch=N|NAME,...")
           ->group(kSurface);
+      define_periodic(c, a);
     } else if (std::string_view(option.name) == "only_below") {
       c.add_option(flag, a.only_below,
                    "Only tetrahedra with a dihedral angle below this, and those around them, may change; all others "

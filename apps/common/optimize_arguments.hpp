@@ -26,10 +26,12 @@ struct MoveArguments {
 
 /// The arguments of `tetune optimize` and `tetune move`.
 struct OptimizeArguments {
-  std::vector<std::string> files;  ///< inputs; without --output, one input and the output
-  Job names;                       ///< patterns of the names of written files; its input is empty
-  std::string tags;                ///< cell data to use as tags; empty: the tags of the file
-  std::string max_deviation;       ///< its length may depend on the mesh
+  std::vector<std::string> files;     ///< inputs; without --output, one input and the output
+  Job names;                          ///< patterns of the names of written files; its input is empty
+  std::string tags;                   ///< cell data to use as tags; empty: the tags of the file
+  std::string max_deviation;          ///< its length may depend on the mesh
+  std::vector<std::string> periodic;  ///< axes
+  std::string periodic_map;
   std::vector<std::string> freeze;
   std::vector<Frozen> frozen;  ///< parsed from `freeze`
   std::optional<double> target_dihedral;

@@ -18,6 +18,7 @@
 #include "option_values.hpp"
 #include "report_files.hpp"
 #include "tables.hpp"
+#include "tetune/periodic.hpp"
 
 namespace tetune::cli {
 namespace {
@@ -57,6 +58,7 @@ class Run {
     const std::string name = shown_name(job_.input, false);
     if (input_.mesh.tets.empty()) throw MeshError(name + ": there is no tetrahedron in this file");
     freeze(a_.frozen, name, input_.mesh, options_);
+    add_links(name);
     if (a_.move) {
       std::vector<std::string> target_warnings;
       targets_ = read_targets(input_.mesh, *a_.move, options_.threads, target_warnings);
@@ -74,6 +76,19 @@ class Run {
                       "smaller mesh",
                       name, needed_mb_, *a_.max_memory));
     }
+  }
+
+  /// Adds the links of --periodic and --periodic-map, which are not written.
+  void add_links(const std::string& name) {
+    file_links_ = input_.mesh.periodic.size();
+    std::array<bool, 3> axes{};
+    for (const std::string& axis : a_.periodic) axes.at(std::string_view("xyz").find(axis)) = true;
+    try {
+      if (!a_.periodic.empty()) link_box_faces(input_.mesh, axes);
+    } catch (const MeshError& e) {
+      throw MeshError(name + ": " + e.what());
+    }
+    if (!a_.periodic_map.empty()) read_periodic_map(a_.periodic_map, input_.mesh);
   }
 
   /// The tables need fewer measures than the report.
@@ -199,6 +214,7 @@ class Run {
   void write() {
     console_.phase("writing");
     const auto start = Time::now();
+    input_.mesh.periodic.resize(file_links_);
     std::vector<std::string> warnings;
     // A deck may include other files, with names relative to its own folder.
     const bool may_copy = !has_changed() && a_.tags.empty() && input_.mesh.deck == nullptr;
@@ -310,6 +326,7 @@ class Run {
   Input input_;
   std::vector<std::string> warnings_;
   double needed_mb_ = 0;
+  std::size_t file_links_ = 0;               ///< number of the periodic links of the file
   std::unique_ptr<const TetMesh> original_;  ///< with Boundary::slide, for the comparison of the surfaces
   std::vector<VertexTargets> targets_;       ///< of `tetune move`
   MoveReport motion_;                        ///< without its Report

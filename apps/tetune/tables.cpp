@@ -243,6 +243,7 @@ std::string constraint_table(const Report& r) {
   line("vertices on lines", r.line_vertices);
   line("vertices on surface", r.surface_vertices);
   line("vertices on curves", r.curve_vertices);
+  line("periodic vertices", r.periodic_vertices);
   line("fixed vertices", r.fixed_vertices);
   return text;
 }

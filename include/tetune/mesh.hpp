@@ -57,8 +57,9 @@ struct ElementBlock {
   std::vector<DataArray> data{};
 };
 
-/// Vertices on a part of the boundary that are images of vertices on another part (Gmsh: a link of $Periodic). They do
-/// not move, and triangles of such vertices do not change.
+/// Vertices on a part of the boundary that are images of vertices on another part (Gmsh: a link of $Periodic), as
+/// link_box_faces() finds them. optimize() moves a vertex and its images together where they differ by a translation,
+/// within planes and along straight lines; with a rotation they do not move. Triangles of such vertices do not change.
 struct PeriodicLink {
   /// Of the part: 0 to 2.
   int dimension = 2;

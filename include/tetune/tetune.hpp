@@ -12,6 +12,7 @@
 #include "tetune/move.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/option_table.hpp"
+#include "tetune/periodic.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/targets.hpp"
 #include "tetune/validate.hpp"

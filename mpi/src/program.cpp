@@ -256,9 +256,9 @@ int main_of_rank(int argc, char** argv) {
       "written; 2 nothing was written, an old output file is untouched.");
   cli::OptimizeArguments arguments;
   cli::define_arguments(app, arguments);
-  for (const char* name :
-       {"--untangle", "--target-dihedral", "--target-quality", "--only-below", "--rings", "--criteria", "--max-memory",
-        "--report-html", "--trace-angles", "--trace", "--map", "--dry-run", "--print-options", "--progress"}) {
+  for (const char* name : {"--untangle", "--target-dihedral", "--target-quality", "--only-below", "--rings",
+                           "--criteria", "--max-memory", "--report-html", "--trace-angles", "--trace", "--map",
+                           "--dry-run", "--print-options", "--progress", "--periodic", "--periodic-map"}) {
     app.remove_option(app.get_option(name));
   }
   try {

@@ -68,6 +68,16 @@ void construct(TetMesh* place, nb::object points, nb::object tets, nb::object po
   new (place) TetMesh(std::move(mesh));
 }
 
+void link_box(TetMesh& mesh, const std::string& axes) {
+  std::array<bool, 3> chosen{};
+  for (const char c : axes) {
+    const std::size_t axis = std::string("xyz").find(c);
+    if (axis == std::string::npos) throw nb::value_error("axes must be some of \"xyz\"");
+    chosen.at(axis) = true;
+  }
+  link_box_faces(mesh, chosen);
+}
+
 void bind_mesh_arrays(nb::class_<TetMesh>& type) {
   type.def_prop_ro(
           "points", [](Self s) { return view(of(s).points, s); }, "Positions, (n, 3).")
@@ -101,6 +111,27 @@ void bind_mesh_arrays(nb::class_<TetMesh>& type) {
           "required_tets", [](Self s) { return view(of(s).required_tets, s); }, "Rows of `tets` that must not change.");
 }
 
+void bind_links(nb::class_<TetMesh>& type) {
+  type.def_prop_ro(
+          "periodic",
+          [](Self s) {
+            nb::list list;
+            for (PeriodicLink& link : of(s).periodic) {
+              list.append(nb::ndarray<nb::numpy, Index, nb::ndim<2>>(link.pairs.data(), {link.pairs.size(), 2}, s));
+            }
+            return list;
+          },
+          nb::sig("def periodic(self) -> list[NDArray[numpy.int32]]"),
+          "Links of periodic parts of the boundary: vertices and their masters, (n, 2).")
+      .def("link_box_faces", &link_box, "axes"_a,
+           "Links the vertices of opposite faces of a box along axes, as \"xy\": optimize() moves them together. "
+           "Raises MeshError where they do not match.")
+      .def(
+          "read_periodic_map", [](TetMesh& mesh, const std::string& path) { read_periodic_map(path, mesh); }, "path"_a,
+          "Adds the links of a text file: a line \"translation X Y Z\", then \"VERTEX MASTER\" for each pair, in "
+          "numbers from 1.");
+}
+
 }  // namespace
 
 void bind_mesh(nb::module_& m) {
@@ -124,6 +155,7 @@ void bind_mesh(nb::module_& m) {
            "Copies the arrays. Each of `others` is a kind of element and the vertices of all elements of that kind; "
            "they do not change.");
   bind_mesh_arrays(type);
+  bind_links(type);
   type.def_prop_ro(
           "others",
           [](Self s) {

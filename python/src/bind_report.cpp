@@ -187,6 +187,7 @@ void bind_report(nb::module_& m) {
       .def_ro("fixed_vertices", &Report::fixed_vertices)
       .def_ro("surface_vertices", &Report::surface_vertices, "Where the boundary slides.")
       .def_ro("curve_vertices", &Report::curve_vertices, "Where the boundary slides.")
+      .def_ro("periodic_vertices", &Report::periodic_vertices, "That move together with their images.")
       .def_ro("corners_not_held", &Report::corners_not_held)
       .def_ro("edges_not_held", &Report::edges_not_held)
       .def_ro("triangles_dropped", &Report::triangles_dropped)

@@ -115,9 +115,6 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   freeze(mesh.required_vertices);
   for (const Index e : mesh.required_edges) freeze(span_of(mesh.edges)[e]);
   for (const Index t : mesh.required_triangles) freeze(span_of(mesh.triangles)[t]);
-  for (const PeriodicLink& link : mesh.periodic) {
-    for (const auto& pair : link.pairs) freeze(pair);
-  }
   find_required_triangles(mesh, result);
   result.locked_tets = mesh.required_tets;
   add_tagged(mesh.tet_tags, options.frozen_regions, "frozen_regions", "tetrahedron", result.locked_tets);
@@ -133,6 +130,10 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
     if (options.frozen_vertices[v] != 0) result.frozen[v] = kFrozen;
   }
   for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
+  if (!mesh.periodic.empty()) result.frozen_without_links = result.frozen;
+  for (const PeriodicLink& link : mesh.periodic) {
+    for (const auto& pair : link.pairs) freeze(pair);
+  }
   find_edges(mesh, result);
   return result;
 }

@@ -17,6 +17,8 @@ struct Constraints {
   /// kMovable, kFrozen or kCorner per vertex. Required entities, periodic links and elements of other kinds freeze
   /// their vertices.
   std::vector<std::uint8_t> frozen;
+  /// The same without periodic links; empty if there is none.
+  std::vector<std::uint8_t> frozen_without_links;
   /// 1 per listed triangle that must not change: a required one, or one of periodic vertices; empty if there is none.
   std::vector<std::uint8_t> required_triangles;
   /// Tetrahedra that must not change: required ones, then those of frozen regions.

@@ -17,7 +17,7 @@ struct ImportedMesh {
   Report report;
   ImportedMesh(const TetMesh& mesh, const Options& options) : backend(options.threads) {
     work.scale = unit_scale(mesh);
-    import_mesh(backend, mesh, options, nullptr, work, report);
+    import_mesh(backend, mesh, options, nullptr, true, work, report);
   }
 };
 

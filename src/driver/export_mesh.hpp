@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "boundary/sliding/slide_surface.inl"
@@ -29,16 +30,25 @@ struct RenumberVertices {
 
 }  // namespace export_mesh_detail
 
-/// The work mesh on the host, for report_targets().
+/// The work mesh on the host, for report_targets(). Vertices that move with their images have the degrees of freedom
+/// that they have together.
 template <class Backend>
 Outcome outcome_of(WorkingSet<Backend>& work, const TetMesh& mesh) {
   work.frozen.resize(to_size_t(work.mesh.vertices()), kMovable);
+  std::vector<VertexDof> dof = work.dofs.dof.download();
+  const std::vector<MotionSpace> spaces = work.periodic.space.download();
+  const std::vector<Index> vertex2class = work.periodic.vertex2class.download();
+  for (std::size_t v = 0; v < vertex2class.size(); ++v) {
+    if (vertex2class[v] < 0) continue;
+    dof[v] = span_of(spaces)[vertex2class[v]].dof;
+    work.frozen[v] = kMovable;
+  }
   return {work.mesh.points.download(),
           work.mesh.tet2vertex.download(),
           work.mesh.tet2tet.download(),
           regions_of(work.mesh.tet2original.download(), mesh),
           number_vertices(work.mesh.vertex2original.download(), mesh.points.size()).work2new(),
-          work.dofs.dof.download(),
+          std::move(dof),
           work.frozen,
           work.required_slots,
           work.scale};

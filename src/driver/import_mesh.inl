@@ -10,6 +10,7 @@
 #include "boundary/classify.hpp"
 #include "boundary/constraints.hpp"
 #include "boundary/find_dofs.hpp"
+#include "driver/import_periodic.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/sort_mesh.hpp"
 #include "mesh/tet_mesh_view.hpp"
@@ -94,25 +95,27 @@ void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<In
   work.required_slots = std::move(locked);
 }
 
-/// Sets WorkingSet::frozen. The vertices of listed triangles that are not faces are frozen.
-template <class Backend>
-void freeze_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& by_original,
-                     const std::vector<Index>& original2vertex, WorkingSet<Backend>& work) {
-  work.frozen.assign(by_original.size(), kMovable);
-  const Span<std::uint8_t> frozen = span_of(work.frozen);
+/// The constraint on each work vertex, given those of the caller's. The vertices of listed triangles that are not
+/// faces are frozen.
+inline std::vector<std::uint8_t> frozen_of(const TetMesh& mesh, const std::vector<std::uint8_t>& by_original,
+                                           const std::vector<Index>& original2vertex,
+                                           const std::vector<Listed>& listed_triangles) {
+  std::vector<std::uint8_t> result(by_original.size(), kMovable);
+  const Span<std::uint8_t> frozen = span_of(result);
   const Span<const Index> to_work = span_of(original2vertex);
   for (Size v = 0; v < frozen.size(); ++v) frozen[to_work[v]] = span_of(by_original)[v];
-  auto state = work.listed_triangles.begin();
+  auto state = listed_triangles.begin();
   for (const auto& triangle : mesh.triangles) {
     if (*state++ != Listed::absent) continue;
     for (const Index v : triangle) frozen[to_work[v]] = kFrozen;
   }
+  return result;
 }
 
 /// Finds the surface and decides where its vertices may go.
 template <class Backend>
 void import_surface(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
-                    const Constraints& constraints, const std::vector<Index>& original2vertex,
+                    const Constraints& constraints, const std::vector<Index>& original2vertex, bool moves_links,
                     WorkingSet<Backend>& work, Report& report) {
   const DeviceViewOf<Backend, std::array<Index, 3>> triangles(backend, mesh.triangles);
   const DeviceViewOf<Backend, int> tags(backend, mesh.triangle_tags);
@@ -130,7 +133,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   build_surface(backend, work.mesh, listed, listed_state, surface);
   work.listed_triangles = listed_state.download();
 
-  freeze_vertices(mesh, constraints.frozen, original2vertex, work);
+  work.frozen = frozen_of(mesh, constraints.frozen, original2vertex, work.listed_triangles);
   const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
   if (flips_boundary(options)) build_boundary(backend, surface, listed, frozen.span(), work.boundary);
   if (edits_surface(options)) {
@@ -148,6 +151,13 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   find_dofs(backend, work.mesh,
             {options, surface, ends, constraints.ridges, edges, work.frozen, work.scale, slides_on, original2vertex},
             work.dofs, report);
+  if (moves_links && slides_on == nullptr && moves_periodic(mesh, options)) {
+    const std::vector<std::uint8_t> held =
+        frozen_of(mesh, constraints.frozen_without_links, original2vertex, work.listed_triangles);
+    import_periodic(backend, mesh,
+                    {options, surface, ends, constraints.ridges, edges, held, work.scale, nullptr, original2vertex},
+                    work, report);
+  }
   if (bends_surface(options)) link_to_reference(backend, work.dofs.reference.across.span(), work.boundary);
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);
@@ -156,18 +166,18 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
 }  // namespace import_mesh_detail
 
 /// Builds the working set of a mesh: checks the mesh, renumbers it, finds its surface and decides where each vertex may
-/// go. Requires WorkingSet::scale. `slides_on`: the surface for Boundary::slide; null: the mesh's own. Throws MeshError
-/// and OptionError.
+/// go. Requires WorkingSet::scale. `slides_on`: the surface for Boundary::slide; null: the mesh's own. Vertices of
+/// periodic links are fixed unless `moves_links`. Throws MeshError and OptionError.
 template <class Backend>
 void import_mesh(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
-                 WorkingSet<Backend>& work, Report& report) {
+                 bool moves_links, WorkingSet<Backend>& work, Report& report) {
   using namespace import_mesh_detail;
   const ValidationReport arrays = validate_arrays(mesh);
   if (!arrays.ok()) throw MeshError(arrays.message(false));
   const Constraints constraints = find_constraints(mesh, options);
   const std::vector<Index> original2vertex = import_tets(backend, mesh, options, work);
   lock_tets(backend, mesh, constraints.locked_tets, work);
-  import_surface(backend, mesh, options, slides_on, constraints, original2vertex, work, report);
+  import_surface(backend, mesh, options, slides_on, constraints, original2vertex, moves_links, work, report);
 }
 
 }  // namespace tetune

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "driver/move_job.hpp"
+#include "energy/ring.hpp"
 #include "phases/tuning.hpp"
 #include "tetune/optimize.hpp"
 
@@ -16,12 +17,20 @@ std::size_t bytes_of(const std::vector<DataArray>& data) {
   return bytes;
 }
 
+/// The joint rings of linked vertices, and what finds them. A vertex of a face has a ring of about ten faces.
+std::size_t periodic_bytes(const TetMesh& mesh) {
+  std::size_t pairs = 0;
+  for (const PeriodicLink& link : mesh.periodic) pairs += link.pairs.size();
+  return 2 * 10 * (3 * sizeof(Point) + 2 * sizeof(LinkFace)) * pairs;
+}
+
 }  // namespace
 
 std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
   // Bytes, fitted to measured peaks: docs/command-line.md, "Memory".
   std::size_t bytes = (std::size_t{4} << 20) + 930 * mesh.points.size() + 84 * mesh.tets.size() +
                       40 * mesh.triangles.size() + 40 * mesh.edges.size();
+  bytes += periodic_bytes(mesh);
   for (const ElementBlock& block : mesh.others) bytes += 8 * (block.element2vertex.size() + block.tags.size());
   if (options.boundary == Boundary::slide) bytes += bytes / 4;  // the reference surface
   if (options.effort == Effort::best) bytes += bytes / 16;      // room for inserted vertices
@@ -49,7 +58,7 @@ std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options)
   const std::size_t load = 70 * tets + 100 * vertices + 24 * mesh.triangles.size();
   // Of small meshes most is the candidates of a batch of proposals.
   const std::size_t candidates = std::size_t{options.effort == Effort::best ? 8U : 4U} << 20;
-  const std::size_t bytes = candidates + std::max(loop, load) + 32 * mesh.edges.size();
+  const std::size_t bytes = candidates + std::max(loop, load) + 32 * mesh.edges.size() + periodic_bytes(mesh);
   return bytes + bytes / 10;
 }
 

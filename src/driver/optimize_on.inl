@@ -85,7 +85,7 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
   report.tets_before = std::ssize(mesh.tets);
   WorkingSet<Backend> work;
   work.scale = job == nullptr ? unit_scale(mesh) : std::min(unit_scale(mesh), job->scale);
-  timer.measure(Phase::load, [&] { import_mesh(backend, mesh, options, surface, work, report); });
+  timer.measure(Phase::load, [&] { import_mesh(backend, mesh, options, surface, job == nullptr, work, report); });
 
   Optimizer<Backend> optimizer(backend, work, options, context, report, timer, start);
   const auto tracker = optimize_on_detail::run_phases(optimizer, job);

@@ -38,6 +38,9 @@ Size improve_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstRepor
   for (int pass = 0; pass < p.opening_passes; ++pass) {
     moved += minimize_angle_cost(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
                                  Span<const std::uint8_t>(selected.span()), cost);
+    if (work.periodic.classes() == 0) continue;
+    moved += minimize_periodic_cost(backend, work.mesh, criterion, work.rings.view(), work.periodic,
+                                    Span<const std::uint8_t>(selected.span()), cost);
   }
   refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, affected.span());
   optimizer.set_energy(sum_energy(backend, work.flips.energies));

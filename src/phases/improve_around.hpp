@@ -99,6 +99,7 @@ BufferOf<Backend, Index> improve_around(Optimizer<Backend>& optimizer, const Cri
   r.flips += flip_around_active(optimizer, criterion);
   const Span<std::uint8_t> active = work.dofs.active.span();
   flag_neighbors(backend, work.mesh, active);
+  flag_images(backend, work.periodic, active);
   auto affected = tets_with_flagged_vertex(backend, work.mesh, Span<const std::uint8_t>(active));
   optimizer.refresh_rings_of_active(affected.span());
   r.moved = optimizer.sweep_once(criterion, SweepScope::selection).moved;

@@ -10,6 +10,7 @@
 #include "phases/tuning.hpp"
 #include "phases/vertex_sets.hpp"
 #include "phases/working_set.hpp"
+#include "relocation/move_periodic.hpp"
 
 namespace tetune {
 
@@ -88,11 +89,17 @@ class Optimizer {
   SweepSum sweep_once(const Criterion& criterion, SweepScope scope) {
     const RelocationParameters& p = tuning.relocation;
     const RingsView rings = work.rings.view();
-    return options.relocation == Relocation::newton
-               ? sweep<SweepRing<Backend>>(backend, work.mesh, criterion, rings, work.coloring, work.dofs,
-                                           NewtonStep{p.relaxation, p.min_gain}, scope)
-               : sweep<SweepRing<Backend>>(backend, work.mesh, criterion, rings, work.coloring, work.dofs,
-                                           GradientStep{p.min_gradient}, scope);
+    const auto sweep_with = [&](const auto& step) {
+      SweepSum sum =
+          sweep<SweepRing<Backend>>(backend, work.mesh, criterion, rings, work.coloring, work.dofs, step, scope);
+      if (work.periodic.classes() > 0) {
+        sum.merge(
+            sweep_periodic(backend, work.mesh, criterion, rings, work.periodic, work.dofs.active.span(), step, scope));
+      }
+      return sum;
+    };
+    return options.relocation == Relocation::newton ? sweep_with(NewtonStep{p.relaxation, p.min_gain})
+                                                    : sweep_with(GradientStep{p.min_gradient});
   }
 
   /// The smallest dihedral angle in degrees with Options::trace_angles, else 0.
@@ -115,7 +122,10 @@ class Optimizer {
   }
 
  private:
-  void color() { color_vertices(backend, work.rings.view(), work.dofs.dof.span(), work.coloring, work.dofs.stars()); }
+  void color() {
+    color_vertices(backend, work.rings.view(), work.dofs.dof.span(), work.coloring, work.dofs.stars());
+    refresh_periodic(backend, work.rings.view(), work.periodic);
+  }
 
   double unit_;  ///< the caller's unit of energy relative to that of the scaled mesh
   double energy_ = 0;

@@ -5,6 +5,7 @@
 #include "boundary/vertex_dofs.hpp"
 #include "operators/flip_state.hpp"
 #include "relocation/coloring.hpp"
+#include "relocation/periodic_set.hpp"
 #include "relocation/sweep.hpp"
 
 namespace tetune {
@@ -19,6 +20,8 @@ struct WorkingSet {
   VertexDofs<Backend> dofs;
   Rings<Backend> rings;
   Coloring<Backend> coloring;
+  /// The linked vertices that move together; empty where none does.
+  PeriodicSet<Backend> periodic;
   /// The number of tetrahedra whose volume is not positive; above 0 with Options::untangle only.
   Size tangled = 0;
   /// The power of two by which the caller's coordinates are multiplied: see unit_scale().

@@ -102,8 +102,10 @@ links = {}
 for d, t in m.getEntities(2):
     master, nodes, masters, affine = m.mesh.getPeriodicNodes(2, t)
     if len(nodes):
-        place = lambda n: [round(x, 9) for x in m.mesh.getNode(n)[0]]
-        links[t] = [master, sorted([place(a), place(b)] for a, b in zip(nodes, masters)), list(affine)]
+        place = lambda n: m.mesh.getNode(n)[0]
+        gap = max(abs(x - y - move) for a, b in zip(nodes, masters)
+                  for x, y, move in zip(place(a), place(b), affine[3:12:4]))
+        links[t] = [master, len(nodes), bool(gap < 1e-9), list(affine)]
 print(json.dumps([groups, {k: n for k, n in counts.items() if n}, links]))
 """
 
@@ -307,7 +309,7 @@ class Conversions(Case):
             self.assertEqual(before, after)
 
     def test_gmsh_and_meshio_read_every_version(self):
-        """The same groups, entities, numbers of elements and periodic vertices before and after an optimization."""
+        """The same groups, entities, numbers of elements and periodic pairs before and after an optimization."""
         python = peers("gmsh", "meshio")
         if python is None:
             self.skipTest("no Python with the gmsh module and meshio: set TETUNE_PEERS_PYTHON")

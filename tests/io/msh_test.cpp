@@ -83,7 +83,7 @@ TEST_F(Msh, EveryDialectKeepsEverything) {
   }
 }
 
-TEST_F(Msh, PeriodicLinksAreKeptAndTheirVerticesStay) {
+TEST_F(Msh, PeriodicLinksAreKeptAndMatch) {
   TetMesh m = cube(4, 0.2);
   m.tet_tags.assign(m.tets.size(), 1);
   m.cell_tags_name = "gmsh:geometrical";

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "curved.hpp"
+#include "periodic_cube.hpp"
+#include "tetune/periodic.hpp"
 
 namespace tetune::test {
 namespace {
@@ -41,6 +43,8 @@ std::vector<Case> cases() {
   Options& gradient = add("gradient_slide", ball(7));
   gradient.relocation = Relocation::gradient;
   gradient.boundary = Boundary::slide;
+  add("periodic", periodic_cube(7, 0.2)).effort = Effort::best;
+  link_box_faces(all.back().mesh, {true, true, true});
   add("harmonic", cube(8, 0.2)).energy = Energy::harmonic;
   add("paper", cube(8, 0.2)).termination = Termination::paper;
   Options& bound = add("deviation", waved(cube(8, 0.15)));

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/periodic.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "backend/span.hpp"
+#include "boundary/motion_intersection.hpp"
+#include "mesh/periodic.hpp"
+#include "meshes.hpp"
+#include "periodic_cube.hpp"
+#include "tetune/error.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+using test::cube;
+using test::periodic_cube;
+
+/// The number of pairs that do not match to the last bit, with the translations that the links have at first.
+std::size_t count_unmatched(const TetMesh& before, const TetMesh& after) {
+  std::size_t count = 0;
+  for (const PeriodicLink& link : before.periodic) {
+    const Vec3 t = translation_of(link, before.points, 1e-9).value();
+    for (const auto& [vertex, master] : link.pairs) {
+      const Point3& p = span_of(after.points)[vertex];
+      const Vec3 image = vec(span_of(after.points)[master]) + t;
+      count += p == Point3{image.x, image.y, image.z} ? 0 : 1;
+    }
+  }
+  return count;
+}
+
+std::size_t count_moved(const TetMesh& before, const TetMesh& after) {
+  std::size_t count = 0;
+  for (const PeriodicLink& link : before.periodic) {
+    for (const auto& [vertex, master] : link.pairs) {
+      count += span_of(before.points)[vertex] == span_of(after.points)[vertex] ? 0 : 1;
+    }
+  }
+  return count;
+}
+
+Options with(Boundary boundary, Effort effort, int threads = 1) {
+  Options options;
+  options.boundary = boundary;
+  options.effort = effort;
+  options.threads = threads;
+  return options;
+}
+
+TEST(Periodic, FacesOfABoxAreLinked) {
+  TetMesh mesh = periodic_cube(3, 0.2);
+  link_box_faces(mesh, {true, true, true});
+  ASSERT_EQ(mesh.periodic.size(), 3U);
+  for (const PeriodicLink& link : mesh.periodic) EXPECT_EQ(link.pairs.size(), 16U);
+  EXPECT_EQ(count_unmatched(mesh, mesh), 0U);
+  const PeriodicClasses classes = find_periodic_classes(mesh);
+  std::array<int, 9> sizes{};
+  for (std::size_t c = 0; c < classes.size(); ++c) ++sizes.at(classes.first[c + 1] - classes.first[c]);
+  EXPECT_EQ(sizes[2], 3 * 4);
+  EXPECT_EQ(sizes[4], 3 * 2);
+  EXPECT_EQ(sizes[8], 1);
+}
+
+TEST(Periodic, AFaceThatDoesNotMatchIsRefused) {
+  TetMesh mesh = periodic_cube(3, 0.2);
+  for (Point3& p : mesh.points) {
+    if (p[0] == 1 && p[1] > 0 && p[1] < 0.5 && p[2] > 0 && p[2] < 0.5) p[1] += 1e-4;
+  }
+  try {
+    link_box_faces(mesh, {true, false, false});
+    FAIL();
+  } catch (const MeshError& e) {
+    EXPECT_NE(std::string(e.what()).find("periodic in x: 2 vertices"), std::string::npos) << e.what();
+  }
+  EXPECT_TRUE(mesh.periodic.empty());
+}
+
+/// Faces move, and match to the last bit; edges of the box move along themselves; the shape is that of the box.
+TEST(Periodic, ImagesMoveTogether) {
+  // The second box has a length that the difference of the faces' coordinates does not reproduce at once.
+  for (const auto& [low, side] : {std::pair(0.0, 1.0), std::pair(0.1, 0.7)}) {
+    for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+      for (const Effort effort : {Effort::standard, Effort::best}) {
+        const TetMesh input = [low = low, side = side] {
+          TetMesh m = periodic_cube(5, 0.2, low, side);
+          link_box_faces(m, {true, true, true});
+          return m;
+        }();
+        ASSERT_EQ(count_unmatched(input, input), 0U);
+        TetMesh mesh = input;
+        const Report report = optimize(mesh, with(boundary, effort));
+        EXPECT_EQ(count_unmatched(input, mesh), 0U);
+        // Each face has 36 vertices; corners stay.
+        EXPECT_GT(count_moved(input, mesh), 2U * 16);
+        EXPECT_EQ(report.periodic_vertices, 6 * 16 + 12 * 4);
+        EXPECT_TRUE(validate(mesh, 1).ok());
+        EXPECT_NEAR(quality(mesh, 1).volume, side * side * side, 1e-12);
+        for (const Point3& p : input.points) {
+          const Point3& now = mesh.points[static_cast<std::size_t>(&p - input.points.data())];
+          for (std::size_t k = 0; k < 3; ++k) {
+            if (p[k] == low || p[k] == low + side) {
+              EXPECT_EQ(now[k], p[k]);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+/// The minimum of the energy is that of the regular lattice, whose faces are not disturbed.
+TEST(Periodic, DisturbedFacesReachTheMinimum) {
+  Options options = with(Boundary::preserve, Effort::best);
+  options.flips = false;
+  options.keep_vertices = true;
+  const auto energy_of = [&options](TetMesh mesh, bool is_linked) {
+    mesh.periodic.clear();
+    if (is_linked) {
+      link_box_faces(mesh, {true, true, true});
+    } else {
+      for (Index v = 0; v < std::ssize(mesh.points); ++v) {
+        const Point3& p = span_of(mesh.points)[v];
+        const bool on_face = std::any_of(p.begin(), p.end(), [](double x) { return x == 0 || x == 1; });
+        if (on_face) mesh.required_vertices.push_back(v);
+      }
+    }
+    return optimize(mesh, options).energy_after;
+  };
+  const double minimum = energy_of(periodic_cube(6, 0), true);
+  const double linked = energy_of(periodic_cube(6, 0.2), true);
+  const double held = energy_of(periodic_cube(6, 0.2), false);
+  EXPECT_LT(std::fabs(linked - minimum), 0.02 * (held - minimum));
+}
+
+TEST(Periodic, TheResultDoesNotDependOnTheNumberOfThreads) {
+  TetMesh mesh = periodic_cube(8, 0.2);
+  link_box_faces(mesh, {true, false, true});
+  TetMesh other = mesh;
+  optimize(mesh, with(Boundary::preserve, Effort::best, 1));
+  optimize(other, with(Boundary::preserve, Effort::best, 3));
+  EXPECT_EQ(mesh.points, other.points);
+  EXPECT_EQ(mesh.tets, other.tets);
+}
+
+TEST(Periodic, OneElementAcrossThePeriodStays) {
+  // Every tetrahedron has a vertex and its image.
+  TetMesh mesh = cube(1);
+  link_box_faces(mesh, {true, true, true});
+  const TetMesh input = mesh;
+  optimize(mesh, with(Boundary::preserve, Effort::standard));
+  EXPECT_EQ(mesh.points, input.points);
+}
+
+TEST(Periodic, AnImageThatMayNotMoveHoldsItsMaster) {
+  TetMesh mesh = periodic_cube(4, 0.2);
+  link_box_faces(mesh, {true, true, true});
+  const TetMesh input = mesh;
+  for (const auto& [vertex, master] : mesh.periodic[0].pairs) mesh.required_vertices.push_back(vertex);
+  optimize(mesh, with(Boundary::preserve, Effort::standard));
+  for (const auto& pair : mesh.periodic[0].pairs) {
+    for (const Index v : pair) EXPECT_EQ(span_of(mesh.points)[v], span_of(input.points)[v]);
+  }
+  EXPECT_GT(count_moved(input, mesh), 0U);
+}
+
+TEST(Periodic, LinksThatAreNoTranslationHoldTheirVertices) {
+  TetMesh mesh = periodic_cube(4, 0.2);
+  PeriodicLink link;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    if (mesh.points[v][0] == 0) link.pairs.push_back({static_cast<Index>(v), 0});
+  }
+  mesh.periodic = {link};
+  const TetMesh input = mesh;
+  EXPECT_EQ(optimize(mesh, with(Boundary::preserve, Effort::standard)).periodic_vertices, 0);
+  for (const auto& [vertex, master] : link.pairs) {
+    EXPECT_EQ(span_of(mesh.points)[vertex], span_of(input.points)[vertex]);
+  }
+}
+
+TEST(Periodic, TheTranslationReproducesMostPairs) {
+  const std::vector<Point3> points = {{0.1, 0, 0}, {0.1, 0.5, 0}, {0.1 + 0.7, 0, 0}, {0.1 + 0.7, 0.5, 1e-17}};
+  const PeriodicLink link{2, 0, 0, {}, {{2, 0}, {3, 1}}};
+  const Vec3 t = translation_of(link, points, 1e-9).value();
+  EXPECT_EQ(0.1 + t.x, 0.1 + 0.7);
+  EXPECT_EQ(t.y, 0);
+  EXPECT_EQ(t.z, 0);
+  EXPECT_FALSE(translation_of(link, points, 1e-18).has_value());
+}
+
+TEST(Periodic, SpacesOfMotionIntersect) {
+  const MotionSpace x{VertexDof::plane, {1, 0, 0}};
+  const MotionSpace y{VertexDof::plane, {0, 1, 0}};
+  const MotionSpace back{VertexDof::plane, {-1, 0, 0}};
+  EXPECT_EQ(intersect(x, back).axis.x, 1);
+  const MotionSpace line = intersect(x, y);
+  EXPECT_EQ(line.dof, VertexDof::line);
+  EXPECT_EQ(line.axis.z, 1);
+  EXPECT_EQ(intersect(line, x).dof, VertexDof::line);
+  EXPECT_EQ(intersect(line, {VertexDof::plane, {0, 0, 1}}).dof, VertexDof::fixed);
+  EXPECT_EQ(intersect(x, {VertexDof::surface, {}}).dof, VertexDof::fixed);
+  EXPECT_EQ(intersect({VertexDof::free, {}}, line).axis.z, 1);
+}
+
+}  // namespace
+}  // namespace tetune
