@@ -87,7 +87,7 @@ class Curver {
     for (int round = 0;; ++round) {
       const std::vector<CurvedTet> tets = measure();
       if (round == 0) report.not_valid_before = std::ssize(find(tets, false));
-      if (round % kRelaxEvery == 0) relax_curved(mesh_, held_, find(tets, true), goal_);
+      if (round % kRelaxEvery == 0 && round <= kPartialRounds) relax_curved(mesh_, held_, find(tets, true), goal_);
       const std::vector<Index> bad = find(measure(), false);
       if (bad.empty()) break;
       straighten(bad, round < kPartialRounds ? kKept : 0);
