@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command convert.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -8,6 +10,7 @@
 #include "definitions.hpp"
 #include "exit_code.hpp"
 #include "mesh_files.hpp"
+#include "tetune/curve.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 
@@ -19,8 +22,43 @@ struct Arguments {
   std::string replaced_output;  ///< with -o
   std::string tags;
   std::string msh;
+  int order = 0;
+  double feature_angle = 45;
   int threads = 0;
 };
+
+/// Converts to elements of the order asked for.
+void set_order(const Arguments& a, TetMesh& mesh, Console& console) {
+  if (a.order == 0) return;
+  const bool had_deck = mesh.deck != nullptr;
+  if (a.order == 1) {
+    mesh.second_order = false;
+    mesh.curved_edges.clear();
+    mesh.deck = nullptr;
+    mesh.deck_nodes.clear();
+  } else {
+    CurveOptions options;
+    options.feature_angle = a.feature_angle;
+    options.threads = a.threads;
+    const CurveReport r = curve(mesh, options);
+    fmt::print(stderr, "{} curved edges, {} curved tetrahedra, smallest scaled Jacobian {:.4f}\n", r.curved_edges,
+               r.curved_tets, r.min_scaled_jacobian);
+    if (r.not_valid_before > 0) {
+      fmt::print(stderr, "{} tetrahedra were not valid with the curved surface: {} inner vertices were moved\n",
+                 r.not_valid_before, r.vertices_moved);
+    }
+    if (!r.straightened.empty()) {
+      console.warn(
+          fmt::format("{} edges of the surface have a part of their curvature alone, as an element would not be "
+                      "valid; by their vertices, counted from 1:",
+                      r.straightened.size()));
+      for (const StraightenedEdge& e : r.straightened) {
+        fmt::print(stderr, "  {} {}: {:.0f} %\n", e.vertices[0] + 1, e.vertices[1] + 1, 100 * e.kept);
+      }
+    }
+  }
+  if (had_deck) console.warn("--order: the mesh is written without the other parts of its deck");
+}
 
 int convert(const Arguments& a) {
   if (a.output.empty() == a.replaced_output.empty()) {
@@ -38,6 +76,7 @@ int convert(const Arguments& a) {
     std::replace(input.mesh.dialect.begin(), input.mesh.dialect.end(), '-', ' ');
     if (!output.ends_with(".msh")) console.warn("--msh has no effect: the output is not an .msh file");
   }
+  set_order(a, input.mesh, console);
   for (const std::string& warning : write_output(output, input.binary, input.mesh, a.threads)) console.warn(warning);
   return kDone;
 }
@@ -57,6 +96,14 @@ void add_convert(CLI::App& app, int& exit_code) {
   c->add_option("--msh", a->msh, "Version and encoding of an .msh file; otherwise those of the input, or 4.1-binary")
       ->check(is_word({"2.2-text", "2.2-binary", "4.1-text", "4.1-binary"}))
       ->option_text("VERSION");
+  c->add_option("--order", a->order,
+                "Order of the tetrahedra: 1 drops mid-side nodes; 2 makes mid-side nodes on the curved surface that is "
+                "reconstructed from the triangles, and proves each element valid; otherwise that of the input")
+      ->check(CLI::IsMember({1, 2}));
+  c->add_option("--feature-angle", a->feature_angle,
+                "With --order 2, the surface is not smooth at edges where it turns by a larger angle, in degrees")
+      ->check(CLI::Range(1e-9, 180.0))
+      ->capture_default_str();
   c->add_option("--tags", a->tags, kTagsHelp)->option_text("NAME");
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
   refuse_empty_values(*c);

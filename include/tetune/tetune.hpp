@@ -3,6 +3,7 @@
 
 /// The whole public API.
 #include "tetune/criteria.hpp"
+#include "tetune/curve.hpp"
 #include "tetune/curved.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"

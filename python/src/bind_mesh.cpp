@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <map>
 #include <string>
 
@@ -27,10 +28,34 @@ void fill_tags(std::vector<int>& tags, std::size_t size) {
   if (tags.empty()) tags.resize(size, 0);
 }
 
+void assign_curved_edges(const nb::object& edges, const nb::object& middles, std::vector<CurvedEdge>& to) {
+  std::vector<std::array<Index, 2>> ends;
+  std::vector<Point3> positions;
+  assign("curved_edges", edges, ends);
+  assign("curved_middles", middles, positions);
+  if (ends.size() != positions.size()) {
+    throw nb::value_error("curved_edges and curved_middles must have the same number of rows");
+  }
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    to.push_back({{std::min(ends[i][0], ends[i][1]), std::max(ends[i][0], ends[i][1])}, positions[i]});
+  }
+  std::sort(to.begin(), to.end(), [](const auto& a, const auto& b) { return a.vertices < b.vertices; });
+}
+
+/// A view of a member of each curved edge.
+template <class T, std::size_t N>
+auto view_curved(std::vector<CurvedEdge>& of, std::array<T, N> CurvedEdge::*member, nb::handle owner) {
+  static_assert(sizeof(CurvedEdge) % sizeof(T) == 0);
+  T* data = of.empty() ? nullptr : (of.front().*member).data();
+  return nb::ndarray<nb::numpy, T, nb::shape<-1, nb::ssize_t{N}>>(data, {of.size(), N}, owner,
+                                                                  {std::int64_t{sizeof(CurvedEdge) / sizeof(T)}, 1});
+}
+
 void construct(TetMesh* place, nb::object points, nb::object tets, nb::object point_tags, nb::object tet_tags,
                nb::object triangles, nb::object triangle_tags, nb::object edges, nb::object edge_tags,
                nb::object corners, nb::object required_vertices, nb::object ridges, nb::object required_edges,
-               nb::object required_triangles, nb::object required_tets, const std::vector<Block>& others) {
+               nb::object required_triangles, nb::object required_tets, const std::vector<Block>& others,
+               bool second_order, nb::object curved_edges, nb::object curved_middles) {
   TetMesh mesh;
   assign("points", points, mesh.points);
   assign("tets", tets, mesh.tets);
@@ -46,6 +71,8 @@ void construct(TetMesh* place, nb::object points, nb::object tets, nb::object po
   assign("required_edges", required_edges, mesh.required_edges);
   assign("required_triangles", required_triangles, mesh.required_triangles);
   assign("required_tets", required_tets, mesh.required_tets);
+  assign_curved_edges(curved_edges, curved_middles, mesh.curved_edges);
+  mesh.second_order = second_order || !mesh.curved_edges.empty();
   for (const auto& [kind, object] : others) {
     const auto array = as_array(kind.c_str(), object);
     if (array.ndim() != 2) throw nb::value_error((kind + " must have the shape (n, vertices of one)").c_str());
@@ -145,17 +172,34 @@ void bind_mesh(nb::module_& m) {
            "edges"_a = nb::none(), "edge_tags"_a = nb::none(), "corners"_a = nb::none(),
            "required_vertices"_a = nb::none(), "ridges"_a = nb::none(), "required_edges"_a = nb::none(),
            "required_triangles"_a = nb::none(), "required_tets"_a = nb::none(), "others"_a = std::vector<Block>{},
+           "second_order"_a = false, "curved_edges"_a = nb::none(), "curved_middles"_a = nb::none(),
            nb::sig("def __init__(self, points: ArrayLike, tets: ArrayLike, *, point_tags: ArrayLike | None = None, "
                    "tet_tags: ArrayLike | None = None, triangles: ArrayLike | None = None, "
                    "triangle_tags: ArrayLike | None = None, edges: ArrayLike | None = None, "
                    "edge_tags: ArrayLike | None = None, corners: ArrayLike | None = None, "
                    "required_vertices: ArrayLike | None = None, ridges: ArrayLike | None = None, "
                    "required_edges: ArrayLike | None = None, required_triangles: ArrayLike | None = None, "
-                   "required_tets: ArrayLike | None = None, others: Sequence[tuple[str, ArrayLike]] = ...) -> None"),
+                   "required_tets: ArrayLike | None = None, others: Sequence[tuple[str, ArrayLike]] = ..., "
+                   "second_order: bool = False, curved_edges: ArrayLike | None = None, "
+                   "curved_middles: ArrayLike | None = None) -> None"),
            "Copies the arrays. Each of `others` is a kind of element and the vertices of all elements of that kind; "
-           "they do not change.");
+           "they do not change. Edges of second-order elements are straight except `curved_edges`, each with the "
+           "position of its mid-side node in `curved_middles`.");
   bind_mesh_arrays(type);
   bind_links(type);
+  type.def_prop_rw(
+          "second_order", [](const TetMesh& mesh) { return mesh.second_order; },
+          [](TetMesh& mesh, bool on) {
+            if (!on && !mesh.curved_edges.empty()) throw nb::value_error("second_order: the mesh has curved edges");
+            mesh.second_order = on;
+          },
+          "Whether the elements have mid-side nodes; these are not among `points`.")
+      .def_prop_ro(
+          "curved_edges", [](Self s) { return view_curved(of(s).curved_edges, &CurvedEdge::vertices, s); },
+          "The vertices of the edges whose mid-side node is not the midpoint, (n, 2).")
+      .def_prop_ro(
+          "curved_middles", [](Self s) { return view_curved(of(s).curved_edges, &CurvedEdge::middle, s); },
+          "The positions of these nodes, (n, 3).");
   type.def_prop_ro(
           "others",
           [](Self s) {

@@ -14,6 +14,8 @@
 #include "tetune/tetune.hpp"
 
 namespace tetune::python {
+
+using namespace nb::literals;
 namespace {
 
 template <class T>
@@ -50,9 +52,63 @@ void bind_comparison(nb::module_& m) {
       .def_ro("corners_moved", &Comparison::corners_moved);
 }
 
+void bind_curved(nb::module_& m) {
+  nb::class_<CurvedTet>(m, "CurvedTet",
+                        "Measures of a second-order tetrahedron with a curved edge. Determinants of the Jacobian "
+                        "matrix are relative to that of the straight tetrahedron with the same vertices.")
+      .def_ro("tet", &CurvedTet::tet)
+      .def_prop_ro(
+          "validity", [](const CurvedTet& t) { return to_string(t.validity); },
+          "\"valid\" or \"inverted\", both proved, or \"undecided\".")
+      .def_ro("min_lower", &CurvedTet::min_lower, "Certified lower bound of the smallest determinant.")
+      .def_ro("min_upper", &CurvedTet::min_upper, "Certified upper bound of the smallest determinant.")
+      .def_ro("max_lower", &CurvedTet::max_lower, "Certified lower bound of the largest determinant.")
+      .def_ro("max_upper", &CurvedTet::max_upper, "Certified upper bound of the largest determinant.")
+      .def_prop_ro("scaled_jacobian", &CurvedTet::scaled_jacobian, "The smallest one: min_lower.")
+      .def_ro("corner_ratio", &CurvedTet::corner_ratio, "Largest determinant over smallest one at the four vertices.")
+      .def_ro("integration_ratio", &CurvedTet::integration_ratio,
+              "Smallest determinant over largest one at the integration points of C3D10.")
+      .def_ro("middle_offset", &CurvedTet::middle_offset,
+              "Largest distance of a mid-side node from the midpoint, relative to the edge.")
+      .def_ro("centroid", &CurvedTet::centroid);
+  nb::class_<CurvedQuality>(m, "CurvedQuality", "The second-order tetrahedra with curved edges of a mesh.")
+      .def_ro("curved_edges", &CurvedQuality::curved_edges)
+      .def_ro("tets", &CurvedQuality::tets, "Number of tetrahedra with a curved edge.")
+      .def_ro("valid", &CurvedQuality::valid)
+      .def_ro("inverted", &CurvedQuality::inverted)
+      .def_ro("undecided", &CurvedQuality::undecided)
+      .def_ro("bad_integration", &CurvedQuality::bad_integration,
+              "Number of tetrahedra whose determinant is not positive at an integration point of C3D10.")
+      .def_ro("min_scaled_jacobian", &CurvedQuality::min_scaled_jacobian)
+      .def_ro("max_corner_ratio", &CurvedQuality::max_corner_ratio)
+      .def_ro("max_middle_offset", &CurvedQuality::max_middle_offset)
+      .def_prop_ro("all_valid", &CurvedQuality::all_valid)
+      .def_ro("worst", &CurvedQuality::worst, "Those of the smallest scaled Jacobian, the smallest first.");
+  nb::class_<StraightenedEdge>(m, "StraightenedEdge", "An edge of the surface that got a part of its curvature alone.")
+      .def_ro("vertices", &StraightenedEdge::vertices)
+      .def_ro("kept", &StraightenedEdge::kept, "The part.");
+  nb::class_<CurveReport>(m, "CurveReport", "The account of curve().")
+      .def_ro("curved_edges", &CurveReport::curved_edges)
+      .def_ro("curved_tets", &CurveReport::curved_tets)
+      .def_ro("not_valid_before", &CurveReport::not_valid_before,
+              "Number of tetrahedra that the curved surface alone makes not valid.")
+      .def_ro("vertices_moved", &CurveReport::vertices_moved, "Number of inner vertices that moved for that.")
+      .def_ro("min_scaled_jacobian", &CurveReport::min_scaled_jacobian)
+      .def_ro("straightened", &CurveReport::straightened);
+  m.def(
+      "curve",
+      [](TetMesh& mesh, double feature_angle, int threads) {
+        return curve(mesh, CurveOptions{feature_angle, threads, {}});
+      },
+      "mesh"_a, nb::kw_only(), "feature_angle"_a = 45.0, "threads"_a = 0, nb::call_guard<nb::gil_scoped_release>());
+  m.def("measure_curved_each", &measure_curved_each, "mesh"_a, nb::kw_only(), "threads"_a = 0,
+        nb::call_guard<nb::gil_scoped_release>());
+}
+
 }  // namespace
 
 void bind_quality(nb::module_& m) {
+  bind_curved(m);
   nb::class_<MeasureSummary>(m, "MeasureSummary", "One measure over a mesh.")
       .def_ro("min", &MeasureSummary::min)
       .def_ro("p1", &MeasureSummary::p1, "1 % of the tetrahedra are as bad as this or worse.")
@@ -83,6 +139,7 @@ void bind_quality(nb::module_& m) {
       .def_ro("histogram", &Quality::histogram, "Share of dihedral angles in each of 18 bins of 10 degrees.")
       .def_prop_ro(
           "measures", [](const Quality& q) { return by_measure(q.measures); }, "Each measure by its name.")
+      .def_ro("curved", &Quality::curved, "The second-order tetrahedra with curved edges.")
       .def_ro("worst", &Quality::worst, "The tetrahedra of smallest dihedral angle, the worst first.")
       .def("__repr__", [](const Quality& q) {
         char text[160];

@@ -13,6 +13,9 @@ from ._core import (
     AcceptanceReport,
     Comparison,
     CriterionResult,
+    CurveReport,
+    CurvedQuality,
+    CurvedTet,
     DeviceError,
     Error,
     FileError,
@@ -27,6 +30,7 @@ from ._core import (
     Progress,
     Quality,
     Report,
+    StraightenedEdge,
     SweepReport,
     TargetReport,
     TetMesh,
@@ -39,7 +43,7 @@ from ._core import (
     write_mesh,
 )
 from ._live import LiveMesh
-from ._optimize import MoveResult, Result, check, measure_each, move, optimize, quality
+from ._optimize import CurveResult, MoveResult, Result, check, curve, measure_curved_each, measure_each, move, optimize, quality
 from ._options import Options
 
 __version__ = version("tetune")
@@ -48,6 +52,10 @@ __all__ = [
     "AcceptanceReport",
     "Comparison",
     "CriterionResult",
+    "CurveReport",
+    "CurveResult",
+    "CurvedQuality",
+    "CurvedTet",
     "DeviceError",
     "Error",
     "FileError",
@@ -66,6 +74,7 @@ __all__ = [
     "Quality",
     "Report",
     "Result",
+    "StraightenedEdge",
     "SweepReport",
     "TargetReport",
     "TetMesh",
@@ -75,6 +84,8 @@ __all__ = [
     "__version__",
     "check",
     "compare",
+    "curve",
+    "measure_curved_each",
     "measure_each",
     "move",
     "optimize",

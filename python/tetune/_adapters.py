@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ._core import MeshError, OptionError, Report, TetMesh
 from ._core import carry_point_data as carried
+from ._second_order import LINEAR_KIND, Middles, Nodes
 
 if TYPE_CHECKING:
     import meshio
@@ -23,7 +24,7 @@ Array: TypeAlias = NDArray[Any]
 
 # Cell data that number regions, patches and lines in files of these programs, as meshio names them.
 KNOWN_TAGS = ("medit:ref", "gmsh:physical", "gmsh:geometrical")
-# Linear cells: meshio's name and VTK's number.
+# Cells: meshio's name and VTK's number.
 VTK_CELLS = {
     1: "vertex",
     3: "line",
@@ -33,11 +34,14 @@ VTK_CELLS = {
     12: "hexahedron",
     13: "wedge",
     14: "pyramid",
+    21: "line3",
+    22: "triangle6",
+    24: "tetra10",
 }
 
 
 class Block(NamedTuple):
-    """Cells of one kind, given by their vertices."""
+    """Cells of one kind, given by their nodes."""
 
     kind: str
     vertices: Array
@@ -49,6 +53,15 @@ class NewBlock(NamedTuple):
     kind: str
     vertices: Array
     rows: Array
+
+
+class Unchanged:
+    """A report on a mesh with the same vertices and elements as before."""
+
+    vertex2original = tet2original = triangle2original = edge2original = np.array([], dtype=np.int32)
+    place_vertices = np.array([], dtype=np.int32)
+    place_weights = np.array([], dtype=np.float64)
+    tets_after = 1
 
 
 class Adapter(Generic[M]):
@@ -65,7 +78,19 @@ class Adapter(Generic[M]):
         raise TypeError(f"to is {name!r}, the name of point data, which a meshio or pyvista mesh has; "
                         "give the positions as an array")
 
-    def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> Any:
+    def vertices(self) -> Array | None:
+        """The points that are vertices, or None for all: the others are mid-side nodes."""
+        return None
+
+    def nodes(self, work: TetMesh, report: Report | Unchanged, vertex_map: NDArray[np.int32]) -> Nodes:
+        """The nodes of the result."""
+        return Nodes(work.points, vertex_map)
+
+    def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> Any:
+        return work
+
+    def second_order(self, work: TetMesh) -> Any:
+        """The result for the mesh of which curve() has made `work`."""
         return work
 
 
@@ -85,54 +110,108 @@ class BlockAdapter(Adapter[M]):
 
     blocks: list[Block]
     tags: list[Array] | None
+    _middles: Middles | None = None
+
+    def _find_middles(self) -> None:
+        if any(b.kind in LINEAR_KIND for b in self.blocks):
+            self._middles = Middles(self.points(), [(b.kind, b.vertices) for b in self.blocks])
 
     def tet_mesh(self) -> TetMesh:
         tets = self._joined("tetra")
         if tets is None:
             kinds = ", ".join(sorted({b.kind for b in self.blocks})) or "none"
             raise MeshError(f"there is no tetrahedron in this mesh; its cells are: {kinds}")
+        middles = self._middles
+        others = [b for b in self.blocks if _linear_kind(b) not in ("tetra", "triangle", "line")]
         return TetMesh(
-            self.points(),
+            self.points() if middles is None else self.points()[middles.vertices],
             tets,
             tet_tags=self._joined_tags("tetra"),
             triangles=self._joined("triangle"),
             triangle_tags=self._joined_tags("triangle"),
             edges=self._joined("line"),
             edge_tags=self._joined_tags("line"),
-            others=[(b.kind, b.vertices) for b in self.blocks if b.kind not in ("tetra", "triangle", "line")],
+            others=[(b.kind, self._linear(b)) for b in others],
+            **({} if middles is None else middles.curved_arguments()),
         )
 
+    def vertices(self) -> Array | None:
+        return None if self._middles is None else self._middles.vertices
+
+    def second_order(self, work: TetMesh) -> Any:
+        if self._middles is not None:
+            return self.result(work, Unchanged(), self.nodes(work, Unchanged(), self._all_vertices(work)))
+        second = {linear: kind for kind, linear in LINEAR_KIND.items()}
+        self._middles = Middles(self.points(), [(b.kind, b.vertices) for b in self.blocks])
+        self.blocks = [Block(second.get(b.kind, b.kind), b.vertices) for b in self.blocks]
+        return self.result(work, Unchanged(), self.nodes(work, Unchanged(), self._all_vertices(work)))
+
+    @staticmethod
+    def _all_vertices(work: TetMesh) -> NDArray[np.int32]:
+        return np.arange(len(work.points), dtype=np.int32)
+
+    def _linear(self, block: Block) -> Array:
+        return block.vertices if self._middles is None else self._middles.linear(block.kind, block.vertices)
+
     def _joined(self, kind: str) -> Array | None:
-        return _joined([b.vertices for b in self.blocks if b.kind == kind])
+        return _joined([self._linear(b) for b in self.blocks if _linear_kind(b) == kind])
 
     def _joined_tags(self, kind: str) -> Array | None:
         if self.tags is None:
             return None
-        return _joined([tags for b, tags in zip(self.blocks, self.tags, strict=True) if b.kind == kind])
+        return _joined([tags for b, tags in zip(self.blocks, self.tags, strict=True) if _linear_kind(b) == kind])
 
-    def new_blocks(self, work: TetMesh, report: Report) -> list[NewBlock]:
+    def nodes(self, work: TetMesh, report: Report | Unchanged, vertex_map: NDArray[np.int32]) -> Nodes:
+        if self._middles is None:
+            return Nodes(work.points, vertex_map)
+        return self._middles.result(work, vertex_map, [(b.kind, b.vertices) for b in self._linear_blocks(work, report)])
+
+    def new_blocks(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> list[NewBlock]:
         """The blocks of the result, in the order of those of the input."""
+        blocks = self._linear_blocks(work, report)
+        if nodes.middles is None:
+            return blocks
+        return [NewBlock(b.kind, nodes.middles.cells(b.kind, b.vertices), b.rows) for b in blocks]
+
+    def new_point_data(self, data: Mapping[str, Any], work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> dict[str, Array]:
+        """Data of the nodes of the result, as the option `data` says."""
+        points = len(self.points())
+        if nodes.middles is None:
+            return transfer_point_data(data, work, report, nodes.origin, points)
+        vertices = nodes.middles.input.vertices
+        vertex_map = report.vertex2original if len(report.vertex2original) else self._all_vertices(work)
+        of_vertices = {name: np.asarray(values)[vertices] for name, values in data.items()}
+        new = transfer_point_data(of_vertices, work, report, vertex_map, len(vertices))
+        return nodes.middles.transfer(data, new, nodes, len(report.place_weights) > 0)
+
+    def _linear_blocks(self, work: TetMesh, report: Report | Unchanged) -> list[NewBlock]:
+        """The blocks of the result by vertices, of the kinds of the input."""
         cells = {"tetra": work.tets, "triangle": work.triangles, "line": work.edges}
         parents = {"tetra": report.tet2original, "triangle": report.triangle2original, "line": report.edge2original}
         others = iter(work.others)
         first = dict.fromkeys(cells, 0)
         blocks: list[NewBlock] = []
         for b in self.blocks:
-            if b.kind not in cells:
+            kind = _linear_kind(b)
+            if kind not in cells:
                 blocks.append(NewBlock(b.kind, next(others)[1], np.arange(len(b.vertices))))
                 continue
-            begin, end = first[b.kind], first[b.kind] + len(b.vertices)
-            first[b.kind] = end
-            parent = parents[b.kind]
+            begin, end = first[kind], first[kind] + len(b.vertices)
+            first[kind] = end
+            parent = parents[kind]
             if len(parent) == 0 and report.tets_after > 0:  # all were kept
-                blocks.append(NewBlock(b.kind, cells[b.kind][begin:end], np.arange(len(b.vertices))))
+                blocks.append(NewBlock(b.kind, cells[kind][begin:end], np.arange(len(b.vertices))))
                 continue
             mine = (parent >= begin) & (parent < end)
             if mine.all():
-                blocks.append(NewBlock(b.kind, cells[b.kind], parent - begin))
+                blocks.append(NewBlock(b.kind, cells[kind], parent - begin))
             else:
-                blocks.append(NewBlock(b.kind, cells[b.kind][mine], parent[mine] - begin))
+                blocks.append(NewBlock(b.kind, cells[kind][mine], parent[mine] - begin))
         return blocks
+
+
+def _linear_kind(block: Block) -> str:
+    return LINEAR_KIND.get(block.kind, block.kind)
 
 
 def displacement_of(data: Mapping[str, Any], name: str) -> Array:
@@ -151,7 +230,7 @@ def _joined(parts: list[Array]) -> Array | None:
 
 
 def transfer_point_data(
-    data: Mapping[str, Any], work: TetMesh, report: Report, vertex_map: NDArray[np.int32], vertices: int
+    data: Mapping[str, Any], work: TetMesh, report: Report | Unchanged, vertex_map: NDArray[np.int32], vertices: int
 ) -> dict[str, Array]:
     """Data of the vertices of the result, as the option `data` says."""
     if len(report.place_weights) == 0:
@@ -224,9 +303,10 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
         self._mesh = mesh
         for b in mesh.cells:
             if b.type not in VTK_CELLS.values():
-                raise MeshError(f"cells of type {b.type} are not supported; supported are the linear ones: "
+                raise MeshError(f"cells of type {b.type} are not supported; supported are: "
                                 f"{', '.join(VTK_CELLS.values())}")
         self.blocks = [Block(b.type, np.asarray(b.data)) for b in mesh.cells]
+        self._find_middles()
         name = chosen_tags(tags, list(mesh.cell_data))
         self.tags = None if name is None else [as_tags(name, v) for v in mesh.cell_data[name]]
 
@@ -236,17 +316,17 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
     def point_data(self, name: str) -> Array:
         return displacement_of(self._mesh.point_data, name)
 
-    def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> meshio.Mesh:
+    def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> meshio.Mesh:
         import meshio
 
         old = self._mesh
-        blocks = self.new_blocks(work, report)
+        blocks = self.new_blocks(work, report, nodes)
         place = np.full(len(old.points), -1)
-        place[vertex_map[vertex_map >= 0]] = np.flatnonzero(vertex_map >= 0)
+        place[nodes.origin[nodes.origin >= 0]] = np.flatnonzero(nodes.origin >= 0)
         new = meshio.Mesh(
-            work.points,
+            nodes.points,
             [(b.kind, b.vertices) for b in blocks],
-            point_data=transfer_point_data(old.point_data, work, report, vertex_map, len(old.points)),
+            point_data=self.new_point_data(old.point_data, work, report, nodes),
             cell_data={
                 name: [np.asarray(v)[b.rows] for v, b in zip(values, blocks, strict=True)]
                 for name, values in old.cell_data.items()
@@ -270,7 +350,7 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
         present = [int(t) for t in np.unique(types)]
         for t in present:
             if t not in VTK_CELLS:
-                raise MeshError(f"cells of VTK type {t} are not supported; supported are the linear ones: "
+                raise MeshError(f"cells of VTK type {t} are not supported; supported are: "
                                 + ", ".join(f"{name} ({n})" for n, name in VTK_CELLS.items()))
         if len(present) == 1:
             self.blocks = [Block(VTK_CELLS[present[0]], grid.cell_connectivity.reshape(grid.n_cells, -1))]
@@ -279,7 +359,7 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
             cells = {int(t): np.asarray(vertices) for t, vertices in grid.cells_dict.items()}
             self.blocks = [Block(VTK_CELLS[t], cells[t]) for t in present]
             self._cells = [np.flatnonzero(types == t) for t in present]
-        self._types = present
+        self._find_middles()
         name = chosen_tags(tags, list(grid.cell_data.keys()))
         self.tags = None
         if name is not None:
@@ -292,24 +372,25 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
     def point_data(self, name: str) -> Array:
         return displacement_of(dict(self._grid.point_data), name)
 
-    def result(self, work: TetMesh, report: Report, vertex_map: NDArray[np.int32]) -> pv.UnstructuredGrid:
+    def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> pv.UnstructuredGrid:
         import pyvista as pv
 
         old = self._grid
-        blocks = self.new_blocks(work, report)
+        blocks = self.new_blocks(work, report, nodes)
+        numbers = {name: number for number, name in VTK_CELLS.items()}
         counts = [len(b.vertices) for b in blocks]
         widths = np.repeat([b.vertices.shape[1] for b in blocks], counts)
         offsets = np.concatenate([[0], np.cumsum(widths)])
         connectivity = np.concatenate([b.vertices.reshape(-1) for b in blocks])
         new = pv.UnstructuredGrid()
         # Doubles also where the input has single precision: rounding could turn an element inside out.
-        new.points = work.points
+        new.points = nodes.points
         new.SetCells(
-            pv.convert_array(np.repeat(np.array(self._types, dtype=np.uint8), counts)),
+            pv.convert_array(np.repeat(np.array([numbers[b.kind] for b in blocks], dtype=np.uint8), counts)),
             pv.CellArray.from_arrays(offsets, connectivity.astype(offsets.dtype)),
         )
         parent = np.concatenate([c[b.rows] for c, b in zip(self._cells, blocks, strict=True)])
-        for name, values in transfer_point_data(dict(old.point_data), work, report, vertex_map, old.n_points).items():
+        for name, values in self.new_point_data(dict(old.point_data), work, report, nodes).items():
             new.point_data[name] = values
         for name, values in old.cell_data.items():
             new.cell_data[name] = values[parent]

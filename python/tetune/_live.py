@@ -32,7 +32,9 @@ class LiveMesh:
     """
 
     def __init__(self, mesh: Any, tets: ArrayLike | None = None, *, neighborhood: int = 3, **options: Unpack[Options]) -> None:
-        work, _ = _prepared(mesh, tets, None)
+        work, adapter = _prepared(mesh, tets, None)
+        if adapter.vertices() is not None:
+            raise _core.MeshError("LiveMesh holds no mid-side nodes; give it the vertices and linear tetrahedra alone")
         self._core = _core.LiveMesh(work, dict(options), neighborhood)
 
     @property

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._adapters import Adapter, Tags, adapter_of
-from ._core import AcceptanceReport, MoveReport, Progress, Quality, Report, TetMesh
+from ._core import AcceptanceReport, CurvedTet, CurveReport, MoveReport, Progress, Quality, Report, TetMesh
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class Result(Generic[M]):
     report: Report
     """The account of the run: energies, flips, sweeps, times, targets."""
     vertex_map: NDArray[np.int32]
-    """For each vertex of the result that of the input, -1 for an inserted one."""
+    """For each vertex of the result that of the input, -1 for an inserted one; likewise for mid-side nodes."""
     parent: NDArray[np.int32]
     """For each tetrahedron of the result one of the input in the same region: itself, or one that was replaced near it."""
     moved: NDArray[np.bool_] = field(repr=False)
@@ -102,7 +102,9 @@ def optimize(
         mesh: points of shape (n, 3) with `tets` of shape (m, 4), zero-based; or a TetMesh, meshio.Mesh or
             pyvista.UnstructuredGrid. Point data follow their vertex (or, with data="interpolate", are evaluated at
             its new place in the input), cell data the parent tetrahedron. An inserted vertex has means of its neighbors' floating-point data (by mean value coordinates, which reproduce linear
-            fields exactly), and other data of the nearest vertex of the input.
+            fields exactly), and other data of the nearest vertex of the input. Second-order cells (tetra10, triangle6,
+            line3; VTK types 24, 22, 21) stay so, with the curved surface unmoved; data of a mid-side node follow its
+            edge, and are means of both ends, or the integers of one, on a new edge.
         tags: of a meshio or pyvista mesh, the name of the cell data that number regions, patches and lines: faces
             between regions are kept. By default the first of `medit:ref`, `gmsh:physical`, `gmsh:geometrical` that the
             mesh has; False: none.
@@ -137,8 +139,9 @@ def _with_progress(
 
 def _result(work: TetMesh, adapter: Adapter[Any], report: Report, before: Float64s) -> Result[Any]:
     vertex_map = _vertex_map(report, len(work.points))
-    moved = (vertex_map < 0) | np.any(work.points != before[vertex_map], axis=1)
-    return Result(adapter.result(work, report, vertex_map), report, vertex_map, report.tet2original, moved)
+    nodes = adapter.nodes(work, report, vertex_map)
+    moved = (nodes.origin < 0) | np.any(nodes.points != before[nodes.origin], axis=1)
+    return Result(adapter.result(work, report, nodes), report, nodes.origin, report.tet2original, moved)
 
 
 @dataclass(frozen=True)
@@ -230,6 +233,8 @@ def move(
         raise TypeError("move() needs targets: an array of positions, or a list of them")
     listed = list(to) if isinstance(to, (list, tuple)) and np.ndim(to[0]) == 2 else [to]
     arrays = [np.asarray(t, dtype=np.float64) for t in listed]
+    if (vertices := adapter.vertices()) is not None:
+        arrays = [t[vertices] if t.ndim == 2 and len(t) == len(before) else t for t in arrays]
     if surface or len(patches) > 0:
         arrays = [_core.surface_targets(work, t, list(patches)) for t in arrays]
     motion = _with_progress(progress, lambda hook: _core.move(work, arrays, dict(options), hook))
@@ -237,9 +242,47 @@ def move(
     return MoveResult(r.mesh, r.report, r.vertex_map, r.parent, r.moved, motion)
 
 
+@dataclass(frozen=True)
+class CurveResult(Generic[M]):
+    """The result of curve()."""
+
+    mesh: M
+    """The second-order mesh, of the same type as the argument."""
+    report: CurveReport
+    """Numbers of curved elements, and the edges that are straighter than the surface."""
+
+
+def curve(
+    mesh: Any, tets: ArrayLike | None = None, *, tags: Tags = None, feature_angle: float = 45, threads: int = 0
+) -> CurveResult[Any]:
+    """Second-order tetrahedra from linear ones, with mid-side nodes on the curved surface that the triangles
+    approximate; each is proved valid. The argument, given as in optimize(), is not changed.
+
+    A meshio or pyvista mesh becomes one of tetra10, triangle6 and line3, whose mid-side nodes follow the vertices; data
+    of a mid-side node are means of both ends, or integers of one. A TetMesh has them in `curved_edges` and
+    `curved_middles`.
+
+    Args:
+        feature_angle: the surface is not smooth at edges where it turns by a larger angle, in degrees.
+
+    Raises:
+        MeshError: the mesh is not valid, has curved edges already, or has elements other than tetrahedra, triangles,
+            lines and points.
+        OptionError: the angle is out of its range.
+    """
+    work, adapter = _prepared(mesh, tets, tags)
+    report = _core.curve(work, feature_angle=feature_angle, threads=threads)
+    return CurveResult(adapter.second_order(work), report)
+
+
 def quality(mesh: Any, tets: ArrayLike | None = None, *, worst: int = 10, threads: int = 0) -> Quality:
     """Element quality of a mesh, given as in optimize(), with its `worst` worst tetrahedra."""
     return _core.measure_all(_measured(mesh, tets), worst=worst, threads=threads)
+
+
+def measure_curved_each(mesh: Any, tets: ArrayLike | None = None, *, threads: int = 0) -> list[CurvedTet]:
+    """Validity and measures of each second-order tetrahedron with a curved edge of a mesh, given as in optimize()."""
+    return _core.measure_curved_each(_measured(mesh, tets), threads=threads)
 
 
 def measure_each(mesh: Any, tets: ArrayLike | None = None, *, threads: int = 0) -> dict[str, Float64s]:

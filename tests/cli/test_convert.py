@@ -117,6 +117,19 @@ class Convert(CliTest):
             self.refused("convert", self.path("broken.mesh"), self.path(name), said=["vertex 1000", "counted from 0"])
         self.assertEqual(self.files(), ["broken.mesh", "in.mesh", "out.meshb"])
 
+    def test_order(self):
+        mesh = cube(4, jitter=0)
+        mesh.points = [(x, y, z * (1.3 - 0.5 * ((x / 4 - 0.5) ** 2 + (y / 4 - 0.5) ** 2))) for x, y, z in mesh.points]
+        source = self.put("in.mesh", mesh.text())
+        done = self.run_cli("convert", source, self.path("curved.msh"), "--order", "2")
+        self.assertRegex(done.stderr, r"\d+ curved edges, \d+ curved tetrahedra, smallest scaled Jacobian 0\.\d+")
+        curved = json.loads(self.run_cli("info", self.path("curved.msh"), "--json").stdout)["quality"]["curved"]
+        self.assertTrue(curved["curved_edges"] >= 3 * 16 and curved["valid"] == curved["tetrahedra"] > 0)
+        self.refused("convert", self.path("curved.msh"), self.path("b.msh"), "--order", "2", said=["curved edges already"])
+        self.run_cli("convert", self.path("curved.msh"), self.path("linear.mesh"), "--order", "1")
+        self.assertEqual(Mesh.read(self.path("linear.mesh")).points, Mesh.read(source).points)
+        self.refused("convert", source, self.path("b.msh"), "--order", "3", said=["--order"])
+
     def test_pipes(self):
         mesh, source = self.source()
         done = subprocess.run([cli_case.TETUNE, "convert", "-", "-"], input=self.read_bytes("in.mesh"), capture_output=True)

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/curve.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "backend/span.hpp"
+#include "curved/curved_edges.hpp"
+#include "curved/surface_middles.hpp"
+#include "driver/curved_skeleton.hpp"
+#include "mesh/tet_orientation.hpp"
+#include "tetune/error.hpp"
+#include "tetune/options.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+using Edge = std::array<Index, 2>;
+
+/// Elements below this scaled Jacobian are relaxed.
+constexpr double kRelaxBelow = 0.1;
+/// Each round of straightening leaves this part of the curvature; after kPartialRounds none.
+constexpr double kKept = 0.75;
+constexpr int kPartialRounds = 12;
+/// Elements are relaxed in each round that is a multiple of this: relaxation that fails takes long.
+constexpr int kRelaxEvery = 6;
+
+std::vector<SheetTriangle> find_sheets(const TetMesh& mesh) {
+  std::map<std::array<Index, 3>, int> tags;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    auto t = mesh.triangles[i];
+    std::sort(t.begin(), t.end());
+    if (mesh.triangle_tags[i] != 0) tags[t] = mesh.triangle_tags[i];
+  }
+  std::vector<SheetTriangle> sheets;
+  for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
+    const int first = span_of(mesh.tet_tags)[begin->tet];
+    const int last = span_of(mesh.tet_tags)[(end - 1)->tet];
+    const auto tag = tags.find(begin->vertices);
+    const bool is_boundary = end - begin == 1;
+    if (!is_boundary && first == last && tag == tags.end()) return;
+    // No region is beside the boundary on its other side: that counts as the number of regions -1 and 0.
+    const std::array<int, 3> sides{tag == tags.end() ? 0 : tag->second, std::min(first, last),
+                                   is_boundary ? -1 : std::max(first, last)};
+    sheets.push_back({begin->vertices, sides});
+  });
+  return sheets;
+}
+
+/// Listed edges that may be feature lines: ridges and required ones, and tagged ones unless they meet at many vertices,
+/// as where a program lists every edge.
+std::vector<Edge> find_lines(const TetMesh& mesh) {
+  std::map<Index, int> degrees;
+  std::vector<Edge> tagged;
+  for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
+    if (mesh.edge_tags[i] == 0) continue;
+    tagged.push_back(ascending(mesh.edges[i][0], mesh.edges[i][1]));
+    for (const Index v : mesh.edges[i]) ++degrees[v];
+  }
+  const auto junctions = std::count_if(degrees.begin(), degrees.end(), [](const auto& d) { return d.second > 2; });
+  std::vector<Edge> lines;
+  if (junctions <= 10 || 20 * junctions <= std::ssize(degrees)) lines = tagged;
+  const auto add = [&](Index i) { lines.push_back(ascending(span_of(mesh.edges)[i][0], span_of(mesh.edges)[i][1])); };
+  std::for_each(mesh.ridges.begin(), mesh.ridges.end(), add);
+  std::for_each(mesh.required_edges.begin(), mesh.required_edges.end(), add);
+  std::sort(lines.begin(), lines.end());
+  return lines;
+}
+
+class Curver {
+ public:
+  Curver(TetMesh& mesh, const CurveOptions& options) : mesh_(mesh), options_(options) {
+    Options fixed;
+    fixed.boundary = Boundary::fixed;
+    held_ = find_held(mesh, fixed);
+    goal_ = {quality(mesh, options.threads).dihedral_min, true, options.threads, options.stop};
+    mesh.curved_edges = find_surface_middles(mesh.points, find_sheets(mesh), find_lines(mesh), options.feature_angle);
+    mesh.second_order = true;
+  }
+
+  CurveReport run() {
+    CurveReport report;
+    for (const CurvedEdge& e : mesh_.curved_edges) surface_[e.vertices] = {e.middle, 1};
+    const std::vector<Point3> before = mesh_.points;
+    for (int round = 0;; ++round) {
+      const std::vector<CurvedTet> tets = measure();
+      if (round == 0) report.not_valid_before = std::ssize(find(tets, false));
+      if (round % kRelaxEvery == 0 && round <= kPartialRounds) relax_curved(mesh_, held_, find(tets, true), goal_);
+      const std::vector<Index> bad = find(measure(), false);
+      if (bad.empty()) break;
+      straighten(bad, round < kPartialRounds ? kKept : 0);
+    }
+    for (const auto& [edge, state] : surface_) {
+      if (state.kept < 1) report.straightened.push_back({edge, state.kept});
+    }
+    for (std::size_t v = 0; v < before.size(); ++v) report.vertices_moved += mesh_.points[v] != before[v] ? 1 : 0;
+    const CurvedQuality q = summarize_curved(mesh_, options_.threads, 0);
+    report.curved_edges = q.curved_edges;
+    report.curved_tets = q.tets;
+    report.min_scaled_jacobian = q.min_scaled_jacobian;
+    return report;
+  }
+
+ private:
+  struct SurfaceEdge {
+    Point3 middle;    ///< on the curved surface
+    double kept = 1;  ///< the part of its curvature that it has
+  };
+
+  std::vector<CurvedTet> measure() const {
+    const CurvedEdges edges(mesh_);
+    return measure_tets(mesh_, edges, curved_tets(mesh_, edges), options_.threads);
+  }
+  static std::vector<Index> find(const std::vector<CurvedTet>& tets, bool or_low) {
+    std::vector<Index> ids;
+    for (const CurvedTet& t : tets) {
+      if (t.validity != CurvedValidity::valid || (or_low && t.scaled_jacobian() < kRelaxBelow)) ids.push_back(t.tet);
+    }
+    return ids;
+  }
+
+  /// Leaves the part `kept` of the curvature of the edges of tetrahedra on the surface; with 0 their inner edges become
+  /// straight too, so that these tetrahedra are valid.
+  void straighten(const std::vector<Index>& tets, double kept) {
+    std::vector<Edge> edges;
+    for (const Index t : tets) {
+      const auto& tet = span_of(mesh_.tets)[t];
+      for (const auto& [i, j] : kCurvedTetEdges) edges.push_back(ascending(tet[i], tet[j]));
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    std::erase_if(mesh_.curved_edges, [&](CurvedEdge& e) {
+      if (!std::binary_search(edges.begin(), edges.end(), e.vertices)) return false;
+      const auto at = surface_.find(e.vertices);
+      if (at == surface_.end()) return kept == 0;
+      SurfaceEdge& state = at->second;
+      state.kept *= kept;
+      const Point3& p = span_of(mesh_.points)[e.vertices[0]];
+      const Point3& q = span_of(mesh_.points)[e.vertices[1]];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double chord = (p[c] + q[c]) / 2;
+        e.middle[c] = chord + state.kept * (state.middle[c] - chord);
+      }
+      return kept == 0;
+    });
+  }
+
+  TetMesh& mesh_;
+  const CurveOptions& options_;
+  HeldNodes held_;
+  RelaxationGoal goal_;
+  std::map<Edge, SurfaceEdge> surface_;
+};
+
+}  // namespace
+
+CurveReport curve(TetMesh& mesh, const CurveOptions& options) {
+  if (!(options.feature_angle > 0 && options.feature_angle <= 180)) {
+    throw OptionError("feature_angle is " + std::to_string(options.feature_angle) + "; it must be in (0, 180]");
+  }
+  if (options.threads < 0 || options.threads > 4096) {
+    throw OptionError("threads is " + std::to_string(options.threads) + "; it must be in 0 to 4096");
+  }
+  if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
+    throw MeshError("only a valid mesh can be curved; optimize it first, with untangle where it is inverted: " +
+                    report.message(false));
+  }
+  if (!mesh.curved_edges.empty()) {
+    throw MeshError("the mesh has " + std::to_string(mesh.curved_edges.size()) +
+                    " curved edges already; make it straight first (order 1)");
+  }
+  for (const ElementBlock& block : mesh.others) {
+    if (block.kind == kPoints) continue;
+    throw MeshError("the mesh has " + block.kind + ", which would stay linear beside second-order tetrahedra; " +
+                    "take them out, or make second-order elements in the program that made the mesh");
+  }
+  TetMesh curved = mesh;
+  curved.deck = nullptr;
+  curved.deck_nodes.clear();
+  const CurveReport report = Curver(curved, options).run();
+  mesh = std::move(curved);
+  return report;
+}
+
+}  // namespace tetune
