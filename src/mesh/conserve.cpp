@@ -74,7 +74,7 @@ void project(BoundedProjection& projection, Size index, const Field& field, cons
     using T = typename std::remove_cvref_t<decltype(to)>::value_type;
     Size i = field.component;
     for (const double x : values) {
-      span_of(to)[i] = static_cast<T>(x);
+      span_of(to)[i] = T(x);
       i += array.components;
     }
   });
@@ -88,8 +88,9 @@ struct Contribution {
 
 class Contributions {
  public:
-  explicit Contributions(const TetOverlaps& overlaps) : overlaps_(overlaps), lost_(overlaps.lost) {
-    std::stable_sort(lost_.begin(), lost_.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  explicit Contributions(const TetOverlaps& overlaps) : overlaps_(overlaps), uncovered_tets_(overlaps.uncovered_tets) {
+    std::stable_sort(uncovered_tets_.begin(), uncovered_tets_.end(),
+                     [](const auto& a, const auto& b) { return a.second < b.second; });
   }
 
   /// Calls visit(old, volume): over all entries, each tetrahedron of the input gives its volume.
@@ -99,10 +100,10 @@ class Contributions {
       const Index old = span_of(overlaps_.old)[p];
       visit(old, span_of(overlaps_.volumes)[p] / span_of(overlaps_.covered)[old]);
     }
-    auto lost =
-        std::lower_bound(lost_.begin(), lost_.end(), entry, [](const auto& item, Size e) { return item.second < e; });
-    for (; lost != lost_.end() && lost->second == entry; ++lost) {
-      visit(lost->first, span_of(overlaps_.old_volumes)[lost->first]);
+    auto tet = std::lower_bound(uncovered_tets_.begin(), uncovered_tets_.end(), entry,
+                                [](const auto& item, Size e) { return item.second < e; });
+    for (; tet != uncovered_tets_.end() && tet->second == entry; ++tet) {
+      visit(tet->first, span_of(overlaps_.old_volumes)[tet->first]);
     }
   }
 
@@ -120,7 +121,7 @@ class Contributions {
 
  private:
   const TetOverlaps& overlaps_;
-  std::vector<std::pair<Index, Size>> lost_;
+  std::vector<std::pair<Index, Size>> uncovered_tets_;
 };
 
 /// Sets the values of a changed tetrahedron, which are those of the largest contribution before, to the means over all
@@ -140,7 +141,7 @@ void set_means(const std::vector<T>& from, Size components, const Contributions&
       high = std::max(high, x);
     });
     const double mean = sum / volume;
-    if (std::isfinite(mean)) to[c] = std::clamp(static_cast<T>(mean), low, high);
+    if (std::isfinite(mean)) to[c] = std::clamp(T(mean), low, high);
   }
 }
 

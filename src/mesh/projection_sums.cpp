@@ -83,7 +83,7 @@ void ProjectionSums::complete(const TetOverlaps& overlaps) {
                  column(pair.common, j, factor * span_of(volumes_)[pair.entry]));
     }
   }
-  for (const auto& [old, entry] : overlaps.lost) {
+  for (const auto& [old, entry] : overlaps.uncovered_tets) {
     const double share = span_of(overlaps.old_volumes)[old] / 16;
     for (const Index v : meshes_.old_tets[old]) add_vertex(entry, v, {share, share, share, share});
     extend_range(entry, old);

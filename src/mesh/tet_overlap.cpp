@@ -19,7 +19,7 @@ using Part = std::array<Corner, 4>;
 /// Clipping by one plane makes at most three tetrahedra of one.
 constexpr std::size_t kMaxParts = 81;
 
-struct Parts {
+struct PartList {
   std::array<Part, kMaxParts> parts;
   std::size_t size = 0;
   void add(const Corner& p, const Corner& q, const Corner& r, const Corner& s) { parts[size++] = {p, q, r, s}; }
@@ -60,7 +60,7 @@ Corner crossing(const Corner& in, const Corner& out, std::size_t k) {
 }
 
 /// Adds the part of a tetrahedron at which coordinate k of `b` is not negative.
-void clip(const Part& x, std::size_t k, Parts& result) {
+void clip(const Part& x, std::size_t k, PartList& result) {
   std::array<const Corner*, 4> c{};
   std::size_t in = 0;
   std::size_t out = 4;
@@ -92,19 +92,29 @@ double part_volume(const Part& x) {
   return std::fabs(dot(cross(edge(1), edge(2)), edge(3)));
 }
 
-/// Adds integrals of products of linear functions, which the values at the corners determine.
-void add_moments(const Part& x, double volume, TetOverlap& result) {
-  Coordinates a{};
-  Coordinates b{};
+using Products = std::array<std::array<double, 4>, 4>;
+
+/// Adds the integrals of products of the coordinates in `a`, of i and k <= i, which the values at the corners
+/// determine.
+void add_products(const Part& x, double volume, Products& result) {
+  Coordinates sum{};
+  for (std::size_t i = 0; i < 4; ++i) sum[i] = x[0].a[i] + x[1].a[i] + x[2].a[i] + x[3].a[i];
   for (std::size_t i = 0; i < 4; ++i) {
-    a[i] = x[0].a[i] + x[1].a[i] + x[2].a[i] + x[3].a[i];
-    b[i] = x[0].b[i] + x[1].b[i] + x[2].b[i] + x[3].b[i];
+    for (std::size_t k = 0; k <= i; ++k) {
+      double product = sum[i] * sum[k];
+      for (const Corner& c : x) product += c.a[i] * c.a[k];
+      result[i][k] += volume / 20 * product;
+    }
   }
+}
+
+/// The moments by these integrals, as coordinates in `b` are linear in those in `a`: `in_b` are those of its corners.
+void set_moments(const Products& products, const std::array<Coordinates, 4>& in_b, TetOverlap& result) {
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t j = 0; j < 4; ++j) {
-      double sum = a[i] * b[j];
-      for (const Corner& c : x) sum += c.a[i] * c.b[j];
-      result.moments[i][j] += volume / 20 * sum;
+      for (std::size_t k = 0; k < 4; ++k) {
+        result.moments[i][j] += (k <= i ? products[i][k] : products[k][i]) * in_b[k][j];
+      }
     }
   }
 }
@@ -120,7 +130,7 @@ TetOverlap overlap(const TetPoints& a, const TetPoints& b, bool with_moments) {
   if (six_a == 0 || six_b == 0) return {};
   const std::array<Coordinates, 4> in_b = coordinates(a, b, six_b);
   if (is_separated(in_b) || is_separated(coordinates(b, a, six_a))) return {};
-  Parts parts[2];
+  PartList parts[2];
   for (std::size_t k = 0; k < 4; ++k) {
     Corner& corner = parts[0].parts[0][k];
     corner = {{}, in_b[k]};
@@ -128,18 +138,20 @@ TetOverlap overlap(const TetPoints& a, const TetPoints& b, bool with_moments) {
   }
   parts[0].size = 1;
   for (std::size_t k = 0; k < 4; ++k) {
-    Parts& next = parts[(k + 1) % 2];
+    PartList& next = parts[(k + 1) % 2];
     next.size = 0;
-    const Parts& now = parts[k % 2];
+    const PartList& now = parts[k % 2];
     for (std::size_t i = 0; i < now.size; ++i) clip(now.parts[i], k, next);
   }
   TetOverlap result;
+  Products products{};
   for (std::size_t i = 0; i < parts[0].size; ++i) {
     const double volume = part_volume(parts[0].parts[i]);
     result.part += volume;
-    if (with_moments) add_moments(parts[0].parts[i], volume, result);
+    if (with_moments) add_products(parts[0].parts[i], volume, products);
   }
   if (result.part < kRounding || result.part * std::fabs(six_a) < kRounding * std::fabs(six_b)) return {};
+  if (with_moments) set_moments(products, in_b, result);
   return result;
 }
 

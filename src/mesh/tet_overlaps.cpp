@@ -98,7 +98,7 @@ void measure_cover(const TransferMeshes& meshes, const std::vector<Index>& chang
     if (missing > 1e-12) result.uncovered += missing * span_of(result.old_volumes)[t] / total;
     if (span_of(result.covered)[t] > 0) continue;
     const Size near = nearest(meshes, result.tets, t);
-    if (near >= 0) result.lost.emplace_back(t, near);
+    if (near >= 0) result.uncovered_tets.emplace_back(t, near);
   }
 }
 

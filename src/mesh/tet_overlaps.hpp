@@ -44,7 +44,7 @@ struct TetOverlaps {
   /// both meshes fill the same space.
   std::vector<double> old_volumes, covered;
   /// Tetrahedra of the input that the result does not cover at all, each with the entry of `tets` nearest to it.
-  std::vector<std::pair<Index, Size>> lost;
+  std::vector<std::pair<Index, Size>> uncovered_tets;
   double uncovered = 0;  ///< part of the input's volume that the result does not cover
 };
 
