@@ -149,6 +149,17 @@ class Run {
                                    center[2]));
   }
 
+  /// The displacement itself is no field of the result.
+  void warn_of_moved_fields() {
+    std::string names;
+    for (const std::string& name : report_.moved_fields) {
+      if (!a_.move || name != a_.move->displacement) names += (names.empty() ? "" : ", ") + name;
+    }
+    if (names.empty()) return;
+    warn("vertices moved and kept their values of " + names +
+         ": of a field, --data interpolate or --data conserve evaluates it at the new places");
+  }
+
   void warn(const std::string& text) {
     console_.warn(text);
     warnings_.push_back(text);
@@ -200,6 +211,7 @@ class Run {
       return late_ || interrupt::requested();
     };
     improve(context);
+    warn_of_moved_fields();
   }
 
   /// The time at which to stop so that there is time to write. Called when the mesh is loaded: storing it takes part of

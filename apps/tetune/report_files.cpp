@@ -173,6 +173,7 @@ Json to_json(const Report& r) {
                {"tetrahedra_active", r.tets_active},
                {"triangles_dropped", r.triangles_dropped},
                {"edges_dropped", r.edges_dropped},
+               {"uncovered", r.uncovered},
                {"colors", r.colors},
                {"energy_before", r.energy_before},
                {"energy_after", r.energy_after}};

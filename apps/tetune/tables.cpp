@@ -266,6 +266,10 @@ std::string constraint_notes(const Report& r) {
   }
   if (r.edges_dropped > 0)
     text += fmt::format("  {} listed edges without a tag no longer exist and were dropped\n", r.edges_dropped);
+  if (r.uncovered > 1e-12) {
+    text += fmt::format("  {:.2g} % of the input's volume is outside the result; its data went to what is beside it\n",
+                        100 * r.uncovered);
+  }
   return text;
 }
 

@@ -38,6 +38,28 @@ TETUNE_API std::vector<DataArray> carry_point_data(const std::vector<DataArray>&
 TETUNE_API std::vector<DataArray> interpolate_point_data(const std::vector<DataArray>& data,
                                                          const std::vector<MeshPlace>& places);
 
+/// Data of the vertices and tetrahedra of a result.
+struct ConservedData {
+  std::vector<DataArray> point_data, tet_data;
+  double uncovered = 0;  ///< part of the input's volume that no tetrahedron of the result covers
+};
+
+/// Transfers the data of vertices and tetrahedra of `input` to a result of it, as optimize() does with
+/// DataTransfer::conserve, over the intersections of tetrahedra (docs/method.md, "Conservative transfer").
+///
+/// With the vertices of the result at their places in the input, floating-point data keep their integral over each
+/// region to rounding, where both meshes fill it, and get no value outside those of the input around it. Data of
+/// tetrahedra are means by overlap; data of vertices are the L2 projection of the linear field, exact for linear
+/// fields, limited where it would exceed the bounds. Integers are those of the tetrahedron of the largest overlap, and
+/// of the vertex of the largest weight; so are values beside ones that are not finite. Tetrahedra with the same
+/// vertices at the same places, and their vertices, keep the bits of their data.
+///
+/// `tets`, `tet2original` and `places` describe the result, as in Report. `threads` 0 means all; the values do not
+/// depend on it. Throws MeshError if an array is too short or has no components.
+TETUNE_API ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<Index, 4>>& tets,
+                                       const std::vector<Index>& tet2original, const std::vector<MeshPlace>& places,
+                                       int threads = 0);
+
 /// Copies the cell data of this name to the tags of tetrahedra, triangles, edges and other elements. Former tags other
 /// than 0 become data, under their name with ":before" appended.
 ///

@@ -58,10 +58,11 @@ enum class SurfaceVertices {
   edit,       ///< they are inserted and removed, inside the mesh too, with any effort that works on the worst elements
 };
 
-/// What data of vertices are on the result.
+/// What data of vertices and tetrahedra are on the result.
 enum class DataTransfer {
-  carry,        ///< those of the vertex of the input, wherever it has moved
-  interpolate,  ///< those of the input at the place of the vertex: interpolate_point_data()
+  carry,        ///< those of the vertex of the input, wherever it has moved, and of the tetrahedron's original
+  interpolate,  ///< of vertices: those of the input at the place of the vertex, by interpolate_point_data()
+  conserve,     ///< floating-point data keep their integrals: conserve_data()
 };
 
 /// The options of optimize(). Section, equation and algorithm numbers are those of Stroeter et al. 2022.

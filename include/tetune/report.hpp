@@ -102,11 +102,14 @@ struct Report : OperationCounts {
   double energy_before = 0, energy_after = 0;
   /// For each vertex of the result that of the input, or -1 for an inserted one. Empty if all vertices were kept.
   std::vector<Index> vertex2original;
-  /// With DataTransfer::interpolate: the place of each vertex of the result in the input. A vertex that did not move
-  /// has the weight 1. Where the surface has moved outward, the closest point of the input; a vertex that is in no
-  /// tetrahedron is at its own place. After move(), the input has taken part in the motion: a place is a material
-  /// point.
+  /// With DataTransfer::interpolate and conserve: the place of each vertex of the result in the input. A vertex that
+  /// did not move has the weight 1. Where the surface has moved outward, the closest point of the input; a vertex that
+  /// is in no tetrahedron is at its own place. After move(), the input has taken part in the motion: a place is a
+  /// material point.
   std::vector<MeshPlace> places;
+  /// With DataTransfer::conserve: part of the input's volume that no tetrahedron of the result covers, 0 where the
+  /// surface keeps its shape; its data went to the tetrahedra beside it.
+  double uncovered = 0;
   /// For each tetrahedron of the result one of the input in the same region: itself if it was not changed, else one
   /// that was replaced near it.
   std::vector<Index> tet2original;
@@ -117,7 +120,10 @@ struct Report : OperationCounts {
   std::vector<WorstReport> worst_rounds;
   std::vector<PhaseTime> phases;
   std::vector<TargetReport> targets;  ///< one per entry of Options::targets, in the same order
-  std::vector<std::string> warnings;  ///< of options without effect: see ineffective_options()
+  /// With DataTransfer::carry: the names of floating-point data of vertices that the improvement has moved; values of a
+  /// field are then at other places than before.
+  std::vector<std::string> moved_fields;
+  std::vector<std::string> warnings;  ///< of options without effect, see ineffective_options(), and of moved_fields
   double seconds = 0;                 ///< wall-clock time of optimize()
   StopReason stop = StopReason::converged;
 };

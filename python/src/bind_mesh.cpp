@@ -159,6 +159,23 @@ void bind_links(nb::class_<TetMesh>& type) {
           "numbers from 1.");
 }
 
+/// Whether elements have mid-side nodes, and those that are not midpoints.
+void bind_second_order(nb::class_<TetMesh>& type) {
+  type.def_prop_rw(
+          "second_order", [](const TetMesh& mesh) { return mesh.second_order; },
+          [](TetMesh& mesh, bool on) {
+            if (!on && !mesh.curved_edges.empty()) throw nb::value_error("second_order: the mesh has curved edges");
+            mesh.second_order = on;
+          },
+          "Whether the elements have mid-side nodes; these are not among `points`.")
+      .def_prop_ro(
+          "curved_edges", [](Self s) { return view_curved(of(s).curved_edges, &CurvedEdge::vertices, s); },
+          "The vertices of the edges whose mid-side node is not the midpoint, (n, 2).")
+      .def_prop_ro(
+          "curved_middles", [](Self s) { return view_curved(of(s).curved_edges, &CurvedEdge::middle, s); },
+          "The positions of these nodes, (n, 3).");
+}
+
 }  // namespace
 
 void bind_mesh(nb::module_& m) {
@@ -187,19 +204,7 @@ void bind_mesh(nb::module_& m) {
            "position of its mid-side node in `curved_middles`.");
   bind_mesh_arrays(type);
   bind_links(type);
-  type.def_prop_rw(
-          "second_order", [](const TetMesh& mesh) { return mesh.second_order; },
-          [](TetMesh& mesh, bool on) {
-            if (!on && !mesh.curved_edges.empty()) throw nb::value_error("second_order: the mesh has curved edges");
-            mesh.second_order = on;
-          },
-          "Whether the elements have mid-side nodes; these are not among `points`.")
-      .def_prop_ro(
-          "curved_edges", [](Self s) { return view_curved(of(s).curved_edges, &CurvedEdge::vertices, s); },
-          "The vertices of the edges whose mid-side node is not the midpoint, (n, 2).")
-      .def_prop_ro(
-          "curved_middles", [](Self s) { return view_curved(of(s).curved_edges, &CurvedEdge::middle, s); },
-          "The positions of these nodes, (n, 3).");
+  bind_second_order(type);
   type.def_prop_ro(
           "others",
           [](Self s) {

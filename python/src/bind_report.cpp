@@ -125,8 +125,9 @@ void bind_maps(nb::class_<Report>& report) {
           "For each listed edge of the result its row in the input; empty where all were kept.")
       .def_prop_ro(
           "place_vertices", [](const Report& r) { return columns_of(r.places, &MeshPlace::vertices); },
-          "With data='interpolate': four vertices of the input, in one of whose tetrahedra each vertex of the result "
-          "is.",
+          "With data='interpolate' or 'conserve': four vertices of the input, in one of whose tetrahedra each vertex "
+          "of "
+          "the result is.",
           nb::sig("def place_vertices(self) -> NDArray[numpy.int32]"))
       .def_prop_ro(
           "place_weights", [](const Report& r) { return columns_of(r.places, &MeshPlace::weights); },
@@ -185,6 +186,8 @@ void bind_report(nb::module_& m) {
       .def_ro("plane_vertices", &Report::plane_vertices)
       .def_ro("line_vertices", &Report::line_vertices)
       .def_ro("fixed_vertices", &Report::fixed_vertices)
+      .def_ro("uncovered", &Report::uncovered,
+              "With data='conserve': part of the volume of the input that no tetrahedron of the result covers.")
       .def_ro("surface_vertices", &Report::surface_vertices, "Where the boundary slides.")
       .def_ro("curve_vertices", &Report::curve_vertices, "Where the boundary slides.")
       .def_ro("periodic_vertices", &Report::periodic_vertices, "That move together with their images.")

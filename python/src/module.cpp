@@ -110,7 +110,7 @@ DataArray data_array(const Entries& from) {
   } else if (from.dtype() == nb::dtype<std::int32_t>()) {
     copy(std::int32_t{});
   } else {
-    throw nb::type_error("point data must be float64, float32 or int32");
+    throw nb::type_error("data must be float64, float32 or int32");
   }
   return array;
 }
@@ -128,18 +128,44 @@ nb::object numpy_array(DataArray&& array) {
       array.values);
 }
 
+/// The arrays as data of a mesh.
+std::vector<DataArray> data_arrays(const std::vector<Entries>& data) {
+  std::vector<DataArray> arrays;
+  for (const Entries& entries : data) arrays.push_back(data_array(entries));
+  return arrays;
+}
+
+nb::list numpy_arrays(std::vector<DataArray>&& data) {
+  nb::list result;
+  for (DataArray& array : data) result.append(numpy_array(std::move(array)));
+  return result;
+}
+
 nb::list carry(const TetMesh& mesh, nb::object vertex2original, const std::vector<Entries>& data) {
   std::vector<Index> original;
   assign("vertex2original", vertex2original, original);
-  std::vector<DataArray> arrays;
-  for (const Entries& entries : data) arrays.push_back(data_array(entries));
+  std::vector<DataArray> arrays = data_arrays(data);
   {
     const nb::gil_scoped_release release;
     arrays = carry_point_data(arrays, original, mesh.points, mesh.tets);
   }
-  nb::list result;
-  for (DataArray& array : arrays) result.append(numpy_array(std::move(array)));
-  return result;
+  return numpy_arrays(std::move(arrays));
+}
+
+nb::tuple conserve(const TetMesh& before, const TetMesh& after, const Report& report,
+                   const std::vector<Entries>& point_data, const std::vector<Entries>& tet_data, int threads) {
+  TetMesh input;
+  input.point_data = data_arrays(point_data);
+  input.tet_data = data_arrays(tet_data);
+  ConservedData data;
+  {
+    const nb::gil_scoped_release release;
+    input.points = before.points;
+    input.tets = before.tets;
+    input.tet_tags = before.tet_tags;
+    data = conserve_data(input, after.tets, report.tet2original, report.places, threads);
+  }
+  return nb::make_tuple(numpy_arrays(std::move(data.point_data)), numpy_arrays(std::move(data.tet_data)));
 }
 
 void bind_errors(nb::module_& m) {
@@ -181,6 +207,12 @@ void bind_functions(nb::module_& m) {
               "data: Sequence[NDArray[Any]]) -> list[NDArray[Any]]"),
       "Transfers data of vertices to a mesh with inserted ones, which get means of float64 and float32, and the values "
       "of the nearest vertex of int32. Each array has two dimensions.");
+  m.def(
+      "conserve_data", &conserve, "before"_a, "after"_a, "report"_a, "point_data"_a, "tet_data"_a, "threads"_a = 0,
+      nb::sig("def conserve_data(before: TetMesh, after: TetMesh, report: Report, point_data: Sequence[NDArray[Any]], "
+              "tet_data: Sequence[NDArray[Any]], threads: int = 0) -> tuple[list[NDArray[Any]], list[NDArray[Any]]]"),
+      "Transfers data of vertices and tetrahedra to the result of a run with data='conserve': float64 and float32 keep "
+      "their integrals. Each array has two dimensions.");
   m.def("measure_each", &measures_by_name, "mesh"_a, nb::kw_only(), "threads"_a = 0,
         nb::sig("def measure_each(mesh: TetMesh, *, threads: int = 0) -> dict[str, NDArray[numpy.float64]]"));
   m.def(

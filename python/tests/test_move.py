@@ -119,7 +119,8 @@ def test_data_are_interpolated_at_the_new_places():
         nearest = r.report.place_vertices[np.arange(len(new.points)), r.report.place_weights.argmax(axis=1)]
         assert (new.point_data["id"] == nearest).all()
     # Without the option, values stay with their vertex.
-    carried = tetune.optimize(mesh)
+    with pytest.warns(UserWarning, match="kept their values of a, v:"):
+        carried = tetune.optimize(mesh)
     assert (carried.mesh.point_data["a"] == linear).all() and len(carried.report.place_weights) == 0
 
 
@@ -130,6 +131,58 @@ def test_fields_move_with_the_mesh():
     r = tetune.move(mesh, to="u", surface=True, data="interpolate")
     assert r.motion.reached
     assert np.abs(r.mesh.point_data["x"] - (r.mesh.points[:, 0] - 3)).max() < 1e-3
+
+
+def integral(points, tets, values):
+    return (volumes(points, tets) * (values[tets].mean(axis=1) if len(values) == len(points) else values)).sum()
+
+
+def fields_for(points, tets):
+    center = points[tets].mean(axis=1)
+    return (
+        {"a": points @ [1, 2, 3] + 4, "v": np.stack([points[:, 0], np.sign(points[:, 1] - 2)], axis=1),
+         "id": np.arange(len(points))},
+        {"c": np.where(center[:, 0] < 4, -1.0, 1.0), "number": np.arange(len(tets))},
+    )
+
+
+def check_conserved(old, new_tets, r, point_data, tet_data, cell_data):
+    old_points, old_tets = old
+    new_points = r.mesh.points
+    assert np.abs(point_data["a"] - (new_points @ [1, 2, 3] + 4)).max() < 1e-11
+    assert integral(new_points, new_tets, point_data["v"][:, 1]) == pytest.approx(
+        integral(old_points, old_tets, np.sign(old_points[:, 1] - 2)), abs=1e-10)
+    assert integral(new_points, new_tets, tet_data["c"]) == pytest.approx(
+        integral(old_points, old_tets, cell_data["c"]), abs=1e-10)
+    assert np.abs(tet_data["c"]).max() == 1 and np.abs(point_data["v"][:, 1]).max() <= 1
+    assert tet_data["number"].dtype == np.arange(1).dtype
+    assert r.report.uncovered < 1e-12
+
+
+def test_conserved_data_of_meshio():
+    meshio = pytest.importorskip("meshio")
+    points, tets = shaken_box()
+    of_points, of_tets = fields_for(points, tets)
+    half = len(tets) // 2
+    mesh = meshio.Mesh(points, [("tetra", tets[:half]), ("tetra", tets[half:])], point_data=of_points,
+                       cell_data={name: [v[:half], v[half:]] for name, v in of_tets.items()})
+    r = tetune.optimize(mesh, data="conserve", effort="best")
+    new = np.concatenate([b.data for b in r.mesh.cells])
+    check_conserved((points, tets), new, r, r.mesh.point_data,
+                    {name: np.concatenate(v) for name, v in r.mesh.cell_data.items()}, of_tets)
+
+
+def test_conserved_data_of_pyvista():
+    pv = pytest.importorskip("pyvista")
+    points, tets = shaken_box()
+    of_points, of_tets = fields_for(points, tets)
+    grid = pv.UnstructuredGrid({pv.CellType.TETRA: tets}, points)
+    for name, values in of_points.items():
+        grid.point_data[name] = values
+    for name, values in of_tets.items():
+        grid.cell_data[name] = values
+    r = tetune.optimize(grid, data="conserve")
+    check_conserved((points, tets), r.mesh.cells_dict[pv.CellType.TETRA], r, r.mesh.point_data, r.mesh.cell_data, of_tets)
 
 
 def test_interpolation_of_special_values():

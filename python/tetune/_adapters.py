@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ._core import MeshError, OptionError, Report, TetMesh
 from ._core import carry_point_data as carried
+from ._core import conserve_data
 from ._second_order import LINEAR_KIND, Middles, Nodes
 
 if TYPE_CHECKING:
@@ -48,11 +49,13 @@ class Block(NamedTuple):
 
 
 class NewBlock(NamedTuple):
-    """A block of the result, with the rows of the input's block from which its cells come."""
+    """A block of the result, with the rows of the input's block from which its cells come, and the positions of the cells
+    among all of their kind."""
 
     kind: str
     vertices: Array
     rows: Array
+    cells: Array
 
 
 class Unchanged:
@@ -67,6 +70,9 @@ class Unchanged:
 class Adapter(Generic[M]):
     """A mesh given as arrays, for which the result is a TetMesh. Base of the other adapters."""
 
+    conserves = False
+    """Whether the result is of a run with data="conserve"."""
+
     def tet_mesh(self) -> TetMesh:
         raise NotImplementedError
 
@@ -77,6 +83,10 @@ class Adapter(Generic[M]):
         """A displacement: point data with three numbers per vertex."""
         raise TypeError(f"to is {name!r}, the name of point data, which a meshio or pyvista mesh has; "
                         "give the positions as an array")
+
+    def fields(self) -> list[str]:
+        """The names of floating-point data of the vertices."""
+        return []
 
     def vertices(self) -> Array | None:
         """The points that are vertices, or None for all: the others are mid-side nodes."""
@@ -171,7 +181,7 @@ class BlockAdapter(Adapter[M]):
         blocks = self._linear_blocks(work, report)
         if nodes.middles is None:
             return blocks
-        return [NewBlock(b.kind, nodes.middles.cells(b.kind, b.vertices), b.rows) for b in blocks]
+        return [NewBlock(b.kind, nodes.middles.cells(b.kind, b.vertices), b.rows, b.cells) for b in blocks]
 
     def new_point_data(self, data: Mapping[str, Any], work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> dict[str, Array]:
         """Data of the nodes of the result, as the option `data` says."""
@@ -194,20 +204,49 @@ class BlockAdapter(Adapter[M]):
         for b in self.blocks:
             kind = _linear_kind(b)
             if kind not in cells:
-                blocks.append(NewBlock(b.kind, next(others)[1], np.arange(len(b.vertices))))
+                rows = np.arange(len(b.vertices))
+                blocks.append(NewBlock(b.kind, next(others)[1], rows, rows))
                 continue
             begin, end = first[kind], first[kind] + len(b.vertices)
             first[kind] = end
             parent = parents[kind]
             if len(parent) == 0 and report.tets_after > 0:  # all were kept
-                blocks.append(NewBlock(b.kind, cells[kind][begin:end], np.arange(len(b.vertices))))
+                blocks.append(NewBlock(b.kind, cells[kind][begin:end], np.arange(len(b.vertices)), np.arange(begin, end)))
                 continue
             mine = (parent >= begin) & (parent < end)
             if mine.all():
-                blocks.append(NewBlock(b.kind, cells[kind], parent - begin))
+                blocks.append(NewBlock(b.kind, cells[kind], parent - begin, np.arange(len(parent))))
             else:
-                blocks.append(NewBlock(b.kind, cells[kind][mine], parent[mine] - begin))
+                blocks.append(NewBlock(b.kind, cells[kind][mine], parent[mine] - begin, np.flatnonzero(mine)))
         return blocks
+
+    def conserved(
+        self, point_data: Mapping[str, Any], tet_data: Mapping[str, Array], work: TetMesh, report: Report
+    ) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Data of the vertices and of all tetrahedra of the result, with data="conserve"."""
+        points = {name: np.asarray(values) for name, values in point_data.items()}
+        smooth = [name for name, values in points.items() if is_smooth(values)]
+        smooth_tets = [name for name, values in tet_data.items() if is_smooth(values)]
+        before = self.tet_mesh()
+        rows = np.arange(len(before.tets), dtype=np.int32)
+        new_points, (source, *new_tets) = conserve_data(
+            before, work, report,
+            [as_rows(points[name]) for name in smooth],
+            [as_rows(v) for v in (rows, *(tet_data[name] for name in smooth_tets))],
+        )
+        smooth_of = dict(zip(smooth, new_points, strict=True))
+        smooth_of_tets = dict(zip(smooth_tets, new_tets, strict=True))
+        places, weights = report.place_vertices, report.place_weights
+        return (
+            {
+                name: smooth_of[name].reshape(-1, *v.shape[1:]) if name in smooth_of else interpolated(v, places, weights)
+                for name, v in points.items()
+            },
+            {
+                name: smooth_of_tets[name].reshape(-1, *v.shape[1:]) if name in smooth_of_tets else v[source[:, 0]]
+                for name, v in tet_data.items()
+            },
+        )
 
 
 def _linear_kind(block: Block) -> str:
@@ -221,6 +260,15 @@ def displacement_of(data: Mapping[str, Any], name: str) -> Array:
     if values.ndim != 2 or values.shape[1] != 3:
         raise OptionError(f"to is {name!r}, which has the shape {values.shape}; a displacement has three numbers a vertex")
     return values
+
+
+def is_smooth(values: Array) -> bool:
+    return values.size > 0 and values.dtype in (np.float64, np.float32)
+
+
+def as_rows(values: Array) -> Array:
+    """An array of two dimensions with one row per entry."""
+    return np.ascontiguousarray(values).reshape(len(values), -1)
 
 
 def _joined(parts: list[Array]) -> Array | None:
@@ -243,7 +291,7 @@ def interpolated(values: Array, places: Array, weights: Array) -> Array:
     """Floating-point data at places in the input, within the values of their four vertices; other data of the vertex of
     the largest weight."""
     nearest: Array = values[places[np.arange(len(places)), weights.argmax(axis=1)]]
-    if values.dtype not in (np.float64, np.float32) or values.size == 0:
+    if not is_smooth(values):
         return nearest
     corners = values.reshape(len(values), -1)[places].astype(np.float64)
     w = weights[:, :, None]
@@ -265,10 +313,10 @@ def carry_point_data(
     old = {name: np.asarray(values) for name, values in data.items()}
     if len(old) == 0 or (vertex_map >= 0).all():
         return {name: values[vertex_map] for name, values in old.items()}
-    smooth = [name for name, values in old.items() if values.size and values.dtype in (np.float64, np.float32)]
+    smooth = [name for name, values in old.items() if is_smooth(values)]
     rows = np.arange(vertices, dtype=np.int32)
     source, *means = carried(
-        work, vertex_map, [np.ascontiguousarray(v).reshape(vertices, -1) for v in (rows, *(old[name] for name in smooth))]
+        work, vertex_map, [as_rows(v) for v in (rows, *(old[name] for name in smooth))]
     )
     mean_of = dict(zip(smooth, means, strict=True))
     return {
@@ -316,21 +364,37 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
     def point_data(self, name: str) -> Array:
         return displacement_of(self._mesh.point_data, name)
 
+    def fields(self) -> list[str]:
+        return [name for name, values in self._mesh.point_data.items() if is_smooth(np.asarray(values))]
+
     def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> meshio.Mesh:
         import meshio
 
         old = self._mesh
         blocks = self.new_blocks(work, report, nodes)
+        cell_data = {
+            name: [np.asarray(v)[b.rows] for v, b in zip(values, blocks, strict=True)]
+            for name, values in old.cell_data.items()
+        }
+        if self.conserves and isinstance(report, Report):
+            tet_data = {
+                name: np.concatenate([np.asarray(v) for v, b in zip(values, blocks, strict=True) if b.kind == "tetra"])
+                for name, values in old.cell_data.items()
+            }
+            point_data, tet_data = self.conserved(old.point_data, tet_data, work, report)
+            for name, parts in cell_data.items():
+                for i, b in enumerate(blocks):
+                    if b.kind == "tetra":
+                        parts[i] = tet_data[name][b.cells]
+        else:
+            point_data = self.new_point_data(old.point_data, work, report, nodes)
         place = np.full(len(old.points), -1)
         place[nodes.origin[nodes.origin >= 0]] = np.flatnonzero(nodes.origin >= 0)
         new = meshio.Mesh(
             nodes.points,
             [(b.kind, b.vertices) for b in blocks],
-            point_data=self.new_point_data(old.point_data, work, report, nodes),
-            cell_data={
-                name: [np.asarray(v)[b.rows] for v, b in zip(values, blocks, strict=True)]
-                for name, values in old.cell_data.items()
-            },
+            point_data=point_data,
+            cell_data=cell_data,
             field_data=old.field_data,
             point_sets={name: place[v][place[v] >= 0] for name, v in old.point_sets.items()},
             info=old.info,
@@ -372,6 +436,9 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
     def point_data(self, name: str) -> Array:
         return displacement_of(dict(self._grid.point_data), name)
 
+    def fields(self) -> list[str]:
+        return [name for name, values in self._grid.point_data.items() if is_smooth(np.asarray(values))]
+
     def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> pv.UnstructuredGrid:
         import pyvista as pv
 
@@ -390,10 +457,20 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
             pv.CellArray.from_arrays(offsets, connectivity.astype(offsets.dtype)),
         )
         parent = np.concatenate([c[b.rows] for c, b in zip(self._cells, blocks, strict=True)])
-        for name, values in self.new_point_data(dict(old.point_data), work, report, nodes).items():
+        cell_data = {name: np.asarray(values)[parent] for name, values in old.cell_data.items()}
+        if self.conserves and isinstance(report, Report):
+            tets = next(i for i, b in enumerate(blocks) if b.kind == "tetra")
+            tet_data = {name: np.asarray(values)[self._cells[tets]] for name, values in old.cell_data.items()}
+            point_data, tet_data = self.conserved(dict(old.point_data), tet_data, work, report)
+            begin = sum(counts[:tets])
+            for name, values in tet_data.items():
+                cell_data[name][begin : begin + counts[tets]] = values
+        else:
+            point_data = self.new_point_data(dict(old.point_data), work, report, nodes)
+        for name, values in point_data.items():
             new.point_data[name] = values
-        for name, values in old.cell_data.items():
-            new.cell_data[name] = values[parent]
+        for name, values in cell_data.items():
+            new.cell_data[name] = values
         for name, values in old.field_data.items():
             new.field_data[name] = values
         for a, b in ((old.point_data, new.point_data), (old.cell_data, new.cell_data)):

@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, Unpack, overload
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._adapters import Adapter, Tags, adapter_of
-from ._core import AcceptanceReport, CurvedTet, CurveReport, MoveReport, Progress, Quality, Report, TetMesh
+from ._core import AcceptanceReport, CurvedTet, CurveReport, MoveReport, OptionError, Progress, Quality, Report, TetMesh
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -50,6 +51,11 @@ def _prepared(mesh: Any, tets: Any, tags: Tags) -> tuple[TetMesh, Adapter[Any]]:
         return TetMesh(mesh, tets), Adapter()
     adapter = adapter_of(mesh, tags)
     return adapter.tet_mesh(), adapter
+
+
+def _check_data(adapter: Adapter[Any], options: Mapping[str, Any]) -> None:
+    if options.get("data") == "conserve" and adapter.vertices() is not None:
+        raise OptionError("data='conserve' is for linear cells, and these have mid-side nodes; use data='interpolate'")
 
 
 def _vertex_map(report: Report, vertices: int) -> NDArray[np.int32]:
@@ -100,11 +106,13 @@ def optimize(
 
     Args:
         mesh: points of shape (n, 3) with `tets` of shape (m, 4), zero-based; or a TetMesh, meshio.Mesh or
-            pyvista.UnstructuredGrid. Point data follow their vertex (or, with data="interpolate", are evaluated at
-            its new place in the input), cell data the parent tetrahedron. An inserted vertex has means of its neighbors' floating-point data (by mean value coordinates, which reproduce linear
-            fields exactly), and other data of the nearest vertex of the input. Second-order cells (tetra10, triangle6,
-            line3; VTK types 24, 22, 21) stay so, with the curved surface unmoved; data of a mid-side node follow its
-            edge, and are means of both ends, or the integers of one, on a new edge.
+            pyvista.UnstructuredGrid. Point data follow their vertex, cell data the parent tetrahedron; with
+            data="interpolate" point data are evaluated at the new places in the input, and with data="conserve"
+            floating-point data of vertices and tetrahedra keep their integrals. An inserted vertex has means of its
+            neighbors' floating-point data (by mean value coordinates, which reproduce linear fields exactly), and other
+            data of the nearest vertex of the input. Second-order cells (tetra10, triangle6, line3; VTK types 24, 22,
+            21) stay so, with the curved surface unmoved; data of a mid-side node follow its edge, and are means of both
+            ends, or the integers of one, on a new edge.
         tags: of a meshio or pyvista mesh, the name of the cell data that number regions, patches and lines: faces
             between regions are kept. By default the first of `medit:ref`, `gmsh:physical`, `gmsh:geometrical` that the
             mesh has; False: none.
@@ -120,9 +128,10 @@ def optimize(
             without effect are a UserWarning.)
     """
     work, adapter = _prepared(mesh, tets, tags)
+    _check_data(adapter, options)
     before = np.asarray(mesh if tets is not None else adapter.points(), dtype=np.float64)
     report = _with_progress(progress, lambda hook: _core.improve(work, dict(options), hook))
-    return _result(work, adapter, report, before)
+    return _result(work, adapter, report, before, dict(options))
 
 
 def _with_progress(
@@ -137,10 +146,20 @@ def _with_progress(
         return run(bar)
 
 
-def _result(work: TetMesh, adapter: Adapter[Any], report: Report, before: Float64s) -> Result[Any]:
+def _result(
+    work: TetMesh, adapter: Adapter[Any], report: Report, before: Float64s, options: Mapping[str, Any], displacement: str = ""
+) -> Result[Any]:
     vertex_map = _vertex_map(report, len(work.points))
     nodes = adapter.nodes(work, report, vertex_map)
     moved = (nodes.origin < 0) | np.any(nodes.points != before[nodes.origin], axis=1)
+    adapter.conserves = options.get("data") == "conserve"
+    moved_along = [name for name in adapter.fields() if name != displacement]
+    if len(moved_along) > 0 and options.get("data", "carry") == "carry" and any(s.moved > 0 for s in report.sweeps):
+        warn(
+            f"vertices moved and kept their values of {', '.join(moved_along)}: of a field, data='interpolate' or "
+            "data='conserve' evaluates it at the new places",
+            stacklevel=3,
+        )
     return Result(adapter.result(work, report, nodes), report, nodes.origin, report.tet2original, moved)
 
 
@@ -226,7 +245,9 @@ def move(
         MeshError, OverlapError, UntangleError: as in optimize().
     """
     work, adapter = _prepared(mesh, tets, tags)
+    _check_data(adapter, options)
     before = np.array(mesh if tets is not None else adapter.points(), dtype=np.float64)
+    displacement = to if isinstance(to, str) else ""
     if isinstance(to, str):
         to = before + adapter.point_data(to)
     if to is None:
@@ -238,7 +259,7 @@ def move(
     if surface or len(patches) > 0:
         arrays = [_core.surface_targets(work, t, list(patches)) for t in arrays]
     motion = _with_progress(progress, lambda hook: _core.move(work, arrays, dict(options), hook))
-    r = _result(work, adapter, motion.optimization, before)
+    r = _result(work, adapter, motion.optimization, before, dict(options), displacement)
     return MoveResult(r.mesh, r.report, r.vertex_map, r.parent, r.moved, motion)
 
 

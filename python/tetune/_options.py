@@ -62,7 +62,7 @@ class Options(TypedDict, total=False):
     """Number of CPU threads; 0: all. The result does not depend on it. Default: 0."""
     device: Literal["auto", "cpu", "cuda"]
     """Where to compute; auto: as cuda for 1000000 tetrahedra or more if there is a GPU with enough memory, else as cpu; cpu: on CPU threads; cuda: on the current NVIDIA GPU, compute capability 7.5 or newer. Default: cpu."""
-    data: Literal["carry", "interpolate"]
-    """What data of vertices are on the result; carry: those of the vertex of the input, wherever it has moved; interpolate: those of the input at the place of the vertex: floating-point numbers linearly, integers of the nearest vertex. Default: carry."""
+    data: Literal["carry", "interpolate", "conserve"]
+    """What data are on the result; carry: those of the vertex of the input, wherever it has moved; interpolate: those of the input at the place of the vertex: floating-point numbers linearly, integers of the nearest vertex; conserve: floating-point data of vertices and of tetrahedra keep their integrals and get no new extremes, by the overlap of old and new tetrahedra; integers are those of the largest overlap; not for inverted or curved elements. Default: carry."""
     trace_angles: bool
     """The smallest dihedral angle is measured after each sweep and round, for the report; takes a twelfth of the time. Default: False."""

@@ -88,8 +88,7 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   if (surface != nullptr) {
     surface_points = export_surface_points(backend, work.dofs, result.numbering.work2extended);
   }
-  replace_mesh(mesh, std::move(result), work.required_slots, work.listed_triangles, work.scale, options.threads,
-               report);
+  replace_mesh(mesh, std::move(result), work.required_slots, work.listed_triangles, work.scale, options, report);
   if (surface != nullptr) surface->surface_point.swap(surface_points);
 }
 

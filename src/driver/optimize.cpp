@@ -8,6 +8,7 @@
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
 #include "driver/latched_hooks.hpp"
+#include "driver/moved_fields.hpp"
 #include "driver/optimize_active.hpp"
 #include "driver/optimize_curved.hpp"
 #include "mesh/messages.hpp"
@@ -46,6 +47,7 @@ Report run_on_device(TetMesh& mesh, const Options& options, const Context& conte
   }
   report.device_reason.swap(choice.reason);
   report.warnings = ineffective_options(options);
+  report_moved_fields(mesh, options, report);
   report.seconds = PhaseTimer::seconds_since(start);
   return report;
 }

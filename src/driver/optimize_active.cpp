@@ -7,6 +7,7 @@
 #include "boundary/classify.hpp"
 #include "driver/active_part.hpp"
 #include "driver/devices.hpp"
+#include "driver/moved_fields.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/phase_timer.hpp"
 #include "tetune/error.hpp"
@@ -102,6 +103,7 @@ std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constrai
   report.tets_bad = active.bad;
   report.tets_active = active.count;
   report.warnings = ineffective_options(options);
+  report_moved_fields(mesh, options, report);
   return maps;
 }
 

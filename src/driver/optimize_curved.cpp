@@ -10,6 +10,7 @@
 #include "curved/curved_splits.hpp"
 #include "driver/curved_skeleton.hpp"
 #include "driver/latched_hooks.hpp"
+#include "driver/moved_fields.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -237,6 +238,10 @@ Report optimize_curved(TetMesh& mesh, const Options& options, const Context& con
   if (!options.only_below.empty()) {
     throw OptionError("only_below: curved second-order elements are relaxed wherever they are; leave it empty");
   }
+  if (options.data == DataTransfer::conserve) {
+    throw OptionError(
+        "data=conserve intersects straight tetrahedra, and this mesh has curved ones; use data=interpolate");
+  }
   if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
     throw MeshError(
         "the straight tetrahedra of a curved mesh have to be valid first (convert them to straight ones, in C++ by an "
@@ -248,6 +253,7 @@ Report optimize_curved(TetMesh& mesh, const Options& options, const Context& con
   Report report = CurvedOptimizer(mesh, options, hooks.context()).run(mesh);
   if (hooks.is_stopped()) report.stop = StopReason::cancelled;
   report.warnings = ineffective_options(options);
+  report_moved_fields(mesh, options, report);
   report.seconds = PhaseTimer::seconds_since(start);
   return report;
 }

@@ -54,13 +54,20 @@ void follow_all(Optimizer<Backend>& optimizer, MoveJob& job, PlaceTracker* track
                   job.report);
 }
 
-/// Runs the phases in order, until one is cancelled. Returns the places of the vertices with DataTransfer::interpolate.
+/// Runs the phases in order, until one is cancelled. Returns the places of the vertices unless DataTransfer::carry.
 /// Untangling is no motion through the input, as an inverted mesh has no places.
 template <class Backend>
 std::unique_ptr<PlaceTracker> run_phases(Optimizer<Backend>& optimizer, MoveJob* job) {
-  if (optimizer.work.tangled > 0) untangle(optimizer);
+  const DataTransfer data = optimizer.options.data;
+  if (optimizer.work.tangled > 0) {
+    if (data == DataTransfer::conserve) {
+      throw OptionError("data=conserve needs positive volumes, and " + std::to_string(optimizer.work.tangled) +
+                        " tetrahedra are inverted; untangle the mesh with data=carry first");
+    }
+    untangle(optimizer);
+  }
   std::unique_ptr<PlaceTracker> tracker;
-  if (optimizer.options.data == DataTransfer::interpolate) {
+  if (data != DataTransfer::carry) {
     const auto& mesh = optimizer.work.mesh;
     tracker =
         std::make_unique<PlaceTracker>(HostMesh(mesh), mesh.vertex2original.download(), optimizer.options.threads);

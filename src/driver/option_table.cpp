@@ -68,7 +68,12 @@ constexpr std::array kDataTransfers{
     OptionChoice{
         "interpolate", choice_value(DataTransfer::interpolate),
         "those of the input at the place of the vertex: floating-point numbers linearly, integers of the nearest "
-        "vertex"}};
+        "vertex"},
+    OptionChoice{
+        "conserve", choice_value(DataTransfer::conserve),
+        "floating-point data of vertices and of tetrahedra keep their integrals and get no new extremes, by the "
+        "overlap "
+        "of old and new tetrahedra; integers are those of the largest overlap; not for inverted or curved elements"}};
 
 constexpr const char* kSurface = "Surface and constraints";
 constexpr const char* kMethod = "Method";
@@ -225,7 +230,7 @@ const std::array kTable{
                {0, 4096},
                kOnGpu},
     OptionInfo{"device", &Options::device, kResources, "Where to compute", kDevices},
-    OptionInfo{"data", &Options::data, kOutput, "What data of vertices are on the result", kDataTransfers},
+    OptionInfo{"data", &Options::data, kOutput, "What data are on the result", kDataTransfers},
     OptionInfo{"trace_angles", &Options::trace_angles, kOutput,
                "The smallest dihedral angle is measured after each sweep and round, for the report; takes a twelfth of "
                "the time"}};

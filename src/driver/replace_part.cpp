@@ -232,8 +232,18 @@ class PartReplacement {
     report_.edges_dropped -= absent_that_stay(part_.edge_stays, original);
   }
 
+  void conserve() {
+    std::vector<std::array<Index, 4>> tets = mesh_.tets;
+    tets_.apply(tets, new_tets_);
+    ConservedData data = conserve_data(mesh_, tets, tet2original_, report_.places, part_.options.threads);
+    point_data_ = std::move(data.point_data);
+    tet_data_ = std::move(data.tet_data);
+    report_.uncovered = data.uncovered;
+  }
+
   void transfer_data() {
-    if (part_.options.data == DataTransfer::interpolate) {
+    tet_data_ = take_entries(mesh_.tet_data, tet2original_);
+    if (part_.options.data != DataTransfer::carry) {
       std::vector<MeshPlace> places(vertices_.size());
       for (Index v = 0; v < std::ssize(places); ++v) span_of(places)[v].vertices.fill(v);
       for (Size i = 0; i < std::ssize(report_.places); ++i) {
@@ -242,7 +252,11 @@ class PartReplacement {
         place.vertices = translated(place.vertices, part_.vertex2whole);
       }
       report_.places = std::move(places);
-      point_data_ = interpolate_point_data(mesh_.point_data, report_.places);
+      if (part_.options.data == DataTransfer::conserve) {
+        conserve();
+      } else {
+        point_data_ = interpolate_point_data(mesh_.point_data, report_.places);
+      }
     } else if (vertex2original_.empty() || mesh_.point_data.empty()) {
       point_data_ = mesh_.point_data;
     } else {
@@ -253,7 +267,6 @@ class PartReplacement {
       tets_.apply(after.tets, new_tets_);
       point_data_ = carry_point_data(mesh_.point_data, vertex2original_, after.points, after.tets);
     }
-    tet_data_ = take_entries(mesh_.tet_data, tet2original_);
     triangle_data_ = take_entries(mesh_.triangle_data, triangle2original_);
     edge_data_ = take_entries(mesh_.edge_data, edge2original_);
     report_.vertex2original = std::move(vertex2original_);

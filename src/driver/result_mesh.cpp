@@ -50,6 +50,25 @@ std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult&
                       kept_of(numbering.extended2new));
 }
 
+/// Sets the data of vertices and tetrahedra of the result, whose points are those by extended id.
+void transfer_data(const TetMesh& mesh, const HostResult& result, const Options& options, TetMesh& next,
+                   Report& report) {
+  if (options.data == DataTransfer::conserve) {
+    std::vector<std::array<Index, 4>> tets = result.tets;
+    for (auto& tet : tets) {
+      for (Index& v : tet) v = span_of(result.numbering.extended2new)[v];
+    }
+    ConservedData data = conserve_data(mesh, tets, result.tet2original, report.places, options.threads);
+    next.point_data = std::move(data.point_data);
+    next.tet_data = std::move(data.tet_data);
+    report.uncovered = data.uncovered;
+    return;
+  }
+  next.point_data = report.places.empty() ? carried_point_data(mesh, result, next.points)
+                                          : interpolate_point_data(mesh.point_data, report.places);
+  next.tet_data = take_entries(mesh.tet_data, result.tet2original);
+}
+
 /// Throws OverlapError, with the tetrahedra at faces of three or more, which flips have made.
 [[noreturn]] void refuse_overlaps(const HostResult& result, const std::vector<Point3>& extended, int threads) {
   TetMesh mesh;
@@ -162,22 +181,17 @@ std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMes
 }
 
 void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
-                  const std::vector<Listed>& listed_triangles, double scale, int threads, Report& report) {
+                  const std::vector<Listed>& listed_triangles, double scale, const Options& options, Report& report) {
   VertexNumbering& numbering = result.numbering;
   TetMesh next;
   next.points = extended_points(mesh.points, result.points, numbering, scale);
-  if (!result.is_manifold) refuse_overlaps(result, next.points, threads);
+  if (!result.is_manifold) refuse_overlaps(result, next.points, options.threads);
   next.point_tags = mesh.point_tags;
   next.point_tags.resize(next.points.size(), 0);
   next.deck_nodes = mesh.deck_nodes;
   if (mesh.deck != nullptr) next.deck_nodes.resize(next.points.size(), 0);
-  if (report.places.empty()) {
-    next.point_data = carried_point_data(mesh, result, next.points);
-  } else {
-    next.point_data = interpolate_point_data(mesh.point_data, report.places);
-  }
+  transfer_data(mesh, result, options, next, report);
   next.tet_tags = regions_of(result.tet2original, mesh);
-  next.tet_data = take_entries(mesh.tet_data, result.tet2original);
   next.required_tets = new_required_tets(required_slots, result.slot_of_tet);
   next.corners = mesh.corners;
   next.required_vertices = mesh.required_vertices;

@@ -6,6 +6,7 @@
 
 #include "boundary/boundary_triangles.hpp"
 #include "mesh/work_mesh.hpp"
+#include "tetune/options.hpp"
 #include "tetune/report.hpp"
 
 namespace tetune {
@@ -47,6 +48,6 @@ std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size);
 /// `listed_triangles`: as of WorkingSet. When it throws, the mesh is as before. Throws OverlapError where flips have
 /// made faces of three or more tetrahedra, and MeshError for incomplete data arrays.
 void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
-                  const std::vector<Listed>& listed_triangles, double scale, int threads, Report& report);
+                  const std::vector<Listed>& listed_triangles, double scale, const Options& options, Report& report);
 
 }  // namespace tetune

@@ -114,10 +114,13 @@ class Moves(CliTest):
             return struct.iter_unpack(">3d", numbers[:24 * len(self.mesh.points)])
 
         self.run_cli("optimize", source, self.path("out.vtk"), "--data", "interpolate", "--quiet")
-        self.run_cli("optimize", source, self.path("out.mesh"), "--quiet")
-        for p, u in zip(Mesh.read(self.path("out.mesh")).points, read("out.vtk"), strict=True):
-            for x, y in zip(u, (p[0], p[1] - p[2], 2.0)):
-                self.assertAlmostEqual(x, y, places=12)
+        carried = self.run_cli("optimize", source, "-o", self.path("out.mesh"))
+        self.assertIn("vertices moved and kept their values of u:", carried.stderr)
+        self.run_cli("optimize", source, self.path("conserved.vtk"), "--data", "conserve", "--quiet")
+        for name in ("out.vtk", "conserved.vtk"):
+            for p, u in zip(Mesh.read(self.path("out.mesh")).points, read(name), strict=True):
+                for x, y in zip(u, (p[0], p[1] - p[2], 2.0)):
+                    self.assertAlmostEqual(x, y, places=12)
 
     def test_patches(self):
         top = next(t for t in self.mesh.tets if sum(self.mesh.points[v][2] == 1 for v in t) == 3)

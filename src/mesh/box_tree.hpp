@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "backend/span.hpp"
+#include "math/vec3.hpp"
+#include "mesh/tet.hpp"
+
+namespace tetune {
+
+struct Box {
+  Vec3 low, high;
+  bool meets(const Box& o) const {
+    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y && low.z <= o.high.z &&
+           o.low.z <= high.z;
+  }
+  void include(const Vec3& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+};
+
+/// A bounding volume hierarchy of boxes in the order of a Hilbert curve. Queries may run concurrently.
+class BoxTree {
+ public:
+  explicit BoxTree(const std::vector<Box>& boxes);
+
+  /// Calls visit(i) for the boxes i that meet `box`, in an order that depends on the boxes alone.
+  template <class Visit>
+  void for_meeting(const Box& box, const Visit& visit) const {
+    if (!items_.empty()) descend(levels_.size() - 1, 0, box, visit);
+  }
+
+ private:
+  static constexpr Size kFanout = 4;
+
+  template <class Visit>
+  void descend(std::size_t level, Size node, const Box& box, const Visit& visit) const {
+    const std::vector<Box>& nodes = levels_[level];
+    const Size end = std::min(node + kFanout, std::ssize(nodes));
+    for (Size i = node; i < end; ++i) {
+      if (!span_of(nodes)[i].meets(box)) continue;
+      if (level == 0) {
+        visit(span_of(items_)[i]);
+      } else {
+        descend(level - 1, i * kFanout, box, visit);
+      }
+    }
+  }
+
+  std::vector<Index> items_;              ///< in the order of the curve
+  std::vector<std::vector<Box>> levels_;  ///< of the items; then of kFanout boxes of the level before each
+};
+
+}  // namespace tetune

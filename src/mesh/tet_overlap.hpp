@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "math/vec3.hpp"
+
+namespace tetune {
+
+using TetPoints = std::array<Vec3, 4>;
+
+/// The intersection of two tetrahedra `a` and `b`.
+struct TetOverlap {
+  double part = 0;  ///< its volume divided by that of `a`
+  /// Entry [i][j]: the integral of the barycentric coordinate i of `a` times the coordinate j of `b`, divided by the
+  /// volume of `a`. Their sum is `part`.
+  std::array<std::array<double, 4>, 4> moments{};
+};
+
+/// Six times the signed volume.
+double six_volume(const TetPoints& x);
+
+/// Intersects two tetrahedra of any orientation by clipping `a` by the planes of `b`. Intersections below 1e-14 of
+/// either volume are rounding and count as empty. `with_moments` false leaves the moments 0.
+TetOverlap overlap(const TetPoints& a, const TetPoints& b, bool with_moments);
+
+}  // namespace tetune
