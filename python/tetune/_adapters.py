@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,12 @@ from ._core import MeshError, OptionError, Report, TetMesh
 from ._core import carry_point_data as carried
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import meshio
     import pyvista as pv
 
-Tags: TypeAlias = str | Literal[False] | None
+Tags: TypeAlias = Union[str, Literal[False], None]
 M = TypeVar("M")
 Array: TypeAlias = NDArray[Any]
 
@@ -108,7 +110,7 @@ class BlockAdapter(Adapter[M]):
     def _joined_tags(self, kind: str) -> Array | None:
         if self.tags is None:
             return None
-        return _joined([tags for b, tags in zip(self.blocks, self.tags, strict=True) if b.kind == kind])
+        return _joined([tags for b, tags in zip(self.blocks, self.tags) if b.kind == kind])
 
     def new_blocks(self, work: TetMesh, report: Report) -> list[NewBlock]:
         """The blocks of the result, in the order of those of the input."""
@@ -191,7 +193,7 @@ def carry_point_data(
     source, *means = carried(
         work, vertex_map, [np.ascontiguousarray(v).reshape(vertices, -1) for v in (rows, *(old[name] for name in smooth))]
     )
-    mean_of = dict(zip(smooth, means, strict=True))
+    mean_of = dict(zip(smooth, means))
     return {
         name: mean_of[name].reshape(-1, *values.shape[1:]) if name in mean_of else values[source[:, 0]]
         for name, values in old.items()
@@ -248,7 +250,7 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
             [(b.kind, b.vertices) for b in blocks],
             point_data=transfer_point_data(old.point_data, work, report, vertex_map, len(old.points)),
             cell_data={
-                name: [np.asarray(v)[b.rows] for v, b in zip(values, blocks, strict=True)]
+                name: [np.asarray(v)[b.rows] for v, b in zip(values, blocks)]
                 for name, values in old.cell_data.items()
             },
             field_data=old.field_data,
@@ -258,7 +260,7 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
         for name, sets in old.cell_sets.items():
             # Gmsh's reader stores ids of entities under this name, not of cells.
             new.cell_sets[name] = sets if name == "gmsh:bounding_entities" else [
-                None if ids is None else np.flatnonzero(np.isin(b.rows, ids)) for ids, b in zip(sets, blocks, strict=True)
+                None if ids is None else np.flatnonzero(np.isin(b.rows, ids)) for ids, b in zip(sets, blocks)
             ]
         return new
 
@@ -308,7 +310,7 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
             pv.convert_array(np.repeat(np.array(self._types, dtype=np.uint8), counts)),
             pv.CellArray.from_arrays(offsets, connectivity.astype(offsets.dtype)),
         )
-        parent = np.concatenate([c[b.rows] for c, b in zip(self._cells, blocks, strict=True)])
+        parent = np.concatenate([c[b.rows] for c, b in zip(self._cells, blocks)])
         for name, values in transfer_point_data(dict(old.point_data), work, report, vertex_map, old.n_points).items():
             new.point_data[name] = values
         for name, values in old.cell_data.items():
