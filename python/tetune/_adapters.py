@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,12 @@ from ._core import conserve_data
 from ._second_order import LINEAR_KIND, Middles, Nodes
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import meshio
     import pyvista as pv
 
-Tags: TypeAlias = str | Literal[False] | None
+Tags: TypeAlias = Union[str, Literal[False], None]
 M = TypeVar("M")
 Array: TypeAlias = NDArray[Any]
 
@@ -169,7 +171,7 @@ class BlockAdapter(Adapter[M]):
     def _joined_tags(self, kind: str) -> Array | None:
         if self.tags is None:
             return None
-        return _joined([tags for b, tags in zip(self.blocks, self.tags, strict=True) if _linear_kind(b) == kind])
+        return _joined([tags for b, tags in zip(self.blocks, self.tags) if _linear_kind(b) == kind])
 
     def nodes(self, work: TetMesh, report: Report | Unchanged, vertex_map: NDArray[np.int32]) -> Nodes:
         if self._middles is None:
@@ -234,8 +236,8 @@ class BlockAdapter(Adapter[M]):
             [as_rows(points[name]) for name in smooth],
             [as_rows(v) for v in (rows, *(tet_data[name] for name in smooth_tets))],
         )
-        smooth_of = dict(zip(smooth, new_points, strict=True))
-        smooth_of_tets = dict(zip(smooth_tets, new_tets, strict=True))
+        smooth_of = dict(zip(smooth, new_points))
+        smooth_of_tets = dict(zip(smooth_tets, new_tets))
         places, weights = report.place_vertices, report.place_weights
         return (
             {
@@ -318,7 +320,7 @@ def carry_point_data(
     source, *means = carried(
         work, vertex_map, [as_rows(v) for v in (rows, *(old[name] for name in smooth))]
     )
-    mean_of = dict(zip(smooth, means, strict=True))
+    mean_of = dict(zip(smooth, means))
     return {
         name: mean_of[name].reshape(-1, *values.shape[1:]) if name in mean_of else values[source[:, 0]]
         for name, values in old.items()
@@ -373,12 +375,12 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
         old = self._mesh
         blocks = self.new_blocks(work, report, nodes)
         cell_data = {
-            name: [np.asarray(v)[b.rows] for v, b in zip(values, blocks, strict=True)]
+            name: [np.asarray(v)[b.rows] for v, b in zip(values, blocks)]
             for name, values in old.cell_data.items()
         }
         if self.conserves and isinstance(report, Report):
             tet_data = {
-                name: np.concatenate([np.asarray(v) for v, b in zip(values, blocks, strict=True) if b.kind == "tetra"])
+                name: np.concatenate([np.asarray(v) for v, b in zip(values, blocks) if b.kind == "tetra"])
                 for name, values in old.cell_data.items()
             }
             point_data, tet_data = self.conserved(old.point_data, tet_data, work, report)
@@ -402,7 +404,7 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
         for name, sets in old.cell_sets.items():
             # Gmsh's reader stores ids of entities under this name, not of cells.
             new.cell_sets[name] = sets if name == "gmsh:bounding_entities" else [
-                None if ids is None else np.flatnonzero(np.isin(b.rows, ids)) for ids, b in zip(sets, blocks, strict=True)
+                None if ids is None else np.flatnonzero(np.isin(b.rows, ids)) for ids, b in zip(sets, blocks)
             ]
         return new
 
@@ -456,7 +458,7 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
             pv.convert_array(np.repeat(np.array([numbers[b.kind] for b in blocks], dtype=np.uint8), counts)),
             pv.CellArray.from_arrays(offsets, connectivity.astype(offsets.dtype)),
         )
-        parent = np.concatenate([c[b.rows] for c, b in zip(self._cells, blocks, strict=True)])
+        parent = np.concatenate([c[b.rows] for c, b in zip(self._cells, blocks)])
         cell_data = {name: np.asarray(values)[parent] for name, values in old.cell_data.items()}
         if self.conserves and isinstance(report, Report):
             tets = next(i for i, b in enumerate(blocks) if b.kind == "tetra")

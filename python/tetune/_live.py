@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,9 @@ from . import _core
 from ._core import MoveReport, Progress, Report, TetMesh
 from ._optimize import _prepared, _with_progress
 from ._options import Options
+
+if TYPE_CHECKING:
+    from typing import Unpack
 
 
 class LiveMesh:

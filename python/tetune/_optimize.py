@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, Unpack, overload
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, Union, overload
 from warnings import warn
 
 import numpy as np
@@ -18,11 +18,13 @@ from ._core import AcceptanceReport, CurvedTet, CurveReport, MoveReport, OptionE
 from ._options import Options
 
 if TYPE_CHECKING:
+    from typing import TypeAlias, Unpack
+
     import meshio
     import pyvista as pv
 
 Float64s = NDArray[np.float64]
-Targets: TypeAlias = ArrayLike | Sequence[ArrayLike]
+Targets: TypeAlias = Union[ArrayLike, Sequence[ArrayLike]]
 M = TypeVar("M")
 R = TypeVar("R")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING
 
 import pyvista as pv
 
@@ -14,6 +14,8 @@ from ._optimize import Float64s, MoveResult, Result, Targets, check, measure_eac
 from ._options import Options
 
 if TYPE_CHECKING:
+    from typing import Unpack
+
     from ._adapters import Tags
 
 

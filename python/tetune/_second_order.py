@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._core import MeshError, TetMesh
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
 
 Array: TypeAlias = NDArray[Any]
 

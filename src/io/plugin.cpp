@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "io/mesh_stream.hpp"
 #include "io/plugin_protocol.hpp"
@@ -83,6 +84,11 @@ class Call {
 }  // namespace
 
 bool has_plugin(const Plugin& plugin) { return !find_program(plugin).empty(); }
+
+bool is_script(const Plugin& plugin) {
+  std::ifstream file(find_program(plugin), std::ios::binary);
+  return file.get() == '#' && file.get() == '!';
+}
 
 void require_plugin(const Plugin& plugin, const std::string& path) {
   if (!has_child_processes()) {

@@ -202,7 +202,8 @@ void check_writable(const std::string& path) {
   const Format& format = format_of(path, true);
   if (format.write == nullptr) require_plugin(*format.plugin, path);
   check_place(path);
-  if (format.is_optional) require_format(*format.plugin, path);
+  if (format.is_optional || (format.write == nullptr && is_script(*format.plugin)))
+    require_format(*format.plugin, path);
 }
 
 void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {

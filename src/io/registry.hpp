@@ -106,6 +106,9 @@ void write_by_plugin(const Plugin& plugin, const std::string& path, const std::s
 /// Throws FileError unless this installation has the plugin.
 void require_plugin(const Plugin& plugin, const std::string& path);
 
+/// Whether the plugin is a script, which needs packages that an installation may lack.
+bool is_script(const Plugin& plugin);
+
 /// Throws FileError unless the plugin's library has the format of the name, which some builds of it lack.
 void require_format(const Plugin& plugin, const std::string& path);
 

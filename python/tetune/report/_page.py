@@ -36,7 +36,7 @@ def _jsonable(value: Any) -> Any:
         return {"type": value.dtype.name, "data": _deflated(np.ascontiguousarray(value).tobytes())}
     if isinstance(value, dict):
         return {k: _jsonable(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
+    if isinstance(value, (list, tuple)):
         return [_jsonable(v) for v in value]
     return value
 

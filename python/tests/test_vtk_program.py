@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files of VTK where tetune was built without it, as in a wheel: through pyvista or meshio."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tetune
+from meshes import BRACKET, shaken_box
+
+meshio = pytest.importorskip("meshio")
+PACKAGE = Path(tetune.__file__).parent
+PROGRAM = Path("libexec/tetune/tetune-vtk")
+OWN = next((p for p in map(Path, tetune.__path__) if (p / "bin").is_dir()), PACKAGE)
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="plugins are for Linux")
+
+
+@pytest.fixture
+def command(tmp_path):
+    """Runs the command line with a plugin of Python that has one of the packages."""
+
+    def make(package):
+        if package is not None:
+            pytest.importorskip(package)
+        folder = tmp_path / f"with-{package}" / "tetune"
+        shutil.copytree(OWN, folder, ignore=shutil.ignore_patterns("*.py", "*.pyi", "__pycache__", "tetune-gmsh"))
+        if (libraries := OWN.parent / "tetune.libs").is_dir():  # of others, in a wheel
+            shutil.copytree(libraries, folder.parent / libraries.name)
+        (folder / PROGRAM).parent.mkdir(parents=True, exist_ok=True)
+        (folder / PROGRAM).unlink(missing_ok=True)
+        hidden = {"pyvista", "meshio"} - {package}
+        code = f"import runpy, sys; sys.modules.update(dict.fromkeys({hidden})); runpy.run_path({str(PACKAGE / '_vtk_program.py')!r}, run_name='__main__')"
+        (folder / PROGRAM).write_text(f"#!/bin/sh\nexec '{sys.executable}' -c \"{code}\" \"$@\"\n")
+        (folder / PROGRAM).chmod(0o755)
+        return lambda *words: subprocess.run([folder / "bin" / "tetune", *words], capture_output=True, text=True, cwd=tmp_path)
+
+    return make
+
+
+def rich_mesh(order=1):
+    """Regions, triangles, quadrilaterals, hexahedra and data; of second order, with one curved edge."""
+    points, tets = shaken_box(4, 2, 2)
+    far = np.array([[x, y, z] for z in (5, 6) for y in (0, 1) for x in (0, 1)], float)
+    region = np.where(points[tets].mean(axis=1)[:, 0] > 2, 2, 1)
+    order_of_msh = np.argsort(region, kind="stable")
+    tets, region = tets[order_of_msh], region[order_of_msh]
+    hexahedron = len(points) + np.array([[0, 1, 3, 2, 4, 5, 7, 6]])
+    points = np.concatenate([points, far])
+    cells = [("tetra", tets), ("triangle", [[0, 1, 6], [0, 1, 5]]), ("quad", hexahedron[:, :4]), ("hexahedron", hexahedron)]
+    if order == 2:
+        pairs = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+        edges, number = np.unique(np.concatenate([np.sort(tets[:, p], axis=1) for p in pairs]), axis=0, return_inverse=True)
+        middles = points[edges].mean(axis=1)
+        middles[7] += [0.01, 0.02, 0]
+        cells = [("tetra10", np.hstack([tets, len(points) + number.reshape(6, -1).T])), *cells[2:]]
+        points = np.concatenate([points, middles])
+    sizes = [len(ids) for _, ids in cells]
+    tags = [region, *(np.full(n, 5 + i) for i, n in enumerate(sizes[1:]))]
+    required = np.zeros(len(points), np.uint8)
+    required[3] = 1
+    return meshio.Mesh(
+        points, cells,
+        point_data={"u": points * 2.5, "id": np.arange(len(points), dtype=np.int16), "mmg_required_vertices": required},
+        cell_data={"medit:ref": tags, "load": [np.linspace(0, 1, n, dtype=np.float32) for n in sizes]},
+    )
+
+
+@pytest.mark.parametrize(("package", "order"), [("pyvista", 1), ("meshio", 2)])
+def test_same_mesh_as_through_vtk(command, tmp_path, package, order):
+    rich_mesh(order).write(tmp_path / "in.vtu")
+    run = command(package)
+    done = run("convert", "in.vtu", "out.msh")
+    assert done.returncode == 0, done.stderr
+    done = run("convert", "out.msh", "back.vtu")
+    assert done.returncode == 0, done.stderr
+    mesh, back = rich_mesh(order), meshio.read(tmp_path / "back.vtu")
+    kinds = [b.type for b in back.cells]
+    assert sorted(kinds) == sorted(b.type for b in mesh.cells) and len(back.points) == len(mesh.points)
+    for i, block in enumerate(mesh.cells):
+        j = kinds.index(block.type)
+        assert np.array_equal(back.points[back.cells[j].data], mesh.points[block.data])
+        for name, kept_as in (("medit:ref", "gmsh:physical"), ("load", "load")):  # as the .msh between has it
+            assert np.array_equal(back.cell_data[kept_as][j], mesh.cell_data[name][i]), name
+    vertices = np.isin(np.arange(len(mesh.points)), mesh.cells[0].data[:, 4:], invert=True)
+    for name in ("u", "id"):
+        assert np.array_equal(back.point_data[name][: vertices.sum()], mesh.point_data[name][vertices]), name
+    # Where the command line of this package has VTK itself, it reads the same.
+    own = OWN / PROGRAM
+    if own.exists() and own.read_bytes()[:2] != b"#!":
+        subprocess.run([OWN / "bin" / "tetune", "convert", "in.vtu", "vtk.msh"], cwd=tmp_path, check=True)
+        assert (tmp_path / "vtk.msh").read_bytes() == (tmp_path / "out.msh").read_bytes()
+
+
+def test_required_entities(command, tmp_path):
+    rich_mesh().write(tmp_path / "in.vtu")
+    run = command("meshio")
+    for a, b in (("in.vtu", "a.mesh"), ("a.mesh", "back.vtu"), ("back.vtu", "b.mesh")):
+        assert run("convert", a, b).returncode == 0
+    assert (tmp_path / "a.mesh").read_bytes() == (tmp_path / "b.mesh").read_bytes()
+    assert np.array_equal(tetune.read_mesh(str(tmp_path / "a.mesh")).required_vertices, [3])
+
+
+def test_optimize(command, tmp_path):
+    run = command("meshio")
+    done = run("optimize", str(BRACKET), "a.vtk")
+    assert done.returncode == 0, done.stderr
+    assert run("optimize", str(BRACKET), "a.meshb").returncode == 0
+    assert run("convert", "a.vtk", "b.meshb").returncode == 0
+    a, b = tetune.read_mesh(str(tmp_path / "a.meshb")), tetune.read_mesh(str(tmp_path / "b.meshb"))
+    assert np.array_equal(a.points, b.points) and np.array_equal(a.tets, b.tets) and np.array_equal(a.tet_tags, b.tet_tags)
+
+
+def test_errors_come_before_the_work(command, tmp_path):
+    run = command(None)
+    done = run("optimize", str(BRACKET), "out.vtu")
+    assert done.returncode == 2 and "pip install" in done.stderr and "out.vtu" in done.stderr
+    run = command("meshio")
+    done = run("optimize", str(BRACKET), "out.e")
+    assert done.returncode == 2 and "convert the mesh" in done.stderr
+    (tmp_path / "broken.vtu").write_text("<VTKFile>")
+    done = run("info", "broken.vtu")
+    assert done.returncode == 2 and "broken.vtu: meshio failed to read it" in done.stderr

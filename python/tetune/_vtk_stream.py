@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mesh of VTK's files as the bytes that the library exchanges with its plugins: src/io/mesh_stream.hpp.
+
+docs/formats.md says which arrays are tags and required entities."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any, NamedTuple
+
+import numpy as np
+
+VERSION = 0x7465_7475_6E65_0004
+# In the order of DataValues.
+TYPES = ("f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")
+TAG_NAMES = ("medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical")
+# VTK's number of a kind of cells: vertices, and meshio's name.
+CELLS = {1: (1, "vertex"), 3: (2, "line"), 5: (3, "triangle"), 8: (4, "pixel"), 9: (4, "quad"), 10: (4, "tetra"),
+         11: (8, "voxel"), 12: (8, "hexahedron"), 13: (6, "wedge"), 14: (5, "pyramid"),
+         21: (3, "line3"), 22: (6, "triangle6"), 24: (10, "tetra10")}
+ORDERS = {8: [0, 1, 3, 2], 11: [0, 1, 3, 2, 4, 5, 7, 6]}  # pixels and voxels as quadrilaterals and hexahedra
+# Kinds that are kept unchanged, in the order in which they are written: name, VTK's numbers.
+OTHERS = (("Points", (1,)), ("Quadrilaterals", (9, 8)), ("Pyramids", (14,)), ("Prisms", (13,)), ("Hexahedra", (12, 11)))
+# Edges, triangles, tetrahedra: corners, VTK's numbers of first and second order, edges in the order of their nodes.
+PAIRS = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+SIMPLICES = {"edge": (2, 3, 21, PAIRS[:1]), "triangle": (3, 5, 22, PAIRS[:3]), "tet": (4, 10, 24, PAIRS)}
+# A node farther than this part of its edge from the midpoint makes a mesh curved: src/io/second_order.cpp.
+CURVED = 1e-4
+
+
+class Refused(Exception):
+    """Why a file is not read or written; without its name, which the library adds."""
+
+
+class Grid(NamedTuple):
+    """Cells by VTK's number, with their rows in the data of cells."""
+
+    points: Any
+    cells: list[tuple[int, Any, Any]]
+    point_data: dict[str, Any]
+    cell_data: dict[str, Any]
+
+
+# ---- The stream.
+
+
+class Writer:
+    def __init__(self) -> None:
+        self.parts: list[bytes] = []
+
+    def number(self, kind: str, value: int) -> None:
+        self.parts.append(struct.pack("=" + kind, value))
+
+    def items(self, values: Any, kind: Any, width: int = 1) -> None:
+        array = np.ascontiguousarray(values, kind)
+        self.number("Q", array.size // width)
+        self.parts.append(array.tobytes())
+
+    def text(self, value: str) -> None:
+        encoded = value.encode()
+        self.number("Q", len(encoded))
+        self.parts.append(encoded)
+
+    def data(self, arrays: dict[str, Any]) -> None:
+        self.number("Q", len(arrays))
+        for name, values in arrays.items():
+            self.text(name)
+            self.number("i", values[0].size if len(values) else 1)
+            kind = values.dtype.kind + str(values.dtype.itemsize)
+            self.number("Q", TYPES.index(kind))
+            self.items(values, kind)
+
+
+class Reader:
+    def __init__(self, content: bytes) -> None:
+        self.content, self.at = content, 0
+
+    def number(self, kind: str) -> int:
+        (value,) = struct.unpack_from("=" + kind, self.content, self.at)
+        self.at += struct.calcsize("=" + kind)
+        return int(value)
+
+    def items(self, kind: Any, width: int = 1) -> Any:
+        count = self.number("Q") * width
+        values = np.frombuffer(self.content, kind, count, self.at)
+        self.at += values.nbytes
+        return values.reshape(-1, width) if width > 1 else values
+
+    def text(self) -> str:
+        return bytes(self.items("u1")).decode(errors="replace")
+
+    def data(self) -> dict[str, Any]:
+        arrays = {}
+        for _ in range(self.number("Q")):
+            name, width = self.text(), self.number("i")
+            values = self.items(TYPES[self.number("Q")])
+            arrays[name] = values.reshape(-1, width) if width > 1 else values
+        return arrays
+
+
+# ---- From a grid to the stream.
+
+
+def plain_data(data: dict[str, Any], warnings: list[str]) -> dict[str, Any]:
+    """Arrays of numbers, in two dimensions at most."""
+    kept = {}
+    for name, values in data.items():
+        values = np.asarray(values)
+        if values.dtype.kind == "b":
+            values = values.astype("u1")
+        if values.dtype.kind + str(values.dtype.itemsize) not in TYPES:
+            warnings.append(f'the data "{name}" is not an array of numbers; it is not kept')
+        elif name != "vtkGhostType":
+            kept[name] = values.reshape(len(values), -1)[:, 0] if values[:1].size == 1 else values.reshape(len(values), -1)
+    return kept
+
+
+def take_tags(data: dict[str, Any], size: int, warnings: list[str]) -> tuple[str, Any]:
+    """Removes the first array that holds tags, and returns its name with its values."""
+    for name in TAG_NAMES:
+        if name not in data:
+            continue
+        values = data[name]
+        with np.errstate(invalid="ignore"):
+            whole = values.ndim == 1 and np.array_equal(values.astype("i4"), values)
+        if whole:
+            return name, data.pop(name).astype("i4")
+        warnings.append(f'"{name}" does not hold integers of 32 bits: kept as data, not as tags')
+    return "", np.zeros(size, "i4")
+
+
+def flagged(data: dict[str, Any], name: str, rows: Any = None) -> Any:
+    """The positions, of all or of `rows`, that are not 0 in an array of required entities."""
+    values = data.get(name)
+    if values is None or values.ndim != 1:
+        return np.zeros(0, "i4")
+    return np.flatnonzero(values if rows is None else values[rows])
+
+
+def without_middles(grid: Grid) -> tuple[Grid, bool, Any, Any]:
+    """The grid of first order, whether it was of second, and the curved edges: vertices and positions of their nodes."""
+    straight, ends, nodes = [], [], []
+    for kind, ids, rows in grid.cells:
+        for corners, first, second, pairs in SIMPLICES.values():
+            if kind == second:
+                ends += [ids[:, pair] for pair in map(list, pairs)]
+                nodes += [ids[:, corners + i] for i in range(len(pairs))]
+                kind, ids = first, ids[:, :corners]
+        straight.append((kind, ids, rows))
+    if not nodes:
+        return grid, False, np.zeros((0, 2), "i4"), np.zeros((0, 3))
+    end, node = np.concatenate(ends), np.concatenate(nodes)
+    new = np.cumsum(~np.isin(np.arange(len(grid.points)), node)) - 1
+    kept = ~np.isin(np.arange(len(grid.points)), node)
+    a, b, middle = grid.points[end[:, 0]], grid.points[end[:, 1]], grid.points[node]
+    off = np.linalg.norm(middle - (a + b) / 2, axis=1)
+    pairs_of, first_at = np.unique(np.sort(new[end], axis=1), axis=0, return_index=True)
+    curved = np.zeros(len(first_at), bool)
+    if (off > CURVED * np.linalg.norm(a - b, axis=1)).any():
+        if len(np.unique(np.column_stack([np.sort(new[end], axis=1), node]), axis=0)) > min(len(first_at), len(np.unique(node))):
+            raise Refused("a node is a mid-side node of two edges, or one of two nodes of the same edge; repair the "
+                          "second-order elements in the program that made them")
+        curved = (middle != (a + b) / 2).any(axis=1)[first_at]
+    for kind, ids, _ in straight:
+        if not kept[ids].all():
+            raise Refused("a mid-side node is a vertex of another cell")
+    cells = [(kind, new[ids], rows) for kind, ids, rows in straight]
+    points = {name: np.asarray(values)[kept] for name, values in grid.point_data.items()}
+    return Grid(grid.points[kept], cells, points, grid.cell_data), True, pairs_of[curved], middle[first_at][curved]
+
+
+def encode(grid: Grid, warnings: list[str], out: Writer) -> None:
+    for _, ids, _ in grid.cells:
+        if ids.size and (ids.min() < 0 or ids.max() >= len(grid.points)):
+            raise Refused(f"a cell has a point that does not exist; there are {len(grid.points)}")
+    grid, second_order, curved, middles = without_middles(grid)
+    if not np.isfinite(grid.points).all():
+        raise Refused("a coordinate is not a finite number")
+    of_points, of_cells = plain_data(grid.point_data, warnings), plain_data(grid.cell_data, warnings)
+    point_name, point_tags = take_tags(of_points, len(grid.points), warnings)
+    cell_name, cell_tags = take_tags(of_cells, sum(len(rows) for _, _, rows in grid.cells), warnings)
+
+    def cells_of(kinds: tuple[int, ...], width: int) -> tuple[Any, Any]:
+        parts = [(ids[:, ORDERS[kind]] if kind in ORDERS else ids, rows) for kind, ids, rows in grid.cells if kind in kinds]
+        if not parts:
+            return np.zeros((0, width), "i4"), np.zeros(0, int)
+        ids, rows = np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+        order = np.argsort(rows, kind="stable")
+        return ids[order], rows[order]
+
+    tets, triangles, edges = (cells_of((SIMPLICES[kind][1],), SIMPLICES[kind][0]) for kind in ("tet", "triangle", "edge"))
+    out.items(grid.points, "f8", 3)
+    out.items(point_tags, "i4")
+    for (ids, rows), width in ((tets, 4), (triangles, 3), (edges, 2)):
+        out.items(ids, "i4", width)
+        out.items(cell_tags[rows], "i4")
+    out.items(flagged(of_points, "mmg_corners"), "i4")
+    out.items(flagged(of_points, "mmg_required_vertices"), "i4")
+    out.items(flagged(of_cells, "mmg_ridge_edges", edges[1]), "i4")
+    out.items(flagged(of_cells, "mmg_required_edges", edges[1]), "i4")
+    out.items(flagged(of_cells, "mmg_required_triangles", triangles[1]), "i4")
+    out.items(flagged(of_cells, "mmg_required_tetrahedra", tets[1]), "i4")
+    quads_required: Any = of_cells.get("mmg_required_quadrilaterals")
+    for data in (of_points, of_cells):
+        for name in [name for name in data if name.startswith(("mmg_required_", "mmg_corners", "mmg_ridge_"))]:
+            del data[name]
+    others = [(name, CELLS[kinds[0]][0], *cells_of(kinds, CELLS[kinds[0]][0])) for name, kinds in OTHERS]
+    others = [block for block in others if len(block[3])]
+    out.number("Q", len(others))
+    for name, width, ids, rows in others:
+        out.text(name)
+        out.number("i", width)
+        out.items(ids, "i4")
+        out.items(cell_tags[rows], "i4")
+        is_quads = name == "Quadrilaterals" and quads_required is not None
+        out.items(np.flatnonzero(quads_required[rows]) if is_quads else [], "i4")
+        out.data({name: values[rows] for name, values in of_cells.items()})
+    out.data(of_points)
+    for _, rows in (tets, triangles, edges):
+        out.data({name: values[rows] for name, values in of_cells.items()} if len(rows) else {})
+    out.number("Q", 0)  # groups
+    out.number("Q", 0)  # periodic links
+    for text in (point_name, cell_name, ""):
+        out.text(text)
+    out.number("B", second_order)
+    curved_edges = np.zeros(len(curved), [("vertices", "i4", 2), ("middle", "f8", 3)])
+    curved_edges["vertices"], curved_edges["middle"] = curved, middles
+    out.items(curved_edges, curved_edges.dtype)
+    out.number("B", 0)
+
+
+# ---- From the stream to a grid.
+
+
+def decode(s: Reader, warnings: list[str]) -> Grid:
+    points, point_tags = s.items("f8", 3), s.items("i4")
+    blocks = {}
+    for kind, width in (("tet", 4), ("triangle", 3), ("edge", 2)):
+        blocks[kind] = [s.items("i4", width), s.items("i4"), {}]
+    corners, required_vertices = s.items("i4"), s.items("i4")
+    ridges, required_edges, required_triangles, required_tets = (s.items("i4") for _ in range(4))
+    others = []
+    for _ in range(s.number("Q")):
+        name, width = s.text(), s.number("i")
+        others.append((name, s.items("i4").reshape(-1, width), s.items("i4"), s.items("i4"), s.data()))
+    point_data = s.data()
+    for kind in ("tet", "triangle", "edge"):
+        blocks[kind][2] = s.data()
+    for _ in range(s.number("Q")):
+        s.number("i"), s.number("i")
+        if s.text():
+            warnings[:] = ["VTK's files cannot hold the names of groups"]
+        s.items("i4")
+    for _ in range(s.number("Q")):
+        s.number("i"), s.number("i"), s.number("i"), s.items("f8"), s.items("i4", 2)
+    point_name, cell_name, _ = s.text(), s.text(), s.text()
+    second_order = s.number("B") != 0
+    curved = s.items(np.dtype([("vertices", "i4", 2), ("middle", "f8", 3)]))
+    if s.number("B"):  # listed inside out: the orientation of the caller's file
+        blocks["tet"][0] = blocks["tet"][0][:, [0, 1, 3, 2]]
+
+    kinds = [(SIMPLICES[k][1], *blocks[k]) for k in ("edge", "triangle", "tet")]
+    numbers = {name: number[0] for name, number in OTHERS}
+    kinds += [(numbers[name], ids, tags, data) for name, ids, tags, _, data in others]
+    sizes = [len(ids) for _, ids, _, _ in kinds]
+    first = dict(zip([k[0] for k in kinds], np.cumsum([0, *sizes])))
+    cell_data = merged([k[3] for k in kinds], sizes)
+    tags = np.concatenate([k[2] for k in kinds])
+    if tags.any() or cell_name:
+        cell_data = {cell_name or "medit:ref": tags, **cell_data}
+    if point_tags.any() or point_name:
+        point_data = {point_name or "medit:ref": point_tags, **point_data}
+
+    def flags(data: dict[str, Any], name: str, positions: Any, size: int) -> None:
+        if len(positions):
+            data[name] = np.zeros(size, "u1")
+            data[name][positions] = 1
+
+    flags(point_data, "mmg_required_vertices", required_vertices, len(points))
+    flags(point_data, "mmg_corners", corners, len(points))
+    for name, vtk, positions in (("required_edges", 3, required_edges), ("ridge_edges", 3, ridges),
+                                 ("required_triangles", 5, required_triangles), ("required_tetrahedra", 10, required_tets)):
+        flags(cell_data, "mmg_" + name, positions + first[vtk], sum(sizes))
+    for name, _, _, required, _ in others:
+        if name == "Quadrilaterals":
+            flags(cell_data, "mmg_required_quadrilaterals", required + first[9], sum(sizes))
+    cells = [(k[0], k[1].astype("i8"), None) for k in kinds if len(k[1])]
+    grid = Grid(points, cells, point_data, cell_data)
+    return with_middles(grid, curved) if second_order else grid
+
+
+def merged(parts: list[dict[str, Any]], sizes: list[int]) -> dict[str, Any]:
+    """Each array over all cells; 0, or not a number, for kinds without data of that name."""
+    result = {}
+    for name in {name: None for part, size in zip(parts, sizes) if size for name in part}:
+        model = next(part[name] for part, size in zip(parts, sizes) if size and name in part)
+        filling = np.nan if model.dtype.kind == "f" else 0
+        rows = []
+        for part, size in zip(parts, sizes):
+            values = part[name] if size and name in part else np.full((size, *model.shape[1:]), filling, model.dtype)
+            if values.dtype != model.dtype or values.shape[1:] != model.shape[1:]:
+                raise Refused(f'the data "{name}" has another type or number of components on elements of another kind; '
+                              "rename one of them")
+            rows.append(values)
+        result[name] = np.concatenate(rows)
+    return result
+
+
+def with_middles(grid: Grid, curved: Any) -> Grid:
+    """Second order: the node of each edge, behind all vertices. New vertices have no data: 0, or not a number."""
+    of_kind = {first: (second, [list(p) for p in pairs]) for _, first, second, pairs in SIMPLICES.values()}
+    ends = [np.sort(ids[:, pair], axis=1) for kind, ids, _ in grid.cells if kind in of_kind for pair in of_kind[kind][1]]
+    edges, number = np.unique(np.concatenate(ends), axis=0, return_inverse=True)
+    number = number.reshape(-1) + len(grid.points)
+    middle = (grid.points[edges[:, 0]] + grid.points[edges[:, 1]]) / 2
+    key = edges[:, 0] * len(grid.points) + edges[:, 1]
+    wanted = curved["vertices"].astype("i8")
+    wanted_key = wanted[:, 0] * len(grid.points) + wanted[:, 1]
+    at = np.minimum(np.searchsorted(key, wanted_key), len(key) - 1)
+    found = key[at] == wanted_key
+    middle[at[found]] = curved["middle"][found]
+    cells, done = [], 0
+    for kind, ids, rows in grid.cells:
+        if kind in of_kind:
+            second, pairs = of_kind[kind]
+            nodes = number[done : done + len(pairs) * len(ids)].reshape(len(pairs), -1).T
+            done += len(pairs) * len(ids)
+            kind, ids = second, np.hstack([ids, nodes])
+        cells.append((kind, ids, rows))
+
+    def longer(values: Any) -> Any:
+        filling = np.nan if values.dtype.kind == "f" else 0
+        return np.concatenate([values, np.full((len(edges), *values.shape[1:]), filling, values.dtype)])
+
+    data = {name: longer(values) for name, values in grid.point_data.items()}
+    return Grid(np.concatenate([grid.points, middle]), cells, data, grid.cell_data)
