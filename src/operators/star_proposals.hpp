@@ -16,8 +16,8 @@ inline constexpr double kScreenRatio = 2;
 
 /// How often the cavity of a new vertex is enlarged and the vertex moved.
 inline constexpr int kOpeningRounds = 3;
-/// Where the cavity cannot be enlarged any further, as at the surface, a new vertex is moved nevertheless if the cost is
-/// at most this many times what it was.
+/// Where the cavity cannot be enlarged any further, as at the surface, a new vertex is moved nevertheless if the cost
+/// is at most this many times what it was.
 inline constexpr double kReachRatio = 4;
 
 /// The largest costs in a cavity before and after its retriangulation from a vertex that moves.
