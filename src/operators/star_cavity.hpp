@@ -97,6 +97,7 @@ class StarCavity {
   TETUNE_HD void restrict_apex(const NewVertexDof& dof, const ReferenceView& reference) {
     motion_ = {{{dof.dof, dof.axis}}, {reference, {}, dof.dof, dof.surface_point, dof.surface_point}};
   }
+  TETUNE_HD bool has_free_apex() const { return motion_.free.space.dof == VertexDof::free && !motion_.slides(); }
   /// The place of the apex on the reference surface.
   TETUNE_HD const SurfacePoint& surface_point() const { return motion_.slide.surface_point; }
   /// Whether no face with a vertex as the apex ends at an edge of a replaced triangle: it would become a part of the

@@ -16,6 +16,9 @@ inline constexpr double kScreenRatio = 2;
 
 /// How often the cavity of a new vertex is enlarged and the vertex moved.
 inline constexpr int kOpeningRounds = 3;
+/// Where the cavity cannot be enlarged any further, as at the surface, a new vertex is moved nevertheless if the cost
+/// is at most this many times what it was.
+inline constexpr double kReachRatio = 4;
 
 /// The largest costs in a cavity before and after its retriangulation from a vertex that moves.
 struct MoveCosts {
@@ -66,7 +69,7 @@ struct StarProposal : StarContext {
   }
 
   /// Moves a new vertex to where the largest cost is lower than before, and enlarges the cavity where it is not.
-  /// Returns false where there is no such place.
+  /// Returns false where it finds no such place.
   TETUNE_HD bool open(StarCavity& star, Vec3& x) const {
     const double before = cost_before(star);
     const double limit = (1 - min_gain) * before;
@@ -76,10 +79,11 @@ struct StarProposal : StarContext {
       if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
     }
     for (int round = 0; round < kOpeningRounds; ++round) {
-      if (!star.grow_below(kNewVertex, x, limit, team)) return false;
+      if (!star.grow_below(kNewVertex, x, limit, team) && !is_in_reach(star, kReachRatio * before, x)) return false;
       x = lower_cost(star, x);
+      if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
     }
-    return true;
+    return false;
   }
 
   /// Adds a retriangulation where it lowers the largest cost, which is `before`.
@@ -88,6 +92,13 @@ struct StarProposal : StarContext {
     const double after = star.cost_after(c.apex, c.apex_position, limit, true, team);
     if (!(after < limit) || !(before - after > 0) || team.rank() != 0) return;
     proposals.add(id, c, before - after, static_cast<std::uint32_t>(id));
+  }
+
+ private:
+  /// Whether the cost with a new vertex at x is below `reach`; otherwise one inside the mesh moves into the kernel.
+  TETUNE_HD bool is_in_reach(const StarCavity& star, double reach, Vec3& x) const {
+    return star.cost_after(kNewVertex, x, reach, false, team) < reach ||
+           (star.has_free_apex() && star.find_kernel_point(x, team));
   }
 };
 

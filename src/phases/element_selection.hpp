@@ -103,14 +103,14 @@ BufferOf<Backend, Index> tets_with_flagged_vertex(const Backend& backend, WorkMe
   return find_tets(backend, mesh, selection_detail::HasFlaggedVertex{mesh.view(), flags});
 }
 
-/// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within 1 %.
-/// The values are 0 or at least 1.
+/// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within the
+/// part `resolution`. The values are 0 or at least 1.
 template <class Backend>
-double upper_quantile(const Backend& backend, Span<const double> values, double max_above) {
+double upper_quantile(const Backend& backend, Span<const double> values, double max_above, double resolution = 0.01) {
   using namespace selection_detail;
   double low = 1;
   double high = 1e6;
-  while (high > 1.01 * low) {
+  while (high > (1 + resolution) * low) {
     const double middle = std::sqrt(low * high);
     const Size above = backend.template reduce<backend::Sum<Size>>(values.size(), CountAbove{{values, middle}}).value;
     (static_cast<double>(above) > std::floor(max_above) ? low : high) = middle;
@@ -120,8 +120,9 @@ double upper_quantile(const Backend& backend, Span<const double> values, double 
 
 /// Returns the cost of the dihedral angles that about `max_above` tetrahedra exceed. `extremeness`: see AngleExtremes.
 template <class Backend>
-double upper_cost_quantile(const Backend& backend, Span<const double> extremeness, double max_above) {
-  const double quantile = upper_quantile(backend, extremeness, max_above);
+double upper_cost_quantile(const Backend& backend, Span<const double> extremeness, double max_above,
+                           double resolution) {
+  const double quantile = upper_quantile(backend, extremeness, max_above, resolution);
   return std::sqrt(quantile * quantile - 1);
 }
 

@@ -9,17 +9,26 @@
 namespace tetune {
 namespace improve_angles_detail {
 
+/// The parameters of the last rounds.
+inline AngleParameters last_parameters(AngleParameters p) {
+  constexpr double kResolution = 5e-4;
+  p.max_part = p.max_vertex_part = 0;
+  p.min_count = p.min_vertex_count = p.last_count;
+  p.cost_resolution = kResolution;
+  p.moves_neighbors = true;
+  return p;
+}
+
 /// One round. Returns the number of changes.
 template <class Backend>
-Size improve_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstReport& r) {
-  const AngleParameters& p = optimizer.tuning.angles;
+Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, QualityFloor& floor, WorstReport& r) {
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   const AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
   const double selectable = selection_scale(optimizer.options) * static_cast<double>(work.mesh.tets());
   const auto cost_of = [&](double part, double min_count) {
     const double max_above = std::max(part * selectable, min_count);
-    return std::max(p.min_cost, upper_cost_quantile(backend, extremes.values.span(), max_above));
+    return std::max(p.min_cost, upper_cost_quantile(backend, extremes.values.span(), max_above, p.cost_resolution));
   };
   const double cost = cost_of(p.max_part, p.min_count);
   const auto extreme = tets_above(backend, work.mesh, extremes.values.span(), std::sqrt(1 + cost * cost));
@@ -27,20 +36,22 @@ Size improve_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstRepor
   // From now on no angle may cost more than the worst at present; shapes may become worse in between.
   floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, p.obtuse_weight);
   const Criterion criterion{kShapeObjective, floor, p.obtuse_weight};
-  const AngleParameters& vertices = p.max_vertex_part > 0 ? p : tuning_of(Effort::best).angles;
+  const AngleParameters& vertices = p.min_vertex_count > 0 ? p : tuning_of(Effort::best).angles;
   const double vertex_cost =
       edits_vertices(optimizer.options) ? cost_of(vertices.max_vertex_part, vertices.min_vertex_count) : kInfeasible;
   const auto affected = improve_around(optimizer, criterion, extreme.span(), vertex_cost, r);
   VertexMask<Backend> selected(backend, work.mesh.vertices());
   backend.fill(selected.span(), std::uint8_t{0});
   flag_vertices_of_extreme(backend, work.mesh, criterion, affected.span(), cost, selected.span());
+  if (p.moves_neighbors) flag_neighbors(backend, work.mesh, selected.span());
+  const double target = p.moves_neighbors ? p.min_cost : cost;
   Size moved = 0;
   for (int pass = 0; pass < p.opening_passes; ++pass) {
     moved += minimize_angle_cost(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
-                                 Span<const std::uint8_t>(selected.span()), cost);
+                                 Span<const std::uint8_t>(selected.span()), target);
     if (work.periodic.classes() == 0) continue;
     moved += minimize_periodic_cost(backend, work.mesh, criterion, work.rings.view(), work.periodic,
-                                    Span<const std::uint8_t>(selected.span()), cost);
+                                    Span<const std::uint8_t>(selected.span()), target);
   }
   refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, affected.span());
   optimizer.set_energy(sum_energy(backend, work.flips.energies));
@@ -52,25 +63,33 @@ Size improve_once(Optimizer<Backend>& optimizer, QualityFloor& floor, WorstRepor
 
 /// Lowers the largest cost of the dihedral angles (DihedralCots::cost()), in rounds: the neighborhood of their
 /// tetrahedra is improved, with Effort::best by inserted and removed vertices too, and vertices are moved to where the
-/// largest cost around them is lowest. Tightens `floor` to the angles of each round. Reports Report::worst_rounds.
-/// Returns false when the caller cancels.
+/// largest cost around them is lowest; the last rounds work on a few tetrahedra. Tightens `floor` to the angles of each
+/// round. Reports Report::worst_rounds. Returns false when the caller cancels.
 template <class Backend>
 bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
-  const int rounds = optimizer.tuning.angles.max_rounds;
+  using namespace improve_angles_detail;
+  const AngleParameters& parameters = optimizer.tuning.angles;
+  const AngleParameters last = last_parameters(parameters);
+  const int rounds = parameters.rounds();
   // Not earlier: flips that lower the energy would use up the bound that the worst angles need.
   optimizer.work.boundary.bends = bends_surface(optimizer.options);
   optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
-  for (int round = 1; round <= rounds; ++round) {
+  int stalls = 0;
+  for (int round = 1; round <= rounds && stalls < parameters.max_stalls; ++round) {
+    const bool is_last = round > parameters.max_rounds;
+    const double cost_before = floor.max_cot;
     WorstReport r;
     r.round = round;
     Size changes = 0;
-    r.seconds = optimizer.timer.measure(Phase::angles,
-                                        [&] { changes = improve_angles_detail::improve_once(optimizer, floor, r); });
+    r.seconds = optimizer.timer.measure(
+        Phase::angles, [&] { changes = improve_once(optimizer, is_last ? last : parameters, floor, r); });
     r.dihedral_min = optimizer.traced_angle();
     optimizer.report.worst_rounds.push_back(r);
     optimizer.progress.estimate.finish_angle_step(round, rounds + optimizer.tuning.polish.sweeps);
     if (!optimizer.proceed(Phase::angles, optimizer.iteration())) return false;
     if (changes == 0) break;
+    // The floor is the largest cost before the round.
+    stalls = is_last && floor.max_cot > (1 - parameters.min_fall) * cost_before ? stalls + 1 : 0;
   }
   return true;
 }

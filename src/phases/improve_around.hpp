@@ -48,6 +48,8 @@ namespace improve_around_detail {
 /// tie for the worst angle.
 inline constexpr Size kMinProposers = 250;
 inline constexpr double kProposingPart = 4e-3;
+/// The part of the growth of the mesh that insertion may use up: flips that follow add some tetrahedra.
+inline constexpr double kInsertedPart = 0.95;
 
 /// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and removed edges as flips.
 template <class Backend>
@@ -55,7 +57,8 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
                    double vertex_cost, WorstReport& r) {
   Report& report = optimizer.report;
   const Options& options = optimizer.options;
-  const auto max_tets = static_cast<Size>(options.max_growth * static_cast<double>(report.tets_before));
+  const auto max_tets =
+      static_cast<Size>((1 + kInsertedPart * (options.max_growth - 1)) * static_cast<double>(report.tets_before));
   WorkingSet<Backend>& work = optimizer.work;
   const auto max_proposers = kMinProposers + static_cast<Size>(kProposingPart * selection_scale(options) *
                                                                static_cast<double>(work.mesh.tets()));

@@ -25,7 +25,7 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
     criterion.floor.limit_angles(reached);
     backend.fill(work.dofs.active.span(), std::uint8_t{1});
   });
-  const int angle_rounds = optimizer.tuning.angles.max_rounds;
+  const int angle_rounds = optimizer.tuning.angles.rounds();
   for (int sweep = 1; sweep <= p.sweeps; ++sweep) {
     const bool ready = optimizer.refresh_rings();
     optimizer.timer.measure(Phase::angles, [&] {

@@ -97,6 +97,20 @@ struct AngleParameters {
   /// mesh. 0: none are.
   double max_vertex_part = 0;
   double min_vertex_count = 0;
+  /// The cost that this number of tetrahedra exceed is found to within this part.
+  double cost_resolution = 0.01;
+  /// Neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
+  bool moves_neighbors = false;
+  /// Further rounds, on about this number of the worst tetrahedra alone: where a few are left that need many
+  /// operations, the worst element of the mesh is among them.
+  int last_rounds = 0;
+  double last_count = 0;
+  /// They end when each of this number of rounds in succession has lowered the largest cost by less than `min_fall` of
+  /// it.
+  int max_stalls = 4;
+  double min_fall = 1e-3;
+
+  int rounds() const { return max_rounds + last_rounds; }
 };
 
 /// polish(): sweeps and flips above the floor of the angles reached.
@@ -159,6 +173,8 @@ constexpr Tuning best() {
   t.angles.min_vertex_count = 100;
   t.angles.min_cost_gain = 3e-3;
   t.angles.obtuse_weight = 1.5;
+  t.angles.last_rounds = 16;
+  t.angles.last_count = 12;
   t.polish = {4, 2};
   return t;
 }
