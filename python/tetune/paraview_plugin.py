@@ -16,6 +16,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 
 import tetune
 from tetune._adapters import VTK_CELLS, Block, BlockAdapter, as_tags, chosen_tags, transfer_point_data
+from tetune._second_order import LINEAR_KIND
 
 BOUNDARY = ("preserve", "slide", "fixed")
 EFFORT = ("fast", "standard", "best")
@@ -44,9 +45,10 @@ class GridAdapter(BlockAdapter[vtkUnstructuredGrid]):
         ids = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
         self._types = [int(t) for t in np.unique(types)]
         for t in self._types:
-            if t not in VTK_CELLS:
+            if VTK_CELLS.get(t) is None or VTK_CELLS[t] in LINEAR_KIND:
                 raise tetune.MeshError(f"cells of VTK type {t} are not supported; supported are the linear ones: "
-                                       + ", ".join(f"{name} ({n})" for n, name in VTK_CELLS.items()))
+                                       + ", ".join(f"{name} ({n})" for n, name in VTK_CELLS.items()
+                                                   if name not in LINEAR_KIND))
         self._cells = [np.flatnonzero(types == t) for t in self._types]
         sizes = [offsets[c[0] + 1] - offsets[c[0]] for c in self._cells]
         self.blocks = [
@@ -62,7 +64,7 @@ class GridAdapter(BlockAdapter[vtkUnstructuredGrid]):
 
     def write(self, result: tetune.Result[tetune.TetMesh], out: vtkUnstructuredGrid) -> None:
         work, report = result.mesh, result.report
-        blocks = self.new_blocks(work, report)
+        blocks = self.new_blocks(work, report, self.nodes(work, report, result.vertex_map))
         counts = [len(b.vertices) for b in blocks]
         points = vtkPoints()
         points.SetData(numpy_to_vtk(np.ascontiguousarray(work.points), deep=True))
