@@ -40,7 +40,7 @@ class BoxTree {
   template <class Visit>
   void descend(std::size_t level, Size node, const Box& box, const Visit& visit) const {
     const std::vector<Box>& nodes = levels_[level];
-    const Size end = std::min(node + kFanout, std::ssize(nodes));
+    const Size end = std::min<Size>(node + kFanout, std::ssize(nodes));
     for (Size i = node; i < end; ++i) {
       if (!span_of(nodes)[i].meets(box)) continue;
       if (level == 0) {

@@ -94,7 +94,7 @@ class ClassFinder {
     const auto begin = std::lower_bound(neighbors_.begin(), neighbors_.end(), v,
                                         [](const Neighbor& n, Index id) { return n.from < id; });
     const auto end = std::find_if(begin, neighbors_.end(), [v](const Neighbor& n) { return n.from != v; });
-    return {begin, end};
+    return {neighbors_.data() + (begin - neighbors_.begin()), to_size_t(end - begin)};
   }
   bool is_image(Index v) const {
     const auto around = neighbors_of(v);
