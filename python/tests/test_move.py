@@ -186,7 +186,7 @@ def test_conserved_data_of_pyvista():
 
 
 def test_interpolation_of_special_values():
-    from tetune._adapters import interpolated
+    from tetune._point_data import interpolated
 
     values = np.array([1.0, 2.0, np.nan, 4.0])
     places = np.array([[0, 1, 3, 2], [0, 1, 2, 3], [2, 0, 1, 3]])

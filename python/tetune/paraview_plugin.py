@@ -15,7 +15,8 @@ from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints, vtkUnsignedCharArr
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 
 import tetune
-from tetune._adapters import VTK_CELLS, Block, BlockAdapter, as_tags, chosen_tags, transfer_point_data
+from tetune._adapters import VTK_CELLS, Block, BlockAdapter, as_tags, chosen_tags
+from tetune._point_data import transfer_point_data
 from tetune._second_order import LINEAR_KIND
 
 BOUNDARY = ("preserve", "slide", "fixed")

@@ -16,9 +16,15 @@ inline constexpr double kFlat = 1e-6;
 /// At most this number of listed corners, or junctions of listed lines, are features whatever the geometry shows.
 inline constexpr Size kFewListed = 10;
 
+/// Whether a list can be one of features, of which `listed_only` vertices are corners or junctions by the list alone.
+/// Heuristic: it is none where these are more than kFewListed and more than 5 % of the constrained vertices (TetGen
+/// lists every vertex and edge of its input).
+inline bool can_be_features(Size listed_only, Size constrained) {
+  return listed_only <= kFewListed || 20 * listed_only <= constrained;
+}
+
 /// The number of vertices that a list names as corners or junctions of feature lines and whose geometry does not show
-/// it; 0 where the list can be one of features. Heuristic: it is none where these are more than kFewListed and more
-/// than 5 % of the constrained vertices (TetGen lists every vertex and edge of its input).
+/// it; 0 where the list can be one of features.
 template <class IsListed>
 Size count_no_features(Span<const VertexDof> dof, const IsListed& is_listed) {
   Size constrained = 0;
@@ -27,7 +33,7 @@ Size count_no_features(Span<const VertexDof> dof, const IsListed& is_listed) {
     if (dof[v] != VertexDof::free) ++constrained;
     if (dof[v] != VertexDof::fixed && is_listed(v)) ++listed_only;
   }
-  return listed_only <= kFewListed || 20 * listed_only <= constrained ? 0 : listed_only;
+  return can_be_features(listed_only, constrained) ? 0 : listed_only;
 }
 
 /// Whether the edges of a list from entry `first` of `ends` on can be feature lines, given where vertices may go

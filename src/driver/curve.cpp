@@ -5,6 +5,7 @@
 #include <map>
 
 #include "backend/span.hpp"
+#include "boundary/classify.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/surface_middles.hpp"
 #include "driver/curved_skeleton.hpp"
@@ -61,7 +62,7 @@ std::vector<Edge> find_lines(const TetMesh& mesh) {
   }
   const auto junctions = std::count_if(degrees.begin(), degrees.end(), [](const auto& d) { return d.second > 2; });
   std::vector<Edge> lines;
-  if (junctions <= 10 || 20 * junctions <= std::ssize(degrees)) lines = tagged;
+  if (can_be_features(junctions, std::ssize(degrees))) lines = tagged;
   const auto add = [&](Index i) { lines.push_back(ascending(span_of(mesh.edges)[i][0], span_of(mesh.edges)[i][1])); };
   std::for_each(mesh.ridges.begin(), mesh.ridges.end(), add);
   std::for_each(mesh.required_edges.begin(), mesh.required_edges.end(), add);

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "io/checked_count.hpp"
 #include "io/gzip.hpp"
 #include "io/netgen_format.hpp"
 #include "io/registry.hpp"
@@ -61,7 +62,7 @@ class NetgenReader {
     } else if (name == "identifications") {
       read_identifications();
     } else if (name == "identificationtypes") {
-      types_.resize(checked_count("number of types", 1));
+      types_.resize(count("number of types", 1));
       for (std::int64_t& type : types_) type = cursor_.integer("type of an identification");
     } else {
       skip(name);
@@ -106,15 +107,7 @@ class NetgenReader {
     while (!cursor_.at_end() && !known.contains(cursor_.peek())) cursor_.line();
   }
 
-  /// Refuses a count that the rest of the file cannot hold, with `numbers` numbers per entry.
-  std::size_t checked_count(const char* name, int numbers) {
-    const std::int64_t n = cursor_.integer(name);
-    if (n < 0 || n > cursor_.remaining() / (2 * numbers) + 1) {
-      cursor_.fail(std::string(name) + " is " + std::to_string(n) + ", more than the rest of the file can hold");
-    }
-    if (const std::string excess = excess_of(n, true); !excess.empty()) cursor_.fail("this file has " + excess);
-    return to_size_t(n);
-  }
+  std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, true); }
   int integer(const char* name) {
     const std::int64_t value = cursor_.integer(name);
     if (value < -std::numeric_limits<int>::max() || value > std::numeric_limits<int>::max()) {
@@ -141,7 +134,7 @@ class NetgenReader {
   void read_points() {
     if (has_points_) cursor_.fail("a second section \"points\"");
     has_points_ = true;
-    mesh_.points.resize(checked_count("number of points", 3));
+    mesh_.points.resize(count("number of points", 3));
     for (Point3& p : mesh_.points) {
       for (double& x : p) x = cursor_.real("coordinate");
     }
@@ -149,7 +142,7 @@ class NetgenReader {
 
   /// `extra`: the number of parameters of the geometry at each node.
   void read_surface(int extra) {
-    const std::size_t n = checked_count("number of surface elements", 5);
+    const std::size_t n = count("number of surface elements", 5);
     for (std::size_t i = 0; i < n; ++i) {
       const int surface = integer("number of a surface");
       const int tag = integer("number of a boundary condition");
@@ -170,7 +163,7 @@ class NetgenReader {
   }
 
   void read_solids() {
-    const std::size_t n = checked_count("number of volume elements", 6);
+    const std::size_t n = count("number of volume elements", 6);
     for (std::size_t i = 0; i < n; ++i) {
       const int tag = std::max(1, integer("number of a material"));
       const std::vector<Index> v = vertices(integer("number of nodes"));
@@ -215,7 +208,7 @@ class NetgenReader {
   void read_edges(const std::string& name) {
     const bool is_short = name == "edgesegmentsgi3";
     has_descriptors_ = is_short;
-    const std::size_t n = checked_count("number of edges", 4);
+    const std::size_t n = count("number of edges", 4);
     for (std::size_t i = 0; i < n; ++i) {
       int tag = 0;
       if (!is_short) {
@@ -237,7 +230,7 @@ class NetgenReader {
   }
 
   void read_point_elements() {
-    const std::size_t n = checked_count("number of points", 2);
+    const std::size_t n = count("number of points", 2);
     for (std::size_t i = 0; i < n; ++i) {
       ElementBlock& block = block_of(kPoints, 1);
       block.element2vertex.push_back(vertex());
@@ -253,7 +246,7 @@ class NetgenReader {
     mesh_.groups.push_back({dimension, tag, std::string(name), {tag}});
   }
   void read_names(int dimension) {
-    const std::size_t n = checked_count("number of names", 1);
+    const std::size_t n = count("number of names", 1);
     for (std::size_t i = 0; i < n; ++i) {
       const int tag = integer("number of a name");
       std::string_view name = cursor_.line();
@@ -267,7 +260,7 @@ class NetgenReader {
   /// Edges refer to descriptions by position; several have the same number if the edge of the geometry has several
   /// faces.
   void read_edge_descriptors() {
-    descriptors_.resize(checked_count("number of edges", 6));
+    descriptors_.resize(count("number of edges", 6));
     std::set<std::pair<int, std::string>> named;
     for (int& number : descriptors_) {
       number = integer("number of an edge");
@@ -279,7 +272,7 @@ class NetgenReader {
   }
 
   void read_identifications() {
-    const std::size_t n = checked_count("number of identified points", 3);
+    const std::size_t n = count("number of identified points", 3);
     for (std::size_t i = 0; i < n; ++i) {
       const Index master = vertex();
       const Index image = vertex();

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "backend/span.hpp"
+#include "io/checked_count.hpp"
 #include "io/group_order.hpp"
 #include "io/line_writer.hpp"
 #include "io/registry.hpp"
@@ -78,7 +79,7 @@ class Su2Reader {
     } else if (name == "NZONE") {
       if (cursor_.integer("number of zones") != 1) cursor_.fail("the file has several zones; write each to a file");
     } else if (name == "NELEM") {
-      read_elements(checked_count("number of elements", 5), false);
+      read_elements(count("number of elements", 5), false);
       has_elements_ = true;
     } else if (name == "NPOIN") {
       read_points();
@@ -107,16 +108,7 @@ class Su2Reader {
     }
   }
 
-  /// Refuses a count that the rest of the file cannot hold, with `numbers` numbers per entry.
-  std::size_t checked_count(const char* name, int numbers) {
-    const std::int64_t n = cursor_.integer(name);
-    if (n < 0 || n > cursor_.remaining() / (2 * numbers) + 1) {
-      cursor_.fail(std::string(name) + " is " + std::to_string(n) + ", more than the rest of the file can hold");
-    }
-    if (const std::string excess = excess_of(n, true); !excess.empty()) cursor_.fail("this file has " + excess);
-    return to_size_t(n);
-  }
-
+  std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, true); }
   Index vertex() {
     const std::int64_t v = cursor_.integer("point number");
     if (v < 0 || v > std::numeric_limits<Index>::max()) cursor_.fail("point number out of range");
@@ -125,7 +117,7 @@ class Su2Reader {
 
   void read_points() {
     if (has_points_) cursor_.fail("a second NPOIN= section");
-    mesh_.points.resize(checked_count("number of points", 3));
+    mesh_.points.resize(count("number of points", 3));
     cursor_.line();  // further counts
     for (Point3& p : mesh_.points) {
       at_end();
@@ -169,7 +161,7 @@ class Su2Reader {
     ++marker_;
     mesh_.groups.push_back({2, marker_, name, {marker_}});
     if (at_end() || keyword() != "MARKER_ELEMS") cursor_.fail("MARKER_ELEMS= is expected after MARKER_TAG= " + name);
-    read_elements(checked_count("number of elements of the marker", 3), true);
+    read_elements(count("number of elements of the marker", 3), true);
     if (!at_end() && cursor_.peek().starts_with("SEND_TO")) {
       cursor_.fail("the file is a part of a partitioned mesh (SEND_TO); use the whole mesh");
     }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "backend/span.hpp"
+#include "io/checked_count.hpp"
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
 #include "mesh/whole_number.hpp"
@@ -15,19 +16,6 @@ namespace tetune {
 namespace {
 
 constexpr int kNumbersPerTet = 5;
-
-/// Reads a count. Refuses one that the rest of the text cannot hold, with `numbers` numbers per entry, before memory is
-/// asked for.
-std::size_t checked_count(TextCursor& cursor, const char* name, int numbers) {
-  const std::int64_t n = cursor.integer(name);
-  if (n < 0 || n > cursor.remaining() / (2 * numbers) + 1) {
-    cursor.fail(std::string(name) + " is " + std::to_string(n) + ", more than the rest of the file can hold");
-  }
-  if (const std::string excess = excess_of(n, numbers == kNumbersPerTet); !excess.empty()) {
-    cursor.fail("this file has " + excess);
-  }
-  return to_size_t(n);
-}
 
 int to_tag(TextCursor& cursor, double value) {
   const std::optional<int> tag = whole_number(value);
@@ -43,7 +31,7 @@ void expect_end(TextCursor& cursor) {
 std::int64_t read_nodes(const std::string& path, TetMesh& mesh) {
   const MappedFile file(path);
   TextCursor cursor(path, file.bytes());
-  const std::size_t n = checked_count(cursor, "number of points", 4);
+  const std::size_t n = checked_count(cursor, "number of points", 4, false);
   if (cursor.integer("dimension") != 3) cursor.fail("the dimension must be 3");
   const std::int64_t attributes = cursor.line_done() ? 0 : cursor.integer("number of attributes");
   const std::int64_t markers = cursor.line_done() ? 0 : cursor.integer("boundary marker flag");
@@ -95,7 +83,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     const std::string name = sibling(".ele");
     const MappedFile file(name);
     TextCursor cursor(name, file.bytes());
-    const std::size_t n = checked_count(cursor, "number of tetrahedra", kNumbersPerTet);
+    const std::size_t n = checked_count(cursor, "number of tetrahedra", kNumbersPerTet, true);
     const std::int64_t corners = cursor.integer("nodes per tetrahedron");
     if (corners != 4) {
       cursor.fail("tetrahedra have " + std::to_string(corners) +
@@ -110,7 +98,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     if (!fs::exists(path_of(name), ignored)) return false;
     const MappedFile file(name);
     TextCursor cursor(name, file.bytes());
-    const std::size_t n = checked_count(cursor, count, numbers);
+    const std::size_t n = checked_count(cursor, count, numbers, numbers == kNumbersPerTet);
     const bool marker = !cursor.line_done() && cursor.integer("boundary marker flag") != 0;
     read_rows(cursor, n, base, marker, elements, tags);
     return true;
