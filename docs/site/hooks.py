@@ -39,8 +39,10 @@ PYTHON = """# Python
 {tetune.optimize tetune.Options tetune.Result tetune.Progress}
 ## Move
 {tetune.move tetune.LiveMesh tetune.MoveResult tetune.MoveReport tetune.MoveStep}
+## Second-order tetrahedra
+{tetune.curve tetune.CurveResult}
 ## Measure and compare
-{tetune.quality tetune.measure_each tetune.compare tetune.validate tetune.check}
+{tetune.quality tetune.measure_each tetune.measure_curved_each tetune.compare tetune.validate tetune.check}
 ## Meshes and files
 {tetune.TetMesh tetune.read_mesh tetune.write_mesh}
 ## Methods of a pyvista grid: `grid.tetune`
@@ -48,7 +50,7 @@ PYTHON = """# Python
 ## HTML report
 {tetune.report.write_page}
 ## Result types
-{tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison tetune.AcceptanceReport tetune.CriterionResult}
+{tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison tetune.AcceptanceReport tetune.CriterionResult tetune.CurvedQuality tetune.CurvedTet tetune.CurveReport tetune.StraightenedEdge}
 ## Errors
 {tetune.Error tetune.MeshError tetune.UntangleError tetune.OverlapError tetune.OptionError tetune.FileError tetune.DeviceError}
 """
