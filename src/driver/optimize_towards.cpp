@@ -20,6 +20,8 @@ namespace tetune {
 namespace {
 
 constexpr int kMaxRounds = 4;
+/// Number of tetrahedra up to which no round is too long.
+constexpr std::ptrdiff_t kLarge = 50'000;
 /// The part of the progress that the first run is.
 constexpr double kFirstRun = 0.75;
 
@@ -46,6 +48,17 @@ Failures failures_of(const AcceptanceReport& report) {
     failures.tets += r.failed;
   }
   return failures;
+}
+
+/// Whether the worst value of a criterion that fails after a round is worse than before.
+bool worsens(const AcceptanceReport& before, const AcceptanceReport& after) {
+  for (std::size_t i = 0; i < after.results.size(); ++i) {
+    const CriterionResult& r = after.results[i];
+    const bool larger = info_of(r.criterion.measure).larger_is_better;
+    const double old = before.results[i].worst;
+    if (r.verdict == Verdict::fail && (larger ? !(r.worst >= old) : !(r.worst <= old))) return true;
+  }
+  return false;
 }
 
 /// The map from a result to the input, over the mesh between. An empty map is the identity.
@@ -157,8 +170,8 @@ class CriteriaRun {
     for (int i = 0; i < kMaxRounds && report_.after.verdict == Verdict::fail && !is_stopped(); ++i) {
       const CriteriaRound round = make_round(mesh, i);
       report_.rounds.push_back(round);
-      // Where most of the mesh fails, another round takes as long as the first run.
-      const bool is_large = 2 * round.active > std::ssize(mesh.tets);
+      // Where most of a large mesh fails, another round takes as long as the first run.
+      const bool is_large = round.active > std::max(kLarge, std::ssize(mesh.tets) / 2);
       const bool gains = round.kept && 20 * (round.failed_before - round.failed_after) > round.failed_before;
       if (is_large && !gains) break;
     }
@@ -183,7 +196,7 @@ class CriteriaRun {
     const Failures after = failures_of(accepted);
     round.failed_after = after.tets;
     const std::size_t max_tets = std::max(mesh.tets.size(), std::size_t(max_tets_));
-    round.kept = after < before && changed.tets.size() <= max_tets;
+    round.kept = after < before && !worsens(report_.after, accepted) && changed.tets.size() <= max_tets;
     if (round.kept) {
       mesh = std::move(changed);
       report_.after = std::move(accepted);
