@@ -101,11 +101,14 @@ class Run {
     const std::string file = shown_name(job_.input, false) + ": ";
     try {
       outcome_.before = measure();
-      if (a_.criteria) accepted_before_ = check(input_.mesh, *a_.criteria, options_.threads);
+      if (a_.criteria && a_.move) criteria_.before = check(input_.mesh, *a_.criteria, options_.threads);
       measured_at_ = Time::now();
       if (a_.move) {
         motion_ = move(input_.mesh, targets_, options_, context);
         report_ = std::move(motion_.optimization);
+      } else if (a_.criteria && !a_.dry_run) {
+        criteria_ = optimize_towards(input_.mesh, *a_.criteria, options_, context);
+        report_ = std::move(criteria_.optimization);
       } else {
         report_ = optimize(input_.mesh, options_, context);
       }
@@ -247,8 +250,8 @@ class Run {
 
   void finish() {
     outcome_.after = measure();
-    if (a_.criteria) accepted_ = check(input_.mesh, *a_.criteria, options_.threads);
-    const bool accepted = accepted_.verdict != Verdict::fail;
+    if (a_.criteria && a_.move) criteria_.after = check(input_.mesh, *a_.criteria, options_.threads);
+    const bool accepted = !a_.criteria || criteria_.after.verdict != Verdict::fail;
     const bool met = std::all_of(report_.targets.begin(), report_.targets.end(), [](const auto& t) { return t.met(); });
     outcome_.code = stopped() || !motion_.reached() || !met || !accepted ? kStoppedEarly : kDone;
     outcome_.summary = stopped()            ? (late_ ? "time limit" : "interrupted")
@@ -297,7 +300,7 @@ class Run {
                           deviation_kept_ ? ", kept" : ", EXCEEDED");
     }
     for (const TargetReport& t : report_.targets) text += target_table(t);
-    if (a_.criteria) text += acceptance_table("acceptance", accepted_);
+    if (a_.criteria) text += acceptance_table("acceptance", criteria_.after) + criteria_table(criteria_);
     if (console_.verbosity() > 1) text += run_table(report_);
     text += fmt::format("  read {:.3f} s, {} {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
                         a_.move ? "moved" : "optimized", report_.seconds, report_.device,
@@ -323,7 +326,7 @@ class Run {
     json["before"] = to_json(outcome_.before);
     json["after"] = to_json(outcome_.after);
     json["optimization"] = to_json(report_);
-    if (a_.criteria) json["acceptance"] = {{"before", to_json(accepted_before_)}, {"after", to_json(accepted_)}};
+    if (a_.criteria) json["acceptance"] = to_json(criteria_);
     if (a_.move) json["motion"] = to_json(motion_);
     if (stopped()) json["optimization"]["stopped"] = outcome_.summary;
     return json;
@@ -343,8 +346,8 @@ class Run {
   std::vector<VertexTargets> targets_;       ///< of `tetune move`
   MoveReport motion_;                        ///< without its Report
   Report report_;
-  AcceptanceReport accepted_before_, accepted_;  ///< with --criteria
-  bool late_ = false;                            ///< the time limit was reached
+  CriteriaReport criteria_;  ///< with --criteria, without its Report
+  bool late_ = false;        ///< the time limit was reached
   bool deviation_kept_ = true;
   double write_seconds_ = 0;
   Outcome outcome_;

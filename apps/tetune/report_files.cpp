@@ -188,13 +188,19 @@ Json to_json(const Report& r) {
   return json;
 }
 
-Json to_json(const TargetReport& r) {
+namespace {
+
+Json held_by_json(const std::array<std::int64_t, kLimitingConstraints>& counts) {
   Json held_by = Json::object();
   for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
-    held_by[to_string(static_cast<LimitingConstraint>(k))] = r.held_by[k];
+    held_by[to_string(static_cast<LimitingConstraint>(k))] = counts[k];
   }
+  return held_by;
+}
+
+Json worst_json(const std::vector<MissedTet>& missed) {
   Json worst = Json::array();
-  for (const MissedTet& m : r.worst) {
+  for (const MissedTet& m : missed) {
     Json item = {
         {"tetrahedron", m.tet + 1}, {"value", m.value}, {"centroid", m.centroid}, {"held_by", to_string(m.held_by)}};
     if (m.held_by == LimitingConstraint::surface_angle) {
@@ -203,13 +209,19 @@ Json to_json(const TargetReport& r) {
     }
     worst.push_back(item);
   }
+  return worst;
+}
+
+}  // namespace
+
+Json to_json(const TargetReport& r) {
   return {{"measure", to_string(r.target.measure)},
           {"value", r.target.value},
           {"met", r.met()},
           {"tetrahedra", r.tets},
           {"missed", r.missed},
-          {"held_by", held_by},
-          {"worst", worst}};
+          {"held_by", held_by_json(r.held_by)},
+          {"worst", worst_json(r.worst)}};
 }
 
 Json to_json(const AcceptanceReport& report) {
@@ -230,6 +242,26 @@ Json to_json(const AcceptanceReport& report) {
                        {"source", c.source}});
   }
   return {{"criteria", report.name}, {"verdict", to_string(report.verdict)}, {"results", results}};
+}
+
+Json to_json(const CriteriaReport& report) {
+  Json json = {{"before", to_json(report.before)}, {"after", to_json(report.after)}, {"rounds", Json::array()}};
+  for (const CriteriaRound& r : report.rounds) {
+    json["rounds"].push_back({{"rings", r.rings},
+                              {"active", r.active},
+                              {"failed_before", r.failed_before},
+                              {"failed_after", r.failed_after},
+                              {"kept", r.kept},
+                              {"seconds", r.seconds}});
+  }
+  if (!report.no_rounds.empty()) json["no_rounds"] = report.no_rounds;
+  json["limits"] = Json::array();
+  for (const CriterionLimits& l : report.limits) {
+    json["limits"].push_back({{"measure", info_of(l.criterion.measure).name},
+                              {"held_by", held_by_json(l.held_by)},
+                              {"worst", worst_json(l.worst)}});
+  }
+  return json;
 }
 
 Json to_json(const ValidationReport& report) {

@@ -16,6 +16,8 @@ nlohmann::ordered_json to_json(const Report& report);
 nlohmann::ordered_json to_json(const TargetReport& report);
 nlohmann::ordered_json to_json(const ValidationReport& report);
 nlohmann::ordered_json to_json(const AcceptanceReport& report);
+/// Without its Report.
+nlohmann::ordered_json to_json(const CriteriaReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
 /// The number of pairs of all periodic links.
 std::size_t periodic_pairs(const TetMesh& mesh);

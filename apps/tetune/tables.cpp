@@ -209,26 +209,39 @@ std::string comparison_table(const Comparison& c) {
   return text;
 }
 
+namespace {
+
+/// The constraint of an element, in words.
+std::string constraint_text(const MissedTet& m) {
+  if (m.held_by != LimitingConstraint::surface_angle) return to_string(m.held_by);
+  return fmt::format("surface: {:.3f} deg at edge {} {}", m.surface_angle, m.edge[0] + 1, m.edge[1] + 1);
+}
+
+/// One line per constraint that holds elements.
+std::string held_by_lines(const std::array<std::int64_t, kLimitingConstraints>& held_by) {
+  std::string text;
+  for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
+    if (held_by[k] == 0) continue;
+    text += fmt::format("    {:>9} held by: {}\n", held_by[k], to_string(static_cast<LimitingConstraint>(k)));
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string target_table(const TargetReport& r) {
   const Measure measure = r.target.measure;
   std::string text =
       fmt::format("  target: {} {} {}: ", to_string(measure), larger_is_better(measure) ? ">=" : "<=", r.target.value);
   if (r.met()) return text + "met by all\n";
   text += fmt::format("NOT met by {} of {}\n", r.missed, r.tets);
-  for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
-    if (r.held_by[k] == 0) continue;
-    text += fmt::format("    {:>9} held by: {}\n", r.held_by[k], to_string(static_cast<LimitingConstraint>(k)));
-  }
+  text += held_by_lines(r.held_by);
   constexpr std::size_t kShown = 10;
   text += fmt::format("  {:<22}{:>12}    {:<36}centroid\n", "worst, counted from 1", to_string(measure), "held by");
   for (std::size_t i = 0; i < std::min(kShown, r.worst.size()); ++i) {
     const MissedTet& m = r.worst[i];
-    std::string constraint = to_string(m.held_by);
-    if (m.held_by == LimitingConstraint::surface_angle) {
-      constraint = fmt::format("surface: {:.3f} deg at edge {} {}", m.surface_angle, m.edge[0] + 1, m.edge[1] + 1);
-    }
     text += fmt::format("  {:<22}{:>12}    {:<36}{:.6g} {:.6g} {:.6g}\n", m.tet + 1, format_value(measure, m.value),
-                        constraint, m.centroid[0], m.centroid[1], m.centroid[2]);
+                        constraint_text(m), m.centroid[0], m.centroid[1], m.centroid[2]);
   }
   return text;
 }
@@ -300,6 +313,29 @@ std::string acceptance_table(const std::string& title, const AcceptanceReport& r
     text += fmt::format("  {:<22}{:>8}{:>12.6g}{:>12}{:>12}{:>10}{:>10}{:>10}    {}\n", info_of(c.measure).name,
                         to_string(r.verdict), r.worst, limit(c.warn), limit(c.fail), r.warned, r.failed,
                         fmt::format("{:.4g} %", c.allowed_percent), place);
+  }
+  return text;
+}
+
+std::string criteria_table(const CriteriaReport& report) {
+  std::string text;
+  for (const CriteriaRound& r : report.rounds) {
+    text += fmt::format("  round on what fails: {} rings, {} tetrahedra might change, {} -> {} fail{}\n", r.rings,
+                        r.active, r.failed_before, r.failed_after, r.kept ? "" : ", undone");
+  }
+  const bool fails = report.after.verdict == Verdict::fail;
+  if (fails && !report.no_rounds.empty()) {
+    text += fmt::format("  no rounds on what fails: {}\n", with_flags(report.no_rounds));
+  }
+  constexpr std::size_t kShown = 5;
+  for (const CriterionLimits& l : report.limits) {
+    text += fmt::format("  {} fails:\n", info_of(l.criterion.measure).name) + held_by_lines(l.held_by);
+    text += fmt::format("  {:<22}{:>12}    {:<36}centroid\n", "worst, counted from 1", "value", "held by");
+    for (std::size_t i = 0; i < std::min(kShown, l.worst.size()); ++i) {
+      const MissedTet& m = l.worst[i];
+      text += fmt::format("  {:<22}{:>12.6g}    {:<36}{:.6g} {:.6g} {:.6g}\n", m.tet + 1, m.value, constraint_text(m),
+                          m.centroid[0], m.centroid[1], m.centroid[2]);
+    }
   }
   return text;
 }

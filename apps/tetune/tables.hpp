@@ -44,6 +44,9 @@ std::string constraint_notes(const Report& report);
 /// The verdict of each criterion. `title` says of which mesh: "acceptance", "acceptance before".
 std::string acceptance_table(const std::string& title, const AcceptanceReport& report);
 
+/// The rounds on what fails, and the constraints that limit what still does; empty if there is neither.
+std::string criteria_table(const CriteriaReport& report);
+
 /// With Options::only_below: how many tetrahedra might change. Empty without.
 std::string active_line(const Report& report, const Options& options);
 

@@ -12,6 +12,7 @@
 #include "tetune/mesh.hpp"
 #include "tetune/move.hpp"
 #include "tetune/optimize.hpp"
+#include "tetune/optimize_towards.hpp"
 #include "tetune/option_table.hpp"
 #include "tetune/periodic.hpp"
 #include "tetune/quality.hpp"

@@ -25,6 +25,11 @@ struct ImportedMesh {
 
 Report report_constraints(const TetMesh& mesh, const Options& options) { return ImportedMesh(mesh, options).report; }
 
+MeshOutcome import_outcome(const TetMesh& mesh, const Options& options) {
+  ImportedMesh imported(mesh, options);
+  return {outcome_of(imported.work, mesh), imported.work.mesh.tet2original.download()};
+}
+
 SlideSurface find_slide_surface(const TetMesh& mesh, const Options& options) {
   const ImportedMesh imported(mesh, options);
   const WorkingSet<backend::Cpu>& work = imported.work;

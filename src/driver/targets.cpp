@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -62,17 +63,19 @@ class ConstraintFinder {
   }
 
   /// Sets the constraint of a tetrahedron that misses a target, and for LimitingConstraint::surface_angle the edge and
-  /// the angle.
-  void find(Index t, const Target& target, MissedTet& missed) const {
+  /// the angle. Without a target, no angle of the surface bounds the measure.
+  void find(Index t, const std::optional<Target>& target, MissedTet& missed) const {
     const auto& frozen = options_.frozen_regions;
     if (span_of(required_)[t] != 0 || std::find(frozen.begin(), frozen.end(), regions_[t]) != frozen.end()) {
       missed.held_by = LimitingConstraint::locked_element;
       return;
     }
-    find_surface_angle(t, missed);
-    if (misses(target, best_at(target.measure, missed.surface_angle)) && is_bounded_by_angle(target.measure)) {
-      missed.held_by = LimitingConstraint::surface_angle;
-      return;
+    if (target && is_bounded_by_angle(target->measure)) {
+      find_surface_angle(t, missed);
+      if (misses(*target, best_at(target->measure, missed.surface_angle))) {
+        missed.held_by = LimitingConstraint::surface_angle;
+        return;
+      }
     }
     missed.held_by = strongest_of_vertices(t);
     missed.edge = {-1, -1};
@@ -245,6 +248,12 @@ void check_target(const Target& target, const std::string& what) {
           ? "above 0 and at most " + (regular == 1 ? std::string("1") : "70.528, the regular tetrahedron's")
           : std::string("at least 70.529, the regular tetrahedron's, and below 180");
   throw OptionError(what + to_string(target.measure) + " is " + std::to_string(target.value) + "; it must be " + range);
+}
+
+void find_limiting(const Outcome& outcome, const Options& options, const std::optional<Target>& target,
+                   std::vector<MissedTet>& missed) {
+  const ConstraintFinder constraints(outcome, options);
+  for (MissedTet& m : missed) constraints.find(m.tet, target, m);
 }
 
 std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,18 @@ struct Outcome {
   std::vector<Index> required_slots;
   double scale;  ///< coordinates per unit of the caller's
 };
+
+/// A mesh that is not optimized, as an outcome, and the tetrahedron in each slot.
+struct MeshOutcome {
+  Outcome outcome;
+  std::vector<Index> slot2tet;
+};
+MeshOutcome import_outcome(const TetMesh& mesh, const Options& options);
+
+/// Finds the constraints of tetrahedra that miss a target, or without one a limit that no angle of the surface bounds.
+/// MissedTet::tet is a slot.
+void find_limiting(const Outcome& outcome, const Options& options, const std::optional<Target>& target,
+                   std::vector<MissedTet>& missed);
 
 /// Returns one report per entry of Options::targets.
 std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options);

@@ -7,6 +7,7 @@
 #include "mesh/validate_arrays.hpp"
 #include "mesh/work_mesh.hpp"
 #include "quality/check_measures.hpp"
+#include "quality/find_failed.hpp"
 #include "quality/shape_loop.hpp"
 #include "tetune/criteria.hpp"
 #include "tetune/error.hpp"
@@ -19,18 +20,22 @@ struct CriterionSums {
   std::int64_t count = 0, warned = 0, failed = 0;
   double worst = 0;
   Size worst_tet = -1;
+  std::vector<FailedTet> failed_tets;  ///< if they are listed
 };
 
 /// Counts values by the limits of a criterion.
 class CriterionCounter {
  public:
-  explicit CriterionCounter(const AcceptanceCriterion& criterion)
-      : criterion_(criterion), larger_is_better_(info_of(criterion.measure).larger_is_better) {}
+  explicit CriterionCounter(const AcceptanceCriterion& criterion, bool lists_failed = false)
+      : criterion_(criterion),
+        larger_is_better_(info_of(criterion.measure).larger_is_better),
+        lists_failed_(lists_failed) {}
 
   void add(CriterionSums& sums, double value, Size tet) const {
     ++sums.count;
     if (criterion_.fail && misses(value, *criterion_.fail)) {
       ++sums.failed;
+      if (lists_failed_) list(sums.failed_tets, value, to_index(tet));
     } else if (criterion_.warn && misses(value, *criterion_.warn)) {
       ++sums.warned;
     }
@@ -43,6 +48,7 @@ class CriterionCounter {
     sums.count += next.count;
     sums.warned += next.warned;
     sums.failed += next.failed;
+    sums.failed_tets.insert(sums.failed_tets.end(), next.failed_tets.begin(), next.failed_tets.end());
     if (next.worst_tet >= 0 && is_new_worst(sums, next.worst)) {
       sums.worst = next.worst;
       sums.worst_tet = next.worst_tet;
@@ -56,6 +62,14 @@ class CriterionCounter {
   }
 
  private:
+  /// Of several faces of one tetrahedron, the worst one is listed.
+  void list(std::vector<FailedTet>& failed, double value, Index tet) const {
+    if (failed.empty() || failed.back().tet != tet) {
+      failed.push_back({tet, value});
+    } else if (larger_is_better_ ? !(value >= failed.back().value) : !(value <= failed.back().value)) {
+      failed.back().value = value;
+    }
+  }
   /// A value that is not a number misses every limit.
   bool misses(double value, double limit) const { return larger_is_better_ ? !(value >= limit) : !(value <= limit); }
   bool is_new_worst(const CriterionSums& sums, double value) const {
@@ -65,7 +79,7 @@ class CriterionCounter {
   }
 
   const AcceptanceCriterion& criterion_;
-  bool larger_is_better_;
+  bool larger_is_better_, lists_failed_;
 };
 
 /// Measures tetrahedra and faces of a mesh, in the caller's unit.
@@ -77,8 +91,8 @@ class CheckedMesh {
     build_adjacency(cpu_, work_);
   }
 
-  CriterionSums measure(const AcceptanceCriterion& criterion) {
-    const CriterionCounter counter(criterion);
+  CriterionSums measure(const AcceptanceCriterion& criterion, bool lists_failed = false) {
+    const CriterionCounter counter(criterion, lists_failed);
     std::vector<CriterionSums> chunks(to_size_t(shape_chunk_count(view_.tets.size())));
     cpu_.for_parts(std::ssize(chunks), [&](Size chunk) {
       CriterionSums& sums = span_of(chunks)[chunk];
@@ -153,14 +167,23 @@ class CheckedMesh {
   WorkMesh<backend::Cpu> work_;
 };
 
+/// Whether a measure is of a tetrahedron and those across its faces.
+bool has_neighbors(CheckMeasure measure) {
+  return measure == CheckMeasure::orthogonal_quality || info_of(measure).of_faces;
+}
+
 }  // namespace
+
+std::vector<FailedTet> find_failed(const TetMesh& mesh, const AcceptanceCriterion& criterion, int threads) {
+  return CheckedMesh(mesh, has_neighbors(criterion.measure), threads).measure(criterion, true).failed_tets;
+}
 
 AcceptanceReport check(const TetMesh& mesh, const AcceptanceCriteria& criteria, int threads) {
   if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
   bool with_neighbors = false;
   for (const AcceptanceCriterion& c : criteria.criteria) {
     check_criterion(c);
-    with_neighbors = with_neighbors || c.measure == CheckMeasure::orthogonal_quality || info_of(c.measure).of_faces;
+    with_neighbors = with_neighbors || has_neighbors(c.measure);
   }
   AcceptanceReport report;
   report.name = criteria.name;

@@ -51,6 +51,11 @@ class Criteria(CliTest):
         self.assertIn("acceptance by mine.toml: fail", done.stdout)
         both = json.loads(self.read_bytes("r.json"))["acceptance"]
         self.assertEqual((both["before"]["verdict"], both["after"]["verdict"]), ("fail", "fail"))
+        self.assertIn("round on what fails: 2 rings", done.stdout)
+        self.assertIn("edge_ratio fails:", done.stdout)
+        limits, = both["limits"]
+        self.assertEqual(sum(limits["held_by"].values()), both["after"]["results"][0]["failed"])
+        self.assertEqual(both["rounds"][0]["rings"], 2)
         self.assertLess(both["after"]["results"][0]["worst"], both["before"]["results"][0]["worst"])
         self.run_here("compare", "in.mesh", "out.mesh", "--criteria", "mine.toml", code=1)
 

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/optimize_towards.hpp"
+
+#include <algorithm>
+#include <compare>
+#include <optional>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "driver/latched_hooks.hpp"
+#include "driver/optimize_active.hpp"
+#include "driver/targets.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "phases/phase_timer.hpp"
+#include "quality/check_measures.hpp"
+#include "quality/find_failed.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr int kMaxRounds = 4;
+/// Number of tetrahedra up to which no round is too long.
+constexpr std::ptrdiff_t kLarge = 50'000;
+/// The part of the progress that the first run is.
+constexpr double kFirstRun = 0.75;
+
+std::string reason_for_no_rounds(const TetMesh& mesh, const Options& options) {
+  if (!mesh.curved_edges.empty()) return "the mesh has curved edges";
+  if (!options.only_below.empty()) return "only_below chooses the elements that may change";
+  if (options.data == DataTransfer::interpolate) return "with data=interpolate the mesh is optimized once";
+  if (options.energy == Energy::harmonic) return "energy=harmonic excludes work on the worst elements";
+  if (options.termination == Termination::paper) return "termination=paper excludes work on the worst elements";
+  return "";
+}
+
+/// What the rounds lower: the number of criteria that fail, then that of the tetrahedra that miss their limits.
+struct Failures {
+  std::int64_t criteria = 0, tets = 0;
+  auto operator<=>(const Failures&) const = default;
+};
+
+Failures failures_of(const AcceptanceReport& report) {
+  Failures failures;
+  for (const CriterionResult& r : report.results) {
+    if (r.verdict != Verdict::fail) continue;
+    ++failures.criteria;
+    failures.tets += r.failed;
+  }
+  return failures;
+}
+
+/// Whether the worst value of a criterion that fails after a round is worse than before.
+bool worsens(const AcceptanceReport& before, const AcceptanceReport& after) {
+  for (std::size_t i = 0; i < after.results.size(); ++i) {
+    const CriterionResult& r = after.results[i];
+    const bool larger = info_of(r.criterion.measure).larger_is_better;
+    const double old = before.results[i].worst;
+    if (r.verdict == Verdict::fail && (larger ? !(r.worst >= old) : !(r.worst <= old))) return true;
+  }
+  return false;
+}
+
+/// The map from a result to the input, over the mesh between. An empty map is the identity.
+std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> result2between) {
+  if (between2input.empty()) return result2between;
+  if (result2between.empty()) return between2input;
+  for (Index& i : result2between) i = i < 0 ? i : span_of(between2input)[i];
+  return result2between;
+}
+
+/// Extends the report of the runs before by that of a round.
+void add_round(Report& report, Report&& round) {
+  report.OperationCounts::operator+=(round);
+  report.tets_after = round.tets_after;
+  report.energy_after += round.energy_after - round.energy_before;
+  report.triangles_dropped += round.triangles_dropped;
+  report.edges_dropped += round.edges_dropped;
+  report.vertex2original = compose(std::move(report.vertex2original), std::move(round.vertex2original));
+  report.tet2original = compose(std::move(report.tet2original), std::move(round.tet2original));
+  report.triangle2original = compose(std::move(report.triangle2original), std::move(round.triangle2original));
+  report.edge2original = compose(std::move(report.edge2original), std::move(round.edge2original));
+}
+
+/// A target that is missed where the criterion is missed because of an angle of the surface.
+std::optional<Target> target_of(const AcceptanceCriterion& criterion) {
+  if (criterion.measure < CheckMeasure::volume) return Target{Measure(criterion.measure), *criterion.fail};
+  if (criterion.measure == CheckMeasure::equiangle_skew) {
+    return Target{Measure::min_dihedral, kRegularDihedral * (1 - *criterion.fail)};
+  }
+  return std::nullopt;
+}
+
+class CriteriaRun {
+ public:
+  CriteriaRun(const AcceptanceCriteria& criteria, const Options& options, const Context& caller)
+      : criteria_(criteria), options_(options), hooks_(caller) {}
+
+  CriteriaReport run(TetMesh& input) {
+    report_.before = check(input, criteria_, options_.threads);
+    report_.no_rounds = reason_for_no_rounds(input, options_);
+    const bool may_limit = input.curved_edges.empty() && options_.only_below.empty();
+    TetMesh mesh = input;
+    report_.optimization = optimize(mesh, options_, context_for(0, report_.no_rounds.empty() ? kFirstRun : 1));
+    report_.after = check(mesh, criteria_, options_.threads);
+    const auto start = PhaseTimer::SteadyClock::now();
+    if (report_.no_rounds.empty()) {
+      max_tets_ = options_.max_growth * double(input.tets.size());
+      make_rounds(mesh);
+    }
+    if (may_limit && !is_stopped()) find_limits(mesh);
+    report_.optimization.phases.push_back({"criteria", PhaseTimer::seconds_since(start)});
+    if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
+    input = std::move(mesh);
+    return std::move(report_);
+  }
+
+ private:
+  bool is_stopped() const { return report_.optimization.stop == StopReason::cancelled || hooks_.is_stopped(); }
+
+  /// The hooks of a part of the run.
+  Context context_for(double done, double part) const {
+    Context context = hooks_.context();
+    if (context.progress) {
+      context.progress = [progress = context.progress, done, part](Progress p) {
+        p.fraction = done + part * p.fraction;
+        return progress(p);
+      };
+    }
+    return context;
+  }
+
+  /// The caller's options for the vertices of a mesh between.
+  Options current_options() const {
+    Options options = options_;
+    options.only_below.clear();
+    options.untangle = false;
+    if (options.boundary == Boundary::slide) options.boundary = Boundary::preserve;
+    options.max_deviation = 0;
+    const std::vector<Index>& origins = report_.optimization.vertex2original;
+    if (options_.frozen_vertices.empty() || origins.empty()) return options;
+    options.frozen_vertices.clear();
+    for (const Index v : origins) {
+      options.frozen_vertices.push_back(v < 0 ? 0 : span_of(options_.frozen_vertices)[v]);
+    }
+    return options;
+  }
+
+  Options round_options(const TetMesh& mesh) const {
+    Options options = current_options();
+    const bool inserts = options_.effort == Effort::best || options_.surface_vertices == SurfaceVertices::edit;
+    options.keep_vertices = options_.keep_vertices || !inserts || double(mesh.tets.size()) >= max_tets_;
+    if (options.keep_vertices) options.surface_vertices = SurfaceVertices::automatic;
+    options.effort = Effort::best;
+    options.targets.clear();
+    options.trace_angles = false;
+    return options;
+  }
+
+  std::vector<std::uint8_t> failing_tets(const TetMesh& mesh) const {
+    std::vector<std::uint8_t> flags(mesh.tets.size(), 0);
+    for (const CriterionResult& r : report_.after.results) {
+      if (r.verdict != Verdict::fail) continue;
+      for (const FailedTet& f : find_failed(mesh, r.criterion, options_.threads)) span_of(flags)[f.tet] = 1;
+    }
+    return flags;
+  }
+
+  void make_rounds(TetMesh& mesh) {
+    for (int i = 0; i < kMaxRounds && report_.after.verdict == Verdict::fail && !is_stopped(); ++i) {
+      const CriteriaRound round = make_round(mesh, i);
+      report_.rounds.push_back(round);
+      // Where most of a large mesh fails, another round takes as long as the first run.
+      const bool is_large = round.active > std::max(kLarge, std::ssize(mesh.tets) / 2);
+      const bool gains = round.kept && 20 * (round.failed_before - round.failed_after) > round.failed_before;
+      if (is_large && !gains) break;
+    }
+  }
+
+  CriteriaRound make_round(TetMesh& mesh, int i) {
+    const auto start = PhaseTimer::SteadyClock::now();
+    const Failures before = failures_of(report_.after);
+    CriteriaRound round;
+    round.rings = Options().rings + i;
+    round.failed_before = round.failed_after = before.tets;
+    TetMesh changed = mesh;
+    const Context context = context_for(kFirstRun + (1 - kFirstRun) * i / kMaxRounds, (1 - kFirstRun) / kMaxRounds);
+    Report report;
+    try {
+      report = optimize_tets(changed, failing_tets(mesh), round.rings, round_options(mesh), context);
+    } catch (const OverlapError&) {
+      return round;  // not kept
+    }
+    round.active = report.tets_active;
+    AcceptanceReport accepted = check(changed, criteria_, options_.threads);
+    const Failures after = failures_of(accepted);
+    round.failed_after = after.tets;
+    const std::size_t max_tets = std::max(mesh.tets.size(), std::size_t(max_tets_));
+    round.kept = after < before && !worsens(report_.after, accepted) && changed.tets.size() <= max_tets;
+    if (round.kept) {
+      mesh = std::move(changed);
+      report_.after = std::move(accepted);
+      add_round(report_.optimization, std::move(report));
+    }
+    round.seconds = PhaseTimer::seconds_since(start);
+    return round;
+  }
+
+  /// Finds the constraints of what fails, and of what misses Options::targets after the rounds.
+  void find_limits(const TetMesh& mesh) {
+    const bool has_changed =
+        std::any_of(report_.rounds.begin(), report_.rounds.end(), [](const CriteriaRound& r) { return r.kept; });
+    const bool retargets = has_changed && !options_.targets.empty();
+    if (report_.after.verdict != Verdict::fail && !retargets) return;
+    const Options options = current_options();
+    const MeshOutcome imported = import_outcome(mesh, options);
+    if (retargets) {
+      report_.optimization.targets = report_targets(imported.outcome, options);
+      for (TargetReport& r : report_.optimization.targets) {
+        for (MissedTet& m : r.worst) m.tet = span_of(imported.slot2tet)[m.tet];
+      }
+    }
+    for (const CriterionResult& r : report_.after.results) {
+      if (r.verdict == Verdict::fail) report_.limits.push_back(limits_of(mesh, r.criterion, imported, options));
+    }
+  }
+
+  CriterionLimits limits_of(const TetMesh& mesh, const AcceptanceCriterion& criterion, const MeshOutcome& imported,
+                            const Options& options) const {
+    std::vector<Index> tet2slot(imported.slot2tet.size());
+    for (Index slot = 0; slot < std::ssize(imported.slot2tet); ++slot) {
+      span_of(tet2slot)[span_of(imported.slot2tet)[slot]] = slot;
+    }
+    CriterionLimits limits;
+    limits.criterion = criterion;
+    const TetMeshView view(mesh);
+    for (const FailedTet& f : find_failed(mesh, criterion, options.threads)) {
+      MissedTet missed;
+      missed.tet = span_of(tet2slot)[f.tet];
+      missed.value = f.value;
+      missed.centroid = view.centroid(f.tet);
+      limits.worst.push_back(missed);
+    }
+    find_limiting(imported.outcome, options, target_of(criterion), limits.worst);
+    for (MissedTet& m : limits.worst) {
+      m.tet = span_of(imported.slot2tet)[m.tet];
+      ++limits.held_by[std::size_t(m.held_by)];
+    }
+    const bool larger = info_of(criterion.measure).larger_is_better;
+    std::sort(limits.worst.begin(), limits.worst.end(), [larger](const MissedTet& a, const MissedTet& b) {
+      if (a.value == b.value) return a.tet < b.tet;
+      return larger ? a.value < b.value : a.value > b.value;
+    });
+    if (limits.worst.size() > kMaxMissed) limits.worst.resize(kMaxMissed);
+    return limits;
+  }
+
+  const AcceptanceCriteria& criteria_;
+  const Options& options_;
+  const LatchedHooks hooks_;
+  CriteriaReport report_;
+  double max_tets_ = 0;
+};
+
+}  // namespace
+
+CriteriaReport optimize_towards(TetMesh& mesh, const AcceptanceCriteria& criteria, const Options& options,
+                                const Context& context) {
+  const auto start = PhaseTimer::SteadyClock::now();
+  CriteriaReport report = CriteriaRun(criteria, options, context).run(mesh);
+  report.optimization.seconds = PhaseTimer::seconds_since(start);
+  return report;
+}
+
+}  // namespace tetune

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rounds on the elements that fail acceptance criteria, and the constraints of what still fails.
+#include "tetune/optimize_towards.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "meshes.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+AcceptanceCriteria one(CheckMeasure measure, double fail) { return {"test", {{measure, {}, fail}}}; }
+
+TetMesh input() {
+  TetMesh mesh = test::scrambled(test::cube(5, 0.3, 3), 2, 3);
+  DataArray number{"number", 1, {}};
+  std::vector<double> values(mesh.points.size());
+  std::iota(values.begin(), values.end(), 0.0);
+  number.values = std::move(values);
+  mesh.point_data.push_back(number);
+  return mesh;
+}
+
+TEST(OptimizeTowards, RoundsMakeFailingElementsPass) {
+  for (const auto& [measure, limit] : {std::pair{CheckMeasure::equiangle_skew, 0.522},
+                                       {CheckMeasure::volume_skew, 0.561},
+                                       {CheckMeasure::orthogonal_quality, 0.4301}}) {
+    const AcceptanceCriteria criteria = one(measure, limit);
+    TetMesh plain = input();
+    optimize(plain);
+    ASSERT_EQ(check(plain, criteria).verdict, Verdict::fail) << info_of(measure).name;
+    TetMesh mesh = input();
+    const CriteriaReport report = optimize_towards(mesh, criteria);
+    EXPECT_EQ(check(mesh, criteria).verdict, Verdict::pass) << info_of(measure).name;
+    EXPECT_EQ(report.after.verdict, Verdict::pass);
+    EXPECT_TRUE(report.limits.empty());
+    EXPECT_GE(quality(mesh).dihedral_min, quality(plain).dihedral_min);
+    EXPECT_TRUE(validate(mesh).ok());
+    EXPECT_EQ(report.optimization.tets_after, std::ssize(mesh.tets));
+    EXPECT_EQ(report.optimization.tet2original.size(), mesh.tets.size());
+    EXPECT_EQ(mesh.point_data.at(0).values, input().point_data.at(0).values);
+  }
+}
+
+TEST(OptimizeTowards, SameBitsForAnyNumberOfThreads) {
+  Options options;
+  options.effort = Effort::best;
+  std::vector<TetMesh> meshes(2, input());
+  for (std::size_t i = 0; i < 2; ++i) {
+    options.threads = i == 0 ? 1 : 3;
+    const CriteriaReport report = optimize_towards(meshes[i], one(CheckMeasure::edge_ratio, 1.85), options);
+    EXPECT_FALSE(report.rounds.empty());
+    ASSERT_EQ(report.optimization.tet2original.size(), meshes[i].tets.size());
+    const std::vector<Index>& origins = report.optimization.vertex2original;
+    EXPECT_TRUE(origins.empty() || origins.size() == meshes[i].points.size());
+  }
+  EXPECT_EQ(meshes[0].points, meshes[1].points);
+  EXPECT_EQ(meshes[0].tets, meshes[1].tets);
+}
+
+TEST(OptimizeTowards, NamesWhatHoldsElements) {
+  TetMesh mesh = test::one_tet();
+  const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 1.2));
+  ASSERT_EQ(report.limits.size(), 1U);
+  const CriterionLimits& limits = report.limits[0];
+  EXPECT_EQ(limits.held_by[static_cast<std::size_t>(LimitingConstraint::fixed_vertices)], 1);
+  ASSERT_EQ(limits.worst.size(), 1U);
+  EXPECT_EQ(limits.worst[0].tet, 0);
+  EXPECT_GT(limits.worst[0].value, 1.2);
+  EXPECT_EQ(mesh.points, test::one_tet().points);
+  // Its angles of 54.7 degrees are those of the surface.
+  const CriteriaReport angles = optimize_towards(mesh, one(CheckMeasure::equiangle_skew, 0.2));
+  ASSERT_EQ(angles.limits.size(), 1U);
+  ASSERT_EQ(angles.limits[0].worst.size(), 1U);
+  EXPECT_EQ(angles.limits[0].worst[0].held_by, LimitingConstraint::surface_angle);
+  EXPECT_NEAR(angles.limits[0].worst[0].surface_angle, 54.7356, 1e-3);
+}
+
+TEST(OptimizeTowards, MakesNoRoundsWhereOptionsExcludeThem) {
+  for (const int k : {0, 1, 2}) {
+    Options options;
+    if (k == 0) options.only_below = {{Measure::min_dihedral, 20}};
+    if (k == 1) options.data = DataTransfer::interpolate;
+    if (k == 2) options.termination = Termination::paper;
+    TetMesh mesh = input();
+    const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 1.01), options);
+    EXPECT_FALSE(report.no_rounds.empty());
+    EXPECT_TRUE(report.rounds.empty());
+    EXPECT_EQ(report.limits.empty(), k == 0);
+    TetMesh plain = input();
+    optimize(plain, options);
+    EXPECT_EQ(mesh.points, plain.points);
+  }
+}
+
+TEST(OptimizeTowards, ARequestedStopEndsTheRounds) {
+  Context context;
+  context.stop = [] { return true; };
+  TetMesh mesh = input();
+  const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 1.01), {}, context);
+  EXPECT_EQ(report.optimization.stop, StopReason::cancelled);
+  EXPECT_TRUE(report.rounds.empty());
+  EXPECT_TRUE(validate(mesh).ok());
+}
+
+}  // namespace
+}  // namespace tetune
