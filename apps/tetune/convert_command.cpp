@@ -10,6 +10,7 @@
 #include "definitions.hpp"
 #include "exit_code.hpp"
 #include "mesh_files.hpp"
+#include "tables.hpp"
 #include "tetune/curve.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
@@ -48,13 +49,8 @@ void set_order(const Arguments& a, TetMesh& mesh, Console& console) {
                  r.not_valid_before, r.vertices_moved);
     }
     if (!r.straightened.empty()) {
-      console.warn(
-          fmt::format("{} edges of the surface have a part of their curvature alone, as an element would not be "
-                      "valid; by their vertices, counted from 1:",
-                      r.straightened.size()));
-      for (const StraightenedEdge& e : r.straightened) {
-        fmt::print(stderr, "  {} {}: {:.0f} %\n", e.vertices[0] + 1, e.vertices[1] + 1, 100 * e.kept);
-      }
+      console.warn("parts of the surface are less curved than asked for:");
+      fmt::print(stderr, "{}", straightened_text(r.straightened));
     }
   }
   if (had_deck) console.warn("--order: the mesh is written without the other parts of its deck");

@@ -183,6 +183,11 @@ Json to_json(const Report& r) {
   json["sweeps"] = sweeps_json(r);
   json["flip_passes"] = flip_passes_json(r);
   json["worst_rounds"] = worst_rounds_json(r);
+  json["straightened"] = Json::array();
+  for (const StraightenedEdge& e : r.straightened) {
+    json["straightened"].push_back(
+        {{"edge", {e.vertices[0] + 1, e.vertices[1] + 1}}, {"kept", e.kept}, {"moved", e.moved}});
+  }
   json["targets"] = Json::array();
   for (const TargetReport& t : r.targets) json["targets"].push_back(to_json(t));
   return json;

@@ -286,6 +286,19 @@ std::string constraint_notes(const Report& r) {
   return text;
 }
 
+std::string straightened_text(const std::vector<StraightenedEdge>& edges) {
+  if (edges.empty()) return {};
+  std::string text = fmt::format(
+      "  {} edges of the surface have a part of their curvature alone, as an element would not be valid; by their "
+      "vertices, counted from 1:\n",
+      edges.size());
+  for (const StraightenedEdge& e : edges) {
+    text += fmt::format("    {} {}: {:.1f} %, mid-side node moved by {:.4g}\n", e.vertices[0] + 1, e.vertices[1] + 1,
+                        100 * e.kept, e.moved);
+  }
+  return text;
+}
+
 std::string count_line(const Report& r, const char* reason) {
   std::string text = fmt::format("  {} sweeps", r.sweeps.size());
   for (const auto& kind : kOperationCounts) {
@@ -297,7 +310,7 @@ std::string count_line(const Report& r, const char* reason) {
         "  {} inverted or flat tetrahedra made positive; \"before\" uses the absolute volume of inverted ones\n",
         r.tets_untangled);
   }
-  return text;
+  return text + straightened_text(r.straightened);
 }
 
 std::string acceptance_table(const std::string& title, const AcceptanceReport& report) {

@@ -50,6 +50,9 @@ std::string criteria_table(const CriteriaReport& report);
 /// With Options::only_below: how many tetrahedra might change. Empty without.
 std::string active_line(const Report& report, const Options& options);
 
+/// The edges with the part of the curvature that each has; empty without any.
+std::string straightened_text(const std::vector<StraightenedEdge>& edges);
+
 /// The line of all counters. `reason`: why the run ended.
 std::string count_line(const Report& report, const char* reason);
 

@@ -7,6 +7,7 @@
 
 #include "tetune/export.hpp"
 #include "tetune/mesh.hpp"
+#include "tetune/report.hpp"
 
 namespace tetune {
 
@@ -19,12 +20,6 @@ struct CurveOptions {
   int threads = 0;
   /// If set and true, ends the relaxation early: more edges are straightened then.
   std::function<bool()> stop{};
-};
-
-/// An edge of the surface that got a part of its curvature alone.
-struct StraightenedEdge {
-  std::array<Index, 2> vertices{};  ///< in ascending order
-  double kept = 0;  ///< distance of the mid-side node from the midpoint, relative to that on the curved surface
 };
 
 /// The account of curve().

@@ -87,6 +87,10 @@ struct Options {
   /// If true, inverted and flat tetrahedra are made positive first, instead of refused with MeshError: vertices move as
   /// `boundary` allows, under an energy that is finite for negative volumes.
   bool untangle = false;
+  /// With `untangle`, in meshes of curved second-order tetrahedra: where the mid-side nodes of the surface make
+  /// elements invalid wherever inner nodes are, they move toward the middle of their chord, as little as makes the
+  /// elements valid: Report::straightened. Otherwise such a mesh is refused. Refused with periodic vertices.
+  bool straighten = false;
   /// With Boundary::slide: an edge where the surface turns by more than this many degrees, in (0, 180], is a feature
   /// edge, and a vertex where a feature line does is a corner. With 180 only borders between tags, edges that are not
   /// on two triangles, and listed edges are.

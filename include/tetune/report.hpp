@@ -75,6 +75,13 @@ struct PhaseTime {
   double seconds = 0;
 };
 
+/// An edge of a curved surface that keeps a part of its curvature alone, so that elements are valid.
+struct StraightenedEdge {
+  std::array<Index, 2> vertices{};  ///< of the input, in ascending order
+  double kept = 0;   ///< distance of the mid-side node from the midpoint, relative to that on the curved surface
+  double moved = 0;  ///< distance of the mid-side node from its place on the curved surface
+};
+
 /// The account of a run of optimize().
 struct Report : OperationCounts {
   std::string device;         ///< "CPU", or the name of the GPU
@@ -83,6 +90,8 @@ struct Report : OperationCounts {
   std::int64_t vertices = 0;  ///< of the input
   std::int64_t tets_before = 0, tets_after = 0;
   std::int64_t tets_untangled = 0;  ///< with Options::untangle: number of inverted or flat ones in the input
+  /// With Options::straighten, sorted by vertices.
+  std::vector<StraightenedEdge> straightened;
   /// With Options::only_below: numbers of tetrahedra of the input that miss a limit, and of those that might change.
   std::int64_t tets_bad = 0, tets_active = 0;
   /// Numbers of vertices of the input that may move anywhere, in a plane, along a line, not at all.

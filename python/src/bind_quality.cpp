@@ -84,9 +84,6 @@ void bind_curved(nb::module_& m) {
       .def_ro("max_middle_offset", &CurvedQuality::max_middle_offset)
       .def_prop_ro("all_valid", &CurvedQuality::all_valid)
       .def_ro("worst", &CurvedQuality::worst, "Those of the smallest scaled Jacobian, the smallest first.");
-  nb::class_<StraightenedEdge>(m, "StraightenedEdge", "An edge of the surface that got a part of its curvature alone.")
-      .def_ro("vertices", &StraightenedEdge::vertices)
-      .def_ro("kept", &StraightenedEdge::kept, "The part.");
   nb::class_<CurveReport>(m, "CurveReport", "The account of curve().")
       .def_ro("curved_edges", &CurveReport::curved_edges)
       .def_ro("curved_tets", &CurveReport::curved_tets)

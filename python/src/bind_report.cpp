@@ -170,6 +170,11 @@ void bind_report(nb::module_& m) {
   bind_progress(m);
   bind_passes(m);
   bind_targets(m);
+  nb::class_<StraightenedEdge>(m, "StraightenedEdge",
+                               "An edge of a curved surface that keeps a part of its curvature alone.")
+      .def_ro("vertices", &StraightenedEdge::vertices)
+      .def_ro("kept", &StraightenedEdge::kept, "The part.")
+      .def_ro("moved", &StraightenedEdge::moved, "Distance of the mid-side node from the curved surface.");
   nb::class_<Report> report(m, "Report", "The account of a run of optimize().");
   bind_counts(report, kOperationCounts);
   bind_maps(report);
@@ -180,6 +185,7 @@ void bind_report(nb::module_& m) {
       .def_ro("tets_before", &Report::tets_before)
       .def_ro("tets_after", &Report::tets_after)
       .def_ro("tets_untangled", &Report::tets_untangled, "With untangle: of the input, inverted or flat.")
+      .def_ro("straightened", &Report::straightened, "With straighten: edges of the surface.")
       .def_ro("tets_bad", &Report::tets_bad, "With only_below: of the input, those that miss a limit.")
       .def_ro("tets_active", &Report::tets_active, "With only_below: of the input, those that might change.")
       .def_ro("free_vertices", &Report::free_vertices)

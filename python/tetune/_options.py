@@ -40,6 +40,8 @@ class Options(TypedDict, total=False):
     """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input surface and its feature lines, and edges of the surface are flipped. Default: auto."""
     untangle: bool
     """Inverted and flat tetrahedra are made positive first, instead of refused. Default: False."""
+    straighten: bool
+    """Where mid-side nodes of a curved surface make elements invalid, they move toward the middle of their chord, as little as makes the elements valid, instead of being refused. Default: False."""
     flips: bool
     """Edges and faces are flipped; otherwise vertices are only moved. Default: True."""
     energy: Literal["shape", "harmonic"]

@@ -9,6 +9,7 @@
 #include "curved/curved_edges.hpp"
 #include "curved/surface_middles.hpp"
 #include "driver/curved_skeleton.hpp"
+#include "driver/straighten.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "tetune/error.hpp"
 #include "tetune/options.hpp"
@@ -83,7 +84,7 @@ class Curver {
 
   CurveReport run() {
     CurveReport report;
-    for (const CurvedEdge& e : mesh_.curved_edges) surface_[e.vertices] = {e.middle, 1};
+    SurfaceCurvature surface(mesh_.curved_edges);
     const std::vector<Point3> before = mesh_.points;
     for (int round = 0;; ++round) {
       const std::vector<CurvedTet> tets = measure();
@@ -91,11 +92,9 @@ class Curver {
       if (round % kRelaxEvery == 0 && round <= kPartialRounds) relax_curved(mesh_, held_, find(tets, true), goal_);
       const std::vector<Index> bad = find(measure(), false);
       if (bad.empty()) break;
-      straighten(bad, round < kPartialRounds ? kKept : 0);
+      surface.reduce(mesh_, held_, bad, round < kPartialRounds ? kKept : 0);
     }
-    for (const auto& [edge, state] : surface_) {
-      if (state.kept < 1) report.straightened.push_back({edge, state.kept});
-    }
+    report.straightened = surface.reduced(mesh_);
     for (std::size_t v = 0; v < before.size(); ++v) report.vertices_moved += mesh_.points[v] != before[v] ? 1 : 0;
     const CurvedQuality q = summarize_curved(mesh_, options_.threads, 0);
     report.curved_edges = q.curved_edges;
@@ -105,11 +104,6 @@ class Curver {
   }
 
  private:
-  struct SurfaceEdge {
-    Point3 middle;    ///< on the curved surface
-    double kept = 1;  ///< the part of its curvature that it has
-  };
-
   std::vector<CurvedTet> measure() const {
     const CurvedEdges edges(mesh_);
     return measure_tets(mesh_, edges, curved_tets(mesh_, edges), options_.threads);
@@ -122,37 +116,10 @@ class Curver {
     return ids;
   }
 
-  /// Leaves the part `kept` of the curvature of the edges of tetrahedra on the surface; with 0 their inner edges become
-  /// straight too, so that these tetrahedra are valid.
-  void straighten(const std::vector<Index>& tets, double kept) {
-    std::vector<Edge> edges;
-    for (const Index t : tets) {
-      const auto& tet = span_of(mesh_.tets)[t];
-      for (const auto& [i, j] : kCurvedTetEdges) edges.push_back(ascending(tet[i], tet[j]));
-    }
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    std::erase_if(mesh_.curved_edges, [&](CurvedEdge& e) {
-      if (!std::binary_search(edges.begin(), edges.end(), e.vertices)) return false;
-      const auto at = surface_.find(e.vertices);
-      if (at == surface_.end()) return kept == 0;
-      SurfaceEdge& state = at->second;
-      state.kept *= kept;
-      const Point3& p = span_of(mesh_.points)[e.vertices[0]];
-      const Point3& q = span_of(mesh_.points)[e.vertices[1]];
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double chord = (p[c] + q[c]) / 2;
-        e.middle[c] = chord + state.kept * (state.middle[c] - chord);
-      }
-      return kept == 0;
-    });
-  }
-
   TetMesh& mesh_;
   const CurveOptions& options_;
   HeldNodes held_;
   RelaxationGoal goal_;
-  std::map<Edge, SurfaceEdge> surface_;
 };
 
 }  // namespace

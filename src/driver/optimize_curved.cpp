@@ -10,7 +10,11 @@
 #include "curved/curved_splits.hpp"
 #include "driver/curved_skeleton.hpp"
 #include "driver/latched_hooks.hpp"
+<<<<<<< HEAD
 #include "driver/moved_fields.hpp"
+=======
+#include "driver/straighten.hpp"
+>>>>>>> curved
 #include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -67,6 +71,7 @@ class CurvedOptimizer {
       if (bad.empty()) {
         follow_origins(report);
         report.vertices = std::ssize(mesh.points);
+        report.straightened = std::move(straightened_);
         report.tets_before = std::ssize(mesh.tets);
         mesh = std::move(skeleton.mesh);
         return report;
@@ -106,10 +111,21 @@ class CurvedOptimizer {
     goal.min_dihedral = 0;
     relax_curved(base_, held_, invalid, goal);
     const std::vector<Index> rest = find_invalid(base_);
-    if (!with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
+    if (!options_.straighten && !with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
+    split_invalid(goal);
+    if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
+    extend_options();
+    if (const std::vector<Index> left = find_invalid(base_); !left.empty()) refuse(std::ssize(invalid), left);
+    goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
+  }
+
+  /// Inserts vertices into elements that are not valid, except where a folded face makes that useless.
+  void split_invalid(const RelaxationGoal& goal) {
     const bool may_insert = !options_.keep_vertices && options_.data == DataTransfer::carry;
     for (int round = 0; round < kMaxRounds && may_insert && !is_stopped(); ++round) {
       std::vector<Index> left = find_invalid(base_);
+      const std::vector<Index> folded = with_folded_face(base_, left);
+      std::erase_if(left, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
       if (left.empty()) break;
       const std::vector<Index> around = split_edges(base_, held_, left, origins_);
       if (around.empty()) break;
@@ -119,9 +135,6 @@ class CurvedOptimizer {
       left.erase(std::unique(left.begin(), left.end()), left.end());
       relax_curved(base_, held_, left, goal);
     }
-    extend_options();
-    if (const std::vector<Index> left = find_invalid(base_); !left.empty()) refuse(std::ssize(invalid), left);
-    goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
   }
 
   /// Inserted vertices have data, and are not frozen.
@@ -151,7 +164,9 @@ class CurvedOptimizer {
                     " of these have a face on the surface that its own mid-side nodes fold" + first_ids(folded, false) +
                     ", the first near " + std::to_string(place[0]) + " " + std::to_string(place[1]) + " " +
                     std::to_string(place[2]) +
-                    "\n  no position of inner nodes makes them valid: mesh the surface more finely there.");
+                    "\n  no position of inner nodes makes them valid: mesh the surface more finely there, or let its "
+                    "mid-side nodes "
+                    "move (straighten=true).");
   }
   bool is_stopped() const { return context_.stop && context_.stop(); }
 
@@ -227,6 +242,7 @@ class CurvedOptimizer {
   HeldNodes held_;
   std::size_t vertices_;  ///< of the input
   RelaxationGoal goal_;
+  std::vector<StraightenedEdge> straightened_;
   double floor_ = 0;
 };
 
@@ -238,9 +254,14 @@ Report optimize_curved(TetMesh& mesh, const Options& options, const Context& con
   if (!options.only_below.empty()) {
     throw OptionError("only_below: curved second-order elements are relaxed wherever they are; leave it empty");
   }
+<<<<<<< HEAD
   if (options.data == DataTransfer::conserve) {
     throw OptionError(
         "data=conserve intersects straight tetrahedra, and this mesh has curved ones; use data=interpolate");
+=======
+  if (options.straighten && !mesh.periodic.empty()) {
+    throw OptionError("straighten: mid-side nodes of periodic vertices would no longer match; set it to false");
+>>>>>>> curved
   }
   if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
     throw MeshError(

@@ -129,6 +129,8 @@ constexpr std::array kGrowthConditions{
     OptionCondition{
         [](const Options& o) { return o.effort != Effort::best && o.surface_vertices != SurfaceVertices::edit; },
         "has no effect without effort=best or surface_vertices=edit"}};
+constexpr std::array kUntangling{
+    OptionCondition{[](const Options& o) { return !o.untangle; }, "has no effect without untangle=true"}};
 constexpr std::array kLimited{
     OptionCondition{[](const Options& o) { return o.only_below.empty(); }, "has no effect without only_below"}};
 constexpr std::array kOnGpu{
@@ -188,6 +190,14 @@ const std::array kTable{
                kSurfaceEditConditions},
     OptionInfo{"untangle", &Options::untangle, kMethod,
                "Inverted and flat tetrahedra are made positive first, instead of refused"},
+    OptionInfo{"straighten",
+               &Options::straighten,
+               kMethod,
+               "Where mid-side nodes of a curved surface make elements invalid, they move toward the middle of their "
+               "chord, as little as makes the elements valid, instead of being refused",
+               {},
+               {},
+               kUntangling},
     OptionInfo{"flips", &Options::flips, kMethod, "Edges and faces are flipped; otherwise vertices are only moved"},
     OptionInfo{"energy", &Options::energy, kMethod, "Energy per tetrahedron, the sum of which is minimized", kEnergies},
     OptionInfo{"relocation", &Options::relocation, kMethod, "How a vertex is moved", kRelocations, {}, kSweeping},

@@ -87,6 +87,27 @@ class Curved(CliTest):
         self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle")
         self.run_cli("info", self.path_of("out.msh"))
 
+    def test_a_folded_surface_is_refused_or_straightened(self):
+        nodes, points, on_surface = curved_block(n=2, jitter=0)
+        row = nodes[0]
+        k = next(k for k, v in enumerate(row[4:]) if v in on_surface)
+        a, b = (row[i] for i in EDGES[k])
+        middle = row[4 + k]
+        points[middle] = tuple(p + 1.2 * (q - p) for p, q in zip(points[a], points[b]))
+        write_msh(self.path_of("in.msh"), nodes, points)
+        words = ["optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle",
+                 "--keep-vertices", "--max-iterations", "0"]
+        self.run_cli(*words, code=1)
+        self.assertFalse(self.path_of("out.msh").exists())
+        done = self.run_cli(*words, "--straighten", "--report", self.path_of("r.json"))
+        self.info("out.msh")
+        straightened = json.loads(self.path_of("r.json").read_text())["optimization"]["straightened"]
+        self.assertIn(sorted((a + 1, b + 1)), [s["edge"] for s in straightened])
+        self.assertTrue(all(0 <= s["kept"] < 1 and s["moved"] > 0 for s in straightened))
+        self.assertIn(f"{len(straightened)} edges of the surface", done.stdout + done.stderr)
+        kept = {p for i, p in enumerate(points) if i in on_surface} & read_nodes(self.path_of("out.msh"))
+        self.assertEqual(len(kept), len(on_surface) - len(straightened))
+
     def test_only_below_is_refused(self):
         nodes, points, _ = curved_block(n=2)
         write_msh(self.path_of("in.msh"), nodes, points)

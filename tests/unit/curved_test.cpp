@@ -273,15 +273,20 @@ TEST(Curved, InvertedElementsAreRefusedOrUntangled) {
   }
 }
 
-TEST(Curved, FoldedSurfaceIsNamed) {
+/// A cube with a flat face that folds where one mid-side node passes a vertex.
+TetMesh folded_cube() {
   TetMesh m = bulged_cube(0);
-  // The flat face folds where one mid-side node passes a vertex.
   CurvedEdge& edge = m.curved_edges[3];
   const Point3& p = m.points[static_cast<std::size_t>(edge.vertices[0])];
   const Point3& q = m.points[static_cast<std::size_t>(edge.vertices[1])];
   for (std::size_t k = 0; k < 2; ++k) edge.middle[k] = p[k] + 1.3 * (q[k] - p[k]);
   edge.middle[0] += 0.3 * (q[1] - p[1]);
   edge.middle[1] -= 0.3 * (q[0] - p[0]);
+  return m;
+}
+
+TEST(Curved, FoldedSurfaceIsNamed) {
+  TetMesh m = folded_cube();
   Options options;
   options.untangle = true;
   try {
@@ -290,6 +295,38 @@ TEST(Curved, FoldedSurfaceIsNamed) {
   } catch (const MeshError& e) {
     EXPECT_NE(std::string(e.what()).find("mid-side nodes fold"), std::string::npos) << e.what();
   }
+}
+
+TEST(Curved, FoldedSurfaceIsStraightenedWhereAsked) {
+  const TetMesh before = folded_cube();
+  TetMesh m = before;
+  Options options;
+  options.untangle = true;
+  options.straighten = true;
+  options.keep_vertices = true;
+  options.max_iterations = 0;
+  const Report report = optimize(m, options);
+  EXPECT_TRUE(validate(m).ok());
+  EXPECT_TRUE(quality(m).curved.all_valid());
+  // The other edges of the surface have all of their curvature.
+  ASSERT_EQ(report.straightened.size(), 1U);
+  const StraightenedEdge& e = report.straightened[0];
+  EXPECT_EQ(e.vertices, before.curved_edges[3].vertices);
+  EXPECT_GT(e.kept, 0.1);
+  EXPECT_LT(e.kept, 1);
+  const auto full = before.curved_edges[3].middle;
+  double moved = 0;
+  for (const CurvedEdge& c : m.curved_edges) {
+    if (c.vertices == e.vertices) {
+      moved = std::hypot(c.middle[0] - full[0], c.middle[1] - full[1], c.middle[2] - full[2]);
+    }
+  }
+  EXPECT_NEAR(moved, e.moved, 1e-12);
+
+  options.frozen_regions = {before.tet_tags[0]};
+  TetMesh frozen = before;
+  EXPECT_THROW(optimize(frozen, options), MeshError);
+  EXPECT_EQ(frozen.curved_edges, before.curved_edges);
 }
 
 }  // namespace

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "curved/relaxation.hpp"
+#include "tetune/options.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/report.hpp"
+
+namespace tetune {
+
+/// The curved edges of a surface, and the part of its curvature that each has.
+class SurfaceCurvature {
+ public:
+  using Edge = std::array<Index, 2>;
+
+  explicit SurfaceCurvature(const std::vector<CurvedEdge>& edges);
+
+  bool has(const Edge& edge) const { return surface_.contains(edge); }
+  double kept(const Edge& edge) const { return surface_.at(edge).kept; }
+  /// Gives an edge of the surface the part `kept` of its curvature.
+  void set(const TetMesh& mesh, CurvedEdge& edge, double kept);
+  /// Leaves the part `kept` of the curvature that the edges of tetrahedra on the surface have. With 0 these and the
+  /// inner edges of the tetrahedra that are not held become straight.
+  void reduce(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, double kept);
+  /// The edges that do not have all of their curvature.
+  std::vector<StraightenedEdge> reduced(const TetMesh& mesh) const;
+
+ private:
+  struct State {
+    Point3 middle;    ///< on the curved surface
+    double kept = 1;  ///< the part of its curvature that it has
+  };
+  std::map<Edge, State> surface_;
+};
+
+/// The ids of tetrahedra that are not proved valid.
+std::vector<Index> not_valid(const std::vector<CurvedTet>& tets);
+
+/// Makes the elements valid that are not, by less curvature of their edges on the surface, as little as needed up to
+/// some hundredths, and by relaxation. Edges that the options or the mesh freeze stay. Where this does not suffice,
+/// some elements are not valid afterwards. Returns the edges that moved.
+std::vector<StraightenedEdge> straighten(TetMesh& mesh, const HeldNodes& held, const Options& options,
+                                         const RelaxationGoal& goal);
+
+}  // namespace tetune
