@@ -10,11 +10,8 @@
 #include "curved/curved_splits.hpp"
 #include "driver/curved_skeleton.hpp"
 #include "driver/latched_hooks.hpp"
-<<<<<<< HEAD
 #include "driver/moved_fields.hpp"
-=======
 #include "driver/straighten.hpp"
->>>>>>> curved
 #include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -254,14 +251,12 @@ Report optimize_curved(TetMesh& mesh, const Options& options, const Context& con
   if (!options.only_below.empty()) {
     throw OptionError("only_below: curved second-order elements are relaxed wherever they are; leave it empty");
   }
-<<<<<<< HEAD
   if (options.data == DataTransfer::conserve) {
     throw OptionError(
         "data=conserve intersects straight tetrahedra, and this mesh has curved ones; use data=interpolate");
-=======
+  }
   if (options.straighten && !mesh.periodic.empty()) {
     throw OptionError("straighten: mid-side nodes of periodic vertices would no longer match; set it to false");
->>>>>>> curved
   }
   if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
     throw MeshError(

@@ -28,7 +28,7 @@ constexpr double kFirstRun = 0.75;
 std::string reason_for_no_rounds(const TetMesh& mesh, const Options& options) {
   if (!mesh.curved_edges.empty()) return "the mesh has curved edges";
   if (!options.only_below.empty()) return "only_below chooses the elements that may change";
-  if (options.data == DataTransfer::interpolate) return "with data=interpolate the mesh is optimized once";
+  if (options.data != DataTransfer::carry) return "with data=interpolate or data=conserve the mesh is optimized once";
   if (options.energy == Energy::harmonic) return "energy=harmonic excludes work on the worst elements";
   if (options.termination == Termination::paper) return "termination=paper excludes work on the worst elements";
   return "";
