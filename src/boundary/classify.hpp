@@ -68,13 +68,6 @@ struct EdgeEnds {
 
 namespace classify_detail {
 
-struct FindAcross {
-  Span<const SurfaceTriangle> triangles;
-  CsrView vertex2corner;
-  Span<Index> across;
-  TETUNE_HD void operator()(Size corner) const { across[corner] = opposite_corner(triangles, vertex2corner, corner); }
-};
-
 struct ClassifyVertex {
   Span<const Point> points;
   Span<const SurfaceTriangle> triangles;
@@ -224,9 +217,7 @@ void classify_vertices(const Backend& backend, WorkMesh<Backend>& mesh, const Su
   Csr<Backend> vertex2edge_end;
   build_csr(backend, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
   BufferOf<Backend, Index> across(backend, 3 * surface.triangles.size());
-  if (!surface_fixed) {
-    backend.for_each(across.size(), FindAcross{surface.triangles, surface.vertex2corner.view(), across});
-  }
+  if (!surface_fixed) find_across(backend, surface.triangles, surface.vertex2corner.view(), across);
   backend.for_each(mesh.vertices(),
                    ClassifyVertex{mesh.points, surface.triangles, surface.tags, surface.vertex2corner.view(), across,
                                   edges, vertex2edge_end.view(), constrained, frozen, surface_fixed, dof, axis});

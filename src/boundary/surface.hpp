@@ -116,6 +116,58 @@ TETUNE_HD inline Index opposite_corner(Span<const SurfaceTriangle> triangles, co
 
 namespace surface_detail {
 
+/// Finds the corners across the edges from a vertex to those of larger id, from the triangles at the vertex.
+struct FindAcross {
+  Span<const SurfaceTriangle> triangles;
+  CsrView vertex2corner;
+  Span<Index> across;
+
+  TETUNE_HD void operator()(Size v) const {
+    const Size begin = vertex2corner.begin(v);
+    const Size size = vertex2corner.size(v);
+    const bool fits = size <= kMaxLocal;
+    Link links[kMaxLocal];
+    for (Size i = 0; fits && i < size; ++i) links[i] = link(begin + i);
+    for (Size i = 0; i < size; ++i) {
+      const Link own = fits ? links[i] : link(begin + i);
+      for (Index side = 0; side < 2; ++side) {
+        if (own.ends[side] < v) continue;
+        const Index edge = own.edges[side];
+        across[edge] = fits ? find(links, size, i, own.ends[side]) : opposite_corner(triangles, vertex2corner, edge);
+      }
+    }
+  }
+
+ private:
+  /// Most vertices have at most this number of triangles, which are then read once.
+  static constexpr Size kMaxLocal = 16;
+  /// The two other vertices of a triangle at a vertex, and the corners opposite the edges to them.
+  struct Link {
+    Index ends[2], edges[2];
+  };
+  TETUNE_HD Link link(Size item) const {
+    const std::uint32_t corner = vertex2corner.items[item];
+    const Index first = to_index(corner / 3 * 3);
+    const SurfaceTriangle t = triangles[corner / 3];
+    const Index next = corner % 3 == 2 ? 0 : to_index(corner % 3) + 1;
+    const Index last = next == 2 ? 0 : next + 1;
+    return {{t.v[next], t.v[last]}, {first + last, first + next}};
+  }
+  /// The corner opposite the edge to vertex `end` in the only link beside link `own` that has it.
+  TETUNE_HD static Index find(const Link links[], Size size, Size own, Index end) {
+    int count = 0;
+    Index opposite = kFeatureEdge;
+    for (Size j = 0; j < size; ++j) {
+      for (int side = 0; side < 2; ++side) {
+        const bool is_end = j != own && links[j].ends[side] == end;
+        opposite = is_end ? links[j].edges[side] : opposite;
+        count += is_end ? 1 : 0;
+      }
+    }
+    return count == 1 ? opposite : kFeatureEdge;
+  }
+};
+
 TETUNE_HD inline bool same_triangle(const Index a[3], const Index b[3]) {
   for (int k = 0; k < 3; ++k) {
     if (a[k] != b[0] && a[k] != b[1] && a[k] != b[2]) return false;
@@ -221,6 +273,13 @@ void collect_surface(const Backend& backend, WorkMesh<Backend>& mesh, Surface<Ba
   backend.for_each(count, TriangleOfFace{mesh.tet2vertex, faces, surface.triangles});
   build_csr(backend, mesh.vertices(), 3 * count, VertexOfCorner<SurfaceTriangle>{surface.triangles},
             surface.vertex2corner);
+}
+
+/// Finds the corner across the edge of each corner, as opposite_corner() does.
+template <class Backend>
+void find_across(const Backend& backend, Span<const SurfaceTriangle> triangles, const CsrView& vertex2corner,
+                 Span<Index> across) {
+  backend.for_each(vertex2corner.offsets.size() - 1, surface_detail::FindAcross{triangles, vertex2corner, across});
 }
 
 /// Collects the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or

@@ -12,16 +12,16 @@ namespace tetune {
 
 namespace features_detail {
 
-/// Finds the corner across each edge, or that the edge is a feature.
+/// Keeps the corner across each edge that is no feature.
 ///
 /// A cap is a triangle with a vertex close to its longest edge. In scanned surfaces its normal is noise: a displacement
 /// by a part of its height turns it. Where the surface seems to fold at one of its short edges, it has the normal of
 /// the triangle across the longest edge instead, so that no fold is found where there is none.
-struct FindAcross {
+struct CutAtFeatures {
   Span<const Point> points;
   Span<const SurfaceTriangle> triangles;
   Span<const int> tags;
-  CsrView vertex2corner;
+  Span<const Index> opposite_corners;  ///< by find_across()
   ConstrainedEdges constrained;
   double cos_angle;
   Span<Index> across;
@@ -45,7 +45,7 @@ struct FindAcross {
   /// The corner across the edge opposite a corner, or kFeatureEdge where the patch ends or the edge is constrained.
   TETUNE_HD Index opposite_in_patch(Size corner) const {
     if (constrained.contains(start(corner), end(corner))) return kFeatureEdge;
-    const Index opposite = opposite_corner(triangles, vertex2corner, corner);
+    const Index opposite = opposite_corners[corner];
     return opposite == kFeatureEdge || tags[opposite / 3] != tags[corner / 3] ? kFeatureEdge : opposite;
   }
   /// Whether the surface folds between the triangles of two corners opposite one edge, with normals n and m.
@@ -191,8 +191,10 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   reference.across.resize(backend, 3 * triangles);
   // At 180 degrees no edge is a feature; -2 is below any cosine, with rounding errors.
   const double cos_angle = feature_angle >= 180 ? -2 : elementary::cos(feature_angle * std::numbers::pi / 180);
-  backend.for_each(3 * triangles, FindAcross{mesh.points, reference.triangles, surface.tags,
-                                             reference.vertex2corner.view(), constrained, cos_angle, reference.across});
+  BufferOf<Backend, Index> opposite_corners(backend, 3 * triangles);
+  find_across(backend, reference.triangles.span(), reference.vertex2corner.view(), opposite_corners.span());
+  backend.for_each(3 * triangles, CutAtFeatures{mesh.points, reference.triangles, surface.tags, opposite_corners,
+                                                constrained, cos_angle, reference.across});
   Csr<Backend> vertex2edge_end;
   build_csr(backend, vertices, edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
   reference.line.resize(backend, vertices);
