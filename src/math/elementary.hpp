@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
+#include "backend/pack.hpp"
 #include "math/angle.hpp"
 
 /// Elementary functions with the same bits on every platform; those of C libraries differ in the last one. Results are
@@ -13,9 +15,12 @@
 namespace tetune::elementary {
 
 /// The unevaluated sum of two doubles, the second at most half a unit in the last place of the first (Dekker 1971).
-struct DoubleDouble {
-  double high, low;
+/// Real is double or a pack of doubles.
+template <class Real>
+struct DoubleDoubleT {
+  Real high, low;
 };
+using DoubleDouble = DoubleDoubleT<double>;
 
 /// high + low, exactly, where |high| >= |low|.
 inline DoubleDouble fast_sum(double high, double low) {
@@ -29,15 +34,16 @@ inline DoubleDouble sum(double a, double b) {
   return {s, (a - (s - b_part)) + (b - b_part)};
 }
 /// a * b, exactly, in the absence of overflow and underflow. Without fused multiply-adds, which some processors lack.
-inline DoubleDouble product(double a, double b) {
+template <class Real>
+TETUNE_INLINE DoubleDoubleT<Real> product(Real a, Real b) {
   constexpr double kSplitter = 134217729;  // 2^27 + 1
-  const double a_big = kSplitter * a;
-  const double b_big = kSplitter * b;
-  const double a_high = a_big - (a_big - a);
-  const double b_high = b_big - (b_big - b);
-  const double a_low = a - a_high;
-  const double b_low = b - b_high;
-  const double p = a * b;
+  const Real a_big = kSplitter * a;
+  const Real b_big = kSplitter * b;
+  const Real a_high = a_big - (a_big - a);
+  const Real b_high = b_big - (b_big - b);
+  const Real a_low = a - a_high;
+  const Real b_low = b - b_high;
+  const Real p = a * b;
   return {p, ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low};
 }
 
@@ -106,25 +112,27 @@ inline double repeated_square(double x, int log2_power) {
 }
 
 /// Halley's method from the exponent divided by three, and a step of Newton's with an exact residual. Of a normal
-/// number or 0.
-inline double cbrt(double x) {
+/// number or 0; Real is double or a pack of doubles.
+template <class Real>
+TETUNE_INLINE Real cbrt(Real x) {
   constexpr std::uint64_t kBias = 0x2a9f7893'00000000;  // two thirds of the bias of exponents, with the mean error
-  const double a = std::fabs(x);
-  if (!(a > 0) || std::isinf(a)) return x;
-  std::uint64_t bits = 0;
+  const Real a = x < 0 ? -x : x;
+  backend::BitsOf<Real> bits;
   std::memcpy(&bits, &a, sizeof bits);
   bits = bits / 3 + kBias;
-  double root = 0;
+  Real root;
   std::memcpy(&root, &bits, sizeof root);
   for (int i = 0; i < 3; ++i) {
-    const double cube = root * root * root;
+    const Real cube = root * root * root;
     root = root * ((cube + 2 * a) / (2 * cube + a));
   }
-  const DoubleDouble square = product(root, root);
-  const DoubleDouble cube = product(square.high, root);
-  const double residual = ((a - cube.high) - cube.low) - square.low * root;
+  const DoubleDoubleT<Real> square = product(root, root);
+  const DoubleDoubleT<Real> cube = product(square.high, root);
+  const Real residual = ((a - cube.high) - cube.low) - square.low * root;
   root += residual / (3 * square.high);
-  return x < 0 ? -root : root;
+  root = x < 0 ? -root : root;
+  root = a > 0 ? root : x;
+  return a > std::numeric_limits<double>::max() ? x : root;
 }
 
 }  // namespace tetune::elementary

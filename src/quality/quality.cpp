@@ -152,14 +152,14 @@ struct MeasureChunk {
       const TetShapeT<Pack> shapes = load_shapes(mesh, first, end - 1);
       const Pack etas = shapes.eta();
       const Pack energies = shapes.shape_energy();
+      const Pack ratios = mean_ratio(shapes.volume, shapes.length2);
       for (int l = 0; l < kLanes && first + l < end; ++l) {
         add_angles(shapes, l, first + l, bins, sums);
         eta[first + l] = etas[l];
         sums.eta_sum += etas[l];
         sums.shape_sum += energies[l];
-        const double ratio = mean_ratio(shapes.volume[l], shapes.length2[l]);
-        sums.ratio_sum += ratio;
-        sums.ratio_min = std::min(sums.ratio_min, ratio);
+        sums.ratio_sum += ratios[l];
+        sums.ratio_min = std::min(sums.ratio_min, double{ratios[l]});
         sums.volume += shapes.volume[l];
         if (table != nullptr) table->add(lane(shapes, l), first + l, chunk, first + l == begin);
       }

@@ -76,8 +76,9 @@ inline double max_angle(const TetShape& s) { return *std::max_element(s.angles, 
 inline double relative_eta(const TetShape& s) {
   return s.eta() / (4.5 * std::numbers::sqrt2 * elementary::cbrt(6 * std::numbers::sqrt2 * std::fabs(s.volume)));
 }
-inline double mean_ratio(double volume, double length2) {
-  return volume > 0 ? 12 * elementary::cbrt(9 * volume * volume) / length2 : 0;
+template <class Real>
+TETUNE_INLINE Real mean_ratio(Real volume, Real length2) {
+  return volume > 0 ? 12 * elementary::cbrt(9 * volume * volume) / length2 : Real{};
 }
 
 inline double value(const Measures& measures, Measure measure) { return measures[static_cast<std::size_t>(measure)]; }
