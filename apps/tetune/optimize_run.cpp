@@ -263,7 +263,7 @@ class Run {
     std::optional<Comparison> change;
     if (original_ && !stopped() && (console_.verbosity() > 0 || !job_.report.empty())) {
       // A bound is tested at all points; otherwise the comparison must not take longer than the optimization.
-      constexpr std::int64_t kMaxSamples = 100'000;
+      constexpr std::int64_t kMaxSamples = 25'000;
       change = compare(*original_, input_.mesh, options_.threads, options_.max_deviation > 0 ? 0 : kMaxSamples);
     }
     if (change && options_.max_deviation > 0) check_deviation(*change);

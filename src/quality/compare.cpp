@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -193,18 +194,25 @@ void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale,
   c.area_change = relative_change(old_surface.area, new_surface.area);
   c.mean_edge = old_surface.mean_edge / scale;
   if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
-  const ClosestTriangle old_triangles(old_surface.triangles);
-  const ClosestTriangle new_triangles(new_surface.triangles);
+  std::optional<ClosestTriangle> old_triangles;
+  std::optional<ClosestTriangle> new_triangles;
+  cpu.for_parts(2, [&](Size i) {
+    if (i == 0) {
+      old_triangles.emplace(old_surface.triangles);
+    } else {
+      new_triangles.emplace(new_surface.triangles);
+    }
+  });
   const std::int64_t samples = std::max(old_surface.sample_count(), new_surface.sample_count());
   c.sample_stride = max_samples > 0 ? (samples + max_samples - 1) / max_samples : 1;
   const auto farthest = [&](const MeshSurface& surface, const ClosestTriangle& triangles, double vertices) {
     return max_distance(midpoints(c.sample_stride, surface.triangles), triangles, cpu, vertices);
   };
-  const double new_vertices = max_distance(every(c.sample_stride, new_surface.vertices), old_triangles, cpu);
-  const double old_vertices = max_distance(every(c.sample_stride, old_surface.vertices), new_triangles, cpu);
+  const double new_vertices = max_distance(every(c.sample_stride, new_surface.vertices), *old_triangles, cpu);
+  const double old_vertices = max_distance(every(c.sample_stride, old_surface.vertices), *new_triangles, cpu);
   c.vertices_to_old = new_vertices / old_surface.mean_edge;
-  c.new_to_old = farthest(new_surface, old_triangles, new_vertices) / old_surface.mean_edge;
-  c.old_to_new = farthest(old_surface, new_triangles, old_vertices) / old_surface.mean_edge;
+  c.new_to_old = farthest(new_surface, *old_triangles, new_vertices) / old_surface.mean_edge;
+  c.old_to_new = farthest(old_surface, *new_triangles, old_vertices) / old_surface.mean_edge;
 }
 
 void compare_tags(const TetMesh& before, const TetMesh& after, Comparison& c) {
