@@ -126,14 +126,14 @@ struct FindAcross {
     const Size begin = vertex2corner.begin(v);
     const Size size = vertex2corner.size(v);
     const bool fits = size <= kMaxLocal;
-    Link links[kMaxLocal];
-    for (Size i = 0; fits && i < size; ++i) links[i] = link(begin + i);
+    FanTriangle fan[kMaxLocal];
+    for (Size i = 0; fits && i < size; ++i) fan[i] = fan_triangle(begin + i);
     for (Size i = 0; i < size; ++i) {
-      const Link own = fits ? links[i] : link(begin + i);
+      const FanTriangle own = fits ? fan[i] : fan_triangle(begin + i);
       for (Index side = 0; side < 2; ++side) {
         if (own.ends[side] < v) continue;
         const Index edge = own.edges[side];
-        across[edge] = fits ? find(links, size, i, own.ends[side]) : opposite_corner(triangles, vertex2corner, edge);
+        across[edge] = fits ? find(fan, size, i, own.ends[side]) : opposite_corner(triangles, vertex2corner, edge);
       }
     }
   }
@@ -142,10 +142,10 @@ struct FindAcross {
   /// Most vertices have at most this number of triangles, which are then read once.
   static constexpr Size kMaxLocal = 16;
   /// The two other vertices of a triangle at a vertex, and the corners opposite the edges to them.
-  struct Link {
+  struct FanTriangle {
     Index ends[2], edges[2];
   };
-  TETUNE_HD Link link(Size item) const {
+  TETUNE_HD FanTriangle fan_triangle(Size item) const {
     const std::uint32_t corner = vertex2corner.items[item];
     const Index first = to_index(corner / 3 * 3);
     const SurfaceTriangle t = triangles[corner / 3];
@@ -153,14 +153,14 @@ struct FindAcross {
     const Index last = next == 2 ? 0 : next + 1;
     return {{t.v[next], t.v[last]}, {first + last, first + next}};
   }
-  /// The corner opposite the edge to vertex `end` in the only link beside link `own` that has it.
-  TETUNE_HD static Index find(const Link links[], Size size, Size own, Index end) {
+  /// The corner opposite the edge to vertex `end` in the only triangle beside `own` that has it.
+  TETUNE_HD static Index find(const FanTriangle fan[], Size size, Size own, Index end) {
     int count = 0;
     Index opposite = kFeatureEdge;
     for (Size j = 0; j < size; ++j) {
       for (int side = 0; side < 2; ++side) {
-        const bool is_end = j != own && links[j].ends[side] == end;
-        opposite = is_end ? links[j].edges[side] : opposite;
+        const bool is_end = j != own && fan[j].ends[side] == end;
+        opposite = is_end ? fan[j].edges[side] : opposite;
         count += is_end ? 1 : 0;
       }
     }
