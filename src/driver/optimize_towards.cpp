@@ -167,9 +167,13 @@ class CriteriaRun {
   }
 
   void make_rounds(TetMesh& mesh) {
+    std::int64_t undone = 0;  // size of the part of the last round, if it was undone
     for (int i = 0; i < kMaxRounds && report_.after.verdict == Verdict::fail && !is_stopped(); ++i) {
       const CriteriaRound round = make_round(mesh, i);
       report_.rounds.push_back(round);
+      // With a part that more rings do not enlarge, the next round is the same.
+      if (!round.kept && (round.active == undone || round.active == std::ssize(mesh.tets))) break;
+      undone = round.kept ? 0 : round.active;
       // Where most of a large mesh fails, another round takes as long as the first run.
       const bool is_large = round.active > std::max(kLarge, std::ssize(mesh.tets) / 2);
       const bool gains = round.kept && 20 * (round.failed_before - round.failed_after) > round.failed_before;
