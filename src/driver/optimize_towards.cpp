@@ -151,6 +151,8 @@ class CriteriaRun {
     const bool inserts = options_.effort == Effort::best || options_.surface_vertices == SurfaceVertices::edit;
     options.keep_vertices = options_.keep_vertices || !inserts || double(mesh.tets.size()) >= max_tets_;
     if (options.keep_vertices) options.surface_vertices = SurfaceVertices::automatic;
+    // The part of the round is at most the mesh.
+    if (!options.keep_vertices) options.max_growth = max_tets_ / double(mesh.tets.size());
     options.effort = Effort::best;
     options.targets.clear();
     options.trace_angles = false;
