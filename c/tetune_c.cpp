@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface, over the public C++ headers.
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +18,9 @@ struct tetune_mesh {
 };
 struct tetune_options {
   tetune::Options options;
+};
+struct tetune_criteria {
+  tetune::AcceptanceCriteria criteria;
 };
 struct tetune_report {
   tetune::Report report;
@@ -136,6 +142,24 @@ tetune::Context hooks_of(tetune_progress_function progress, void* user) {
   }
   return context;
 }
+
+/// Runs `optimize`, which returns a tetune::Report; `report` may be null.
+template <class F>
+void run(tetune_report** report, const F& optimize) {
+  if (report != nullptr) *report = nullptr;
+  // Allocated before the mesh changes.
+  std::unique_ptr<tetune_report> made(report == nullptr ? nullptr : new tetune_report{});
+  tetune::Report done = optimize();
+  if (report == nullptr) return;
+  made->report = std::move(done);
+  *report = made.release();
+}
+
+tetune::Options options_of(const tetune_options* options) {
+  return options == nullptr ? tetune::Options{} : options->options;
+}
+
+std::optional<double> limit_of(double value) { return std::isnan(value) ? std::nullopt : std::optional<double>(value); }
 
 }  // namespace
 
@@ -268,23 +292,57 @@ tetune_status tetune_options_set(tetune_options* options, const char* name, cons
 tetune_status tetune_optimize(tetune_mesh* mesh, const tetune_options* options, tetune_progress_function progress,
                               void* user, tetune_report** report) {
   return guarded([&] {
-    if (report != nullptr) *report = nullptr;
     TetMesh& to = checked(mesh).mesh;
-    // Allocated before the mesh changes.
-    tetune_report* const made = report == nullptr ? nullptr : new tetune_report{};
-    try {
-      tetune::Report done =
-          tetune::optimize(to, options == nullptr ? tetune::Options{} : options->options, hooks_of(progress, user));
-      if (made != nullptr) made->report = std::move(done);
-    } catch (...) {
-      delete made;
-      throw;
-    }
-    if (report != nullptr) *report = made;
+    run(report, [&] { return tetune::optimize(to, options_of(options), hooks_of(progress, user)); });
   });
 }
 
 void tetune_report_destroy(tetune_report* report) { delete report; }
+
+tetune_status tetune_criteria_create(const char* preset, tetune_criteria** criteria) {
+  return guarded([&] {
+    checked(criteria) = nullptr;
+    const tetune::AcceptanceCriteria* known = preset == nullptr ? nullptr : tetune::find_preset(preset);
+    if (preset != nullptr && known == nullptr) {
+      throw tetune::OptionError("there are no criteria of the name '" + std::string(preset) + "'");
+    }
+    *criteria = new tetune_criteria{known == nullptr ? tetune::AcceptanceCriteria{"criteria", {}} : *known};
+  });
+}
+
+void tetune_criteria_destroy(tetune_criteria* criteria) { delete criteria; }
+
+tetune_status tetune_criteria_add(tetune_criteria* criteria, const char* measure, double warn, double fail,
+                                  double allowed_percent) {
+  return guarded([&] {
+    const tetune::CheckMeasureInfo* known = tetune::find_check_measure(&checked(measure));
+    if (known == nullptr) throw tetune::OptionError("there is no measure '" + std::string(measure) + "'");
+    const tetune::AcceptanceCriterion criterion{known->measure, limit_of(warn), limit_of(fail), allowed_percent};
+    tetune::check_criterion(criterion);
+    checked(criteria).criteria.criteria.push_back(criterion);
+  });
+}
+
+tetune_status tetune_mesh_check(const tetune_mesh* mesh, const tetune_criteria* criteria, tetune_verdict* verdict) {
+  return guarded([&] {
+    const tetune::AcceptanceReport report = tetune::check(checked(mesh).mesh, checked(criteria).criteria);
+    checked(verdict) = static_cast<tetune_verdict>(report.verdict);
+  });
+}
+
+tetune_status tetune_optimize_towards(tetune_mesh* mesh, const tetune_criteria* criteria, const tetune_options* options,
+                                      tetune_progress_function progress, void* user, tetune_report** report,
+                                      tetune_verdict* verdict) {
+  return guarded([&] {
+    TetMesh& to = checked(mesh).mesh;
+    const tetune::AcceptanceCriteria& limits = checked(criteria).criteria;
+    run(report, [&] {
+      tetune::CriteriaReport done = tetune::optimize_towards(to, limits, options_of(options), hooks_of(progress, user));
+      if (verdict != nullptr) *verdict = static_cast<tetune_verdict>(done.after.verdict);
+      return std::move(done.optimization);
+    });
+  });
+}
 
 const char* tetune_report_stop(const tetune_report* report) {
   const char* stop = "";

@@ -33,11 +33,10 @@ std::string measure_suggestion(const std::string& name) {
   return name_suggestion(name, names);
 }
 
-std::string criteria_help(const std::string& what) {
+std::string criteria_help(const std::string& action) {
   std::string presets;
   for (const std::string& name : preset_names()) presets += (presets.empty() ? "" : ", ") + name;
-  return "Judge " + what + " by the criteria of a program (" + presets +
-         ") or of a TOML file: exit code 1 if one fails";
+  return action + " the criteria of a program (" + presets + ") or of a TOML file: exit code 1 if one fails";
 }
 
 AcceptanceCriteria read_criteria(const std::string& name) {

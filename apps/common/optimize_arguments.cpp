@@ -111,7 +111,9 @@ void define_targets(CLI::App& c, OptimizeArguments& a) {
 }
 
 void define_criteria(CLI::App& c, OptimizeArguments& a) {
-  c.add_option("--criteria", a.criteria_name, criteria_help("the result"))->option_text("NAME|FILE")->group(kTargets);
+  const std::string action =
+      c.get_name() == "move" ? "Judge the result by" : "Work on what fails, and judge the result, by";
+  c.add_option("--criteria", a.criteria_name, criteria_help(action))->option_text("NAME|FILE")->group(kTargets);
 }
 
 void define_limits(CLI::App& c, OptimizeArguments& a) {

@@ -222,7 +222,8 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
   c->add_flag("--json", a->json, "Print JSON");
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
   c->add_option("--tags", a->tags, kTagsHelp)->option_text("NAME");
-  c->add_option("--criteria", a->criteria, criteria_help("the mesh (of two: the second)"))->option_text("NAME|FILE");
+  c->add_option("--criteria", a->criteria, criteria_help("Judge the mesh (of two: the second) by"))
+      ->option_text("NAME|FILE");
   c->add_option("--worst", a->worst, "Number of the worst tetrahedra to list")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();

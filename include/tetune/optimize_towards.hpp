@@ -47,8 +47,9 @@ struct CriteriaReport {
 ///
 /// The rounds insert and remove vertices only where optimize() does with these options, within Options::max_growth of
 /// the input; an inserted vertex may take the number of a removed one. With Boundary::slide they keep the surface as
-/// with Boundary::preserve. No rounds are made on curved meshes, with Options::only_below, DataTransfer::interpolate,
-/// Energy::harmonic and Termination::paper.
+/// with Boundary::preserve, and in all rounds linked periodic vertices and their triangles stay. No rounds are made on
+/// curved meshes, with Options::only_below, DataTransfer::interpolate and conserve, Energy::harmonic and
+/// Termination::paper.
 ///
 /// The result is bit for bit the same for any number of threads. Throws as check() and optimize() do; the mesh is then
 /// unchanged.

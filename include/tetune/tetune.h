@@ -20,6 +20,7 @@ extern "C" {
 
 typedef struct tetune_mesh tetune_mesh;
 typedef struct tetune_options tetune_options;
+typedef struct tetune_criteria tetune_criteria;
 typedef struct tetune_report tetune_report;
 
 /* The values are stable. */
@@ -111,6 +112,27 @@ typedef int (*tetune_progress_function)(const tetune_progress* progress, void* u
 TETUNE_API tetune_status tetune_optimize(tetune_mesh* mesh, const tetune_options* options,
                                          tetune_progress_function progress, void* user, tetune_report** report);
 TETUNE_API void tetune_report_destroy(tetune_report* report);
+
+/* ---- Acceptance (docs/quality.md). tetune_criteria_destroy() frees criteria, and takes null. */
+
+typedef enum tetune_verdict { TETUNE_PASS = 0, TETUNE_WARN = 1, TETUNE_FAIL = 2 } tetune_verdict;
+
+/* `preset`: "abaqus", "ansys", "calculix", "fluent", "nastran", "openfoam"; null: no criterion yet. */
+TETUNE_API tetune_status tetune_criteria_create(const char* preset, tetune_criteria** criteria);
+TETUNE_API void tetune_criteria_destroy(tetune_criteria* criteria);
+/* Adds limits of a measure by its name; a limit that is not a number is none. `allowed_percent` of the tetrahedra, or
+ * faces, may miss them. */
+TETUNE_API tetune_status tetune_criteria_add(tetune_criteria* criteria, const char* measure, double warn, double fail,
+                                             double allowed_percent);
+/* The worst verdict of all criteria. */
+TETUNE_API tetune_status tetune_mesh_check(const tetune_mesh* mesh, const tetune_criteria* criteria,
+                                           tetune_verdict* verdict);
+/* As tetune_optimize(), then works on the tetrahedra that fail. `verdict`, on the result, may be null. */
+TETUNE_API tetune_status tetune_optimize_towards(tetune_mesh* mesh, const tetune_criteria* criteria,
+                                                 const tetune_options* options, tetune_progress_function progress,
+                                                 void* user, tetune_report** report, tetune_verdict* verdict);
+
+/* ---- The report. */
 
 /* "converged", "cancelled", ... */
 TETUNE_API const char* tetune_report_stop(const tetune_report* report);

@@ -48,8 +48,12 @@ class Reader {
     constexpr std::int64_t kMost = std::numeric_limits<Index>::max();
     if (counts.num_nodes > kMost || counts.num_elem > kMost) throw FileError("more than 2^31 nodes or elements");
     read_points(counts.num_nodes);
-    for (const int id : ids(EX_ELEM_BLOCK, counts.num_elem_blk)) read_block(id);
-    for (const int id : ids(EX_SIDE_SET, counts.num_side_sets)) read_side_set(id);
+    const std::vector<int> block_ids = ids(EX_ELEM_BLOCK, counts.num_elem_blk);
+    const std::vector<int> set_ids = ids(EX_SIDE_SET, counts.num_side_sets);
+    for (const int id : block_ids) free_numbers_.take(id);
+    for (const int id : set_ids) free_numbers_.take(id);
+    for (const int id : block_ids) read_block(id);
+    for (const int id : set_ids) read_side_set(id);
     for (const int id : ids(EX_NODE_SET, counts.num_node_sets)) read_node_set(id);
     read_variables();
     erase_middles(middles_, mesh_);
@@ -99,14 +103,31 @@ class Reader {
       }
       --v;
     }
-    for (std::size_t e = 0; e < nodes.size(); e += each) add(block.kind, nodes.data() + e, id);
+    const int tag = tag_of(id, "element block");
+    for (std::size_t e = 0; e < nodes.size(); e += each) add(block.kind, nodes.data() + e, tag);
     const int dimension = block.kind < kTriangles ? 3 : block.kind < kEdges ? 2 : block.kind < kOthers ? 1 : -1;
-    add_group(dimension >= 0 ? dimension : kOtherKinds[block.kind - kOthers].dimension, id, name_of(EX_ELEM_BLOCK, id));
+    add_group(dimension >= 0 ? dimension : kOtherKinds[block.kind - kOthers].dimension, tag,
+              name_of(EX_ELEM_BLOCK, id));
     blocks_.push_back(block);
   }
 
-  void add_group(int dimension, int id, const std::string& name) {
-    mesh_.groups.push_back({dimension, id, name, {id}});
+  /// Groups have positive numbers, and 0 is no tag.
+  int tag_of(int id, const std::string& what) {
+    if (id > 0) return id;
+    const int tag = free_numbers_.take_lowest();
+    warnings_.push_back(what + " " + std::to_string(id) + " gets the tag " + std::to_string(tag) +
+                        ", as tags of groups are positive");
+    return tag;
+  }
+
+  /// Blocks and sets of one name are one group.
+  void add_group(int dimension, int tag, const std::string& name) {
+    for (Group& group : mesh_.groups) {
+      if (group.dimension != dimension || group.name != name || (name.empty() && group.number != tag)) continue;
+      if (std::find(group.tags.begin(), group.tags.end(), tag) == group.tags.end()) group.tags.push_back(tag);
+      return;
+    }
+    mesh_.groups.push_back({dimension, tag, name, {tag}});
   }
 
   void add(std::size_t kind, const int* v, int tag) {
@@ -150,6 +171,7 @@ class Reader {
     std::int64_t n = 0;
     const std::vector<int> entries = read_set(EX_SIDE_SET, id, n);
     const std::size_t count(n);
+    const int tag = tag_of(id, "side set");
     std::int64_t left_out = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const int element = entries[i] - 1;
@@ -172,9 +194,9 @@ class Reader {
       const auto& tet = item(mesh_.tets, tet_number(*at) + element - at->first);
       const auto& corners = item(kTetSides, side - 1);
       mesh_.triangles.push_back({tet[corners[0]], tet[corners[1]], tet[corners[2]]});
-      mesh_.triangle_tags.push_back(id);
+      mesh_.triangle_tags.push_back(tag);
     }
-    add_group(2, id, name_of(EX_SIDE_SET, id));
+    add_group(2, tag, name_of(EX_SIDE_SET, id));
     if (left_out > 0) {
       warnings_.push_back(std::to_string(left_out) + " sides of elements that are not tetrahedra, of side set " +
                           std::to_string(id) + ", are not kept");
@@ -286,6 +308,7 @@ class Reader {
   const File& file_;
   TetMesh& mesh_;
   Warnings& warnings_;
+  FreeNumbers free_numbers_{{}};
   std::int64_t elements_ = 0;
   std::vector<Block> blocks_;
   std::vector<ElementBlock> others_;

@@ -9,6 +9,7 @@
 
 #include "exodus.hpp"
 #include "exodus_file.hpp"
+#include "io/group_order.hpp"
 #include "io/second_order.hpp"
 
 namespace tetune::plugin {
@@ -34,6 +35,7 @@ class Writer {
     collect(middles.get());
     const std::map<int, std::vector<std::array<int, 2>>> side_sets = find_sides(middles.get());
     choose_ids();
+    choose_names();
     warn_of_lists();
     find_node_sets();
     std::int64_t elements = 0;
@@ -193,6 +195,22 @@ class Writer {
     }
   }
 
+  /// Several blocks or sets may have the name of one group.
+  void choose_names() {
+    bool is_shared = false;
+    for (int dimension = 0; dimension <= 3; ++dimension) {
+      for (const Group* const group : specific_first(mesh_, dimension)) {
+        if (group->name.empty()) continue;
+        for (const int tag : group->tags) {
+          is_shared |= names_.try_emplace({dimension, tag}, group->name).first->second != group->name;
+        }
+      }
+    }
+    if (is_shared) {
+      warnings_.push_back("an element can have one name only: it has that of its group with the fewest tags");
+    }
+  }
+
   void warn_of_lists() {
     const std::vector<Index>* lists[] = {&mesh_.corners,        &mesh_.required_vertices,  &mesh_.ridges,
                                          &mesh_.required_edges, &mesh_.required_triangles, &mesh_.required_tets};
@@ -238,10 +256,8 @@ class Writer {
   }
 
   std::string group_name(int dimension, int tag) const {
-    for (const Group& group : mesh_.groups) {
-      if (group.dimension == dimension && group.tags == std::vector<int>{tag}) return group.name;
-    }
-    return "";
+    const auto at = names_.find({dimension, tag});
+    return at == names_.end() ? "" : at->second;
   }
 
   void put_name(ex_entity_type type, int id, const std::string& name) {
@@ -329,6 +345,7 @@ class Writer {
   std::vector<OutBlock> blocks_;
   std::vector<std::array<std::int64_t, 2>> triangle2side_;
   std::vector<NodeSet> node_sets_;
+  std::map<std::pair<int, int>, std::string> names_;  ///< by dimension and tag
 };
 
 }  // namespace

@@ -7,10 +7,16 @@
 
 #include "backend/atomic.hpp"
 #include "boundary/classify.hpp"
+#include "boundary/periodic_images.hpp"
 #include "boundary/surface.hpp"
 #include "energy/objective.hpp"
 
 namespace tetune {
+
+/// Values of BoundaryTriangle::stays other than 0: the triangle does not change; it may be flipped together with its
+/// periodic image.
+inline constexpr std::uint16_t kStays = 1;
+inline constexpr std::uint16_t kFlipsWithImage = 2;
 
 /// A triangle of the boundary as boundary flips change it. "Boundary" is all that flips must preserve: the outer
 /// boundary, interfaces and constrained triangles.
@@ -25,7 +31,7 @@ struct BoundaryTriangle {
   double deviation;
   std::uint32_t features;
   std::uint16_t turned;  ///< the caller lists it in the opposite orientation
-  std::uint16_t stays;   ///< it must not be flipped
+  std::uint16_t stays;   ///< 0, kStays or kFlipsWithImage
 };
 static_assert(sizeof(BoundaryTriangle) == 40, "copies between host and device read no padding");
 
@@ -68,6 +74,8 @@ struct BoundaryTriangles {
   double flat = 0;
   /// Operations may bend the surface within kMaxBend.
   bool bends = false;
+  /// Of the vertices of triangles that flip with their image; empty if there is none.
+  PeriodicImages<Backend> images;
 };
 
 /// Lists the corners at each vertex, if they are out of date.
@@ -147,8 +155,25 @@ struct FillTriangle {
     }
     // Triangles that are required or of a frozen patch have frozen vertices.
     const bool is_frozen = frozen[t.v[0]] == kFrozen && frozen[t.v[1]] == kFrozen && frozen[t.v[2]] == kFrozen;
-    t.stays = is_frozen || counts[s] > 1 ? 1 : 0;
+    t.stays = is_frozen || counts[s] > 1 ? kStays : 0;
     triangles[s] = t;
+  }
+};
+
+/// Decides which triangles of vertices that are frozen, with periodic links, flip with their image.
+struct PairTriangles {
+  PeriodicImagesView images;
+  Span<const std::uint8_t> frozen;
+  Span<BoundaryTriangle> triangles;
+  TETUNE_HD void operator()(Size s) const {
+    BoundaryTriangle& t = triangles[s];
+    bool is_frozen = t.stays == 0;
+    bool is_periodic = true;
+    for (const Index v : t.v) {
+      is_frozen = is_frozen && frozen[v] == kFrozen;
+      is_periodic = is_periodic && images.class_of(v) >= 0;
+    }
+    if (is_frozen) t.stays = is_periodic ? kFlipsWithImage : kStays;
   }
 };
 
@@ -171,6 +196,14 @@ template <class Backend>
 void link_to_reference(const Backend& backend, Span<const Index> across, BoundaryTriangles<Backend>& boundary) {
   backend.for_each(boundary.triangles.size(),
                    boundary_triangles_detail::LinkReference{across, boundary.triangles.span()});
+}
+
+/// Pairs the boundary triangles of periodic vertices. `frozen` has the constraints with those of periodic links, and
+/// build_boundary() had those without.
+template <class Backend>
+void pair_triangles(const Backend& backend, Span<const std::uint8_t> frozen, BoundaryTriangles<Backend>& boundary) {
+  backend.for_each(boundary.triangles.size(),
+                   boundary_triangles_detail::PairTriangles{boundary.images.view(), frozen, boundary.triangles.span()});
 }
 
 /// Builds the boundary triangles from the surface and the caller's list.

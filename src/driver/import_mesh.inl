@@ -134,8 +134,13 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   work.listed_triangles = listed_state.download();
 
   work.frozen = frozen_of(mesh, constraints.frozen, original2vertex, work.listed_triangles);
-  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
-  if (flips_boundary(options)) build_boundary(backend, surface, listed, frozen.span(), work.boundary);
+  const bool moves = moves_links && slides_on == nullptr && moves_periodic(mesh, options);
+  const std::vector<std::uint8_t> held =
+      moves ? frozen_of(mesh, constraints.frozen_without_links, original2vertex, work.listed_triangles) : work.frozen;
+  if (flips_boundary(options)) {
+    const DeviceViewOf<Backend, std::uint8_t> frozen(backend, held);
+    build_boundary(backend, surface, listed, frozen.span(), work.boundary);
+  }
   if (edits_surface(options)) {
     for (const BoundaryTriangle& t : work.boundary.triangles.download()) {
       if (t.listed >= 0) work.listed_boundary.push_back(t.listed);
@@ -151,9 +156,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   find_dofs(backend, work.mesh,
             {options, surface, ends, constraints.ridges, edges, work.frozen, work.scale, slides_on, original2vertex},
             work.dofs, report);
-  if (moves_links && slides_on == nullptr && moves_periodic(mesh, options)) {
-    const std::vector<std::uint8_t> held =
-        frozen_of(mesh, constraints.frozen_without_links, original2vertex, work.listed_triangles);
+  if (moves) {
     import_periodic(backend, mesh,
                     {options, surface, ends, constraints.ridges, edges, held, work.scale, nullptr, original2vertex},
                     work, report);

@@ -77,10 +77,29 @@ struct HostSet {
   }
 };
 
+/// Uploads all classes.
+template <class Backend>
+void import_images(const Backend& backend, const PeriodicClasses& classes, const std::vector<Index>& original2vertex,
+                   WorkingSet<Backend>& work) {
+  std::vector<PeriodicMember> members;
+  std::vector<Index> vertex2class(to_size_t(work.mesh.vertices()), -1);
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    for (std::uint32_t m = classes.first[c]; m < classes.first[c + 1]; ++m) {
+      const Index v = span_of(original2vertex)[classes.members[m]];
+      members.push_back({v, work.scale * classes.shifts[m]});
+      span_of(vertex2class)[v] = to_index(c);
+    }
+  }
+  PeriodicImages<Backend>& images = work.boundary.images;
+  images.members.upload(backend, members);
+  images.first.upload(backend, classes.first);
+  images.vertex2class.upload(backend, vertex2class);
+}
+
 }  // namespace import_periodic_detail
 
-/// Sets WorkingSet::periodic: the classes of linked vertices that may move. `input` has the caller's constraints
-/// without those of periodic links.
+/// Sets WorkingSet::periodic, the classes of linked vertices that may move, and lets the triangles of linked vertices
+/// flip with their image. `input` has the caller's constraints without those of periodic links.
 template <class Backend>
 void import_periodic(const Backend& backend, const TetMesh& mesh, const DofInput<Backend>& input,
                      WorkingSet<Backend>& work, Report& report) {
@@ -125,6 +144,10 @@ void import_periodic(const Backend& backend, const TetMesh& mesh, const DofInput
   work.periodic.first.upload(backend, set.first);
   work.periodic.space.upload(backend, set.space);
   work.periodic.vertex2class.upload(backend, vertex2class);
+  if (work.boundary.triangles.size() == 0) return;
+  import_images(backend, classes, input.original2vertex, work);
+  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
+  pair_triangles(backend, frozen.span(), work.boundary);
 }
 
 }  // namespace tetune

@@ -151,6 +151,8 @@ class CriteriaRun {
     const bool inserts = options_.effort == Effort::best || options_.surface_vertices == SurfaceVertices::edit;
     options.keep_vertices = options_.keep_vertices || !inserts || double(mesh.tets.size()) >= max_tets_;
     if (options.keep_vertices) options.surface_vertices = SurfaceVertices::automatic;
+    // The part of the round is at most the mesh.
+    if (!options.keep_vertices) options.max_growth = max_tets_ / double(mesh.tets.size());
     options.effort = Effort::best;
     options.targets.clear();
     options.trace_angles = false;
@@ -167,9 +169,13 @@ class CriteriaRun {
   }
 
   void make_rounds(TetMesh& mesh) {
+    std::int64_t undone = 0;  // size of the part of the last round, if it was undone
     for (int i = 0; i < kMaxRounds && report_.after.verdict == Verdict::fail && !is_stopped(); ++i) {
       const CriteriaRound round = make_round(mesh, i);
       report_.rounds.push_back(round);
+      // With a part that more rings do not enlarge, the next round is the same.
+      if (!round.kept && (round.active == undone || round.active == std::ssize(mesh.tets))) break;
+      undone = round.kept ? 0 : round.active;
       // Where most of a large mesh fails, another round takes as long as the first run.
       const bool is_large = round.active > std::max(kLarge, std::ssize(mesh.tets) / 2);
       const bool gains = round.kept && 20 * (round.failed_before - round.failed_after) > round.failed_before;

@@ -16,12 +16,10 @@ namespace {
 struct Kind {
   const char* kind;
   const char* type;
-  const char* set;  ///< its names begin with this
+  int dimension;
 };
-constexpr std::array<Kind, 4> kKinds{{{"Pyramids", "C3D5", "Volume"},
-                                      {"Prisms", "C3D6", "Volume"},
-                                      {"Hexahedra", "C3D8", "Volume"},
-                                      {"Quadrilaterals", "S4", "Surface"}}};
+constexpr std::array<Kind, 4> kKinds{
+    {{"Pyramids", "C3D5", 3}, {"Prisms", "C3D6", 3}, {"Hexahedra", "C3D8", 3}, {"Quadrilaterals", "S4", 2}}};
 
 /// A face of a tetrahedron in a patch.
 struct PatchFace {
@@ -95,9 +93,12 @@ class InpPlainWriter {
     for (std::size_t i = 0; i < tags.size(); ++i) lists[tags[i]].push_back(i);
     return lists;
   }
-  void start_elements(const char* type, const char* set, int tag) {
+  void start_elements(const char* type, int dimension, int tag) {
     std::string head = std::string("*ELEMENT, TYPE=") + type;
-    if (tag != 0) head += std::string(", ELSET=") + set + std::to_string(tag);
+    if (tag != 0) {
+      head += ", ELSET=" + start_of(dimension) + std::to_string(tag);
+      element_tags_.insert({dimension, tag});
+    }
     out_.write(head + "\n");
   }
 
@@ -108,7 +109,7 @@ class InpPlainWriter {
   }
   void write_tets() {
     for (const auto& [tag, tets] : by_tag(mesh_.tet_tags)) {
-      start_elements(middles_ == nullptr ? "C3D4" : "C3D10", "Volume", tag);
+      start_elements(middles_ == nullptr ? "C3D4" : "C3D10", 3, tag);
       write_lines(tets.size(), [&, &list = tets](std::string& line, std::size_t i) {
         line += std::to_string(list[i] + 1);
         const std::array<Index, 4> v = listed(list[i]);
@@ -128,7 +129,7 @@ class InpPlainWriter {
     if (kind == kKinds.end()) throw FileError("a deck has no type for elements of kind " + block.kind);
     const std::size_t each = to_size_t(block.vertices_per_element);
     for (const auto& [tag, elements] : by_tag(block.tags)) {
-      start_elements(kind->type, kind->set, tag);
+      start_elements(kind->type, kind->dimension, tag);
       write_lines(elements.size(), [&, &list = elements](std::string& line, std::size_t i) {
         line += std::to_string(next_element_ + list[i]);
         for (std::size_t k = 0; k < each; ++k) {
@@ -208,18 +209,23 @@ class InpPlainWriter {
 
   void write_group(const Group& group) {
     if (group.dimension < 2 || group.name.empty()) return;
-    std::vector<int> tags = group.tags;
-    std::erase_if(tags, [&](int tag) {
-      const std::vector<int>& of = group.dimension == 3 ? mesh_.tet_tags : mesh_.triangle_tags;
-      return tag == 0 || std::find(of.begin(), of.end(), tag) == of.end();
-    });
-    const std::optional<std::string> name = tags.empty() ? std::nullopt : free_name(group);
+    std::vector<int> of_elements;
+    std::vector<int> of_patches;
+    for (const int tag : group.tags) {
+      if (element_tags_.count({group.dimension, tag}) > 0) of_elements.push_back(tag);
+      if (group.dimension == 2 && patches_.count(tag) > 0) of_patches.push_back(tag);
+    }
+    const bool is_empty = of_elements.empty() && of_patches.empty();
+    const std::optional<std::string> name = is_empty ? std::nullopt : free_name(group);
     if (!name) return;
-    if (group.dimension == 2) return write_patch(*name, tags);
+    write_patch(*name, of_patches);
+    if (of_elements.empty()) return;
     std::string text = "*ELSET, ELSET=" + *name + "\n";
-    for (const int tag : tags) text += "Volume" + std::to_string(tag) + ",\n";
+    for (const int tag : of_elements) text += start_of(group.dimension) + std::to_string(tag) + ",\n";
     out_.write(text);
   }
+  /// Names of the sets of tags begin with this.
+  static std::string start_of(int dimension) { return dimension == 3 ? "Volume" : "Surface"; }
   /// The name of a group as both programs read it; none where the set of its tag has this name.
   std::optional<std::string> free_name(const Group& group) {
     constexpr std::size_t kMaxLength = 80;
@@ -229,7 +235,7 @@ class InpPlainWriter {
     std::replace_if(
         name.begin(), name.end(), [&](char c) { return !is_plain(c); }, '_');
     if (!is_letter(name[0]) && name[0] != '_') name.insert(name.begin(), '_');
-    const char* const start = group.dimension == 3 ? "Volume" : "Surface";
+    const std::string start = start_of(group.dimension);
     if (group.tags.size() == 1 && inp_name(name) == inp_name(start + std::to_string(group.tags[0]))) return {};
     const std::string base = name;
     for (int n = 2; is_tag_name(name, start) || !names_.insert({group.dimension, inp_name(name)}).second; ++n) {
@@ -250,6 +256,7 @@ class InpPlainWriter {
   const IoContext& context_;
   std::size_t next_element_ = 1;
   std::map<int, std::vector<PatchFace>> patches_;
+  std::set<std::pair<int, int>> element_tags_;   ///< of elements, by dimension: faces of tetrahedra are none
   std::set<std::pair<int, std::string>> names_;  ///< by dimension
 };
 

@@ -81,6 +81,23 @@ void join(MshElements& list, std::size_t corners, const std::vector<std::uint8_t
 
 }  // namespace
 
+void find_dimensions_of_names(MshModel& model) {
+  std::vector<MshName> names;
+  for (const MshName& name : model.names) {
+    if (name.dimension != kMshAnyDimension) {
+      names.push_back(name);
+      continue;
+    }
+    for (int dimension = 0; dimension <= 3; ++dimension) {
+      const bool is_used = std::any_of(model.cells.begin(), model.cells.end(), [&](const MshCell& cell) {
+        return cell.dimension == dimension && std::count(cell.groups.begin(), cell.groups.end(), name.number) > 0;
+      });
+      if (is_used) names.push_back({dimension, name.number, name.name});
+    }
+  }
+  model.names = std::move(names);
+}
+
 void join_repeated_elements(MshModel& model) {
   CellsByGroups by_groups(model.cells);
   std::vector<std::uint8_t> is_split;

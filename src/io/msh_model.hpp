@@ -31,6 +31,9 @@ struct MshElements {
   std::vector<std::int64_t> number;
 };
 
+/// MshName::dimension of a name that is for the groups of its number of all dimensions.
+inline constexpr int kMshAnyDimension = -1;
+
 /// An entry of $PhysicalNames.
 struct MshName {
   int dimension, number;
@@ -61,6 +64,9 @@ struct MshModel {
   std::vector<MshView> views;
   std::vector<Middle> middles;
 };
+
+/// Gives names without a dimension those of the elements in groups of their number.
+void find_dimensions_of_names(MshModel& model);
 
 /// Joins elements that version 2.2 lists once for each of their groups.
 void join_repeated_elements(MshModel& model);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <charconv>
 #include <sstream>
 
 #include "io/msh_sections.hpp"
@@ -31,6 +32,19 @@ std::string quoted(MshSource& source) {
     source.fail("expected a name in quotation marks, found \"" + MshSource::printable(line.substr(0, 40)) + "\"");
   }
   return std::string(line.substr(first + 1, last - first - 1));
+}
+
+/// Reads the first number of a name. Returns whether it is the only one, as in version 2.0: 1"steel" or 1 "steel".
+bool reads_number_alone(TextCursor& text, std::int64_t& number) {
+  while (text.line_done() && text.remaining() > 0) text.line();
+  const std::string_view word = text.peek();
+  const std::size_t quote = word.find('"');
+  if (quote == std::string_view::npos) {
+    number = text.integer("dimension of a group");
+    return text.peek().starts_with('"');
+  }
+  const auto [end, error] = std::from_chars(word.data(), word.data() + quote, number);
+  return error == std::errc() && end == word.data() + quote;
 }
 
 void read_affine(MshSource& source, PeriodicLink& link) {
@@ -67,9 +81,12 @@ void read_msh_names(MshSource& source, MshModel& model) {
   TextCursor& text = source.text();
   const std::int64_t n = text.integer("number of names");
   for (std::int64_t i = 0; i < n; ++i) {
-    const std::int64_t dimension = text.integer("dimension of a group");
-    const std::int64_t number = text.integer("number of a group");
-    if (dimension < 0 || dimension > 3 || number < 1 || number > std::numeric_limits<int>::max()) {
+    std::int64_t number = 0;
+    const bool is_alone = reads_number_alone(text, number);
+    const std::int64_t dimension = is_alone ? kMshAnyDimension : number;
+    if (!is_alone) number = text.integer("number of a group");
+    if ((dimension < 0 && !(is_alone && source.is_old())) || dimension > 3 || number < 1 ||
+        number > std::numeric_limits<int>::max()) {
       source.fail("group " + std::to_string(number) + " of dimension " + std::to_string(dimension) +
                   " is none: numbers are from 1, dimensions from 0 to 3");
     }

@@ -102,8 +102,11 @@ struct Resolve {
       }
     }
     if (r.twin < 0) return;
-    // The faces that both parts make in an interface lie on each other.
     const Record<P>& twin = records.records[r.twin];
+    if constexpr (requires { r.patch.meets(twin.patch); }) {
+      if (!r.patch.meets(twin.patch)) return;
+    }
+    // The faces that both parts make in an interface lie on each other.
     for (int k = 0; k < r.patch.new_surface_faces(); ++k) {
       r.across[faces + k] = twin.new_half_face(twin.patch.face_count() + k) | kLocked;
     }

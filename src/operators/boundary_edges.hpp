@@ -48,6 +48,9 @@ struct BoundaryEdge {
   Index triangle, other;  ///< other -1: there is none, or more than one
 };
 
+/// No edge.
+inline constexpr BoundaryEdge kNoBoundaryEdge{-1, -1, -1, -1, -1, -1};
+
 struct FindEdge {
   Span<const Point> points;
   ConstrainedEdges constrained;
@@ -55,6 +58,7 @@ struct FindEdge {
   CsrView vertex2corner;
   double flat;
   bool bends;  ///< flips may bend the surface, within kMaxBend
+  PeriodicImagesView images;
 
   /// The edge opposite a corner.
   TETUNE_HD BoundaryEdge operator()(Size corner) const {
@@ -91,8 +95,37 @@ struct FindEdge {
     if (e.other < 0 || constrained.contains(e.a, e.b)) return false;
     const BoundaryTriangle& t = triangles[e.triangle];
     const BoundaryTriangle& u = triangles[e.other];
-    const bool in_one_patch = t.stays == 0 && u.stays == 0 && t.tag == u.tag && (t.listed < 0) == (u.listed < 0);
-    return in_one_patch && (bends ? deviation_after(e) < kInfeasible : is_flat(e)) && !is_edge(e.p, e.q);
+    const bool in_one_patch = t.stays == u.stays && t.tag == u.tag && (t.listed < 0) == (u.listed < 0);
+    if (t.stays == kStays || !in_one_patch) return false;
+    const bool may_bend = bends && !is_paired(e);
+    if (bends && !may_bend && is_feature_edge(t, e.a, e.b)) return false;
+    return (may_bend ? deviation_after(e) < kInfeasible : is_flat(e)) && !is_edge(e.p, e.q);
+  }
+
+  /// Whether an edge is flipped together with its periodic image.
+  TETUNE_HD bool is_paired(const BoundaryEdge& e) const { return triangles[e.triangle].stays == kFlipsWithImage; }
+  /// The periodic image of an edge and its two triangles, whose vertices must be in four classes. kNoBoundaryEdge if
+  /// there is none, or more than one.
+  TETUNE_HD BoundaryEdge image_of(const BoundaryEdge& e) const {
+    const Index v[4] = {e.a, e.b, e.p, e.q};
+    for (int i = 0; i < 4; ++i) {
+      if (images.class_of(v[i]) < 0) return kNoBoundaryEdge;
+      for (int j = 0; j < i; ++j) {
+        if (images.class_of(v[i]) == images.class_of(v[j])) return kNoBoundaryEdge;
+      }
+    }
+    const Vec3 shift = images.shift_of(e.a);
+    const Index c = images.class_of(e.a);
+    BoundaryEdge found = kNoBoundaryEdge;
+    for (std::uint32_t m = images.first[c]; m < images.first[c + 1]; ++m) {
+      const PeriodicMember a = images.members[m];
+      if (a.vertex == e.a) continue;
+      const BoundaryEdge image = translated(e, a.vertex, a.shift - shift);
+      if (image.other < 0) continue;
+      if (found.other >= 0) return kNoBoundaryEdge;
+      found = image;
+    }
+    return found;
   }
 
   /// The deviation (BoundaryTriangle::deviation) after a flip; kInfeasible where it would be too large.
@@ -116,6 +149,17 @@ struct FindEdge {
   }
 
  private:
+  /// The image of an edge by the translation that maps a to `image_a`, with the orientation of its own triangle.
+  TETUNE_HD BoundaryEdge translated(const BoundaryEdge& e, Index image_a, const Vec3& translation) const {
+    const Index v[3] = {image_a, images.image_of(e.b, translation), images.image_of(e.p, translation)};
+    const Index q = images.image_of(e.q, translation);
+    if (v[1] < 0 || v[2] < 0 || q < 0) return kNoBoundaryEdge;
+    const Index triangle = find_triangle(triangles, vertex2corner, v);
+    if (triangle < 0) return kNoBoundaryEdge;
+    const BoundaryTriangle& t = triangles[triangle];
+    const BoundaryEdge image = (*this)(3 * Size{triangle} + (t.v[0] == v[2] ? 0 : t.v[1] == v[2] ? 1 : 2));
+    return image.other >= 0 && image.q == q ? image : kNoBoundaryEdge;
+  }
   /// Whether the surface is flat across the edge and across the one that a flip would make, and not folded back.
   TETUNE_HD bool is_flat(const BoundaryEdge& e) const {
     const Vec3 a = vec(points[e.a]);
@@ -153,11 +197,22 @@ struct MarkEdge {
   TETUNE_HD void operator()(Size corner) const { marks[corner] = is_promising(corner) ? 1 : 0; }
 
  private:
+  /// Of an edge and its image that which has the lowest triangle stands for both.
+  TETUNE_HD static bool leads(const BoundaryEdge& e, const BoundaryEdge& image) {
+    return (e.triangle < e.other ? e.triangle : e.other) <
+           (image.triangle < image.other ? image.triangle : image.other);
+  }
+  TETUNE_HD bool has_changed(const BoundaryEdge& e) const {
+    if (!find.is_paired(e)) return (changed[e.a] | changed[e.b]) != 0;
+    const BoundaryEdge image = find.image_of(e);
+    return image.other >= 0 && leads(e, image) && find.is_paired(image) && find.is_candidate(image) &&
+           (changed[e.a] | changed[e.b] | changed[image.a] | changed[image.b]) != 0;
+  }
   TETUNE_HD bool is_promising(Size corner) const {
     const double cot = find.cot(corner);
     if (!(2 * cot < kMaxCotSum)) return false;
     const BoundaryEdge e = find(corner);
-    if (e.other < 0 || (changed[e.a] | changed[e.b]) == 0) return false;
+    if (e.other < 0 || !has_changed(e)) return false;
     const double other_cot = find.cot(e.a, e.b, e.q);
     const bool is_larger_angle = cot < other_cot || (cot == other_cot && e.triangle < e.other);
     return is_larger_angle && cot + other_cot < kMaxCotSum && find.is_candidate(e);
@@ -174,7 +229,11 @@ struct FillEdge {
   FindEdge find;
   Span<const Index> corners;
   Span<BoundaryEdge> edges;
-  TETUNE_HD void operator()(Size i) const { edges[i] = find(corners[i]); }
+  Span<BoundaryEdge> images;  ///< empty where no edge is paired
+  TETUNE_HD void operator()(Size i) const {
+    edges[i] = find(corners[i]);
+    if (images.size() > 0) images[i] = find.is_paired(edges[i]) ? find.image_of(edges[i]) : kNoBoundaryEdge;
+  }
 };
 
 }  // namespace boundary_flip_detail

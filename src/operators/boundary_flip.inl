@@ -10,7 +10,7 @@ namespace tetune {
 namespace boundary_flip_detail {
 
 /// The fans of an edge: that which starts at its triangle, and that which starts at the other one. On the outer
-/// boundary there is one.
+/// boundary there is one. Of a periodic edge: its fan, and that of its image.
 struct Fans {
   FlipCandidate fan[2];
   int count = 0;  ///< 0: the edge may not be flipped
@@ -27,6 +27,7 @@ struct BoundaryFlipProposals {
   static constexpr Size kBatch = Size{1} << 15;
   RatedMesh mesh;
   Span<const BoundaryEdge> edges;
+  Span<const BoundaryEdge> images;  ///< those that are flipped together with the edges; empty where there is none
   Span<const Index> corners;
   Span<const Index> triangle2face;
   Span<const double> energies;
@@ -35,7 +36,8 @@ struct BoundaryFlipProposals {
   TETUNE_HD Size operator()(Size i, const Proposals<FlipCandidate>& proposals) const {
     const BoundaryEdge& e = edges[i];
     Fans fans;
-    if (!find(e, e.triangle, e.p, e.q, fans.fan[0]) || !find(e, e.other, e.q, e.p, fans.fan[1])) return 0;
+    const bool is_paired = images.size() > 0 && images[i].other >= 0;
+    if (!(is_paired ? find_pair(e, images[i], fans) : find_sides(e, fans))) return 0;
     double before = 0;
     int new_tets = 0;
     for (int k = 0; k < 2; ++k) {
@@ -59,6 +61,23 @@ struct BoundaryFlipProposals {
   }
 
  private:
+  TETUNE_HD bool find_sides(const BoundaryEdge& e, Fans& fans) const {
+    return find(e, e.triangle, e.p, e.q, fans.fan[0]) && find(e, e.other, e.q, e.p, fans.fan[1]);
+  }
+  /// The fan of an edge of the outer boundary, and that of its image. Returns false where they share a tetrahedron.
+  TETUNE_HD bool find_pair(const BoundaryEdge& e, const BoundaryEdge& image, Fans& fans) const {
+    for (int k = 0; k < 2; ++k) {
+      Fans sides;
+      if (!find_sides(k == 0 ? e : image, sides) || sides.has(0) == sides.has(1)) return false;
+      fans.fan[k] = sides.fan[sides.has(0) ? 0 : 1];
+    }
+    for (int i = 0; i < fans.fan[0].old_count(); ++i) {
+      for (int j = 0; j < fans.fan[1].old_count(); ++j) {
+        if (fans.fan[0].tets[i] == fans.fan[1].tets[j]) return false;
+      }
+    }
+    return true;
+  }
   /// The fan that turns from a to b about the edge, a < b, from a triangle (a, b, front) to (a, b, end); kind none
   /// where there is no tetrahedron on that side. Returns false where it has more than max_ring vertices, or another
   /// face in it is locked.
@@ -102,17 +121,23 @@ struct BoundaryFlipProposals {
   }
 };
 
-/// The two triangles at each flipped edge become those at the new one, each with its orientation.
+/// The two triangles at each flipped edge, and at its image, become those at the new one, each with its orientation.
 struct FlipTriangles {
   FindEdge find;
   Span<const BoundaryEdge> edges;
+  Span<const BoundaryEdge> images;
   Span<const Record<FlipCandidate>> records;
   Span<const Index> selected;
   Span<BoundaryTriangle> triangles;
   TETUNE_HD void operator()(Size i) const {
     const Record<FlipCandidate>& r = records[selected[i]];
     if (!r.is_leader(selected[i])) return;
-    const BoundaryEdge& e = edges[r.proposal];
+    flip(edges[r.proposal]);
+    if (images.size() > 0 && images[r.proposal].other >= 0) flip(images[r.proposal]);
+  }
+
+ private:
+  TETUNE_HD void flip(const BoundaryEdge& e) const {
     BoundaryTriangle& triangle = triangles[e.triangle];
     BoundaryTriangle& other = triangles[e.other];
     int a = 0;
@@ -125,7 +150,7 @@ struct FlipTriangles {
         bit(is_feature_edge(triangle, e.p, e.a), 1) | bit(is_feature_edge(other, e.a, e.q), 2);
     const unsigned second_features =
         bit(is_feature_edge(triangle, e.b, e.p), 0) | bit(is_feature_edge(other, e.q, e.b), is_same ? 2 : 1);
-    if (find.bends) triangle.deviation = other.deviation = find.deviation_after(e);
+    if (find.bends && !find.is_paired(e)) triangle.deviation = other.deviation = find.deviation_after(e);
     triangle.features = first_features;
     other.features = second_features;
     for (int k = 0; k < 3; ++k) {
@@ -133,8 +158,6 @@ struct FlipTriangles {
       other.v[k] = second[k];
     }
   }
-
- private:
   TETUNE_HD static unsigned bit(bool is_set, unsigned k) { return is_set ? 1U << k : 0U; }
 };
 
@@ -170,24 +193,25 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   PassResult result;
   list_corners(backend, mesh, boundary);
   const FindEdge find{mesh.points.span(), state.constrained(), boundary.triangles.span(), boundary.vertex2corner.view(),
-                      boundary.flat,      boundary.bends};
+                      boundary.flat,      boundary.bends,      boundary.images.view()};
   auto corners = find_corners(backend, find, changed);
   const Size count = corners.size();
   result.active = count;
   if (count == 0 || backend.stop_requested()) return result;
   BufferOf<Backend, BoundaryEdge> edges(backend, count);
-  backend.for_each(count, FillEdge{find, corners.span(), edges.span()});
+  BufferOf<Backend, BoundaryEdge> images(backend, boundary.images.members.size() > 0 ? count : 0);
+  backend.for_each(count, FillEdge{find, corners.span(), edges.span(), images.span()});
   auto triangle2face = find_faces(backend, mesh, boundary);
 
-  const BoundaryFlipProposals<typename Backend::Pack> proposals{rated(mesh, criterion), edges.span(),
-                                                                corners.span(),         triangle2face.span(),
-                                                                state.energies.span(),  state.max_ring};
+  const BoundaryFlipProposals<typename Backend::Pack> proposals{
+      rated(mesh, criterion), edges.span(),          images.span(), corners.span(),
+      triangle2face.span(),   state.energies.span(), state.max_ring};
   auto selection = select_candidates(backend, mesh, count, proposals, state.tet2bid);
   result.evaluated = selection.evaluated;
   if (selection.size() == 0 || backend.stop_requested()) return result;
   result = flip_selected(backend, mesh, criterion, state, selection, changed);
   result.active = count;
-  backend.for_each(selection.size(), FlipTriangles{find, edges.span(), selection.records.span(),
+  backend.for_each(selection.size(), FlipTriangles{find, edges.span(), images.span(), selection.records.span(),
                                                    selection.selected.span(), boundary.triangles.span()});
   boundary.stale = true;
   return result;

@@ -27,7 +27,8 @@ struct NewNeighbor {
 /// A cavity with all that its application needs. Boundary faces are numbered; face_count() of them are there before,
 /// new_surface_faces() more, numbered after these, are made in a surface. The first new_count() slots of new tetrahedra
 /// are those of the old ones, in order. The others descend from the first old one; where a patch has parent(x), each
-/// new tetrahedron descends from that one.
+/// new tetrahedron descends from that one. Two parts of a candidate make the same faces in a surface; where a patch has
+/// meets(other), only if that holds.
 template <class P>
 concept CavityPatch = std::is_trivially_copyable_v<P> &&
     requires(const P& p, const MeshView& mesh, int i, FlipCounts& flips, ChangeCounts& changes) {

@@ -103,6 +103,9 @@ struct FlipCandidate {
     return kind == FlipKind::face_removal ? neighbor_at_edge(x, face) : neighbor_on_triangle(x / 2, x % 2, face);
   }
 
+  /// Whether another part is the fan on the other side of the same edge, and not that of its periodic image.
+  TETUNE_HD bool meets(const FlipCandidate& other) const { return a == other.a && b == other.b; }
+
   TETUNE_HD void count(FlipCounts& counts) const {
     const bool is_large = ring_size > 3;
     ++(kind == FlipKind::boundary_removal ? counts.boundary_flips

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <vector>
 
+#include "boundary/periodic_images.hpp"
 #include "boundary/vertex_dofs.hpp"
 #include "mesh/work_mesh.hpp"
 #include "relocation/coloring.hpp"
@@ -12,13 +13,6 @@
 /// Classes of periodic vertices, whose members move together (docs/method.md, "Periodic faces"). For sweeps over
 /// single vertices they are fixed.
 namespace tetune {
-
-/// A vertex of a class, and its translation from the root.
-struct PeriodicMember {
-  Index vertex;
-  Vec3 shift;
-  TETUNE_HD Vec3 from_root(const Vec3& root) const { return root + shift; }
-};
 
 /// The classes as kernels access them.
 struct PeriodicView {

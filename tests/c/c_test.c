@@ -142,6 +142,33 @@ static void test_stop(void) {
   tetune_mesh_destroy(mesh);
 }
 
+static void test_criteria(void) {
+  tetune_mesh* mesh = cube();
+  tetune_criteria* criteria = NULL;
+  tetune_report* report = NULL;
+  tetune_verdict verdict = TETUNE_FAIL;
+  CHECK(tetune_criteria_create("calculix", &criteria) == TETUNE_OK);
+  CHECK(tetune_mesh_check(mesh, criteria, &verdict) == TETUNE_OK && verdict == TETUNE_PASS);
+  CHECK(tetune_criteria_add(criteria, "mean_ratio", 0.99, NAN, 0) == TETUNE_OK);
+  CHECK(tetune_mesh_check(mesh, criteria, &verdict) == TETUNE_OK && verdict == TETUNE_WARN);
+  tetune_criteria_destroy(criteria);
+
+  CHECK(tetune_criteria_create(NULL, &criteria) == TETUNE_OK);
+  CHECK(tetune_criteria_add(criteria, "min_dihedral_deg", NAN, 20, 0) == TETUNE_OK);
+  CHECK(tetune_mesh_check(mesh, criteria, &verdict) == TETUNE_OK && verdict == TETUNE_FAIL);
+  CHECK(tetune_optimize_towards(mesh, criteria, NULL, NULL, NULL, &report, &verdict) == TETUNE_OK);
+  CHECK(verdict == TETUNE_PASS && tetune_report_energy(report, 1) < tetune_report_energy(report, 0));
+  CHECK(tetune_mesh_check(mesh, criteria, &verdict) == TETUNE_OK && verdict == TETUNE_PASS);
+  CHECK(tetune_criteria_add(criteria, "mean_ration", NAN, 1, 0) == TETUNE_OPTION_ERROR);
+  CHECK(tetune_criteria_add(criteria, "mean_ratio", NAN, NAN, 0) == TETUNE_OPTION_ERROR);
+  CHECK(tetune_optimize_towards(mesh, NULL, NULL, NULL, NULL, NULL, NULL) == TETUNE_INVALID_ARGUMENT);
+  tetune_report_destroy(report);
+  tetune_criteria_destroy(criteria);
+  CHECK(tetune_criteria_create("abacus", &criteria) == TETUNE_OPTION_ERROR && criteria == NULL);
+  tetune_criteria_destroy(NULL);
+  tetune_mesh_destroy(mesh);
+}
+
 static void test_errors(void) {
   tetune_mesh* mesh = cube();
   tetune_mesh* none = mesh;
@@ -185,6 +212,7 @@ int main(void) {
   test_run();
   test_file();
   test_stop();
+  test_criteria();
   test_errors();
   return 0;
 }

@@ -282,6 +282,27 @@ TEST_F(Inp, RoundedCoordinatesOfOtherFormatsAreCounted) {
   EXPECT_TRUE(contains(warnings[0], "2 coordinates are rounded"));
 }
 
+TEST_F(Inp, GroupsOfOtherSolidsAndQuadrilateralsKeepTheirNames) {
+  TetMesh m;
+  m.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 1}, {0.5, -1, 0.5}};
+  m.point_tags.assign(6, 0);
+  m.tets = {{0, 5, 1, 4}};
+  m.tet_tags = {1};
+  m.triangles = {{0, 5, 1}};
+  m.triangle_tags = {3};
+  m.others = {{"Pyramids", 5, {0, 1, 2, 3, 4}, {2}, {}}, {"Quadrilaterals", 4, {0, 1, 2, 3}, {4}, {}}};
+  m.groups = {{3, 1, "body", {1, 2}}, {3, 2, "base", {2}}, {2, 1, "floor", {3, 4}}, {2, 2, "square", {4}}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.inp"), m, 1, &warnings);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_TRUE(contains(get("a.inp"), "*ELSET, ELSET=body\nVolume1,\nVolume2,\n*ELSET, ELSET=base\nVolume2,\n"));
+  EXPECT_TRUE(contains(get("a.inp"), "*ELSET, ELSET=floor\nSurface4,\n*ELSET, ELSET=square\nSurface4,\n"));
+  EXPECT_TRUE(contains(get("a.inp"), "*SURFACE, TYPE=ELEMENT, NAME=floor\n1, S"));
+  const TetMesh back = read_mesh(path("a.inp"), nullptr, 1);
+  EXPECT_EQ(groups_of(back, 3), groups_of(m, 3));
+  ASSERT_EQ(back.others.size(), 2U);
+}
+
 TEST_F(Inp, OptimizationKeepsTheDeck) {
   TetMesh source = two_materials(4, 0.2);
   source.groups = {{3, 1, "steel bar", {1}}};

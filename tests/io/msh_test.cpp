@@ -52,6 +52,23 @@ TEST_F(Msh, NumbersOf64BitsWithGapsAreRenumberedInOrder) {
   EXPECT_TRUE(warnings_of(path("b.msh")).empty());
 }
 
+TEST_F(Msh, NamesOfVersion20HaveNoDimension) {
+  const std::string elements = "$Elements\n2\n1 4 2 7 1 1 2 3 4\n2 2 2 101 1 1 3 2\n$EndElements\n";
+  const std::string names = "$PhysicalNames\n3\n7\"body 1\"\n 101 \"wall\"\n 5 \"unused\"\n$EndPhysicalNames\n";
+  const std::string head = "$MeshFormat\n2.0 0 8\n$EndMeshFormat\n";
+  for (const std::string& text : {head + kOldNodes + elements + names, head + names + kOldNodes + elements}) {
+    const TetMesh m = read_mesh(put("a.msh", text), nullptr, 1);
+    ASSERT_EQ(m.groups.size(), 2U);
+    EXPECT_EQ(m.groups[0].name, "wall");
+    EXPECT_EQ(m.groups[0].dimension, 2);
+    EXPECT_EQ(m.groups[1].name, "body 1");
+    EXPECT_EQ(m.groups[1].dimension, 3);
+    EXPECT_EQ(m.groups[1].tags, m.tet_tags);
+  }
+  EXPECT_TRUE(contains(read_error(put("a.msh", kHead + names)), "a.msh:6: group 7 of dimension -1 is none"));
+  EXPECT_FALSE(read_error(put("a.msh", head + "$PhysicalNames\n1\n7x\"body\"\n$EndPhysicalNames\n")).empty());
+}
+
 TEST_F(Msh, EveryDialectKeepsEverything) {
   for (const std::string& dialect : kDialects) {
     SCOPED_TRACE(dialect);

@@ -187,6 +187,39 @@ TEST_F(Plugins, TheLargestTagLeavesRoomForOthers) {
   }
 }
 
+TEST_F(Plugins, ElementsOfSeveralGroupsGetOneNameInExodus) {
+  TetMesh m = with_tags({1, 2, 3}, {4, 77777});
+  m.groups = {{3, 1, "all", {1, 2, 3}}, {3, 2, "part", {2}}, {2, 1, "load", {4, 77777}}};
+  std::vector<std::string> warnings;
+  const auto warned = [&warnings](const std::string& text) {
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [&](const std::string& w) { return w.find(text) != std::string::npos; });
+  };
+  write_mesh(path("a.e"), m, 1, &warnings);
+  EXPECT_TRUE(warned("group with the fewest tags"));
+  const auto tags_of = [](const TetMesh& mesh, const std::string& name) {
+    const auto at =
+        std::find_if(mesh.groups.begin(), mesh.groups.end(), [&](const Group& g) { return g.name == name; });
+    return at == mesh.groups.end() ? std::set<int>{} : std::set<int>(at->tags.begin(), at->tags.end());
+  };
+  const TetMesh back = read_mesh(path("a.e"), nullptr, 1);
+  EXPECT_EQ(back.groups.size(), 3U);
+  EXPECT_EQ(tags_of(back, "all"), (std::set<int>{1, 3}));
+  EXPECT_EQ(tags_of(back, "part"), std::set<int>{2});
+  EXPECT_EQ(tags_of(back, "load"), (std::set<int>{4, 77777}));
+  EXPECT_TRUE(same_tags(m, back));
+  // Programs that count from 0: the number of the second side set, big-endian.
+  std::string bytes = get("a.e");
+  const std::size_t at = bytes.find(std::string("\0\1\x2f\xd1", 4));
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, 4, std::string(4, '\0'));
+  const TetMesh from_0 = read_mesh(put("b.e", bytes), &warnings, 1);
+  EXPECT_TRUE(warned("side set 0 gets the tag 5"));
+  EXPECT_EQ(tags_of(from_0, "load"), (std::set<int>{4, 5}));
+  write_mesh(path("b.msh"), from_0, 1);
+  EXPECT_EQ(tags_of(read_mesh(path("b.msh"), nullptr, 1), "load").size(), 1U);  // elements of the same groups
+}
+
 TEST_F(Plugins, TagsComeUnderTheNamesThatOtherProgramsGiveThem) {
   for (const std::string name : {"medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical"}) {
     TetMesh m = rich();

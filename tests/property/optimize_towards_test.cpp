@@ -64,6 +64,16 @@ TEST(OptimizeTowards, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(meshes[0].tets, meshes[1].tets);
 }
 
+TEST(OptimizeTowards, NoRoundIsRepeated) {
+  TetMesh mesh = input();
+  // All tetrahedra fail, and none will pass.
+  const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 1.0));
+  ASSERT_FALSE(report.rounds.empty());
+  EXPECT_EQ(report.rounds.back().active, std::ssize(mesh.tets));
+  EXPECT_FALSE(report.rounds.back().kept);
+  EXPECT_EQ(report.rounds.size(), 1U);
+}
+
 TEST(OptimizeTowards, NamesWhatHoldsElements) {
   TetMesh mesh = test::one_tet();
   const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 1.2));

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "backend/span.hpp"
 #include "boundary/motion_intersection.hpp"
@@ -54,6 +56,111 @@ Options with(Boundary boundary, Effort effort, int threads = 1) {
   return options;
 }
 
+/// The faces of one tetrahedron alone, sorted.
+std::set<std::array<Index, 3>> outer_faces(const TetMesh& mesh) {
+  std::set<std::array<Index, 3>> faces;
+  for (const auto& tet : mesh.tets) {
+    for (std::size_t f = 0; f < 4; ++f) {
+      std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
+      std::sort(face.begin(), face.end());
+      if (!faces.insert(face).second) faces.erase(face);
+    }
+  }
+  return faces;
+}
+
+/// The number of triangles of linked faces without an image.
+std::size_t count_unpaired(const TetMesh& mesh) {
+  const std::set<std::array<Index, 3>> faces = outer_faces(mesh);
+  std::size_t count = 0;
+  for (const PeriodicLink& link : mesh.periodic) {
+    std::map<Index, Index> to_master;
+    std::map<Index, Index> to_vertex;
+    for (const auto& [vertex, master] : link.pairs) {
+      to_master[vertex] = master;
+      to_vertex[master] = vertex;
+    }
+    for (const std::map<Index, Index>& image : {to_master, to_vertex}) {
+      for (std::array<Index, 3> face : faces) {
+        if (!std::all_of(face.begin(), face.end(), [&](Index v) { return image.count(v) > 0; })) continue;
+        for (Index& v : face) v = image.at(v);
+        std::sort(face.begin(), face.end());
+        count += 1 - faces.count(face);
+      }
+    }
+  }
+  return count;
+}
+
+/// A lattice with a period in all directions, along the edges of an oblique cell: the edges in which the cubes' faces
+/// are divided are the long diagonals on some of its faces.
+TetMesh oblique_lattice(int n, double jitter, double shear) {
+  TetMesh mesh = periodic_cube(n, jitter);
+  link_box_faces(mesh, {true, true, true});
+  for (Point3& p : mesh.points) p[0] += shear * p[2];
+  for (PeriodicLink& link : mesh.periodic) link.affine.clear();
+  return mesh;
+}
+
+/// The smallest angle of a triangle on the outside, in degrees.
+double smallest_face_angle(const TetMesh& mesh) {
+  double smallest = 180;
+  for (const std::array<Index, 3>& face : outer_faces(mesh)) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 at = vec(span_of(mesh.points)[face[k]]);
+      const Vec3 a = vec(span_of(mesh.points)[face[(k + 1) % 3]]) - at;
+      const Vec3 b = vec(span_of(mesh.points)[face[(k + 2) % 3]]) - at;
+      smallest = std::min(smallest, std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / M_PI);
+    }
+  }
+  return smallest;
+}
+
+/// Edges of periodic faces are flipped together with their images.
+TEST(Periodic, PairedFacesFlipTogether) {
+  for (const double jitter : {0.0, 0.2}) {
+    const TetMesh input = oblique_lattice(5, jitter, 0.8);
+    ASSERT_EQ(count_unpaired(input), 0U);
+    ASSERT_EQ(outer_faces(input).size(), 6U * 5 * 5 * 2);
+    Options options = with(Boundary::preserve, Effort::standard);
+    TetMesh kept = input;
+    options.boundary_flips = false;
+    const double energy_kept = optimize(kept, options).energy_after;
+    options.boundary_flips = true;
+    TetMesh mesh = input;
+    TetMesh other = input;
+    const Report report = optimize(mesh, options);
+    options.threads = 3;
+    optimize(other, options);
+    EXPECT_EQ(mesh.points, other.points);
+    EXPECT_EQ(mesh.tets, other.tets);
+    EXPECT_GT(report.boundary_flips, 10);
+    EXPECT_NE(outer_faces(mesh), outer_faces(input));
+    EXPECT_EQ(count_unpaired(mesh), 0U);
+    EXPECT_EQ(outer_faces(mesh).size(), outer_faces(input).size());
+    EXPECT_TRUE(validate(mesh, 1).ok());
+    EXPECT_NEAR(quality(mesh, 1).volume, 1, 1e-12);
+    EXPECT_LT(report.energy_after, 0.99 * energy_kept);
+    EXPECT_GT(smallest_face_angle(mesh), smallest_face_angle(kept) + 1);
+  }
+}
+
+/// With a triangle of one face held, that of the other one stays as well.
+TEST(Periodic, AnImageThatStaysHoldsTheFace) {
+  TetMesh mesh = oblique_lattice(4, 0, 0.8);
+  for (const auto& [vertex, master] : mesh.periodic[1].pairs) mesh.required_vertices.push_back(vertex);
+  const TetMesh input = mesh;
+  optimize(mesh, with(Boundary::preserve, Effort::standard));
+  std::set<Index> masters;
+  for (const auto& [vertex, master] : mesh.periodic[1].pairs) masters.insert(master);
+  for (const std::array<Index, 3>& face : outer_faces(input)) {
+    const bool is_held = std::all_of(face.begin(), face.end(), [&](Index v) { return masters.count(v) > 0; });
+    if (!is_held) continue;
+    EXPECT_EQ(outer_faces(mesh).count(face), 1U);
+  }
+  EXPECT_EQ(count_unpaired(mesh), 0U);
+}
+
 TEST(Periodic, FacesOfABoxAreLinked) {
   TetMesh mesh = periodic_cube(3, 0.2);
   link_box_faces(mesh, {true, true, true});
@@ -97,6 +204,7 @@ TEST(Periodic, ImagesMoveTogether) {
         TetMesh mesh = input;
         const Report report = optimize(mesh, with(boundary, effort));
         EXPECT_EQ(count_unmatched(input, mesh), 0U);
+        EXPECT_EQ(count_unpaired(mesh), 0U);
         // Each face has 36 vertices; corners stay.
         EXPECT_GT(count_moved(input, mesh), 2U * 16);
         EXPECT_EQ(report.periodic_vertices, 6 * 16 + 12 * 4);
