@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
+#include "math/closest_triangle.hpp"
 #include "mesh/tet.hpp"
 #include "meshes.hpp"
-#include "quality/closest_triangle.hpp"
 
 /// Curved meshes, and plain oracles for their surfaces after optimization.
 namespace tetune::test {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "commands.hpp"
 #include "console.hpp"
@@ -23,6 +24,7 @@ struct Arguments {
   std::string replaced_output;  ///< with -o
   std::string tags;
   std::string msh;
+  std::string surface;  ///< a finer mesh
   int order = 0;
   double feature_angle = 45;
   int threads = 0;
@@ -41,6 +43,11 @@ void set_order(const Arguments& a, TetMesh& mesh, Console& console) {
     CurveOptions options;
     options.feature_angle = a.feature_angle;
     options.threads = a.threads;
+    std::optional<Input> finer;
+    if (!a.surface.empty()) {
+      finer = read_input(a.surface, a.threads);
+      options.surface = &finer->mesh;
+    }
     const CurveReport r = curve(mesh, options);
     fmt::print(stderr, "{} curved edges, {} curved tetrahedra, smallest scaled Jacobian {:.4f}\n", r.curved_edges,
                r.curved_tets, r.min_scaled_jacobian);
@@ -63,6 +70,7 @@ int convert(const Arguments& a) {
   if (a.replaced_output.empty()) refuse_existing(a.output);
   const std::string& output = a.output.empty() ? a.replaced_output : a.output;
   if (output != kPipe) check_writable(output);
+  if (!a.surface.empty() && a.order != 2) throw OptionError("--surface is for --order 2 alone");
   Console console(ProgressMode::none, 0, nullptr);
   Input input = read_input(a.input, a.threads);
   if (!a.tags.empty()) choose_tags(input, a.input, a.tags);
@@ -96,6 +104,9 @@ void add_convert(CLI::App& app, int& exit_code) {
                 "Order of the tetrahedra: 1 drops mid-side nodes; 2 makes mid-side nodes on the curved surface that is "
                 "reconstructed from the triangles, and proves each element valid; otherwise that of the input")
       ->check(CLI::IsMember({1, 2}));
+  c->add_option("--surface", a->surface,
+                "With --order 2, a finer mesh of the same part, on whose surface the mid-side nodes are put")
+      ->option_text("FILE");
   c->add_option("--feature-angle", a->feature_angle,
                 "With --order 2, the surface is not smooth at edges where it turns by a larger angle, in degrees")
       ->check(CLI::Range(1e-9, 180.0))

@@ -18,6 +18,10 @@ struct CurveOptions {
   double feature_angle = 45;
   /// Number of CPU threads, 0 to 4096; 0 means all. The result does not depend on it.
   int threads = 0;
+  /// If not null, a finer mesh of the same part: tetrahedra, or triangles alone, linear or with curved edges. Mid-side
+  /// nodes are on its surface (reconstructed likewise if it is straight), and on its feature lines where the edge is a
+  /// feature. Nodes that would be farther than a quarter of their edge from its midpoint are as without.
+  const TetMesh* surface = nullptr;
   /// If set and true, ends the relaxation early: more edges are straightened then.
   std::function<bool()> stop{};
 };
@@ -40,7 +44,8 @@ struct CurveReport {
 /// vertices. Where an element would not be valid, inner mid-side nodes and inner vertices move; where that does not
 /// suffice, the curvature of its edges on the surface is reduced in steps of a quarter. Vertices of the surface keep
 /// their bits. The deck of an .inp file is dropped. Throws MeshError if the mesh is not valid, has curved edges or
-/// elements other than tetrahedra, triangles, edges and points, and OptionError.
+/// elements other than tetrahedra, triangles, edges and points, if CurveOptions::surface has no triangles, or is
+/// farther from a vertex of the surface than a tenth of its shortest edge on it, and OptionError.
 TETUNE_API CurveReport curve(TetMesh& mesh, const CurveOptions& options = {});
 
 }  // namespace tetune

@@ -94,10 +94,11 @@ void bind_curved(nb::module_& m) {
       .def_ro("straightened", &CurveReport::straightened);
   m.def(
       "curve",
-      [](TetMesh& mesh, double feature_angle, int threads) {
-        return curve(mesh, CurveOptions{feature_angle, threads, {}});
+      [](TetMesh& mesh, double feature_angle, int threads, const TetMesh* surface) {
+        return curve(mesh, CurveOptions{feature_angle, threads, surface, {}});
       },
-      "mesh"_a, nb::kw_only(), "feature_angle"_a = 45.0, "threads"_a = 0, nb::call_guard<nb::gil_scoped_release>());
+      "mesh"_a, nb::kw_only(), "feature_angle"_a = 45.0, "threads"_a = 0, "surface"_a.none() = nb::none(),
+      nb::call_guard<nb::gil_scoped_release>());
   m.def("measure_curved_each", &measure_curved_each, "mesh"_a, nb::kw_only(), "threads"_a = 0,
         nb::call_guard<nb::gil_scoped_release>());
 }

@@ -164,17 +164,21 @@ void bind_motion(nb::module_& m) {
       });
 }
 
+void bind_straightened(nb::module_& m) {
+  nb::class_<StraightenedEdge>(m, "StraightenedEdge",
+                               "An edge of a curved surface that keeps a part of its curvature alone.")
+      .def_ro("vertices", &StraightenedEdge::vertices)
+      .def_ro("kept", &StraightenedEdge::kept, "The part.")
+      .def_ro("moved", &StraightenedEdge::moved, "Distance of the mid-side node from the curved surface.");
+}
+
 }  // namespace
 
 void bind_report(nb::module_& m) {
   bind_progress(m);
   bind_passes(m);
   bind_targets(m);
-  nb::class_<StraightenedEdge>(m, "StraightenedEdge",
-                               "An edge of a curved surface that keeps a part of its curvature alone.")
-      .def_ro("vertices", &StraightenedEdge::vertices)
-      .def_ro("kept", &StraightenedEdge::kept, "The part.")
-      .def_ro("moved", &StraightenedEdge::moved, "Distance of the mid-side node from the curved surface.");
+  bind_straightened(m);
   nb::class_<Report> report(m, "Report", "The account of a run of optimize().");
   bind_counts(report, kOperationCounts);
   bind_maps(report);

@@ -164,10 +164,29 @@ def test_curve():
     assert sorted(set(grid.celltypes)) == [22, 24]
     for edge in grid.get_cell(int(np.flatnonzero(grid.celltypes == 24)[0])).edges:
         assert np.linalg.norm(edge.points[:2].mean(axis=0) - edge.points[2]) < 0.1
+    fine, fine_tets = shaken_box(12, 9, 9, 0)
+    fine = bent(fine * points.max(axis=0)[1] / fine.max(axis=0)[1])
+    on_finer = tetune.curve(points, tets, surface=meshio.Mesh(fine, [("tetra", fine_tets)]))
+    assert on_finer.report.curved_edges > 50 and tetune.quality(on_finer.mesh).curved.all_valid
+    with pytest.raises(tetune.MeshError, match="the finer surface is not that of the mesh"):
+        tetune.curve(points, tets, surface=meshio.Mesh(2 * fine, [("tetra", fine_tets)]))
     with pytest.raises(tetune.MeshError, match="curved edges already"):
         tetune.curve(out)
     with pytest.raises(tetune.OptionError, match="feature_angle is 0"):
         tetune.curve(points, tets, feature_angle=0)
+
+
+def test_straighten():
+    points, tets = shaken_box(3, 3, 3, 0)
+    # A triangle of the bottom is folded by the middle of one of its edges.
+    (a, b, c), *_ = (t for t in np.concatenate([tets[:, f] for f in ([0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3])]) if (points[t, 2] == 0).all())
+    mesh = tetune.TetMesh(points, tets, curved_edges=[sorted([a, b])], curved_middles=[(points[a] + points[b]) / 2 * 0.45 + points[c] * 0.55])
+    with pytest.raises(tetune.MeshError, match="fold"):
+        tetune.optimize(mesh, untangle=True)
+    r = tetune.optimize(mesh, untangle=True, straighten=True)
+    (edge,) = r.report.straightened
+    assert tuple(edge.vertices) == tuple(sorted([a, b])) and 0 < edge.kept < 1 and edge.moved > 0
+    assert tetune.quality(r.mesh).curved.all_valid
 
 
 def test_refused():

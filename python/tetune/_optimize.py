@@ -276,7 +276,13 @@ class CurveResult(Generic[M]):
 
 
 def curve(
-    mesh: Any, tets: ArrayLike | None = None, *, tags: Tags = None, feature_angle: float = 45, threads: int = 0
+    mesh: Any,
+    tets: ArrayLike | None = None,
+    *,
+    tags: Tags = None,
+    feature_angle: float = 45,
+    surface: Any = None,
+    threads: int = 0,
 ) -> CurveResult[Any]:
     """Second-order tetrahedra from linear ones, with mid-side nodes on the curved surface that the triangles
     approximate; each is proved valid. The argument, given as in optimize(), is not changed.
@@ -287,14 +293,16 @@ def curve(
 
     Args:
         feature_angle: the surface is not smooth at edges where it turns by a larger angle, in degrees.
+        surface: a finer mesh of the same part, given as in optimize(), on whose surface the mid-side nodes are put.
 
     Raises:
-        MeshError: the mesh is not valid, has curved edges already, or has elements other than tetrahedra, triangles,
-            lines and points.
+        MeshError: the mesh is not valid, has curved edges already, has elements other than tetrahedra, triangles,
+            lines and points, or is not near the finer surface.
         OptionError: the angle is out of its range.
     """
     work, adapter = _prepared(mesh, tets, tags)
-    report = _core.curve(work, feature_angle=feature_angle, threads=threads)
+    finer = None if surface is None else _measured(surface, None)
+    report = _core.curve(work, feature_angle=feature_angle, threads=threads, surface=finer)
     return CurveResult(adapter.second_order(work), report)
 
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "curved/finer_surface.hpp"
 #include "curved/vertex_normal.hpp"
 #include "math/elementary.hpp"
 #include "mesh/tet.hpp"
@@ -37,20 +38,51 @@ class Sheets {
       for (Index k = 0; k < 3; ++k) edge2corners_[edge_of(3 * t + k)].push_back(3 * t + k);
     }
     find_features(lines);
-    find_normals();
-    find_flat_parts();
   }
 
-  std::vector<CurvedEdge> curved() const {
+  SurfaceParts parts() const {
+    SurfaceParts parts;
+    parts.triangle2sheet.assign(triangles_.size(), -1);
+    for (Index first = 0; first < std::ssize(triangles_); ++first) {
+      if (span_of(parts.triangle2sheet)[first] >= 0) continue;
+      std::vector<Index> sheet{first};
+      span_of(parts.triangle2sheet)[first] = parts.sheets;
+      for (std::size_t i = 0; i < sheet.size(); ++i) {
+        for (Index corner = 3 * sheet[i]; corner < 3 * sheet[i] + 3; ++corner) {
+          const Index other = across(corner);
+          if (other == kFeature || span_of(parts.triangle2sheet)[other / 3] >= 0) continue;
+          span_of(parts.triangle2sheet)[other / 3] = parts.sheets;
+          sheet.push_back(other / 3);
+        }
+      }
+      ++parts.sheets;
+    }
+    for (const auto& [edge, corners] : edge2corners_) {
+      if (across(corners[0]) == kFeature) parts.features.push_back(edge);
+    }
+    return parts;
+  }
+
+  std::vector<CurvedEdge> curved(const FinerSurface* finer) {
+    find_normals();
+    find_flat_parts();
     std::vector<CurvedEdge> result;
     for (const auto& [edge, corners] : edge2corners_) {
       const bool is_feature = across(corners[0]) == kFeature;
-      if (!is_feature && (is_flat(corners[0] / 3) || is_flat(corners[1] / 3))) continue;
       const Vec3 p = at(edge[0]);
       const Vec3 q = at(edge[1]);
       const double length = norm(q - p);
-      const Vec3 offset = is_feature ? offset_on_line(edge, corners) : offset_on_sheet(edge, corners[0]);
-      if (!(norm(offset) > kFlat * length && norm(offset) <= kMaxOffset * length)) continue;
+      const auto is_plausible = [length](const Vec3& v) { return norm(v) <= kMaxOffset * length; };
+      Vec3 offset = is_feature ? offset_on_line(edge, corners) : offset_in_sheet(edge, corners);
+      if (!is_plausible(offset)) offset = {0, 0, 0};
+      if (finer != nullptr) {
+        const Vec3 middle = 0.5 * (p + q);
+        std::optional<Vec3> found;
+        if (is_feature) found = finer->point_on_lines(p, q, middle + offset);
+        if (!found || !is_plausible(*found - middle)) found = finer->point_near(p, q, middle + offset);
+        if (is_plausible(*found - middle)) offset = *found - middle;
+      }
+      if (!(norm(offset) > kFlat * length)) continue;
       const Vec3 middle = 0.5 * (p + q) + offset;
       result.push_back({edge, {middle.x, middle.y, middle.z}});
     }
@@ -213,6 +245,11 @@ class Sheets {
     return span_of(normals_)[vertex(next(corner)) == v ? next(corner) : next(next(corner))];
   }
 
+  Vec3 offset_in_sheet(const Edge& edge, const std::vector<Index>& corners) const {
+    if (is_flat(corners[0] / 3) || is_flat(corners[1] / 3)) return {0, 0, 0};
+    return offset_on_sheet(edge, corners[0]);
+  }
+
   /// From the midpoint of an edge to the middle of the cubic that leaves both ends in their tangent planes (the edge
   /// curve of PN triangles: Vlachos et al. 2001).
   Vec3 offset_on_sheet(const Edge& edge, Index corner) const {
@@ -286,8 +323,14 @@ class Sheets {
 
 std::vector<CurvedEdge> find_surface_middles(const std::vector<Point3>& points,
                                              const std::vector<SheetTriangle>& triangles,
-                                             const std::vector<std::array<Index, 2>>& lines, double feature_angle) {
-  return Sheets(points, triangles, lines, feature_angle).curved();
+                                             const std::vector<std::array<Index, 2>>& lines, double feature_angle,
+                                             const FinerSurface* finer) {
+  return Sheets(points, triangles, lines, feature_angle).curved(finer);
+}
+
+SurfaceParts find_surface_parts(const std::vector<Point3>& points, const std::vector<SheetTriangle>& triangles,
+                                const std::vector<std::array<Index, 2>>& lines, double feature_angle) {
+  return Sheets(points, triangles, lines, feature_angle).parts();
 }
 
 }  // namespace tetune

@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "backend/span.hpp"
 #include "boundary/classify.hpp"
 #include "curved/curved_edges.hpp"
+#include "curved/finer_surface.hpp"
 #include "curved/surface_middles.hpp"
 #include "driver/curved_skeleton.hpp"
 #include "driver/straighten.hpp"
 #include "mesh/tet_orientation.hpp"
+#include "mesh/validate_arrays.hpp"
 #include "tetune/error.hpp"
 #include "tetune/options.hpp"
 #include "tetune/quality.hpp"
@@ -71,6 +74,24 @@ std::vector<Edge> find_lines(const TetMesh& mesh) {
   return lines;
 }
 
+/// The surface of a finer mesh, with its own mid-side nodes or those that are reconstructed.
+FinerSurface find_finer(const TetMesh& mesh, double feature_angle) {
+  if (const ValidationReport report = validate_arrays(mesh); !report.ok()) {
+    throw MeshError("the finer surface: " + report.message(false));
+  }
+  std::vector<SheetTriangle> sheets = find_sheets(mesh);
+  if (mesh.tets.empty()) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      sheets.push_back({mesh.triangles[i], {mesh.triangle_tags[i], -1, 0}});
+    }
+  }
+  if (sheets.empty()) throw MeshError("the finer surface: the mesh has neither tetrahedra nor triangles");
+  const std::vector<Edge> lines = find_lines(mesh);
+  const SurfaceParts parts = find_surface_parts(mesh.points, sheets, lines, feature_angle);
+  if (!mesh.curved_edges.empty()) return {mesh.points, sheets, parts, mesh.curved_edges};
+  return {mesh.points, sheets, parts, find_surface_middles(mesh.points, sheets, lines, feature_angle)};
+}
+
 class Curver {
  public:
   Curver(TetMesh& mesh, const CurveOptions& options) : mesh_(mesh), options_(options) {
@@ -78,7 +99,14 @@ class Curver {
     fixed.boundary = Boundary::fixed;
     held_ = find_held(mesh, fixed);
     goal_ = {quality(mesh, options.threads).dihedral_min, true, options.threads, options.stop};
-    mesh.curved_edges = find_surface_middles(mesh.points, find_sheets(mesh), find_lines(mesh), options.feature_angle);
+    const std::vector<SheetTriangle> sheets = find_sheets(mesh);
+    std::optional<FinerSurface> finer;
+    if (options.surface != nullptr) {
+      finer = find_finer(*options.surface, options.feature_angle);
+      check_is_near(*finer, mesh.points, sheets);
+    }
+    mesh.curved_edges =
+        find_surface_middles(mesh.points, sheets, find_lines(mesh), options.feature_angle, finer ? &*finer : nullptr);
     mesh.second_order = true;
   }
 

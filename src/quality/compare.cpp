@@ -8,11 +8,11 @@
 #include <tuple>
 
 #include "backend/cpu.hpp"
+#include "math/closest_triangle.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "mesh/work_mesh.hpp"
-#include "quality/closest_triangle.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 

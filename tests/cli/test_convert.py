@@ -130,6 +130,20 @@ class Convert(CliTest):
         self.assertEqual(Mesh.read(self.path("linear.mesh")).points, Mesh.read(source).points)
         self.refused("convert", source, self.path("b.msh"), "--order", "3", said=["--order"])
 
+    def test_order_with_a_finer_surface(self):
+        def dome(n, shift=0):
+            mesh = cube(n, jitter=0)
+            mesh.points = [(x + shift, y, z * (1.3 - 0.5 * (x - 0.5) ** 2)) for x, y, z in mesh.points]
+            return mesh.text()
+        source, finer, other = self.put("in.mesh", dome(2)), self.put("finer.mesh", dome(7)), self.put("other.mesh", dome(7, 0.2))
+        self.run_cli("convert", source, self.path("curved.msh"), "--order", "2", "--surface", finer)
+        curved = json.loads(self.run_cli("info", self.path("curved.msh"), "--json").stdout)["quality"]["curved"]
+        self.assertTrue(curved["valid"] == curved["tetrahedra"] > 0)
+        self.refused("convert", source, self.path("b.msh"), "--order", "2", "--surface", other,
+                     said=["the finer surface is not that of the mesh", "the largest distance is 0.2"])
+        self.refused("convert", source, self.path("b.msh"), "--surface", finer, said=["--order 2"])
+        self.refused("convert", source, self.path("b.msh"), "--order", "2", "--surface", self.path("none.mesh"), said=["none.mesh"])
+
     def test_pipes(self):
         mesh, source = self.source()
         done = subprocess.run([cli_case.TETUNE, "convert", "-", "-"], input=self.read_bytes("in.mesh"), capture_output=True)

@@ -7,7 +7,7 @@
 
 #include "energy/harmonic.hpp"
 #include "math/brent.hpp"
-#include "quality/closest_triangle.hpp"
+#include "math/closest_triangle.hpp"
 #include "reference/ordered_flips.hpp"
 
 namespace tetune::reference {

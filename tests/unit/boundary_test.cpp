@@ -5,8 +5,8 @@
 #include <random>
 
 #include "boundary/surface.hpp"
+#include "math/closest_triangle.hpp"
 #include "meshes.hpp"
-#include "quality/closest_triangle.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <optional>
 #include <random>
+#include <string>
 
 #include "curved.hpp"
+#include "curved/curved_edges.hpp"
+#include "curved/finer_surface.hpp"
 #include "curved/surface_middles.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
@@ -44,40 +47,80 @@ std::vector<SheetTriangle> make_sheet(int n, const Place& place, std::vector<Poi
   return triangles;
 }
 
-/// The mean distance from the surface of mid-side nodes inside a sheet.
-template <class Place, class Distance>
-double error(int n, const Place& place, const Distance& distance) {
+template <class Place>
+FinerSurface make_finer(int n, const Place& place) {
   std::vector<Point3> points;
   const std::vector<SheetTriangle> sheet = make_sheet(n, place, points);
+  return {points, sheet, find_surface_parts(points, sheet, {}, 45), find_surface_middles(points, sheet, {}, 45)};
+}
+
+/// The mean distance from the surface of points of the quadratic triangles inside a sheet; with `finer` > 0 their
+/// mid-side nodes are on a sheet of that many squares.
+template <class Place, class Distance>
+double error(int n, const Place& place, const Distance& distance, int finer = 0) {
+  std::vector<Point3> points;
+  const std::vector<SheetTriangle> sheet = make_sheet(n, place, points);
+  std::optional<FinerSurface> surface;
+  if (finer > 0) surface = make_finer(finer, place);
+  TetMesh mesh;
+  mesh.points = points;
+  mesh.curved_edges = find_surface_middles(points, sheet, {}, 45, surface ? &*surface : nullptr);
+  const CurvedEdges edges(mesh);
   double sum = 0;
-  int inner = 0;
-  for (const CurvedEdge& e : find_surface_middles(points, sheet, {}, 45)) {
-    const auto on_border = [n](Index v) {
-      return v < n + 1 || v >= n * (n + 1) || v % (n + 1) == 0 || v % (n + 1) == n;
-    };
-    if (on_border(e.vertices[0]) || on_border(e.vertices[1])) continue;
-    sum += distance(e.middle);
-    ++inner;
+  int samples = 0;
+  for (const SheetTriangle& t : sheet) {
+    const auto& [a, b, c] = t.vertices;
+    const bool is_inner = std::all_of(t.vertices.begin(), t.vertices.end(), [n](Index v) {
+      return v > n && v < n * (n + 1) && v % (n + 1) != 0 && v % (n + 1) != n;
+    });
+    if (!is_inner) continue;
+    for (int i = 0; i <= 4; ++i) {
+      for (int j = 0; i + j <= 4; ++j) {
+        const double u = i / 4.0;
+        const double v = j / 4.0;
+        const double w = 1 - u - v;
+        const Vec3 p = u * (2 * u - 1) * test::at(mesh, a) + v * (2 * v - 1) * test::at(mesh, b) +
+                       w * (2 * w - 1) * test::at(mesh, c) + 4 * u * v * edges.middle(a, b) +
+                       4 * v * w * edges.middle(b, c) + 4 * w * u * edges.middle(c, a);
+        sum += distance({p.x, p.y, p.z});
+        ++samples;
+      }
+    }
   }
-  EXPECT_GT(inner, n * n);
-  return sum / inner;
+  EXPECT_EQ(samples, 15 * 2 * (n - 2) * (n - 2));
+  return sum / samples;
+}
+
+Point3 on_sphere(double u, double v) { return {std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v)}; }
+Point3 on_torus(double u, double v) {
+  const double r = 1 + kTube * std::cos(2 * v);
+  return {r * std::cos(u), r * std::sin(u), kTube * std::sin(2 * v)};
 }
 
 TEST(Curve, ErrorFallsWithThirdOrder) {
-  const auto on_sphere = [](double u, double v) -> Point3 {
-    return {std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v)};
-  };
-  const auto on_torus = [](double u, double v) -> Point3 {
-    const double r = 1 + kTube * std::cos(2 * v);
-    return {r * std::cos(u), r * std::sin(u), kTube * std::sin(2 * v)};
-  };
   const double sphere = error(10, on_sphere, distance_to_sphere);
   const double torus = error(10, on_torus, distance_to_torus);
   EXPECT_GT(sphere, 0);
   EXPECT_GE(std::log2(sphere / error(20, on_sphere, distance_to_sphere)), 3);
   EXPECT_GE(std::log2(torus / error(20, on_torus, distance_to_torus)), 3);
-  std::printf("errors %g and %g, with half the edges %g and %g\n", sphere, torus,
-              error(20, on_sphere, distance_to_sphere), error(20, on_torus, distance_to_torus));
+}
+
+TEST(Curve, ErrorOnAFinerSurfaceFallsWithThirdOrder) {
+  const double sphere = error(5, on_sphere, distance_to_sphere, 13);
+  const double torus = error(5, on_torus, distance_to_torus, 13);
+  EXPECT_GE(std::log2(sphere / error(10, on_sphere, distance_to_sphere, 26)), 3);
+  EXPECT_GE(std::log2(torus / error(10, on_torus, distance_to_torus, 26)), 3);
+  // Far less than the error of the finer triangles themselves, of which a square has the side 1/13.
+  EXPECT_LT(sphere, 0.05 / (8 * 13 * 13));
+  EXPECT_LT(5 * sphere, error(5, on_sphere, distance_to_sphere));
+  EXPECT_LT(5 * torus, error(5, on_torus, distance_to_torus));
+}
+
+TEST(Curve, EdgesThatAreNoFeaturesOfTheFinerSurfaceAreSmooth) {
+  const auto on_cylinder = [](double u, double v) -> Point3 { return {std::cos(5.5 * u), std::sin(5.5 * u), v}; };
+  const auto distance = [](const Point3& p) { return std::fabs(std::hypot(p[0], p[1]) - 1); };
+  EXPECT_GT(error(6, on_cylinder, distance), 0.01);  // it turns by about 52 degrees at edges
+  EXPECT_LT(error(6, on_cylinder, distance, 40), 1e-3);
 }
 
 TEST(Curve, FlatPartsStayStraight) {
@@ -111,6 +154,62 @@ TEST(Curve, EachElementIsProvedValid) {
   curve(again, three);
   EXPECT_EQ(again.points, mesh.points);
   EXPECT_EQ(again.curved_edges, mesh.curved_edges);
+}
+
+/// The mean distance of mid-side nodes from the dome.
+double error_of_dome(const TetMesh& mesh) {
+  double sum = 0;
+  int n = 0;
+  for (const CurvedEdge& e : mesh.curved_edges) {
+    const auto& [x, y, z] = e.middle;
+    if (z < 1) continue;
+    sum += std::fabs(z - 1.3 + 0.5 * (std::pow(x - 0.5, 2) + std::pow(y - 0.5, 2)));
+    ++n;
+  }
+  return sum / n;
+}
+
+TEST(Curve, AFinerMeshGivesTheSurface) {
+  TetMesh without = domed(3);
+  curve(without);
+  const TetMesh linear = domed(8);
+  TetMesh second = linear;
+  curve(second);
+  TetMesh triangles;
+  triangles.points = linear.points;
+  for (const auto& face : test::skin(linear)) triangles.triangles.push_back(face.v);
+  triangles.triangle_tags.assign(triangles.triangles.size(), 0);
+  triangles.point_tags.assign(triangles.points.size(), 0);
+  for (const TetMesh* finer : std::initializer_list<const TetMesh*>{&linear, &second, &triangles}) {
+    TetMesh mesh = domed(3);
+    CurveOptions options;
+    options.surface = finer;
+    curve(mesh, options);
+    EXPECT_TRUE(measure_curved(mesh).all_valid());
+    EXPECT_LT(3 * error_of_dome(mesh), error_of_dome(without));
+    // Flat sides stay so.
+    for (const CurvedEdge& e : mesh.curved_edges) EXPECT_GT(e.middle[2], 0.9);
+  }
+}
+
+TEST(Curve, AFinerMeshOfAnotherPartIsRefused) {
+  TetMesh mesh = domed(3);
+  TetMesh finer = domed(8);
+  for (Point3& p : finer.points) p[0] += 0.25;
+  CurveOptions options;
+  options.surface = &finer;
+  try {
+    curve(mesh, options);
+    FAIL();
+  } catch (const MeshError& error) {
+    // The side x = 0 is 0.25 away.
+    EXPECT_NE(std::string(error.what()).find("the largest distance is 0.25"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("at 0.0"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(mesh.second_order);
+  const TetMesh empty;
+  options.surface = &empty;
+  EXPECT_THROW(curve(mesh, options), MeshError);
 }
 
 TEST(Curve, TooCurvedEdgesAreStraightened) {

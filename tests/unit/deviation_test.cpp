@@ -7,7 +7,7 @@
 
 #include "boundary/sliding/deviation_bound.hpp"
 #include "boundary/sliding/trace.hpp"
-#include "quality/closest_triangle.hpp"
+#include "math/closest_triangle.hpp"
 #include "surface.hpp"
 
 namespace tetune {

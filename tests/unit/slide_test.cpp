@@ -5,7 +5,7 @@
 #include <random>
 
 #include "boundary/sliding/deviation_bound.hpp"
-#include "quality/closest_triangle.hpp"
+#include "math/closest_triangle.hpp"
 #include "relocation/slide.hpp"
 #include "surface.hpp"
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quality/closest_triangle.hpp"
+#include "math/closest_triangle.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace tetune {
 namespace {
@@ -47,18 +48,25 @@ double centroid_coordinate(const TrianglePoints& t, double Vec3::*axis) { return
 ClosestTriangle::ClosestTriangle(std::vector<TrianglePoints> triangles) : triangles_(std::move(triangles)) {
   const Size count = std::ssize(triangles_);
   nodes_.reserve(to_size_t(2 * (count / kMaxLeafSize + 1)));
+  order_.resize(triangles_.size());
+  std::iota(order_.begin(), order_.end(), Size{0});
   if (count > 0) build(0, count);
+  std::vector<TrianglePoints> by_leaf;
+  by_leaf.reserve(triangles_.size());
+  for (const Size t : order_) by_leaf.push_back(span_of(triangles_)[t]);
+  triangles_ = std::move(by_leaf);
 }
 
 Size ClosestTriangle::build(Size begin, Size end) {
   Node node;
   node.begin = begin;
   node.end = end;
-  node.low = node.high = triangles_[to_size_t(begin)][0];
-  const auto first = triangles_.begin() + begin;
-  const auto last = triangles_.begin() + end;
-  for (auto triangle = first; triangle != last; ++triangle) {
-    for (const Vec3& p : *triangle) {
+  const auto triangles = span_of(triangles_);
+  const auto first = order_.begin() + begin;
+  const auto last = order_.begin() + end;
+  node.low = node.high = triangles[*first][0];
+  for (auto at = first; at != last; ++at) {
+    for (const Vec3& p : triangles[*at]) {
       node.low = {std::min(node.low.x, p.x), std::min(node.low.y, p.y), std::min(node.low.z, p.z)};
       node.high = {std::max(node.high.x, p.x), std::max(node.high.y, p.y), std::max(node.high.z, p.z)};
     }
@@ -71,8 +79,8 @@ Size ClosestTriangle::build(Size begin, Size end) {
                     : extent.y >= extent.z                       ? &Vec3::y
                                                                  : &Vec3::z;
   const Size middle = begin + (end - begin) / 2;
-  std::nth_element(first, triangles_.begin() + middle, last, [axis](const TrianglePoints& a, const TrianglePoints& b) {
-    return centroid_coordinate(a, axis) < centroid_coordinate(b, axis);
+  std::nth_element(first, order_.begin() + middle, last, [axis, triangles](Size a, Size b) {
+    return centroid_coordinate(triangles[a], axis) < centroid_coordinate(triangles[b], axis);
   });
   const Size left = build(begin, middle);
   const Size right = build(middle, end);
@@ -108,8 +116,10 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double sufficient) 
     const Node& node = nodes[entry.node];
     if (node.left < 0) {
       for (Size i = node.begin; i < node.end; ++i) {
-        const Hit hit = closest_on_triangle(p, triangles[i]);
-        if (hit.distance2 < best.distance2) best = hit;
+        Hit hit = closest_on_triangle(p, triangles[i]);
+        if (!(hit.distance2 < best.distance2)) continue;
+        hit.triangle = span_of(order_)[i];
+        best = hit;
       }
       continue;
     }

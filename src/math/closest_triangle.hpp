@@ -18,8 +18,9 @@ class ClosestTriangle {
  public:
   explicit ClosestTriangle(std::vector<TrianglePoints> triangles);
   struct Hit {
-    Vec3 point;        ///< on the closest triangle
-    double distance2;  ///< squared; infinity if there is no triangle
+    Vec3 point;          ///< on the closest triangle
+    double distance2;    ///< squared; infinity if there is no triangle
+    Size triangle = -1;  ///< its position in the list
   };
   /// The search ends early at any point within the squared distance `sufficient`.
   Hit closest(const Vec3& p, double sufficient = 0) const;
@@ -35,7 +36,8 @@ class ClosestTriangle {
   };
   Size build(Size begin, Size end);
 
-  std::vector<TrianglePoints> triangles_;
+  std::vector<TrianglePoints> triangles_;  ///< by leaf
+  std::vector<Size> order_;                ///< their positions in the list
   std::vector<Node> nodes_;
 };
 
