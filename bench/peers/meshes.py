@@ -4,6 +4,8 @@
   meshes.py prepare SOURCE MESH [STEM]   the input as every rival gets it: MESH (.mesh or .meshb), and STEM.node, .ele,
                                          .face, .edge
   meshes.py from-tetgen STEM IN OUT      TetGen's result STEM.1.* as the MEDIT file OUT
+  meshes.py from-stellar STEM IN OUT     Stellar's result STEM.node, .ele as OUT: it keeps no tags, and all tetrahedra get
+                                         the first region of IN
   meshes.py vertices-kept IN OUT         whether vertex i is still vertex i
 Each call is a process of its own: the kernel's peak memory of a process is at least that of the one that started it, so
 the driver must stay small. Inside, a mesh is a dict: section of a MEDIT file -> flat list of its words, as they stood in
@@ -128,16 +130,24 @@ def write_tetgen(stem, mesh):
             out.writelines(f"{i + 1} {' '.join(row)}\n" for i, row in enumerate(table))
 
 
+def table(path, columns):
+    """The entries of one of TetGen's files, without their numbers."""
+    with open(path) as file:
+        lines = [line.split() for line in file if not line.startswith("#")]
+    return [row[1:1 + columns] for row in lines[1:1 + int(lines[0][0])]]
+
+
+def read_stellar(stem, before):
+    region = rows(before, "Tetrahedra")[0][4]
+    vertices = [word for row in table(f"{stem}.node", 3) for word in [*row, "0"]]
+    return {"Vertices": vertices, "Tetrahedra": [word for row in table(f"{stem}.ele", 4) for word in [*row, region]]}
+
+
 def read_tetgen(stem, before):
     """The output of TetGen with the sections of the input that it does not support. TetGen marks with 1 each piece of
     surface that had no tag, and lists each segment that it found: those stay without tag, and unlisted, here."""
-    def table(ending, columns):
-        with open(f"{stem}{ending}") as file:
-            lines = [line.split() for line in file if not line.startswith("#")]
-        return [row[1:1 + columns] for row in lines[1:1 + int(lines[0][0])]]
-
-    vertices, tets = table(".node", WIDTHS["Vertices"]), table(".ele", WIDTHS["Tetrahedra"])
-    triangles, edges = table(".face", WIDTHS["Triangles"]), table(".edge", WIDTHS["Edges"])
+    vertices, tets = table(f"{stem}.node", WIDTHS["Vertices"]), table(f"{stem}.ele", WIDTHS["Tetrahedra"])
+    triangles, edges = table(f"{stem}.face", WIDTHS["Triangles"]), table(f"{stem}.edge", WIDTHS["Edges"])
     listed = {tuple(sorted(row[:2])): row[2] for row in rows(before, "Edges")}
     edges = [row for row in edges if row[2] != "1" or tuple(sorted(row[:2])) in listed]
     for row in edges:
@@ -163,6 +173,8 @@ def main(command, *paths):
             write_tetgen(paths[2], mesh)
     elif command == "from-tetgen":
         write_medit(paths[2], read_tetgen(f"{paths[0]}.1", read_medit(paths[1])))
+    elif command == "from-stellar":
+        write_medit(paths[2], read_stellar(paths[0], read_medit(paths[1])))
     elif command == "vertices-kept":
         print(vertices_kept(read_medit(paths[0]), read_medit(paths[1])))
     else:

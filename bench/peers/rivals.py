@@ -12,8 +12,10 @@ import sys
 
 import harness
 
-GMSH_PEER = pathlib.Path(__file__).resolve().parent / "gmsh_peer.py"
-MESHES = pathlib.Path(__file__).resolve().parent / "meshes.py"
+HERE = pathlib.Path(__file__).resolve().parent
+GMSH_PEER = HERE / "gmsh_peer.py"
+MESHES = HERE / "meshes.py"
+STELLAR = harness.ROOT / "build/peers-stellar/Stellar"
 
 
 @dataclasses.dataclass
@@ -38,6 +40,8 @@ class Tools:
         on_path = shutil.which("mmg3d_O3", path=f"{venv / 'bin'}:") or shutil.which("mmg3d_O3") or shutil.which("mmg3d")
         self._add("mmg", inside[0] if inside else on_path, ["-h"], r"Release (\S+)", "no mmg3d_O3 (PyPI: mmgpy)")
         self._add("tetgen", shutil.which("tetgen"), ["-h"], r"Version (\S+)", "no tetgen (Debian: tetgen)")
+        stellar = STELLAR if STELLAR.is_file() else shutil.which("Stellar")
+        self._add("stellar", stellar, ["-h"], r"Version (\S+)", "no Stellar (bench/peers/setup --stellar VMTK)")
         self.python = self._find_gmsh(venv)
 
     def _add(self, tool, path, arguments, pattern, missing):
@@ -80,6 +84,9 @@ class Tools:
         for angle in ("140", "120", "110"):
             switches = f"-rq1.4S0o/{angle}"
             rows.append(Setting("tetgen", f"tetgen {switches}", ["tetgen", switches, "STEM"]))
+        for measure in ("sine", "biased-sine"):
+            rows.append(Setting("stellar", f"stellar {measure}",
+                                ["stellar", "-s", str(HERE / f"stellar-{measure}.cfg"), "-jL", "STEM"]))
         for row in rows:
             row.skip = self.missing.get(row.tool, row.skip)
         return rows
@@ -135,10 +142,16 @@ def collect(setting, files):
         if not all(pathlib.Path(stem + ending).is_file() for ending in (".node", ".ele", ".face", ".edge")):
             return False
         mesh_tool("from-tetgen", files["STEM"], files["IN"], files["OUT"])
+    if setting.tool == "stellar":
+        stem = files["OUT"].parent / "stellar"  # "fileprefix" of the settings
+        if not pathlib.Path(f"{stem}.ele").is_file():
+            return False
+        mesh_tool("from-stellar", stem, files["IN"], files["OUT"])
     return files["OUT"].is_file()
 
 
 def clear(files):
     """Removes the results of an earlier run."""
-    for path in [files["OUT"], *files["STEM"].parent.glob(files["STEM"].name + ".1.*")]:
+    folder = files["STEM"].parent
+    for path in [files["OUT"], *folder.glob(files["STEM"].name + ".1.*"), *folder.glob("stellar.*")]:
         path.unlink(missing_ok=True)
