@@ -30,6 +30,27 @@ struct SingleThread {
   TETUNE_HD static constexpr void sync() {}
 };
 
+/// A single thread that evaluates independent terms in packs of doubles, as those of the CPU.
+template <class Pack>
+struct PackThread : SingleThread {};
+
+namespace team_detail {
+
+template <class Team>
+struct TermsOf {
+  using type = double;
+};
+template <class Pack>
+struct TermsOf<PackThread<Pack>> {
+  using type = Pack;
+};
+
+}  // namespace team_detail
+
+/// The terms that each thread of a team evaluates at a time: a double, or a pack of them.
+template <class Team>
+using TermsOf = typename team_detail::TermsOf<Team>::type;
+
 /// Reads a value that a thread of the team will write: one thread reads it for all.
 template <class Team, class T>
 TETUNE_HD T read_once(const Team& team, const T& from) {

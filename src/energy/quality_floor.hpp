@@ -9,28 +9,32 @@
 namespace tetune {
 
 /// The extreme cotangents of the dihedral angles of a tetrahedron: `max` is that of the smallest angle, `min` that of
-/// the largest.
-struct DihedralCots {
-  double max = -1, min = 1;
+/// the largest. T is double or a pack of doubles.
+template <class T>
+struct DihedralCotsT {
+  T max = T{} - 1.0, min = T{} + 1.0;
 
   /// The measure that is minimized to open small angles and to close large ones: the largest cotangent, or the largest
   /// negative one times a weight. With weight 0 large angles do not count.
-  TETUNE_HD double cost(double obtuse_weight) const {
-    const double obtuse = -obtuse_weight * min;
+  TETUNE_HD TETUNE_INLINE T cost(double obtuse_weight) const {
+    const T obtuse = -obtuse_weight * min;
     return obtuse > max ? obtuse : max;
   }
 };
+using DihedralCots = DihedralCotsT<double>;
 
 /// Visits the dihedral angles of a tetrahedron: `visit(cot, i, j, k, l)` gets the cotangent at edge (k, l) between the
 /// faces opposite i and j. With n_i, n_j the outward cross products of these faces and e the edge,
 /// cos = -n_i . n_j / (|n_i| |n_j|) and sin = w |e| / (|n_i| |n_j|): nothing cancels in a flat tetrahedron.
-template <class Visit>
-TETUNE_HD void for_each_dihedral_cot(const Vec3 p[4], const Vec3 n[4], double w, const Visit& visit) {
+template <class T, class Visit>
+TETUNE_HD TETUNE_INLINE void for_each_dihedral_cot(const Vec3T<T> p[4], const Vec3T<T> n[4], const T& w,
+                                                   const Visit& visit) {
   for (int i = 0; i < 4; ++i) {
     for (int j = i + 1; j < 4; ++j) {
       const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
       const int l = 6 - i - j - k;
-      visit(-dot(n[i], n[j]) / (w * norm(p[k] - p[l])), i, j, k, l);
+      const Vec3T<T> edge = p[k] - p[l];
+      visit(-dot(n[i], n[j]) / (w * square_root(dot(edge, edge))), i, j, k, l);
     }
   }
 }
@@ -78,16 +82,21 @@ struct QualityFloor {
   TETUNE_HD bool allows(double shape, const Vec3 p[4], double w) const {
     return shape <= safe_shape || (shape <= worst_shape && allows(dihedral_cots(p, w)));
   }
-  TETUNE_HD bool allows(const DihedralCots& cots) const { return cots.max <= max_cot && cots.min >= min_cot; }
+  /// A bool, or one per lane.
+  template <class T>
+  TETUNE_HD TETUNE_INLINE decltype(T{} > T{}) allows(const DihedralCotsT<T>& cots) const {
+    return (cots.max <= max_cot) & (cots.min >= min_cot);
+  }
 
-  TETUNE_HD static DihedralCots dihedral_cots(const Vec3 p[4], double w) {
-    Vec3 n[4];
+  template <class T>
+  TETUNE_HD static DihedralCotsT<T> dihedral_cots(const Vec3T<T> p[4], const T& w) {
+    Vec3T<T> n[4];
     for (int f = 0; f < 4; ++f) {
-      const Vec3& a = p[face_vertex(f, 0)];
+      const Vec3T<T>& a = p[face_vertex(f, 0)];
       n[f] = cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
     }
-    DihedralCots cots;
-    for_each_dihedral_cot(p, n, w, [&cots](double cot, int, int, int, int) {
+    DihedralCotsT<T> cots;
+    for_each_dihedral_cot(p, n, w, [&cots](const T& cot, int, int, int, int) {
       cots.max = cot > cots.max ? cot : cots.max;
       cots.min = cot < cots.min ? cot : cots.min;
     });

@@ -63,7 +63,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   const StarContext context{rated(mesh, criterion), flips.constrained(), dofs.dof.span(),
                             dofs.axis.span(),       triangles,           flips.max_ring,
                             limits.vertex_cost,     limits.min_gain,     true};
-  StarProposals<AllOperators> proposals{context, tets, choices};
+  StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, choices};
   BufferOf<Backend, MoveCosts> moves;
   if constexpr (Backend::kIsAsynchronous) {
     moves.resize(backend, CompositeRemoval::kMoves * tets.size());

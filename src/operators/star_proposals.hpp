@@ -132,7 +132,7 @@ struct StarOperators<First, Others...> {
 };
 
 /// The choices of some tetrahedra, the first `choices` of each.
-template <class Operators>
+template <class Operators, class Pack>
 struct StarProposals : StarContext {
   using Candidate = StarCandidate;
   static constexpr int kParts = 1;
@@ -147,7 +147,7 @@ struct StarProposals : StarContext {
   Size group() const { return choices; }
   TETUNE_HD Size operator()(Size id, const Proposals<StarCandidate>& proposals) const {
     MinimaxModel model;
-    return (*this)(backend::SingleThread(), model, id, proposals);
+    return (*this)(backend::PackThread<Pack>(), model, id, proposals);
   }
   template <class Team>
   TETUNE_HD Size operator()(const Team& team, MinimaxModel& model, Size id,

@@ -10,6 +10,7 @@
 #include "energy/criterion.hpp"
 #include "energy/ring.hpp"
 #include "math/orient.hpp"
+#include "mesh/gather.hpp"
 #include "mesh/work_mesh.hpp"
 #include "relocation/minimax_model.hpp"
 #include "relocation/step.hpp"
@@ -124,6 +125,17 @@ class AngleCostRing {
   /// cost replaces it: this saves work, and does not affect the result.
   template <class Team = backend::SingleThread>
   TETUNE_HD double largest_cost(const Vec3& x, double limit, int& first, const Team& team = {}) const {
+    using Pack = backend::TermsOf<Team>;
+    if constexpr (kLanesOf < Pack >> 1) {
+      return largest_of_packs<Pack>(x, limit, first);
+    } else {
+      return largest_of_team(x, limit, first, team);
+    }
+  }
+
+ private:
+  template <class Team>
+  TETUNE_HD double largest_of_team(const Vec3& x, double limit, int& first, const Team& team) const {
     backend::IndexedMax worst{-1, first};
     const int start = first;
     for (int begin = 0; begin < count_; begin += Team::kSize) {
@@ -144,8 +156,42 @@ class AngleCostRing {
     first = worst.index;
     return worst.value;
   }
+  template <class Pack>
+  TETUNE_HD double largest_of_packs(const Vec3& x, double limit, int& first) const {
+    constexpr int kLanes = kLanesOf<Pack>;
+    const int start = first / kLanes;
+    backend::IndexedMax worst{-1, first};
+    for (int k = 0; kLanes * k < count_; ++k) {
+      const int begin = kLanes * (k == 0 ? start : k <= start ? k - 1 : k);
+      const Pack costs = costs_of<Pack>(x, begin);
+      for (int l = 0; l < kLanes; ++l) worst.add(costs[l], begin + l);
+      if (worst.value < limit) continue;
+      first = worst.index;
+      return limit;
+    }
+    first = worst.index;
+    return worst.value;
+  }
 
- private:
+  /// cost_of() the faces from `begin` on; of the last one where there are no more.
+  template <class Pack>
+  TETUNE_HD TETUNE_INLINE Pack costs_of(const Vec3& x, int begin) const {
+    const Pack zero{};
+    Vec3T<Pack> p[4] = {{zero + x.x, zero + x.y, zero + x.z}};
+    for (int k = 0; k < 3; ++k) {
+      Index ids[kLanesOf<Pack>];
+      for (int l = 0; l < kLanesOf<Pack>; ++l) ids[l] = faces_[begin + l < count_ ? begin + l : count_ - 1].v[k];
+      p[k + 1] = gather<Pack>(mesh_.points, ids);
+    }
+    const TetEnergyT<Pack> e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);
+    const DihedralCotsT<Pack> cots = QualityFloor::dihedral_cots(p, e.w);
+    const Pack infinite = zero + HUGE_VAL;
+    Pack cost = cots.cost(mesh_.obtuse_weight);
+    cost = e.certified ? cost : infinite;
+    cost = e.shape > mesh_.floor.worst_shape ? infinite : cost;
+    if (keeps_floor_) cost = mesh_.floor.allows(cots) ? cost : infinite;
+    return cost;
+  }
   /// The cost of the tetrahedron at a face; infinite where it is not certified positive or is worse than the floor.
   TETUNE_HD double cost_of(const Vec3& x, int face) const {
     const Vec3 p[4] = {x, corner(face, 0), corner(face, 1), corner(face, 2)};

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "backend/team.hpp"
-#include "mesh/tet.hpp"
+#include "mesh/gather.hpp"
 
 namespace tetune {
 
@@ -28,7 +28,9 @@ class MinimaxModel {
     if (count_ == kMaxFunctions && value <= value_[smallest_]) return;
     const int at = count_ == kMaxFunctions ? smallest_ : count_++;
     value_[at] = value;
-    gradient_[at] = gradient;
+    x_[at] = gradient.x;
+    y_[at] = gradient.y;
+    z_[at] = gradient.z;
     if (count_ == kMaxFunctions) find_smallest();
   }
 
@@ -38,32 +40,25 @@ class MinimaxModel {
   template <class Team = backend::SingleThread>
   TETUNE_HD Vec3 step(double radius, const Team& team = {}) const {
     // Function i belongs to thread i % kSize of the team.
-    double weight[(kMaxFunctions + Team::kSize - 1) / Team::kSize];
+    double weight[(kMaxFunctions + Team::kSize - 1) / Team::kSize] = {};
     backend::IndexedMax largest{kLowest, 0};
     backend::IndexedMax norm2{0, 0};
     for (int i = team.rank(); i < count_; i += Team::kSize) {
-      weight[i / Team::kSize] = 0;
       largest.add(value_[i], i);
-      norm2.add(dot(gradient_[i], gradient_[i]), i);
+      norm2.add(dot(gradient(i), gradient(i)), i);
     }
     largest = team.merge(largest);
     norm2 = team.merge(norm2);
     if (!(norm2.value > 0)) return {0, 0, 0};
     const double tau = radius / std::sqrt(norm2.value);
     if (owns(team, largest.index)) weight[largest.index / Team::kSize] = 1;
-    Vec3 d = -tau * gradient_[largest.index];
+    Vec3 d = -tau * gradient(largest.index);
     for (int round = 0; round < kExchanges; ++round) {
       backend::IndexedMax high{kLowest, 0};
       backend::IndexedMax low{kLowest, -1};  // of the negative values
-      for (int i = team.rank(); i < count_; i += Team::kSize) {
-        const double modeled = value_[i] + dot(gradient_[i], d);
-        high.add(modeled, i);
-        if (weight[i / Team::kSize] > 0) low.add(-modeled, i);
-      }
-      high = team.merge(high);
-      low = team.merge(low);
+      find_extremes(d, weight, high, low, team);
       if (low.index < 0) break;
-      const Vec3 difference = gradient_[high.index] - gradient_[low.index];
+      const Vec3 difference = gradient(high.index) - gradient(low.index);
       const double curvature = tau * dot(difference, difference);
       const double gap = high.value + low.value;
       if (!(gap > kTolerance * radius * std::sqrt(norm2.value)) || !(curvature > 0)) break;
@@ -77,7 +72,7 @@ class MinimaxModel {
   }
 
  private:
-  static constexpr int kMaxFunctions = 40;
+  static constexpr int kMaxFunctions = 40;  ///< a multiple of the lanes of a pack
   static constexpr double kMaxNorm2 = 1e200;
   static constexpr int kExchanges = 400;
   static constexpr double kTolerance = 1e-10;
@@ -87,13 +82,59 @@ class MinimaxModel {
   TETUNE_HD static bool owns(const Team& team, int i) {
     return i % Team::kSize == team.rank();
   }
+  TETUNE_HD Vec3 gradient(int i) const { return {x_[i], y_[i], z_[i]}; }
+
+  /// The maximum of each lane, with its index.
+  template <class Pack>
+  struct PackMax {
+    Pack value, index;
+    TETUNE_INLINE void add(const Pack& other, const Pack& at) {
+      const auto larger = other > value;
+      value = larger ? other : value;
+      index = larger ? at : index;
+    }
+    TETUNE_INLINE void merge_to(backend::IndexedMax& max) const {
+      for (int l = 0; l < kLanesOf<Pack>; ++l) max.merge({lane(value, l), int(lane(index, l))});
+    }
+  };
+  /// The largest modeled value after step d, and the largest negative one of the functions with a weight.
+  template <class Team>
+  TETUNE_HD void find_extremes(const Vec3& d, const double* weight, backend::IndexedMax& high, backend::IndexedMax& low,
+                               const Team& team) const {
+    using Pack = backend::TermsOf<Team>;
+    if constexpr (kLanesOf < Pack >> 1) {
+      const Pack zero{};
+      const Vec3T<Pack> step{zero + d.x, zero + d.y, zero + d.z};
+      Pack index{};
+      for (int l = 0; l < kLanesOf<Pack>; ++l) index[l] = l;
+      PackMax<Pack> highs{zero + kLowest, zero};
+      PackMax<Pack> lows{zero + kLowest, zero - 1};
+      for (int i = 0; i < count_; i += kLanesOf<Pack>, index += kLanesOf<Pack>) {
+        const Vec3T<Pack> gradients{backend::load<Pack>(x_ + i), backend::load<Pack>(y_ + i),
+                                    backend::load<Pack>(z_ + i)};
+        const Pack modeled = backend::load<Pack>(value_ + i) + dot(gradients, step);
+        highs.add(index < count_ ? modeled : zero + kLowest, index);
+        lows.add(backend::load<Pack>(weight + i) > 0 ? -modeled : zero + kLowest, index);
+      }
+      highs.merge_to(high);
+      lows.merge_to(low);
+    } else {
+      for (int i = team.rank(); i < count_; i += Team::kSize) {
+        const double modeled = value_[i] + dot(gradient(i), d);
+        high.add(modeled, i);
+        if (weight[i / Team::kSize] > 0) low.add(-modeled, i);
+      }
+      high = team.merge(high);
+      low = team.merge(low);
+    }
+  }
   TETUNE_HD void find_smallest() {
     smallest_ = 0;
     for (int i = 1; i < kMaxFunctions; ++i) smallest_ = value_[i] < value_[smallest_] ? i : smallest_;
   }
 
   double value_[kMaxFunctions];
-  Vec3 gradient_[kMaxFunctions];
+  double x_[kMaxFunctions], y_[kMaxFunctions], z_[kMaxFunctions];  ///< the gradients
   int count_ = 0;
   int smallest_ = 0;  ///< the function of the smallest value, once there is no room
 };

@@ -24,7 +24,7 @@ struct MinimizeAngleCost : DofsView {
 
   TETUNE_HD Sum<Size> operator()(Size i) const {
     MinimaxModel model;
-    return (*this)(backend::SingleThread(), model, i);
+    return (*this)(backend::PackThread<Pack>(), model, i);
   }
   template <class Team>
   TETUNE_HD Sum<Size> operator()(const Team& team, MinimaxModel& model, Size i) const {
