@@ -45,6 +45,12 @@ TETUNE_HD TETUNE_INLINE T permanent(const Vec3T<T>& a, const Vec3T<T>& b, const 
          (magnitude(a.x * b.y) + magnitude(a.y * b.x)) * magnitude(c.z);
 }
 
+/// Six times the signed volume, without the bound.
+template <class T>
+TETUNE_HD TETUNE_INLINE T orient_det(const Vec3T<T> p[4]) {
+  return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]);
+}
+
 TETUNE_HD TETUNE_INLINE Orient orient(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3) {
   const Vec3 a = p1 - p0;
   const Vec3 b = p2 - p0;

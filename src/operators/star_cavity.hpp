@@ -146,6 +146,10 @@ class StarCavity {
   template <class Team = backend::SingleThread>
   TETUNE_HD double cost_after(Index apex, const Vec3& x, double limit, bool keeps_floor = false,
                               const Team& team = {}) const {
+    if (apex == kNewVertex) {
+      int first = 0;
+      return AngleCostRing(mesh_, faces_, face_count_, keeps_floor).largest_cost(x, limit, first, team);
+    }
     backend::Max largest{-1};
     for (int begin = 0; begin < face_count_; begin += Team::kSize) {
       const int i = begin + team.rank();
@@ -219,20 +223,24 @@ class StarCavity {
   /// apex at x. Returns false where a surface, an edge, a vertex or the size forbids it.
   template <class Team = backend::SingleThread>
   TETUNE_HD bool grow_below(Index apex, const Vec3& x, double limit, const Team& team = {}) {
+    // Face i belongs to thread i % kSize of the team.
+    double costs[(kMaxStarFaces + Team::kSize - 1) / Team::kSize];
+    find_costs(apex, x, costs, team);
     for (int step = 0; step < kMaxStarTets; ++step) {
-      backend::IndexedMax worst{-1, -1};  // the last of equals: indices count from the last face on
-      for (int k = team.rank(); k < face_count_; k += Team::kSize) {
-        const LinkFace& face = faces_[face_count_ - 1 - k];
-        if (has_vertex(face, apex)) continue;
-        int first = 0;
-        const double cost = AngleCostRing(mesh_, &face, 1, false).largest_cost(x, kInfeasible, first);
-        if (cost >= limit) worst.add(cost, k);
+      backend::IndexedMax worst{-1, kMaxStarFaces};  // the last of equals: indices count from the last face on
+      for (int i = team.rank(); i < face_count_; i += Team::kSize) {
+        const double cost = costs[i / Team::kSize];
+        if (cost >= limit) worst.merge({cost, kMaxStarFaces - 1 - i});
       }
       worst = team.merge(worst);
-      if (worst.index < 0) return true;
-      const Growth g = has_room() ? growth_across(face_count_ - 1 - worst.index) : Growth{};
+      if (worst.index == kMaxStarFaces) return true;
+      const Growth g = has_room() ? growth_across(kMaxStarFaces - 1 - worst.index) : Growth{};
       if (g.t < 0) return false;
+      const int places[3] = {g.face, g.second >= 0 ? g.other : face_count_, face_count_ + 1};
       take(g);
+      for (int k = 0; k < (g.second >= 0 ? 2 : 3); ++k) {
+        if (places[k] % Team::kSize == team.rank()) costs[places[k] / Team::kSize] = face_cost(apex, x, places[k]);
+      }
     }
     return false;
   }
@@ -244,6 +252,31 @@ class StarCavity {
   }
 
  private:
+  /// The cost of the new tetrahedron at a face; -1 where the apex is on it.
+  TETUNE_HD double face_cost(Index apex, const Vec3& x, int face) const {
+    int first = 0;
+    return has_vertex(faces_[face], apex)
+               ? -1
+               : AngleCostRing(mesh_, &faces_[face], 1, false).largest_cost(x, kInfeasible, first);
+  }
+  /// face_cost() of the faces of this thread.
+  template <class Team>
+  TETUNE_HD void find_costs(Index apex, const Vec3& x, double* costs, const Team& team) const {
+    using Pack = backend::TermsOf<Team>;
+    if constexpr (kLanesOf < Pack >> 1) {
+      const AngleCostRing ring(mesh_, faces_, face_count_, false);
+      for (int begin = 0; begin < face_count_; begin += kLanesOf<Pack>) {
+        const Pack pack = ring.template costs_of<Pack>(x, begin);
+        for (int l = 0; l < kLanesOf<Pack> && begin + l < face_count_; ++l) {
+          const bool is_at_apex = has_vertex(faces_[begin + l], apex);
+          costs[begin + l] = is_at_apex ? -1 : pack[l] < kInfeasible ? pack[l] : kInfeasible;
+        }
+      }
+    } else {
+      for (int i = team.rank(); i < face_count_; i += Team::kSize) costs[i / Team::kSize] = face_cost(apex, x, i);
+    }
+  }
+
   static constexpr int kGrowthRounds = 3;
   static constexpr int kRelaxations = 30;
   static constexpr double kOverRelaxation = 1.5;

@@ -133,6 +133,22 @@ class AngleCostRing {
     }
   }
 
+  /// The costs of the tetrahedra at the faces from `begin` on, one per lane, at the last one where there are no more;
+  /// infinite where one is not certified positive or is worse than the floor.
+  template <class Pack>
+  TETUNE_HD TETUNE_INLINE Pack costs_of(const Vec3& x, int begin) const {
+    Vec3T<Pack> p[4];
+    gather_corners(x, begin, p);
+    const TetEnergyT<Pack> e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);
+    const DihedralCotsT<Pack> cots = QualityFloor::dihedral_cots(p, e.w);
+    const Pack infinite = Pack{} + HUGE_VAL;
+    Pack cost = cots.cost(mesh_.obtuse_weight);
+    cost = e.certified ? cost : infinite;
+    cost = e.shape > mesh_.floor.worst_shape ? infinite : cost;
+    if (keeps_floor_) cost = mesh_.floor.allows(cots) ? cost : infinite;
+    return cost;
+  }
+
  private:
   template <class Team>
   TETUNE_HD double largest_of_team(const Vec3& x, double limit, int& first, const Team& team) const {
@@ -173,25 +189,6 @@ class AngleCostRing {
     return worst.value;
   }
 
-  /// cost_of() the faces from `begin` on; of the last one where there are no more.
-  template <class Pack>
-  TETUNE_HD TETUNE_INLINE Pack costs_of(const Vec3& x, int begin) const {
-    const Pack zero{};
-    Vec3T<Pack> p[4] = {{zero + x.x, zero + x.y, zero + x.z}};
-    for (int k = 0; k < 3; ++k) {
-      Index ids[kLanesOf<Pack>];
-      for (int l = 0; l < kLanesOf<Pack>; ++l) ids[l] = faces_[begin + l < count_ ? begin + l : count_ - 1].v[k];
-      p[k + 1] = gather<Pack>(mesh_.points, ids);
-    }
-    const TetEnergyT<Pack> e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);
-    const DihedralCotsT<Pack> cots = QualityFloor::dihedral_cots(p, e.w);
-    const Pack infinite = zero + HUGE_VAL;
-    Pack cost = cots.cost(mesh_.obtuse_weight);
-    cost = e.certified ? cost : infinite;
-    cost = e.shape > mesh_.floor.worst_shape ? infinite : cost;
-    if (keeps_floor_) cost = mesh_.floor.allows(cots) ? cost : infinite;
-    return cost;
-  }
   /// The cost of the tetrahedron at a face; infinite where it is not certified positive or is worse than the floor.
   TETUNE_HD double cost_of(const Vec3& x, int face) const {
     const Vec3 p[4] = {x, corner(face, 0), corner(face, 1), corner(face, 2)};
@@ -206,54 +203,90 @@ class AngleCostRing {
   template <class VertexMotion, class Team>
   TETUNE_HD void find_model(const Vec3& x, double cost, const VertexMotion& motion, MinimaxModel& model,
                             const Team& team) const {
+    using Pack = backend::TermsOf<Team>;
+    constexpr int kLanes = kLanesOf<Pack>;
+    const double bound = cost - kBand * (1 + cost);
     model.clear(team);
-    for (int begin = 0; begin < count_; begin += Team::kSize) {
-      AngleCosts angles;
-      const int i = begin + team.rank();
-      if (i < count_) {
-        const Vec3 p[4] = {x, corner(i, 0), corner(i, 1), corner(i, 2)};
-        angles.find(p, orient(p[0], p[1], p[2], p[3]).det, cost - kBand * (1 + cost), mesh_.obtuse_weight, motion);
-      }
+    for (int begin = 0; begin < count_; begin += Team::kSize * kLanes) {
+      Pack costs[kAngles];
+      const int first = begin + team.rank() * kLanes;
+      if (first < count_) find_angle_costs(x, first, costs);
       const int turns = count_ - begin < Team::kSize ? count_ - begin : Team::kSize;
       for (int turn = 0; turn < turns; ++turn) {
         if (turn == team.rank()) {
-          for (int k = 0; k < angles.count; ++k) model.add(angles.cost[k], angles.gradient[k]);
+          for (int l = 0; l < kLanes && first + l < count_; ++l) {
+            for (int k = 0; k < kAngles; ++k) {
+              const double angle_cost = lane(costs[k], l);
+              if (angle_cost > bound) model.add<Pack>(angle_cost, kAngles * (first + l) + k);
+            }
+          }
         }
         team.sync();
       }
     }
+    model.set_gradients([&](int angle) { return motion.tangent(angle_gradient(x, angle / kAngles, angle % kAngles)); },
+                        team);
   }
-  /// Angles of a tetrahedron with their gradients.
-  struct AngleCosts {
-    int count = 0;
-    double cost[6];
-    Vec3 gradient[6];
 
-    /// Finds the angles whose cost is above a bound. With n_i the normals of the faces, cos / sin = -n_i . n_j / (w
-    /// |e|); when x moves by d, n_i changes by d x s_i with s_i the side of face i opposite x.
-    template <class VertexMotion>
-    TETUNE_HD void find(const Vec3 p[4], double w, double bound, double obtuse_weight, const VertexMotion& motion) {
-      Vec3 n[4];
-      Vec3 side[4];
-      for (int f = 0; f < 4; ++f) {
-        const Vec3& a = p[face_vertex(f, 0)];
-        const Vec3& b = p[face_vertex(f, 1)];
-        const Vec3& c = p[face_vertex(f, 2)];
-        n[f] = cross(b - a, c - a);
-        side[f] = f == 0 ? Vec3{0, 0, 0} : face_vertex(f, 0) == 0 ? b - c : face_vertex(f, 1) == 0 ? c - a : a - b;
-      }
-      const Vec3 dw = (dot(n[0], p[0] - p[1]) > 0 ? 1 / w : -1 / w) * n[0];
-      for_each_dihedral_cot(p, n, w, [&](double cot, int i, int j, int k, int l) {
-        const double angle_cost = DihedralCots{cot, cot}.cost(obtuse_weight);
-        if (!(angle_cost > bound)) return;
-        const Vec3 edge = p[k] - p[l];
-        Vec3 g = (-1 / (w * norm(edge))) * (cross(side[i], n[j]) + cross(side[j], n[i])) - cot * dw;
-        if (k == 0) g = g - (cot / dot(edge, edge)) * edge;
-        cost[count] = angle_cost;
-        gradient[count++] = motion.tangent(angle_cost > cot ? -obtuse_weight * g : g);
-      });
+  static constexpr int kAngles = 6;
+
+  /// x and the vertices of faces from `begin` on, one face per lane; of the last one where there are no more.
+  template <class Pack>
+  TETUNE_HD TETUNE_INLINE void gather_corners(const Vec3& x, int begin, Vec3T<Pack> (&p)[4]) const {
+    const Pack zero{};
+    p[0] = {zero + x.x, zero + x.y, zero + x.z};
+    for (int k = 0; k < 3; ++k) {
+      Index ids[kLanesOf<Pack>];
+      for (int l = 0; l < kLanesOf<Pack>; ++l) ids[l] = faces_[begin + l < count_ ? begin + l : count_ - 1].v[k];
+      p[k + 1] = gather<Pack>(mesh_.points, ids);
     }
-  };
+  }
+  /// The cost of each dihedral angle, in the order of for_each_dihedral_cot().
+  template <class Pack>
+  TETUNE_HD TETUNE_INLINE void find_angle_costs(const Vec3& x, int begin, Pack (&costs)[kAngles]) const {
+    Vec3T<Pack> p[4];
+    gather_corners(x, begin, p);
+    Vec3T<Pack> n[4];
+    for (int f = 0; f < 4; ++f) {
+      const Vec3T<Pack>& a = p[face_vertex(f, 0)];
+      n[f] = cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
+    }
+    int angle = 0;
+    for_each_dihedral_cot(p, n, orient_det(p), [&](const Pack& cot, int, int, int, int) {
+      costs[angle++] = DihedralCotsT<Pack>{cot, cot}.cost(mesh_.obtuse_weight);
+    });
+  }
+  /// The gradient of the cost of one angle. With n_i the normals of the faces, cos / sin = -n_i . n_j / (w |e|); when x
+  /// moves by d, n_i changes by d x s_i with s_i the side of face i opposite x.
+  TETUNE_HD Vec3 angle_gradient(const Vec3& x, int face, int angle) const {
+    const Vec3 p[4] = {x, corner(face, 0), corner(face, 1), corner(face, 2)};
+    const int i = angle < 3 ? 0 : angle < 5 ? 1 : 2;
+    const int j = angle < 3 ? angle + 1 : angle < 5 ? angle - 1 : 3;
+    const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
+    const int l = 6 - i - j - k;
+    const Vec3 n_0 = normal(p, 0);
+    const Vec3 n_i = normal(p, i);
+    const Vec3 n_j = normal(p, j);
+    const double w = orient_det(p);
+    const Vec3 dw = (dot(n_0, p[0] - p[1]) > 0 ? 1 / w : -1 / w) * n_0;
+    const Vec3 edge = p[k] - p[l];
+    const double length = norm(edge);
+    const double cot = -dot(n_i, n_j) / (w * length);
+    Vec3 g = (-1 / (w * length)) * (cross(side(p, i), n_j) + cross(side(p, j), n_i)) - cot * dw;
+    if (k == 0) g = g - (cot / dot(edge, edge)) * edge;
+    return DihedralCots{cot, cot}.cost(mesh_.obtuse_weight) > cot ? -mesh_.obtuse_weight * g : g;
+  }
+  TETUNE_HD static Vec3 normal(const Vec3 p[4], int f) {
+    const Vec3& a = p[face_vertex(f, 0)];
+    return cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
+  }
+  /// The side of face f opposite vertex 0; zero for the face without it.
+  TETUNE_HD static Vec3 side(const Vec3 p[4], int f) {
+    const Vec3& a = p[face_vertex(f, 0)];
+    const Vec3& b = p[face_vertex(f, 1)];
+    const Vec3& c = p[face_vertex(f, 2)];
+    return f == 0 ? Vec3{0, 0, 0} : face_vertex(f, 0) == 0 ? b - c : face_vertex(f, 1) == 0 ? c - a : a - b;
+  }
 
   /// In local lengths.
   static constexpr double kFirstStep = 0.2;

@@ -21,17 +21,32 @@ class MinimaxModel {
     if (team.rank() == 0) count_ = 0;
     team.sync();
   }
-  /// Adds a function. Where there is no room, it replaces the one of the smallest value if its own is larger. Gradients
-  /// that overflow, as at volumes close to underflow, are left out.
-  TETUNE_HD void add(double value, const Vec3& gradient) {
-    if (!(dot(gradient, gradient) < kMaxNorm2)) return;
+  /// Adds a function by its value and a number. Where there is no room, it replaces the one of the smallest value if
+  /// its own is larger.
+  template <class Pack = double>
+  TETUNE_HD void add(double value, int function) {
     if (count_ == kMaxFunctions && value <= value_[smallest_]) return;
     const int at = count_ == kMaxFunctions ? smallest_ : count_++;
     value_[at] = value;
-    x_[at] = gradient.x;
-    y_[at] = gradient.y;
-    z_[at] = gradient.z;
-    if (count_ == kMaxFunctions) find_smallest();
+    function_[at] = function;
+    if (count_ == kMaxFunctions) find_smallest<Pack>();
+  }
+  /// Sets the gradients of all functions: `gradient_of(function)`. Functions whose gradient overflows, as at volumes
+  /// close to underflow, do not count. Called by all threads of a team.
+  template <class GradientOf, class Team = backend::SingleThread>
+  TETUNE_HD void set_gradients(const GradientOf& gradient_of, const Team& team = {}) {
+    team.sync();
+    for (int i = team.rank(); i < count_; i += Team::kSize) {
+      Vec3 gradient = gradient_of(function_[i]);
+      if (!(dot(gradient, gradient) < kMaxNorm2)) {
+        gradient = {0, 0, 0};
+        value_[i] = kLowest;
+      }
+      x_[i] = gradient.x;
+      y_[i] = gradient.y;
+      z_[i] = gradient.z;
+    }
+    team.sync();
   }
 
   /// The step of at most `radius` that minimizes the model with a quadratic term, so that a single function would
@@ -84,6 +99,13 @@ class MinimaxModel {
   }
   TETUNE_HD Vec3 gradient(int i) const { return {x_[i], y_[i], z_[i]}; }
 
+  /// 0, 1, ..., one per lane.
+  template <class Pack>
+  TETUNE_INLINE static Pack first_indices() {
+    Pack index{};
+    for (int l = 0; l < kLanesOf<Pack>; ++l) index[l] = l;
+    return index;
+  }
   /// The maximum of each lane, with its index.
   template <class Pack>
   struct PackMax {
@@ -105,8 +127,7 @@ class MinimaxModel {
     if constexpr (kLanesOf < Pack >> 1) {
       const Pack zero{};
       const Vec3T<Pack> step{zero + d.x, zero + d.y, zero + d.z};
-      Pack index{};
-      for (int l = 0; l < kLanesOf<Pack>; ++l) index[l] = l;
+      Pack index = first_indices<Pack>();
       PackMax<Pack> highs{zero + kLowest, zero};
       PackMax<Pack> lows{zero + kLowest, zero - 1};
       for (int i = 0; i < count_; i += kLanesOf<Pack>, index += kLanesOf<Pack>) {
@@ -128,13 +149,25 @@ class MinimaxModel {
       low = team.merge(low);
     }
   }
+  template <class Pack>
   TETUNE_HD void find_smallest() {
-    smallest_ = 0;
-    for (int i = 1; i < kMaxFunctions; ++i) smallest_ = value_[i] < value_[smallest_] ? i : smallest_;
+    backend::IndexedMax smallest{kLowest, 0};  // of the negative values
+    if constexpr (kLanesOf < Pack >> 1) {
+      PackMax<Pack> lanes{Pack{} + kLowest, Pack{}};
+      Pack index = first_indices<Pack>();
+      for (int i = 0; i < kMaxFunctions; i += kLanesOf<Pack>, index += kLanesOf<Pack>) {
+        lanes.add(-backend::load<Pack>(value_ + i), index);
+      }
+      lanes.merge_to(smallest);
+    } else {
+      for (int i = 0; i < kMaxFunctions; ++i) smallest.add(-value_[i], i);
+    }
+    smallest_ = smallest.index;
   }
 
   double value_[kMaxFunctions];
   double x_[kMaxFunctions], y_[kMaxFunctions], z_[kMaxFunctions];  ///< the gradients
+  int function_[kMaxFunctions];
   int count_ = 0;
   int smallest_ = 0;  ///< the function of the smallest value, once there is no room
 };

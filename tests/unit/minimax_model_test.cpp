@@ -13,13 +13,32 @@
 namespace tetune {
 namespace {
 
+/// A model of functions with given gradients.
+class Model {
+ public:
+  void add(double value, const Vec3& gradient) {
+    model_.add(value, static_cast<int>(gradients_.size()));
+    gradients_.push_back(gradient);
+  }
+  void clear() { model_.clear(backend::SingleThread()); }
+  template <class Team = backend::SingleThread>
+  Vec3 step(double radius, const Team& team = {}) {
+    model_.set_gradients([this](int i) { return gradients_[to_size_t(i)]; });
+    return model_.step(radius, team);
+  }
+
+ private:
+  MinimaxModel model_;
+  std::vector<Vec3> gradients_;
+};
+
 TEST(MinimaxModel, WithoutFunctionsThereIsNoStep) {
   const Vec3 d = MinimaxModel().step(1);
   EXPECT_EQ(norm(d), 0);
 }
 
 TEST(MinimaxModel, OneFunctionDecreasesAlongItsGradientByTheRadius) {
-  MinimaxModel model;
+  Model model;
   model.add(5, {0, 3, 4});
   const Vec3 d = model.step(2);
   EXPECT_NEAR(d.x, 0, 1e-15);
@@ -28,7 +47,7 @@ TEST(MinimaxModel, OneFunctionDecreasesAlongItsGradientByTheRadius) {
 }
 
 TEST(MinimaxModel, OpposedGradientsLeaveTheDirectionThatDecreasesBoth) {
-  MinimaxModel model;
+  Model model;
   model.add(1, {1, 0, 0.5});
   model.add(1, {-1, 0, 0.5});
   const Vec3 d = model.step(0.1);
@@ -37,7 +56,7 @@ TEST(MinimaxModel, OpposedGradientsLeaveTheDirectionThatDecreasesBoth) {
 }
 
 TEST(MinimaxModel, GradientsThatOverflowAreLeftOut) {
-  MinimaxModel model;
+  Model model;
   model.add(1, {1e300, 0, 0});
   model.add(2, {std::nan(""), 0, 0});
   EXPECT_EQ(norm(model.step(1)), 0);
@@ -46,7 +65,7 @@ TEST(MinimaxModel, GradientsThatOverflowAreLeftOut) {
 }
 
 TEST(MinimaxModel, AnOptimumHasNoStep) {
-  MinimaxModel model;
+  Model model;
   model.add(1, {1, 0, 0});
   model.add(1, {-0.5, 1, 0});
   model.add(1, {-0.5, -1, 0});
@@ -62,26 +81,26 @@ TEST(MinimaxModel, TheLargestFunctionsAreKept) {
   for (int i = 0; i < kMany; ++i) {
     functions.emplace_back(uniform(random), Vec3{uniform(random), uniform(random), uniform(random)});
   }
-  MinimaxModel model;
+  Model model;
   for (const auto& [value, gradient] : functions) model.add(value, gradient);
   std::sort(functions.begin(), functions.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  MinimaxModel expected;
+  Model expected;
   for (int i = 0; i < kKept; ++i) expected.add(functions[i].first, functions[i].second);
   // The order of the functions affects the step within the tolerance of the method.
   EXPECT_LT(norm(model.step(0.5) - expected.step(0.5)), 1e-8);
-  model.clear(backend::SingleThread());
+  model.clear();
   EXPECT_EQ(norm(model.step(0.5)), 0);
 }
 
 TEST(MinimaxModel, FunctionsFarBelowTheLargestDoNotCount) {
-  MinimaxModel model;
+  Model model;
   model.add(1, {1, 0, 0});
   model.add(-10, {-1, 0, 0});
   EXPECT_NEAR(model.step(0.5).x, -0.5, 1e-15);
 }
 
 TEST(MinimaxModel, TheSmallestFunctionsGiveWayToLargerOnes) {
-  MinimaxModel model;
+  Model model;
   for (int i = 0; i < 1000; ++i) model.add(0, {-1, 0, 0});
   model.add(10, {1, 0, 0});
   EXPECT_NEAR(model.step(0.5).x, -0.5, 1e-15);
@@ -92,7 +111,7 @@ TEST(MinimaxModel, NoOtherStepIsMuchBetter) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int test = 0; test < 200; ++test) {
-    MinimaxModel model;
+    Model model;
     std::vector<std::pair<double, Vec3>> functions;
     double longest = 0;
     for (int i = 0; i < 12; ++i) {
@@ -107,6 +126,8 @@ TEST(MinimaxModel, NoOtherStepIsMuchBetter) {
       return largest + 0.5 * longest / radius * dot(d, d);
     };
     const Vec3 d = model.step(radius);
+    const Vec3 by_packs = model.step(radius, backend::PackThread<backend::Pack4>());
+    EXPECT_TRUE(by_packs.x == d.x && by_packs.y == d.y && by_packs.z == d.z);
     EXPECT_LE(norm(d), radius * (1 + 1e-12));
     const double reached = objective(d);
     EXPECT_LE(reached, objective({0, 0, 0}) + 1e-12);
