@@ -104,21 +104,66 @@ __global__ void __launch_bounds__(Warp::kSize) team_kernel(Size n, F f) {
   if (i < n) f(Team(), *reinterpret_cast<typename F::Shared*>(shared[team]), i);
 }
 
+/// Stores and loads what other blocks of the same launch load and store.
+template <class T>
+__device__ void store_volatile(T* to, const T& value) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(unsigned) == 0);
+  constexpr int kWords = sizeof(T) / sizeof(unsigned);
+  unsigned words[kWords];
+  memcpy(words, &value, sizeof(T));
+  volatile unsigned* const memory = reinterpret_cast<unsigned*>(to);
+  for (int k = 0; k < kWords; ++k) memory[k] = words[k];
+}
+template <class T>
+__device__ T load_volatile(const T* from) {
+  constexpr int kWords = sizeof(T) / sizeof(unsigned);
+  unsigned words[kWords];
+  const volatile unsigned* const memory = reinterpret_cast<const unsigned*>(from);
+  for (int k = 0; k < kWords; ++k) words[k] = memory[k];
+  T value;
+  memcpy(&value, words, sizeof(T));
+  return value;
+}
+
 /// Each block merges one chunk of fixed length by a tree of fixed shape, so that each run yields the same bits. One
-/// item per thread, as there may be too few items to occupy a GPU.
+/// item per thread, as there may be too few items to occupy a GPU. The block that is the last of kThreads consecutive
+/// ones to store its result merges theirs in the same way, as one block of the next level, until one result is left.
+/// `partial` holds the results of all levels one after the other, `arrived` the number of blocks that stored theirs,
+/// per kThreads blocks of each level: 0 before and after.
 template <class R, class F, int kThreads>
-__global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial) {
+__global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial, unsigned* arrived) {
   __shared__ alignas(16) unsigned char storage[sizeof(R) * kThreads];
+  __shared__ bool is_last;
   R* shared = reinterpret_cast<R*>(storage);
-  const Size i = static_cast<Size>(blockIdx.x) * kThreads + threadIdx.x;
+  Size block = blockIdx.x;
+  Size results = gridDim.x;  // of this level
+  const Size i = block * kThreads + threadIdx.x;
   R r{};
   if (i < n) r.merge(f(i));
-  shared[threadIdx.x] = r;
-  for (int half = kThreads / 2; half > 0; half /= 2) {
+  for (;;) {
+    shared[threadIdx.x] = r;
+    for (int half = kThreads / 2; half > 0; half /= 2) {
+      __syncthreads();
+      if (threadIdx.x < half) shared[threadIdx.x].merge(shared[threadIdx.x + half]);
+    }
+    const Size group = block / kThreads;
+    const Size first = group * kThreads;
+    const auto size = static_cast<unsigned>(results - first < kThreads ? results - first : kThreads);
+    if (threadIdx.x == 0) {
+      store_volatile(&partial[block], shared[0]);
+      __threadfence();
+      is_last = results > 1 && atomicInc(&arrived[group], size - 1) == size - 1;
+    }
     __syncthreads();
-    if (threadIdx.x < half) shared[threadIdx.x].merge(shared[threadIdx.x + half]);
+    if (!is_last) return;
+    __threadfence();
+    r = R{};
+    if (threadIdx.x < size) r.merge(load_volatile(&partial[first + threadIdx.x]));
+    partial += results;
+    results = (results + kThreads - 1) / kThreads;
+    arrived += results;
+    block = group;
   }
-  if (threadIdx.x == 0) partial[blockIdx.x] = shared[0];
 }
 
 /// A handle of the pool of a Cuda backend.
@@ -162,7 +207,13 @@ class Cuda {
 
   /// `memory`: the bytes for all buffers and scratch memory. Throws DeviceError.
   explicit Cuda(std::size_t memory, std::function<bool()> stop = {})
-      : stop_(std::move(stop)), warps_(resident_warps()), block_(allocate_block(memory)), pool_(block_.get(), memory) {}
+      : stop_(std::move(stop)),
+        warps_(resident_warps()),
+        block_(allocate_block(memory)),
+        pool_(block_.get(), memory),
+        arrived_(allocate_block(kMaxGroups * sizeof(unsigned))) {
+    check_cuda(cudaMemset(arrived_.get(), 0, kMaxGroups * sizeof(unsigned)), "initialization");
+  }
 
   Memory memory() const { return Memory(pool_); }
 
@@ -187,11 +238,14 @@ class Cuda {
     static_assert(std::is_trivially_copyable_v<F> && std::is_trivially_copyable_v<R>);
     static_assert(kThreads * sizeof(R) <= 48 * 1024, "a block's partial results must fit its shared memory");
     if (n == 0) return R{};
-    Buffer<R> partial = reduce_chunks<R>(n, f);
-    while (partial.size() > 1) partial = reduce_chunks<R>(partial.size(), LoadResult<R>{partial.span()});
-    R result{};
-    Memory::download(&result, partial.span().data(), sizeof(R));
-    return result;
+    if constexpr (requires { F::kGrain; }) {
+      // Kernels of much work are spread (for_each), but the chunks must be the same on all devices.
+      Buffer<R> results(*this, n);
+      for_each(n, StoreResult<R, F>{f, results.span()});
+      return merge<R>(n, LoadResult<R>{results.span()});
+    } else {
+      return merge<R>(n, f);
+    }
   }
 
   template <class T>
@@ -281,20 +335,22 @@ class Cuda {
     return attribute(cudaDevAttrMultiProcessorCount) * (ratio <= kMaxRatio ? kWarpsPerProcessor : 1);
   }
 
-  /// The merged results of the chunks of a loop. Where kernels of much work are spread (for_each), the results are
-  /// stored first: the chunks must be the same on all devices.
+  /// One launch.
   template <class R, class F>
-  Buffer<R> reduce_chunks(Size n, const F& f) const {
-    if constexpr (requires { F::kGrain; }) {
-      Buffer<R> results(*this, n);
-      for_each(n, StoreResult<R, F>{f, results.span()});
-      return reduce_chunks<R>(n, LoadResult<R>{results.span()});
-    } else {
-      Buffer<R> partial(*this, blocks(n, kThreads));
-      reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data());
-      check_cuda(cudaGetLastError(), "launch");
-      return partial;
+  R merge(Size n, const F& f) const {
+    Size results = 0, groups = 0;  // of all levels
+    for (Size level = n; level > 1 || results == 0;) {
+      level = blocks(level, kThreads);
+      results += level;
+      groups += blocks(level, kThreads);
     }
+    TETUNE_ASSERT(groups <= kMaxGroups);
+    Buffer<R> partial(*this, results);
+    reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data(), arrived());
+    check_cuda(cudaGetLastError(), "launch");
+    R result{};
+    Memory::download(&result, partial.span().data() + results - 1, sizeof(R));
+    return result;
   }
   /// Items per warp of a short launch. Those that take much work take different paths, one after the other in a warp:
   /// few of them are spread over more warps.
@@ -307,7 +363,11 @@ class Cuda {
     }
   }
 
+  unsigned* arrived() const { return static_cast<unsigned*>(arrived_.get()); }
+
   static constexpr int kThreads = 128;
+  /// Groups of blocks in a reduction: enough for 2^31 items.
+  static constexpr Size kMaxGroups = 1 << 18;
   /// Short launches run in blocks of one warp, to occupy as many multiprocessors as possible.
   static constexpr int kWarp = Warp::kSize;
   static constexpr Size kSmallLaunch = 65536;
@@ -318,6 +378,7 @@ class Cuda {
   Size warps_;
   Block block_;
   mutable Pool pool_;
+  Block arrived_;
 };
 
 static_assert(Backend<Cuda>);

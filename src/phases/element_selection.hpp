@@ -31,10 +31,35 @@ struct IsAbove {
   TETUNE_HD bool operator()(Size t) const { return values[t] > bound; }
 };
 
-struct CountAbove {
-  IsAbove above;
-  TETUNE_HD backend::Sum<Size> operator()(Size t) const { return {above(t) ? 1 : 0}; }
+/// For each of some bounds, the number of values above it.
+template <int kBounds>
+struct Counts {
+  Size above[kBounds] = {};
+  TETUNE_HD void merge(const Counts& other) {
+    for (int k = 0; k < kBounds; ++k) above[k] += other.above[k];
+  }
 };
+
+template <int kBounds>
+struct CountAbove {
+  Span<const double> values;
+  double bounds[kBounds];
+  TETUNE_HD Counts<kBounds> operator()(Size t) const {
+    Counts<kBounds> counts;
+    for (int k = 0; k < kBounds; ++k) counts.above[k] = values[t] > bounds[k] ? 1 : 0;
+    return counts;
+  }
+};
+
+/// The bounds that the next steps of a bisection of [low, high] may try, as a binary tree: below that of node k the
+/// step after it tries node 2 k + 1, above it node 2 k + 2.
+template <int kBounds>
+void fill_bisection(double (&bounds)[kBounds], int node, double low, double high) {
+  if (node >= kBounds) return;
+  bounds[node] = std::sqrt(low * high);
+  fill_bisection(bounds, 2 * node + 1, low, bounds[node]);
+  fill_bisection(bounds, 2 * node + 2, bounds[node], high);
+}
 
 struct HasFlaggedVertex {
   MeshView mesh;
@@ -110,10 +135,17 @@ double upper_quantile(const Backend& backend, Span<const double> values, double 
   using namespace selection_detail;
   double low = 1;
   double high = 1e6;
+  // A device tries all bounds of several steps at once, as the host waits for each result.
+  constexpr int kBounds = Backend::kIsAsynchronous ? 15 : 1;
   while (high > (1 + resolution) * low) {
-    const double middle = std::sqrt(low * high);
-    const Size above = backend.template reduce<backend::Sum<Size>>(values.size(), CountAbove{{values, middle}}).value;
-    (static_cast<double>(above) > std::floor(max_above) ? low : high) = middle;
+    CountAbove<kBounds> count{values, {}};
+    fill_bisection(count.bounds, 0, low, high);
+    const auto counts = backend.template reduce<Counts<kBounds>>(values.size(), count);
+    for (int node = 0; node < kBounds && high > (1 + resolution) * low;) {
+      const bool is_below = static_cast<double>(counts.above[node]) > std::floor(max_above);
+      (is_below ? low : high) = count.bounds[node];
+      node = 2 * node + (is_below ? 2 : 1);
+    }
   }
   return low;
 }

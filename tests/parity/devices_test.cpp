@@ -23,23 +23,27 @@ std::string why_no_gpu() {
   return "";
 }
 
-TEST(Devices, CudaAgreesWithTheCpu) {
-  if (const std::string why = why_no_gpu(); !why.empty()) GTEST_SKIP() << why;
-  for (const test::Case& c : test::cases()) {
-    SCOPED_TRACE(c.name);
-    TetMesh cpu = c.mesh;
-    const Report on_cpu = optimize(cpu, c.options);
-    TetMesh gpu = c.mesh;
-    Options options = c.options;
-    options.device = Device::cuda;
-    const Report on_gpu = optimize(gpu, options);
-    EXPECT_TRUE(validate(gpu).ok()) << validate(gpu).message(false);
-    test::expect_parity(on_gpu, on_cpu);
-    test::expect_same(gpu, cpu);
-  }
+class Devices : public testing::TestWithParam<test::Case> {};
+
+TEST_P(Devices, CudaAgreesWithTheCpu) {
+  static const std::string why = why_no_gpu();
+  if (!why.empty()) GTEST_SKIP() << why;
+  const test::Case& c = GetParam();
+  TetMesh cpu = c.mesh;
+  const Report on_cpu = optimize(cpu, c.options);
+  TetMesh gpu = c.mesh;
+  Options options = c.options;
+  options.device = Device::cuda;
+  const Report on_gpu = optimize(gpu, options);
+  EXPECT_TRUE(validate(gpu).ok()) << validate(gpu).message(false);
+  test::expect_parity(on_gpu, on_cpu);
+  test::expect_same(gpu, cpu);
 }
 
-TEST(Devices, AskingForAnAbsentGpuIsAClearErrorAndLeavesTheMesh) {
+INSTANTIATE_TEST_SUITE_P(All, Devices, testing::ValuesIn(test::cases()),
+                         [](const auto& one) { return one.param.name; });
+
+TEST(DeviceErrors, AskingForAnAbsentGpuIsAClearErrorAndLeavesTheMesh) {
   const std::string why = why_no_gpu();
   if (why.empty()) GTEST_SKIP() << "there is a GPU";
   EXPECT_NE(why.find("device=cpu"), std::string::npos) << why;

@@ -30,6 +30,7 @@ TEST_P(EmulationAgainstCpu, Agrees) {
   const Case& c = GetParam();
   TetMesh cpu = c.mesh;
   const Report on_cpu = optimize(cpu, c.options);
+  test::expect_operations(c, on_cpu);
   TetMesh first = c.mesh;
   // In the memory that a GPU would set aside.
   const std::size_t memory = memory_needed_on_device(c.mesh, c.options);
