@@ -215,7 +215,7 @@ def test_progress_stops():
         ("u", {}, TypeError, "a meshio or pyvista mesh"),
         (np.zeros((3, 3)), {}, tetune.OptionError, "target 1 has 3 positions"),
         (np.zeros((3, 2)), {}, ValueError, "targets has the shape"),
-        ("points", {"boundary": "slide"}, tetune.OptionError, "boundary=slide"),
+        ("points", {"boundary": "slide", "max_deviation": 0.1}, tetune.OptionError, "max_deviation"),
         ("nan", {}, tetune.OptionError, "nothing to move"),
     ],
 )
