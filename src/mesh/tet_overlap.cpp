@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/tet_overlap.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -13,18 +14,38 @@ using Coordinates = std::array<double, 4>;
 /// The corners of a tetrahedron.
 using Part = std::array<Coordinates, 4>;
 
-/// Whether all points are beyond one face.
-bool is_separated(const Part& x) {
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (x[0][k] <= 0 && x[1][k] <= 0 && x[2][k] <= 0 && x[3][k] <= 0) return true;
-  }
-  return false;
-}
+/// The coordinates of four points in a tetrahedron: entry [k][i] is coordinate k of point i. Four points at a time take
+/// vector instructions.
+struct PointCoordinates {
+  std::array<Coordinates, 4> value;
 
-/// The coordinates of the corners of `x` in the tetrahedron `of`.
-Part coordinates(const TetPoints& x, const TetFrame& of) {
-  return {of.coordinates(x[0]), of.coordinates(x[1]), of.coordinates(x[2]), of.coordinates(x[3])};
-}
+  PointCoordinates(const TetPoints& x, const TetFrame& of) {
+    double d[3][4];
+    for (std::size_t i = 0; i < 4; ++i) {
+      d[0][i] = x[i].x - of.points[0].x;
+      d[1][i] = x[i].y - of.points[0].y;
+      d[2][i] = x[i].z - of.points[0].z;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& g = of.gradient[k];
+      for (std::size_t i = 0; i < 4; ++i) value[k + 1][i] = g.x * d[0][i] + g.y * d[1][i] + g.z * d[2][i];
+    }
+    for (std::size_t i = 0; i < 4; ++i) value[0][i] = 1 - (value[1][i] + value[2][i] + value[3][i]);
+  }
+  /// Whether all points are beyond one face.
+  bool are_separated() const {
+    return std::any_of(value.begin(), value.end(), [](const Coordinates& c) {
+      return std::max(std::max(c[0], c[1]), std::max(c[2], c[3])) <= 0;
+    });
+  }
+  Part corners() const {
+    Part part;
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t k = 0; k < 4; ++k) part[i][k] = value[k][i];
+    }
+    return part;
+  }
+};
 
 /// The point of the edge between `in` and `out` at which coordinate k is 0.
 Coordinates crossing(const Coordinates& in, const Coordinates& out, std::size_t k) {
@@ -163,10 +184,10 @@ void add_products(const Part& x, double volume, Products& result) {
 }
 
 /// The moments by these integrals, as coordinates in `a` are linear in those in `b`: `b_in_a` are those of its corners.
-void set_moments(const Products& products, const Part& b_in_a, TetOverlap& result) {
+void set_moments(const Products& products, const PointCoordinates& b_in_a, TetOverlap& result) {
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t k = 0; k < 4; ++k) {
-      for (std::size_t j = 0; j < 4; ++j) result.moments[i][j] += b_in_a[k][i] * products[k][j];
+      for (std::size_t j = 0; j < 4; ++j) result.moments[i][j] += b_in_a.value[i][k] * products[k][j];
     }
   }
 }
@@ -175,25 +196,19 @@ void set_moments(const Products& products, const Part& b_in_a, TetOverlap& resul
 
 double six_volume(const TetPoints& x) { return dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]); }
 
-TetFrame::TetFrame(const TetPoints& x) : points(x), six(six_volume(x)) {
-  const Vec3 e[3] = {x[1] - x[0], x[2] - x[0], x[3] - x[0]};
+TetFrame::TetFrame(const TetPoints& of) : points(of), six(six_volume(of)) {
+  const Vec3 e[3] = {of[1] - of[0], of[2] - of[0], of[3] - of[0]};
   gradient = {(1 / six) * cross(e[1], e[2]), (1 / six) * cross(e[2], e[0]), (1 / six) * cross(e[0], e[1])};
-}
-
-std::array<double, 4> TetFrame::coordinates(const Vec3& x) const {
-  const Vec3 d = x - points[0];
-  const double c[3] = {dot(gradient[0], d), dot(gradient[1], d), dot(gradient[2], d)};
-  return {1 - (c[0] + c[1] + c[2]), c[0], c[1], c[2]};
 }
 
 TetOverlap overlap(const TetFrame& a, const TetFrame& b, bool with_moments) {
   constexpr double kRounding = 1e-14;
   if (a.six == 0 || b.six == 0) return {};
-  const Part a_in_b = coordinates(a.points, b);
-  if (is_separated(a_in_b)) return {};
-  const Part b_in_a = coordinates(b.points, a);
-  if (is_separated(b_in_a)) return {};
-  Polyhedron common(a_in_b);
+  const PointCoordinates a_in_b(a.points, b);
+  if (a_in_b.are_separated()) return {};
+  const PointCoordinates b_in_a(b.points, a);
+  if (b_in_a.are_separated()) return {};
+  Polyhedron common(a_in_b.corners());
   for (std::size_t k = 0; k < 4; ++k) {
     if (!common.clip(k)) return {};
   }

@@ -26,9 +26,7 @@ struct TetFrame {
   std::array<Vec3, 3> gradient;
   double six;  ///< see six_volume()
 
-  explicit TetFrame(const TetPoints& x);
-  /// The barycentric coordinates of a point.
-  std::array<double, 4> coordinates(const Vec3& x) const;
+  explicit TetFrame(const TetPoints& of);
 };
 
 /// Intersects two tetrahedra of any orientation by clipping `a` by the planes of `b`. Intersections below 1e-14 of
