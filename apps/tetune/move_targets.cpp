@@ -81,13 +81,21 @@ void define_move_arguments(CLI::App& command, OptimizeArguments& arguments) {
   define_motion(command, arguments.move.emplace());
 }
 
-void check_move_arguments(const MoveArguments& a) {
-  if (a.to.empty() && a.displacement.empty()) {
-    throw OptionError("no target: name a mesh with --to, or point data with --displacement");
+void check_move_arguments(const MoveArguments& a, bool has_series) {
+  if (!has_series && a.to.empty() && a.displacement.empty()) {
+    throw OptionError("no target: name a mesh with --to, or point data with --displacement, or move a time series (.pvd)");
   }
   if (a.all_vertices && !a.patches.empty()) {
     throw OptionError("--all-vertices and --patches exclude each other; give one of them");
   }
+}
+
+VertexTargets target_of(const TetMesh& mesh, const TetMesh& source, const std::string& path, const MoveArguments& a) {
+  VertexTargets target = a.displacement.empty() ? source.points : displaced(mesh, source, path, a.displacement);
+  for (Point3& p : target) {
+    if (is_nan(p)) p = {NAN, NAN, NAN};
+  }
+  return a.all_vertices ? target : surface_targets(mesh, target, a.patches);
 }
 
 std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments& a, int threads,
@@ -95,11 +103,7 @@ std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments
   std::vector<VertexTargets> targets;
   const auto add = [&](const TetMesh& source, const std::string& path) {
     check_count(mesh, source, path);
-    VertexTargets target = a.displacement.empty() ? source.points : displaced(mesh, source, path, a.displacement);
-    for (Point3& p : target) {
-      if (is_nan(p)) p = {NAN, NAN, NAN};
-    }
-    targets.push_back(a.all_vertices ? std::move(target) : surface_targets(mesh, target, a.patches));
+    targets.push_back(target_of(mesh, source, path, a));
   };
   for (const std::string& path : a.to) {
     std::vector<std::string> read_warnings;

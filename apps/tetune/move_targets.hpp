@@ -15,12 +15,16 @@ namespace tetune::cli {
 /// Defines the arguments of the motion: sets OptimizeArguments::move.
 void define_move_arguments(CLI::App& command, OptimizeArguments& arguments);
 
-/// Throws OptionError for arguments that name no target, or contradict each other.
-void check_move_arguments(const MoveArguments& arguments);
+/// Throws OptionError for arguments that name no target, unless they have a time series, or contradict each other.
+void check_move_arguments(const MoveArguments& arguments, bool has_series);
 
 /// The targets that the arguments name, for a mesh that was read. Throws FileError and OptionError.
 std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments& arguments, int threads,
                                         std::vector<std::string>& warnings);
+
+/// The target that a file `path` with the mesh `source` gives for `mesh`, which has as many vertices.
+VertexTargets target_of(const TetMesh& mesh, const TetMesh& source, const std::string& path,
+                        const MoveArguments& arguments);
 
 /// How far the motion went, and what blocked it. `mesh` is the result.
 std::string move_summary(const MoveReport& report, const TetMesh& mesh);

@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "move_series.hpp"
 #include "move_targets.hpp"
 #include "optimize_run.hpp"
 #include "option_flags.hpp"
@@ -26,6 +27,12 @@ std::string table_line(const Job& job, const Outcome& o, std::size_t width) {
   return line + fmt::format("  {}\n", o.summary);
 }
 
+/// run_job() or run_series().
+Outcome run_one(const OptimizeArguments& a, const Job& job, Console& console) {
+  const bool moves_series = a.move && (is_series(job.input) || is_series(job.output));
+  return moves_series ? run_series(a, job, console) : run_job(a, job, console);
+}
+
 /// Several meshes: each has one line in a table, and the failure of one does not stop the others.
 int run_all(const OptimizeArguments& a, const std::vector<Job>& jobs, Console& summary) {
   // The tables of each mesh are printed only with -v 2 or more; the lines then come after all of them.
@@ -42,7 +49,7 @@ int run_all(const OptimizeArguments& a, const std::vector<Job>& jobs, Console& s
     if (interrupt::requested()) {
       o.summary = "not started";
     } else {
-      o = run_job(a, job, each);
+      o = run_one(a, job, each);
     }
     code = std::max(code, o.code);
     const std::string line = table_line(job, o, width);
@@ -66,7 +73,8 @@ void print_options(OptimizeArguments& a) {
 }
 
 int run(const CLI::App& command, OptimizeArguments& a) {
-  if (a.move && !a.print_options) check_move_arguments(*a.move);
+  const bool has_series = std::any_of(a.files.begin(), a.files.end(), is_series);
+  if (a.move && !a.print_options) check_move_arguments(*a.move, has_series);
   const std::vector<Job> jobs = resolve_jobs(command, a);
   const bool to_pipe = !jobs.empty() && jobs[0].output == kPipe;
   Console console(a.progress, a.verbosity, !to_pipe ? stdout : a.progress == ProgressMode::json ? nullptr : stderr);
@@ -77,7 +85,7 @@ int run(const CLI::App& command, OptimizeArguments& a) {
   }
   const OutputFolder folder(a.names.output, a.dry_run);
   interrupt::install(console.json());
-  return jobs.size() == 1 ? run_job(a, jobs[0], console).code : run_all(a, jobs, console);
+  return jobs.size() == 1 ? run_one(a, jobs[0], console).code : run_all(a, jobs, console);
 }
 
 }  // namespace

@@ -197,7 +197,7 @@ class Run {
   }
 
   void optimize_mesh() {
-    if (options_.boundary == Boundary::slide) original_ = std::make_unique<TetMesh>(input_.mesh);
+    if (options_.boundary == Boundary::slide && !a_.move) original_ = std::make_unique<TetMesh>(input_.mesh);
     console_.phase(a_.move ? "moving" : "optimizing");
     std::optional<Time::time_point> end;
     Context context;
@@ -342,7 +342,7 @@ class Run {
   std::vector<std::string> warnings_;
   double needed_mb_ = 0;
   std::size_t file_links_ = 0;               ///< number of the periodic links of the file
-  std::unique_ptr<const TetMesh> original_;  ///< with Boundary::slide, for the comparison of the surfaces
+  std::unique_ptr<const TetMesh> original_;  ///< with Boundary::slide, to compare the surfaces; not if they move
   std::vector<VertexTargets> targets_;       ///< of `tetune move`
   MoveReport motion_;                        ///< without its Report
   Report report_;

@@ -38,13 +38,13 @@ PYTHON = """# Python
 ## Optimize
 {tetune.optimize tetune.Options tetune.Result tetune.Progress}
 ## Move
-{tetune.move tetune.LiveMesh tetune.MoveResult tetune.MoveReport tetune.MoveStep}
+{tetune.move tetune.LiveMesh tetune.MoveResult tetune.MoveReport tetune.MoveStep tetune.conserve_data}
 ## Second-order tetrahedra
 {tetune.curve tetune.CurveResult}
 ## Measure and compare
 {tetune.quality tetune.measure_each tetune.measure_curved_each tetune.compare tetune.validate tetune.check}
 ## Meshes and files
-{tetune.TetMesh tetune.read_mesh tetune.write_mesh}
+{tetune.TetMesh tetune.read_mesh tetune.write_mesh tetune.read_series tetune.write_series}
 ## Methods of a pyvista grid: `grid.tetune`
 {tetune._pyvista.TetuneAccessor}
 ## HTML report

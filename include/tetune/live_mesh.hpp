@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -15,6 +16,8 @@
 #include "tetune/report.hpp"
 
 namespace tetune {
+
+struct SlideSurface;
 
 /// A mesh that a simulation changes step after step, and of which each step disturbs a part: only that part and its
 /// neighborhood are worked on, and all else keeps its coordinates and numbers bit for bit.
@@ -56,6 +59,10 @@ class TETUNE_API LiveMesh {
   /// move() with one target for the neighborhood of the prescribed vertices whose position changes. Where the target
   /// cannot be reached there, the neighborhood is doubled, up to the whole mesh. The whole mesh is worked on as well
   /// where it has locked tetrahedra or elements of other kinds.
+  ///
+  /// With Boundary::slide the whole mesh is worked on. All calls slide on the surface as it was at the first one, or at
+  /// the first one after set_points(), optimize_all() or the optimize() of disturbed vertices. The vertices of the
+  /// surface stay, whatever the effort.
   MoveReport move(const VertexTargets& target, const Context& context = {});
 
  private:
@@ -63,6 +70,8 @@ class TETUNE_API LiveMesh {
   /// move() of flagged vertices in their neighborhood. Nothing if a part of the mesh is refused.
   std::optional<MoveReport> move_part(const VertexTargets& target, const std::vector<std::uint8_t>& moves,
                                       const Context& context);
+  /// move() with Boundary::slide.
+  MoveReport move_sliding(const VertexTargets& target, const std::vector<std::uint8_t>& moves, const Context& context);
   /// Takes the arrays with an entry per vertex along.
   void follow(const Report& report);
 
@@ -70,6 +79,8 @@ class TETUNE_API LiveMesh {
   Options options_;
   int neighborhood_;
   std::vector<std::uint8_t> disturbed_;
+  /// What the vertices slide on; null: the surface of the mesh as it is.
+  std::shared_ptr<const SlideSurface> surface_;
 };
 
 }  // namespace tetune

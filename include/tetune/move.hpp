@@ -54,7 +54,8 @@ inline constexpr std::size_t kMaxBlocking = 1000;
 /// harmonic extension of the motion, in as many steps as positive volumes take; after each step the mesh is improved as
 /// by optimize() with `options`. The vertices of the boundary and of interfaces that are not prescribed move as
 /// Options::boundary allows: `fixed` and `preserve` as in optimize(), in the plane or along the line of the input, but
-/// not at all beside prescribed vertices that leave that plane. `slide` is refused.
+/// not at all beside prescribed vertices that leave that plane; with `slide` on the surface of the input, but for
+/// triangles of it all of whose vertices are prescribed and some of which move.
 ///
 /// If a target cannot be reached, or a hook of `context` requests a stop, move() returns the valid mesh of the last
 /// fraction that was reached; the report says how far that is and which elements block the way. A straight way to a
@@ -62,7 +63,8 @@ inline constexpr std::size_t kMaxBlocking = 1000;
 ///
 /// Kept, renumbered and dropped is the same as by optimize(), and the result is the same bit for bit for any number of
 /// threads. Data of vertices follow their vertex. Throws as optimize() does, and OptionError if `targets` is empty, has
-/// another length than mesh.points, infinite coordinates, or no position at all; the mesh is then unchanged.
+/// another length than mesh.points, infinite coordinates, or no position at all, or if Options::max_deviation bounds a
+/// surface that slides; the mesh is then unchanged.
 TETUNE_API MoveReport move(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options = {},
                            const Context& context = {});
 

@@ -16,6 +16,7 @@
 #include "tetune/option_table.hpp"
 #include "tetune/periodic.hpp"
 #include "tetune/quality.hpp"
+#include "tetune/series.hpp"
 #include "tetune/targets.hpp"
 #include "tetune/validate.hpp"
 #include "tetune/version.hpp"

@@ -55,6 +55,14 @@ def test_moving_piston():
     assert numbers(lines[-1])[0] == 0.4 and numbers(lines[-1])[2] > 8  # degrees
 
 
+def test_pressed_bar():
+    lines = [numbers(line) for line in run("pressed_bar.py", "skfem").splitlines()]
+    assert len(lines) == 10
+    height, angle, mean, highest = lines[-1]
+    assert height == 1 and angle > 8  # degrees
+    assert abs(mean - lines[0][2]) < 0.02 * mean and highest < lines[0][3]
+
+
 def test_poisson():
     before, after = (numbers(line) for line in run("poisson.py", "skfem").splitlines()[1:])
     assert after[1] < before[1] / 2  # condition number

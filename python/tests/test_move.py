@@ -215,7 +215,7 @@ def test_progress_stops():
         ("u", {}, TypeError, "a meshio or pyvista mesh"),
         (np.zeros((3, 3)), {}, tetune.OptionError, "target 1 has 3 positions"),
         (np.zeros((3, 2)), {}, ValueError, "targets has the shape"),
-        ("points", {"boundary": "slide"}, tetune.OptionError, "boundary=slide"),
+        ("points", {"boundary": "slide", "max_deviation": 0.1}, tetune.OptionError, "max_deviation"),
         ("nan", {}, tetune.OptionError, "nothing to move"),
     ],
 )
@@ -225,3 +225,29 @@ def test_refusals(targets, options, error, said):
         targets = points if targets == "points" else np.full_like(points, np.nan)
     with pytest.raises(error, match=said):
         tetune.move(points, tets, targets, **options)
+
+
+def test_series(tmp_path):
+    steps = [(0.0, str(tmp_path / "a.vtu")), (0.5, str(tmp_path / "b & c.vtu"))]
+    path = str(tmp_path / "s.pvd")
+    tetune.write_series(path, steps)
+    assert tetune.read_series(path) == steps
+    with pytest.raises(tetune.FileError, match="lists no file"):
+        tetune.write_series(path, [])
+        tetune.read_series(path)
+
+
+def test_slides_on_the_input_surface():
+    """A piston in a cylinder: the wall is on the input's, 1 - cos(pi / 16) off the circle at most."""
+    points, tets = shaken_box(4, 4, 4, amount=0)
+    y, z = 2 * points[:, 1] / points[:, 1].max() - 1, 2 * points[:, 2] / points[:, 2].max() - 1
+    x = points[:, 0] / points[:, 0].max()
+    points = np.stack([x, y * np.sqrt(1 - z**2 / 2), z * np.sqrt(1 - y**2 / 2)], 1)
+    wall = np.hypot(points[:, 1], points[:, 2]) > 0.99
+    to = np.full_like(points, np.nan)
+    to[x == 0] = points[x == 0]
+    to[x == 1] = points[x == 1] * [0.5, 1, 1]
+    r = tetune.move(points, tets, to, boundary="slide")
+    assert r.motion.reached
+    assert np.hypot(r.mesh.points[wall, 1], r.mesh.points[wall, 2]).min() > 0.95
+    assert (r.mesh.points[x == 1] == to[x == 1]).all()

@@ -38,9 +38,12 @@ from ._core import (
     WorstReport,
     WorstTet,
     compare,
+    conserve_data,
     read_mesh,
+    read_series,
     validate,
     write_mesh,
+    write_series,
 )
 from ._live import LiveMesh
 from ._optimize import CurveResult, MoveResult, Result, check, curve, measure_curved_each, measure_each, move, optimize, quality
@@ -84,6 +87,7 @@ __all__ = [
     "__version__",
     "check",
     "compare",
+    "conserve_data",
     "curve",
     "measure_curved_each",
     "measure_each",
@@ -91,6 +95,8 @@ __all__ = [
     "optimize",
     "quality",
     "read_mesh",
+    "read_series",
     "validate",
     "write_mesh",
+    "write_series",
 ]

@@ -240,7 +240,8 @@ def move(
 
     A target that cannot be reached is no error: `result.motion.reached` is False, the mesh is the valid one of the last
     fraction, and `result.motion.blocking_tets` says where it ended. Prescribed vertices that reached their target are
-    there bit for bit. The option boundary="slide" is refused.
+    there bit for bit. With boundary="slide" the rest of
+    the surface slides on that of the input; max_deviation must then be 0.
 
     Raises:
         OptionError: `to` is not usable, or as in optimize().

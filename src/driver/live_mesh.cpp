@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "driver/distributed_interface.hpp"
+#include "driver/live_surface.hpp"
 #include "driver/move_job.hpp"
 #include "driver/optimize_active.hpp"
 #include "tetune/error.hpp"
@@ -61,6 +63,7 @@ void LiveMesh::set_points(std::span<const Index> vertices, std::span<const Point
     Point3& p = span_of(mesh_.points)[vertices[i]];
     if (p == positions[i]) continue;
     p = positions[i];
+    surface_ = nullptr;
     span_of(disturbed_)[vertices[i]] = 1;
   }
 }
@@ -68,6 +71,7 @@ void LiveMesh::set_points(std::span<const Index> vertices, std::span<const Point
 std::int64_t LiveMesh::disturbed() const { return std::count(disturbed_.begin(), disturbed_.end(), 1); }
 
 Report LiveMesh::optimize(const Context& context) {
+  if (disturbed() > 0) surface_ = nullptr;
   Report report = optimize_tets(mesh_, tets_at(mesh_, disturbed_), neighborhood_, options_, context);
   follow(report);
   std::fill(disturbed_.begin(), disturbed_.end(), 0);
@@ -75,6 +79,7 @@ Report LiveMesh::optimize(const Context& context) {
 }
 
 Report LiveMesh::optimize_all(const Context& context) {
+  surface_ = nullptr;
   Report report = tetune::optimize(mesh_, options_, context);
   follow(report);
   std::fill(disturbed_.begin(), disturbed_.end(), 0);
@@ -83,13 +88,13 @@ Report LiveMesh::optimize_all(const Context& context) {
 
 MoveReport LiveMesh::move(const VertexTargets& target, const Context& context) {
   const std::size_t n = mesh_.points.size();
-  bool is_usable =
-      target.size() == n && options_.boundary != Boundary::slide && !std::all_of(target.begin(), target.end(), is_free);
+  bool is_usable = target.size() == n && !std::all_of(target.begin(), target.end(), is_free);
   std::vector<std::uint8_t> moves(n, 0);
   for (std::size_t v = 0; v < n && is_usable; ++v) {
     is_usable = is_free(target[v]) || is_finite(target[v]);
     moves[v] = !is_free(target[v]) && target[v] != mesh_.points[v] ? 1 : 0;
   }
+  if (is_usable && options_.boundary == Boundary::slide) return move_sliding(target, moves, context);
   if (is_usable && moves_in_parts(moves)) {
     if (std::optional<MoveReport> report = move_part(target, moves, context)) {
       report->prescribed = std::count_if(target.begin(), target.end(), is_finite);
@@ -99,6 +104,23 @@ MoveReport LiveMesh::move(const VertexTargets& target, const Context& context) {
   // The whole mesh: it gives the messages, too, with its numbers.
   MoveReport report = tetune::move(mesh_, target, options_, context);
   follow(report.optimization);
+  return report;
+}
+
+MoveReport LiveMesh::move_sliding(const VertexTargets& target, const std::vector<std::uint8_t>& moves,
+                                  const Context& context) {
+  Options options = options_;
+  if (options.surface_vertices == SurfaceVertices::edit) {
+    throw OptionError("surface_vertices=edit: while a live mesh moves with boundary=slide, the vertices of its surface "
+                      "stay; use surface_vertices=keep");
+  }
+  options.surface_vertices = SurfaceVertices::keep;
+  SlideSurface surface = surface_ != nullptr ? *surface_ : find_slide_surface(mesh_, options);
+  leave_surface(surface, target, moves);
+  MoveReport report = move_on(mesh_, std::span(&target, 1), options, context, &surface);
+  follow(report.optimization);
+  renumber_surface(surface, report.optimization.vertex2original, mesh_.points);
+  surface_ = std::make_shared<const SlideSurface>(std::move(surface));
   return report;
 }
 

@@ -44,7 +44,7 @@ std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
 }
 
 std::size_t memory_needed_to_move(const TetMesh& mesh, std::size_t targets, const Options& options) {
-  return memory_needed(mesh, options) + motion_memory(mesh) + targets * mesh.points.size() * sizeof(Point3);
+  return memory_needed(mesh, options) + motion_memory(mesh, options) + targets * mesh.points.size() * sizeof(Point3);
 }
 
 std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options) {

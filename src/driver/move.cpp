@@ -12,6 +12,7 @@
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "mesh/work_mesh.hpp"
+#include "phases/sliding_motion.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
 
@@ -20,10 +21,10 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Flags the vertices that are prescribed in at least one target. Throws OptionError for unusable targets.
-std::vector<std::uint8_t> prescribed_vertices(const TetMesh& mesh, std::span<const VertexTargets> targets) {
+/// Returns VertexMotion per vertex. Throws OptionError for unusable targets.
+std::vector<std::uint8_t> find_motion(const TetMesh& mesh, std::span<const VertexTargets> targets) {
   if (targets.empty()) throw OptionError("there is no target to move to");
-  std::vector<std::uint8_t> prescribed(mesh.points.size(), 0);
+  std::vector<std::uint8_t> motion(mesh.points.size(), 0);
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const std::string target = "target " + std::to_string(i + 1);
     if (targets[i].size() != mesh.points.size()) {
@@ -37,13 +38,14 @@ std::vector<std::uint8_t> prescribed_vertices(const TetMesh& mesh, std::span<con
         throw OptionError(target + ": the position of vertex " + std::to_string(v) +
                           " is not finite; three NaN stand for a vertex that is free to follow");
       }
-      prescribed[v] = 1;
+      motion[v] |= kPrescribed;
+      if (p != mesh.points[v]) motion[v] |= kMoves;
     }
   }
-  if (std::find(prescribed.begin(), prescribed.end(), 1) == prescribed.end()) {
+  if (std::all_of(motion.begin(), motion.end(), [](std::uint8_t m) { return m == 0; })) {
     throw OptionError("no target has a position for any vertex: there is nothing to move");
   }
-  return prescribed;
+  return motion;
 }
 
 /// A power of two for coordinates of all targets: as of unit_scale().
@@ -126,27 +128,32 @@ void report_blocking(const BlockedMesh& blocked, MoveReport& report) {
   std::sort(report.blocking_vertices.begin(), report.blocking_vertices.end());
 }
 
-MoveReport move(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options, const Context& context) {
-  if (options.boundary == Boundary::slide) {
+MoveReport move_on(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options,
+                   const Context& context, SlideSurface* surface) {
+  if (options.boundary == Boundary::slide && options.max_deviation > 0) {
     throw OptionError(
-        "boundary=slide has no input surface to slide on when the boundary moves; use boundary=preserve "
-        "or boundary=fixed, and prescribe the vertices of curved surfaces");
+        "max_deviation bounds the distance to the input surface, which move() changes: leave it 0, or use "
+        "boundary=preserve or boundary=fixed");
   }
   if (!options.only_below.empty()) throw OptionError("only_below is for optimize(): move() changes the whole mesh");
   MoveReport report;
-  const std::vector<std::uint8_t> prescribed = prescribed_vertices(mesh, targets);
-  report.prescribed = std::count(prescribed.begin(), prescribed.end(), 1);
+  std::vector<std::uint8_t> motion = find_motion(mesh, targets);
+  MoveJob job{targets, scale_of(targets), std::move(motion), report};
+  report.prescribed = std::count_if(job.motion.begin(), job.motion.end(), [](std::uint8_t m) { return m != 0; });
   report.targets = targets.size();
   Options held = options;
-  if (held.frozen_vertices.empty()) held.frozen_vertices.resize(prescribed.size(), 0);
+  if (held.frozen_vertices.empty()) held.frozen_vertices.resize(job.motion.size(), 0);
   // Another length is refused later.
-  for (Size v = 0; v < std::min(std::ssize(prescribed), std::ssize(held.frozen_vertices)); ++v) {
-    span_of(held.frozen_vertices)[v] |= span_of(prescribed)[v];
+  for (Size v = 0; v < std::min(std::ssize(job.motion), std::ssize(held.frozen_vertices)); ++v) {
+    if (span_of(job.motion)[v] != 0) span_of(held.frozen_vertices)[v] = 1;
   }
-  MoveJob job{targets, scale_of(targets), report};
-  report.optimization = run_on_device(mesh, held, context, nullptr, &job);
+  report.optimization = run_on_device(mesh, held, context, surface, &job);
   restore_bits(mesh, targets.first(report.targets_reached), report.optimization.vertex2original);
   return report;
+}
+
+MoveReport move(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options, const Context& context) {
+  return move_on(mesh, targets, options, context, nullptr);
 }
 
 MoveReport move(TetMesh& mesh, const VertexTargets& target, const Options& options, const Context& context) {

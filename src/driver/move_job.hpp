@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "boundary/sliding/slide_surface.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/move.hpp"
 
@@ -18,12 +19,20 @@ inline bool is_finite(const Point3& p) { return std::isfinite(p[0]) && std::isfi
 struct MoveJob {
   std::span<const VertexTargets> targets;
   double scale;  ///< see unit_scale(): of all targets
+  std::vector<std::uint8_t> motion;  ///< per vertex: VertexMotion
   MoveReport& report;
 };
 
+/// move() with the surface that vertices slide on, as of optimize_on().
+MoveReport move_on(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options,
+                   const Context& context, SlideSurface* surface);
+
 /// The memory of a backend that motion takes beside the rest, in bytes: the stiffness matrix and the vectors of its
-/// solver.
-inline std::size_t motion_memory(const TetMesh& mesh) { return 90 * mesh.tets.size() + 260 * mesh.points.size(); }
+/// solver, and where vertices slide their tangent spaces and the ends of their steps.
+inline std::size_t motion_memory(const TetMesh& mesh, const Options& options) {
+  const std::size_t slides = options.boundary == Boundary::slide ? 60 * mesh.points.size() : 0;
+  return 90 * mesh.tets.size() + 260 * mesh.points.size() + slides;
+}
 
 /// A target in the order and the unit of the work mesh.
 struct WorkTarget {

@@ -11,6 +11,7 @@
 #include "driver/targets.hpp"
 #include "phases/follow_targets.hpp"
 #include "phases/improve.hpp"
+#include "phases/sliding_motion.hpp"
 #include "phases/untangle.hpp"
 
 namespace tetune {
@@ -26,6 +27,15 @@ auto improve_with(PlaceTracker* tracker) {
     optimizer.timer.measure(Phase::data, [&] { tracker->finish(HostMesh(optimizer.work.mesh)); });
     return proceeds;
   };
+}
+
+/// Takes what leaves the reference surface out of it.
+template <class Backend>
+void cut_reference(const Backend& backend, const std::vector<std::uint8_t>& motion, WorkingSet<Backend>& work) {
+  std::vector<std::uint8_t> by_work;
+  for (const Index v : work.mesh.vertex2original.download()) by_work.push_back(span_of(motion)[v]);
+  const DeviceViewOf<Backend, std::uint8_t> view(backend, by_work);
+  cut_moving_triangles(backend, view.span(), work.dofs.reference);
 }
 
 /// Moves the mesh to one target after the other, until one cannot be reached or the caller cancels.
@@ -93,6 +103,9 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
   WorkingSet<Backend> work;
   work.scale = job == nullptr ? unit_scale(mesh) : std::min(unit_scale(mesh), job->scale);
   timer.measure(Phase::load, [&] { import_mesh(backend, mesh, options, surface, job == nullptr, work, report); });
+  if (job != nullptr && options.boundary == Boundary::slide) {
+    optimize_on_detail::cut_reference(backend, job->motion, work);
+  }
 
   Optimizer<Backend> optimizer(backend, work, options, context, report, timer, start);
   const auto tracker = optimize_on_detail::run_phases(optimizer, job);

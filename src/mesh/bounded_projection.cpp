@@ -83,14 +83,36 @@ void BoundedProjection::set_couplings() {
     span_of(ratio)[i] = full > 0 ? std::min(1.0, span_of(mass_)[i] / full) : 0;
     span_of(mass_)[i] += span_of(kept_mass_)[i];
   }
+  std::vector<double> entries;
   for (Size entry = 0; entry < std::ssize(corners_); ++entry) {
     double factor = 1;
     for (const Index i : span_of(corners_)[entry]) factor = std::min(factor, span_of(ratio)[i]);
-    couplings_.push_back(factor * span_of(volumes)[entry] / 20);
+    entries.push_back(factor * span_of(volumes)[entry] / 20);
   }
+  set_rows(entries);
   for (Size i = 0; i < n; ++i) {
     span_of(diagonal_)[i] = span_of(mass_)[i];
     for_neighbors(i, [&](Index, double c) { span_of(diagonal_)[i] -= c; });
+  }
+}
+
+void BoundedProjection::set_rows(const std::vector<double>& entries) {
+  rows_.assign(1, 0);
+  for (Size i = 0; i < std::ssize(vertices_); ++i) {
+    const auto begin = std::ssize(columns_);
+    for (Size s = span_of(offsets_)[i]; s < span_of(offsets_)[i + 1]; ++s) {
+      const Size entry = span_of(stars_)[s] / 4;
+      for (const Index j : span_of(corners_)[entry]) {
+        if (j == i) continue;
+        const Size k = std::find(columns_.begin() + begin, columns_.end(), j) - columns_.begin();
+        if (k == std::ssize(columns_)) {
+          columns_.push_back(j);
+          couplings_.push_back(0);
+        }
+        span_of(couplings_)[k] += span_of(entries)[entry];
+      }
+    }
+    rows_.push_back(std::ssize(columns_));
   }
 }
 

@@ -25,6 +25,8 @@ class BoundedProjection {
  private:
   void find_vertices();
   void set_couplings();
+  /// Sums the entries of the mass matrix off its diagonal, given that of each changed tetrahedron.
+  void set_rows(const std::vector<double>& entries);
   void gather(Size field, const std::vector<double>& old, const std::vector<double>& result);
   void solve();
   void limit();
@@ -33,11 +35,8 @@ class BoundedProjection {
   /// matrix that it adds.
   template <class Visit>
   void for_neighbors(Size i, const Visit& visit) const {
-    for (Size s = span_of(offsets_)[i]; s < span_of(offsets_)[i + 1]; ++s) {
-      const Size entry = span_of(stars_)[s] / 4;
-      for (const Index j : span_of(corners_)[entry]) {
-        if (j != i) visit(j, span_of(couplings_)[entry]);
-      }
+    for (Size k = span_of(rows_)[i]; k < span_of(rows_)[i + 1]; ++k) {
+      visit(span_of(columns_)[k], span_of(couplings_)[k]);
     }
   }
   /// The product of the mass matrix with x.
@@ -54,7 +53,10 @@ class BoundedProjection {
   std::vector<Index> vertices_;                ///< of changed tetrahedra; "vertex i" is the entry i
   std::vector<std::array<Index, 4>> corners_;  ///< of each changed tetrahedron
   std::vector<Size> offsets_, stars_;          ///< per vertex: its places in corners_, 4 per tetrahedron
-  std::vector<double> couplings_;  ///< per changed tetrahedron: the entry of the mass matrix off its diagonal
+  /// The entries of the mass matrix off its diagonal: those of vertex i are rows_[i] .. rows_[i + 1] - 1.
+  std::vector<Size> rows_;
+  std::vector<Index> columns_;
+  std::vector<double> couplings_;
   std::vector<double> mass_;       ///< per vertex, lumped
   std::vector<double> kept_mass_;  ///< per vertex: of the unchanged tetrahedra alone
   std::vector<double> diagonal_;   ///< of the mass matrix

@@ -20,8 +20,17 @@ struct TetOverlap {
 /// Six times the signed volume.
 double six_volume(const TetPoints& x);
 
+/// A tetrahedron with the gradients of its barycentric coordinates 1 to 3, which are not finite where it is flat.
+struct TetFrame {
+  TetPoints points;
+  std::array<Vec3, 3> gradient;
+  double six;  ///< see six_volume()
+
+  explicit TetFrame(const TetPoints& of);
+};
+
 /// Intersects two tetrahedra of any orientation by clipping `a` by the planes of `b`. Intersections below 1e-14 of
 /// either volume are rounding and count as empty. `with_moments` false leaves the moments 0.
-TetOverlap overlap(const TetPoints& a, const TetPoints& b, bool with_moments);
+TetOverlap overlap(const TetFrame& a, const TetFrame& b, bool with_moments);
 
 }  // namespace tetune

@@ -131,7 +131,13 @@ TetOverlaps find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes,
   begin(result.tets);
   const std::vector<Index> changed = changed_old(meshes);
   std::vector<Box> boxes;
-  for (const Index t : changed) boxes.push_back(box_of(meshes.old_tet(t)));
+  std::vector<TetFrame> frames;
+  boxes.reserve(changed.size());
+  frames.reserve(changed.size());
+  for (const Index t : changed) {
+    frames.emplace_back(meshes.old_tet(t));
+    boxes.push_back(box_of(frames.back().points));
+  }
   const BoxTree tree(boxes);
 
   constexpr Size kChunk = 128;
@@ -141,12 +147,12 @@ TetOverlaps find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes,
     std::vector<Pair>& pairs = span_of(chunks)[chunk];
     for (Size i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
       const Index t = span_of(result.tets)[i];
-      const TetPoints x = meshes.new_tet(t);
-      const double size = volume(x);
-      tree.for_meeting(box_of(x), [&](Index item) {
+      const TetFrame x(meshes.new_tet(t));
+      const double size = std::fabs(x.six) / 6;
+      tree.for_meeting(box_of(x.points), [&](Index item) {
         const Index old = span_of(changed)[item];
         if (meshes.regions[meshes.tet2original[t]] != meshes.regions[old]) return;
-        const TetOverlap common = overlap(x, meshes.old_tet(old), with_moments);
+        const TetOverlap common = overlap(x, span_of(frames)[item], with_moments);
         if (common.part == 0) return;
         pairs.push_back({i, old, common.part * size});
         visit(i, old, common);

@@ -7,6 +7,7 @@
 
 #include "phases/harmonic_extension.hpp"
 #include "phases/optimizer.hpp"
+#include "phases/sliding_motion.hpp"
 #include "tetune/move.hpp"
 
 namespace tetune {
@@ -19,8 +20,11 @@ struct DisplacedPoints {
   Span<const Vec3> target;
   Span<const std::uint8_t> prescribed;
   double step;
+  Span<const VertexDof> dof;
+  Span<const Vec3> slid;  ///< meaningful where a vertex slides; may be empty if none does
   /// At the end of the way, a prescribed vertex is at its target to the last bit.
   TETUNE_HD Vec3 operator()(Size v) const {
+    if (slid.size() > 0 && slides(dof[v])) return slid[v];
     return step == 1 && prescribed[v] != 0 ? target[v] : vec(points[v]) + step * displacement[v];
   }
 };
@@ -82,8 +86,12 @@ struct MovePoints {
   Span<DisplacementBound> bounds;  ///< may be empty
   TETUNE_HD void operator()(Size v) const {
     // The bound limits what improvement moves a vertex: its center follows the motion.
-    if (bounds.size() > 0) bounds[v].center = bounds[v].center + displaced.step * displaced.displacement[v];
-    points[v] = point(displaced(v));
+    const Vec3 end = displaced(v);
+    if (bounds.size() > 0) {
+      const Vec3 move = slides(displaced.dof[v]) ? end - vec(points[v]) : displaced.step * displaced.displacement[v];
+      bounds[v].center = bounds[v].center + move;
+    }
+    points[v] = point(end);
   }
 };
 
@@ -191,9 +199,9 @@ class TargetFollower {
   /// is not done.
   std::vector<Index> blocking_slots(double rest) {
     extend(0);
-    const double part = std::min(1.0, parameters().min_fraction / rest);
+    const auto next = displaced(std::min(1.0, parameters().min_fraction / rest));
     for (const bool strict : {false, true}) {
-      const auto slots = find_tets(optimizer_.backend, optimizer_.work.mesh, refuses(part, strict));
+      const auto slots = find_tets(optimizer_.backend, optimizer_.work.mesh, refuses(next, strict));
       if (slots.size() > 0) return slots.download();
     }
     return {};
@@ -232,7 +240,7 @@ class TargetFollower {
                      StartDisplacement{work.mesh.points, target, prescribed, work.dofs.dof, rest, displacement_});
     if (backend.stop_requested()) return 0;
     assemble_stiffness(backend, work.mesh, work.rings.view(), stiffness_);
-    return extend_harmonically(backend, stiffness_, work.dofs, parameters().solver_tolerance,
+    return extend_harmonically(backend, stiffness_, sliding_.find_spaces(backend, work), parameters().solver_tolerance,
                                parameters().max_solver_iterations, displacement_);
   }
 
@@ -250,12 +258,23 @@ class TargetFollower {
     optimizer_.backend.fill(Span<T>(buffer.span().data() + old, size - old), value);
   }
 
+  /// Valid until the next call.
+  follow_targets_detail::DisplacedPoints displaced(double part) {
+    WorkingSet<Backend>& work = optimizer_.work;
+    const Span<const Vec3> displacement = std::as_const(displacement_).span();
+    return {work.mesh.points.span(),
+            displacement,
+            std::as_const(target_).span(),
+            std::as_const(prescribed_).span(),
+            part,
+            work.dofs.dof.span(),
+            sliding_.find_ends(optimizer_.backend, work, displacement, part)};
+  }
+
   /// Without `strict`, only positive volumes count.
-  follow_targets_detail::RefusesStep refuses(double part, bool strict) {
-    const MeshView mesh = optimizer_.work.mesh.view();
-    return {mesh,
-            {mesh.points, std::as_const(displacement_).span(), std::as_const(target_).span(),
-             std::as_const(prescribed_).span(), part},
+  follow_targets_detail::RefusesStep refuses(const follow_targets_detail::DisplacedPoints& displaced, bool strict) {
+    return {optimizer_.work.mesh.view(),
+            displaced,
             kShapeObjective,
             strict ? parameters().safe_energy : kInfeasible,
             parameters().max_energy_growth};
@@ -270,7 +289,7 @@ class TargetFollower {
       // Where only volumes count, a much shorter step is better than none.
       const double least = (strict ? 1 : 0.01) * parameters().min_fraction;
       for (double part = first; part * rest >= least; part *= parameters().step_decrease) {
-        const CountRefusing refusing{refuses(part, strict)};
+        const CountRefusing refusing{refuses(displaced(part), strict)};
         if (optimizer_.backend.template reduce<Sum<Size>>(optimizer_.work.mesh.slots(), refusing).value == 0)
           return part;
       }
@@ -283,7 +302,8 @@ class TargetFollower {
     const Backend& backend = optimizer_.backend;
     WorkingSet<Backend>& work = optimizer_.work;
     backend.for_each(work.mesh.vertices(),
-                     MovePoints{refuses(part, false).displaced, work.mesh.points, work.dofs.displacement_bound});
+                     MovePoints{displaced(part), work.mesh.points, work.dofs.displacement_bound});
+    sliding_.set_surface_points(backend, work);
     backend.fill(work.dofs.active.span(), std::uint8_t{1});
   }
 
@@ -294,6 +314,7 @@ class TargetFollower {
   BufferOf<Backend, Vec3> target_;
   BufferOf<Backend, std::uint8_t> prescribed_;
   BufferOf<Backend, Vec3> displacement_;
+  SlidingMotion<Backend> sliding_;
   Stiffness<Backend> stiffness_;
 };
 

@@ -29,6 +29,12 @@ struct Stiffness {
   StiffnessView view() const { return {offsets.span(), columns.span(), values.span(), diagonal.span()}; }
 };
 
+/// Where each vertex may go: VertexDof::surface and curve count as fixed.
+struct MotionSpaces {
+  Span<const VertexDof> dof;
+  Span<const Vec3> axis;  ///< see MotionSpace
+};
+
 namespace harmonic_extension_detail {
 
 struct IndexLess {
@@ -245,12 +251,11 @@ void assemble_stiffness(const Backend& backend, WorkMesh<Backend>& mesh, const R
 /// given. `displacement` holds these and an initial guess. Ends when the norm of the residual is `tolerance` times that
 /// of the right-hand side. Returns the number of iterations.
 template <class Backend>
-int extend_harmonically(const Backend& backend, const Stiffness<Backend>& stiffness, VertexDofs<Backend>& dofs,
+int extend_harmonically(const Backend& backend, const Stiffness<Backend>& stiffness, const MotionSpaces& spaces,
                         double tolerance, int max_iterations, BufferOf<Backend, Vec3>& displacement) {
   using namespace harmonic_extension_detail;
   const Size n = displacement.size();
-  const DofsView view = dofs.view();
-  const System system{stiffness.view(), view.dof, view.axis};
+  const System system{stiffness.view(), spaces.dof, spaces.axis};
   const Span<Vec3> d = displacement.span();
   BufferOf<Backend, Vec3> residual(backend, n);
   BufferOf<Backend, Vec3> direction(backend, n);

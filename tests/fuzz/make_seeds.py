@@ -306,6 +306,9 @@ def main(folder):
                 for order in "<>":
                     put("medit_binary", f"{stem}_{version}{'le' if order == '<' else 'be'}",
                         medit_binary(points, tets, extra, version, order))
+    put("series", "two", b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n<!-- c -->\n'
+        b'<DataSet timestep="0.5" group="" part="0" file="a &amp; b.vtu"/>\n<DataSet timestep="1" file="c.vtu"></DataSet>\n'
+        b'</Collection>\n</VTKFile>\n')
     for i, line in enumerate(COMMAND_LINES):
         put("options", str(i), line.replace(" ", "\n").encode())
     for i in range(8):  # optimize() takes its mesh and options from bytes, whatever they are

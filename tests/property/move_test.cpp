@@ -408,8 +408,10 @@ TEST(Move, RefusesUnusableTargets) {
   refuses({before.points, half}, {}, "target 2: the position of vertex 5 is not finite");
   half[5] = {std::numeric_limits<double>::infinity(), 0, 0};
   refuses({half}, {}, "vertex 5 is not finite");
-  refuses({before.points}, options_of(Effort::standard, Boundary::slide), "boundary=slide");
-  Options options;
+  Options options = options_of(Effort::standard, Boundary::slide);
+  options.max_deviation = 0.1;
+  refuses({before.points}, options, "max_deviation");
+  options = {};
   options.frozen_vertices = {1, 1};
   refuses({before.points}, options, "frozen_vertices has 2 entries");
 }

@@ -42,7 +42,7 @@ TEST(TetOverlap, AgreesWithSampling) {
   for (int i = 0; i < 60; ++i) {
     const TetPoints a = random_tet();
     const TetPoints b = random_tet();
-    const TetOverlap common = overlap(a, b, true);
+    const TetOverlap common = overlap(TetFrame(a), TetFrame(b), true);
     TetOverlap sampled;
     for (int s = 0; s < kSamples; ++s) {
       std::array<double, 4> w{};
@@ -67,8 +67,8 @@ TEST(TetOverlap, AgreesWithSampling) {
     }
     EXPECT_NEAR(sum, common.part, 1e-12);
     const double volumes = std::fabs(six_volume(b) / six_volume(a));
-    EXPECT_NEAR(overlap(b, a, false).part * volumes, common.part, 1e-12) << "from either side";
-    EXPECT_NEAR(overlap(a, a, false).part, 1, 1e-12);
+    EXPECT_NEAR(overlap(TetFrame(b), TetFrame(a), false).part * volumes, common.part, 1e-12) << "from either side";
+    EXPECT_NEAR(overlap(TetFrame(a), TetFrame(a), false).part, 1, 1e-12);
   }
 }
 

@@ -58,14 +58,15 @@ std::vector<Vec3> solve(const Backend& backend, const Problem& p, double toleran
   WorkMesh<Backend> mesh = upload_mesh(backend, p.mesh);
   Rings<Backend> rings;
   build_rings(backend, mesh, rings);
-  VertexDofs<Backend> dofs;
-  dofs.dof.upload(backend, p.dof);
-  dofs.axis.upload(backend, p.axis);
+  BufferOf<Backend, VertexDof> dof;
+  BufferOf<Backend, Vec3> axis;
+  dof.upload(backend, p.dof);
+  axis.upload(backend, p.axis);
   BufferOf<Backend, Vec3> displacement;
   displacement.upload(backend, p.displacement);
   Stiffness<Backend> stiffness;
   assemble_stiffness(backend, mesh, rings.view(), stiffness);
-  const int done = extend_harmonically(backend, stiffness, dofs, tolerance, 10000, displacement);
+  const int done = extend_harmonically(backend, stiffness, {dof.span(), axis.span()}, tolerance, 10000, displacement);
   if (iterations != nullptr) *iterations = done;
   return displacement.download();
 }

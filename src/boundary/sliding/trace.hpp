@@ -104,13 +104,12 @@ TETUNE_HD inline TraceResult project_step(const ReferenceView& ref, VertexDof do
   return advance(ref, dof, element, on, x, element.descent, 1);
 }
 
-/// Moves over the surface, from `from` at surface point `on`, while that leads closer to a target; returns the end and
-/// its surface point.
+/// Moves over the surface, from `from` at surface point `on`, while that leads closer to a target, over at most
+/// `max_elements` of its elements; returns the end and its surface point.
 TETUNE_HD inline Vec3 project_on_reference(const ReferenceView& ref, VertexDof dof, const Vec3& from,
-                                           const Vec3& target, SurfacePoint& on) {
-  constexpr int kMaxTraceSteps = 32;
+                                           const Vec3& target, SurfacePoint& on, int max_elements = 32) {
   Vec3 x = from;
-  for (int step = 0; step < kMaxTraceSteps; ++step) {
+  for (int step = 0; step < max_elements; ++step) {
     const TraceResult end = project_step(ref, dof, on, x, target - x);
     x = end.position;
     on = end.surface_point;

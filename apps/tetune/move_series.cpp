@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "move_series.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <new>
+
+#include "interrupt.hpp"
+#include "mesh_files.hpp"
+#include "move_targets.hpp"
+#include "option_flags.hpp"
+#include "report_files.hpp"
+#include "tables.hpp"
+#include "tetune/live_mesh.hpp"
+#include "tetune/series.hpp"
+
+namespace tetune::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Throws OptionError for arguments that a series does not take.
+void check_arguments(const OptimizeArguments& a, const Job& job) {
+  if (!is_series(job.input) || !is_series(job.output)) {
+    throw OptionError(fmt::format("{} -> {}: a time series (.pvd) becomes a time series; name one for both", job.input,
+                                  job.output));
+  }
+  const std::pair<bool, const char*> refused[] = {{!a.move->to.empty(), "--to"},
+                                                  {!job.map.empty(), "--map"},
+                                                  {!job.trace.empty(), "--trace"},
+                                                  {a.criteria.has_value(), "--criteria"},
+                                                  {!a.periodic.empty(), "--periodic"},
+                                                  {!a.periodic_map.empty(), "--periodic-map"},
+                                                  {!a.max_deviation.empty(), "--max-deviation"},
+                                                  {!a.options.targets.empty(), "--target-dihedral, --target-quality"},
+                                                  {a.time_limit.has_value(), "--time-limit"},
+                                                  {a.max_memory.has_value(), "--max-memory"},
+                                                  {a.dry_run, "--dry-run"}};
+  for (const auto& [is_given, flag] : refused) {
+    if (is_given) throw OptionError(fmt::format("{}: {} is not for time series; leave it out", job.input, flag));
+  }
+}
+
+/// The name of the mesh of a step: that of the series with a number.
+std::string step_name(const std::string& series, std::size_t step) {
+  const fs::path path = series;
+  return (path.parent_path() / fmt::format("{}_{:04}.vtu", path.stem().string(), step)).string();
+}
+
+class SeriesRun {
+ public:
+  SeriesRun(const OptimizeArguments& arguments, const Job& job, Console& console)
+      : a_(arguments), job_(job), console_(console), options_(arguments.options) {}
+
+  Outcome run() {
+    check_arguments(a_, job_);
+    read();
+    LiveMesh mesh(input_, options_);
+    original_of_.resize(input_.points.size());
+    for (std::size_t v = 0; v < original_of_.size(); ++v) original_of_[v] = static_cast<Index>(v);
+    outcome_.before = quality(input_, options_.threads);
+    outcome_.code = kDone;
+    outcome_.summary = "done";
+    for (std::size_t i = 0; i < steps_.size() && outcome_.code == kDone; ++i) {
+      const bool moves = i > 0 || !a_.move->displacement.empty();
+      MoveReport report;
+      if (moves) report = move(mesh, i);
+      if (interrupt::requested() && !report.reached()) break;
+      write(mesh.mesh(), i, moves ? &report : nullptr);
+    }
+    if (interrupt::requested()) {
+      outcome_.code = kStoppedEarly;
+      outcome_.summary = "interrupted";
+    }
+    outcome_.after = quality(mesh.mesh(), options_.threads);
+    finish();
+    return outcome_;
+  }
+
+ private:
+  void read() {
+    check_writable(step_name(job_.output, 0));
+    check_folder(job_.output);
+    check_folder(job_.report);
+    console_.phase("reading");
+    steps_ = read_series(job_.input);
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      std::error_code error;
+      for (const SeriesStep& step : steps_) {
+        if (!fs::equivalent(step_name(job_.output, i), step.path, error) || error) continue;
+        throw OptionError(fmt::format("{}: the file {} of the input would be overwritten; give the output another name",
+                                      job_.output, step.path));
+      }
+    }
+    Input first = read_input(steps_[0].path, options_.threads);
+    choose_tags(first, steps_[0].path, a_.tags);
+    for (const std::string& w : first.warnings) warn(w);
+    input_ = std::move(first.mesh);
+    if (input_.tets.empty()) throw MeshError(steps_[0].path + ": there is no tetrahedron in this file");
+    freeze(a_.frozen, steps_[0].path, input_, options_);
+  }
+
+  void warn(const std::string& text) {
+    if (std::find(warnings_.begin(), warnings_.end(), text) != warnings_.end()) return;
+    console_.warn(text);
+    warnings_.push_back(text);
+  }
+
+  /// The targets of a step, for the vertices of the first file.
+  VertexTargets read_target(std::size_t i) {
+    const SeriesStep& step = steps_[i];
+    if (i == 0) return target_of(input_, input_, step.path, *a_.move);
+    const TetMesh mesh = read_mesh(step.path, nullptr, options_.threads);
+    if (mesh.points.size() != input_.points.size() || mesh.tets.size() != input_.tets.size()) {
+      throw MeshError(fmt::format("{}: {} vertices and {} tetrahedra, but {} has {} and {}; all files of a series must "
+                                  "have the same mesh, with moved vertices or a displacement",
+                                  step.path, mesh.points.size(), mesh.tets.size(), steps_[0].path,
+                                  input_.points.size(), input_.tets.size()));
+    }
+    // Reading turns tetrahedra that the motion has turned over.
+    const auto same = [](const auto& a, const auto& b) { return std::is_permutation(a.begin(), a.end(), b.begin()); };
+    const auto differing = std::mismatch(mesh.tets.begin(), mesh.tets.end(), input_.tets.begin(), same).first;
+    if (differing != mesh.tets.end()) {
+      throw MeshError(fmt::format("{}: tetrahedron {} has other vertices than in {}; all files of a series must have "
+                                  "the same mesh, with moved vertices or a displacement",
+                                  step.path, differing - mesh.tets.begin() + 1, steps_[0].path));
+    }
+    return target_of(input_, mesh, step.path, *a_.move);
+  }
+
+  /// Moves the mesh to the target of a step, as far as that is possible.
+  MoveReport move(LiveMesh& mesh, std::size_t i) {
+    console_.phase("moving");
+    const VertexTargets by_original = read_target(i);
+    VertexTargets target(mesh.mesh().points.size(), Point3{NAN, NAN, NAN});
+    std::size_t prescribed = 0;
+    for (std::size_t v = 0; v < target.size(); ++v) {
+      if (original_of_[v] < 0) continue;
+      target[v] = by_original[static_cast<std::size_t>(original_of_[v])];
+      if (!std::isnan(target[v][0])) ++prescribed;
+    }
+    const auto wanted =
+        std::count_if(by_original.begin(), by_original.end(), [](const Point3& p) { return !std::isnan(p[0]); });
+    if (static_cast<std::ptrdiff_t>(prescribed) < wanted) {
+      throw OptionError(fmt::format("{}: {} vertices with a target were removed in earlier steps, in which they had "
+                                    "none; give them one in all steps, or --keep-vertices",
+                                    steps_[i].path, wanted - static_cast<std::ptrdiff_t>(prescribed)));
+    }
+    Context context;
+    if (console_.shows_progress()) {
+      context.progress = [this](const Progress& p) {
+        console_.update(p);
+        return true;
+      };
+    }
+    context.stop = [] {
+      interrupt::enter(interrupt::Stage::worth_writing);
+      return interrupt::requested();
+    };
+    MoveReport report = mesh.move(target, context);
+    const std::vector<Index>& from = report.optimization.vertex2original;
+    if (!from.empty()) {
+      std::vector<Index> now;
+      for (const Index v : from) now.push_back(v < 0 ? v : original_of_[static_cast<std::size_t>(v)]);
+      original_of_ = std::move(now);
+    }
+    warn_of_moved_fields(report.optimization);
+    return report;
+  }
+
+  void warn_of_moved_fields(const Report& report) {
+    std::string names;
+    for (const std::string& name : report.moved_fields) {
+      if (name != a_.move->displacement) names += (names.empty() ? "" : ", ") + name;
+    }
+    if (names.empty()) return;
+    warn("vertices moved and kept their values of " + names +
+         ": of a field, --data interpolate or --data conserve evaluates it at the new places");
+  }
+
+  /// Writes the mesh of a step and the series up to it.
+  void write(const TetMesh& mesh, std::size_t i, const MoveReport* report) {
+    console_.phase("writing");
+    const SeriesStep step{steps_[i].time, step_name(job_.output, i)};
+    std::vector<std::string> warnings;
+    write_mesh(step.path, mesh, options_.threads, &warnings);
+    for (const std::string& w : warnings) warn(w);
+    written_.push_back(step);
+    write_series(job_.output, written_);
+    nlohmann::ordered_json entry = {{"time", step.time}, {"file", step.path}};
+    std::string text = fmt::format("  time {:.6g}: {}", step.time, shown_name(step.path, true));
+    if (report == nullptr) {
+      text += ", the mesh of the first file\n";
+    } else {
+      entry["motion"] = to_json(*report);
+      const double angle = report->steps.empty() ? 0 : report->steps.back().dihedral_min;
+      text += fmt::format(", {} steps, smallest dihedral angle of what moved {:.2f}\n", report->steps.size(), angle);
+      if (!report->reached()) {
+        outcome_.code = kStoppedEarly;
+        outcome_.summary = "motion blocked";
+        text += move_summary(*report, mesh);
+      }
+    }
+    entries_.push_back(entry);
+    console_.print(text);
+  }
+
+  void finish() {
+    if (!job_.report.empty()) {
+      const nlohmann::ordered_json json = {{"tetune", TETUNE_VERSION},
+                                           {"input", job_.input},
+                                           {"output", job_.output},
+                                           {"options", to_json(options_)},
+                                           {"warnings", warnings_},
+                                           {"before", to_json(outcome_.before)},
+                                           {"after", to_json(outcome_.after)},
+                                           {"times", entries_}};
+      write_text(job_.report, json_text(json));
+    }
+    console_.print(quality_table({"first", "last"}, {outcome_.before, outcome_.after}) +
+                   fmt::format("  {} of {} times written: {}\n", written_.size(), steps_.size(), job_.output));
+  }
+
+  const OptimizeArguments& a_;
+  const Job& job_;
+  Console& console_;
+  Options options_;
+  std::vector<SeriesStep> steps_, written_;
+  TetMesh input_;  ///< of the first file
+  std::vector<Index> original_of_;  ///< per vertex: that of the first file, or -1
+  std::vector<std::string> warnings_;
+  nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();
+  Outcome outcome_;
+};
+
+}  // namespace
+
+bool is_series(const std::string& path) { return fs::path(path).extension() == ".pvd"; }
+
+Outcome run_series(const OptimizeArguments& arguments, const Job& job, Console& console) {
+  interrupt::enter(interrupt::Stage::nothing);
+  const auto start = std::chrono::steady_clock::now();
+  Outcome outcome;
+  try {
+    outcome = SeriesRun(arguments, job, console).run();
+  } catch (const std::bad_alloc&) {
+    console.error(job.input + ": out of memory");
+  } catch (const std::exception& e) {
+    console.error(with_flags(e.what()));
+  }
+  console.clear();
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return outcome;
+}
+
+}  // namespace tetune::cli

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/series.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "system/file.hpp"
+#include "system/path.hpp"
+#include "system/real_text.hpp"
+#include "tetune/error.hpp"
+#include "tetune/io.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr std::array<std::pair<char, std::string_view>, 5> kEntities{
+    {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&apos;"}}};
+
+struct Attribute {
+  std::string_view name;
+  std::string value;
+};
+
+/// An XML tag; a closing one has no attributes.
+struct Tag {
+  std::string_view name;
+  std::vector<Attribute> attributes;
+  bool closes = false;  ///< </name>
+  bool is_empty = false;  ///< <name/>
+
+  const std::string* find(std::string_view attribute) const {
+    for (const Attribute& a : attributes) {
+      if (a.name == attribute) return &a.value;
+    }
+    return nullptr;
+  }
+};
+
+/// Reads the tags of the part of XML that collections use: elements with attributes, comments and a declaration, no
+/// text.
+class TagReader {
+ public:
+  TagReader(std::string path, std::string_view text) : path_(std::move(path)), text_(text) {}
+
+  [[noreturn]] void fail(const std::string& reason) const {
+    const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n');
+    throw FileError(path_ + ", line " + std::to_string(line) + ": " + reason);
+  }
+
+  /// Whether there is another tag; skips comments and declarations before it.
+  bool has_next() {
+    if (at_ == 0 && text_.starts_with("\xef\xbb\xbf")) at_ = 3;
+    for (;;) {
+      skip_space();
+      if (at_ == text_.size()) return false;
+      if (skip("<!--")) {
+        skip_to("-->", "a comment does not end");
+      } else if (skip("<?")) {
+        skip_to("?>", "a declaration does not end");
+      } else {
+        return true;
+      }
+    }
+  }
+
+  Tag next() {
+    if (!has_next()) fail("the file ends early");
+    if (!skip("<")) fail("expected an element; a collection has no text between elements");
+    Tag tag;
+    tag.closes = skip("/");
+    tag.name = name();
+    skip_space();
+    while (!skip(">")) {
+      if (!tag.closes && skip("/>")) {
+        tag.is_empty = true;
+        break;
+      }
+      if (tag.closes) fail("expected > at the end of </" + std::string(tag.name));
+      tag.attributes.push_back(attribute(tag));
+      skip_space();
+    }
+    return tag;
+  }
+
+ private:
+  static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+  void skip_space() {
+    while (at_ < text_.size() && is_space(text_[at_])) ++at_;
+  }
+  bool skip(std::string_view expected) {
+    if (!text_.substr(at_).starts_with(expected)) return false;
+    at_ += expected.size();
+    return true;
+  }
+  void skip_to(std::string_view end, const char* otherwise) {
+    const std::size_t found = text_.find(end, at_);
+    if (found == std::string_view::npos) fail(otherwise);
+    at_ = found + end.size();
+  }
+  std::string_view name() {
+    const std::size_t start = at_;
+    const auto belongs = [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+             c == ':' || c == '.';
+    };
+    while (at_ < text_.size() && belongs(text_[at_])) ++at_;
+    if (at_ == start) fail("expected a name");
+    return text_.substr(start, at_ - start);
+  }
+  Attribute attribute(const Tag& tag) {
+    Attribute result{name(), {}};
+    if (tag.find(result.name) != nullptr) fail("the attribute " + std::string(result.name) + " is given twice");
+    skip_space();
+    if (!skip("=")) fail("expected = after " + std::string(result.name));
+    skip_space();
+    const char quote = at_ < text_.size() ? text_[at_] : '\0';
+    if (quote != '"' && quote != '\'') fail("the value of " + std::string(result.name) + " has no quotes");
+    const std::size_t end = text_.find(quote, at_ + 1);
+    if (end == std::string_view::npos) fail("the value of " + std::string(result.name) + " does not end");
+    result.value = decoded(text_.substr(at_ + 1, end - at_ - 1));
+    at_ = end + 1;
+    return result;
+  }
+  std::string decoded(std::string_view text) const {
+    std::string result;
+    while (!text.empty()) {
+      const auto* entity = std::find_if(kEntities.begin(), kEntities.end(),
+                                        [text](const auto& e) { return text.starts_with(e.second); });
+      if (entity == kEntities.end() && (text[0] == '&' || text[0] == '<')) {
+        fail("in a value, " + std::string(1, text[0]) + " is written " + (text[0] == '&' ? "&amp;" : "&lt;"));
+      }
+      result += entity == kEntities.end() ? text[0] : entity->first;
+      text.remove_prefix(entity == kEntities.end() ? 1 : entity->second.size());
+    }
+    return result;
+  }
+
+  const std::string path_;
+  const std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+std::string encoded(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    const auto* entity =
+        std::find_if(kEntities.begin(), kEntities.end(), [c](const auto& e) { return e.first == c; });
+    if (entity == kEntities.end()) {
+      result += c;
+    } else {
+      result += entity->second;
+    }
+  }
+  return result;
+}
+
+SeriesStep read_step(const TagReader& reader, const Tag& tag, const std::filesystem::path& folder) {
+  const std::string* time = tag.find("timestep");
+  const std::string* file = tag.find("file");
+  if (time == nullptr) reader.fail("a DataSet has no timestep");
+  if (file == nullptr || file->empty()) reader.fail("a DataSet names no file");
+  SeriesStep step;
+  const char* const end = time->data() + time->size();
+  const auto [stop, error] = parse_real(time->data(), end, step.time);
+  if (error != std::errc() || stop != end || !std::isfinite(step.time)) {
+    reader.fail("the timestep \"" + *time + "\" is no finite number");
+  }
+  step.path = (folder / path_of(*file)).string();
+  return step;
+}
+
+/// The children of the element Collection.
+std::vector<SeriesStep> read_collection(TagReader& reader, const std::filesystem::path& folder) {
+  std::vector<SeriesStep> steps;
+  for (Tag tag = reader.next(); !tag.closes; tag = reader.next()) {
+    if (tag.name != "DataSet") reader.fail(std::string("<").append(tag.name).append("> in a collection; expected <DataSet>"));
+    steps.push_back(read_step(reader, tag, folder));
+    if (steps.size() > 1 && !(steps[steps.size() - 2].time < steps.back().time)) {
+      reader.fail(steps[steps.size() - 2].time == steps.back().time
+                      ? "a time has several files; a series of one mesh has one file per time"
+                      : "the times do not increase");
+    }
+    if (tag.is_empty) continue;
+    const Tag end = reader.next();
+    if (!end.closes || end.name != "DataSet") reader.fail("expected </DataSet>");
+  }
+  return steps;
+}
+
+}  // namespace
+
+std::vector<SeriesStep> parse_series(const std::string& path, std::string_view bytes) {
+  TagReader reader(path, bytes);
+  const auto expect = [&reader](const Tag& tag, std::string_view name, bool closes) {
+    if (tag.name == name && tag.closes == closes) return;
+    reader.fail(std::string(closes ? "expected </" : "expected <").append(name).append(">"));
+  };
+  const Tag file = reader.next();
+  expect(file, "VTKFile", false);
+  const std::string* type = file.find("type");
+  if (type == nullptr || *type != "Collection") {
+    reader.fail("this is a file of VTK, but no collection (type=\"Collection\")");
+  }
+  const Tag collection = reader.next();
+  expect(collection, "Collection", false);
+  std::vector<SeriesStep> steps;
+  if (!file.is_empty && !collection.is_empty) steps = read_collection(reader, path_of(path).parent_path());
+  if (steps.empty()) reader.fail("the collection lists no file");
+  expect(reader.next(), "VTKFile", true);
+  if (reader.has_next()) reader.fail("there is more after </VTKFile>");
+  return steps;
+}
+
+std::vector<SeriesStep> read_series(const std::string& path) { return parse_series(path, MappedFile(path).bytes()); }
+
+void write_series(const std::string& path, const std::vector<SeriesStep>& steps) {
+  const std::filesystem::path folder = path_of(path).parent_path();
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
+  for (const SeriesStep& step : steps) {
+    const std::filesystem::path file = path_of(step.path);
+    std::array<char, 32> time{};
+    const auto end = print_real(time.data(), time.data() + time.size(), step.time).ptr;
+    text += "    <DataSet timestep=\"" + std::string(time.data(), end) + "\" part=\"0\" file=\"" +
+            encoded((file.parent_path() == folder ? file.filename() : file).string()) + "\"/>\n";
+  }
+  write_text(path, text + "  </Collection>\n</VTKFile>\n");
+}
+
+}  // namespace tetune

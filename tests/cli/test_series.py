@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tetune move of a time series: the meshes of all times, what the files must have, and exit codes. Run: see cli_case.py."""
+
+import json
+import os
+import re
+import struct
+
+import cli_case
+from cli_case import CliTest, cube
+
+
+class Series(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.mesh = cube(4)
+
+    def vtk(self, name, points, tets=None, data=()):
+        """A legacy VTK file; `data`: name and numbers of point data with three or one components."""
+        tets = self.mesh.tets if tets is None else tets
+
+        def numbers(code, rows):
+            flat = [x for row in rows for x in row]
+            return struct.pack(f">{len(flat)}{code}", *flat) + b"\n"
+
+        parts = ["# vtk DataFile Version 3.0\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\n",
+                 f"POINTS {len(points)} double\n", numbers("d", points),
+                 f"CELLS {len(tets)} {5 * len(tets)}\n", numbers("i", [(4, *t) for t in tets]),
+                 f"CELL_TYPES {len(tets)}\n", numbers("i", [(10,)] * len(tets)), f"POINT_DATA {len(points)}\n"]
+        for field, values in data:
+            kind = f"VECTORS {field} double\n" if len(values[0]) == 3 else f"SCALARS {field} double 1\nLOOKUP_TABLE default\n"
+            parts += [kind, numbers("d", values)]
+        with open(self.path(name), "wb") as file:
+            file.write(b"".join(part if isinstance(part, bytes) else part.encode() for part in parts))
+
+    def series(self, files, name="in.pvd"):
+        entries = "".join(f'<DataSet timestep="{time}" file="{file}"/>\n' for time, file in files)
+        with open(self.path(name), "w") as file:
+            file.write(f'<VTKFile type="Collection" version="0.1">\n<Collection>\n{entries}</Collection>\n</VTKFile>\n')
+        return self.path(name)
+
+    def points(self, name):
+        """The coordinates of a file of the result."""
+        self.run_cli("convert", self.path(name), "-o", self.path("back.mesh"))
+        after = cli_case.Mesh.read(self.path("back.mesh"))
+        self.assertGreater(min(after.volumes()), 0)
+        return after.points
+
+    def stretched(self, by):
+        return [(by * p[0], p[1], p[2]) for p in self.mesh.points]
+
+    def test_positions(self):
+        linear = [(2 * p[0] + p[2],) for p in self.mesh.points]
+        self.vtk("a.vtk", self.mesh.points, data=[("heat", linear)])
+        self.vtk("b.vtk", self.stretched(1.25))
+        self.vtk("c.vtk", self.stretched(0.5))
+        done = self.run_cli("move", self.series([(0, "a.vtk"), (0.1, "b.vtk"), (0.3, "c.vtk")]), "-o", self.path("out.pvd"),
+                            "--data", "interpolate", "--report", self.path("r.json"))
+        self.assertIn("3 of 3 times written", done.stdout)
+        with open(self.path("out.pvd")) as file:
+            self.assertEqual(re.findall(r'timestep="([^"]*)".*file="([^"]*)"', file.read()),
+                             [("0", "out_0000.vtu"), ("0.1", "out_0001.vtu"), ("0.3", "out_0002.vtu")])
+        self.assertEqual(self.points("out_0000.vtu"), self.mesh.points)
+        for name, by in (("out_0001.vtu", 1.25), ("out_0002.vtu", 0.5)):
+            after = self.points(name)
+            for v, p in enumerate(self.mesh.points):
+                if any(x in (0, 1) for x in p):
+                    self.assertEqual(after[v], (by * p[0], p[1], p[2]))
+        with open(self.path("r.json")) as file:
+            report = json.load(file)
+        self.assertEqual([t["time"] for t in report["times"]], [0, 0.1, 0.3])
+        self.assertEqual(report["times"][2]["motion"]["fraction"], 1)
+
+    def test_displacements(self):
+        still = [(0.0, 0.0, 0.0)] * len(self.mesh.points)
+        lifted = [(0.0, 0.0, 0.2 * p[2]) for p in self.mesh.points]
+        self.vtk("a.vtk", self.mesh.points, data=[("u", still)])
+        self.vtk("b.vtk", self.mesh.points, data=[("u", lifted)])
+        self.run_cli("move", self.series([(1, "a.vtk"), (2, "b.vtk")]), "-o", self.path("out.pvd"), "--displacement", "u",
+                     "--effort", "best", "--threads", "1")
+        self.assertAlmostEqual(max(p[2] for p in self.points("out_0001.vtu")), 1.2)
+
+    def test_blocked(self):
+        self.vtk("a.vtk", self.mesh.points)
+        self.vtk("b.vtk", self.stretched(-1))
+        self.vtk("c.vtk", self.mesh.points)
+        done = self.run_cli("move", self.series([(0, "a.vtk"), (1, "b.vtk"), (2, "c.vtk")]), "-o", self.path("out.pvd"), code=1)
+        self.assertIn("block it", done.stdout)
+        self.points("out_0001.vtu")
+        self.assertFalse(os.path.exists(self.path("out_0002.vtu")))
+
+    def test_refusals(self):
+        tets = [self.mesh.tets[1], self.mesh.tets[0], *self.mesh.tets[2:]]
+        self.vtk("a.vtk", self.mesh.points)
+        self.vtk("other.vtk", self.mesh.points, tets)
+        self.vtk("less.vtk", self.mesh.points, self.mesh.tets[1:])
+        out = self.path("out.pvd")
+        for file, said in (("other.vtk", "tetrahedron 1 has other vertices"), ("less.vtk", "the same mesh"), ("no.vtk", "no.vtk")):
+            done = self.run_cli("move", self.series([(0, "a.vtk"), (1, file)]), "-o", out, code=2)
+            self.assertIn(said, done.stderr)
+            self.points("out_0000.vtu")
+        good = self.series([(0, "a.vtk"), (1, "a.vtk")])
+        self.refused("move", good, "-o", self.path("out.mesh"), said=["becomes a time series"])
+        self.refused("move", good, "-o", out, "--to", self.path("a.vtk"), said=["--to is not for time series"])
+        self.refused("move", good, "-o", out, "--map", self.path("m.txt"), said=["--map"])
+        self.refused("move", self.series([(0, "a.vtk"), (0, "a.vtk")]), "-o", out, said=["several files"])
+        os.rename(self.path("a.vtk"), self.path("out_0000.vtu"))
+        self.refused("move", self.series([(0, "out_0000.vtu")]), "-o", out, said=["would be overwritten"])
+
+
+if __name__ == "__main__":
+    cli_case.main(__doc__)
