@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 /// Throws OptionError for arguments that a series does not take.
 void check_arguments(const OptimizeArguments& a, const Job& job) {
   if (!is_series(job.input) || !is_series(job.output)) {
-    throw OptionError(fmt::format("{} -> {}: a time series (.pvd) becomes a time series; name one for both", job.input,
-                                  job.output));
+    throw OptionError(
+        fmt::format("{} -> {}: a time series (.pvd) becomes a time series; name one for both", job.input, job.output));
   }
   const std::pair<bool, const char*> refused[] = {{!a.move->to.empty(), "--to"},
                                                   {!job.map.empty(), "--map"},
@@ -116,18 +116,19 @@ class SeriesRun {
     if (i == 0) return target_of(input_, input_, step.path, *a_.move);
     const TetMesh mesh = read_mesh(step.path, nullptr, options_.threads);
     if (mesh.points.size() != input_.points.size() || mesh.tets.size() != input_.tets.size()) {
-      throw MeshError(fmt::format("{}: {} vertices and {} tetrahedra, but {} has {} and {}; all files of a series must "
-                                  "have the same mesh, with moved vertices or a displacement",
-                                  step.path, mesh.points.size(), mesh.tets.size(), steps_[0].path,
-                                  input_.points.size(), input_.tets.size()));
+      throw MeshError(fmt::format(
+          "{}: {} vertices and {} tetrahedra, but {} has {} and {}; all files of a series must "
+          "have the same mesh, with moved vertices or a displacement",
+          step.path, mesh.points.size(), mesh.tets.size(), steps_[0].path, input_.points.size(), input_.tets.size()));
     }
     // Reading turns tetrahedra that the motion has turned over.
     const auto same = [](const auto& a, const auto& b) { return std::is_permutation(a.begin(), a.end(), b.begin()); };
     const auto differing = std::mismatch(mesh.tets.begin(), mesh.tets.end(), input_.tets.begin(), same).first;
     if (differing != mesh.tets.end()) {
-      throw MeshError(fmt::format("{}: tetrahedron {} has other vertices than in {}; all files of a series must have "
-                                  "the same mesh, with moved vertices or a displacement",
-                                  step.path, differing - mesh.tets.begin() + 1, steps_[0].path));
+      throw MeshError(
+          fmt::format("{}: tetrahedron {} has other vertices than in {}; all files of a series must have "
+                      "the same mesh, with moved vertices or a displacement",
+                      step.path, differing - mesh.tets.begin() + 1, steps_[0].path));
     }
     return target_of(input_, mesh, step.path, *a_.move);
   }
@@ -146,9 +147,10 @@ class SeriesRun {
     const auto wanted =
         std::count_if(by_original.begin(), by_original.end(), [](const Point3& p) { return !std::isnan(p[0]); });
     if (static_cast<std::ptrdiff_t>(prescribed) < wanted) {
-      throw OptionError(fmt::format("{}: {} vertices with a target were removed in earlier steps, in which they had "
-                                    "none; give them one in all steps, or --keep-vertices",
-                                    steps_[i].path, wanted - static_cast<std::ptrdiff_t>(prescribed)));
+      throw OptionError(
+          fmt::format("{}: {} vertices with a target were removed in earlier steps, in which they had "
+                      "none; give them one in all steps, or --keep-vertices",
+                      steps_[i].path, wanted - static_cast<std::ptrdiff_t>(prescribed)));
     }
     Context context;
     if (console_.shows_progress()) {
@@ -211,14 +213,10 @@ class SeriesRun {
 
   void finish() {
     if (!job_.report.empty()) {
-      const nlohmann::ordered_json json = {{"tetune", TETUNE_VERSION},
-                                           {"input", job_.input},
-                                           {"output", job_.output},
-                                           {"options", to_json(options_)},
-                                           {"warnings", warnings_},
-                                           {"before", to_json(outcome_.before)},
-                                           {"after", to_json(outcome_.after)},
-                                           {"times", entries_}};
+      const nlohmann::ordered_json json = {
+          {"tetune", TETUNE_VERSION},         {"input", job_.input},   {"output", job_.output},
+          {"options", to_json(options_)},     {"warnings", warnings_}, {"before", to_json(outcome_.before)},
+          {"after", to_json(outcome_.after)}, {"times", entries_}};
       write_text(job_.report, json_text(json));
     }
     console_.print(quality_table({"first", "last"}, {outcome_.before, outcome_.after}) +
@@ -230,7 +228,7 @@ class SeriesRun {
   Console& console_;
   Options options_;
   std::vector<SeriesStep> steps_, written_;
-  TetMesh input_;  ///< of the first file
+  TetMesh input_;                   ///< of the first file
   std::vector<Index> original_of_;  ///< per vertex: that of the first file, or -1
   std::vector<std::string> warnings_;
   nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();

@@ -4,6 +4,7 @@
 #include "mesh/constrained_edges.hpp"
 #include "mesh/small_set.hpp"
 #include "operators/edge_star.hpp"
+#include "operators/kernel_point.hpp"
 #include "operators/star_candidate.hpp"
 #include "relocation/angle_cost_ring.hpp"
 #include "relocation/step.hpp"
@@ -165,32 +166,10 @@ class StarCavity {
     return team.merge(largest).value;
   }
 
-  /// Moves x into the kernel of the cavity, that is to where all faces are visible, by steps over the plane of the most
-  /// violated face (relaxation after Motzkin and Schoenberg). Returns false where it finds no such place.
+  /// move_into_kernel() of the cavity's faces.
   template <class Team = backend::SingleThread>
   TETUNE_HD bool find_kernel_point(Vec3& x, const Team& team = {}) const {
-    // Face i belongs to thread i % kSize of the team.
-    constexpr int kOwn = (kMaxStarFaces + Team::kSize - 1) / Team::kSize;
-    Vec3 normal[kOwn];
-    double height[kOwn];  // of the plane that x is to be above
-    for (int i = team.rank(); i < face_count_; i += Team::kSize) {
-      const Vec3 p = vec(mesh_.points[faces_[i].v[0]]);
-      const Vec3 n = opposite_face(p, vec(mesh_.points[faces_[i].v[1]]), vec(mesh_.points[faces_[i].v[2]])).n;
-      const double twice_area = norm(n);
-      normal[i / Team::kSize] = (1 / twice_area) * n;
-      height[i / Team::kSize] = dot(normal[i / Team::kSize], p) + kHeight * std::sqrt(twice_area);
-    }
-    for (int step = 0; step < kRelaxations; ++step) {
-      backend::IndexedMax below{0, -1};
-      for (int i = team.rank(); i < face_count_; i += Team::kSize) {
-        below.add(height[i / Team::kSize] - dot(normal[i / Team::kSize], x), i);
-      }
-      below = team.merge(below);
-      if (below.index < 0) return true;
-      x = x + (kOverRelaxation * below.value) *
-                  team.broadcast(normal[below.index / Team::kSize], below.index % Team::kSize);
-    }
-    return false;
+    return move_into_kernel<kMaxStarFaces>(mesh_.points, faces_, face_count_, x, team);
   }
   /// Whether all vertices and constrained edges of the cavity, except for the apex inside it, are on its faces.
   TETUNE_HD bool preserves_constraints(Index apex) const {
@@ -278,10 +257,6 @@ class StarCavity {
   }
 
   static constexpr int kGrowthRounds = 3;
-  static constexpr int kRelaxations = 30;
-  static constexpr double kOverRelaxation = 1.5;
-  /// The height required over a face, in parts of the square root of twice its area.
-  static constexpr double kHeight = 0.1;
   /// The part of the energy that a step must reduce, by its model.
   static constexpr double kMinGain = 1e-3;
 
