@@ -94,6 +94,14 @@ void bind_targets(nb::module_& m) {
       .def_prop_ro("met", &TargetReport::met);
 }
 
+void bind_straightened(nb::module_& m) {
+  nb::class_<StraightenedEdge>(m, "StraightenedEdge",
+                               "An edge of a curved surface that keeps a part of its curvature alone.")
+      .def_ro("vertices", &StraightenedEdge::vertices)
+      .def_ro("kept", &StraightenedEdge::kept, "The part.")
+      .def_ro("moved", &StraightenedEdge::moved, "Distance of the mid-side node from the curved surface.");
+}
+
 /// A member of all places as a numpy array of four columns.
 template <class T>
 nb::object columns_of(const std::vector<MeshPlace>& places, std::array<T, 4> MeshPlace::*member) {
@@ -172,11 +180,7 @@ void bind_report(nb::module_& m) {
   bind_progress(m);
   bind_passes(m);
   bind_targets(m);
-  nb::class_<StraightenedEdge>(m, "StraightenedEdge",
-                               "An edge of a curved surface that keeps a part of its curvature alone.")
-      .def_ro("vertices", &StraightenedEdge::vertices)
-      .def_ro("kept", &StraightenedEdge::kept, "The part.")
-      .def_ro("moved", &StraightenedEdge::moved, "Distance of the mid-side node from the curved surface.");
+  bind_straightened(m);
   nb::class_<Report> report(m, "Report", "The account of a run of optimize().");
   bind_counts(report, kOperationCounts);
   bind_maps(report);
