@@ -326,7 +326,7 @@ tetune_status tetune_criteria_add(tetune_criteria* criteria, const char* measure
 tetune_status tetune_mesh_check(const tetune_mesh* mesh, const tetune_criteria* criteria, tetune_verdict* verdict) {
   return guarded([&] {
     const tetune::AcceptanceReport report = tetune::check(checked(mesh).mesh, checked(criteria).criteria);
-    checked(verdict) = static_cast<tetune_verdict>(report.verdict);
+    checked(verdict) = tetune_verdict(report.verdict);
   });
 }
 
@@ -338,7 +338,7 @@ tetune_status tetune_optimize_towards(tetune_mesh* mesh, const tetune_criteria* 
     const tetune::AcceptanceCriteria& limits = checked(criteria).criteria;
     run(report, [&] {
       tetune::CriteriaReport done = tetune::optimize_towards(to, limits, options_of(options), hooks_of(progress, user));
-      if (verdict != nullptr) *verdict = static_cast<tetune_verdict>(done.after.verdict);
+      if (verdict != nullptr) *verdict = tetune_verdict(done.after.verdict);
       return std::move(done.optimization);
     });
   });

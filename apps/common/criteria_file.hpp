@@ -27,7 +27,7 @@ std::string name_suggestion(const std::string& name, const std::vector<std::stri
 /// For an unknown measure, as a part of a message: the most similar known name, and all of them.
 std::string measure_suggestion(const std::string& name);
 
-/// The help text of --criteria; `action` ends with "by".
+/// The help text of --criteria: `action`, which ends with "by", and the criteria.
 std::string criteria_help(const std::string& action);
 
 }  // namespace tetune::cli

@@ -112,7 +112,7 @@ void define_targets(CLI::App& c, OptimizeArguments& a) {
 
 void define_criteria(CLI::App& c, OptimizeArguments& a) {
   const std::string action =
-      c.get_name() == "move" ? "Judge the result by" : "Work on what fails, and judge the result, by";
+      c.get_name() == "move" ? "Judge the result by" : "Optimize towards, and judge the result by,";
   c.add_option("--criteria", a.criteria_name, criteria_help(action))->option_text("NAME|FILE")->group(kTargets);
 }
 

@@ -50,7 +50,7 @@ PYTHON = """# Python
 ## HTML report
 {tetune.report.write_page}
 ## Result types
-{tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison tetune.AcceptanceReport tetune.CriterionResult tetune.CurvedQuality tetune.CurvedTet tetune.CurveReport tetune.StraightenedEdge}
+{tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison tetune.AcceptanceReport tetune.CriterionResult tetune.CriteriaReport tetune.CriteriaRound tetune.CriterionLimits tetune.CurvedQuality tetune.CurvedTet tetune.CurveReport tetune.StraightenedEdge}
 ## Errors
 {tetune.Error tetune.MeshError tetune.UntangleError tetune.OverlapError tetune.OptionError tetune.FileError tetune.DeviceError}
 """

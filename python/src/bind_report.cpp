@@ -71,13 +71,7 @@ void bind_passes(nb::module_& m) {
       .def_ro("seconds", &WorstReport::seconds);
 }
 
-std::map<std::string, std::int64_t> held_by(const TargetReport& report) {
-  std::map<std::string, std::int64_t> named;
-  for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
-    if (report.held_by[k] > 0) named.emplace(to_string(static_cast<LimitingConstraint>(k)), report.held_by[k]);
-  }
-  return named;
-}
+std::map<std::string, std::int64_t> held_by(const TargetReport& report) { return by_constraint(report.held_by); }
 
 void bind_targets(nb::module_& m) {
   const auto constraint = [](const MissedTet& t) { return std::string(to_string(t.held_by)); };
@@ -98,6 +92,14 @@ void bind_targets(nb::module_& m) {
       .def_prop_ro("pinned", &held_by, "The former name of held_by, until version 0.3.")
       .def_ro("worst", &TargetReport::worst, "The worst of them.")
       .def_prop_ro("met", &TargetReport::met);
+}
+
+void bind_straightened(nb::module_& m) {
+  nb::class_<StraightenedEdge>(m, "StraightenedEdge",
+                               "An edge of a curved surface that keeps a part of its curvature alone.")
+      .def_ro("vertices", &StraightenedEdge::vertices)
+      .def_ro("kept", &StraightenedEdge::kept, "The part.")
+      .def_ro("moved", &StraightenedEdge::moved, "Distance of the mid-side node from the curved surface.");
 }
 
 /// A member of all places as a numpy array of four columns.
@@ -173,6 +175,14 @@ void bind_straightened(nb::module_& m) {
 }
 
 }  // namespace
+
+std::map<std::string, std::int64_t> by_constraint(const std::array<std::int64_t, kLimitingConstraints>& held_by) {
+  std::map<std::string, std::int64_t> named;
+  for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
+    if (held_by[k] > 0) named.emplace(to_string(static_cast<LimitingConstraint>(k)), held_by[k]);
+  }
+  return named;
+}
 
 void bind_report(nb::module_& m) {
   bind_progress(m);

@@ -3,9 +3,13 @@
 
 #include <nanobind/nanobind.h>
 
+#include <array>
+#include <cstdint>
+#include <map>
 #include <string>
 
 #include "tetune/context.hpp"
+#include "tetune/targets.hpp"
 
 /// The parts of the module tetune._core.
 namespace tetune::python {
@@ -16,6 +20,9 @@ void warn(const std::string& text);
 /// The hooks of a run: calls `progress`, a function or None, with the GIL held, after Python's handlers of signals
 /// (Ctrl-C).
 Context context_of(nanobind::object progress);
+
+/// The numbers of elements that constraints hold, by their names; without zeros.
+std::map<std::string, std::int64_t> by_constraint(const std::array<std::int64_t, kLimitingConstraints>& held_by);
 
 void bind_criteria(nanobind::module_& m);
 void bind_live(nanobind::module_& m);

@@ -41,6 +41,40 @@ def test_presets_and_dicts(tmp_path):
     assert from_file.results[0].warn is None
 
 
+def test_optimize_towards_criteria():
+    points, tets = shaken_box()
+    plain = tetune.optimize(points, tets)
+    assert plain.criteria is None
+    reached = tetune.check(plain.mesh, {"mean_ratio": {"fail": 0.0}}).results[0].worst
+    limits = {"mean_ratio": {"fail": reached + 1e-3}, "edge_ratio": {"fail": 1.01}}
+    result = tetune.optimize(points, tets, criteria=limits)
+    assert (result.criteria.before.verdict, result.criteria.after.verdict) == ("fail", "fail")
+    assert result.criteria.no_rounds == "" and len(result.criteria.rounds) > 0
+    first = result.criteria.rounds[0]
+    assert first.rings == 2 and first.active > 0 and first.failed_after <= first.failed_before
+    judged = tetune.check(result.mesh, limits)
+    assert [r.worst for r in judged.results] == [r.worst for r in result.criteria.after.results]
+    edges = next(x for x in result.criteria.limits if x.measure == "edge_ratio")
+    assert edges.fail == 1.01 and sum(edges.held_by.values()) == judged.results[1].failed
+    assert edges.worst[0].value == judged.results[1].worst and edges.worst[0].held_by in edges.held_by
+    assert len(result.parent) == len(result.mesh.tets) and result.report.tets_after == len(result.mesh.tets)
+    stopped = tetune.optimize(points, tets, criteria=limits, progress=lambda _: False)
+    assert stopped.report.stop == "cancelled" and len(stopped.criteria.rounds) == 0
+    assert tetune.optimize(points, tets, criteria="openfoam").criteria.after.name == "openfoam"
+    with pytest.raises(tetune.OptionError, match="did you mean 'collapse'"):
+        tetune.optimize(points, tets, criteria={"colapse": {"warn": 1}})
+
+
+def test_optimize_grids_towards_criteria():
+    pv = pytest.importorskip("pyvista")
+    points, tets = shaken_box()
+    cells = np.hstack([np.full((len(tets), 1), 4), tets]).ravel()
+    grid = pv.UnstructuredGrid(cells, np.full(len(tets), pv.CellType.TETRA), points)
+    result = grid.tetune.run(criteria={"edge_ratio": {"fail": 100}})
+    assert isinstance(result.mesh, pv.UnstructuredGrid) and result.criteria.after.verdict == "pass"
+    assert grid.tetune.optimize(criteria="abaqus").n_points == len(points)
+
+
 def test_errors(tmp_path):
     points, tets = shaken_box()
     needs_files(tmp_path)

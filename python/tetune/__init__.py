@@ -12,6 +12,9 @@ from importlib.metadata import version
 from ._core import (
     AcceptanceReport,
     Comparison,
+    CriteriaReport,
+    CriteriaRound,
+    CriterionLimits,
     CriterionResult,
     CurveReport,
     CurvedQuality,
@@ -54,6 +57,9 @@ __version__ = version("tetune")
 __all__ = [
     "AcceptanceReport",
     "Comparison",
+    "CriteriaReport",
+    "CriteriaRound",
+    "CriterionLimits",
     "CriterionResult",
     "CurveReport",
     "CurveResult",

@@ -14,7 +14,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._adapters import Adapter, Tags, adapter_of
-from ._core import AcceptanceReport, CurvedTet, CurveReport, MoveReport, OptionError, Progress, Quality, Report, TetMesh
+from ._core import (
+    AcceptanceReport,
+    CriteriaReport,
+    CurvedTet,
+    CurveReport,
+    MoveReport,
+    OptionError,
+    Progress,
+    Quality,
+    Report,
+    TetMesh,
+)
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -25,6 +36,7 @@ if TYPE_CHECKING:
 
 Float64s = NDArray[np.float64]
 Targets: TypeAlias = Union[ArrayLike, Sequence[ArrayLike]]
+Criteria: TypeAlias = Union[str, PathLike[str], Mapping[str, Mapping[str, float]]]
 M = TypeVar("M")
 R = TypeVar("R")
 
@@ -43,6 +55,8 @@ class Result(Generic[M]):
     """For each tetrahedron of the result one of the input in the same region: itself, or one that was replaced near it."""
     moved: NDArray[np.bool_] = field(repr=False)
     """For each vertex of the result whether its position differs from that in the input."""
+    criteria: CriteriaReport | None
+    """With the argument `criteria`: the verdicts before and after, and the constraints of what fails."""
 
 
 def _prepared(mesh: Any, tets: Any, tags: Tags) -> tuple[TetMesh, Adapter[Any]]:
@@ -71,6 +85,7 @@ def optimize(
     tets: ArrayLike,
     *,
     progress: bool | Callable[[Progress], object] = False,
+    criteria: Criteria | None = None,
     **options: Unpack[Options],
 ) -> Result[TetMesh]: ...
 @overload
@@ -79,6 +94,7 @@ def optimize(
     *,
     tags: Tags = None,
     progress: bool | Callable[[Progress], object] = False,
+    criteria: Criteria | None = None,
     **options: Unpack[Options],
 ) -> Result[pv.UnstructuredGrid]: ...
 @overload
@@ -86,6 +102,7 @@ def optimize(
     mesh: TetMesh,
     *,
     progress: bool | Callable[[Progress], object] = False,
+    criteria: Criteria | None = None,
     **options: Unpack[Options],
 ) -> Result[TetMesh]: ...
 @overload
@@ -94,6 +111,7 @@ def optimize(
     *,
     tags: Tags = None,
     progress: bool | Callable[[Progress], object] = False,
+    criteria: Criteria | None = None,
     **options: Unpack[Options],
 ) -> Result[meshio.Mesh]: ...
 def optimize(
@@ -102,6 +120,7 @@ def optimize(
     *,
     tags: Tags = None,
     progress: bool | Callable[[Progress], object] = False,
+    criteria: Criteria | None = None,
     **options: Unpack[Options],
 ) -> Result[Any]:
     """Improves a tetrahedral mesh; the argument is not changed.
@@ -120,9 +139,12 @@ def optimize(
             mesh has; False: none.
         progress: True shows a progress bar on a terminal; or a function that is called between passes and stops the
             run by returning False: the result is then the best mesh so far, and valid.
+        criteria: acceptance criteria, as in check(). The run then works on the tetrahedra that fail, in rounds
+            (docs/quality.md, "Acceptance"), and `result.criteria` has the verdicts and what constrains the rest.
         options: see Options.
 
     Raises:
+        FileError: the file of the criteria cannot be read, or names what is unknown.
         MeshError: the mesh is not valid: it has inverted elements, indices out of range or the like.
         OverlapError: the mesh overlaps itself, and flips would make faces that three or more tetrahedra share.
         UntangleError: the option untangle could not make every volume positive.
@@ -132,8 +154,16 @@ def optimize(
     work, adapter = _prepared(mesh, tets, tags)
     _check_data(adapter, options)
     before = np.asarray(mesh if tets is not None else adapter.points(), dtype=np.float64)
-    report = _with_progress(progress, lambda hook: _core.improve(work, dict(options), hook))
-    return _result(work, adapter, report, before, dict(options))
+    if criteria is None:
+        report = _with_progress(progress, lambda hook: _core.improve(work, dict(options), hook))
+        return _result(work, adapter, report, before, dict(options))
+    given = _criteria(criteria)
+    judged = _with_progress(progress, lambda hook: _core.improve_towards(work, given, dict(options), hook))
+    return _result(work, adapter, judged.optimization, before, dict(options), criteria=judged)
+
+
+def _criteria(given: Criteria) -> str | dict[str, Mapping[str, float]]:
+    return dict(given) if isinstance(given, Mapping) else str(given)
 
 
 def _with_progress(
@@ -149,7 +179,13 @@ def _with_progress(
 
 
 def _result(
-    work: TetMesh, adapter: Adapter[Any], report: Report, before: Float64s, options: Mapping[str, Any], displacement: str = ""
+    work: TetMesh,
+    adapter: Adapter[Any],
+    report: Report,
+    before: Float64s,
+    options: Mapping[str, Any],
+    displacement: str = "",
+    criteria: CriteriaReport | None = None,
 ) -> Result[Any]:
     vertex_map = _vertex_map(report, len(work.points))
     nodes = adapter.nodes(work, report, vertex_map)
@@ -162,7 +198,7 @@ def _result(
             "data='conserve' evaluates it at the new places",
             stacklevel=3,
         )
-    return Result(adapter.result(work, report, nodes), report, nodes.origin, report.tet2original, moved)
+    return Result(adapter.result(work, report, nodes), report, nodes.origin, report.tet2original, moved, criteria)
 
 
 @dataclass(frozen=True)
@@ -263,7 +299,7 @@ def move(
         arrays = [_core.surface_targets(work, t, list(patches)) for t in arrays]
     motion = _with_progress(progress, lambda hook: _core.move(work, arrays, dict(options), hook))
     r = _result(work, adapter, motion.optimization, before, dict(options), displacement)
-    return MoveResult(r.mesh, r.report, r.vertex_map, r.parent, r.moved, motion)
+    return MoveResult(r.mesh, r.report, r.vertex_map, r.parent, r.moved, r.criteria, motion)
 
 
 @dataclass(frozen=True)
@@ -324,7 +360,7 @@ def measure_each(mesh: Any, tets: ArrayLike | None = None, *, threads: int = 0) 
 
 def check(
     mesh: Any,
-    criteria: str | PathLike[str] | Mapping[str, Mapping[str, float]],
+    criteria: Criteria,
     *,
     tets: ArrayLike | None = None,
     threads: int = 0,
@@ -338,8 +374,7 @@ def check(
         FileError: the file cannot be read, or names what is unknown.
         OptionError: a limit is not usable.
     """
-    given = dict(criteria) if isinstance(criteria, Mapping) else str(criteria)
-    return _core.check(_measured(mesh, tets), given, threads=threads)
+    return _core.check(_measured(mesh, tets), _criteria(criteria), threads=threads)
 
 
 def _measured(mesh: Any, tets: ArrayLike | None) -> TetMesh:

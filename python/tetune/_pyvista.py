@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from os import PathLike
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import pyvista as pv
 
 from ._core import AcceptanceReport, Progress, Quality
-from ._optimize import Float64s, MoveResult, Result, Targets, check, measure_each, move, optimize, quality
+from ._optimize import Criteria, Float64s, MoveResult, Result, Targets, check, measure_each, move, optimize, quality
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -31,20 +30,22 @@ class TetuneAccessor:
         *,
         tags: Tags = None,
         progress: bool | Callable[[Progress], object] = False,
+        criteria: Criteria | None = None,
         **options: Unpack[Options],
     ) -> pv.UnstructuredGrid:
         """The improved grid: `tetune.optimize(grid, ...).mesh`."""
-        return self.run(tags=tags, progress=progress, **options).mesh
+        return self.run(tags=tags, progress=progress, criteria=criteria, **options).mesh
 
     def run(
         self,
         *,
         tags: Tags = None,
         progress: bool | Callable[[Progress], object] = False,
+        criteria: Criteria | None = None,
         **options: Unpack[Options],
     ) -> Result[pv.UnstructuredGrid]:
         """`tetune.optimize(grid, ...)`, with the report and the maps."""
-        return optimize(self._grid, tags=tags, progress=progress, **options)
+        return optimize(self._grid, tags=tags, progress=progress, criteria=criteria, **options)
 
     def move(
         self,
@@ -65,9 +66,7 @@ class TetuneAccessor:
         """`tetune.quality(grid)`."""
         return quality(self._grid, worst=worst, threads=threads)
 
-    def check(
-        self, criteria: str | PathLike[str] | Mapping[str, Mapping[str, float]], *, threads: int = 0
-    ) -> AcceptanceReport:
+    def check(self, criteria: Criteria, *, threads: int = 0) -> AcceptanceReport:
         """`tetune.check(grid, criteria)`."""
         return check(self._grid, criteria, threads=threads)
 

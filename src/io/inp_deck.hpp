@@ -52,6 +52,8 @@ struct InpSet {
   bool is_held = false;
   /// Tags of the regions in a set of elements; of those with all vertices in a set of nodes.
   std::vector<int> regions;
+  /// Tags of the quadrilaterals in a set of elements.
+  std::vector<int> quads;
   /// Face groups with all vertices in a set of nodes, and tags of such patches.
   std::vector<Index> groups;
   std::vector<int> patches;

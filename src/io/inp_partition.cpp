@@ -107,6 +107,12 @@ class InpRegions {
           span_of(is_solid(other.type) ? tags : quad_tags)[span_of(combination)[other.element]];
     }
     add_regions(combinations, occurs, tags);
+    for (std::size_t c = 0; c < quad_tags.size(); ++c) {
+      if (!of_quads[c] || quad_tags[c] == 0) continue;
+      for (const Index s : combinations.of(to_index(c))) {
+        if (s >= 0) span_of(model_.sets)[s].quads.push_back(quad_tags[c]);
+      }
+    }
   }
 
   void add_regions(const Combinations<Index>& combinations, const std::vector<bool>& occurs,
@@ -130,9 +136,15 @@ class InpRegions {
   TetMesh& mesh_;
 };
 
-/// Adds a group unless its name says no more than its tag.
+/// Adds a group, or tags to the one of this name, unless its name says no more than its tag.
 void add_group(TetMesh& mesh, int dimension, const std::string& name, const std::vector<int>& tags, const char* start) {
   if (tags.empty() || (tags.size() == 1 && is_inp_tag_name(name, start, tags[0]))) return;
+  for (Group& group : mesh.groups) {
+    if (group.dimension != dimension || inp_name(group.name) != inp_name(name)) continue;
+    group.tags.insert(group.tags.end(), tags.begin(), tags.end());
+    sort_unique(group.tags);
+    return;
+  }
   const auto is_taken = [&](int number) {
     return std::any_of(mesh.groups.begin(), mesh.groups.end(),
                        [&](const Group& g) { return g.dimension == dimension && g.number == number; });
@@ -140,6 +152,19 @@ void add_group(TetMesh& mesh, int dimension, const std::string& name, const std:
   int number = tags.size() == 1 && tags[0] > 0 ? tags[0] : 1;
   while (is_taken(number)) ++number;
   mesh.groups.push_back({dimension, number, name, tags});
+}
+
+/// The tags of the quadrilaterals in a set, without those that patches have by chance: a set that is named for the tag
+/// has the quadrilaterals and the patch in one group.
+std::vector<int> tags_of_quads(const InpSet& set, const InpModel& model) {
+  std::vector<int> tags = set.quads;
+  std::erase_if(tags, [&model](int tag) {
+    const auto has_tag = [tag](const InpPatch& patch) { return patch.tag == tag; };
+    const auto is_named = [tag](const InpSet& s) { return !s.of_nodes && is_inp_tag_name(s.name, "Surface", tag); };
+    return std::any_of(model.patches.begin(), model.patches.end(), has_tag) &&
+           std::none_of(model.sets.begin(), model.sets.end(), is_named);
+  });
+  return tags;
 }
 
 void add_groups(const InpModel& model, TetMesh& mesh) {
@@ -163,6 +188,7 @@ void add_groups(const InpModel& model, TetMesh& mesh) {
     if (!set.of_nodes || !set.regions.empty() || surfaces.count(inp_name(set.name)) != 0) continue;
     add_group(mesh, 2, set.name, set.patches, "Surface");
   }
+  for (const InpSet& set : model.sets) add_group(mesh, 2, set.name, tags_of_quads(set, model), "Surface");
 }
 
 /// Holds what other cards name by number.

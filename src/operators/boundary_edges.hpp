@@ -48,8 +48,7 @@ struct BoundaryEdge {
   Index triangle, other;  ///< other -1: there is none, or more than one
 };
 
-/// No edge.
-inline constexpr BoundaryEdge kNoBoundaryEdge{-1, -1, -1, -1, -1, -1};
+TETUNE_HD inline BoundaryEdge no_boundary_edge() { return {-1, -1, -1, -1, -1, -1}; }
 
 struct FindEdge {
   Span<const Point> points;
@@ -104,25 +103,25 @@ struct FindEdge {
 
   /// Whether an edge is flipped together with its periodic image.
   TETUNE_HD bool is_paired(const BoundaryEdge& e) const { return triangles[e.triangle].stays == kFlipsWithImage; }
-  /// The periodic image of an edge and its two triangles, whose vertices must be in four classes. kNoBoundaryEdge if
+  /// The periodic image of an edge and its two triangles, whose vertices must be in four classes. no_boundary_edge() if
   /// there is none, or more than one.
   TETUNE_HD BoundaryEdge image_of(const BoundaryEdge& e) const {
     const Index v[4] = {e.a, e.b, e.p, e.q};
     for (int i = 0; i < 4; ++i) {
-      if (images.class_of(v[i]) < 0) return kNoBoundaryEdge;
+      if (images.class_of(v[i]) < 0) return no_boundary_edge();
       for (int j = 0; j < i; ++j) {
-        if (images.class_of(v[i]) == images.class_of(v[j])) return kNoBoundaryEdge;
+        if (images.class_of(v[i]) == images.class_of(v[j])) return no_boundary_edge();
       }
     }
     const Vec3 shift = images.shift_of(e.a);
     const Index c = images.class_of(e.a);
-    BoundaryEdge found = kNoBoundaryEdge;
+    BoundaryEdge found = no_boundary_edge();
     for (std::uint32_t m = images.first[c]; m < images.first[c + 1]; ++m) {
       const PeriodicMember a = images.members[m];
       if (a.vertex == e.a) continue;
       const BoundaryEdge image = translated(e, a.vertex, a.shift - shift);
       if (image.other < 0) continue;
-      if (found.other >= 0) return kNoBoundaryEdge;
+      if (found.other >= 0) return no_boundary_edge();
       found = image;
     }
     return found;
@@ -153,12 +152,12 @@ struct FindEdge {
   TETUNE_HD BoundaryEdge translated(const BoundaryEdge& e, Index image_a, const Vec3& translation) const {
     const Index v[3] = {image_a, images.image_of(e.b, translation), images.image_of(e.p, translation)};
     const Index q = images.image_of(e.q, translation);
-    if (v[1] < 0 || v[2] < 0 || q < 0) return kNoBoundaryEdge;
+    if (v[1] < 0 || v[2] < 0 || q < 0) return no_boundary_edge();
     const Index triangle = find_triangle(triangles, vertex2corner, v);
-    if (triangle < 0) return kNoBoundaryEdge;
+    if (triangle < 0) return no_boundary_edge();
     const BoundaryTriangle& t = triangles[triangle];
     const BoundaryEdge image = (*this)(3 * Size{triangle} + (t.v[0] == v[2] ? 0 : t.v[1] == v[2] ? 1 : 2));
-    return image.other >= 0 && image.q == q ? image : kNoBoundaryEdge;
+    return image.other >= 0 && image.q == q ? image : no_boundary_edge();
   }
   /// Whether the surface is flat across the edge and across the one that a flip would make, and not folded back.
   TETUNE_HD bool is_flat(const BoundaryEdge& e) const {
@@ -232,7 +231,7 @@ struct FillEdge {
   Span<BoundaryEdge> images;  ///< empty where no edge is paired
   TETUNE_HD void operator()(Size i) const {
     edges[i] = find(corners[i]);
-    if (images.size() > 0) images[i] = find.is_paired(edges[i]) ? find.image_of(edges[i]) : kNoBoundaryEdge;
+    if (images.size() > 0) images[i] = find.is_paired(edges[i]) ? find.image_of(edges[i]) : no_boundary_edge();
   }
 };
 

@@ -180,9 +180,20 @@ TEST_F(Inp, OtherElementsAreHeld) {
   EXPECT_EQ(m.required_edges, std::vector<Index>{0});
   ASSERT_EQ(m.others.size(), 1U);
   EXPECT_EQ(m.others[0].kind, "Quadrilaterals");
+  EXPECT_TRUE(groups_of(m, 2).empty());
   EXPECT_EQ(m.required_vertices, (std::vector<Index>{0, 1, 2, 3}));
   write_mesh(path("b.inp"), m, 1);
   EXPECT_EQ(get("b.inp"), kTwo + cards);
+}
+
+TEST_F(Inp, SetsOfShellsAreGroupsWhereNoPatchHasTheirTag) {
+  const std::string shells = "*ELEMENT, TYPE=S4, ELSET=PLATE\n102, 10, 20, 30, 40\n";
+  const TetMesh m = read_mesh(put("a.inp", kTwo + shells), nullptr, 1);
+  EXPECT_EQ(groups_of(m, 2), (std::map<std::string, std::vector<int>>{{"PLATE", m.others.at(0).tags}}));
+  const TetMesh with_patch = read_mesh(put("a.inp", kTwo + shells + "*SURFACE, NAME=OUT\n7, S1\n"), nullptr, 1);
+  EXPECT_EQ(with_patch.triangle_tags, with_patch.others.at(0).tags);
+  EXPECT_EQ(groups_of(with_patch, 2).size(), 1U);
+  EXPECT_EQ(groups_of(with_patch, 2).count("OUT"), 1U);
 }
 
 TEST_F(Inp, PartsAndAssembliesAreRefused) {
@@ -300,6 +311,7 @@ TEST_F(Inp, GroupsOfOtherSolidsAndQuadrilateralsKeepTheirNames) {
   EXPECT_TRUE(contains(get("a.inp"), "*SURFACE, TYPE=ELEMENT, NAME=floor\n1, S"));
   const TetMesh back = read_mesh(path("a.inp"), nullptr, 1);
   EXPECT_EQ(groups_of(back, 3), groups_of(m, 3));
+  EXPECT_EQ(groups_of(back, 2), groups_of(m, 2));
   ASSERT_EQ(back.others.size(), 2U);
 }
 
