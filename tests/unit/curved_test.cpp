@@ -12,6 +12,7 @@
 #include "curved.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/held_bound.hpp"
+#include "curved/relaxation_energy.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -297,6 +298,37 @@ TEST(Curved, FoldedSurfaceIsNamed) {
     ADD_FAILURE() << "accepted";
   } catch (const MeshError& e) {
     EXPECT_NE(std::string(e.what()).find("mid-side nodes fold"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Curved, GradientOfTheRelaxationEnergyIsItsDerivative) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> shift(-0.05, 0.05);
+  PatchElement element;
+  for (std::size_t n = 0; n < 10; ++n) element.nodes[n] = n;
+  element.inverse_ideal = inverse_of_edges({Vec3{0, 0, 0}, {1, 0.2, 0}, {0.1, 1, 0}, {0, 0.3, 1.1}});
+  const TenNodes nodes = straight(kUnit);
+  const std::vector<std::size_t> unknowns{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  RelaxationEnergy energy({element}, {nodes.begin(), nodes.end()}, unknowns);
+  std::vector<double> x = energy.start();
+  for (double& c : x) c += shift(random);
+  std::vector<double> gradient(x.size());
+  std::vector<double> ignored(x.size());
+  for (const int power : {1, 4, 16}) {
+    for (const double epsilon : {0.0, 0.3}) {
+      energy.power = power;
+      energy.epsilon = epsilon;
+      energy(x, gradient);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        constexpr double kStep = 1e-6;
+        std::vector<double> y = x;
+        y[i] = x[i] + kStep;
+        const double high = energy(y, ignored);
+        y[i] = x[i] - kStep;
+        const double slope = (high - energy(y, ignored)) / (2 * kStep);
+        EXPECT_NEAR(gradient[i], slope, 1e-5 * (1 + std::fabs(slope)));
+      }
+    }
   }
 }
 
