@@ -20,39 +20,56 @@ using Values = std::array<double, kMatrices>;
 /// A vector per matrix, by components.
 using VectorValues = std::array<Values, 3>;
 
-/// The derivatives of the shape functions with respect to the reference coordinates, per node.
-using Derivatives = std::array<VectorValues, 10>;
+/// The derivatives of the shape functions, as polynomials in barycentric coordinates, per matrix: by coordinate a that
+/// of vertex a is `vertex[a]`, and that of the mid-side node of ab is `edge[b]`.
+struct Weights {
+  std::array<Values, 4> vertex, edge;
+};
 
 /// At the points of a lattice with four steps per edge; then those of the straight element.
-Derivatives make_derivatives() {
-  const std::array<Vec3, 4> slopes{Vec3{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  Derivatives all{};
+Weights make_weights() {
+  Weights weights{};
   std::size_t point = 0;
-  const auto set = [&](std::size_t node, const Vec3& g) {
-    all[node][0][point] = g.x;
-    all[node][1][point] = g.y;
-    all[node][2][point] = g.z;
-  };
   for (int i = 0; i <= 4; ++i) {
     for (int j = 0; i + j <= 4; ++j) {
       for (int k = 0; i + j + k <= 4; ++k) {
-        const std::array<double, 4> at{(4 - i - j - k) / 4.0, i / 4.0, j / 4.0, k / 4.0};
-        for (std::size_t v = 0; v < 4; ++v) set(v, (4 * at[v] - 1) * slopes[v]);
-        for (std::size_t e = 0; e < 6; ++e) {
-          const auto& [a, b] = kCurvedTetEdges[e];
-          set(4 + e, 4 * at[b] * slopes[a] + 4 * at[a] * slopes[b]);
+        const std::array<int, 4> steps{4 - i - j - k, i, j, k};
+        for (std::size_t v = 0; v < 4; ++v) {
+          weights.vertex[v][point] = steps[v] - 1;
+          weights.edge[v][point] = steps[v];
         }
         ++point;
       }
     }
   }
-  for (std::size_t v = 0; v < 4; ++v) set(v, slopes[v]);
+  for (std::size_t v = 0; v < 4; ++v) weights.vertex[v][point] = 1;
+  return weights;
+}
+
+const Weights& weights() {
+  static const Weights all = make_weights();
   return all;
 }
 
-const Derivatives& derivatives() {
-  static const Derivatives all = make_derivatives();
-  return all;
+void add_product(VectorValues& sum, const Values& factors, const Vec3& x) {
+  for (std::size_t p = 0; p < kMatrices; ++p) {
+    sum[0][p] += factors[p] * x.x;
+    sum[1][p] += factors[p] * x.y;
+    sum[2][p] += factors[p] * x.z;
+  }
+}
+
+/// Sum over the matrices, in four partial sums.
+Vec3 sum_of_products(const Values& factors, const VectorValues& v) {
+  static_assert(kMatrices % 4 == 0);
+  std::array<std::array<double, 4>, 3> sums{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t p = 0; p < kMatrices; p += 4) {
+      for (std::size_t l = 0; l < 4; ++l) sums[c][l] += factors[p + l] * v[c][p + l];
+    }
+  }
+  const auto total = [](const std::array<double, 4>& s) { return (s[0] + s[1]) + (s[2] + s[3]); };
+  return {total(sums[0]), total(sums[1]), total(sums[2])};
 }
 
 Values powers_of(Values x, int n) {
@@ -85,16 +102,19 @@ void combine(const std::array<double, 3>& factors, const std::array<VectorValues
 
 /// The columns of the Jacobian matrices relative to the ideal shape.
 std::array<VectorValues, 3> relative_jacobians(const PatchElement& element, const std::vector<Vec3>& nodes) {
-  std::array<VectorValues, 3> columns{};
-  for (std::size_t n = 0; n < 10; ++n) {
-    const Vec3& x = nodes[element.nodes[n]];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Values& g = derivatives()[n][k];
-      for (std::size_t p = 0; p < kMatrices; ++p) {
-        columns[k][0][p] += g[p] * x.x;
-        columns[k][1][p] += g[p] * x.y;
-        columns[k][2][p] += g[p] * x.z;
-      }
+  std::array<VectorValues, 4> by_coordinate{};
+  const auto at = [&](std::size_t n) { return nodes[element.nodes[n]]; };
+  for (std::size_t v = 0; v < 4; ++v) add_product(by_coordinate[v], weights().vertex[v], at(v));
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto& [a, b] = kCurvedTetEdges[e];
+    add_product(by_coordinate[a], weights().edge[b], at(4 + e));
+    add_product(by_coordinate[b], weights().edge[a], at(4 + e));
+  }
+  std::array<VectorValues, 3> columns;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t p = 0; p < kMatrices; ++p)
+        columns[k][c][p] = by_coordinate[k + 1][c][p] - by_coordinate[0][c][p];
     }
   }
   const auto& [r0, r1, r2] = element.inverse_ideal;
@@ -106,18 +126,6 @@ std::array<VectorValues, 3> relative_jacobians(const PatchElement& element, cons
 }
 
 Vec3 value(const VectorValues& v, std::size_t p) { return {v[0][p], v[1][p], v[2][p]}; }
-
-/// Sum over the matrices of a scalar product, in four partial sums.
-double sum_of_products(const VectorValues& a, const VectorValues& b) {
-  static_assert(kMatrices % 4 == 0);
-  std::array<double, 4> sums{};
-  for (std::size_t p = 0; p < kMatrices; p += 4) {
-    for (std::size_t l = 0; l < 4; ++l) {
-      sums[l] += a[0][p + l] * b[0][p + l] + a[1][p + l] * b[1][p + l] + a[2][p + l] * b[2][p + l];
-    }
-  }
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
-}
 
 }  // namespace
 
@@ -222,21 +230,25 @@ double RelaxationEnergy::add_element(const PatchElement& element, const std::vec
       }
     }
   }
-  // By the components of the derivative of a shape function, for each component of its node.
-  std::array<VectorValues, 3> by_component;
+  // By the barycentric coordinates.
+  std::array<VectorValues, 4> by_coordinate;
   const auto& [r0, r1, r2] = element.inverse_ideal;
-  std::array<VectorValues, 3> by_derivative;
-  combine({r0.x, r0.y, r0.z}, slopes, by_derivative[0]);
-  combine({r1.x, r1.y, r1.z}, slopes, by_derivative[1]);
-  combine({r2.x, r2.y, r2.z}, slopes, by_derivative[2]);
+  combine({r0.x, r0.y, r0.z}, slopes, by_coordinate[1]);
+  combine({r1.x, r1.y, r1.z}, slopes, by_coordinate[2]);
+  combine({r2.x, r2.y, r2.z}, slopes, by_coordinate[3]);
   for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t k = 0; k < 3; ++k) by_component[c][k] = by_derivative[k][c];
+    for (std::size_t p = 0; p < kMatrices; ++p) {
+      by_coordinate[0][c][p] = -(by_coordinate[1][c][p] + by_coordinate[2][c][p] + by_coordinate[3][c][p]);
+    }
   }
-  for (std::size_t n = 0; n < 10; ++n) {
-    const VectorValues& g = derivatives()[n];
-    Vec3& force = forces[element.nodes[n]];
-    force = force + Vec3{sum_of_products(g, by_component[0]), sum_of_products(g, by_component[1]),
-                         sum_of_products(g, by_component[2])};
+  const auto add = [&](std::size_t n, const Vec3& force) {
+    forces[element.nodes[n]] = forces[element.nodes[n]] + force;
+  };
+  for (std::size_t v = 0; v < 4; ++v) add(v, sum_of_products(weights().vertex[v], by_coordinate[v]));
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto& [a, b] = kCurvedTetEdges[e];
+    add(4 + e,
+        sum_of_products(weights().edge[b], by_coordinate[a]) + sum_of_products(weights().edge[a], by_coordinate[b]));
   }
   return energy;
 }

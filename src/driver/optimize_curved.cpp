@@ -111,7 +111,7 @@ class CurvedOptimizer {
     goal.min_dihedral = 0;
     goal.only_valid = true;
     split_hopeless(invalid);
-    relax_curved(base_, held_, find_invalid(base_), goal);
+    relax_curved(base_, held_, find_relaxable(), goal);
     const std::vector<Index> rest = find_invalid(base_);
     if (!options_.straighten && !with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
     split_invalid(goal);
@@ -133,6 +133,15 @@ class CurvedOptimizer {
       if (tets.empty() || split_edges(base_, held_, tets, origins_).empty()) return;
       held_.vertices.resize(base_.points.size(), 0);
     }
+  }
+
+  /// Elements that are not valid; those with a folded face only where all are to be counted.
+  std::vector<Index> find_relaxable() const {
+    std::vector<Index> tets = find_invalid(base_);
+    if (!options_.straighten) return tets;
+    const std::vector<Index> folded = with_folded_face(base_, tets);
+    std::erase_if(tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
+    return tets;
   }
 
   bool may_insert() const {
