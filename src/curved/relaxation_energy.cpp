@@ -125,6 +125,22 @@ std::array<VectorValues, 3> relative_jacobians(const PatchElement& element, cons
   return relative;
 }
 
+/// The slopes of the energy by the columns of the relative Jacobian matrices, per barycentric coordinate.
+std::array<VectorValues, 4> slopes_by_coordinate(const PatchElement& element,
+                                                 const std::array<VectorValues, 3>& slopes) {
+  std::array<VectorValues, 4> by_coordinate;
+  const auto& [r0, r1, r2] = element.inverse_ideal;
+  combine({r0.x, r0.y, r0.z}, slopes, by_coordinate[1]);
+  combine({r1.x, r1.y, r1.z}, slopes, by_coordinate[2]);
+  combine({r2.x, r2.y, r2.z}, slopes, by_coordinate[3]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t p = 0; p < kMatrices; ++p) {
+      by_coordinate[0][c][p] = -(by_coordinate[1][c][p] + by_coordinate[2][c][p] + by_coordinate[3][c][p]);
+    }
+  }
+  return by_coordinate;
+}
+
 Vec3 value(const VectorValues& v, std::size_t p) { return {v[0][p], v[1][p], v[2][p]}; }
 
 }  // namespace
@@ -230,17 +246,7 @@ double RelaxationEnergy::add_element(const PatchElement& element, const std::vec
       }
     }
   }
-  // By the barycentric coordinates.
-  std::array<VectorValues, 4> by_coordinate;
-  const auto& [r0, r1, r2] = element.inverse_ideal;
-  combine({r0.x, r0.y, r0.z}, slopes, by_coordinate[1]);
-  combine({r1.x, r1.y, r1.z}, slopes, by_coordinate[2]);
-  combine({r2.x, r2.y, r2.z}, slopes, by_coordinate[3]);
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t p = 0; p < kMatrices; ++p) {
-      by_coordinate[0][c][p] = -(by_coordinate[1][c][p] + by_coordinate[2][c][p] + by_coordinate[3][c][p]);
-    }
-  }
+  const std::array<VectorValues, 4> by_coordinate = slopes_by_coordinate(element, slopes);
   const auto add = [&](std::size_t n, const Vec3& force) {
     forces[element.nodes[n]] = forces[element.nodes[n]] + force;
   };

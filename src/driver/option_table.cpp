@@ -188,9 +188,10 @@ const std::array kTable{
                kSurfaceVertices,
                {},
                kSurfaceEditConditions},
-    OptionInfo{"untangle", &Options::untangle, kMethod,
-               "Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that "
-               "the surface alone makes invalid, or nearly so, are split"},
+    OptionInfo{
+        "untangle", &Options::untangle, kMethod,
+        "Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that "
+        "the surface alone makes invalid, or nearly so, are split"},
     OptionInfo{"straighten",
                &Options::straighten,
                kMethod,
