@@ -75,7 +75,7 @@ struct Options {
   Energy energy = Energy::shape;
   /// Without effect with Termination::paper. With Energy::harmonic there is no work on the worst elements.
   Effort effort = Effort::standard;
-  /// If true, Effort::best inserts and removes no vertex; the other efforts never do.
+  /// If true, no vertex is inserted or removed: otherwise Effort::best does it, and `untangle` in curved meshes.
   bool keep_vertices = false;
   /// Maximum number of tetrahedra of the result, in parts of those of the input, 1 to 100. With a larger value vertices
   /// are inserted around more of the worst tetrahedra, and the time grows likewise. Without effect where none are.
@@ -85,7 +85,8 @@ struct Options {
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;
   /// If true, inverted and flat tetrahedra are made positive first, instead of refused with MeshError: vertices move as
-  /// `boundary` allows, under an energy that is finite for negative volumes.
+  /// `boundary` allows, under an energy that is finite for negative volumes. Curved second-order elements that the
+  /// surface alone makes invalid, or nearly so, are split.
   bool untangle = false;
   /// With `untangle`, in meshes of curved second-order tetrahedra: where the mid-side nodes of the surface make
   /// elements invalid wherever inner nodes are, they move toward the middle of their chord, as little as makes the

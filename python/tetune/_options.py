@@ -33,13 +33,13 @@ class Options(TypedDict, total=False):
     effort: Literal["fast", "standard", "best"]
     """How much is done; fast: flips are searched for once, and sweeps end when one lowers the energy by less than 2 %; standard: sweeps end at 0.2 %, then the worst elements and the smallest dihedral angles are improved; best: sweeps end at 0.01 %, then there is more of that work, and vertices are inserted and removed. Default: standard."""
     keep_vertices: bool
-    """No vertex is inserted or removed (as with any effort other than effort=best). Default: False."""
+    """No vertex is inserted or removed. Without it effort=best does so, and untangle=true in curved meshes. Default: False."""
     max_growth: float
     """Maximum number of tetrahedra of the result, in parts of those of the input. With a larger value vertices are inserted around more of the worst tetrahedra, and the time grows likewise. Default: 1.1."""
     surface_vertices: Literal["auto", "keep", "edit"]
     """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input surface and its feature lines, and edges of the surface are flipped. Default: auto."""
     untangle: bool
-    """Inverted and flat tetrahedra are made positive first, instead of refused. Default: False."""
+    """Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that the surface alone makes invalid, or nearly so, are split. Default: False."""
     straighten: bool
     """Where mid-side nodes of a curved surface make elements invalid, they move toward the middle of their chord, as little as makes the elements valid, instead of being refused. Default: False."""
     flips: bool

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "backend/span.hpp"
@@ -64,18 +65,27 @@ void split(TetMesh& mesh, const Edge& edge, const std::vector<Index>& star, std:
 
 }  // namespace
 
+Origins own_origins(const TetMesh& mesh) {
+  Origins origins{std::vector<Index>(mesh.tets.size()), std::vector<Index>(mesh.points.size())};
+  std::iota(origins.tets.begin(), origins.tets.end(), 0);
+  std::iota(origins.vertices.begin(), origins.vertices.end(), 0);
+  return origins;
+}
+
 std::vector<Index> split_edges(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, Origins& origins) {
   std::set<Edge> wanted;
+  std::vector<Edge> order;
   for (const Index t : tets) {
     const Edge edge = edge_to_split(mesh, held, span_of(mesh.tets)[t]);
-    if (edge[0] >= 0) wanted.insert(edge);
+    if (edge[0] >= 0 && wanted.insert(edge).second) order.push_back(edge);
   }
   const std::map<Edge, std::vector<Index>> stars = find_stars(mesh, wanted);
   std::vector<std::uint8_t> is_split(mesh.tets.size(), 0);
   std::vector<Index> new2old;
   for (Index t = 0; t < std::ssize(mesh.tets); ++t) new2old.push_back(t);
   std::set<Edge> gone;
-  for (const auto& [edge, star] : stars) {
+  for (const Edge& edge : order) {
+    const std::vector<Index>& star = stars.at(edge);
     if (std::any_of(star.begin(), star.end(), [&](Index t) { return span_of(is_split)[t] != 0; })) continue;
     for (const Index t : star) span_of(is_split)[t] = 1;
     split(mesh, edge, star, new2old, origins);

@@ -131,6 +131,7 @@ class Patch {
     collect_nodes();
     best_quality_ = judge(nodes_);
     PatchResult best;
+    if (is_enough()) return best;
     for (const Ideal ideal : {Ideal::straight, Ideal::regular}) {
       for (const bool moves_vertices : {true, false}) {
         const std::vector<std::size_t> unknowns = find_unknowns(moves_vertices);
@@ -143,6 +144,7 @@ class Patch {
   }
 
  private:
+  bool is_enough() const { return goal_.only_valid && best_quality_.not_valid == 0; }
   bool contains(Index t) const { return std::binary_search(tets_.begin(), tets_.end(), t); }
 
   void collect_nodes() {
@@ -251,11 +253,12 @@ class Patch {
       stuck = least > last + 1e-6 * std::fabs(last) ? 0 : stuck + 1;
       take_if_better(energy.nodes_at(x), unknowns, best);
     }
-    if (!(least > 0)) return;
+    if (!(least > 0) || is_enough()) return;
     energy.epsilon = 0;
     minimize_lbfgs(x, step, kIterations, evaluate);
     const std::vector<Vec3> nodes = energy.nodes_at(x);
     take_if_better(nodes, unknowns, best);
+    if (is_enough()) return;
     RelaxationEnergy sharp(elements_with(unknowns, nodes, Ideal::straight), nodes, unknowns);
     if (!(sharp.smallest_determinant(x) > 0)) return;
     for (const int power : {1, 4, 16}) {
@@ -264,6 +267,7 @@ class Patch {
       minimize_lbfgs(x, step, kIterations,
                      [&sharp](const std::vector<double>& at, std::vector<double>& g) { return sharp(at, g); });
       take_if_better(sharp.nodes_at(x), unknowns, best);
+      if (is_enough()) return;
     }
   }
 

@@ -22,6 +22,7 @@ struct RelaxationGoal {
   /// The smallest dihedral angle, in degrees, that a straight element may get; or less where it has less.
   double min_dihedral = 0;
   bool moves_vertices = true;  ///< if false, only mid-side nodes move
+  bool only_valid = false;     ///< a patch is left alone once all of its elements are proved valid
   int threads = 0;
   std::function<bool()> stop{};
 };

@@ -98,7 +98,9 @@ class Curver {
     Options fixed;
     fixed.boundary = Boundary::fixed;
     held_ = find_held(mesh, fixed);
-    goal_ = {quality(mesh, options.threads).dihedral_min, true, options.threads, options.stop};
+    goal_.min_dihedral = quality(mesh, options.threads).dihedral_min;
+    goal_.threads = options.threads;
+    goal_.stop = options.stop;
     const std::vector<SheetTriangle> sheets = find_sheets(mesh);
     std::optional<FinerSurface> finer;
     if (options.surface != nullptr) {

@@ -8,9 +8,11 @@
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/curved_splits.hpp"
+#include "curved/held_bound.hpp"
 #include "driver/curved_skeleton.hpp"
 #include "driver/latched_hooks.hpp"
 #include "driver/moved_fields.hpp"
+#include "driver/split_bounded.hpp"
 #include "driver/straighten.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
@@ -46,15 +48,15 @@ class CurvedOptimizer {
       : options_(options),
         context_(context),
         base_(mesh),
+        origins_(own_origins(mesh)),
         held_(find_held(mesh, options)),
-        vertices_(mesh.points.size()) {
-    for (Index t = 0; t < std::ssize(mesh.tets); ++t) origins_.tets.push_back(t);
-    for (Index v = 0; v < std::ssize(mesh.points); ++v) origins_.vertices.push_back(v);
-  }
+        vertices_(mesh.points.size()) {}
 
   Report run(TetMesh& mesh) {
-    goal_ = {quality(base_, options_.threads).dihedral_min, options_.data == DataTransfer::carry, options_.threads,
-             context_.stop};
+    goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
+    goal_.moves_vertices = options_.data == DataTransfer::carry;
+    goal_.threads = options_.threads;
+    goal_.stop = context_.stop;
     make_base_valid();
     floor_ = smallest(base_) - kAccuracy;
     std::vector<Index> locked;
@@ -64,8 +66,9 @@ class CurvedOptimizer {
       CurvedSkeleton skeleton(base_, held_, locked);
       Report report = optimize(skeleton.mesh, linear_options(), attempt == 0 ? context_ : without_progress());
       skeleton.restore(report);
-      const std::vector<Index> bad = attempt > kMaxAttempts ? std::vector<Index>() : relax(skeleton.mesh, report);
-      if (bad.empty()) {
+      const std::vector<Index> bad = relax(skeleton.mesh, report);
+      if (bad.empty() || attempt > kMaxAttempts) {
+        split_bounded_of(skeleton.mesh, report);
         follow_origins(report);
         report.vertices = std::ssize(mesh.points);
         report.straightened = std::move(straightened_);
@@ -106,20 +109,48 @@ class CurvedOptimizer {
     // The straight tetrahedra have to stay positive; their angles are improved afterwards.
     RelaxationGoal goal = goal_;
     goal.min_dihedral = 0;
-    relax_curved(base_, held_, invalid, goal);
+    goal.only_valid = true;
+    split_hopeless(invalid);
+    relax_curved(base_, held_, find_relaxable(), goal);
     const std::vector<Index> rest = find_invalid(base_);
     if (!options_.straighten && !with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
     split_invalid(goal);
     if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
+    const std::vector<Index> left = find_invalid(base_);
+    if (left.empty() && may_insert()) split_bounded(base_, held_, origins_, goal);
     extend_options();
-    if (const std::vector<Index> left = find_invalid(base_); !left.empty()) refuse(std::ssize(invalid), left);
+    if (!left.empty()) refuse(std::ssize(invalid), left);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
+  }
+
+  /// Splits elements that their held nodes alone make invalid: relaxation of these takes long and fails.
+  void split_hopeless(const std::vector<Index>& invalid) {
+    const std::vector<Index> folded = with_folded_face(base_, invalid);
+    for (int round = 0; round < kMaxRounds && may_insert() && !is_stopped(); ++round) {
+      std::vector<Index> tets = find_bounded(base_, held_, 0);
+      std::erase_if(
+          tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), span_of(origins_.tets)[t]); });
+      if (tets.empty() || split_edges(base_, held_, tets, origins_).empty()) return;
+      held_.vertices.resize(base_.points.size(), 0);
+    }
+  }
+
+  /// Elements that are not valid; those with a folded face only where all are to be counted.
+  std::vector<Index> find_relaxable() const {
+    std::vector<Index> tets = find_invalid(base_);
+    if (!options_.straighten) return tets;
+    const std::vector<Index> folded = with_folded_face(base_, tets);
+    std::erase_if(tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
+    return tets;
+  }
+
+  bool may_insert() const {
+    return options_.untangle && !options_.keep_vertices && options_.data == DataTransfer::carry;
   }
 
   /// Inserts vertices into elements that are not valid, except where a folded face makes that useless.
   void split_invalid(const RelaxationGoal& goal) {
-    const bool may_insert = !options_.keep_vertices && options_.data == DataTransfer::carry;
-    for (int round = 0; round < kMaxRounds && may_insert && !is_stopped(); ++round) {
+    for (int round = 0; round < kMaxRounds && may_insert() && !is_stopped(); ++round) {
       std::vector<Index> left = find_invalid(base_);
       const std::vector<Index> folded = with_folded_face(base_, left);
       std::erase_if(left, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
@@ -190,6 +221,28 @@ class CurvedOptimizer {
     const std::vector<Index> low = all_below(measure(mesh), limit, true);
     if (!low.empty()) relax_curved(mesh, find_held(mesh, options_of(mesh, report)), low, goal_);
     return all_below(measure(mesh), floor_, true);
+  }
+
+  /// Splits elements that flips made with two faces on the surface, unless something is worse then.
+  void split_bounded_of(TetMesh& mesh, Report& report) const {
+    HeldNodes held = find_held(mesh, options_of(mesh, report));
+    if (!may_insert() || is_stopped() || find_bounded(mesh, held, kSmallBound).empty()) return;
+    TetMesh trial = mesh;
+    Origins origins = own_origins(mesh);
+    if (!report.tet2original.empty()) origins.tets = report.tet2original;
+    if (!report.vertex2original.empty()) origins.vertices = report.vertex2original;
+    RelaxationGoal goal = goal_;
+    goal.only_valid = true;
+    split_bounded(trial, held, origins, goal);
+    if (trial.points.size() == mesh.points.size()) return;
+    relax_curved(trial, held, all_below(measure(trial), kRelaxBelow, true), goal_);
+    const bool keeps_angle = quality(trial, options_.threads).dihedral_min >= goal_.min_dihedral;
+    if (!keeps_angle || !find_invalid(trial).empty() || smallest(trial) < smallest(mesh)) return;
+    trial.point_data = carry_point_data(base_.point_data, origins.vertices, trial.points, trial.tets);
+    mesh = std::move(trial);
+    report.tet2original = std::move(origins.tets);
+    report.vertex2original = std::move(origins.vertices);
+    report.tets_after = std::ssize(mesh.tets);
   }
 
   /// Lists the tetrahedra of the input around bad ones of the result: those that share a vertex with them.

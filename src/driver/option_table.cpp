@@ -172,7 +172,7 @@ const std::array kTable{
                kBoundaryFlipConditions},
     OptionInfo{"effort", &Options::effort, kMethod, "How much is done", kEfforts, {}, kEffortConditions},
     OptionInfo{"keep_vertices", &Options::keep_vertices, kMethod,
-               "No vertex is inserted or removed (as with any effort other than effort=best)"},
+               "No vertex is inserted or removed. Without it effort=best does so, and untangle=true in curved meshes"},
     OptionInfo{"max_growth",
                &Options::max_growth,
                kMethod,
@@ -188,8 +188,10 @@ const std::array kTable{
                kSurfaceVertices,
                {},
                kSurfaceEditConditions},
-    OptionInfo{"untangle", &Options::untangle, kMethod,
-               "Inverted and flat tetrahedra are made positive first, instead of refused"},
+    OptionInfo{
+        "untangle", &Options::untangle, kMethod,
+        "Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that "
+        "the surface alone makes invalid, or nearly so, are split"},
     OptionInfo{"straighten",
                &Options::straighten,
                kMethod,

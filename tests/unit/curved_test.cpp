@@ -7,8 +7,12 @@
 #include <cstdlib>
 #include <limits>
 #include <random>
+#include <set>
 
+#include "curved.hpp"
 #include "curved/curved_edges.hpp"
+#include "curved/held_bound.hpp"
+#include "curved/relaxation_energy.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -295,6 +299,98 @@ TEST(Curved, FoldedSurfaceIsNamed) {
   } catch (const MeshError& e) {
     EXPECT_NE(std::string(e.what()).find("mid-side nodes fold"), std::string::npos) << e.what();
   }
+}
+
+TEST(Curved, GradientOfTheRelaxationEnergyIsItsDerivative) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> shift(-0.05, 0.05);
+  PatchElement element;
+  for (std::size_t n = 0; n < 10; ++n) element.nodes[n] = n;
+  element.inverse_ideal = inverse_of_edges({Vec3{0, 0, 0}, {1, 0.2, 0}, {0.1, 1, 0}, {0, 0.3, 1.1}});
+  const TenNodes nodes = straight(kUnit);
+  const std::vector<std::size_t> unknowns{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  RelaxationEnergy energy({element}, {nodes.begin(), nodes.end()}, unknowns);
+  std::vector<double> x = energy.start();
+  for (double& c : x) c += shift(random);
+  std::vector<double> gradient(x.size());
+  std::vector<double> ignored(x.size());
+  for (const int power : {1, 4, 16}) {
+    for (const double epsilon : {0.0, 0.3}) {
+      energy.power = power;
+      energy.epsilon = epsilon;
+      energy(x, gradient);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        constexpr double kStep = 1e-6;
+        std::vector<double> y = x;
+        y[i] = x[i] + kStep;
+        const double high = energy(y, ignored);
+        y[i] = x[i] - kStep;
+        const double slope = (high - energy(y, ignored)) / (2 * kStep);
+        EXPECT_NEAR(gradient[i], slope, 1e-5 * (1 + std::fabs(slope)));
+      }
+    }
+  }
+}
+
+TEST(Curved, HeldNodesBoundTheScaledJacobian) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> shift(-0.15, 0.15);
+  const auto displace = [&](Vec3& x) { x = x + Vec3{shift(random), shift(random), shift(random)}; };
+  const std::array<Index, 4> tet{0, 1, 2, 3};
+  HeldNodes held{{1, 1, 1, 1}, {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}}};
+  for (int i = 0; i < 200; ++i) {
+    TenNodes nodes = straight(kUnit);
+    for (std::size_t k = 4; k < 10; ++k) displace(nodes[k]);
+    const double bound = bound_by_held(tet, nodes, held);
+    // The two faces at edge 01 are held, and with them what the determinant is there.
+    for (const double s : {0.0, 0.25, 1.0}) EXPECT_LE(bound, plain_determinant(nodes, {1 - s, s, 0, 0}) + 1e-12);
+    displace(nodes[9]);
+    EXPECT_NEAR(bound_by_held(tet, nodes, held), bound, 1e-12);
+    EXPECT_LE(measure_nodes(nodes).scaled_jacobian(), bound + 1e-12);
+  }
+  held.edges.erase(held.edges.begin());
+  EXPECT_EQ(bound_by_held(tet, straight(kUnit), held), kInfinity);
+}
+
+/// A ball whose mid-side nodes of the surface are on the sphere: elements at former edges of the cube have two faces
+/// there.
+TetMesh curved_ball() {
+  TetMesh m = test::ball(2, 0);
+  m.second_order = true;
+  std::set<std::array<Index, 2>> edges;
+  for (const auto& face : test::skin(m)) {
+    for (std::size_t k = 0; k < 3; ++k) edges.insert(ascending(face.v[k], face.v[(k + 1) % 3]));
+  }
+  for (const auto& edge : edges) {
+    const Vec3 middle = test::at(m, edge[0]) + test::at(m, edge[1]);
+    const Vec3 on_sphere = (1 / norm(middle)) * middle;
+    m.curved_edges.push_back({edge, {on_sphere.x, on_sphere.y, on_sphere.z}});
+  }
+  return m;
+}
+
+TEST(Curved, ElementsWithTwoFacesOnASmoothSurfaceAreSplit) {
+  const TetMesh before = curved_ball();
+  Options options;
+  options.untangle = true;
+  TetMesh m = before;
+  m.point_data.push_back({"id", 1, std::vector<std::int32_t>(m.points.size(), 7)});
+  const Report report = optimize(m, options);
+  EXPECT_TRUE(validate(m).ok());
+  EXPECT_TRUE(quality(m).curved.all_valid());
+  EXPECT_GT(quality(m).curved.min_scaled_jacobian, 0.2);
+  EXPECT_GT(m.points.size(), before.points.size());
+  EXPECT_EQ(report.tets_after, std::ssize(m.tets));
+  ASSERT_EQ(report.tet2original.size(), m.tets.size());
+  ASSERT_EQ(report.vertex2original.size(), m.points.size());
+  EXPECT_EQ(std::get<std::vector<std::int32_t>>(m.point_data[0].values), std::vector<std::int32_t>(m.points.size(), 7));
+  std::int64_t inserted = 0;
+  for (std::size_t v = 0; v < m.points.size(); ++v) inserted += report.vertex2original[v] < 0 ? 1 : 0;
+  EXPECT_EQ(inserted, std::ssize(m.points) - std::ssize(before.points));
+  options.keep_vertices = true;
+  m = before;
+  EXPECT_THROW(optimize(m, options), UntangleError);
+  EXPECT_EQ(m.curved_edges, before.curved_edges);
 }
 
 TEST(Curved, FoldedSurfaceIsStraightenedWhereAsked) {

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/split_bounded.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "curved/curved_edges.hpp"
+#include "curved/held_bound.hpp"
+#include "driver/straighten.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr int kMaxRounds = 8;
+
+class Splitter {
+ public:
+  Splitter(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal)
+      : mesh_(mesh), held_(held), origins_(origins), goal_(goal) {}
+
+  void run() {
+    for (int round = 0; round < kMaxRounds && !(goal_.stop && goal_.stop()); ++round) {
+      std::vector<Index> tets = find_bounded(mesh_, held_, kSmallBound);
+      std::erase_if(tets, [this](Index t) { return excluded_.contains(span_of(origins_.tets)[t]); });
+      if (tets.empty()) break;
+      split(tets);
+    }
+  }
+
+ private:
+  std::vector<Index> find_invalid(const TetMesh& mesh) const {
+    const CurvedEdges edges(mesh);
+    return not_valid(measure_tets(mesh, edges, curved_tets(mesh, edges), goal_.threads));
+  }
+
+  void split(const std::vector<Index>& tets) {
+    TetMesh trial = mesh_;
+    HeldNodes held = held_;
+    Origins step = own_origins(mesh_);
+    const std::vector<Index> around = split_edges(trial, held, tets, step);
+    held.vertices.resize(trial.points.size(), 0);
+    relax_curved(trial, held, find_invalid(trial), goal_);
+    const std::vector<Index> invalid = find_invalid(trial);
+    if (!around.empty() && invalid.empty()) {
+      mesh_ = std::move(trial);
+      held_ = std::move(held);
+      for (Index& t : step.tets) t = span_of(origins_.tets)[t];
+      for (Index& v : step.vertices) v = v < 0 ? v : span_of(origins_.vertices)[v];
+      origins_ = std::move(step);
+      return;
+    }
+    exclude(tets, trial, invalid);
+  }
+
+  /// Those of the tetrahedra that share a vertex with one that is not valid then are not split again; else none is.
+  void exclude(const std::vector<Index>& tets, const TetMesh& trial, const std::vector<Index>& invalid) {
+    std::set<Index> vertices;
+    for (const Index t : invalid) vertices.insert(span_of(trial.tets)[t].begin(), span_of(trial.tets)[t].end());
+    const auto is_near = [&](Index t) {
+      const auto& tet = span_of(mesh_.tets)[t];
+      return std::any_of(tet.begin(), tet.end(), [&vertices](Index v) { return vertices.contains(v); });
+    };
+    const bool has_near = std::any_of(tets.begin(), tets.end(), is_near);
+    for (const Index t : tets) {
+      if (!has_near || is_near(t)) excluded_.insert(span_of(origins_.tets)[t]);
+    }
+  }
+
+  TetMesh& mesh_;
+  HeldNodes& held_;
+  Origins& origins_;
+  const RelaxationGoal& goal_;
+  std::set<Index> excluded_;  ///< of the input
+};
+
+}  // namespace
+
+void split_bounded(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal) {
+  Splitter(mesh, held, origins, goal).run();
+}
+
+}  // namespace tetune
