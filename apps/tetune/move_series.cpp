@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <new>
+#include <numeric>
 
 #include "interrupt.hpp"
 #include "mesh_files.hpp"
@@ -26,8 +27,8 @@ namespace fs = std::filesystem;
 /// Throws OptionError for arguments that a series does not take.
 void check_arguments(const OptimizeArguments& a, const Job& job) {
   if (!is_series(job.input) || !is_series(job.output)) {
-    throw OptionError(fmt::format("{} -> {}: a time series (.pvd) becomes a time series; name one for both", job.input,
-                                  job.output));
+    throw OptionError(
+        fmt::format("{} -> {}: a time series (.pvd) becomes a time series; name one for both", job.input, job.output));
   }
   const std::pair<bool, const char*> refused[] = {{!a.move->to.empty(), "--to"},
                                                   {!job.map.empty(), "--map"},
@@ -61,7 +62,7 @@ class SeriesRun {
     read();
     LiveMesh mesh(input_, options_);
     original_of_.resize(input_.points.size());
-    for (std::size_t v = 0; v < original_of_.size(); ++v) original_of_[v] = static_cast<Index>(v);
+    std::iota(original_of_.begin(), original_of_.end(), 0);
     outcome_.before = quality(input_, options_.threads);
     outcome_.code = kDone;
     outcome_.summary = "done";
@@ -116,18 +117,19 @@ class SeriesRun {
     if (i == 0) return target_of(input_, input_, step.path, *a_.move);
     const TetMesh mesh = read_mesh(step.path, nullptr, options_.threads);
     if (mesh.points.size() != input_.points.size() || mesh.tets.size() != input_.tets.size()) {
-      throw MeshError(fmt::format("{}: {} vertices and {} tetrahedra, but {} has {} and {}; all files of a series must "
-                                  "have the same mesh, with moved vertices or a displacement",
-                                  step.path, mesh.points.size(), mesh.tets.size(), steps_[0].path,
-                                  input_.points.size(), input_.tets.size()));
+      throw MeshError(fmt::format(
+          "{}: {} vertices and {} tetrahedra, but {} has {} and {}; all files of a series must "
+          "have the same mesh, with moved vertices or a displacement",
+          step.path, mesh.points.size(), mesh.tets.size(), steps_[0].path, input_.points.size(), input_.tets.size()));
     }
     // Reading turns tetrahedra that the motion has turned over.
     const auto same = [](const auto& a, const auto& b) { return std::is_permutation(a.begin(), a.end(), b.begin()); };
     const auto differing = std::mismatch(mesh.tets.begin(), mesh.tets.end(), input_.tets.begin(), same).first;
     if (differing != mesh.tets.end()) {
-      throw MeshError(fmt::format("{}: tetrahedron {} has other vertices than in {}; all files of a series must have "
-                                  "the same mesh, with moved vertices or a displacement",
-                                  step.path, differing - mesh.tets.begin() + 1, steps_[0].path));
+      throw MeshError(
+          fmt::format("{}: tetrahedron {} has other vertices than in {}; all files of a series must have "
+                      "the same mesh, with moved vertices or a displacement",
+                      step.path, differing - mesh.tets.begin() + 1, steps_[0].path));
     }
     return target_of(input_, mesh, step.path, *a_.move);
   }
@@ -136,19 +138,18 @@ class SeriesRun {
   MoveReport move(LiveMesh& mesh, std::size_t i) {
     console_.phase("moving");
     const VertexTargets by_original = read_target(i);
-    VertexTargets target(mesh.mesh().points.size(), Point3{NAN, NAN, NAN});
-    std::size_t prescribed = 0;
-    for (std::size_t v = 0; v < target.size(); ++v) {
-      if (original_of_[v] < 0) continue;
-      target[v] = by_original[static_cast<std::size_t>(original_of_[v])];
-      if (!std::isnan(target[v][0])) ++prescribed;
+    const auto has_target = [](const Point3& p) { return !std::isnan(p[0]); };
+    VertexTargets target;
+    for (const Index original : original_of_) {
+      target.push_back(original < 0 ? Point3{NAN, NAN, NAN} : by_original.begin()[original]);
     }
-    const auto wanted =
-        std::count_if(by_original.begin(), by_original.end(), [](const Point3& p) { return !std::isnan(p[0]); });
-    if (static_cast<std::ptrdiff_t>(prescribed) < wanted) {
-      throw OptionError(fmt::format("{}: {} vertices with a target were removed in earlier steps, in which they had "
-                                    "none; give them one in all steps, or --keep-vertices",
-                                    steps_[i].path, wanted - static_cast<std::ptrdiff_t>(prescribed)));
+    const auto missing = std::count_if(by_original.begin(), by_original.end(), has_target) -
+                         std::count_if(target.begin(), target.end(), has_target);
+    if (missing > 0) {
+      throw OptionError(
+          fmt::format("{}: {} vertices with a target were removed in earlier steps, in which they had "
+                      "none; give them one in all steps, or --keep-vertices",
+                      steps_[i].path, missing));
     }
     Context context;
     if (console_.shows_progress()) {
@@ -165,7 +166,7 @@ class SeriesRun {
     const std::vector<Index>& from = report.optimization.vertex2original;
     if (!from.empty()) {
       std::vector<Index> now;
-      for (const Index v : from) now.push_back(v < 0 ? v : original_of_[static_cast<std::size_t>(v)]);
+      for (const Index v : from) now.push_back(v < 0 ? v : original_of_.begin()[v]);
       original_of_ = std::move(now);
     }
     warn_of_moved_fields(report.optimization);
@@ -211,14 +212,10 @@ class SeriesRun {
 
   void finish() {
     if (!job_.report.empty()) {
-      const nlohmann::ordered_json json = {{"tetune", TETUNE_VERSION},
-                                           {"input", job_.input},
-                                           {"output", job_.output},
-                                           {"options", to_json(options_)},
-                                           {"warnings", warnings_},
-                                           {"before", to_json(outcome_.before)},
-                                           {"after", to_json(outcome_.after)},
-                                           {"times", entries_}};
+      const nlohmann::ordered_json json = {
+          {"tetune", TETUNE_VERSION},         {"input", job_.input},   {"output", job_.output},
+          {"options", to_json(options_)},     {"warnings", warnings_}, {"before", to_json(outcome_.before)},
+          {"after", to_json(outcome_.after)}, {"times", entries_}};
       write_text(job_.report, json_text(json));
     }
     console_.print(quality_table({"first", "last"}, {outcome_.before, outcome_.after}) +
@@ -230,7 +227,7 @@ class SeriesRun {
   Console& console_;
   Options options_;
   std::vector<SeriesStep> steps_, written_;
-  TetMesh input_;  ///< of the first file
+  TetMesh input_;                   ///< of the first file
   std::vector<Index> original_of_;  ///< per vertex: that of the first file, or -1
   std::vector<std::string> warnings_;
   nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();
