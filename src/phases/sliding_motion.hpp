@@ -79,7 +79,7 @@ struct FindSlidEnd {
   Span<SurfacePoint> end_point;
   TETUNE_HD void operator()(Size v) const {
     if (!slides(dof[v])) return;
-    /// A motion may pass many triangles of a fine surface.
+    // A motion may pass many triangles of a fine surface.
     constexpr int kMaxTraceSteps = 4096;
     SurfacePoint on = surface_point[v];
     const Vec3 x = vec(points[v]);
