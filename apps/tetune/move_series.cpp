@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <new>
+#include <numeric>
 
 #include "interrupt.hpp"
 #include "mesh_files.hpp"
@@ -61,7 +62,7 @@ class SeriesRun {
     read();
     LiveMesh mesh(input_, options_);
     original_of_.resize(input_.points.size());
-    for (std::size_t v = 0; v < original_of_.size(); ++v) original_of_[v] = static_cast<Index>(v);
+    std::iota(original_of_.begin(), original_of_.end(), 0);
     outcome_.before = quality(input_, options_.threads);
     outcome_.code = kDone;
     outcome_.summary = "done";
@@ -137,20 +138,18 @@ class SeriesRun {
   MoveReport move(LiveMesh& mesh, std::size_t i) {
     console_.phase("moving");
     const VertexTargets by_original = read_target(i);
-    VertexTargets target(mesh.mesh().points.size(), Point3{NAN, NAN, NAN});
-    std::size_t prescribed = 0;
-    for (std::size_t v = 0; v < target.size(); ++v) {
-      if (original_of_[v] < 0) continue;
-      target[v] = by_original[static_cast<std::size_t>(original_of_[v])];
-      if (!std::isnan(target[v][0])) ++prescribed;
+    const auto has_target = [](const Point3& p) { return !std::isnan(p[0]); };
+    VertexTargets target;
+    for (const Index original : original_of_) {
+      target.push_back(original < 0 ? Point3{NAN, NAN, NAN} : by_original.begin()[original]);
     }
-    const auto wanted =
-        std::count_if(by_original.begin(), by_original.end(), [](const Point3& p) { return !std::isnan(p[0]); });
-    if (static_cast<std::ptrdiff_t>(prescribed) < wanted) {
+    const auto missing = std::count_if(by_original.begin(), by_original.end(), has_target) -
+                         std::count_if(target.begin(), target.end(), has_target);
+    if (missing > 0) {
       throw OptionError(
           fmt::format("{}: {} vertices with a target were removed in earlier steps, in which they had "
                       "none; give them one in all steps, or --keep-vertices",
-                      steps_[i].path, wanted - static_cast<std::ptrdiff_t>(prescribed)));
+                      steps_[i].path, missing));
     }
     Context context;
     if (console_.shows_progress()) {
@@ -167,7 +166,7 @@ class SeriesRun {
     const std::vector<Index>& from = report.optimization.vertex2original;
     if (!from.empty()) {
       std::vector<Index> now;
-      for (const Index v : from) now.push_back(v < 0 ? v : original_of_[static_cast<std::size_t>(v)]);
+      for (const Index v : from) now.push_back(v < 0 ? v : original_of_.begin()[v]);
       original_of_ = std::move(now);
     }
     warn_of_moved_fields(report.optimization);

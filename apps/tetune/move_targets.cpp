@@ -83,7 +83,8 @@ void define_move_arguments(CLI::App& command, OptimizeArguments& arguments) {
 
 void check_move_arguments(const MoveArguments& a, bool has_series) {
   if (!has_series && a.to.empty() && a.displacement.empty()) {
-    throw OptionError("no target: name a mesh with --to, or point data with --displacement, or move a time series (.pvd)");
+    throw OptionError(
+        "no target: name a mesh with --to, or point data with --displacement, or move a time series (.pvd)");
   }
   if (a.all_vertices && !a.patches.empty()) {
     throw OptionError("--all-vertices and --patches exclude each other; give one of them");

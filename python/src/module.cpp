@@ -184,6 +184,29 @@ void bind_errors(nb::module_& m) {
   nb::exception<DeviceError>(m, "DeviceError", error).doc() = "A device is absent, unusable or out of memory.";
 }
 
+void bind_series(nb::module_& m) {
+  m.def(
+      "read_series",
+      [](const std::string& path) {
+        std::vector<std::pair<double, std::string>> steps;
+        for (SeriesStep& step : read_series(path)) steps.emplace_back(step.time, std::move(step.path));
+        return steps;
+      },
+      "path"_a,
+      "Reads a time series of VTK (.pvd): the times, which increase, and a file for each. Raises FileError for "
+      "anything "
+      "else.");
+  m.def(
+      "write_series",
+      [](const std::string& path, const std::vector<std::pair<double, std::string>>& steps) {
+        std::vector<SeriesStep> listed;
+        for (const auto& [time, file] : steps) listed.push_back({time, file});
+        write_series(path, listed);
+      },
+      "path"_a, "steps"_a,
+      "Writes a time series of VTK (.pvd): times and the file of each. It appears as a whole or not at all.");
+}
+
 void bind_functions(nb::module_& m) {
   m.def("improve", &improve, "mesh"_a, "options"_a, "progress"_a = nb::none(),
         nb::sig("def improve(mesh: TetMesh, options: dict[str, Any], progress: Callable[[Progress], object] | None = "
@@ -214,25 +237,6 @@ void bind_functions(nb::module_& m) {
               "tet_data: Sequence[NDArray[Any]], threads: int = 0) -> tuple[list[NDArray[Any]], list[NDArray[Any]]]"),
       "Transfers data of vertices and tetrahedra to the result of a run with data='conserve': float64 and float32 keep "
       "their integrals. Each array has two dimensions.");
-  m.def(
-      "read_series",
-      [](const std::string& path) {
-        std::vector<std::pair<double, std::string>> steps;
-        for (SeriesStep& step : read_series(path)) steps.emplace_back(step.time, std::move(step.path));
-        return steps;
-      },
-      "path"_a,
-      "Reads a time series of VTK (.pvd): the times, which increase, and a file for each. Raises FileError for anything "
-      "else.");
-  m.def(
-      "write_series",
-      [](const std::string& path, const std::vector<std::pair<double, std::string>>& steps) {
-        std::vector<SeriesStep> listed;
-        for (const auto& [time, file] : steps) listed.push_back({time, file});
-        write_series(path, listed);
-      },
-      "path"_a, "steps"_a,
-      "Writes a time series of VTK (.pvd): times and the file of each. It appears as a whole or not at all.");
   m.def("measure_each", &measures_by_name, "mesh"_a, nb::kw_only(), "threads"_a = 0,
         nb::sig("def measure_each(mesh: TetMesh, *, threads: int = 0) -> dict[str, NDArray[numpy.float64]]"));
   m.def(
@@ -293,6 +297,7 @@ NB_MODULE(_core, m) {
   bind_criteria(m);
   bind_report(m);
   bind_functions(m);
+  bind_series(m);
   bind_files(m);
 }
 

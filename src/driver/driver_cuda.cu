@@ -46,7 +46,8 @@ Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& co
                         MoveJob* job) {
   if (const std::string why = why_not_on_cuda(mesh, options); !why.empty()) throw DeviceError(why);
   std::string name = current_gpu().name;  // allocated before the mesh changes: nothing may fail afterwards
-  const std::size_t memory = memory_needed_on_device(mesh, options) + (job == nullptr ? 0 : motion_memory(mesh, options));
+  const std::size_t memory =
+      memory_needed_on_device(mesh, options) + (job == nullptr ? 0 : motion_memory(mesh, options));
   const backend::Cuda cuda(memory, context.stop);
   Report report = optimize_on(cuda, mesh, options, context, surface, job);
   report.device.swap(name);

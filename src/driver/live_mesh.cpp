@@ -111,8 +111,9 @@ MoveReport LiveMesh::move_sliding(const VertexTargets& target, const std::vector
                                   const Context& context) {
   Options options = options_;
   if (options.surface_vertices == SurfaceVertices::edit) {
-    throw OptionError("surface_vertices=edit: while a live mesh moves with boundary=slide, the vertices of its surface "
-                      "stay; use surface_vertices=keep");
+    throw OptionError(
+        "surface_vertices=edit: while a live mesh moves with boundary=slide, the vertices of its surface "
+        "stay; use surface_vertices=keep");
   }
   options.surface_vertices = SurfaceVertices::keep;
   SlideSurface surface = surface_ != nullptr ? *surface_ : find_slide_surface(mesh_, options);

@@ -18,7 +18,7 @@ inline bool is_finite(const Point3& p) { return std::isfinite(p[0]) && std::isfi
 /// A run of move(): what optimize_on() does beside its own work.
 struct MoveJob {
   std::span<const VertexTargets> targets;
-  double scale;  ///< see unit_scale(): of all targets
+  double scale;                      ///< see unit_scale(): of all targets
   std::vector<std::uint8_t> motion;  ///< per vertex: VertexMotion
   MoveReport& report;
 };

@@ -28,7 +28,7 @@ struct Attribute {
 struct Tag {
   std::string_view name;
   std::vector<Attribute> attributes;
-  bool closes = false;  ///< </name>
+  bool closes = false;    ///< </name>
   bool is_empty = false;  ///< <name/>
 
   const std::string* find(std::string_view attribute) const {
@@ -46,7 +46,8 @@ class TagReader {
   TagReader(std::string path, std::string_view text) : path_(std::move(path)), text_(text) {}
 
   [[noreturn]] void fail(const std::string& reason) const {
-    const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n');
+    const std::string_view before = text_.substr(0, at_);
+    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
     throw FileError(path_ + ", line " + std::to_string(line) + ": " + reason);
   }
 
@@ -146,8 +147,7 @@ class TagReader {
 std::string encoded(std::string_view text) {
   std::string result;
   for (const char c : text) {
-    const auto* entity =
-        std::find_if(kEntities.begin(), kEntities.end(), [c](const auto& e) { return e.first == c; });
+    const auto* entity = std::find_if(kEntities.begin(), kEntities.end(), [c](const auto& e) { return e.first == c; });
     if (entity == kEntities.end()) {
       result += c;
     } else {
@@ -176,7 +176,8 @@ SeriesStep read_step(const TagReader& reader, const Tag& tag, const std::filesys
 std::vector<SeriesStep> read_collection(TagReader& reader, const std::filesystem::path& folder) {
   std::vector<SeriesStep> steps;
   for (Tag tag = reader.next(); !tag.closes; tag = reader.next()) {
-    if (tag.name != "DataSet") reader.fail(std::string("<").append(tag.name).append("> in a collection; expected <DataSet>"));
+    if (tag.name != "DataSet")
+      reader.fail(std::string("<").append(tag.name).append("> in a collection; expected <DataSet>"));
     steps.push_back(read_step(reader, tag, folder));
     if (steps.size() > 1 && !(steps[steps.size() - 2].time < steps.back().time)) {
       reader.fail(steps[steps.size() - 2].time == steps.back().time
@@ -218,8 +219,7 @@ std::vector<SeriesStep> read_series(const std::string& path) { return parse_seri
 
 void write_series(const std::string& path, const std::vector<SeriesStep>& steps) {
   const std::filesystem::path folder = path_of(path).parent_path();
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
+  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
   for (const SeriesStep& step : steps) {
     const std::filesystem::path file = path_of(step.path);
     std::array<char, 32> time{};

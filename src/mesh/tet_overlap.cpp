@@ -34,9 +34,8 @@ struct PointCoordinates {
   }
   /// Whether all points are beyond one face.
   bool are_separated() const {
-    return std::any_of(value.begin(), value.end(), [](const Coordinates& c) {
-      return std::max(std::max(c[0], c[1]), std::max(c[2], c[3])) <= 0;
-    });
+    return std::any_of(value.begin(), value.end(),
+                       [](const Coordinates& c) { return std::max(std::max(c[0], c[1]), std::max(c[2], c[3])) <= 0; });
   }
   Part corners() const {
     Part part;
@@ -108,7 +107,7 @@ class Polyhedron {
   /// A polyhedron with eight faces has at most 12 corners, and a plane crosses at most as many edges.
   static constexpr std::size_t kMaxCorners = 32;
 
-  static std::uint8_t narrow(std::size_t i) { return static_cast<std::uint8_t>(i); }
+  static std::uint8_t narrow(std::size_t i) { return std::uint8_t(i); }
   bool is_in(std::size_t i, std::size_t k) const { return corners_[i].at[k] >= 0; }
   std::size_t edge_to(std::size_t from, std::size_t to) const {
     const Neighbors& n = corners_[from].neighbors;
@@ -176,8 +175,8 @@ void add_products(const Part& x, double volume, Products& result) {
   for (std::size_t i = 0; i < 4; ++i) sum[i] = x[0][i] + x[1][i] + x[2][i] + x[3][i];
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t k = 0; k < 4; ++k) {
-      const double product = sum[i] * sum[k] + x[0][i] * x[0][k] + x[1][i] * x[1][k] + x[2][i] * x[2][k] +
-                             x[3][i] * x[3][k];
+      const double product =
+          sum[i] * sum[k] + x[0][i] * x[0][k] + x[1][i] * x[1][k] + x[2][i] * x[2][k] + x[3][i] * x[3][k];
       result[i][k] += volume / 20 * product;
     }
   }

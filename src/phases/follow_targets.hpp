@@ -273,10 +273,7 @@ class TargetFollower {
 
   /// Without `strict`, only positive volumes count.
   follow_targets_detail::RefusesStep refuses(const follow_targets_detail::DisplacedPoints& displaced, bool strict) {
-    return {optimizer_.work.mesh.view(),
-            displaced,
-            kShapeObjective,
-            strict ? parameters().safe_energy : kInfeasible,
+    return {optimizer_.work.mesh.view(), displaced, kShapeObjective, strict ? parameters().safe_energy : kInfeasible,
             parameters().max_energy_growth};
   }
 
@@ -301,8 +298,7 @@ class TargetFollower {
     using namespace follow_targets_detail;
     const Backend& backend = optimizer_.backend;
     WorkingSet<Backend>& work = optimizer_.work;
-    backend.for_each(work.mesh.vertices(),
-                     MovePoints{displaced(part), work.mesh.points, work.dofs.displacement_bound});
+    backend.for_each(work.mesh.vertices(), MovePoints{displaced(part), work.mesh.points, work.dofs.displacement_bound});
     sliding_.set_surface_points(backend, work);
     backend.fill(work.dofs.active.span(), std::uint8_t{1});
   }

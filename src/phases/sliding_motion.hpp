@@ -79,7 +79,7 @@ struct FindSlidEnd {
   Span<SurfacePoint> end_point;
   TETUNE_HD void operator()(Size v) const {
     if (!slides(dof[v])) return;
-    /// A motion may pass many triangles of a fine surface.
+    // A motion may pass many triangles of a fine surface.
     constexpr int kMaxTraceSteps = 4096;
     SurfacePoint on = surface_point[v];
     const Vec3 x = vec(points[v]);
@@ -135,8 +135,7 @@ template <class Backend>
 void cut_moving_triangles(const Backend& backend, Span<const std::uint8_t> motion,
                           ReferenceSurface<Backend>& reference) {
   const Span<Index> across = reference.across.span();
-  backend.for_each(across.size(),
-                   sliding_motion_detail::CutMovingTriangle{reference.triangles.span(), motion, across});
+  backend.for_each(across.size(), sliding_motion_detail::CutMovingTriangle{reference.triangles.span(), motion, across});
 }
 
 /// The motion of the vertices that slide, in a backend's memory. Empty if none does.

@@ -160,7 +160,7 @@ class Moves(CliTest):
                             (["--to", small], ["27 vertices", "the input has 216"]),
                             (["--to", one, "--displacement", "v"], ["no point data of this name; it has: u"]),
                             (["--displacement", "v"], ["the input has no point data of this name"]),
-                            (["--to", to, "--boundary", "slide"], ["--boundary slide"]),
+                            (["--to", to, "--boundary", "slide", "--max-deviation", "0.1"], ["--max-deviation bounds", "--boundary preserve"]),
                             (["--to", to, "--all-vertices", "--patches", "1"], ["exclude each other"])):
             self.refused("move", self.source, out, *words, said=said)
         self.assertFalse(os.path.exists(out))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Time series (.pvd).
-#include "io_fixture.hpp"
 #include "tetune/series.hpp"
+#include "io_fixture.hpp"
 
 namespace tetune::test {
 namespace {
@@ -9,8 +9,8 @@ namespace {
 using Series = IoTest;
 
 std::string series(const std::string& entries) {
-  return "<?xml version=\"1.0\"?>\n<!-- c -->\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n" + entries +
-         "</Collection>\n</VTKFile>\n";
+  return "<?xml version=\"1.0\"?>\n<!-- c -->\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n" +
+         entries + "</Collection>\n</VTKFile>\n";
 }
 
 TEST_F(Series, TimesAndFiles) {

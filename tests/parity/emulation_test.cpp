@@ -173,13 +173,13 @@ TEST(EmulationOfMove, APistonFitsIntoTheMemoryThatIsReserved) {
   TetMesh cpu = before;
   const MoveReport on_cpu = move(cpu, targets, options);
   ASSERT_TRUE(on_cpu.reached());
-  const std::size_t memory = memory_needed_on_device(before, options) + motion_memory(before);
+  const std::size_t memory = memory_needed_on_device(before, options) + motion_memory(before, options);
   TetMesh first;
   for (const unsigned seed : {1U, 2U}) {
     TetMesh m = before;
     MoveReport report;
     report.targets = targets.size();
-    MoveJob job{targets, 1, report};
+    MoveJob job{targets, 1, options.frozen_vertices, report};
     const Report done = optimize_on(Emulation(seed, memory), m, options, {}, nullptr, &job);
     EXPECT_TRUE(report.reached());
     EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
