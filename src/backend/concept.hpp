@@ -102,6 +102,11 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
   /// Merges f(i) for i in [0, n) into R{}, in an order that depends on n and on the backend alone. Requires that R{} is
   /// neutral to R::merge().
   { backend.template reduce<Sum<std::uint32_t>>(n, concept_detail::Evaluate{}) } -> std::same_as<Sum<std::uint32_t>>;
+  /// Same as reduce(), but what it returns waits for the result only when get() is called, and not if a primitive that
+  /// was called later waited. Requires that get() is called within the life of the backend.
+  {
+    backend.template reduce_async<Sum<std::uint32_t>>(n, concept_detail::Evaluate{}).get()
+    } -> std::same_as<Sum<std::uint32_t>>;
   /// out[i] = in[0] + ... + in[i-1]; returns the sum of all. `in` and `out` may be the same array.
   { backend.exclusive_scan(in, out) } -> std::same_as<std::uint32_t>;
   /// Writes each i in [0, n) with keep(i) to `ids`, in increasing order; returns their number. Requires room for n.

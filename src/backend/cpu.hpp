@@ -13,6 +13,7 @@
 #include "backend/buffer.hpp"
 #include "backend/concept.hpp"
 #include "backend/pack.hpp"
+#include "backend/results.hpp"
 #include "backend/span.hpp"
 #include "backend/thread_pool.hpp"
 
@@ -83,6 +84,11 @@ class Cpu {
   template <class F>
   void for_parts(Size parts, const F& f) const {
     pool_->run(parts, PartTask(f));
+  }
+
+  template <class R, class F>
+  Available<R> reduce_async(Size n, const F& f) const {
+    return {reduce<R>(n, f)};
   }
 
   /// Merges within chunks of fixed length, then over the chunks in order.

@@ -16,6 +16,7 @@
 
 #include "backend/buffer.hpp"
 #include "backend/concept.hpp"
+#include "backend/cuda_memory.cuh"
 #include "backend/pool.hpp"
 #include "backend/results.hpp"
 #include "backend/span.hpp"
@@ -23,12 +24,6 @@
 #include "tetune/error.hpp"
 
 namespace tetune::backend {
-
-inline void check_cuda(cudaError_t status, const char* what) {
-  if (status == cudaSuccess) return;
-  cudaGetLastError();  // clears the error, which is reported here
-  throw DeviceError(std::string("CUDA: ") + what + " failed: " + cudaGetErrorString(status));
-}
 
 template <class F>
 __global__ void for_each_kernel(Size n, F f) {
@@ -128,16 +123,16 @@ __device__ T load_volatile(const T* from) {
 /// Each block merges one chunk of fixed length by a tree of fixed shape, so that each run yields the same bits. One
 /// item per thread, as there may be too few items to occupy a GPU. The block that is the last of kThreads consecutive
 /// ones to store its result merges theirs in the same way, as one block of the next level, until one result is left.
-/// `partial` holds the results of all levels one after the other, `arrived` the number of blocks that stored theirs,
-/// per kThreads blocks of each level: 0 before and after.
+/// `partial` holds the results of all levels but the last one after the other, `arrived` the number of blocks that
+/// stored theirs, per kThreads blocks of each level: 0 before and after.
 template <class R, class F, int kThreads>
-__global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial, unsigned* arrived) {
+__global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial, unsigned* arrived, R* result) {
   __shared__ alignas(16) unsigned char storage[sizeof(R) * kThreads];
   __shared__ bool is_last;
   R* shared = reinterpret_cast<R*>(storage);
-  Size block = blockIdx.x;
-  Size results = gridDim.x;  // of this level
-  const Size i = block * kThreads + threadIdx.x;
+  unsigned block = blockIdx.x;
+  unsigned results = gridDim.x;  // of this level
+  const Size i = Size{block} * kThreads + threadIdx.x;
   R r{};
   if (i < n) r.merge(f(i));
   for (;;) {
@@ -146,11 +141,11 @@ __global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partia
       __syncthreads();
       if (threadIdx.x < half) shared[threadIdx.x].merge(shared[threadIdx.x + half]);
     }
-    const Size group = block / kThreads;
-    const Size first = group * kThreads;
-    const auto size = static_cast<unsigned>(results - first < kThreads ? results - first : kThreads);
+    const unsigned group = block / kThreads;
+    const unsigned first = group * kThreads;
+    const unsigned size = results - first < kThreads ? results - first : kThreads;
     if (threadIdx.x == 0) {
-      store_volatile(&partial[block], shared[0]);
+      store_volatile(results > 1 ? &partial[block] : result, shared[0]);
       __threadfence();
       is_last = results > 1 && atomicInc(&arrived[group], size - 1) == size - 1;
     }
@@ -165,33 +160,6 @@ __global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partia
     block = group;
   }
 }
-
-/// A handle of the pool of a Cuda backend.
-///
-/// Memory may be released, and allocated again for another buffer, while kernels that use it have yet to run: whatever
-/// uses it next, transfers included, is enqueued in the same stream and so runs after them.
-class CudaMemory {
- public:
-  CudaMemory() = default;
-  explicit CudaMemory(Pool& pool) : pool_(&pool) {}
-
-  void* allocate(std::size_t bytes) const { return pool_->allocate(bytes); }
-  void release(void* memory, std::size_t) const noexcept {
-    if (memory != nullptr) pool_->release(memory);
-  }
-  static void copy(void* to, const void* from, std::size_t bytes) {
-    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, nullptr), "copy");
-  }
-  static void upload(void* to, const void* from, std::size_t bytes) {
-    check_cuda(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "upload");
-  }
-  static void download(void* to, const void* from, std::size_t bytes) {
-    check_cuda(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost), "download");
-  }
-
- private:
-  Pool* pool_ = nullptr;
-};
 
 /// The CUDA backend: the current device, its default stream, and a pool of memory allocated at the start. The
 /// primitives are documented in backend/concept.hpp.
@@ -211,9 +179,8 @@ class Cuda {
         warps_(resident_warps()),
         block_(allocate_block(memory)),
         pool_(block_.get(), memory),
-        arrived_(allocate_block(kMaxGroups * sizeof(unsigned))) {
-    check_cuda(cudaMemset(arrived_.get(), 0, kMaxGroups * sizeof(unsigned)), "initialization");
-  }
+        zeros_(allocate_zeros(Readback::kCapacity + kMaxGroups * sizeof(unsigned))),
+        readback_(zeros()) {}
 
   Memory memory() const { return Memory(pool_); }
 
@@ -234,10 +201,10 @@ class Cuda {
   }
 
   template <class R, class F>
-  R reduce(Size n, const F& f) const {
+  Pending<R> reduce_async(Size n, const F& f) const {
     static_assert(std::is_trivially_copyable_v<F> && std::is_trivially_copyable_v<R>);
     static_assert(kThreads * sizeof(R) <= 48 * 1024, "a block's partial results must fit its shared memory");
-    if (n == 0) return R{};
+    if (n == 0) return {};
     if constexpr (requires { F::kGrain; }) {
       // Kernels of much work are spread (for_each), but the chunks must be the same on all devices.
       Buffer<R> results(*this, n);
@@ -247,37 +214,39 @@ class Cuda {
       return merge<R>(n, f);
     }
   }
+  template <class R, class F>
+  R reduce(Size n, const F& f) const {
+    return reduce_async<R>(n, f).get();
+  }
 
   template <class T>
   T exclusive_scan(Span<const T> in, Span<T> out) const {
     const Size n = in.size();
     if (n == 0) return T{};
-    // The last element of each array, adjacent for a single transfer. The scan may overwrite that of `in`.
-    Buffer<T> ends(*this, 2);
-    Memory::copy(ends.span().data(), in.data() + n - 1, sizeof(T));
+    // The last element of each array. The scan may overwrite that of `in`.
+    T* end = nullptr;
+    const Pending<T> last_in(readback_, end);
+    Memory::copy(end, in.data() + n - 1, sizeof(T));
     std::size_t bytes = 0;
     check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, in.data(), out.data(), n), "scan");
     Buffer<unsigned char> scratch(*this, static_cast<Size>(bytes));
     check_cuda(cub::DeviceScan::ExclusiveSum(scratch.span().data(), bytes, in.data(), out.data(), n), "scan");
-    Memory::copy(ends.span().data() + 1, out.data() + n - 1, sizeof(T));
-    T last[2];
-    Memory::download(last, ends.span().data(), sizeof last);
-    return last[1] + last[0];
+    const Pending<T> last_out(readback_, end);
+    Memory::copy(end, out.data() + n - 1, sizeof(T));
+    return last_out.get() + last_in.get();
   }
 
   template <class F>
   Size compact(Size n, const F& keep, Span<Index32> out) const {
     if (n == 0) return 0;
-    Buffer<Size> count(*this, 1);
+    Size* count = nullptr;
+    const Pending<Size> kept(readback_, count);
     const thrust::counting_iterator<Index32> ids(0);
     std::size_t bytes = 0;
-    check_cuda(cub::DeviceSelect::If(nullptr, bytes, ids, out.data(), count.span().data(), n, keep), "select");
+    check_cuda(cub::DeviceSelect::If(nullptr, bytes, ids, out.data(), count, n, keep), "select");
     Buffer<unsigned char> scratch(*this, static_cast<Size>(bytes));
-    check_cuda(cub::DeviceSelect::If(scratch.span().data(), bytes, ids, out.data(), count.span().data(), n, keep),
-               "select");
-    Size kept = 0;
-    Memory::download(&kept, count.span().data(), sizeof(Size));
-    return kept;
+    check_cuda(cub::DeviceSelect::If(scratch.span().data(), bytes, ids, out.data(), count, n, keep), "select");
+    return kept.get();
   }
 
   template <class K>
@@ -319,6 +288,12 @@ class Cuda {
     return Block(block);
   }
 
+  static Block allocate_zeros(std::size_t bytes) {
+    Block block = allocate_block(bytes);
+    check_cuda(cudaMemset(block.get(), 0, bytes), "initialization");
+    return block;
+  }
+
   static Size attribute(cudaDeviceAttr attribute) {
     int device = 0;
     int value = 0;
@@ -337,7 +312,7 @@ class Cuda {
 
   /// One launch.
   template <class R, class F>
-  R merge(Size n, const F& f) const {
+  Pending<R> merge(Size n, const F& f) const {
     Size results = 0, groups = 0;  // of all levels
     for (Size level = n; level > 1 || results == 0;) {
       level = blocks(level, kThreads);
@@ -346,11 +321,11 @@ class Cuda {
     }
     TETUNE_ASSERT(groups <= kMaxGroups);
     Buffer<R> partial(*this, results);
-    reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data(), arrived());
+    R* result = nullptr;
+    const Pending<R> pending(readback_, result);
+    reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data(), arrived(), result);
     check_cuda(cudaGetLastError(), "launch");
-    R result{};
-    Memory::download(&result, partial.span().data() + results - 1, sizeof(R));
-    return result;
+    return pending;
   }
   /// Items per warp of a short launch. Those that take much work take different paths, one after the other in a warp:
   /// few of them are spread over more warps.
@@ -363,7 +338,9 @@ class Cuda {
     }
   }
 
-  unsigned* arrived() const { return static_cast<unsigned*>(arrived_.get()); }
+  unsigned char* zeros() const { return static_cast<unsigned char*>(zeros_.get()); }
+  /// See reduce_kernel.
+  unsigned* arrived() const { return reinterpret_cast<unsigned*>(zeros() + Readback::kCapacity); }
 
   static constexpr int kThreads = 128;
   /// Groups of blocks in a reduction: enough for 2^31 items.
@@ -378,7 +355,8 @@ class Cuda {
   Size warps_;
   Block block_;
   mutable Pool pool_;
-  Block arrived_;
+  Block zeros_;
+  mutable Readback readback_;
 };
 
 static_assert(Backend<Cuda>);

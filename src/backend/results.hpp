@@ -4,7 +4,7 @@
 #include "backend/span.hpp"
 #include "backend/team.hpp"
 
-/// Kernels that store the results of another one, and that load them to be merged.
+/// Results of loops: kernels that store the results of another one, and that load them to be merged.
 namespace tetune::backend {
 
 template <class R, class Kernel>
@@ -20,6 +20,13 @@ struct StoreResult {
     const R result = kernel(team, shared, i);
     if (team.rank() == 0) results[i] = result;
   }
+};
+
+/// What reduce_async() of a backend that runs kernels at once returns.
+template <class R>
+struct Available {
+  R value;
+  R get() const { return value; }
 };
 
 template <class R>

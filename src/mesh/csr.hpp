@@ -83,21 +83,26 @@ struct FindRow {
   }
 };
 
+template <class RowOf>
 struct CountItems {
-  Span<const std::uint32_t> row;
+  FindRow<RowOf> find;
   Span<std::uint32_t> counts;
   TETUNE_HD void operator()(Size item) const {
-    if (row[item] != kNoRow) backend::atomic_add(counts[row[item]], 1);
+    find(item);
+    const std::uint32_t row = find.row[item];
+    if (row != kNoRow) backend::atomic_add(counts[row], 1);
   }
 };
 
-/// Fills each row from its end, in unspecified order. `ends` holds the end of each row before, its begin after.
+/// Fills each row from its end, in unspecified order. `left` holds the number of items of each row before, 0 after.
 struct FillRows {
   Span<const std::uint32_t> row;
-  Span<std::uint32_t> ends;
+  Span<const std::uint32_t> offsets;
+  Span<std::uint32_t> left;
   Span<std::uint32_t> items;
   TETUNE_HD void operator()(Size item) const {
-    if (row[item] != kNoRow) items[backend::atomic_add(ends[row[item]], ~0U) - 1] = static_cast<std::uint32_t>(item);
+    const std::uint32_t r = row[item];
+    if (r != kNoRow) items[offsets[r] + backend::atomic_add(left[r], ~0U) - 1] = static_cast<std::uint32_t>(item);
   }
 };
 
@@ -110,13 +115,6 @@ struct SortRow {
     const Size n = offsets[row + 1] - begin;
     if (n > 1) sort_small(items.data() + begin, n, IdLess{});
   }
-};
-
-/// Adds the counts to their exclusive scan, which gives the row ends.
-struct ScanToEnds {
-  Span<const std::uint32_t> counts;
-  Span<std::uint32_t> offsets;
-  TETUNE_HD void operator()(Size row) const { offsets[row] += counts[row]; }
 };
 
 template <class Make, class T>
@@ -153,13 +151,11 @@ void build_csr_of(const Backend& backend, Size row_count, Size item_count, const
       out[position] = make(static_cast<std::uint32_t>(item));
     });
   } else {
-    backend.for_each(item_count, find);
     Ids counts(backend, row_count + 1);
     backend.fill(counts.span(), std::uint32_t{0});
-    backend.for_each(item_count, CountItems{rows, counts});
+    backend.for_each(item_count, CountItems<RowOf>{find, counts});
     Ids ids(backend, backend.exclusive_scan(Span<const std::uint32_t>(counts.span()), offsets.span()));
-    backend.for_each(row_count, ScanToEnds{counts, offsets});
-    backend.for_each(item_count, FillRows{rows, offsets, ids});
+    backend.for_each(item_count, FillRows{rows, offsets, counts, ids});
     row = Ids();  // frees memory before the next allocation
     backend.for_each(row_count, SortRow{offsets, ids});
     grouped.resize(backend, ids.size());

@@ -128,11 +128,11 @@ double activate_drifted(const Backend& backend, WorkMesh<Backend>& mesh, const C
   using namespace active_set_detail;
   using Pack = typename Backend::Pack;
   state.min_energy = min_energy;
-  const backend::Sum<double> energy = backend.template reduce<backend::Sum<double>>(
+  const auto energy = backend.template reduce_async<backend::Sum<double>>(
       SlotPack<Pack>::pack_count(mesh.slots()), SubtractDrift<Pack>{rated(mesh, criterion), state.drift_origin.span(),
                                                                     state.energies.span(), state.slack.span()});
   activate_where(backend, mesh, state, HasDrifted{is_promising(criterion, state), state.slack.span()});
-  return energy.value;
+  return energy.get().value;
 }
 
 template <class Backend>

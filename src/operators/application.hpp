@@ -204,11 +204,11 @@ struct MarkChanged {
 
 /// Applies a selection; the slots that it needs must not be too many (check_slots()). `changed`, when given, is set for
 /// the vertices whose ring changed; `vertices` are needed by operators that write vertices. The energies in `state`
-/// stay up to date; the active set does not.
+/// stay up to date; the active set does not. Returns the pending FlipSum: see reduce_async().
 template <class Backend, CavityPatch P>
-FlipSum apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                        FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed,
-                        const VertexArrays& vertices = {}) {
+auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                     FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed,
+                     const VertexArrays& vertices = {}) {
   using namespace application_detail;
   const SlotChange change(mesh, selection.total);
   change.make_room(backend, mesh);
@@ -219,7 +219,7 @@ FlipSum apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const C
   backend.for_each(records.size(),
                    Forward<P>{mesh.view(), records, before, mesh.free_slots.span(), change, old_vertices});
   backend.for_each(records.size(), Resolve<P>{mesh.view(), records, state.tet2bid.span()});
-  const FlipSum sum = backend.template reduce<FlipSum>(
+  const auto sum = backend.template reduce_async<FlipSum>(
       records.size(), Write<P>{rated(mesh, criterion), records, before, mesh.free_slots.span(), change.free_kept,
                                state.energies.span(), state.marks.span(), changed, vertices});
   change.finish(mesh);
@@ -245,8 +245,9 @@ PassResult flip_selected(const Backend& backend, WorkMesh<Backend>& mesh, const 
   result.evaluated = selection.evaluated;
   if (selection.is_stopped) return result;
   check_slots(SlotChange(mesh, selection.total).needed);
-  const FlipSum sum = apply_selection(backend, mesh, criterion, state, selection, changed);
+  const auto pending = apply_selection(backend, mesh, criterion, state, selection, changed);
   activate_changes(backend, criterion, state, selection);
+  const FlipSum sum = pending.get();
   result.counts = sum.counts;
   result.decrease = sum.decrease;
   return result;

@@ -245,8 +245,9 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
       const Size size = std::min(batch, count - first);
       const Proposals<C> proposals{tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
       const Propose<Generator> propose{generator, proposals, group, size / group};
-      s.evaluated += backend.template reduce<backend::Sum<Size>>(size, propose).value;
+      const auto evaluated = backend.template reduce_async<backend::Sum<Size>>(size, propose);
       const Size found = backend.compact(Generator::kParts * size, HoldsSoFar<C>{proposals}, entries.span());
+      s.evaluated += evaluated.get().value;
       const Size before = s.records.size();
       reserve_records(backend, s.records, before + found,
                       static_cast<double>(first + size) / static_cast<double>(count), room);

@@ -79,6 +79,11 @@ class Emulation {
     return result;
   }
 
+  template <class R, class F>
+  Available<R> reduce_async(Size n, const F& f) const {
+    return {reduce<R>(n, f)};
+  }
+
   template <class T>
   T exclusive_scan(Span<const T> in, Span<T> out) const {
     const Size n = in.size();

@@ -111,6 +111,23 @@ TEST_P(CudaPrimitives, ReduceMergesInItsOrder) {
   EXPECT_EQ(cuda->reduce<Sum<double>>(n(), HeavyReciprocal{}).value, sum_in_chunks(values));
 }
 
+/// More results than arrive with one wait.
+TEST_P(CudaPrimitives, PendingResultsAreThoseOfTheirReductions) {
+  using Result = LargestOfItem::Result;
+  const auto items = [this](int k) { return std::min<Size>(n(), 200) / (k % 3 + 1) + k % 2; };
+  std::vector<Pending<Result>> pending;
+  Cuda::Buffer<Index32> ids(*cuda, n());
+  for (int k = 0; k < 150; ++k) {
+    pending.push_back(cuda->reduce_async<Result>(items(k), LargestOfItem{}));
+    if (k == 50) cuda->compact(n(), IsThird{}, ids.span());
+  }
+  for (int k = 0; k < 150; ++k) {
+    Result expected;
+    for (Size i = 0; i < items(k); ++i) expected.merge(LargestOfItem{}(i));
+    EXPECT_EQ(pending[to_size_t(k)].get().sum, expected.sum);
+  }
+}
+
 TEST_P(CudaPrimitives, TeamsFindWhatASingleThreadFinds) {
   const auto found = cuda->reduce<LargestOfItem::Result>(n(), LargestOfItem{});
   LargestOfItem::Result expected;

@@ -91,6 +91,7 @@ TYPED_TEST(Primitives, ReduceMergesEachIndexOnce) {
 
 TYPED_TEST(Primitives, ReduceOfMoreThanAChunkOfChunks) {
   EXPECT_EQ(this->backend.template reduce<Count>(1500000, One{}).value, 1500000);
+  EXPECT_EQ(this->backend.template reduce_async<Count>(1500, One{}).get().value, 1500);
 }
 
 TYPED_TEST(Primitives, ScanSumsThePrecedingElements) {

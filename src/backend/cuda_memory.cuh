@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "backend/pool.hpp"
+#include "tetune/error.hpp"
+
+/// Memory of a CUDA device, and results that reach the host from it.
+namespace tetune::backend {
+
+inline void check_cuda(cudaError_t status, const char* what) {
+  if (status == cudaSuccess) return;
+  cudaGetLastError();  // clears the error, which is reported here
+  throw DeviceError(std::string("CUDA: ") + what + " failed: " + cudaGetErrorString(status));
+}
+
+/// A handle of the pool of a Cuda backend.
+///
+/// Memory may be released, and allocated again for another buffer, while kernels that use it have yet to run: whatever
+/// uses it next, transfers included, is enqueued in the same stream and so runs after them.
+class CudaMemory {
+ public:
+  CudaMemory() = default;
+  explicit CudaMemory(Pool& pool) : pool_(&pool) {}
+
+  void* allocate(std::size_t bytes) const { return pool_->allocate(bytes); }
+  void release(void* memory, std::size_t) const noexcept {
+    if (memory != nullptr) pool_->release(memory);
+  }
+  static void copy(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, nullptr), "copy");
+  }
+  static void upload(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "upload");
+  }
+  static void download(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost), "download");
+  }
+
+ private:
+  Pool* pool_ = nullptr;
+};
+
+/// Results that kernels leave in the memory of the device, which reach the host together: one transfer is one wait.
+class Readback {
+ public:
+  /// A result on the host.
+  class Slot {
+   public:
+    virtual ~Slot() = default;
+    virtual void receive(const unsigned char* from) = 0;
+  };
+
+  static constexpr std::size_t kCapacity = 4096;
+  static constexpr std::size_t kAlignment = 16;
+
+  /// In the memory of the device, with kCapacity bytes, all written.
+  explicit Readback(unsigned char* memory) : memory_(memory) {}
+
+  /// Returns where on the device a kernel is to write a result that `slot` is to receive.
+  unsigned char* add(std::shared_ptr<Slot> slot, std::size_t bytes) {
+    if (end_ + bytes > kCapacity) fetch();
+    slots_.push_back({end_, std::move(slot)});
+    end_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
+    return memory_ + slots_.back().first;
+  }
+  void fetch() {
+    CudaMemory::download(host_, memory_, std::min(end_, kCapacity));
+    for (const auto& [offset, slot] : slots_) slot->receive(host_ + offset);
+    slots_.clear();
+    end_ = 0;
+  }
+
+ private:
+  unsigned char* memory_;
+  std::size_t end_ = 0;
+  std::vector<std::pair<std::size_t, std::shared_ptr<Slot>>> slots_;
+  unsigned char host_[kCapacity];
+};
+
+/// A result that the host waits for when it is asked for, unless another wait brought it.
+template <class R>
+class Pending {
+  static_assert(std::is_trivially_copyable_v<R> && sizeof(R) <= Readback::kCapacity &&
+                alignof(R) <= Readback::kAlignment);
+
+ public:
+  /// R{}
+  Pending() = default;
+  /// Sets `on_device` to where a kernel is to write the result.
+  Pending(Readback& readback, R*& on_device) : readback_(&readback), slot_(std::make_shared<Slot>()) {
+    on_device = reinterpret_cast<R*>(readback.add(slot_, sizeof(R)));
+  }
+
+  R get() const {
+    if (slot_ == nullptr) return R{};
+    if (!slot_->is_here) readback_->fetch();
+    return slot_->value;
+  }
+
+ private:
+  struct Slot final : Readback::Slot {
+    R value{};
+    bool is_here = false;
+    void receive(const unsigned char* from) override {
+      std::memcpy(&value, from, sizeof(R));
+      is_here = true;
+    }
+  };
+  Readback* readback_ = nullptr;
+  std::shared_ptr<Slot> slot_;
+};
+
+}  // namespace tetune::backend
