@@ -166,14 +166,6 @@ void bind_motion(nb::module_& m) {
       });
 }
 
-void bind_straightened(nb::module_& m) {
-  nb::class_<StraightenedEdge>(m, "StraightenedEdge",
-                               "An edge of a curved surface that keeps a part of its curvature alone.")
-      .def_ro("vertices", &StraightenedEdge::vertices)
-      .def_ro("kept", &StraightenedEdge::kept, "The part.")
-      .def_ro("moved", &StraightenedEdge::moved, "Distance of the mid-side node from the curved surface.");
-}
-
 }  // namespace
 
 std::map<std::string, std::int64_t> by_constraint(const std::array<std::int64_t, kLimitingConstraints>& held_by) {
