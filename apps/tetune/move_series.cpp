@@ -90,9 +90,11 @@ class SeriesRun {
     console_.phase("reading");
     steps_ = read_series(job_.input);
     for (std::size_t i = 0; i < steps_.size(); ++i) {
+      const std::string name = step_name(job_.output, i);
       std::error_code error;
+      if (!fs::exists(name, error)) continue;
       for (const SeriesStep& step : steps_) {
-        if (!fs::equivalent(step_name(job_.output, i), step.path, error) || error) continue;
+        if (!fs::equivalent(name, step.path, error) || error) continue;
         throw OptionError(fmt::format("{}: the file {} of the input would be overwritten; give the output another name",
                                       job_.output, step.path));
       }

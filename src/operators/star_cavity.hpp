@@ -242,7 +242,7 @@ class StarCavity {
   template <class Team>
   TETUNE_HD void find_costs(Index apex, const Vec3& x, double* costs, const Team& team) const {
     using Pack = backend::TermsOf<Team>;
-    if constexpr (kLanesOf < Pack >> 1) {
+    if constexpr (kLanesOf<Pack> != 1) {
       const AngleCostRing ring(mesh_, faces_, face_count_, false);
       for (int begin = 0; begin < face_count_; begin += kLanesOf<Pack>) {
         const Pack pack = ring.template costs_of<Pack>(x, begin);

@@ -126,7 +126,7 @@ class AngleCostRing {
   template <class Team = backend::SingleThread>
   TETUNE_HD double largest_cost(const Vec3& x, double limit, int& first, const Team& team = {}) const {
     using Pack = backend::TermsOf<Team>;
-    if constexpr (kLanesOf < Pack >> 1) {
+    if constexpr (kLanesOf<Pack> != 1) {
       return largest_of_packs<Pack>(x, limit, first);
     } else {
       return largest_of_team(x, limit, first, team);
@@ -246,11 +246,7 @@ class AngleCostRing {
   TETUNE_HD TETUNE_INLINE void find_angle_costs(const Vec3& x, int begin, Pack (&costs)[kAngles]) const {
     Vec3T<Pack> p[4];
     gather_corners(x, begin, p);
-    Vec3T<Pack> n[4];
-    for (int f = 0; f < 4; ++f) {
-      const Vec3T<Pack>& a = p[face_vertex(f, 0)];
-      n[f] = cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
-    }
+    const Vec3T<Pack> n[4] = {normal(p, 0), normal(p, 1), normal(p, 2), normal(p, 3)};
     int angle = 0;
     for_each_dihedral_cot(p, n, orient_det(p), [&](const Pack& cot, int, int, int, int) {
       costs[angle++] = DihedralCotsT<Pack>{cot, cot}.cost(mesh_.obtuse_weight);
@@ -276,8 +272,9 @@ class AngleCostRing {
     if (k == 0) g = g - (cot / dot(edge, edge)) * edge;
     return DihedralCots{cot, cot}.cost(mesh_.obtuse_weight) > cot ? -mesh_.obtuse_weight * g : g;
   }
-  TETUNE_HD static Vec3 normal(const Vec3 p[4], int f) {
-    const Vec3& a = p[face_vertex(f, 0)];
+  template <class T>
+  TETUNE_HD TETUNE_INLINE static Vec3T<T> normal(const Vec3T<T> p[4], int f) {
+    const Vec3T<T>& a = p[face_vertex(f, 0)];
     return cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
   }
   /// The side of face f opposite vertex 0; zero for the face without it.

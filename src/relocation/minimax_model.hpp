@@ -124,7 +124,7 @@ class MinimaxModel {
   TETUNE_HD void find_extremes(const Vec3& d, const double* weight, backend::IndexedMax& high, backend::IndexedMax& low,
                                const Team& team) const {
     using Pack = backend::TermsOf<Team>;
-    if constexpr (kLanesOf < Pack >> 1) {
+    if constexpr (kLanesOf<Pack> != 1) {
       const Pack zero{};
       const Vec3T<Pack> step{zero + d.x, zero + d.y, zero + d.z};
       Pack index = first_indices<Pack>();
@@ -152,7 +152,7 @@ class MinimaxModel {
   template <class Pack>
   TETUNE_HD void find_smallest() {
     backend::IndexedMax smallest{kLowest, 0};  // of the negative values
-    if constexpr (kLanesOf < Pack >> 1) {
+    if constexpr (kLanesOf<Pack> != 1) {
       PackMax<Pack> lanes{Pack{} + kLowest, Pack{}};
       Pack index = first_indices<Pack>();
       for (int i = 0; i < kMaxFunctions; i += kLanesOf<Pack>, index += kLanesOf<Pack>) {
