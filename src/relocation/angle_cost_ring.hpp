@@ -107,7 +107,10 @@ class AngleCostRing {
       const double limit = cost - kMinGain * (1 + cost);
       bool improved = false;
       for (; radius > kLastStep * length; radius *= 0.5) {
-        const Vec3 trial = motion.trial(x, model.step(radius, team));
+        const MinimaxStep step = model.step(radius, team);
+        // A shorter step is predicted to gain even less.
+        if (!(step.value < limit)) return moved;
+        const Vec3 trial = motion.trial(x, step.d);
         const double trial_cost = largest_cost(trial, limit, worst, team);
         if (!(trial_cost < limit) || !motion.accept(trial)) continue;
         x = trial;

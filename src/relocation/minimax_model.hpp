@@ -8,6 +8,12 @@
 
 namespace tetune {
 
+/// A step, and the largest modeled value after it.
+struct MinimaxStep {
+  Vec3 d;
+  double value;
+};
+
 /// A model of the maximum of several functions of a position: each by its value and gradient. Its minimum within a
 /// given distance is the step of a method for nonsmooth functions (the proximal form of the active-set method of
 /// Freitag and Ollivier-Gooch, "Tetrahedral mesh improvement using swapping and smoothing", 1997). In the memory of one
@@ -55,7 +61,7 @@ class MinimaxModel {
   /// active functions have the same modeled value, and the one of the largest value joins them until none is larger.
   /// Called by all threads of a team, with equal results.
   template <class Team = backend::SingleThread>
-  TETUNE_HD Vec3 step(double radius, const Team& team = {}) const {
+  TETUNE_HD MinimaxStep step(double radius, const Team& team = {}) const {
     backend::IndexedMax largest{kLowest, 0};
     backend::Max norm2{0};
     for (int i = team.rank(); i < count_; i += Team::kSize) {
@@ -64,18 +70,18 @@ class MinimaxModel {
     }
     largest = team.merge(largest);
     norm2 = team.merge(norm2);
-    if (!(norm2.value > 0)) return {0, 0, 0};
+    if (!(norm2.value > 0)) return {{0, 0, 0}, largest.value};
     const double tau = radius / std::sqrt(norm2.value);
     ActiveSet active{{largest.index}, {1}, 1};
     Vec3 d = -tau * gradient(largest.index);
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0;; ++round) {
       const backend::IndexedMax next = largest_after(d, team);
       const double gap = next.value - modeled(active.function[0], d);
-      if (!(gap > kTolerance * tau * norm2.value) || !activate(active, next.index, gap / tau)) break;
+      const bool is_optimal = !(gap > kTolerance * tau * norm2.value);
+      if (is_optimal || round == kMaxRounds || !activate(active, next.index, gap / tau)) return {d, next.value};
       d = {0, 0, 0};
       for (int k = 0; k < active.size; ++k) d = d - (tau * active.weight[k]) * gradient(active.function[k]);
     }
-    return d;
   }
 
  private:

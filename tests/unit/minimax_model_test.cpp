@@ -22,7 +22,7 @@ class Model {
   }
   void clear() { model_.clear(backend::SingleThread()); }
   template <class Team = backend::SingleThread>
-  Vec3 step(double radius, const Team& team = {}) {
+  MinimaxStep step(double radius, const Team& team = {}) {
     model_.set_gradients([this](int i) { return gradients_[to_size_t(i)]; });
     return model_.step(radius, team);
   }
@@ -33,14 +33,14 @@ class Model {
 };
 
 TEST(MinimaxModel, WithoutFunctionsThereIsNoStep) {
-  const Vec3 d = MinimaxModel().step(1);
+  const Vec3 d = MinimaxModel().step(1).d;
   EXPECT_EQ(norm(d), 0);
 }
 
 TEST(MinimaxModel, OneFunctionDecreasesAlongItsGradientByTheRadius) {
   Model model;
   model.add(5, {0, 3, 4});
-  const Vec3 d = model.step(2);
+  const Vec3 d = model.step(2).d;
   EXPECT_NEAR(d.x, 0, 1e-15);
   EXPECT_NEAR(d.y, -1.2, 1e-15);
   EXPECT_NEAR(d.z, -1.6, 1e-15);
@@ -50,7 +50,7 @@ TEST(MinimaxModel, OpposedGradientsLeaveTheDirectionThatDecreasesBoth) {
   Model model;
   model.add(1, {1, 0, 0.5});
   model.add(1, {-1, 0, 0.5});
-  const Vec3 d = model.step(0.1);
+  const Vec3 d = model.step(0.1).d;
   EXPECT_NEAR(d.x, 0, 1e-12);
   EXPECT_LT(d.z, 0);
 }
@@ -59,9 +59,9 @@ TEST(MinimaxModel, GradientsThatOverflowAreLeftOut) {
   Model model;
   model.add(1, {1e300, 0, 0});
   model.add(2, {std::nan(""), 0, 0});
-  EXPECT_EQ(norm(model.step(1)), 0);
+  EXPECT_EQ(norm(model.step(1).d), 0);
   model.add(1, {0, 2, 0});
-  EXPECT_NEAR(model.step(1).y, -1, 1e-15);
+  EXPECT_NEAR(model.step(1).d.y, -1, 1e-15);
 }
 
 TEST(MinimaxModel, AnOptimumHasNoStep) {
@@ -69,7 +69,7 @@ TEST(MinimaxModel, AnOptimumHasNoStep) {
   model.add(1, {1, 0, 0});
   model.add(1, {-0.5, 1, 0});
   model.add(1, {-0.5, -1, 0});
-  EXPECT_LT(norm(model.step(1)), 0.02);
+  EXPECT_LT(norm(model.step(1).d), 0.02);
 }
 
 TEST(MinimaxModel, TheLargestFunctionsAreKept) {
@@ -87,23 +87,23 @@ TEST(MinimaxModel, TheLargestFunctionsAreKept) {
   Model expected;
   for (int i = 0; i < kKept; ++i) expected.add(functions[i].first, functions[i].second);
   // The order of the functions affects the step within the tolerance of the method.
-  EXPECT_LT(norm(model.step(0.5) - expected.step(0.5)), 1e-8);
+  EXPECT_LT(norm(model.step(0.5).d - expected.step(0.5).d), 1e-8);
   model.clear();
-  EXPECT_EQ(norm(model.step(0.5)), 0);
+  EXPECT_EQ(norm(model.step(0.5).d), 0);
 }
 
 TEST(MinimaxModel, FunctionsFarBelowTheLargestDoNotCount) {
   Model model;
   model.add(1, {1, 0, 0});
   model.add(-10, {-1, 0, 0});
-  EXPECT_NEAR(model.step(0.5).x, -0.5, 1e-15);
+  EXPECT_NEAR(model.step(0.5).d.x, -0.5, 1e-15);
 }
 
 TEST(MinimaxModel, TheSmallestFunctionsGiveWayToLargerOnes) {
   Model model;
   for (int i = 0; i < 1000; ++i) model.add(0, {-1, 0, 0});
   model.add(10, {1, 0, 0});
-  EXPECT_NEAR(model.step(0.5).x, -0.5, 1e-15);
+  EXPECT_NEAR(model.step(0.5).d.x, -0.5, 1e-15);
 }
 
 using Functions = std::vector<std::pair<double, Vec3>>;
@@ -114,11 +114,15 @@ double longest_gradient(const Functions& functions) {
   return longest;
 }
 
-/// What a step minimizes: the maximum of the functions, with the quadratic term.
-double model_value(const Functions& functions, double radius, const Vec3& d) {
+double largest_value(const Functions& functions, const Vec3& d) {
   double largest = -1e300;
   for (const auto& [value, gradient] : functions) largest = std::max(largest, value + dot(gradient, d));
-  return largest + 0.5 * longest_gradient(functions) / radius * dot(d, d);
+  return largest;
+}
+
+/// The function that a step minimizes: the maximum of the functions, with the quadratic term.
+double model_value(const Functions& functions, double radius, const Vec3& d) {
+  return largest_value(functions, d) + 0.5 * longest_gradient(functions) / radius * dot(d, d);
 }
 
 /// The step at which the functions of a subset have the same value, which is minimal: -tau sum l_i g_i with weights
@@ -194,10 +198,11 @@ TEST(MinimaxModel, AStepIsOptimalAmongAllSubsets) {
     const double radius = test % 5 == 0 ? 1 : 0.05;
     Model model;
     for (const auto& [value, gradient] : functions) model.add(value, gradient);
-    const Vec3 d = model.step(radius);
-    const Vec3 by_packs = model.step(radius, backend::PackThread<backend::Pack4>());
+    const auto [d, value] = model.step(radius);
+    const Vec3 by_packs = model.step(radius, backend::PackThread<backend::Pack4>()).d;
     EXPECT_TRUE(by_packs.x == d.x && by_packs.y == d.y && by_packs.z == d.z);
     EXPECT_LE(norm(d), radius * (1 + 1e-12));
+    EXPECT_NEAR(value, largest_value(functions, d), 1e-14);
     EXPECT_LE(model_value(functions, radius, d),
               minimum_of_subsets(functions, radius) + 1e-6 * radius * longest_gradient(functions))
         << "functions of kind " << test % 6 << ", test " << test;
