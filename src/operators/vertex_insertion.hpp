@@ -18,7 +18,7 @@ struct VertexInsertion {
       insert_inside(p, t, star);
       return;
     }
-    if (!star.take_edge(t, edge)) return;
+    if (!star.take_edge(t, edge) || p.is_shared_with_earlier(star, t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const EdgeCorners e = edge_corners(edge);
     const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
