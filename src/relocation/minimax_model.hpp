@@ -37,20 +37,20 @@ class MinimaxModel {
     function_[at] = function;
     if (count_ == kMaxFunctions) find_smallest<Pack>();
   }
-  /// Sets the gradients of all functions: `gradient_of(function)`. Functions whose gradient overflows, as at volumes
-  /// close to underflow, do not count. Called by all threads of a team.
-  template <class GradientOf, class Team = backend::SingleThread>
-  TETUNE_HD void set_gradients(const GradientOf& gradient_of, const Team& team = {}) {
+  /// Sets the gradients of all functions: `project(g)` for each g of `gradients_of(functions)`, which gets one function
+  /// per lane of TermsOf<Team>. Functions whose gradient overflows, as at volumes close to underflow, do not count.
+  /// Called by all threads of a team.
+  template <class GradientsOf, class Project, class Team = backend::SingleThread>
+  TETUNE_HD void set_gradients(const GradientsOf& gradients_of, const Project& project, const Team& team = {}) {
+    constexpr int kLanes = kLanesOf<backend::TermsOf<Team>>;
     team.sync();
-    for (int i = team.rank(); i < count_; i += Team::kSize) {
-      Vec3 gradient = gradient_of(function_[i]);
-      if (!(dot(gradient, gradient) < kMaxNorm2)) {
-        gradient = {0, 0, 0};
-        value_[i] = kLowest;
+    for (int first = team.rank() * kLanes; first < count_; first += Team::kSize * kLanes) {
+      int functions[kLanes];
+      for (int l = 0; l < kLanes; ++l) functions[l] = function_[first + l < count_ ? first + l : count_ - 1];
+      const auto gradients = gradients_of(functions);
+      for (int l = 0; l < kLanes && first + l < count_; ++l) {
+        set_gradient(first + l, project({lane(gradients.x, l), lane(gradients.y, l), lane(gradients.z, l)}));
       }
-      x_[i] = gradient.x;
-      y_[i] = gradient.y;
-      z_[i] = gradient.z;
     }
     team.sync();
   }
@@ -117,6 +117,15 @@ class MinimaxModel {
     Vec3 gradient;
   };
 
+  TETUNE_HD void set_gradient(int i, Vec3 gradient) {
+    if (!(dot(gradient, gradient) < kMaxNorm2)) {
+      gradient = {0, 0, 0};
+      value_[i] = kLowest;
+    }
+    x_[i] = gradient.x;
+    y_[i] = gradient.y;
+    z_[i] = gradient.z;
+  }
   TETUNE_HD Vec3 gradient(int i) const { return {x_[i], y_[i], z_[i]}; }
   TETUNE_HD double modeled(int i, const Vec3& d) const { return value_[i] + dot(gradient(i), d); }
 

@@ -23,7 +23,8 @@ class Model {
   void clear() { model_.clear(backend::SingleThread()); }
   template <class Team = backend::SingleThread>
   MinimaxStep step(double radius, const Team& team = {}) {
-    model_.set_gradients([this](int i) { return gradients_[to_size_t(i)]; });
+    model_.set_gradients([this](const int(&i)[1]) { return gradients_[to_size_t(i[0])]; },
+                         [](const Vec3& gradient) { return gradient; });
     return model_.step(radius, team);
   }
 
