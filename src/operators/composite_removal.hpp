@@ -109,11 +109,11 @@ struct CompositeRemoval {
     if (!star.take_all_around(v)) return costs;
     x = vec(p.mesh.points[v]);
     if (!star.find_kernel_point(x, team)) return costs;
-    x = star.relax(x);
+    x = star.relax(x, team);
     costs.first_before = star.cost_before(team);
     costs.first_after = star.cost_after(v, x, costs.screen(ratio), false, team);
     if (!(costs.first_after < costs.screen(ratio))) return costs;
-    x = star.relax_and_grow(x);
+    x = star.relax_and_grow(x, team);
     costs.before = star.cost_before(team);
     const double after = star.cost_after(v, x, ratio * costs.before, false, team);
     if (after < ratio * costs.before && star.preserves_constraints(v)) costs.after = after;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "energy/ring_of.hpp"
 #include "mesh/constrained_edges.hpp"
 #include "mesh/small_set.hpp"
 #include "operators/edge_star.hpp"
@@ -188,14 +189,16 @@ class StarCavity {
 
   /// A place for the apex where the energy of the retriangulation is lower, from one in the kernel; x itself where the
   /// apex slides.
-  TETUNE_HD Vec3 relax(const Vec3& x) const {
+  template <class Team = backend::SingleThread>
+  TETUNE_HD Vec3 relax(const Vec3& x, const Team& = {}) const {
     if (motion_.slides()) return x;
-    PlainRing<> ring(mesh_.objective, mesh_.points, faces_, face_count_);
+    typename RingOf<backend::TermsOf<Team>>::type ring(mesh_.objective, mesh_.points, faces_, face_count_);
     return NewtonStep{1, kMinGain}(ring, x, motion_.free.space).position;
   }
   /// Enlarges the cavity and relaxes the apex in turn, while that lowers the energy.
-  TETUNE_HD Vec3 relax_and_grow(Vec3 x) {
-    for (int round = 0; round < kGrowthRounds && grow(x); ++round) x = relax(x);
+  template <class Team = backend::SingleThread>
+  TETUNE_HD Vec3 relax_and_grow(Vec3 x, const Team& team = {}) {
+    for (int round = 0; round < kGrowthRounds && grow(x); ++round) x = relax(x, team);
     return x;
   }
   /// Enlarges the cavity across the face whose new tetrahedron costs most, until none costs `limit` or more with the

@@ -47,6 +47,14 @@ struct StarContext {
     return dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
   }
 
+  /// Whether vertices may be inserted and removed at a tetrahedron of the cavity before t: that one proposes the same.
+  TETUNE_HD bool is_shared_with_earlier(const StarCavity& star, Index t) const {
+    for (int i = 0; i < star.tet_count(); ++i) {
+      if (star.tet(i) < t && may_change_vertices(star.tet(i))) return true;
+    }
+    return false;
+  }
+
   TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
   TETUNE_HD SurfaceBend bend() const { return {mesh.points, surface.triangles}; }
 };
@@ -74,13 +82,19 @@ struct StarProposal : StarContext {
     const double before = cost_before(star);
     const double limit = (1 - min_gain) * before;
     const double screen = kAcceptRatio * before;
-    if (star.cost_after(kNewVertex, x, screen, false, team) < screen) {
+    bool is_lowest = star.cost_after(kNewVertex, x, screen, false, team) < screen;
+    if (is_lowest) {
       x = lower_cost(star, x);
       if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
     }
     for (int round = 0; round < kOpeningRounds; ++round) {
-      if (!star.grow_below(kNewVertex, x, limit, team) && !is_in_reach(star, kReachRatio * before, x)) return false;
+      const int tets = star.tet_count();
+      const bool is_below = star.grow_below(kNewVertex, x, limit, team);
+      // A cavity that has not grown has no lower place.
+      if (is_lowest && star.tet_count() == tets) return false;
+      if (!is_below && !is_in_reach(star, kReachRatio * before, x)) return false;
       x = lower_cost(star, x);
+      is_lowest = true;
       if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
     }
     return false;

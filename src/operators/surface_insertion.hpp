@@ -36,7 +36,7 @@ struct SurfaceInsertion {
         p.surface.bends ? place_on_reference(p, replaced, simplex, x) : find_dof(p, star, replaced, simplex);
     if (dof.dof == VertexDof::fixed) return;
     star.restrict_apex(dof, p.surface.reference);
-    x = star.relax_and_grow(star.relax(x));
+    x = star.relax_and_grow(star.relax(x, p.team), p.team);
     if (!p.open(star, x)) return;
     if (p.surface.bends) {
       dof.surface_point = star.surface_point();

@@ -18,11 +18,11 @@ struct VertexInsertion {
       insert_inside(p, t, star);
       return;
     }
-    if (!star.take_edge(t, edge)) return;
+    if (!star.take_edge(t, edge) || p.is_shared_with_earlier(star, t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const EdgeCorners e = edge_corners(edge);
     const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
-    Vec3 x = star.relax_and_grow(star.relax(middle));
+    Vec3 x = star.relax_and_grow(star.relax(middle, p.team), p.team);
     if (p.open(star, x)) p.add(star, p.cost_before(star), star.candidate(kNewVertex, kNoVertex, x));
   }
 

@@ -107,7 +107,10 @@ class AngleCostRing {
       const double limit = cost - kMinGain * (1 + cost);
       bool improved = false;
       for (; radius > kLastStep * length; radius *= 0.5) {
-        const Vec3 trial = motion.trial(x, model.step(radius, team));
+        const MinimaxStep step = model.step(radius, team);
+        // A shorter step is predicted to gain even less.
+        if (!(step.value < limit)) return moved;
+        const Vec3 trial = motion.trial(x, step.d);
         const double trial_cost = largest_cost(trial, limit, worst, team);
         if (!(trial_cost < limit) || !motion.accept(trial)) continue;
         x = trial;
@@ -224,8 +227,8 @@ class AngleCostRing {
         team.sync();
       }
     }
-    model.set_gradients([&](int angle) { return motion.tangent(angle_gradient(x, angle / kAngles, angle % kAngles)); },
-                        team);
+    model.set_gradients([&](const int(&angles)[kLanes]) { return angle_gradients<Pack>(x, angles); },
+                        [&](const Vec3& gradient) { return motion.tangent(gradient); }, team);
   }
 
   static constexpr int kAngles = 6;
@@ -252,37 +255,53 @@ class AngleCostRing {
       costs[angle++] = DihedralCotsT<Pack>{cot, cot}.cost(mesh_.obtuse_weight);
     });
   }
-  /// The gradient of the cost of one angle. With n_i the normals of the faces, cos / sin = -n_i . n_j / (w |e|); when x
-  /// moves by d, n_i changes by d x s_i with s_i the side of face i opposite x.
-  TETUNE_HD Vec3 angle_gradient(const Vec3& x, int face, int angle) const {
-    const Vec3 p[4] = {x, corner(face, 0), corner(face, 1), corner(face, 2)};
-    const int i = angle < 3 ? 0 : angle < 5 ? 1 : 2;
-    const int j = angle < 3 ? angle + 1 : angle < 5 ? angle - 1 : 3;
-    const int k = i == 0 ? (j == 1 ? 2 : 1) : 0;
-    const int l = 6 - i - j - k;
-    const Vec3 n_0 = normal(p, 0);
-    const Vec3 n_i = normal(p, i);
-    const Vec3 n_j = normal(p, j);
-    const double w = orient_det(p);
-    const Vec3 dw = (dot(n_0, p[0] - p[1]) > 0 ? 1 / w : -1 / w) * n_0;
-    const Vec3 edge = p[k] - p[l];
-    const double length = norm(edge);
-    const double cot = -dot(n_i, n_j) / (w * length);
-    Vec3 g = (-1 / (w * length)) * (cross(side(p, i), n_j) + cross(side(p, j), n_i)) - cot * dw;
-    if (k == 0) g = g - (cot / dot(edge, edge)) * edge;
-    return DihedralCots{cot, cot}.cost(mesh_.obtuse_weight) > cot ? -mesh_.obtuse_weight * g : g;
+  /// The gradients of the costs of some angles, one per lane. At the edge (k, l) between the faces opposite i and j,
+  /// cot = n_u . n_v / (|det| |e|) with e = l - k, u = i - k, v = j - k, n_u = e x u, n_v = e x v and det = u . n_v;
+  /// x is vertex i, or k where it is an end of the edge.
+  template <class Pack>
+  TETUNE_HD TETUNE_INLINE Vec3T<Pack> angle_gradients(const Vec3& x, const int (&angles)[kLanesOf<Pack>]) const {
+    Index ids_j[kLanesOf<Pack>], ids_other[kLanesOf<Pack>], ids_l[kLanesOf<Pack>];  // other: k or i, which x is not
+    double at_end[kLanesOf<Pack>];
+    for (int lane = 0; lane < kLanesOf<Pack>; ++lane) {
+      const LinkFace& face = faces_[angles[lane] / kAngles];
+      const int angle = angles[lane] % kAngles;
+      const int i = angle < 3 ? 0 : angle < 5 ? 1 : 2;
+      const int j = angle < 3 ? angle + 1 : angle < 5 ? angle - 1 : 3;
+      const int k = i == 0 ? (j == 1 ? 2 : 1) : i;
+      ids_j[lane] = face.v[j - 1];
+      ids_other[lane] = face.v[k - 1];
+      ids_l[lane] = face.v[(i == 0 ? 6 - j - k : 6 - i - j) - 1];
+      at_end[lane] = i == 0 ? 0 : 1;
+    }
+    const Pack zero{};
+    const auto is_end = backend::load<Pack>(at_end) > zero;
+    const Vec3T<Pack> moving{zero + x.x, zero + x.y, zero + x.z};
+    const Vec3T<Pack> other = gather<Pack>(mesh_.points, ids_other);
+    const Vec3T<Pack> p_k = select(is_end, moving, other);
+    const Vec3T<Pack> e = gather<Pack>(mesh_.points, ids_l) - p_k;
+    const Vec3T<Pack> u = select(is_end, other, moving) - p_k;
+    const Vec3T<Pack> v = gather<Pack>(mesh_.points, ids_j) - p_k;
+    const Vec3T<Pack> n_u = cross(e, u);
+    const Vec3T<Pack> n_v = cross(e, v);
+    const Pack det = dot(u, n_v);
+    const Pack length2 = dot(e, e);
+    const Pack scale = 1.0 / ((det > zero ? det : -det) * square_root(length2));
+    const Pack cot = scale * dot(n_u, n_v);
+    const Vec3T<Pack> d_product = select(is_end, cross(n_v, u - e) + cross(n_u, v - e), cross(n_v, e));
+    const Vec3T<Pack> d_det = select(is_end, n_u - n_v - cross(v, u), n_v);
+    const Pack along = is_end ? cot / length2 : zero;
+    const Vec3T<Pack> gradient = scale * d_product - (cot / det) * d_det + along * e;
+    const Pack obtuse = -mesh_.obtuse_weight * cot;
+    return (obtuse > cot ? zero - mesh_.obtuse_weight : zero + 1.0) * gradient;
+  }
+  template <class Condition, class T>
+  TETUNE_HD TETUNE_INLINE static Vec3T<T> select(const Condition& condition, const Vec3T<T>& a, const Vec3T<T>& b) {
+    return {condition ? a.x : b.x, condition ? a.y : b.y, condition ? a.z : b.z};
   }
   template <class T>
   TETUNE_HD TETUNE_INLINE static Vec3T<T> normal(const Vec3T<T> p[4], int f) {
     const Vec3T<T>& a = p[face_vertex(f, 0)];
     return cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
-  }
-  /// The side of face f opposite vertex 0; zero for the face without it.
-  TETUNE_HD static Vec3 side(const Vec3 p[4], int f) {
-    const Vec3& a = p[face_vertex(f, 0)];
-    const Vec3& b = p[face_vertex(f, 1)];
-    const Vec3& c = p[face_vertex(f, 2)];
-    return f == 0 ? Vec3{0, 0, 0} : face_vertex(f, 0) == 0 ? b - c : face_vertex(f, 1) == 0 ? c - a : a - b;
   }
 
   /// In local lengths.
