@@ -6,7 +6,7 @@ FROM debian:12-slim AS build
 WORKDIR /source
 COPY scripts/install-packages scripts/
 # As scripts/demo.
-RUN scripts/install-packages g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libvtk9-dev libgmsh-dev
+RUN scripts/install-packages g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libvtk9-dev libgmsh-dev libocct-data-exchange-dev
 COPY . .
 RUN cmake --preset release -DTETUNE_NATIVE=OFF -DTETUNE_DISPATCH=AUTO -DBUILD_SHARED_LIBS=ON -DTETUNE_TESTS=OFF \
       -DTETUNE_EXAMPLES=OFF -DTETUNE_MPI=OFF \
@@ -15,7 +15,7 @@ RUN cmake --preset release -DTETUNE_NATIVE=OFF -DTETUNE_DISPATCH=AUTO -DBUILD_SH
 
 FROM debian:12-slim
 RUN --mount=type=bind,from=build,source=/source/scripts,target=/scripts \
-    /scripts/install-packages libfmt9 libgmsh4.8 libtomlplusplus3 libvtk9.1 \
+    /scripts/install-packages libfmt9 libgmsh4.8 libocct-data-exchange-7.6 libtomlplusplus3 libvtk9.1 \
     && rm -rf /var/lib/apt/lists/* \
     && useradd --uid 1000 --create-home tetune
 COPY --from=build /installed/usr/local /usr/local

@@ -24,6 +24,13 @@ struct MoveArguments {
   bool all_vertices = false;
 };
 
+/// The CAD geometry of `tetune optimize` and `tetune info`.
+struct GeometryArguments {
+  std::string file;         ///< empty: none
+  std::string unit = "mm";  ///< of the mesh
+  std::string snap = "yes";
+};
+
 /// The arguments of `tetune optimize` and `tetune move`.
 struct OptimizeArguments {
   std::vector<std::string> files;     ///< inputs; without --output, one input and the output
@@ -40,6 +47,7 @@ struct OptimizeArguments {
   std::string criteria_name;
   std::optional<AcceptanceCriteria> criteria;  ///< read from `criteria_name`
   std::optional<MoveArguments> move;
+  GeometryArguments geometry;
   Options options;
   std::optional<double> time_limit;  ///< seconds
   std::optional<double> max_memory;  ///< MB of 1024 * 1024 bytes

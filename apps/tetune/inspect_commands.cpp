@@ -13,6 +13,7 @@
 #include "criteria_file.hpp"
 #include "definitions.hpp"
 #include "exit_code.hpp"
+#include "geometry_files.hpp"
 #include "mesh_files.hpp"
 #include "option_values.hpp"
 #include "report_files.hpp"
@@ -28,6 +29,8 @@ struct Arguments {
   std::string tags;
   std::vector<std::string> min_quality;
   std::string criteria;
+  GeometryArguments geometry;
+  std::string classified;  ///< mesh to write, with the classification
   bool json = false;
   bool check = false;
   int threads = 0;
@@ -57,6 +60,8 @@ struct Inspection {
   Quality quality;
   bool measured = true;
   std::optional<AcceptanceReport> acceptance;  ///< with --criteria
+  std::optional<Geometry> geometry;            ///< with --geometry
+  GeometryMatch match;
 };
 
 /// Null without --criteria.
@@ -77,6 +82,24 @@ Inspection inspect(const Arguments& a, const std::optional<AcceptanceCriteria>& 
     i.measured = false;
   }
   return i;
+}
+
+/// Matches the mesh with the geometry, and writes the classification.
+void match_geometry(const Arguments& a, const std::string& name, Inspection& i) {
+  if (a.geometry.file.empty()) {
+    if (!a.classified.empty()) throw OptionError("--output is for --geometry alone");
+    return;
+  }
+  i.geometry.emplace(a.geometry.file, unit_in_mm(a.geometry.unit));
+  print_warnings(i.geometry->warnings());
+  try {
+    i.match = i.geometry->match(i.mesh);
+  } catch (const MeshError& e) {
+    throw MeshError(name + ": " + with_geometry_flags(e.what()));
+  }
+  if (!a.classified.empty()) {
+    print_warnings(write_output(a.classified, false, classified_mesh(i.mesh, i.match), a.threads));
+  }
 }
 
 /// The worst element compared to a bound.
@@ -109,6 +132,7 @@ void print_json(const Arguments& a, const Inspection& i, const std::vector<Bound
   json["box"] = {{"low", box.low}, {"high", box.high}, {"diagonal", box.diagonal()}};
   if (i.measured) json["quality"] = to_json(i.quality);
   if (i.acceptance) json["acceptance"] = to_json(*i.acceptance);
+  if (i.geometry) json["geometry"] = to_json(*i.geometry, i.match);
   for (const BoundVerdict& v : verdicts) {
     json["bounds"].push_back(
         {{"measure", to_string(v.bound.measure)}, {"value", v.bound.value}, {"worst", v.worst}, {"met", v.met}});
@@ -154,6 +178,7 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
     fmt::print("{}{}", worst_table("worst, counted from 1", i.quality), histogram(i.quality));
     fmt::print("{}", curved_table(i.quality.curved));
   }
+  if (i.geometry) fmt::print("{}", match_table(*i.geometry, i.match));
   for (const BoundVerdict& v : verdicts) fmt::print("  {}\n", to_text(v));
   if (i.acceptance) fmt::print("{}", acceptance_table("acceptance", *i.acceptance));
 }
@@ -163,7 +188,8 @@ int info(const Arguments& a) {
   std::vector<Target> bounds;
   for (const std::string& text : a.min_quality)
     bounds.push_back(parse_bound("--min-quality", text, Measure::mean_ratio));
-  const Inspection i = inspect(a, criteria_of(a), 0);
+  Inspection i = inspect(a, criteria_of(a), 0);
+  match_geometry(a, name, i);
   const std::vector<BoundVerdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<BoundVerdict>{};
   const bool met =
       i.measured && std::all_of(verdicts.begin(), verdicts.end(), [](const BoundVerdict& v) { return v.met; });
@@ -249,6 +275,15 @@ void add_info(CLI::App& app, int& exit_code) {
        "0.2, min_dihedral_deg=10, radius_ratio=5. May be repeated")
       ->option_text("Q|MEASURE=Q")
       ->allow_extra_args(false);
+  define_geometry(
+      *c, a->geometry, c->get_option("--json")->get_group(),
+      "CAD model of the part (.step, .stp, .iges, .igs, .brep, .brp): which of its vertices, edges and faces "
+      "the mesh's surface is on, and how far from them");
+  c->add_option(
+       "-o,--output", a->classified,
+       "With --geometry: mesh to write, whose surface has the numbers of faces and edges of the model as tags "
+       "and as data, and whose vertices have data of the dimension, the number and the distance of their entity")
+      ->option_text("FILE");
   c->add_flag("--check", a->check, "Print one line: whether the mesh is valid, and meets --min-quality");
   refuse_empty_values(*c);
   c->callback([a, &exit_code] { exit_code = info(*a); });

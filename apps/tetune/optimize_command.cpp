@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "geometry_files.hpp"
 #include "interrupt.hpp"
 #include "move_series.hpp"
 #include "move_targets.hpp"
@@ -76,6 +77,7 @@ int run(const CLI::App& command, OptimizeArguments& a) {
   const bool has_series = std::any_of(a.files.begin(), a.files.end(), is_series);
   if (a.move && !a.print_options) check_move_arguments(*a.move, has_series);
   const std::vector<Job> jobs = resolve_jobs(command, a);
+  check_geometry_arguments(a);
   const bool to_pipe = !jobs.empty() && jobs[0].output == kPipe;
   Console console(a.progress, a.verbosity, !to_pipe ? stdout : a.progress == ProgressMode::json ? nullptr : stderr);
   for (const std::string& w : a.warnings) console.warn(w);
@@ -93,6 +95,7 @@ int run(const CLI::App& command, OptimizeArguments& a) {
 void add_optimize(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<OptimizeArguments>();
   CLI::App* c = app.add_subcommand("optimize", "Improve a mesh, or several.");
+  define_geometry_to_slide_on(*c, a->geometry);
   define_arguments(*c, *a);
   c->callback([c, a, &exit_code] { exit_code = run(*c, *a); });
 }

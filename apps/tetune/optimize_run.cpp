@@ -10,6 +10,7 @@
 #include <optional>
 #include <string_view>
 
+#include "geometry_files.hpp"
 #include "interrupt.hpp"
 #include "map_file.hpp"
 #include "mesh_files.hpp"
@@ -59,6 +60,8 @@ class Run {
     if (input_.mesh.tets.empty()) throw MeshError(name + ": there is no tetrahedron in this file");
     freeze(a_.frozen, name, input_.mesh, options_);
     add_links(name);
+    if (!a_.geometry.file.empty()) geometry_.emplace(a_.geometry.file, unit_in_mm(a_.geometry.unit));
+    for (const std::string& w : geometry_ ? geometry_->warnings() : std::vector<std::string>()) warn(w);
     if (a_.move) {
       std::vector<std::string> target_warnings;
       targets_ = read_targets(input_.mesh, *a_.move, options_.threads, target_warnings);
@@ -109,6 +112,9 @@ class Run {
       } else if (a_.criteria && !a_.dry_run) {
         criteria_ = optimize_towards(input_.mesh, *a_.criteria, options_, context);
         report_ = std::move(criteria_.optimization);
+      } else if (geometry_ && !a_.dry_run) {
+        on_geometry_ = optimize_on_geometry(input_.mesh, *geometry_, options_, a_.geometry.snap == "yes", context);
+        report_ = std::move(on_geometry_.optimization);
       } else {
         report_ = optimize(input_.mesh, options_, context);
       }
@@ -121,7 +127,7 @@ class Run {
       throw MeshError(file + with_flags(e.message(true)));
     } catch (const MeshError& e) {
       const ValidationReport valid = validate(input_.mesh, options_.threads);
-      throw MeshError(file + with_flags(valid.ok() ? e.what() : valid.message(true)));
+      throw MeshError(file + with_geometry_flags(valid.ok() ? e.what() : valid.message(true)));
     } catch (const OptionError& e) {
       throw OptionError(file + with_flags(e.what()));
     } catch (const DeviceError& e) {
@@ -197,7 +203,8 @@ class Run {
   }
 
   void optimize_mesh() {
-    if (options_.boundary == Boundary::slide && !a_.move) original_ = std::make_unique<TetMesh>(input_.mesh);
+    if (options_.boundary == Boundary::slide && !a_.move && !geometry_)
+      original_ = std::make_unique<TetMesh>(input_.mesh);
     console_.phase(a_.move ? "moving" : "optimizing");
     std::optional<Time::time_point> end;
     Context context;
@@ -295,6 +302,7 @@ class Run {
     if (has_changed()) text += count_line(report_, reason) + constraint_notes(report_);
     if (a_.move) text += move_summary(motion_, input_.mesh);
     if (change) text += surface_table(*change);
+    if (geometry_) text += geometry_summary(*geometry_, on_geometry_);
     if (change && options_.max_deviation > 0) {
       text += fmt::format("  --max-deviation        {:.2e}{}\n", options_.max_deviation,
                           deviation_kept_ ? ", kept" : ", EXCEEDED");
@@ -328,6 +336,7 @@ class Run {
     json["optimization"] = to_json(report_);
     if (a_.criteria) json["acceptance"] = to_json(criteria_);
     if (a_.move) json["motion"] = to_json(motion_);
+    if (geometry_) json["geometry"] = to_json(*geometry_, on_geometry_);
     if (stopped()) json["optimization"]["stopped"] = outcome_.summary;
     return json;
   }
@@ -347,7 +356,9 @@ class Run {
   MoveReport motion_;                        ///< without its Report
   Report report_;
   CriteriaReport criteria_;  ///< with --criteria, without its Report
-  bool late_ = false;        ///< the time limit was reached
+  std::optional<Geometry> geometry_;
+  GeometryReport on_geometry_;  ///< with --geometry, without its Report
+  bool late_ = false;           ///< the time limit was reached
   bool deviation_kept_ = true;
   double write_seconds_ = 0;
   Outcome outcome_;

@@ -15,7 +15,7 @@ class Tetune < Formula
 
   def install
     system "cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DTETUNE_NATIVE=OFF", "-DTETUNE_MPI=OFF",
-           "-DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON", "-DGMSH_INCLUDE_DIR=OFF", *std_cmake_args
+           "-DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON", "-DGMSH_INCLUDE_DIR=OFF", "-DOCCT_INCLUDE_DIR=OFF", *std_cmake_args
     system "cmake", "--build", "build"
     system "cmake", "--install", "build"
   end

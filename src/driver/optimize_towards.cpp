@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "driver/combined_report.hpp"
 #include "driver/latched_hooks.hpp"
 #include "driver/optimize_active.hpp"
 #include "driver/targets.hpp"
@@ -59,27 +60,6 @@ bool worsens(const AcceptanceReport& before, const AcceptanceReport& after) {
     if (r.verdict == Verdict::fail && (larger ? !(r.worst >= old) : !(r.worst <= old))) return true;
   }
   return false;
-}
-
-/// The map from a result to the input, over the mesh between. An empty map is the identity.
-std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> result2between) {
-  if (between2input.empty()) return result2between;
-  if (result2between.empty()) return between2input;
-  for (Index& i : result2between) i = i < 0 ? i : span_of(between2input)[i];
-  return result2between;
-}
-
-/// Extends the report of the runs before by that of a round.
-void add_round(Report& report, Report&& round) {
-  report.OperationCounts::operator+=(round);
-  report.tets_after = round.tets_after;
-  report.energy_after += round.energy_after - round.energy_before;
-  report.triangles_dropped += round.triangles_dropped;
-  report.edges_dropped += round.edges_dropped;
-  report.vertex2original = compose(std::move(report.vertex2original), std::move(round.vertex2original));
-  report.tet2original = compose(std::move(report.tet2original), std::move(round.tet2original));
-  report.triangle2original = compose(std::move(report.triangle2original), std::move(round.triangle2original));
-  report.edge2original = compose(std::move(report.edge2original), std::move(round.edge2original));
 }
 
 /// A target that is missed where the criterion is missed because of an angle of the surface.

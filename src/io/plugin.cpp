@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/registry.hpp"
-
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
-#include "io/mesh_stream.hpp"
+#include "io/plugin_call.hpp"
 #include "io/plugin_protocol.hpp"
 #include "system/child_process.hpp"
 #include "system/path.hpp"
@@ -30,58 +28,53 @@ std::string find_program(const Plugin& plugin) {
   return {};
 }
 
-/// A call of a plugin that concerns the file `path`.
-class Call {
- public:
-  Call(const Plugin& plugin, const std::string& path) : path_(path), library_(plugin.library) {
-    require_plugin(plugin, path);
-    program_ = find_program(plugin);
+/// Throws FileError where a program ended without an answer.
+void check_status(const ExitStatus& status, const Plugin& plugin, const char* verb, const std::string& path,
+                  bool has_input) {
+  const std::string library = plugin.library;
+  if (status.code == kPluginNotLoaded) {
+    throw FileError(path + ": tetune's plugin for " + library + " cannot start: a shared library is missing; install " +
+                    library);
   }
-
-  void send(const TetMesh& mesh) {
-    MeshWriter writer([this](const void* data, std::size_t bytes) {
-      if (write_all(channel_.descriptor(), data, bytes)) return;
-      throw FileError(path_ + ": no memory for handing the mesh to " + library_ + ": " + std::strerror(errno));
-    });
-    writer(kStreamVersion, mesh);
-  }
-
-  /// Runs the program on `file` and reads its answer; the rest of the answer is a mesh when `mesh` is given.
-  void run(const char* verb, const std::string& file, const IoContext& context, TetMesh* mesh = nullptr) {
-    const ExitStatus status = run_program(program_, {verb, file}, channel_, kPluginDescriptor);
-    if (status.code == kPluginNotLoaded) {
-      throw FileError(path_ + ": tetune's plugin for " + library_ +
-                      " cannot start: a shared library is missing; install " + library_);
-    }
-    if (status.code != 0 || !status.signal.empty()) {
-      throw FileError(
-          path_ + ": " + library_ + " failed to " + verb + " it (" +
-          (status.signal.empty() ? "exit code " + std::to_string(status.code) : status.signal) + ")" +
-          (mesh != nullptr ? "; the file is damaged, or of a kind that " + library_ + " does not read" : ""));
-    }
-    const MappedFile mapped(channel_.descriptor(), path_);
-    MeshReader answer(mapped.bytes());
-    std::uint64_t version = 0;
-    if (mapped.bytes().size() >= sizeof version) answer(version);
-    if (version != kAnswerVersion) {
-      throw FileError(path_ + ": tetune's plugin for " + library_ +
-                      " gave no answer, or is of another build; install tetune again");
-    }
-    std::string error;
-    std::vector<std::string> warnings;
-    answer(error, warnings);
-    if (!error.empty()) throw FileError(path_ + ": " + error);
-    for (const std::string& warning : warnings) context.warn(path_ + ": " + warning);
-    if (mesh != nullptr) answer(*mesh);
-  }
-
- private:
-  const std::string& path_;
-  std::string library_, program_;
-  MemoryFile channel_;
-};
+  if (status.code == 0 && status.signal.empty()) return;
+  throw FileError(path + ": " + library + " failed to " + verb + " it (" +
+                  (status.signal.empty() ? "exit code " + std::to_string(status.code) : status.signal) + ")" +
+                  (has_input ? "" : "; the file is damaged, or of a kind that " + library + " does not read"));
+}
 
 }  // namespace
+
+void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
+                 const IoContext& context, const std::function<void(PluginWriter&)>& write,
+                 const std::function<void(MeshReader&)>& read) {
+  require_plugin(plugin, path);
+  const std::string library = plugin.library;
+  const MemoryFile channel;
+  if (write) {
+    PluginWriter writer([&](const void* data, std::size_t bytes) {
+      if (write_all(channel.descriptor(), data, bytes)) return;
+      throw FileError(path + ": no memory for handing the mesh to " + library + ": " + std::strerror(errno));
+    });
+    writer(kStreamVersion);
+    write(writer);
+  }
+  check_status(run_program(find_program(plugin), {verb, file}, channel, kPluginDescriptor), plugin, verb, path,
+               write || !read);
+  const MappedFile mapped(channel.descriptor(), path);
+  MeshReader answer(mapped.bytes());
+  std::uint64_t version = 0;
+  if (mapped.bytes().size() >= sizeof version) answer(version);
+  if (version != kAnswerVersion) {
+    throw FileError(path + ": tetune's plugin for " + library +
+                    " gave no answer, or is of another build; install tetune again");
+  }
+  std::string error;
+  std::vector<std::string> warnings;
+  answer(error, warnings);
+  if (!error.empty()) throw FileError(path + ": " + error);
+  for (const std::string& warning : warnings) context.warn(path + ": " + warning);
+  if (read) read(answer);
+}
 
 bool has_plugin(const Plugin& plugin) { return !find_program(plugin).empty(); }
 
@@ -93,9 +86,10 @@ bool is_script(const Plugin& plugin) {
 void require_plugin(const Plugin& plugin, const std::string& path) {
   if (!has_child_processes()) {
     throw FileError(path + ": files with the extension \"" + path_of(path).extension().string() +
-                    "\" need tetune's plugin for " + plugin.library +
-                    ", which exists on Linux only; convert the mesh to .mesh, .meshb, .msh or .inp first, for example "
-                    "with meshio or Gmsh");
+                    "\" need tetune's plugin for " + plugin.library + ", which exists on Linux only" +
+                    (plugin.reads_meshes ? "; convert the mesh to .mesh, .meshb, .msh or .inp first, for example with "
+                                           "meshio or Gmsh"
+                                         : ""));
   }
   if (has_plugin(plugin)) return;
   throw FileError(path + ": files with the extension \"" + path_of(path).extension().string() +
@@ -106,17 +100,17 @@ void require_plugin(const Plugin& plugin, const std::string& path) {
 TetMesh read_by_plugin(const Plugin& plugin, const std::string& path, const IoContext& context) {
   { const MappedFile readable(path); }  // an error of opening has the same message for all formats
   TetMesh mesh;
-  Call(plugin, path).run("read", path, context, &mesh);
+  call_plugin(plugin, "read", path, path, context, {}, [&](MeshReader& answer) { answer(mesh); });
   return mesh;
 }
 
 void write_by_plugin(const Plugin& plugin, const std::string& path, const std::string& temporary, const TetMesh& mesh,
                      const IoContext& context) {
-  Call call(plugin, path);
-  call.send(mesh);
-  call.run("write", temporary, context);
+  call_plugin(plugin, "write", path, temporary, context, [&](PluginWriter& out) { out(mesh); }, {});
 }
 
-void require_format(const Plugin& plugin, const std::string& path) { Call(plugin, path).run("check", path, {}); }
+void require_format(const Plugin& plugin, const std::string& path) {
+  call_plugin(plugin, "check", path, path, {}, {}, {});
+}
 
 }  // namespace tetune

@@ -11,7 +11,7 @@
 
 namespace tetune {
 
-/// A program in the installation's own folder that reads and writes formats through a library of the field. It is a
+/// A program in the installation's own folder that uses a library of the field for files. It is a
 /// process of its own: starting the library costs nothing where it is not used, its crash on a damaged file is an error
 /// message here, its license and its symbols stay with it.
 struct Plugin {
@@ -19,10 +19,12 @@ struct Plugin {
   const char* program;
   /// Name of the library.
   const char* library;
+  bool reads_meshes = true;
 };
 
 inline constexpr Plugin kVtkPlugin{"tetune-vtk", "VTK"};
 inline constexpr Plugin kGmshPlugin{"tetune-gmsh", "Gmsh"};
+inline constexpr Plugin kOcctPlugin{"tetune-occt", "OpenCASCADE", false};
 
 /// Threads and a place for warnings, for readers and writers.
 struct IoContext {

@@ -47,4 +47,5 @@ class Tetune(CMakePackage):
             self.define_from_variant("BUILD_SHARED_LIBS", "shared"),
             self.define("CMAKE_DISABLE_FIND_PACKAGE_VTK", self.spec.satisfies("~vtk")),
             self.define("GMSH_INCLUDE_DIR", "OFF"),
+            self.define("OCCT_INCLUDE_DIR", "OFF"),
         ]

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "optimize_arguments.hpp"
+#include "tetune/optimize_on_geometry.hpp"
+
+/// CAD geometry on the command line.
+namespace tetune::cli {
+
+/// Defines --geometry and --geometry-unit.
+void define_geometry(CLI::App& command, GeometryArguments& arguments, const std::string& group,
+                     const std::string& purpose);
+
+/// Defines --geometry, --geometry-unit and --snap of `tetune optimize`.
+void define_geometry_to_slide_on(CLI::App& command, GeometryArguments& arguments);
+
+/// Throws OptionError for options that the geometry excludes.
+void check_geometry_arguments(const OptimizeArguments& arguments);
+
+/// A text of the library with its options, and that of the unit, written as flags.
+std::string with_geometry_flags(const std::string& text);
+
+/// The length in mm of a unit, which is a name or a number. Throws OptionError.
+double unit_in_mm(const std::string& unit);
+
+/// The surface of a mesh, its classification as tags and as data of vertices, triangles and edges.
+TetMesh classified_mesh(const TetMesh& mesh, const GeometryMatch& match);
+
+std::string match_table(const Geometry& geometry, const GeometryMatch& match);
+nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryMatch& match);
+
+/// What was moved onto the geometry, and the distances from it.
+std::string geometry_summary(const Geometry& geometry, const GeometryReport& report);
+/// Without its Report.
+nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryReport& report);
+
+}  // namespace tetune::cli

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nearest.hpp"
+
+#include <BRepBndLib.hxx>
+#include <BRep_Tool.hxx>
+#include <ElCLib.hxx>
+#include <ElSLib.hxx>
+#include <algorithm>
+#include <cmath>
+
+namespace tetune::plugin {
+namespace {
+
+constexpr double kSearchTolerance = 1e-10;
+
+Bnd_Box box_of(const TopoDS_Shape& shape) {
+  Bnd_Box box;
+  BRepBndLib::Add(shape, box, Standard_False);
+  return box;
+}
+
+void take_nearer(Foot& best, const gp_Pnt& point, const gp_Pnt& p, const std::optional<gp_Pnt2d>& uv = {}) {
+  const double distance = point.Distance(p);
+  if (distance < best.distance) best = {point, distance, uv};
+}
+
+/// The foot on a plane, cylinder, cone, sphere or torus that is not trimmed.
+std::optional<gp_Pnt2d> elementary_foot(const BRepAdaptor_Surface& surface, const gp_Pnt& p) {
+  double u = 0, v = 0;
+  switch (surface.GetType()) {
+    case GeomAbs_Plane:
+      ElSLib::Parameters(surface.Plane(), p, u, v);
+      break;
+    case GeomAbs_Cylinder:
+      ElSLib::Parameters(surface.Cylinder(), p, u, v);
+      break;
+    case GeomAbs_Cone:
+      ElSLib::Parameters(surface.Cone(), p, u, v);
+      break;
+    case GeomAbs_Sphere:
+      ElSLib::Parameters(surface.Sphere(), p, u, v);
+      break;
+    case GeomAbs_Torus:
+      ElSLib::Parameters(surface.Torus(), p, u, v);
+      break;
+    default:
+      return {};
+  }
+  return gp_Pnt2d(u, v);
+}
+
+/// Moves a parameter into its range; false if it is outside by more than rounding.
+bool clamp_parameter(double& t, double first, double last, bool periodic) {
+  if (periodic) return true;
+  const double slack = 1e-9 * (last - first);
+  if (t < first - slack || t > last + slack) return false;
+  t = std::clamp(t, first, last);
+  return true;
+}
+
+/// Newton's method for the parameter of the nearest point of a curve, from a good start.
+double refine_on_curve(const BRepAdaptor_Curve& curve, const gp_Pnt& p, double t) {
+  const double first = curve.FirstParameter(), last = curve.LastParameter();
+  for (int i = 0; i < 10; ++i) {
+    gp_Pnt c;
+    gp_Vec d1, d2;
+    curve.D2(t, c, d1, d2);
+    const gp_Vec r(p, c);
+    double slope = d1.SquareMagnitude() + r.Dot(d2);
+    if (!(slope > 0)) slope = d1.SquareMagnitude();
+    if (!(slope > 0)) break;
+    const double next = std::clamp(t - r.Dot(d1) / slope, first, last);
+    if (next == t) break;
+    t = next;
+  }
+  return t;
+}
+
+}  // namespace
+
+double box_distance(const Bnd_Box& box, const gp_Pnt& p) {
+  const gp_Pnt low = box.CornerMin(), high = box.CornerMax();
+  double sum = 0;
+  for (int k = 1; k <= 3; ++k) {
+    const double d = std::max({low.Coord(k) - p.Coord(k), 0.0, p.Coord(k) - high.Coord(k)});
+    sum += d * d;
+  }
+  return std::sqrt(sum);
+}
+
+NearestPoints::NearestPoints(const Model& model)
+    : model_(model), edges_(std::size_t(model.edges() + 1)), faces_(std::size_t(model.faces() + 1)) {}
+
+NearestPoints::Edge& NearestPoints::edge(int i) {
+  std::unique_ptr<Edge>& e = item(edges_, i);
+  if (!e) {
+    e = std::make_unique<Edge>();
+    e->curve.Initialize(model_.edge(i));
+    e->box = box_of(model_.edge(i));
+    e->search.Initialize(e->curve, e->curve.FirstParameter(), e->curve.LastParameter(), kSearchTolerance);
+  }
+  return *e;
+}
+
+NearestPoints::Face& NearestPoints::face(int i) {
+  std::unique_ptr<Face>& f = item(faces_, i);
+  if (!f) {
+    f = std::make_unique<Face>();
+    f->surface.Initialize(model_.face(i), Standard_True);
+    f->box = box_of(model_.face(i));
+    f->inside = std::make_unique<BRepTopAdaptor_FClass2d>(model_.face(i), BRep_Tool::Tolerance(model_.face(i)));
+    f->is_elementary = elementary_foot(f->surface, gp_Pnt(0, 0, 0)).has_value();
+    if (!f->is_elementary) sample(*f);
+  }
+  return *f;
+}
+
+double NearestPoints::from_face_box(int i, const gp_Pnt& p) { return box_distance(face(i).box, p); }
+
+Foot NearestPoints::on_edge(int i, const gp_Pnt& p) {
+  Edge& e = edge(i);
+  const double first = e.curve.FirstParameter(), last = e.curve.LastParameter();
+  Foot best;
+  take_nearer(best, e.curve.Value(first), p);
+  take_nearer(best, e.curve.Value(last), p);
+  if (e.curve.GetType() == GeomAbs_Line) {
+    const double t = ElCLib::Parameter(e.curve.Line(), p);
+    if (t > first && t < last) take_nearer(best, e.curve.Value(t), p);
+  } else if (e.curve.GetType() == GeomAbs_Circle) {
+    const double t = ElCLib::InPeriod(ElCLib::Parameter(e.curve.Circle(), p), first, first + 2 * M_PI);
+    if (t < last) take_nearer(best, e.curve.Value(t), p);
+  } else {
+    e.search.Perform(p);
+    for (int k = 1; e.search.IsDone() && k <= e.search.NbExt(); ++k) {
+      take_nearer(best, e.curve.Value(refine_on_curve(e.curve, p, e.search.Point(k).Parameter())), p);
+    }
+  }
+  return best;
+}
+
+std::optional<Foot> NearestPoints::refine(const Face& f, const gp_Pnt& p, gp_Pnt2d uv) {
+  constexpr int kMaxSteps = 20;
+  double u = uv.X(), v = uv.Y();
+  const BRepAdaptor_Surface& s = f.surface;
+  const double rounding = 1e-14 * (1 + p.XYZ().Modulus());
+  double last_step = kAnyRadius;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    gp_Pnt c;
+    gp_Vec du, dv, duu, dvv, duv;
+    s.D2(u, v, c, du, dv, duu, dvv, duv);
+    const gp_Vec r(p, c);
+    const double gu = r.Dot(du), gv = r.Dot(dv);
+    double a = du.SquareMagnitude() + r.Dot(duu), b = du.Dot(dv) + r.Dot(duv), d = dv.SquareMagnitude() + r.Dot(dvv);
+    if (!(a > 0 && a * d - b * b > 1e-6 * a * std::fabs(d))) {
+      a = du.SquareMagnitude();
+      b = du.Dot(dv);
+      d = dv.SquareMagnitude();
+    }
+    const double det = a * d - b * b;
+    if (!(det > 1e-12 * a * d)) return {};
+    const double step_u = (b * gv - d * gu) / det, step_v = (b * gu - a * gv) / det;
+    const double step = (du * step_u + dv * step_v).Magnitude();
+    if (step <= rounding || (i > 3 && step >= last_step && step <= 1e4 * rounding)) {
+      return Foot{c, c.Distance(p), gp_Pnt2d(u, v)};
+    }
+    last_step = step;
+    u += step_u;
+    v += step_v;
+    if (!clamp_parameter(u, s.FirstUParameter(), s.LastUParameter(), s.IsUPeriodic())) return {};
+    if (!clamp_parameter(v, s.FirstVParameter(), s.LastVParameter(), s.IsVPeriodic())) return {};
+  }
+  return {};
+}
+
+void NearestPoints::sample(Face& f) {
+  constexpr int kPerInterval = 4;
+  const BRepAdaptor_Surface& s = f.surface;
+  const int nu = std::clamp(kPerInterval * s.NbUIntervals(GeomAbs_C2), 16, 128);
+  const int nv = std::clamp(kPerInterval * s.NbVIntervals(GeomAbs_C2), 16, 128);
+  const double u0 = s.FirstUParameter(), v0 = s.FirstVParameter();
+  const double du = (s.LastUParameter() - u0) / nu, dv = (s.LastVParameter() - v0) / nv;
+  for (int i = 0; i <= nu; ++i) {
+    for (int j = 0; j <= nv; ++j) {
+      f.sample_uv.emplace_back(u0 + i * du, v0 + j * dv);
+      f.samples.push_back(s.Value(f.sample_uv.back().X(), f.sample_uv.back().Y()));
+      if (i == 0 || j == 0) continue;
+      const std::size_t last = f.samples.size() - 1, row = std::size_t(nv + 1);
+      f.cell = std::max({f.cell, f.samples[last].Distance(f.samples[last - row - 1]),
+                         f.samples[last - 1].Distance(f.samples[last - row])});
+    }
+  }
+}
+
+std::pair<gp_Pnt2d, double> NearestPoints::nearest_sample(const Face& f, const gp_Pnt& p) {
+  std::size_t best = 0;
+  double least = kAnyRadius;
+  for (std::size_t i = 0; i < f.samples.size(); ++i) {
+    const double d = f.samples[i].SquareDistance(p);
+    if (d >= least) continue;
+    least = d;
+    best = i;
+  }
+  return {f.sample_uv[best], std::sqrt(least)};
+}
+
+bool NearestPoints::is_inside(const Face& f, const Foot& foot) { return f.inside->Perform(*foot.uv) != TopAbs_OUT; }
+
+Foot NearestPoints::search_surface(Face& f, const gp_Pnt& p, double& least) {
+  Foot best;
+  const BRepAdaptor_Surface& s = f.surface;
+  if (const std::optional<gp_Pnt2d> uv = elementary_foot(s, p)) {
+    const Foot foot{s.Value(uv->X(), uv->Y()), 0, uv};
+    least = foot.point.Distance(p);
+    if (is_inside(f, foot)) take_nearer(best, foot.point, p, uv);
+    return best;
+  }
+  if (!f.search) {
+    f.search = std::make_unique<Extrema_ExtPS>();
+    f.search->SetFlag(Extrema_ExtFlag_MIN);
+    f.search->Initialize(s, s.FirstUParameter(), s.LastUParameter(), s.FirstVParameter(), s.LastVParameter(),
+                         kSearchTolerance, kSearchTolerance);
+  }
+  f.search->Perform(p);
+  least = 0;  // the boundary of the surface may be nearer than its extrema
+  for (int k = 1; f.search->IsDone() && k <= f.search->NbExt(); ++k) {
+    double u = 0, v = 0;
+    f.search->Point(k).Parameter(u, v);
+    Foot foot{s.Value(u, v), 0, gp_Pnt2d(u, v)};
+    if (const std::optional<Foot> finer = refine(f, p, *foot.uv)) foot = *finer;
+    if (is_inside(f, foot)) take_nearer(best, foot.point, p, foot.uv);
+  }
+  return best;
+}
+
+Foot NearestPoints::on_boundary(int i, const gp_Pnt& p, double radius) {
+  Foot best;
+  double least_skipped = kAnyRadius;
+  for (const int e : model_.edges_of_face(i)) {
+    const double bound = box_distance(edge(e).box, p);
+    if (bound > radius || bound >= best.distance) {
+      least_skipped = std::min(least_skipped, bound);
+      continue;
+    }
+    const Foot foot = on_edge(e, p);
+    if (foot.distance < best.distance) best = foot;
+  }
+  if (least_skipped < best.distance && best.distance > radius) best.distance = least_skipped;
+  return best;
+}
+
+Foot NearestPoints::on_face(int i, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess) {
+  Face& f = face(i);
+  if (!f.is_elementary) {
+    const auto accepted = [&](const gp_Pnt2d& uv) -> std::optional<Foot> {
+      const std::optional<Foot> foot = refine(f, p, uv);
+      return foot && foot->distance <= radius && is_inside(f, *foot) ? foot : std::nullopt;
+    };
+    if (guess && radius < kAnyRadius) {
+      if (const std::optional<Foot> foot = accepted(*guess)) return *foot;
+    }
+    const auto [uv, distance] = nearest_sample(f, p);
+    // Between samples the surface is at most about a cell nearer.
+    if (distance - f.cell > radius) return {p, distance - f.cell, {}};
+    if (const std::optional<Foot> foot = accepted(uv); foot && foot->distance <= distance) return *foot;
+  }
+  double least = 0;
+  Foot best = search_surface(f, p, least);
+  if (least > radius) return {p, least, {}};
+  if (best.distance <= radius && f.is_elementary) return best;
+  const Foot border = on_boundary(i, p, std::min(radius, best.distance));
+  // Of equal distances the one inside, which has parameters.
+  if (border.distance < best.distance) best = border;
+  return best;
+}
+
+}  // namespace tetune::plugin

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <BRepAdaptor_Curve.hxx>
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepTopAdaptor_FClass2d.hxx>
+#include <Bnd_Box.hxx>
+#include <Extrema_ExtPC.hxx>
+#include <Extrema_ExtPS.hxx>
+#include <gp_Pnt2d.hxx>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "model.hpp"
+
+namespace tetune::plugin {
+
+inline constexpr double kAnyRadius = std::numeric_limits<double>::infinity();
+
+/// The nearest point of an edge or a face.
+struct Foot {
+  gp_Pnt point;
+  double distance = kAnyRadius;
+  std::optional<gp_Pnt2d> uv{};  ///< of a face; none on its boundary
+};
+
+/// Distance of a point from a box; 0 inside.
+double box_distance(const Bnd_Box& box, const gp_Pnt& p);
+
+/// Nearest points of the edges and faces of a model, to the last bits. What a search needs is prepared when an entity
+/// is first asked for. Not for concurrent calls.
+class NearestPoints {
+ public:
+  explicit NearestPoints(const Model& model);
+
+  Foot on_edge(int edge, const gp_Pnt& p);
+  /// The nearest point of the trimmed face if it is within `radius`; otherwise only a lower bound of the distance,
+  /// above `radius`. A guess near the foot saves a search over the whole face; it may be wrong.
+  Foot on_face(int face, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess = {});
+  /// A lower bound of the distance from a face.
+  double from_face_box(int face, const gp_Pnt& p);
+
+ private:
+  struct Edge {
+    BRepAdaptor_Curve curve;
+    Extrema_ExtPC search;
+    Bnd_Box box;
+  };
+  struct Face {
+    BRepAdaptor_Surface surface;
+    std::unique_ptr<BRepTopAdaptor_FClass2d> inside;
+    std::unique_ptr<Extrema_ExtPS> search;
+    Bnd_Box box;
+    bool is_elementary = false;
+    std::vector<gp_Pnt> samples;      ///< on a grid of parameters; empty for elementary surfaces
+    std::vector<gp_Pnt2d> sample_uv;  ///< likewise
+    double cell = 0;                  ///< largest diagonal of a cell of the grid
+  };
+
+  Edge& edge(int i);
+  Face& face(int i);
+  static std::optional<Foot> refine(const Face& face, const gp_Pnt& p, gp_Pnt2d uv);
+  static bool is_inside(const Face& face, const Foot& foot);
+  static void sample(Face& face);
+  /// The sample nearest to a point, and its distance.
+  static std::pair<gp_Pnt2d, double> nearest_sample(const Face& face, const gp_Pnt& p);
+  /// The nearest of the extrema of the surface that are on the face; and a lower bound of all distances in `least`.
+  Foot search_surface(Face& face, const gp_Pnt& p, double& least);
+  Foot on_boundary(int face, const gp_Pnt& p, double radius);
+
+  const Model& model_;
+  std::vector<std::unique_ptr<Edge>> edges_;
+  std::vector<std::unique_ptr<Face>> faces_;
+};
+
+}  // namespace tetune::plugin

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "process.hpp"
+
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <new>
+#include <stdexcept>
+
+#include "system/write_all.hpp"
+
+namespace tetune::plugin {
+namespace {
+
+constexpr const char* kTooMuchMemory = "reading it takes more memory than a file of its size can fill: it is damaged";
+
+/// Makes a library's message printable: it may contain bytes of the file.
+std::string printable(std::string text) {
+  constexpr std::size_t kMaxLength = 300;
+  if (text.size() > kMaxLength) text.replace(kMaxLength, std::string::npos, " ...");
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return text;
+}
+
+void answer(const std::string& error, const Warnings& warnings, const AnswerBody& body) {
+  if (::ftruncate(kPluginDescriptor, 0) != 0 || ::lseek(kPluginDescriptor, 0, SEEK_SET) != 0) {
+    throw FileError("cannot answer");
+  }
+  AnswerWriter out(ChannelSink{});
+  out(kAnswerVersion, error, warnings);
+  if (body) body(out);
+}
+
+const char* file_to_delete = nullptr;
+pid_t parent = 0;
+
+void handle_end_of_parent(int) {
+  if (::getppid() == parent) return;
+  if (file_to_delete != nullptr) ::unlink(file_to_delete);
+  ::_exit(1);
+}
+
+}  // namespace
+
+void ChannelSink::operator()(const void* data, std::size_t bytes) const {
+  if (!write_all(kPluginDescriptor, data, bytes)) throw FileError("no memory for handing the answer over");
+}
+
+void receive(const std::function<void(MeshReader&)>& decode) {
+  struct stat info {};
+  if (::fstat(kPluginDescriptor, &info) != 0) throw FileError("started without a channel");
+  const std::size_t size(info.st_size);
+  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, kPluginDescriptor, 0);
+  if (memory == MAP_FAILED) throw FileError("started without input");
+  MeshReader in({static_cast<const char*>(memory), size});
+  std::uint64_t version = 0;
+  in(version);
+  if (version != kStreamVersion) throw FileError("the plugin is of another build; install tetune again");
+  decode(in);
+  ::munmap(memory, size);
+}
+
+bool has_channel() {
+  struct stat info {};
+  return ::fstat(kPluginDescriptor, &info) == 0;
+}
+
+void install_signal_handlers(const char* written_file) {
+  file_to_delete = written_file;
+  parent = ::getppid();
+  ::signal(SIGINT, SIG_IGN);
+  ::signal(SIGTERM, handle_end_of_parent);
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+}
+
+void limit_memory(const std::string& file) {
+#if !defined(__SANITIZE_ADDRESS__)  // whose shadow memory counts too
+  constexpr rlim_t kBaseBytes = 1'000'000'000;
+  constexpr rlim_t kPerFileByte = 100;
+  if (ending_of(file) == ".pvtu") return;  // the data are in other files
+  const rlim_t bytes = kBaseBytes + kPerFileByte * std::filesystem::file_size(file);
+  const rlimit limit{bytes, bytes};
+  ::setrlimit(RLIMIT_DATA, &limit);
+#else
+  (void)file;
+#endif
+}
+
+int run_and_answer(const std::function<AnswerBody(Warnings&)>& work) {
+  try {
+    Warnings warnings;
+    const AnswerBody body = work(warnings);
+    answer("", warnings, body);
+  } catch (const std::bad_alloc&) {
+    answer(kTooMuchMemory, {}, {});
+  } catch (const std::length_error&) {
+    answer(kTooMuchMemory, {}, {});
+  } catch (const std::exception& e) {
+    answer(printable(e.what()), {}, {});
+  }
+  return 0;
+}
+
+}  // namespace tetune::plugin

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetune/optimize_on_geometry.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "boundary/constraints.hpp"
+#include "driver/combined_report.hpp"
+#include "driver/latched_hooks.hpp"
+#include "driver/result_mesh.hpp"
+#include "math/vec3.hpp"
+#include "mesh/tet_orientation.hpp"
+#include "phases/phase_timer.hpp"
+#include "tetune/data.hpp"
+#include "tetune/error.hpp"
+#include "tetune/move.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/option_table.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+/// A vertex is on the geometry if its distance is at most this part of the diagonal.
+constexpr double kOnGeometry = 1e-10;
+/// The parts of the progress.
+constexpr double kSliding = 0.6;
+/// A round is repeated, with vertices of bad elements held, at most this many times.
+constexpr int kMaxRetries = 3;
+
+void check_options(const TetMesh& mesh, const Options& options) {
+  const auto refuse = [](const std::string& text) { throw OptionError("on a geometry, " + text); };
+  if (options.boundary != Boundary::slide) refuse("the surface slides: use boundary=slide");
+  if (options.max_deviation > 0) refuse("max_deviation has no use: the surface ends on the geometry; leave it 0");
+  if (!options.only_below.empty()) refuse("the whole mesh is optimized: leave only_below empty");
+  if (options.untangle) refuse("every volume must be positive: untangle the mesh first, in a run of its own");
+  if (options.data != DataTransfer::carry) refuse("data of vertices are carried: use data=carry");
+  if (options.surface_vertices == SurfaceVertices::edit)
+    refuse("vertices of the surface stay: use surface_vertices=keep");
+  if (!mesh.periodic.empty()) refuse("periodic vertices cannot slide: take the links out of the mesh");
+  if (!mesh.curved_edges.empty()) refuse("elements are straight: convert the mesh to order 1 first");
+  tetune::check_options(options);
+}
+
+/// The tags of a work mesh: one per combination of a face of the model and a tag of the caller, or none.
+class PatchTags {
+ public:
+  int add(std::int32_t face, std::optional<int> caller) {
+    const auto [at, is_new] = ids_.try_emplace({face, caller}, int(tags_.size()) + 1);
+    if (is_new) tags_.push_back({face, caller});
+    return at->second;
+  }
+  std::int32_t face(int tag) const { return tags_[std::size_t(tag - 1)].first; }
+  std::optional<int> caller(int tag) const { return tags_[std::size_t(tag - 1)].second; }
+  /// The tags that stand for one of the caller's.
+  std::vector<int> of_caller(const std::vector<int>& callers) const {
+    std::vector<int> found = {};
+    for (int tag = 1; tag <= int(tags_.size()); ++tag) {
+      if (caller(tag) && std::find(callers.begin(), callers.end(), *caller(tag)) != callers.end()) found.push_back(tag);
+    }
+    return found;
+  }
+
+ private:
+  using Key = std::pair<std::int32_t, std::optional<int>>;
+  std::map<Key, int> ids_;
+  std::vector<Key> tags_;
+};
+
+/// The smallest dihedral angle per tetrahedron.
+std::vector<double> angles_of(const TetMesh& mesh, int threads) {
+  std::vector<double> angles;
+  for (const Measures& m : measure_each(mesh, threads)) angles.push_back(m[std::size_t(Measure::min_dihedral)]);
+  return angles;
+}
+
+bool all_positive(const TetMesh& mesh, int threads) {
+  const std::vector<std::int8_t> signs = volume_signs(mesh, threads);
+  return std::all_of(signs.begin(), signs.end(), [](std::int8_t sign) { return sign > 0; });
+}
+
+/// The tags of surface triangles that must be frozen exist in the caller's list. Throws OptionError.
+void check_frozen_patches(const TetMesh& mesh, const Options& options) {
+  for (const int tag : options.frozen_patches) {
+    if (std::find(mesh.triangle_tags.begin(), mesh.triangle_tags.end(), tag) == mesh.triangle_tags.end()) {
+      throw OptionError("frozen_patches: no listed triangle has the tag " + std::to_string(tag));
+    }
+  }
+}
+
+/// Flags the vertices that the caller or the mesh holds.
+std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Options& options) {
+  std::vector<std::uint8_t> held = options.frozen_vertices;
+  held.resize(mesh.points.size(), 0);
+  const auto hold = [&](const auto& vertices) {
+    for (const Index v : vertices) span_of(held)[v] = 1;
+  };
+  const auto has = [](const std::vector<int>& list, int tag) {
+    return std::find(list.begin(), list.end(), tag) != list.end();
+  };
+  hold(mesh.required_vertices);
+  for (const Index e : mesh.required_edges) hold(span_of(mesh.edges)[e]);
+  for (const Index t : mesh.required_triangles) hold(span_of(mesh.triangles)[t]);
+  for (const Index t : mesh.required_tets) hold(span_of(mesh.tets)[t]);
+  for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {
+    if (has(options.frozen_patches, span_of(mesh.triangle_tags)[t])) hold(span_of(mesh.triangles)[t]);
+  }
+  for (Size t = 0; t < std::ssize(mesh.tets); ++t) {
+    if (has(options.frozen_regions, span_of(mesh.tet_tags)[t])) hold(span_of(mesh.tets)[t]);
+  }
+  for (const ElementBlock& block : mesh.others) hold(block.element2vertex);
+  return held;
+}
+
+/// Values per vertex for the vertices of a result; inserted vertices have the default.
+template <class T>
+std::vector<T> follow(const std::vector<T>& values, const std::vector<Index>& new2old) {
+  if (new2old.empty()) return values;
+  std::vector<T> followed(new2old.size());
+  for (Size v = 0; v < std::ssize(new2old); ++v) {
+    if (span_of(new2old)[v] >= 0) span_of(followed)[v] = span_of(values)[span_of(new2old)[v]];
+  }
+  return followed;
+}
+
+/// A mesh between runs, with what is known of its vertices.
+struct WorkState {
+  TetMesh mesh;  ///< its triangles are the whole surface, with the tags of PatchTags
+  std::vector<GeometryEntity> entities;
+  std::vector<std::uint8_t> held;
+
+  void follow_result(const std::vector<Index>& new2old) {
+    entities = follow(entities, new2old);
+    held = follow(held, new2old);
+  }
+  bool may_move(Size v) const {
+    const std::int8_t dimension = span_of(entities)[v].dimension;
+    return span_of(held)[v] == 0 && dimension >= 0 && dimension <= 2;
+  }
+};
+
+class GeometryRun {
+ public:
+  GeometryRun(const Geometry& geometry, const Options& options, const Context& caller)
+      : geometry_(geometry), options_(options), hooks_(caller), tolerance_(kOnGeometry * geometry.diagonal()) {}
+
+  GeometryReport run(TetMesh& input, bool snap) {
+    report_.before = geometry_.match(input);
+    report_.deviation_before = geometry_.measure(input.points, report_.before);
+    load(input);
+    if (snap) {
+      move_onto_geometry();
+    } else {
+      report_.snapped = 0;
+    }
+    hold_corners();
+    bool is_done = false;
+    for (int retry = 0; retry <= kMaxRetries && !is_done && !hooks_.is_stopped(); ++retry) is_done = make_round();
+    if (report_.rounds == 0) add(optimize(work_.mesh, fixed_options(work_), context_for(kSliding, 1 - kSliding)));
+    store(input);
+    if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
+    return std::move(report_);
+  }
+
+ private:
+  void load(const TetMesh& input) {
+    const GeometryMatch& match = report_.before;
+    TetMesh& mesh = work_.mesh;
+    mesh = input;
+    mesh.triangle_data.clear();
+    mesh.triangles = match.triangles;
+    mesh.triangle_tags.clear();
+    std::vector<Index> input2work(input.triangles.size(), -1);
+    for (Size t = 0; t < std::ssize(match.triangles); ++t) {
+      const Index listed = span_of(match.listed)[t];
+      const std::optional<int> caller = listed < 0 ? std::nullopt : std::optional(span_of(input.triangle_tags)[listed]);
+      mesh.triangle_tags.push_back(tags_.add(span_of(match.faces)[t], caller));
+      if (listed >= 0) span_of(input2work)[listed] = to_index(t);
+    }
+    mesh.required_triangles.clear();
+    for (const Index t : input.required_triangles) {
+      if (span_of(input2work)[t] >= 0) mesh.required_triangles.push_back(span_of(input2work)[t]);
+    }
+    work_.entities = match.vertices;
+    work_.held = held_by_caller(input, options_);
+  }
+
+  /// Positions on the geometry of the vertices that may move.
+  std::vector<Point3> feet(const WorkState& state) const {
+    std::vector<GeometryEntity> entities = state.entities;
+    for (Size v = 0; v < std::ssize(entities); ++v) {
+      if (!state.may_move(v)) span_of(entities)[v] = {};
+    }
+    return geometry_.project(state.mesh.points, entities, std::vector<double>(entities.size(), radius_));
+  }
+
+  void move_onto_geometry() {
+    const std::vector<double>& distances = report_.before.distances;
+    if (*std::max_element(distances.begin(), distances.end()) <= tolerance_) return;
+    const std::vector<Point3> on_geometry = feet(work_);
+    VertexTargets targets(on_geometry.size(), Point3{kNan, kNan, kNan});
+    TetMesh moved = work_.mesh;
+    for (Size v = 0; v < std::ssize(targets); ++v) {
+      if (span_of(work_.entities)[v].dimension == 3) continue;
+      Point3& p = span_of(moved.points)[v];
+      const double distance = norm(vec(span_of(on_geometry)[v]) - vec(p));
+      if (distance > tolerance_) {
+        p = span_of(on_geometry)[v];
+        ++report_.vertices_snapped;
+      }
+      span_of(targets)[v] = p;
+    }
+    if (report_.vertices_snapped == 0) return;
+    if (all_positive(moved, options_.threads)) {
+      work_.mesh = std::move(moved);
+      return;
+    }
+    MoveReport motion = move(work_.mesh, targets, fixed_options(work_), hooks_.context());
+    report_.snapped = motion.fraction;
+    work_.follow_result(motion.optimization.vertex2original);
+    add(std::move(motion.optimization));
+  }
+
+  /// Vertices at vertices of the model, and those whose entity is not clear, stay.
+  void hold_corners() {
+    for (Size v = 0; v < std::ssize(work_.held); ++v) {
+      const std::int8_t dimension = span_of(work_.entities)[v].dimension;
+      if (dimension <= 0) span_of(work_.held)[v] = 1;
+    }
+  }
+
+  Options options_for(const WorkState& state, Boundary boundary) const {
+    Options options = options_;
+    options.boundary = boundary;
+    options.surface_vertices = SurfaceVertices::keep;
+    options.frozen_vertices = state.held;
+    options.frozen_patches = tags_.of_caller(options_.frozen_patches);
+    return options;
+  }
+  Options fixed_options(const WorkState& state) const { return options_for(state, Boundary::fixed); }
+
+  /// The hooks of a part of the run.
+  Context context_for(double done, double part) const {
+    Context context = hooks_.context();
+    if (!context.progress) return context;
+    context.progress = [progress = context.progress, done, part](Progress p) {
+      p.fraction = done + part * p.fraction;
+      return progress(p);
+    };
+    return context;
+  }
+
+  void add(Report&& run) {
+    Report& total = report_.optimization;
+    if (!has_run_) {
+      total = std::move(run);
+    } else {
+      total.targets = run.targets;
+      total.stop = run.stop;
+      add_round(total, std::move(run));
+    }
+    has_run_ = true;
+  }
+
+  /// Slides, returns to the geometry and improves the inside. False if the round is to be repeated with vertices held
+  /// that made elements bad.
+  bool make_round() {
+    const std::vector<double> old_angles = angles_of(work_.mesh, options_.threads);
+    const double least = *std::min_element(old_angles.begin(), old_angles.end());
+    WorkState next = work_;
+    Options sliding = options_for(work_, Boundary::slide);
+    sliding.targets.clear();
+    Report slide = optimize(next.mesh, sliding, context_for(0, kSliding));
+    next.follow_result(slide.vertex2original);
+    std::vector<Point3> points = feet(next);
+    next.mesh.points.swap(points);
+    const std::vector<std::int8_t> signs = volume_signs(next.mesh, options_.threads);
+    const auto inverted = [&](Size t) { return span_of(signs)[t] <= 0; };
+    if (hold_vertices_of(next, slide.vertex2original, inverted)) return false;
+    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSliding, 1 - kSliding));
+    next.follow_result(inside.vertex2original);
+    const std::vector<double> angles = angles_of(next.mesh, options_.threads);
+    const std::vector<Index> next2work = compose(slide.vertex2original, inside.vertex2original);
+    const auto is_worse = [&](Size t) { return span_of(angles)[t] < least - kAngleRounding; };
+    if (hold_vertices_of(next, next2work, is_worse)) return false;
+    const bool has_worse = *std::min_element(angles.begin(), angles.end()) < least - kAngleRounding;
+    if (has_worse) return true;  // of vertices that were held already
+    work_ = std::move(next);
+    ++report_.rounds;
+    add(std::move(slide));
+    add(std::move(inside));
+    return true;
+  }
+
+  /// Holds the vertices of bad tetrahedra of a result that may move; false if there is none.
+  template <class IsBad>
+  bool hold_vertices_of(const WorkState& result, const std::vector<Index>& result2work, const IsBad& is_bad) {
+    std::int64_t count = 0;
+    for (Size t = 0; t < std::ssize(result.mesh.tets); ++t) {
+      if (!is_bad(t)) continue;
+      for (const Index v : span_of(result.mesh.tets)[t]) {
+        if (!result.may_move(v)) continue;
+        std::uint8_t& held = span_of(work_.held)[result2work.empty() ? v : span_of(result2work)[v]];
+        count += held == 0 ? 1 : 0;
+        held = 1;
+      }
+    }
+    report_.vertices_held += count;
+    return count > 0;
+  }
+
+  /// Gives the caller the result with triangles as they were listed.
+  void store(TetMesh& input) {
+    match_result();
+    report_.deviation_after = geometry_.measure(work_.mesh.points, report_.after);
+    TetMesh& mesh = work_.mesh;
+    Report& total = report_.optimization;
+    std::vector<std::uint8_t> keep;
+    std::vector<Index> new2input;
+    for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {
+      const Index original = total.triangle2original.empty() ? to_index(t) : span_of(total.triangle2original)[t];
+      const Index listed = span_of(report_.before.listed)[original];
+      keep.push_back(listed >= 0 ? 1 : 0);
+      report_.after.listed.push_back(listed >= 0 ? to_index(std::ssize(new2input)) : -1);
+      if (listed >= 0) new2input.push_back(listed);
+      span_of(mesh.triangle_tags)[t] = listed >= 0 ? *tags_.caller(span_of(mesh.triangle_tags)[t]) : 0;
+    }
+    keep_triangles(mesh, positions_of_kept(keep));
+    mesh.triangle_data = take_entries(input.triangle_data, new2input);
+    total.triangles_dropped = std::ssize(input.triangles) - std::ssize(mesh.triangles);
+    total.triangle2original = unless_all(std::move(new2input), input.triangles.size());
+    input = std::move(mesh);
+  }
+
+  /// The match of the result.
+  void match_result() {
+    const TetMesh& mesh = work_.mesh;
+    GeometryMatch& after = report_.after;
+    after = report_.before;
+    after.vertices = work_.entities;
+    after.triangles = mesh.triangles;
+    after.faces.clear();
+    after.listed.clear();
+    for (const int tag : mesh.triangle_tags) after.faces.push_back(tags_.face(tag));
+    const std::vector<Index>& new2old = report_.optimization.vertex2original;
+    if (!new2old.empty()) {
+      std::vector<Index> old2new(report_.before.vertices.size(), -1);
+      for (Size v = 0; v < std::ssize(new2old); ++v) {
+        if (span_of(new2old)[v] >= 0) span_of(old2new)[span_of(new2old)[v]] = to_index(v);
+      }
+      for (auto& edge : after.edges) {
+        for (Index& v : edge) v = span_of(old2new)[v];
+      }
+    }
+    const std::vector<Point3> on_geometry =
+        geometry_.project(mesh.points, work_.entities, std::vector<double>(mesh.points.size(), radius_));
+    after.distances.clear();
+    for (Size v = 0; v < std::ssize(mesh.points); ++v) {
+      after.distances.push_back(norm(vec(span_of(on_geometry)[v]) - vec(span_of(mesh.points)[v])));
+    }
+  }
+
+  static constexpr double kAngleRounding = 1e-9;  ///< degrees
+
+  const Geometry& geometry_;
+  const Options& options_;
+  const LatchedHooks hooks_;
+  const double tolerance_;
+  /// The distance that is expected of a vertex, for speed.
+  const double radius_ = 0.01 * geometry_.diagonal();
+  GeometryReport report_;
+  PatchTags tags_;
+  WorkState work_;
+  bool has_run_ = false;
+};
+
+}  // namespace
+
+GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, const Options& options, bool snap,
+                                    const Context& context) {
+  const auto start = PhaseTimer::SteadyClock::now();
+  check_options(mesh, options);
+  if (const ValidationReport valid = validate(mesh, options.threads); !valid.ok())
+    throw MeshError(valid.message(false));
+  check_frozen_patches(mesh, options);
+  GeometryReport report = GeometryRun(geometry, options, context).run(mesh, snap);
+  report.optimization.seconds = PhaseTimer::seconds_since(start);
+  return report;
+}
+
+}  // namespace tetune

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
+
+#include "backend/span.hpp"
+#include "math/vec3.hpp"
+#include "tetune/geometry.hpp"
+
+namespace tetune {
+namespace {
+
+/// The points to measure: of a kind, on a face's triangles.
+struct Samples {
+  std::vector<Point3> points;
+  std::vector<GeometryEntity> entities;
+  std::vector<double> radii;
+  std::vector<std::array<std::int32_t, 2>> faces;  ///< 0: none
+
+  void append(const Samples& more) {
+    points.insert(points.end(), more.points.begin(), more.points.end());
+    entities.insert(entities.end(), more.entities.begin(), more.entities.end());
+    radii.insert(radii.end(), more.radii.begin(), more.radii.end());
+    faces.insert(faces.end(), more.faces.begin(), more.faces.end());
+  }
+};
+
+Point3 mean_of(const std::vector<Point3>& points, std::initializer_list<Index> vertices) {
+  Point3 sum{};
+  for (const Index v : vertices) {
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += span_of(points)[v][k] / double(vertices.size());
+  }
+  return sum;
+}
+
+/// An edge of triangles with a face, and the faces on both sides.
+struct Side {
+  std::array<Index, 2> vertices;
+  std::int32_t face;
+  auto operator<=>(const Side&) const = default;
+};
+
+class Sampling {
+ public:
+  Sampling(const std::vector<Point3>& points, const GeometryMatch& match, double slack)
+      : points_(points), match_(match), slack_(slack) {
+    for (std::size_t i = 0; i < match.edges.size(); ++i) {
+      std::array<Index, 2> edge = match.edges[i];
+      std::sort(edge.begin(), edge.end());
+      edge2number_[edge] = match.edge_numbers[i];
+    }
+  }
+
+  Samples vertices() const {
+    Samples s;
+    std::vector<std::array<std::int32_t, 2>> faces(points_.size());
+    for_each_triangle([&](const auto& t, std::int32_t face) {
+      for (const Index v : t) span_of(faces)[v][span_of(faces)[v][0] != 0 ? 1 : 0] = face;
+    });
+    for (Size v = 0; v < std::ssize(points_); ++v) {
+      const GeometryEntity& entity = span_of(match_.vertices)[v];
+      if (span_of(faces)[v][0] == 0 || entity.dimension < 0) continue;
+      if (span_of(faces)[v][1] == span_of(faces)[v][0]) span_of(faces)[v][1] = 0;
+      add(s, span_of(points_)[v], entity, span_of(match_.distances)[v] + slack_, span_of(faces)[v]);
+    }
+    return s;
+  }
+
+  Samples midpoints() const {
+    std::vector<Side> sides;
+    for_each_triangle([&](const auto& t, std::int32_t face) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Index a = t[k], b = t[(k + 1) % 3];
+        sides.push_back({{std::min(a, b), std::max(a, b)}, face});
+      }
+    });
+    std::sort(sides.begin(), sides.end());
+    sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+    Samples s;
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      const bool pairs = i + 1 < sides.size() && sides[i + 1].vertices == sides[i].vertices;
+      const auto [a, b] = sides[i].vertices;
+      const auto on_edge = edge2number_.find(sides[i].vertices);
+      const GeometryEntity entity =
+          on_edge != edge2number_.end() ? GeometryEntity{1, on_edge->second} : GeometryEntity{2, sides[i].face};
+      const std::int32_t other = pairs ? sides[i + 1].face : 0;
+      add(s, mean_of(points_, {a, b}), entity, length(a, b), {sides[i].face, other});
+      while (i + 1 < sides.size() && sides[i + 1].vertices == sides[i].vertices) ++i;
+    }
+    return s;
+  }
+
+  Samples centers() const {
+    Samples s;
+    for_each_triangle([&](const auto& t, std::int32_t face) {
+      add(s, mean_of(points_, {t[0], t[1], t[2]}), {2, face}, length(t[0], t[1]), {face, 0});
+    });
+    return s;
+  }
+
+ private:
+  template <class F>
+  void for_each_triangle(const F& f) const {
+    for (std::size_t t = 0; t < match_.triangles.size(); ++t) {
+      if (match_.faces[t] > 0) f(match_.triangles[t], match_.faces[t]);
+    }
+  }
+  double length(Index a, Index b) const { return norm(vec(span_of(points_)[a]) - vec(span_of(points_)[b])); }
+  static void add(Samples& s, const Point3& p, GeometryEntity entity, double radius,
+                  std::array<std::int32_t, 2> faces) {
+    s.points.push_back(p);
+    s.entities.push_back(entity);
+    s.radii.push_back(radius);
+    s.faces.push_back(faces);
+  }
+
+  const std::vector<Point3>& points_;
+  const GeometryMatch& match_;
+  const double slack_;  ///< of the distances of vertices
+  std::map<std::array<Index, 2>, std::int32_t> edge2number_;
+};
+
+void add_distance(DistanceSummary& summary, double distance) {
+  ++summary.points;
+  summary.largest = std::max(summary.largest, distance);
+  summary.mean += (distance - summary.mean) / double(summary.points);
+}
+
+}  // namespace
+
+GeometryDeviation Geometry::measure(const std::vector<Point3>& points, const GeometryMatch& match) const {
+  constexpr double kSlack = 1e-6;
+  const Sampling sampling(points, match, kSlack * diagonal());
+  GeometryDeviation deviation;
+  std::map<std::int32_t, GeometryDeviation::Face> faces;
+  Samples all = sampling.vertices();
+  const std::size_t vertices = all.points.size();
+  all.append(sampling.midpoints());
+  const std::size_t centers = all.points.size();
+  all.append(sampling.centers());
+  const std::vector<Point3> feet = project(all.points, all.entities, all.radii);
+  using Face = GeometryDeviation::Face;
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    const double distance = norm(vec(feet[i]) - vec(all.points[i]));
+    const bool is_vertex = i < vertices, is_center = i >= centers;
+    add_distance(is_vertex ? deviation.vertices : is_center ? deviation.centers : deviation.midpoints, distance);
+    const auto of_face = is_vertex ? &Face::vertices : is_center ? &Face::centers : &Face::midpoints;
+    for (const std::int32_t face : all.faces[i]) {
+      if (face > 0) add_distance(faces[face].*of_face, distance);
+    }
+  }
+  for (auto& [number, face] : faces) {
+    face.number = number;
+    deviation.faces.push_back(face);
+  }
+  return deviation;
+}
+
+}  // namespace tetune

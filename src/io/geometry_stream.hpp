@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/mesh_stream.hpp"
+#include "tetune/types.hpp"
+
+/// The requests to the plugin of CAD geometry and its answers, encoded by mesh_stream.hpp. The plugin keeps no state
+/// between requests: the model travels as OpenCASCADE's binary BREP, which is read in a fraction of a STEP file's time.
+/// Entities of one dimension are numbered from 1, in the order in which they occur in the model; 0 is none.
+namespace tetune {
+
+/// The answer to `load`. Lengths are in mm, as of OpenCASCADE.
+struct LoadedModel {
+  std::string shape;                     ///< binary BREP
+  std::string unit;                      ///< name of the file's unit of length; empty where it has none
+  double unit_mm = 0;                    ///< its length; 0 where it is not known
+  std::array<std::int32_t, 4> counts{};  ///< of vertices, edges, faces, solids
+  Point3 low{}, high{};                  ///< bounding box
+};
+
+/// The input of `classify`: the points of a surface and its triangles, in mm.
+struct ClassifyQuery {
+  std::string shape;
+  std::vector<Point3> points;
+  std::vector<double> radii;  ///< per point: distance up to which an entity of the model is the point's own
+  std::vector<std::array<Index, 3>> triangles;
+};
+
+struct ClassifyAnswer {
+  /// Per point: the dimension of its entity (0 to 2) and its number; number 0: ambiguous or on none.
+  std::vector<std::int8_t> dimensions;
+  std::vector<std::int32_t> entities;
+  std::vector<double> distances;             ///< per point: to its entity, or to the nearest face
+  std::vector<std::int32_t> triangle_faces;  ///< per triangle; 0: ambiguous or on none
+  std::vector<std::array<Index, 2>> edges;   ///< of triangles, that are on edges of the model
+  std::vector<std::int32_t> edge_entities;
+  std::int64_t ambiguous_triangles = 0;  ///< on several faces, or between faces that do not meet
+  std::int32_t unmatched_vertices = 0;   ///< vertices of the model at which there is no point
+};
+
+/// The input of `project`: points whose entities are known.
+struct ProjectQuery {
+  std::string shape;
+  std::vector<Point3> points;
+  std::vector<double> radii;  ///< per point: an upper bound that its distance should have
+  std::vector<std::int8_t> dimensions;
+  std::vector<std::int32_t> entities;
+};
+
+/// The nearest points of the entities.
+struct ProjectAnswer {
+  std::vector<Point3> points;
+};
+
+template <class Archive, MaybeConst<LoadedModel> Model>
+void transfer(Archive& archive, Model& m) {
+  archive(m.shape, m.unit, m.unit_mm);
+  for (auto& count : m.counts) archive(count);
+  for (auto& x : m.low) archive(x);
+  for (auto& x : m.high) archive(x);
+}
+template <class Archive, MaybeConst<ClassifyQuery> Query>
+void transfer(Archive& archive, Query& q) {
+  archive(q.shape, q.points, q.radii, q.triangles);
+}
+template <class Archive, MaybeConst<ClassifyAnswer> Answer>
+void transfer(Archive& archive, Answer& a) {
+  archive(a.dimensions, a.entities, a.distances, a.triangle_faces, a.edges, a.edge_entities, a.ambiguous_triangles,
+          a.unmatched_vertices);
+}
+template <class Archive, MaybeConst<ProjectQuery> Query>
+void transfer(Archive& archive, Query& q) {
+  archive(q.shape, q.points, q.radii, q.dimensions, q.entities);
+}
+template <class Archive, MaybeConst<ProjectAnswer> Answer>
+void transfer(Archive& archive, Answer& a) {
+  archive(a.points);
+}
+
+}  // namespace tetune

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""CAD geometry on the command line. Run: see cli_case.py; $TETUNE_MAKE_PARTS is the program that writes the CAD files."""
+
+import json
+import math
+import os
+import random
+import subprocess
+import tempfile
+from pathlib import Path
+
+import cli_case
+from cli_case import CliTest, Mesh, cube, with_triangles
+
+MAKE_PARTS = os.environ.get("TETUNE_MAKE_PARTS", "")
+PARTS = tempfile.TemporaryDirectory(prefix="tetune_parts_")
+
+
+def radial(p):
+    """The square or cube [-1, 1] onto the disk or ball of radius 1, the boundary exactly to rounding."""
+    largest, length = max(map(abs, p)), math.hypot(*p)
+    return tuple(x * largest / length for x in p) if length > 0 else p
+
+
+def cylinder(n=6):
+    mesh = cube(n, jitter=0)
+    return Mesh([(*radial((2 * x - 1, 2 * y - 1)), z) for x, y, z in mesh.points], mesh.tets)
+
+
+def ball(n=6):
+    mesh = cube(n, jitter=0)
+    return Mesh([radial((2 * x - 1, 2 * y - 1, 2 * z - 1)) for x, y, z in mesh.points], mesh.tets)
+
+
+def prism(n=8):
+    """On the curve that the spline of the CAD file interpolates, so that vertices are a little off the spline."""
+    def point(x, y, z):
+        r = 1 + 0.2 * math.hypot(x, y) * math.cos(3 * math.atan2(y, x))
+        return (r * x, r * y, z)
+    mesh = cylinder(n)
+    return Mesh([point(*p) for p in mesh.points], mesh.tets)
+
+
+def boxes(n=6):
+    mesh = cube(n)
+    points = [(0.5 if i % (n + 1) == n // 2 else x, y, z) for i, (x, y, z) in enumerate(mesh.points)]
+    tags = [1 if max(points[v][0] for v in tet) <= 0.5 else 2 for tet in mesh.tets]
+    return Mesh(points, mesh.tets, None, tags)
+
+
+def radius_error(points):
+    return max(abs(math.hypot(*p) - 1) for p in points)
+
+
+class Geometry(CliTest):
+    def setUp(self):
+        super().setUp()
+        if not MAKE_PARTS:
+            self.skipTest("built without OpenCASCADE: install libocct-data-exchange-dev")
+        if not os.listdir(PARTS.name):
+            subprocess.run([MAKE_PARTS, PARTS.name], check=True, stdout=subprocess.DEVNULL)
+
+    def part(self, name):
+        return os.path.join(PARTS.name, name)
+
+    def match(self, mesh, part, *args):
+        return json.loads(self.run_cli("info", mesh, "--geometry", self.part(part), "--json", *args).stdout)["geometry"]
+
+    def optimize(self, mesh, part, output, *args):
+        report = self.path("report.json")
+        self.run_cli("optimize", mesh, "-o", output, "--geometry", self.part(part), "--boundary", "slide", "--report",
+                     report, *args)
+        return json.loads(Path(report).read_text())
+
+    def test_each_vertex_and_triangle_is_on_its_entity(self):
+        mesh = cylinder()
+        source = self.put("in.mesh", mesh)
+        on_side = [abs(math.hypot(x, y) - 1) < 1e-9 for x, y, _ in mesh.points]
+        on_cap = [z in (0, 1) for _, _, z in mesh.points]
+        for part in ("cylinder.step", "cylinder.brep", "cylinder.igs"):
+            g = self.match(source, part, "-o", self.path("out.mesh"))
+            # A seam is no edge, and its ends are no vertices of the shape.
+            self.assertEqual(g["mesh_vertices_on_vertices"], 0)
+            self.assertEqual(g["mesh_vertices_on_edges"], sum(a and b for a, b in zip(on_side, on_cap)))
+            self.assertEqual(g["mesh_vertices_on_faces"], sum(a != b for a, b in zip(on_side, on_cap)))
+            self.assertEqual(g["mesh_vertices_without_entity"] + g["ambiguous_triangles"], 0)
+            # IGES has fewer digits.
+            self.assertLess(g["largest_distance"], 1e-5 if part.endswith("igs") else 1e-9)
+            words = Path(self.path("out.mesh")).read_text().split()
+            at = words.index("Triangles")
+            count = int(words[at + 1])
+            rows = [list(map(int, words[at + 2 + 4 * i:at + 6 + 4 * i])) for i in range(count)]
+            faces = {}
+            for *vertices, tag in rows:
+                heights = {mesh.points[v - 1][2] for v in vertices}
+                faces.setdefault(heights.pop() if len(heights) == 1 else "side", set()).add(tag)
+            self.assertEqual(count, 12 * 6 * 6)
+            self.assertEqual(sorted(map(len, faces.values())), [1, 1, 1])
+            self.assertEqual(len(set.union(*faces.values())), 3)
+
+    def test_vertices_end_on_the_geometry(self):
+        for name, mesh in (("cylinder", cylinder()), ("ball", ball()), ("spline", prism()), ("boxes", boxes())):
+            source, output = self.put("in.mesh", mesh), self.path("out.mesh")
+            r = self.optimize(source, f"{name}.step", output)
+            g = r["geometry"]
+            self.assertEqual(g["rounds"], 1, name)
+            self.assertLess(g["distance_after"]["vertices"]["largest"], 2e-9, name)
+            self.assertLess(self.match(output, f"{name}.step")["largest_distance"], 2e-9, name)
+            self.assertGreater(r["after"]["mean_ratio"], r["before"]["mean_ratio"], name)
+            self.assertGreaterEqual(r["after"]["dihedral_min_deg"], r["before"]["dihedral_min_deg"], name)
+            self.assertGreater(min(Mesh.read(output).volumes()), 0)
+            # The face between the boxes is in the file twice.
+            self.assertEqual(len(g["distance_after"]["faces"]), 11 if name == "boxes" else g["faces"], name)
+            if name == "ball":
+                faces = Mesh.read(output).boundary_faces()
+                self.assertLess(radius_error([Mesh.read(output).points[v] for f in faces for v in f]), 1e-9)
+            if name == "spline":
+                self.assertGreater(g["distance_before"]["vertices"]["largest"], 1e-5)
+                self.assertGreater(g["vertices_snapped"], 0)
+
+    def test_corners_and_interfaces_stay(self):
+        mesh = boxes()
+        source, output = self.put("in.mesh", mesh), self.path("out.mesh")
+        g = self.optimize(source, "boxes.step", output)["geometry"]
+        self.assertEqual(g["mesh_vertices_on_vertices"], 12)
+        new = Mesh.read(output)
+        for old, moved in zip(mesh.points, new.points):
+            if all(c in (0, 0.5, 1) for c in old) and old[1] != 0.5 and old[2] != 0.5:
+                self.assertEqual(old, moved)
+            self.assertEqual(old[0] == 0.5, moved[0] == 0.5)
+
+    def test_the_result_does_not_depend_on_the_number_of_threads(self):
+        source = self.put("in.mesh", prism())
+        for threads in (1, 3):
+            self.optimize(source, "spline.step", self.path(f"{threads}.mesh"), "--threads", threads)
+        self.assertEqual(self.read_bytes("1.mesh"), self.read_bytes("3.mesh"))
+
+    def test_listed_triangles_and_tags_are_the_callers(self):
+        mesh = cylinder()
+        bottom = [f for f in mesh.boundary_faces() if all(mesh.points[v][2] == 0 for v in f)]
+        source = self.put("in.mesh", with_triangles(mesh, [(f, 7 if mesh.points[f[0]][0] < 0 else 8) for f in sorted(bottom)]))
+        output = self.path("out.mesh")
+        self.optimize(source, "cylinder.step", output)
+        words = Path(output).read_text().split()
+        at = words.index("Triangles")
+        count = int(words[at + 1])
+        self.assertEqual(count, len(bottom))
+        self.assertEqual({words[at + 5 + 4 * i] for i in range(count)}, {"7", "8"})
+
+    def test_without_snap_vertices_may_stay_off(self):
+        source = self.put("in.mesh", prism())
+        g = self.optimize(source, "spline.step", self.path("out.mesh"), "--snap", "no")["geometry"]
+        self.assertEqual((g["snapped"], g["vertices_snapped"]), (0, 0))
+        self.assertEqual(g["rounds"], 1)
+
+    def test_a_mesh_of_another_part_or_unit_is_refused(self):
+        source, output = self.put("in.mesh", cylinder()), self.path("out.mesh")
+        slide = ("optimize", source, "-o", output, "--boundary", "slide", "--geometry")
+        self.refused(*slide, self.part("ball.step"), said=["do not belong together", "the farthest by"])
+        self.assertNotIn("out.mesh", self.files())
+        inches = Mesh([tuple(x / 25.4 for x in p) for p in cylinder().points], cylinder().tets)
+        small = self.put("small.mesh", inches)
+        self.refused("info", small, "--geometry", self.part("cylinder_inch.stp"), said=["--geometry-unit 25.4 (inch)"])
+        self.run_cli("info", small, "--geometry", self.part("cylinder_inch.stp"), "--geometry-unit", "inch")
+        self.refused("info", small, "--geometry", self.part("ball.step"), "--geometry-unit", "furlong", said=["furlong"])
+
+    def test_options_that_have_no_meaning_with_a_geometry_are_refused(self):
+        source, part = self.put("in.mesh", cylinder(3)), self.part("cylinder.step")
+        self.refused("optimize", source, "-o", self.path("out.mesh"), "--geometry", part, said=["--boundary slide"])
+        for more in (("--max-deviation", "0.1"), ("--untangle",), ("--data", "conserve"), ("--only-below", "10"),
+                     ("--surface-vertices", "edit")):
+            self.refused("optimize", source, "-o", self.path("out.mesh"), "--geometry", part, "--boundary", "slide", *more,
+                         said=["on a geometry"])
+        self.refused("info", source, "-o", self.path("out.mesh"), said=["--geometry"])
+        self.refused("info", source, "--geometry", source, said=["ending"])
+        self.refused("info", source, "--geometry", self.path("none.step"), said=["none.step"])
+
+    def test_damaged_files_have_a_message(self):
+        source = self.put("in.mesh", cylinder(3))
+        whole = Path(self.part("cylinder.step")).read_bytes()
+        rng = random.Random(1)
+        for i in range(16):
+            damaged = bytearray(whole[:rng.randrange(len(whole))] if i % 2 else whole)
+            for _ in range(0 if i % 2 else 10):
+                damaged[rng.randrange(len(damaged))] = rng.randrange(256)
+            Path(self.path("damaged.step")).write_bytes(damaged)
+            done = subprocess.run([cli_case.TETUNE, "info", source, "--geometry", self.path("damaged.step")],
+                                  capture_output=True, text=True, timeout=cli_case.HANG)
+            self.assertIn(done.returncode, (0, 2), done.stderr)
+            if done.returncode == 2:
+                self.assertTrue("damaged.step" in done.stderr or "belong together" in done.stderr, done.stderr)
+
+
+if __name__ == "__main__":
+    cli_case.main(__doc__)
