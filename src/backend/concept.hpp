@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "backend/macros.hpp"
+#include "backend/results.hpp"
 #include "backend/span.hpp"
 
 /// The contract between the algorithms and the machine that runs them. Everything above src/backend is written once,
@@ -32,6 +33,9 @@ struct Evaluate {
 };
 struct AnyPredicate {
   TETUNE_HD bool operator()(Size) const { return true; }
+};
+struct Weight {
+  TETUNE_HD std::uint32_t operator()(Size) const { return 1; }
 };
 struct Place {
   TETUNE_HD void operator()(Size, std::uint32_t) const {}
@@ -111,6 +115,11 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
   { backend.exclusive_scan(in, out) } -> std::same_as<std::uint32_t>;
   /// Writes each i in [0, n) with keep(i) to `ids`, in increasing order; returns their number. Requires room for n.
   { backend.compact(n, concept_detail::AnyPredicate{}, ids) } -> std::same_as<Size>;
+  /// compact(), and writes to sums[k] the sum of f(i) over the first k of these i; returns also the sum over all.
+  /// Requires room for n.
+  {
+    backend.compact_and_sum(n, concept_detail::AnyPredicate{}, ids, concept_detail::Weight{}, out)
+    } -> std::same_as<CountAndSum<std::uint32_t>>;
   /// Sorts (key, value) pairs by the lowest 64 bits of the key, or fewer; stable.
   { backend.sort_by_key(keys, values, 64) } -> std::same_as<void>;
   /// Sets all elements.

@@ -136,6 +136,14 @@ class Emulation {
     return kept;
   }
 
+  template <class T, class F, class G>
+  CountAndSum<T> compact_and_sum(Size n, const F& keep, Span<Index32> out, const G& evaluate, Span<T> sums) const {
+    const Size kept = compact(n, keep, out);
+    for_each(kept, EvaluateListed<T, G>{evaluate, out, sums});
+    sums = {sums.data(), kept};
+    return {static_cast<std::uint32_t>(kept), exclusive_scan(Span<const T>(sums), sums)};
+  }
+
   template <class K>
   void sort_by_key(Buffer<K>& keys, Buffer<Index32>& values, int bits) const {
     const Size n = keys.size();
