@@ -80,6 +80,11 @@ class Cpu {
     for_parts((n + each - 1) / each, [&](Size part) { visit(part * each, std::min(n, (part + 1) * each)); });
   }
 
+  template <class F>
+  void for_each_step(Size steps, Size n, const F& f) const {
+    backend::for_each_step(*this, steps, n, f);
+  }
+
   /// Calls f(part) for part in [0, parts), each a sizeable piece of work.
   template <class F>
   void for_parts(Size parts, const F& f) const {

@@ -62,6 +62,15 @@ class Cuda {
     check_cuda(cudaGetLastError(), "launch");
   }
 
+  template <class F>
+  void for_each_step(Size steps, Size n, const F& f) const {
+    static_assert(std::is_trivially_copyable_v<F>);
+    if (n == 0) return;
+    if (n > kMaxBlock) return backend::for_each_step(*this, steps, n, f);
+    steps_kernel<F, kMaxBlock><<<1, blocks(n, kWarp) * kWarp>>>(steps, n, f);
+    check_cuda(cudaGetLastError(), "launch");
+  }
+
   template <class R, class F>
   Pending<R> reduce_async(Size n, const F& f) const {
     static_assert(std::is_trivially_copyable_v<F> && std::is_trivially_copyable_v<R>);
@@ -223,6 +232,8 @@ class Cuda {
   unsigned* tile_states() const { return started() + 1; }
 
   static constexpr int kThreads = 128;
+  /// Threads of the largest block, which runs steps of few items in one launch.
+  static constexpr int kMaxBlock = 1024;
   /// Groups of blocks in a reduction: enough for 2^31 items.
   static constexpr Size kMaxGroups = 1 << 18;
   /// Tiles of a scan: enough for 2^31 items where these are counted, and 2^29 where larger values are added up.

@@ -21,6 +21,15 @@ __global__ void for_each_kernel(Size n, F f) {
   if (i < n) f(i);
 }
 
+/// All steps in one block.
+template <class F, int kMaxThreads>
+__global__ void __launch_bounds__(kMaxThreads) steps_kernel(Size steps, Size n, F f) {
+  for (Size step = 0; step < steps; ++step) {
+    if (threadIdx.x < n) f(step, Size{threadIdx.x});
+    __syncthreads();
+  }
+}
+
 /// kThreads consecutive threads of a warp as a team (backend/team.hpp).
 template <int kThreads>
 class PartOfWarp {
@@ -245,8 +254,8 @@ __global__ void __launch_bounds__(kThreads)
   constexpr int kWarps = kThreads / Warp::kSize;
   __shared__ alignas(16) unsigned char storage[sizeof(T) * (kMaxRows * kWarps + 1)];
   __shared__ unsigned tile;
-  T* sums = reinterpret_cast<T*>(storage);  // of each row and warp; then of those before; at last, of the tiles before
-  T* before_tile = sums + kMaxRows * kWarps;
+  T* sums = reinterpret_cast<T*>(storage);    // of each row and warp; then of those before in the tile
+  T* before_tile = sums + kMaxRows * kWarps;  // the sum of the tiles before
   if (threadIdx.x == 0) tile = tiles.start();
   __syncthreads();
   const int warp = static_cast<int>(threadIdx.x) / Warp::kSize;

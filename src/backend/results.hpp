@@ -47,6 +47,21 @@ struct CountAndSum {
   }
 };
 
+/// One step of a kernel of several.
+template <class Kernel>
+struct Step {
+  Kernel kernel;
+  Size step;
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if constexpr (requires { kernel.prefetch(i, end); }) kernel.prefetch(i, end);
+  }
+  TETUNE_HD void operator()(Size i) const { kernel(step, i); }
+};
+template <class Backend, class F>
+void for_each_step(const Backend& backend, Size steps, Size n, const F& f) {
+  for (Size step = 0; step < steps; ++step) backend.for_each(n, Step<F>{f, step});
+}
+
 /// Evaluates a kernel for listed items.
 template <class T, class Kernel>
 struct EvaluateListed {

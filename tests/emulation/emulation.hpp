@@ -69,6 +69,11 @@ class Emulation {
     });
   }
 
+  template <class F>
+  void for_each_step(Size steps, Size n, const F& f) const {
+    backend::for_each_step(*this, steps, n, f);
+  }
+
   template <class R, class F>
   R reduce(Size n, const F& f) const {
     if (n == 0) return R{};

@@ -61,6 +61,14 @@ struct LargestOfItem {
 struct IsThird {
   TETUNE_HD bool operator()(Size i) const { return i % 3 == 0; }
 };
+/// Each step reads what the one before wrote for another item.
+struct AddNeighbor {
+  Span<Size> even, odd;
+  TETUNE_HD void operator()(Size step, Size i) const {
+    const Span<Size> from = step % 2 == 0 ? even : odd;
+    (step % 2 == 0 ? odd : even)[i] = from[i] + from[(i + 1) % from.size()];
+  }
+};
 struct AddSquare {
   Span<Size> out;
   TETUNE_HD void operator()(Size i) const { out[i] += i * i; }
@@ -102,6 +110,20 @@ TEST_P(CudaPrimitives, ForEachCallsEachIndexOnce) {
   cuda->for_each(n(), AddSquare{out.span()});
   const std::vector<Size> host = out.download();
   for (Size i = 0; i < n(); ++i) ASSERT_EQ(host[to_size_t(i)], 5 + i * i);
+}
+
+TEST_P(CudaPrimitives, StepsFollowEachOther) {
+  std::vector<Size> expected(to_size_t(n()));
+  std::iota(expected.begin(), expected.end(), 1);
+  Cuda::Buffer<Size> even, odd(*cuda, n());
+  even.upload(*cuda, expected);
+  cuda->for_each_step(4, n(), AddNeighbor{even, odd});
+  for (int step = 0; step < 4; ++step) {
+    auto next = expected;
+    std::rotate(next.begin(), next.begin() + 1, next.end());
+    for (std::size_t i = 0; i < next.size(); ++i) expected[i] += next[i];
+  }
+  EXPECT_EQ(even.download(), expected);
 }
 
 TEST_P(CudaPrimitives, ReduceMergesInItsOrder) {
