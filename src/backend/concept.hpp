@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "backend/macros.hpp"
+#include "backend/results.hpp"
 #include "backend/span.hpp"
 
 /// The contract between the algorithms and the machine that runs them. Everything above src/backend is written once,
@@ -27,11 +28,17 @@ namespace concept_detail {
 struct Visit {
   TETUNE_HD void operator()(Size) const {}
 };
+struct VisitInStep {
+  TETUNE_HD void operator()(Size, Size) const {}
+};
 struct Evaluate {
   TETUNE_HD Sum<std::uint32_t> operator()(Size) const { return {}; }
 };
 struct AnyPredicate {
   TETUNE_HD bool operator()(Size) const { return true; }
+};
+struct Weight {
+  TETUNE_HD std::uint32_t operator()(Size) const { return 1; }
 };
 struct Place {
   TETUNE_HD void operator()(Size, std::uint32_t) const {}
@@ -99,6 +106,8 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
 
   /// Calls f(i) for each i in [0, n), in any order.
   { backend.for_each(n, concept_detail::Visit{}) } -> std::same_as<void>;
+  /// Calls f(step, i) for each step in [0, steps) and i in [0, n); those of a step after all of the step before.
+  { backend.for_each_step(Size{1}, n, concept_detail::VisitInStep{}) } -> std::same_as<void>;
   /// Merges f(i) for i in [0, n) into R{}, in an order that depends on n and on the backend alone. Requires that R{} is
   /// neutral to R::merge().
   { backend.template reduce<Sum<std::uint32_t>>(n, concept_detail::Evaluate{}) } -> std::same_as<Sum<std::uint32_t>>;
@@ -110,7 +119,13 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
   /// out[i] = in[0] + ... + in[i-1]; returns the sum of all. `in` and `out` may be the same array.
   { backend.exclusive_scan(in, out) } -> std::same_as<std::uint32_t>;
   /// Writes each i in [0, n) with keep(i) to `ids`, in increasing order; returns their number. Requires room for n.
+  /// keep(i) may be called twice, with the same result; like a kernel it may write what no other call reads or writes.
   { backend.compact(n, concept_detail::AnyPredicate{}, ids) } -> std::same_as<Size>;
+  /// compact(), and writes to sums[k] the sum of f(i) over the first k of these i; returns also the sum over all.
+  /// Requires room for n.
+  {
+    backend.compact_and_sum(n, concept_detail::AnyPredicate{}, ids, concept_detail::Weight{}, out)
+    } -> std::same_as<CountAndSum<std::uint32_t>>;
   /// Sorts (key, value) pairs by the lowest 64 bits of the key, or fewer; stable.
   { backend.sort_by_key(keys, values, 64) } -> std::same_as<void>;
   /// Sets all elements.

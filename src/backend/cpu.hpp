@@ -80,6 +80,11 @@ class Cpu {
     for_parts((n + each - 1) / each, [&](Size part) { visit(part * each, std::min(n, (part + 1) * each)); });
   }
 
+  template <class F>
+  void for_each_step(Size steps, Size n, const F& f) const {
+    backend::for_each_step(*this, steps, n, f);
+  }
+
   /// Calls f(part) for part in [0, parts), each a sizeable piece of work.
   template <class F>
   void for_parts(Size parts, const F& f) const {
@@ -159,6 +164,14 @@ class Cpu {
       total += kept[b];
     }
     return total;
+  }
+
+  template <class T, class F, class G>
+  CountAndSum<T> compact_and_sum(Size n, const F& keep, Span<Index32> out, const G& evaluate, Span<T> sums) const {
+    const Size kept = compact(n, keep, out);
+    for_each(kept, EvaluateListed<T, G>{evaluate, out, sums});
+    sums = {sums.data(), kept};
+    return {static_cast<std::uint32_t>(kept), exclusive_scan(Span<const T>(sums), sums)};
   }
 
   /// A radix sort; each pass counts and moves by blocks.

@@ -2,12 +2,9 @@
 #pragma once
 
 #include <cuda_runtime.h>
-#include <thrust/iterator/counting_iterator.h>
 
 #include <algorithm>
 #include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
-#include <cub/device/device_select.cuh>
 #include <functional>
 #include <memory>
 #include <string>
@@ -16,6 +13,7 @@
 
 #include "backend/buffer.hpp"
 #include "backend/concept.hpp"
+#include "backend/cuda_kernels.cuh"
 #include "backend/cuda_memory.cuh"
 #include "backend/pool.hpp"
 #include "backend/results.hpp"
@@ -24,142 +22,6 @@
 #include "tetune/error.hpp"
 
 namespace tetune::backend {
-
-template <class F>
-__global__ void for_each_kernel(Size n, F f) {
-  const Size i = static_cast<Size>(blockIdx.x) * blockDim.x + threadIdx.x;
-  if (i < n) f(i);
-}
-
-/// kThreads consecutive threads of a warp as a team (backend/team.hpp).
-template <int kThreads>
-class PartOfWarp {
- public:
-  static constexpr int kSize = kThreads;
-
-  TETUNE_HD static int rank() {
-#if defined(__CUDA_ARCH__)
-    return static_cast<int>(threadIdx.x) % kSize;
-#else
-    return 0;
-#endif
-  }
-  TETUNE_HD static bool any([[maybe_unused]] bool condition) {
-#if defined(__CUDA_ARCH__)
-    return __any_sync(threads(), condition) != 0;
-#else
-    return condition;
-#endif
-  }
-  template <class T>
-  TETUNE_HD static T merge(T value) {
-    for (int distance = kSize / 2; distance > 0; distance /= 2) value.merge(broadcast(value, rank() ^ distance));
-    return value;
-  }
-  template <class T>
-  TETUNE_HD static T broadcast(const T& value, [[maybe_unused]] int rank) {
-#if defined(__CUDA_ARCH__)
-    static_assert(std::is_trivially_copyable_v<T>);
-    constexpr int kWords = (sizeof(T) + sizeof(unsigned) - 1) / sizeof(unsigned);
-    unsigned words[kWords]{};
-    memcpy(words, &value, sizeof(T));
-    for (int k = 0; k < kWords; ++k) words[k] = __shfl_sync(threads(), words[k], rank, kSize);
-    T result;
-    memcpy(&result, words, sizeof(T));
-    return result;
-#else
-    return value;
-#endif
-  }
-  TETUNE_HD static void sync() {
-#if defined(__CUDA_ARCH__)
-    __syncwarp(threads());
-#endif
-  }
-
- private:
-#if defined(__CUDA_ARCH__)
-  /// The lanes of the team.
-  __device__ static unsigned threads() {
-    constexpr unsigned kFirst = ~0U >> (32 - kSize);
-    return kFirst << (threadIdx.x % 32 / kSize * kSize);
-  }
-#endif
-};
-using Warp = PartOfWarp<32>;
-
-/// A block of one warp, or of the teams of one that there are items for.
-template <class F>
-__global__ void __launch_bounds__(Warp::kSize) team_kernel(Size n, F f) {
-  using Team = PartOfWarp<kTeamSizeOf<F>>;
-  constexpr unsigned kTeams = Warp::kSize / Team::kSize;
-  __shared__ alignas(16) unsigned char shared[kTeams][sizeof(typename F::Shared)];
-  const unsigned team = threadIdx.x / Team::kSize;
-  const Size i = static_cast<Size>(blockIdx.x) * (blockDim.x / Team::kSize) + team;
-  if (i < n) f(Team(), *reinterpret_cast<typename F::Shared*>(shared[team]), i);
-}
-
-/// Stores and loads what other blocks of the same launch load and store.
-template <class T>
-__device__ void store_volatile(T* to, const T& value) {
-  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(unsigned) == 0);
-  constexpr int kWords = sizeof(T) / sizeof(unsigned);
-  unsigned words[kWords];
-  memcpy(words, &value, sizeof(T));
-  volatile unsigned* const memory = reinterpret_cast<unsigned*>(to);
-  for (int k = 0; k < kWords; ++k) memory[k] = words[k];
-}
-template <class T>
-__device__ T load_volatile(const T* from) {
-  constexpr int kWords = sizeof(T) / sizeof(unsigned);
-  unsigned words[kWords];
-  const volatile unsigned* const memory = reinterpret_cast<const unsigned*>(from);
-  for (int k = 0; k < kWords; ++k) words[k] = memory[k];
-  T value;
-  memcpy(&value, words, sizeof(T));
-  return value;
-}
-
-/// Each block merges one chunk of fixed length by a tree of fixed shape, so that each run yields the same bits. One
-/// item per thread, as there may be too few items to occupy a GPU. The block that is the last of kThreads consecutive
-/// ones to store its result merges theirs in the same way, as one block of the next level, until one result is left.
-/// `partial` holds the results of all levels but the last one after the other, `arrived` the number of blocks that
-/// stored theirs, per kThreads blocks of each level: 0 before and after.
-template <class R, class F, int kThreads>
-__global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial, unsigned* arrived, R* result) {
-  __shared__ alignas(16) unsigned char storage[sizeof(R) * kThreads];
-  __shared__ bool is_last;
-  R* shared = reinterpret_cast<R*>(storage);
-  unsigned block = blockIdx.x;
-  unsigned results = gridDim.x;  // of this level
-  const Size i = Size{block} * kThreads + threadIdx.x;
-  R r{};
-  if (i < n) r.merge(f(i));
-  for (;;) {
-    shared[threadIdx.x] = r;
-    for (int half = kThreads / 2; half > 0; half /= 2) {
-      __syncthreads();
-      if (threadIdx.x < half) shared[threadIdx.x].merge(shared[threadIdx.x + half]);
-    }
-    const unsigned group = block / kThreads;
-    const unsigned first = group * kThreads;
-    const unsigned size = results - first < kThreads ? results - first : kThreads;
-    if (threadIdx.x == 0) {
-      store_volatile(results > 1 ? &partial[block] : result, shared[0]);
-      __threadfence();
-      is_last = results > 1 && atomicInc(&arrived[group], size - 1) == size - 1;
-    }
-    __syncthreads();
-    if (!is_last) return;
-    __threadfence();
-    r = R{};
-    if (threadIdx.x < size) r.merge(load_volatile(&partial[first + threadIdx.x]));
-    partial += results;
-    results = (results + kThreads - 1) / kThreads;
-    arrived += results;
-    block = group;
-  }
-}
 
 /// The CUDA backend: the current device, its default stream, and a pool of memory allocated at the start. The
 /// primitives are documented in backend/concept.hpp.
@@ -179,7 +41,7 @@ class Cuda {
         warps_(resident_warps()),
         block_(allocate_block(memory)),
         pool_(block_.get(), memory),
-        zeros_(allocate_zeros(Readback::kCapacity + kMaxGroups * sizeof(unsigned))),
+        zeros_(allocate_zeros(Readback::kCapacity + (kMaxGroups + 1 + kMaxTiles) * sizeof(unsigned))),
         readback_(zeros()) {}
 
   Memory memory() const { return Memory(pool_); }
@@ -197,6 +59,15 @@ class Cuda {
       const int threads = n < kSmallLaunch ? warp_items<F>(n) : kThreads;
       for_each_kernel<<<blocks(n, threads), static_cast<unsigned>(threads)>>>(n, f);
     }
+    check_cuda(cudaGetLastError(), "launch");
+  }
+
+  template <class F>
+  void for_each_step(Size steps, Size n, const F& f) const {
+    static_assert(std::is_trivially_copyable_v<F>);
+    if (n == 0) return;
+    if (n > kMaxBlock) return backend::for_each_step(*this, steps, n, f);
+    steps_kernel<F, kMaxBlock><<<1, blocks(n, kWarp) * kWarp>>>(steps, n, f);
     check_cuda(cudaGetLastError(), "launch");
   }
 
@@ -221,32 +92,17 @@ class Cuda {
 
   template <class T>
   T exclusive_scan(Span<const T> in, Span<T> out) const {
-    const Size n = in.size();
-    if (n == 0) return T{};
-    // The last element of each array. The scan may overwrite that of `in`.
-    T* end = nullptr;
-    const Pending<T> last_in(readback_, end);
-    Memory::copy(end, in.data() + n - 1, sizeof(T));
-    std::size_t bytes = 0;
-    check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, in.data(), out.data(), n), "scan");
-    Buffer<unsigned char> scratch(*this, static_cast<Size>(bytes));
-    check_cuda(cub::DeviceScan::ExclusiveSum(scratch.span().data(), bytes, in.data(), out.data(), n), "scan");
-    const Pending<T> last_out(readback_, end);
-    Memory::copy(end, out.data() + n - 1, sizeof(T));
-    return last_out.get() + last_in.get();
+    return scan(in.size(), ScanArray<T>{in, out});
   }
 
   template <class F>
   Size compact(Size n, const F& keep, Span<Index32> out) const {
-    if (n == 0) return 0;
-    Size* count = nullptr;
-    const Pending<Size> kept(readback_, count);
-    const thrust::counting_iterator<Index32> ids(0);
-    std::size_t bytes = 0;
-    check_cuda(cub::DeviceSelect::If(nullptr, bytes, ids, out.data(), count, n, keep), "select");
-    Buffer<unsigned char> scratch(*this, static_cast<Size>(bytes));
-    check_cuda(cub::DeviceSelect::If(scratch.span().data(), bytes, ids, out.data(), count, n, keep), "select");
-    return kept.get();
+    return scan(n, ListKept<F>{keep, out});
+  }
+
+  template <class T, class F, class G>
+  CountAndSum<T> compact_and_sum(Size n, const F& keep, Span<Index32> out, const G& evaluate, Span<T> sums) const {
+    return scan(n, ListAndSumKept<T, F, G>{keep, out, evaluate, sums});
   }
 
   template <class K>
@@ -327,6 +183,36 @@ class Cuda {
     check_cuda(cudaGetLastError(), "launch");
     return pending;
   }
+  /// One launch.
+  template <class F>
+  SumOf<typename F::Value> scan(Size n, const F& f) const {
+    static_assert(std::is_trivially_copyable_v<F>);
+    using T = SumOf<typename F::Value>;
+    // Few tiles, as each looks back at those before; several items per thread are kept in registers.
+    constexpr Size kGoodTiles = 1024;
+    constexpr int kMaxRows = sizeof(T) > sizeof(double) ? 4 : 16;
+    if (n == 0) return {};
+    const int rows = static_cast<int>(std::clamp<Size>(n / (kThreads * kGoodTiles), 1, kMaxRows));
+    const unsigned tiles = blocks(n, kThreads * rows);
+    TETUNE_ASSERT(tiles <= kMaxTiles);
+    Buffer<T> sums(*this, 2 * Size{tiles});
+    T* total = nullptr;
+    const Pending<T> pending(readback_, total);
+    const ScannedTiles<T> scanned{sums.span().data(), sums.span().data() + tiles, tile_states(), next_scan(),
+                                  started()};
+    scan_kernel<F, kThreads, kMaxRows><<<tiles, kThreads>>>(n, rows, f, scanned, total);
+    check_cuda(cudaGetLastError(), "launch");
+    return pending.get();
+  }
+  /// See ScannedTiles::has_sum. Clears all states where the number starts from 0 again.
+  unsigned next_scan() const {
+    scans_ += 2;
+    if (scans_ == 0) {
+      check_cuda(cudaMemsetAsync(tile_states(), 0, kMaxTiles * sizeof(unsigned), nullptr), "initialization");
+      scans_ = 2;
+    }
+    return scans_;
+  }
   /// Items per warp of a short launch. Those that take much work take different paths, one after the other in a warp:
   /// few of them are spread over more warps.
   template <class F>
@@ -341,10 +227,17 @@ class Cuda {
   unsigned char* zeros() const { return static_cast<unsigned char*>(zeros_.get()); }
   /// See reduce_kernel.
   unsigned* arrived() const { return reinterpret_cast<unsigned*>(zeros() + Readback::kCapacity); }
+  /// See ScannedTiles.
+  unsigned* started() const { return arrived() + kMaxGroups; }
+  unsigned* tile_states() const { return started() + 1; }
 
   static constexpr int kThreads = 128;
+  /// Threads of the largest block, which runs steps of few items in one launch.
+  static constexpr int kMaxBlock = 1024;
   /// Groups of blocks in a reduction: enough for 2^31 items.
   static constexpr Size kMaxGroups = 1 << 18;
+  /// Tiles of a scan: enough for 2^31 items where these are counted, and 2^29 where larger values are added up.
+  static constexpr Size kMaxTiles = 1 << 20;
   /// Short launches run in blocks of one warp, to occupy as many multiprocessors as possible.
   static constexpr int kWarp = Warp::kSize;
   static constexpr Size kSmallLaunch = 65536;
@@ -357,6 +250,7 @@ class Cuda {
   mutable Pool pool_;
   Block zeros_;
   mutable Readback readback_;
+  mutable unsigned scans_ = 0;
 };
 
 static_assert(Backend<Cuda>);

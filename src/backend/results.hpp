@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 #include "backend/span.hpp"
 #include "backend/team.hpp"
 
@@ -33,6 +35,40 @@ template <class R>
 struct LoadResult {
   Span<const R> results;
   TETUNE_HD R operator()(Size i) const { return results[i]; }
+};
+
+/// What compact_and_sum() returns.
+template <class T>
+struct CountAndSum {
+  std::uint32_t count = 0;
+  T sum{};
+  TETUNE_HD friend CountAndSum operator+(const CountAndSum& x, const CountAndSum& y) {
+    return {x.count + y.count, x.sum + y.sum};
+  }
+};
+
+/// One step of a kernel of several.
+template <class Kernel>
+struct Step {
+  Kernel kernel;
+  Size step;
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if constexpr (requires { kernel.prefetch(i, end); }) kernel.prefetch(i, end);
+  }
+  TETUNE_HD void operator()(Size i) const { kernel(step, i); }
+};
+template <class Backend, class F>
+void for_each_step(const Backend& backend, Size steps, Size n, const F& f) {
+  for (Size step = 0; step < steps; ++step) backend.for_each(n, Step<F>{f, step});
+}
+
+/// Evaluates a kernel for listed items.
+template <class T, class Kernel>
+struct EvaluateListed {
+  Kernel kernel;
+  Span<const Index32> items;
+  Span<T> results;
+  TETUNE_HD void operator()(Size i) const { results[i] = kernel(items[i]); }
 };
 
 }  // namespace tetune::backend

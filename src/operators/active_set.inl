@@ -63,31 +63,26 @@ struct HasFlaggedEdge {
   }
 };
 
+/// Marks the tetrahedra for which a predicate holds, and no others.
+template <class Predicate>
 struct MarkActive {
-  Span<const Index> slots;
+  Predicate predicate;
   Span<std::uint8_t> marks;
-  TETUNE_HD void operator()(Size i) const { marks[slots[i]] = kActive; }
-};
-
-/// Resolves kActiveIfPromising to kActive or 0; tests eight marks at once because nearly all are 0.
-struct ResolveMarks {
-  static constexpr Size kSlots = 8;
-  Span<std::uint8_t> marks;
-  IsPromising is_promising;
-  TETUNE_HD void operator()(Size i) const {
-    const Size first = kSlots * i;
-    const Size count = marks.size() - first < kSlots ? marks.size() - first : kSlots;
-    unsigned any = 0;
-    for (Size k = 0; k < count; ++k) any |= marks[first + k];
-    for (Size t = first; any != 0 && t < first + count; ++t) {
-      if (marks[t] == kActiveIfPromising) marks[t] = is_promising(t) ? kActive : 0;
-    }
+  TETUNE_HD bool operator()(Size t) const {
+    const bool is_active = predicate(t);
+    marks[t] = is_active ? kActive : 0;
+    return is_active;
   }
 };
 
-struct IsMarked {
-  Span<const std::uint8_t> marks;
-  TETUNE_HD bool operator()(Size t) const { return marks[t] != 0; }
+/// Whether a tetrahedron is marked; resolves kActiveIfPromising to kActive or 0.
+struct ResolveMark {
+  Span<std::uint8_t> marks;
+  IsPromising is_promising;
+  TETUNE_HD bool operator()(Size t) const {
+    if (marks[t] == kActiveIfPromising) marks[t] = is_promising(t) ? kActive : 0;
+    return marks[t] != 0;
+  }
 };
 
 template <class Backend>
@@ -103,10 +98,8 @@ void activate_where(const Backend& backend, WorkMesh<Backend>& mesh, FlipState<B
   state.active.resize(backend, slots, mesh.room());
   state.marks.resize(backend, slots, mesh.room());
   state.tet2bid.resize(backend, slots, mesh.room());
-  backend.fill(state.marks.span(), std::uint8_t{0});
-  const Size count = backend.compact(slots, predicate, state.active.span());
-  state.active.resize(backend, count);
-  backend.for_each(count, MarkActive{state.active.span(), state.marks.span()});
+  const MarkActive<Predicate> mark{predicate, state.marks.span()};
+  state.active.resize(backend, backend.compact(slots, mark, state.active.span()));
   state.drift_origin.assign(backend, mesh.points);
 }
 
@@ -146,10 +139,9 @@ template <class Backend>
 void activate_marked(const Backend& backend, const Criterion& criterion, FlipState<Backend>& state) {
   using namespace active_set_detail;
   const Size slots = state.marks.size();
-  backend.for_each((slots + ResolveMarks::kSlots - 1) / ResolveMarks::kSlots,
-                   ResolveMarks{state.marks.span(), is_promising(criterion, state)});
+  const ResolveMark is_marked{state.marks.span(), is_promising(criterion, state)};
   state.active.resize(backend, slots);
-  state.active.resize(backend, backend.compact(slots, IsMarked{state.marks.span()}, state.active.span()));
+  state.active.resize(backend, backend.compact(slots, is_marked, state.active.span()));
 }
 
 }  // namespace tetune

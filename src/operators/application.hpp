@@ -38,7 +38,8 @@ struct SelectedRecords {
   TETUNE_HD Record<P>& operator[](Size i) const { return records[selected[i]]; }
 };
 
-/// Assigns slots and ids of vertices, and leaves, in each boundary face of the old tetrahedra, the new half-face.
+/// Assigns slots and ids of vertices, and leaves, in each boundary face of the old tetrahedra, the new half-face. Marks
+/// these tetrahedra as replaced, and as not active.
 template <class P>
 struct Forward {
   static constexpr Size kGrain = 32;
@@ -48,6 +49,8 @@ struct Forward {
   Span<const Index> free_slots;
   SlotChange change;
   Size vertices;  ///< before
+  Span<std::uint64_t> tet2bid;
+  Span<std::uint8_t> marks;
 
   TETUNE_INLINE void prefetch(Size i, Size end) const {
     if (i + kRecordsAhead >= end) return;
@@ -56,6 +59,10 @@ struct Forward {
   }
   TETUNE_HD void operator()(Size i) const {
     Record<P>& r = records[i];
+    for (int k = 0; k < r.patch.old_count(); ++k) {
+      tet2bid[r.patch.tets[k]] = kReplaced;
+      marks[r.patch.tets[k]] = 0;
+    }
     for (int x = 0; x < r.patch.new_count() - r.patch.old_count(); ++x) {
       r.extra_slots[x] = change.slot_of(free_slots, Size{before[i].taken} + x);
     }
@@ -113,7 +120,9 @@ struct Resolve {
   }
 };
 
-/// Writes the new tetrahedra, and frees the slots that are left over.
+/// Writes the new tetrahedra, and frees the slots that are left over. Marks the new tetrahedra and their neighbors for
+/// evaluation where `changed_tets` are given: of the candidates whose cavity has changed, few are owned by a
+/// tetrahedron farther away.
 template <class P>
 struct Write {
   static constexpr Size kGrain = 32;
@@ -123,7 +132,7 @@ struct Write {
   Span<Index> free_slots;
   Size free_kept;
   Span<double> energies;
-  Span<std::uint8_t> marks;
+  ActiveMarks changed_tets;
   Span<std::uint8_t> changed;
   VertexArrays vertices;
 
@@ -148,6 +157,7 @@ struct Write {
     for (int k = 0; k < patch.vertex_count() && changed.size() > 0; ++k) {
       backend::store_shared(changed[patch.vertex(k)], 1);
     }
+    if (changed_tets.marks.size() > 0) mark_changed(r);
     if (r.is_leader(records.selected[i])) patch.count(sum.counts);
     return sum;
   }
@@ -159,7 +169,6 @@ struct Write {
     const Index original = mesh.tet2original[patch.tets[0]];
     double decrease = energy_before(patch, energies);
     if constexpr (requires { patch.parent(0); }) write_originals(r);
-    for (int k = 0; k < patch.old_count(); ++k) marks[patch.tets[k]] = 0;
     for (int x = 0; x < patch.new_count(); ++x) {
       const Index s = r.slot(x);
       FaceAdjacency adjacency{};
@@ -177,6 +186,12 @@ struct Write {
     }
     return decrease;
   }
+  TETUNE_HD void mark_changed(const Record<P>& r) const {
+    for (int x = 0; x < r.patch.new_count(); ++x) changed_tets.mark_changed(r.slot(x));
+    for (int k = 0; k < r.patch.face_count(); ++k) {
+      if (!is_locked(r.across[k])) changed_tets.mark_changed(tet_of(r.across[k]));
+    }
+  }
   /// All are read before one is written: the parents are among the slots.
   TETUNE_HD void write_originals(const Record<P>& r) const {
     Index originals[P::kMaxExtraTets];
@@ -185,30 +200,16 @@ struct Write {
   }
 };
 
-/// Marks the new tetrahedra and their neighbors for evaluation: of the candidates whose cavity has changed, few are
-/// owned by a tetrahedron farther away.
-template <class P>
-struct MarkChanged {
-  SelectedRecords<P> records;
-  ActiveMarks marks;
-  TETUNE_HD void operator()(Size i) const {
-    const Record<P>& r = records[i];
-    for (int x = 0; x < r.patch.new_count(); ++x) marks.mark_changed(r.slot(x));
-    for (int k = 0; k < r.patch.face_count(); ++k) {
-      if (!is_locked(r.across[k])) marks.mark_changed(tet_of(r.across[k]));
-    }
-  }
-};
-
 }  // namespace application_detail
 
 /// Applies a selection; the slots that it needs must not be too many (check_slots()). `changed`, when given, is set for
-/// the vertices whose ring changed; `vertices` are needed by operators that write vertices. The energies in `state`
-/// stay up to date; the active set does not. Returns the pending FlipSum: see reduce_async().
+/// the vertices whose ring changed; with `marks_changed` the tetrahedra that an activation is to evaluate are marked;
+/// `vertices` are needed by operators that write vertices. The energies in `state` stay up to date; the active set does
+/// not. Returns the pending FlipSum: see reduce_async().
 template <class Backend, CavityPatch P>
 auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                      FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed,
-                     const VertexArrays& vertices = {}) {
+                     bool marks_changed, const VertexArrays& vertices = {}) {
   using namespace application_detail;
   const SlotChange change(mesh, selection.total);
   change.make_room(backend, mesh);
@@ -216,24 +217,16 @@ auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Crit
   const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
   const Span<const ChangeCounts> before = selection.before.span();
   const Size old_vertices = mesh.vertices() - selection.total.inserted;
-  backend.for_each(records.size(),
-                   Forward<P>{mesh.view(), records, before, mesh.free_slots.span(), change, old_vertices});
+  ActiveMarks changed_tets;
+  if (marks_changed) changed_tets = {state.marks.span(), state.slack.span()};
+  backend.for_each(records.size(), Forward<P>{mesh.view(), records, before, mesh.free_slots.span(), change,
+                                              old_vertices, state.tet2bid.span(), state.marks.span()});
   backend.for_each(records.size(), Resolve<P>{mesh.view(), records, state.tet2bid.span()});
   const auto sum = backend.template reduce_async<FlipSum>(
       records.size(), Write<P>{rated(mesh, criterion), records, before, mesh.free_slots.span(), change.free_kept,
-                               state.energies.span(), state.marks.span(), changed, vertices});
+                               state.energies.span(), changed_tets, changed, vertices});
   change.finish(mesh);
   return sum;
-}
-
-/// Makes what an applied selection changed active, with what was marked before.
-template <class Backend, CavityPatch P>
-void activate_changes(const Backend& backend, const Criterion& criterion, FlipState<Backend>& state,
-                      Selection<Backend, P>& selection) {
-  using namespace application_detail;
-  const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
-  backend.for_each(records.size(), MarkChanged<P>{records, {state.marks.span(), state.slack.span()}});
-  activate_marked(backend, criterion, state);
 }
 
 /// Applies the selection of an operator that flips, and makes what changed active. Throws MeshError, before anything is
@@ -245,8 +238,8 @@ PassResult flip_selected(const Backend& backend, WorkMesh<Backend>& mesh, const 
   result.evaluated = selection.evaluated;
   if (selection.is_stopped) return result;
   check_slots(SlotChange(mesh, selection.total).needed);
-  const auto pending = apply_selection(backend, mesh, criterion, state, selection, changed);
-  activate_changes(backend, criterion, state, selection);
+  const auto pending = apply_selection(backend, mesh, criterion, state, selection, changed, true);
+  activate_marked(backend, criterion, state);
   const FlipSum sum = pending.get();
   result.counts = sum.counts;
   result.decrease = sum.decrease;

@@ -11,29 +11,21 @@
 namespace tetune {
 namespace boundary_flip_detail {
 
-struct IsAtBoundary {
-  MeshView mesh;
-  TETUNE_HD bool operator()(Size t) const {
-    const FaceAdjacency links = mesh.tet2tet[t];
-    return mesh.alive(t) && (is_locked(links[0]) || is_locked(links[1]) || is_locked(links[2]) || is_locked(links[3]));
-  }
-};
-
 /// Finds each triangle in the mesh; of one with tetrahedra on both sides, the lower of the two faces.
 struct FindFaces {
   MeshView mesh;
-  Span<const Index> tets;
   Span<const BoundaryTriangle> triangles;
   CsrView vertex2corner;
   Span<Index> triangle2face;
-  TETUNE_HD void operator()(Size i) const {
-    const Tet tet = mesh.tet2vertex[tets[i]];
+  TETUNE_HD void operator()(Size t) const {
+    const FaceAdjacency links = mesh.tet2tet[t];
+    if (!mesh.alive(t)) return;
+    const Tet tet = mesh.tet2vertex[t];
     for (int f = 0; f < 4; ++f) {
-      const HalfFace link = mesh.tet2tet[tets[i]][f];
-      if (!is_locked(link) || (link != kNoHalfFace && tet_of(link) < tets[i])) continue;
+      if (!is_locked(links[f]) || (links[f] != kNoHalfFace && tet_of(links[f]) < t)) continue;
       const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
       const Index triangle = find_triangle(triangles, vertex2corner, v);
-      if (triangle >= 0) triangle2face[triangle] = 4 * tets[i] + f;
+      if (triangle >= 0) triangle2face[triangle] = to_index(4 * t + f);
     }
   }
 };

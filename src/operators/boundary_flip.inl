@@ -175,11 +175,9 @@ auto find_corners(const Backend& backend, const FindEdge& find, Span<const std::
 /// Each triangle's face in the mesh, 4 * slot + face.
 template <class Backend>
 auto find_faces(const Backend& backend, WorkMesh<Backend>& mesh, BoundaryTriangles<Backend>& boundary) {
-  BufferOf<Backend, Index> tets(backend, mesh.slots());
-  tets.resize(backend, backend.compact(mesh.slots(), IsAtBoundary{mesh.view()}, tets.span()));
   BufferOf<Backend, Index> triangle2face(backend, boundary.triangles.size());
-  backend.for_each(tets.size(), FindFaces{mesh.view(), tets.span(), boundary.triangles.span(),
-                                          boundary.vertex2corner.view(), triangle2face.span()});
+  backend.for_each(mesh.slots(), FindFaces{mesh.view(), boundary.triangles.span(), boundary.vertex2corner.view(),
+                                           triangle2face.span()});
   return triangle2face;
 }
 

@@ -82,7 +82,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   if (selection.size() == 0 || !has_room()) return {};
   const ChangeCounts& total = selection.total;
   const VertexArrays vertices = grow_vertices(backend, mesh, flips, dofs, mesh.vertices() + total.inserted);
-  apply_selection(backend, mesh, criterion, flips, selection, dofs.active.span(), vertices);
+  apply_selection(backend, mesh, criterion, flips, selection, dofs.active.span(), false, vertices);
   if (surface != nullptr) replace_triangles(backend, selection, *surface);
   return {total.inserted, total.removed, selection.size() - total.inserted - total.removed};
 }

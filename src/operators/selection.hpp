@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
 
 #include "backend/team.hpp"
 #include "operators/bid.hpp"
@@ -71,7 +72,7 @@ struct Record {
 /// Records that hold all of their tetrahedra, and what they change.
 template <class Backend, CavityPatch P>
 struct Selection {
-  BufferOf<Backend, Record<P>> records;    ///< the selected ones, and a few more
+  BufferOf<Backend, Record<P>> records;    ///< the selected ones, and perhaps a few more
   BufferOf<Backend, Index> selected;       ///< positions of records
   BufferOf<Backend, ChangeCounts> before;  ///< sums over the selected records before each
   ChangeCounts total;
@@ -114,6 +115,9 @@ struct Propose {
   }
 };
 
+template <class C>
+inline constexpr bool kIsOwnPatch = std::is_same_v<C, typename C::Patch>;
+
 /// Whether a stored candidate holds all of its tetrahedra so far. Bids only rise: otherwise it cannot be selected.
 template <class C>
 struct HoldsSoFar {
@@ -129,7 +133,18 @@ struct HoldsSoFar {
   }
 };
 
-/// Makes records of stored candidates, with what lies around their cavities.
+/// What a stored candidate changes, where it is its own patch.
+template <class C>
+struct CountChangesOfCandidate {
+  Span<const C> candidates;
+  TETUNE_HD ChangeCounts operator()(Size i) const {
+    ChangeCounts counts;
+    candidates[i].count(counts);
+    return counts;
+  }
+};
+
+/// Makes records of stored candidates, with what lies around their cavities. Selects all of them for now.
 template <class C>
 struct FillRecord {
   static constexpr Size kGrain = 32;
@@ -137,10 +152,12 @@ struct FillRecord {
   Proposals<C> proposals;
   Span<const Index> entries;
   Span<Record<typename C::Patch>> records;
+  Span<Index> selected;
   Size first;  ///< record of the batch
 
   TETUNE_HD void operator()(Size i) const {
     Record<typename C::Patch>& r = records[first + i];
+    selected[first + i] = to_index(first + i);
     const Size entry = entries[i];
     r.patch = proposals.candidates[entry].expand(mesh);
     r.bid = proposals.bids[entry];
@@ -173,18 +190,13 @@ struct IsSelected {
   TETUNE_HD bool holds_twin(const Record<P>& r) const { return r.twin < 0 || holds(records[r.twin]); }
 };
 
-/// Marks the tetrahedra of a selected record, and counts what it changes.
 template <class P>
-struct MarkReplaced {
+struct CountChanges {
   Span<const Record<P>> records;
-  Span<const Index> selected;
-  Span<std::uint64_t> tet2bid;
-  Span<ChangeCounts> counts;
-  TETUNE_HD void operator()(Size i) const {
-    const P& patch = records[selected[i]].patch;
-    for (int k = 0; k < patch.old_count(); ++k) tet2bid[patch.tets[k]] = kReplaced;
-    counts[i] = {};
-    patch.count(counts[i]);
+  TETUNE_HD ChangeCounts operator()(Size i) const {
+    ChangeCounts counts;
+    records[i].patch.count(counts);
+    return counts;
   }
 };
 
@@ -217,10 +229,28 @@ void reserve_records(const Backend& backend, Buffer& records, Size needed, doubl
   records.resize(backend, kept);
 }
 
+/// Lists the stored candidates of `size` proposals that hold all of their tetrahedra so far; returns their number.
+/// Where these are all proposals (`is_final`), also sums up what the candidates change.
+template <class Backend, class C>
+Size list_holding(const Backend& backend, const Proposals<C>& proposals, Size size, bool is_final, Span<Index> entries,
+                  Selection<Backend, typename C::Patch>& s) {
+  const HoldsSoFar<C> holds{proposals};
+  if constexpr (kIsOwnPatch<C>) {
+    if (is_final) {
+      s.before.resize(backend, size);
+      const auto found = backend.compact_and_sum(size, holds, entries, CountChangesOfCandidate<C>{proposals.candidates},
+                                                 s.before.span());
+      s.total = found.sum;
+      return found.count;
+    }
+  }
+  return backend.compact(size, holds, entries);
+}
+
 }  // namespace selection_detail
 
 /// Runs a generator over `count` proposals, and selects candidates whose cavities do not overlap. It polls for a stop
-/// before each batch. `tet2bid` is scratch for all slots; afterwards it is kReplaced for the selected tetrahedra.
+/// before each batch. `tet2bid` is scratch for all slots.
 template <class Backend, class Generator>
 auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size count, const Generator& generator,
                        BufferOf<Backend, std::uint64_t>& tet2bid) {
@@ -230,9 +260,11 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
   Selection<Backend, P> s;
   tet2bid.resize(backend, mesh.slots(), mesh.room());
   backend.fill(tet2bid.span(), std::uint64_t{0});
+  const Size group = group_size<Backend>(generator);
+  const Size batch = batch_size<Backend>(count, Generator::kBatch, group);
+  // After a single batch the bids are final.
+  const bool is_final = kIsOwnPatch<C> && batch == count;
   {
-    const Size group = group_size<Backend>(generator);
-    const Size batch = batch_size<Backend>(count, Generator::kBatch, group);
     BufferOf<Backend, C> candidates(backend, Generator::kParts * batch);
     BufferOf<Backend, std::uint64_t> bids(backend, Generator::kParts * batch);
     BufferOf<Backend, Index> entries(backend, Generator::kParts * batch);
@@ -246,21 +278,23 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
       const Proposals<C> proposals{tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
       const Propose<Generator> propose{generator, proposals, group, size / group};
       const auto evaluated = backend.template reduce_async<backend::Sum<Size>>(size, propose);
-      const Size found = backend.compact(Generator::kParts * size, HoldsSoFar<C>{proposals}, entries.span());
+      const Size found = list_holding(backend, proposals, Generator::kParts * size, is_final, entries.span(), s);
       s.evaluated += evaluated.get().value;
       const Size before = s.records.size();
       reserve_records(backend, s.records, before + found,
                       static_cast<double>(first + size) / static_cast<double>(count), room);
       s.records.resize(backend, before + found);
-      backend.for_each(found, FillRecord<C>{mesh.view(), proposals, entries.span(), s.records.span(), before});
+      s.selected.resize(backend, before + found);
+      backend.for_each(
+          found, FillRecord<C>{mesh.view(), proposals, entries.span(), s.records.span(), s.selected.span(), before});
     }
   }
-  s.selected.resize(backend, s.records.size());
-  s.selected.resize(
-      backend, backend.compact(s.records.size(), IsSelected<P>{s.records.span(), tet2bid.span()}, s.selected.span()));
-  s.before.resize(backend, s.size());
-  backend.for_each(s.size(), MarkReplaced<P>{s.records.span(), s.selected.span(), tet2bid.span(), s.before.span()});
-  s.total = backend.exclusive_scan(Span<const ChangeCounts>(s.before.span()), s.before.span());
+  if (is_final) return s;
+  s.before.resize(backend, s.records.size());
+  const auto selected = backend.compact_and_sum(s.records.size(), IsSelected<P>{s.records.span(), tet2bid.span()},
+                                                s.selected.span(), CountChanges<P>{s.records.span()}, s.before.span());
+  s.selected.resize(backend, selected.count);
+  s.total = selected.sum;
   return s;
 }
 

@@ -39,9 +39,12 @@ inline constexpr int kMaxColors = 128;
 /// A tentative color is chosen at random among the free ones of the first kWindow colors: this takes fewer rounds than
 /// always choosing the first free color.
 inline constexpr int kWindow = 8;
-/// Rounds before the host reads the number of uncolored vertices.
+/// Rounds before the host reads the number of uncolored vertices. A device colors few vertices in one launch.
 template <class Backend>
-inline constexpr std::uint32_t kRoundsPerBatch = Backend::kIsAsynchronous ? 4 : 1;
+std::uint32_t rounds_per_batch(Size uncolored) {
+  constexpr Size kFew = 1024;
+  return !Backend::kIsAsynchronous ? 1 : uncolored > kFew ? 4 : 16;
+}
 
 /// A fixed pseudo-random order of the vertices (a bijection on 32 bits).
 TETUNE_HD inline std::uint32_t priority(std::uint32_t vertex) {
@@ -142,19 +145,16 @@ struct FindConflict {
   }
 };
 
+/// Whether a vertex is flagged; such a vertex loses its color.
 struct ResetConflicting {
   Span<const std::uint8_t> conflicts;
   Span<std::uint8_t> color;
   Span<std::uint8_t> tentative_color;
-  TETUNE_HD void operator()(Size v) const {
+  TETUNE_HD bool operator()(Size v) const {
     if (conflicts[v] != 0) color[v] = kUncolored;
     tentative_color[v] = kUncolored;
+    return conflicts[v] != 0;
   }
-};
-
-struct IsFlagged {
-  Span<const std::uint8_t> flags;
-  TETUNE_HD bool operator()(Size v) const { return flags[v] != 0; }
 };
 
 /// Each uncolored vertex takes a tentative color that no colored neighbor has.
@@ -221,6 +221,21 @@ struct ResolveConflicts {
   }
 };
 
+/// Rounds of coloring: in each a step that chooses, and one that resolves conflicts.
+struct ColorInSteps {
+  ChooseTentativeColor choose;  ///< in the first round
+  ResolveConflicts resolve;
+
+  TETUNE_INLINE void prefetch(Size i, Size end) const { resolve.prefetch(i, end); }
+  TETUNE_HD void operator()(Size step, Size i) const {
+    if (step % 2 != 0) return resolve(i);
+    ChooseTentativeColor in_round = choose;
+    in_round.round += static_cast<std::uint32_t>(step / 2);
+    in_round.none_colored = choose.none_colored && step == 0;
+    in_round(i);
+  }
+};
+
 struct Exclude {
   Span<const Index> vertices;
   Span<std::uint8_t> color;
@@ -240,40 +255,74 @@ struct Gather {
   TETUNE_HD void operator()(Size i) const { to[i] = from[positions[i]]; }
 };
 
-struct IsColored {
+struct ListColor {
   Span<const std::uint8_t> color;
-  TETUNE_HD bool operator()(Size v) const { return color[v] != kExcluded; }
-};
-
-struct ColorOf {
-  Span<const std::uint8_t> color;
-  Span<const Index> vertices;
   Span<std::uint8_t> keys;
-  TETUNE_HD void operator()(Size i) const { keys[i] = color[vertices[i]]; }
-};
-
-struct FindFirst {
-  Span<const std::uint8_t> keys;
-  Span<Index> first;
-  TETUNE_HD void operator()(Size i) const {
-    if (i == 0 || keys[i] != keys[i - 1]) first[keys[i]] = to_index(i);
+  Span<Index> vertices;
+  TETUNE_HD void operator()(Size v) const {
+    keys[v] = color[v];
+    vertices[v] = to_index(v);
   }
 };
 
-/// Colors the uncolored vertices, round by round.
+/// Finds the first of sorted keys of at least each color, and at last of kUncolored.
+struct FindFirst {
+  static constexpr Size kCount = kMaxColors + 2;
+  Span<const std::uint8_t> keys;
+  Span<Index> first;
+  TETUNE_HD void operator()(Size i) const {
+    const Size color = i + 1 < kCount ? i : kUncolored;
+    Size begin = 0;
+    for (Size end = keys.size(); begin < end;) {
+      const Size middle = begin + (end - begin) / 2;
+      if (keys[middle] < color) {
+        begin = middle + 1;
+      } else {
+        end = middle;
+      }
+    }
+    first[i] = to_index(begin);
+  }
+};
+
+/// Lists the colored vertices by color. Returns the number of uncolored vertices.
 template <class Backend>
-void color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors, BufferOf<Backend, Index>& uncolored,
-                     Span<std::uint8_t> color, Span<std::uint8_t> tentative_color, bool none_colored) {
+Size group_by_color(const Backend& backend, Coloring<Backend>& coloring) {
+  const Size n = coloring.color.size();
+  coloring.vertices.resize(backend, n);
+  BufferOf<Backend, std::uint8_t> keys(backend, n);
+  backend.for_each(n, ListColor{coloring.color, keys, coloring.vertices});
+  backend.sort_by_key(keys, coloring.vertices, 8);
+  BufferOf<Backend, Index> first(backend, FindFirst::kCount);
+  backend.for_each(FindFirst::kCount, FindFirst{keys, first});
+  const std::vector<Index> begin = first.download();
+  coloring.first.clear();
+  for (int c = 0; c < kMaxColors; ++c) {
+    if (span_of(begin)[c] < span_of(begin)[c + 1]) coloring.first.push_back(span_of(begin)[c]);
+  }
+  coloring.first.push_back(span_of(begin)[kMaxColors]);
+  coloring.vertices.resize(backend, coloring.first.back());
+  return n - begin.back();
+}
+
+/// Colors the uncolored vertices, round by round. Returns whether the colored ones are listed already.
+template <class Backend>
+bool color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors, BufferOf<Backend, Index>& uncolored,
+                     Span<std::uint8_t> tentative_color, bool none_colored, Coloring<Backend>& coloring) {
+  const Span<std::uint8_t> color = coloring.color;
   BufferOf<Backend, Index> remaining(backend, uncolored.size());
   BufferOf<Backend, Index> positions(backend, uncolored.size());
   Size count = uncolored.size();
   for (std::uint32_t round = 0; count > 0;) {
     const Span<const Index> vertices(uncolored.span().data(), count);
-    for (const std::uint32_t end = round + kRoundsPerBatch<Backend>; round < end; ++round) {
-      backend.for_each(
-          count, ChooseTentativeColor{neighbors, vertices, color, tentative_color, round, none_colored && round == 0});
-      backend.for_each(count, ResolveConflicts{neighbors, vertices, tentative_color, color});
-    }
+    const std::uint32_t rounds = rounds_per_batch<Backend>(count);
+    backend.for_each_step(2 * rounds, count,
+                          ColorInSteps{{neighbors, vertices, color, tentative_color, round, none_colored && round == 0},
+                                       {neighbors, vertices, tentative_color, color}});
+    round += rounds;
+    // After many rounds none is left but where one has too many neighbors.
+    constexpr std::uint32_t kMany = 16;
+    if (rounds >= kMany && group_by_color(backend, coloring) == 0) return true;
     const Size left = backend.compact(count, IsUncolored{vertices, color}, positions.span());
     if (left == count) {
       if (neighbors.surface.triangles.size() == 0) throw MeshError("a vertex has too many neighbors to be colored");
@@ -284,27 +333,7 @@ void color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
     uncolored.swap(remaining);
     count = left;
   }
-}
-
-/// Lists the colored vertices by color.
-template <class Backend>
-void group_by_color(const Backend& backend, Coloring<Backend>& coloring) {
-  const Size n = coloring.color.size();
-  const Span<const std::uint8_t> color = coloring.color;
-  coloring.vertices.resize(backend, n);
-  const Size colored = backend.compact(n, IsColored{color}, coloring.vertices.span());
-  coloring.vertices.resize(backend, colored);
-  BufferOf<Backend, std::uint8_t> keys(backend, colored);
-  backend.for_each(colored, ColorOf{color, coloring.vertices, keys});
-  backend.sort_by_key(keys, coloring.vertices, 8);
-  BufferOf<Backend, Index> first(backend, kMaxColors);
-  backend.fill(first.span(), Index{-1});
-  backend.for_each(colored, FindFirst{keys, first});
-  coloring.first.clear();
-  for (const Index f : first.download()) {
-    if (f >= 0) coloring.first.push_back(f);
-  }
-  coloring.first.push_back(colored);
+  return false;
 }
 
 }  // namespace coloring_detail
@@ -329,11 +358,13 @@ void color_vertices(const Backend& backend, const RingsView& rings, Span<const V
   BufferOf<Backend, std::uint8_t> conflicts(backend, n);
   BufferOf<Backend, std::uint8_t> tentative_color(backend, n);
   backend.for_each(n, FindConflict{neighbors, color, conflicts});
-  backend.for_each(n, ResetConflicting{conflicts, color, tentative_color});
   BufferOf<Backend, Index> uncolored(backend, n);
-  uncolored.resize(backend, backend.compact(n, IsFlagged{conflicts}, uncolored.span()));
-  color_uncolored(backend, neighbors, uncolored, color, tentative_color.span(), none_colored);
-  group_by_color(backend, coloring);
+  const ResetConflicting reset{conflicts, color, tentative_color};
+  uncolored.resize(backend, backend.compact(n, reset, uncolored.span()));
+  if (uncolored.size() == 0 && !none_colored) return;
+  if (!color_uncolored(backend, neighbors, uncolored, tentative_color.span(), none_colored, coloring)) {
+    group_by_color(backend, coloring);
+  }
 }
 
 /// Merges the results of a kernel for all colored vertices, one color after the other; `kernel.vertices` receives the

@@ -69,6 +69,11 @@ class Emulation {
     });
   }
 
+  template <class F>
+  void for_each_step(Size steps, Size n, const F& f) const {
+    backend::for_each_step(*this, steps, n, f);
+  }
+
   template <class R, class F>
   R reduce(Size n, const F& f) const {
     if (n == 0) return R{};
@@ -134,6 +139,14 @@ class Emulation {
     Size kept = 0;
     memory().download(&kept, count.span().data(), sizeof kept);
     return kept;
+  }
+
+  template <class T, class F, class G>
+  CountAndSum<T> compact_and_sum(Size n, const F& keep, Span<Index32> out, const G& evaluate, Span<T> sums) const {
+    const Size kept = compact(n, keep, out);
+    for_each(kept, EvaluateListed<T, G>{evaluate, out, sums});
+    sums = {sums.data(), kept};
+    return {static_cast<std::uint32_t>(kept), exclusive_scan(Span<const T>(sums), sums)};
   }
 
   template <class K>

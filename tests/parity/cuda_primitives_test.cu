@@ -61,6 +61,14 @@ struct LargestOfItem {
 struct IsThird {
   TETUNE_HD bool operator()(Size i) const { return i % 3 == 0; }
 };
+/// Each step reads what the one before wrote for another item.
+struct AddNeighbor {
+  Span<Size> even, odd;
+  TETUNE_HD void operator()(Size step, Size i) const {
+    const Span<Size> from = step % 2 == 0 ? even : odd;
+    (step % 2 == 0 ? odd : even)[i] = from[i] + from[(i + 1) % from.size()];
+  }
+};
 struct AddSquare {
   Span<Size> out;
   TETUNE_HD void operator()(Size i) const { out[i] += i * i; }
@@ -102,6 +110,20 @@ TEST_P(CudaPrimitives, ForEachCallsEachIndexOnce) {
   cuda->for_each(n(), AddSquare{out.span()});
   const std::vector<Size> host = out.download();
   for (Size i = 0; i < n(); ++i) ASSERT_EQ(host[to_size_t(i)], 5 + i * i);
+}
+
+TEST_P(CudaPrimitives, StepsFollowEachOther) {
+  std::vector<Size> expected(to_size_t(n()));
+  std::iota(expected.begin(), expected.end(), 1);
+  Cuda::Buffer<Size> even, odd(*cuda, n());
+  even.upload(*cuda, expected);
+  cuda->for_each_step(4, n(), AddNeighbor{even, odd});
+  for (int step = 0; step < 4; ++step) {
+    auto next = expected;
+    std::rotate(next.begin(), next.begin() + 1, next.end());
+    for (std::size_t i = 0; i < next.size(); ++i) expected[i] += next[i];
+  }
+  EXPECT_EQ(even.download(), expected);
 }
 
 TEST_P(CudaPrimitives, ReduceMergesInItsOrder) {
@@ -159,6 +181,61 @@ TEST_P(CudaPrimitives, CompactKeepsOrder) {
   cuda->fill(Span<Index32>(out.span().data() + kept, n() - kept), Index32{0});
   const std::vector<Index32> host = out.download();
   for (Size i = 0; i < kept; ++i) ASSERT_EQ(host[to_size_t(i)], 3 * i);
+}
+
+/// Of a size that scans add up in fewer rows.
+struct Totals {
+  std::uint32_t items = 0;
+  std::uint32_t digits[4] = {};
+  TETUNE_HD friend Totals operator+(Totals x, const Totals& y) {
+    x.items += y.items;
+    for (int k = 0; k < 4; ++k) x.digits[k] += y.digits[k];
+    return x;
+  }
+};
+struct EvaluateTotals {
+  TETUNE_HD Totals operator()(Size i) const {
+    Totals t;
+    t.items = static_cast<std::uint32_t>(i);
+    for (int k = 0; k < 4; ++k, i /= 10) t.digits[k] = static_cast<std::uint32_t>(i % 10);
+    return t;
+  }
+};
+
+/// Twice, so that the second scan meets what the first one left.
+TEST_P(CudaPrimitives, CompactAndSumIsTheScanOfWhatIsKept) {
+  Cuda::Buffer<Index32> out(*cuda, n());
+  Cuda::Buffer<Totals> sums(*cuda, n());
+  for (int k = 0; k < 2; ++k) {
+    const auto all = cuda->compact_and_sum(n(), IsThird{}, out.span(), EvaluateTotals{}, sums.span());
+    ASSERT_EQ(all.count, (n() + 2) / 3);
+    std::vector<Index32> ids(all.count);
+    std::vector<Totals> before(all.count);
+    Cuda::Memory::download(ids.data(), out.span().data(), ids.size() * sizeof(Index32));
+    Cuda::Memory::download(before.data(), sums.span().data(), before.size() * sizeof(Totals));
+    Totals expected;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      ASSERT_EQ(ids[i], static_cast<Index32>(3 * i));
+      ASSERT_EQ(before[i].items, expected.items) << i;
+      for (int digit = 0; digit < 4; ++digit) ASSERT_EQ(before[i].digits[digit], expected.digits[digit]) << i;
+      expected = expected + EvaluateTotals{}(ids[i]);
+    }
+    EXPECT_EQ(all.sum.items, expected.items);
+    EXPECT_EQ(all.sum.digits[3], expected.digits[3]);
+  }
+}
+
+/// With several rows per tile.
+TEST(CudaScans, OfManyItems) {
+  int devices = 0;
+  if (cudaGetDeviceCount(&devices) != cudaSuccess || devices == 0) GTEST_SKIP() << "no GPU";
+  const Cuda cuda(std::size_t{64} << 20U);
+  constexpr Size kItems = 460001;
+  Cuda::Buffer<Index32> out(cuda, kItems);
+  ASSERT_EQ(cuda.compact(kItems, IsThird{}, out.span()), (kItems + 2) / 3);
+  std::vector<Index32> ids(to_size_t((kItems + 2) / 3));
+  Cuda::Memory::download(ids.data(), out.span().data(), ids.size() * sizeof(Index32));
+  for (std::size_t i = 0; i < ids.size(); ++i) ASSERT_EQ(ids[i], static_cast<Index32>(3 * i));
 }
 
 TEST_P(CudaPrimitives, SortIsStableAndReadsTheLowestBits) {

@@ -119,7 +119,13 @@ void release_if_complete(Block& block, u32 id) {
     }
   }
   barrier = {};
+  advance_epoch(block);
+}
+
+void advance_epoch(Block& block) {
   ++block.epoch;
+  Launch& launch = *block.warps.front()->launch;
+  if (launch.counts.blocks == 1) launch.epoch = new_epoch();
 }
 
 void end_lanes(Warp& w) {

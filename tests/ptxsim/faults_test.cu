@@ -65,6 +65,12 @@ __global__ void wait_for_ended(int* p) {
   }
   p[threadIdx.x] = 1;
 }
+template <bool kWaits>
+__global__ void reverse_in_global(int* p) {
+  const int other = p[blockDim.x - 1 - threadIdx.x];
+  if (kWaits) __syncthreads();
+  p[threadIdx.x] = other;
+}
 __global__ void stop_here() { __trap(); }
 __global__ void count(int* p) { atomicAdd(p, 1); }
 
@@ -93,6 +99,7 @@ TEST_F(Faults, NoneInCorrectCode) {
   count<<<4, kSize>>>(unwritten.data());
   reverse_in_shared<true><<<1, kSize>>>(written.data());
   reverse_in_warp<true><<<1, kLanes>>>(written.data());
+  reverse_in_global<true><<<1, kSize>>>(written.data());
   EXPECT_TRUE(problems().all().empty());
   EXPECT_EQ(unwritten.data()[0], 3 + 4 * kSize);
 }
@@ -123,6 +130,14 @@ TEST_F(Faults, OneThreadWritesWhatAnotherReads) {
 }
 TEST_F(Faults, MissingBarrier) {
   reverse_in_shared<false><<<1, kSize>>>(written.data());
+  expect_only(Fault::race);
+}
+TEST_F(Faults, MissingBarrierBeforeGlobalMemory) {
+  reverse_in_global<false><<<1, kSize>>>(written.data());
+  expect_only(Fault::race);
+}
+TEST_F(Faults, BarrierOfOneOfTwoBlocks) {
+  reverse_in_global<true><<<2, kSize>>>(written.data());
   expect_only(Fault::race);
 }
 TEST_F(Faults, MissingWarpBarrier) {

@@ -105,6 +105,8 @@ std::string thread_name(const Warp& warp, u32 lane);
 void end_lanes(Warp& warp);
 /// Lets the threads continue that wait at a barrier at which all expected ones have arrived.
 void release_if_complete(Block& block, u32 barrier);
+/// Called where a barrier orders the accesses of all threads of a block.
+void advance_epoch(Block& block);
 
 /// Runs up to `budget` instructions. Returns whether any lane could run.
 bool run(Warp& warp, u64 budget);

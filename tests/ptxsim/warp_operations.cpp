@@ -62,7 +62,7 @@ bool all_arrived(Warp& w, Row row, const Instruction& i) {
 /// In a block of one warp, a barrier of all threads orders their accesses as a barrier of the block does.
 void execute_warp_barrier(Warp& w, const Instruction& i) {
   const auto named = static_cast<LaneMask>(w.row(i.a)[w.first_active()]);
-  if (all_arrived(w, i.a, i) && w.block->warps.size() == 1 && (w.not_ended & ~named) == 0) ++w.block->epoch;
+  if (all_arrived(w, i.a, i) && w.block->warps.size() == 1 && (w.not_ended & ~named) == 0) advance_epoch(*w.block);
 }
 
 enum Shuffle : u8 { kUp, kDown, kButterfly, kIndexed };

@@ -81,6 +81,32 @@ TYPED_TEST(Primitives, ForEachCallsEachIndexOnce) {
   }
 }
 
+/// Each step reads what the one before wrote for another item.
+struct AddNeighbor {
+  Span<Size> even, odd;
+  void operator()(Size step, Size i) const {
+    const Span<Size> from = step % 2 == 0 ? even : odd;
+    (step % 2 == 0 ? odd : even)[i] = from[i] + from[(i + 1) % from.size()];
+  }
+};
+
+TYPED_TEST(Primitives, StepsFollowEachOther) {
+  using Here = typename TypeParam::Backend;
+  for (const Size n : kSizes) {
+    typename Here::template Buffer<Size> even(this->backend, n), odd(this->backend, n);
+    std::vector<Size> expected(static_cast<std::size_t>(n));
+    std::iota(expected.begin(), expected.end(), 1);
+    even.upload(this->backend, expected);
+    this->backend.for_each_step(4, n, AddNeighbor{even, odd});
+    for (int step = 0; step < 4; ++step) {
+      auto next = expected;
+      std::rotate(next.begin(), next.begin() + (n > 0 ? 1 : 0), next.end());
+      for (std::size_t i = 0; i < next.size(); ++i) expected[i] += next[i];
+    }
+    EXPECT_EQ(even.download(), expected) << n;
+  }
+}
+
 TYPED_TEST(Primitives, ReduceMergesEachIndexOnce) {
   for (const Size n : kSizes) {
     double plain = 0;
@@ -116,6 +142,28 @@ TYPED_TEST(Primitives, CompactKeepsOrder) {
     ASSERT_EQ(kept, (n + 2) / 3);
     const std::vector<Index> host = out.download();
     for (Size i = 0; i < kept; ++i) ASSERT_EQ(host[static_cast<std::size_t>(i)], 3 * i);
+  }
+}
+
+struct Square {
+  std::uint32_t operator()(Size i) const { return static_cast<std::uint32_t>(i * i); }
+};
+
+TYPED_TEST(Primitives, CompactAndSumIsTheScanOfWhatIsKept) {
+  for (const Size n : kSizes) {
+    typename TypeParam::Backend::template Buffer<Index> out(this->backend, n);
+    typename TypeParam::Backend::template Buffer<std::uint32_t> sums(this->backend, n);
+    const auto all = this->backend.compact_and_sum(n, IsThird{}, out.span(), Square{}, sums.span());
+    ASSERT_EQ(all.count, (n + 2) / 3);
+    const std::vector<Index> host = out.download();
+    const std::vector<std::uint32_t> before = sums.download();
+    std::uint32_t sum = 0;
+    for (std::size_t i = 0; i < all.count; ++i) {
+      ASSERT_EQ(host[i], static_cast<Index>(3 * i));
+      ASSERT_EQ(before[i], sum);
+      sum += Square{}(host[i]);
+    }
+    EXPECT_EQ(all.sum, sum);
   }
 }
 
