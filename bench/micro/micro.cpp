@@ -39,18 +39,18 @@ WorkMesh<Cpu> sorted() {
   return work;
 }
 
-double tets() { return static_cast<double>(input().tets.size()); }
-double vertices() { return static_cast<double>(input().points.size()); }
+double tets() { return double(input().tets.size()); }
+double vertices() { return double(input().points.size()); }
 double ring_bytes(const Rings<Cpu>& rings) {
-  return static_cast<double>(rings.faces.size()) * sizeof(*rings.faces.span().data()) + vertices() * sizeof(Index);
+  return double(rings.faces.size()) * sizeof(*rings.faces.span().data()) + vertices() * sizeof(Index);
 }
 
 int thread_count(const benchmark::State& state) { return static_cast<int>(state.range(0)); }
 Cpu threads(const benchmark::State& state) { return Cpu(thread_count(state)); }
 
 void per_item(benchmark::State& state, const char* item, Size items) {
-  state.counters[item] = benchmark::Counter(
-      static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters[item] =
+      benchmark::Counter(double(items), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 /// What the machine can do, measured once for each number of threads.
@@ -77,7 +77,7 @@ struct FlopKernel {
   static constexpr double kFlops = 2.0 * kLanes * kSteps;
   FlopSum operator()(Size i) const {
     double x[kLanes];
-    for (int c = 0; c < kLanes; ++c) x[c] = static_cast<double>(i + c);
+    for (int c = 0; c < kLanes; ++c) x[c] = double(i + c);
     for (int s = 0; s < kSteps; ++s) {
       for (int c = 0; c < kLanes; ++c) x[c] = __builtin_fma(x[c], 0.999, 0.001);
     }
@@ -195,7 +195,7 @@ void FirstFlipPass(benchmark::State& state) {
     state.PauseTiming();
     if (std::abs(refresh_energy(cpu, work, Criterion{}, flips.energies) - (energy - r.decrease)) > 1e-9 * energy)
       state.SkipWithError("energy is off");
-    state.counters["flips"] = static_cast<double>(r.counts.flips());
+    state.counters["flips"] = double(r.counts.flips());
     state.ResumeTiming();
   }
   per_item(state, "a tet", std::ssize(input().tets));
@@ -237,7 +237,7 @@ void sweep_with(benchmark::State& state, const Step& step) {
   per_item(state, "a vertex", coloring.vertices.size());
   // Arithmetic of one visit: two passes over the ring, about 190 and 100 operations a tetrahedron, 23 of them a vertex.
   roofline(state, ring_bytes(rings) + vertices() * (2 * sizeof(Point) + sizeof(Index)),
-           static_cast<double>(rings.faces.size()) * 290);
+           double(rings.faces.size()) * 290);
 }
 void NewtonSweep(benchmark::State& state) { sweep_with(state, NewtonStep{1.7, 1e-10}); }
 void GradientSweep(benchmark::State& state) { sweep_with(state, GradientStep{1e-5}); }
@@ -249,7 +249,7 @@ std::string scratch(const char* ending) {
 void file_speed(benchmark::State& state, const char* ending, bool reading) {
   const std::string path = scratch(ending);
   write_mesh(path, input());
-  const auto bytes = static_cast<double>(std::filesystem::file_size(path));
+  const auto bytes = double(std::filesystem::file_size(path));
   for (auto _ : state) {
     if (reading) {
       if (read_mesh(path, nullptr, thread_count(state)).tets != input().tets)

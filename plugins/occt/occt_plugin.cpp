@@ -44,7 +44,7 @@ AnswerBody run(const std::string& verb, const std::string& file, Warnings& warni
     limit_time(file);
     return body_of(load(file, warnings));
   } catch (const Standard_Failure& e) {
-    throw FileError(std::string("OpenCASCADE says: ") + e.DynamicType()->Name() + " " + e.GetMessageString());
+    throw FileError(std::string("OpenCASCADE: ") + e.DynamicType()->Name() + " " + e.GetMessageString());
   }
 }
 
