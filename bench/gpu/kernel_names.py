@@ -23,13 +23,16 @@ def without_operators(kernel):
 
 
 def short(name):
-    """reduce_kernel<R, F, 128>(...) is printed as F, as are for_each_kernel<StoreResult<R, F>>(...) and team_kernel."""
+    """reduce_kernel<R, F, 128>(...) is printed as F, as are for_each_kernel<StoreResult<R, F>>(...) and team_kernel;
+    scan_kernel<F, ...>(...) and steps_kernel likewise."""
     name = re.sub(r"\b(tetune|backend|(sweep|coloring|csr|minimize_angle_cost)_detail)::", "", name)
     match = re.match(r"void ([\w:]+)<(.*?)>\(", name)
     if not match:
         return name
     kind, rest = match.groups()
     parts = arguments_of(rest)
+    if kind in ("scan_kernel", "steps_kernel"):
+        return without_operators(parts[0])
     if kind in ("for_each_kernel", "team_kernel"):
         stored = re.fullmatch(r"StoreResult<(.*?) ?>", parts[0])
         return without_operators(arguments_of(stored.group(1))[1] if stored else parts[0])

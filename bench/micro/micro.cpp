@@ -231,7 +231,7 @@ void sweep_with(benchmark::State& state, const Step& step) {
     work.points.upload(cpu, start);
     cpu.fill(m.active.span(), std::uint8_t{1});
     state.ResumeTiming();
-    const SweepSum sum = sweep<SweepRing<Cpu>>(cpu, work, Criterion{}, rings.view(), coloring, m, step);
+    const SweepSum sum = sweep<SweepRing<Cpu>>(cpu, work, Criterion{}, rings.view(), coloring, m, step).get();
     if (!(sum.decrease > 0)) state.SkipWithError("the energy did not fall");
   }
   per_item(state, "a vertex", coloring.vertices.size());

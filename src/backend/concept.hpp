@@ -102,6 +102,9 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
   /// A caller's std::vector as kernels see it: the vector itself, which must outlive it, or a copy in that memory.
   requires ViewOf<typename B::template DeviceView<std::uint32_t>, B, std::uint32_t>;
 
+  /// What reduce_async() returns; by default R{}.
+  requires std::default_initializable<typename B::template Result<Sum<std::uint32_t>>>;
+
   // -- Primitives: none depends on the number of threads in the bits of its result --
 
   /// Calls f(i) for each i in [0, n), in any order.
@@ -114,8 +117,8 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
   /// Same as reduce(), but what it returns waits for the result only when get() is called, and not if a primitive that
   /// was called later waited. Requires that get() is called within the life of the backend.
   {
-    backend.template reduce_async<Sum<std::uint32_t>>(n, concept_detail::Evaluate{}).get()
-    } -> std::same_as<Sum<std::uint32_t>>;
+    backend.template reduce_async<Sum<std::uint32_t>>(n, concept_detail::Evaluate{})
+    } -> std::same_as<typename B::template Result<Sum<std::uint32_t>>>;
   /// out[i] = in[0] + ... + in[i-1]; returns the sum of all. `in` and `out` may be the same array.
   { backend.exclusive_scan(in, out) } -> std::same_as<std::uint32_t>;
   /// Writes each i in [0, n) with keep(i) to `ids`, in increasing order; returns their number. Requires room for n.

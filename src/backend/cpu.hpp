@@ -43,6 +43,9 @@ class Cpu {
   template <class T>
   using Buffer = backend::Buffer<T, Cpu>;
 
+  template <class R>
+  using Result = Available<R>;
+
   /// The caller's array itself.
   template <class T>
   class DeviceView {

@@ -34,6 +34,8 @@ class Cuda {
   using Buffer = backend::Buffer<T, Cuda>;
   template <class T>
   using DeviceView = UploadedView<T, Cuda>;
+  template <class R>
+  using Result = Pending<R>;
 
   /// `memory`: the bytes for all buffers and scratch memory. Throws DeviceError.
   explicit Cuda(std::size_t memory, std::function<bool()> stop = {})
@@ -188,7 +190,7 @@ class Cuda {
   SumOf<typename F::Value> scan(Size n, const F& f) const {
     static_assert(std::is_trivially_copyable_v<F>);
     using T = SumOf<typename F::Value>;
-    // Few tiles, as each looks back at those before; several items per thread are kept in registers.
+    // Few tiles, as each reads sums of those before; several items per thread are kept in registers.
     constexpr Size kGoodTiles = 1024;
     constexpr int kMaxRows = sizeof(T) > sizeof(double) ? 4 : 16;
     if (n == 0) return {};

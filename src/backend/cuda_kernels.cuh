@@ -17,7 +17,7 @@ namespace tetune::backend {
 
 template <class F>
 __global__ void for_each_kernel(Size n, F f) {
-  const Size i = static_cast<Size>(blockIdx.x) * blockDim.x + threadIdx.x;
+  const Size i = Size{blockIdx.x} * blockDim.x + threadIdx.x;
   if (i < n) f(i);
 }
 
@@ -38,7 +38,7 @@ class PartOfWarp {
 
   TETUNE_HD static int rank() {
 #if defined(__CUDA_ARCH__)
-    return static_cast<int>(threadIdx.x) % kSize;
+    return int(threadIdx.x) % kSize;
 #else
     return 0;
 #endif
@@ -94,7 +94,7 @@ __global__ void __launch_bounds__(Warp::kSize) team_kernel(Size n, F f) {
   constexpr unsigned kTeams = Warp::kSize / Team::kSize;
   __shared__ alignas(16) unsigned char shared[kTeams][sizeof(typename F::Shared)];
   const unsigned team = threadIdx.x / Team::kSize;
-  const Size i = static_cast<Size>(blockIdx.x) * (blockDim.x / Team::kSize) + team;
+  const Size i = Size{blockIdx.x} * (blockDim.x / Team::kSize) + team;
   if (i < n) f(Team(), *reinterpret_cast<typename F::Shared*>(shared[team]), i);
 }
 
@@ -191,8 +191,8 @@ __device__ T sum_of_lanes(T value) {
 }
 
 /// Sums of the tiles of a scan, by which a tile finds the sum of all before it while these are being evaluated
-/// ("decoupled look-back", Merrill & Garland 2016). Additions are associative: the result does not depend on how far
-/// a tile looks back.
+/// ("decoupled lookback", Merrill & Garland 2016). Additions are associative: the result does not depend on how many
+/// tiles are added up.
 template <class T>
 struct ScannedTiles {
   T* sums;            ///< of each tile
@@ -209,7 +209,7 @@ struct ScannedTiles {
     const bool writes = Warp::rank() == 0;
     if (writes && tile > 0) publish(&sums[tile], sum, tile, has_sum);
     T before{};
-    for (int last = static_cast<int>(tile) - 1; last >= 0; last -= Warp::kSize) {
+    for (int last = int(tile) - 1; last >= 0; last -= Warp::kSize) {
       bool is_complete = false;
       before = sum_of_window(last - Warp::rank(), is_complete) + before;
       if (is_complete) break;
@@ -235,7 +235,7 @@ struct ScannedTiles {
     __syncwarp();
     __threadfence();
     const unsigned summed_up = __ballot_sync(~0U, state != has_sum);
-    const int first = summed_up == 0 ? Warp::kSize : __ffs(static_cast<int>(summed_up)) - 1;
+    const int first = summed_up == 0 ? Warp::kSize : __ffs(int(summed_up)) - 1;
     is_complete = summed_up != 0;
     T value{};
     if (tile >= 0 && Warp::rank() <= first)
@@ -258,7 +258,7 @@ __global__ void __launch_bounds__(kThreads)
   T* before_tile = sums + kMaxRows * kWarps;  // the sum of the tiles before
   if (threadIdx.x == 0) tile = tiles.start();
   __syncthreads();
-  const int warp = static_cast<int>(threadIdx.x) / Warp::kSize;
+  const int warp = int(threadIdx.x) / Warp::kSize;
   const int lane = Warp::rank();
   const Size first = Size{tile} * rows * kThreads + threadIdx.x;
   Value values[kMaxRows];
@@ -306,29 +306,29 @@ struct ScanArray {
 };
 
 /// Lists the items for which a predicate holds.
-template <class Keep>
+template <class Predicate>
 struct ListKept {
   using Value = bool;
-  Keep keep;
+  Predicate keep;
   Span<Index32> out;
   TETUNE_HD bool operator()(Size i) const { return keep(i); }
   TETUNE_HD void place(Size i, std::uint32_t before, bool kept) const {
-    if (kept) out[before] = static_cast<Index32>(i);
+    if (kept) out[before] = to_index(i);
   }
 };
 
 /// Also sums up a value of each of them.
-template <class T, class Keep, class Evaluate>
+template <class T, class Predicate, class Evaluate>
 struct ListAndSumKept {
   using Value = CountAndSum<T>;
-  Keep keep;
+  Predicate keep;
   Span<Index32> out;
   Evaluate evaluate;
   Span<T> sums;
   TETUNE_HD Value operator()(Size i) const { return keep(i) ? Value{1, evaluate(i)} : Value{}; }
   TETUNE_HD void place(Size i, const Value& before, const Value& value) const {
     if (value.count == 0) return;
-    out[before.count] = static_cast<Index32>(i);
+    out[before.count] = to_index(i);
     sums[before.count] = before.sum;
   }
 };

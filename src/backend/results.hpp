@@ -27,7 +27,7 @@ struct StoreResult {
 /// What reduce_async() of a backend that runs kernels at once returns.
 template <class R>
 struct Available {
-  R value;
+  R value{};
   R get() const { return value; }
 };
 

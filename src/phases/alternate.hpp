@@ -21,7 +21,7 @@ const SweepReport& relocate(Optimizer<Backend>& optimizer, const Criterion& crit
   SweepSum sum;
   if (optimizer.refresh_rings()) {
     r.seconds =
-        optimizer.timer.measure(Phase::sweeps, [&] { sum = optimizer.sweep_once(criterion, SweepScope::mesh); });
+        optimizer.timer.measure(Phase::sweeps, [&] { sum = optimizer.sweep_once(criterion, SweepScope::mesh).get(); });
   }
   optimizer.decrease_energy(sum.decrease, criterion.objective);
   r.decrease = optimizer.in_callers_unit(sum.decrease);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include "phases/improve_around.hpp"
 #include "relocation/minimize_angle_cost.hpp"
@@ -39,24 +40,26 @@ Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, Quali
   const AngleParameters& vertices = p.min_vertex_count > 0 ? p : tuning_of(Effort::best).angles;
   const double vertex_cost =
       edits_vertices(optimizer.options) ? cost_of(vertices.max_vertex_part, vertices.min_vertex_count) : kInfeasible;
-  const auto affected = improve_around(optimizer, criterion, extreme.span(), vertex_cost, r);
+  const auto improved = improve_around(optimizer, criterion, extreme.span(), vertex_cost, r);
   VertexMask<Backend> selected(backend, work.mesh.vertices());
   backend.fill(selected.span(), std::uint8_t{0});
-  flag_vertices_of_extreme(backend, work.mesh, criterion, affected.span(), cost, selected.span());
+  flag_vertices_of_extreme(backend, work.mesh, criterion, improved.affected.span(), cost, selected.span());
   if (p.moves_neighbors) flag_neighbors(backend, work.mesh, selected.span());
   const double target = p.moves_neighbors ? p.min_cost : cost;
-  Size moved = 0;
+  std::vector<ResultOf<Backend, Sum<Size>>> moved;
   for (int pass = 0; pass < p.opening_passes; ++pass) {
-    moved += minimize_angle_cost(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
-                                 Span<const std::uint8_t>(selected.span()), target);
+    moved.push_back(minimize_angle_cost(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
+                                        Span<const std::uint8_t>(selected.span()), target));
     if (work.periodic.classes() == 0) continue;
-    moved += minimize_periodic_cost(backend, work.mesh, criterion, work.rings.view(), work.periodic,
-                                    Span<const std::uint8_t>(selected.span()), target);
+    moved.push_back(minimize_periodic_cost(backend, work.mesh, criterion, work.rings.view(), work.periodic,
+                                           Span<const std::uint8_t>(selected.span()), target));
   }
-  refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, affected.span());
+  refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, improved.affected.span());
   optimizer.set_energy(sum_energy(backend, work.flips.energies));
-  r.moved += moved;
-  return r.inserted + r.removed + r.flips + moved;
+  Size opened = 0;
+  for (const auto& m : moved) opened += m.get().value;
+  r.moved = improved.swept.get().moved + opened;
+  return r.inserted + r.removed + r.flips + opened;
 }
 
 }  // namespace improve_angles_detail

@@ -86,13 +86,20 @@ Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterio
 
 }  // namespace improve_around_detail
 
+/// What improve_around() returns.
+template <class Backend>
+struct Improved {
+  BufferOf<Backend, Index> affected;  ///< the tetrahedra with a vertex that may have moved
+  typename Optimizer<Backend>::Swept swept;
+};
+
 /// Improves the neighborhood of the listed tetrahedra: retriangulates, flips, and moves their vertices and the
 /// neighbors of these. Vertices are inserted and removed at angles whose cost is above `vertex_cost` (kInfeasible:
-/// nowhere). The energies of the slots are up to date before and afterwards. Returns the tetrahedra with a vertex that
-/// may have moved; only these vertices have rings afterwards.
+/// nowhere). The energies of the slots are up to date before and afterwards. Only the vertices that may have moved have
+/// rings afterwards.
 template <class Backend>
-BufferOf<Backend, Index> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion,
-                                        Span<const Index> tets, double vertex_cost, WorstReport& r) {
+Improved<Backend> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
+                                 double vertex_cost, WorstReport& r) {
   using namespace improve_around_detail;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
@@ -105,9 +112,9 @@ BufferOf<Backend, Index> improve_around(Optimizer<Backend>& optimizer, const Cri
   flag_images(backend, work.periodic, active);
   auto affected = tets_with_flagged_vertex(backend, work.mesh, Span<const std::uint8_t>(active));
   optimizer.refresh_rings_of_active(affected.span());
-  r.moved = optimizer.sweep_once(criterion, SweepScope::selection).moved;
+  const auto swept = optimizer.sweep_once(criterion, SweepScope::selection);
   refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, std::as_const(affected).span());
-  return affected;
+  return {std::move(affected), swept};
 }
 
 }  // namespace tetune

@@ -34,8 +34,9 @@ bool improve_worst(Optimizer<Backend>& optimizer, const QualityFloor& floor) {
       const auto worst = tets_above(backend, work.mesh, optimizer.slot_energies(), bound);
       r.worst = worst.size();
       if (r.worst == 0) return;
-      improve_around(optimizer, criterion, worst.span(), kInfeasible, r);
+      const auto improved = improve_around(optimizer, criterion, worst.span(), kInfeasible, r);
       energy = sum_energy(backend, work.flips.energies);
+      r.moved = improved.swept.get().moved;
     });
     if (r.worst == 0) break;
     r.dihedral_min = optimizer.traced_angle();

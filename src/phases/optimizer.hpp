@@ -86,17 +86,27 @@ class Optimizer {
     color();
   }
 
-  SweepSum sweep_once(const Criterion& criterion, SweepScope scope) {
+  /// A sweep over vertices and periodic classes. The result is pending.
+  struct Swept {
+    ResultOf<Backend, SweepSum> vertices, classes;
+    SweepSum get() const {
+      SweepSum sum = vertices.get();
+      sum.merge(classes.get());
+      return sum;
+    }
+  };
+  Swept sweep_once(const Criterion& criterion, SweepScope scope) {
     const RelocationParameters& p = tuning.relocation;
     const RingsView rings = work.rings.view();
     const auto sweep_with = [&](const auto& step) {
-      SweepSum sum =
+      Swept swept;
+      swept.vertices =
           sweep<SweepRing<Backend>>(backend, work.mesh, criterion, rings, work.coloring, work.dofs, step, scope);
       if (work.periodic.classes() > 0) {
-        sum.merge(
-            sweep_periodic(backend, work.mesh, criterion, rings, work.periodic, work.dofs.active.span(), step, scope));
+        swept.classes =
+            sweep_periodic(backend, work.mesh, criterion, rings, work.periodic, work.dofs.active.span(), step, scope);
       }
-      return sum;
+      return swept;
     };
     return options.relocation == Relocation::newton ? sweep_with(NewtonStep{p.relaxation, p.min_gain})
                                                     : sweep_with(GradientStep{p.min_gradient});

@@ -42,8 +42,8 @@ inline constexpr int kWindow = 8;
 /// Rounds before the host reads the number of uncolored vertices. A device colors few vertices in one launch.
 template <class Backend>
 std::uint32_t rounds_per_batch(Size uncolored) {
-  constexpr Size kFew = 1024;
-  return !Backend::kIsAsynchronous ? 1 : uncolored > kFew ? 4 : 16;
+  constexpr Size kSmall = 1024;
+  return !Backend::kIsAsynchronous ? 1 : uncolored > kSmall ? 4 : 16;
 }
 
 /// A fixed pseudo-random order of the vertices (a bijection on 32 bits).
@@ -368,9 +368,10 @@ void color_vertices(const Backend& backend, const RingsView& rings, Span<const V
 }
 
 /// Merges the results of a kernel for all colored vertices, one color after the other; `kernel.vertices` receives the
-/// vertices of a color. Ends between two colors when a stop is requested.
+/// vertices of a color. Ends between two colors when a stop is requested. Returns the pending result: see
+/// reduce_async().
 template <class R, class Backend, class Kernel>
-R reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kernel kernel) {
+ResultOf<Backend, R> reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kernel kernel) {
   using namespace coloring_detail;
   R total{};
   // An asynchronous backend stores the results, as the host would otherwise wait for each color.
@@ -388,8 +389,11 @@ R reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kerne
     }
     done += count;
   }
-  if constexpr (kStores) total = backend.template reduce<R>(done, backend::LoadResult<R>{results});
-  return total;
+  if constexpr (kStores) {
+    return backend.template reduce_async<R>(done, backend::LoadResult<R>{results});
+  } else {
+    return {total};
+  }
 }
 
 }  // namespace tetune

@@ -4,13 +4,14 @@
 
 namespace tetune {
 
-template SweepSum sweep<SweepRing<Instance>>(const Instance&, WorkMesh<Instance>&, const Criterion&, const RingsView&,
-                                             const Coloring<Instance>&, VertexDofs<Instance>&, const NewtonStep&,
-                                             SweepScope);
-template SweepSum sweep<SweepRing<Instance>>(const Instance&, WorkMesh<Instance>&, const Criterion&, const RingsView&,
-                                             const Coloring<Instance>&, VertexDofs<Instance>&, const GradientStep&,
-                                             SweepScope);
-template SweepSum sweep<RegularizedRing>(const Instance&, WorkMesh<Instance>&, const Criterion&, const RingsView&,
-                                         const Coloring<Instance>&, VertexDofs<Instance>&, const NewtonStep&,
-                                         SweepScope);
+template ResultOf<Instance, SweepSum> sweep<SweepRing<Instance>>(const Instance&, WorkMesh<Instance>&, const Criterion&,
+                                                                 const RingsView&, const Coloring<Instance>&,
+                                                                 VertexDofs<Instance>&, const NewtonStep&, SweepScope);
+template ResultOf<Instance, SweepSum> sweep<SweepRing<Instance>>(const Instance&, WorkMesh<Instance>&, const Criterion&,
+                                                                 const RingsView&, const Coloring<Instance>&,
+                                                                 VertexDofs<Instance>&, const GradientStep&,
+                                                                 SweepScope);
+template ResultOf<Instance, SweepSum> sweep<RegularizedRing>(const Instance&, WorkMesh<Instance>&, const Criterion&,
+                                                             const RingsView&, const Coloring<Instance>&,
+                                                             VertexDofs<Instance>&, const NewtonStep&, SweepScope);
 }  // namespace tetune

@@ -54,15 +54,17 @@ struct MinimizeAngleCost : DofsView {
 }  // namespace minimize_angle_cost_detail
 
 /// Moves the flagged vertices, color by color, each within its degrees of freedom, to decrease the largest cost of
-/// the dihedral angles of its ring until it is at most `target_cost`. Returns the number of vertices that moved.
+/// the dihedral angles of its ring until it is at most `target_cost`. Returns the pending number of vertices that
+/// moved.
 template <class Backend>
-Size minimize_angle_cost(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                         const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
-                         Span<const std::uint8_t> flags, double target_cost) {
+ResultOf<Backend, Sum<Size>> minimize_angle_cost(const Backend& backend, WorkMesh<Backend>& mesh,
+                                                 const Criterion& criterion, const RingsView& rings,
+                                                 const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
+                                                 Span<const std::uint8_t> flags, double target_cost) {
   using namespace minimize_angle_cost_detail;
   const MinimizeAngleCost<typename Backend::Pack> kernel{dofs.view(), rated(mesh, criterion), rings, flags,
                                                          target_cost};
-  return reduce_colors<Sum<Size>>(backend, coloring, kernel).value;
+  return reduce_colors<Sum<Size>>(backend, coloring, kernel);
 }
 
 }  // namespace tetune

@@ -39,10 +39,11 @@ template <class Backend>
 using SweepRing = typename RingOf<typename Backend::Pack>::type;
 
 /// One sweep over the active vertices: the colors one after the other, the vertices of a color in parallel (Alg. 1).
-/// `Step` is NewtonStep or GradientStep. Ends between two colors when a stop is requested.
+/// `Step` is NewtonStep or GradientStep. Ends between two colors when a stop is requested. Returns the pending
+/// SweepSum.
 template <class Ring, class Backend, class Step>
-SweepSum sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion, const RingsView& rings,
-               const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs, const Step& step,
-               SweepScope scope = SweepScope::mesh);
+ResultOf<Backend, SweepSum> sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                                  const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
+                                  const Step& step, SweepScope scope = SweepScope::mesh);
 
 }  // namespace tetune

@@ -126,8 +126,9 @@ struct RelocateVertex : DofsView {
 }  // namespace sweep_detail
 
 template <class Ring, class Backend, class Step>
-SweepSum sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion, const RingsView& rings,
-               const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs, const Step& step, SweepScope scope) {
+ResultOf<Backend, SweepSum> sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                                  const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
+                                  const Step& step, SweepScope scope) {
   using namespace sweep_detail;
   DofsView view = dofs.view();
   if (scope == SweepScope::selection) view.displacement_bound = {};

@@ -48,6 +48,8 @@ class Emulation {
   using Buffer = backend::Buffer<T, Emulation>;
   template <class T>
   using DeviceView = UploadedView<T, Emulation>;
+  template <class R>
+  using Result = Available<R>;
 
   /// With `guard` an access from the host ends the process, at the cost of some system calls per primitive.
   explicit Emulation(std::uint64_t seed = 1, std::size_t memory = std::size_t{1} << 30, bool guard = false,

@@ -430,7 +430,9 @@ TEST(MinimizeAngleCost, MovesFlaggedVerticesAloneAndNoAngleBecomesSmaller) {
   backend::Cpu::Buffer<std::uint8_t> buffer;
   buffer.upload(cpu, flags);
   const Size moved = minimize_angle_cost(cpu, work.mesh, work.criterion, rings.view(), coloring, work.dofs,
-                                         Span<const std::uint8_t>(buffer.span()), 0.5);
+                                         Span<const std::uint8_t>(buffer.span()), 0.5)
+                         .get()
+                         .value;
   const TetMesh after = test::from_work(work.mesh, m);
   EXPECT_TRUE(validate(after).ok());
   EXPECT_GE(quality(after).dihedral_min, quality(m).dihedral_min);
