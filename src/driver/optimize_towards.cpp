@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "driver/extend_report.hpp"
 #include "driver/latched_hooks.hpp"
 #include "driver/optimize_active.hpp"
 #include "driver/targets.hpp"
@@ -61,27 +62,6 @@ bool worsens(const AcceptanceReport& before, const AcceptanceReport& after) {
   return false;
 }
 
-/// The map from a result to the input, over the mesh between. An empty map is the identity.
-std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> result2between) {
-  if (between2input.empty()) return result2between;
-  if (result2between.empty()) return between2input;
-  for (Index& i : result2between) i = i < 0 ? i : span_of(between2input)[i];
-  return result2between;
-}
-
-/// Extends the report of the runs before by that of a round.
-void add_round(Report& report, Report&& round) {
-  report.OperationCounts::operator+=(round);
-  report.tets_after = round.tets_after;
-  report.energy_after += round.energy_after - round.energy_before;
-  report.triangles_dropped += round.triangles_dropped;
-  report.edges_dropped += round.edges_dropped;
-  report.vertex2original = compose(std::move(report.vertex2original), std::move(round.vertex2original));
-  report.tet2original = compose(std::move(report.tet2original), std::move(round.tet2original));
-  report.triangle2original = compose(std::move(report.triangle2original), std::move(round.triangle2original));
-  report.edge2original = compose(std::move(report.edge2original), std::move(round.edge2original));
-}
-
 /// A target that is missed where the criterion is missed because of an angle of the surface.
 std::optional<Target> target_of(const AcceptanceCriterion& criterion) {
   if (criterion.measure < CheckMeasure::volume) return Target{Measure(criterion.measure), *criterion.fail};
@@ -118,17 +98,7 @@ class CriteriaRun {
  private:
   bool is_stopped() const { return report_.optimization.stop == StopReason::cancelled || hooks_.is_stopped(); }
 
-  /// The hooks of a part of the run.
-  Context context_for(double done, double part) const {
-    Context context = hooks_.context();
-    if (context.progress) {
-      context.progress = [progress = context.progress, done, part](Progress p) {
-        p.fraction = done + part * p.fraction;
-        return progress(p);
-      };
-    }
-    return context;
-  }
+  Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
 
   /// The caller's options for the vertices of a mesh between.
   Options current_options() const {
@@ -206,7 +176,7 @@ class CriteriaRun {
     if (round.kept) {
       mesh = std::move(changed);
       report_.after = std::move(accepted);
-      add_round(report_.optimization, std::move(report));
+      extend_report(report_.optimization, std::move(report));
     }
     round.seconds = PhaseTimer::seconds_since(start);
     return round;
