@@ -183,6 +183,7 @@ Json to_json(const Report& r) {
   json["sweeps"] = sweeps_json(r);
   json["flip_passes"] = flip_passes_json(r);
   json["worst_rounds"] = worst_rounds_json(r);
+  json["curved_deviation"] = r.deviation;
   json["straightened"] = Json::array();
   for (const StraightenedEdge& e : r.straightened) {
     json["straightened"].push_back(

@@ -90,6 +90,9 @@ struct Report : OperationCounts {
   std::int64_t vertices = 0;  ///< of the input
   std::int64_t tets_before = 0, tets_after = 0;
   std::int64_t tets_untangled = 0;  ///< with Options::untangle: number of inverted or flat ones in the input
+  /// With Options::max_deviation on a curved second-order surface: a bound on its distance from that of the input, in
+  /// both directions.
+  double deviation = 0;
   /// With Options::straighten, sorted by vertices.
   std::vector<StraightenedEdge> straightened;
   /// With Options::only_below: numbers of tetrahedra of the input that miss a limit, and of those that might change.

@@ -191,6 +191,8 @@ void bind_report(nb::module_& m) {
       .def_ro("tets_before", &Report::tets_before)
       .def_ro("tets_after", &Report::tets_after)
       .def_ro("tets_untangled", &Report::tets_untangled, "With untangle: of the input, inverted or flat.")
+      .def_ro("deviation", &Report::deviation,
+              "With max_deviation on a curved second-order surface: a bound on its distance from that of the input.")
       .def_ro("straightened", &Report::straightened, "With straighten: edges of the surface.")
       .def_ro("tets_bad", &Report::tets_bad, "With only_below: of the input, those that miss a limit.")
       .def_ro("tets_active", &Report::tets_active, "With only_below: of the input, those that might change.")

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
+#include "curved/quadratic_sheet.hpp"
 #include "curved/surface_middles.hpp"
-#include "math/closest_triangle.hpp"
 #include "math/vec3.hpp"
 
 namespace tetune {
@@ -28,21 +27,8 @@ class FinerSurface {
   double distance(const Vec3& p) const;
 
  private:
-  /// Quadratic triangles, or lines as triangles of two points.
-  struct Sheet {
-    std::vector<TrianglePoints> triangles;
-    std::vector<std::array<Vec3, 3>> offsets;  ///< per triangle and side: of the mid-side node from the midpoint
-    ClosestTriangle search;
-    Vec3 low, high;
-
-    Sheet(std::vector<TrianglePoints> corners, std::vector<std::array<Vec3, 3>> side_offsets);
-    double distance2_of_box(const Vec3& p) const;
-    /// The point of the quadratic triangle with the coordinates of the closest point of the straight one.
-    Vec3 point_beside(const Vec3& p) const;
-  };
-
-  std::vector<Sheet> sheets_;
-  std::optional<Sheet> lines_;
+  std::vector<QuadraticSheet> sheets_;
+  std::optional<QuadraticSheet> lines_;
 };
 
 /// Throws MeshError if a vertex of the triangles is farther from the finer surface than a tenth of its shortest edge.

@@ -79,12 +79,6 @@ std::vector<TetList> find_patches(const TetMesh& mesh, const VertexTets& vertex2
   return patches;
 }
 
-/// The smallest dihedral angle of a straight tetrahedron, in degrees; negative for an inverted one.
-double min_dihedral(const std::array<Vec3, 4>& x) {
-  const double w = dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]);
-  return w > 0 ? upper_atan2(1.0, QualityFloor::dihedral_cots(x.data(), w).max) * kDegreesPerRadian : -1;
-}
-
 /// The state of a patch as it is judged.
 struct PatchQuality {
   std::int64_t not_valid = 0;
@@ -334,6 +328,11 @@ void set_curved(std::vector<CurvedEdge>& list, std::vector<CurvedEdge> changed) 
 }
 
 }  // namespace
+
+double min_dihedral(const std::array<Vec3, 4>& x) {
+  const double w = dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]);
+  return w > 0 ? upper_atan2(1.0, QualityFloor::dihedral_cots(x.data(), w).max) * kDegreesPerRadian : -1;
+}
 
 bool HeldNodes::has_edge(Index a, Index b) const {
   return std::binary_search(edges.begin(), edges.end(), ascending(a, b));

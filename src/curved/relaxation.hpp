@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "math/vec3.hpp"
 #include "tetune/mesh.hpp"
 
 /// Makes curved elements valid, or better, by moving inner vertices and inner mid-side nodes around them.
@@ -16,6 +18,9 @@ struct HeldNodes {
   std::vector<std::array<Index, 2>> edges;  ///< with held mid-side nodes; sorted
   bool has_edge(Index a, Index b) const;
 };
+
+/// The smallest dihedral angle of a straight tetrahedron, in degrees; negative for an inverted one.
+double min_dihedral(const std::array<Vec3, 4>& corners);
 
 /// The goals of relaxation.
 struct RelaxationGoal {

@@ -2,17 +2,15 @@
 #include "tetune/curve.hpp"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 
 #include "backend/span.hpp"
-#include "boundary/classify.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/finer_surface.hpp"
 #include "curved/surface_middles.hpp"
+#include "driver/curved_sheets.hpp"
 #include "driver/curved_skeleton.hpp"
 #include "driver/straighten.hpp"
-#include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "tetune/error.hpp"
 #include "tetune/options.hpp"
@@ -22,8 +20,6 @@
 namespace tetune {
 namespace {
 
-using Edge = std::array<Index, 2>;
-
 /// Elements below this scaled Jacobian are relaxed.
 constexpr double kRelaxBelow = 0.1;
 /// Each round of straightening leaves this part of the curvature; after kPartialRounds none.
@@ -31,48 +27,6 @@ constexpr double kKept = 0.75;
 constexpr int kPartialRounds = 12;
 /// Elements are relaxed in each round that is a multiple of this: relaxation that fails takes long.
 constexpr int kRelaxEvery = 6;
-
-std::vector<SheetTriangle> find_sheets(const TetMesh& mesh) {
-  std::map<std::array<Index, 3>, int> tags;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    auto t = mesh.triangles[i];
-    std::sort(t.begin(), t.end());
-    if (mesh.triangle_tags[i] != 0) tags[t] = mesh.triangle_tags[i];
-  }
-  std::vector<SheetTriangle> sheets;
-  for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
-    const int first = span_of(mesh.tet_tags)[begin->tet];
-    const int last = span_of(mesh.tet_tags)[(end - 1)->tet];
-    const auto tag = tags.find(begin->vertices);
-    const bool is_boundary = end - begin == 1;
-    if (!is_boundary && first == last && tag == tags.end()) return;
-    // No region is beside the boundary on its other side: that counts as the number of regions -1 and 0.
-    const std::array<int, 3> sides{tag == tags.end() ? 0 : tag->second, std::min(first, last),
-                                   is_boundary ? -1 : std::max(first, last)};
-    sheets.push_back({begin->vertices, sides});
-  });
-  return sheets;
-}
-
-/// Listed edges that may be feature lines: ridges and required ones, and tagged ones unless they meet at many vertices,
-/// as where a program lists every edge.
-std::vector<Edge> find_lines(const TetMesh& mesh) {
-  std::map<Index, int> degrees;
-  std::vector<Edge> tagged;
-  for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
-    if (mesh.edge_tags[i] == 0) continue;
-    tagged.push_back(ascending(mesh.edges[i][0], mesh.edges[i][1]));
-    for (const Index v : mesh.edges[i]) ++degrees[v];
-  }
-  const auto junctions = std::count_if(degrees.begin(), degrees.end(), [](const auto& d) { return d.second > 2; });
-  std::vector<Edge> lines;
-  if (can_be_features(junctions, std::ssize(degrees))) lines = tagged;
-  const auto add = [&](Index i) { lines.push_back(ascending(span_of(mesh.edges)[i][0], span_of(mesh.edges)[i][1])); };
-  std::for_each(mesh.ridges.begin(), mesh.ridges.end(), add);
-  std::for_each(mesh.required_edges.begin(), mesh.required_edges.end(), add);
-  std::sort(lines.begin(), lines.end());
-  return lines;
-}
 
 /// The surface of a finer mesh, with its own mid-side nodes or those that are reconstructed.
 FinerSurface find_finer(const TetMesh& mesh, double feature_angle) {
@@ -86,7 +40,7 @@ FinerSurface find_finer(const TetMesh& mesh, double feature_angle) {
     }
   }
   if (sheets.empty()) throw MeshError("the finer surface: the mesh has neither tetrahedra nor triangles");
-  const std::vector<Edge> lines = find_lines(mesh);
+  const auto lines = find_lines(mesh);
   const SurfaceParts parts = find_surface_parts(mesh.points, sheets, lines, feature_angle);
   if (!mesh.curved_edges.empty()) return {mesh.points, sheets, parts, mesh.curved_edges};
   return {mesh.points, sheets, parts, find_surface_middles(mesh.points, sheets, lines, feature_angle)};

@@ -9,6 +9,7 @@
 #include "boundary/constraints.hpp"
 #include "boundary/vertex_dof.hpp"
 #include "curved/curved_edges.hpp"
+#include "driver/curved_slide.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "tetune/data.hpp"
 
@@ -62,6 +63,31 @@ std::vector<Index> with_original(const std::vector<Index>& originals, const std:
   return result;
 }
 
+/// Drops the entries of a list of the result that were added to the `originals` of the whole mesh. Returns those that
+/// stay.
+std::vector<Index> drop_added(std::size_t originals, std::size_t entries, std::vector<Index>& new2original) {
+  std::vector<Index> kept;
+  std::vector<Index> kept2original;
+  for (Index i = 0; i < Index(entries); ++i) {
+    const Index original = new2original.empty() ? i : span_of(new2original)[i];
+    if (original >= Index(originals)) continue;
+    kept.push_back(i);
+    kept2original.push_back(original);
+  }
+  Index next = 0;
+  const bool in_order = kept.size() == originals && std::all_of(kept2original.begin(), kept2original.end(),
+                                                                [&next](Index i) { return i == next++; });
+  if (in_order) kept2original.clear();
+  new2original = std::move(kept2original);
+  return kept;
+}
+
+template <class T>
+void take(std::vector<T>& list, const std::vector<Index>& kept) {
+  for (std::size_t i = 0; i < kept.size(); ++i) list[i] = span_of(list)[kept[i]];
+  list.resize(kept.size());
+}
+
 }  // namespace
 
 std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index>& tets) {
@@ -98,6 +124,38 @@ std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index
   return folded;
 }
 
+std::vector<Index> flatter_than(const TetMesh& mesh, double dihedral, int threads) {
+  constexpr double kAngleRounding = 1e-9;
+  const std::vector<std::int8_t> signs = volume_signs(mesh, threads);
+  std::vector<Index> tets;
+  for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
+    std::array<Vec3, 4> corners{};
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = vec(span_of(mesh.points)[span_of(mesh.tets)[t][k]]);
+    const bool is_flat = min_dihedral(corners) < (1 - kAngleRounding) * dihedral;
+    if (is_flat || span_of(signs)[t] != 1) tets.push_back(t);
+  }
+  return tets;
+}
+
+void lock_around(const TetMesh& mesh, std::vector<std::uint8_t> is_marked, int rings, std::vector<Index>& locked) {
+  const std::size_t before = locked.size();
+  std::vector<Index> around;
+  do {
+    for (const Index t : around) {
+      for (const Index v : span_of(mesh.tets)[t]) span_of(is_marked)[v] = 1;
+    }
+    around.clear();
+    for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
+      const auto& tet = span_of(mesh.tets)[t];
+      const bool has_marked = std::any_of(tet.begin(), tet.end(), [&](Index v) { return span_of(is_marked)[v] != 0; });
+      if (has_marked) around.push_back(t);
+    }
+    locked.insert(locked.end(), around.begin(), around.end());
+    std::sort(locked.begin(), locked.end());
+    locked.erase(std::unique(locked.begin(), locked.end()), locked.end());
+  } while (--rings > 0 || (locked.size() == before && !around.empty() && around.size() < mesh.tets.size()));
+}
+
 HeldNodes find_held(const TetMesh& mesh, const Options& options) {
   HeldNodes held;
   const Constraints constraints = find_constraints(mesh, options);
@@ -120,11 +178,13 @@ HeldNodes find_held(const TetMesh& mesh, const Options& options) {
   return held;
 }
 
-CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& tets)
-    : mesh(whole), whole_(whole), held_(held) {
+CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& tets,
+                               const CurvedSlide* slide)
+    : mesh(whole), whole_(whole), held_(held), slide_(slide) {
   mesh.curved_edges.clear();
   keep_edges(tets);
   require_triangles();
+  if (slide_ != nullptr) slide_->constrain(mesh);
   mesh.required_tets.insert(mesh.required_tets.end(), tets.begin(), tets.end());
   std::sort(mesh.required_tets.begin(), mesh.required_tets.end());
   mesh.required_tets.erase(std::unique(mesh.required_tets.begin(), mesh.required_tets.end()), mesh.required_tets.end());
@@ -139,10 +199,11 @@ void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
   for (const CurvedEdge& edge : whole_.curved_edges) {
     const auto& [a, b] = edge.vertices;
     const bool is_held = held_.has_edge(a, b);
-    if (locked.contains(edge.vertices) || (is_held && !is_straight(whole_, edge))) {
+    const bool may_move = slide_ != nullptr && slide_->has_edge(edge.vertices);
+    if (locked.contains(edge.vertices) || (is_held && !may_move && !is_straight(whole_, edge))) {
       kept_.push_back(edge);
     } else if (is_held) {
-      rounded_.push_back(edge);
+      kept_unmoved_.push_back(edge);
     }
   }
 }
@@ -185,38 +246,32 @@ void CurvedSkeleton::require_triangles() {
 
 void CurvedSkeleton::restore(Report& report) {
   restore_triangles(report);
+  restore_edges(report);
   restore_lists(report);
   restore_curved_edges(report);
 }
 
 void CurvedSkeleton::restore_triangles(Report& report) {
-  const Size originals = std::ssize(whole_.triangles);
-  std::vector<Index> kept;
-  std::vector<Index> triangle2original;
-  for (Index i = 0; i < std::ssize(mesh.triangles); ++i) {
-    const Index original = report.triangle2original.empty() ? i : span_of(report.triangle2original)[i];
-    if (original >= originals) continue;
-    kept.push_back(i);
-    triangle2original.push_back(original);
-  }
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    mesh.triangles[i] = span_of(mesh.triangles)[kept[i]];
-    mesh.triangle_tags[i] = span_of(mesh.triangle_tags)[kept[i]];
-  }
-  mesh.triangles.resize(kept.size());
-  mesh.triangle_tags.resize(kept.size());
+  const std::vector<Index> kept = drop_added(whole_.triangles.size(), mesh.triangles.size(), report.triangle2original);
+  take(mesh.triangles, kept);
+  take(mesh.triangle_tags, kept);
   mesh.triangle_data = take_entries(mesh.triangle_data, kept);
-  Index next = 0;
-  const bool in_order = std::ssize(kept) == originals && std::all_of(triangle2original.begin(), triangle2original.end(),
-                                                                     [&next](Index t) { return t == next++; });
-  if (in_order) triangle2original.clear();
-  report.triangle2original = std::move(triangle2original);
+}
+
+void CurvedSkeleton::restore_edges(Report& report) {
+  const std::vector<Index> kept = drop_added(whole_.edges.size(), mesh.edges.size(), report.edge2original);
+  take(mesh.edges, kept);
+  take(mesh.edge_tags, kept);
+  mesh.edge_data = take_entries(mesh.edge_data, kept);
 }
 
 void CurvedSkeleton::restore_lists(const Report& report) {
   mesh.required_triangles = with_original(whole_.required_triangles, report.triangle2original, mesh.triangles.size());
   mesh.required_edges = with_original(whole_.required_edges, report.edge2original, mesh.edges.size());
   mesh.required_tets = with_original(whole_.required_tets, report.tet2original, mesh.tets.size());
+  if (slide_ == nullptr) return;
+  mesh.required_vertices = with_original(whole_.required_vertices, report.vertex2original, mesh.points.size());
+  mesh.ridges = with_original(whole_.ridges, report.edge2original, mesh.edges.size());
 }
 
 void CurvedSkeleton::restore_curved_edges(const Report& report) {
@@ -246,7 +301,7 @@ void CurvedSkeleton::restore_curved_edges(const Report& report) {
   };
   mesh.curved_edges.clear();
   for (const CurvedEdge& edge : kept_) restore_if(edge, false);
-  for (const CurvedEdge& edge : rounded_) restore_if(edge, true);
+  for (const CurvedEdge& edge : kept_unmoved_) restore_if(edge, true);
   // Vertices keep their order.
   std::sort(mesh.curved_edges.begin(), mesh.curved_edges.end(),
             [](const CurvedEdge& e, const CurvedEdge& f) { return e.vertices < f.vertices; });

@@ -9,6 +9,8 @@
 
 namespace tetune {
 
+class CurvedSlide;
+
 /// The vertices and edges of the boundary, of interfaces, of listed entities and of what the options freeze.
 HeldNodes find_held(const TetMesh& mesh, const Options& options);
 
@@ -16,31 +18,43 @@ HeldNodes find_held(const TetMesh& mesh, const Options& options);
 /// positive at a corner. That of the element is then 0 somewhere on the face, wherever the inner nodes are.
 std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index>& tets);
 
+/// The tetrahedra whose straight volume is not certified positive, or with a smaller dihedral angle, in degrees.
+std::vector<Index> flatter_than(const TetMesh& mesh, double dihedral, int threads);
+
+/// Adds the tetrahedra within a number of rings around marked vertices to a sorted list; where it has these, those of
+/// the next ring, if a vertex is marked.
+void lock_around(const TetMesh& mesh, std::vector<std::uint8_t> is_marked, int rings, std::vector<Index>& locked);
+
 /// The straight tetrahedra of a curved mesh, constrained for their optimization: triangles of the surface with a curved
-/// edge are required, as are listed edges that are curved, and the tetrahedra that are locked.
+/// edge are required, unless they slide, as are listed edges that are curved, and the tetrahedra that are locked.
 class CurvedSkeleton {
  public:
-  /// `whole` is a valid mesh with curved edges; it is referred to.
-  CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& locked_tets);
+  /// `whole` is a valid mesh with curved edges; it is referred to, as is `slide`, which is null where the surface
+  /// stays.
+  CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& locked_tets,
+                 const CurvedSlide* slide = nullptr);
 
   /// The mesh to optimize.
   TetMesh mesh;
   /// Makes the optimized `mesh` one with curved edges again, and takes the additional constraints away. Curved edges
-  /// are those of the surface and of locked tetrahedra; other inner ones are straight. `report` is that of the
-  /// optimization.
+  /// are those of the surface, unless an end has moved, and of locked tetrahedra; other inner ones are straight.
+  /// `report` is that of the optimization.
   void restore(Report& report);
 
  private:
   void require_triangles();
   void keep_edges(const std::vector<Index>& locked_tets);
   void restore_triangles(Report& report);
+  void restore_edges(Report& report);
   void restore_lists(const Report& report);
   void restore_curved_edges(const Report& report);
 
   const TetMesh& whole_;
   const HeldNodes& held_;
-  std::vector<CurvedEdge> kept_;     ///< curved edges that stay edges
-  std::vector<CurvedEdge> rounded_;  ///< of the surface, straight up to rounding: kept where both ends stay
+  const CurvedSlide* slide_;
+  std::vector<CurvedEdge> kept_;  ///< curved edges that stay edges
+  /// Of the surface that slides, or straight up to rounding: kept where both ends stay.
+  std::vector<CurvedEdge> kept_unmoved_;
 };
 
 }  // namespace tetune

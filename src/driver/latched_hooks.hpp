@@ -36,4 +36,16 @@ class LatchedHooks {
   Context context_;
 };
 
+/// The hooks of a part of a run, before which a part `done` is done.
+inline Context part_of(const Context& whole, double done, double part) {
+  Context context = whole;
+  if (whole.progress) {
+    context.progress = [progress = whole.progress, done, part](Progress p) {
+      p.fraction = done + part * p.fraction;
+      return progress(p);
+    };
+  }
+  return context;
+}
+
 }  // namespace tetune

@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/curved_splits.hpp"
 #include "curved/held_bound.hpp"
 #include "driver/curved_skeleton.hpp"
+#include "driver/curved_slide.hpp"
+#include "driver/extend_report.hpp"
 #include "driver/latched_hooks.hpp"
 #include "driver/moved_fields.hpp"
 #include "driver/split_bounded.hpp"
@@ -58,33 +63,83 @@ class CurvedOptimizer {
     goal_.threads = options_.threads;
     goal_.stop = context_.stop;
     make_base_valid();
-    floor_ = smallest(base_) - kAccuracy;
-    std::vector<Index> locked;
-    for (int attempt = 0;; ++attempt) {
-      if (attempt == kMaxAttempts) locked = all_curved(base_);
-      if (attempt > kMaxAttempts) locked = all_tets(base_);
-      CurvedSkeleton skeleton(base_, held_, locked);
-      Report report = optimize(skeleton.mesh, linear_options(), attempt == 0 ? context_ : without_progress());
-      skeleton.restore(report);
-      const std::vector<Index> bad = relax(skeleton.mesh, report);
-      if (bad.empty() || attempt > kMaxAttempts) {
-        split_bounded_of(skeleton.mesh, report);
-        follow_origins(report);
-        report.vertices = std::ssize(mesh.points);
-        report.straightened = std::move(straightened_);
-        report.tets_before = std::ssize(mesh.tets);
-        mesh = std::move(skeleton.mesh);
-        return report;
-      }
-      if (is_stopped()) attempt = std::max(attempt, kMaxAttempts - 1);
-      lock(bad, skeleton.mesh, report, locked);
-    }
+    const bool slides = options_.boundary == Boundary::slide;
+    // With other data than carried ones the result has places in the input, which one run alone gives.
+    const bool is_single = slides && options_.data != DataTransfer::carry;
+    TetMesh result;
+    Report report = run_stage(result, is_single, slides && !is_single ? part_of(context_, 0, 0.5) : context_);
+    follow_origins(report);
+    if (slides && !is_single && !is_stopped()) slide_from(result, report);
+    report.vertices = std::ssize(mesh.points);
+    report.straightened = std::move(straightened_);
+    report.tets_before = std::ssize(mesh.tets);
+    mesh = std::move(result);
+    return report;
   }
 
  private:
-  /// After these attempts curved elements are locked, and if that does not suffice, all.
+  /// After these attempts, with a surface that stays or slides, curved elements are locked, and if that does not
+  /// suffice, all.
   static constexpr int kMaxAttempts = 4;
-  static constexpr int kMaxRounds = 4;  ///< of splits and relaxation
+  static constexpr int kMaxSlidingAttempts = 12;
+  static constexpr int kAttemptsPerRing = 4;  ///< later ones lock more around a bad element
+  static constexpr int kMaxRounds = 4;        ///< of splits and relaxation
+
+  /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base.
+  Report run_stage(TetMesh& result, bool slides, const Context& context) {
+    std::optional<CurvedSlide> slide;
+    if (slides) slide.emplace(base_, options_.feature_angle);
+    floor_ = smallest(base_) - kAccuracy;
+    const int max_attempts = slides ? kMaxSlidingAttempts : kMaxAttempts;
+    double linear_bound = 0;
+    std::vector<Index> locked;
+    for (int attempt = 0;; ++attempt) {
+      if (attempt == max_attempts) locked = all_curved(base_);
+      if (attempt > max_attempts) locked = all_tets(base_);
+      CurvedSkeleton skeleton(base_, held_, locked, slide ? &*slide : nullptr);
+      Report report =
+          optimize(skeleton.mesh, linear_options(slides, linear_bound), attempt == 0 ? context : without_progress());
+      LiftedNodes lifted;
+      if (slide) lifted = slide->lift(skeleton.mesh, report);
+      skeleton.restore(report);
+      lifted.apply(skeleton.mesh);
+      SurfaceDeviation deviation;
+      if (slide && options_.max_deviation > 0) {
+        deviation = slide->deviation(skeleton.mesh, report, options_.max_deviation, options_.threads);
+      }
+      const std::vector<Index> bad = relax(skeleton.mesh, report, slides);
+      if ((bad.empty() && deviation.vertices.empty()) || attempt > max_attempts) {
+        split_bounded_of(skeleton.mesh, report);
+        report.deviation = deviation.bound;
+        result = std::move(skeleton.mesh);
+        return report;
+      }
+      if (is_stopped()) attempt = std::max(attempt, max_attempts - 1);
+      // The straight surface moves farther than the curved one, most of all on fine meshes.
+      const bool was_bounded = linear_bound == options_.max_deviation;
+      if (!deviation.vertices.empty()) linear_bound = (linear_bound == 0 ? 4 : 1) * options_.max_deviation;
+      if (!was_bounded) deviation.vertices.clear();
+      lock(bad, deviation.vertices, skeleton.mesh, report, 1 + attempt / kAttemptsPerRing, locked);
+    }
+  }
+
+  /// Lets the surface of a result slide, unless the elements are worse on the whole then.
+  void slide_from(TetMesh& result, Report& report) {
+    options_ = options_of(result, report);
+    base_ = result;
+    held_ = find_held(base_, options_);
+    goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
+    TetMesh slid;
+    Report further = run_stage(slid, true, part_of(context_, 0.5, 0.5));
+    if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) return;
+    result = std::move(slid);
+    const auto vertices = [](Report& r) {
+      return std::tie(r.free_vertices, r.plane_vertices, r.line_vertices, r.fixed_vertices, r.surface_vertices,
+                      r.curve_vertices);
+    };
+    vertices(report) = vertices(further);
+    extend_report(report, std::move(further));
+  }
 
   /// The maps of the report lead to the input.
   void follow_origins(Report& report) const {
@@ -215,12 +270,23 @@ class CurvedOptimizer {
   }
   static std::vector<Index> all_curved(const TetMesh& mesh) { return curved_tets(mesh, CurvedEdges(mesh)); }
 
+  /// Elements that are below the limit or not valid, or flattened.
+  std::vector<Index> find_bad(const TetMesh& mesh, double limit, bool slides) const {
+    std::vector<Index> bad = all_below(measure(mesh), limit, true);
+    if (!slides) return bad;
+    const std::vector<Index> flat = flatter_than(mesh, goal_.min_dihedral, options_.threads);
+    bad.insert(bad.end(), flat.begin(), flat.end());
+    std::sort(bad.begin(), bad.end());
+    bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+    return bad;
+  }
+
   /// Relaxes the elements of a small scaled Jacobian. Returns those that are not valid or below the floor then.
-  std::vector<Index> relax(TetMesh& mesh, const Report& report) const {
+  std::vector<Index> relax(TetMesh& mesh, const Report& report, bool slides) const {
     const double limit = options_.max_iterations == 0 ? floor_ : std::max(kRelaxBelow, floor_);
-    const std::vector<Index> low = all_below(measure(mesh), limit, true);
+    const std::vector<Index> low = find_bad(mesh, limit, slides);
     if (!low.empty()) relax_curved(mesh, find_held(mesh, options_of(mesh, report)), low, goal_);
-    return all_below(measure(mesh), floor_, true);
+    return find_bad(mesh, floor_, slides);
   }
 
   /// Splits elements that flips made with two faces on the surface, unless something is worse then.
@@ -245,27 +311,27 @@ class CurvedOptimizer {
     report.tets_after = std::ssize(mesh.tets);
   }
 
-  /// Lists the tetrahedra of the input around bad ones of the result: those that share a vertex with them.
-  void lock(const std::vector<Index>& bad, const TetMesh& mesh, const Report& report,
-            std::vector<Index>& locked) const {
+  /// Lists the tetrahedra of the base within some rings around bad ones of the result and vertices that are too far.
+  void lock(const std::vector<Index>& bad, const std::vector<Index>& far, const TetMesh& mesh, const Report& report,
+            int rings, std::vector<Index>& locked) const {
     std::vector<std::uint8_t> is_near(base_.points.size(), 0);
+    for (const Index v : far) span_of(is_near)[v] = 1;
     for (const Index t : bad) {
       for (const Index v : span_of(mesh.tets)[t]) {
         const Index original = report.vertex2original.empty() ? v : span_of(report.vertex2original)[v];
         if (original >= 0) span_of(is_near)[original] = 1;
       }
     }
-    for (Index t = 0; t < std::ssize(base_.tets); ++t) {
-      const auto& tet = span_of(base_.tets)[t];
-      if (std::any_of(tet.begin(), tet.end(), [&](Index v) { return span_of(is_near)[v] != 0; })) locked.push_back(t);
-    }
-    std::sort(locked.begin(), locked.end());
-    locked.erase(std::unique(locked.begin(), locked.end()), locked.end());
+    lock_around(base_, is_near, rings, locked);
   }
 
-  Options linear_options() const {
+  Options linear_options(bool slides, double max_deviation) const {
     Options options = options_;
     options.untangle = false;
+    options.max_deviation = max_deviation;
+    // CurvedSlide lists the features.
+    options.feature_angle = slides ? 180 : Options().feature_angle;
+    if (options.boundary == Boundary::slide && !slides) options.boundary = Boundary::preserve;
     return options;
   }
   /// The caller's options for the vertices of the result.

@@ -9,7 +9,7 @@
 
 #include "backend/span.hpp"
 #include "boundary/constraints.hpp"
-#include "driver/combined_report.hpp"
+#include "driver/extend_report.hpp"
 #include "driver/latched_hooks.hpp"
 #include "driver/result_mesh.hpp"
 #include "math/vec3.hpp"
@@ -263,7 +263,7 @@ class GeometryRun {
     } else {
       total.targets = run.targets;
       total.stop = run.stop;
-      add_round(total, std::move(run));
+      extend_report(total, std::move(run));
     }
     has_run_ = true;
   }

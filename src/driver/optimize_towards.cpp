@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "driver/combined_report.hpp"
+#include "driver/extend_report.hpp"
 #include "driver/latched_hooks.hpp"
 #include "driver/optimize_active.hpp"
 #include "driver/targets.hpp"
@@ -98,17 +98,7 @@ class CriteriaRun {
  private:
   bool is_stopped() const { return report_.optimization.stop == StopReason::cancelled || hooks_.is_stopped(); }
 
-  /// The hooks of a part of the run.
-  Context context_for(double done, double part) const {
-    Context context = hooks_.context();
-    if (context.progress) {
-      context.progress = [progress = context.progress, done, part](Progress p) {
-        p.fraction = done + part * p.fraction;
-        return progress(p);
-      };
-    }
-    return context;
-  }
+  Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
 
   /// The caller's options for the vertices of a mesh between.
   Options current_options() const {
@@ -186,7 +176,7 @@ class CriteriaRun {
     if (round.kept) {
       mesh = std::move(changed);
       report_.after = std::move(accepted);
-      add_round(report_.optimization, std::move(report));
+      extend_report(report_.optimization, std::move(report));
     }
     round.seconds = PhaseTimer::seconds_since(start);
     return round;

@@ -45,6 +45,8 @@ double centroid_coordinate(const TrianglePoints& t, double Vec3::*axis) { return
 
 }  // namespace
 
+double distance2(const Vec3& p, const TrianglePoints& t) { return closest_on_triangle(p, t).distance2; }
+
 ClosestTriangle::ClosestTriangle(std::vector<TrianglePoints> triangles) : triangles_(std::move(triangles)) {
   const Size count = std::ssize(triangles_);
   nodes_.reserve(to_size_t(2 * (count / kMaxLeafSize + 1)));

@@ -12,6 +12,9 @@ namespace tetune {
 
 using TrianglePoints = std::array<Vec3, 3>;
 
+/// The squared distance of a point from a triangle.
+double distance2(const Vec3& p, const TrianglePoints& t);
+
 /// Finds the closest point of a set of triangles by a bounding volume hierarchy. Host only; queries may run
 /// concurrently.
 class ClosestTriangle {

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "backend/cpu.hpp"
+#include "curved/surface_distance.hpp"
 #include "math/closest_triangle.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/tet_mesh_view.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 double area(const TrianglePoints& t) { return 0.5 * norm(cross(t[1] - t[0], t[2] - t[0])); }
 
-/// The surface of a mesh: the boundary, and the interfaces between regions.
+/// The surface of a mesh: the boundary, and the interfaces between regions. Curved triangles are divided into facets.
 struct MeshSurface {
   std::vector<TrianglePoints> triangles;
   std::vector<Vec3> vertices;
@@ -31,6 +32,20 @@ struct MeshSurface {
   /// About the number of the vertices, triangles and edges of a closed surface.
   std::int64_t sample_count() const { return std::ssize(vertices) + std::ssize(triangles) * 5 / 2; }
 };
+
+/// A triangle, or facets of a curved one that are within a thousandth of its longest chord.
+std::vector<TrianglePoints> facets_of(QuadraticSheet::Triangle triangle, double scale) {
+  constexpr double kFacetError = 1e-3;
+  double chord = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    triangle.corners[k] = scale * triangle.corners[k];
+    triangle.offsets[k] = scale * triangle.offsets[k];
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    chord = std::max(chord, norm(triangle.corners[(k + 1) % 3] - triangle.corners[k]));
+  }
+  return divide_into_facets({triangle}, kFacetError * chord).facets;
+}
 
 MeshSurface find_surface(const TetMesh& mesh, double scale, const backend::Cpu& cpu) {
   WorkMesh<backend::Cpu> work = upload_mesh(cpu, mesh);
@@ -42,6 +57,7 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, const backend::Cpu& 
   double edge_sum = 0;
   Size boundary_faces = 0;
   const MeshView view = work.view();
+  const QuadraticTriangles quadratic(mesh.points, mesh.curved_edges);
   for (Index t = 0; t < work.slots(); ++t) {
     for (int f = 0; f < 4; ++f) {
       const HalfFace across = view.tet2tet[t][f];
@@ -55,11 +71,17 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, const backend::Cpu& 
         if (seen == 0) surface.vertices.push_back(triangle[k]);
         seen = 1;
       }
-      surface.triangles.push_back(triangle);
+      const std::size_t first = surface.triangles.size();
+      if (mesh.curved_edges.empty()) {
+        surface.triangles.push_back(triangle);
+      } else {
+        const std::vector<TrianglePoints> facets = facets_of(quadratic.of({v[0], v[1], v[2]}), scale);
+        surface.triangles.insert(surface.triangles.end(), facets.begin(), facets.end());
+      }
       if (!boundary) continue;
       ++boundary_faces;
       for (std::size_t k = 0; k < 3; ++k) edge_sum += norm(triangle[(k + 1) % 3] - triangle[k]);
-      surface.area += area(triangle);
+      for (std::size_t i = first; i < surface.triangles.size(); ++i) surface.area += area(surface.triangles[i]);
     }
   }
   if (boundary_faces > 0) surface.mean_edge = edge_sum / (3 * static_cast<double>(boundary_faces));

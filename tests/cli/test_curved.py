@@ -16,8 +16,9 @@ def bend(p):
     return (x + 0.08 * math.sin(2 * y), y + 0.05 * math.sin(3 * z), z + 0.06 * x * x)
 
 
-def curved_block(n=4, jitter=0.15):
-    """A bent cube: the nodes of each tetrahedron, the positions, and the mid-side nodes of the surface."""
+def curved_block(n=4, jitter=0.15, straight=False):
+    """A bent cube: the nodes of each tetrahedron, the positions, and the mid-side nodes of the surface; with straight
+    inner edges if asked."""
     mesh = cube(n, jitter=jitter)
     points = [tuple(p) for p in mesh.points]
     middles, nodes = {}, []
@@ -35,7 +36,11 @@ def curved_block(n=4, jitter=0.15):
             face = tuple(sorted(tet[k] for k in range(4) if k != skipped))
             faces[face] = faces.get(face, 0) + 1
     on_surface = {middles[e] for f, count in faces.items() if count == 1 for e in ((f[0], f[1]), (f[1], f[2]), (f[0], f[2]))}
-    return nodes, [bend(p) for p in points], on_surface
+    positions = [bend(p) for p in points]
+    for (a, b), v in middles.items():
+        if straight and v not in on_surface:
+            positions[v] = tuple((positions[a][k] + positions[b][k]) / 2 for k in range(3))
+    return nodes, positions, on_surface
 
 
 def write_msh(path, nodes, points):
@@ -107,6 +112,30 @@ class Curved(CliTest):
         self.assertIn(f"{len(straightened)} edges of the surface", done.stdout + done.stderr)
         kept = {p for i, p in enumerate(points) if i in on_surface} & read_nodes(self.path_of("out.msh"))
         self.assertEqual(len(kept), len(on_surface) - len(straightened))
+
+    def test_the_surface_slides_on_itself_within_the_bound(self):
+        nodes, points, on_surface = curved_block(n=3, jitter=0.25, straight=True)
+        write_msh(self.path_of("in.msh"), nodes, points)
+        words = ["optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--report", self.path_of("r.json")]
+        self.run_cli(*words)
+        kept = self.info("out.msh")["quality"]
+        for bound in ([], ["--max-deviation", "0.001"]):
+            done = self.run_cli(*words, "--boundary", "slide", *bound)
+            slid = self.info("out.msh")["quality"]
+            self.assertEqual(slid["curved"]["valid"], slid["curved"]["tetrahedra"])
+            self.assertGreaterEqual(slid["curved"]["min_scaled_jacobian"], kept["curved"]["min_scaled_jacobian"] - 2e-3)
+            self.assertLess(slid["shape_sum"], kept["shape_sum"])
+            report = json.loads(self.path_of("r.json").read_text())
+            self.assertGreater(report["surface"]["deviation"], 0)
+            self.assertLess(report["surface"]["deviation"], 0.01)
+            if bound:
+                self.assertTrue(report["surface"]["max_deviation_kept"])
+                self.assertIn(", kept", done.stdout)
+                self.assertLessEqual(report["surface"]["deviation"], 0.001)
+                self.assertLessEqual(0, report["optimization"]["curved_deviation"])
+                self.assertLessEqual(report["optimization"]["curved_deviation"], 0.001)
+        moved = [p for i, p in enumerate(points) if i in on_surface and p not in read_nodes(self.path_of("out.msh"))]
+        self.assertGreater(len(moved), 10)
 
     def test_only_below_is_refused(self):
         nodes, points, _ = curved_block(n=2)

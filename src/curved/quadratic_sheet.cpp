@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "curved/quadratic_sheet.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "mesh/tet.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::vector<TrianglePoints> corners_of(const std::vector<QuadraticSheet::Triangle>& triangles) {
+  std::vector<TrianglePoints> corners;
+  corners.reserve(triangles.size());
+  for (const QuadraticSheet::Triangle& t : triangles) corners.push_back(t.corners);
+  return corners;
+}
+
+}  // namespace
+
+std::array<double, 3> barycentric(const TrianglePoints& t, const Vec3& p) {
+  const Vec3 a = t[1] - t[0];
+  const Vec3 b = t[2] - t[0];
+  const Vec3 n = cross(a, b);
+  const double n2 = dot(n, n);
+  if (!(n2 > 1e-28 * dot(a, a) * dot(b, b))) {
+    const double s = dot(a, a) > 0 ? dot(p - t[0], a) / dot(a, a) : 0;
+    return {1 - s, s, 0};
+  }
+  const double u = dot(cross(p - t[0], b), n) / n2;
+  const double v = dot(cross(a, p - t[0]), n) / n2;
+  return {1 - u - v, u, v};
+}
+
+QuadraticSheet::QuadraticSheet(std::vector<Triangle> triangles)
+    : triangles_(std::move(triangles)),
+      search_(corners_of(triangles_)),
+      low_{kInfinity, kInfinity, kInfinity},
+      high_{-kInfinity, -kInfinity, -kInfinity} {
+  for (const Triangle& t : triangles_) {
+    for (const Vec3& p : t.corners) {
+      low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y), std::min(low_.z, p.z)};
+      high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y), std::max(high_.z, p.z)};
+    }
+  }
+}
+
+Vec3 QuadraticSheet::lift(const Vec3& p) const {
+  const ClosestTriangle::Hit hit = search_.closest(p);
+  const Triangle& t = span_of(triangles_)[hit.triangle];
+  const auto [l0, l1, l2] = barycentric(t.corners, hit.point);
+  return hit.point + 4 * (l0 * l1) * t.offsets[0] + 4 * (l1 * l2) * t.offsets[1] + 4 * (l2 * l0) * t.offsets[2];
+}
+
+double QuadraticSheet::distance2_of_box(const Vec3& p) const {
+  const Vec3 d{std::max({low_.x - p.x, p.x - high_.x, 0.0}), std::max({low_.y - p.y, p.y - high_.y, 0.0}),
+               std::max({low_.z - p.z, p.z - high_.z, 0.0})};
+  return dot(d, d);
+}
+
+Vec3 QuadraticTriangles::at(Index v) const { return vec(span_of(points_)[v]); }
+
+Vec3 QuadraticTriangles::offset(Index a, Index b) const {
+  const auto edge = ascending(a, b);
+  const auto found = std::lower_bound(edges_.begin(), edges_.end(), edge,
+                                      [](const CurvedEdge& e, const auto& sought) { return e.vertices < sought; });
+  if (found == edges_.end() || found->vertices != edge) return {0, 0, 0};
+  return vec(found->middle) - 0.5 * (at(a) + at(b));
+}
+
+QuadraticSheet::Triangle QuadraticTriangles::of(const std::array<Index, 3>& triangle) const {
+  const auto& [a, b, c] = triangle;
+  return {{at(a), at(b), at(c)}, {offset(a, b), offset(b, c), offset(c, a)}};
+}
+
+QuadraticSheet::Triangle QuadraticTriangles::of(const std::array<Index, 2>& edge) const {
+  return {{at(edge[0]), at(edge[1]), at(edge[1])}, {offset(edge[0], edge[1]), Vec3{0, 0, 0}, Vec3{0, 0, 0}}};
+}
+
+}  // namespace tetune

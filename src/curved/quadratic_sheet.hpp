@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "math/closest_triangle.hpp"
+#include "tetune/mesh.hpp"
+
+namespace tetune {
+
+/// Barycentric coordinates of a point of a triangle; of a segment if that has two equal corners.
+std::array<double, 3> barycentric(const TrianglePoints& t, const Vec3& p);
+
+/// A part of a surface of quadratic triangles, or lines as triangles of two points, over its straight triangles.
+/// Queries may run concurrently.
+class QuadraticSheet {
+ public:
+  /// Of a triangle: its corners, and the offsets of the mid-side nodes from the midpoints of the sides 01, 12 and 20.
+  struct Triangle {
+    TrianglePoints corners;
+    std::array<Vec3, 3> offsets;
+  };
+  explicit QuadraticSheet(std::vector<Triangle> triangles);
+
+  /// The point of the quadratic triangle with the barycentric coordinates of the closest point of the straight
+  /// triangles: continuous over the sheet.
+  Vec3 lift(const Vec3& p) const;
+  /// The squared distance from the straight triangles.
+  double distance2(const Vec3& p) const { return search_.distance2(p); }
+  double distance2_of_box(const Vec3& p) const;
+
+ private:
+  std::vector<Triangle> triangles_;
+  ClosestTriangle search_;
+  Vec3 low_, high_;
+};
+
+/// Makes triangles and segments of a quadratic surface.
+class QuadraticTriangles {
+ public:
+  /// `edges`: the curved ones, sorted by vertices. Refers to both.
+  QuadraticTriangles(const std::vector<Point3>& points, const std::vector<CurvedEdge>& edges)
+      : points_(points), edges_(edges) {}
+  QuadraticSheet::Triangle of(const std::array<Index, 3>& triangle) const;
+  QuadraticSheet::Triangle of(const std::array<Index, 2>& edge) const;
+
+ private:
+  Vec3 at(Index v) const;
+  Vec3 offset(Index a, Index b) const;
+
+  const std::vector<Point3>& points_;
+  const std::vector<CurvedEdge>& edges_;
+};
+
+}  // namespace tetune

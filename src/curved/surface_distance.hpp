@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "curved/quadratic_sheet.hpp"
+
+/// The distance between surfaces of quadratic triangles.
+namespace tetune {
+
+/// Straight triangles in place of quadratic ones: each is divided into n * n facets, with the smallest n up to a limit
+/// for which facets and triangle are within `tolerance` of each other.
+struct SurfaceFacets {
+  /// The place of a facet: the triangle, and two barycentric coordinates of each corner.
+  struct Place {
+    Index triangle;
+    std::array<std::array<double, 2>, 3> corners;
+  };
+  std::vector<TrianglePoints> facets;
+  std::vector<Place> places;
+  double error = 0;  ///< the largest distance between facets and triangles, by a bound
+};
+SurfaceFacets divide_into_facets(const std::vector<QuadraticSheet::Triangle>& triangles, double tolerance);
+
+/// For each triangle an upper bound on the largest distance of its points from the surface `to`. A bound below the
+/// limit is sharp to half of the limit, and those above are not sharp.
+///
+/// A triangle is divided into parts. Where the points of `to` beside the corners of a part are on one quadratic
+/// triangle, the difference of both surfaces is a quadratic polynomial, which they bound. Elsewhere the distance from
+/// a facet of `to` that is beside a corner counts: it is convex, and so largest at a corner of the part.
+std::vector<double> bound_distances(const std::vector<QuadraticSheet::Triangle>& from,
+                                    const std::vector<QuadraticSheet::Triangle>& to, double limit, int threads);
+
+}  // namespace tetune

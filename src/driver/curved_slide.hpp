@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "curved/quadratic_sheet.hpp"
+#include "curved/surface_middles.hpp"
+#include "tetune/mesh.hpp"
+#include "tetune/report.hpp"
+
+namespace tetune {
+
+/// New positions of nodes of a surface.
+struct LiftedNodes {
+  std::vector<Index> vertices;
+  std::vector<Point3> points;       ///< of the vertices
+  std::vector<CurvedEdge> middles;  ///< of edges, those that are straight now included; sorted by vertices
+
+  void apply(TetMesh& mesh) const;
+};
+
+/// An upper bound on the distance between two surfaces, in both directions.
+struct SurfaceDeviation {
+  double bound = 0;
+  std::vector<Index> vertices;  ///< of triangles that may be farther than the limit, in the first mesh; unsorted
+};
+
+/// The quadratic surface of a mesh, on which its vertices and mid-side nodes slide. The straight triangles parametrize
+/// it: while the straight tetrahedra are optimized, vertices slide on these, and then each node gets the point of the
+/// quadratic triangle with the same barycentric coordinates. An edge within one triangle so stays on the surface as a
+/// whole.
+///
+/// Feature edges are listed lines, those that are not on two triangles of one sheet, and those at whose mid-side node
+/// the quadratic surface turns by more than the feature angle; corners are vertices at which a line of them does.
+class CurvedSlide {
+ public:
+  /// `mesh` is valid and has curved edges; it is referred to.
+  CurvedSlide(const TetMesh& mesh, double feature_angle);
+
+  bool has_edge(const std::array<Index, 2>& edge) const;
+  /// Makes the feature edges ridges of a copy of the mesh, and the corners and periodic vertices required. Ridges that
+  /// are not listed are added behind all other edges. The copy is to be optimized with a feature angle of 180 degrees.
+  void constrain(TetMesh& skeleton) const;
+  /// The nodes of the optimized skeleton on the quadratic surface, without those of edges and vertices that are as they
+  /// were.
+  LiftedNodes lift(const TetMesh& slid, const Report& report) const;
+  /// The distance of the surface of a result from that of the mesh, as of bound_distances().
+  SurfaceDeviation deviation(const TetMesh& result, const Report& report, double limit, int threads) const;
+
+ private:
+  using Edge = std::array<Index, 2>;
+  /// The part of the surface on which each element of the slid surface is.
+  struct Places {
+    std::map<Edge, const QuadraticSheet*> edges;
+    std::map<Index, const QuadraticSheet*> vertices;
+  };
+  /// An edge of the skeleton's list.
+  Edge listed_edge(Index e) const;
+  /// The position of an edge among the features, or -1.
+  Index find_feature(const Edge& edge) const;
+  void find_features(double feature_angle);
+  void find_chains(double feature_angle);
+  Places find_places(const TetMesh& slid, const Report& report) const;
+  const QuadraticSheet* sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& triangles,
+                                 const std::vector<Index>& component) const;
+
+  const TetMesh& mesh_;
+  std::vector<SheetTriangle> triangles_;
+  std::vector<Edge> edges_;           ///< of the triangles, sorted
+  std::vector<Edge> features_;        ///< sorted
+  std::vector<Edge> added_;           ///< those that the mesh does not list
+  std::vector<Index> feature2chain_;  ///< feature edges between two corners, or ends of lines, are a chain
+  std::vector<Index> corners_;
+  std::vector<QuadraticSheet> sheets_, chains_;
+};
+
+}  // namespace tetune

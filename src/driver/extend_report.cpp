@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/extend_report.hpp"
+
+#include <utility>
+
+#include "backend/span.hpp"
+
+namespace tetune {
+
+std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> result2between) {
+  if (between2input.empty()) return result2between;
+  if (result2between.empty()) return between2input;
+  for (Index& i : result2between) i = i < 0 ? i : span_of(between2input)[i];
+  return result2between;
+}
+
+void extend_report(Report& report, Report&& further) {
+  report.OperationCounts::operator+=(further);
+  report.tets_after = further.tets_after;
+  report.deviation += further.deviation;
+  report.energy_after += further.energy_after - further.energy_before;
+  report.triangles_dropped += further.triangles_dropped;
+  report.edges_dropped += further.edges_dropped;
+  report.vertex2original = compose(std::move(report.vertex2original), std::move(further.vertex2original));
+  report.tet2original = compose(std::move(report.tet2original), std::move(further.tet2original));
+  report.triangle2original = compose(std::move(report.triangle2original), std::move(further.triangle2original));
+  report.edge2original = compose(std::move(report.edge2original), std::move(further.edge2original));
+}
+
+}  // namespace tetune
