@@ -4,15 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <iterator>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include "system/real_text.hpp"
 #include "tetune/error.hpp"
+#include "tetune/periodic.hpp"
 
 namespace tetune::cli {
 namespace {
@@ -137,6 +140,18 @@ void freeze(const std::vector<Frozen>& frozen, const std::string& mesh_name, con
     auto& to = f.region ? options.frozen_regions : options.frozen_patches;
     std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(to), is_there);
   }
+}
+
+void add_links(const std::vector<std::string>& axes, const std::string& map, const std::string& mesh_name,
+               TetMesh& mesh) {
+  std::array<bool, 3> linked{};
+  for (const std::string& axis : axes) linked.at(std::string_view("xyz").find(axis)) = true;
+  try {
+    if (!axes.empty()) link_box_faces(mesh, linked);
+  } catch (const MeshError& e) {
+    throw MeshError(mesh_name + ": " + e.what());
+  }
+  if (!map.empty()) read_periodic_map(map, mesh);
 }
 
 }  // namespace tetune::cli

@@ -41,4 +41,8 @@ void parse_freeze(const std::string& text, std::vector<Frozen>& frozen);
 /// message lists those that it has.
 void freeze(const std::vector<Frozen>& frozen, const std::string& mesh_name, const TetMesh& mesh, Options& options);
 
+/// Adds the links of --periodic, a list of axes, and of --periodic-map, a file.
+void add_links(const std::vector<std::string>& axes, const std::string& map, const std::string& mesh_name,
+               TetMesh& mesh);
+
 }  // namespace tetune::cli

@@ -19,7 +19,6 @@
 #include "option_values.hpp"
 #include "report_files.hpp"
 #include "tables.hpp"
-#include "tetune/periodic.hpp"
 
 namespace tetune::cli {
 namespace {
@@ -55,17 +54,20 @@ class Run {
     console_.phase("reading");
     input_ = read_input(job_.input, options_.threads);
     choose_tags(input_, job_.input, a_.tags);
-    for (const std::string& w : input_.warnings) warn(w);
+    warn_all(input_.warnings);
     const std::string name = shown_name(job_.input, false);
     if (input_.mesh.tets.empty()) throw MeshError(name + ": there is no tetrahedron in this file");
     freeze(a_.frozen, name, input_.mesh, options_);
-    add_links(name);
-    if (!a_.geometry.file.empty()) geometry_.emplace(a_.geometry.file, unit_in_mm(a_.geometry.unit));
-    for (const std::string& w : geometry_ ? geometry_->warnings() : std::vector<std::string>()) warn(w);
+    file_links_ = input_.mesh.periodic.size();
+    add_links(a_.periodic, a_.periodic_map, name, input_.mesh);
+    if (!a_.geometry.file.empty()) {
+      geometry_.emplace(a_.geometry.file, unit_in_mm(a_.geometry.unit));
+      warn_all(geometry_->warnings());
+    }
     if (a_.move) {
       std::vector<std::string> target_warnings;
       targets_ = read_targets(input_.mesh, *a_.move, options_.threads, target_warnings);
-      for (const std::string& w : target_warnings) warn(w);
+      warn_all(target_warnings);
     }
     if (!a_.max_deviation.empty()) {
       options_.max_deviation = parse_length("--max-deviation", a_.max_deviation, input_.mesh);
@@ -79,19 +81,6 @@ class Run {
                       "smaller mesh",
                       name, needed_mb_, *a_.max_memory));
     }
-  }
-
-  /// Adds the links of --periodic and --periodic-map, which are not written.
-  void add_links(const std::string& name) {
-    file_links_ = input_.mesh.periodic.size();
-    std::array<bool, 3> axes{};
-    for (const std::string& axis : a_.periodic) axes.at(std::string_view("xyz").find(axis)) = true;
-    try {
-      if (!a_.periodic.empty()) link_box_faces(input_.mesh, axes);
-    } catch (const MeshError& e) {
-      throw MeshError(name + ": " + e.what());
-    }
-    if (!a_.periodic_map.empty()) read_periodic_map(a_.periodic_map, input_.mesh);
   }
 
   /// The tables need fewer measures than the report.
@@ -173,6 +162,9 @@ class Run {
     console_.warn(text);
     warnings_.push_back(text);
   }
+  void warn_all(const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) warn(text);
+  }
 
   /// Loads the mesh, which finds its constraints, and stops there.
   Outcome dry_run() {
@@ -245,7 +237,7 @@ class Run {
     }
     interrupt::enter(interrupt::Stage::written);
     write_seconds_ = seconds_since(start);
-    for (const std::string& w : warnings) warn(w);
+    warn_all(warnings);
     if (!job_.map.empty()) {
       write_text(job_.map, map_text(report_, input_.mesh.points.size(), input_.mesh.tets.size()));
     }
