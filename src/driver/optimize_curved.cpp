@@ -332,6 +332,10 @@ class CurvedOptimizer {
     // CurvedSlide lists the features.
     options.feature_angle = slides ? 180 : Options().feature_angle;
     if (options.boundary == Boundary::slide && !slides) options.boundary = Boundary::preserve;
+    if (!slides) return options;
+    // The run before has inserted what max_growth allows.
+    options.keep_vertices = true;
+    options.surface_vertices = SurfaceVertices::automatic;
     return options;
   }
   /// The caller's options for the vertices of the result.

@@ -235,8 +235,9 @@ void expect_slid(const TetMesh& before, const Options& options) {
   EXPECT_GE(q.curved.min_scaled_jacobian, quality(kept).curved.min_scaled_jacobian - 2e-3);
   EXPECT_GE(q.dihedral_min, (1 - 1e-9) * quality(kept).dihedral_min);
   EXPECT_LE(q.shape_sum, quality(kept).shape_sum);
-  // With best the result with preserve is kept.
-  EXPECT_EQ(report.surface_vertices > 0, options.effort == Effort::standard);
+  if (options.effort == Effort::standard) {
+    EXPECT_GT(report.surface_vertices, 0);
+  }
   EXPECT_EQ(m.triangles.size(), before.triangles.size());
   EXPECT_EQ(m.edges.size(), before.edges.size());
   EXPECT_EQ(m.ridges, before.ridges);
@@ -244,7 +245,7 @@ void expect_slid(const TetMesh& before, const Options& options) {
   std::set<int> regions(m.tet_tags.begin(), m.tet_tags.end());
   EXPECT_EQ(regions, (std::set<int>{1, 2}));
   if (options.max_deviation > 0) {
-    EXPECT_EQ(report.deviation > 0, options.effort == Effort::standard);
+    EXPECT_GT(report.deviation, 0);
     EXPECT_LE(report.deviation, options.max_deviation);
     const auto old_surface = surface_of(before);
     for (const Quadratic& t : surface_of(m)) {
