@@ -108,12 +108,12 @@ class Geometry(CliTest):
             self.assertLess(self.match(output, f"{name}.step")["largest_distance"], 2e-9, name)
             self.assertGreater(r["after"]["mean_ratio"], r["before"]["mean_ratio"], name)
             self.assertGreaterEqual(r["after"]["dihedral_min_deg"], r["before"]["dihedral_min_deg"], name)
-            self.assertGreater(min(Mesh.read(output).volumes()), 0)
+            result = Mesh.read(output)
+            self.assertGreater(min(result.volumes()), 0)
             # The face between the boxes is in the file twice.
             self.assertEqual(len(g["distance_after"]["faces"]), 11 if name == "boxes" else g["faces"], name)
             if name == "ball":
-                faces = Mesh.read(output).boundary_faces()
-                self.assertLess(radius_error([Mesh.read(output).points[v] for f in faces for v in f]), 1e-9)
+                self.assertLess(radius_error([result.points[v] for face in result.boundary_faces() for v in face]), 1e-9)
             if name == "spline":
                 self.assertGreater(g["distance_before"]["vertices"]["largest"], 1e-5)
                 self.assertGreater(g["vertices_snapped"], 0)
