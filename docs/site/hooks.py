@@ -39,6 +39,8 @@ PYTHON = """# Python
 {tetune.optimize tetune.Options tetune.Result tetune.Progress}
 ## Move
 {tetune.move tetune.LiveMesh tetune.MoveResult tetune.MoveReport tetune.MoveStep tetune.conserve_data}
+## CAD models
+{tetune.Geometry}
 ## Second-order tetrahedra
 {tetune.curve tetune.CurveResult}
 ## Measure and compare
@@ -50,7 +52,7 @@ PYTHON = """# Python
 ## HTML report
 {tetune.report.write_page}
 ## Result types
-{tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison tetune.AcceptanceReport tetune.CriterionResult tetune.CriteriaReport tetune.CriteriaRound tetune.CriterionLimits tetune.CurvedQuality tetune.CurvedTet tetune.CurveReport tetune.StraightenedEdge}
+{tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison tetune.AcceptanceReport tetune.CriterionResult tetune.CriteriaReport tetune.CriteriaRound tetune.CriterionLimits tetune.GeometryReport tetune.GeometryMatch tetune.GeometryDeviation tetune.FaceDeviation tetune.DistanceSummary tetune.CurvedQuality tetune.CurvedTet tetune.CurveReport tetune.StraightenedEdge}
 ## Errors
 {tetune.Error tetune.MeshError tetune.UntangleError tetune.OverlapError tetune.OptionError tetune.FileError tetune.DeviceError}
 """

@@ -25,6 +25,7 @@ Context context_of(nanobind::object progress);
 std::map<std::string, std::int64_t> by_constraint(const std::array<std::int64_t, kLimitingConstraints>& held_by);
 
 void bind_criteria(nanobind::module_& m);
+void bind_geometry(nanobind::module_& m);
 void bind_live(nanobind::module_& m);
 void bind_mesh(nanobind::module_& m);
 void bind_quality(nanobind::module_& m);

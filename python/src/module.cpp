@@ -296,6 +296,7 @@ NB_MODULE(_core, m) {
   bind_quality(m);
   bind_criteria(m);
   bind_report(m);
+  bind_geometry(m);
   bind_functions(m);
   bind_series(m);
   bind_files(m);

@@ -19,6 +19,8 @@ from ._core import (
     CriteriaReport,
     CurvedTet,
     CurveReport,
+    Geometry,
+    GeometryReport,
     MoveReport,
     OptionError,
     Progress,
@@ -57,6 +59,8 @@ class Result(Generic[M]):
     """For each vertex of the result whether its position differs from that in the input."""
     criteria: CriteriaReport | None
     """With the argument `criteria`: the verdicts before and after, and the constraints of what fails."""
+    geometry: GeometryReport | None
+    """With the argument `geometry`: where vertices are on it, and distances from it."""
 
 
 def _prepared(mesh: Any, tets: Any, tags: Tags) -> tuple[TetMesh, Adapter[Any]]:
@@ -86,6 +90,8 @@ def optimize(
     *,
     progress: bool | Callable[[Progress], object] = False,
     criteria: Criteria | None = None,
+    geometry: Geometry | str | PathLike[str] | None = None,
+    snap: bool = True,
     **options: Unpack[Options],
 ) -> Result[TetMesh]: ...
 @overload
@@ -95,6 +101,8 @@ def optimize(
     tags: Tags = None,
     progress: bool | Callable[[Progress], object] = False,
     criteria: Criteria | None = None,
+    geometry: Geometry | str | PathLike[str] | None = None,
+    snap: bool = True,
     **options: Unpack[Options],
 ) -> Result[pv.UnstructuredGrid]: ...
 @overload
@@ -103,6 +111,8 @@ def optimize(
     *,
     progress: bool | Callable[[Progress], object] = False,
     criteria: Criteria | None = None,
+    geometry: Geometry | str | PathLike[str] | None = None,
+    snap: bool = True,
     **options: Unpack[Options],
 ) -> Result[TetMesh]: ...
 @overload
@@ -112,6 +122,8 @@ def optimize(
     tags: Tags = None,
     progress: bool | Callable[[Progress], object] = False,
     criteria: Criteria | None = None,
+    geometry: Geometry | str | PathLike[str] | None = None,
+    snap: bool = True,
     **options: Unpack[Options],
 ) -> Result[meshio.Mesh]: ...
 def optimize(
@@ -121,6 +133,8 @@ def optimize(
     tags: Tags = None,
     progress: bool | Callable[[Progress], object] = False,
     criteria: Criteria | None = None,
+    geometry: Geometry | str | PathLike[str] | None = None,
+    snap: bool = True,
     **options: Unpack[Options],
 ) -> Result[Any]:
     """Improves a tetrahedral mesh; the argument is not changed.
@@ -141,10 +155,14 @@ def optimize(
             run by returning False: the result is then the best mesh so far, and valid.
         criteria: acceptance criteria, as in check(). The run then works on the tetrahedra that fail, in rounds
             (docs/quality.md, "Acceptance"), and `result.criteria` has the verdicts and what constrains the rest.
+        geometry: the CAD model of the part, a Geometry or the name of a STEP, IGES or BREP file in mm, with
+            boundary="slide": vertices of the surface end on its faces and edges (docs/cad.md), and `result.geometry`
+            has the account. Not together with criteria.
+        snap: whether vertices that are off the geometry are moved onto it first.
         options: see Options.
 
     Raises:
-        FileError: the file of the criteria cannot be read, or names what is unknown.
+        FileError: the file of the criteria or of the geometry cannot be read, or names what is unknown.
         MeshError: the mesh is not valid: it has inverted elements, indices out of range or the like.
         OverlapError: the mesh overlaps itself, and flips would make faces that three or more tetrahedra share.
         UntangleError: the option untangle could not make every volume positive.
@@ -154,6 +172,12 @@ def optimize(
     work, adapter = _prepared(mesh, tets, tags)
     _check_data(adapter, options)
     before = np.asarray(mesh if tets is not None else adapter.points(), dtype=np.float64)
+    if geometry is not None:
+        if criteria is not None:
+            raise OptionError("criteria and geometry exclude each other: make two calls")
+        model = geometry if isinstance(geometry, Geometry) else Geometry(str(geometry))
+        on_model = _with_progress(progress, lambda hook: _core.improve_on_geometry(work, model, dict(options), snap, hook))
+        return _result(work, adapter, on_model.optimization, before, dict(options), geometry=on_model)
     if criteria is None:
         report = _with_progress(progress, lambda hook: _core.improve(work, dict(options), hook))
         return _result(work, adapter, report, before, dict(options))
@@ -186,6 +210,7 @@ def _result(
     options: Mapping[str, Any],
     displacement: str = "",
     criteria: CriteriaReport | None = None,
+    geometry: GeometryReport | None = None,
 ) -> Result[Any]:
     vertex_map = _vertex_map(report, len(work.points))
     nodes = adapter.nodes(work, report, vertex_map)
@@ -198,7 +223,7 @@ def _result(
             "data='conserve' evaluates it at the new places",
             stacklevel=3,
         )
-    return Result(adapter.result(work, report, nodes), report, nodes.origin, report.tet2original, moved, criteria)
+    return Result(adapter.result(work, report, nodes), report, nodes.origin, report.tet2original, moved, criteria, geometry)
 
 
 @dataclass(frozen=True)
@@ -299,7 +324,7 @@ def move(
         arrays = [_core.surface_targets(work, t, list(patches)) for t in arrays]
     motion = _with_progress(progress, lambda hook: _core.move(work, arrays, dict(options), hook))
     r = _result(work, adapter, motion.optimization, before, dict(options), displacement)
-    return MoveResult(r.mesh, r.report, r.vertex_map, r.parent, r.moved, r.criteria, motion)
+    return MoveResult(r.mesh, r.report, r.vertex_map, r.parent, r.moved, r.criteria, r.geometry, motion)
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from os import PathLike
 from typing import TYPE_CHECKING
 
 import pyvista as pv
 
-from ._core import AcceptanceReport, Progress, Quality
+from ._core import AcceptanceReport, Geometry, Progress, Quality
 from ._optimize import Criteria, Float64s, MoveResult, Result, Targets, check, measure_each, move, optimize, quality
 from ._options import Options
 
@@ -31,10 +32,12 @@ class TetuneAccessor:
         tags: Tags = None,
         progress: bool | Callable[[Progress], object] = False,
         criteria: Criteria | None = None,
+        geometry: Geometry | str | PathLike[str] | None = None,
+        snap: bool = True,
         **options: Unpack[Options],
     ) -> pv.UnstructuredGrid:
         """The improved grid: `tetune.optimize(grid, ...).mesh`."""
-        return self.run(tags=tags, progress=progress, criteria=criteria, **options).mesh
+        return self.run(tags=tags, progress=progress, criteria=criteria, geometry=geometry, snap=snap, **options).mesh
 
     def run(
         self,
@@ -42,10 +45,12 @@ class TetuneAccessor:
         tags: Tags = None,
         progress: bool | Callable[[Progress], object] = False,
         criteria: Criteria | None = None,
+        geometry: Geometry | str | PathLike[str] | None = None,
+        snap: bool = True,
         **options: Unpack[Options],
     ) -> Result[pv.UnstructuredGrid]:
         """`tetune.optimize(grid, ...)`, with the report and the maps."""
-        return optimize(self._grid, tags=tags, progress=progress, criteria=criteria, **options)
+        return optimize(self._grid, tags=tags, progress=progress, criteria=criteria, geometry=geometry, snap=snap, **options)
 
     def move(
         self,
