@@ -2,13 +2,14 @@
 # The shared library once more for processors with AVX2 and with AVX-512 (x86-64-v3 and -v4). They lie where the
 # system's loader looks first on such a processor (glibc 2.33 or newer); on all others the one for any x86-64 runs.
 # TETUNE_LEVELS: the targets are tetune_v3 and so on, in the folders glibc-hwcaps/x86-64-v3 and so on.
+set(TETUNE_DISPATCH_LEVELS v3 v4 CACHE STRING "For TETUNE_DISPATCH: which of v3 and v4")
 set(TETUNE_LEVELS)
 if(NOT CMAKE_SYSTEM_NAME STREQUAL Linux OR NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|amd64|AMD64)$")
   set(needs "Linux on x86-64")
 elseif(NOT BUILD_SHARED_LIBS OR TETUNE_NATIVE OR TETUNE_CUDA)
   set(needs "-DBUILD_SHARED_LIBS=ON -DTETUNE_NATIVE=OFF and a build without CUDA")
 else()
-  set(TETUNE_LEVELS v3 v4)
+  set(TETUNE_LEVELS ${TETUNE_DISPATCH_LEVELS})
 endif()
 if(NOT TETUNE_LEVELS)
   if(NOT TETUNE_DISPATCH STREQUAL "AUTO")
