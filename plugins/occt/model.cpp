@@ -10,8 +10,6 @@
 #include <BinTools.hxx>
 #include <Bnd_Box.hxx>
 #include <IGESControl_Reader.hxx>
-#include <IGESData_GlobalSection.hxx>
-#include <IGESData_IGESModel.hxx>
 #include <STEPControl_Reader.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
 #include <TopExp.hxx>
@@ -25,39 +23,18 @@
 namespace tetune::plugin {
 namespace {
 
-constexpr double kMmPerMeter = 1000;
-
-/// The length of a unit of STEP in mm; 0 for another name.
-double unit_length(const std::string& name) {
-  struct Unit {
-    const char* name;
-    double mm;
-  };
-  constexpr Unit kUnits[] = {{"millimetre", 1},    {"centimetre", 10},  {"metre", kMmPerMeter}, {"kilometre", 1e6},
-                             {"micrometre", 1e-3}, {"nanometre", 1e-6}, {"inch", 25.4},         {"foot", 304.8},
-                             {"mile", 1609344},    {"millimeter", 1},   {"centimeter", 10},     {"meter", kMmPerMeter}};
-  for (const Unit& unit : kUnits) {
-    if (name == unit.name) return unit.mm;
-  }
-  return 0;
-}
-
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   return text;
 }
 
-TopoDS_Shape read_step(const std::string& file, LoadedModel& model, Warnings& warnings) {
+TopoDS_Shape read_step(const std::string& file, Warnings& warnings) {
   STEPControl_Reader reader;
   if (reader.ReadFile(file.c_str()) != IFSelect_RetDone) {
     throw FileError("the file is damaged, cut short, or no STEP file");
   }
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   reader.FileUnits(lengths, angles, solid_angles);
-  if (lengths.Length() > 0) {
-    model.unit = lower(lengths.First().ToCString());
-    model.unit_mm = unit_length(model.unit);
-  }
   for (int i = 2; i <= lengths.Length(); ++i) {
     if (lengths.Value(i) != lengths.First()) {
       warnings.emplace_back("parts of the model are in different units; each is converted");
@@ -69,15 +46,10 @@ TopoDS_Shape read_step(const std::string& file, LoadedModel& model, Warnings& wa
 }
 
 /// Faces of IGES are separate: those that meet are joined at common edges.
-TopoDS_Shape read_iges(const std::string& file, LoadedModel& model) {
+TopoDS_Shape read_iges(const std::string& file) {
   IGESControl_Reader reader;
   if (reader.ReadFile(file.c_str()) != IFSelect_RetDone) {
     throw FileError("the file is damaged, cut short, or no IGES file");
-  }
-  const Handle(IGESData_IGESModel) iges = Handle(IGESData_IGESModel)::DownCast(reader.Model());
-  if (!iges.IsNull()) {
-    model.unit_mm = iges->GlobalSection().UnitValue();
-    model.unit = lower(iges->GlobalSection().UnitName().IsNull() ? "" : iges->GlobalSection().UnitName()->ToCString());
   }
   reader.TransferRoots();
   const TopoDS_Shape faces = reader.OneShape();
@@ -111,10 +83,10 @@ TopoDS_Shape read_brep(const std::string& file) {
   return shape;
 }
 
-TopoDS_Shape read_shape(const std::string& file, LoadedModel& model, Warnings& warnings) {
+TopoDS_Shape read_shape(const std::string& file, Warnings& warnings) {
   const std::string ending = lower(ending_of(file));
-  if (ending == ".step" || ending == ".stp") return read_step(file, model, warnings);
-  if (ending == ".iges" || ending == ".igs") return read_iges(file, model);
+  if (ending == ".step" || ending == ".stp") return read_step(file, warnings);
+  if (ending == ".iges" || ending == ".igs") return read_iges(file);
   if (ending == ".brep" || ending == ".brp") return read_brep(file);
   throw FileError("the ending is not one of CAD geometry: .step .stp .iges .igs .brep .brp");
 }
@@ -131,7 +103,7 @@ void sort_lists(Map& lists) {
 
 LoadedModel load(const std::string& file, Warnings& warnings) {
   LoadedModel model;
-  const TopoDS_Shape shape = read_shape(file, model, warnings);
+  const TopoDS_Shape shape = read_shape(file, warnings);
   constexpr TopAbs_ShapeEnum kKinds[] = {TopAbs_VERTEX, TopAbs_EDGE, TopAbs_FACE, TopAbs_SOLID};
   for (std::size_t d = 0; d < model.counts.size() && !shape.IsNull(); ++d) {
     TopTools_IndexedMapOfShape map;

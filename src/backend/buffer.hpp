@@ -10,9 +10,8 @@
 
 namespace tetune::backend {
 
-/// An array in the memory of a backend. New elements are not initialized. A
-/// buffer keeps a handle of the memory that it was allocated from, and must not
-/// outlive the backend.
+/// An array in the memory of a backend. New elements are not initialized. A buffer keeps a handle of the memory that it
+/// was allocated from, and must not outlive the backend.
 template <class T, class Backend>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -43,15 +42,13 @@ class Buffer {
     size_ = size;
   }
 
-  /// resize() with a capacity of at least `capacity`, up to which grow() does
-  /// not copy.
+  /// resize() with a capacity of at least `capacity`, up to which grow() does not copy.
   void resize(const Backend& backend, Size size, Size capacity) {
     resize(backend, std::max(size, capacity));
     size_ = size;
   }
 
-  /// Changes the size and keeps the content. Reserves an eighth more than the
-  /// old capacity when it allocates.
+  /// Changes the size and keeps the content. Reserves an eighth more than the old capacity when it allocates.
   void grow(const Backend& backend, Size size) {
     if (size > capacity_) {
       Buffer bigger(backend, std::max(size, capacity_ + capacity_ / 8));
@@ -99,8 +96,7 @@ class Buffer {
   Size capacity_ = 0;
 };
 
-/// The DeviceView of a backend whose memory is separate from the host's: a
-/// copy.
+/// The DeviceView of a backend whose memory is separate from the host's: a copy.
 template <class T, class Backend>
 class UploadedView {
  public:

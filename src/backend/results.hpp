@@ -71,4 +71,13 @@ struct EvaluateListed {
   TETUNE_HD void operator()(Size i) const { results[i] = kernel(items[i]); }
 };
 
+template <class Backend, class T, class F, class G>
+CountAndSum<T> compact_and_sum(const Backend& backend, Size n, const F& keep, Span<Index32> out, const G& evaluate,
+                               Span<T> sums) {
+  const Size kept = backend.compact(n, keep, out);
+  backend.for_each(kept, EvaluateListed<T, G>{evaluate, out, sums});
+  sums = {sums.data(), kept};
+  return {std::uint32_t(kept), backend.exclusive_scan(Span<const T>(sums), sums)};
+}
+
 }  // namespace tetune::backend

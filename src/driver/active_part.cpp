@@ -7,6 +7,7 @@
 
 #include "backend/span.hpp"
 #include "boundary/vertex_dof.hpp"
+#include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "quality/limits.hpp"
 
@@ -155,8 +156,7 @@ class PartTaker {
         std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
         const auto is_on_cut = [this](Index v) { return span_of(on_cut_)[v] != 0; };
         if (!std::all_of(face.begin(), face.end(), is_on_cut)) continue;
-        std::sort(face.begin(), face.end());
-        faces.push_back(face);
+        faces.push_back(ascending(face));
       }
     }
     std::sort(faces.begin(), faces.end());

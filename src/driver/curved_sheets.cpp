@@ -6,6 +6,7 @@
 
 #include "backend/span.hpp"
 #include "boundary/classify.hpp"
+#include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
 
 namespace tetune {
@@ -13,9 +14,7 @@ namespace tetune {
 std::vector<SheetTriangle> find_sheets(const TetMesh& mesh) {
   std::map<std::array<Index, 3>, int> tags;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    auto t = mesh.triangles[i];
-    std::sort(t.begin(), t.end());
-    if (mesh.triangle_tags[i] != 0) tags[t] = mesh.triangle_tags[i];
+    if (mesh.triangle_tags[i] != 0) tags[ascending(mesh.triangles[i])] = mesh.triangle_tags[i];
   }
   std::vector<SheetTriangle> sheets;
   for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {

@@ -10,6 +10,7 @@
 #include "boundary/vertex_dof.hpp"
 #include "curved/curved_edges.hpp"
 #include "driver/curved_slide.hpp"
+#include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "tetune/data.hpp"
 
@@ -45,11 +46,6 @@ bool is_straight(const TetMesh& mesh, const CurvedEdge& edge) {
   const Vec3 p = vec(span_of(mesh.points)[edge.vertices[0]]);
   const Vec3 q = vec(span_of(mesh.points)[edge.vertices[1]]);
   return norm(vec(edge.middle) - 0.5 * (p + q)) <= kRounding * norm(q - p);
-}
-
-Triangle sorted(Triangle t) {
-  std::sort(t.begin(), t.end());
-  return t;
 }
 
 /// The entries of `list` of the result whose original is one of `originals`.
@@ -92,7 +88,7 @@ void take(std::vector<T>& list, const std::vector<Index>& kept) {
 
 std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index>& tets) {
   std::set<Triangle> surface;
-  for_each_surface_triangle(mesh, [&surface](const Triangle& t) { surface.insert(sorted(t)); });
+  for_each_surface_triangle(mesh, [&surface](const Triangle& t) { surface.insert(ascending(t)); });
   const CurvedEdges edges(mesh);
   const auto tangent = [&](Index from, Index to) {
     const Vec3 p = vec(span_of(mesh.points)[from]);
@@ -115,7 +111,7 @@ std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index
   for (const Index tet : tets) {
     const auto& v = span_of(mesh.tets)[tet];
     for (std::size_t k = 0; k < 4; ++k) {
-      const Triangle face = sorted({v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]});
+      const Triangle face = ascending(Triangle{v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]});
       if (!surface.contains(face) || !is_folded(face)) continue;
       folded.push_back(tet);
       break;
@@ -217,10 +213,10 @@ void CurvedSkeleton::require_triangles() {
   };
   std::set<Triangle> curved;
   for_each_surface_triangle(whole_, [&](const Triangle& t) {
-    if (is_kept(t[0], t[1]) || is_kept(t[1], t[2]) || is_kept(t[2], t[0])) curved.insert(sorted(t));
+    if (is_kept(t[0], t[1]) || is_kept(t[1], t[2]) || is_kept(t[2], t[0])) curved.insert(ascending(t));
   });
   for (Index i = 0; i < std::ssize(mesh.triangles); ++i) {
-    const auto at = curved.find(sorted(span_of(mesh.triangles)[i]));
+    const auto at = curved.find(ascending(span_of(mesh.triangles)[i]));
     if (at == curved.end()) continue;
     mesh.required_triangles.push_back(i);
     curved.erase(at);

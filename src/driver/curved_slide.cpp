@@ -80,14 +80,14 @@ struct ChangedTriangles {
                    const std::vector<Index>& vertex2original) {
     std::set<Triangle> kept;
     std::set<Triangle> old_set;
-    for (const SheetTriangle& t : old_triangles) old_set.insert(sorted(t.vertices));
+    for (const SheetTriangle& t : old_triangles) old_set.insert(ascending(t.vertices));
     for (const SheetTriangle& t : new_triangles) {
-      const Triangle now = sorted(t.vertices);
+      const Triangle now = ascending(t.vertices);
       Triangle original = now;
       if (!vertex2original.empty()) {
         for (Index& v : original) v = span_of(vertex2original)[v];
         // Vertices that remain keep their order, and inserted ones are -1.
-        original = sorted(original);
+        original = ascending(original);
       }
       const bool is_kept = old_set.contains(original) && are_same(old_quadratic.of(original), new_quadratic.of(now));
       if (is_kept) {
@@ -97,12 +97,6 @@ struct ChangedTriangles {
       }
     }
     std::set_difference(old_set.begin(), old_set.end(), kept.begin(), kept.end(), std::back_inserter(before));
-  }
-
- private:
-  static Triangle sorted(Triangle t) {
-    std::sort(t.begin(), t.end());
-    return t;
   }
 };
 

@@ -245,16 +245,7 @@ class GeometryRun {
   }
   Options fixed_options(const WorkState& state) const { return options_for(state, Boundary::fixed); }
 
-  /// The hooks of a part of the run.
-  Context context_for(double done, double part) const {
-    Context context = hooks_.context();
-    if (!context.progress) return context;
-    context.progress = [progress = context.progress, done, part](Progress p) {
-      p.fraction = done + part * p.fraction;
-      return progress(p);
-    };
-    return context;
-  }
+  Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
 
   void add(Report&& run) {
     Report& total = report_.optimization;

@@ -11,6 +11,7 @@
 #include "io/geometry_stream.hpp"
 #include "io/plugin_call.hpp"
 #include "math/vec3.hpp"
+#include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "tetune/error.hpp"
@@ -51,11 +52,6 @@ struct Surface {
 
 using Triangle = std::array<Index, 3>;
 
-Triangle sorted(Triangle t) {
-  std::sort(t.begin(), t.end());
-  return t;
-}
-
 /// Adds the listed triangles, but for those that constrain nothing, and the other faces of boundary and interfaces.
 void add_triangles(const TetMesh& mesh, Surface& s) {
   std::vector<Triangle> faces;
@@ -68,7 +64,7 @@ void add_triangles(const TetMesh& mesh, Surface& s) {
   });
   std::vector<Triangle> listed;
   for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {
-    const Triangle triangle = sorted(span_of(mesh.triangles)[t]);
+    const Triangle triangle = ascending(span_of(mesh.triangles)[t]);
     listed.push_back(triangle);
     const bool is_loose =
         span_of(mesh.triangle_tags)[t] == 0 && !std::binary_search(faces.begin(), faces.end(), triangle);
@@ -209,14 +205,13 @@ GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
   }
   auto answer = ask<ClassifyQuery, ClassifyAnswer>("classify", file_, query);
   std::size_t farther = 0;
-  std::vector<double> distances(mesh.points.size(), 0);
   for (std::size_t i = 0; i < query.points.size(); ++i) {
-    const Index v = surface.surface2mesh[i];
-    span_of(distances)[v] = answer.distances[i] / unit_;
-    if (span_of(surface.is_outer)[v] != 0 && answer.distances[i] > query.radii[i]) ++farther;
+    const bool is_outer = span_of(surface.is_outer)[surface.surface2mesh[i]] != 0;
+    if (is_outer && answer.distances[i] > query.radii[i]) ++farther;
   }
-  if (farther > 0) fail_to_match(*this, mesh, surface, unit_, distances, farther);
-  return match_of(surface, mesh, std::move(answer), unit_);
+  GeometryMatch match = match_of(surface, mesh, std::move(answer), unit_);
+  if (farther > 0) fail_to_match(*this, mesh, surface, unit_, match.distances, farther);
+  return match;
 }
 
 std::vector<Point3> Geometry::project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,

@@ -17,8 +17,6 @@ namespace tetune {
 /// The answer to `load`. Lengths are in mm, as of OpenCASCADE.
 struct LoadedModel {
   std::string shape;                     ///< binary BREP
-  std::string unit;                      ///< name of the file's unit of length; empty where it has none
-  double unit_mm = 0;                    ///< its length; 0 where it is not known
   std::array<std::int32_t, 4> counts{};  ///< of vertices, edges, faces, solids
   Point3 low{}, high{};                  ///< bounding box
 };
@@ -59,7 +57,7 @@ struct ProjectAnswer {
 
 template <class Archive, MaybeConst<LoadedModel> Model>
 void transfer(Archive& archive, Model& m) {
-  archive(m.shape, m.unit, m.unit_mm);
+  archive(m.shape);
   for (auto& count : m.counts) archive(count);
   for (auto& x : m.low) archive(x);
   for (auto& x : m.high) archive(x);

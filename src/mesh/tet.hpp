@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "math/packed_table.hpp"
@@ -24,6 +25,12 @@ struct alignas(16) Tet {
 
 /// Both vertices of an edge, the lower one first.
 inline std::array<Index, 2> ascending(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
+/// Vertices in increasing order.
+template <std::size_t N>
+std::array<Index, N> ascending(std::array<Index, N> vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
 
 /// Local index of vertex k of a face; face i lies opposite vertex i. The vertices of a face are counter-clockwise seen
 /// from inside a positively oriented tetrahedron: (i, face_vertex(i, 0), face_vertex(i, 1), face_vertex(i, 2)) is an

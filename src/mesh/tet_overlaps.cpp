@@ -7,17 +7,13 @@
 #include <utility>
 
 #include "mesh/box_tree.hpp"
+#include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
 
 namespace tetune {
 namespace {
 
 using Ids = std::array<Index, 4>;
-
-Ids ascending(Ids ids) {
-  std::sort(ids.begin(), ids.end());
-  return ids;
-}
 
 double volume(const TetPoints& x) { return std::fabs(six_volume(x)) / 6; }
 

@@ -145,10 +145,7 @@ class Emulation {
 
   template <class T, class F, class G>
   CountAndSum<T> compact_and_sum(Size n, const F& keep, Span<Index32> out, const G& evaluate, Span<T> sums) const {
-    const Size kept = compact(n, keep, out);
-    for_each(kept, EvaluateListed<T, G>{evaluate, out, sums});
-    sums = {sums.data(), kept};
-    return {static_cast<std::uint32_t>(kept), exclusive_scan(Span<const T>(sums), sums)};
+    return backend::compact_and_sum(*this, n, keep, out, evaluate, sums);
   }
 
   template <class K>
