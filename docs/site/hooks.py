@@ -102,6 +102,8 @@ def on_page_markdown(markdown, page, config, files):
         page = PAGES.get(path, path.removeprefix("docs/"))
         return f"]({relpath(page, dirname(here) or '.')}{mark}{anchor})"
 
+    # The workflows' badges have their addresses on GitHub alone.
+    markdown = re.sub(r"^\[!\[.*badge\.svg\).*\n\n", "", markdown, flags=re.M)
     return re.sub(r"\]\(([^)\s]+)\)", of_site, markdown).replace("<details>", '<details markdown="1">')
 
 
