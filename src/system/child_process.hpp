@@ -58,9 +58,9 @@ class ChildProcess {
   std::optional<ExitStatus> request();
 
  private:
-  int owner_ = 0;  ///< process id
-  int child_ = 0;  ///< process id; 0: it has ended
-  int socket_ = -1;
+  [[maybe_unused]] int owner_ = 0;  ///< process id
+  [[maybe_unused]] int child_ = 0;  ///< process id; 0: it has ended
+  [[maybe_unused]] int socket_ = -1;
   ExitStatus status_;
 };
 
