@@ -3,10 +3,10 @@
 
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <new>
 #include <stdexcept>
@@ -79,18 +79,21 @@ void install_signal_handlers(const char* written_file) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
 }
 
-void limit_memory(const std::string& file) {
+MemoryLimit::MemoryLimit(const std::string& file) {
+  ::getrlimit(RLIMIT_DATA, &before_);
 #if !defined(__SANITIZE_ADDRESS__)  // whose shadow memory counts too
   constexpr rlim_t kBaseBytes = 1'000'000'000;
   constexpr rlim_t kPerFileByte = 100;
   if (ending_of(file) == ".pvtu") return;  // the data are in other files
   const rlim_t bytes = kBaseBytes + kPerFileByte * std::filesystem::file_size(file);
-  const rlimit limit{bytes, bytes};
+  const rlimit limit{std::min(bytes, before_.rlim_max), before_.rlim_max};
   ::setrlimit(RLIMIT_DATA, &limit);
 #else
   (void)file;
 #endif
 }
+
+MemoryLimit::~MemoryLimit() { ::setrlimit(RLIMIT_DATA, &before_); }
 
 int run_and_answer(const std::function<AnswerBody(Warnings&)>& work) {
   try {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/resource.h>
+
 #include <functional>
 #include <string>
 #include <string_view>
@@ -30,9 +32,18 @@ bool has_channel();
 /// `written_file` unless it is null.
 void install_signal_handlers(const char* written_file);
 
-/// Limits the memory of this process to what a file of its size can fill: libraries trust the counts of a damaged file.
-/// The factor allows for compressed files.
-void limit_memory(const std::string& file);
+/// Limits the memory of this process, while it lives, to what a file of its size can fill: libraries trust the counts
+/// of a damaged file. The factor allows for compressed files.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(const std::string& file);
+  ~MemoryLimit();
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
 
 /// Runs `work`, which may add warnings, and answers with the body that it returns, or with the message of the exception
 /// that it throws. Returns the exit code.

@@ -12,7 +12,7 @@ namespace {
 AnswerBody run(const std::string& verb, const std::string& file, Warnings& warnings) {
   TetMesh mesh;
   if (verb == "read") {
-    limit_memory(file);
+    const MemoryLimit memory(file);
     mesh = read(file, warnings);
     if (mesh.points.empty()) throw FileError("there is no mesh in this file");
     return [mesh = std::move(mesh)](AnswerWriter& out) { out(mesh); };

@@ -14,11 +14,11 @@
 namespace tetune::cli {
 namespace {
 
-struct Unit {
-  const char* name;
-  double mm;
-};
-constexpr Unit kUnits[] = {{"um", 1e-3}, {"mm", 1}, {"cm", 10}, {"m", 1000}, {"inch", 25.4}, {"ft", 304.8}};
+std::string unit_names() {
+  std::string names;
+  for (const LengthUnit& u : kLengthUnits) names += (names.empty() ? "" : ", ") + std::string(u.name);
+  return names;
+}
 
 double largest_distance(const GeometryMatch& match) {
   return match.distances.empty() ? 0 : *std::max_element(match.distances.begin(), match.distances.end());
@@ -27,20 +27,20 @@ double largest_distance(const GeometryMatch& match) {
 }  // namespace
 
 double unit_in_mm(const std::string& unit) {
-  for (const Unit& u : kUnits) {
+  for (const LengthUnit& u : kLengthUnits) {
     if (unit == u.name) return u.mm;
   }
   double mm = 0;
   if (CLI::detail::lexical_cast(unit, mm) && mm > 0 && std::isfinite(mm)) return mm;
-  throw OptionError("--geometry-unit: '" + unit + "' is not one of um, mm, cm, m, inch, ft, nor a length in mm");
+  throw OptionError("--geometry-unit: '" + unit + "' is not one of " + unit_names() + ", nor a length in mm");
 }
 
 void define_geometry(CLI::App& command, GeometryArguments& a, const std::string& group, const std::string& purpose) {
   command.add_option("--geometry", a.file, purpose)->option_text("FILE")->group(group);
   command
       .add_option("--geometry-unit", a.unit,
-                  "With --geometry: the mesh's unit, um, mm, cm, m, inch, ft or a number of mm, to which the geometry "
-                  "is converted; BREP files are in mm")
+                  "With --geometry: the mesh's unit, " + unit_names() +
+                      " or a number of mm, to which the geometry is converted; BREP files are in mm")
       ->option_text("UNIT")
       ->default_str("mm")
       ->group(group);

@@ -61,7 +61,7 @@ class Run {
     file_links_ = input_.mesh.periodic.size();
     add_links(a_.periodic, a_.periodic_map, name, input_.mesh);
     if (!a_.geometry.file.empty()) {
-      geometry_.emplace(a_.geometry.file, unit_in_mm(a_.geometry.unit));
+      geometry_.emplace(a_.geometry.file, unit_in_mm(a_.geometry.unit), a_.options.threads);
       warn_all(geometry_->warnings());
     }
     if (a_.move) {

@@ -13,6 +13,7 @@
 namespace tetune {
 
 struct LoadedModel;
+class PluginSession;
 
 /// The vertex, edge or face of a CAD model that a vertex of a mesh is on.
 struct GeometryEntity {
@@ -48,6 +49,14 @@ struct GeometryMatch {
   std::int64_t unmatched_vertices = 0;
 };
 
+/// A unit of length that geometry is converted to.
+struct LengthUnit {
+  const char* name;
+  double mm;
+};
+inline constexpr LengthUnit kLengthUnits[] = {{"um", 1e-3}, {"mm", 1},      {"cm", 10},
+                                              {"m", 1000},  {"inch", 25.4}, {"ft", 304.8}};
+
 /// Distances of a set of points from the geometry.
 struct DistanceSummary {
   std::int64_t points = 0;
@@ -67,13 +76,15 @@ struct GeometryDeviation {
 };
 
 /// The exact surface of a part: a STEP (.step, .stp), IGES (.iges, .igs) or BREP (.brep, .brp) file, read by
-/// OpenCASCADE in a process of its own. Numbers of entities are those of their order in the model. Seams of periodic
-/// faces and poles are no edges; a vertex of the model where only a seam and one closed smooth edge end is none.
+/// OpenCASCADE in a process of its own, which lives as long as the copies of this object. Numbers of entities are those
+/// of their order in the model. Seams of periodic faces and poles are no edges; a vertex of the model where only a seam
+/// and one closed smooth edge end is none.
 class TETUNE_API Geometry {
  public:
   /// `unit`: the length of the mesh's unit in mm; OpenCASCADE converts STEP and IGES to mm, and BREP is taken as such.
-  /// Throws FileError, also where this installation lacks the plugin, and OptionError for a unit that is not positive.
-  explicit Geometry(std::string file, double unit = 1);
+  /// `threads`: that the process may use, 0 for all cores; results are the same. Throws FileError, also where this
+  /// installation lacks the plugin, and OptionError for a unit that is not positive or a negative number of threads.
+  explicit Geometry(std::string file, double unit = 1, int threads = 0);
 
   const std::string& file() const { return file_; }
   /// Numbers of vertices, edges, faces and solids.
@@ -96,8 +107,8 @@ class TETUNE_API Geometry {
   std::vector<Point3> project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
                               const std::vector<double>& radii = {}) const;
 
-  /// Measures triangles that have a face, and their vertices and edges: midpoints of edges on edges of the model from
-  /// these. Throws FileError.
+  /// Measures triangles that have a face, and their edges: midpoints of edges on edges of the model from these.
+  /// Distances of vertices are those of `match`, which is of these points. Throws FileError.
   GeometryDeviation measure(const std::vector<Point3>& points, const GeometryMatch& match) const;
 
   static constexpr double kGeometryTolerance = 0.25;
@@ -105,6 +116,8 @@ class TETUNE_API Geometry {
  private:
   std::string file_;
   double unit_;
+  int threads_;
+  std::shared_ptr<PluginSession> session_;
   std::shared_ptr<const LoadedModel> model_;
   std::vector<std::string> warnings_;
 };

@@ -2,9 +2,8 @@
 #include "classify.hpp"
 
 #include <algorithm>
+#include <map>
 #include <utility>
-
-#include "nearest.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -24,7 +23,8 @@ bool includes(const Faces& larger, const Faces& smaller) {
 
 class Classifier {
  public:
-  explicit Classifier(const ClassifyQuery& query) : q_(query), model_(query.shape), nearest_(model_) {}
+  Classifier(const ClassifyQuery& query, const Model& model, Workers& workers)
+      : q_(query), model_(model), workers_(workers) {}
 
   ClassifyAnswer run() {
     const std::size_t n = q_.points.size();
@@ -36,7 +36,7 @@ class Classifier {
     on_line_.assign(n, 0);
     find_neighbors();
     measure_points();
-    for (const auto& triangle : q_.triangles) assign_triangle(triangle);
+    assign_triangles();
     find_point_faces();
     find_lines();
     assign_model_vertices();
@@ -64,50 +64,58 @@ class Classifier {
     }
   }
 
-  /// Finds the faces near each point, each point after a neighbor: parameters of the neighbor start the search, and a
-  /// face that is far from it is left out.
+  /// Finds the faces near each point. Every 64th one starts alone, the others after a neighbor: parameters of the
+  /// neighbor start the search, and a face that is far from it is left out.
   void measure_points() {
-    near_.resize(q_.points.size());
-    std::vector<char> seen(q_.points.size(), 0);
-    std::vector<Index> queue;
-    for (Index seed = 0; seed < index_count(q_.points); ++seed) {
-      if (item(seen, seed)) continue;
-      item(seen, seed) = 1;
-      measure(seed, -1);
-      queue.assign(1, seed);
-      for (std::size_t i = 0; i < queue.size(); ++i) {
-        const Index from = queue[i];
-        for (const Index to : item(neighbors_, from)) {
+    constexpr std::size_t kStride = 64;
+    const std::size_t n = q_.points.size();
+    near_.resize(n);
+    std::vector<char> seen(n, 0);
+    std::vector<std::pair<Index, Index>> front, next;  // point, neighbor
+    for (std::size_t seed = 0; seed < n; seed += kStride) front.emplace_back(Index(seed), -1);
+    std::size_t unseen = 0;
+    while (unseen < n) {
+      for (const auto& [point, from] : front) item(seen, point) = 1;
+      workers_.for_chunks(front.size(), q_.threads, [&](NearestPoints& nearest, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) measure(nearest, front[i].first, front[i].second);
+      });
+      next.clear();
+      for (const auto& [point, from] : front) {
+        for (const Index to : item(neighbors_, point)) {
           if (item(seen, to)) continue;
           item(seen, to) = 1;
-          measure(to, from);
-          queue.push_back(to);
+          next.emplace_back(to, point);
         }
+      }
+      front.swap(next);
+      while (front.empty() && unseen < n) {
+        if (!item(seen, unseen)) front.emplace_back(Index(unseen), -1);
+        ++unseen;
       }
     }
   }
 
-  void measure(Index i, Index neighbor) {
+  void measure(NearestPoints& nearest, Index i, Index neighbor) {
     const gp_Pnt p = point(i);
     const double step = neighbor < 0 ? 0 : p.Distance(point(neighbor));
     for (int f = 1; f <= model_.faces(); ++f) {
-      if (!model_.is_first_face(f) || nearest_.from_face_box(f, p) > radius(i)) continue;
+      if (!model_.is_first_face(f) || nearest.from_face_box(f, p) > radius(i)) continue;
       const NearFace* known = neighbor < 0 ? nullptr : find(neighbor, f);
       if (known != nullptr && known->distance - step > radius(i)) {
         item(near_, i).push_back({f, known->distance - step, {}});
         continue;
       }
-      const Foot foot = nearest_.on_face(f, p, radius(i), known != nullptr ? known->uv : std::nullopt);
+      const Foot foot = nearest.on_face(f, p, radius(i), known != nullptr ? known->uv : std::nullopt);
       item(near_, i).push_back({f, foot.distance, foot.uv});
       item(a_.distances, i) = std::min(item(a_.distances, i), foot.distance);
     }
-    if (item(a_.distances, i) > radius(i)) item(a_.distances, i) = distance_from_model(p);
+    if (item(a_.distances, i) > radius(i)) item(a_.distances, i) = distance_from_model(nearest, p);
   }
 
-  double distance_from_model(const gp_Pnt& p) {
+  double distance_from_model(NearestPoints& nearest, const gp_Pnt& p) {
     double least = kAnyRadius;
     for (int f = 1; f <= model_.faces(); ++f) {
-      if (nearest_.from_face_box(f, p) < least) least = std::min(least, nearest_.on_face(f, p, least).distance);
+      if (nearest.from_face_box(f, p) < least) least = std::min(least, nearest.on_face(f, p, least).distance);
     }
     return least;
   }
@@ -119,7 +127,19 @@ class Classifier {
     return nullptr;
   }
 
-  void assign_triangle(const std::array<Index, 3>& t) {
+  void assign_triangles() {
+    const std::size_t n = q_.triangles.size();
+    a_.triangle_faces.assign(n, 0);
+    std::vector<char> ambiguous(n, 0);
+    workers_.for_chunks(n, q_.threads, [&](NearestPoints& nearest, std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) ambiguous[t] = !assign_triangle(nearest, t);
+    });
+    a_.ambiguous_triangles = std::count(ambiguous.begin(), ambiguous.end(), 1);
+  }
+
+  /// Returns false where the triangle is near to several faces.
+  bool assign_triangle(NearestPoints& nearest, std::size_t triangle) {
+    const std::array<Index, 3>& t = q_.triangles[triangle];
     const double r = (radius(t[0]) + radius(t[1]) + radius(t[2])) / 3;
     std::vector<std::pair<double, int>> scores;
     bool all_near = true;
@@ -133,22 +153,22 @@ class Classifier {
       if (sum < kAnyRadius) scores.emplace_back(sum, near.face);
     }
     if (scores.size() > 1) {
-      for (auto& [score, face] : scores) score = kPointWeight * score + middle_distances(t, face, r);
+      for (auto& [score, face] : scores) score = kPointWeight * score + middle_distances(nearest, t, face, r);
       std::sort(scores.begin(), scores.end());
     }
     const bool is_clear =
         scores.size() == 1 || (scores.size() > 1 && scores[1].first > kClearer * scores[0].first + kRounding * r);
-    a_.triangle_faces.push_back(is_clear ? scores[0].second : 0);
-    if (!is_clear && all_near) ++a_.ambiguous_triangles;
+    if (is_clear) a_.triangle_faces[triangle] = scores[0].second;
+    return is_clear || !all_near;
   }
 
   /// The sum of the distances of the midpoints of the edges and of the centroid.
-  double middle_distances(const std::array<Index, 3>& t, int face, double r) {
+  double middle_distances(NearestPoints& nearest, const std::array<Index, 3>& t, int face, double r) {
     double sum = 0;
     const std::optional<gp_Pnt2d> guess = find(t[0], face)->uv;
     const gp_XYZ p[3] = {point(t[0]).XYZ(), point(t[1]).XYZ(), point(t[2]).XYZ()};
     for (const gp_XYZ& middle : {(p[0] + p[1]) / 2, (p[1] + p[2]) / 2, (p[2] + p[0]) / 2, (p[0] + p[1] + p[2]) / 3}) {
-      sum += std::min(nearest_.on_face(face, middle, 4 * r, guess).distance, 4 * r);
+      sum += std::min(nearest.on_face(face, middle, 4 * r, guess).distance, 4 * r);
     }
     return sum;
   }
@@ -249,7 +269,7 @@ class Classifier {
     std::pair<int, double> best{0, kAnyRadius};
     for (const int e : model_.edges_of_face(faces[0])) {
       if (!model_.is_feature_edge(e) || !includes(model_.faces_of_edge(e), faces)) continue;
-      const double d = nearest_.on_edge(e, p).distance;
+      const double d = workers_.own().on_edge(e, p).distance;
       if (d < best.second) best = {e, d};
     }
     return best;
@@ -262,8 +282,8 @@ class Classifier {
   static constexpr double kRounding = 1e-6;
 
   const ClassifyQuery& q_;
-  const Model model_;
-  NearestPoints nearest_;
+  const Model& model_;
+  Workers& workers_;
   ClassifyAnswer a_;
   std::vector<std::vector<Index>> neighbors_;
   std::vector<std::vector<NearFace>> near_;
@@ -275,30 +295,33 @@ class Classifier {
 
 }  // namespace
 
-ClassifyAnswer classify(const ClassifyQuery& query) { return Classifier(query).run(); }
+ClassifyAnswer classify(const ClassifyQuery& query, const Model& model, Workers& workers) {
+  return Classifier(query, model, workers).run();
+}
 
-ProjectAnswer project(const ProjectQuery& query) {
-  const Model model(query.shape);
-  NearestPoints nearest(model);
+ProjectAnswer project(const ProjectQuery& query, const Model& model, Workers& workers) {
   ProjectAnswer answer;
-  answer.points.reserve(query.points.size());
-  std::vector<std::optional<gp_Pnt2d>> last(std::size_t(model.faces() + 1));  // per face: points are often neighbors
-  for (std::size_t i = 0; i < query.points.size(); ++i) {
-    const gp_Pnt p = pnt(query.points[i]);
-    const int entity = query.entities[i];
-    gp_Pnt foot;
-    if (query.dimensions[i] == 0) {
-      foot = model.vertex(entity);
-    } else if (query.dimensions[i] == 1) {
-      foot = nearest.on_edge(entity, p).point;
-    } else {
-      Foot found = nearest.on_face(entity, p, query.radii[i], item(last, entity));
-      if (found.distance > query.radii[i]) found = nearest.on_face(entity, p, kAnyRadius);
-      item(last, entity) = found.uv;
-      foot = found.point;
+  answer.points.resize(query.points.size());
+  const auto project_chunk = [&](NearestPoints& nearest, std::size_t begin, std::size_t end) {
+    std::map<int, std::optional<gp_Pnt2d>> last;  // per face: points are often neighbors
+    for (std::size_t i = begin; i < end; ++i) {
+      const gp_Pnt p = pnt(query.points[i]);
+      const int entity = query.entities[i];
+      gp_Pnt foot;
+      if (query.dimensions[i] == 0) {
+        foot = model.vertex(entity);
+      } else if (query.dimensions[i] == 1) {
+        foot = nearest.on_edge(entity, p).point;
+      } else {
+        Foot found = nearest.on_face(entity, p, query.radii[i], last[entity]);
+        if (found.distance > query.radii[i]) found = nearest.on_face(entity, p, kAnyRadius);
+        last[entity] = found.uv;
+        foot = found.point;
+      }
+      answer.points[i] = {foot.X(), foot.Y(), foot.Z()};
     }
-    answer.points.push_back({foot.X(), foot.Y(), foot.Z()});
-  }
+  };
+  workers.for_chunks(query.points.size(), query.threads, project_chunk);
   return answer;
 }
 

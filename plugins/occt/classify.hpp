@@ -2,7 +2,7 @@
 #pragma once
 
 #include "io/geometry_stream.hpp"
-#include "model.hpp"
+#include "workers.hpp"
 
 namespace tetune::plugin {
 
@@ -10,9 +10,9 @@ namespace tetune::plugin {
 /// belongs to the face within the radii of its vertices that it is nearest to; it is ambiguous if another is about as
 /// near. The point's entity is what bounds the faces of all triangles around it, and within the radius: a face, else an
 /// edge, else a vertex. A vertex of the model belongs to the nearest such point.
-ClassifyAnswer classify(const ClassifyQuery& query);
+ClassifyAnswer classify(const ClassifyQuery& query, const Model& model, Workers& workers);
 
 /// The nearest points of known entities.
-ProjectAnswer project(const ProjectQuery& query);
+ProjectAnswer project(const ProjectQuery& query, const Model& model, Workers& workers);
 
 }  // namespace tetune::plugin

@@ -18,7 +18,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
-#include <sstream>
+#include <utility>
 
 namespace tetune::plugin {
 namespace {
@@ -83,6 +83,8 @@ TopoDS_Shape read_brep(const std::string& file) {
   return shape;
 }
 
+}  // namespace
+
 TopoDS_Shape read_shape(const std::string& file, Warnings& warnings) {
   const std::string ending = lower(ending_of(file));
   if (ending == ".step" || ending == ".stp") return read_step(file, warnings);
@@ -90,6 +92,8 @@ TopoDS_Shape read_shape(const std::string& file, Warnings& warnings) {
   if (ending == ".brep" || ending == ".brp") return read_brep(file);
   throw FileError("the ending is not one of CAD geometry: .step .stp .iges .igs .brep .brp");
 }
+
+namespace {
 
 template <class Map>
 void sort_lists(Map& lists) {
@@ -101,9 +105,8 @@ void sort_lists(Map& lists) {
 
 }  // namespace
 
-LoadedModel load(const std::string& file, Warnings& warnings) {
+LoadedModel summarize(const TopoDS_Shape& shape) {
   LoadedModel model;
-  const TopoDS_Shape shape = read_shape(file, warnings);
   constexpr TopAbs_ShapeEnum kKinds[] = {TopAbs_VERTEX, TopAbs_EDGE, TopAbs_FACE, TopAbs_SOLID};
   for (std::size_t d = 0; d < model.counts.size() && !shape.IsNull(); ++d) {
     TopTools_IndexedMapOfShape map;
@@ -117,16 +120,10 @@ LoadedModel load(const std::string& file, Warnings& warnings) {
   const gp_Pnt low = box.CornerMin(), high = box.CornerMax();
   model.low = {low.X(), low.Y(), low.Z()};
   model.high = {high.X(), high.Y(), high.Z()};
-  std::ostringstream out;
-  BinTools::Write(shape, out);
-  model.shape = out.str();
   return model;
 }
 
-Model::Model(const std::string& shape) {
-  std::istringstream in(shape);
-  BinTools::Read(shape_, in);
-  if (shape_.IsNull()) throw FileError("the model was not handed over");
+Model::Model(TopoDS_Shape shape) : shape_(std::move(shape)) {
   TopExp::MapShapes(shape_, TopAbs_VERTEX, vertices_);
   TopExp::MapShapes(shape_, TopAbs_EDGE, edges_);
   TopExp::MapShapes(shape_, TopAbs_FACE, faces_);

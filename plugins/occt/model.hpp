@@ -19,7 +19,10 @@ namespace tetune::plugin {
 inline gp_Pnt pnt(const Point3& p) { return {p[0], p[1], p[2]}; }
 
 /// Reads STEP, IGES, or text or binary BREP, by the ending of its name. Throws FileError, or OpenCASCADE's exceptions.
-LoadedModel load(const std::string& file, Warnings& warnings);
+TopoDS_Shape read_shape(const std::string& file, Warnings& warnings);
+
+/// Throws FileError where the shape has no surface, or an unbounded one.
+LoadedModel summarize(const TopoDS_Shape& shape);
 
 /// The entities of a model and which bound which. Lists of entities are sorted, and in numbers from 1.
 ///
@@ -28,8 +31,7 @@ LoadedModel load(const std::string& file, Warnings& warnings);
 /// solids that touch, of which STEP has two copies, count as one: that with the lowest number.
 class Model {
  public:
-  /// From LoadedModel::shape.
-  explicit Model(const std::string& shape);
+  explicit Model(TopoDS_Shape shape);
 
   int vertices() const { return vertices_.Extent(); }
   int edges() const { return edges_.Extent(); }

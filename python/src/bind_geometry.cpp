@@ -111,9 +111,11 @@ void bind_geometry(nb::module_& m) {
   bind_deviation(m);
   nb::class_<Geometry>(m, "Geometry",
                        "The exact surface of a part: a STEP, IGES or BREP file, read by OpenCASCADE.\n\n`unit`: the "
-                       "length of the mesh's unit in mm. Raises FileError, also where tetune was built without "
+                       "length of the mesh's unit in mm; `threads`: 0 for all cores. Raises FileError, also where "
+                       "tetune was built without "
                        "OpenCASCADE.")
-      .def(nb::init<std::string, double>(), "file"_a, "unit"_a = 1.0, nb::call_guard<nb::gil_scoped_release>())
+      .def(nb::init<std::string, double, int>(), "file"_a, "unit"_a = 1.0, "threads"_a = 0,
+           nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("file", &Geometry::file)
       .def_prop_ro("counts", &Geometry::counts, "Numbers of vertices, edges, faces and solids.")
       .def_prop_ro("low", &Geometry::low, "Of the bounding box, in the mesh's unit.")

@@ -175,7 +175,7 @@ def optimize(
     if geometry is not None:
         if criteria is not None:
             raise OptionError("criteria and geometry exclude each other: make two calls")
-        model = geometry if isinstance(geometry, Geometry) else Geometry(str(geometry))
+        model = geometry if isinstance(geometry, Geometry) else Geometry(str(geometry), threads=options.get("threads", 0))
         on_model = _with_progress(progress, lambda hook: _core.improve_on_geometry(work, model, dict(options), snap, hook))
         return _result(work, adapter, on_model.optimization, before, dict(options), geometry=on_model)
     if criteria is None:

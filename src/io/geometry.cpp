@@ -20,10 +20,10 @@ namespace tetune {
 namespace {
 
 template <class Query, class Answer>
-Answer ask(const char* verb, const std::string& file, const Query& query) {
+Answer ask(PluginSession& session, const char* verb, const Query& query) {
   Answer answer;
-  call_plugin(
-      kOcctPlugin, verb, file, file, {}, [&](PluginWriter& out) { out(query); }, [&](MeshReader& in) { in(answer); });
+  session.call(
+      verb, {}, [&](PluginWriter& out) { out(query); }, [&](MeshReader& in) { in(answer); });
   return answer;
 }
 
@@ -116,14 +116,9 @@ double diagonal_of(const std::vector<Point3>& points, const std::vector<Index>& 
 
 /// A hint at the unit, where it explains the sizes of the mesh and of the geometry.
 std::string unit_hint(double ratio) {
-  struct Unit {
-    double mm;
-    const char* name;
-  };
-  for (const Unit& u : {Unit{1000, "1000 (m)"}, Unit{10, "10 (cm)"}, Unit{25.4, "25.4 (inch)"},
-                        Unit{304.8, "304.8 (ft)"}, Unit{0.001, "0.001 (um)"}, Unit{1, "1 (mm)"}}) {
+  for (const LengthUnit& u : kLengthUnits) {
     if (std::fabs(ratio / u.mm - 1) < 0.05 && std::fabs(ratio - 1) > 0.05) {
-      return std::string("; geometry_unit=") + u.name + " would make the sizes equal";
+      return "; geometry_unit=" + number(u.mm) + " (" + u.name + ") would make the sizes equal";
     }
   }
   return "";
@@ -173,15 +168,20 @@ GeometryMatch match_of(const Surface& surface, const TetMesh& mesh, ClassifyAnsw
 
 }  // namespace
 
-Geometry::Geometry(std::string file, double unit) : file_(std::move(file)), unit_(unit) {
+Geometry::Geometry(std::string file, double unit, int threads)
+    : file_(std::move(file)),
+      unit_(unit),
+      threads_(threads),
+      session_(std::make_shared<PluginSession>(kOcctPlugin, file_)) {
   if (!(unit > 0 && std::isfinite(unit))) {
     throw OptionError("geometry_unit is " + std::to_string(unit) + "; it must be a positive length in mm");
   }
+  if (threads < 0) throw OptionError("threads is " + std::to_string(threads) + "; it must be 0 or positive");
   { const MappedFile readable(file_); }  // an error of opening has the same message for all files
   const auto model = std::make_shared<LoadedModel>();
   IoContext context;
   context.warnings = &warnings_;
-  call_plugin(kOcctPlugin, "load", file_, file_, context, {}, [&](MeshReader& in) { in(*model); });
+  session_->call("load", context, {}, [&](MeshReader& in) { in(*model); });
   model_ = model;
 }
 
@@ -193,7 +193,7 @@ double Geometry::diagonal() const { return distance(low(), high()); }
 GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
   if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
   const Surface surface = surface_of(mesh);
-  ClassifyQuery query{model_->shape, {}, {}, surface.triangles};
+  ClassifyQuery query{threads_, {}, {}, surface.triangles};
   std::vector<Index> mesh2surface(mesh.points.size(), -1);
   for (const Index v : surface.surface2mesh) {
     span_of(mesh2surface)[v] = to_index(std::ssize(query.points));
@@ -203,7 +203,7 @@ GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
   for (auto& t : query.triangles) {
     for (Index& v : t) v = span_of(mesh2surface)[v];
   }
-  auto answer = ask<ClassifyQuery, ClassifyAnswer>("classify", file_, query);
+  auto answer = ask<ClassifyQuery, ClassifyAnswer>(*session_, "classify", query);
   std::size_t farther = 0;
   for (std::size_t i = 0; i < query.points.size(); ++i) {
     const bool is_outer = span_of(surface.is_outer)[surface.surface2mesh[i]] != 0;
@@ -216,7 +216,7 @@ GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
 
 std::vector<Point3> Geometry::project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
                                       const std::vector<double>& radii) const {
-  ProjectQuery query{model_->shape, {}, {}, {}, {}};
+  ProjectQuery query{threads_, {}, {}, {}, {}};
   std::vector<Index> asked;
   for (Size i = 0; i < std::ssize(points); ++i) {
     const GeometryEntity& entity = span_of(entities)[i];
@@ -227,7 +227,7 @@ std::vector<Point3> Geometry::project(const std::vector<Point3>& points, const s
     query.dimensions.push_back(entity.dimension);
     query.entities.push_back(entity.number);
   }
-  const auto answer = ask<ProjectQuery, ProjectAnswer>("project", file_, query);
+  const auto answer = ask<ProjectQuery, ProjectAnswer>(*session_, "project", query);
   std::vector<Point3> projected = points;
   for (std::size_t i = 0; i < asked.size(); ++i) {
     span_of(projected)[asked[i]] = scaled(answer.points.at(i), 1 / unit_);

@@ -41,8 +41,7 @@ struct Side {
 
 class Sampling {
  public:
-  Sampling(const std::vector<Point3>& points, const GeometryMatch& match, double slack)
-      : points_(points), match_(match), slack_(slack) {
+  Sampling(const std::vector<Point3>& points, const GeometryMatch& match) : points_(points), match_(match) {
     for (std::size_t i = 0; i < match.edges.size(); ++i) {
       std::array<Index, 2> edge = match.edges[i];
       std::sort(edge.begin(), edge.end());
@@ -50,6 +49,7 @@ class Sampling {
     }
   }
 
+  /// Their distances are known: as radii, and of no entity, so that they are not projected.
   Samples vertices() const {
     Samples s;
     std::vector<std::array<std::int32_t, 2>> faces(points_.size());
@@ -60,7 +60,7 @@ class Sampling {
       const GeometryEntity& entity = span_of(match_.vertices)[v];
       if (span_of(faces)[v][0] == 0 || entity.dimension < 0) continue;
       if (span_of(faces)[v][1] == span_of(faces)[v][0]) span_of(faces)[v][1] = 0;
-      add(s, span_of(points_)[v], entity, span_of(match_.distances)[v] + slack_, span_of(faces)[v]);
+      add(s, span_of(points_)[v], {}, span_of(match_.distances)[v], span_of(faces)[v]);
     }
     return s;
   }
@@ -115,7 +115,6 @@ class Sampling {
 
   const std::vector<Point3>& points_;
   const GeometryMatch& match_;
-  const double slack_;  ///< of the distances of vertices
   std::map<std::array<Index, 2>, std::int32_t> edge2number_;
 };
 
@@ -128,8 +127,7 @@ void add_distance(DistanceSummary& summary, double distance) {
 }  // namespace
 
 GeometryDeviation Geometry::measure(const std::vector<Point3>& points, const GeometryMatch& match) const {
-  constexpr double kSlack = 1e-6;
-  const Sampling sampling(points, match, kSlack * diagonal());
+  const Sampling sampling(points, match);
   GeometryDeviation deviation;
   std::map<std::int32_t, GeometryDeviation::Face> faces;
   Samples all = sampling.vertices();
@@ -140,8 +138,8 @@ GeometryDeviation Geometry::measure(const std::vector<Point3>& points, const Geo
   const std::vector<Point3> feet = project(all.points, all.entities, all.radii);
   using Face = GeometryDeviation::Face;
   for (std::size_t i = 0; i < feet.size(); ++i) {
-    const double distance = norm(vec(feet[i]) - vec(all.points[i]));
     const bool is_vertex = i < vertices, is_center = i >= centers;
+    const double distance = is_vertex ? all.radii[i] : norm(vec(feet[i]) - vec(all.points[i]));
     add_distance(is_vertex ? deviation.vertices : is_center ? deviation.centers : deviation.midpoints, distance);
     const auto of_face = is_vertex ? &Face::vertices : is_center ? &Face::centers : &Face::midpoints;
     for (const std::int32_t face : all.faces[i]) {

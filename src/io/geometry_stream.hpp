@@ -9,21 +9,19 @@
 #include "io/mesh_stream.hpp"
 #include "tetune/types.hpp"
 
-/// The requests to the plugin of CAD geometry and its answers, encoded by mesh_stream.hpp. The plugin keeps no state
-/// between requests: the model travels as OpenCASCADE's binary BREP, which is read in a fraction of a STEP file's time.
+/// The requests to the plugin of CAD geometry and its answers, encoded by mesh_stream.hpp.
 /// Entities of one dimension are numbered from 1, in the order in which they occur in the model; 0 is none.
 namespace tetune {
 
 /// The answer to `load`. Lengths are in mm, as of OpenCASCADE.
 struct LoadedModel {
-  std::string shape;                     ///< binary BREP
   std::array<std::int32_t, 4> counts{};  ///< of vertices, edges, faces, solids
   Point3 low{}, high{};                  ///< bounding box
 };
 
 /// The input of `classify`: the points of a surface and its triangles, in mm.
 struct ClassifyQuery {
-  std::string shape;
+  std::int32_t threads = 1;
   std::vector<Point3> points;
   std::vector<double> radii;  ///< per point: distance up to which an entity of the model is the point's own
   std::vector<std::array<Index, 3>> triangles;
@@ -43,7 +41,7 @@ struct ClassifyAnswer {
 
 /// The input of `project`: points whose entities are known.
 struct ProjectQuery {
-  std::string shape;
+  std::int32_t threads = 1;
   std::vector<Point3> points;
   std::vector<double> radii;  ///< per point: an upper bound that its distance should have
   std::vector<std::int8_t> dimensions;
@@ -57,14 +55,13 @@ struct ProjectAnswer {
 
 template <class Archive, MaybeConst<LoadedModel> Model>
 void transfer(Archive& archive, Model& m) {
-  archive(m.shape);
   for (auto& count : m.counts) archive(count);
   for (auto& x : m.low) archive(x);
   for (auto& x : m.high) archive(x);
 }
 template <class Archive, MaybeConst<ClassifyQuery> Query>
 void transfer(Archive& archive, Query& q) {
-  archive(q.shape, q.points, q.radii, q.triangles);
+  archive(q.threads, q.points, q.radii, q.triangles);
 }
 template <class Archive, MaybeConst<ClassifyAnswer> Answer>
 void transfer(Archive& archive, Answer& a) {
@@ -73,7 +70,7 @@ void transfer(Archive& archive, Answer& a) {
 }
 template <class Archive, MaybeConst<ProjectQuery> Query>
 void transfer(Archive& archive, Query& q) {
-  archive(q.shape, q.points, q.radii, q.dimensions, q.entities);
+  archive(q.threads, q.points, q.radii, q.dimensions, q.entities);
 }
 template <class Archive, MaybeConst<ProjectAnswer> Answer>
 void transfer(Archive& archive, Answer& a) {

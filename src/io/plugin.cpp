@@ -42,30 +42,27 @@ void check_status(const ExitStatus& status, const Plugin& plugin, const char* ve
                   (has_input ? "" : "; the file is damaged, or of a kind that " + library + " does not read"));
 }
 
-}  // namespace
+/// Replaces what is in the channel.
+void write_input(const MemoryFile& channel, const Plugin& plugin, const std::string& path,
+                 const std::function<void(PluginWriter&)>& write) {
+  channel.clear();
+  PluginWriter writer([&](const void* data, std::size_t bytes) {
+    if (write_all(channel.descriptor(), data, bytes)) return;
+    throw FileError(path + ": no memory for handing the mesh to " + plugin.library + ": " + std::strerror(errno));
+  });
+  writer(kStreamVersion);
+  write(writer);
+}
 
-void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
-                 const IoContext& context, const std::function<void(PluginWriter&)>& write,
+/// Throws FileError where the answer has an error or is none.
+void read_answer(const MemoryFile& channel, const Plugin& plugin, const std::string& path, const IoContext& context,
                  const std::function<void(MeshReader&)>& read) {
-  require_plugin(plugin, path);
-  const std::string library = plugin.library;
-  const MemoryFile channel;
-  if (write) {
-    PluginWriter writer([&](const void* data, std::size_t bytes) {
-      if (write_all(channel.descriptor(), data, bytes)) return;
-      throw FileError(path + ": no memory for handing the mesh to " + library + ": " + std::strerror(errno));
-    });
-    writer(kStreamVersion);
-    write(writer);
-  }
-  check_status(run_program(find_program(plugin), {verb, file}, channel, kPluginDescriptor), plugin, verb, path,
-               write || !read);
   const MappedFile mapped(channel.descriptor(), path);
   MeshReader answer(mapped.bytes());
   std::uint64_t version = 0;
   if (mapped.bytes().size() >= sizeof version) answer(version);
   if (version != kAnswerVersion) {
-    throw FileError(path + ": tetune's plugin for " + library +
+    throw FileError(path + ": tetune's plugin for " + plugin.library +
                     " gave no answer, or is of another build; install tetune again");
   }
   std::string error;
@@ -74,6 +71,36 @@ void call_plugin(const Plugin& plugin, const char* verb, const std::string& path
   if (!error.empty()) throw FileError(path + ": " + error);
   for (const std::string& warning : warnings) context.warn(path + ": " + warning);
   if (read) read(answer);
+}
+
+}  // namespace
+
+void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
+                 const IoContext& context, const std::function<void(PluginWriter&)>& write,
+                 const std::function<void(MeshReader&)>& read) {
+  require_plugin(plugin, path);
+  const MemoryFile channel;
+  if (write) write_input(channel, plugin, path, write);
+  check_status(run_program(find_program(plugin), {verb, file}, channel, kPluginDescriptor), plugin, verb, path,
+               write || !read);
+  read_answer(channel, plugin, path, context, read);
+}
+
+void PluginSession::call(const char* verb, const IoContext& context, const std::function<void(PluginWriter&)>& write,
+                         const std::function<void(MeshReader&)>& read) {
+  const std::lock_guard lock(mutex_);
+  if (!process_) {
+    require_plugin(plugin_, file_);
+    channel_ = std::make_unique<MemoryFile>();
+    process_ = std::make_unique<ChildProcess>(find_program(plugin_), std::vector<std::string>{"serve", file_},
+                                              *channel_, kPluginDescriptor);
+  }
+  write_input(*channel_, plugin_, file_, [&](PluginWriter& out) {
+    out(std::string(verb));
+    if (write) write(out);
+  });
+  if (const auto status = process_->request()) check_status(*status, plugin_, verb, file_, bool(write));
+  read_answer(*channel_, plugin_, file_, context, read);
 }
 
 bool has_plugin(const Plugin& plugin) { return !find_program(plugin).empty(); }

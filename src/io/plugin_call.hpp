@@ -2,10 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <string>
 
 #include "io/mesh_stream.hpp"
 #include "io/registry.hpp"
+#include "system/child_process.hpp"
 
 namespace tetune {
 
@@ -17,5 +20,22 @@ using PluginWriter = MeshWriter<std::function<void(const void*, std::size_t)>>;
 void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
                  const IoContext& context, const std::function<void(PluginWriter&)>& write,
                  const std::function<void(MeshReader&)>& read);
+
+/// A plugin's program that keeps a file for many requests, which end it only where they crash it. May be called from
+/// several threads, which wait for each other.
+class PluginSession {
+ public:
+  PluginSession(const Plugin& plugin, std::string file) : plugin_(plugin), file_(std::move(file)) {}
+  /// As call_plugin(); the first request starts the program.
+  void call(const char* verb, const IoContext& context, const std::function<void(PluginWriter&)>& write,
+            const std::function<void(MeshReader&)>& read);
+
+ private:
+  const Plugin& plugin_;
+  const std::string file_;
+  std::mutex mutex_;
+  std::unique_ptr<MemoryFile> channel_;
+  std::unique_ptr<ChildProcess> process_;
+};
 
 }  // namespace tetune

@@ -7,11 +7,16 @@
 ///   PROGRAM check FILE     answer: kAnswerVersion, error, no warnings: whether the library has the format of this name
 ///   PROGRAM write FILE     input: kStreamVersion, mesh; answer: kAnswerVersion, error, warnings
 ///
-/// and of the plugin for CAD geometry, with the types of geometry_stream.hpp:
+/// The plugin for CAD geometry keeps its file for many requests:
 ///
-///   PROGRAM load FILE      answer: kAnswerVersion, error, warnings, LoadedModel
-///   PROGRAM classify FILE  input: kStreamVersion, ClassifyQuery; answer: kAnswerVersion, error, none, ClassifyAnswer
-///   PROGRAM project FILE   input: kStreamVersion, ProjectQuery; answer: kAnswerVersion, error, none, ProjectAnswer
+///   PROGRAM serve FILE
+///
+/// A request is a byte on the standard input, a socket, and ends with a byte back. Input: kStreamVersion, verb, query;
+/// answer: kAnswerVersion, error, warnings, answer, with the types of geometry_stream.hpp:
+///
+///   load      no query, LoadedModel; the first request
+///   classify  ClassifyQuery, ClassifyAnswer
+///   project   ProjectQuery, ProjectAnswer
 ///
 /// Input and answer go through the descriptor kPluginDescriptor, a file in memory, encoded as in mesh_stream.hpp; the
 /// answer replaces the input. The exit code is 0 whenever there is an answer. Where tetune ends before the program

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 /// Child processes (child_process.cpp: Linux; child_process_none.cpp: systems without them): where programs of the
-/// installation are, and how one runs with a file in memory as its channel.
+/// installation are, and how one runs with a file in memory as its channel, once or for many requests.
 namespace tetune {
 
 /// Whether this system's build can start programs; where it cannot, a MemoryFile throws FileError.
@@ -24,6 +25,8 @@ class MemoryFile {
   MemoryFile(const MemoryFile&) = delete;
   MemoryFile& operator=(const MemoryFile&) = delete;
   int descriptor() const { return descriptor_; }
+  /// Makes it empty. Throws FileError.
+  void clear() const;
 
  private:
   int descriptor_;
@@ -39,5 +42,26 @@ struct ExitStatus {
 /// outputs. Throws FileError where it cannot be started.
 ExitStatus run_program(const std::string& program, const std::vector<std::string>& arguments, const MemoryFile& channel,
                        int child_descriptor);
+
+/// A program that answers requests, one after another: each is a byte on its standard input, a socket, to which it
+/// writes a byte back when it is done. It ends when the input does, which the destructor waits for.
+class ChildProcess {
+ public:
+  /// As run_program(). Throws FileError.
+  ChildProcess(const std::string& program, const std::vector<std::string>& arguments, const MemoryFile& channel,
+               int child_descriptor);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+  /// Returns when the program has answered, or how it ended instead. Throws FileError in another process than the one
+  /// that started it: a fork.
+  std::optional<ExitStatus> request();
+
+ private:
+  [[maybe_unused]] int owner_ = 0;  ///< process id
+  [[maybe_unused]] int child_ = 0;  ///< process id; 0: it has ended
+  [[maybe_unused]] int socket_ = -1;
+  ExitStatus status_;
+};
 
 }  // namespace tetune

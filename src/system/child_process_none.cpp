@@ -12,8 +12,18 @@ MemoryFile::MemoryFile() : descriptor_(-1) { throw FileError("tetune starts no p
 
 MemoryFile::~MemoryFile() = default;
 
+void MemoryFile::clear() const {}
+
 ExitStatus run_program(const std::string& program, const std::vector<std::string>&, const MemoryFile&, int) {
   throw FileError(program + ": tetune starts no programs on this system");
 }
+
+ChildProcess::ChildProcess(const std::string& program, const std::vector<std::string>&, const MemoryFile&, int) {
+  throw FileError(program + ": tetune starts no programs on this system");
+}
+
+ChildProcess::~ChildProcess() = default;
+
+std::optional<ExitStatus> ChildProcess::request() { return status_; }
 
 }  // namespace tetune
