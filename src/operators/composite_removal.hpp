@@ -82,7 +82,8 @@ struct CompositeRemoval {
   };
 
   TETUNE_HD static bool take_ring(const StarContext& p, Index t, int edge, StarCavity& ring) {
-    return ring.take_edge(t, edge) && ring.tet_count() <= kMaxEdgeTets && ring.tet_count() <= p.max_ring;
+    return ring.take_edge(t, edge) && ring.tet_count() <= kMaxEdgeTets && ring.tet_count() <= p.max_ring &&
+           !p.is_proposed_earlier(ring, t);
   }
   /// The move that propose() ends with; kMoves: none.
   TETUNE_HD static int chosen_move(const MoveCosts* moves) {

@@ -50,9 +50,10 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
                                           BoundaryTriangles<Backend>* surface, Span<const Index> tets,
                                           const RetriangulationLimits& limits) {
   using namespace retriangulate_detail;
-  const int choices = !(limits.vertex_cost < kInfeasible) ? kVertexKeepingChoices
-                      : surface == nullptr                ? kSurfaceKeepingChoices
-                                                          : AllOperators::kChoices;
+  const bool edits_vertices = limits.vertex_cost < kInfeasible;
+  const int choices = !edits_vertices      ? kVertexKeepingChoices
+                      : surface == nullptr ? kSurfaceKeepingChoices
+                                           : AllOperators::kChoices;
   SurfaceTriangles triangles{};
   if (surface != nullptr) {
     list_corners(backend, mesh, *surface);
@@ -60,9 +61,16 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
                  dofs.reference.view(),     dofs.surface_point.span()};
   }
   const Size count = choices * tets.size();
-  const StarContext context{rated(mesh, criterion), flips.constrained(), dofs.dof.span(),
-                            dofs.axis.span(),       triangles,           flips.max_ring,
-                            limits.vertex_cost,     limits.min_gain,     true};
+  const StarContext context{rated(mesh, criterion),
+                            flips.constrained(),
+                            dofs.dof.span(),
+                            dofs.axis.span(),
+                            triangles,
+                            flips.max_ring,
+                            limits.vertex_cost,
+                            limits.min_gain,
+                            true,
+                            edits_vertices ? tets : Span<const Index>{}};
   StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, choices};
   BufferOf<Backend, MoveCosts> moves;
   if constexpr (Backend::kIsAsynchronous) {
@@ -75,7 +83,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
     const ChangeCounts& total = selection.total;
     return mesh.tets() + total.taken - total.freed <= limits.max_tets && SlotChange(mesh, total).needed <= kMaxSlots;
   };
-  if (!has_room() && limits.vertex_cost < kInfeasible) {
+  if (!has_room() && edits_vertices) {
     proposals.inserts = false;
     selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
   }

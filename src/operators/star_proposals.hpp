@@ -14,8 +14,6 @@ inline constexpr double kAcceptRatio = 1.5;
 /// The bound before the cavity is enlarged.
 inline constexpr double kScreenRatio = 2;
 
-/// How often the cavity of a new vertex is enlarged and the vertex moved.
-inline constexpr int kOpeningRounds = 3;
 /// Where the cavity cannot be enlarged any further, as at the surface, a new vertex is moved nevertheless if the cost
 /// is at most this many times what it was.
 inline constexpr double kReachRatio = 4;
@@ -41,6 +39,9 @@ struct StarContext {
   double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost
   double min_gain;     ///< the largest cost must fall by this part
   bool inserts;        ///< vertices may be inserted
+  /// The proposing tetrahedra in ascending order: an edge of several is removed by the first of them only. Empty: each
+  /// proposes all its edges.
+  Span<const Index> proposers = {};
 
   TETUNE_HD bool is_movable(Index v) const { return kind[v] == VertexDof::free && !constrained.has_end(v); }
   TETUNE_HD bool may_change_vertices(Index t) const {
@@ -53,6 +54,26 @@ struct StarContext {
       if (star.tet(i) < t && may_change_vertices(star.tet(i))) return true;
     }
     return false;
+  }
+
+  /// Whether a tetrahedron of an edge's ring before t proposes to remove that edge.
+  TETUNE_HD bool is_proposed_earlier(const StarCavity& ring, Index t) const {
+    for (int i = 0; i < ring.tet_count(); ++i) {
+      if (ring.tet(i) < t && is_proposer(ring.tet(i))) return true;
+    }
+    return false;
+  }
+  TETUNE_HD bool is_proposer(Index t) const {
+    Size begin = 0;
+    for (Size end = proposers.size(); begin < end;) {
+      const Size middle = (begin + end) / 2;
+      if (proposers[middle] < t) {
+        begin = middle + 1;
+      } else {
+        end = middle;
+      }
+    }
+    return begin < proposers.size() && proposers[begin] == t;
   }
 
   TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
@@ -76,28 +97,24 @@ struct StarProposal : StarContext {
     return star.grow_below(apex, x, (1 - min_gain) * cost_before(star), team);
   }
 
-  /// Moves a new vertex to where the largest cost is lower than before, and enlarges the cavity where it is not.
-  /// Returns false where it finds no such place.
+  /// Moves a new vertex to where the largest cost is lower than before. Where there is no such place, enlarges the
+  /// cavity and moves the vertex once more. Returns false where that fails too.
   TETUNE_HD bool open(StarCavity& star, Vec3& x) const {
     const double before = cost_before(star);
     const double limit = (1 - min_gain) * before;
     const double screen = kAcceptRatio * before;
-    bool is_lowest = star.cost_after(kNewVertex, x, screen, false, team) < screen;
+    const bool is_lowest = star.cost_after(kNewVertex, x, screen, false, team) < screen;
     if (is_lowest) {
       x = lower_cost(star, x);
       if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
     }
-    for (int round = 0; round < kOpeningRounds; ++round) {
-      const int tets = star.tet_count();
-      const bool is_below = star.grow_below(kNewVertex, x, limit, team);
-      // A cavity that has not grown has no lower place.
-      if (is_lowest && star.tet_count() == tets) return false;
-      if (!is_below && !is_in_reach(star, kReachRatio * before, x)) return false;
-      x = lower_cost(star, x);
-      is_lowest = true;
-      if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
-    }
-    return false;
+    const int tets = star.tet_count();
+    const bool is_below = star.grow_below(kNewVertex, x, limit, team);
+    // A cavity that has not grown has no lower place.
+    if (is_lowest && star.tet_count() == tets) return false;
+    if (!is_below && !is_in_reach(star, kReachRatio * before, x)) return false;
+    x = lower_cost(star, x);
+    return star.cost_after(kNewVertex, x, limit, false, team) < limit;
   }
 
   /// Adds a retriangulation where it lowers the largest cost, which is `before`.
