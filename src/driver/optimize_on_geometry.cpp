@@ -262,8 +262,7 @@ class GeometryRun {
   /// Slides, returns to the geometry and improves the inside. False if the round is to be repeated with vertices held
   /// that made elements bad.
   bool make_round() {
-    const std::vector<double> old_angles = angles_of(work_.mesh, options_.threads);
-    const double least = *std::min_element(old_angles.begin(), old_angles.end());
+    const double least = quality(work_.mesh, options_.threads).dihedral_min - kAngleRounding;
     WorkState next = work_;
     Options sliding = options_for(work_, Boundary::slide);
     sliding.targets.clear();
@@ -276,12 +275,13 @@ class GeometryRun {
     if (hold_vertices_of(next, slide.vertex2original, inverted)) return false;
     Report inside = optimize(next.mesh, fixed_options(next), context_for(kSliding, 1 - kSliding));
     next.follow_result(inside.vertex2original);
-    const std::vector<double> angles = angles_of(next.mesh, options_.threads);
-    const std::vector<Index> next2work = compose(slide.vertex2original, inside.vertex2original);
-    const auto is_worse = [&](Size t) { return span_of(angles)[t] < least - kAngleRounding; };
-    if (hold_vertices_of(next, next2work, is_worse)) return false;
-    const bool has_worse = *std::min_element(angles.begin(), angles.end()) < least - kAngleRounding;
-    if (has_worse) return true;  // of vertices that were held already
+    if (quality(next.mesh, options_.threads).dihedral_min < least) {
+      const std::vector<double> angles = angles_of(next.mesh, options_.threads);
+      const std::vector<Index> next2work = compose(slide.vertex2original, inside.vertex2original);
+      const auto is_worse = [&](Size t) { return span_of(angles)[t] < least; };
+      // Where none is to be held, those are tetrahedra of vertices that were held already.
+      return !hold_vertices_of(next, next2work, is_worse);
+    }
     work_ = std::move(next);
     ++report_.rounds;
     add(std::move(slide));
