@@ -29,7 +29,7 @@ void limit_time(rlim_t seconds) {
   ::setrlimit(RLIMIT_CPU, &limit);
 }
 
-constexpr rlim_t kBaseSeconds = 10;
+constexpr rlim_t kBaseSeconds = 20;
 
 /// The model of a file, and answers to requests about it.
 class Service {
