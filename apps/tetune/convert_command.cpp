@@ -10,6 +10,7 @@
 #include "console.hpp"
 #include "definitions.hpp"
 #include "exit_code.hpp"
+#include "geometry_files.hpp"
 #include "mesh_files.hpp"
 #include "tables.hpp"
 #include "tetune/curve.hpp"
@@ -25,6 +26,7 @@ struct Arguments {
   std::string tags;
   std::string msh;
   std::string surface;  ///< a finer mesh
+  GeometryArguments geometry;
   int order = 0;
   double feature_angle = 45;
   int threads = 0;
@@ -48,12 +50,23 @@ void set_order(const Arguments& a, TetMesh& mesh, Console& console) {
       finer = read_input(a.surface, a.threads);
       options.surface = &finer->mesh;
     }
+    std::optional<Geometry> geometry;
+    if (!a.geometry.file.empty()) {
+      geometry.emplace(a.geometry.file, unit_in_mm(a.geometry.unit), a.threads);
+      for (const std::string& warning : geometry->warnings()) console.warn(warning);
+      options.geometry = &*geometry;
+    }
     const CurveReport r = curve(mesh, options);
     fmt::print(stderr, "{} curved edges, {} curved tetrahedra, smallest scaled Jacobian {:.4f}\n", r.curved_edges,
                r.curved_tets, r.min_scaled_jacobian);
     if (r.not_valid_before > 0) {
       fmt::print(stderr, "{} tetrahedra were not valid with the curved surface: {} inner vertices were moved\n",
                  r.not_valid_before, r.vertices_moved);
+    }
+    if (r.edges_off_geometry > 0) {
+      console.warn(
+          fmt::format("{} edges of the surface stay straight: it is not clear which face or edge of {} they are on",
+                      r.edges_off_geometry, a.geometry.file));
     }
     if (!r.straightened.empty()) {
       console.warn("parts of the surface are less curved than asked for:");
@@ -71,6 +84,8 @@ int convert(const Arguments& a) {
   const std::string& output = a.output.empty() ? a.replaced_output : a.output;
   if (output != kPipe) check_writable(output);
   if (!a.surface.empty() && a.order != 2) throw OptionError("--surface is for --order 2 alone");
+  if (!a.geometry.file.empty() && a.order != 2) throw OptionError("--geometry is for --order 2 alone");
+  if (!a.geometry.file.empty() && !a.surface.empty()) throw OptionError("--surface and --geometry exclude each other");
   Console console(ProgressMode::none, 0, nullptr);
   Input input = read_input(a.input, a.threads);
   if (!a.tags.empty()) choose_tags(input, a.input, a.tags);
@@ -107,6 +122,9 @@ void add_convert(CLI::App& app, int& exit_code) {
   c->add_option("--surface", a->surface,
                 "With --order 2, a finer mesh of the same part, on whose surface the mid-side nodes are put")
       ->option_text("FILE");
+  define_geometry(*c, a->geometry, "Options",
+                  "With --order 2, CAD model of the part (.step, .stp, .iges, .igs, .brep, .brp), on whose faces and "
+                  "edges the mid-side nodes are put");
   c->add_option("--feature-angle", a->feature_angle,
                 "With --order 2, the surface is not smooth at edges where it turns by a larger angle, in degrees")
       ->check(CLI::Range(1e-9, 180.0))

@@ -91,14 +91,17 @@ void bind_curved(nb::module_& m) {
               "Number of tetrahedra that the curved surface alone makes not valid.")
       .def_ro("vertices_moved", &CurveReport::vertices_moved, "Number of inner vertices that moved for that.")
       .def_ro("min_scaled_jacobian", &CurveReport::min_scaled_jacobian)
+      .def_ro(
+          "edges_off_geometry", &CurveReport::edges_off_geometry,
+          "With geometry: number of edges of the surface that stay straight, because it is not clear what they are on.")
       .def_ro("straightened", &CurveReport::straightened);
   m.def(
       "curve",
-      [](TetMesh& mesh, double feature_angle, int threads, const TetMesh* surface) {
-        return curve(mesh, CurveOptions{feature_angle, threads, surface, {}});
+      [](TetMesh& mesh, double feature_angle, int threads, const TetMesh* surface, const Geometry* geometry) {
+        return curve(mesh, CurveOptions{feature_angle, threads, surface, geometry, {}});
       },
       "mesh"_a, nb::kw_only(), "feature_angle"_a = 45.0, "threads"_a = 0, "surface"_a.none() = nb::none(),
-      nb::call_guard<nb::gil_scoped_release>());
+      "geometry"_a.none() = nb::none(), nb::call_guard<nb::gil_scoped_release>());
   m.def("measure_curved_each", &measure_curved_each, "mesh"_a, nb::kw_only(), "threads"_a = 0,
         nb::call_guard<nb::gil_scoped_release>());
 }

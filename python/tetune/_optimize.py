@@ -63,6 +63,10 @@ class Result(Generic[M]):
     """With the argument `geometry`: where vertices are on it, and distances from it."""
 
 
+def _model(geometry: Geometry | str | PathLike[str] | None, threads: int) -> Geometry | None:
+    return Geometry(str(geometry), threads=threads) if isinstance(geometry, (str, PathLike)) else geometry
+
+
 def _prepared(mesh: Any, tets: Any, tags: Tags) -> tuple[TetMesh, Adapter[Any]]:
     """A TetMesh with its own memory, and the adapter that converts the result back."""
     if tets is not None:
@@ -175,7 +179,7 @@ def optimize(
     if geometry is not None:
         if criteria is not None:
             raise OptionError("criteria and geometry exclude each other: make two calls")
-        model = geometry if isinstance(geometry, Geometry) else Geometry(str(geometry), threads=options.get("threads", 0))
+        model = _model(geometry, options.get("threads", 0))
         on_model = _with_progress(progress, lambda hook: _core.improve_on_geometry(work, model, dict(options), snap, hook))
         return _result(work, adapter, on_model.optimization, before, dict(options), geometry=on_model)
     if criteria is None:
@@ -344,6 +348,7 @@ def curve(
     tags: Tags = None,
     feature_angle: float = 45,
     surface: Any = None,
+    geometry: Geometry | str | PathLike[str] | None = None,
     threads: int = 0,
 ) -> CurveResult[Any]:
     """Second-order tetrahedra from linear ones, with mid-side nodes on the curved surface that the triangles
@@ -356,15 +361,18 @@ def curve(
     Args:
         feature_angle: the surface is not smooth at edges where it turns by a larger angle, in degrees.
         surface: a finer mesh of the same part, given as in optimize(), on whose surface the mid-side nodes are put.
+        geometry: the CAD model of the part, a Geometry or the name of a STEP, IGES or BREP file in mm, on whose faces
+            and edges they are put.
 
     Raises:
         MeshError: the mesh is not valid, has curved edges already, has elements other than tetrahedra, triangles,
-            lines and points, or is not near the finer surface.
-        OptionError: the angle is out of its range.
+            lines and points, or is not near the finer surface or the geometry.
+        OptionError: the angle is out of its range, or both a surface and a geometry are given.
+        FileError: the geometry cannot be read.
     """
     work, adapter = _prepared(mesh, tets, tags)
     finer = None if surface is None else _measured(surface, None)
-    report = _core.curve(work, feature_angle=feature_angle, threads=threads, surface=finer)
+    report = _core.curve(work, feature_angle=feature_angle, threads=threads, surface=finer, geometry=_model(geometry, threads))
     return CurveResult(adapter.second_order(work), report)
 
 

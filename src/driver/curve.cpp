@@ -10,6 +10,7 @@
 #include "curved/surface_middles.hpp"
 #include "driver/curved_sheets.hpp"
 #include "driver/curved_skeleton.hpp"
+#include "driver/geometry_middles.hpp"
 #include "driver/straighten.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "tetune/error.hpp"
@@ -55,19 +56,13 @@ class Curver {
     goal_.min_dihedral = quality(mesh, options.threads).dihedral_min;
     goal_.threads = options.threads;
     goal_.stop = options.stop;
-    const std::vector<SheetTriangle> sheets = find_sheets(mesh);
-    std::optional<FinerSurface> finer;
-    if (options.surface != nullptr) {
-      finer = find_finer(*options.surface, options.feature_angle);
-      check_is_near(*finer, mesh.points, sheets);
-    }
-    mesh.curved_edges =
-        find_surface_middles(mesh.points, sheets, find_lines(mesh), options.feature_angle, finer ? &*finer : nullptr);
+    find_middles();
     mesh.second_order = true;
   }
 
   CurveReport run() {
     CurveReport report;
+    report.edges_off_geometry = off_geometry_;
     SurfaceCurvature surface(mesh_.curved_edges);
     const std::vector<Point3> before = mesh_.points;
     for (int round = 0;; ++round) {
@@ -88,6 +83,23 @@ class Curver {
   }
 
  private:
+  void find_middles() {
+    if (options_.geometry != nullptr) {
+      GeometryMiddles middles = find_geometry_middles(mesh_, *options_.geometry);
+      mesh_.curved_edges = std::move(middles.edges);
+      off_geometry_ = middles.off_geometry;
+      return;
+    }
+    const std::vector<SheetTriangle> sheets = find_sheets(mesh_);
+    std::optional<FinerSurface> finer;
+    if (options_.surface != nullptr) {
+      finer = find_finer(*options_.surface, options_.feature_angle);
+      check_is_near(*finer, mesh_.points, sheets);
+    }
+    mesh_.curved_edges = find_surface_middles(mesh_.points, sheets, find_lines(mesh_), options_.feature_angle,
+                                              finer ? &*finer : nullptr);
+  }
+
   std::vector<CurvedTet> measure() const {
     const CurvedEdges edges(mesh_);
     return measure_tets(mesh_, edges, curved_tets(mesh_, edges), options_.threads);
@@ -103,6 +115,7 @@ class Curver {
   TetMesh& mesh_;
   const CurveOptions& options_;
   HeldNodes held_;
+  std::int64_t off_geometry_ = 0;
   RelaxationGoal goal_;
 };
 
@@ -114,6 +127,9 @@ CurveReport curve(TetMesh& mesh, const CurveOptions& options) {
   }
   if (options.threads < 0 || options.threads > 4096) {
     throw OptionError("threads is " + std::to_string(options.threads) + "; it must be in 0 to 4096");
+  }
+  if (options.surface != nullptr && options.geometry != nullptr) {
+    throw OptionError("surface and geometry exclude each other: the mid-side nodes are on one of them");
   }
   if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
     throw MeshError("only a valid mesh can be curved; optimize it first, with untangle where it is inverted: " +

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import random
+import re
 import subprocess
 import tempfile
 from pathlib import Path
@@ -118,6 +119,34 @@ class Geometry(CliTest):
                 self.assertGreater(g["distance_before"]["vertices"]["largest"], 1e-5)
                 self.assertGreater(g["vertices_snapped"], 0)
 
+    def test_mid_side_nodes_are_on_the_geometry(self):
+        for part, mesh in (("ball", ball(4)), ("cylinder", cylinder(4))):
+            output = self.path("out.msh")
+            # Boundary faces are listed, so that their mid-side nodes can be found in the file.
+            source = self.put("in.mesh", with_triangles(mesh, [(f, 1) for f in sorted(mesh.boundary_faces())]))
+            done = self.run_cli("convert", source, "-o", output, "--order", "2", "--msh", "2.2-text", "--geometry",
+                                self.part(f"{part}.step"))
+            self.assertNotIn("stay straight", done.stderr)
+            straightened = {frozenset(m.split()) for m in re.findall(r"^ +(\d+ \d+): ", done.stderr, re.M)}
+            curved = json.loads(self.run_cli("info", output, "--json").stdout)["quality"]["curved"]
+            self.assertEqual(curved["valid"], curved["tetrahedra"])
+            self.assertGreater(curved["tetrahedra"], 100)
+            lines = Path(output).read_text().splitlines()
+            at = lines.index("$Nodes") + 1
+            rows = [line.split() for line in lines[at + 1:at + 1 + int(lines[at])]]
+            nodes = {row[0]: tuple(map(float, row[1:])) for row in rows}
+            elements = [line.split() for line in lines[lines.index("$Elements") + 2:lines.index("$EndElements")]]
+            triangles = [row[-6:] for row in elements if row[1] == "9"]
+            self.assertEqual(len(triangles), len(mesh.boundary_faces()))
+            middles = {frozenset(t[k:k + 2] if k < 2 else (t[2], t[0])): t[3 + k] for t in triangles for k in range(3)}
+            self.assertLess(len(straightened), len(middles) / 3)
+            for n in (n for edge, n in middles.items() if edge not in straightened):
+                x, y, z = nodes[n]
+                if part == "ball":
+                    self.assertLess(abs(math.hypot(x, y, z) - 1), 1e-9)
+                else:
+                    self.assertLess(min(abs(math.hypot(x, y) - 1), abs(z), abs(z - 1)), 1e-9)
+
     def test_corners_and_interfaces_stay(self):
         mesh = boxes()
         source, output = self.put("in.mesh", mesh), self.path("out.mesh")
@@ -172,6 +201,9 @@ class Geometry(CliTest):
             self.refused("optimize", source, "-o", self.path("out.mesh"), "--geometry", part, "--boundary", "slide", *more,
                          said=["on a geometry"])
         self.refused("info", source, "-o", self.path("out.mesh"), said=["--geometry"])
+        self.refused("convert", source, self.path("out.msh"), "--geometry", part, said=["--order 2"])
+        self.refused("convert", source, self.path("out.msh"), "--order", "2", "--geometry", part, "--surface", source,
+                     said=["exclude"])
         self.refused("info", source, "--geometry", source, said=["ending"])
         self.refused("info", source, "--geometry", self.path("none.step"), said=["none.step"])
 
