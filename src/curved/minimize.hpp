@@ -29,7 +29,7 @@ template <class Evaluate>
 double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const Evaluate& evaluate) {
   constexpr std::size_t kPairs = 10;
   constexpr int kMaxHalvings = 30;
-  constexpr double kRelativeDecrease = 1e-7;
+  constexpr double kRelativeDecrease = 1e-6;
   struct Pair {
     std::vector<double> dx, dg;
     double inverse;  ///< of their product

@@ -3,145 +3,232 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
-#include <tuple>
 #include <utility>
 
-#include "math/elementary.hpp"
+#include "backend/pack.hpp"
 
 namespace tetune {
 namespace {
 
+using Pack = backend::Pack4;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMatrices = 36;
+constexpr std::size_t kLanes = 4;
+constexpr std::size_t kPacks = 9;  ///< of Jacobian matrices: 35 points, and the straight element in the last lane
 
-/// One number per Jacobian matrix: loops over them are vectorized.
-using Values = std::array<double, kMatrices>;
-/// A vector per matrix, by components.
-using VectorValues = std::array<Values, 3>;
+/// A 3 x 3 matrix by columns, and one per lane.
+using Matrix = std::array<Vec3, 3>;
+using MatrixPack = std::array<std::array<Pack, 3>, 3>;
 
-/// The derivatives of the shape functions, as polynomials in barycentric coordinates, per matrix: by coordinate a that
-/// of vertex a is `vertex[a]`, and that of the mid-side node of ab is `edge[b]`.
-struct Weights {
-  std::array<Values, 4> vertex, edge;
-};
-
-/// At the points of a lattice with four steps per edge; then those of the straight element.
-Weights make_weights() {
-  Weights weights{};
-  std::size_t point = 0;
+/// The barycentric coordinates 1 to 3 of the points of a lattice with four steps per edge; zero in the last lane.
+std::array<std::array<Pack, 3>, kPacks> make_points() {
+  std::array<std::array<Pack, 3>, kPacks> points{};
+  std::size_t n = 0;
   for (int i = 0; i <= 4; ++i) {
     for (int j = 0; i + j <= 4; ++j) {
-      for (int k = 0; i + j + k <= 4; ++k) {
-        const std::array<int, 4> steps{4 - i - j - k, i, j, k};
-        for (std::size_t v = 0; v < 4; ++v) {
-          weights.vertex[v][point] = steps[v] - 1;
-          weights.edge[v][point] = steps[v];
-        }
-        ++point;
+      for (int k = 0; i + j + k <= 4; ++k, ++n) {
+        const std::array<int, 3> steps{i, j, k};
+        for (std::size_t v = 0; v < 3; ++v) points[n / kLanes][v][n % kLanes] = 0.25 * steps[v];
       }
     }
   }
-  for (std::size_t v = 0; v < 4; ++v) weights.vertex[v][point] = 1;
-  return weights;
+  return points;
+}
+const std::array<std::array<Pack, 3>, kPacks> kPoints = make_points();
+
+double component(const Vec3& v, std::size_t c) { return c == 0 ? v.x : c == 1 ? v.y : v.z; }
+Pack all(double x) { return Pack{x, x, x, x}; }
+double sum(const Pack& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+
+Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix c;
+  for (std::size_t j = 0; j < 3; ++j) c[j] = b[j].x * a[0] + b[j].y * a[1] + b[j].z * a[2];
+  return c;
 }
 
-const Weights& weights() {
-  static const Weights all = make_weights();
-  return all;
+/// A matrix whose rows are given.
+Matrix from_rows(const std::array<Vec3, 3>& r) {
+  return {Vec3{r[0].x, r[1].x, r[2].x}, Vec3{r[0].y, r[1].y, r[2].y}, Vec3{r[0].z, r[1].z, r[2].z}};
 }
 
-void add_product(VectorValues& sum, const Values& factors, const Vec3& x) {
-  for (std::size_t p = 0; p < kMatrices; ++p) {
-    sum[0][p] += factors[p] * x.x;
-    sum[1][p] += factors[p] * x.y;
-    sum[2][p] += factors[p] * x.z;
-  }
-}
+/// The Jacobian matrices relative to the ideal shape, which are linear over the element: at vertex 0, the differences
+/// of those at the other vertices from it, and that of the straight element.
+struct LinearJacobian {
+  std::array<Matrix, 4> terms;
+  Matrix straight;
 
-/// Sum over the matrices, in four partial sums.
-Vec3 sum_of_products(const Values& factors, const VectorValues& v) {
-  static_assert(kMatrices % 4 == 0);
-  std::array<std::array<double, 4>, 3> sums{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t p = 0; p < kMatrices; p += 4) {
-      for (std::size_t l = 0; l < 4; ++l) sums[c][l] += factors[p + l] * v[c][p + l];
+  LinearJacobian(const PatchElement& element, const std::vector<Vec3>& nodes) {
+    // The derivative by barycentric coordinate k at vertex v: a node's weight is 3 or -1 at vertices, 4 on edges.
+    std::array<std::array<Vec3, 4>, 4> by_coordinate;
+    for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t v = 0; v < 4; ++v) {
+        const Vec3& x = nodes[element.nodes[k]];
+        by_coordinate[k][v] = k == v ? 3.0 * x : 4.0 * nodes[element.nodes[kMiddle[k][v]]] - x;
+      }
+    }
+    const Matrix inverse = from_rows(element.inverse_ideal);
+    const auto relative = [&inverse](const Vec3& x0, const Vec3& x1, const Vec3& x2, const Vec3& x3) {
+      return product({x1 - x0, x2 - x0, x3 - x0}, inverse);
+    };
+    const auto at = [&](std::size_t k) { return nodes[element.nodes[k]]; };
+    straight = relative(at(0), at(1), at(2), at(3));
+    for (std::size_t v = 0; v < 4; ++v) {
+      terms[v] = relative(by_coordinate[0][v], by_coordinate[1][v], by_coordinate[2][v], by_coordinate[3][v]);
+      for (std::size_t k = 0; v > 0 && k < 3; ++k) terms[v][k] = terms[v][k] - terms[0][k];
     }
   }
-  const auto total = [](const std::array<double, 4>& s) { return (s[0] + s[1]) + (s[2] + s[3]); };
-  return {total(sums[0]), total(sums[1]), total(sums[2])};
+
+  MatrixPack at(std::size_t pack) const {
+    MatrixPack m;
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        m[k][c] = all(component(terms[0][k], c));
+        for (std::size_t v = 0; v < 3; ++v) m[k][c] += kPoints[pack][v] * component(terms[v + 1][k], c);
+        if (pack + 1 == kPacks) m[k][c][kLanes - 1] = component(straight[k], c);
+      }
+    }
+    return m;
+  }
+
+  /// The node on the edge between two vertices.
+  static constexpr std::array<std::array<std::size_t, 4>, 4> kMiddle{
+      {{0, 4, 6, 7}, {4, 0, 5, 8}, {6, 5, 0, 9}, {7, 8, 9, 0}}};
+};
+
+/// The slopes of the energy by the matrices of LinearJacobian.
+struct JacobianSlopes {
+  std::array<MatrixPack, 4> terms{};
+  Matrix straight;
+
+  void add(std::size_t pack, MatrixPack slopes) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t v = 0; v < 3; ++v) terms[v + 1][k][c] += kPoints[pack][v] * slopes[k][c];
+      }
+    }
+    if (pack + 1 == kPacks) {
+      const auto last = [](const std::array<Pack, 3>& v) {
+        return Vec3{v[0][kLanes - 1], v[1][kLanes - 1], v[2][kLanes - 1]};
+      };
+      straight = {last(slopes[0]), last(slopes[1]), last(slopes[2])};
+      for (auto& column : slopes) {
+        for (Pack& x : column) x[kLanes - 1] = 0;
+      }
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) terms[0][k][c] += slopes[k][c];
+    }
+  }
+
+  void add_forces(const PatchElement& element, std::vector<Vec3>& forces) const {
+    const Matrix transposed = element.inverse_ideal;  // whose columns are the rows
+    const auto add = [&](std::size_t n, double factor, const Vec3& f) {
+      forces[element.nodes[n]] = forces[element.nodes[n]] + factor * f;
+    };
+    std::array<Matrix, 4> at_vertex;
+    for (std::size_t v = 0; v < 4; ++v) {
+      const auto column = [&](std::size_t k) {
+        return Vec3{sum(terms[v][k][0]), sum(terms[v][k][1]), sum(terms[v][k][2])};
+      };
+      at_vertex[v] = product({column(0), column(1), column(2)}, transposed);
+    }
+    // The slope at vertex 0 is that by all matrices less those by the others.
+    for (std::size_t v = 1; v < 4; ++v) {
+      for (std::size_t k = 0; k < 3; ++k) at_vertex[0][k] = at_vertex[0][k] - at_vertex[v][k];
+    }
+    const auto by_coordinates = [](const Matrix& m) {
+      return std::array<Vec3, 4>{-1.0 * (m[0] + m[1] + m[2]), m[0], m[1], m[2]};
+    };
+    const std::array<Vec3, 4> of_straight = by_coordinates(product(straight, transposed));
+    for (std::size_t k = 0; k < 4; ++k) add(k, 1, of_straight[k]);
+    for (std::size_t v = 0; v < 4; ++v) {
+      const std::array<Vec3, 4> f = by_coordinates(at_vertex[v]);
+      for (std::size_t k = 0; k < 4; ++k) {
+        add(k, k == v ? 3 : -1, f[k]);
+        if (k != v) add(LinearJacobian::kMiddle[k][v], 4, f[k]);
+      }
+    }
+  }
+};
+
+/// The matrix of the cofactors.
+MatrixPack cofactors_of(const MatrixPack& j) {
+  MatrixPack c;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& a = j[(k + 1) % 3];
+    const auto& b = j[(k + 2) % 3];
+    c[k][0] = a[1] * b[2] - a[2] * b[1];
+    c[k][1] = a[2] * b[0] - a[0] * b[2];
+    c[k][2] = a[0] * b[1] - a[1] * b[0];
+  }
+  return c;
 }
 
-Values powers_of(Values x, int n) {
-  Values result;
-  result.fill(1);
+Pack dot(const std::array<Pack, 3>& a, const std::array<Pack, 3>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+bool all_positive(const Pack& x) { return x[0] > 0 && x[1] > 0 && x[2] > 0 && x[3] > 0; }
+
+/// a^(-1/3) of positive numbers, to some roundings: a third of the exponent, and two steps of order four.
+Pack inverse_cube_root(const Pack& a) {
+  constexpr std::uint64_t kBias = 0x553ef0ff'289dd796;  // four thirds of the bias of exponents, with the mean error
+  backend::Bits4 bits;
+  std::memcpy(&bits, &a, sizeof bits);
+  bits = kBias - bits / 3;
+  Pack root;
+  std::memcpy(&root, &bits, sizeof root);
+  for (int i = 0; i < 2; ++i) {
+    const Pack rest = 1 - a * root * root * root;
+    root *= 1 + rest * (1.0 / 3 + rest * (2.0 / 9 + rest * (14.0 / 81)));
+  }
+  return root;
+}
+
+Pack power_of(Pack x, int n) {
+  Pack result = all(1);
   for (; n > 0; n /= 2) {
-    for (std::size_t p = 0; p < kMatrices; ++p) {
-      if (n % 2 == 1) result[p] *= x[p];
-      x[p] *= x[p];
-    }
+    if (n % 2 == 1) result *= x;
+    x *= x;
   }
   return result;
 }
 
-/// chi and its derivative divided by it.
-std::pair<double, double> regularized(double d, double epsilon) {
-  const double root = std::sqrt(epsilon * epsilon + d * d);
-  const double chi = d > 0 ? 0.5 * (d + root) : 0.5 * epsilon * epsilon / (root - d);
-  return {chi, 1 / root};
+/// chi, and its derivative divided by it.
+struct Regularized {
+  Pack chi, log_slope;
+};
+Regularized regularized(const Pack& d, double epsilon) {
+  if (epsilon == 0) return {d, 1 / d};
+  Regularized r;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double root = std::sqrt(epsilon * epsilon + d[l] * d[l]);
+    r.chi[l] = d[l] > 0 ? 0.5 * (d[l] + root) : 0.5 * epsilon * epsilon / (root - d[l]);
+    r.log_slope[l] = 1 / root;
+  }
+  return r;
 }
 
-/// Sum of factors[i] * columns[i].
-void combine(const std::array<double, 3>& factors, const std::array<VectorValues, 3>& columns, VectorValues& sum) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t p = 0; p < kMatrices; ++p) {
-      sum[c][p] = factors[0] * columns[0][c][p] + factors[1] * columns[1][c][p] + factors[2] * columns[2][c][p];
-    }
-  }
-}
-
-/// The columns of the Jacobian matrices relative to the ideal shape.
-std::array<VectorValues, 3> relative_jacobians(const PatchElement& element, const std::vector<Vec3>& nodes) {
-  std::array<VectorValues, 4> by_coordinate{};
-  const auto at = [&](std::size_t n) { return nodes[element.nodes[n]]; };
-  for (std::size_t v = 0; v < 4; ++v) add_product(by_coordinate[v], weights().vertex[v], at(v));
-  for (std::size_t e = 0; e < 6; ++e) {
-    const auto& [a, b] = kCurvedTetEdges[e];
-    add_product(by_coordinate[a], weights().edge[b], at(4 + e));
-    add_product(by_coordinate[b], weights().edge[a], at(4 + e));
-  }
-  std::array<VectorValues, 3> columns;
+/// Replaces Jacobian matrices with determinants d by the slopes of the energy mean^power. Returns the energy. The
+/// slopes of its parts by J: d shape = along_j J - 2/3 shape chi'/chi cofactors, and
+/// d size = (D / chi - size chi'/chi) cofactors.
+Pack differentiate(MatrixPack& j, const MatrixPack& cofactors, const Pack& d, double epsilon, int power) {
+  const auto [chi, log_slope] = regularized(d, epsilon);
+  const Pack inverse_chi = epsilon == 0 ? log_slope : 1 / chi;
+  const Pack root = inverse_cube_root(chi);
+  Pack along_j = root * root * (1.0 / 3);
+  const Pack shape = (dot(j[0], j[0]) + dot(j[1], j[1]) + dot(j[2], j[2])) * along_j;
+  const Pack size = (d * d + 1) * 0.5 * inverse_chi;
+  const Pack mean = 0.5 * (shape + size);
+  const Pack outer = power_of(mean, power - 1);
+  const Pack factor = power * outer;
+  const Pack along_cofactor = factor * (0.5 * (d * inverse_chi - (size + shape * (2.0 / 3)) * log_slope));
+  along_j *= factor;
   for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t p = 0; p < kMatrices; ++p)
-        columns[k][c][p] = by_coordinate[k + 1][c][p] - by_coordinate[0][c][p];
-    }
+    for (std::size_t c = 0; c < 3; ++c) j[k][c] = along_j * j[k][c] + along_cofactor * cofactors[k][c];
   }
-  const auto& [r0, r1, r2] = element.inverse_ideal;
-  std::array<VectorValues, 3> relative;
-  combine({r0.x, r1.x, r2.x}, columns, relative[0]);
-  combine({r0.y, r1.y, r2.y}, columns, relative[1]);
-  combine({r0.z, r1.z, r2.z}, columns, relative[2]);
-  return relative;
+  return outer * mean;
 }
-
-/// The slopes of the energy by the columns of the relative Jacobian matrices, per barycentric coordinate.
-std::array<VectorValues, 4> slopes_by_coordinate(const PatchElement& element,
-                                                 const std::array<VectorValues, 3>& slopes) {
-  std::array<VectorValues, 4> by_coordinate;
-  const auto& [r0, r1, r2] = element.inverse_ideal;
-  combine({r0.x, r0.y, r0.z}, slopes, by_coordinate[1]);
-  combine({r1.x, r1.y, r1.z}, slopes, by_coordinate[2]);
-  combine({r2.x, r2.y, r2.z}, slopes, by_coordinate[3]);
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t p = 0; p < kMatrices; ++p) {
-      by_coordinate[0][c][p] = -(by_coordinate[1][c][p] + by_coordinate[2][c][p] + by_coordinate[3][c][p]);
-    }
-  }
-  return by_coordinate;
-}
-
-Vec3 value(const VectorValues& v, std::size_t p) { return {v[0][p], v[1][p], v[2][p]}; }
 
 }  // namespace
 
@@ -163,22 +250,21 @@ std::vector<double> RelaxationEnergy::start() const {
   return x;
 }
 
-std::vector<Vec3> RelaxationEnergy::nodes_at(const std::vector<double>& x) const {
-  std::vector<Vec3> nodes = nodes_;
-  for (std::size_t i = 0; i < unknowns_.size(); ++i) nodes[unknowns_[i]] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
-  return nodes;
+const std::vector<Vec3>& RelaxationEnergy::nodes_at(const std::vector<double>& x) {
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) nodes_[unknowns_[i]] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
+  return nodes_;
 }
 
-double RelaxationEnergy::operator()(const std::vector<double>& x, std::vector<double>& gradient) const {
-  const std::vector<Vec3> nodes = nodes_at(x);
-  std::vector<Vec3> forces(nodes.size(), Vec3{0, 0, 0});
+double RelaxationEnergy::operator()(const std::vector<double>& x, std::vector<double>& gradient) {
+  nodes_at(x);
+  forces_.assign(nodes_.size(), Vec3{0, 0, 0});
   double energy = 0;
   for (const PatchElement& element : elements_) {
-    energy += add_element(element, nodes, forces);
+    energy += add_element(element);
     if (!(energy < kInfinity)) return kInfinity;
   }
   for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-    const Vec3& f = forces[unknowns_[i]];
+    const Vec3& f = forces_[unknowns_[i]];
     gradient[3 * i] = f.x;
     gradient[3 * i + 1] = f.y;
     gradient[3 * i + 2] = f.z;
@@ -186,77 +272,34 @@ double RelaxationEnergy::operator()(const std::vector<double>& x, std::vector<do
   return energy;
 }
 
-double RelaxationEnergy::smallest_determinant(const std::vector<double>& x) const {
-  const std::vector<Vec3> nodes = nodes_at(x);
+double RelaxationEnergy::smallest_determinant(const std::vector<double>& x) {
+  nodes_at(x);
   double least = kInfinity;
   for (const PatchElement& element : elements_) {
-    const auto j = relative_jacobians(element, nodes);
-    for (std::size_t p = 0; p < kMatrices; ++p) {
-      least = std::min(least, dot(cross(value(j[0], p), value(j[1], p)), value(j[2], p)));
+    const LinearJacobian jacobian(element, nodes_);
+    for (std::size_t p = 0; p < kPacks; ++p) {
+      const MatrixPack j = jacobian.at(p);
+      const Pack d = dot(cofactors_of(j)[2], j[2]);
+      for (std::size_t l = 0; l < kLanes; ++l) least = std::min(least, d[l]);
     }
   }
   return least;
 }
 
-double RelaxationEnergy::add_element(const PatchElement& element, const std::vector<Vec3>& nodes,
-                                     std::vector<Vec3>& forces) const {
-  const auto j = relative_jacobians(element, nodes);
-  std::array<VectorValues, 3> cofactors;
-  Values d;
-  for (std::size_t p = 0; p < kMatrices; ++p) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const VectorValues& a = j[(k + 1) % 3];
-      const VectorValues& b = j[(k + 2) % 3];
-      cofactors[k][0][p] = a[1][p] * b[2][p] - a[2][p] * b[1][p];
-      cofactors[k][1][p] = a[2][p] * b[0][p] - a[0][p] * b[2][p];
-      cofactors[k][2][p] = a[0][p] * b[1][p] - a[1][p] * b[0][p];
-    }
-    d[p] = cofactors[2][0][p] * j[2][0][p] + cofactors[2][1][p] * j[2][1][p] + cofactors[2][2][p] * j[2][2][p];
+double RelaxationEnergy::add_element(const PatchElement& element) {
+  const LinearJacobian jacobian(element, nodes_);
+  JacobianSlopes slopes;
+  Pack energy{};
+  for (std::size_t p = 0; p < kPacks; ++p) {
+    MatrixPack j = jacobian.at(p);
+    const MatrixPack cofactors = cofactors_of(j);
+    const Pack d = dot(cofactors[2], j[2]);
+    if (epsilon == 0 && !all_positive(d)) return kInfinity;
+    energy += differentiate(j, cofactors, d, epsilon, power);
+    slopes.add(p, j);
   }
-  if (epsilon == 0 && !(*std::min_element(d.begin(), d.end()) > 0)) return kInfinity;
-  Values chi;
-  Values log_slope;  // the derivative of chi, divided by it
-  Values cube_root;
-  for (std::size_t p = 0; p < kMatrices; ++p) std::tie(chi[p], log_slope[p]) = regularized(d[p], epsilon);
-  for (std::size_t p = 0; p < kMatrices; ++p) cube_root[p] = elementary::cbrt(chi[p]);
-  // The energy is mean^power; the slopes of its parts by the columns of J:
-  // d shape = along_j J - 2/3 shape chi'/chi cofactor; d size = (D / chi - size chi'/chi) cofactor.
-  Values mean;
-  Values along_j;
-  Values along_cofactor;
-  for (std::size_t p = 0; p < kMatrices; ++p) {
-    double norm2 = 0;
-    for (const VectorValues& column : j) {
-      norm2 += column[0][p] * column[0][p] + column[1][p] * column[1][p] + column[2][p] * column[2][p];
-    }
-    along_j[p] = 1 / (3 * cube_root[p] * cube_root[p]);
-    const double shape = norm2 * along_j[p];
-    const double size = (d[p] * d[p] + 1) / (2 * chi[p]);
-    mean[p] = 0.5 * (shape + size);
-    along_cofactor[p] = 0.5 * (d[p] / chi[p] - (size + 2 * shape / 3) * log_slope[p]);
-  }
-  const Values outer = powers_of(mean, power - 1);
-  double energy = 0;
-  for (std::size_t p = 0; p < kMatrices; ++p) energy += outer[p] * mean[p];
-  std::array<VectorValues, 3> slopes;  // of the energy by the columns
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t p = 0; p < kMatrices; ++p) {
-        slopes[k][c][p] = power * outer[p] * (along_j[p] * j[k][c][p] + along_cofactor[p] * cofactors[k][c][p]);
-      }
-    }
-  }
-  const std::array<VectorValues, 4> by_coordinate = slopes_by_coordinate(element, slopes);
-  const auto add = [&](std::size_t n, const Vec3& force) {
-    forces[element.nodes[n]] = forces[element.nodes[n]] + force;
-  };
-  for (std::size_t v = 0; v < 4; ++v) add(v, sum_of_products(weights().vertex[v], by_coordinate[v]));
-  for (std::size_t e = 0; e < 6; ++e) {
-    const auto& [a, b] = kCurvedTetEdges[e];
-    add(4 + e,
-        sum_of_products(weights().edge[b], by_coordinate[a]) + sum_of_products(weights().edge[a], by_coordinate[b]));
-  }
-  return energy;
+  slopes.add_forces(element, forces_);
+  return sum(energy);
 }
 
 }  // namespace tetune

@@ -29,16 +29,17 @@ class RelaxationEnergy {
   int power = 1;
 
   std::vector<double> start() const;
-  /// Nodes with the unknown ones at x.
-  std::vector<Vec3> nodes_at(const std::vector<double>& x) const;
-  double operator()(const std::vector<double>& x, std::vector<double>& gradient) const;
+  /// Moves the unknown nodes to x. Returns all nodes.
+  const std::vector<Vec3>& nodes_at(const std::vector<double>& x);
+  double operator()(const std::vector<double>& x, std::vector<double>& gradient);
   /// The smallest D at the points.
-  double smallest_determinant(const std::vector<double>& x) const;
+  double smallest_determinant(const std::vector<double>& x);
 
  private:
-  double add_element(const PatchElement& element, const std::vector<Vec3>& nodes, std::vector<Vec3>& forces) const;
+  double add_element(const PatchElement& element);
   std::vector<PatchElement> elements_;
   std::vector<Vec3> nodes_;
+  std::vector<Vec3> forces_;  ///< the gradient, per node
   std::vector<std::size_t> unknowns_;
 };
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decks of Abaqus and CalculiX for tests: a plain reader, independent of tetune's, and one of a loaded block."""
 
+import re
 from pathlib import Path
 
 from cli_case import Mesh, cube
@@ -149,6 +150,11 @@ def block(n=4, seed=1, jitter=0.2):
              "*STEP\n*STATIC\n*BOUNDARY\nFIX, 1, 3\n*DLOAD\n" + "".join(f"{e}, P{f}, -70.\n" for e, f in faces(lies(0, 1.0)))
              + "*NODE PRINT, NSET=FIX, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=LOAD\nU\n*END STEP\n")
     return text
+
+
+def numbers(text):
+    """Those of CalculiX's printed results."""
+    return [float(x) for x in re.findall(r"-?\d\.\d+E[-+]\d+", text)]
 
 
 def contact(n=3, jitter=0.15):

@@ -8,11 +8,7 @@ import unittest
 
 import cli_case
 from cli_case import CliTest, Mesh, cube, with_triangles
-from deck import FACES, Deck, block, contact
-
-
-def numbers(text):
-    return [float(x) for x in re.findall(r"-?\d\.\d+E[-+]\d+", text)]
+from deck import FACES, Deck, block, contact, numbers
 
 
 class Decks(CliTest):

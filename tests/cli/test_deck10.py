@@ -5,10 +5,11 @@ import math
 import re
 import shutil
 import subprocess
+import unittest
 
 import cli_case
 from cli_case import CliTest
-from deck import FACES, PAIRS, Deck, block, lines
+from deck import FACES, PAIRS, Deck, block, lines, numbers
 
 
 def bend(p):
@@ -185,6 +186,27 @@ class SecondOrderDecks(CliTest):
             b = self.optimize("--untangle")
             self.assertIn("proved valid, 0 inverted, 0 undecided", self.run_cli("info", self.path("b.inp")).stdout)
             self.assertEqual(b.nodes.get(held) == a.nodes[held], load != "")
+
+    @unittest.skipUnless(shutil.which("ccx"), "SKIPPED, NOT TESTED: no CalculiX (Debian: calculix-ccx)")
+    def test_calculix_solves_the_deck_that_it_refused(self):
+        a = self.make(2, bend, jitter=0)
+        bad = next(v for v in a.middles.values() if all(0.2 < x < 0.9 for x in a.nodes[v]))
+        text = (self.folder / "a.inp").read_text()
+        x, y, z = a.nodes[bad]
+        broken = re.sub(rf"(?m)^{bad}, .*$", f"{bad}, {round(x + 0.3, 12)!r}, {y!r}, {z!r}", text, count=1)
+
+        def solve(name):
+            done = subprocess.run(["ccx", name], cwd=self.folder, capture_output=True, text=True, timeout=cli_case.HANG)
+            return done.stdout, numbers((self.folder / f"{name}.dat").read_text())
+
+        _, (_, *before) = solve("a")
+        (self.folder / "a.inp").write_text(broken)
+        self.assertIn("nonpositive jacobian", solve("a")[0])
+        self.optimize("--untangle", "--boundary", "fixed")
+        said, (_, *after) = solve("b")
+        self.assertIn("Job finished", said)
+        self.assertEqual(len(after), len(before))
+        self.assertLess(math.dist(after, before), 0.01 * math.hypot(*before))
 
     def test_moved_boundaries_take_middles_with_them(self):
         a = self.make(4)
