@@ -121,6 +121,8 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
     } -> std::same_as<typename B::template Result<Sum<std::uint32_t>>>;
   /// out[i] = in[0] + ... + in[i-1]; returns the sum of all. `in` and `out` may be the same array.
   { backend.exclusive_scan(in, out) } -> std::same_as<std::uint32_t>;
+  /// Same as exclusive_scan(), but waits for the sum as reduce_async() does.
+  { backend.exclusive_scan_async(in, out) } -> std::same_as<typename B::template Result<std::uint32_t>>;
   /// Writes each i in [0, n) with keep(i) to `ids`, in increasing order; returns their number. Requires room for n.
   /// keep(i) may be called twice, with the same result; like a kernel it may write what no other call reads or writes.
   { backend.compact(n, concept_detail::AnyPredicate{}, ids) } -> std::same_as<Size>;

@@ -125,6 +125,10 @@ class Cpu {
   }
 
   template <class T>
+  Available<T> exclusive_scan_async(Span<const T> in, Span<T> out) const {
+    return {exclusive_scan(in, out)};
+  }
+  template <class T>
   T exclusive_scan(Span<const T> in, Span<T> out) const {
     const Size n = in.size();
     const Size blocks = block_count(n);

@@ -94,17 +94,21 @@ class Cuda {
 
   template <class T>
   T exclusive_scan(Span<const T> in, Span<T> out) const {
+    return exclusive_scan_async(in, out).get();
+  }
+  template <class T>
+  Pending<T> exclusive_scan_async(Span<const T> in, Span<T> out) const {
     return scan(in.size(), ScanArray<T>{in, out});
   }
 
   template <class F>
   Size compact(Size n, const F& keep, Span<Index32> out) const {
-    return scan(n, ListKept<F>{keep, out});
+    return scan(n, ListKept<F>{keep, out}).get();
   }
 
   template <class T, class F, class G>
   CountAndSum<T> compact_and_sum(Size n, const F& keep, Span<Index32> out, const G& evaluate, Span<T> sums) const {
-    return scan(n, ListAndSumKept<T, F, G>{keep, out, evaluate, sums});
+    return scan(n, ListAndSumKept<T, F, G>{keep, out, evaluate, sums}).get();
   }
 
   template <class K>
@@ -187,7 +191,7 @@ class Cuda {
   }
   /// One launch.
   template <class F>
-  SumOf<typename F::Value> scan(Size n, const F& f) const {
+  Pending<SumOf<typename F::Value>> scan(Size n, const F& f) const {
     static_assert(std::is_trivially_copyable_v<F>);
     using T = SumOf<typename F::Value>;
     // Few tiles, as each reads sums of those before; several items per thread are kept in registers.
@@ -204,7 +208,7 @@ class Cuda {
                                   started()};
     scan_kernel<F, kThreads, kMaxRows><<<tiles, kThreads>>>(n, rows, f, scanned, total);
     check_cuda(cudaGetLastError(), "launch");
-    return pending.get();
+    return pending;
   }
   /// See ScannedTiles::has_sum. Clears all states where the number starts from 0 again.
   unsigned next_scan() const {

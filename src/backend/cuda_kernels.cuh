@@ -35,6 +35,8 @@ template <int kThreads>
 class PartOfWarp {
  public:
   static constexpr int kSize = kThreads;
+  template <int kPart>
+  using Part = PartOfWarp<(kPart < kThreads ? kPart : kThreads)>;
 
   TETUNE_HD static int rank() {
 #if defined(__CUDA_ARCH__)

@@ -11,11 +11,14 @@
 ///   any(condition)       whether the condition holds for one of them
 ///   merge(value)         the values of all of them merged by merge(), whose result must not depend on the order
 ///   broadcast(value, r)  the value of thread r
+///   Part<n>              the team of at most n of its threads; all such parts evaluate the same
 ///   sync()               stores to shared memory before are visible to all of them afterwards
 /// The team of the CPU is a single thread; that of a GPU is a warp, or a part of one (backend/cuda.cuh).
 namespace tetune::backend {
 
 struct SingleThread {
+  template <int kThreads>
+  using Part = SingleThread;
   static constexpr int kSize = 1;
   TETUNE_HD static constexpr int rank() { return 0; }
   TETUNE_HD static constexpr bool any(bool condition) { return condition; }

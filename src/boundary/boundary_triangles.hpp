@@ -82,8 +82,9 @@ struct BoundaryTriangles {
 template <class Backend>
 void list_corners(const Backend& backend, const WorkMesh<Backend>& mesh, BoundaryTriangles<Backend>& boundary) {
   if (!boundary.stale) return;
-  build_csr(backend, mesh.vertices(), 3 * boundary.triangles.size(),
-            VertexOfCorner<BoundaryTriangle>{boundary.triangles.span()}, boundary.vertex2corner);
+  const Size corners = 3 * boundary.triangles.size();
+  build_csr(backend, mesh.vertices(), corners, VertexOfCorner<BoundaryTriangle>{boundary.triangles.span()},
+            boundary.vertex2corner, corners);
   boundary.stale = false;
 }
 

@@ -215,7 +215,7 @@ void classify_vertices(const Backend& backend, WorkMesh<Backend>& mesh, const Su
                        bool surface_fixed, Span<VertexDof> dof, Span<Vec3> axis) {
   using namespace classify_detail;
   Csr<Backend> vertex2edge_end;
-  build_csr(backend, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
+  build_csr(backend, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end, edges.size());
   BufferOf<Backend, Index> across(backend, 3 * surface.triangles.size());
   if (!surface_fixed) find_across(backend, surface.triangles, surface.vertex2corner.view(), across);
   backend.for_each(mesh.vertices(),

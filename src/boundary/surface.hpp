@@ -272,7 +272,7 @@ void collect_surface(const Backend& backend, WorkMesh<Backend>& mesh, Surface<Ba
   surface.triangles.resize(backend, count);
   backend.for_each(count, TriangleOfFace{mesh.tet2vertex, faces, surface.triangles});
   build_csr(backend, mesh.vertices(), 3 * count, VertexOfCorner<SurfaceTriangle>{surface.triangles},
-            surface.vertex2corner);
+            surface.vertex2corner, 3 * count);
 }
 
 /// Finds the corner across the edge of each corner, as opposite_corner() does.

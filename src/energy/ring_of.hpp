@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backend/pack.hpp"
+#include "backend/team.hpp"
 #include "energy/ring.hpp"
 #if !defined(__CUDACC__)
 #include "energy/simd_ring.hpp"
@@ -9,18 +10,23 @@
 
 namespace tetune {
 
-/// The ring that sweeps evaluate, chosen by the pack of the backend: SimdRing where a pack is a vector.
-template <class Pack>
+/// The ring that sweeps and cavities evaluate, chosen by the pack of the backend: SimdRing where a pack is a vector,
+/// otherwise the ring of a team.
+template <class Pack, class Team = backend::SingleThread>
 struct RingOf;
-template <>
-struct RingOf<double> {
-  using type = PlainRing<>;
+template <class Team>
+struct RingOf<double, Team> {
+  using type = PlainRing<Team>;
 };
 #if !defined(__CUDACC__)
-template <>
-struct RingOf<backend::Pack4> {
+template <class Team>
+struct RingOf<backend::Pack4, Team> {
   using type = SimdRing;
 };
 #endif
+
+/// The ring of a team, each part of which evaluates all of it.
+template <class Team>
+using RingOfTeam = typename RingOf<backend::TermsOf<Team>, typename Team::template Part<kRingLanes>>::type;
 
 }  // namespace tetune

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "backend/atomic.hpp"
 #include "backend/buffer.hpp"
@@ -69,10 +70,6 @@ namespace csr_detail {
 
 inline constexpr std::uint32_t kNoRow = 0xffffffffU;
 
-struct IdLess {
-  TETUNE_HD bool operator()(std::uint32_t a, std::uint32_t b) const { return a < b; }
-};
-
 template <class RowOf>
 struct FindRow {
   RowOf row_of;
@@ -85,44 +82,45 @@ struct FindRow {
 
 template <class RowOf>
 struct CountItems {
-  FindRow<RowOf> find;
+  RowOf row_of;
   Span<std::uint32_t> counts;
   TETUNE_HD void operator()(Size item) const {
-    find(item);
-    const std::uint32_t row = find.row[item];
-    if (row != kNoRow) backend::atomic_add(counts[row], 1);
+    const Size r = row_of(item);
+    if (r >= 0) backend::atomic_add(counts[r], 1);
   }
 };
 
 /// Fills each row from its end, in unspecified order. `left` holds the number of items of each row before, 0 after.
+template <class RowOf>
 struct FillRows {
-  Span<const std::uint32_t> row;
+  RowOf row_of;
   Span<const std::uint32_t> offsets;
   Span<std::uint32_t> left;
   Span<std::uint32_t> items;
   TETUNE_HD void operator()(Size item) const {
-    const std::uint32_t r = row[item];
-    if (r != kNoRow) items[offsets[r] + backend::atomic_add(left[r], ~0U) - 1] = static_cast<std::uint32_t>(item);
+    const Size r = row_of(item);
+    if (r >= 0) items[offsets[r] + backend::atomic_add(left[r], ~0U) - 1] = static_cast<std::uint32_t>(item);
   }
 };
 
-/// Sorts the items of a row, so that the result does not depend on the order of the atomic operations.
-struct SortRow {
-  Span<const std::uint32_t> offsets;
-  Span<std::uint32_t> items;
-  TETUNE_HD void operator()(Size row) const {
-    const Size begin = offsets[row];
-    const Size n = offsets[row + 1] - begin;
-    if (n > 1) sort_small(items.data() + begin, n, IdLess{});
-  }
-};
-
-template <class Make, class T>
-struct MakeItems {
+/// Makes each item at its place in increasing order, so that the result does not depend on the order of the atomic
+/// operations: behind the lower ones of its row, which are counted.
+template <class RowOf, class Make, class T>
+struct MakeInOrder {
+  RowOf row_of;
   Make make;
-  Span<const std::uint32_t> ids;
+  Span<const std::uint32_t> offsets;
+  Span<const std::uint32_t> items;
   Span<T> out;
-  TETUNE_HD void operator()(Size i) const { out[i] = make(ids[i]); }
+  TETUNE_HD void operator()(Size i) const {
+    const std::uint32_t item = items[i];
+    const Size row = row_of(item);
+    const std::uint32_t begin = offsets[row];
+    const std::uint32_t end = offsets[row + 1];
+    std::uint32_t place = begin;
+    for (std::uint32_t k = begin; k < end; ++k) place += items[k] < item ? 1U : 0U;
+    out[place] = make(item);
+  }
 };
 
 struct ItemItself {
@@ -132,19 +130,20 @@ struct ItemItself {
 }  // namespace csr_detail
 
 /// Groups the items 0..n-1 by row and stores make(item) for each. row_of(item) returns the row of an item, or a
-/// negative number if it has none. A backend that provides count_by_row() and place_by_row() does without atomics and
-/// sorting.
+/// negative number if it has none. `listed`: the number of items that have one, where it is known, so that the host
+/// does not wait for it. A backend that provides count_by_row() and place_by_row() does without atomics.
 template <class Backend, class RowOf, class Make, class T>
 void build_csr_of(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of, const Make& make,
-                  BufferOf<Backend, std::uint32_t>& offsets, BufferOf<Backend, T>& grouped) {
+                  BufferOf<Backend, std::uint32_t>& offsets, BufferOf<Backend, T>& grouped,
+                  std::optional<Size> listed = {}) {
   using namespace csr_detail;
   using Ids = BufferOf<Backend, std::uint32_t>;
-  Ids row(backend, item_count);
-  const FindRow<RowOf> find{row_of, row.span()};
-  const Span<const std::uint32_t> rows = row;
   offsets.resize(backend, row_count + 1);
-  Ids positions;
   if constexpr (backend::CountsByRow<Backend>) {
+    Ids row(backend, item_count);
+    Ids positions;
+    const Span<const std::uint32_t> rows = row;
+    const FindRow<RowOf> find{row_of, row.span()};
     grouped.resize(backend, backend.count_by_row(find, kNoRow, rows, offsets.span(), positions));
     const Span<T> out = grouped;
     backend.place_by_row(rows, kNoRow, offsets.size(), positions, [&](Size item, std::uint32_t position) {
@@ -153,21 +152,22 @@ void build_csr_of(const Backend& backend, Size row_count, Size item_count, const
   } else {
     Ids counts(backend, row_count + 1);
     backend.fill(counts.span(), std::uint32_t{0});
-    backend.for_each(item_count, CountItems<RowOf>{find, counts});
-    Ids ids(backend, backend.exclusive_scan(Span<const std::uint32_t>(counts.span()), offsets.span()));
-    backend.for_each(item_count, FillRows{rows, offsets, counts, ids});
-    row = Ids();  // frees memory before the next allocation
-    backend.for_each(row_count, SortRow{offsets, ids});
+    backend.for_each(item_count, CountItems<RowOf>{row_of, counts});
+    const auto sum = backend.exclusive_scan_async(Span<const std::uint32_t>(counts.span()), offsets.span());
+    Ids ids(backend, listed ? *listed : Size{sum.get()});
+    TETUNE_ASSERT(ids.size() == sum.get());
+    backend.for_each(item_count, FillRows<RowOf>{row_of, offsets, counts, ids});
     grouped.resize(backend, ids.size());
-    backend.for_each(ids.size(), MakeItems<Make, T>{make, ids, grouped});
+    backend.for_each(ids.size(), MakeInOrder<RowOf, Make, T>{row_of, make, offsets, ids, grouped});
   }
 }
 
 /// Builds the rows of the items 0..n-1: build_csr_of() with the items themselves.
 template <class Backend, class RowOf>
-void build_csr(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of, Csr<Backend>& rows) {
+void build_csr(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of, Csr<Backend>& rows,
+               std::optional<Size> listed = {}) {
   build_csr_of<Backend, RowOf, csr_detail::ItemItself, std::uint32_t>(
-      backend, row_count, item_count, row_of, csr_detail::ItemItself{}, rows.offsets, rows.items);
+      backend, row_count, item_count, row_of, csr_detail::ItemItself{}, rows.offsets, rows.items, listed);
 }
 
 }  // namespace tetune

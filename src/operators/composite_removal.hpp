@@ -7,7 +7,7 @@ namespace tetune {
 
 /// The best removal of an edge of a tetrahedron with a vertex of its ring moved at the same time: a composite operation
 /// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007). The moves are tried in turn, each against
-/// the best one so far. A backend of many threads evaluates all moves beforehand, one per thread (EvaluateMoves); then
+/// the best one so far. A backend of many threads evaluates all moves beforehand, one per team (EvaluateMoves); then
 /// only the one that the sequence would end with is tried.
 struct CompositeRemoval {
   static constexpr int kChoices = 1;
@@ -39,7 +39,8 @@ struct CompositeRemoval {
   }
 
   /// The costs of one move of a tetrahedron.
-  TETUNE_HD static MoveCosts evaluate(const StarContext& p, Index t, int move) {
+  template <class Team>
+  TETUNE_HD static MoveCosts evaluate(const StarContext& p, Index t, int move, const Team& team) {
     const int edge = move / kMaxEdgeTets;
     StarCavity star(p.mesh, p.constrained);
     if (!take_ring(p, t, edge, star) || move % kMaxEdgeTets >= star.tet_count()) return {};
@@ -48,7 +49,7 @@ struct CompositeRemoval {
     for (int i = 0; i <= move % kMaxEdgeTets; ++i) v = walk.next(p.mesh.tet2vertex[star.tet(i)]);
     if (!p.is_movable(v)) return {};
     Vec3 x;
-    return evaluate(p, star, v, x, kAcceptRatio, backend::SingleThread());
+    return evaluate(p, star, v, x, kAcceptRatio, team);
   }
 
  private:
@@ -117,7 +118,7 @@ struct CompositeRemoval {
     x = star.relax_and_grow(x, team);
     costs.before = star.cost_before(team);
     const double after = star.cost_after(v, x, ratio * costs.before, false, team);
-    if (after < ratio * costs.before && star.preserves_constraints(v)) costs.after = after;
+    if (after < ratio * costs.before && star.preserves_constraints(v, team)) costs.after = after;
     return costs;
   }
 };
@@ -129,9 +130,17 @@ struct EvaluateMoves {
   Span<const Index> tets;
   Span<MoveCosts> moves;
 
+  struct Shared {};
+
   TETUNE_HD void operator()(Size i) const {
-    moves[i] =
-        CompositeRemoval::evaluate(context, tets[i / CompositeRemoval::kMoves], to_index(i % CompositeRemoval::kMoves));
+    Shared none;
+    (*this)(backend::SingleThread(), none, i);
+  }
+  template <class Team>
+  TETUNE_HD void operator()(const Team& team, Shared&, Size i) const {
+    constexpr int kMoves = CompositeRemoval::kMoves;
+    const MoveCosts costs = CompositeRemoval::evaluate(context, tets[i / kMoves], to_index(i % kMoves), team);
+    if (team.rank() == 0) moves[i] = costs;
   }
 };
 

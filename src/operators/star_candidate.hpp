@@ -23,6 +23,13 @@ TETUNE_HD inline LinkFace link_face(const Tet& tet, int f) {
 TETUNE_HD inline bool has_vertex(const LinkFace& f, Index vertex) {
   return f.v[0] == vertex || f.v[1] == vertex || f.v[2] == vertex;
 }
+/// Whether two vertices, which may be the same, are on one of the faces.
+TETUNE_HD inline bool share_face(const LinkFace* faces, int count, Index v, Index w) {
+  for (int i = 0; i < count; ++i) {
+    if (has_vertex(faces[i], v) && has_vertex(faces[i], w)) return true;
+  }
+  return false;
+}
 
 /// A simplex of the surface, all of whose surface triangles a cavity replaces: a vertex, an edge or a triangle.
 struct SurfaceSimplex {

@@ -173,18 +173,13 @@ class StarCavity {
     return move_into_kernel<kMaxStarFaces>(mesh_.points, faces_, face_count_, x, team);
   }
   /// Whether all vertices and constrained edges of the cavity, except for the apex inside it, are on its faces.
-  TETUNE_HD bool preserves_constraints(Index apex) const {
-    for (int i = 0; i < tets_.size(); ++i) {
-      const Tet tet = mesh_.tet2vertex[tets_[i]];
-      for (int k = 0; k < 4; ++k) {
-        if (tet[k] == apex) continue;
-        if (!on_face(tet[k], tet[k])) return false;
-        for (int l = 0; l < k; ++l) {
-          if (constrained_.contains(tet[k], tet[l]) && !on_face(tet[k], tet[l])) return false;
-        }
-      }
+  template <class Team = backend::SingleThread>
+  TETUNE_HD bool preserves_constraints(Index apex, const Team& team = {}) const {
+    bool preserves = true;
+    for (int i = team.rank(); i < tets_.size() && preserves; i += Team::kSize) {
+      preserves = preserves_constraints_of(mesh_.tet2vertex[tets_[i]], apex);
     }
-    return true;
+    return !team.any(!preserves);
   }
 
   /// A place for the apex where the energy of the retriangulation is lower, from one in the kernel; x itself where the
@@ -192,13 +187,13 @@ class StarCavity {
   template <class Team = backend::SingleThread>
   TETUNE_HD Vec3 relax(const Vec3& x, const Team& = {}) const {
     if (motion_.slides()) return x;
-    typename RingOf<backend::TermsOf<Team>>::type ring(mesh_.objective, mesh_.points, faces_, face_count_);
+    RingOfTeam<Team> ring(mesh_.objective, mesh_.points, faces_, face_count_);
     return NewtonStep{1, kMinGain}(ring, x, motion_.free.space).position;
   }
   /// Enlarges the cavity and relaxes the apex in turn, while that lowers the energy.
   template <class Team = backend::SingleThread>
   TETUNE_HD Vec3 relax_and_grow(Vec3 x, const Team& team = {}) {
-    for (int round = 0; round < kGrowthRounds && grow(x); ++round) x = relax(x, team);
+    for (int round = 0; round < kGrowthRounds && grow(x, team); ++round) x = relax(x, team);
     return x;
   }
   /// Enlarges the cavity across the face whose new tetrahedron costs most, until none costs `limit` or more with the
@@ -273,11 +268,15 @@ class StarCavity {
     }
     return false;
   }
-  TETUNE_HD bool on_face(Index v, Index w) const {
-    for (int i = 0; i < face_count_; ++i) {
-      if (has_vertex(faces_[i], v) && has_vertex(faces_[i], w)) return true;
+  /// preserves_constraints() for one tetrahedron of the cavity.
+  TETUNE_HD bool preserves_constraints_of(const Tet& tet, Index apex) const {
+    for (int k = 0; k < 4; ++k) {
+      for (int l = 0; l <= k && tet[k] != apex; ++l) {
+        const bool must_stay = l == k || constrained_.contains(tet[k], tet[l]);
+        if (must_stay && !share_face(faces_, face_count_, tet[k], tet[l])) return false;
+      }
     }
-    return false;
+    return true;
   }
   TETUNE_HD int place_of_side(HalfFace side) const {
     int i = 0;
@@ -310,19 +309,27 @@ class StarCavity {
     return true;
   }
 
-  /// Takes more tetrahedra into the cavity, across one face at a time, where that lowers the energy of the
-  /// retriangulation from x. Returns whether it took one.
-  TETUNE_HD bool grow(const Vec3& x) {
+  /// Takes more tetrahedra into the cavity, one at a time, across the first face, from the last one on, where that
+  /// lowers the energy of the retriangulation from x. Returns whether it took one.
+  template <class Team>
+  TETUNE_HD bool grow(const Vec3& x, const Team& team) {
     bool grown = false;
-    for (int i = 0; i < face_count_; ++i) {
-      while (has_room() && grow_across(i, x)) grown = true;
+    for (int begin = 0; begin < face_count_ && has_room();) {
+      const int i = begin + team.rank();
+      const Growth own = i < face_count_ ? gainful_growth_across(i, x) : Growth{};
+      const bool grows = own.t >= 0;
+      const int first = team.merge(backend::IndexedMax{grows ? 1.0 : 0.0, grows ? team.rank() : Team::kSize}).index;
+      begin += first;
+      if (first == Team::kSize) continue;
+      take(team.broadcast(own, first));
+      grown = true;
     }
     return grown;
   }
 
   /// The tetrahedron across a face, with its faces towards the cavity: one or two of them.
   struct Growth {
-    Tet tet;
+    Tet tet{};
     Index t = -1;  ///< -1: it cannot be taken
     int face = 0, first = 0, second = -1, other = -1;
   };
@@ -365,19 +372,17 @@ class StarCavity {
   }
   TETUNE_HD bool has_room() const { return !tets_.is_full() && face_count_ + 2 <= kMaxStarFaces; }
 
-  /// Takes the tetrahedron across face i if that lowers the energy.
-  TETUNE_HD bool grow_across(int i, const Vec3& x) {
+  /// growth_across() where that lowers the energy.
+  TETUNE_HD Growth gainful_growth_across(int i, const Vec3& x) const {
     const Growth g = growth_across(i);
-    if (g.t < 0) return false;
+    if (g.t < 0) return {};
     double before = energy(faces_[i], x) + energy(link_face(g.tet, g.first), vec(mesh_.points[g.tet[g.first]]));
     if (g.second >= 0) before += energy(faces_[g.other], x);
     double after = 0;
     for (int f = 0; f < 4; ++f) {
       if (f != g.first && f != g.second) after += energy(link_face(g.tet, f), x);
     }
-    if (!(after < before)) return false;
-    take(g);
-    return true;
+    return after < before ? g : Growth{};
   }
 
   RatedMesh mesh_;

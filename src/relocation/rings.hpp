@@ -55,7 +55,7 @@ void build_rings(const Backend& backend, WorkMesh<Backend>& mesh, Rings<Backend>
   using namespace rings_detail;
   const Span<const Tet> tets = mesh.tet2vertex;
   build_csr_of<Backend, VertexOfTetCorner, FaceOfCorner, LinkFace>(backend, mesh.vertices(), 4 * mesh.slots(), {tets},
-                                                                   {tets}, rings.offsets, rings.faces);
+                                                                   {tets}, rings.offsets, rings.faces, 4 * mesh.tets());
 }
 
 /// Builds the rings of the flagged vertices alone; the others have empty ones. Requires that `tets` lists all

@@ -196,7 +196,7 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   backend.for_each(3 * triangles, CutAtFeatures{mesh.points, reference.triangles, surface.tags, opposite_corners,
                                                 constrained, cos_angle, reference.across});
   Csr<Backend> vertex2edge_end;
-  build_csr(backend, vertices, edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end);
+  build_csr(backend, vertices, edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end, edges.size());
   reference.line.resize(backend, vertices);
   backend.for_each(vertices, ClassifySlidingVertex{mesh.points, reference.triangles, reference.across,
                                                    reference.vertex2corner.view(), edges, vertex2edge_end.view(),

@@ -144,7 +144,8 @@ void import_slide_surface(const Backend& backend, const SlideSurface& given, con
   reference.line.upload(backend, line);
   reference.triangles.upload(backend, triangles);
   const Size corners = 3 * reference.triangles.size();
-  build_csr(backend, vertices, corners, VertexOfCorner<SurfaceTriangle>{reference.triangles}, reference.vertex2corner);
+  build_csr(backend, vertices, corners, VertexOfCorner<SurfaceTriangle>{reference.triangles}, reference.vertex2corner,
+            corners);
   reference.across.resize(backend, corners);
   BufferOf<Backend, std::uint8_t> feature_edges;
   feature_edges.upload(backend, given.feature_edges);
