@@ -81,3 +81,17 @@ def test_unit_and_mismatch(cylinder):
         tetune.optimize(points, tets, geometry=str(path), boundary="slide", criteria="abaqus")
     with pytest.raises(tetune.FileError):
         tetune.Geometry(str(path) + ".missing.step")
+
+
+def test_mid_side_nodes_are_on_the_model(cylinder):
+    path, points, tets = cylinder
+    model = geometry_of(path)
+    mesh = tetune.optimize(points, tets, geometry=model, boundary="slide").mesh
+    result = tetune.curve(mesh, geometry=model)
+    assert result.report.edges_off_geometry == 0 and len(result.report.straightened) == 0
+    middles = result.mesh.curved_middles
+    assert len(middles) > 50 and off_cylinder(middles, np.full(len(middles), 2)) < 1e-12
+    assert result.report.min_scaled_jacobian > 0.1
+    assert len(tetune.curve(mesh, geometry=str(path)).mesh.curved_middles) == len(middles)
+    with pytest.raises(tetune.OptionError, match="exclude"):
+        tetune.curve(mesh, geometry=model, surface=mesh)

@@ -63,8 +63,8 @@ class Result(Generic[M]):
     """With the argument `geometry`: where vertices are on it, and distances from it."""
 
 
-def _model(geometry: Geometry | str | PathLike[str] | None, threads: int) -> Geometry | None:
-    return Geometry(str(geometry), threads=threads) if isinstance(geometry, (str, PathLike)) else geometry
+def _model(geometry: Geometry | str | PathLike[str], threads: int) -> Geometry:
+    return geometry if isinstance(geometry, Geometry) else Geometry(str(geometry), threads=threads)
 
 
 def _prepared(mesh: Any, tets: Any, tags: Tags) -> tuple[TetMesh, Adapter[Any]]:
@@ -372,7 +372,8 @@ def curve(
     """
     work, adapter = _prepared(mesh, tets, tags)
     finer = None if surface is None else _measured(surface, None)
-    report = _core.curve(work, feature_angle=feature_angle, threads=threads, surface=finer, geometry=_model(geometry, threads))
+    model = None if geometry is None else _model(geometry, threads)
+    report = _core.curve(work, feature_angle=feature_angle, threads=threads, surface=finer, geometry=model)
     return CurveResult(adapter.second_order(work), report)
 
 
