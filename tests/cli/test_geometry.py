@@ -49,6 +49,22 @@ def boxes(n=6):
     return Mesh(points, mesh.tets, None, tags)
 
 
+def damage(whole, rng):
+    """The bytes of a file cut off, with other bytes or digits at ten places, or without a line."""
+    kind = rng.randrange(4)
+    if kind == 0:
+        return whole[:rng.randrange(len(whole))]
+    if kind == 1:
+        lines = whole.split(b"\n")
+        del lines[rng.randrange(len(lines))]
+        return b"\n".join(lines)
+    places = range(len(whole)) if kind == 2 else [i for i, byte in enumerate(whole) if chr(byte).isdigit()]
+    damaged = bytearray(whole)
+    for i in rng.sample(places, 10):
+        damaged[i] = rng.randrange(256) if kind == 2 else ord(str(rng.randrange(10)))
+    return bytes(damaged)
+
+
 def radius_error(points):
     return max(abs(math.hypot(*p) - 1) for p in points)
 
@@ -207,20 +223,20 @@ class Geometry(CliTest):
         self.refused("info", source, "--geometry", source, said=["ending"])
         self.refused("info", source, "--geometry", self.path("none.step"), said=["none.step"])
 
-    def test_damaged_files_have_a_message(self):
-        source = self.put("in.mesh", cylinder(3))
-        whole = Path(self.part("cylinder.step")).read_bytes()
+    def test_damaged_files_and_foreign_meshes_have_a_message(self):
+        """TETUNE_CORRUPT: the number of files; a few by default."""
+        meshes = [self.put("cylinder.mesh", cylinder(3)), self.put("ball.mesh", ball(3))]
         rng = random.Random(1)
-        for i in range(16):
-            damaged = bytearray(whole[:rng.randrange(len(whole))] if i % 2 else whole)
-            for _ in range(0 if i % 2 else 10):
-                damaged[rng.randrange(len(damaged))] = rng.randrange(256)
-            Path(self.path("damaged.step")).write_bytes(damaged)
-            done = subprocess.run([cli_case.TETUNE, "info", source, "--geometry", self.path("damaged.step")],
-                                  capture_output=True, text=True, timeout=cli_case.HANG)
+        for i in range(int(os.environ.get("TETUNE_CORRUPT", 16))):
+            part = ("cylinder.step", "cylinder.brep", "cylinder.igs", "ball.step")[i % 4]
+            damaged = self.path("damaged" + Path(part).suffix)
+            Path(damaged).write_bytes(damage(Path(self.part(part)).read_bytes(), rng))
+            source = rng.choice(meshes)
+            done = subprocess.run([cli_case.TETUNE, "info", source, "--geometry", damaged], capture_output=True, text=True,
+                                  timeout=cli_case.HANG)
             self.assertIn(done.returncode, (0, 2), done.stderr)
             if done.returncode == 2:
-                self.assertTrue("damaged.step" in done.stderr or "belong together" in done.stderr, done.stderr)
+                self.assertTrue("damaged." in done.stderr or "belong together" in done.stderr, done.stderr)
 
 
 if __name__ == "__main__":
