@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "driver/geometry_middles.hpp"
 
-#include <algorithm>
 #include <map>
-#include <utility>
 
 #include "backend/span.hpp"
 #include "math/vec3.hpp"
+#include "mesh/tet.hpp"
 
 namespace tetune {
 namespace {
 
 using Edge = std::array<Index, 2>;
-
-Edge edge_of(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// What each edge of the surface is on; no entity where that is not clear.
 std::map<Edge, GeometryEntity> entities_of_edges(const GeometryMatch& match) {
@@ -22,12 +19,12 @@ std::map<Edge, GeometryEntity> entities_of_edges(const GeometryMatch& match) {
     const auto& triangle = match.triangles[t];
     for (std::size_t k = 0; k < 3; ++k) {
       const GeometryEntity face{match.faces[t] > 0 ? std::int8_t{2} : kNoEntity, match.faces[t]};
-      const auto [at, is_new] = entities.try_emplace(edge_of(triangle[k], triangle[(k + 1) % 3]), face);
+      const auto [at, is_new] = entities.try_emplace(ascending(triangle[k], triangle[(k + 1) % 3]), face);
       if (!is_new && at->second != face) at->second = {kNoEntity, 0};
     }
   }
   for (std::size_t i = 0; i < match.edges.size(); ++i) {
-    entities[edge_of(match.edges[i][0], match.edges[i][1])] = {1, match.edge_numbers[i]};
+    entities[ascending(match.edges[i])] = {1, match.edge_numbers[i]};
   }
   return entities;
 }
@@ -35,7 +32,7 @@ std::map<Edge, GeometryEntity> entities_of_edges(const GeometryMatch& match) {
 }  // namespace
 
 GeometryMiddles find_geometry_middles(const TetMesh& mesh, const Geometry& geometry) {
-  /// An edge that is nearer to the model than this part of its length is straight.
+  // An edge that is nearer to the model than this part of its length is straight.
   constexpr double kStraight = 1e-12;
   constexpr double kFarthest = 0.25;
   std::vector<Edge> edges;

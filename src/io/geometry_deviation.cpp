@@ -49,20 +49,18 @@ class Sampling {
     }
   }
 
-  /// Their distances are known: as radii, and of no entity, so that they are not projected.
-  Samples vertices() const {
-    Samples s;
+  /// Calls f(vertex, the faces on both sides).
+  template <class F>
+  void for_each_vertex(const F& f) const {
     std::vector<std::array<std::int32_t, 2>> faces(points_.size());
     for_each_triangle([&](const auto& t, std::int32_t face) {
       for (const Index v : t) span_of(faces)[v][span_of(faces)[v][0] != 0 ? 1 : 0] = face;
     });
     for (Size v = 0; v < std::ssize(points_); ++v) {
-      const GeometryEntity& entity = span_of(match_.vertices)[v];
-      if (span_of(faces)[v][0] == 0 || entity.dimension < 0) continue;
+      if (span_of(faces)[v][0] == 0 || span_of(match_.vertices)[v].dimension < 0) continue;
       if (span_of(faces)[v][1] == span_of(faces)[v][0]) span_of(faces)[v][1] = 0;
-      add(s, span_of(points_)[v], {}, span_of(match_.distances)[v], span_of(faces)[v]);
+      f(v, span_of(faces)[v]);
     }
-    return s;
   }
 
   Samples midpoints() const {
@@ -130,20 +128,27 @@ GeometryDeviation Geometry::measure(const std::vector<Point3>& points, const Geo
   const Sampling sampling(points, match);
   GeometryDeviation deviation;
   std::map<std::int32_t, GeometryDeviation::Face> faces;
-  Samples all = sampling.vertices();
-  const std::size_t vertices = all.points.size();
-  all.append(sampling.midpoints());
-  const std::size_t centers = all.points.size();
+  using Face = GeometryDeviation::Face;
+  const auto add = [&](DistanceSummary GeometryDeviation::*total, DistanceSummary Face::*part, double distance,
+                       const std::array<std::int32_t, 2>& on) {
+    add_distance(deviation.*total, distance);
+    for (const std::int32_t face : on) {
+      if (face > 0) add_distance(faces[face].*part, distance);
+    }
+  };
+  sampling.for_each_vertex([&](Size v, const std::array<std::int32_t, 2>& on) {
+    add(&GeometryDeviation::vertices, &Face::vertices, span_of(match.distances)[v], on);
+  });
+  Samples all = sampling.midpoints();
+  const std::size_t midpoints = all.points.size();
   all.append(sampling.centers());
   const std::vector<Point3> feet = project(all.points, all.entities, all.radii);
-  using Face = GeometryDeviation::Face;
   for (std::size_t i = 0; i < feet.size(); ++i) {
-    const bool is_vertex = i < vertices, is_center = i >= centers;
-    const double distance = is_vertex ? all.radii[i] : norm(vec(feet[i]) - vec(all.points[i]));
-    add_distance(is_vertex ? deviation.vertices : is_center ? deviation.centers : deviation.midpoints, distance);
-    const auto of_face = is_vertex ? &Face::vertices : is_center ? &Face::centers : &Face::midpoints;
-    for (const std::int32_t face : all.faces[i]) {
-      if (face > 0) add_distance(faces[face].*of_face, distance);
+    const double distance = norm(vec(feet[i]) - vec(all.points[i]));
+    if (i < midpoints) {
+      add(&GeometryDeviation::midpoints, &Face::midpoints, distance, all.faces[i]);
+    } else {
+      add(&GeometryDeviation::centers, &Face::centers, distance, all.faces[i]);
     }
   }
   for (auto& [number, face] : faces) {
