@@ -40,7 +40,8 @@ struct FlipReport : FlipCounts {
 };
 
 /// One round of work on the worst elements, or on those with the smallest dihedral angles: with Effort::best vertices
-/// are inserted and removed, then edges and faces are flipped around them, then their vertices are moved.
+/// are inserted and removed, then edges and faces are flipped around them, then their vertices are moved. With
+/// Effort::best the first rounds are on the mean energy. `round` starts from 1 for each of the three.
 struct WorstReport {
   int round = 0;
   std::int64_t worst = 0;                  ///< number of tetrahedra worked on

@@ -20,7 +20,7 @@ struct CavityRetriangulation {
     if (!star.take_tet(t)) return;
     const Vec3 x = vec(p.mesh.points[apex]);
     if (p.grow(star, apex, x)) {
-      p.add(star, p.cost_before(star), star.candidate(apex, kNoVertex, x));
+      p.add(star, star.candidate(apex, kNoVertex, x));
     }
   }
 };

@@ -16,7 +16,9 @@ struct RetriangulationReport {
 struct RetriangulationLimits {
   Size max_tets;       ///< nothing is changed where the mesh would get more tetrahedra
   double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost; kInfeasible: nowhere
-  double min_gain;     ///< the largest cost in a cavity must fall by this part
+  double min_gain;     ///< what must fall in a cavity falls by at least this part
+  /// Above 0: the mean energy of the mesh. Vertices are inserted and removed so that it falls, at all tetrahedra given.
+  double mean_energy = 0;
 };
 
 /// Improves some tetrahedra by operators that retriangulate a cavity from one point: each tetrahedron proposes the

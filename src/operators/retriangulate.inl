@@ -19,6 +19,8 @@ namespace retriangulate_detail {
 using AllOperators = StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction,
                                    SurfaceInsertion, SurfaceContraction>;
 inline constexpr int kVertexKeepingChoices = CompositeRemoval::kChoices;
+/// The first choice that inserts or removes a vertex.
+inline constexpr int kFirstEdit = StarOperators<CompositeRemoval, CavityRetriangulation>::kChoices;
 inline constexpr int kSurfaceKeepingChoices =
     StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction>::kChoices;
 
@@ -50,10 +52,13 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
                                           BoundaryTriangles<Backend>* surface, Span<const Index> tets,
                                           const RetriangulationLimits& limits) {
   using namespace retriangulate_detail;
-  const bool edits_vertices = limits.vertex_cost < kInfeasible;
-  const int choices = !edits_vertices      ? kVertexKeepingChoices
-                      : surface == nullptr ? kSurfaceKeepingChoices
-                                           : AllOperators::kChoices;
+  const bool lowers_mean = limits.mean_energy > 0;
+  const bool edits_vertices = lowers_mean || limits.vertex_cost < kInfeasible;
+  const int first_choice = lowers_mean ? kFirstEdit : 0;
+  const int end_choice = !edits_vertices      ? kVertexKeepingChoices
+                         : surface == nullptr ? kSurfaceKeepingChoices
+                                              : AllOperators::kChoices;
+  const int choices = end_choice - first_choice;
   SurfaceTriangles triangles{};
   if (surface != nullptr) {
     list_corners(backend, mesh, *surface);
@@ -70,11 +75,12 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
                             limits.vertex_cost,
                             limits.min_gain,
                             true,
-                            edits_vertices ? tets : Span<const Index>{}};
-  StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, choices};
+                            edits_vertices ? tets : Span<const Index>{},
+                            limits.mean_energy};
+  StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, first_choice, choices};
   BufferOf<Backend, MoveCosts> moves;
   if constexpr (Backend::kIsAsynchronous) {
-    moves.resize(backend, CompositeRemoval::kMoves * tets.size());
+    if (!lowers_mean) moves.resize(backend, CompositeRemoval::kMoves * tets.size());
     backend.for_each(moves.size(), EvaluateMoves{context, tets, moves.span()});
     proposals.moves = moves.span();
   }

@@ -18,15 +18,14 @@ namespace tetune {
 /// around a vertex that vertex is removed.
 ///
 /// A cavity of all tetrahedra around a simplex of the surface also replaces the surface triangles that contain it. With
-/// an apex in their planes the surface keeps its shape; with another apex, on a curved surface, it bends within a bound
-/// (SurfaceBend). The cavity is in the memory of one thread.
+/// an apex in their planes the surface keeps its shape; with another, on a curved surface, it bends within a bound
+/// (SurfaceBend). Each thread of a team has the cavity in its own memory.
 class StarCavity {
  public:
   TETUNE_HD StarCavity(const RatedMesh& mesh, const ConstrainedEdges& constrained)
       : mesh_(mesh), constrained_(constrained) {}
 
-  /// Takes all tetrahedra around an edge of t. Like the next two, returns false where a constraint or the size forbids
-  /// it.
+  /// Takes all tetrahedra around an edge of t. Like the next two, returns false if it may not.
   TETUNE_HD bool take_edge(Index t, int edge) {
     const EdgeCorners e = edge_corners(edge);
     const Tet tet = mesh_.tet2vertex[t];
@@ -95,7 +94,7 @@ class StarCavity {
   /// The surface triangles that the cavity replaces.
   TETUNE_HD int base_count() const { return base_count_; }
   TETUNE_HD const LinkFace& base(int i) const { return bases_[i]; }
-  /// Restricts the motion of the apex; on the reference surface where it has a surface point there.
+  /// Restricts the motion of the apex; on the reference surface where it has a surface point.
   TETUNE_HD void restrict_apex(const NewVertexDof& dof, const ReferenceView& reference) {
     motion_ = {{{dof.dof, dof.axis}}, {reference, {}, dof.dof, dof.surface_point, dof.surface_point}};
   }
@@ -114,6 +113,14 @@ class StarCavity {
     return true;
   }
   TETUNE_HD Index tet(int i) const { return tets_[i]; }
+  TETUNE_HD int face_count() const { return face_count_; }
+  TETUNE_HD const LinkFace& face(int i) const { return faces_[i]; }
+  /// The energy of a tetrahedron on a face with its fourth vertex at x.
+  TETUNE_HD double energy(const LinkFace& f, const Vec3& x) const {
+    const Span<const Point> p = mesh_.points;
+    const TetEnergy e = tet_energy(mesh_.objective, x, vec(p[f.v[0]]), vec(p[f.v[1]]), vec(p[f.v[2]]));
+    return e.certified ? e.energy : kInfeasible;
+  }
   /// The candidate of the retriangulation from x.
   TETUNE_HD StarCandidate candidate(Index apex, Index removed, const Vec3& x) const {
     StarCandidate c;
@@ -123,10 +130,8 @@ class StarCavity {
     c.is_moved = false;
     c.tet_count = tets_.size();
     c.simplex = simplex_;
-    for (int i = 0; i < tets_.size(); ++i) {
-      c.tets[i] = tets_[i];
-      c.outer_faces[i] = 0;
-    }
+    for (int i = 0; i < tets_.size(); ++i) c.tets[i] = tets_[i];
+    for (int i = 0; i < tets_.size(); ++i) c.outer_faces[i] = 0;
     for (int k = 0; k < face_count_; ++k) {
       const int i = tets_.find(tet_of(sides_[k]));
       c.outer_faces[i] = static_cast<std::uint8_t>(c.outer_faces[i] | 1 << face_of(sides_[k]));
@@ -182,8 +187,7 @@ class StarCavity {
     return !team.any(!preserves);
   }
 
-  /// A place for the apex where the energy of the retriangulation is lower, from one in the kernel; x itself where the
-  /// apex slides.
+  /// A place for the apex where the energy is lower, from one in the kernel; x itself where the apex slides.
   template <class Team = backend::SingleThread>
   TETUNE_HD Vec3 relax(const Vec3& x, const Team& = {}) const {
     if (motion_.slides()) return x;
@@ -196,8 +200,8 @@ class StarCavity {
     for (int round = 0; round < kGrowthRounds && grow(x, team); ++round) x = relax(x, team);
     return x;
   }
-  /// Enlarges the cavity across the face whose new tetrahedron costs most, until none costs `limit` or more with the
-  /// apex at x. Returns false where a surface, an edge, a vertex or the size forbids it.
+  /// Enlarges the cavity across the face whose new tetrahedron costs most, until all cost less than `limit` with the
+  /// apex at x. Returns false where a constraint or the size forbids it.
   template <class Team = backend::SingleThread>
   TETUNE_HD bool grow_below(Index apex, const Vec3& x, double limit, const Team& team = {}) {
     // Face i belongs to thread i % kSize of the team.
@@ -282,11 +286,6 @@ class StarCavity {
     int i = 0;
     while (sides_[i] != side) ++i;
     return i;
-  }
-  TETUNE_HD double energy(const LinkFace& f, const Vec3& x) const {
-    const TetEnergy e =
-        tet_energy(mesh_.objective, x, vec(mesh_.points[f.v[0]]), vec(mesh_.points[f.v[1]]), vec(mesh_.points[f.v[2]]));
-    return e.certified ? e.energy : kInfeasible;
   }
 
   TETUNE_HD bool find_faces() {

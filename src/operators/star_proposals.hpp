@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "energy/mesh_energy.hpp"
 #include "operators/selection.hpp"
 #include "operators/star_cavity.hpp"
 #include "operators/surface_triangles.hpp"
 
 /// Proposals to retriangulate a cavity from one point, so that the largest cost of its dihedral angles
-/// (DihedralCots::cost()) falls.
+/// (DihedralCots::cost()) falls, or the mean energy of the mesh.
 namespace tetune {
 
 /// A place for an apex is improved further when the cost there is at most this many times what it was.
@@ -37,15 +38,19 @@ struct StarContext {
   SurfaceTriangles surface;
   int max_ring;        ///< of the removal of an edge
   double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost
-  double min_gain;     ///< the largest cost must fall by this part
+  double min_gain;     ///< the largest cost, or the energy of the cavity, must fall by this part
   bool inserts;        ///< vertices may be inserted
   /// The proposing tetrahedra in ascending order: an edge of several is removed by the first of them only. Empty: each
   /// proposes all its edges.
   Span<const Index> proposers = {};
+  /// Above 0: the mean energy of the mesh, which must fall, and not the largest cost. All proposers then insert and
+  /// remove vertices.
+  double mean_energy = 0;
 
+  TETUNE_HD bool lowers_mean() const { return mean_energy > 0; }
   TETUNE_HD bool is_movable(Index v) const { return kind[v] == VertexDof::free && !constrained.has_end(v); }
   TETUNE_HD bool may_change_vertices(Index t) const {
-    return dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
+    return lowers_mean() ? is_proposer(t) : dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
   }
 
   /// Whether vertices may be inserted and removed at a tetrahedron of the cavity before t: that one proposes the same.
@@ -92,14 +97,17 @@ struct StarProposal : StarContext {
 
   TETUNE_HD double cost_before(const StarCavity& star) const { return star.cost_before(team); }
   TETUNE_HD Vec3 lower_cost(StarCavity& star, const Vec3& x) const { return star.lower_cost(x, model, team); }
-  /// Enlarges the cavity until the largest cost is lower than before.
+  /// Enlarges the cavity until the largest cost is lower than before, where that must fall.
   TETUNE_HD bool grow(StarCavity& star, Index apex, const Vec3& x) const {
+    if (lowers_mean()) return true;
     return star.grow_below(apex, x, (1 - min_gain) * cost_before(star), team);
   }
 
   /// Moves a new vertex to where the largest cost is lower than before. Where there is no such place, enlarges the
-  /// cavity and moves the vertex once more. Returns false where that fails too.
+  /// cavity and moves the vertex once more. Returns false where that fails too. Where the mean energy must fall, the
+  /// vertex is in its place already.
   TETUNE_HD bool open(StarCavity& star, Vec3& x) const {
+    if (lowers_mean()) return true;
     const double before = cost_before(star);
     const double limit = (1 - min_gain) * before;
     const double screen = kAcceptRatio * before;
@@ -117,15 +125,45 @@ struct StarProposal : StarContext {
     return star.cost_after(kNewVertex, x, limit, false, team) < limit;
   }
 
-  /// Adds a retriangulation where it lowers the largest cost, which is `before`.
+  /// Adds a retriangulation where it lowers the largest cost, or the mean energy, and no tetrahedron is worse than the
+  /// floor.
+  TETUNE_HD void add(const StarCavity& star, const StarCandidate& c) const {
+    if (lowers_mean()) {
+      add_below_mean(star, c);
+    } else {
+      add(star, cost_before(star), c);
+    }
+  }
+  /// Same, where the largest cost is known to be `before`.
   TETUNE_HD void add(const StarCavity& star, double before, const StarCandidate& c) const {
     const double limit = (1 - min_gain) * before;
     const double after = star.cost_after(c.apex, c.apex_position, limit, true, team);
-    if (!(after < limit) || !(before - after > 0) || team.rank() != 0) return;
-    proposals.add(id, c, before - after, static_cast<std::uint32_t>(id));
+    if (after < limit) add_gain(c, before - after);
   }
 
  private:
+  /// Retriangulations with more or fewer tetrahedra compare by the energy beyond the mean of the mesh: where it falls,
+  /// so does that mean.
+  TETUNE_HD void add_below_mean(const StarCavity& star, const StarCandidate& c) const {
+    if (!(star.cost_after(c.apex, c.apex_position, kInfeasible, true, team) < kInfeasible)) return;
+    const double gain = energy_gain(star, c);
+    if (gain > min_gain * mean_energy * star.tet_count()) add_gain(c, gain);
+  }
+  /// By how much the sum of the energies less their mean falls. Not divided among the threads of a team: the sum would
+  /// depend on its size.
+  TETUNE_HD double energy_gain(const StarCavity& star, const StarCandidate& c) const {
+    double gain = 0;
+    for (int i = 0; i < star.tet_count(); ++i) {
+      gain += slot_energy(mesh, mesh.tet2vertex[star.tet(i)]).energy - mean_energy;
+    }
+    for (int i = 0; i < star.face_count(); ++i) {
+      if (!has_vertex(star.face(i), c.apex)) gain -= star.energy(star.face(i), c.apex_position) - mean_energy;
+    }
+    return gain;
+  }
+  TETUNE_HD void add_gain(const StarCandidate& c, double gain) const {
+    if (gain > 0 && team.rank() == 0) proposals.add(id, c, gain, static_cast<std::uint32_t>(id));
+  }
   /// Whether the cost with a new vertex at x is below `reach`; otherwise one inside the mesh moves into the kernel.
   TETUNE_HD bool is_in_reach(const StarCavity& star, double reach, Vec3& x) const {
     return star.cost_after(kNewVertex, x, reach, false, team) < reach ||
@@ -162,7 +200,7 @@ struct StarOperators<First, Others...> {
   }
 };
 
-/// The choices of some tetrahedra, the first `choices` of each.
+/// Some choices of some tetrahedra.
 template <class Operators, class Pack>
 struct StarProposals : StarContext {
   using Candidate = StarCandidate;
@@ -170,7 +208,7 @@ struct StarProposals : StarContext {
   static constexpr Size kGrain = 4;
   static constexpr Size kBatch = Size{1} << 12;
   Span<const Index> tets;
-  int choices;
+  int first_choice, choices;
   Span<const MoveCosts> moves = {};  ///< of all tetrahedra; may be empty
 
   using Shared = MinimaxModel;
@@ -186,7 +224,7 @@ struct StarProposals : StarContext {
     const MoveCosts* costs = nullptr;
     if (moves.size() > 0) costs = &moves[id / choices * (moves.size() / tets.size())];
     const StarProposal<Team> proposal{*this, proposals, id, costs, team, model};
-    Operators::propose(proposal, tets[id / choices], to_index(id % choices));
+    Operators::propose(proposal, tets[id / choices], first_choice + to_index(id % choices));
     return 1;
   }
 };

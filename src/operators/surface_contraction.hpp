@@ -35,7 +35,7 @@ struct SurfaceContraction {
     if (!p.grow(star, apex, x) || !star.keeps_faces_of(apex)) return;
     StarCandidate c = star.candidate(apex, v, x);
     c.replaced = replaced;
-    p.add(star, p.cost_before(star), c);
+    p.add(star, c);
   }
 
  private:

@@ -46,7 +46,7 @@ struct SurfaceInsertion {
     StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
     c.dof = dof;
     c.replaced = replaced;
-    p.add(star, p.cost_before(star), c);
+    p.add(star, c);
   }
 
  private:

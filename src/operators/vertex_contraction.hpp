@@ -19,7 +19,7 @@ struct VertexContraction {
     if (!p.is_movable(tet[from]) || !star.take_vertex(t, from)) return;
     const Vec3 x = vec(p.mesh.points[tet[to]]);
     if (!p.grow(star, tet[to], x)) return;
-    p.add(star, p.cost_before(star), star.candidate(tet[to], tet[from], x));
+    p.add(star, star.candidate(tet[to], tet[from], x));
   }
 };
 

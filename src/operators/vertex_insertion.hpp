@@ -23,7 +23,7 @@ struct VertexInsertion {
     const EdgeCorners e = edge_corners(edge);
     const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
     Vec3 x = star.relax_and_grow(star.relax(middle, p.team), p.team);
-    if (p.open(star, x)) p.add(star, p.cost_before(star), star.candidate(kNewVertex, kNoVertex, x));
+    if (p.open(star, x)) p.add(star, star.candidate(kNewVertex, kNoVertex, x));
   }
 
  private:
@@ -33,7 +33,7 @@ struct VertexInsertion {
     const Tet tet = p.mesh.tet2vertex[t];
     Vec3 x{0, 0, 0};
     for (int k = 0; k < 4; ++k) x = x + 0.25 * vec(p.mesh.points[tet[k]]);
-    if (p.open(star, x)) p.add(star, p.cost_before(star), star.candidate(kNewVertex, kNoVertex, x));
+    if (p.open(star, x)) p.add(star, star.candidate(kNewVertex, kNoVertex, x));
   }
 };
 

@@ -4,6 +4,7 @@
 #include "phases/alternate.hpp"
 #include "phases/improve_angles.hpp"
 #include "phases/improve_worst.hpp"
+#include "phases/lower_mean_energy.hpp"
 #include "phases/polish.hpp"
 
 namespace tetune {
@@ -34,8 +35,8 @@ bool improve(Optimizer<Backend>& optimizer) {
   Criterion criterion = improve_detail::measure_mesh(optimizer);
   if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return false;
   if (!improves_worst(optimizer.options)) return true;
-  return improve_worst(optimizer, criterion.floor) && improve_angles(optimizer, criterion.floor) &&
-         polish(optimizer, criterion.floor);
+  return lower_mean_energy(optimizer, criterion.floor) && improve_worst(optimizer, criterion.floor) &&
+         improve_angles(optimizer, criterion.floor) && polish(optimizer, criterion.floor);
 }
 
 }  // namespace tetune

@@ -48,24 +48,21 @@ namespace improve_around_detail {
 /// tie for the worst angle.
 inline constexpr Size kMinProposers = 250;
 inline constexpr double kProposingPart = 4e-3;
-/// The part of the growth of the mesh that insertion may use up: flips that follow add some tetrahedra.
-inline constexpr double kInsertedPart = 0.95;
-
 /// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and removed edges as flips.
 template <class Backend>
 void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
-                   double vertex_cost, WorstReport& r) {
+                   const RetriangulationLimits& limits, WorstReport& r) {
   Report& report = optimizer.report;
   const Options& options = optimizer.options;
-  const auto max_tets =
-      static_cast<Size>((1 + kInsertedPart * (options.max_growth - 1)) * static_cast<double>(report.tets_before));
   WorkingSet<Backend>& work = optimizer.work;
-  const auto max_proposers = kMinProposers + static_cast<Size>(kProposingPart * selection_scale(options) *
-                                                               static_cast<double>(work.mesh.tets()));
-  tets = {tets.data(), std::min(tets.size(), max_proposers)};
-  const RetriangulationReport changes = retriangulate_worst(
-      optimizer.backend, work.mesh, criterion, work.flips, work.dofs, edits_surface(options) ? &work.boundary : nullptr,
-      tets, {max_tets, vertex_cost, optimizer.tuning.angles.min_cost_gain});
+  if (limits.mean_energy == 0) {
+    const auto max_proposers = kMinProposers + static_cast<Size>(kProposingPart * selection_scale(options) *
+                                                                 static_cast<double>(work.mesh.tets()));
+    tets = {tets.data(), std::min(tets.size(), max_proposers)};
+  }
+  const RetriangulationReport changes =
+      retriangulate_worst(optimizer.backend, work.mesh, criterion, work.flips, work.dofs,
+                          edits_surface(options) ? &work.boundary : nullptr, tets, limits);
   r.inserted = changes.inserted;
   r.removed = changes.removed;
   r.flips = changes.edges;
@@ -86,6 +83,16 @@ Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterio
 
 }  // namespace improve_around_detail
 
+/// The limits of a retriangulation. Vertices are inserted and removed at angles whose cost is above `vertex_cost`
+/// (kInfeasible: nowhere). `growth_part`: the part of the growth of the mesh that insertion may use up.
+template <class Backend>
+RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer, double vertex_cost,
+                                             double growth_part) {
+  const double growth = 1 + growth_part * (optimizer.options.max_growth - 1);
+  return {static_cast<Size>(growth * static_cast<double>(optimizer.report.tets_before)), vertex_cost,
+          optimizer.tuning.angles.min_cost_gain};
+}
+
 /// What improve_around() returns.
 template <class Backend>
 struct Improved {
@@ -94,18 +101,17 @@ struct Improved {
 };
 
 /// Improves the neighborhood of the listed tetrahedra: retriangulates, flips, and moves their vertices and the
-/// neighbors of these. Vertices are inserted and removed at angles whose cost is above `vertex_cost` (kInfeasible:
-/// nowhere). The energies of the slots are up to date before and afterwards. Only the vertices that may have moved have
-/// rings afterwards.
+/// neighbors of these. The energies of the slots are up to date before and afterwards. Only the vertices that may have
+/// moved have rings afterwards.
 template <class Backend>
 Improved<Backend> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
-                                 double vertex_cost, WorstReport& r) {
+                                 const RetriangulationLimits& limits, WorstReport& r) {
   using namespace improve_around_detail;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   backend.fill(work.dofs.active.span(), std::uint8_t{0});
   flag_vertices(backend, work.mesh, tets, work.dofs.active.span());
-  if (!backend.stop_requested()) retriangulate(optimizer, criterion, tets, vertex_cost, r);
+  if (!backend.stop_requested()) retriangulate(optimizer, criterion, tets, limits, r);
   r.flips += flip_around_active(optimizer, criterion);
   const Span<std::uint8_t> active = work.dofs.active.span();
   flag_neighbors(backend, work.mesh, active);

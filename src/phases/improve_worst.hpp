@@ -16,6 +16,7 @@ bool improve_worst(Optimizer<Backend>& optimizer, const QualityFloor& floor) {
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   const Criterion criterion{shape_objective(p.log2_power), floor};
+  const RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, 0);
   const auto tets = static_cast<double>(work.mesh.tets());
   Size budget = static_cast<Size>(p.budget) + static_cast<Size>(p.budget_part * tets);
   double bound = 0;
@@ -34,7 +35,7 @@ bool improve_worst(Optimizer<Backend>& optimizer, const QualityFloor& floor) {
       const auto worst = tets_above(backend, work.mesh, optimizer.slot_energies(), bound);
       r.worst = worst.size();
       if (r.worst == 0) return;
-      const auto improved = improve_around(optimizer, criterion, worst.span(), kInfeasible, r);
+      const auto improved = improve_around(optimizer, criterion, worst.span(), limits, r);
       energy = sum_energy(backend, work.flips.energies);
       r.moved = improved.swept.get().moved;
     });

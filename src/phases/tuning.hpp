@@ -60,6 +60,22 @@ struct AlternationParameters {
   bool flips_once = false;
 };
 
+/// lower_mean_energy(): rounds of inserted and removed vertices.
+struct MeanParameters {
+  /// 0: the phase is left out.
+  int max_rounds = 0;
+  /// They are inserted and removed at this part of the tetrahedra, those of the largest energies.
+  double max_part = 0.05;
+  /// An operation must lower the energy beyond the mean by this part of what a cavity of mean energy has.
+  double min_gain = 1e-3;
+  /// A round that lowers what the mean energy is above 1 by less than this part is the last one.
+  double min_fall = 0.01;
+  /// The part of the growth of the mesh that insertion may use up: the smallest angles need the rest.
+  double growth_part = 0.4;
+  /// No round follows when the mesh has lost more than this part of its vertices.
+  double max_removed = 0.1;
+};
+
 /// improve_worst(): rounds of work around the tetrahedra of the largest energy.
 struct WorstParameters {
   /// 0: the phase is left out, and improve_angles() with it.
@@ -140,6 +156,7 @@ struct Tuning {
   UntangleParameters untangle;
   RelocationParameters relocation;
   AlternationParameters alternation;
+  MeanParameters mean;
   WorstParameters worst;
   AngleParameters angles;
   PolishParameters polish;
@@ -165,6 +182,7 @@ constexpr Tuning best() {
   t.alternation.min_sweep_decrease = 1e-4;
   t.alternation.min_flip_decrease = 1e-4;
   t.alternation.min_pass_decrease = 1e-4;
+  t.mean.max_rounds = 12;
   t.worst.has_budget = false;
   t.angles.max_rounds = 8;
   t.angles.max_part = 4e-3;

@@ -55,7 +55,7 @@ void add_best(std::vector<Case>& all) {
   growing.operations = {&Counts::vertices_inserted, &Counts::vertices_removed};
   Case& untangle = add(all, "untangle_best", tangled(4, 0.7, 7));
   untangle.options.untangle = true;
-  untangle.operations = {&Counts::compound_flips, &Counts::vertices_inserted, &Counts::vertices_removed};
+  untangle.operations = {&Counts::vertices_inserted, &Counts::vertices_removed};
   for (std::size_t k = first; k < all.size(); ++k) all[k].options.effort = Effort::best;
 }
 

@@ -235,6 +235,56 @@ TEST(Retriangulate, RemovesAVertexCloseToAFace) {
   EXPECT_NEAR(quality(after).dihedral_min, 70.5288, 1e-4);
 }
 
+/// The mean energy of a mesh, before and after one pass around all of its tetrahedra that lowers it.
+std::array<double, 2> lower_mean(Work& work, Size max_tets, RetriangulationReport& report) {
+  const auto mean = [&work] {
+    return refresh_energy(backend::Cpu(1), work.mesh, work.criterion, work.flips.energies) /
+           static_cast<double>(work.mesh.tets());
+  };
+  std::vector<Index> all(static_cast<std::size_t>(work.mesh.slots()));
+  for (std::size_t t = 0; t < all.size(); ++t) all[t] = static_cast<Index>(t);
+  const double before = mean();
+  BoundaryTriangles<backend::Cpu>* const no_surface = nullptr;
+  report = retriangulate_worst(backend::Cpu(1), work.mesh, work.criterion, work.flips, work.dofs, no_surface,
+                               {all.data(), work.mesh.slots()}, {max_tets, kInfeasible, 1e-3, before});
+  return {before, mean()};
+}
+
+TEST(Retriangulate, LowersTheMeanEnergy) {
+  RetriangulationReport report;
+  Work divided(divided_tet());
+  const auto [before_removal, after_removal] = lower_mean(divided, 4, report);
+  EXPECT_EQ(report.removed, 1);
+  EXPECT_NEAR(after_removal, 1, 1e-12);
+  EXPECT_GT(before_removal, 1.5);
+  // Of a regular mesh nothing is removed, although fewer tetrahedra have a lower sum of energies.
+  const TetMesh regular = test::cube(3);
+  Work same(regular);
+  const auto [before, after] = lower_mean(same, 1 << 20, report);
+  EXPECT_EQ(report.inserted + report.removed, 0);
+  EXPECT_EQ(before, after);
+}
+
+TEST(Retriangulate, InsertsAVertexWhereTheMeanEnergyFalls) {
+  TetMesh wheel;
+  wheel.points = {{0, 0, -1.5}, {0, 0, 1.5}};
+  constexpr int kSpokes = 8;
+  for (int k = 0; k < kSpokes; ++k) {
+    const double angle = 2 * 3.141592653589793 * k / kSpokes;
+    wheel.points.push_back({std::cos(angle), std::sin(angle), 0});
+    wheel.tets.push_back({0, 2 + k, 2 + (k + 1) % kSpokes, 1});
+  }
+  const TetMesh before = test::with_tags(wheel);
+  ASSERT_TRUE(validate(before).ok());
+  Work work(before);
+  RetriangulationReport report;
+  const auto [mean_before, mean_after] = lower_mean(work, 1 << 20, report);
+  EXPECT_EQ(report.inserted, 1);
+  EXPECT_EQ(work.mesh.tets(), 2 * kSpokes);
+  EXPECT_LT(mean_after, 0.9 * mean_before);
+  EXPECT_TRUE(validate(test::from_work(work.mesh, before)).ok());
+}
+
 TEST(Retriangulate, RemovesAnEdgeByMovingAVertexOfItsRing) {
   const TetMesh before = vertex_beyond();
   ASSERT_TRUE(validate(before).ok());
