@@ -103,6 +103,9 @@ class Series(CliTest):
             done = self.run_cli("move", self.series([(0, "a.vtk"), (1, file)]), "-o", out, code=2)
             self.assertIn(said, done.stderr)
             self.points("out_0000.vtu")
+        self.refused("move", self.series([(0, "a.vtk"), (0, "a.vtk")]), "-o", out, said=["several files"])
+        os.rename(self.path("a.vtk"), self.path("out_0000.vtu"))
+        self.refused("move", self.series([(0, "out_0000.vtu")]), "-o", out, said=["would be overwritten"])
 
     def test_refusals(self):
         self.vtk("a.vtk", self.mesh.points)
@@ -111,9 +114,6 @@ class Series(CliTest):
         self.refused("move", good, "-o", self.path("out.mesh"), said=["becomes a time series"])
         self.refused("move", good, "-o", out, "--to", self.path("a.vtk"), said=["--to is not for time series"])
         self.refused("move", good, "-o", out, "--map", self.path("m.txt"), said=["--map"])
-        self.refused("move", self.series([(0, "a.vtk"), (0, "a.vtk")]), "-o", out, said=["several files"])
-        os.rename(self.path("a.vtk"), self.path("out_0000.vtu"))
-        self.refused("move", self.series([(0, "out_0000.vtu")]), "-o", out, said=["would be overwritten"])
 
 
 if __name__ == "__main__":
