@@ -8,8 +8,7 @@ COPY scripts/install-packages scripts/
 # As scripts/demo --all-formats.
 RUN scripts/install-packages g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev zlib1g-dev libvtk9-dev libgmsh-dev libocct-data-exchange-dev
 COPY . .
-RUN cmake --preset release -DTETUNE_NATIVE=OFF -DTETUNE_DISPATCH=AUTO -DBUILD_SHARED_LIBS=ON -DTETUNE_TESTS=OFF \
-      -DTETUNE_EXAMPLES=OFF -DTETUNE_MPI=OFF \
+RUN cmake --preset release -DBUILD_SHARED_LIBS=ON -DTETUNE_TESTS=OFF -DTETUNE_EXAMPLES=OFF -DTETUNE_MPI=OFF \
     && cmake --build --preset release \
     && DESTDIR=/installed cmake --install build/release --strip
 

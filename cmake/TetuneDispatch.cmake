@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# The shared library once more for processors with AVX2 and with AVX-512 (x86-64-v3 and -v4). They lie where the
+# The shared library once more for processors with AVX2 or with AVX-512 (x86-64-v3 and -v4). They lie where the
 # system's loader looks first on such a processor (glibc 2.33 or newer); on all others the one for any x86-64 runs.
+# AVX-512 is 2 % faster than AVX2 (docs/benchmarks/cpu.md), which is not worth the time of compiling by default.
 # TETUNE_LEVELS: the targets are tetune_v3 and so on, in the folders glibc-hwcaps/x86-64-v3 and so on.
-set(TETUNE_DISPATCH_LEVELS v3 v4 CACHE STRING "For TETUNE_DISPATCH: which of v3 and v4")
+set(TETUNE_DISPATCH_LEVELS v3 CACHE STRING "For TETUNE_DISPATCH: v3, v4 or v3;v4")
 set(TETUNE_LEVELS)
 if(NOT CMAKE_SYSTEM_NAME STREQUAL Linux OR NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|amd64|AMD64)$")
   set(needs "Linux on x86-64")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "backend/span.hpp"
 #include "math/vec3.hpp"
@@ -36,7 +37,8 @@ Point3 mean_of(const std::vector<Point3>& points, std::initializer_list<Index> v
 struct Side {
   std::array<Index, 2> vertices;
   std::int32_t face;
-  auto operator<=>(const Side&) const = default;
+  bool operator==(const Side&) const = default;
+  bool operator<(const Side& other) const { return std::tie(vertices, face) < std::tie(other.vertices, other.face); }
 };
 
 class Sampling {

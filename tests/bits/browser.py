@@ -61,6 +61,9 @@ def main():
     if chromium is None:
         print("browser: skipped, not installed: chromium")
         return
+    if shutil.which("em++") is None:
+        print("browser: skipped, not installed: em++ (Debian: emscripten)")
+        return
     with tempfile.TemporaryDirectory() as name, sync_playwright() as p:
         folder = pathlib.Path(name)
         subprocess.run([ROOT / "scripts" / "web", folder], check=True, stdout=subprocess.DEVNULL)

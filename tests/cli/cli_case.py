@@ -4,6 +4,7 @@
 Run a file of tests:  python3 test_optimize.py path/to/tetune [names of tests]
 """
 
+import functools
 import math
 import os
 import random
@@ -167,6 +168,16 @@ def with_triangles(mesh, triangles):
     return mesh.text().replace("End", "\n".join(lines + ["End"]))
 
 
+def needs_vtk(test):
+    """Skips a test where tetune was built without the plugin for VTK's formats, as for other systems than Linux."""
+    @functools.wraps(test)
+    def wrapped(self, *args):
+        if not (Path(TETUNE).parent / "../libexec/tetune/tetune-vtk").is_file():
+            self.skipTest("built without VTK: install libvtk9-dev")
+        return test(self, *args)
+    return wrapped
+
+
 class CliTest(unittest.TestCase):
     def setUp(self):
         self.folder = Path(tempfile.mkdtemp(prefix="tetune_cli_"))
@@ -196,7 +207,8 @@ class CliTest(unittest.TestCase):
         done = self.run_cli(*args, code=2)
         self.assertEqual(done.stdout, "")
         for part in said:
-            self.assertIn(part, done.stderr)
+            if part not in done.stderr.replace("\\", "/"):  # in names of Windows
+                self.assertIn(part, done.stderr)
         return done
 
     def assert_improved(self, before, after):

@@ -10,7 +10,7 @@ import struct
 import subprocess
 
 import cli_case
-from cli_case import CliTest, Mesh, cube, with_triangles
+from cli_case import CliTest, Mesh, cube, needs_vtk, with_triangles
 
 
 def on_side(point):
@@ -89,6 +89,7 @@ class Moves(CliTest):
             if on_side(p):
                 self.assertEqual(q, (c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]))
 
+    @needs_vtk
     def test_displacement_with_vertices_that_follow(self):
         nan = math.nan
         piston = [(-0.4, 0.0, 0.0) if p[0] == 1 else (0.0, 0.0, 0.0) if p[0] == 0 else (nan, nan, nan) for p in self.mesh.points]
@@ -100,11 +101,13 @@ class Moves(CliTest):
             self.assertTrue(all(b == a for a, b in zip(p[1:], q[1:]) if a in (0, 1)))
         self.assertAlmostEqual(sum(after.volumes()), 0.6)
 
+    @needs_vtk
     def test_displacement_of_the_input(self):
         self.source = self.vtk("in.vtk", [(0.0, 0.25 * p[1], 0.0) for p in self.mesh.points])
         self.run_cli("move", self.source, "-o", self.path("out.mesh"), "--displacement", "u", "--quiet")
         self.assertAlmostEqual(sum(Mesh.read(self.path("out.mesh")).volumes()), 1.25)
 
+    @needs_vtk
     def test_data_are_interpolated(self):
         """A linear field is exact at the new places, and moves with a mesh that is shifted."""
         source = self.vtk("in.vtk", [(p[0], p[1] - p[2], 2.0) for p in self.mesh.points])
@@ -153,17 +156,21 @@ class Moves(CliTest):
     def test_refusals(self):
         to = self.put("to.mesh", stretched(self.mesh))
         small = self.put("small.mesh", cube(2))
-        one = self.vtk("one.vtk", [(0.0, 0.0, 0.0)] * len(self.mesh.points))
         out = self.path("x.mesh")
         for words, said in (([], ["no target", "--to", "--displacement"]),
                             (["--to", self.path("none.mesh")], ["none.mesh"]),
                             (["--to", small], ["27 vertices", "the input has 216"]),
-                            (["--to", one, "--displacement", "v"], ["no point data of this name; it has: u"]),
                             (["--displacement", "v"], ["the input has no point data of this name"]),
                             (["--to", to, "--boundary", "slide", "--max-deviation", "0.1"], ["--max-deviation bounds", "--boundary preserve"]),
                             (["--to", to, "--all-vertices", "--patches", "1"], ["exclude each other"])):
             self.refused("move", self.source, out, *words, said=said)
         self.assertFalse(os.path.exists(out))
+
+    @needs_vtk
+    def test_a_displacement_that_is_missing(self):
+        one = self.vtk("one.vtk", [(0.0, 0.0, 0.0)] * len(self.mesh.points))
+        self.refused("move", self.source, self.path("x.mesh"), "--to", one, "--displacement", "v",
+                     said=["no point data of this name; it has: u"])
 
     def test_a_limit_of_memory(self):
         to = self.put("to.mesh", stretched(self.mesh))

@@ -7,7 +7,7 @@ import re
 import struct
 
 import cli_case
-from cli_case import CliTest, cube
+from cli_case import CliTest, cube, needs_vtk
 
 
 class Series(CliTest):
@@ -49,6 +49,7 @@ class Series(CliTest):
     def stretched(self, by):
         return [(by * p[0], p[1], p[2]) for p in self.mesh.points]
 
+    @needs_vtk
     def test_positions(self):
         linear = [(2 * p[0] + p[2],) for p in self.mesh.points]
         self.vtk("a.vtk", self.mesh.points, data=[("heat", linear)])
@@ -71,6 +72,7 @@ class Series(CliTest):
         self.assertEqual([t["time"] for t in report["times"]], [0, 0.1, 0.3])
         self.assertEqual(report["times"][2]["motion"]["fraction"], 1)
 
+    @needs_vtk
     def test_displacements(self):
         still = [(0.0, 0.0, 0.0)] * len(self.mesh.points)
         lifted = [(0.0, 0.0, 0.2 * p[2]) for p in self.mesh.points]
@@ -80,6 +82,7 @@ class Series(CliTest):
                      "--effort", "best", "--threads", "1")
         self.assertAlmostEqual(max(p[2] for p in self.points("out_0001.vtu")), 1.2)
 
+    @needs_vtk
     def test_blocked(self):
         self.vtk("a.vtk", self.mesh.points)
         self.vtk("b.vtk", self.stretched(-1))
@@ -89,7 +92,8 @@ class Series(CliTest):
         self.points("out_0001.vtu")
         self.assertFalse(os.path.exists(self.path("out_0002.vtu")))
 
-    def test_refusals(self):
+    @needs_vtk
+    def test_files_that_do_not_fit(self):
         tets = [self.mesh.tets[1], self.mesh.tets[0], *self.mesh.tets[2:]]
         self.vtk("a.vtk", self.mesh.points)
         self.vtk("other.vtk", self.mesh.points, tets)
@@ -99,13 +103,17 @@ class Series(CliTest):
             done = self.run_cli("move", self.series([(0, "a.vtk"), (1, file)]), "-o", out, code=2)
             self.assertIn(said, done.stderr)
             self.points("out_0000.vtu")
+        self.refused("move", self.series([(0, "a.vtk"), (0, "a.vtk")]), "-o", out, said=["several files"])
+        os.rename(self.path("a.vtk"), self.path("out_0000.vtu"))
+        self.refused("move", self.series([(0, "out_0000.vtu")]), "-o", out, said=["would be overwritten"])
+
+    def test_refusals(self):
+        self.vtk("a.vtk", self.mesh.points)
+        out = self.path("out.pvd")
         good = self.series([(0, "a.vtk"), (1, "a.vtk")])
         self.refused("move", good, "-o", self.path("out.mesh"), said=["becomes a time series"])
         self.refused("move", good, "-o", out, "--to", self.path("a.vtk"), said=["--to is not for time series"])
         self.refused("move", good, "-o", out, "--map", self.path("m.txt"), said=["--map"])
-        self.refused("move", self.series([(0, "a.vtk"), (0, "a.vtk")]), "-o", out, said=["several files"])
-        os.rename(self.path("a.vtk"), self.path("out_0000.vtu"))
-        self.refused("move", self.series([(0, "out_0000.vtu")]), "-o", out, said=["would be overwritten"])
 
 
 if __name__ == "__main__":

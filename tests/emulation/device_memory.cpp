@@ -1,25 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "emulation/device_memory.hpp"
 
-#include <sys/mman.h>
-
 #include <algorithm>
-#include <new>
+
+#include "emulation/pages.hpp"
 
 namespace tetune::backend {
 namespace {
 
 /// A NaN as a double and as a float; above all ids.
 constexpr std::uint32_t kPoison = 0x7ff4deadU;
-
-constexpr std::size_t kPage = 4096;
-
-char* reserve(std::size_t bytes) {
-  void* block =
-      mmap(nullptr, std::max(bytes, kPage), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (block == MAP_FAILED) throw std::bad_alloc();
-  return static_cast<char*>(block);
-}
 
 void poison(void* memory, std::size_t bytes) {
   std::memset(memory, 0xde, bytes);
@@ -29,11 +19,11 @@ void poison(void* memory, std::size_t bytes) {
 }  // namespace
 
 DeviceMemory::DeviceMemory(std::size_t bytes, bool guard)
-    : bytes_(bytes), guard_(guard), block_(reserve(bytes)), pool_(block_, bytes) {
+    : bytes_(bytes), guard_(guard), block_(reserve_pages(std::max(bytes, kPage))), pool_(block_, bytes) {
   protect(true);
 }
 
-DeviceMemory::~DeviceMemory() { munmap(block_, std::max(bytes_, kPage)); }
+DeviceMemory::~DeviceMemory() { release_pages(block_, std::max(bytes_, kPage)); }
 
 void* DeviceMemory::allocate(std::size_t bytes) {
   void* memory = pool_.allocate(bytes);
@@ -75,7 +65,7 @@ void DeviceMemory::download(void* to, const void* from, std::size_t bytes) {
 void DeviceMemory::protect(bool on) const {
   // The rest was never allocated, and has many pages.
   const std::size_t used = std::min((pool_.peak() + kPage - 1) / kPage * kPage, bytes_);
-  if (guard_ && used > 0) mprotect(block_, used, on ? PROT_NONE : PROT_READ | PROT_WRITE);
+  if (guard_ && used > 0) protect_pages(block_, used, on);
 }
 
 bool DeviceMemory::holds(const void* begin, std::size_t bytes) const {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -21,9 +21,10 @@ namespace tetune::test {
 class IoTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "tetune_io_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
+    std::random_device random;
+    do {
+      folder_ = std::filesystem::temp_directory_path() / ("tetune_io_" + std::to_string(random()));
+    } while (!std::filesystem::create_directory(folder_));
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
@@ -41,7 +42,9 @@ class IoTest : public ::testing::Test {
   }
   std::vector<std::string> files() const {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) names.push_back(entry.path().filename());
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+      names.push_back(entry.path().filename().string());
+    }
     return names;
   }
   /// The message of the FileError that reading the file throws; empty when it does not throw.

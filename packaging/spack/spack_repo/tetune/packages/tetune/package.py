@@ -42,7 +42,7 @@ class Tetune(CMakePackage):
 
     def cmake_args(self):
         return [
-            self.define("TETUNE_NATIVE", False),
+            self.define("TETUNE_DISPATCH", False),
             self.define_from_variant("TETUNE_MPI", "mpi"),
             self.define_from_variant("BUILD_SHARED_LIBS", "shared"),
             self.define("CMAKE_DISABLE_FIND_PACKAGE_VTK", self.spec.satisfies("~vtk")),
