@@ -107,7 +107,8 @@ class TETUNE_API Geometry {
   std::vector<Point3> project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
                               const std::vector<double>& radii = {}) const;
 
-  /// Measures triangles that have a face, and their edges: midpoints of edges on edges of the model from these.
+  /// Measures triangles that have a face, and edges: midpoints of edges on edges of the model from these, others from
+  /// the face of the triangles beside them; edges between faces that are on no edge of the model are left out.
   /// Distances of vertices are those of `match`, which is of these points. Throws FileError.
   GeometryDeviation measure(const std::vector<Point3>& points, const GeometryMatch& match) const;
 

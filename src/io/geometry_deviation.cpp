@@ -3,6 +3,7 @@
 #include <map>
 
 #include "backend/span.hpp"
+#include "io/geometry_edges.hpp"
 #include "math/vec3.hpp"
 #include "tetune/geometry.hpp"
 
@@ -32,22 +33,9 @@ Point3 mean_of(const std::vector<Point3>& points, std::initializer_list<Index> v
   return sum;
 }
 
-/// An edge of triangles with a face, and the faces on both sides.
-struct Side {
-  std::array<Index, 2> vertices;
-  std::int32_t face;
-  auto operator<=>(const Side&) const = default;
-};
-
 class Sampling {
  public:
-  Sampling(const std::vector<Point3>& points, const GeometryMatch& match) : points_(points), match_(match) {
-    for (std::size_t i = 0; i < match.edges.size(); ++i) {
-      std::array<Index, 2> edge = match.edges[i];
-      std::sort(edge.begin(), edge.end());
-      edge2number_[edge] = match.edge_numbers[i];
-    }
-  }
+  Sampling(const std::vector<Point3>& points, const GeometryMatch& match) : points_(points), match_(match) {}
 
   /// Calls f(vertex, the faces on both sides).
   template <class F>
@@ -64,25 +52,10 @@ class Sampling {
   }
 
   Samples midpoints() const {
-    std::vector<Side> sides;
-    for_each_triangle([&](const auto& t, std::int32_t face) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Index a = t[k], b = t[(k + 1) % 3];
-        sides.push_back({{std::min(a, b), std::max(a, b)}, face});
-      }
-    });
-    std::sort(sides.begin(), sides.end());
-    sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
     Samples s;
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      const bool pairs = i + 1 < sides.size() && sides[i + 1].vertices == sides[i].vertices;
-      const auto [a, b] = sides[i].vertices;
-      const auto on_edge = edge2number_.find(sides[i].vertices);
-      const GeometryEntity entity =
-          on_edge != edge2number_.end() ? GeometryEntity{1, on_edge->second} : GeometryEntity{2, sides[i].face};
-      const std::int32_t other = pairs ? sides[i + 1].face : 0;
-      add(s, mean_of(points_, {a, b}), entity, length(a, b), {sides[i].face, other});
-      while (i + 1 < sides.size() && sides[i + 1].vertices == sides[i].vertices) ++i;
+    for (const MatchedEdge& edge : edges_of(match_)) {
+      const auto [a, b] = edge.vertices;
+      if (edge.entity.dimension > 0) add(s, mean_of(points_, {a, b}), edge.entity, length(a, b), edge.faces);
     }
     return s;
   }
@@ -113,7 +86,6 @@ class Sampling {
 
   const std::vector<Point3>& points_;
   const GeometryMatch& match_;
-  std::map<std::array<Index, 2>, std::int32_t> edge2number_;
 };
 
 void add_distance(DistanceSummary& summary, double distance) {
