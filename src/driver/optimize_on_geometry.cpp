@@ -15,6 +15,7 @@
 #include "math/vec3.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "phases/phase_timer.hpp"
+#include "quality/smallest_angle.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/move.hpp"
@@ -262,7 +263,7 @@ class GeometryRun {
   /// Slides, returns to the geometry and improves the inside. False if the round is to be repeated with vertices held
   /// that made elements bad.
   bool make_round() {
-    const double least = quality(work_.mesh, options_.threads).dihedral_min - kAngleRounding;
+    const double least = smallest_dihedral(work_.mesh, options_.threads) - kAngleRounding;
     WorkState next = work_;
     Options sliding = options_for(work_, Boundary::slide);
     sliding.targets.clear();
@@ -275,7 +276,7 @@ class GeometryRun {
     if (hold_vertices_of(next, slide.vertex2original, inverted)) return false;
     Report inside = optimize(next.mesh, fixed_options(next), context_for(kSliding, 1 - kSliding));
     next.follow_result(inside.vertex2original);
-    if (quality(next.mesh, options_.threads).dihedral_min < least) {
+    if (smallest_dihedral(next.mesh, options_.threads) < least) {
       const std::vector<double> angles = angles_of(next.mesh, options_.threads);
       const std::vector<Index> next2work = compose(slide.vertex2original, inside.vertex2original);
       const auto is_worse = [&](Size t) { return span_of(angles)[t] < least; };
@@ -377,10 +378,17 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
                                     const Context& context) {
   const auto start = PhaseTimer::SteadyClock::now();
   check_options(mesh, options);
-  if (const ValidationReport valid = validate(mesh, options.threads); !valid.ok())
-    throw MeshError(valid.message(false));
   check_frozen_patches(mesh, options);
-  GeometryReport report = GeometryRun(geometry, options, context).run(mesh, snap);
+  GeometryReport report;
+  try {
+    report = GeometryRun(geometry, options, context).run(mesh, snap);
+  } catch (const MeshError&) {
+    // Of an invalid mesh only that is said, with the numbers of the input.
+    if (const ValidationReport valid = validate(mesh, options.threads); !valid.ok()) {
+      throw MeshError(valid.message(false));
+    }
+    throw;
+  }
   report.optimization.seconds = PhaseTimer::seconds_since(start);
   return report;
 }
