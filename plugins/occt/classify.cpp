@@ -36,6 +36,7 @@ class Classifier {
     on_line_.assign(n, 0);
     find_neighbors();
     measure_points();
+    find_faces_of_surfaces();
     assign_triangles();
     find_point_faces();
     find_lines();
@@ -127,6 +128,43 @@ class Classifier {
     return nullptr;
   }
 
+  /// The faces that all vertices of a triangle are near.
+  Faces near_faces(const std::array<Index, 3>& t) const {
+    Faces faces;
+    for (const NearFace& near : item(near_, t[0])) {
+      const auto is_near = [&](Index i) {
+        const NearFace* other = find(i, near.face);
+        return other != nullptr && other->distance <= radius(i);
+      };
+      if (std::all_of(t.begin(), t.end(), is_near)) faces.push_back(near.face);
+    }
+    return faces;
+  }
+
+  /// A surface of the mesh's file belongs to the face that all its triangles are near. Where these are several, it is
+  /// that of the surface's number, if the numbers of all surfaces that are near one face are those of their faces.
+  void find_faces_of_surfaces() {
+    std::map<int, Faces> surface2faces;
+    for (std::size_t t = 0; t < q_.surfaces.size(); ++t) {
+      if (q_.surfaces[t] == 0) continue;
+      const Faces near = near_faces(q_.triangles[t]);
+      const auto [at, is_new] = surface2faces.try_emplace(q_.surfaces[t], near);
+      if (is_new) continue;
+      std::erase_if(at->second, [&](int f) { return std::find(near.begin(), near.end(), f) == near.end(); });
+    }
+    bool have_same_numbers = true;
+    for (const auto& [surface, faces] : surface2faces) {
+      if (faces.size() == 1 && faces[0] != model_.first_face(surface)) have_same_numbers = false;
+    }
+    for (const auto& [surface, faces] : surface2faces) {
+      const int own = model_.first_face(surface);
+      const bool is_near_own = std::find(faces.begin(), faces.end(), own) != faces.end();
+      surface2face_[surface] = faces.size() == 1 ? faces[0] : have_same_numbers && is_near_own ? own : 0;
+      ++a_.surfaces;
+      if (surface2face_[surface] != own || own == 0) ++a_.surfaces_differing;
+    }
+  }
+
   void assign_triangles() {
     const std::size_t n = q_.triangles.size();
     a_.triangle_faces.assign(n, 0);
@@ -140,6 +178,10 @@ class Classifier {
   /// Returns false where the triangle is near to several faces.
   bool assign_triangle(NearestPoints& nearest, std::size_t triangle) {
     const std::array<Index, 3>& t = q_.triangles[triangle];
+    if (!q_.surfaces.empty() && q_.surfaces[triangle] != 0) {
+      a_.triangle_faces[triangle] = surface2face_.at(q_.surfaces[triangle]);
+      if (a_.triangle_faces[triangle] != 0) return true;
+    }
     const double r = (radius(t[0]) + radius(t[1]) + radius(t[2])) / 3;
     std::vector<std::pair<double, int>> scores;
     bool all_near = true;
@@ -287,6 +329,7 @@ class Classifier {
   ClassifyAnswer a_;
   std::vector<std::vector<Index>> neighbors_;
   std::vector<std::vector<NearFace>> near_;
+  std::map<int, int> surface2face_;  ///< 0: by distance
   std::vector<Faces> point2faces_;  ///< faces of the triangles around each point
   std::vector<char> is_known_;      ///< all triangles around the point have a face
   std::vector<char> on_line_;

@@ -108,7 +108,7 @@ NearestPoints::Face& NearestPoints::face(int i) {
     f = std::make_unique<Face>();
     f->surface.Initialize(model_.face(i), Standard_True);
     f->box = box_of(model_.face(i));
-    f->inside = std::make_unique<BRepTopAdaptor_FClass2d>(model_.face(i), BRep_Tool::Tolerance(model_.face(i)));
+    f->trim = std::make_unique<TrimTable>(model_.face(i), f->surface);
     f->is_elementary = elementary_foot(f->surface, gp_Pnt(0, 0, 0)).has_value();
     if (!f->is_elementary) sample(*f);
   }
@@ -163,11 +163,16 @@ std::optional<Foot> NearestPoints::refine(const Face& f, const gp_Pnt& p, gp_Pnt
     if (step <= rounding || (i > 3 && step >= last_step && step <= 1e4 * rounding)) {
       return Foot{c, c.Distance(p), gp_Pnt2d(u, v)};
     }
-    last_step = step;
     u += step_u;
     v += step_v;
     if (!clamp_parameter(u, s.FirstUParameter(), s.LastUParameter(), s.IsUPeriodic())) return {};
     if (!clamp_parameter(v, s.FirstVParameter(), s.LastVParameter(), s.IsVPeriodic())) return {};
+    // Steps decrease at least as much as the last time.
+    if (i > 0 && step < 0.1 * last_step && step * (step / last_step) <= rounding) {
+      const gp_Pnt foot = s.Value(u, v);
+      return Foot{foot, foot.Distance(p), gp_Pnt2d(u, v)};
+    }
+    last_step = step;
   }
   return {};
 }
@@ -177,6 +182,7 @@ void NearestPoints::sample(Face& f) {
   const BRepAdaptor_Surface& s = f.surface;
   const int nu = std::clamp(kPerInterval * s.NbUIntervals(GeomAbs_C2), 16, 128);
   const int nv = std::clamp(kPerInterval * s.NbVIntervals(GeomAbs_C2), 16, 128);
+  f.sample_columns = nv + 1;
   const double u0 = s.FirstUParameter(), v0 = s.FirstVParameter();
   const double du = (s.LastUParameter() - u0) / nu, dv = (s.LastVParameter() - v0) / nv;
   for (int i = 0; i <= nu; ++i) {
@@ -203,7 +209,27 @@ std::pair<gp_Pnt2d, double> NearestPoints::nearest_sample(const Face& f, const g
   return {f.sample_uv[best], std::sqrt(least)};
 }
 
-bool NearestPoints::is_inside(const Face& f, const Foot& foot) { return f.inside->Perform(*foot.uv) != TopAbs_OUT; }
+Foot NearestPoints::search_from_samples(Face& f, const gp_Pnt& p, double radius) {
+  const int columns = f.sample_columns, rows = int(f.samples.size()) / columns;
+  const double reach = (radius + f.cell) * (radius + f.cell);
+  Foot best;
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < columns; ++j) {
+      const double d = item(f.samples, i * columns + j).SquareDistance(p);
+      if (d > reach) continue;
+      bool is_least = true;
+      for (int k = std::max(0, i - 1); k <= std::min(rows - 1, i + 1); ++k) {
+        for (int l = std::max(0, j - 1); l <= std::min(columns - 1, j + 1); ++l) {
+          is_least = is_least && item(f.samples, k * columns + l).SquareDistance(p) >= d;
+        }
+      }
+      if (!is_least) continue;
+      const std::optional<Foot> foot = refine(f, p, item(f.sample_uv, i * columns + j));
+      if (foot && foot->distance < best.distance && is_inside(f, *foot)) best = *foot;
+    }
+  }
+  return best;
+}
 
 Foot NearestPoints::search_surface(Face& f, const gp_Pnt& p, double& least) {
   Foot best;
@@ -264,7 +290,8 @@ Foot NearestPoints::on_face(int i, const gp_Pnt& p, double radius, const std::op
     if (const std::optional<Foot> foot = accepted(uv); foot && foot->distance <= distance) return *foot;
   }
   double least = 0;
-  Foot best = search_surface(f, p, least);
+  Foot best =
+      f.is_elementary || radius == kAnyRadius ? search_surface(f, p, least) : search_from_samples(f, p, radius);
   if (least > radius) return {p, least, {}};
   if (best.distance <= radius && f.is_elementary) return best;
   const Foot border = on_boundary(i, p, std::min(radius, best.distance));

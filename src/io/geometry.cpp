@@ -9,6 +9,7 @@
 
 #include "backend/span.hpp"
 #include "io/geometry_stream.hpp"
+#include "io/msh_format.hpp"
 #include "io/plugin_call.hpp"
 #include "math/vec3.hpp"
 #include "mesh/tet.hpp"
@@ -140,6 +141,18 @@ std::string unit_hint(double ratio) {
       ", that of the geometry " + number(geometry.diagonal()) + unit_hint(unit * geometry.diagonal() / size));
 }
 
+/// Per triangle of a surface the number of the surface of an .msh file; empty where the mesh is of another origin.
+std::vector<std::int32_t> file_surfaces_of(const TetMesh& mesh, const Surface& surface) {
+  const std::vector<int>* numbers = mesh.cell_tags_name == kMshEntityTags ? &mesh.triangle_tags : nullptr;
+  for (const DataArray& array : mesh.triangle_data) {
+    if (array.name == kMshEntities && array.components == 1) numbers = std::get_if<std::vector<int>>(&array.values);
+  }
+  std::vector<std::int32_t> surfaces;
+  if (numbers == nullptr) return surfaces;
+  for (const Index listed : surface.listed) surfaces.push_back(listed < 0 ? 0 : span_of(*numbers)[listed]);
+  return surfaces;
+}
+
 /// Sorts what the plugin found by the vertices of the mesh, and counts it.
 GeometryMatch match_of(const Surface& surface, const TetMesh& mesh, ClassifyAnswer answer, double unit) {
   GeometryMatch match;
@@ -163,6 +176,8 @@ GeometryMatch match_of(const Surface& surface, const TetMesh& mesh, ClassifyAnsw
   match.edge_numbers = std::move(answer.edge_entities);
   match.ambiguous_triangles = answer.ambiguous_triangles;
   match.unmatched_vertices = answer.unmatched_vertices;
+  match.file_surfaces = answer.surfaces;
+  match.file_surfaces_differing = answer.surfaces_differing;
   return match;
 }
 
@@ -193,7 +208,7 @@ double Geometry::diagonal() const { return distance(low(), high()); }
 GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
   if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
   const Surface surface = surface_of(mesh);
-  ClassifyQuery query{threads_, {}, {}, surface.triangles};
+  ClassifyQuery query{threads_, {}, {}, surface.triangles, file_surfaces_of(mesh, surface)};
   std::vector<Index> mesh2surface(mesh.points.size(), -1);
   for (const Index v : surface.surface2mesh) {
     span_of(mesh2surface)[v] = to_index(std::ssize(query.points));

@@ -25,6 +25,9 @@ struct ClassifyQuery {
   std::vector<Point3> points;
   std::vector<double> radii;  ///< per point: distance up to which an entity of the model is the point's own
   std::vector<std::array<Index, 3>> triangles;
+  /// Per triangle: the number of the surface that the mesh's file has it on, which may be that of the model's face; 0:
+  /// none. Empty without such numbers.
+  std::vector<std::int32_t> surfaces;
 };
 
 struct ClassifyAnswer {
@@ -37,6 +40,8 @@ struct ClassifyAnswer {
   std::vector<std::int32_t> edge_entities;
   std::int64_t ambiguous_triangles = 0;  ///< on several faces, or between faces that do not meet
   std::int32_t unmatched_vertices = 0;   ///< vertices of the model at which there is no point
+  std::int32_t surfaces = 0;             ///< number of surfaces of the mesh's file
+  std::int32_t surfaces_differing = 0;   ///< number of those that are not on the face of the same number
 };
 
 /// The input of `project`: points whose entities are known.
@@ -61,12 +66,12 @@ void transfer(Archive& archive, Model& m) {
 }
 template <class Archive, MaybeConst<ClassifyQuery> Query>
 void transfer(Archive& archive, Query& q) {
-  archive(q.threads, q.points, q.radii, q.triangles);
+  archive(q.threads, q.points, q.radii, q.triangles, q.surfaces);
 }
 template <class Archive, MaybeConst<ClassifyAnswer> Answer>
 void transfer(Archive& archive, Answer& a) {
   archive(a.dimensions, a.entities, a.distances, a.triangle_faces, a.edges, a.edge_entities, a.ambiguous_triangles,
-          a.unmatched_vertices);
+          a.unmatched_vertices, a.surfaces, a.surfaces_differing);
 }
 template <class Archive, MaybeConst<ProjectQuery> Query>
 void transfer(Archive& archive, Query& q) {
