@@ -110,8 +110,9 @@ std::string match_table(const Geometry& geometry, const GeometryMatch& match) {
                         match.without_entity, match.ambiguous_triangles);
   }
   if (match.file_surfaces_differing > 0) {
-    text += fmt::format("  surfaces of the file    {} of {} are not on the face of the same number: found by distance\n",
-                        match.file_surfaces_differing, match.file_surfaces);
+    text +=
+        fmt::format("  surfaces of the file    {} of {} are not on the face of the same number: found by distance\n",
+                    match.file_surfaces_differing, match.file_surfaces);
   }
   if (match.unmatched_vertices > 0) {
     text += fmt::format("  without a vertex        {} vertices of the geometry\n", match.unmatched_vertices);

@@ -38,8 +38,10 @@ class NearestPoints {
 
   Foot on_edge(int edge, const gp_Pnt& p);
   /// The nearest point of the trimmed face if it is within `radius`; otherwise only a lower bound of the distance,
-  /// above `radius`. A guess near the foot saves a search over the whole face; it may be wrong.
-  Foot on_face(int face, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess = {});
+  /// above `radius`. A guess near the foot saves a search over the whole face; it may be wrong. `precision`: the foot
+  /// may be off along the surface by this part of the distance, so that the distance is off by its square.
+  Foot on_face(int face, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess = {},
+               double precision = 0);
   /// A lower bound of the distance from a face.
   double from_face_box(int face, const gp_Pnt& p);
 
@@ -58,12 +60,12 @@ class NearestPoints {
     std::vector<gp_Pnt> samples;      ///< on a grid of parameters; empty for elementary surfaces
     std::vector<gp_Pnt2d> sample_uv;  ///< likewise
     int sample_columns = 0;
-    double cell = 0;                  ///< largest diagonal of a cell of the grid
+    double cell = 0;  ///< largest diagonal of a cell of the grid
   };
 
   Edge& edge(int i);
   Face& face(int i);
-  static std::optional<Foot> refine(const Face& face, const gp_Pnt& p, gp_Pnt2d uv);
+  static std::optional<Foot> refine(const Face& face, const gp_Pnt& p, gp_Pnt2d uv, double precision = 0);
   static bool is_inside(Face& face, const Foot& foot) { return face.trim->is_inside(*foot.uv); }
   static void sample(Face& face);
   /// The sample nearest to a point, and its distance.

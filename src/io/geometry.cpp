@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "io/geometry_requests.hpp"
 #include "io/geometry_stream.hpp"
 #include "io/msh_format.hpp"
-#include "io/plugin_call.hpp"
 #include "math/vec3.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
@@ -231,21 +231,27 @@ GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
 
 std::vector<Point3> Geometry::project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
                                       const std::vector<double>& radii) const {
-  ProjectQuery query{threads_, {}, {}, {}, {}};
+  return request_feet(*session_, {unit_, threads_}, points, entities, radii);
+}
+
+std::vector<Point3> request_feet(PluginSession& session, const ProjectSettings& settings,
+                                 const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
+                                 const std::vector<double>& radii) {
+  ProjectQuery query{settings.threads, settings.precision, {}, {}, {}, {}};
   std::vector<Index> asked;
   for (Size i = 0; i < std::ssize(points); ++i) {
     const GeometryEntity& entity = span_of(entities)[i];
     if (entity.dimension < 0 || entity.dimension > 2) continue;
     asked.push_back(to_index(i));
-    query.points.push_back(scaled(span_of(points)[i], unit_));
-    query.radii.push_back(radii.empty() ? 0 : unit_ * span_of(radii)[i]);
+    query.points.push_back(scaled(span_of(points)[i], settings.unit));
+    query.radii.push_back(radii.empty() ? 0 : settings.unit * span_of(radii)[i]);
     query.dimensions.push_back(entity.dimension);
     query.entities.push_back(entity.number);
   }
-  const auto answer = ask<ProjectQuery, ProjectAnswer>(*session_, "project", query);
+  const auto answer = ask<ProjectQuery, ProjectAnswer>(session, "project", query);
   std::vector<Point3> projected = points;
   for (std::size_t i = 0; i < asked.size(); ++i) {
-    span_of(projected)[asked[i]] = scaled(answer.points.at(i), 1 / unit_);
+    span_of(projected)[asked[i]] = scaled(answer.points.at(i), 1 / settings.unit);
   }
   return projected;
 }

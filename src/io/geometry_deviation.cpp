@@ -4,11 +4,15 @@
 
 #include "backend/span.hpp"
 #include "io/geometry_edges.hpp"
+#include "io/geometry_requests.hpp"
 #include "math/vec3.hpp"
 #include "tetune/geometry.hpp"
 
 namespace tetune {
 namespace {
+
+/// Of ProjectSettings: distances have six digits at least.
+constexpr double kPrecision = 1e-3;
 
 /// The points to measure: of a kind, on a face's triangles.
 struct Samples {
@@ -114,7 +118,8 @@ GeometryDeviation Geometry::measure(const std::vector<Point3>& points, const Geo
   Samples all = sampling.midpoints();
   const std::size_t midpoints = all.points.size();
   all.append(sampling.centers());
-  const std::vector<Point3> feet = project(all.points, all.entities, all.radii);
+  const std::vector<Point3> feet =
+      request_feet(*session_, {unit_, threads_, kPrecision}, all.points, all.entities, all.radii);
   for (std::size_t i = 0; i < feet.size(); ++i) {
     const double distance = norm(vec(feet[i]) - vec(all.points[i]));
     if (i < midpoints) {

@@ -47,6 +47,7 @@ struct ClassifyAnswer {
 /// The input of `project`: points whose entities are known.
 struct ProjectQuery {
   std::int32_t threads = 1;
+  double precision = 0;  ///< points may be off along their surface by this part of their distance
   std::vector<Point3> points;
   std::vector<double> radii;  ///< per point: an upper bound that its distance should have
   std::vector<std::int8_t> dimensions;
@@ -75,7 +76,7 @@ void transfer(Archive& archive, Answer& a) {
 }
 template <class Archive, MaybeConst<ProjectQuery> Query>
 void transfer(Archive& archive, Query& q) {
-  archive(q.threads, q.points, q.radii, q.dimensions, q.entities);
+  archive(q.threads, q.precision, q.points, q.radii, q.dimensions, q.entities);
 }
 template <class Archive, MaybeConst<ProjectAnswer> Answer>
 void transfer(Archive& archive, Answer& a) {

@@ -31,9 +31,8 @@ double smallest_dihedral(const TetMesh& mesh, int threads) {
   if (mesh.tets.empty()) return 180;
   const TetMeshView view(mesh, unit_scale(mesh));
   std::vector<double> max_cots(to_size_t(shape_chunk_count(view.tets.size())));
-  backend::Cpu(threads).for_parts(std::ssize(max_cots), [&](Size chunk) {
-    span_of(max_cots)[chunk] = max_cot_of_chunk(view, chunk);
-  });
+  backend::Cpu(threads).for_parts(std::ssize(max_cots),
+                                  [&](Size chunk) { span_of(max_cots)[chunk] = max_cot_of_chunk(view, chunk); });
   return kDegreesPerRadian * std::atan2(1, *std::max_element(max_cots.begin(), max_cots.end()));
 }
 
