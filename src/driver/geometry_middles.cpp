@@ -4,8 +4,8 @@
 #include <array>
 
 #include "backend/span.hpp"
-#include "io/geometry_edges.hpp"
 #include "math/vec3.hpp"
+#include "mesh/matched_edges.hpp"
 
 namespace tetune {
 

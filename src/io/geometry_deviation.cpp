@@ -3,9 +3,9 @@
 #include <map>
 
 #include "backend/span.hpp"
-#include "io/geometry_edges.hpp"
 #include "io/geometry_requests.hpp"
 #include "math/vec3.hpp"
+#include "mesh/matched_edges.hpp"
 #include "tetune/geometry.hpp"
 
 namespace tetune {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/geometry_edges.hpp"
+#include "mesh/matched_edges.hpp"
 
 #include <algorithm>
 
