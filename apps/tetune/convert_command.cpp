@@ -86,6 +86,7 @@ int convert(const Arguments& a) {
   if (!a.surface.empty() && a.order != 2) throw OptionError("--surface is for --order 2 alone");
   if (!a.geometry.file.empty() && a.order != 2) throw OptionError("--geometry is for --order 2 alone");
   if (!a.geometry.file.empty() && !a.surface.empty()) throw OptionError("--surface and --geometry exclude each other");
+  unit_in_mm(a.geometry.unit);
   Console console(ProgressMode::none, 0, nullptr);
   Input input = read_input(a.input, a.threads);
   if (!a.tags.empty()) choose_tags(input, a.input, a.tags);

@@ -109,6 +109,11 @@ std::string match_table(const Geometry& geometry, const GeometryMatch& match) {
     text += fmt::format("  not on the geometry     {} vertices; {} triangles for which two faces are about as near\n",
                         match.without_entity, match.ambiguous_triangles);
   }
+  if (match.file_surfaces_differing > 0) {
+    text +=
+        fmt::format("  surfaces of the file    {} of {} are not on the face of the same number: found by distance\n",
+                    match.file_surfaces_differing, match.file_surfaces);
+  }
   if (match.unmatched_vertices > 0) {
     text += fmt::format("  without a vertex        {} vertices of the geometry\n", match.unmatched_vertices);
   }
@@ -129,6 +134,8 @@ nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryMatch& ma
           {"mesh_vertices_without_entity", match.without_entity},
           {"ambiguous_triangles", match.ambiguous_triangles},
           {"vertices_without_mesh_vertex", match.unmatched_vertices},
+          {"surfaces_of_the_file", match.file_surfaces},
+          {"surfaces_with_other_numbers", match.file_surfaces_differing},
           {"largest_distance", largest_distance(match)}};
 }
 

@@ -86,10 +86,7 @@ Inspection inspect(const Arguments& a, const std::optional<AcceptanceCriteria>& 
 
 /// Matches the mesh with the geometry, and writes the classification.
 void match_geometry(const Arguments& a, const std::string& name, Inspection& i) {
-  if (a.geometry.file.empty()) {
-    if (!a.classified.empty()) throw OptionError("--output is for --geometry alone");
-    return;
-  }
+  if (a.geometry.file.empty()) return;
   i.geometry.emplace(a.geometry.file, unit_in_mm(a.geometry.unit));
   print_warnings(i.geometry->warnings());
   try {
@@ -188,6 +185,8 @@ int info(const Arguments& a) {
   std::vector<Target> bounds;
   for (const std::string& text : a.min_quality)
     bounds.push_back(parse_bound("--min-quality", text, Measure::mean_ratio));
+  if (a.geometry.file.empty() && !a.classified.empty()) throw OptionError("--output is for --geometry alone");
+  unit_in_mm(a.geometry.unit);
   Inspection i = inspect(a, criteria_of(a), 0);
   match_geometry(a, name, i);
   const std::vector<BoundVerdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<BoundVerdict>{};

@@ -47,6 +47,9 @@ struct GeometryMatch {
   std::int64_t ambiguous_triangles = 0;
   /// Number of the model's vertices at which the mesh has no vertex.
   std::int64_t unmatched_vertices = 0;
+  /// Number of surfaces of an .msh file (entities of Gmsh's model), and of those whose triangles are not near the face
+  /// of the same number, so that distances alone decide.
+  std::int64_t file_surfaces = 0, file_surfaces_differing = 0;
 };
 
 /// A unit of length that geometry is converted to.
@@ -97,7 +100,8 @@ class TETUNE_API Geometry {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Finds the entity of each vertex of the surface of a mesh, by distances up to `tolerance` times the mean length of
-  /// the surface's edges at the vertex, consistently with the triangles around it. Throws MeshError if a vertex of the
+  /// the surface's edges at the vertex, consistently with the triangles around it. Surfaces of an .msh file are taken
+  /// for the faces of their numbers where all their triangles are near these. Throws MeshError if a vertex of the
   /// outer boundary is farther from the geometry than that, with the largest distance and its place, or if
   /// validate_arrays() finds a defect.
   GeometryMatch match(const TetMesh& mesh, double tolerance = kGeometryTolerance) const;
@@ -107,7 +111,8 @@ class TETUNE_API Geometry {
   std::vector<Point3> project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
                               const std::vector<double>& radii = {}) const;
 
-  /// Measures triangles that have a face, and their edges: midpoints of edges on edges of the model from these.
+  /// Measures triangles that have a face, and edges: midpoints of edges on edges of the model from these, others from
+  /// the face of the triangles beside them; edges between faces that are on no edge of the model are left out.
   /// Distances of vertices are those of `match`, which is of these points. Throws FileError.
   GeometryDeviation measure(const std::vector<Point3>& points, const GeometryMatch& match) const;
 

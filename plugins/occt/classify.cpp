@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "spatial_order.hpp"
+
 namespace tetune::plugin {
 namespace {
 
@@ -13,6 +15,13 @@ struct NearFace {
   int face;
   double distance;
   std::optional<gp_Pnt2d> uv;
+};
+
+/// How far triangles are from a face.
+struct Score {
+  double distance;
+  int face;
+  auto operator<=>(const Score&) const = default;
 };
 
 using Faces = std::vector<int>;
@@ -36,6 +45,7 @@ class Classifier {
     on_line_.assign(n, 0);
     find_neighbors();
     measure_points();
+    find_faces_of_surfaces();
     assign_triangles();
     find_point_faces();
     find_lines();
@@ -73,6 +83,7 @@ class Classifier {
     std::vector<char> seen(n, 0);
     std::vector<std::pair<Index, Index>> front, next;  // point, neighbor
     for (std::size_t seed = 0; seed < n; seed += kStride) front.emplace_back(Index(seed), -1);
+    const std::vector<std::uint32_t> places = places_of(q_.points);
     std::size_t unseen = 0;
     while (unseen < n) {
       for (const auto& [point, from] : front) item(seen, point) = 1;
@@ -88,6 +99,9 @@ class Classifier {
         }
       }
       front.swap(next);
+      std::sort(front.begin(), front.end(), [&](const auto& a, const auto& b) {
+        return std::pair(item(places, a.first), a.first) < std::pair(item(places, b.first), b.first);
+      });
       while (front.empty() && unseen < n) {
         if (!item(seen, unseen)) front.emplace_back(Index(unseen), -1);
         ++unseen;
@@ -127,6 +141,78 @@ class Classifier {
     return nullptr;
   }
 
+  /// A surface of the mesh's file: the faces that all its triangles are near, with the sum of distances of vertices.
+  struct FileSurface {
+    std::vector<Score> scores;
+    double radii = 0;  ///< likewise
+  };
+
+  /// The faces that all vertices of a triangle are near, with the sum of their distances.
+  std::vector<Score> vertex_scores(const std::array<Index, 3>& t) const {
+    std::vector<Score> scores;
+    for (const NearFace& near : item(near_, t[0])) {
+      double sum = 0;
+      for (const Index i : t) {
+        const NearFace* other = find(i, near.face);
+        sum += other != nullptr && other->distance <= radius(i) ? other->distance : kAnyRadius;
+      }
+      if (sum < kAnyRadius) scores.push_back({sum, near.face});
+    }
+    return scores;
+  }
+
+  /// Whether the first of sorted scores is clearly the least.
+  static bool is_clear(const std::vector<Score>& scores, double r) {
+    return scores.size() == 1 ||
+           (scores.size() > 1 && scores[1].distance > kClearer * scores[0].distance + kRounding * r);
+  }
+
+  std::map<int, FileSurface> file_surfaces() const {
+    std::map<int, FileSurface> surfaces;
+    for (std::size_t t = 0; t < q_.surfaces.size(); ++t) {
+      if (q_.surfaces[t] == 0) continue;
+      const std::vector<Score> near = vertex_scores(q_.triangles[t]);
+      const auto [at, is_new] = surfaces.try_emplace(q_.surfaces[t]);
+      std::vector<Score>& scores = at->second.scores;
+      for (const Index i : q_.triangles[t]) at->second.radii += radius(i);
+      if (is_new) {
+        scores = near;
+        continue;
+      }
+      for (Score& score : scores) {
+        const auto other = std::find_if(near.begin(), near.end(), [&](const Score& s) { return s.face == score.face; });
+        score.distance += other != near.end() ? other->distance : kAnyRadius;
+      }
+      std::erase_if(scores, [](const Score& score) { return score.distance == kAnyRadius; });
+    }
+    for (auto& [number, surface] : surfaces) std::sort(surface.scores.begin(), surface.scores.end());
+    return surfaces;
+  }
+
+  /// A surface of the mesh's file belongs to the face that all its triangles are clearly nearest to. Where these are
+  /// several, it is the face of its number, if the numbers of all others are those of their faces.
+  void find_faces_of_surfaces() {
+    const std::map<int, FileSurface> surfaces = file_surfaces();
+    bool have_same_numbers = true;
+    for (const auto& [number, s] : surfaces) {
+      if (is_clear(s.scores, s.radii) && s.scores[0].face != model_.first_face(number)) have_same_numbers = false;
+    }
+    for (const auto& [number, s] : surfaces) {
+      const int own = model_.first_face(number);
+      const auto is_own = [&](const Score& score) {
+        return score.face == own && score.distance <= kClearer * s.scores[0].distance + kRounding * s.radii;
+      };
+      int& face = surface2face_[number];
+      if (is_clear(s.scores, s.radii)) {
+        face = s.scores[0].face;
+      } else if (have_same_numbers && std::any_of(s.scores.begin(), s.scores.end(), is_own)) {
+        face = own;
+      }
+      ++a_.surfaces;
+      if (face != own || own == 0) ++a_.surfaces_differing;
+    }
+  }
+
   void assign_triangles() {
     const std::size_t n = q_.triangles.size();
     a_.triangle_faces.assign(n, 0);
@@ -140,26 +226,23 @@ class Classifier {
   /// Returns false where the triangle is near to several faces.
   bool assign_triangle(NearestPoints& nearest, std::size_t triangle) {
     const std::array<Index, 3>& t = q_.triangles[triangle];
+    if (!q_.surfaces.empty() && q_.surfaces[triangle] != 0) {
+      a_.triangle_faces[triangle] = surface2face_.at(q_.surfaces[triangle]);
+      if (a_.triangle_faces[triangle] != 0) return true;
+    }
     const double r = (radius(t[0]) + radius(t[1]) + radius(t[2])) / 3;
-    std::vector<std::pair<double, int>> scores;
     bool all_near = true;
     for (const Index i : t) all_near = all_near && item(a_.distances, i) <= radius(i);
-    for (const NearFace& near : item(near_, t[0])) {
-      double sum = 0;
-      for (const Index i : t) {
-        const NearFace* other = find(i, near.face);
-        sum += other != nullptr && other->distance <= radius(i) ? other->distance : kAnyRadius;
-      }
-      if (sum < kAnyRadius) scores.emplace_back(sum, near.face);
-    }
+    std::vector<Score> scores = vertex_scores(t);
     if (scores.size() > 1) {
-      for (auto& [score, face] : scores) score = kPointWeight * score + middle_distances(nearest, t, face, r);
+      for (Score& score : scores) {
+        score.distance = kPointWeight * score.distance + middle_distances(nearest, t, score.face, r);
+      }
       std::sort(scores.begin(), scores.end());
     }
-    const bool is_clear =
-        scores.size() == 1 || (scores.size() > 1 && scores[1].first > kClearer * scores[0].first + kRounding * r);
-    if (is_clear) a_.triangle_faces[triangle] = scores[0].second;
-    return is_clear || !all_near;
+    if (!is_clear(scores, r)) return !all_near;
+    a_.triangle_faces[triangle] = scores[0].face;
+    return true;
   }
 
   /// The sum of the distances of the midpoints of the edges and of the centroid.
@@ -287,8 +370,9 @@ class Classifier {
   ClassifyAnswer a_;
   std::vector<std::vector<Index>> neighbors_;
   std::vector<std::vector<NearFace>> near_;
-  std::vector<Faces> point2faces_;  ///< faces of the triangles around each point
-  std::vector<char> is_known_;      ///< all triangles around the point have a face
+  std::map<int, int> surface2face_;  ///< 0: by distance
+  std::vector<Faces> point2faces_;   ///< faces of the triangles around each point
+  std::vector<char> is_known_;       ///< all triangles around the point have a face
   std::vector<char> on_line_;
   std::vector<Line> lines_;
 };
@@ -297,32 +381,6 @@ class Classifier {
 
 ClassifyAnswer classify(const ClassifyQuery& query, const Model& model, Workers& workers) {
   return Classifier(query, model, workers).run();
-}
-
-ProjectAnswer project(const ProjectQuery& query, const Model& model, Workers& workers) {
-  ProjectAnswer answer;
-  answer.points.resize(query.points.size());
-  const auto project_chunk = [&](NearestPoints& nearest, std::size_t begin, std::size_t end) {
-    std::map<int, std::optional<gp_Pnt2d>> last;  // per face: points are often neighbors
-    for (std::size_t i = begin; i < end; ++i) {
-      const gp_Pnt p = pnt(query.points[i]);
-      const int entity = query.entities[i];
-      gp_Pnt foot;
-      if (query.dimensions[i] == 0) {
-        foot = model.vertex(entity);
-      } else if (query.dimensions[i] == 1) {
-        foot = nearest.on_edge(entity, p).point;
-      } else {
-        Foot found = nearest.on_face(entity, p, query.radii[i], last[entity]);
-        if (found.distance > query.radii[i]) found = nearest.on_face(entity, p, kAnyRadius);
-        last[entity] = found.uv;
-        foot = found.point;
-      }
-      answer.points[i] = {foot.X(), foot.Y(), foot.Z()};
-    }
-  };
-  workers.for_chunks(query.points.size(), query.threads, project_chunk);
-  return answer;
 }
 
 }  // namespace tetune::plugin

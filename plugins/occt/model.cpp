@@ -68,17 +68,24 @@ TopoDS_Shape read_brep(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   std::string start(64, '\0');
   in.read(start.data(), std::ssize(start));
-  TopoDS_Shape shape;
-  if (start.find("Open CASCADE Topology") != std::string::npos) {
-    in.clear();
-    in.seekg(0);
-    BinTools::Read(shape, in);
-  } else if (start.find("CASCADE Topology") == std::string::npos &&
-             start.find("DBRep_DrawableShape") == std::string::npos) {
+  const auto has = [&](const char* text) { return start.find(text) != std::string::npos; };
+  const bool is_binary = has("Open CASCADE Topology");
+  if (!is_binary && !has("CASCADE Topology") && !has("DBRep_DrawableShape")) {
     throw FileError("this is not a BREP file");
-  } else {
-    BRep_Builder builder;
-    if (!BRepTools::Read(shape, file.c_str(), builder)) throw FileError("the file is damaged or cut short");
+  }
+  in.clear();
+  in.seekg(0);
+  // OpenCASCADE reads on after the end of a file that is cut short.
+  in.exceptions(std::ios::failbit | std::ios::badbit);
+  TopoDS_Shape shape;
+  try {
+    if (is_binary) {
+      BinTools::Read(shape, in);
+    } else {
+      BRepTools::Read(shape, in, BRep_Builder());
+    }
+  } catch (const std::ios::failure&) {
+    throw FileError("the file is damaged or cut short");
   }
   return shape;
 }

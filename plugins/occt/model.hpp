@@ -39,7 +39,9 @@ class Model {
   gp_Pnt vertex(int i) const;
   const TopoDS_Edge& edge(int i) const { return TopoDS::Edge(edges_(i)); }
   const TopoDS_Face& face(int i) const { return TopoDS::Face(faces_(i)); }
-  bool is_first_face(int i) const { return item(first_.faces, i) == i; }
+  /// The face that face i coincides with; 0 where there is no face i.
+  int first_face(int i) const { return i >= 1 && i <= faces() ? item(first_.faces, i) : 0; }
+  bool is_first_face(int i) const { return first_face(i) == i; }
   bool is_feature_edge(int i) const { return item(feature_edge_, i); }
   bool is_feature_vertex(int i) const { return item(feature_vertex_, i); }
   const std::vector<int>& faces_of_edge(int i) const { return item(edge2faces_, i); }

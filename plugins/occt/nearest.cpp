@@ -58,6 +58,48 @@ bool clamp_parameter(double& t, double first, double last, bool periodic) {
   return true;
 }
 
+/// A step towards the nearest point of a surface.
+struct Step {
+  bool is_regular = false;
+  gp_Pnt from{};
+  double du = 0, dv = 0;
+  gp_Vec along{};
+  double length = 0;
+};
+
+/// The step with the matrix of rows a, b and b, d, where `r` leads from the point to the surface.
+Step step_of(const gp_Pnt& from, const gp_Vec& r, const gp_Vec& du, const gp_Vec& dv, double a, double b, double d) {
+  const double gu = r.Dot(du), gv = r.Dot(dv);
+  const double det = a * d - b * b;
+  if (!(det > 1e-12 * a * d)) return {};
+  Step step{true, from, (b * gv - d * gu) / det, (b * gu - a * gv) / det};
+  step.along = du * step.du + dv * step.dv;
+  step.length = step.along.Magnitude();
+  return step;
+}
+
+/// Without second derivatives, which is as good near the surface: errors decrease by the distance times the curvature.
+Step gauss_newton_step(const BRepAdaptor_Surface& s, const gp_Pnt& p, double u, double v) {
+  gp_Pnt c;
+  gp_Vec du, dv;
+  s.D1(u, v, c, du, dv);
+  return step_of(c, gp_Vec(p, c), du, dv, du.SquareMagnitude(), du.Dot(dv), dv.SquareMagnitude());
+}
+
+Step newton_step(const BRepAdaptor_Surface& s, const gp_Pnt& p, double u, double v) {
+  gp_Pnt c;
+  gp_Vec du, dv, duu, dvv, duv;
+  s.D2(u, v, c, du, dv, duu, dvv, duv);
+  const gp_Vec r(p, c);
+  double a = du.SquareMagnitude() + r.Dot(duu), b = du.Dot(dv) + r.Dot(duv), d = dv.SquareMagnitude() + r.Dot(dvv);
+  if (!(a > 0 && a * d - b * b > 1e-6 * a * std::fabs(d))) {
+    a = du.SquareMagnitude();
+    b = du.Dot(dv);
+    d = dv.SquareMagnitude();
+  }
+  return step_of(c, r, du, dv, a, b, d);
+}
+
 /// Newton's method for the parameter of the nearest point of a curve, from a good start.
 double refine_on_curve(const BRepAdaptor_Curve& curve, const gp_Pnt& p, double t) {
   const double first = curve.FirstParameter(), last = curve.LastParameter();
@@ -108,7 +150,7 @@ NearestPoints::Face& NearestPoints::face(int i) {
     f = std::make_unique<Face>();
     f->surface.Initialize(model_.face(i), Standard_True);
     f->box = box_of(model_.face(i));
-    f->inside = std::make_unique<BRepTopAdaptor_FClass2d>(model_.face(i), BRep_Tool::Tolerance(model_.face(i)));
+    f->trim = std::make_unique<TrimTable>(model_.face(i), f->surface);
     f->is_elementary = elementary_foot(f->surface, gp_Pnt(0, 0, 0)).has_value();
     if (!f->is_elementary) sample(*f);
   }
@@ -138,36 +180,35 @@ Foot NearestPoints::on_edge(int i, const gp_Pnt& p) {
   return best;
 }
 
-std::optional<Foot> NearestPoints::refine(const Face& f, const gp_Pnt& p, gp_Pnt2d uv) {
+std::optional<Foot> NearestPoints::refine(const Face& f, const gp_Pnt& p, gp_Pnt2d uv, double precision) {
   constexpr int kMaxSteps = 20;
+  constexpr double kSlow = 0.25;  // steps that decrease by less need second derivatives
   double u = uv.X(), v = uv.Y();
   const BRepAdaptor_Surface& s = f.surface;
   const double rounding = 1e-14 * (1 + p.XYZ().Modulus());
   double last_step = kAnyRadius;
+  bool is_slow = false;
   for (int i = 0; i < kMaxSteps; ++i) {
-    gp_Pnt c;
-    gp_Vec du, dv, duu, dvv, duv;
-    s.D2(u, v, c, du, dv, duu, dvv, duv);
-    const gp_Vec r(p, c);
-    const double gu = r.Dot(du), gv = r.Dot(dv);
-    double a = du.SquareMagnitude() + r.Dot(duu), b = du.Dot(dv) + r.Dot(duv), d = dv.SquareMagnitude() + r.Dot(dvv);
-    if (!(a > 0 && a * d - b * b > 1e-6 * a * std::fabs(d))) {
-      a = du.SquareMagnitude();
-      b = du.Dot(dv);
-      d = dv.SquareMagnitude();
-    }
-    const double det = a * d - b * b;
-    if (!(det > 1e-12 * a * d)) return {};
-    const double step_u = (b * gv - d * gu) / det, step_v = (b * gu - a * gv) / det;
-    const double step = (du * step_u + dv * step_v).Magnitude();
-    if (step <= rounding || (i > 3 && step >= last_step && step <= 1e4 * rounding)) {
-      return Foot{c, c.Distance(p), gp_Pnt2d(u, v)};
-    }
-    last_step = step;
-    u += step_u;
-    v += step_v;
+    const Step step = is_slow ? newton_step(s, p, u, v) : gauss_newton_step(s, p, u, v);
+    if (!step.is_regular) return {};
+    const bool is_rounding =
+        step.length <= rounding || (i > 3 && step.length >= last_step && step.length <= 1e4 * rounding);
+    if (is_rounding) return Foot{step.from, step.from.Distance(p), gp_Pnt2d(u, v)};
+    u += step.du;
+    v += step.dv;
     if (!clamp_parameter(u, s.FirstUParameter(), s.LastUParameter(), s.IsUPeriodic())) return {};
     if (!clamp_parameter(v, s.FirstVParameter(), s.LastVParameter(), s.IsVPeriodic())) return {};
+    if (step.length <= precision * step.from.Distance(p)) {
+      const gp_Pnt foot = step.from.Translated(step.along);
+      return Foot{foot, foot.Distance(p), gp_Pnt2d(u, v)};
+    }
+    // Steps decrease at least as much as the last time.
+    if (i > 0 && step.length < 0.1 * last_step && step.length * (step.length / last_step) <= rounding) {
+      const gp_Pnt foot = s.Value(u, v);
+      return Foot{foot, foot.Distance(p), gp_Pnt2d(u, v)};
+    }
+    is_slow = is_slow || step.length > kSlow * last_step;
+    last_step = step.length;
   }
   return {};
 }
@@ -177,6 +218,7 @@ void NearestPoints::sample(Face& f) {
   const BRepAdaptor_Surface& s = f.surface;
   const int nu = std::clamp(kPerInterval * s.NbUIntervals(GeomAbs_C2), 16, 128);
   const int nv = std::clamp(kPerInterval * s.NbVIntervals(GeomAbs_C2), 16, 128);
+  f.sample_columns = nv + 1;
   const double u0 = s.FirstUParameter(), v0 = s.FirstVParameter();
   const double du = (s.LastUParameter() - u0) / nu, dv = (s.LastVParameter() - v0) / nv;
   for (int i = 0; i <= nu; ++i) {
@@ -203,7 +245,27 @@ std::pair<gp_Pnt2d, double> NearestPoints::nearest_sample(const Face& f, const g
   return {f.sample_uv[best], std::sqrt(least)};
 }
 
-bool NearestPoints::is_inside(const Face& f, const Foot& foot) { return f.inside->Perform(*foot.uv) != TopAbs_OUT; }
+Foot NearestPoints::search_from_samples(Face& f, const gp_Pnt& p, double radius) {
+  const int columns = f.sample_columns, rows = int(f.samples.size()) / columns;
+  const double reach = (radius + f.cell) * (radius + f.cell);
+  Foot best;
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < columns; ++j) {
+      const double d = item(f.samples, i * columns + j).SquareDistance(p);
+      if (d > reach) continue;
+      bool is_least = true;
+      for (int k = std::max(0, i - 1); k <= std::min(rows - 1, i + 1); ++k) {
+        for (int l = std::max(0, j - 1); l <= std::min(columns - 1, j + 1); ++l) {
+          is_least = is_least && item(f.samples, k * columns + l).SquareDistance(p) >= d;
+        }
+      }
+      if (!is_least) continue;
+      const std::optional<Foot> foot = refine(f, p, item(f.sample_uv, i * columns + j));
+      if (foot && foot->distance < best.distance && is_inside(f, *foot)) best = *foot;
+    }
+  }
+  return best;
+}
 
 Foot NearestPoints::search_surface(Face& f, const gp_Pnt& p, double& least) {
   Foot best;
@@ -248,11 +310,12 @@ Foot NearestPoints::on_boundary(int i, const gp_Pnt& p, double radius) {
   return best;
 }
 
-Foot NearestPoints::on_face(int i, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess) {
+Foot NearestPoints::on_face(int i, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess,
+                            double precision) {
   Face& f = face(i);
   if (!f.is_elementary) {
     const auto accepted = [&](const gp_Pnt2d& uv) -> std::optional<Foot> {
-      const std::optional<Foot> foot = refine(f, p, uv);
+      const std::optional<Foot> foot = refine(f, p, uv, precision);
       return foot && foot->distance <= radius && is_inside(f, *foot) ? foot : std::nullopt;
     };
     if (guess && radius < kAnyRadius) {
@@ -264,7 +327,7 @@ Foot NearestPoints::on_face(int i, const gp_Pnt& p, double radius, const std::op
     if (const std::optional<Foot> foot = accepted(uv); foot && foot->distance <= distance) return *foot;
   }
   double least = 0;
-  Foot best = search_surface(f, p, least);
+  Foot best = f.is_elementary || radius == kAnyRadius ? search_surface(f, p, least) : search_from_samples(f, p, radius);
   if (least > radius) return {p, least, {}};
   if (best.distance <= radius && f.is_elementary) return best;
   const Foot border = on_boundary(i, p, std::min(radius, best.distance));

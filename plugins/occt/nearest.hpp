@@ -3,7 +3,6 @@
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
-#include <BRepTopAdaptor_FClass2d.hxx>
 #include <Bnd_Box.hxx>
 #include <Extrema_ExtPC.hxx>
 #include <Extrema_ExtPS.hxx>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "model.hpp"
+#include "trim_table.hpp"
 
 namespace tetune::plugin {
 
@@ -38,8 +38,10 @@ class NearestPoints {
 
   Foot on_edge(int edge, const gp_Pnt& p);
   /// The nearest point of the trimmed face if it is within `radius`; otherwise only a lower bound of the distance,
-  /// above `radius`. A guess near the foot saves a search over the whole face; it may be wrong.
-  Foot on_face(int face, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess = {});
+  /// above `radius`. A guess near the foot saves a search over the whole face; it may be wrong. `precision`: the foot
+  /// may be off along the surface by this part of the distance, so that the distance is off by its square.
+  Foot on_face(int face, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess = {},
+               double precision = 0);
   /// A lower bound of the distance from a face.
   double from_face_box(int face, const gp_Pnt& p);
 
@@ -51,24 +53,28 @@ class NearestPoints {
   };
   struct Face {
     BRepAdaptor_Surface surface;
-    std::unique_ptr<BRepTopAdaptor_FClass2d> inside;
+    std::unique_ptr<TrimTable> trim;
     std::unique_ptr<Extrema_ExtPS> search;
     Bnd_Box box;
     bool is_elementary = false;
     std::vector<gp_Pnt> samples;      ///< on a grid of parameters; empty for elementary surfaces
     std::vector<gp_Pnt2d> sample_uv;  ///< likewise
-    double cell = 0;                  ///< largest diagonal of a cell of the grid
+    int sample_columns = 0;
+    double cell = 0;  ///< largest diagonal of a cell of the grid
   };
 
   Edge& edge(int i);
   Face& face(int i);
-  static std::optional<Foot> refine(const Face& face, const gp_Pnt& p, gp_Pnt2d uv);
-  static bool is_inside(const Face& face, const Foot& foot);
+  static std::optional<Foot> refine(const Face& face, const gp_Pnt& p, gp_Pnt2d uv, double precision = 0);
+  static bool is_inside(Face& face, const Foot& foot) { return face.trim->is_inside(*foot.uv); }
   static void sample(Face& face);
   /// The sample nearest to a point, and its distance.
   static std::pair<gp_Pnt2d, double> nearest_sample(const Face& face, const gp_Pnt& p);
   /// The nearest of the extrema of the surface that are on the face; and a lower bound of all distances in `least`.
   Foot search_surface(Face& face, const gp_Pnt& p, double& least);
+  /// The nearest of the extrema within `radius` that are on the face, found from the samples that are nearer than those
+  /// around them.
+  Foot search_from_samples(Face& face, const gp_Pnt& p, double radius);
   Foot on_boundary(int face, const gp_Pnt& p, double radius);
 
   const Model& model_;

@@ -30,6 +30,7 @@ void limit_time(rlim_t seconds) {
 }
 
 constexpr rlim_t kBaseSeconds = 20;
+constexpr rlim_t kBaseSecondsToLoad = 5;
 
 /// The model of a file, and answers to requests about it.
 class Service {
@@ -58,7 +59,7 @@ class Service {
   LoadedModel load(Warnings& warnings) {
     constexpr rlim_t kBytesPerSecond = 100'000;
     const MemoryLimit memory(file_);
-    limit_time(kBaseSeconds + std::filesystem::file_size(file_) / kBytesPerSecond);
+    limit_time(kBaseSecondsToLoad + std::filesystem::file_size(file_) / kBytesPerSecond);
     const TopoDS_Shape shape = read_shape(file_, warnings);
     LoadedModel loaded = summarize(shape);
     model_ = std::make_unique<Model>(shape);

@@ -67,6 +67,9 @@ void bind_match(nb::module_& m) {
       .def_ro("without_entity", &GeometryMatch::without_entity, "Number of vertices of the surface without an entity.")
       .def_ro("ambiguous_triangles", &GeometryMatch::ambiguous_triangles,
               "Number of triangles of which it is not clear which face they are on.")
+      .def_ro("file_surfaces", &GeometryMatch::file_surfaces, "Number of surfaces of an .msh file.")
+      .def_ro("file_surfaces_differing", &GeometryMatch::file_surfaces_differing,
+              "Number of surfaces of an .msh file that are not on the face of the same number.")
       .def_ro("unmatched_vertices", &GeometryMatch::unmatched_vertices,
               "Number of the model's vertices at which the mesh has no vertex.");
 }

@@ -3,18 +3,19 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "boundary/constraints.hpp"
 #include "driver/extend_report.hpp"
+#include "driver/geometry_work.hpp"
 #include "driver/latched_hooks.hpp"
 #include "driver/result_mesh.hpp"
 #include "math/vec3.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "phases/phase_timer.hpp"
+#include "quality/smallest_angle.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/move.hpp"
@@ -30,7 +31,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// A vertex is on the geometry if its distance is at most this part of the diagonal.
 constexpr double kOnGeometry = 1e-10;
 /// The parts of the progress.
-constexpr double kSliding = 0.6;
+constexpr double kSliding = 0.6, kInside = 0.35, kWorst = 0.05;
 /// A round is repeated, with vertices of bad elements held, at most this many times.
 constexpr int kMaxRetries = 3;
 
@@ -47,31 +48,6 @@ void check_options(const TetMesh& mesh, const Options& options) {
   if (!mesh.curved_edges.empty()) refuse("elements are straight: convert the mesh to order 1 first");
   tetune::check_options(options);
 }
-
-/// The tags of a work mesh: one per combination of a face of the model and a tag of the caller, or none.
-class PatchTags {
- public:
-  int add(std::int32_t face, std::optional<int> caller) {
-    const auto [at, is_new] = ids_.try_emplace({face, caller}, int(tags_.size()) + 1);
-    if (is_new) tags_.push_back({face, caller});
-    return at->second;
-  }
-  std::int32_t face(int tag) const { return tags_[std::size_t(tag - 1)].first; }
-  std::optional<int> caller(int tag) const { return tags_[std::size_t(tag - 1)].second; }
-  /// The tags that stand for one of the caller's.
-  std::vector<int> of_caller(const std::vector<int>& callers) const {
-    std::vector<int> found = {};
-    for (int tag = 1; tag <= int(tags_.size()); ++tag) {
-      if (caller(tag) && std::find(callers.begin(), callers.end(), *caller(tag)) != callers.end()) found.push_back(tag);
-    }
-    return found;
-  }
-
- private:
-  using Key = std::pair<std::int32_t, std::optional<int>>;
-  std::map<Key, int> ids_;
-  std::vector<Key> tags_;
-};
 
 /// The smallest dihedral angle per tetrahedron.
 std::vector<double> angles_of(const TetMesh& mesh, int threads) {
@@ -93,57 +69,6 @@ void check_frozen_patches(const TetMesh& mesh, const Options& options) {
     }
   }
 }
-
-/// Flags the vertices that the caller or the mesh holds.
-std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Options& options) {
-  std::vector<std::uint8_t> held = options.frozen_vertices;
-  held.resize(mesh.points.size(), 0);
-  const auto hold = [&](const auto& vertices) {
-    for (const Index v : vertices) span_of(held)[v] = 1;
-  };
-  const auto has = [](const std::vector<int>& list, int tag) {
-    return std::find(list.begin(), list.end(), tag) != list.end();
-  };
-  hold(mesh.required_vertices);
-  for (const Index e : mesh.required_edges) hold(span_of(mesh.edges)[e]);
-  for (const Index t : mesh.required_triangles) hold(span_of(mesh.triangles)[t]);
-  for (const Index t : mesh.required_tets) hold(span_of(mesh.tets)[t]);
-  for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {
-    if (has(options.frozen_patches, span_of(mesh.triangle_tags)[t])) hold(span_of(mesh.triangles)[t]);
-  }
-  for (Size t = 0; t < std::ssize(mesh.tets); ++t) {
-    if (has(options.frozen_regions, span_of(mesh.tet_tags)[t])) hold(span_of(mesh.tets)[t]);
-  }
-  for (const ElementBlock& block : mesh.others) hold(block.element2vertex);
-  return held;
-}
-
-/// Values per vertex for the vertices of a result; inserted vertices have the default.
-template <class T>
-std::vector<T> follow(const std::vector<T>& values, const std::vector<Index>& new2old) {
-  if (new2old.empty()) return values;
-  std::vector<T> followed(new2old.size());
-  for (Size v = 0; v < std::ssize(new2old); ++v) {
-    if (span_of(new2old)[v] >= 0) span_of(followed)[v] = span_of(values)[span_of(new2old)[v]];
-  }
-  return followed;
-}
-
-/// A mesh between runs, with what is known of its vertices.
-struct WorkState {
-  TetMesh mesh;  ///< its triangles are the whole surface, with the tags of PatchTags
-  std::vector<GeometryEntity> entities;
-  std::vector<std::uint8_t> held;
-
-  void follow_result(const std::vector<Index>& new2old) {
-    entities = follow(entities, new2old);
-    held = follow(held, new2old);
-  }
-  bool may_move(Size v) const {
-    const std::int8_t dimension = span_of(entities)[v].dimension;
-    return span_of(held)[v] == 0 && dimension >= 0 && dimension <= 2;
-  }
-};
 
 class GeometryRun {
  public:
@@ -262,20 +187,22 @@ class GeometryRun {
   /// Slides, returns to the geometry and improves the inside. False if the round is to be repeated with vertices held
   /// that made elements bad.
   bool make_round() {
-    const double least = quality(work_.mesh, options_.threads).dihedral_min - kAngleRounding;
+    const double least = smallest_dihedral(work_.mesh, options_.threads) - kAngleRounding;
     WorkState next = work_;
     Options sliding = options_for(work_, Boundary::slide);
     sliding.targets.clear();
     Report slide = optimize(next.mesh, sliding, context_for(0, kSliding));
     next.follow_result(slide.vertex2original);
+    const double slid_least = smallest_dihedral(next.mesh, options_.threads);
     std::vector<Point3> points = feet(next);
     next.mesh.points.swap(points);
     const std::vector<std::int8_t> signs = volume_signs(next.mesh, options_.threads);
     const auto inverted = [&](Size t) { return span_of(signs)[t] <= 0; };
     if (hold_vertices_of(next, slide.vertex2original, inverted)) return false;
-    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSliding, 1 - kSliding));
+    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSliding, kInside));
     next.follow_result(inside.vertex2original);
-    if (quality(next.mesh, options_.threads).dihedral_min < least) {
+    const double next_least = smallest_dihedral(next.mesh, options_.threads);
+    if (next_least < least) {
       const std::vector<double> angles = angles_of(next.mesh, options_.threads);
       const std::vector<Index> next2work = compose(slide.vertex2original, inside.vertex2original);
       const auto is_worse = [&](Size t) { return span_of(angles)[t] < least; };
@@ -286,7 +213,33 @@ class GeometryRun {
     ++report_.rounds;
     add(std::move(slide));
     add(std::move(inside));
+    improve_worst(next_least, slid_least);
     return true;
+  }
+
+  /// The way back to the geometry may have made the smallest angle worse than it was on the triangles. Slides around
+  /// the tetrahedra below that angle once more: now the triangles are nearer to the geometry.
+  void improve_worst(double least, double slid_least) {
+    for (int i = 0; i < kMaxRetries && least < slid_least && !hooks_.is_stopped(); ++i) {
+      WorkState next = work_;
+      Options sliding = options_for(work_, Boundary::slide);
+      sliding.targets.clear();
+      sliding.only_below = {{Measure::min_dihedral, slid_least}};
+      Report slide = optimize(next.mesh, sliding, context_for(kSliding + kInside, kWorst / 2));
+      next.follow_result(slide.vertex2original);
+      next.mesh.points = feet(next);
+      if (!all_positive(next.mesh, options_.threads)) return;
+      Options fixed = fixed_options(next);
+      if (fixed.targets.empty()) fixed.only_below = sliding.only_below;
+      Report inside = optimize(next.mesh, fixed, context_for(1 - kWorst / 2, kWorst / 2));
+      next.follow_result(inside.vertex2original);
+      const double next_least = smallest_dihedral(next.mesh, options_.threads);
+      if (next_least <= least) return;
+      least = next_least;
+      work_ = std::move(next);
+      add(std::move(slide));
+      add(std::move(inside));
+    }
   }
 
   /// Holds the vertices of bad tetrahedra of a result that may move; false if there is none.
@@ -377,10 +330,17 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
                                     const Context& context) {
   const auto start = PhaseTimer::SteadyClock::now();
   check_options(mesh, options);
-  if (const ValidationReport valid = validate(mesh, options.threads); !valid.ok())
-    throw MeshError(valid.message(false));
   check_frozen_patches(mesh, options);
-  GeometryReport report = GeometryRun(geometry, options, context).run(mesh, snap);
+  GeometryReport report;
+  try {
+    report = GeometryRun(geometry, options, context).run(mesh, snap);
+  } catch (const MeshError&) {
+    // Of an invalid mesh only that is said, with the numbers of the input.
+    if (const ValidationReport valid = validate(mesh, options.threads); !valid.ok()) {
+      throw MeshError(valid.message(false));
+    }
+    throw;
+  }
   report.optimization.seconds = PhaseTimer::seconds_since(start);
   return report;
 }

@@ -8,8 +8,9 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "io/geometry_requests.hpp"
 #include "io/geometry_stream.hpp"
-#include "io/plugin_call.hpp"
+#include "io/msh_format.hpp"
 #include "math/vec3.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
@@ -140,6 +141,18 @@ std::string unit_hint(double ratio) {
       ", that of the geometry " + number(geometry.diagonal()) + unit_hint(unit * geometry.diagonal() / size));
 }
 
+/// Per triangle of a surface the number of the surface of an .msh file; empty where the mesh is of another origin.
+std::vector<std::int32_t> file_surfaces_of(const TetMesh& mesh, const Surface& surface) {
+  const std::vector<int>* numbers = mesh.cell_tags_name == kMshEntityTags ? &mesh.triangle_tags : nullptr;
+  for (const DataArray& array : mesh.triangle_data) {
+    if (array.name == kMshEntities && array.components == 1) numbers = std::get_if<std::vector<int>>(&array.values);
+  }
+  std::vector<std::int32_t> surfaces;
+  if (numbers == nullptr) return surfaces;
+  for (const Index listed : surface.listed) surfaces.push_back(listed < 0 ? 0 : span_of(*numbers)[listed]);
+  return surfaces;
+}
+
 /// Sorts what the plugin found by the vertices of the mesh, and counts it.
 GeometryMatch match_of(const Surface& surface, const TetMesh& mesh, ClassifyAnswer answer, double unit) {
   GeometryMatch match;
@@ -163,6 +176,8 @@ GeometryMatch match_of(const Surface& surface, const TetMesh& mesh, ClassifyAnsw
   match.edge_numbers = std::move(answer.edge_entities);
   match.ambiguous_triangles = answer.ambiguous_triangles;
   match.unmatched_vertices = answer.unmatched_vertices;
+  match.file_surfaces = answer.surfaces;
+  match.file_surfaces_differing = answer.surfaces_differing;
   return match;
 }
 
@@ -193,7 +208,7 @@ double Geometry::diagonal() const { return distance(low(), high()); }
 GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
   if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
   const Surface surface = surface_of(mesh);
-  ClassifyQuery query{threads_, {}, {}, surface.triangles};
+  ClassifyQuery query{threads_, {}, {}, surface.triangles, file_surfaces_of(mesh, surface)};
   std::vector<Index> mesh2surface(mesh.points.size(), -1);
   for (const Index v : surface.surface2mesh) {
     span_of(mesh2surface)[v] = to_index(std::ssize(query.points));
@@ -216,21 +231,27 @@ GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
 
 std::vector<Point3> Geometry::project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
                                       const std::vector<double>& radii) const {
-  ProjectQuery query{threads_, {}, {}, {}, {}};
+  return request_feet(*session_, {unit_, threads_}, points, entities, radii);
+}
+
+std::vector<Point3> request_feet(PluginSession& session, const ProjectSettings& settings,
+                                 const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
+                                 const std::vector<double>& radii) {
+  ProjectQuery query{settings.threads, settings.precision, {}, {}, {}, {}};
   std::vector<Index> asked;
   for (Size i = 0; i < std::ssize(points); ++i) {
     const GeometryEntity& entity = span_of(entities)[i];
     if (entity.dimension < 0 || entity.dimension > 2) continue;
     asked.push_back(to_index(i));
-    query.points.push_back(scaled(span_of(points)[i], unit_));
-    query.radii.push_back(radii.empty() ? 0 : unit_ * span_of(radii)[i]);
+    query.points.push_back(scaled(span_of(points)[i], settings.unit));
+    query.radii.push_back(radii.empty() ? 0 : settings.unit * span_of(radii)[i]);
     query.dimensions.push_back(entity.dimension);
     query.entities.push_back(entity.number);
   }
-  const auto answer = ask<ProjectQuery, ProjectAnswer>(*session_, "project", query);
+  const auto answer = ask<ProjectQuery, ProjectAnswer>(session, "project", query);
   std::vector<Point3> projected = points;
   for (std::size_t i = 0; i < asked.size(); ++i) {
-    span_of(projected)[asked[i]] = scaled(answer.points.at(i), 1 / unit_);
+    span_of(projected)[asked[i]] = scaled(answer.points.at(i), 1 / settings.unit);
   }
   return projected;
 }

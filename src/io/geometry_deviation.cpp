@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <map>
-#include <tuple>
 
 #include "backend/span.hpp"
+#include "io/geometry_requests.hpp"
 #include "math/vec3.hpp"
+#include "mesh/matched_edges.hpp"
 #include "tetune/geometry.hpp"
 
 namespace tetune {
 namespace {
+
+/// Of ProjectSettings: distances have six digits at least.
+constexpr double kPrecision = 1e-3;
 
 /// The points to measure: of a kind, on a face's triangles.
 struct Samples {
@@ -33,23 +37,9 @@ Point3 mean_of(const std::vector<Point3>& points, std::initializer_list<Index> v
   return sum;
 }
 
-/// An edge of triangles with a face, and the faces on both sides.
-struct Side {
-  std::array<Index, 2> vertices;
-  std::int32_t face;
-  bool operator==(const Side&) const = default;
-  bool operator<(const Side& other) const { return std::tie(vertices, face) < std::tie(other.vertices, other.face); }
-};
-
 class Sampling {
  public:
-  Sampling(const std::vector<Point3>& points, const GeometryMatch& match) : points_(points), match_(match) {
-    for (std::size_t i = 0; i < match.edges.size(); ++i) {
-      std::array<Index, 2> edge = match.edges[i];
-      std::sort(edge.begin(), edge.end());
-      edge2number_[edge] = match.edge_numbers[i];
-    }
-  }
+  Sampling(const std::vector<Point3>& points, const GeometryMatch& match) : points_(points), match_(match) {}
 
   /// Calls f(vertex, the faces on both sides).
   template <class F>
@@ -66,25 +56,10 @@ class Sampling {
   }
 
   Samples midpoints() const {
-    std::vector<Side> sides;
-    for_each_triangle([&](const auto& t, std::int32_t face) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Index a = t[k], b = t[(k + 1) % 3];
-        sides.push_back({{std::min(a, b), std::max(a, b)}, face});
-      }
-    });
-    std::sort(sides.begin(), sides.end());
-    sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
     Samples s;
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      const bool pairs = i + 1 < sides.size() && sides[i + 1].vertices == sides[i].vertices;
-      const auto [a, b] = sides[i].vertices;
-      const auto on_edge = edge2number_.find(sides[i].vertices);
-      const GeometryEntity entity =
-          on_edge != edge2number_.end() ? GeometryEntity{1, on_edge->second} : GeometryEntity{2, sides[i].face};
-      const std::int32_t other = pairs ? sides[i + 1].face : 0;
-      add(s, mean_of(points_, {a, b}), entity, length(a, b), {sides[i].face, other});
-      while (i + 1 < sides.size() && sides[i + 1].vertices == sides[i].vertices) ++i;
+    for (const MatchedEdge& edge : edges_of(match_)) {
+      const auto [a, b] = edge.vertices;
+      if (edge.entity.dimension > 0) add(s, mean_of(points_, {a, b}), edge.entity, length(a, b), edge.faces);
     }
     return s;
   }
@@ -115,7 +90,6 @@ class Sampling {
 
   const std::vector<Point3>& points_;
   const GeometryMatch& match_;
-  std::map<std::array<Index, 2>, std::int32_t> edge2number_;
 };
 
 void add_distance(DistanceSummary& summary, double distance) {
@@ -144,7 +118,8 @@ GeometryDeviation Geometry::measure(const std::vector<Point3>& points, const Geo
   Samples all = sampling.midpoints();
   const std::size_t midpoints = all.points.size();
   all.append(sampling.centers());
-  const std::vector<Point3> feet = project(all.points, all.entities, all.radii);
+  const std::vector<Point3> feet =
+      request_feet(*session_, {unit_, threads_, kPrecision}, all.points, all.entities, all.radii);
   for (std::size_t i = 0; i < feet.size(); ++i) {
     const double distance = norm(vec(feet[i]) - vec(all.points[i]));
     if (i < midpoints) {

@@ -25,6 +25,9 @@ struct ClassifyQuery {
   std::vector<Point3> points;
   std::vector<double> radii;  ///< per point: distance up to which an entity of the model is the point's own
   std::vector<std::array<Index, 3>> triangles;
+  /// Per triangle: the number of the surface that the mesh's file has it on, which may be that of the model's face; 0:
+  /// none. Empty without such numbers.
+  std::vector<std::int32_t> surfaces;
 };
 
 struct ClassifyAnswer {
@@ -37,11 +40,14 @@ struct ClassifyAnswer {
   std::vector<std::int32_t> edge_entities;
   std::int64_t ambiguous_triangles = 0;  ///< on several faces, or between faces that do not meet
   std::int32_t unmatched_vertices = 0;   ///< vertices of the model at which there is no point
+  std::int32_t surfaces = 0;             ///< number of surfaces of the mesh's file
+  std::int32_t surfaces_differing = 0;   ///< number of those that are not on the face of the same number
 };
 
 /// The input of `project`: points whose entities are known.
 struct ProjectQuery {
   std::int32_t threads = 1;
+  double precision = 0;  ///< points may be off along their surface by this part of their distance
   std::vector<Point3> points;
   std::vector<double> radii;  ///< per point: an upper bound that its distance should have
   std::vector<std::int8_t> dimensions;
@@ -61,16 +67,16 @@ void transfer(Archive& archive, Model& m) {
 }
 template <class Archive, MaybeConst<ClassifyQuery> Query>
 void transfer(Archive& archive, Query& q) {
-  archive(q.threads, q.points, q.radii, q.triangles);
+  archive(q.threads, q.points, q.radii, q.triangles, q.surfaces);
 }
 template <class Archive, MaybeConst<ClassifyAnswer> Answer>
 void transfer(Archive& archive, Answer& a) {
   archive(a.dimensions, a.entities, a.distances, a.triangle_faces, a.edges, a.edge_entities, a.ambiguous_triangles,
-          a.unmatched_vertices);
+          a.unmatched_vertices, a.surfaces, a.surfaces_differing);
 }
 template <class Archive, MaybeConst<ProjectQuery> Query>
 void transfer(Archive& archive, Query& q) {
-  archive(q.threads, q.points, q.radii, q.dimensions, q.entities);
+  archive(q.threads, q.precision, q.points, q.radii, q.dimensions, q.entities);
 }
 template <class Archive, MaybeConst<ProjectAnswer> Answer>
 void transfer(Archive& archive, Answer& a) {

@@ -2,6 +2,7 @@
 #include "mesh/tet_orientation.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "backend/cpu.hpp"
 #include "math/orient.hpp"
@@ -107,18 +108,28 @@ std::vector<std::int8_t> volume_signs(const TetMesh& mesh, int threads) {
 }
 
 std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh) {
-  std::vector<SortedHalfFace> half_faces;
-  half_faces.reserve(4 * mesh.tets.size());
   const TetMeshView view(mesh);
-  for (Index t = 0; t < view.tets.size(); ++t) {
-    for (int f = 0; f < 4; ++f) {
-      const FaceKey key = face_key(view.tet(t), f);
-      half_faces.push_back({{key.low, key.middle, key.high}, t, key.odd});
+  // Half-faces are grouped by their lowest vertex, and sorted within the groups, which are small.
+  std::vector<std::size_t> group_end(mesh.points.size() + 1, 0);
+  const auto for_each = [&](const auto& f) {
+    for (Index t = 0; t < view.tets.size(); ++t) {
+      for (int face = 0; face < 4; ++face) f(face_key(view.tet(t), face), t);
     }
-  }
-  std::sort(half_faces.begin(), half_faces.end(), [](const SortedHalfFace& a, const SortedHalfFace& b) {
-    return a.vertices != b.vertices ? a.vertices < b.vertices : a.tet < b.tet;
+  };
+  for_each([&](const FaceKey& key, Index) { ++span_of(group_end)[key.low + 1]; });
+  std::partial_sum(group_end.begin(), group_end.end(), group_end.begin());
+  std::vector<SortedHalfFace> half_faces(4 * mesh.tets.size());
+  for_each([&](const FaceKey& key, Index t) {
+    half_faces[span_of(group_end)[key.low]++] = {{key.low, key.middle, key.high}, t, key.odd};
   });
+  auto begin = half_faces.begin();
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    const auto end = half_faces.begin() + static_cast<std::ptrdiff_t>(group_end[v]);
+    std::sort(begin, end, [](const SortedHalfFace& a, const SortedHalfFace& b) {
+      return a.vertices != b.vertices ? a.vertices < b.vertices : a.tet < b.tet;
+    });
+    begin = end;
+  }
   return half_faces;
 }
 

@@ -66,6 +66,7 @@ int main(int argc, char** argv) {
   ok = ok && write_step(BRepPrimAPI_MakeSphere(1).Shape(), folder + "ball.step");
   ok = ok && write_step(spline_prism(), folder + "spline.step");
   ok = ok && write_step(boxes(), folder + "boxes.step");
+  ok = ok && write_step(BRepPrimAPI_MakeBox(1, 1, 0.02).Shape(), folder + "plate.step");
   ok = ok && BRepTools::Write(cylinder, (folder + "cylinder.brep").c_str());
   IGESControl_Writer iges;
   iges.AddShape(cylinder);

@@ -49,6 +49,19 @@ def boxes(n=6):
     return Mesh(points, mesh.tets, None, tags)
 
 
+def plate(n=4, low=0.0, high=0.02):
+    mesh = cube(n, jitter=0)
+    return Mesh([(x, y, low + (high - low) * z) for x, y, z in mesh.points], mesh.tets)
+
+
+def triangles_of(path):
+    """Vertices, counted from 0, and tag of each listed triangle of a .mesh file."""
+    words = Path(path).read_text().split()
+    at = words.index("Triangles") + 1
+    rows = [list(map(int, words[at + 1 + 4 * i:at + 5 + 4 * i])) for i in range(int(words[at]))]
+    return sorted((tuple(v - 1 for v in row[:3]), row[3]) for row in rows)
+
+
 def damage(whole, rng):
     """The bytes of a file cut off, with other bytes or digits at ten places, or without a line."""
     kind = rng.randrange(4)
@@ -103,17 +116,39 @@ class Geometry(CliTest):
             self.assertEqual(g["mesh_vertices_without_entity"] + g["ambiguous_triangles"], 0)
             # IGES has fewer digits.
             self.assertLess(g["largest_distance"], 1e-5 if part.endswith("igs") else 1e-9)
-            words = Path(self.path("out.mesh")).read_text().split()
-            at = words.index("Triangles")
-            count = int(words[at + 1])
-            rows = [list(map(int, words[at + 2 + 4 * i:at + 6 + 4 * i])) for i in range(count)]
+            rows = triangles_of(self.path("out.mesh"))
             faces = {}
-            for *vertices, tag in rows:
-                heights = {mesh.points[v - 1][2] for v in vertices}
+            for vertices, tag in rows:
+                heights = {mesh.points[v][2] for v in vertices}
                 faces.setdefault(heights.pop() if len(heights) == 1 else "side", set()).add(tag)
-            self.assertEqual(count, 12 * 6 * 6)
+            self.assertEqual(len(rows), 12 * 6 * 6)
             self.assertEqual(sorted(map(len, faces.values())), [1, 1, 1])
             self.assertEqual(len(set.union(*faces.values())), 3)
+
+    def test_surfaces_of_an_msh_file_are_taken_where_distances_agree(self):
+        self.match(self.put("exact.mesh", plate()), "plate.step", "-o", self.path("faces.mesh"))
+        faces = triangles_of(self.path("faces.mesh"))
+        self.assertEqual({tag for _, tag in faces}, {1, 2, 3, 4, 5, 6})
+        # Top and bottom of this mesh are about as far from the top of the part as from the bottom.
+        middle = plate(low=0.0095, high=0.0105)
+
+        def match(tag_of):
+            tagged = with_triangles(middle, [(t, tag_of(tag)) for t, tag in faces])
+            self.run_cli("convert", self.put("in.mesh", tagged), "-o", self.path("in.msh"))
+            return self.match(self.path("in.msh"), "plate.step", "-o", self.path("out.mesh"))
+
+        right = match(lambda tag: tag)
+        self.assertEqual((right["surfaces_of_the_file"], right["surfaces_with_other_numbers"]), (6, 0))
+        self.assertEqual(right["ambiguous_triangles"], 0)
+        self.assertEqual(triangles_of(self.path("out.mesh")), faces)
+        other = match(lambda tag: tag % 6 + 1)
+        self.assertEqual((other["surfaces_of_the_file"], other["surfaces_with_other_numbers"]), (6, 6))
+        self.assertGreater(other["ambiguous_triangles"], 0)
+        found = triangles_of(self.path("out.mesh"))
+        self.assertTrue(all(tag in (0, face) for (_, tag), (_, face) in zip(found, faces)))
+        without = self.match(self.put("in.mesh", middle), "plate.step")
+        self.assertEqual(without["surfaces_of_the_file"], 0)
+        self.assertEqual(without["ambiguous_triangles"], other["ambiguous_triangles"])
 
     def test_vertices_end_on_the_geometry(self):
         for name, mesh in (("cylinder", cylinder()), ("ball", ball()), ("spline", prism()), ("boxes", boxes())):
@@ -207,7 +242,10 @@ class Geometry(CliTest):
         small = self.put("small.mesh", inches)
         self.refused("info", small, "--geometry", self.part("cylinder_inch.stp"), said=["--geometry-unit 25.4 (inch)"])
         self.run_cli("info", small, "--geometry", self.part("cylinder_inch.stp"), "--geometry-unit", "inch")
-        self.refused("info", small, "--geometry", self.part("ball.step"), "--geometry-unit", "furlong", said=["furlong"])
+        # The unit is checked before the mesh is read.
+        absent = self.path("absent.mesh")
+        for command in (("info", absent), ("convert", absent, self.path("out.msh"), "--order", "2")):
+            self.refused(*command, "--geometry", self.part("ball.step"), "--geometry-unit", "furlong", said=["furlong"])
 
     def test_options_that_have_no_meaning_with_a_geometry_are_refused(self):
         source, part = self.put("in.mesh", cylinder(3)), self.part("cylinder.step")

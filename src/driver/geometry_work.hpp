@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "backend/span.hpp"
+#include "tetune/geometry.hpp"
+#include "tetune/options.hpp"
+
+/// The mesh between the runs of optimize_on_geometry().
+namespace tetune {
+
+/// The tags of a work mesh: one per combination of a face of the model and a tag of the caller, or none.
+class PatchTags {
+ public:
+  int add(std::int32_t face, std::optional<int> caller) {
+    const auto [at, is_new] = ids_.try_emplace({face, caller}, int(tags_.size()) + 1);
+    if (is_new) tags_.push_back({face, caller});
+    return at->second;
+  }
+  std::int32_t face(int tag) const { return tags_[std::size_t(tag - 1)].first; }
+  std::optional<int> caller(int tag) const { return tags_[std::size_t(tag - 1)].second; }
+  /// The tags that stand for one of the caller's.
+  std::vector<int> of_caller(const std::vector<int>& callers) const {
+    std::vector<int> found = {};
+    for (int tag = 1; tag <= int(tags_.size()); ++tag) {
+      if (caller(tag) && std::find(callers.begin(), callers.end(), *caller(tag)) != callers.end()) found.push_back(tag);
+    }
+    return found;
+  }
+
+ private:
+  using Key = std::pair<std::int32_t, std::optional<int>>;
+  std::map<Key, int> ids_;
+  std::vector<Key> tags_;
+};
+
+/// Flags the vertices that the caller or the mesh holds.
+inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Options& options) {
+  std::vector<std::uint8_t> held = options.frozen_vertices;
+  held.resize(mesh.points.size(), 0);
+  const auto hold = [&](const auto& vertices) {
+    for (const Index v : vertices) span_of(held)[v] = 1;
+  };
+  const auto has = [](const std::vector<int>& list, int tag) {
+    return std::find(list.begin(), list.end(), tag) != list.end();
+  };
+  hold(mesh.required_vertices);
+  for (const Index e : mesh.required_edges) hold(span_of(mesh.edges)[e]);
+  for (const Index t : mesh.required_triangles) hold(span_of(mesh.triangles)[t]);
+  for (const Index t : mesh.required_tets) hold(span_of(mesh.tets)[t]);
+  for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {
+    if (has(options.frozen_patches, span_of(mesh.triangle_tags)[t])) hold(span_of(mesh.triangles)[t]);
+  }
+  for (Size t = 0; t < std::ssize(mesh.tets); ++t) {
+    if (has(options.frozen_regions, span_of(mesh.tet_tags)[t])) hold(span_of(mesh.tets)[t]);
+  }
+  for (const ElementBlock& block : mesh.others) hold(block.element2vertex);
+  return held;
+}
+
+/// Values per vertex for the vertices of a result; inserted vertices have the default.
+template <class T>
+std::vector<T> follow(const std::vector<T>& values, const std::vector<Index>& new2old) {
+  if (new2old.empty()) return values;
+  std::vector<T> followed(new2old.size());
+  for (Size v = 0; v < std::ssize(new2old); ++v) {
+    if (span_of(new2old)[v] >= 0) span_of(followed)[v] = span_of(values)[span_of(new2old)[v]];
+  }
+  return followed;
+}
+
+/// A mesh between runs, with what is known of its vertices.
+struct WorkState {
+  TetMesh mesh;  ///< its triangles are the whole surface, with the tags of PatchTags
+  std::vector<GeometryEntity> entities;
+  std::vector<std::uint8_t> held;
+
+  void follow_result(const std::vector<Index>& new2old) {
+    entities = follow(entities, new2old);
+    held = follow(held, new2old);
+  }
+  bool may_move(Size v) const {
+    const std::int8_t dimension = span_of(entities)[v].dimension;
+    return span_of(held)[v] == 0 && dimension >= 0 && dimension <= 2;
+  }
+};
+
+}  // namespace tetune
