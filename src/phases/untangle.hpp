@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "operators/flip_pass.hpp"
@@ -158,6 +159,16 @@ struct Snapshot {
   }
 };
 
+/// The tetrahedra of the input from which those in some slots descend, in increasing order.
+template <class Backend>
+std::vector<Index> originals_of(const WorkMesh<Backend>& mesh, std::vector<Index> slots) {
+  const std::vector<Index> tet2original = mesh.tet2original.download();
+  for (Index& t : slots) t = backend::span_of(tet2original)[t];
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  return slots;
+}
+
 /// Returns the tetrahedra of the input from which those descend whose volume is still not positive, or where the
 /// surface has become folded.
 template <class Backend>
@@ -170,11 +181,7 @@ std::vector<Index> untangle_once(Optimizer<Backend>& optimizer) {
   std::vector<Index> left =
       exactly_tangled(result, find_tets(optimizer.backend, mesh, HasUncertifiedVolume{mesh.view()}).download());
   if (left.empty()) left = newly_folded(result, kind, folded);
-  const std::vector<Index> tet2original = mesh.tet2original.download();
-  for (Index& t : left) t = backend::span_of(tet2original)[t];
-  std::sort(left.begin(), left.end());
-  left.erase(std::unique(left.begin(), left.end()), left.end());
-  return left;
+  return originals_of(mesh, std::move(left));
 }
 
 /// The same, from the state before, with all vertices of the surface and of interfaces fixed if they could move: where
@@ -200,14 +207,41 @@ bool can_move_surface(const WorkingSet<Backend>& work) {
                      [](VertexDof dof) { return dof != VertexDof::free && dof != VertexDof::fixed; });
 }
 
-/// Returns what is left in the end: see untangle_once().
+/// What could not be untangled, and why; nothing if all was.
+struct Outcome {
+  std::vector<Index> left;  ///< tetrahedra of the input, in increasing order
+  UntangleError::Reason reason = UntangleError::Reason::no_room;
+};
+
+/// Restores the input, and explains what is left.
 template <class Backend>
-std::vector<Index> untangle_tets(Optimizer<Backend>& optimizer) {
-  if (!can_move_surface(optimizer.work)) return untangle_once(optimizer);
+Outcome explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
+  using Reason = UntangleError::Reason;
+  if (optimizer.backend.stop_requested()) return {std::move(left), Reason::stopped};
+  WorkMesh<Backend>& mesh = optimizer.work.mesh;
+  before.restore(optimizer.backend, optimizer.work);
+  std::vector<Index> slots;
+  const std::vector<Index> tet2original = mesh.tet2original.download();
+  for (Size slot = 0; slot < std::ssize(tet2original); ++slot) {
+    const Index original = backend::span_of(tet2original)[slot];
+    if (std::binary_search(left.begin(), left.end(), original)) slots.push_back(to_index(slot));
+  }
+  const std::vector<Index> faults = surface_faults(HostMesh(mesh), slots);
+  if (!faults.empty()) return {originals_of(mesh, faults), Reason::surface_at_fault};
+  const bool slides = optimizer.options.boundary == Boundary::slide;
+  return {std::move(left), slides ? Reason::no_room_though_sliding : Reason::no_room};
+}
+
+template <class Backend>
+Outcome untangle_tets(Optimizer<Backend>& optimizer) {
   const Snapshot<Backend> before(optimizer.work);
   std::vector<Index> left = untangle_once(optimizer);
-  if (left.empty() || optimizer.backend.stop_requested()) return left;
-  return untangle_inside(optimizer, before).empty() ? std::vector<Index>{} : left;
+  if (left.empty()) return {};
+  if (!optimizer.backend.stop_requested() && can_move_surface(optimizer.work) &&
+      untangle_inside(optimizer, before).empty()) {
+    return {};
+  }
+  return explain(optimizer, before, std::move(left));
 }
 
 }  // namespace untangle_detail
@@ -216,15 +250,12 @@ std::vector<Index> untangle_tets(Optimizer<Backend>& optimizer) {
 /// "Untangling"). Throws UntangleError if tetrahedra remain that are not positive, or if the surface would fold.
 template <class Backend>
 void untangle(Optimizer<Backend>& optimizer) {
-  std::vector<Index> left;
-  optimizer.timer.measure(Phase::untangling, [&] { left = untangle_detail::untangle_tets(optimizer); });
+  untangle_detail::Outcome outcome;
+  optimizer.timer.measure(Phase::untangling, [&] { outcome = untangle_detail::untangle_tets(optimizer); });
   optimizer.report.tets_untangled = optimizer.work.tangled;
-  if (left.empty()) return;
-  using Reason = UntangleError::Reason;
-  throw UntangleError(optimizer.work.tangled, std::move(left),
-                      optimizer.backend.stop_requested()              ? Reason::stopped
-                      : optimizer.options.boundary == Boundary::slide ? Reason::no_room_though_sliding
-                                                                      : Reason::no_room);
+  if (!outcome.left.empty()) {
+    throw UntangleError(optimizer.work.tangled, std::move(outcome.left), outcome.reason);
+  }
 }
 
 }  // namespace tetune
