@@ -21,13 +21,15 @@ def gradients(points, tets):
 
 
 def laplace(points, tets):
-    """A matrix over the three components of each vertex, which do not depend on each other."""
+    """A matrix over the vertices: the three components do not depend on each other."""
     g = gradients(points, tets)
-    return _assemble(np.einsum("eik,ejk,ab->eiajb", g, g, np.eye(3)), tets, len(points))
+    k = np.einsum("eik,ejk->eij", g, g)
+    i, j = np.repeat(tets, 4, axis=1).ravel(), np.tile(tets, (1, 4)).ravel()
+    return sp.csr_matrix((k.ravel(), (i, j)), shape=(len(points), len(points)))
 
 
 def elasticity(points, tets, poisson=0.3):
-    """The matrix of linear elasticity, with Young's modulus 1 / V."""
+    """The matrix of linear elasticity over the three components of each vertex, with Young's modulus 1 / V."""
     g = gradients(points, tets)
     lame = poisson / ((1 + poisson) * (1 - 2 * poisson))
     shear = 0.5 / (1 + poisson)
@@ -44,14 +46,19 @@ def _assemble(k, tets, n):
 
 
 def extend(matrix, displacement, is_given):
-    """Displacements of shape (n, 3), from the components where `is_given`. Conjugate gradients to 1e-6."""
-    d, given = displacement.ravel().copy(), is_given.ravel()
-    d[~given] = 0
+    """Displacements of shape (n, 3), from the components where `is_given`."""
+    if matrix.shape[0] == is_given.size:
+        return _solve(matrix, displacement.ravel(), is_given.ravel()).reshape(-1, 3)
+    return np.column_stack([_solve(matrix, displacement[:, k], is_given[:, k]) for k in range(3)])
+
+
+def _solve(matrix, displacement, given):
+    """Conjugate gradients to 1e-6."""
+    d = np.where(given, displacement, 0)
     free = ~given
     a = matrix[free][:, free]
     right = -(matrix[free][:, given] @ d[given])
-    inverse = sp.diags(1 / a.diagonal())
-    d[free], failed = sla.cg(a, right, rtol=1e-6, maxiter=20000, M=inverse)
+    d[free], failed = sla.cg(a, right, rtol=1e-6, maxiter=20000, M=sp.diags(1 / a.diagonal()))
     if failed:
         raise RuntimeError("the solver did not converge")
-    return d.reshape(-1, 3)
+    return d

@@ -12,6 +12,7 @@ def _generate(build, size):
         gmsh.model.occ.synchronize()
         for low_high in ("Min", "Max"):
             gmsh.option.setNumber(f"Mesh.MeshSize{low_high}", size)
+        gmsh.option.setNumber("Mesh.Algorithm3D", 10)  # HXT
         gmsh.model.mesh.generate(3)
         tags, points, _ = gmsh.model.mesh.getNodes()
         _, _, nodes = gmsh.model.mesh.getElements(3)
@@ -59,10 +60,26 @@ def chamber(size):
     return _generate(lambda occ: occ.addBox(0, -0.5, -0.5, 1, 1, 1), size)
 
 
+def valve(size):
+    """A box [0, 1] x [-0.5, 0.5]^2 without a disk of radius 0.3 and thickness 0.15, whose distance from the seat x = 0 is 0.35."""
+
+    def build(occ):
+        box = occ.addBox(0, -0.5, -0.5, 1, 1, 1)
+        disk = occ.addCylinder(0.35, 0, 0, 0.15, 0, 0, 0.3)
+        occ.cut([(3, box)], [(3, disk)])
+
+    return _generate(build, size)
+
+
+def surface_faces(tets):
+    """The faces on one tetrahedron."""
+    faces = tets[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]].reshape(-1, 3)
+    _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return faces[first[counts == 1]]
+
+
 def surface_vertices(tets):
     """Flags the vertices of faces on one tetrahedron."""
-    faces = np.sort(tets[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]].reshape(-1, 3), axis=1)
-    unique, counts = np.unique(faces, axis=0, return_counts=True)
     flags = np.zeros(tets.max() + 1, dtype=bool)
-    flags[unique[counts == 1].ravel()] = True
+    flags[surface_faces(tets).ravel()] = True
     return flags

@@ -33,14 +33,15 @@ class TETUNE_API MeshError : public Error {
 /// Options::untangle could not make every volume positive.
 class TETUNE_API UntangleError : public MeshError {
  public:
-  /// The vertices have no room, with a boundary that stays or one that slides; or the caller stopped the run.
-  enum class Reason { no_room, no_room_though_sliding, stopped };
+  /// The vertices have no room, with a boundary that stays or one that slides; the caller stopped the run; or the
+  /// surface of the input crosses itself or is folded onto itself.
+  enum class Reason { no_room, no_room_though_sliding, stopped, surface_at_fault };
   UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason);
   /// what(), with ids that start from 1 (as in MEDIT files) or from 0.
   std::string message(bool one_based) const;
   std::int64_t tangled;  ///< number of inverted or flat tetrahedra of the input
   /// Tetrahedra of the input, in increasing order, whose descendants are still not positive; or else those at the
-  /// surface where it would fold.
+  /// surface where it would fold, or where it is at fault.
   std::vector<Index> left;
   Reason reason;
 };

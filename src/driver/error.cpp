@@ -15,6 +15,12 @@ std::string untangle_message(std::int64_t tangled, const std::vector<Index>& lef
            " inverted or flat tetrahedra were made positive: " + std::to_string(left.size()) + " are left" +
            first_ids(left, one_based);
   }
+  if (reason == UntangleError::Reason::surface_at_fault) {
+    return "of " + std::to_string(tangled) +
+           " inverted or flat tetrahedra some could not be made positive: the surface of the mesh crosses itself or is "
+           "folded onto itself at " +
+           std::to_string(left.size()) + " tetrahedra" + first_ids(left, one_based) + "\n  repair the surface there.";
+  }
   const bool slides = reason == UntangleError::Reason::no_room_though_sliding;
   return "of " + std::to_string(tangled) +
          " inverted or flat tetrahedra some could not be made positive, or not without folding the surface: " +

@@ -21,4 +21,9 @@ std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vecto
 std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<VertexDof>& kind,
                                 const std::vector<std::uint8_t>& before);
 
+/// Returns the slots with a boundary face that crosses another one or is folded onto a neighbor, among the faces near
+/// `slots`: there no mesh with this surface has positive volumes and covers its inside once. A crossing is exact, a
+/// fold to 1e-6 of a radian.
+std::vector<Index> surface_faults(const HostMesh& mesh, const std::vector<Index>& slots);
+
 }  // namespace tetune

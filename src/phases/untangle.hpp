@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "operators/flip_pass.hpp"
 #include "phases/element_selection.hpp"
@@ -127,17 +129,119 @@ void run_rounds(Optimizer<Backend>& optimizer) {
   backend.fill(work.dofs.active.span(), std::uint8_t{1});
 }
 
-/// Returns the slots whose volume is still not positive, or where the surface has become folded.
+/// The state that untangling changes, in the host's memory: few meshes need it again.
 template <class Backend>
-std::vector<Index> untangle_slots(Optimizer<Backend>& optimizer) {
+struct Snapshot {
+  std::vector<Point> points;
+  std::vector<Tet> tets;
+  std::vector<FaceAdjacency> tet2tet;
+  std::vector<Index> tet2original;
+  std::vector<Index> free_slots;
+  Size free_count;
+  std::vector<SurfacePoint> surface_points;
+
+  explicit Snapshot(const WorkingSet<Backend>& work)
+      : points(work.mesh.points.download()),
+        tets(work.mesh.tet2vertex.download()),
+        tet2tet(work.mesh.tet2tet.download()),
+        tet2original(work.mesh.tet2original.download()),
+        free_slots(work.mesh.free_slots.download()),
+        free_count(work.mesh.free_count),
+        surface_points(work.dofs.surface_point.download()) {}
+  void restore(const Backend& backend, WorkingSet<Backend>& work) const {
+    work.mesh.points.upload(backend, points);
+    work.mesh.tet2vertex.upload(backend, tets);
+    work.mesh.tet2tet.upload(backend, tet2tet);
+    work.mesh.tet2original.upload(backend, tet2original);
+    work.mesh.free_slots.upload(backend, free_slots);
+    work.mesh.free_count = free_count;
+    work.dofs.surface_point.upload(backend, surface_points);
+  }
+};
+
+/// The tetrahedra of the input from which those in some slots descend, in increasing order.
+template <class Backend>
+std::vector<Index> originals_of(const WorkMesh<Backend>& mesh, std::vector<Index> slots) {
+  const std::vector<Index> tet2original = mesh.tet2original.download();
+  for (Index& t : slots) t = backend::span_of(tet2original)[t];
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  return slots;
+}
+
+/// Returns the tetrahedra of the input from which those descend whose volume is still not positive, or where the
+/// surface has become folded.
+template <class Backend>
+std::vector<Index> untangle_once(Optimizer<Backend>& optimizer) {
   WorkMesh<Backend>& mesh = optimizer.work.mesh;
   const std::vector<VertexDof> kind = optimizer.work.dofs.dof.download();
   const std::vector<std::uint8_t> folded = folded_vertices(HostMesh(mesh), kind);
   run_rounds(optimizer);
   const HostMesh result(mesh);
-  const std::vector<Index> left =
+  std::vector<Index> left =
       exactly_tangled(result, find_tets(optimizer.backend, mesh, HasUncertifiedVolume{mesh.view()}).download());
-  return left.empty() ? newly_folded(result, kind, folded) : left;
+  if (left.empty()) left = newly_folded(result, kind, folded);
+  return originals_of(mesh, std::move(left));
+}
+
+/// The same, from the state before, with all vertices of the surface and of interfaces fixed if they could move: where
+/// they can, the surface may fold, though the inside has room.
+template <class Backend>
+std::vector<Index> untangle_inside(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before) {
+  WorkingSet<Backend>& work = optimizer.work;
+  const std::vector<VertexDof> kind = work.dofs.dof.download();
+  std::vector<VertexDof> fixed = kind;
+  for (VertexDof& dof : fixed) dof = dof == VertexDof::free ? dof : VertexDof::fixed;
+  before.restore(optimizer.backend, work);
+  work.dofs.dof.upload(optimizer.backend, fixed);
+  optimizer.invalidate_rings();
+  std::vector<Index> left = untangle_once(optimizer);
+  work.dofs.dof.upload(optimizer.backend, kind);
+  return left;
+}
+
+template <class Backend>
+bool can_move_surface(const WorkingSet<Backend>& work) {
+  const std::vector<VertexDof> kind = work.dofs.dof.download();
+  return std::any_of(kind.begin(), kind.end(),
+                     [](VertexDof dof) { return dof != VertexDof::free && dof != VertexDof::fixed; });
+}
+
+/// What could not be untangled, and why; nothing if all was.
+struct Outcome {
+  std::vector<Index> left;  ///< tetrahedra of the input, in increasing order
+  UntangleError::Reason reason = UntangleError::Reason::no_room;
+};
+
+/// Restores the input, and explains what is left.
+template <class Backend>
+Outcome explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
+  using Reason = UntangleError::Reason;
+  if (optimizer.backend.stop_requested()) return {std::move(left), Reason::stopped};
+  WorkMesh<Backend>& mesh = optimizer.work.mesh;
+  before.restore(optimizer.backend, optimizer.work);
+  std::vector<Index> slots;
+  const std::vector<Index> tet2original = mesh.tet2original.download();
+  for (Size slot = 0; slot < std::ssize(tet2original); ++slot) {
+    const Index original = backend::span_of(tet2original)[slot];
+    if (std::binary_search(left.begin(), left.end(), original)) slots.push_back(to_index(slot));
+  }
+  const std::vector<Index> faults = surface_faults(HostMesh(mesh), slots);
+  if (!faults.empty()) return {originals_of(mesh, faults), Reason::surface_at_fault};
+  const bool slides = optimizer.options.boundary == Boundary::slide;
+  return {std::move(left), slides ? Reason::no_room_though_sliding : Reason::no_room};
+}
+
+template <class Backend>
+Outcome untangle_tets(Optimizer<Backend>& optimizer) {
+  const Snapshot<Backend> before(optimizer.work);
+  std::vector<Index> left = untangle_once(optimizer);
+  if (left.empty()) return {};
+  if (!optimizer.backend.stop_requested() && can_move_surface(optimizer.work) &&
+      untangle_inside(optimizer, before).empty()) {
+    return {};
+  }
+  return explain(optimizer, before, std::move(left));
 }
 
 }  // namespace untangle_detail
@@ -146,19 +250,12 @@ std::vector<Index> untangle_slots(Optimizer<Backend>& optimizer) {
 /// "Untangling"). Throws UntangleError if tetrahedra remain that are not positive, or if the surface would fold.
 template <class Backend>
 void untangle(Optimizer<Backend>& optimizer) {
-  std::vector<Index> left;
-  optimizer.timer.measure(Phase::untangling, [&] { left = untangle_detail::untangle_slots(optimizer); });
+  untangle_detail::Outcome outcome;
+  optimizer.timer.measure(Phase::untangling, [&] { outcome = untangle_detail::untangle_tets(optimizer); });
   optimizer.report.tets_untangled = optimizer.work.tangled;
-  if (left.empty()) return;
-  const std::vector<Index> tet2original = optimizer.work.mesh.tet2original.download();
-  for (Index& t : left) t = backend::span_of(tet2original)[t];
-  std::sort(left.begin(), left.end());
-  left.erase(std::unique(left.begin(), left.end()), left.end());
-  using Reason = UntangleError::Reason;
-  throw UntangleError(optimizer.work.tangled, std::move(left),
-                      optimizer.backend.stop_requested()              ? Reason::stopped
-                      : optimizer.options.boundary == Boundary::slide ? Reason::no_room_though_sliding
-                                                                      : Reason::no_room);
+  if (!outcome.left.empty()) {
+    throw UntangleError(optimizer.work.tangled, std::move(outcome.left), outcome.reason);
+  }
 }
 
 }  // namespace tetune

@@ -147,6 +147,29 @@ class Moves(CliTest):
         self.assertLessEqual(max(motion["blocking_tetrahedra"]), len(after.tets))
         self.assertGreaterEqual(min(motion["blocking_vertices"]), 1)
 
+    def test_names_what_blocks(self):
+        """One vertex is to leave the cube through a side that stays: it and tetrahedra around it are named, and its place is
+        the fraction of the way that is reported."""
+        v = next(i for i, p in enumerate(self.mesh.points) if max(abs(x - 0.5) for x in p) < 0.2)
+        begin = self.mesh.points[v]
+        targets = [p if on_side(p) else (math.nan,) * 3 for p in self.mesh.points]
+        targets[v] = (1.4, *begin[1:])
+        self.source = self.vtk("in.vtk", [tuple(x - y for x, y in zip(a, b)) for a, b in zip(targets, self.mesh.points)])
+        self.run_cli("move", self.source, "-o", self.path("out.mesh"), "--displacement", "u", "--all-vertices", "--report",
+                     self.path("r.json"), code=1)
+        after = Mesh.read(self.path("out.mesh"))
+        with open(self.path("r.json")) as file:
+            motion = json.load(file)["motion"]
+        self.assertEqual(motion["blocking_vertices"], [v + 1])
+        for t in motion["blocking_tetrahedra"]:
+            self.assertTrue(any(on_side(after.points[w]) for w in after.tets[t - 1]))
+        self.assertGreater(min(after.volumes()), 0)
+        end = after.points[v]
+        self.assertAlmostEqual(end[0], begin[0] + motion["fraction"] * (1.4 - begin[0]), places=9)
+        self.assertEqual(end[1:], begin[1:])
+        self.assertGreater(end[0], 0.9, "it could come nearer to the side")
+        self.assertLess(end[0], 1)
+
     def test_the_same_file_for_any_number_of_threads(self):
         to = self.put("to.mesh", stretched(self.mesh))
         for threads in "1", "3":

@@ -3,8 +3,11 @@
 
 import json
 import os
+import random
 import re
 import struct
+import subprocess
+import time
 
 import cli_case
 from cli_case import CliTest, cube, needs_vtk
@@ -91,6 +94,48 @@ class Series(CliTest):
         self.assertIn("block it", done.stdout)
         self.points("out_0001.vtu")
         self.assertFalse(os.path.exists(self.path("out_0002.vtu")))
+
+    def listed(self, name="out.pvd"):
+        """The files that a series lists; none if there is no series yet."""
+        if not os.path.exists(self.path(name)):
+            return []
+        with open(self.path(name)) as file:
+            text = file.read()
+        self.assertTrue(text.endswith("</VTKFile>\n"), text)
+        return re.findall(r'file="([^"]*)"', text)
+
+    @needs_vtk
+    def test_killed_at_any_moment(self):
+        """The series lists whole and valid files alone, and no other file of a step is a part of one."""
+        self.mesh = cube(7)
+        steps = [(i, f"{i}.vtk") for i in range(8)]
+        for i, name in steps:
+            self.vtk(name, self.stretched(1 + 0.04 * i))
+        words = [cli_case.TETUNE, "move", self.series(steps), "-o", self.path("out.pvd"), "--threads", "1", "--quiet"]
+        start = time.monotonic()
+        subprocess.run(words, check=True, timeout=cli_case.HANG)
+        seconds = time.monotonic() - start
+        rng = random.Random(3)
+        counts = set()
+        for _ in range(10):
+            for name in self.files():
+                if name.startswith("out"):
+                    os.remove(self.path(name))
+            # The plugin's program ends soon after tetune: when nobody holds the other end of this pipe any more.
+            alive, held = os.pipe()
+            with subprocess.Popen(words, pass_fds=[held], stderr=subprocess.DEVNULL) as process:
+                os.close(held)
+                time.sleep(rng.random() * seconds)
+                process.kill()
+            os.read(alive, 1)
+            os.close(alive)
+            listed = self.listed()
+            counts.add(len(listed))
+            self.assertEqual(listed, [f"out_{i:04}.vtu" for i in range(len(listed))])
+            for name in self.files():
+                if re.fullmatch(r"out_\d{4}\.vtu", name):
+                    self.run_cli("info", "--check", self.path(name))
+        self.assertGreater(len(counts), 2, "the moments did not differ")
 
     @needs_vtk
     def test_files_that_do_not_fit(self):

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "meshes.hpp"
+#include "sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -125,6 +126,51 @@ TEST(LiveMesh, GivesTheSameBitsForAnyNumberOfThreadsOverManySteps) {
   EXPECT_EQ(results[0].points, results[1].points);
   EXPECT_EQ(results[0].tets, results[1].tets);
   EXPECT_TRUE(validate(results[0]).ok());
+}
+
+/// The sides turn and pulsate, and every third step disturbs inner vertices too.
+std::vector<Point3> place_in_step(const std::vector<Point3>& points, int step) {
+  const double angle = 0.06 * step;
+  const double stretch = 1 + 0.3 * std::sin(0.2 * step);
+  std::vector<Point3> places;
+  for (const Point3& p : points) {
+    const double x = stretch * (p[0] - 0.5);
+    const double y = (p[1] - 0.5) / stretch;
+    places.push_back({x * std::cos(angle) - y * std::sin(angle), x * std::sin(angle) + y * std::cos(angle), p[2]});
+  }
+  return places;
+}
+
+TEST(LiveMesh, GivesTheSameBitsForAnyNumberOfThreadsOverAHundredSteps) {
+  constexpr int kSteps = test::kSanitized ? 10 : 100;
+  const TetMesh first = optimized(6);
+  std::vector<std::vector<Point3>> points_of_one;
+  for (const int threads : {1, 3}) {
+    Options options;
+    options.threads = threads;
+    options.boundary = Boundary::fixed;  // optimize() knows no targets
+    LiveMesh live(first, options);
+    for (int step = 1; step <= kSteps; ++step) {
+      VertexTargets targets = place_in_step(first.points, step);
+      for (std::size_t v = 0; v < targets.size(); ++v) {
+        if (test::is_inner(first.points[v])) targets[v] = {kNan, kNan, kNan};
+      }
+      ASSERT_TRUE(live.move(targets).reached()) << "step " << step;
+      if (step % 3 == 0) {
+        const Index v = static_cast<Index>(100 + step);
+        Point3 p = live.mesh().points[static_cast<std::size_t>(v)];
+        p[2] += 1e-3;
+        if (test::is_inner(first.points[static_cast<std::size_t>(v)])) set_point(live, v, p);
+        live.optimize();
+      }
+      ASSERT_TRUE(validate(live.mesh()).ok()) << "step " << step;
+      if (threads == 1) {
+        points_of_one.push_back(live.mesh().points);
+      } else {
+        ASSERT_EQ(live.mesh().points, points_of_one[static_cast<std::size_t>(step - 1)]) << "step " << step;
+      }
+    }
+  }
 }
 
 TEST(LiveMesh, KeepsTheNumbersOfFrozenVerticesThroughInsertions) {

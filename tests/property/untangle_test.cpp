@@ -128,6 +128,47 @@ TEST(Untangle, SaysWhatIsLeftAndChangesNothing) {
   EXPECT_EQ(m.tets, before.tets);
 }
 
+/// What the error says of a mesh that cannot be untangled.
+UntangleError failure(TetMesh m, Boundary boundary) {
+  Options options = untangling(boundary);
+  options.threads = 1;
+  try {
+    optimize(m, options);
+  } catch (const UntangleError& e) {
+    return e;
+  }
+  throw std::logic_error("it did not fail");
+}
+
+TEST(Untangle, SaysWhereTheSurfaceCrossesItself) {
+  TetMesh m = test::cube(4);
+  const auto top = std::find(m.points.begin(), m.points.end(), Point3{0.5, 0.5, 1});
+  ASSERT_NE(top, m.points.end());
+  *top = {0.52, 0.47, -0.3};  // through the opposite side
+  const UntangleError e = failure(m, Boundary::fixed);
+  EXPECT_EQ(e.reason, UntangleError::Reason::surface_at_fault);
+  EXPECT_NE(e.message(true).find("crosses itself"), std::string::npos);
+  for (const Index t : e.left) {
+    const auto& tet = m.tets[static_cast<std::size_t>(t)];
+    const auto is_at = [&](Index v, double z) { return m.points[static_cast<std::size_t>(v)][2] == z; };
+    EXPECT_TRUE(std::any_of(tet.begin(), tet.end(), [&](Index v) { return is_at(v, -0.3) || is_at(v, 0); }));
+  }
+  EXPECT_FALSE(e.left.empty());
+}
+
+TEST(Untangle, SaysWhereTheSurfaceIsFolded) {
+  TetMesh m = test::cube(4);
+  const auto top = std::find(m.points.begin(), m.points.end(), Point3{0.5, 0.5, 1});
+  ASSERT_NE(top, m.points.end());
+  *top = {0.9, 0.5, 1};  // beyond its neighbor at 0.75
+  for (const Boundary boundary : {Boundary::fixed, Boundary::preserve}) {
+    const UntangleError e = failure(m, boundary);
+    EXPECT_EQ(e.reason, UntangleError::Reason::surface_at_fault);
+    EXPECT_NE(e.message(true).find("is folded onto itself at"), std::string::npos) << e.message(true);
+    EXPECT_FALSE(e.left.empty());
+  }
+}
+
 TEST(Untangle, SaysWhyItEnded) {
   const auto reason = [](const Options& options, const Context& context) {
     TetMesh m = test::two_tets(0.5);
