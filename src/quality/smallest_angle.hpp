@@ -5,8 +5,8 @@
 
 namespace tetune {
 
-/// The smallest dihedral angle of a mesh with positive volumes, in degrees; 180 without tetrahedra. About a third of
-/// the time of quality(). `threads` 0 means all.
+/// The smallest dihedral angle of a mesh with positive volumes, in degrees; 180 without tetrahedra.
+/// `threads` 0 means all.
 double smallest_dihedral(const TetMesh& mesh, int threads);
 
 }  // namespace tetune
