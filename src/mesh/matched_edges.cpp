@@ -10,21 +10,18 @@ namespace {
 
 using Edge = std::array<Index, 2>;
 
-/// A side of a triangle, and the triangle's face.
-struct Side {
-  Edge vertices;
-  std::int32_t face;
-  auto operator<=>(const Side&) const = default;
-};
-
-struct ModelEdge {
+/// An edge of the mesh with a number: of an edge of the model, or of the face of a triangle that has the edge.
+struct NumberedEdge {
   Edge vertices;
   std::int32_t number;
-  auto operator<=>(const ModelEdge&) const = default;
+  bool operator==(const NumberedEdge&) const = default;
+  bool operator<(const NumberedEdge& other) const {
+    return vertices != other.vertices ? vertices < other.vertices : number < other.number;
+  }
 };
 
-std::vector<ModelEdge> edges_on_model(const GeometryMatch& match) {
-  std::vector<ModelEdge> edges;
+std::vector<NumberedEdge> edges_on_model(const GeometryMatch& match) {
+  std::vector<NumberedEdge> edges;
   for (std::size_t i = 0; i < match.edges.size(); ++i) {
     edges.push_back({ascending(match.edges[i]), match.edge_numbers[i]});
   }
@@ -32,8 +29,8 @@ std::vector<ModelEdge> edges_on_model(const GeometryMatch& match) {
   return edges;
 }
 
-std::vector<Side> sides_of(const GeometryMatch& match) {
-  std::vector<Side> sides;
+std::vector<NumberedEdge> sides_of(const GeometryMatch& match) {
+  std::vector<NumberedEdge> sides;
   sides.reserve(3 * match.triangles.size());
   for (std::size_t t = 0; t < match.triangles.size(); ++t) {
     const auto& triangle = match.triangles[t];
@@ -49,14 +46,14 @@ std::vector<Side> sides_of(const GeometryMatch& match) {
 }  // namespace
 
 std::vector<MatchedEdge> edges_of(const GeometryMatch& match) {
-  const std::vector<ModelEdge> on_model = edges_on_model(match);
-  const std::vector<Side> sides = sides_of(match);
+  const std::vector<NumberedEdge> on_model = edges_on_model(match);
+  const std::vector<NumberedEdge> sides = sides_of(match);
   std::vector<MatchedEdge> edges;
   auto known = on_model.begin();
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     const Edge& vertices = sides[begin].vertices;
     while (end < sides.size() && sides[end].vertices == vertices) ++end;
-    MatchedEdge edge{vertices, {kNoEntity, 0}, {sides[begin].face, end - begin > 1 ? sides[begin + 1].face : 0}};
+    MatchedEdge edge{vertices, {kNoEntity, 0}, {sides[begin].number, end - begin > 1 ? sides[begin + 1].number : 0}};
     while (known != on_model.end() && known->vertices < vertices) ++known;
     if (known != on_model.end() && known->vertices == vertices) {
       edge.entity = {1, known->number};
