@@ -211,11 +211,14 @@ Size group_size(const Generator& generator) {
 }
 
 /// Proposals per batch: whole groups. The candidates of a batch are stored apart until it is known which lead: on a
-/// device the memory of this is a quarter of what all would take, but for small meshes.
-template <class Backend>
-Size batch_size(Size count, Size host_batch, Size group) {
+/// device the memory of this is a quarter of what all would take, but for small meshes; where teams evaluate proposals,
+/// fewer of them occupy a device.
+template <class Backend, class Generator>
+Size batch_size(Size count, Size group) {
   constexpr Size kMinDeviceBatch = Size{1} << 15;
-  const Size batch = Backend::kIsAsynchronous ? std::max(kMinDeviceBatch, (count + 3) / 4) : host_batch;
+  constexpr Size kTeamBatch = Size{1} << 14;
+  const Size on_device = backend::TeamKernel<Generator> ? kTeamBatch : std::max(kMinDeviceBatch, (count + 3) / 4);
+  const Size batch = Backend::kIsAsynchronous ? on_device : Generator::kBatch;
   return std::min(count, (batch + group - 1) / group * group);
 }
 
@@ -261,7 +264,7 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
   tet2bid.resize(backend, mesh.slots(), mesh.room());
   backend.fill(tet2bid.span(), std::uint64_t{0});
   const Size group = group_size<Backend>(generator);
-  const Size batch = batch_size<Backend>(count, Generator::kBatch, group);
+  const Size batch = batch_size<Backend, Generator>(count, group);
   // After a single batch the bids are final.
   const bool is_final = kIsOwnPatch<C> && batch == count;
   {

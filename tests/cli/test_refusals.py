@@ -59,7 +59,14 @@ class Refusals(CliTest):
         """Exit code 1, which ones are left, and nothing written."""
         mesh = cube(2)
         mesh.points[4] = (0.5, 0.5, 1.5)  # from the middle of the bottom through the top
-        name = self.put("in.mesh", mesh)
+        run = self.run_cli("optimize", self.put("in.mesh", mesh), "-o", self.path("out.mesh"), "--untangle", code=1)
+        self.assertRegex(run.stderr, r"of \d+ inverted or flat tetrahedra some could not be made positive: the surface of "
+                                     r"the mesh crosses itself or is folded onto itself at \d+ tetrahedra \(first, counted from 1: ")
+        # No vertex may move, and an inner one is out of place.
+        mesh = cube(4, jitter=0)
+        mesh.points[mesh.points.index((0.5, 0.5, 0.5))] = (0.5, 0.5, 0.9)
+        required = [f"RequiredVertices\n{len(mesh.points)}", *(str(i + 1) for i in range(len(mesh.points)))]
+        name = self.put("in.mesh", mesh.text().replace("End", "\n".join([*required, "End"])))
         self.put("out.mesh", "an old file")
         run = self.run_cli("optimize", name, "-o", self.path("out.mesh"), "--untangle", "--boundary", "fixed", code=1)
         self.assertRegex(run.stderr, r"of \d+ inverted or flat tetrahedra some could not be made positive, or not without "

@@ -142,7 +142,7 @@ class Slide(CliTest):
         self.assertGreaterEqual(angles["kept"], angles["default"])
 
     def test_vertices_of_the_surface_are_inserted_and_removed_if_they_may(self):
-        mesh = unflipped(cube(6, 0.3))
+        mesh = unflipped(cube(6, 0.2))
         source = self.put("in.mesh", with_triangles(mesh, [(f, 4) for f in sorted(mesh.boundary_faces())]))
         faces = {}
         for name, options in (("edit", ["--effort", "best", "--surface-vertices", "edit"]), ("auto", ["--effort", "best"]),

@@ -31,11 +31,11 @@ Case& add(std::vector<Case>& all, const std::string& name, TetMesh mesh) {
 /// With Effort::best. A fixed boundary that limits the angles makes a run take ten times as long: jitter is low there.
 void add_best(std::vector<Case>& all) {
   const std::size_t first = all.size();
-  Case& fixed = add(all, "fixed_best", scrambled(cube(4, 0.1), 3, 6));
+  Case& fixed = add(all, "fixed_best", scrambled(cube(4, 0.1), 3, 13));
   fixed.options.boundary = Boundary::fixed;
   fixed.operations = {&Counts::face_removals, &Counts::compound_flips, &Counts::vertices_inserted,
                       &Counts::vertices_removed};
-  Case& preserve = add(all, "preserve_best", scrambled(two_materials(4, 0.1), 3, 1));
+  Case& preserve = add(all, "preserve_best", scrambled(two_materials(4, 0.1), 3, 14));
   preserve.operations = {&Counts::boundary_flips, &Counts::compound_flips, &Counts::vertices_inserted,
                          &Counts::vertices_removed};
   Case& slide = add(all, "slide_best", ball(5));
