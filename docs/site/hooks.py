@@ -23,6 +23,7 @@ PAGES = {
     "bench/peers/README.md": "benchmarks/peers-harness.md",
     "bench/motion/README.md": "benchmarks/motion-harness.md",
     "bench/paper/shapes/README.md": "benchmarks/paper-shapes.md",
+    "packaging/README.md": "packaging.md",
     "plugins/gmsh/LICENSE-NOTE.md": "gmsh-license.md",
     "examples": "examples.md",
     "examples/improve.cpp": "examples.md",
