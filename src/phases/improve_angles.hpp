@@ -10,9 +10,6 @@
 namespace tetune {
 namespace improve_angles_detail {
 
-/// The part of the growth of the mesh that insertion may use up: flips that follow add some tetrahedra.
-inline constexpr double kInsertedPart = 0.95;
-
 /// The parameters of the last rounds.
 inline AngleParameters last_parameters(AngleParameters p) {
   constexpr double kResolution = 5e-4;
@@ -43,8 +40,8 @@ Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, Quali
   const AngleParameters& vertices = p.min_vertex_count > 0 ? p : tuning_of(Effort::best).angles;
   const double vertex_cost =
       edits_vertices(optimizer.options) ? cost_of(vertices.max_vertex_part, vertices.min_vertex_count) : kInfeasible;
-  const auto improved = improve_around(optimizer, criterion, extreme.span(),
-                                       retriangulation_limits(optimizer, vertex_cost, kInsertedPart), r);
+  const auto improved =
+      improve_around(optimizer, criterion, extreme.span(), retriangulation_limits(optimizer, vertex_cost), r);
   VertexMask<Backend> selected(backend, work.mesh.vertices());
   backend.fill(selected.span(), std::uint8_t{0});
   flag_vertices_of_extreme(backend, work.mesh, criterion, improved.affected.span(), cost, selected.span());

@@ -48,6 +48,8 @@ namespace improve_around_detail {
 /// tie for the worst angle.
 inline constexpr Size kMinProposers = 250;
 inline constexpr double kProposingPart = 4e-3;
+/// The part of the growth of the mesh that retriangulation may use up: flips that follow add some tetrahedra.
+inline constexpr double kInsertedPart = 0.95;
 /// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and removed edges as flips.
 template <class Backend>
 void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
@@ -84,10 +86,10 @@ Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterio
 }  // namespace improve_around_detail
 
 /// The limits of a retriangulation. Vertices are inserted and removed at angles whose cost is above `vertex_cost`
-/// (kInfeasible: nowhere). `growth_part`: the part of the growth of the mesh that insertion may use up.
+/// (kInfeasible: nowhere). `growth_part`: the part of the growth of the mesh that retriangulation may use up.
 template <class Backend>
 RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer, double vertex_cost,
-                                             double growth_part) {
+                                             double growth_part = improve_around_detail::kInsertedPart) {
   const double growth = 1 + growth_part * (optimizer.options.max_growth - 1);
   return {static_cast<Size>(growth * static_cast<double>(optimizer.report.tets_before)), vertex_cost,
           optimizer.tuning.angles.min_cost_gain};

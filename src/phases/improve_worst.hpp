@@ -16,7 +16,7 @@ bool improve_worst(Optimizer<Backend>& optimizer, const QualityFloor& floor) {
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   const Criterion criterion{shape_objective(p.log2_power), floor};
-  const RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, 0);
+  const RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible);
   const auto tets = static_cast<double>(work.mesh.tets());
   Size budget = static_cast<Size>(p.budget) + static_cast<Size>(p.budget_part * tets);
   double bound = 0;
