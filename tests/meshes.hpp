@@ -46,6 +46,14 @@ inline TetMesh three_tets(double apex_height) {
 
 using reference::scrambled;
 
+inline Point3 centroid(const TetMesh& mesh, std::size_t tet) {
+  Point3 sum{};
+  for (const Index v : mesh.tets[tet]) {
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += 0.25 * mesh.points[static_cast<std::size_t>(v)][k];
+  }
+  return sum;
+}
+
 /// An n x n x n cube of unit edge: see reference::lattice().
 inline TetMesh cube(int n, double jitter = 0, std::uint32_t seed = 1) { return reference::lattice(n, jitter, seed); }
 

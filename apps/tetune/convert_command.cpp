@@ -20,7 +20,7 @@
 namespace tetune::cli {
 namespace {
 
-struct Arguments {
+struct ConvertArguments {
   std::string input, output;
   std::string replaced_output;  ///< with -o
   std::string tags;
@@ -33,7 +33,7 @@ struct Arguments {
 };
 
 /// Converts to elements of the order asked for.
-void set_order(const Arguments& a, TetMesh& mesh, Console& console) {
+void set_order(const ConvertArguments& a, TetMesh& mesh, Console& console) {
   if (a.order == 0) return;
   const bool had_deck = mesh.deck != nullptr;
   if (a.order == 1) {
@@ -76,7 +76,7 @@ void set_order(const Arguments& a, TetMesh& mesh, Console& console) {
   if (had_deck) console.warn("--order: the mesh is written without the other parts of its deck");
 }
 
-int convert(const Arguments& a) {
+int convert(const ConvertArguments& a) {
   if (a.output.empty() == a.replaced_output.empty()) {
     throw OptionError("name one mesh to write, after the input or with -o");
   }
@@ -104,7 +104,7 @@ int convert(const Arguments& a) {
 }  // namespace
 
 void add_convert(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ConvertArguments>();
   CLI::App* c = app.add_subcommand("convert", "Write a mesh in another format; warnings name what is lost.");
   c->add_option("INPUT", a->input, "Mesh to read: " + readable_endings() + "; or - for the standard input (MEDIT)")
       ->required();

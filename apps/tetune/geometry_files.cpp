@@ -164,20 +164,20 @@ std::string geometry_summary(const Geometry& geometry, const GeometryReport& r) 
 
 namespace {
 
-nlohmann::ordered_json to_json(const DistanceSummary& s) {
+nlohmann::ordered_json distances_json(const DistanceSummary& s) {
   return {{"points", s.points}, {"largest", s.largest}, {"mean", s.mean}};
 }
 
-nlohmann::ordered_json to_json(const GeometryDeviation& d) {
-  nlohmann::ordered_json json = {{"vertices", to_json(d.vertices)},
-                                 {"edge_midpoints", to_json(d.midpoints)},
-                                 {"triangle_centers", to_json(d.centers)}};
+nlohmann::ordered_json deviation_json(const GeometryDeviation& d) {
+  nlohmann::ordered_json json = {{"vertices", distances_json(d.vertices)},
+                                 {"edge_midpoints", distances_json(d.midpoints)},
+                                 {"triangle_centers", distances_json(d.centers)}};
   json["faces"] = nlohmann::ordered_json::array();
   for (const GeometryDeviation::Face& f : d.faces) {
     json["faces"].push_back({{"face", f.number},
-                             {"vertices", to_json(f.vertices)},
-                             {"edge_midpoints", to_json(f.midpoints)},
-                             {"triangle_centers", to_json(f.centers)}});
+                             {"vertices", distances_json(f.vertices)},
+                             {"edge_midpoints", distances_json(f.midpoints)},
+                             {"triangle_centers", distances_json(f.centers)}});
   }
   return json;
 }
@@ -190,8 +190,8 @@ nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryReport& r
   json["snapped"] = r.snapped;
   json["rounds"] = r.rounds;
   json["vertices_held"] = r.vertices_held;
-  json["distance_before"] = to_json(r.deviation_before);
-  json["distance_after"] = to_json(r.deviation_after);
+  json["distance_before"] = deviation_json(r.deviation_before);
+  json["distance_after"] = deviation_json(r.deviation_after);
   return json;
 }
 

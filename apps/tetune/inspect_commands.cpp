@@ -23,7 +23,7 @@
 namespace tetune::cli {
 namespace {
 
-struct Arguments {
+struct InspectArguments {
   std::array<std::string, 2> files;  ///< `info` has only the first
   std::string cell_data;
   std::string tags;
@@ -42,7 +42,7 @@ void print_warnings(const std::vector<std::string>& warnings) {
 }
 
 /// --tags names cell data of the first file. If the second file lacks them, they are its tags already.
-TetMesh read(const Arguments& a, std::size_t file) {
+TetMesh read(const InspectArguments& a, std::size_t file) {
   const std::string& path = a.files[file];
   Input input = read_input(path, a.threads);
   const auto& data = input.mesh.tet_data;
@@ -65,13 +65,13 @@ struct Inspection {
 };
 
 /// Null without --criteria.
-std::optional<AcceptanceCriteria> criteria_of(const Arguments& a) {
+std::optional<AcceptanceCriteria> criteria_of(const InspectArguments& a) {
   return a.criteria.empty() ? std::nullopt : std::optional(read_criteria(a.criteria));
 }
 
 bool is_accepted(const Inspection& i) { return !i.acceptance || i.acceptance->verdict != Verdict::fail; }
 
-Inspection inspect(const Arguments& a, const std::optional<AcceptanceCriteria>& criteria, std::size_t file) {
+Inspection inspect(const InspectArguments& a, const std::optional<AcceptanceCriteria>& criteria, std::size_t file) {
   Inspection i;
   i.mesh = read(a, file);
   i.validity = validate(i.mesh, a.threads);
@@ -85,7 +85,7 @@ Inspection inspect(const Arguments& a, const std::optional<AcceptanceCriteria>& 
 }
 
 /// Matches the mesh with the geometry, and writes the classification.
-void match_geometry(const Arguments& a, const std::string& name, Inspection& i) {
+void match_geometry(const InspectArguments& a, const std::string& name, Inspection& i) {
   if (a.geometry.file.empty()) return;
   i.geometry.emplace(a.geometry.file, unit_in_mm(a.geometry.unit));
   print_warnings(i.geometry->warnings());
@@ -122,7 +122,7 @@ std::string to_text(const BoundVerdict& v) {
                      up ? ">=" : "<=", v.bound.value);
 }
 
-void print_json(const Arguments& a, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
+void print_json(const InspectArguments& a, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
   nlohmann::ordered_json json = {
       {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
   const Box box = bounding_box(i.mesh);
@@ -180,7 +180,7 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
   if (i.acceptance) fmt::print("{}", acceptance_table("acceptance", *i.acceptance));
 }
 
-int info(const Arguments& a) {
+int info(const InspectArguments& a) {
   const std::string name = shown_name(a.files[0], false);
   std::vector<Target> bounds;
   for (const std::string& text : a.min_quality)
@@ -211,7 +211,7 @@ int info(const Arguments& a) {
              : kStoppedEarly;
 }
 
-int compare_files(const Arguments& a) {
+int compare_files(const InspectArguments& a) {
   const std::optional<AcceptanceCriteria> criteria = criteria_of(a);
   const Inspection before = inspect(a, criteria, 0);
   const Inspection after = inspect(a, criteria, 1);
@@ -242,7 +242,8 @@ int compare_files(const Arguments& a) {
   return before.validity.ok() && after.validity.ok() && is_accepted(after) ? kDone : kStoppedEarly;
 }
 
-CLI::App* add_common(CLI::App& app, const char* name, const char* description, const std::shared_ptr<Arguments>& a) {
+CLI::App* add_common(CLI::App& app, const char* name, const char* description,
+                     const std::shared_ptr<InspectArguments>& a) {
   CLI::App* c = app.add_subcommand(name, description);
   c->add_flag("--json", a->json, "Print JSON");
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
@@ -258,7 +259,7 @@ CLI::App* add_common(CLI::App& app, const char* name, const char* description, c
 }  // namespace
 
 void add_info(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<InspectArguments>();
   CLI::App* c = add_common(app, "info",
                            "Numbers of elements, tags, validity and quality of a mesh, and its worst tetrahedra.", a);
   c->add_option("MESH", a->files[0], "Mesh: " + readable_endings() + "; or - for the standard input (MEDIT)")
@@ -289,7 +290,7 @@ void add_info(CLI::App& app, int& exit_code) {
 }
 
 void add_compare(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<InspectArguments>();
   CLI::App* c =
       add_common(app, "compare", "Differences of two meshes of the same shape: quality, volume, surface, tags.", a);
   c->add_option("BEFORE", a->files[0], "Mesh before")->required();

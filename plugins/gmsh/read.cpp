@@ -29,7 +29,7 @@ class Numbers {
 };
 
 /// The elements of one kind: their data, and their numbers in Gmsh.
-struct Kind {
+struct FoundKind {
   std::vector<int> geometrical;
   std::vector<std::size_t> elements;
 };
@@ -155,7 +155,7 @@ class Reader {
   }
 
   void add(int type, const std::vector<Index>& v, std::size_t element, int tag, int entity) {
-    const auto note = [&](Kind& kind, std::vector<int>& tags) {
+    const auto note = [&](FoundKind& kind, std::vector<int>& tags) {
       tags.push_back(tag);
       kind.geometrical.push_back(entity);
       kind.elements.push_back(element);
@@ -250,7 +250,7 @@ class Reader {
         add(mesh_.points.size(), mesh_.point_data, [&nodes](std::size_t n) { return nodes.find(n); });
         continue;
       }
-      const auto add_elements = [&](const Kind& kind, std::vector<DataArray>& data) {
+      const auto add_elements = [&](const FoundKind& kind, std::vector<DataArray>& data) {
         std::map<std::size_t, Index> position;
         for (std::size_t e = 0; e < kind.elements.size(); ++e) position[kind.elements[e]] = Index(e);
         add(kind.elements.size(), data, [&position](std::size_t n) {
@@ -268,9 +268,9 @@ class Reader {
   TetMesh& mesh_;
   Warnings& warnings_;
   bool grouped_ = false;
-  Kind tets_, triangles_, edges_;
+  FoundKind tets_, triangles_, edges_;
   std::vector<ElementBlock> others_;
-  std::array<Kind, 5> other_kinds_;
+  std::array<FoundKind, 5> other_kinds_;
   std::vector<Middle> middles_;
 };
 

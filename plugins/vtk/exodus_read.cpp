@@ -35,9 +35,9 @@ std::size_t kind_of(const ex_block& block) {
       "quadrilaterals, pyramids, wedges and hexahedra of first order");
 }
 
-class Reader {
+class ExodusReader {
  public:
-  Reader(const File& file, TetMesh& mesh, Warnings& warnings) : file_(file), mesh_(mesh), warnings_(warnings) {
+  ExodusReader(const File& file, TetMesh& mesh, Warnings& warnings) : file_(file), mesh_(mesh), warnings_(warnings) {
     for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
   }
 
@@ -323,7 +323,7 @@ TetMesh read_exodus(const std::string& file, Warnings& warnings) {
   float version = 0;
   TetMesh mesh;
   const File in(ex_open(file.c_str(), EX_READ, &computing, &stored, &version));
-  Reader(in, mesh, warnings).read();
+  ExodusReader(in, mesh, warnings).read();
   return mesh;
 }
 

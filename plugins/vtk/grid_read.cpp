@@ -19,9 +19,10 @@ namespace tetune::plugin {
 namespace {
 
 /// The cells of a grid by kind, in order.
-class Reader {
+class GridReader {
  public:
-  Reader(vtkUnstructuredGrid* grid, TetMesh& mesh, Warnings& warnings) : grid_(grid), mesh_(mesh), warnings_(warnings) {
+  GridReader(vtkUnstructuredGrid* grid, TetMesh& mesh, Warnings& warnings)
+      : grid_(grid), mesh_(mesh), warnings_(warnings) {
     for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
   }
 
@@ -201,7 +202,7 @@ class Reader {
 
 TetMesh from_grid(vtkUnstructuredGrid* grid, Warnings& warnings) {
   TetMesh mesh;
-  Reader(grid, mesh, warnings).read();
+  GridReader(grid, mesh, warnings).read();
   const vtkFieldData* none = nullptr;
   if (vtkFieldData* fields = grid->GetFieldData(); fields != none) {
     for (int i = 0; i < fields->GetNumberOfArrays(); ++i) {

@@ -7,16 +7,11 @@
 #include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
-#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
 
-void check_arrays(const TetMesh& mesh) {
-  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
-}
-
-bool is_worse(const CurvedTet& a, const CurvedTet& b) {
+bool has_smaller_jacobian(const CurvedTet& a, const CurvedTet& b) {
   return a.scaled_jacobian() < b.scaled_jacobian() || (a.scaled_jacobian() == b.scaled_jacobian() && a.tet < b.tet);
 }
 
@@ -96,20 +91,20 @@ CurvedQuality summarize_curved(const TetMesh& mesh, int threads, int worst) {
     q.max_corner_ratio = std::max(q.max_corner_ratio, t.corner_ratio);
     q.max_middle_offset = std::max(q.max_middle_offset, t.middle_offset);
   }
-  std::sort(tets.begin(), tets.end(), is_worse);
+  std::sort(tets.begin(), tets.end(), has_smaller_jacobian);
   tets.resize(std::min(tets.size(), to_size_t(std::max(0, worst))));
   q.worst = std::move(tets);
   return q;
 }
 
 std::vector<CurvedTet> measure_curved_each(const TetMesh& mesh, int threads) {
-  check_arrays(mesh);
+  require_arrays(mesh);
   const CurvedEdges edges(mesh);
   return measure_tets(mesh, edges, curved_tets(mesh, edges), threads);
 }
 
 CurvedQuality measure_curved(const TetMesh& mesh, int threads, int worst) {
-  check_arrays(mesh);
+  require_arrays(mesh);
   return summarize_curved(mesh, threads, worst);
 }
 

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
 #include "backend/span.hpp"
+#include "math/constants.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -15,7 +15,6 @@ namespace {
 
 /// The largest distance of a vertex from the finer surface, relative to the shortest edge at it.
 constexpr double kMaxDistance = 0.1;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

@@ -2,11 +2,11 @@
 #include "curved/held_bound.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
+#include "math/constants.hpp"
 
 namespace tetune {
 
@@ -14,7 +14,7 @@ double bound_by_held(const std::array<Index, 4>& tet, const TenNodes& nodes, con
   constexpr int kSamples = 16;  // along an edge
   std::array<std::array<bool, 4>, 4> is_held{};
   for (const auto& [i, j] : kCurvedTetEdges) is_held[i][j] = is_held[j][i] = held.has_edge(tet[i], tet[j]);
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   const ScaledJacobian jacobian = jacobian_of(nodes);
   for (std::size_t v = 0; v < 4; ++v) {
     if (is_held[v][(v + 1) % 4] && is_held[v][(v + 2) % 4] && is_held[v][(v + 3) % 4]) {

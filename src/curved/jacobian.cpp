@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "curved/jacobian.hpp"
+#include "math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,6 @@ namespace tetune {
 namespace {
 
 constexpr double kRoundoff = std::numeric_limits<double>::epsilon() / 2;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A term by the three vertices of its barycentric monomial, in ascending order.
 using Triple = std::array<std::size_t, 3>;

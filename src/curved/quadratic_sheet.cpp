@@ -2,16 +2,14 @@
 #include "curved/quadratic_sheet.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "backend/span.hpp"
+#include "math/constants.hpp"
 #include "mesh/tet.hpp"
 
 namespace tetune {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::vector<TrianglePoints> corners_of(const std::vector<QuadraticSheet::Triangle>& triangles) {
   std::vector<TrianglePoints> corners;

@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <utility>
 
 #include "backend/pack.hpp"
+#include "math/constants.hpp"
 
 namespace tetune {
 namespace {
 
 using Pack = backend::Pack4;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLanes = 4;
 constexpr std::size_t kPacks = 9;  ///< of Jacobian matrices: 35 points, and the straight element in the last lane
 

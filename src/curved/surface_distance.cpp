@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "backend/cpu.hpp"
+#include "math/constants.hpp"
 
 namespace tetune {
 namespace {
@@ -82,7 +82,7 @@ class DistanceBound {
   }
 
   double bound_by_facet(const QuadraticSheet::Triangle& t, const std::array<Sample, 3>& corners, int depth) const {
-    double least = std::numeric_limits<double>::infinity();
+    double least = kInfinity;
     for (const Sample& s : corners) {
       double largest2 = 0;
       for (const Sample& other : corners) {
@@ -147,7 +147,7 @@ SurfaceFacets divide_into_facets(const std::vector<QuadraticSheet::Triangle>& tr
 
 std::vector<double> bound_distances(const std::vector<QuadraticSheet::Triangle>& from,
                                     const std::vector<QuadraticSheet::Triangle>& to, double limit, int threads) {
-  std::vector<double> result(from.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> result(from.size(), kInfinity);
   if (to.empty()) return result;
   const SurfaceFacets surface = divide_into_facets(to, limit / 8);
   const ClosestTriangle search(surface.facets);

@@ -19,7 +19,7 @@ namespace tetune {
 namespace {
 
 /// Distances below this part of an edge count as zero.
-constexpr double kFlat = 1e-6;
+constexpr double kNegligible = 1e-6;
 /// A middle farther from the chord than this part of it is not plausible.
 constexpr double kMaxOffset = 0.25;
 
@@ -82,7 +82,7 @@ class Sheets {
         if (!found || !is_plausible(*found - middle)) found = finer->point_near(p, q, middle + offset);
         if (is_plausible(*found - middle)) offset = *found - middle;
       }
-      if (!(norm(offset) > kFlat * length)) continue;
+      if (!(norm(offset) > kNegligible * length)) continue;
       const Vec3 middle = 0.5 * (p + q) + offset;
       result.push_back({edge, {middle.x, middle.y, middle.z}});
     }
@@ -207,8 +207,8 @@ class Sheets {
     return std::all_of(corners.begin(), corners.end(), [&](Index c) {
       const Vec3 d = at(vertex(next(c))) - at(vertex(c));
       const Vec3 e = at(vertex(next(next(c)))) - at(vertex(c));
-      return std::fabs(dot(d, normal)) <= kFlat * norm(d) * norm(normal) &&
-             std::fabs(dot(e, normal)) <= kFlat * norm(e) * norm(normal);
+      return std::fabs(dot(d, normal)) <= kNegligible * norm(d) * norm(normal) &&
+             std::fabs(dot(e, normal)) <= kNegligible * norm(e) * norm(normal);
     });
   }
 
@@ -229,7 +229,7 @@ class Sheets {
           if (other == kFeature) continue;
           const Vec3 n = area_vector(part[i]);
           const Vec3 d = at(vertex(other)) - at(vertex(next(corner)));
-          if (!(std::fabs(dot(d, n)) <= kFlat * norm(d) * norm(n))) {
+          if (!(std::fabs(dot(d, n)) <= kNegligible * norm(d) * norm(n))) {
             is_bounded = false;
           } else if (std::exchange(span_of(is_done)[other / 3], std::uint8_t{1}) == 0) {
             part.push_back(other / 3);

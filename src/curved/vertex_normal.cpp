@@ -8,15 +8,15 @@
 namespace tetune {
 namespace {
 
-constexpr std::size_t kTerms = 5;
-using Row = std::array<double, kTerms>;
+constexpr std::size_t kUnknowns = 5;
+using Row = std::array<double, kUnknowns>;
 
 /// A pivot below this part of its diagonal entry counts as zero.
 constexpr double kMinPivot = 1e-6;
 
 /// Solves a symmetric positive definite system by Cholesky's method. Returns false where it is singular.
-bool solve(std::array<Row, kTerms> matrix, Row& x) {
-  for (std::size_t i = 0; i < kTerms; ++i) {
+bool solve(std::array<Row, kUnknowns> matrix, Row& x) {
+  for (std::size_t i = 0; i < kUnknowns; ++i) {
     const double diagonal = matrix[i][i];
     for (std::size_t j = 0; j <= i; ++j) {
       double sum = matrix[i][j];
@@ -30,12 +30,12 @@ bool solve(std::array<Row, kTerms> matrix, Row& x) {
       }
     }
   }
-  for (std::size_t i = 0; i < kTerms; ++i) {
+  for (std::size_t i = 0; i < kUnknowns; ++i) {
     for (std::size_t k = 0; k < i; ++k) x[i] -= matrix[i][k] * x[k];
     x[i] /= matrix[i][i];
   }
-  for (std::size_t i = kTerms; i-- > 0;) {
-    for (std::size_t k = i + 1; k < kTerms; ++k) x[i] -= matrix[k][i] * x[k];
+  for (std::size_t i = kUnknowns; i-- > 0;) {
+    for (std::size_t k = i + 1; k < kUnknowns; ++k) x[i] -= matrix[k][i] * x[k];
     x[i] /= matrix[i][i];
   }
   return true;
@@ -50,7 +50,7 @@ Vec3 fit_normal(const std::vector<Vec3>& around, const Vec3& rough) {
   const Vec3 v = cross(rough, u);
   double size = 0;
   for (const Vec3& d : around) size = std::max(size, norm(d));
-  std::array<Row, kTerms> matrix{};
+  std::array<Row, kUnknowns> matrix{};
   Row right{};
   for (const Vec3& d : around) {
     const double x = dot(d, u) / size;
@@ -58,7 +58,7 @@ Vec3 fit_normal(const std::vector<Vec3>& around, const Vec3& rough) {
     const double z = dot(d, rough) / size;
     const double weight = 1 / (x * x + y * y + z * z);
     const Row terms{x, y, x * x, x * y, y * y};
-    for (std::size_t i = 0; i < kTerms; ++i) {
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
       for (std::size_t j = 0; j <= i; ++j) matrix[i][j] += weight * terms[i] * terms[j];
       right[i] += weight * terms[i] * z;
     }

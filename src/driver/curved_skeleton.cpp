@@ -19,10 +19,10 @@ namespace {
 
 /// The largest distance of a mid-side node from the midpoint, relative to the edge, at which an edge of the surface is
 /// no constraint.
-constexpr double kRounding = 1e-9;
+constexpr double kStraightEdge = 1e-9;
 
 /// The largest distance of a node from the plane of a flat triangle, relative to the root of twice its area.
-constexpr double kFlat = 1e-6;
+constexpr double kFlatTriangle = 1e-6;
 
 using Triangle = std::array<Index, 3>;
 using Edge = std::array<Index, 2>;
@@ -45,7 +45,7 @@ void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
 bool is_straight(const TetMesh& mesh, const CurvedEdge& edge) {
   const Vec3 p = vec(span_of(mesh.points)[edge.vertices[0]]);
   const Vec3 q = vec(span_of(mesh.points)[edge.vertices[1]]);
-  return norm(vec(edge.middle) - 0.5 * (p + q)) <= kRounding * norm(q - p);
+  return norm(vec(edge.middle) - 0.5 * (p + q)) <= kStraightEdge * norm(q - p);
 }
 
 /// The entries of `list` of the result whose original is one of `originals`.
@@ -99,7 +99,7 @@ std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index
     const Vec3 normal = cross(vec(span_of(mesh.points)[t[1]]) - a, vec(span_of(mesh.points)[t[2]]) - a);
     const bool is_flat = std::all_of(kSides.begin(), kSides.end(), [&](const auto& side) {
       const Vec3 middle = edges.middle(t[side[0]], t[side[1]]) - a;
-      return std::fabs(dot(middle, normal)) <= kFlat * norm(normal) * std::sqrt(norm(normal));
+      return std::fabs(dot(middle, normal)) <= kFlatTriangle * norm(normal) * std::sqrt(norm(normal));
     });
     return is_flat && std::any_of(kSides.begin(), kSides.end(), [&](const auto& side) {
              const Index at = t[side[0]];

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -13,6 +12,7 @@
 #include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
 #include "driver/curved_sheets.hpp"
+#include "math/constants.hpp"
 #include "math/elementary.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/data.hpp"
@@ -23,7 +23,7 @@ namespace {
 using Edge = std::array<Index, 2>;
 
 /// The largest distance of a mid-side node from the midpoint, relative to the edge, at which the edge is straight.
-constexpr double kRounding = 1e-12;
+constexpr double kStraight = 1e-12;
 constexpr double kNoFeature = 180;
 
 std::array<Edge, 3> edges_of(const std::array<Index, 3>& t) {
@@ -111,7 +111,7 @@ void LiftedNodes::apply(TetMesh& mesh) const {
   std::erase_if(merged, [&mesh](const CurvedEdge& e) {
     const Vec3 p = at(mesh, e.vertices[0]);
     const Vec3 q = at(mesh, e.vertices[1]);
-    return norm(vec(e.middle) - 0.5 * (p + q)) <= kRounding * norm(q - p);
+    return norm(vec(e.middle) - 0.5 * (p + q)) <= kStraight * norm(q - p);
   });
   mesh.curved_edges = std::move(merged);
 }
@@ -241,7 +241,7 @@ const QuadraticSheet* CurvedSlide::sheet_of(const TetMesh& slid, const std::vect
     points.push_back((1.0 / 3) * sum);
   }
   const QuadraticSheet* nearest = nullptr;
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   for (const QuadraticSheet& sheet : sheets_) {
     double sum = 0;
     for (const Vec3& p : points) sum += sheet.distance2_of_box(p);

@@ -175,8 +175,7 @@ template <class Backend>
 void import_mesh(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
                  bool moves_links, WorkingSet<Backend>& work, Report& report) {
   using namespace import_mesh_detail;
-  const ValidationReport arrays = validate_arrays(mesh);
-  if (!arrays.ok()) throw MeshError(arrays.message(false));
+  require_arrays(mesh);
   const Constraints constraints = find_constraints(mesh, options);
   const std::vector<Index> original2vertex = import_tets(backend, mesh, options, work);
   lock_tets(backend, mesh, constraints.locked_tets, work);

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "driver/devices.hpp"
 #include "driver/move_job.hpp"
+#include "math/constants.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -18,8 +18,6 @@
 
 namespace tetune {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Returns VertexMotion per vertex. Throws OptionError for unusable targets.
 std::vector<std::uint8_t> find_motion(const TetMesh& mesh, std::span<const VertexTargets> targets) {
@@ -51,7 +49,7 @@ std::vector<std::uint8_t> find_motion(const TetMesh& mesh, std::span<const Verte
 /// A power of two for coordinates of all targets: as of unit_scale().
 double scale_of(std::span<const VertexTargets> targets) {
   std::vector<Point3> given;
-  double scale = std::numeric_limits<double>::infinity();
+  double scale = kInfinity;
   for (const VertexTargets& target : targets) {
     given.clear();
     std::copy_if(target.begin(), target.end(), std::back_inserter(given), [](const Point3& p) { return !is_free(p); });

@@ -123,7 +123,7 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
 
 Constraints checked_constraints(const TetMesh& mesh, const Options& options) {
   check_options(options);
-  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+  require_arrays(mesh);
   return find_constraints(mesh, options);
 }
 

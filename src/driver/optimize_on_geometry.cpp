@@ -2,7 +2,6 @@
 #include "tetune/optimize_on_geometry.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "driver/geometry_work.hpp"
 #include "driver/latched_hooks.hpp"
 #include "driver/result_mesh.hpp"
+#include "math/constants.hpp"
 #include "math/vec3.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "phases/phase_timer.hpp"
@@ -27,11 +27,10 @@
 namespace tetune {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// A vertex is on the geometry if its distance is at most this part of the diagonal.
 constexpr double kOnGeometry = 1e-10;
 /// The parts of the progress.
-constexpr double kSliding = 0.6, kInside = 0.35, kWorst = 0.05;
+constexpr double kSlidePart = 0.6, kInsidePart = 0.35, kWorstPart = 0.05;
 /// A round is repeated, with vertices of bad elements held, at most this many times.
 constexpr int kMaxRetries = 3;
 
@@ -87,7 +86,7 @@ class GeometryRun {
     hold_corners();
     bool is_done = false;
     for (int retry = 0; retry <= kMaxRetries && !is_done && !hooks_.is_stopped(); ++retry) is_done = make_round();
-    if (report_.rounds == 0) add(optimize(work_.mesh, fixed_options(work_), context_for(kSliding, 1 - kSliding)));
+    if (report_.rounds == 0) add(optimize(work_.mesh, fixed_options(work_), context_for(kSlidePart, 1 - kSlidePart)));
     store(input);
     if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
     return std::move(report_);
@@ -191,7 +190,7 @@ class GeometryRun {
     WorkState next = work_;
     Options sliding = options_for(work_, Boundary::slide);
     sliding.targets.clear();
-    Report slide = optimize(next.mesh, sliding, context_for(0, kSliding));
+    Report slide = optimize(next.mesh, sliding, context_for(0, kSlidePart));
     next.follow_result(slide.vertex2original);
     const double slid_least = smallest_dihedral(next.mesh, options_.threads);
     std::vector<Point3> points = feet(next);
@@ -199,7 +198,7 @@ class GeometryRun {
     const std::vector<std::int8_t> signs = volume_signs(next.mesh, options_.threads);
     const auto inverted = [&](Size t) { return span_of(signs)[t] <= 0; };
     if (hold_vertices_of(next, slide.vertex2original, inverted)) return false;
-    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSliding, kInside));
+    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSlidePart, kInsidePart));
     next.follow_result(inside.vertex2original);
     const double next_least = smallest_dihedral(next.mesh, options_.threads);
     if (next_least < least) {
@@ -225,13 +224,13 @@ class GeometryRun {
       Options sliding = options_for(work_, Boundary::slide);
       sliding.targets.clear();
       sliding.only_below = {{Measure::min_dihedral, slid_least}};
-      Report slide = optimize(next.mesh, sliding, context_for(kSliding + kInside, kWorst / 2));
+      Report slide = optimize(next.mesh, sliding, context_for(kSlidePart + kInsidePart, kWorstPart / 2));
       next.follow_result(slide.vertex2original);
       next.mesh.points = feet(next);
       if (!all_positive(next.mesh, options_.threads)) return;
       Options fixed = fixed_options(next);
       if (fixed.targets.empty()) fixed.only_below = sliding.only_below;
-      Report inside = optimize(next.mesh, fixed, context_for(1 - kWorst / 2, kWorst / 2));
+      Report inside = optimize(next.mesh, fixed, context_for(1 - kWorstPart / 2, kWorstPart / 2));
       next.follow_result(inside.vertex2original);
       const double next_least = smallest_dihedral(next.mesh, options_.threads);
       if (next_least <= least) return;

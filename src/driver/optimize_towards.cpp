@@ -20,7 +20,7 @@
 namespace tetune {
 namespace {
 
-constexpr int kMaxRounds = 4;
+constexpr int kMaxTargetRounds = 4;
 /// Number of tetrahedra up to which no round is too long.
 constexpr std::ptrdiff_t kLarge = 50'000;
 /// The part of the progress that the first run is.
@@ -140,7 +140,7 @@ class CriteriaRun {
 
   void make_rounds(TetMesh& mesh) {
     std::int64_t undone = 0;  // size of the part of the last round, if it was undone
-    for (int i = 0; i < kMaxRounds && report_.after.verdict == Verdict::fail && !is_stopped(); ++i) {
+    for (int i = 0; i < kMaxTargetRounds && report_.after.verdict == Verdict::fail && !is_stopped(); ++i) {
       const CriteriaRound round = make_round(mesh, i);
       report_.rounds.push_back(round);
       // With a part that more rings do not enlarge, the next round is the same.
@@ -160,7 +160,8 @@ class CriteriaRun {
     round.rings = Options().rings + i;
     round.failed_before = round.failed_after = before.tets;
     TetMesh changed = mesh;
-    const Context context = context_for(kFirstRun + (1 - kFirstRun) * i / kMaxRounds, (1 - kFirstRun) / kMaxRounds);
+    const Context context =
+        context_for(kFirstRun + (1 - kFirstRun) * i / kMaxTargetRounds, (1 - kFirstRun) / kMaxTargetRounds);
     Report report;
     try {
       report = optimize_tets(changed, failing_tets(mesh), round.rings, round_options(mesh), context);

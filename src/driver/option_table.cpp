@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "driver/targets.hpp"
+#include "math/constants.hpp"
 #include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
@@ -82,7 +83,6 @@ constexpr const char* kResources = "Resources";
 constexpr const char* kOutput = "Output";
 
 constexpr double kMaxInt = std::numeric_limits<int>::max();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr OptionCondition kWithoutSliding{[](const Options& o) { return o.boundary != Boundary::slide; },
                                           "has no effect without boundary=slide"};
@@ -94,7 +94,7 @@ constexpr OptionCondition kWithoutOperations{
     [](const Options& o) { return !o.flips && o.max_iterations == 0 && !o.untangle; },
     "with flips=false leaves nothing to improve"};
 
-constexpr std::array kSliding{kWithoutSliding};
+constexpr std::array kNeedsSliding{kWithoutSliding};
 constexpr std::array kSweeping{kWithoutSweeps};
 constexpr std::array kOperating{kWithoutOperations};
 constexpr std::array kFlipping{kWithoutFlips};
@@ -145,7 +145,7 @@ const std::array kTable{
                "do not leave; 180: no edge is a feature by its angle",
                {},
                {0, 180, true, "degrees"},
-               kSliding},
+               kNeedsSliding},
     OptionInfo{"max_deviation",
                &Options::max_deviation,
                kSurface,
@@ -153,7 +153,7 @@ const std::array kTable{
                "new one; 0: no bound",
                {},
                {0, kInfinity, false, "(a length)"},
-               kSliding},
+               kNeedsSliding},
     OptionInfo{"frozen_regions", &Options::frozen_regions, kSurface,
                "Tags of the regions whose tetrahedra do not change"},
     OptionInfo{"frozen_patches", &Options::frozen_patches, kSurface,

@@ -13,7 +13,7 @@
 namespace tetune {
 namespace {
 
-constexpr int kMaxRounds = 8;
+constexpr int kMaxSplitRounds = 8;
 
 class Splitter {
  public:
@@ -21,7 +21,7 @@ class Splitter {
       : mesh_(mesh), held_(held), origins_(origins), goal_(goal) {}
 
   void run() {
-    for (int round = 0; round < kMaxRounds && !(goal_.stop && goal_.stop()); ++round) {
+    for (int round = 0; round < kMaxSplitRounds && !(goal_.stop && goal_.stop()); ++round) {
       std::vector<Index> tets = find_bounded(mesh_, held_, kSmallBound);
       std::erase_if(tets, [this](Index t) { return excluded_.contains(span_of(origins_.tets)[t]); });
       if (tets.empty()) break;

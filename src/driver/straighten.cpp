@@ -19,7 +19,7 @@ using Edge = SurfaceCurvature::Edge;
 constexpr int kBisections = 6;
 /// After these rounds elements become straight.
 constexpr int kBisectedRounds = 3;
-constexpr int kMaxRounds = 40;
+constexpr int kMaxBlendRounds = 40;
 
 Point3 midpoint(const TetMesh& mesh, const Edge& edge) {
   const Point3& p = span_of(mesh.points)[edge[0]];
@@ -66,7 +66,7 @@ class Straightener {
       : mesh_(mesh), held_(held), goal_(goal), surface_(reducible_edges(mesh, held, options)) {}
 
   std::vector<StraightenedEdge> run() {
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0; round < kMaxBlendRounds; ++round) {
       const std::vector<Index> bad = not_valid(measure(mesh_));
       const std::set<Edge> edges = edges_of(mesh_, bad);
       if (std::none_of(edges.begin(), edges.end(), [this](const Edge& e) { return surface_.has(e); })) break;

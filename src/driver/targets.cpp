@@ -177,7 +177,7 @@ struct MissedSlot {
 };
 
 /// The order of TargetReport::worst.
-struct IsWorse {
+struct IsWorseValue {
   bool larger_is_better;
   bool operator()(const MissedSlot& x, const MissedSlot& y) const {
     return x.tet.value != y.tet.value ? (x.tet.value < y.tet.value) == larger_is_better : x.slot < y.slot;
@@ -195,7 +195,7 @@ MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constr
                           Size end) {
   const Span<const Tet> tets = span_of(outcome.tets);
   const Span<const Point> points = span_of(outcome.points);
-  const IsWorse worse{larger_is_better(target.measure)};
+  const IsWorseValue worse{larger_is_better(target.measure)};
   MissedInRange result;
   for (Size t = begin; t < end; ++t) {
     const Tet& tet = tets[t];
@@ -276,7 +276,7 @@ std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& 
       for (std::size_t k = 0; k < kLimitingConstraints; ++k) report.held_by[k] += range.counts[k];
     }
     report.missed = std::accumulate(report.held_by.begin(), report.held_by.end(), std::int64_t{0});
-    std::sort(all.begin(), all.end(), IsWorse{larger_is_better(target.measure)});
+    std::sort(all.begin(), all.end(), IsWorseValue{larger_is_better(target.measure)});
     if (all.size() > kMaxMissed) all.resize(kMaxMissed);
     for (MissedSlot& missed : all) {
       missed.tet.tet = span_of(slot2tet)[missed.slot];

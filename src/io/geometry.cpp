@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "io/geometry_requests.hpp"
 #include "io/geometry_stream.hpp"
 #include "io/msh_format.hpp"
+#include "math/constants.hpp"
 #include "math/vec3.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
@@ -43,7 +43,7 @@ std::string number(double x) {
 }
 
 /// The surface of a mesh with its own numbers of points.
-struct Surface {
+struct MeshSurface {
   std::vector<Index> surface2mesh;
   std::vector<std::array<Index, 3>> triangles;  ///< of mesh vertices
   std::vector<Index> listed;                    ///< per triangle: its position in the mesh's list, or -1
@@ -54,7 +54,7 @@ struct Surface {
 using Triangle = std::array<Index, 3>;
 
 /// Adds the listed triangles, but for those that constrain nothing, and the other faces of boundary and interfaces.
-void add_triangles(const TetMesh& mesh, Surface& s) {
+void add_triangles(const TetMesh& mesh, MeshSurface& s) {
   std::vector<Triangle> faces;
   for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
     const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
@@ -80,8 +80,8 @@ void add_triangles(const TetMesh& mesh, Surface& s) {
   s.listed.resize(s.triangles.size(), -1);
 }
 
-Surface surface_of(const TetMesh& mesh) {
-  Surface s;
+MeshSurface surface_of(const TetMesh& mesh) {
+  MeshSurface s;
   s.is_outer.assign(mesh.points.size(), 0);
   add_triangles(mesh, s);
   s.lengths.assign(mesh.points.size(), 0);
@@ -104,7 +104,6 @@ Surface surface_of(const TetMesh& mesh) {
 }
 
 double diagonal_of(const std::vector<Point3>& points, const std::vector<Index>& vertices) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Point3 low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
   for (const Index v : vertices) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -125,7 +124,7 @@ std::string unit_hint(double ratio) {
   return "";
 }
 
-[[noreturn]] void fail_to_match(const Geometry& geometry, const TetMesh& mesh, const Surface& surface, double unit,
+[[noreturn]] void fail_to_match(const Geometry& geometry, const TetMesh& mesh, const MeshSurface& surface, double unit,
                                 const std::vector<double>& distances, std::size_t farther) {
   Index worst = -1;
   for (const Index v : surface.surface2mesh) {
@@ -142,7 +141,7 @@ std::string unit_hint(double ratio) {
 }
 
 /// Per triangle of a surface the number of the surface of an .msh file; empty where the mesh is of another origin.
-std::vector<std::int32_t> file_surfaces_of(const TetMesh& mesh, const Surface& surface) {
+std::vector<std::int32_t> file_surfaces_of(const TetMesh& mesh, const MeshSurface& surface) {
   const std::vector<int>* numbers = mesh.cell_tags_name == kMshEntityTags ? &mesh.triangle_tags : nullptr;
   for (const DataArray& array : mesh.triangle_data) {
     if (array.name == kMshEntities && array.components == 1) numbers = std::get_if<std::vector<int>>(&array.values);
@@ -154,7 +153,7 @@ std::vector<std::int32_t> file_surfaces_of(const TetMesh& mesh, const Surface& s
 }
 
 /// Sorts what the plugin found by the vertices of the mesh, and counts it.
-GeometryMatch match_of(const Surface& surface, const TetMesh& mesh, ClassifyAnswer answer, double unit) {
+GeometryMatch match_of(const MeshSurface& surface, const TetMesh& mesh, ClassifyAnswer answer, double unit) {
   GeometryMatch match;
   match.vertices.resize(mesh.points.size());
   match.distances.assign(mesh.points.size(), 0);
@@ -207,7 +206,7 @@ double Geometry::diagonal() const { return distance(low(), high()); }
 
 GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
   if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
-  const Surface surface = surface_of(mesh);
+  const MeshSurface surface = surface_of(mesh);
   ClassifyQuery query{threads_, {}, {}, surface.triangles, file_surfaces_of(mesh, surface)};
   std::vector<Index> mesh2surface(mesh.points.size(), -1);
   for (const Index v : surface.surface2mesh) {

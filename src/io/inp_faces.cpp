@@ -9,10 +9,10 @@ namespace tetune {
 namespace {
 
 /// A listed triangle by its vertices in ascending order.
-struct Triangle {
+struct TaggedTriangle {
   std::array<Index, 3> key;
   Index triangle;
-  bool operator<(const Triangle& other) const { return key < other.key; }
+  bool operator<(const TaggedTriangle& other) const { return key < other.key; }
 };
 
 /// A tetrahedron at a listed triangle.
@@ -50,8 +50,8 @@ std::string name_of(const InpModel& model, const InpPatch& patch) {
   return "a set of nodes";
 }
 
-std::vector<Triangle> tagged_triangles(const InpModel& model, const TetMesh& mesh) {
-  std::vector<Triangle> triangles;
+std::vector<TaggedTriangle> tagged_triangles(const InpModel& model, const TetMesh& mesh) {
+  std::vector<TaggedTriangle> triangles;
   std::vector<bool> occurs(model.patches.size(), false);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const int tag = mesh.triangle_tags[i];
@@ -73,9 +73,9 @@ std::vector<Triangle> tagged_triangles(const InpModel& model, const TetMesh& mes
 }
 
 std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match,
-                                     const std::vector<Triangle>& triangles) {
+                                     const std::vector<TaggedTriangle>& triangles) {
   std::vector<std::uint8_t> is_corner(mesh.points.size(), 0);
-  for (const Triangle& t : triangles) {
+  for (const TaggedTriangle& t : triangles) {
     for (const Index v : t.key) span_of(is_corner)[v] = 1;
   }
   std::vector<Neighbor> neighbors;
@@ -84,7 +84,7 @@ std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match,
     const auto n = std::count_if(v.begin(), v.end(), [&](Index u) { return span_of(is_corner)[u] != 0; });
     for (std::size_t k = 0; k < 4 && n >= 3; ++k) {
       const auto key = key_of({v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]});
-      auto at = std::lower_bound(triangles.begin(), triangles.end(), Triangle{key, 0});
+      auto at = std::lower_bound(triangles.begin(), triangles.end(), TaggedTriangle{key, 0});
       for (; at != triangles.end() && at->key == key; ++at) {
         const bool away = points_away(span_of(mesh.tets)[t], span_of(mesh.triangles)[at->triangle]);
         neighbors.push_back({at->triangle, t, kInpFaceOpposite[k], away ? 0 : 1});
@@ -101,7 +101,7 @@ std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match,
 std::vector<std::vector<InpLabeledFace>> find_inp_faces(const InpModel& model, const TetMesh& mesh,
                                                         const InpMatch& match) {
   std::vector<std::vector<InpLabeledFace>> faces(model.face_groups.size());
-  const std::vector<Triangle> triangles = tagged_triangles(model, mesh);
+  const std::vector<TaggedTriangle> triangles = tagged_triangles(model, mesh);
   const std::vector<Neighbor> neighbors = find_neighbors(mesh, match, triangles);
   std::size_t found = 0;
   for (auto at = neighbors.begin(); at != neighbors.end(); ++found) {

@@ -7,6 +7,7 @@
 
 #include "backend/span.hpp"
 #include "io/msh_model.hpp"
+#include "math/constants.hpp"
 
 namespace tetune {
 namespace {
@@ -91,7 +92,7 @@ void add_view(const MshView& view, std::size_t entries, std::vector<DataArray>& 
   for (std::size_t i = 0; i < view.numbers.size(); ++i) {
     const Index at = find(view.numbers[i]);
     if (at < 0) continue;
-    if (all.empty()) all.assign(entries * each, std::numeric_limits<double>::quiet_NaN());
+    if (all.empty()) all.assign(entries * each, kNan);
     std::copy_n(&view.values[i * each], each, &all[to_size_t(at) * each]);
   }
   if (all.empty()) return;

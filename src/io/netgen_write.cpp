@@ -324,7 +324,7 @@ class NetgenWriter {
   const NetgenNumbers points_{mesh_, 0, {}, kPoints};
 };
 
-void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
+void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
   const auto is_tag = [](int tag) { return tag != 0; };
   if (std::any_of(mesh.point_tags.begin(), mesh.point_tags.end(), is_tag)) {
     context.warn("the format cannot hold tags of vertices");
@@ -341,7 +341,7 @@ void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
 }
 
 void write_mesh_to(LineWriter out, const TetMesh& mesh, const IoContext& context) {
-  warn_of_losses(mesh, context);
+  warn_of_netgen_losses(mesh, context);
   if (!mesh.second_order) return NetgenWriter(out, mesh, nullptr).write(context);
   TetMesh second = mesh;
   second.edges.clear();  // the format's edges have no nodes in the middle

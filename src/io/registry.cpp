@@ -71,7 +71,7 @@ void check_vertices(const std::string& path, const char* kind, std::span<const I
   }
 }
 template <std::size_t N>
-std::span<const Index> flat(const std::vector<std::array<Index, N>>& elements) {
+std::span<const Index> vertices_of(const std::vector<std::array<Index, N>>& elements) {
   return {elements.empty() ? nullptr : elements.front().data(), N * elements.size()};
 }
 
@@ -88,10 +88,11 @@ void check_arrays(const std::string& path, const TetMesh& mesh) {
   check("triangles", mesh.triangle_tags.size(), mesh.triangles.size());
   check("edges", mesh.edge_tags.size(), mesh.edges.size());
   const std::size_t points = mesh.points.size();
-  check_vertices(path, "tetrahedra", flat(mesh.tets), points);
-  check_vertices(path, "triangles", flat(mesh.triangles), points);
-  check_vertices(path, "edges", flat(mesh.edges), points);
-  for (const PeriodicLink& link : mesh.periodic) check_vertices(path, "periodic pairs", flat(link.pairs), points);
+  check_vertices(path, "tetrahedra", vertices_of(mesh.tets), points);
+  check_vertices(path, "triangles", vertices_of(mesh.triangles), points);
+  check_vertices(path, "edges", vertices_of(mesh.edges), points);
+  for (const PeriodicLink& link : mesh.periodic)
+    check_vertices(path, "periodic pairs", vertices_of(link.pairs), points);
   for (const ElementBlock& block : mesh.others) {
     check_vertices(path, block.kind.c_str(), block.element2vertex, points);
     const std::size_t each = to_size_t(std::max(1, block.vertices_per_element));

@@ -68,7 +68,7 @@ class TetgenWriter {
   std::vector<std::unique_ptr<FileWriter>> files_;
 };
 
-void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
+void warn_of_tetgen_losses(const TetMesh& mesh, const IoContext& context) {
   const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.ridges.empty() ||
                       !mesh.required_edges.empty() || !mesh.required_triangles.empty() || !mesh.required_tets.empty();
   if (listed) context.warn("TetGen's files cannot hold lists of corners, ridges and required entities");
@@ -89,7 +89,7 @@ void write_tetgen(const std::string& path, const TetMesh& mesh, const IoContext&
       throw FileError("TetGen's files cannot hold " + block.kind + "; choose .vtu, .msh or .mesh");
     context.warn("TetGen's files cannot hold elements of one vertex");
   }
-  warn_of_losses(mesh, context);
+  warn_of_tetgen_losses(mesh, context);
   TetgenWriter files(path, context.threads);
   files.write_points(mesh);
   files.write_elements(".ele", " 4", mesh.tets, mesh.tet_tags, mesh.listed_inside_out);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "math/closest_triangle.hpp"
+#include "math/constants.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -100,7 +101,7 @@ double ClosestTriangle::Node::distance2(const Vec3& p) const {
 }
 
 ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double sufficient) const {
-  Hit best{p, std::numeric_limits<double>::infinity()};
+  Hit best{p, kInfinity};
   if (nodes_.empty()) return best;
   const auto nodes = span_of(nodes_);
   const auto triangles = span_of(triangles_);

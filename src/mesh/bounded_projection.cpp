@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/bounded_projection.hpp"
+#include "math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tetune {
 namespace {
@@ -120,11 +120,11 @@ void BoundedProjection::gather(Size field, const std::vector<double>& old, const
   const std::size_t n = vertices_.size();
   integrals_.assign(n, 0);
   lumped_.assign(n, 0);
-  low_.assign(n, std::numeric_limits<double>::infinity());
-  high_.assign(n, -std::numeric_limits<double>::infinity());
+  low_.assign(n, kInfinity);
+  high_.assign(n, -kInfinity);
   cpu_.for_each(std::ssize(vertices_), [&](Size i) {
     double sum = 0;
-    double low = std::numeric_limits<double>::infinity();
+    double low = kInfinity;
     double high = -low;
     for (Size s = span_of(offsets_)[i]; s < span_of(offsets_)[i + 1]; ++s) {
       const Size place = span_of(stars_)[s];

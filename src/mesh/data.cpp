@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "math/constants.hpp"
 #include "math/elementary.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/whole_number.hpp"
@@ -153,7 +154,7 @@ std::vector<Index> nearest_originals(std::vector<Index> vertex2original, const s
     for (const Stencil& stencil : stencils) {
       Index& original = span_of(vertex2original)[stencil.vertex];
       if (original >= 0) continue;
-      double nearest = std::numeric_limits<double>::infinity();
+      double nearest = kInfinity;
       for (const Stencil::Neighbor& n : stencil.neighbors) {
         const Index candidate = span_of(known)[n.vertex];
         if (candidate < 0 || n.distance >= nearest) continue;

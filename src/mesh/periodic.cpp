@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 
 #include "backend/span.hpp"
+#include "math/constants.hpp"
 
 namespace tetune {
 namespace {
@@ -27,7 +27,6 @@ bool is_near(const Vec3& a, const Vec3& b, double tolerance) {
 /// translation_of() for one coordinate.
 double best_shift(const PeriodicLink& link, const std::vector<Point3>& points, std::size_t k, double difference,
                   double tolerance) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<double> candidates;
   if (link.affine.size() == 16) candidates.push_back(link.affine[4 * k + 3]);
   candidates.insert(candidates.end(),

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/projection_sums.hpp"
+#include "math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tetune {
 namespace {
@@ -22,8 +22,8 @@ void ProjectionSums::begin(const std::vector<Index>& tets) {
   const std::size_t n = tets.size();
   mass_.assign(4 * n, 0);
   integrals_.assign(4 * n * to_size_t(fields_), 0);
-  low_.assign(n * to_size_t(fields_), std::numeric_limits<double>::infinity());
-  high_.assign(n * to_size_t(fields_), -std::numeric_limits<double>::infinity());
+  low_.assign(n * to_size_t(fields_), kInfinity);
+  high_.assign(n * to_size_t(fields_), -kInfinity);
 }
 
 void ProjectionSums::add(Size entry, Index old, const TetOverlap& common) {

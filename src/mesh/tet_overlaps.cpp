@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "math/constants.hpp"
 #include "mesh/box_tree.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
@@ -56,7 +56,7 @@ std::vector<Index> changed_old(const TransferMeshes& meshes) {
 /// The entry of `tets` in the region of a tetrahedron of the input whose centroid is nearest; -1 if there is none.
 Size nearest(const TransferMeshes& meshes, const std::vector<Index>& tets, Index old) {
   const Vec3 center = centroid(meshes.old_tet(old));
-  double best = std::numeric_limits<double>::infinity();
+  double best = kInfinity;
   Size found = -1;
   for (Size i = 0; i < std::ssize(tets); ++i) {
     const Index t = span_of(tets)[i];

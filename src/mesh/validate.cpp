@@ -13,6 +13,7 @@
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "mesh/work_mesh.hpp"
+#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
@@ -288,6 +289,10 @@ ValidationReport validate_arrays(const TetMesh& mesh) {
   check_coordinates(span_of(mesh.points), report);
   if (!mesh.curved_edges.empty() && report.ok()) check_curved_edges(mesh, report);
   return report;
+}
+
+void require_arrays(const TetMesh& mesh) {
+  if (const ValidationReport report = validate_arrays(mesh); !report.ok()) throw MeshError(report.message(false));
 }
 
 ValidationReport validate(const TetMesh& mesh, int threads) {

@@ -16,4 +16,7 @@ ValidationReport validate_counts(const ArrayCounts& counts);
 /// The part of validate() that must hold before the mesh may be indexed: lengths, indices, finite coordinates.
 ValidationReport validate_arrays(const TetMesh& mesh);
 
+/// Throws MeshError with the findings of validate_arrays(), if any.
+void require_arrays(const TetMesh& mesh);
+
 }  // namespace tetune

@@ -10,7 +10,6 @@
 #include "quality/find_failed.hpp"
 #include "quality/shape_loop.hpp"
 #include "tetune/criteria.hpp"
-#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
@@ -179,7 +178,7 @@ std::vector<FailedTet> find_failed(const TetMesh& mesh, const AcceptanceCriterio
 }
 
 AcceptanceReport check(const TetMesh& mesh, const AcceptanceCriteria& criteria, int threads) {
-  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+  require_arrays(mesh);
   bool with_neighbors = false;
   for (const AcceptanceCriterion& c : criteria.criteria) {
     check_criterion(c);

@@ -14,7 +14,6 @@
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "mesh/work_mesh.hpp"
-#include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
@@ -249,9 +248,7 @@ void compare_tags(const TetMesh& before, const TetMesh& after, Comparison& c) {
 }  // namespace
 
 Comparison compare(const TetMesh& before, const TetMesh& after, int threads, std::int64_t max_samples) {
-  for (const TetMesh* mesh : {&before, &after}) {
-    if (const ValidationReport arrays = validate_arrays(*mesh); !arrays.ok()) throw MeshError(arrays.message(false));
-  }
+  for (const TetMesh* mesh : {&before, &after}) require_arrays(*mesh);
   Comparison c;
   c.old_vertices = std::ssize(before.points);
   c.new_vertices = std::ssize(after.points);

@@ -7,7 +7,6 @@
 #include "math/elementary.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "quality/shape_loop.hpp"
-#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
@@ -70,7 +69,7 @@ void find_small_angles(const TetMeshView& mesh, const std::vector<Target>& limit
 }  // namespace
 
 std::vector<std::uint8_t> find_missing(const TetMesh& mesh, const std::vector<Target>& limits, int threads) {
-  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+  require_arrays(mesh);
   const TetMeshView view(mesh, unit_scale(mesh));
   double degrees = 0;
   bool small_angles = true;

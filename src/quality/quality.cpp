@@ -13,7 +13,6 @@
 #include "mesh/messages.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "quality/shape_loop.hpp"
-#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
@@ -249,10 +248,6 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   return q;
 }
 
-void check_arrays(const TetMesh& mesh) {
-  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
-}
-
 }  // namespace
 
 const char* to_string(Measure measure) {
@@ -265,14 +260,14 @@ bool larger_is_better(Measure measure) {
 }
 
 Quality quality(const TetMesh& mesh, int threads) {
-  check_arrays(mesh);
+  require_arrays(mesh);
   Quality q = measure_mesh(mesh, threads, nullptr);
   q.curved = summarize_curved(mesh, threads, 0);
   return q;
 }
 
 Quality measure_all(const TetMesh& mesh, int threads, int worst) {
-  check_arrays(mesh);
+  require_arrays(mesh);
   MeasureTable table(std::ssize(mesh.tets), worst);
   Quality q = measure_mesh(mesh, threads, &table);
   q.curved = summarize_curved(mesh, threads, worst);
@@ -280,7 +275,7 @@ Quality measure_all(const TetMesh& mesh, int threads, int worst) {
 }
 
 std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
-  check_arrays(mesh);
+  require_arrays(mesh);
   const TetMeshView view(mesh, unit_scale(mesh));
   std::vector<Measures> result(mesh.tets.size());
   const Span<Measures> measures = span_of(result);

@@ -11,14 +11,14 @@ using InpMiddles = IoTest;
 
 /// Two tetrahedra with the common face 2, 3, 4, and after their vertices the mid-side nodes, those of the face 12
 /// to 14.
-const std::string kTwo =
+const std::string kTwoQuadratic =
     "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.\n5, 1., 1., 1.\n"
     "12, 0.5, 0.5, 0.\n13, 0., 0.5, 0.5\n14, 0.5, 0., 0.5\n21, 0.5, 0., 0.\n22, 0., 0.5, 0.\n23, 0., 0., 0.5\n"
     "31, 1., 0.5, 0.5\n32, 0.5, 1., 0.5\n33, 0.5, 0.5, 1.\n"
     "*ELEMENT, TYPE=C3D10\n1, 1, 2, 3, 4, 21, 12, 22, 23,\n14, 13\n2, 2, 3, 4, 5, 12, 13, 14, 31, 32, 33\n";
 
 TEST_F(InpMiddles, AMiddleThatACardNamesHoldsItsEdge) {
-  TetMesh m = read_mesh(put("a.inp", kTwo + "*CLOAD\n13, 1, 5.\n"), nullptr, 1);
+  TetMesh m = read_mesh(put("a.inp", kTwoQuadratic + "*CLOAD\n13, 1, 5.\n"), nullptr, 1);
   EXPECT_TRUE(m.second_order);
   EXPECT_TRUE(m.curved_edges.empty());
   EXPECT_EQ(m.points.size(), 5U);
@@ -49,7 +49,7 @@ TEST_F(InpMiddles, NewOnesJoinTheSetsThatHaveAllOfThem) {
   const std::string cards =
       "*NSET, NSET=VERTICES, GENERATE\n1, 5, 1\n*NSET, NSET=EACH, GENERATE\n1, 33, 1\n"
       "*NSET, NSET=SOME\n1, 2, 3, 4, 5, 13\n";
-  TetMesh m = read_mesh(put("a.inp", kTwo + cards), nullptr, 1);
+  TetMesh m = read_mesh(put("a.inp", kTwoQuadratic + cards), nullptr, 1);
   // SOME has one of nine, which can only be held.
   EXPECT_EQ(m.edges, (std::vector<std::array<Index, 2>>{{2, 3}}));
   m.tets = {{0, 1, 2, 4}, {0, 2, 3, 4}, {0, 3, 1, 4}};
@@ -63,7 +63,7 @@ TEST_F(InpMiddles, NewOnesJoinTheSetsThatHaveAllOfThem) {
 }
 
 TEST_F(InpMiddles, CurvedOnesKeepTheirBits) {
-  std::string text = kTwo;
+  std::string text = kTwoQuadratic;
   text.replace(text.find("33, 0.5, 0.5, 1."), 16, "33, 0.5, 0.5, 1.1234567890123");
   const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
   ASSERT_EQ(m.curved_edges.size(), 1U);
@@ -75,7 +75,7 @@ TEST_F(InpMiddles, CurvedOnesKeepTheirBits) {
 
 TEST_F(InpMiddles, DamagedElementsAreRefused) {
   const auto refused = [this](const std::string& of, const std::string& to, const char* said) {
-    std::string text = kTwo;
+    std::string text = kTwoQuadratic;
     text.replace(text.find(of), of.size(), to);
     try {
       read_mesh(put("a.inp", text), nullptr, 1);

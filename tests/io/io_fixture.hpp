@@ -133,4 +133,14 @@ inline TetMesh turned(TetMesh mesh) {
   return mesh;
 }
 
+/// The message of the error that writing the mesh throws, or nothing.
+inline std::string write_error(const std::string& file, const TetMesh& mesh) {
+  try {
+    write_mesh(file, mesh);
+  } catch (const FileError& e) {
+    return e.what();
+  }
+  return "";
+}
+
 }  // namespace tetune::test

@@ -15,11 +15,11 @@ using Msh = IoTest;
 const std::vector<std::string> kDialects{"msh 2.2 text", "msh 2.2 binary", "msh 4.1 text", "msh 4.1 binary"};
 
 const std::string kOldHead = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
-const std::string kHead = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+const std::string kFormat = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
 const std::string kOldNodes = "$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n";
 
 /// Version 4.1, with numbers that need 64 bits, gaps and no order.
-const std::string kSparse = kHead +
+const std::string kSparse = kFormat +
                             "$PhysicalNames\n2\n3 7 \"steel # 1\"\n2 9 \"empty\"\n$EndPhysicalNames\n"
                             "$Entities\n0 0 0 1\n3 0 0 0 1 1 1 1 -7 0\n$EndEntities\n"
                             "$Nodes\n2 4 5 900000000000000003\n3 3 0 1\n900000000000000003\n0 0 1\n"
@@ -65,7 +65,7 @@ TEST_F(Msh, NamesOfVersion20HaveNoDimension) {
     EXPECT_EQ(m.groups[1].dimension, 3);
     EXPECT_EQ(m.groups[1].tags, m.tet_tags);
   }
-  EXPECT_TRUE(contains(read_error(put("a.msh", kHead + names)), "a.msh:6: group 7 of dimension -1 is none"));
+  EXPECT_TRUE(contains(read_error(put("a.msh", kFormat + names)), "a.msh:6: group 7 of dimension -1 is none"));
   EXPECT_FALSE(read_error(put("a.msh", head + "$PhysicalNames\n1\n7x\"body\"\n$EndPhysicalNames\n")).empty());
 }
 

@@ -18,15 +18,6 @@ mode_t mode_of(const std::string& file) {
   return info.st_mode & 0777U;
 }
 
-std::string write_error(const std::string& file, const TetMesh& mesh) {
-  try {
-    write_mesh(file, mesh);
-  } catch (const FileError& e) {
-    return e.what();
-  }
-  return "";
-}
-
 /// Limits the size of files while it exists, like a full disk.
 class FullDisk {
  public:

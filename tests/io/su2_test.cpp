@@ -7,7 +7,7 @@ namespace {
 
 using Su2 = IoTest;
 
-const std::string kTwo =
+const std::string kTwoSu2 =
     "% two tetrahedra and a pyramid\nNDIME=3\nNELEM= 3\n10 0 1 2 3 0\n% between\n10\t1 2 3 4 1\n14 0 1 2 3 4\n"
     "NPOIN= 5 5\r\n0 0 0 0\n1 0 0 1\n0 1 0 2\n0 0 1 3\n1.5e0 1 1 4\nNMARK= 2\nMARKER_TAG= wall\nMARKER_ELEMS= 2\n"
     "5 0 1 2\n9 0 1 2 3 0\nMARKER_TAG=far_field\nMARKER_ELEMS=1\n5 0 1 3\nNPERIODIC= 1\nPERIODIC_INDEX= 0\n"
@@ -15,7 +15,7 @@ const std::string kTwo =
 
 TEST_F(Su2, ElementsPointsAndMarkers) {
   std::vector<std::string> warnings;
-  const TetMesh m = read_mesh(put("a.su2", kTwo), &warnings, 1);
+  const TetMesh m = read_mesh(put("a.su2", kTwoSu2), &warnings, 1);
   EXPECT_EQ(m.points, (std::vector<Point3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1.5, 1, 1}}));
   EXPECT_EQ(m.tets, (std::vector<std::array<Index, 4>>{{0, 1, 2, 3}, {1, 2, 3, 4}}));
   EXPECT_EQ(m.triangles, (std::vector<std::array<Index, 3>>{{0, 1, 2}, {0, 1, 3}}));
@@ -68,7 +68,7 @@ TEST_F(Su2, LossesAreNamed) {
 
 TEST_F(Su2, DamageIsNamedWithItsLine) {
   const auto error = [this](const std::string& from, const std::string& to) {
-    std::string text = kTwo;
+    std::string text = kTwoSu2;
     text.replace(text.find(from), from.size(), to);
     return read_error(put("a.su2", text));
   };
@@ -79,7 +79,7 @@ TEST_F(Su2, DamageIsNamedWithItsLine) {
   EXPECT_TRUE(contains(error("NELEM= 3", "NELEM= 2"), "expected a section"));
   EXPECT_TRUE(contains(error("MARKER_ELEMS= 2", "MARKER_ELEM= 2"), "MARKER_ELEMS= is expected"));
   EXPECT_TRUE(contains(error("NPOIN= 5 5", "NPOINTS= 5"), "NPOIN="));
-  for (std::size_t n = 0; n < kTwo.find("FFD_NBOX"); ++n) read_error(put("b.su2", kTwo.substr(0, n)));
+  for (std::size_t n = 0; n < kTwoSu2.find("FFD_NBOX"); ++n) read_error(put("b.su2", kTwoSu2.substr(0, n)));
 }
 
 }  // namespace

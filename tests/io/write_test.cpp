@@ -6,15 +6,6 @@
 namespace tetune::test {
 namespace {
 
-std::string write_error(const std::string& file, const TetMesh& mesh) {
-  try {
-    write_mesh(file, mesh);
-  } catch (const FileError& e) {
-    return e.what();
-  }
-  return "";
-}
-
 TEST_F(IoTest, AnAbandonedOrFailedWriterCleansUp) {
   {
     FileWriter writer(path("a.mesh"));

@@ -19,17 +19,17 @@
 namespace tetune {
 namespace {
 
-struct Case {
+struct ConstrainedCase {
   std::uint32_t seed;
   Boundary boundary;
   Relocation relocation;
   Termination termination;
 };
 
-class OptimizeProperties : public testing::TestWithParam<Case> {};
+class OptimizeProperties : public testing::TestWithParam<ConstrainedCase> {};
 
 TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
-  const Case c = GetParam();
+  const ConstrainedCase c = GetParam();
   const TetMesh before = test::varied(c.seed);
   ASSERT_TRUE(validate(before).ok());
   TetMesh after = before;
@@ -80,10 +80,10 @@ TEST_P(OptimizeProperties, KeepWhatMustBeKept) {
 }
 
 /// For messages of the test framework.
-void PrintTo(const Case& c, std::ostream* out) { *out << "seed " << c.seed; }
+void PrintTo(const ConstrainedCase& c, std::ostream* out) { *out << "seed " << c.seed; }
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<ConstrainedCase> constrained_cases() {
+  std::vector<ConstrainedCase> all;
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     all.push_back({seed, Boundary::preserve, Relocation::newton, Termination::relative});
     all.push_back({seed, Boundary::preserve, Relocation::gradient, Termination::paper});
@@ -92,8 +92,8 @@ std::vector<Case> cases() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, OptimizeProperties, testing::ValuesIn(cases()), [](const auto& test) {
-  const Case& c = test.param;
+INSTANTIATE_TEST_SUITE_P(Seeds, OptimizeProperties, testing::ValuesIn(constrained_cases()), [](const auto& test) {
+  const ConstrainedCase& c = test.param;
   return "Seed" + std::to_string(c.seed) + (c.boundary == Boundary::fixed ? "Fixed" : "Preserve") +
          (c.relocation == Relocation::newton ? "Newton" : "Gradient") +
          (c.termination == Termination::paper ? "Paper" : "Relative");

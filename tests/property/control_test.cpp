@@ -5,21 +5,16 @@
 #include <algorithm>
 
 #include "meshes.hpp"
+#include "options.hpp"
 #include "safe_points.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {
 namespace {
 
-TetMesh input() { return test::scrambled(test::cube(5, 0.3), 3, 1); }
+using test::options_of;
 
-Options options_of(Effort effort, Boundary boundary) {
-  Options options;
-  options.effort = effort;
-  options.boundary = boundary;
-  options.threads = 1;
-  return options;
-}
+TetMesh input() { return test::scrambled(test::cube(5, 0.3), 3, 1); }
 
 bool same(const TetMesh& a, const TetMesh& b) { return a.points == b.points && a.tets == b.tets; }
 
@@ -29,7 +24,7 @@ TEST(Control, StopsAtEverySafePoint) {
   const double worst = quality(before).dihedral_min;
   for (const Effort effort : {Effort::standard, Effort::best}) {
     for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
-      const Options options = options_of(effort, boundary);
+      const Options options = options_of(effort, boundary, 1);
       TetMesh whole = before;
       Report complete;
       const int points =
@@ -69,7 +64,7 @@ TEST(Control, ProgressTellsHowFarTheRunIs) {
       seen.push_back(p);
       return true;
     };
-    optimize(m, options_of(effort, Boundary::preserve), context);
+    optimize(m, options_of(effort, Boundary::preserve, 1), context);
     ASSERT_GT(seen.size(), 5U);
     EXPECT_STREQ(seen[0].phase, "load");
     EXPECT_NEAR(seen[0].worst_angle, quality(before).dihedral_min, 1e-9);
@@ -86,7 +81,7 @@ TEST(Control, ProgressTellsHowFarTheRunIs) {
       EXPECT_GE(seen[i].seconds, seen[i - 1].seconds);
     }
     TetMesh alone = before;
-    optimize(alone, options_of(effort, Boundary::preserve));
+    optimize(alone, options_of(effort, Boundary::preserve, 1));
     EXPECT_TRUE(same(m, alone));
   }
 }
@@ -95,7 +90,7 @@ TEST(Control, WithoutFlipsTheTetrahedraStay) {
   const TetMesh before = input();
   for (const Termination termination : {Termination::relative, Termination::paper}) {
     TetMesh m = before;
-    Options options = options_of(Effort::standard, Boundary::preserve);
+    Options options = options_of(Effort::standard, Boundary::preserve, 1);
     options.flips = false;
     options.termination = termination;
     options.max_iterations = 20;

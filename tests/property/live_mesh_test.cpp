@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetune/live_mesh.hpp"
+#include "math/constants.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +19,6 @@
 
 namespace tetune {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TetMesh optimized(int cells) {
   TetMesh mesh = test::two_materials(cells, 0.2);

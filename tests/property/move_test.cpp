@@ -9,7 +9,10 @@
 #include <limits>
 #include <random>
 
+#include "backend/span.hpp"
+#include "math/constants.hpp"
 #include "meshes.hpp"
+#include "options.hpp"
 #include "safe_points.hpp"
 #include "sanitized.hpp"
 #include "tetune/tetune.hpp"
@@ -17,21 +20,11 @@
 namespace tetune {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr Point3 kFree{kNan, kNan, kNan};
+using test::kFree;
+using test::options_of;
 
 bool is_free(const Point3& p) { return std::isnan(p[0]); }
 bool same_bits(const Point3& a, const Point3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
-Options options_of(Effort effort, Boundary boundary) {
-  Options options;
-  options.effort = effort;
-  options.boundary = boundary;
-  options.threads = 2;
-  return options;
-}
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// The vertex of the result for each of the input, or -1.
 std::vector<Index> original2new(const MoveReport& r, std::size_t originals, std::size_t vertices) {
@@ -39,7 +32,7 @@ std::vector<Index> original2new(const MoveReport& r, std::size_t originals, std:
   for (std::size_t v = 0; v < vertices; ++v) {
     const Index original =
         r.optimization.vertex2original.empty() ? static_cast<Index>(v) : r.optimization.vertex2original[v];
-    if (original >= 0) map[at(original)] = static_cast<Index>(v);
+    if (original >= 0) map[to_size_t(original)] = static_cast<Index>(v);
   }
   return map;
 }
@@ -67,7 +60,7 @@ void expect_on_way(const TetMesh& before, const TetMesh& after, const VertexTarg
   for (std::size_t v = 0; v < target.size(); ++v) {
     if (is_free(target[v])) continue;
     ASSERT_GE(now[v], 0) << "a prescribed vertex was removed";
-    const Point3& p = after.points[at(now[v])];
+    const Point3& p = after.points[to_size_t(now[v])];
     if (r.reached()) {
       ASSERT_TRUE(same_bits(p, target[v])) << "vertex " << v;
     }
@@ -83,7 +76,7 @@ void expect_sides_kept(const TetMesh& before, const TetMesh& after, const Vertex
   const std::vector<Index> now = original2new(r, before.points.size(), after.points.size());
   for (std::size_t v = 0; v < target.size(); ++v) {
     if (!is_free(target[v]) || now[v] < 0) continue;
-    const Point3& p = after.points[at(now[v])];
+    const Point3& p = after.points[to_size_t(now[v])];
     bool on_boundary = false;
     for (std::size_t k = 0; k < 3; ++k) {
       if (before.points[v][k] != 0 && before.points[v][k] != 1) continue;
@@ -109,7 +102,7 @@ TEST(Move, RandomMotionsOfRandomMeshes) {
     const Boundary boundary = i % 3 == 0 ? Boundary::fixed : Boundary::preserve;
     const VertexTargets target = random_targets(before, 0.1 + 0.2 * (i % 4), 0.12 * (1 + i % 5) / n, random);
     TetMesh after = before;
-    const MoveReport r = move(after, target, options_of(i % 20 == 12 ? Effort::best : Effort::standard, boundary));
+    const MoveReport r = move(after, target, options_of(i % 20 == 12 ? Effort::best : Effort::standard, boundary, 2));
     SCOPED_TRACE("motion " + std::to_string(i));
     expect_valid(after);
     expect_on_way(before, after, target, r);
@@ -117,8 +110,8 @@ TEST(Move, RandomMotionsOfRandomMeshes) {
     EXPECT_EQ(r.fraction == 1, r.reached());
     EXPECT_EQ(r.blocking_tets.empty(), r.reached());
     EXPECT_EQ(r.blocking_vertices.empty(), r.reached());
-    for (const Index v : r.blocking_vertices) EXPECT_LT(at(v), after.points.size());
-    for (const Index t : r.blocking_tets) EXPECT_LT(at(t), after.tets.size());
+    for (const Index v : r.blocking_vertices) EXPECT_LT(to_size_t(v), after.points.size());
+    for (const Index t : r.blocking_tets) EXPECT_LT(to_size_t(t), after.tets.size());
     ++(r.reached() ? reached : blocked);
   }
   EXPECT_GT(reached, kMotions / 3);
@@ -132,7 +125,7 @@ TEST(Move, SameBitsForAnyNumberOfThreads) {
     const TetMesh before = test::scrambled(test::cube(n, 0.2, 3), 1, 2);
     std::vector<VertexTargets> targets;
     for (int i = 0; i < 2; ++i) targets.push_back(random_targets(before, 0.2, 0.3 / n, random));
-    Options options = options_of(effort, Boundary::preserve);
+    Options options = options_of(effort, Boundary::preserve, 2);
     options.threads = 1;
     TetMesh one = before;
     const MoveReport with_one = move(one, targets, options);
@@ -151,7 +144,7 @@ TEST(Move, StopsAtEverySafePoint) {
   std::mt19937 random(7);
   const TetMesh before = test::scrambled(test::cube(5, 0.2, 1), 3, 1);
   const VertexTargets target = random_targets(before, 0.3, 0.08, random);
-  const Options options = options_of(Effort::standard, Boundary::preserve);
+  const Options options = options_of(Effort::standard, Boundary::preserve, 2);
   TetMesh whole = before;
   MoveReport complete;
   const int points =
@@ -183,7 +176,7 @@ TEST(Move, PistonCompressesToAFifth) {
     if (p[0] == 1) target[v] = {0.2, p[1], p[2]};
   }
   TetMesh after = before;
-  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve, 2));
   EXPECT_TRUE(r.reached());
   expect_valid(after);
   expect_on_way(before, after, target, r);
@@ -192,7 +185,7 @@ TEST(Move, PistonCompressesToAFifth) {
   EXPECT_GT(quality(after).dihedral_min, 8);
   // With walls that stay, the piston is stopped by the next layer of them.
   TetMesh fixed = before;
-  const MoveReport stopped = move(fixed, target, options_of(Effort::standard, Boundary::fixed));
+  const MoveReport stopped = move(fixed, target, options_of(Effort::standard, Boundary::fixed, 2));
   EXPECT_FALSE(stopped.reached());
   EXPECT_LT(stopped.fraction, 0.2);
   expect_valid(fixed);
@@ -210,7 +203,7 @@ TEST(Move, PlanesAreNotBent) {
     if (is_center(before.points[v])) target[v] = {0.5, 0.5, 1.2};
   }
   TetMesh after = before;
-  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve, 2));
   EXPECT_EQ(r.prescribed, 1);
   ASSERT_TRUE(r.reached());
   expect_valid(after);
@@ -220,7 +213,7 @@ TEST(Move, PlanesAreNotBent) {
   for (const auto& tet : before.tets) {
     std::vector<Point3> corners;
     for (const Index v : tet) {
-      if (before.points[at(v)][2] == 1) corners.push_back(before.points[at(v)]);
+      if (before.points[to_size_t(v)][2] == 1) corners.push_back(before.points[to_size_t(v)]);
     }
     if (corners.size() != 3 || std::none_of(corners.begin(), corners.end(), is_center)) continue;
     area += 0.5 * std::fabs((corners[1][0] - corners[0][0]) * (corners[2][1] - corners[0][1]) -
@@ -239,7 +232,7 @@ TEST(Move, ReportsWhatBlocks) {
     target[v] = {1 - p[0], p[1], p[2]};
   }
   TetMesh after = before;
-  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve, 2));
   EXPECT_FALSE(r.reached());
   EXPECT_GT(r.fraction, 0.45);
   EXPECT_LT(r.fraction, 0.5);
@@ -268,7 +261,7 @@ TEST(Move, SequencesOfTargets) {
   targets[1][inner[9]] = moved(inner[9], -0.02);
   targets[2][inner[9]] = moved(inner[9], 0.01);
   TetMesh after = before;
-  const MoveReport r = move(after, targets, options_of(Effort::standard, Boundary::preserve));
+  const MoveReport r = move(after, targets, options_of(Effort::standard, Boundary::preserve, 2));
   EXPECT_EQ(r.prescribed, 2);
   EXPECT_EQ(r.targets_reached, 3U);
   EXPECT_TRUE(same_bits(after.points[inner[0]], targets[0][inner[0]]));
@@ -296,7 +289,7 @@ TEST(Move, PositionsKeepTheirBits) {
   target[v][0] = -0.0;
   target[v][1] = 1e-300;
   TetMesh after = before;
-  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve, 2));
   ASSERT_TRUE(r.reached());
   EXPECT_TRUE(same_bits(after.points[v], target[v]));
   expect_valid(after);
@@ -308,7 +301,7 @@ TEST(Move, FarAway) {
   VertexTargets target = surface_targets(before, before.points);
   for (Point3& p : target) p[1] += 1e6;
   TetMesh after = before;
-  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve));
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve, 2));
   EXPECT_TRUE(r.reached());
   expect_valid(after);
   expect_on_way(before, after, target, r);
@@ -346,7 +339,8 @@ TEST(Move, DataAndTagsFollow) {
     const auto& tet = after.tets[t];
     Point3 e[3];
     for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t c = 0; c < 3; ++c) e[k][c] = after.points[at(tet[k + 1])][c] - after.points[at(tet[0])][c];
+      for (std::size_t c = 0; c < 3; ++c)
+        e[k][c] = after.points[to_size_t(tet[k + 1])][c] - after.points[to_size_t(tet[0])][c];
     }
     volumes[after.tet_tags[t] - 1] +=
         (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
@@ -406,9 +400,9 @@ TEST(Move, RefusesUnusableTargets) {
   VertexTargets half = none;
   half[5] = {kNan, 0, 0};
   refuses({before.points, half}, {}, "target 2: the position of vertex 5 is not finite");
-  half[5] = {std::numeric_limits<double>::infinity(), 0, 0};
+  half[5] = {kInfinity, 0, 0};
   refuses({half}, {}, "vertex 5 is not finite");
-  Options options = options_of(Effort::standard, Boundary::slide);
+  Options options = options_of(Effort::standard, Boundary::slide, 2);
   options.max_deviation = 0.1;
   refuses({before.points}, options, "max_deviation");
   options = {};

@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "backend/span.hpp"
 #include "constrained.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
@@ -18,8 +19,6 @@
 
 namespace tetune {
 namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 bool is_bad(const Measures& m, const Target& limit) {
   const double value = m[static_cast<std::size_t>(limit.measure)];
@@ -33,7 +32,7 @@ std::vector<bool> active_by_definition(const TetMesh& mesh, const Options& optio
     active.push_back(std::any_of(options.only_below.begin(), options.only_below.end(),
                                  [&](const Target& limit) { return is_bad(m, limit); }));
   }
-  for (const Index t : mesh.required_tets) active[at(t)] = false;
+  for (const Index t : mesh.required_tets) active[to_size_t(t)] = false;
   for (int ring = 0; ring < options.rings; ++ring) {
     std::set<Index> vertices;
     for (std::size_t t = 0; t < active.size(); ++t) {
@@ -59,8 +58,8 @@ void expect_rest_unchanged(const TetMesh& before, const TetMesh& after, const st
   for (std::size_t t = 0; t < before.tets.size(); ++t) {
     if (active[t]) continue;
     for (const Index v : before.tets[t]) {
-      EXPECT_EQ(before.points[at(v)], after.points[at(v)]);
-      EXPECT_EQ(before.point_tags[at(v)], after.point_tags[at(v)]);
+      EXPECT_EQ(before.points[to_size_t(v)], after.points[to_size_t(v)]);
+      EXPECT_EQ(before.point_tags[to_size_t(v)], after.point_tags[to_size_t(v)]);
     }
   }
   ASSERT_EQ(report.tet2original.size(), after.tets.size());
@@ -70,7 +69,7 @@ void expect_rest_unchanged(const TetMesh& before, const TetMesh& after, const st
     if (!active[t]) rest_before.push_back(t);
   }
   for (std::size_t t = 0; t < after.tets.size(); ++t) {
-    const std::size_t original = at(report.tet2original[t]);
+    const std::size_t original = to_size_t(report.tet2original[t]);
     EXPECT_EQ(after.tet_tags[t], before.tet_tags[original]);
     EXPECT_EQ(entry<double>(after.tet_data[0], t), entry<double>(before.tet_data[0], original));
     if (!active[original]) rest_after.push_back(t);
@@ -85,7 +84,7 @@ void expect_rest_unchanged(const TetMesh& before, const TetMesh& after, const st
   for (std::size_t v = 0; v < after.points.size(); ++v) {
     const bool inserted = !report.vertex2original.empty() && report.vertex2original[v] < 0;
     if (inserted) continue;
-    EXPECT_EQ(report.vertex2original.empty() ? v : at(report.vertex2original[v]), v);
+    EXPECT_EQ(report.vertex2original.empty() ? v : to_size_t(report.vertex2original[v]), v);
     EXPECT_EQ(entry<double>(after.point_data[0], v), entry<double>(before.point_data[0], v));
   }
 }
@@ -108,20 +107,20 @@ double limit_missed_by(const TetMesh& mesh, double part) {
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size()))];
 }
 
-struct Case {
+struct ThresholdCase {
   Boundary boundary;
   Effort effort;
   std::uint32_t seed;
-  friend void PrintTo(const Case& c, std::ostream* out) {
+  friend void PrintTo(const ThresholdCase& c, std::ostream* out) {
     *out << "boundary " << static_cast<int>(c.boundary) << " effort " << static_cast<int>(c.effort) << " seed "
          << c.seed;
   }
 };
 
-class OnlyBelow : public testing::TestWithParam<Case> {};
+class OnlyBelow : public testing::TestWithParam<ThresholdCase> {};
 
 TEST_P(OnlyBelow, keeps_the_rest_and_does_not_get_worse) {
-  const Case c = GetParam();
+  const ThresholdCase c = GetParam();
   TetMesh before = test::varied(c.seed);
   number_data(before);
   Options options;
@@ -162,8 +161,8 @@ TEST_P(OnlyBelow, keeps_the_rest_and_does_not_get_worse) {
   EXPECT_EQ(again.tets, after.tets);
 }
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<ThresholdCase> threshold_cases() {
+  std::vector<ThresholdCase> all;
   std::uint32_t seed = 1;
   for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
     for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
@@ -172,7 +171,7 @@ std::vector<Case> cases() {
   }
   return all;
 }
-INSTANTIATE_TEST_SUITE_P(Cases, OnlyBelow, testing::ValuesIn(cases()));
+INSTANTIATE_TEST_SUITE_P(Cases, OnlyBelow, testing::ValuesIn(threshold_cases()));
 
 TetMesh with_bad_corner() {
   TetMesh mesh = test::cube(8);
@@ -226,7 +225,7 @@ TEST(OnlyBelowLimit, targets_are_reported_for_the_whole_mesh) {
   std::map<Index, double> missed;
   const std::vector<Measures> measures = measure_each(mesh);
   for (Index t = 0; t < static_cast<Index>(measures.size()); ++t) {
-    const double value = measures[at(t)][static_cast<std::size_t>(Measure::mean_ratio)];
+    const double value = measures[to_size_t(t)][static_cast<std::size_t>(Measure::mean_ratio)];
     if (value < 0.8) missed[t] = value;
   }
   ASSERT_EQ(report.targets.size(), 1U);
@@ -256,10 +255,10 @@ TEST(OnlyBelowLimit, tetrahedra_that_cannot_be_repaired_are_named_by_their_numbe
   TetMesh mesh = test::cube(6);
   const Index last = static_cast<Index>(mesh.tets.size()) - 1;
   // The last tetrahedron is made flat, and all its vertices are held.
-  const auto tet = mesh.tets[at(last)];
+  const auto tet = mesh.tets[to_size_t(last)];
   for (std::size_t k = 0; k < 3; ++k) {
-    mesh.points[at(tet[3])][k] =
-        (mesh.points[at(tet[0])][k] + mesh.points[at(tet[1])][k] + mesh.points[at(tet[2])][k]) / 3;
+    mesh.points[to_size_t(tet[3])][k] =
+        (mesh.points[to_size_t(tet[0])][k] + mesh.points[to_size_t(tet[1])][k] + mesh.points[to_size_t(tet[2])][k]) / 3;
   }
   mesh.required_tets = {last};
   Options options;
@@ -277,7 +276,7 @@ TEST(OnlyBelowLimit, tetrahedra_that_cannot_be_repaired_are_named_by_their_numbe
 TEST(OnlyBelowLimit, listed_corners_do_not_move) {
   TetMesh mesh = test::cube(8, 0.2, 3);
   for (Index v = 0; v < static_cast<Index>(mesh.points.size()) && mesh.corners.empty(); ++v) {
-    const Point3& p = mesh.points[at(v)];
+    const Point3& p = mesh.points[to_size_t(v)];
     if (p[2] == 0 && p[0] > 0.3 && p[0] < 0.7 && p[1] > 0.3 && p[1] < 0.7) mesh.corners.push_back(v);
   }
   ASSERT_EQ(mesh.corners.size(), 1U);
@@ -288,7 +287,7 @@ TEST(OnlyBelowLimit, listed_corners_do_not_move) {
   const Report report = optimize(mesh, options);
   EXPECT_GT(report.plane_vertices, 0);
   ASSERT_EQ(mesh.corners, before.corners);
-  EXPECT_EQ(mesh.points[at(mesh.corners[0])], before.points[at(before.corners[0])]);
+  EXPECT_EQ(mesh.points[to_size_t(mesh.corners[0])], before.points[to_size_t(before.corners[0])]);
 }
 
 /// Replaces a tetrahedron by four around a new vertex in its middle.
@@ -296,7 +295,7 @@ void split(TetMesh& mesh, std::size_t t) {
   const auto tet = mesh.tets[t];
   Point3 center{};
   for (const Index v : tet) {
-    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * mesh.points[at(v)][k];
+    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * mesh.points[to_size_t(v)][k];
   }
   const auto added = static_cast<Index>(mesh.points.size());
   mesh.points.push_back(center);

@@ -160,19 +160,12 @@ TEST(Optimize, InFixedModeNoSurfaceVertexMoves) {
   EXPECT_EQ(moved, 64U);
 }
 
-Point3 centroid(const TetMesh& mesh, std::size_t tet) {
-  Point3 sum{};
-  for (const Index v : mesh.tets[tet]) {
-    for (std::size_t k = 0; k < 3; ++k) sum[k] += 0.25 * mesh.points[static_cast<std::size_t>(v)][k];
-  }
-  return sum;
-}
-
 TEST(Optimize, EachTetDescendsFromOneNearByOfItsRegion) {
   for (const Effort effort : {Effort::standard, Effort::best}) {
     const TetMesh before = test::scrambled(test::cube(10, 0.25), 2);
     TetMesh regions = before;
-    for (std::size_t t = 0; t < before.tets.size(); ++t) regions.tet_tags[t] = centroid(before, t)[0] < 0.5 ? 3 : 4;
+    for (std::size_t t = 0; t < before.tets.size(); ++t)
+      regions.tet_tags[t] = test::centroid(before, t)[0] < 0.5 ? 3 : 4;
     TetMesh after = regions;
     Options options;
     options.effort = effort;
@@ -183,8 +176,8 @@ TEST(Optimize, EachTetDescendsFromOneNearByOfItsRegion) {
       const auto original = static_cast<std::size_t>(report.tet2original[t]);
       ASSERT_LT(original, before.tets.size());
       ASSERT_EQ(after.tet_tags[t], regions.tet_tags[original]);
-      const Point3 a = centroid(after, t);
-      const Point3 b = centroid(before, original);
+      const Point3 a = test::centroid(after, t);
+      const Point3 b = test::centroid(before, original);
       far += std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
     }
     EXPECT_LT(far / static_cast<double>(after.tets.size()), 0.1);  // the length of an edge of the lattice

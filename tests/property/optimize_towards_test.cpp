@@ -17,7 +17,7 @@ namespace {
 
 AcceptanceCriteria one(CheckMeasure measure, double fail) { return {"test", {{measure, {}, fail}}}; }
 
-TetMesh input() {
+TetMesh lattice_input() {
   TetMesh mesh = test::scrambled(test::cube(5, 0.3, 3), 2, 3);
   DataArray number{"number", 1, {}};
   std::vector<double> values(mesh.points.size());
@@ -32,10 +32,10 @@ TEST(OptimizeTowards, RoundsMakeFailingElementsPass) {
                                        {CheckMeasure::volume_skew, 0.561},
                                        {CheckMeasure::orthogonal_quality, 0.4301}}) {
     const AcceptanceCriteria criteria = one(measure, limit);
-    TetMesh plain = input();
+    TetMesh plain = lattice_input();
     optimize(plain);
     ASSERT_EQ(check(plain, criteria).verdict, Verdict::fail) << info_of(measure).name;
-    TetMesh mesh = input();
+    TetMesh mesh = lattice_input();
     const CriteriaReport report = optimize_towards(mesh, criteria);
     EXPECT_EQ(check(mesh, criteria).verdict, Verdict::pass) << info_of(measure).name;
     EXPECT_EQ(report.after.verdict, Verdict::pass);
@@ -44,14 +44,14 @@ TEST(OptimizeTowards, RoundsMakeFailingElementsPass) {
     EXPECT_TRUE(validate(mesh).ok());
     EXPECT_EQ(report.optimization.tets_after, std::ssize(mesh.tets));
     EXPECT_EQ(report.optimization.tet2original.size(), mesh.tets.size());
-    EXPECT_EQ(mesh.point_data.at(0).values, input().point_data.at(0).values);
+    EXPECT_EQ(mesh.point_data.at(0).values, lattice_input().point_data.at(0).values);
   }
 }
 
 TEST(OptimizeTowards, SameBitsForAnyNumberOfThreads) {
   Options options;
   options.effort = Effort::best;
-  std::vector<TetMesh> meshes(2, input());
+  std::vector<TetMesh> meshes(2, lattice_input());
   for (std::size_t i = 0; i < 2; ++i) {
     options.threads = i == 0 ? 1 : 3;
     const CriteriaReport report = optimize_towards(meshes[i], one(CheckMeasure::edge_ratio, 1.85), options);
@@ -65,7 +65,7 @@ TEST(OptimizeTowards, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(OptimizeTowards, NoRoundIsRepeated) {
-  TetMesh mesh = input();
+  TetMesh mesh = lattice_input();
   // All tetrahedra fail, and none will pass.
   const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 1.0));
   ASSERT_FALSE(report.rounds.empty());
@@ -98,12 +98,12 @@ TEST(OptimizeTowards, MakesNoRoundsWhereOptionsExcludeThem) {
     if (k == 0) options.only_below = {{Measure::min_dihedral, 20}};
     if (k == 1) options.data = DataTransfer::interpolate;
     if (k == 2) options.termination = Termination::paper;
-    TetMesh mesh = input();
+    TetMesh mesh = lattice_input();
     const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 1.01), options);
     EXPECT_FALSE(report.no_rounds.empty());
     EXPECT_TRUE(report.rounds.empty());
     EXPECT_EQ(report.limits.empty(), k == 0);
-    TetMesh plain = input();
+    TetMesh plain = lattice_input();
     optimize(plain, options);
     EXPECT_EQ(mesh.points, plain.points);
   }
@@ -112,7 +112,7 @@ TEST(OptimizeTowards, MakesNoRoundsWhereOptionsExcludeThem) {
 TEST(OptimizeTowards, ARequestedStopEndsTheRounds) {
   Context context;
   context.stop = [] { return true; };
-  TetMesh mesh = input();
+  TetMesh mesh = lattice_input();
   const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 1.01), {}, context);
   EXPECT_EQ(report.optimization.stop, StopReason::cancelled);
   EXPECT_TRUE(report.rounds.empty());

@@ -31,14 +31,6 @@ int below(std::mt19937& random, int n) { return static_cast<int>(random() % stat
 
 std::uint32_t seed(std::mt19937& random) { return static_cast<std::uint32_t>(random()); }
 
-Point3 centroid(const TetMesh& m, std::size_t tet) {
-  Point3 c{};
-  for (const Index v : m.tets[tet]) {
-    for (std::size_t k = 0; k < 3; ++k) c[k] += m.points[static_cast<std::size_t>(v)][k] / 4;
-  }
-  return c;
-}
-
 TetMesh jittered(std::mt19937& random, int least) {
   const int n = least + below(random, 4);
   const double jitter = uniform(random, 0, 0.2);
@@ -51,7 +43,7 @@ void add_materials(TetMesh& m, std::mt19937& random) {
   const Point3 middle{uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1)};
   const double radius = uniform(random, 0.2, 0.5);
   for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    const Point3 c = centroid(m, t);
+    const Point3 c = test::centroid(m, t);
     if (kind == 1) m.tet_tags[t] = 1 + static_cast<int>(3 * c[2]);
     if (kind == 2) m.tet_tags[t] = std::hypot(c[0] - middle[0], c[1] - middle[1], c[2] - middle[2]) < radius ? 2 : 1;
     if (kind == 3) m.tet_tags[t] = random() % 10 == 0 ? 2 : 1;

@@ -7,15 +7,17 @@
 #include <limits>
 #include <numbers>
 
+#include "math/constants.hpp"
 #include "meshes.hpp"
+#include "options.hpp"
 #include "sanitized.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr Point3 kFree{kNan, kNan, kNan};
+using test::kFree;
+
 constexpr int kCells = 6;
 
 /// A cylinder of radius 1 along [0, 1] on the x axis, or rather a prism: its base has corners on the circle.

@@ -47,16 +47,16 @@ TetMesh curved(int shape, std::uint32_t seed) {
   }
 }
 
-struct Case {
+struct SlideCase {
   int shape;
   std::uint32_t seed;
   Relocation relocation;
   Energy energy;
   double feature_angle;
 };
-void PrintTo(const Case& c, std::ostream* out) { *out << "shape " << c.shape << " seed " << c.seed; }
+void PrintTo(const SlideCase& c, std::ostream* out) { *out << "shape " << c.shape << " seed " << c.seed; }
 
-Options options_of(const Case& c) {
+Options options_of(const SlideCase& c) {
   Options options;
   options.boundary = Boundary::slide;
   options.relocation = c.relocation;
@@ -87,10 +87,10 @@ std::multiset<std::pair<std::array<int, 2>, int>> kinds_of(const std::vector<Ski
   return kinds;
 }
 
-class SlideProperties : public testing::TestWithParam<Case> {};
+class SlideProperties : public testing::TestWithParam<SlideCase> {};
 
 TEST_P(SlideProperties, KeepTheSurfaceItsFeaturesAndTheTags) {
-  const Case c = GetParam();
+  const SlideCase c = GetParam();
   const TetMesh before = curved(c.shape, c.seed);
   ASSERT_TRUE(validate(before).ok()) << validate(before).message(false);
   TetMesh after = before;
@@ -166,8 +166,8 @@ TEST_P(SlideProperties, KeepTheSurfaceItsFeaturesAndTheTags) {
   EXPECT_GT(moved, static_cast<std::int64_t>(features.degree.size()) / 3);
 }
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<SlideCase> slide_cases() {
+  std::vector<SlideCase> all;
   for (int shape = 0; shape < kShapes; ++shape) {
     for (std::uint32_t seed = 1; seed <= 2; ++seed) {
       for (const Relocation relocation : {Relocation::newton, Relocation::gradient}) {
@@ -180,8 +180,8 @@ std::vector<Case> cases() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, SlideProperties, testing::ValuesIn(cases()), [](const auto& test) {
-  const Case& c = test.param;
+INSTANTIATE_TEST_SUITE_P(Shapes, SlideProperties, testing::ValuesIn(slide_cases()), [](const auto& test) {
+  const SlideCase& c = test.param;
   return "Shape" + std::to_string(c.shape) + "Seed" + std::to_string(c.seed) +
          (c.relocation == Relocation::newton ? "Newton" : "Gradient") +
          (c.energy == Energy::shape ? "Shape" : "Harmonic") + (c.feature_angle < 180 ? "" : "NoFeatures");

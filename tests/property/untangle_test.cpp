@@ -12,11 +12,11 @@
 namespace tetune {
 namespace {
 
-constexpr int kCells = 8;
+constexpr int kCubeCells = 8;
 
 using test::is_inner;
 
-TetMesh tangled(double noise, std::uint32_t seed) { return test::tangled(kCells, noise, seed); }
+TetMesh tangled(double noise, std::uint32_t seed) { return test::tangled(kCubeCells, noise, seed); }
 
 std::int64_t inverted(const TetMesh& m) {
   std::int64_t count = 0;
@@ -48,7 +48,7 @@ TEST(Untangle, MakesEveryVolumePositiveAndKeepsTheSurface) {
     EXPECT_TRUE(valid.ok()) << valid.message(false);
     EXPECT_GT(quality(after).dihedral_min, 5);
     // The surface and the interface are as in the lattice before the noise.
-    const Comparison change = compare(test::two_materials(kCells), after);
+    const Comparison change = compare(test::two_materials(kCubeCells), after);
     EXPECT_LT(change.new_to_old, 1e-12);
     EXPECT_LT(change.old_to_new, 1e-12);
     EXPECT_LT(change.region_volume_change, 1e-12);

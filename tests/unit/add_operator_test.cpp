@@ -58,7 +58,7 @@ struct SmallEdgeFlips {
   }
 };
 
-struct Fixture : test::FlipFixture {
+struct WithOperator : test::FlipFixture {
   using test::FlipFixture::FlipFixture;
   SmallEdgeFlips small_edge_flips() {
     return {rated(work, criterion), state.constrained(), state.active.span(), state.energies.span()};
@@ -67,7 +67,7 @@ struct Fixture : test::FlipFixture {
 };
 
 TEST(AddOperator, ThreeTetsAroundALongEdgeBecomeTwo) {
-  Fixture f(test::three_tets(1));
+  WithOperator f(test::three_tets(1));
   const PassResult r = f.small_edge_flip_pass();
   EXPECT_EQ(r.active, 3);
   EXPECT_EQ(r.evaluated, 1);
@@ -84,7 +84,7 @@ TEST(AddOperator, ThreeTetsAroundALongEdgeBecomeTwo) {
 }
 
 TEST(AddOperator, TheHighestBidOnAllTetrahedraOfItsCavityIsSelected) {
-  Fixture f(test::sheared(test::scrambled(test::cube(6, 0.2, 2), 3, 2), 2.5));
+  WithOperator f(test::sheared(test::scrambled(test::cube(6, 0.2, 2), 3, 2), 2.5));
   const SmallEdgeFlips operation = f.small_edge_flips();
   std::vector<std::pair<std::uint64_t, FlipCandidate>> bids;
   std::map<Index, std::uint64_t> highest;
@@ -112,7 +112,7 @@ TEST(AddOperator, TheHighestBidOnAllTetrahedraOfItsCavityIsSelected) {
 }
 
 TEST(AddOperator, PassesEndWhereNoCandidateGains) {
-  Fixture f(test::sheared(test::scrambled(test::cube(5, 0.2, 4), 3, 4), 2.5));
+  WithOperator f(test::sheared(test::scrambled(test::cube(5, 0.2, 4), 3, 4), 2.5));
   int passes = 0;
   for (Size flips = 1; flips > 0; ++passes) flips = f.small_edge_flip_pass().counts.flips();
   EXPECT_GT(passes, 2);

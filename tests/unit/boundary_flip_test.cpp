@@ -20,7 +20,7 @@ namespace {
 using backend::Cpu;
 
 /// A mesh with its boundary, as load() finds it.
-struct Fixture {
+struct BoundaryFlips {
   TetMesh original;
   Cpu cpu;
   test::CpuMesh work;
@@ -30,8 +30,8 @@ struct Fixture {
   std::vector<std::uint8_t> active;
   double energy = 0;
 
-  explicit Fixture(const TetMesh& mesh, const std::vector<Index>& frozen = {},
-                   const std::vector<std::array<Index, 2>>& constrained = {}, int threads = 1)
+  explicit BoundaryFlips(const TetMesh& mesh, const std::vector<Index>& frozen = {},
+                         const std::vector<std::array<Index, 2>>& constrained = {}, int threads = 1)
       : original(mesh), cpu(threads), work(test::to_work(mesh)) {
     build_adjacency(cpu, work);
     test::lock_interfaces(cpu, work, mesh);
@@ -176,7 +176,7 @@ TEST(BoundaryFlip, FindsTheBestOfAllTriangulations) {
     for (std::uint32_t seed = 1; seed <= 600; ++seed) {
       const TetMesh m = fan(n, seed);
       if (!validate(m).ok()) continue;
-      Fixture f(m);
+      BoundaryFlips f(m);
       const double best = least_energy(m, fan_polygon(n));
       const bool expected = best < f.energy * (1 - kMinRelativeGain);
       const PassResult r = f.pass();
@@ -201,13 +201,13 @@ TetMesh worth_it(int n) {
   TetMesh m;
   for (std::uint32_t seed = 1; seed < 1000; ++seed) {
     m = fan(n, seed);
-    if (validate(m).ok() && Fixture(m).pass().counts.flips() == 1) break;
+    if (validate(m).ok() && BoundaryFlips(m).pass().counts.flips() == 1) break;
   }
   return m;
 }
 
 TEST(BoundaryFlip, StopsAtTheLargestRingAllowed) {
-  Fixture f(worth_it(4));
+  BoundaryFlips f(worth_it(4));
   f.state.max_ring = 4;
   EXPECT_EQ(f.pass().evaluated, 0);
   f.state.max_ring = 5;
@@ -215,7 +215,7 @@ TEST(BoundaryFlip, StopsAtTheLargestRingAllowed) {
 }
 
 TEST(BoundaryFlip, AsksOnlyAroundAwakeVertices) {
-  Fixture f(worth_it(2));
+  BoundaryFlips f(worth_it(2));
   f.active.assign(f.active.size(), 1);
   f.active[0] = f.active[1] = 0;
   EXPECT_EQ(f.pass().active, 0);
@@ -226,10 +226,11 @@ TEST(BoundaryFlip, AsksOnlyAroundAwakeVertices) {
 
 TEST(BoundaryFlip, LeavesAFoldAlone) {
   std::uint32_t seed = 1;
-  while (seed < 1000 && (!validate(fan(2, seed)).ok() || Fixture(fan(2, seed)).pass().counts.flips() == 0)) ++seed;
-  EXPECT_EQ(Fixture(fan(2, seed, 1e-7)).pass().active, 1);
-  EXPECT_EQ(Fixture(fan(2, seed, 1e-5)).pass().active, 0);
-  EXPECT_EQ(Fixture(fan(2, seed, -1e-5)).pass().active, 0);
+  while (seed < 1000 && (!validate(fan(2, seed)).ok() || BoundaryFlips(fan(2, seed)).pass().counts.flips() == 0))
+    ++seed;
+  EXPECT_EQ(BoundaryFlips(fan(2, seed, 1e-7)).pass().active, 1);
+  EXPECT_EQ(BoundaryFlips(fan(2, seed, 1e-5)).pass().active, 0);
+  EXPECT_EQ(BoundaryFlips(fan(2, seed, -1e-5)).pass().active, 0);
 }
 
 TEST(BoundaryFlip, LeavesWhatMustStay) {
@@ -239,7 +240,7 @@ TEST(BoundaryFlip, LeavesWhatMustStay) {
   const auto flips = [](TetMesh mesh, const std::vector<std::array<Index, 3>>& triangles, std::vector<int> tags) {
     mesh.triangles = triangles;
     mesh.triangle_tags = std::move(tags);
-    return Fixture(mesh).pass().counts.flips();
+    return BoundaryFlips(mesh).pass().counts.flips();
   };
   EXPECT_EQ(flips(m, {first, second}, {7, 7}), 1);
   EXPECT_EQ(flips(m, {first, second}, {0, 0}), 1);
@@ -249,16 +250,16 @@ TEST(BoundaryFlip, LeavesWhatMustStay) {
   EXPECT_EQ(flips(m, {first}, {0}), 0);
   EXPECT_EQ(flips(m, {first, second, first}, {7, 7, 7}), 0);
   // A frozen triangle has three frozen vertices.
-  EXPECT_EQ(Fixture(m, {0, 1, 2}).pass().counts.flips(), 0);
-  EXPECT_EQ(Fixture(m, {0, 1, 4}).pass().counts.flips(), 0);
-  EXPECT_EQ(Fixture(m, {0, 1}).pass().counts.flips(), 1);
-  EXPECT_EQ(Fixture(m, {}, {{0, 1}}).pass().counts.flips(), 0);
-  EXPECT_EQ(Fixture(m, {}, {{0, 2}}).pass().counts.flips(), 1);
+  EXPECT_EQ(BoundaryFlips(m, {0, 1, 2}).pass().counts.flips(), 0);
+  EXPECT_EQ(BoundaryFlips(m, {0, 1, 4}).pass().counts.flips(), 0);
+  EXPECT_EQ(BoundaryFlips(m, {0, 1}).pass().counts.flips(), 1);
+  EXPECT_EQ(BoundaryFlips(m, {}, {{0, 1}}).pass().counts.flips(), 0);
+  EXPECT_EQ(BoundaryFlips(m, {}, {{0, 2}}).pass().counts.flips(), 1);
   TetMesh two = m;
   two.tet_tags = {1, 2};
-  EXPECT_EQ(Fixture(two).pass().counts.flips(), 0);
+  EXPECT_EQ(BoundaryFlips(two).pass().counts.flips(), 0);
   two.tet_tags = {5, 5};
-  Fixture f(two);
+  BoundaryFlips f(two);
   EXPECT_EQ(f.pass().counts.flips(), 1);
   EXPECT_EQ(f.result().tet_tags, (std::vector<int>{5, 5}));
 }
@@ -268,7 +269,7 @@ TEST(BoundaryFlip, IsRefusedWhereTheQuadrangleIsNotConvex) {
   m.points = {{0, -20, 0}, {0, 0, 0}, {-1, 0.02, 0}, {0, -1, 1}, {1, 0.02, 0}};
   m.tets = {{0, 2, 3, 1}, {0, 3, 4, 1}};
   ASSERT_TRUE(validate(test::with_tags(m)).ok());
-  Fixture f(test::with_tags(m));
+  BoundaryFlips f(test::with_tags(m));
   EXPECT_EQ(f.pass().active, 1);
   EXPECT_EQ(f.pass().counts.flips(), 0);
 }
@@ -281,7 +282,7 @@ TEST(BoundaryFlip, EdgesCloseToDelaunayAreNotLookedAt) {
     m.points[4] = {s + std::sqrt(s * s + 1), 0, 0};
     m.tets = {{0, 2, 3, 1}, {0, 3, 4, 1}};
     ASSERT_TRUE(validate(test::with_tags(m)).ok());
-    Fixture f(test::with_tags(m));
+    BoundaryFlips f(test::with_tags(m));
     EXPECT_EQ(f.pass().active, s < 0.3 ? 1 : 0);
   }
 }
@@ -292,11 +293,11 @@ TEST(BoundaryFlip, ListedTrianglesFollowAndTurnAsTheyDid) {
     m.triangles = {{0, 1, 3}, {1, 0, 2}, {0, 1, 4}};  // the first is inside
     if (turned) std::swap(m.triangles[1][0], m.triangles[1][2]);
     m.triangle_tags = {0, 7, 7};
-    Fixture f(m);
+    BoundaryFlips f(m);
     EXPECT_EQ(f.listed_now(m), m.triangles);
     const auto before = f.faces();
-    EXPECT_EQ(before.count(Fixture::from_lowest(m.triangles[1])), turned ? 0U : 1U);
-    EXPECT_EQ(before.count(Fixture::from_lowest(m.triangles[2])), 1U);
+    EXPECT_EQ(before.count(BoundaryFlips::from_lowest(m.triangles[1])), turned ? 0U : 1U);
+    EXPECT_EQ(before.count(BoundaryFlips::from_lowest(m.triangles[2])), 1U);
     EXPECT_EQ(f.pass().counts.flips(), 1);
     const auto listed = f.listed_now(m);
     const auto after = f.faces();
@@ -306,8 +307,8 @@ TEST(BoundaryFlip, ListedTrianglesFollowAndTurnAsTheyDid) {
       EXPECT_TRUE(vertices.count(2) == 1 && vertices.count(4) == 1) << i;
     }
     EXPECT_NE(std::set<Index>(listed[1].begin(), listed[1].end()), std::set<Index>(listed[2].begin(), listed[2].end()));
-    EXPECT_EQ(after.count(Fixture::from_lowest(listed[1])), turned ? 0U : 1U);
-    EXPECT_EQ(after.count(Fixture::from_lowest(listed[2])), 1U);
+    EXPECT_EQ(after.count(BoundaryFlips::from_lowest(listed[1])), turned ? 0U : 1U);
+    EXPECT_EQ(after.count(BoundaryFlips::from_lowest(listed[2])), 1U);
   }
 }
 
@@ -344,7 +345,7 @@ TEST(BoundaryFlip, FindsTheBestOnBothSidesOfAnInterface) {
     for (std::uint32_t seed = 1; seed <= 600; ++seed) {
       const TetMesh m = two_fans(n, below, seed);
       if (!validate(m).ok()) continue;
-      Fixture f(m);
+      BoundaryFlips f(m);
       const double above = least_energy(m, fan_polygon(n));
       const double best = above + least_energy(m, polygon_below(n, below));
       const bool expected = best < f.energy * (1 - kMinRelativeGain);
@@ -354,7 +355,7 @@ TEST(BoundaryFlip, FindsTheBestOnBothSidesOfAnInterface) {
       ++(expected ? flipped : left);
       if (!expected) continue;
       double above_before = 0;
-      for (int t = 0; t < n; ++t) above_before += Fixture(m).state.energies.span()[t];
+      for (int t = 0; t < n; ++t) above_before += BoundaryFlips(m).state.energies.span()[t];
       losing_side += above > above_before || best - above > f.energy - above_before ? 1 : 0;
       EXPECT_NEAR(r.decrease, f.energy - best, 1e-12 * f.energy);
       EXPECT_EQ(f.work.tets(), 2 * (n - 1) + 2 * (below - 1));
@@ -375,14 +376,14 @@ TEST(BoundaryFlip, FindsTheBestOnBothSidesOfAnInterface) {
 TEST(BoundaryFlip, TrianglesOfAnInterfaceTurnAsTheyDid) {
   std::uint32_t seed = 1;
   while (seed < 1000 &&
-         (!validate(two_fans(2, 2, seed)).ok() || Fixture(two_fans(2, 2, seed)).pass().counts.flips() == 0))
+         (!validate(two_fans(2, 2, seed)).ok() || BoundaryFlips(two_fans(2, 2, seed)).pass().counts.flips() == 0))
     ++seed;
   for (const bool turned : {false, true}) {
     TetMesh m = two_fans(2, 2, seed);
     m.triangles = {{0, 1, 2}, {0, 1, 4}};  // they turn in opposite senses
     if (turned) std::swap(m.triangles[0], m.triangles[1]);
     m.triangle_tags = {7, 7};
-    Fixture f(m);
+    BoundaryFlips f(m);
     EXPECT_EQ(f.listed_now(m), m.triangles);
     EXPECT_EQ(f.pass().counts.flips(), 1);
     const auto listed = f.listed_now(m);
@@ -402,25 +403,25 @@ TEST(BoundaryFlip, TrianglesOfAnInterfaceTurnAsTheyDid) {
 TEST(BoundaryFlip, LeavesAnInterfaceAloneWhereItsTagsDiffer) {
   std::uint32_t seed = 1;
   while (seed < 1000 &&
-         (!validate(two_fans(2, 2, seed)).ok() || Fixture(two_fans(2, 2, seed)).pass().counts.flips() == 0))
+         (!validate(two_fans(2, 2, seed)).ok() || BoundaryFlips(two_fans(2, 2, seed)).pass().counts.flips() == 0))
     ++seed;
   TetMesh m = two_fans(2, 2, seed);
   m.triangles = {{0, 1, 2}, {0, 1, 4}};
   m.triangle_tags = {7, 8};
-  EXPECT_EQ(Fixture(m).pass().counts.flips(), 0);
+  EXPECT_EQ(BoundaryFlips(m).pass().counts.flips(), 0);
   m.triangle_tags = {7, 7};
-  EXPECT_EQ(Fixture(m).pass().counts.flips(), 1);
-  EXPECT_EQ(Fixture(m, {0, 1, 2}).pass().counts.flips(), 0);
-  EXPECT_EQ(Fixture(m, {}, {{0, 1}}).pass().counts.flips(), 0);
+  EXPECT_EQ(BoundaryFlips(m).pass().counts.flips(), 1);
+  EXPECT_EQ(BoundaryFlips(m, {0, 1, 2}).pass().counts.flips(), 0);
+  EXPECT_EQ(BoundaryFlips(m, {}, {{0, 1}}).pass().counts.flips(), 0);
   m.tet_tags[1] = 3;  // a third region
-  EXPECT_EQ(Fixture(m).pass().counts.flips(), 0);
+  EXPECT_EQ(BoundaryFlips(m).pass().counts.flips(), 0);
 }
 
 /// Passes of both kinds on a mesh whose vertices have moved within its sides, for several numbers of threads.
 void check_passes(const TetMesh& mesh) {
   std::set<std::vector<std::array<Index, 4>>> results;
   for (const int threads : {1, 2, 3}) {
-    Fixture f(mesh, {}, {}, threads);
+    BoundaryFlips f(mesh, {}, {}, threads);
     Size flips = 0;
     for (int round = 0; round < 5; ++round) {
       const PassResult r = f.pass();
@@ -457,8 +458,8 @@ TEST(BoundaryFlip, PassesKeepAllConsistent) {
 
 TEST(BoundaryFlip, PassesKeepInterfacesConsistent) {
   const TetMesh mesh = test::sheared(test::two_materials(12, 0.2), 1.2);
-  const auto before = Fixture(mesh).inner_faces();
-  Fixture f(mesh);
+  const auto before = BoundaryFlips(mesh).inner_faces();
+  BoundaryFlips f(mesh);
   f.pass();
   EXPECT_NE(f.inner_faces(), before);
   EXPECT_EQ(f.inner_faces().size(), before.size());

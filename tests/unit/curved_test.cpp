@@ -34,7 +34,7 @@ TenNodes straight(const std::array<Vec3, 4>& vertices) {
   return nodes;
 }
 
-const std::array<Vec3, 4> kUnit{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+const std::array<Vec3, 4> kUnitTet{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 /// The determinant by the derivatives of the shape functions: the definition.
 double plain_determinant(const TenNodes& nodes, const std::array<double, 4>& at) {
@@ -64,9 +64,9 @@ double sampled_minimum(const TenNodes& nodes, int n) {
 }
 
 TEST(Curved, StraightElementHasConstantDeterminant) {
-  const ScaledJacobian j = jacobian_of(straight(kUnit));
+  const ScaledJacobian j = jacobian_of(straight(kUnitTet));
   for (const double c : j.polynomial.coefficients) EXPECT_EQ(c, 1);
-  const CurvedTet t = measure_nodes(straight(kUnit));
+  const CurvedTet t = measure_nodes(straight(kUnitTet));
   EXPECT_EQ(t.validity, CurvedValidity::valid);
   EXPECT_NEAR(t.min_lower, 1, 1e-12);
   EXPECT_NEAR(t.max_upper, 1, 1e-12);
@@ -77,7 +77,7 @@ TEST(Curved, StraightElementHasConstantDeterminant) {
 TEST(Curved, DeterminantOfAMovedMiddleIsKnown) {
   // x = u + 4 s u (1 - u - v - w) along the first edge: dx/du = 1 + 4 s (1 - 2 u - v - w), the determinant.
   for (const double s : {0.1, 0.2, 0.24, 0.26, -0.3}) {
-    TenNodes nodes = straight(kUnit);
+    TenNodes nodes = straight(kUnitTet);
     nodes[4].x += s;
     const CurvedTet t = measure_nodes(nodes);
     const double minimum = 1 - 4 * std::fabs(s);
@@ -94,7 +94,7 @@ TEST(Curved, DeterminantOfAMovedMiddleIsKnown) {
       EXPECT_EQ(t.corner_ratio, kInfinity);
     }
   }
-  TenNodes flat = straight(kUnit);
+  TenNodes flat = straight(kUnitTet);
   flat[4].x += 0.25;
   EXPECT_EQ(measure_nodes(flat).validity, CurvedValidity::undecided);
 }
@@ -103,7 +103,7 @@ TEST(Curved, BezierFormIsTheDeterminant) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 100; ++i) {
-    TenNodes nodes = straight(kUnit);
+    TenNodes nodes = straight(kUnitTet);
     for (Vec3& x : nodes) x = x + 0.3 * Vec3{uniform(random), uniform(random), uniform(random)};
     const JacobianPolynomial p = jacobian_of(nodes).polynomial;
     const std::array<double, 4> at{0.1, 0.2, 0.3, 0.4};
@@ -129,7 +129,7 @@ TEST(Curved, ProofAgreesWithSampling) {
   int valid = 0;
   for (int i = 0; i < elements; ++i) {
     const auto shift = [&](double by) { return by * Vec3{uniform(random), uniform(random), uniform(random)}; };
-    std::array<Vec3, 4> vertices = kUnit;
+    std::array<Vec3, 4> vertices = kUnitTet;
     for (Vec3& x : vertices) x = x + shift(0.3);
     TenNodes nodes = straight(vertices);
     const double size = 0.3 * std::fabs(uniform(random));
@@ -151,7 +151,7 @@ TEST(Curved, ProofAgreesWithSampling) {
 }
 
 TEST(Curved, ProofIsIndependentOfScaleAndPlace) {
-  TenNodes nodes = straight(kUnit);
+  TenNodes nodes = straight(kUnitTet);
   nodes[4].x += 0.2499;
   for (const double scale : {1.0, 1e-60, 1e60}) {
     TenNodes scaled = nodes;
@@ -307,7 +307,7 @@ TEST(Curved, GradientOfTheRelaxationEnergyIsItsDerivative) {
   PatchElement element;
   for (std::size_t n = 0; n < 10; ++n) element.nodes[n] = n;
   element.inverse_ideal = inverse_of_edges({Vec3{0, 0, 0}, {1, 0.2, 0}, {0.1, 1, 0}, {0, 0.3, 1.1}});
-  const TenNodes nodes = straight(kUnit);
+  const TenNodes nodes = straight(kUnitTet);
   const std::vector<std::size_t> unknowns{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
   RelaxationEnergy energy({element}, {nodes.begin(), nodes.end()}, unknowns);
   std::vector<double> x = energy.start();
@@ -339,7 +339,7 @@ TEST(Curved, HeldNodesBoundTheScaledJacobian) {
   const std::array<Index, 4> tet{0, 1, 2, 3};
   HeldNodes held{{1, 1, 1, 1}, {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}}};
   for (int i = 0; i < 200; ++i) {
-    TenNodes nodes = straight(kUnit);
+    TenNodes nodes = straight(kUnitTet);
     for (std::size_t k = 4; k < 10; ++k) displace(nodes[k]);
     const double bound = bound_by_held(tet, nodes, held);
     // The two faces at edge 01 are held, and with them what the determinant is there.
@@ -349,7 +349,7 @@ TEST(Curved, HeldNodesBoundTheScaledJacobian) {
     EXPECT_LE(measure_nodes(nodes).scaled_jacobian(), bound + 1e-12);
   }
   held.edges.erase(held.edges.begin());
-  EXPECT_EQ(bound_by_held(tet, straight(kUnit), held), kInfinity);
+  EXPECT_EQ(bound_by_held(tet, straight(kUnitTet), held), kInfinity);
 }
 
 /// A ball whose mid-side nodes of the surface are on the sphere: elements at former edges of the cube have two faces

@@ -6,9 +6,12 @@
 
 #include "energy/ring.hpp"
 #include "energy/simd_ring.hpp"
+#include "surface.hpp"
 
 namespace tetune {
 namespace {
+
+using test::random_vec;
 
 using Real = __float128;
 
@@ -30,11 +33,6 @@ Real plain_eta(const Vec3 p[4]) {
     area2 += dt(n, n) / 4;
   }
   return area2 / (dt(cr(sub(p[1], p[0]), sub(p[2], p[0])), sub(p[3], p[0])) / 6);
-}
-
-Vec3 random_vec(std::mt19937& random) {
-  const auto u = [&random] { return 2 * (static_cast<double>(random()) / 4294967296.0) - 1; };
-  return {u(), u(), u()};
 }
 
 /// A ring whose faces are those of a regular icosahedron with displaced vertices, without the first `drop` ones.

@@ -27,7 +27,7 @@ Measures measures_of(const std::array<Point3, 4>& points) {
 double value(const Measures& m, Measure measure) { return m[static_cast<std::size_t>(measure)]; }
 
 constexpr std::array<Point3, 4> kRegular{{{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}}};
-constexpr std::array<Point3, 4> kCorner{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+constexpr std::array<Point3, 4> kCornerOfCube{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 /// Two edges of length 2 that cross at a right angle, `height` apart.
 std::array<Point3, 4> sliver(double height) { return {{{-1, 0, 0}, {1, 0, 0}, {0, 1, height}, {0, -1, height}}}; }
@@ -64,7 +64,7 @@ TEST(Measures, OfTheCornerTetrahedron) {
   const double r = 1 / (3 + std::sqrt(3.0));
   const double big_r = std::sqrt(3.0) / 2;
   const double eta = (3 * 0.25 + 0.75) * 6;
-  expect_measures(measures_of(kCorner),
+  expect_measures(measures_of(kCornerOfCube),
                   {std::acos(1 / std::sqrt(3.0)) * 180 / M_PI, 90, 12 * std::cbrt(0.25) / 9, 3 / std::sqrt(9 * 1.5),
                    3 * r / big_r, std::sqrt(0.5), big_r / (3 * r), std::sqrt(2.0) / (2 * std::sqrt(6.0) * r),
                    4.5 * std::sqrt(2.0) * std::cbrt(std::sqrt(2.0)) / eta},
@@ -168,7 +168,7 @@ TEST(Measures, OfFlatAndInvertedTetrahedraAreTheWorst) {
 TEST(Measures, TheShapeEnergyBoundsEveryAngle) {
   std::vector<std::array<Point3, 4>> tets = random_tets(20000);
   tets.push_back(kRegular);
-  tets.push_back(kCorner);
+  tets.push_back(kCornerOfCube);
   for (const double h : {1.0, 0.1, 1e-3, 1e-5}) tets.push_back(sliver(h));
   double min_ratio = 10;
   for (const std::array<Point3, 4>& p : tets) {

@@ -7,9 +7,12 @@
 
 #include "energy/ring.hpp"
 #include "energy/simd_ring.hpp"
+#include "surface.hpp"
 
 namespace tetune {
 namespace {
+
+using test::random_vec;
 
 using Real = __float128;
 using Wide = std::array<Real, 3>;
@@ -47,13 +50,6 @@ Real plain_energy(const Objective& objective, const std::array<Wide, 4>& p) {
   Real shape = root(eta * eta * eta / (2187 * volume));
   for (int i = 0; i < objective.log2_power; ++i) shape *= shape;
   return shape;
-}
-
-Vec3 random_vec(std::mt19937& random) {
-  const auto u = [&random] { return 2 * (static_cast<double>(random()) / 4294967296.0) - 1; };
-  const double x = u();
-  const double y = u();
-  return {x, y, u()};
 }
 
 const Objective kObjectives[] = {kHarmonicObjective, kShapeObjective, shape_objective(1), shape_objective(2)};
