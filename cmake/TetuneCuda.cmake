@@ -30,10 +30,9 @@ endfunction()
 if(TETUNE_PTXSIM)
   add_subdirectory(tests/ptxsim)
 endif()
+set(cuda_sources src/driver/driver_cuda.cu src/operators/operators_cuda.cu src/relocation/relocation_cuda.cu)
+set_source_files_properties(${cuda_sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 foreach(library ${TETUNE_LIBRARIES})
-  target_sources(${library} PRIVATE
-    src/driver/driver_cuda.cu
-    src/operators/operators_cuda.cu
-    src/relocation/relocation_cuda.cu)
+  target_sources(${library} PRIVATE ${cuda_sources})
   tetune_cuda_options(${library})
 endforeach()
