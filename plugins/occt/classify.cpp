@@ -83,7 +83,7 @@ class Classifier {
     std::vector<char> seen(n, 0);
     std::vector<std::pair<Index, Index>> front, next;  // point, neighbor
     for (std::size_t seed = 0; seed < n; seed += kStride) front.emplace_back(Index(seed), -1);
-    const std::vector<std::uint32_t> places = places_of(q_.points);
+    const std::vector<std::uint64_t> positions = positions_of(q_.points);
     std::size_t unseen = 0;
     while (unseen < n) {
       for (const auto& [point, from] : front) item(seen, point) = 1;
@@ -100,7 +100,7 @@ class Classifier {
       }
       front.swap(next);
       std::sort(front.begin(), front.end(), [&](const auto& a, const auto& b) {
-        return std::pair(item(places, a.first), a.first) < std::pair(item(places, b.first), b.first);
+        return std::pair(item(positions, a.first), a.first) < std::pair(item(positions, b.first), b.first);
       });
       while (front.empty() && unseen < n) {
         if (!item(seen, unseen)) front.emplace_back(Index(unseen), -1);

@@ -12,12 +12,12 @@ namespace {
 /// The points of each entity, near ones together: parameters of the last one are a good start, and OpenCASCADE keeps
 /// the polynomial of the last span of a spline.
 std::vector<Index> order_of(const ProjectQuery& query) {
-  const std::vector<std::uint32_t> places = places_of(query.points);
+  const std::vector<std::uint64_t> positions = positions_of(query.points);
   std::vector<Index> order(query.points.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](Index a, Index b) {
     const auto key = [&](Index i) {
-      return std::tuple(item(query.dimensions, i), item(query.entities, i), item(places, i), i);
+      return std::tuple(item(query.dimensions, i), item(query.entities, i), item(positions, i), i);
     };
     return key(a) < key(b);
   });

@@ -2,19 +2,17 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
+#include "math/constants.hpp"
+#include "math/hilbert.hpp"
 #include "tetune/types.hpp"
 
 namespace tetune::plugin {
 
-/// Places on a Z-order curve through the bounding box of points: near places are near each other.
-inline std::vector<std::uint32_t> places_of(const std::vector<Point3>& points) {
-  constexpr int kBits = 10;  // per direction
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Positions along the Hilbert curve through the bounding box of points: near positions are near each other.
+inline std::vector<std::uint64_t> positions_of(const std::vector<Point3>& points) {
   Point3 low{kInfinity, kInfinity, kInfinity};
   double size = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -25,18 +23,12 @@ inline std::vector<std::uint32_t> places_of(const std::vector<Point3>& points) {
     }
     size = std::max(size, high - low[k]);
   }
-  const double scale = size > 0 ? ((1 << kBits) - 1) / size : 0;
-  std::vector<std::uint32_t> places;
-  places.reserve(points.size());
-  for (const Point3& p : points) {
-    std::uint32_t place = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto x = std::uint32_t(scale * (p[k] - low[k]));
-      for (int bit = 0; bit < kBits; ++bit) place |= ((x >> bit) & 1U) << (3 * bit + int(k));
-    }
-    places.push_back(place);
-  }
-  return places;
+  const double scale = size > 0 ? (kHilbertCells - 1) / size : 0;
+  const auto cell = [&](const Point3& p, std::size_t k) { return std::uint32_t(scale * (p[k] - low[k])); };
+  std::vector<std::uint64_t> positions;
+  positions.reserve(points.size());
+  for (const Point3& p : points) positions.push_back(hilbert_index(cell(p, 0), cell(p, 1), cell(p, 2)));
+  return positions;
 }
 
 }  // namespace tetune::plugin
