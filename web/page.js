@@ -10,49 +10,10 @@
   const script = URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" }));
   const scenes = [null, null];
   let files = {}, warnings = [], input = null, worker = null, place = null;
-  const camera = { turn: -0.7, tilt: 0.45, distance: 1.25 };
   const status = (text) => { $("status").textContent = text; };
 
   // ---- 3D
-  const kVertex = `#version 300 es
-    in vec4 corner; uniform mat4 view; out vec3 at; out float quality; out vec3 edge;
-    void main() {
-      gl_Position = view * vec4(corner.xyz, 1.0); at = corner.xyz; quality = corner.w;
-      edge = vec3(equal(ivec3(gl_VertexID % 3), ivec3(0, 1, 2)));
-    }`;
-  const kFragment = `#version 300 es
-    precision highp float; in vec3 at; in float quality; in vec3 edge; out vec4 color;
-    void main() {
-      vec3 n = normalize(cross(dFdx(at), dFdy(at)));
-      float light = 0.65 + 0.35 * abs(dot(n, normalize(vec3(0.4, -0.6, 0.7))));
-      float q = clamp(quality, 0.0, 1.0);
-      vec3 c = q < 0.5 ? mix(vec3(0.27, 0.0, 0.33), vec3(0.13, 0.57, 0.55), 2.0 * q) : mix(vec3(0.13, 0.57, 0.55), vec3(0.99, 0.91, 0.14), 2.0 * q - 1.0);
-      if (quality < -0.5) c = vec3(0.85, 0.1, 0.1);
-      vec3 d = edge / fwidth(edge);
-      vec3 w = fwidth(edge);
-      float line = 0.45 * (1.0 - smoothstep(0.08, 0.35, max(w.x, max(w.y, w.z)))); // none on faces of a few pixels
-      color = vec4(c * light * mix(1.0 - line, 1.0, smoothstep(0.3, 1.2, min(d.x, min(d.y, d.z)))), 1.0);
-    }`;
-  const views = [0, 1].map((which) => {
-    const canvas = $("view" + which);
-    const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
-    if (!gl) return null;
-    const program = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, kVertex], [gl.FRAGMENT_SHADER, kFragment]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    gl.useProgram(program);
-    gl.enable(gl.DEPTH_TEST);
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-    const corner = gl.getAttribLocation(program, "corner");
-    gl.enableVertexAttribArray(corner);
-    gl.vertexAttribPointer(corner, 4, gl.FLOAT, false, 0, 0);
-    return { canvas, gl, view: gl.getUniformLocation(program, "view"), count: 0 };
-  });
+  const views = make_views([$("view0"), $("view1")]);
   const kFaces = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
   const middle = (s, t, c) => (s.points[3 * s.tets[4 * t] + c] + s.points[3 * s.tets[4 * t + 1] + c] +
     s.points[3 * s.tets[4 * t + 2] + c] + s.points[3 * s.tets[4 * t + 3] + c]) / 4;
@@ -61,10 +22,10 @@
     s.points.forEach((v, i) => { low[i % 3] = Math.min(low[i % 3], v); high[i % 3] = Math.max(high[i % 3], v); });
     return { low, high, middle: low.map((v, c) => (v + high[c]) / 2), size: Math.hypot(...low.map((v, c) => high[c] - v)) || 1 };
   };
-  /** Fills the buffer of a view with the faces between drawn tetrahedra and others. */
+  /** Shows the faces between drawn tetrahedra and others. */
   const fill = (which) => {
-    const s = scenes[which], v = views[which];
-    if (!s || !v) return;
+    const s = scenes[which];
+    if (!s) return;
     const box = scenes[0].box;
     const axis = Number($("axis").value);
     const at = axis < 0 ? 0 : box.low[axis] + (box.high[axis] - box.low[axis]) * $("plane").value / 1000;
@@ -95,55 +56,24 @@
         data[i++] = place && place.which === which && place.tet === t ? -1 : each[t] * scale;
       }
     }
-    v.gl.bufferData(v.gl.ARRAY_BUFFER, data, v.gl.STATIC_DRAW);
-    v.count = count;
+    views.show(which, data);
   };
+  const refresh = () => {
+    fill(0);
+    fill(1);
+    views.draw();
+    const angle = $("color").value === "angle";
+    $("lowest").textContent = angle ? "0°" : "0";
+    $("highest").textContent = angle ? "70.53°, the best" : "1, the best";
+  };
+
+  // ---- figures
   const sized = (canvas) => {
     const scale = devicePixelRatio || 1;
     canvas.width = Math.round(canvas.clientWidth * scale);
     canvas.height = Math.round(canvas.clientHeight * scale);
     return scale;
   };
-  const draw = () => views.forEach((v) => {
-    if (!v) return;
-    const { gl, canvas } = v;
-    sized(canvas);
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.clearColor(1, 1, 1, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const [c, s, d, e] = [Math.cos(camera.turn), Math.sin(camera.turn), Math.cos(camera.tilt), Math.sin(camera.tilt)];
-    const rows = [[c, -s, 0], [e * s, e * c, d], [d * s, d * c, -e]]; // right, up, into the screen
-    const f = 2.2, aspect = canvas.width / Math.max(1, canvas.height), near = 0.05, far = 20;
-    const m = new Float32Array(16);
-    for (let k = 0; k < 3; ++k) {
-      m[4 * k] = f / aspect * rows[0][k];
-      m[4 * k + 1] = f * rows[1][k];
-      m[4 * k + 2] = rows[2][k] * (far + near) / (far - near);
-      m[4 * k + 3] = rows[2][k];
-    }
-    m[14] = camera.distance * (far + near) / (far - near) - 2 * far * near / (far - near);
-    m[15] = camera.distance;
-    gl.uniformMatrix4fv(v.view, false, m);
-    gl.drawArrays(gl.TRIANGLES, 0, v.count);
-  });
-  const refresh = () => { fill(0); fill(1); draw(); };
-  views.forEach((v) => {
-    if (!v) return;
-    v.canvas.addEventListener("pointerdown", (e) => v.canvas.setPointerCapture(e.pointerId));
-    v.canvas.addEventListener("pointermove", (e) => {
-      if (!e.buttons) return;
-      camera.turn += e.movementX * 0.01;
-      camera.tilt = Math.max(-1.57, Math.min(1.57, camera.tilt + e.movementY * 0.01));
-      draw();
-    });
-    v.canvas.addEventListener("wheel", (e) => {
-      e.preventDefault();
-      camera.distance = Math.max(0.1, Math.min(10, camera.distance * Math.exp(e.deltaY * 0.001)));
-      draw();
-    }, { passive: false });
-  });
-
-  // ---- figures
   /** Shares before and after; `binned` are the numbers of a scene, from 0 to `high`. */
   const histogram = (canvas, binned, high, unit) => {
     const scale = sized(canvas);
@@ -247,7 +177,8 @@
     place = scenes[0] = scenes[1] = null;
     $("whole").hidden = true;
     $("downloads").replaceChildren();
-    views.forEach((v) => { if (v) v.count = 0; });
+    [0, 1].forEach((which) => views.show(which, new Float32Array()));
+    views.draw();
     status(`Reading ${input}`);
     work({ input }, (data) => {
       scenes[0] = { ...data, box: box_of(data) };
@@ -284,8 +215,9 @@
   });
   for (const id of ["axis", "plane", "color"]) $(id).addEventListener("input", refresh);
   $("whole").addEventListener("click", () => { place = null; $("whole").hidden = true; refresh(); });
-  addEventListener("resize", () => { charts(); draw(); });
+  addEventListener("resize", () => { charts(); views.draw(); });
   document.querySelectorAll("form").forEach((f) => f.addEventListener("submit", (e) => e.preventDefault()));
-  draw();
+  refresh();
+  if (!views.supported) status("This browser has no WebGL 2: meshes are optimized, but not drawn.");
   document.documentElement.dataset.ready = "true";
 })();

@@ -43,6 +43,11 @@ def check(tab, folder, command):
     assert tab.locator("#worst1 tbody tr").count() == 8
     tab.locator("#worst1 button").first.click()
     tab.locator("#whole").click()
+    tab.locator("#effort").select_option("best")
+    tab.locator("#start").click()
+    tab.locator("#cancel").click()
+    tab.get_by_text("Canceled.").wait_for()
+    tab.wait_for_selector("#start:enabled")
     bad = folder / "bad.mesh"
     bad.write_text("no mesh\n")
     tab.locator("#file").set_input_files(bad)

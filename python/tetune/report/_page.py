@@ -138,6 +138,7 @@ def write_page(
         # "</" ends a script wherever it stands.
         "data": json.dumps(_jsonable(data)).replace("</", "<\\/"),
         "plotly": _deflated(plotly),
+        "viewer": files(__package__).joinpath("viewer.js").read_text(encoding="utf-8"),
         "script": files(__package__).joinpath("page.js").read_text(encoding="utf-8"),
     }
     for name, value in fill.items():

@@ -155,6 +155,7 @@ def worst_places(measured: tuple[Measured, Measured]) -> list[list[dict[str, Any
                 "angle": w.dihedral,
                 "ratio": float(m.each["mean_ratio"][w.tet]),
                 "at": list(w.centroid),
+                "size": radius,
                 "around": [
                     p.around(center, radius, w.tet if k == which else -1) for k, p in enumerate(places)
                 ],

@@ -39,7 +39,7 @@
   const set_theme = () => {
     document.documentElement.dataset.theme = dark ? "dark" : "light";
     $("theme").textContent = dark ? "Light" : "Dark";
-    $("theme").setAttribute("aria-label", `Switch to ${dark ? "light" : "dark"} colours`);
+    $("theme").setAttribute("aria-label", `Switch to ${dark ? "light" : "dark"} colors`);
   };
   set_theme();
 
@@ -130,95 +130,65 @@
   }
 
   // ---- 3D
-  const views = [$("view0"), $("view1")];
+  const views = make_views([$("view0"), $("view1")]);
   let place = null; // the worst element that is shown: [which mesh, row], or null for the whole mesh
   const names = ["x", "y", "z"];
   const plane = $("plane");
   plane.max = data.planes;
   plane.value = Math.ceil(data.planes / 2);
-  const coordinates = (points) => names.map((_, a) => {
-    const n = points.length / 3;
-    return Float32Array.from(points.subarray(a * n, (a + 1) * n), (v) => data.low[a] + data.size[a] * v / 65535);
-  });
-  const mesh3d = ([x, y, z], i, j, k, color, bar) => {
-    const name = $("color").value;
-    const [lo, hi] = data.colors[name];
-    return {
-      type: "mesh3d", x, y, z, i, j, k, intensitymode: "cell", intensity: Float32Array.from(color, (c) => lo + (hi - lo) * c / 255),
-      cmin: lo, cmax: hi, colorscale: "Viridis", flatshading: true, showscale: bar, hoverinfo: "skip",
-      colorbar: { title: { text: name === "mean_ratio" ? "ratio" : "degrees" }, thickness: 12, len: 0.8 },
-      lighting: { ambient: 0.65, diffuse: 0.55, specular: 0.05, roughness: 0.9 }, lightposition: { x: 1e4, y: -2e4, z: 3e4 },
+  const diameter = Math.hypot(...data.size) || 1;
+  /** Appends the corners of triangles, those of `keep` or all: coordinates and color are parts of 65535 and of 255. */
+  const append_triangles = (corners, { points, triangles, ...colors }, keep) => {
+    const n = triangles.length / 3, vertices = points.length / 3;
+    const color = colors[$("color").value];
+    const append = (t) => {
+      for (let k = 0; k < 3; ++k) {
+        const v = triangles[k * n + t];
+        for (let a = 0; a < 3; ++a) corners.push((points[a * vertices + v] / 65535 - 0.5) * data.size[a] / diameter);
+        corners.push(color[t] / 255);
+      }
     };
+    for (let t = 0; t < n; ++t) if (!keep || keep(t)) append(t);
   };
-  const columns = (all, keep) => {
-    const n = all.length / 3;
-    return [0, 1, 2].map((c) => (keep ? keep.map((t) => all[c * n + t]) : all.subarray(c * n, (c + 1) * n)));
-  };
-  const traces_of_cut = async (which) => {
+  const show_cut = async (which) => {
     const scene = data.scenes[which];
     const a = Number($("axis").value);
     const p = Number(plane.value);
     const surface = await unpacked(scene.surface);
-    const name = $("color").value;
-    const bar = which === 1;
     const cut = a >= 0 && p < data.planes;
-    let keep = null;
-    if (cut) {
-      keep = [];
-      const first = surface["first" + a];
-      for (let t = 0; t < first.length; ++t) if (first[t] <= p) keep.push(t);
-      keep = Uint32Array.from(keep);
-    }
-    const color = keep ? keep.length ? Uint8Array.from(keep, (t) => surface[name][t]) : new Uint8Array() : surface[name];
-    const traces = [mesh3d(coordinates(surface.points), ...columns(surface.triangles, keep), color, bar)];
-    if (cut) {
-      const inside = await unpacked(scene.cuts[a][p]);
-      traces.push(mesh3d(coordinates(inside.points), ...columns(inside.triangles), inside[name], false));
-    }
-    return traces;
+    const corners = [];
+    append_triangles(corners, surface, cut ? (t) => surface["first" + a][t] <= p : null);
+    if (cut) append_triangles(corners, await unpacked(scene.cuts[a][p]));
+    views.show(which, Float32Array.from(corners));
   };
   const kFaces = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
   const kEdges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-  const traces_of_place = async (which) => {
+  /** In its own mesh the element and the edges of what is around it, which would hide it; in the other what is around. */
+  const show_place = async (which) => {
     const [of, r] = place;
-    const around = await unpacked(data.worst[of][r].around[which]);
-    const corners = around.corners;
-    const count = corners.length / 12;
+    const { around, at: center, size } = data.worst[of][r];
+    const { corners: vertices, ...colors } = await unpacked(around[which]);
+    const color = colors[$("color").value];
     const mine = of === which;
-    const xyz = [0, 1, 2].map(() => new Float32Array(4 * count));
-    const outline = [[], [], []];
-    const others = [[], [], []];
-    for (let t = 0; t < count; ++t) {
-      for (let c = 0; c < 3; ++c) {
-        const at = (v) => corners[12 * t + 3 * v + c];
-        const middle = (at(0) + at(1) + at(2) + at(3)) / 4;
-        for (let v = 0; v < 4; ++v) xyz[c][4 * t + v] = mine ? at(v) : middle + 0.85 * (at(v) - middle);
-        for (const [v, w] of mine ? kEdges : []) (t === 0 ? outline : others)[c].push(at(v), at(w), null);
+    const corners = [], ends = [];
+    for (let t = 0; 12 * t < vertices.length; ++t) {
+      const at = (v, c) => (vertices[12 * t + 3 * v + c] - center[c]) / (3 * size);
+      const shrunk = (v, c) => {
+        const middle = (at(0, c) + at(1, c) + at(2, c) + at(3, c)) / 4;
+        return middle + 0.85 * (at(v, c) - middle);
+      };
+      if (mine) for (const edge of kEdges) for (const v of edge) for (let c = 0; c < 3; ++c) ends.push(at(v, c));
+      if (mine && t > 0) continue;
+      for (const face of kFaces) {
+        for (const v of face) {
+          for (let c = 0; c < 3; ++c) corners.push(mine ? at(v, c) : shrunk(v, c));
+          corners.push(mine ? -1 : color[t] / 255);
+        }
       }
     }
-    const drawn = mine ? 1 : count; // the neighbours of the element would hide it: they are lines
-    const corner = (m) => Uint32Array.from({ length: 4 * drawn }, (_, f) => 4 * Math.floor(f / 4) + kFaces[f % 4][m]);
-    const color = Uint8Array.from({ length: 4 * drawn }, (_, f) => around[$("color").value][Math.floor(f / 4)]);
-    const lines = ([x, y, z], color, width) => ({
-      type: "scatter3d", mode: "lines", x, y, z, hoverinfo: "skip", showlegend: false, line: { color, width },
-    });
-    const traces = [mesh3d(xyz, corner(0), corner(1), corner(2), color, which === 1)];
-    if (mine) traces.push(lines(others, css("faint"), 1), lines(outline, dark ? "#ff6b6b" : "#c00000", 6));
-    return traces;
+    views.show(which, Float32Array.from(corners), Float32Array.from(ends));
   };
 
-  let camera = { eye: { x: 1.5, y: -1.35, z: 0.95 } };
-  const three = () => ({
-    paper_bgcolor: css("back"), font: { color: css("text"), family: kFont, size: 12 }, margin: { l: 0, r: 0, t: 0, b: 0 },
-    uirevision: "kept",
-    scene: {
-      aspectmode: "data", camera, dragmode: "orbit",
-      ...Object.fromEntries(names.map((n, a) => [n + "axis", {
-        title: { text: n }, color: css("faint"), gridcolor: css("line"), showbackground: false, zeroline: false,
-        ...(place ? {} : { range: [data.low[a], data.low[a] + data.size[a]] }),
-      }])),
-    },
-  });
   let drawing = Promise.resolve();
   const draw = () => (drawing = drawing.then(async () => {
     const a = Number($("axis").value);
@@ -229,22 +199,19 @@
     $("where").textContent = where;
     plane.setAttribute("aria-valuetext", where);
     $("whole").hidden = place === null;
-    $("shown").textContent = place === null ? "Drag to turn, scroll to zoom: both meshes follow."
-      : `Element ${data.worst[place[0]][place[1]].tet} ${place[0] ? "after" : "before"}, outlined, and what is around it in both meshes.`;
-    for (const which of [0, 1]) {
-      const traces = await (place === null ? traces_of_cut : traces_of_place)(which);
-      await Plotly.react(views[which], traces, three(), config);
-    }
+    const [low, high] = data.colors[$("color").value];
+    const unit = $("color").value === "mean_ratio" ? "" : "°";
+    $("lowest").textContent = `${low}${unit}`;
+    $("highest").textContent = `${Number(high.toFixed(2))}${unit}, the best`;
+    $("shown").textContent = !views.supported ? "This browser has no WebGL 2: the meshes cannot be drawn." : place === null ? "Drag to turn, scroll to zoom: both meshes follow."
+      : `Element ${data.worst[place[0]][place[1]].tet} ${place[0] ? "after" : "before"}, in red, and what is around it in both meshes.`;
+    for (const which of [0, 1]) await (place === null ? show_cut : show_place)(which);
+    views.draw();
   }).catch((error) => { $("shown").textContent = `The mesh cannot be shown: ${error.message}`; console.error(error); }));
 
   const draw_all = () => { charts.forEach((c) => c()); return draw(); };
   await draw_all();
-  views.forEach((view, which) => view.on("plotly_relayout", (change) => {
-    if (!change["scene.camera"]) return;
-    camera = change["scene.camera"];
-    const other = views[1 - which];
-    if (JSON.stringify(other.layout.scene.camera) !== JSON.stringify(camera)) Plotly.relayout(other, { "scene.camera": camera });
-  }));
+  addEventListener("resize", views.draw);
   for (const id of ["axis", "color", "plane"]) $(id).addEventListener("input", draw);
   $("controls").addEventListener("submit", (e) => e.preventDefault());
   $("log").addEventListener("change", () => charts.forEach((c) => c()));
