@@ -171,12 +171,11 @@ void read_inp_face_line(InpCursor& cursor, const InpCardKind& kind, InpScan& sca
 }
 
 void note_inp_data(const std::vector<std::string_view>& fields, const InpCardKind& kind, InpScan& scan) {
-  using Fields = InpCardKind::Fields;
   for (std::size_t k = 0; k < fields.size(); ++k) {
     note_name(fields[k], kind, scan);
-    const auto is_named = [&](Fields named) {
-      return named == Fields::every || (named == Fields::first && k == 0) ||
-             (named == Fields::every_third && k % 3 == 0 && fields.size() >= 3);
+    const auto is_named = [&](InpCardKind::Fields named) {
+      return named == InpCardKind::Fields::every || (named == InpCardKind::Fields::first && k == 0) ||
+             (named == InpCardKind::Fields::every_third && k % 3 == 0 && fields.size() >= 3);
     };
     std::int64_t label = 0;
     if (!is_named(kind.nodes) && !is_named(kind.elements)) continue;

@@ -13,7 +13,7 @@
 namespace tetune {
 namespace {
 
-using Ids = std::array<Index, 4>;
+using VertexIds = std::array<Index, 4>;
 
 double volume(const TetPoints& x) { return std::fabs(six_volume(x)) / 6; }
 
@@ -31,7 +31,7 @@ std::vector<Index> find_unchanged(const TransferMeshes& meshes) {
   std::vector<std::uint8_t> is_taken(to_size_t(meshes.old_tets.size()), 0);
   for (Index t = 0; t < std::ssize(same); ++t) {
     const Index old = meshes.tet2original[t];
-    Ids ids{};
+    VertexIds ids{};
     for (std::size_t k = 0; k < 4; ++k) ids[k] = span_of(meshes.vertex2old)[meshes.new_tets[t][k]];
     if (span_of(is_taken)[old] != 0 || ascending(ids) != ascending(meshes.old_tets[old])) continue;
     span_of(is_taken)[old] = 1;
@@ -100,8 +100,8 @@ void measure_cover(const TransferMeshes& meshes, const std::vector<Index>& chang
 
 }  // namespace
 
-TransferMeshes::TransferMeshes(const TetMesh& input, const std::vector<Ids>& tets, const std::vector<Index>& origins,
-                               const std::vector<MeshPlace>& places)
+TransferMeshes::TransferMeshes(const TetMesh& input, const std::vector<VertexIds>& tets,
+                               const std::vector<Index>& origins, const std::vector<MeshPlace>& places)
     : old_tets(span_of(input.tets)),
       new_tets(span_of(tets)),
       regions(span_of(input.tet_tags)),
