@@ -215,7 +215,7 @@
   });
   for (const id of ["axis", "plane", "color"]) $(id).addEventListener("input", refresh);
   $("whole").addEventListener("click", () => { place = null; $("whole").hidden = true; refresh(); });
-  addEventListener("resize", () => { charts(); views.draw(); });
+  addEventListener("resize", charts);
   document.querySelectorAll("form").forEach((f) => f.addEventListener("submit", (e) => e.preventDefault()));
   refresh();
   if (!views.supported) status("This browser has no WebGL 2: meshes are optimized, but not drawn.");

@@ -159,8 +159,7 @@ MoveReport move(TetMesh& mesh, const VertexTargets& target, const Options& optio
 }
 
 VertexTargets surface_targets(const TetMesh& mesh, const std::vector<Point3>& points, const std::vector<int>& patches) {
-  const ValidationReport arrays = validate_arrays(mesh);
-  if (!arrays.ok()) throw MeshError(arrays.message(false));
+  require_arrays(mesh);
   if (points.size() != mesh.points.size()) {
     throw OptionError(std::to_string(points.size()) + " positions for " + std::to_string(mesh.points.size()) +
                       " vertices; there must be one per vertex");

@@ -205,7 +205,7 @@ Point3 Geometry::high() const { return scaled(model_->high, 1 / unit_); }
 double Geometry::diagonal() const { return distance(low(), high()); }
 
 GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
-  if (const ValidationReport arrays = validate_arrays(mesh); !arrays.ok()) throw MeshError(arrays.message(false));
+  require_arrays(mesh);
   const MeshSurface surface = surface_of(mesh);
   ClassifyQuery query{threads_, {}, {}, surface.triangles, file_surfaces_of(mesh, surface)};
   std::vector<Index> mesh2surface(mesh.points.size(), -1);

@@ -293,10 +293,7 @@ TEST(OnlyBelowLimit, listed_corners_do_not_move) {
 /// Replaces a tetrahedron by four around a new vertex in its middle.
 void split(TetMesh& mesh, std::size_t t) {
   const auto tet = mesh.tets[t];
-  Point3 center{};
-  for (const Index v : tet) {
-    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * mesh.points[to_size_t(v)][k];
-  }
+  const Point3 center = test::centroid(mesh, t);
   const auto added = static_cast<Index>(mesh.points.size());
   mesh.points.push_back(center);
   mesh.point_tags.push_back(7);

@@ -51,13 +51,8 @@ TEST(Targets, MissedAreThoseWhoseMeasureIsWorse) {
     for (std::size_t i = 0; i < missed.size(); ++i) {
       EXPECT_EQ(r.worst[i].tet, missed[i].second);
       EXPECT_EQ(r.worst[i].value, sign * missed[i].first);
-      for (std::size_t k = 0; k < 3; ++k) {
-        double mean = 0;
-        for (const Index v : m.tets[static_cast<std::size_t>(r.worst[i].tet)]) {
-          mean += 0.25 * m.points[static_cast<std::size_t>(v)][k];
-        }
-        EXPECT_NEAR(r.worst[i].centroid[k], mean, 1e-15);
-      }
+      const Point3 centroid = test::centroid(m, static_cast<std::size_t>(r.worst[i].tet));
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(r.worst[i].centroid[k], centroid[k], 1e-15);
     }
   }
 }

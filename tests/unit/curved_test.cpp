@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
 #include <random>
 #include <set>
 
@@ -13,6 +12,7 @@
 #include "curved/curved_edges.hpp"
 #include "curved/held_bound.hpp"
 #include "curved/relaxation_energy.hpp"
+#include "math/constants.hpp"
 #include "meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -21,8 +21,6 @@
 
 namespace tetune {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The straight element of four vertices.
 TenNodes straight(const std::array<Vec3, 4>& vertices) {

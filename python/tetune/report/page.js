@@ -211,7 +211,6 @@
 
   const draw_all = () => { charts.forEach((c) => c()); return draw(); };
   await draw_all();
-  addEventListener("resize", views.draw);
   for (const id of ["axis", "color", "plane"]) $(id).addEventListener("input", draw);
   $("controls").addEventListener("submit", (e) => e.preventDefault());
   $("log").addEventListener("change", () => charts.forEach((c) => c()));

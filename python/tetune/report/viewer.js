@@ -97,6 +97,7 @@ const make_views = (canvases) => {
     ArrowLeft: () => turn(-0.1, 0), ArrowRight: () => turn(0.1, 0), ArrowUp: () => turn(0, -0.1), ArrowDown: () => turn(0, 0.1),
     "+": () => zoom(0.9), "-": () => zoom(1 / 0.9),
   };
+  addEventListener("resize", draw);
   for (const canvas of canvases) {
     canvas.tabIndex = 0;
     canvas.addEventListener("pointerdown", (e) => canvas.setPointerCapture(e.pointerId));
