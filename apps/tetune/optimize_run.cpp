@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <memory>
 #include <new>
 #include <optional>
@@ -52,6 +53,12 @@ class Run {
     if (!job_.output.empty() && job_.output != kPipe) check_writable(job_.output);
     for (const std::string& path : {job_.report, job_.trace, job_.map}) check_folder(path);
     console_.phase("reading");
+    // Another process reads the geometry meanwhile.
+    std::future<Geometry> geometry;
+    if (!a_.geometry.file.empty()) {
+      geometry =
+          std::async([this] { return Geometry(a_.geometry.file, unit_in_mm(a_.geometry.unit), a_.options.threads); });
+    }
     input_ = read_input(job_.input, options_.threads);
     choose_tags(input_, job_.input, a_.tags);
     warn_all(input_.warnings);
@@ -60,8 +67,8 @@ class Run {
     freeze(a_.frozen, name, input_.mesh, options_);
     file_links_ = input_.mesh.periodic.size();
     add_links(a_.periodic, a_.periodic_map, name, input_.mesh);
-    if (!a_.geometry.file.empty()) {
-      geometry_.emplace(a_.geometry.file, unit_in_mm(a_.geometry.unit), a_.options.threads);
+    if (geometry.valid()) {
+      geometry_.emplace(geometry.get());
       warn_all(geometry_->warnings());
     }
     if (a_.move) {
@@ -102,7 +109,9 @@ class Run {
         criteria_ = optimize_towards(input_.mesh, *a_.criteria, options_, context);
         report_ = std::move(criteria_.optimization);
       } else if (geometry_ && !a_.dry_run) {
-        on_geometry_ = optimize_on_geometry(input_.mesh, *geometry_, options_, a_.geometry.snap == "yes", context);
+        const bool measures = console_.verbosity() > 0 || !job_.report.empty();
+        on_geometry_ = optimize_on_geometry(input_.mesh, *geometry_, options_,
+                                            {.snap = a_.geometry.snap == "yes", .measures = measures}, context);
         report_ = std::move(on_geometry_.optimization);
       } else {
         report_ = optimize(input_.mesh, options_, context);

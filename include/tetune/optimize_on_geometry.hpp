@@ -14,7 +14,7 @@ struct GeometryReport {
   Report optimization;   ///< of the whole run: its maps are from the result to the input
   GeometryMatch before;  ///< of the input
   GeometryMatch after;   ///< of the result
-  GeometryDeviation deviation_before, deviation_after;
+  GeometryDeviation deviation_before, deviation_after;  ///< empty without GeometryOptions::measures
   /// The part of the way onto the geometry that the vertices of the input were moved first: below 1 where a further
   /// step would invert elements, 0 where they were not to be moved.
   double snapped = 1;
@@ -25,11 +25,16 @@ struct GeometryReport {
   std::int64_t vertices_held = 0;
 };
 
+struct GeometryOptions {
+  bool snap = true;      ///< whether vertices that are off the geometry are moved onto it first
+  bool measures = true;  ///< whether the surface's distance from the geometry is measured before and after
+};
+
 /// Improves a mesh as optimize() does with Boundary::slide, with the vertices of its surface on the surface of a CAD
 /// model: those on its faces end on these, those on its edges on these, and those at its vertices stay, all to
 /// rounding. Vertices of the surface whose entity is not clear stay (GeometryMatch::without_entity).
 ///
-/// With `snap`, the vertices are first moved onto the geometry, as move() does. Then the surface slides on its own
+/// With GeometryOptions::snap, the vertices are first moved onto the geometry, as move() does. Then the surface slides on its own
 /// triangles, with the faces of the model as patches, its vertices are moved to the nearest points of their faces and
 /// edges, and the mesh is optimized with that surface; a round is taken if no element is inverted, and the smallest
 /// dihedral angle is not below that before the round. Without `snap`, vertices that do not move in the rounds stay off
@@ -39,6 +44,6 @@ struct GeometryReport {
 /// optimize() and Geometry::match() do, and OptionError for another boundary than slide, max_deviation, only_below,
 /// untangle, data other than carry, surface_vertices=edit, periodic and curved meshes; the mesh is then unchanged.
 TETUNE_API GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, const Options& options,
-                                               bool snap = true, const Context& context = {});
+                                               const GeometryOptions& on_geometry = {}, const Context& context = {});
 
 }  // namespace tetune

@@ -140,6 +140,7 @@ NearestPoints::Edge& NearestPoints::edge(int i) {
     e->curve.Initialize(model_.edge(i));
     e->box = box_of(model_.edge(i));
     e->search.Initialize(e->curve, e->curve.FirstParameter(), e->curve.LastParameter(), kSearchTolerance);
+    if (e->curve.GetType() != GeomAbs_Line && e->curve.GetType() != GeomAbs_Circle) sample(*e);
   }
   return *e;
 }
@@ -171,6 +172,8 @@ Foot NearestPoints::on_edge(int i, const gp_Pnt& p) {
   } else if (e.curve.GetType() == GeomAbs_Circle) {
     const double t = ElCLib::InPeriod(ElCLib::Parameter(e.curve.Circle(), p), first, first + 2 * M_PI);
     if (t < last) take_nearer(best, e.curve.Value(t), p);
+  } else if (const std::optional<Foot> foot = search_from_samples(e, p)) {
+    take_nearer(best, foot->point, p);
   } else {
     e.search.Perform(p);
     for (int k = 1; e.search.IsDone() && k <= e.search.NbExt(); ++k) {
@@ -211,6 +214,35 @@ std::optional<Foot> NearestPoints::refine(const Face& f, const gp_Pnt& p, gp_Pnt
     last_step = step.length;
   }
   return {};
+}
+
+void NearestPoints::sample(Edge& e) {
+  constexpr int kPerInterval = 8;
+  const int n = std::clamp(kPerInterval * e.curve.NbIntervals(GeomAbs_C2), 32, 512);
+  const double first = e.curve.FirstParameter(), step = (e.curve.LastParameter() - first) / n;
+  for (int i = 0; i <= n; ++i) {
+    e.samples.push_back(e.curve.Value(first + i * step));
+    if (i > 0) e.cell = std::max(e.cell, e.samples.back().Distance(item(e.samples, i - 1)));
+  }
+}
+
+std::optional<Foot> NearestPoints::search_from_samples(const Edge& e, const gp_Pnt& p) {
+  double least = kAnyRadius;
+  for (const gp_Pnt& sample : e.samples) least = std::min(least, sample.SquareDistance(p));
+  least = std::sqrt(least);
+  if (least > e.cell) return {};
+  const int last = int(e.samples.size()) - 1;
+  const double first = e.curve.FirstParameter(), step = (e.curve.LastParameter() - first) / last;
+  const double reach = (least + e.cell) * (least + e.cell);
+  const auto distance2 = [&](int i) { return item(e.samples, std::clamp(i, 0, last)).SquareDistance(p); };
+  Foot best;
+  for (int i = 0; i <= last; ++i) {
+    const double d = distance2(i);
+    if (d > reach || distance2(i - 1) < d || distance2(i + 1) < d) continue;
+    take_nearer(best, e.curve.Value(refine_on_curve(e.curve, p, first + i * step)), p);
+  }
+  if (best.distance > least) return {};
+  return best;
 }
 
 void NearestPoints::sample(Face& f) {

@@ -50,6 +50,8 @@ class NearestPoints {
     BRepAdaptor_Curve curve;
     Extrema_ExtPC search;
     Bnd_Box box;
+    std::vector<gp_Pnt> samples;  ///< at equal steps of the parameter; empty for lines and circles
+    double cell = 0;              ///< largest distance between successive samples
   };
   struct Face {
     BRepAdaptor_Surface surface;
@@ -67,7 +69,10 @@ class NearestPoints {
   Face& face(int i);
   static std::optional<Foot> refine(const Face& face, const gp_Pnt& p, gp_Pnt2d uv, double precision = 0);
   static bool is_inside(Face& face, const Foot& foot) { return face.trim->is_inside(*foot.uv); }
+  static void sample(Edge& edge);
   static void sample(Face& face);
+  /// The nearest point of a curve that has samples near `p`, found from those that are nearer than their neighbors.
+  static std::optional<Foot> search_from_samples(const Edge& edge, const gp_Pnt& p);
   /// The sample nearest to a point, and its distance.
   static std::pair<gp_Pnt2d, double> nearest_sample(const Face& face, const gp_Pnt& p);
   /// The nearest of the extrema of the surface that are on the face; and a lower bound of all distances in `least`.

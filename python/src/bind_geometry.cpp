@@ -29,7 +29,7 @@ GeometryReport improve_on_geometry(TetMesh& mesh, const Geometry& geometry, cons
   const Context context = context_of(std::move(progress));
   GeometryReport report = [&] {
     const nb::gil_scoped_release release;
-    return optimize_on_geometry(mesh, geometry, parsed, snap, context);
+    return optimize_on_geometry(mesh, geometry, parsed, {.snap = snap}, context);
   }();
   for (const std::string& text : report.optimization.warnings) warn(text);
   return report;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "driver/extend_report.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "backend/span.hpp"
@@ -14,7 +15,24 @@ std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> 
   return result2between;
 }
 
+void add_seconds(Report& report, const std::string& phase, double seconds) {
+  const auto is_same = [&](const PhaseTime& time) { return time.phase == phase; };
+  const auto known = std::find_if(report.phases.begin(), report.phases.end(), is_same);
+  if (known != report.phases.end()) {
+    known->seconds += seconds;
+  } else {
+    report.phases.push_back({phase, seconds});
+  }
+}
+
+double seconds_of_phases(const Report& report) {
+  double sum = 0;
+  for (const PhaseTime& time : report.phases) sum += time.seconds;
+  return sum;
+}
+
 void extend_report(Report& report, Report&& further) {
+  for (const PhaseTime& time : further.phases) add_seconds(report, time.phase, time.seconds);
   report.OperationCounts::operator+=(further);
   report.tets_after = further.tets_after;
   report.deviation += further.deviation;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "tetune/report.hpp"
@@ -11,7 +12,12 @@ namespace tetune {
 /// The map from a result to the input, over the mesh between. An empty map is the identity.
 std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> result2between);
 
-/// Extends the report of the runs before by that of a further run on their result: counts, energies and maps.
+/// Adds to the time of a phase.
+void add_seconds(Report& report, const std::string& phase, double seconds);
+/// The sum over the phases.
+double seconds_of_phases(const Report& report);
+
+/// Extends the report of the runs before by that of a further run on their result: counts, energies, maps and times.
 void extend_report(Report& report, Report&& further);
 
 }  // namespace tetune

@@ -71,14 +71,21 @@ void check_frozen_patches(const TetMesh& mesh, const Options& options) {
 
 class GeometryRun {
  public:
-  GeometryRun(const Geometry& geometry, const Options& options, const Context& caller)
-      : geometry_(geometry), options_(options), hooks_(caller), tolerance_(kOnGeometry * geometry.diagonal()) {}
+  GeometryRun(const Geometry& geometry, const Options& options, const GeometryOptions& on_geometry,
+              const Context& caller)
+      : geometry_(geometry),
+        options_(options),
+        on_geometry_(on_geometry),
+        hooks_(caller),
+        tolerance_(kOnGeometry * geometry.diagonal()) {}
 
-  GeometryReport run(TetMesh& input, bool snap) {
-    report_.before = geometry_.match(input);
-    report_.deviation_before = geometry_.measure(input.points, report_.before);
+  GeometryReport run(TetMesh& input) {
+    timed([&] {
+      report_.before = geometry_.match(input);
+      if (on_geometry_.measures) report_.deviation_before = geometry_.measure(input.points, report_.before);
+    });
     load(input);
-    if (snap) {
+    if (on_geometry_.snap) {
       move_onto_geometry();
     } else {
       report_.snapped = 0;
@@ -88,11 +95,20 @@ class GeometryRun {
     for (int retry = 0; retry <= kMaxRetries && !is_done && !hooks_.is_stopped(); ++retry) is_done = make_round();
     if (report_.rounds == 0) add(optimize(work_.mesh, fixed_options(work_), context_for(kSlidePart, 1 - kSlidePart)));
     store(input);
+    add_seconds(report_.optimization, "geometry", seconds_);
     if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
     return std::move(report_);
   }
 
  private:
+  /// Runs work on the geometry, whose time the report has.
+  template <class F>
+  void timed(const F& work) {
+    const auto start = PhaseTimer::SteadyClock::now();
+    work();
+    seconds_ += PhaseTimer::seconds_since(start);
+  }
+
   void load(const TetMesh& input) {
     const GeometryMatch& match = report_.before;
     TetMesh& mesh = work_.mesh;
@@ -116,12 +132,18 @@ class GeometryRun {
   }
 
   /// Positions on the geometry of the vertices that may move.
-  std::vector<Point3> feet(const WorkState& state) const {
+  std::vector<Point3> feet(const WorkState& state) {
     std::vector<GeometryEntity> entities = state.entities;
     for (Size v = 0; v < std::ssize(entities); ++v) {
       if (!state.may_move(v)) span_of(entities)[v] = {};
     }
-    return geometry_.project(state.mesh.points, entities, std::vector<double>(entities.size(), radius_));
+    return project(state.mesh.points, entities);
+  }
+
+  std::vector<Point3> project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities) {
+    std::vector<Point3> projected;
+    timed([&] { projected = geometry_.project(points, entities, std::vector<double>(points.size(), radius_)); });
+    return projected;
   }
 
   void move_onto_geometry() {
@@ -261,7 +283,9 @@ class GeometryRun {
   /// Gives the caller the result with triangles as they were listed.
   void store(TetMesh& input) {
     match_result();
-    report_.deviation_after = geometry_.measure(work_.mesh.points, report_.after);
+    if (on_geometry_.measures) {
+      timed([&] { report_.deviation_after = geometry_.measure(work_.mesh.points, report_.after); });
+    }
     TetMesh& mesh = work_.mesh;
     Report& total = report_.optimization;
     std::vector<std::uint8_t> keep;
@@ -301,8 +325,7 @@ class GeometryRun {
         for (Index& v : edge) v = span_of(old2new)[v];
       }
     }
-    const std::vector<Point3> on_geometry =
-        geometry_.project(mesh.points, work_.entities, std::vector<double>(mesh.points.size(), radius_));
+    const std::vector<Point3> on_geometry = project(mesh.points, work_.entities);
     after.distances.clear();
     for (Size v = 0; v < std::ssize(mesh.points); ++v) {
       after.distances.push_back(norm(vec(span_of(on_geometry)[v]) - vec(span_of(mesh.points)[v])));
@@ -313,6 +336,7 @@ class GeometryRun {
 
   const Geometry& geometry_;
   const Options& options_;
+  const GeometryOptions& on_geometry_;
   const LatchedHooks hooks_;
   const double tolerance_;
   /// The distance that is expected of a vertex, for speed.
@@ -321,18 +345,19 @@ class GeometryRun {
   PatchTags tags_;
   WorkState work_;
   bool has_run_ = false;
+  double seconds_ = 0;  ///< of work on the geometry
 };
 
 }  // namespace
 
-GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, const Options& options, bool snap,
-                                    const Context& context) {
+GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, const Options& options,
+                                    const GeometryOptions& on_geometry, const Context& context) {
   const auto start = PhaseTimer::SteadyClock::now();
   check_options(mesh, options);
   check_frozen_patches(mesh, options);
   GeometryReport report;
   try {
-    report = GeometryRun(geometry, options, context).run(mesh, snap);
+    report = GeometryRun(geometry, options, on_geometry, context).run(mesh);
   } catch (const MeshError&) {
     // Of an invalid mesh only that is said, with the numbers of the input.
     if (const ValidationReport valid = validate(mesh, options.threads); !valid.ok()) {

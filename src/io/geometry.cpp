@@ -54,9 +54,9 @@ struct MeshSurface {
 using Triangle = std::array<Index, 3>;
 
 /// Adds the listed triangles, but for those that constrain nothing, and the other faces of boundary and interfaces.
-void add_triangles(const TetMesh& mesh, MeshSurface& s) {
+void add_triangles(const TetMesh& mesh, int threads, MeshSurface& s) {
   std::vector<Triangle> faces;
-  for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
+  for_each_face(sorted_half_faces(mesh, threads), [&](auto begin, auto end) {
     const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
     const bool outer = end - begin == 1;
     if (!outer && region(*begin) == region(*(begin + 1))) return;
@@ -80,10 +80,10 @@ void add_triangles(const TetMesh& mesh, MeshSurface& s) {
   s.listed.resize(s.triangles.size(), -1);
 }
 
-MeshSurface surface_of(const TetMesh& mesh) {
+MeshSurface surface_of(const TetMesh& mesh, int threads) {
   MeshSurface s;
   s.is_outer.assign(mesh.points.size(), 0);
-  add_triangles(mesh, s);
+  add_triangles(mesh, threads, s);
   s.lengths.assign(mesh.points.size(), 0);
   std::vector<int> counts(mesh.points.size(), 0);
   for (const Triangle& t : s.triangles) {
@@ -206,7 +206,7 @@ double Geometry::diagonal() const { return distance(low(), high()); }
 
 GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
   require_arrays(mesh);
-  const MeshSurface surface = surface_of(mesh);
+  const MeshSurface surface = surface_of(mesh, threads_);
   ClassifyQuery query{threads_, {}, {}, surface.triangles, file_surfaces_of(mesh, surface)};
   std::vector<Index> mesh2surface(mesh.points.size(), -1);
   for (const Index v : surface.surface2mesh) {

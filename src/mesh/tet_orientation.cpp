@@ -6,6 +6,7 @@
 
 #include "backend/cpu.hpp"
 #include "math/orient.hpp"
+#include "mesh/csr.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "tetune/validate.hpp"
@@ -36,6 +37,39 @@ struct ComputeSign {
   }
 };
 
+FaceKey key_of(const TetMeshView& mesh, HalfFace half_face) {
+  return face_key(mesh.tet(tet_of(half_face)), face_of(half_face));
+}
+
+struct LowestVertex {
+  const TetMeshView& mesh;
+  Size operator()(Size half_face) const { return key_of(mesh, HalfFace(half_face)).low; }
+};
+
+struct MakeSorted {
+  const TetMeshView& mesh;
+  SortedHalfFace operator()(HalfFace half_face) const {
+    const FaceKey key = key_of(mesh, half_face);
+    return {{key.low, key.middle, key.high}, tet_of(half_face), key.odd};
+  }
+};
+
+/// Sorts the half-faces of the same lowest vertex.
+struct SortGroup {
+  Span<const std::uint32_t> offsets;
+  Span<SortedHalfFace> half_faces;
+  void operator()(Size vertex) const {
+    SortedHalfFace* begin = half_faces.data();
+    std::sort(begin + offsets[vertex], begin + offsets[vertex + 1],
+              [](const SortedHalfFace& a, const SortedHalfFace& b) {
+                const auto& [low_a, middle_a, high_a] = a.vertices;
+                const auto& [low_b, middle_b, high_b] = b.vertices;
+                if (middle_a != middle_b) return middle_a < middle_b;
+                return high_a != high_b ? high_a < high_b : a.tet < b.tet;
+              });
+  }
+};
+
 /// For each tetrahedron the tetrahedra across its faces, and whether both list the common face in opposite senses.
 class Neighbors {
  public:
@@ -44,8 +78,8 @@ class Neighbors {
     bool opposite_sense = false;
   };
 
-  explicit Neighbors(const TetMesh& mesh) : neighbors_(mesh.tets.size()), counts_(mesh.tets.size(), 0) {
-    for_each_face(sorted_half_faces(mesh), [this](auto begin, auto end) {
+  Neighbors(const TetMesh& mesh, int threads) : neighbors_(mesh.tets.size()), counts_(mesh.tets.size(), 0) {
+    for_each_face(sorted_half_faces(mesh, threads), [this](auto begin, auto end) {
       if (end - begin != 2) return;
       add(begin[0], begin[1]);
       add(begin[1], begin[0]);
@@ -68,8 +102,8 @@ class Neighbors {
 
 /// Returns for each tetrahedron 1 if it has to be turned so that neighbors list their common face in opposite senses
 /// and each connected part has a positive volume. Where no choice is consistent, neighbors keep disagreeing.
-std::vector<std::uint8_t> find_tets_to_turn(const TetMesh& mesh) {
-  const Neighbors neighbors(mesh);
+std::vector<std::uint8_t> find_tets_to_turn(const TetMesh& mesh, int threads) {
+  const Neighbors neighbors(mesh, threads);
   constexpr std::uint8_t kUnvisited = 2;
   std::vector<std::uint8_t> result(mesh.tets.size(), kUnvisited);
   const Span<std::uint8_t> turned = span_of(result);
@@ -107,30 +141,17 @@ std::vector<std::int8_t> volume_signs(const TetMesh& mesh, int threads) {
   return signs;
 }
 
-std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh) {
+std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads) {
   const TetMeshView view(mesh);
+  const backend::Cpu cpu(threads);
   // Half-faces are grouped by their lowest vertex, and sorted within the groups, which are small.
-  std::vector<std::size_t> group_end(mesh.points.size() + 1, 0);
-  const auto for_each = [&](const auto& f) {
-    for (Index t = 0; t < view.tets.size(); ++t) {
-      for (int face = 0; face < 4; ++face) f(face_key(view.tet(t), face), t);
-    }
-  };
-  for_each([&](const FaceKey& key, Index) { ++span_of(group_end)[key.low + 1]; });
-  std::partial_sum(group_end.begin(), group_end.end(), group_end.begin());
-  std::vector<SortedHalfFace> half_faces(4 * mesh.tets.size());
-  for_each([&](const FaceKey& key, Index t) {
-    half_faces[span_of(group_end)[key.low]++] = {{key.low, key.middle, key.high}, t, key.odd};
-  });
-  auto begin = half_faces.begin();
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    const auto end = half_faces.begin() + static_cast<std::ptrdiff_t>(group_end[v]);
-    std::sort(begin, end, [](const SortedHalfFace& a, const SortedHalfFace& b) {
-      return a.vertices != b.vertices ? a.vertices < b.vertices : a.tet < b.tet;
-    });
-    begin = end;
-  }
-  return half_faces;
+  backend::Cpu::Buffer<std::uint32_t> offsets;
+  backend::Cpu::Buffer<SortedHalfFace> half_faces;
+  const Size vertices = std::ssize(mesh.points);
+  build_csr_of<backend::Cpu, LowestVertex, MakeSorted, SortedHalfFace>(
+      cpu, vertices, 4 * std::ssize(mesh.tets), LowestVertex{view}, MakeSorted{view}, offsets, half_faces);
+  cpu.for_each(vertices, SortGroup{offsets, half_faces});
+  return half_faces.download();
 }
 
 std::int64_t orient_uniformly(TetMesh& mesh, int threads) {
@@ -139,7 +160,7 @@ std::int64_t orient_uniformly(TetMesh& mesh, int threads) {
   if (std::find(signs.begin(), signs.end(), -1) == signs.end()) return 0;
   const bool all_inverted = *std::max_element(signs.begin(), signs.end()) < 0;
   const std::vector<std::uint8_t> turned =
-      all_inverted ? std::vector<std::uint8_t>(mesh.tets.size(), 1) : find_tets_to_turn(mesh);
+      all_inverted ? std::vector<std::uint8_t>(mesh.tets.size(), 1) : find_tets_to_turn(mesh, threads);
   const std::int64_t count = std::count(turned.begin(), turned.end(), 1);
   for (std::size_t t = 0; t < turned.size(); ++t) {
     if (turned[t] != 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);

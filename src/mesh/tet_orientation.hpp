@@ -23,8 +23,8 @@ struct SortedHalfFace {
   bool odd;  ///< whether the tetrahedron lists the vertices in an odd permutation
 };
 
-/// All half-faces, sorted by their vertices and then by tetrahedron.
-std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh);
+/// All half-faces, sorted by their vertices and then by tetrahedron. `threads` 0 means all.
+std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads = 1);
 
 /// Calls f(begin, end) for each group of half-faces of the same face.
 template <class F>

@@ -180,13 +180,13 @@ void add_tets(std::vector<Index> tets, Defect defect, ValidationReport& report) 
 }
 
 /// Reports the tetrahedra at non-manifold and misoriented faces, and duplicate tetrahedra.
-void find_bad_faces(const TetMesh& mesh, ValidationReport& report) {
+void find_bad_faces(const TetMesh& mesh, int threads, ValidationReport& report) {
   std::vector<Index> duplicate;
   std::vector<Index> non_manifold;
   std::vector<Index> misoriented;
   const TetMeshView view(mesh);
   std::vector<std::pair<Tet4, Index>> at_face;  // sorted vertices and id of the tetrahedra at one face
-  for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
+  for_each_face(sorted_half_faces(mesh, threads), [&](auto begin, auto end) {
     at_face.clear();
     for (auto half_face = begin; half_face != end; ++half_face) {
       Tet4 vertices = view.tets[half_face->tet];
@@ -301,7 +301,7 @@ ValidationReport validate(const TetMesh& mesh, int threads) {
   check_volumes(mesh, threads, report);
   const backend::Cpu cpu(threads);
   WorkMesh<backend::Cpu> work = upload_mesh(cpu, mesh);
-  if (!build_adjacency(cpu, work).ok()) find_bad_faces(mesh, report);
+  if (!build_adjacency(cpu, work).ok()) find_bad_faces(mesh, threads, report);
   for (Finding& f : report.findings) f.place = TetMeshView(mesh).centroid(f.first[0]);
   return report;
 }
