@@ -45,6 +45,27 @@ Span<const T> span_of(const std::vector<T>& v) {
   return {v.data(), static_cast<Size>(v.size())};
 }
 
+/// The position of the first element of an increasing sequence that is not below a value; the length if none is.
+template <class T, class Value>
+TETUNE_HD Size lower_bound(const Span<const T>& increasing, Value value) {
+  Size begin = 0;
+  for (Size end = increasing.size(); begin < end;) {
+    const Size middle = begin + (end - begin) / 2;
+    if (increasing[middle] < value) {
+      begin = middle + 1;
+    } else {
+      end = middle;
+    }
+  }
+  return begin;
+}
+/// Whether an increasing sequence contains a value.
+template <class T>
+TETUNE_HD bool contains(const Span<const T>& increasing, T value) {
+  const Size i = lower_bound(increasing, value);
+  return i < increasing.size() && increasing[i] == value;
+}
+
 /// The result of a reduction that adds.
 template <class T>
 struct Sum {

@@ -16,18 +16,7 @@ struct ConstrainedEdges {
 
   TETUNE_HD bool contains(Index a, Index b) const {
     if (keys.size() == 0 || on_vertex[a] == 0 || on_vertex[b] == 0) return false;
-    const std::uint64_t key = edge_key(a, b);
-    Size lo = 0;
-    Size hi = keys.size();
-    while (lo < hi) {
-      const Size mid = (lo + hi) / 2;
-      if (keys[mid] < key) {
-        lo = mid + 1;
-      } else {
-        hi = mid;
-      }
-    }
-    return lo < keys.size() && keys[lo] == key;
+    return tetune::contains(keys, edge_key(a, b));
   }
   /// Whether a constrained edge ends at v.
   TETUNE_HD bool has_end(Index v) const { return keys.size() > 0 && on_vertex[v] != 0; }

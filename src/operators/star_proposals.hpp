@@ -68,18 +68,7 @@ struct StarContext {
     }
     return false;
   }
-  TETUNE_HD bool is_proposer(Index t) const {
-    Size begin = 0;
-    for (Size end = proposers.size(); begin < end;) {
-      const Size middle = (begin + end) / 2;
-      if (proposers[middle] < t) {
-        begin = middle + 1;
-      } else {
-        end = middle;
-      }
-    }
-    return begin < proposers.size() && proposers[begin] == t;
-  }
+  TETUNE_HD bool is_proposer(Index t) const { return contains(proposers, t); }
 
   TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
   TETUNE_HD SurfaceBend bend() const { return {mesh.points, surface.triangles}; }

@@ -272,16 +272,7 @@ struct FindFirst {
   Span<Index> first;
   TETUNE_HD void operator()(Size i) const {
     const Size color = i + 1 < kCount ? i : kUncolored;
-    Size begin = 0;
-    for (Size end = keys.size(); begin < end;) {
-      const Size middle = begin + (end - begin) / 2;
-      if (keys[middle] < color) {
-        begin = middle + 1;
-      } else {
-        end = middle;
-      }
-    }
-    first[i] = to_index(begin);
+    first[i] = to_index(lower_bound(keys, color));
   }
 };
 
