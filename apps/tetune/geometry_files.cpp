@@ -26,6 +26,11 @@ double largest_distance(const GeometryMatch& match) {
 
 }  // namespace
 
+std::future<Geometry> start_reading(const GeometryArguments& a, int threads) {
+  if (a.file.empty()) return {};
+  return std::async([&a, threads] { return Geometry(a.file, unit_in_mm(a.unit), threads); });
+}
+
 double unit_in_mm(const std::string& unit) {
   for (const LengthUnit& u : kLengthUnits) {
     if (unit == u.name) return u.mm;

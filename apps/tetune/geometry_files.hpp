@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -26,6 +27,9 @@ std::string with_geometry_flags(const std::string& text);
 
 /// The length in mm of a unit, which is a name or a number. Throws OptionError.
 double unit_in_mm(const std::string& unit);
+
+/// Reads the geometry beside the caller; invalid if none is given.
+std::future<Geometry> start_reading(const GeometryArguments& arguments, int threads);
 
 /// The surface of a mesh, its classification as tags and as data of vertices, triangles and edges.
 TetMesh classified_mesh(const TetMesh& mesh, const GeometryMatch& match);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <future>
 #include <memory>
 #include <new>
 #include <optional>
@@ -53,12 +52,7 @@ class Run {
     if (!job_.output.empty() && job_.output != kPipe) check_writable(job_.output);
     for (const std::string& path : {job_.report, job_.trace, job_.map}) check_folder(path);
     console_.phase("reading");
-    // Another process reads the geometry meanwhile.
-    std::future<Geometry> geometry;
-    if (!a_.geometry.file.empty()) {
-      geometry =
-          std::async([this] { return Geometry(a_.geometry.file, unit_in_mm(a_.geometry.unit), a_.options.threads); });
-    }
+    std::future<Geometry> geometry = start_reading(a_.geometry, a_.options.threads);
     input_ = read_input(job_.input, options_.threads);
     choose_tags(input_, job_.input, a_.tags);
     warn_all(input_.warnings);

@@ -14,7 +14,8 @@ struct GeometryReport {
   Report optimization;   ///< of the whole run: its maps are from the result to the input
   GeometryMatch before;  ///< of the input
   GeometryMatch after;   ///< of the result
-  GeometryDeviation deviation_before, deviation_after;  ///< empty without GeometryOptions::measures
+  /// Empty without GeometryOptions::measures.
+  GeometryDeviation deviation_before, deviation_after;
   /// The part of the way onto the geometry that the vertices of the input were moved first: below 1 where a further
   /// step would invert elements, 0 where they were not to be moved.
   double snapped = 1;
@@ -34,11 +35,11 @@ struct GeometryOptions {
 /// model: those on its faces end on these, those on its edges on these, and those at its vertices stay, all to
 /// rounding. Vertices of the surface whose entity is not clear stay (GeometryMatch::without_entity).
 ///
-/// With GeometryOptions::snap, the vertices are first moved onto the geometry, as move() does. Then the surface slides on its own
-/// triangles, with the faces of the model as patches, its vertices are moved to the nearest points of their faces and
-/// edges, and the mesh is optimized with that surface; a round is taken if no element is inverted, and the smallest
-/// dihedral angle is not below that before the round. Without `snap`, vertices that do not move in the rounds stay off
-/// the geometry. Vertices of the surface are neither inserted nor removed.
+/// With GeometryOptions::snap, the vertices are first moved onto the geometry, as move() does. Then the surface slides
+/// on its own triangles, with the faces of the model as patches, its vertices are moved to the nearest points of their
+/// faces and edges, and the mesh is optimized with that surface; a round is taken if no element is inverted, and the
+/// smallest dihedral angle is not below that before the round. Without `snap`, vertices that do not move in the rounds
+/// stay off the geometry. Vertices of the surface are neither inserted nor removed.
 ///
 /// The result is bit for bit the same for any number of threads. Tags, triangles and edges are the caller's. Throws as
 /// optimize() and Geometry::match() do, and OptionError for another boundary than slide, max_deviation, only_below,
