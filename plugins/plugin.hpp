@@ -19,7 +19,10 @@ using Warnings = std::vector<std::string>;
 
 /// check() throws FileError unless the library has the format of this name; the others where they fail.
 void check(const std::string& file);
-TetMesh read(const std::string& file, Warnings& warnings);
+/// `time`: the number of one of times(), from 1; 0: the first, or that of a file without times.
+TetMesh read(const std::string& file, int time, Warnings& warnings);
+/// The times whose values the file has; empty where its format has none.
+std::vector<double> times(const std::string& file);
 void write(const std::string& file, TetMesh mesh, Warnings& warnings);
 
 /// Entry i of a list, for the signed indices of meshes and libraries.

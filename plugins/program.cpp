@@ -2,6 +2,7 @@
 // main() of the plugins for formats of meshes: src/io/plugin_protocol.hpp.
 #include <unistd.h>
 
+#include <cstdlib>
 #include <utility>
 
 #include "process.hpp"
@@ -9,14 +10,15 @@
 namespace tetune::plugin {
 namespace {
 
-AnswerBody run(const std::string& verb, const std::string& file, Warnings& warnings) {
+AnswerBody run(const std::string& verb, const std::string& file, int time, Warnings& warnings) {
   TetMesh mesh;
   if (verb == "read") {
     const MemoryLimit memory(file);
-    mesh = read(file, warnings);
+    mesh = read(file, time, warnings);
     if (mesh.points.empty()) throw FileError("there is no mesh in this file");
     return [mesh = std::move(mesh)](AnswerWriter& out) { out(mesh); };
   }
+  if (verb == "times") return [known = times(file)](AnswerWriter& out) { out(known); };
   if (verb == "check") {
     check(file);
     return {};
@@ -35,9 +37,11 @@ AnswerBody run(const std::string& verb, const std::string& file, Warnings& warni
 
 int main(int argc, char** argv) {
   namespace plugin = tetune::plugin;
-  if (argc != 3 || !plugin::has_channel()) return 2;
+  if (argc < 3 || argc > 4 || !plugin::has_channel()) return 2;
+  const int time = argc > 3 ? std::atoi(argv[3]) : 0;
   const std::string verb = argv[1];
   plugin::install_signal_handlers(verb == "write" ? argv[2] : nullptr);
   // _exit() skips the destructors of the library's globals, some of which take long.
-  ::_exit(plugin::run_and_answer([&](plugin::Warnings& warnings) { return plugin::run(verb, argv[2], warnings); }));
+  ::_exit(
+      plugin::run_and_answer([&](plugin::Warnings& warnings) { return plugin::run(verb, argv[2], time, warnings); }));
 }

@@ -26,9 +26,15 @@ namespace fs = std::filesystem;
 
 /// Throws OptionError for arguments that a series does not take.
 void check_arguments(const OptimizeArguments& a, const Job& job) {
-  if (!is_series(job.input) || !is_series(job.output)) {
+  if (!(is_series(job.input) || has_times(job.input)) || !is_series(job.output)) {
     throw OptionError(
-        fmt::format("{} -> {}: a time series (.pvd) becomes a time series; name one for both", job.input, job.output));
+        fmt::format("{} -> {}: a time series (.pvd, or an Exodus file) becomes a time series (.pvd); name one for both",
+                    job.input, job.output));
+  }
+  if (has_times(job.input) && a.move->displacement.empty()) {
+    throw OptionError(fmt::format(
+        "{}: an Exodus file has the coordinates of one time; name the data of displacements with --displacement",
+        job.input));
   }
   const std::pair<bool, const char*> refused[] = {{!a.move->to.empty(), "--to"},
                                                   {!job.map.empty(), "--map"},
@@ -117,7 +123,7 @@ class SeriesRun {
   VertexTargets read_target(std::size_t i) {
     const SeriesStep& step = steps_[i];
     if (i == 0) return target_of(input_, input_, step.path, *a_.move);
-    const TetMesh mesh = read_mesh(step.path, nullptr, options_.threads);
+    const TetMesh mesh = read_step(step, nullptr, options_.threads);
     if (mesh.points.size() != input_.points.size() || mesh.tets.size() != input_.tets.size()) {
       throw MeshError(fmt::format(
           "{}: {} vertices and {} tetrahedra, but {} has {} and {}; all files of a series must "

@@ -22,8 +22,9 @@ void define_motion(CLI::App& c, MoveArguments& a) {
       ->allow_extra_args(false)
       ->group(kMotion);
   c.add_option("--displacement", a.displacement,
-               "Name of point data with three numbers per vertex: how far each vertex of the input moves, with NaN for "
-               "a vertex that follows the others. Without --to they are read from the input")
+               "Name of point data with three numbers per vertex, or of three with _x, _y, _z after it: how far each "
+               "vertex of the input moves, with NaN for a vertex that follows the others. Without --to they are read "
+               "from the input")
       ->option_text("NAME")
       ->group(kMotion);
   c.add_option("--patches", a.patches,
@@ -36,32 +37,50 @@ void define_motion(CLI::App& c, MoveArguments& a) {
       ->group(kMotion);
 }
 
+const DataArray* find_point_data(const TetMesh& mesh, const std::string& name) {
+  for (const DataArray& array : mesh.point_data) {
+    if (array.name == name) return &array;
+  }
+  return nullptr;
+}
+
+/// The arrays of a displacement: one of this name, or three with _x, _y, _z (or capitals) after it.
+std::vector<const DataArray*> find_displacement(const TetMesh& source, const std::string& path,
+                                                const std::string& name) {
+  std::vector<const DataArray*> found{find_point_data(source, name)};
+  if (found[0] != nullptr) {
+    if (found[0]->components == 3) return found;
+    throw OptionError(fmt::format("--displacement \"{}\": {} has {} numbers per vertex; a displacement has 3", name,
+                                  path, found[0]->components));
+  }
+  for (const char* const axes : {"xyz", "XYZ"}) {
+    found.clear();
+    for (const char* axis = axes; *axis != '\0'; ++axis) found.push_back(find_point_data(source, name + "_" + *axis));
+    const auto is_scalar = [](const DataArray* array) { return array != nullptr && array->components == 1; };
+    if (std::all_of(found.begin(), found.end(), is_scalar)) return found;
+  }
+  std::string names;
+  for (const DataArray& array : source.point_data) names += (names.empty() ? "" : ", ") + array.name;
+  throw OptionError(fmt::format("--displacement \"{}\": {} has no point data of this name; it has: {}", name, path,
+                                names.empty() ? "none" : names));
+}
+
 /// The input's positions plus the point data `name` of `source`.
 std::vector<Point3> displaced(const TetMesh& mesh, const TetMesh& source, const std::string& path,
                               const std::string& name) {
-  const DataArray* found = nullptr;
-  std::string names;
-  for (const DataArray& array : source.point_data) {
-    if (array.name == name) found = &array;
-    names += (names.empty() ? "" : ", ") + array.name;
-  }
-  if (found == nullptr) {
-    throw OptionError(fmt::format("--displacement \"{}\": {} has no point data of this name; it has: {}", name, path,
-                                  names.empty() ? "none" : names));
-  }
-  if (found->components != 3) {
-    throw OptionError(fmt::format("--displacement \"{}\": {} has {} numbers per vertex; a displacement has 3", name,
-                                  path, found->components));
-  }
   std::vector<Point3> points = mesh.points;
-  std::visit(
-      [&points](const auto& values) {
-        auto value = values.begin();
-        for (Point3& p : points) {
-          for (double& x : p) x += static_cast<double>(*value++);
-        }
-      },
-      found->values);
+  std::size_t first = 0;
+  for (const DataArray* array : find_displacement(source, path, name)) {
+    const std::size_t components(array->components);
+    const auto add = [&](const auto& values) {
+      auto value = values.begin();
+      for (Point3& p : points) {
+        for (std::size_t k = first; k < first + components; ++k) p[k] += static_cast<double>(*value++);
+      }
+    };
+    std::visit(add, array->values);
+    first += components;
+  }
   return points;
 }
 
@@ -84,7 +103,7 @@ void define_move_arguments(CLI::App& command, OptimizeArguments& arguments) {
 void check_move_arguments(const MoveArguments& a, bool has_series) {
   if (!has_series && a.to.empty() && a.displacement.empty()) {
     throw OptionError(
-        "no target: name a mesh with --to, or point data with --displacement, or move a time series (.pvd)");
+        "no target: name a mesh with --to, or point data with --displacement, or move a time series (.pvd, Exodus)");
   }
   if (a.all_vertices && !a.patches.empty()) {
     throw OptionError("--all-vertices and --patches exclude each other; give one of them");

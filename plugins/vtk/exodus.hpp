@@ -5,7 +5,9 @@
 
 namespace tetune::plugin {
 
-TetMesh read_exodus(const std::string& file, Warnings& warnings);
+/// `time` as of read().
+TetMesh read_exodus(const std::string& file, int time, Warnings& warnings);
+std::vector<double> exodus_times(const std::string& file);
 void write_exodus(const std::string& file, TetMesh mesh, Warnings& warnings);
 
 }  // namespace tetune::plugin

@@ -35,9 +35,12 @@ std::size_t kind_of(const ex_block& block) {
       "quadrilaterals, pyramids, wedges and hexahedra of first order");
 }
 
+std::int64_t number_of_times(const File& file) { return ex_inquire_int(file.id(), EX_INQ_TIME); }
+
 class ExodusReader {
  public:
-  ExodusReader(const File& file, TetMesh& mesh, Warnings& warnings) : file_(file), mesh_(mesh), warnings_(warnings) {
+  ExodusReader(const File& file, int time, TetMesh& mesh, Warnings& warnings)
+      : file_(file), time_(time), mesh_(mesh), warnings_(warnings) {
     for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
   }
 
@@ -271,16 +274,17 @@ class ExodusReader {
     }
   }
 
-  /// Values of the first time step.
   void read_variables() {
-    const std::int64_t steps = ex_inquire_int(file_.id(), EX_INQ_TIME);
+    const std::int64_t steps = number_of_times(file_);
     if (steps < 1) return;
-    if (steps > 1) warnings_.push_back("of " + std::to_string(steps) + " time steps the first is kept");
+    if (time_ > steps) throw FileError("there is no time " + std::to_string(time_) + " of " + std::to_string(steps));
+    if (time_ == 0 && steps > 1) warnings_.push_back("of " + std::to_string(steps) + " times the first is kept");
+    const int time = std::max(time_, 1);
     int index = 0;
     std::vector<DataArray> nodal;
     for (const std::string& name : variable_names(EX_NODAL)) {
       std::vector<double> values(mesh_.points.size());
-      file_.check(ex_get_var(file_.id(), 1, EX_NODAL, ++index, 1, std::ssize(values), values.data()),
+      file_.check(ex_get_var(file_.id(), time, EX_NODAL, ++index, 1, std::ssize(values), values.data()),
                   "read a variable");
       nodal.push_back({name, 1, std::move(values)});
     }
@@ -295,7 +299,7 @@ class ExodusReader {
         const std::size_t first = values.size();
         values.resize(first + std::size_t(block.elements), std::numeric_limits<double>::quiet_NaN());
         // The call fails for a block without this variable, as the truth table says.
-        ex_get_var(file_.id(), 1, EX_ELEM_BLOCK, index, block.id, block.elements, values.data() + first);
+        ex_get_var(file_.id(), time, EX_ELEM_BLOCK, index, block.id, block.elements, values.data() + first);
       }
       if (!values.empty()) mesh_.tet_data.push_back({name, 1, std::move(values)});
     }
@@ -306,6 +310,7 @@ class ExodusReader {
   }
 
   const File& file_;
+  const int time_;
   TetMesh& mesh_;
   Warnings& warnings_;
   FreeNumbers free_numbers_{{}};
@@ -315,16 +320,28 @@ class ExodusReader {
   std::vector<Middle> middles_;
 };
 
-}  // namespace
-
-TetMesh read_exodus(const std::string& file, Warnings& warnings) {
+int open_to_read(const std::string& file) {
   int computing = sizeof(double);
   int stored = 0;
   float version = 0;
+  return ex_open(file.c_str(), EX_READ, &computing, &stored, &version);
+}
+
+}  // namespace
+
+TetMesh read_exodus(const std::string& file, int time, Warnings& warnings) {
   TetMesh mesh;
-  const File in(ex_open(file.c_str(), EX_READ, &computing, &stored, &version));
-  ExodusReader(in, mesh, warnings).read();
+  const File in(open_to_read(file));
+  ExodusReader(in, time, mesh, warnings).read();
   return mesh;
+}
+
+std::vector<double> exodus_times(const std::string& file) {
+  const File in(open_to_read(file));
+  const std::int64_t count = number_of_times(in);
+  std::vector<double> times(std::size_t(std::max<std::int64_t>(count, 0)));
+  if (!times.empty()) in.check(ex_get_all_times(in.id(), times.data()), "read the times");
+  return times;
 }
 
 }  // namespace tetune::plugin

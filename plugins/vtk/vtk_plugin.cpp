@@ -96,7 +96,9 @@ bool write_by(Writer& writer) {
 
 void check(const std::string&) {}
 
-TetMesh read(const std::string& file, Warnings& warnings) {
+std::vector<double> times(const std::string& file) { return exodus_times(file); }
+
+TetMesh read(const std::string& file, int time, Warnings& warnings) {
   vtkNew<Messages> messages;
   vtkOutputWindow::SetInstance(messages);
   const std::string ending = ending_of(file);
@@ -107,7 +109,7 @@ TetMesh read(const std::string& file, Warnings& warnings) {
     return mesh;
   }
   if (ending == ".vtk") return read_legacy(file, *messages, warnings);
-  TetMesh mesh = read_exodus(file, warnings);
+  TetMesh mesh = read_exodus(file, time, warnings);
   messages->check();
   return mesh;
 }

@@ -188,6 +188,8 @@ void bind_series(nb::module_& m) {
   m.def(
       "read_series",
       [](const std::string& path) {
+        if (has_times(path))
+          throw FileError(path + ": this is no .pvd file; `tetune move` reads the times of Exodus files");
         std::vector<std::pair<double, std::string>> steps;
         for (SeriesStep& step : read_series(path)) steps.emplace_back(step.time, std::move(step.path));
         return steps;

@@ -77,11 +77,13 @@ void read_answer(const MemoryFile& channel, const Plugin& plugin, const std::str
 
 void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
                  const IoContext& context, const std::function<void(PluginWriter&)>& write,
-                 const std::function<void(MeshReader&)>& read) {
+                 const std::function<void(MeshReader&)>& read, int time) {
   require_plugin(plugin, path);
   const MemoryFile channel;
   if (write) write_input(channel, plugin, path, write);
-  check_status(run_program(find_program(plugin), {verb, file}, channel, kPluginDescriptor), plugin, verb, path,
+  std::vector<std::string> words{verb, file};
+  if (time > 0) words.push_back(std::to_string(time));
+  check_status(run_program(find_program(plugin), words, channel, kPluginDescriptor), plugin, verb, path,
                write || !read);
   read_answer(channel, plugin, path, context, read);
 }
@@ -124,11 +126,19 @@ void require_plugin(const Plugin& plugin, const std::string& path) {
                   plugin.library + " with its headers and build tetune again");
 }
 
-TetMesh read_by_plugin(const Plugin& plugin, const std::string& path, const IoContext& context) {
+TetMesh read_by_plugin(const Plugin& plugin, const std::string& path, const IoContext& context, int time) {
   { const MappedFile readable(path); }  // an error of opening has the same message for all formats
   TetMesh mesh;
-  call_plugin(plugin, "read", path, path, context, {}, [&](MeshReader& answer) { answer(mesh); });
+  call_plugin(
+      plugin, "read", path, path, context, {}, [&](MeshReader& answer) { answer(mesh); }, time);
   return mesh;
+}
+
+std::vector<double> read_times_by_plugin(const Plugin& plugin, const std::string& path) {
+  { const MappedFile readable(path); }
+  std::vector<double> times;
+  call_plugin(plugin, "times", path, path, {}, {}, [&](MeshReader& answer) { answer(times); });
+  return times;
 }
 
 void write_by_plugin(const Plugin& plugin, const std::string& path, const std::string& temporary, const TetMesh& mesh,

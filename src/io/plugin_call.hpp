@@ -15,11 +15,11 @@ namespace tetune {
 using PluginWriter = MeshWriter<std::function<void(const void*, std::size_t)>>;
 
 /// Runs the plugin's program on a file and returns when it has answered: `write` encodes its input, `read` decodes the
-/// rest of its answer; either may be empty. Throws FileError, with what to install where the plugin or its library is
-/// missing. `path` stands for the file in messages.
+/// rest of its answer; either may be empty. `time`: the number of one of the file's times; 0: none is named. Throws
+/// FileError, with what to install where the plugin or its library is missing. `path` stands for the file in messages.
 void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
                  const IoContext& context, const std::function<void(PluginWriter&)>& write,
-                 const std::function<void(MeshReader&)>& read);
+                 const std::function<void(MeshReader&)>& read, int time = 0);
 
 /// A plugin's program that keeps a file for many requests, which end it only where they crash it. May be called from
 /// several threads, which wait for each other.

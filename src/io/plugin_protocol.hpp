@@ -3,7 +3,9 @@
 
 /// The protocol between tetune and the programs of its plugins.
 ///
-///   PROGRAM read FILE      answer: kAnswerVersion, error, warnings, mesh (when error is empty)
+///   PROGRAM read FILE [N]  answer: kAnswerVersion, error, warnings, mesh (when error is empty), with the values of the
+///                          Nth of its times
+///   PROGRAM times FILE     answer: kAnswerVersion, error, no warnings, times
 ///   PROGRAM check FILE     answer: kAnswerVersion, error, no warnings: whether the library has the format of this name
 ///   PROGRAM write FILE     input: kStreamVersion, mesh; answer: kAnswerVersion, error, warnings
 ///

@@ -135,7 +135,7 @@ const std::vector<Format>& formats() {
       {"VTK XML", {".vtu"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false},
       {"VTK legacy", {".vtk"}, nullptr, nullptr, &kVtkPlugin, true, true},
-      {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true},
+      {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true, false, false, true},
       {"Gmsh", {".msh"}, read_msh, write_file<write_msh>},
       {"Abaqus, CalculiX", {".inp"}, read_inp, write_file<write_inp>},
       {"SU2", {".su2"}, read_su2, write_file<write_su2>},
@@ -170,12 +170,20 @@ std::vector<std::string> files_of(const std::string& path) {
 std::string readable_endings() { return endings(false); }
 std::string writable_endings() { return endings(true); }
 
-TetMesh read_mesh(const std::string& path, std::vector<std::string>* warnings, int threads) {
-  const IoContext context{threads, warnings};
+std::vector<double> read_times(const std::string& path) {
+  return read_times_by_plugin(*format_of(path, false).plugin, path);
+}
+
+TetMesh read_mesh_at(const std::string& path, int time, const IoContext& context) {
   const Format& format = format_of(path, false);
-  TetMesh mesh = format.read != nullptr ? format.read(path, context) : read_by_plugin(*format.plugin, path, context);
+  TetMesh mesh =
+      format.read != nullptr ? format.read(path, context) : read_by_plugin(*format.plugin, path, context, time);
   orient(path, mesh, context);
   return mesh;
+}
+
+TetMesh read_mesh(const std::string& path, std::vector<std::string>* warnings, int threads) {
+  return read_mesh_at(path, 0, {threads, warnings});
 }
 
 TetMesh parse_mesh(const std::string& name, std::string_view bytes, std::vector<std::string>* warnings, int threads) {

@@ -49,6 +49,8 @@ struct Format {
   bool is_optional = false;
   /// A mesh is written to files of all the endings.
   bool is_set = false;
+  /// A file may have values for several times, of one mesh.
+  bool has_times = false;
   bool reads() const { return read != nullptr || plugin_reads; }
   bool writes() const { return write != nullptr || plugin_writes; }
 };
@@ -62,6 +64,11 @@ void check_place(const std::string& path);
 
 /// The formats of this build. To add one: docs/adding-a-format.md.
 const std::vector<Format>& formats();
+
+/// The times whose values a file has; requires that its format has them. Throws as read_mesh().
+std::vector<double> read_times(const std::string& path);
+/// read_mesh() with the values of a time, by its number from 1; 0: of the first.
+TetMesh read_mesh_at(const std::string& path, int time, const IoContext& context);
 
 /// Reads text or binary, by the first bytes.
 TetMesh read_medit(const std::string& path, const IoContext& context);
@@ -98,8 +105,11 @@ void write_netgen_compressed(FileWriter& file, const TetMesh& mesh, const IoCont
 /// Whether this installation has the plugin.
 bool has_plugin(const Plugin& plugin);
 
-/// Throws FileError, with what to install, where the plugin or its library is missing.
-TetMesh read_by_plugin(const Plugin& plugin, const std::string& path, const IoContext& context);
+/// `time`: the number of one of the file's times; 0: none is named. Throws FileError, with what to install, where the
+/// plugin or its library is missing.
+TetMesh read_by_plugin(const Plugin& plugin, const std::string& path, const IoContext& context, int time = 0);
+/// The times whose values the file has.
+std::vector<double> read_times_by_plugin(const Plugin& plugin, const std::string& path);
 
 /// Writes `temporary`, a file in the folder of `path` with the same extension; messages name `path`.
 void write_by_plugin(const Plugin& plugin, const std::string& path, const std::string& temporary, const TetMesh& mesh,

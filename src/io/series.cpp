@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "backend/span.hpp"
+#include "io/registry.hpp"
 #include "system/file.hpp"
 #include "system/path.hpp"
 #include "system/real_text.hpp"
@@ -215,7 +217,28 @@ std::vector<SeriesStep> parse_series(const std::string& path, std::string_view b
   return steps;
 }
 
-std::vector<SeriesStep> read_series(const std::string& path) { return parse_series(path, MappedFile(path).bytes()); }
+std::vector<SeriesStep> read_series(const std::string& path) {
+  if (!has_times(path)) return parse_series(path, MappedFile(path).bytes());
+  std::vector<SeriesStep> steps;
+  for (const double time : read_times(path)) steps.push_back({time, path, to_index(std::ssize(steps)) + 1});
+  if (steps.empty()) throw FileError(path + ": the file has no times");
+  const auto later = [](const SeriesStep& a, const SeriesStep& b) { return !(a.time < b.time); };
+  if (std::adjacent_find(steps.begin(), steps.end(), later) != steps.end()) {
+    throw FileError(path + ": the times do not increase");
+  }
+  return steps;
+}
+
+TetMesh read_step(const SeriesStep& step, std::vector<std::string>* warnings, int threads) {
+  return read_mesh_at(step.path, step.number, {threads, warnings});
+}
+
+bool has_times(const std::string& path) {
+  const std::string ending = path_of(path).extension().string();
+  return std::any_of(formats().begin(), formats().end(), [&ending](const Format& f) {
+    return f.has_times && std::find(f.endings.begin(), f.endings.end(), ending) != f.endings.end();
+  });
+}
 
 void write_series(const std::string& path, const std::vector<SeriesStep>& steps) {
   const std::filesystem::path folder = path_of(path).parent_path();

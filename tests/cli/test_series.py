@@ -85,6 +85,36 @@ class Series(CliTest):
                      "--effort", "best", "--threads", "1")
         self.assertAlmostEqual(max(p[2] for p in self.points("out_0001.vtu")), 1.2)
 
+    def exodus(self, times):
+        """An Exodus file with the displacements u_x, u_y, u_z of times. A NetCDF file ends with the records of its times, of
+        which tetune writes the first."""
+        self.vtk("one.vtk", self.mesh.points, data=[(f"u_{axis}", [(x,) for x in values]) for axis, values in zip("xyz", zip(*times[0][1]))])
+        self.run_cli("convert", self.path("one.vtk"), "-o", self.path("in.e"))
+        records = [struct.pack(f">{1 + 3 * len(u)}d", time, *(x for axis in zip(*u) for x in axis)) for time, u in times]
+        with open(self.path("in.e"), "rb") as file:
+            written = file.read()
+        self.assertEqual(written[-len(records[0]) + 8:], records[0][8:])
+        with open(self.path("in.e"), "wb") as file:
+            file.write(written[:4] + struct.pack(">i", len(times)) + written[8:-len(records[0])] + b"".join(records))
+        return self.path("in.e")
+
+    @needs_vtk
+    def test_exodus(self):
+        def lifted(by):
+            return [(0.0, 0.0, by * p[2]) for p in self.mesh.points]
+
+        mesh = self.exodus([(0.5, lifted(0)), (1, lifted(0.2)), (3, lifted(-0.3))])
+        self.run_cli("move", mesh, "-o", self.path("out.pvd"), "--displacement", "u")
+        with open(self.path("out.pvd")) as file:
+            self.assertEqual(re.findall(r'timestep="([^"]*)"', file.read()), ["0.5", "1", "3"])
+        for i, top in enumerate((1, 1.2, 0.7)):
+            self.assertAlmostEqual(max(p[2] for p in self.points(f"out_000{i}.vtu")), top)
+        for words, said in (((), "no target"), (("--displacement", "v"), "no point data of this name; it has: u_x, u_y, u_z")):
+            self.assertIn(said, self.run_cli("move", mesh, "-o", self.path("b.pvd"), *words, code=2).stderr)
+        self.exodus([(1, lifted(0)), (1, lifted(0.2))])
+        self.assertIn("the times do not increase",
+                      self.run_cli("move", mesh, "-o", self.path("b.pvd"), "--displacement", "u", code=2).stderr)
+
     @needs_vtk
     def test_blocked(self):
         self.vtk("a.vtk", self.mesh.points)
