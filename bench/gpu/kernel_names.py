@@ -23,7 +23,7 @@ def without_operators(kernel):
 
 
 def short(name):
-    """reduce_kernel<R, F, 128>(...) is printed as F, as are for_each_kernel<StoreResult<R, F>>(...) and team_kernel;
+    """reduce_kernel<R, F>(...) and spread_reduce_kernel<R, F>(...) are printed as F, as are for_each_kernel<StoreResult<R, F>>(...) and team_kernel;
     scan_kernel<F, ...>(...) and steps_kernel likewise."""
     name = re.sub(r"\b(tetune|backend|(sweep|coloring|csr|minimize_angle_cost)_detail)::", "", name)
     match = re.match(r"void ([\w:]+)<(.*?)>\(", name)
@@ -36,7 +36,7 @@ def short(name):
     if kind in ("for_each_kernel", "team_kernel"):
         stored = re.fullmatch(r"StoreResult<(.*?) ?>", parts[0])
         return without_operators(arguments_of(stored.group(1))[1] if stored else parts[0])
-    if kind == "reduce_kernel":
+    if kind in ("reduce_kernel", "spread_reduce_kernel"):
         return without_operators(parts[1])
     if kind.startswith("cub"):
         return "CUB: " + kind.rsplit("::", 1)[1]

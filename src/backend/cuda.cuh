@@ -76,10 +76,11 @@ class Cuda {
   template <class R, class F>
   Pending<R> reduce_async(Size n, const F& f) const {
     static_assert(std::is_trivially_copyable_v<F> && std::is_trivially_copyable_v<R>);
-    static_assert(kThreads * sizeof(R) <= 48 * 1024, "a block's partial results must fit its shared memory");
+    static_assert(kMergeChunk * sizeof(R) <= 48 * 1024, "a block's partial results must fit its shared memory");
     if (n == 0) return {};
     if constexpr (requires { F::kGrain; }) {
       // Kernels of much work are spread (for_each), but the chunks must be the same on all devices.
+      if (n < kSmallLaunch) return merge_spread<R>(n, f);
       Buffer<R> results(*this, n);
       for_each(n, StoreResult<R, F>{f, results.span()});
       return merge<R>(n, LoadResult<R>{results.span()});
@@ -175,19 +176,38 @@ class Cuda {
   /// One launch.
   template <class R, class F>
   Pending<R> merge(Size n, const F& f) const {
-    Size results = 0, groups = 0;  // of all levels
-    for (Size level = n; level > 1 || results == 0;) {
-      level = blocks(level, kThreads);
-      results += level;
-      groups += blocks(level, kThreads);
-    }
-    TETUNE_ASSERT(groups <= kMaxGroups);
-    Buffer<R> partial(*this, results);
+    Buffer<R> partial(*this, results_above(n));
     R* result = nullptr;
     const Pending<R> pending(readback_, result);
-    reduce_kernel<R, F, kThreads><<<blocks(n, kThreads), kThreads>>>(n, f, partial.span().data(), arrived(), result);
+    const MergeLevels<R> levels{partial.span().data(), arrived(), result};
+    reduce_kernel<<<blocks(n, kMergeChunk), kMergeChunk>>>(n, f, levels);
     check_cuda(cudaGetLastError(), "launch");
     return pending;
+  }
+  /// One launch of a kernel of much work.
+  template <class R, class F>
+  Pending<R> merge_spread(Size n, const F& f) const {
+    unsigned each = TeamKernel<F> ? kWarp / kTeamSizeOf<F> : kWarp;
+    while (each > 1 && each > unsigned(warp_items<F>(n))) each /= 2;
+    Buffer<R> results(*this, n + results_above(n));
+    R* result = nullptr;
+    const Pending<R> pending(readback_, result);
+    R* items = results.span().data();
+    const MergeLevels<R> levels{items + n, arrived() + blocks(n, kMergeChunk), result};
+    spread_reduce_kernel<<<blocks(n, int(each)), kWarp>>>(n, each, f, items, arrived(), levels);
+    check_cuda(cudaGetLastError(), "launch");
+    return pending;
+  }
+  /// The number of results of the levels of a reduction.
+  static Size results_above(Size n) {
+    Size results = 0, groups = 0;
+    for (Size level = n; level > 1 || results == 0;) {
+      level = blocks(level, kMergeChunk);
+      results += level;
+      groups += blocks(level, kMergeChunk);
+    }
+    TETUNE_ASSERT(groups <= kMaxGroups);
+    return results;
   }
   /// One launch.
   template <class F>
@@ -231,7 +251,7 @@ class Cuda {
   }
 
   unsigned char* zeros() const { return static_cast<unsigned char*>(zeros_.get()); }
-  /// See reduce_kernel.
+  /// See MergeLevels.
   unsigned* arrived() const { return reinterpret_cast<unsigned*>(zeros() + Readback::kCapacity); }
   /// See ScannedTiles.
   unsigned* started() const { return arrived() + kMaxGroups; }

@@ -3,6 +3,7 @@
 
 #include <cuda_runtime.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -121,45 +122,114 @@ __device__ T load_volatile(const T* from) {
   return value;
 }
 
-/// Each block merges one chunk of fixed length by a tree of fixed shape, so that each run yields the same bits. One
-/// item per thread, as there may be too few items to occupy a GPU. The block that is the last of kThreads consecutive
-/// ones to store its result merges theirs in the same way, as one block of the next level, until one result is left.
-/// `partial` holds the results of all levels but the last one after the other, `arrived` the number of blocks that
-/// stored theirs, per kThreads blocks of each level: 0 before and after.
-template <class R, class F, int kThreads>
-__global__ void __launch_bounds__(kThreads) reduce_kernel(Size n, F f, R* partial, unsigned* arrived, R* result) {
-  __shared__ alignas(16) unsigned char storage[sizeof(R) * kThreads];
+/// Results that are merged at a time, by a tree of fixed shape, so that each run yields the same bits.
+inline constexpr int kMergeChunk = 128;
+
+/// Called by a block whose stores of a result are to be counted. Returns whether it is the last of `count` blocks,
+/// which then reads the results of all. `arrived` is 0 before and after.
+__device__ inline bool is_last_to_store(unsigned* arrived, unsigned count) {
   __shared__ bool is_last;
+  __threadfence();
+  __syncthreads();
+  if (threadIdx.x == 0) is_last = atomicInc(arrived, count - 1) == count - 1;
+  __syncthreads();
+  if (is_last) __threadfence();
+  return is_last;
+}
+
+/// The levels of a reduction above its items: `partial` holds the results of all levels but the last one after the
+/// other, `arrived` the number of blocks that stored theirs, per kMergeChunk results of each level.
+template <class R>
+struct MergeLevels {
+  R* partial;
+  unsigned* arrived;
+  R* result;
+
+  /// Called by a block of kThreads with the items of a chunk in `shared`. The last of kMergeChunk consecutive blocks to
+  /// store its result merges theirs in the same way, as one block of the next level, until one result is left.
+  template <int kThreads>
+  __device__ void merge(R* shared, unsigned chunk, unsigned chunks) const {
+    R* stored = partial;
+    unsigned* count = arrived;
+    for (;;) {
+#pragma unroll
+      for (int half = kMergeChunk / 2; half > 0; half /= 2) {
+        __syncthreads();
+#pragma unroll
+        for (int t = int(threadIdx.x); t < half; t += kThreads) shared[t].merge(shared[t + half]);
+      }
+      const unsigned group = chunk / kMergeChunk;
+      const unsigned first = group * kMergeChunk;
+      const unsigned size = chunks - first < kMergeChunk ? chunks - first : kMergeChunk;
+      if (threadIdx.x == 0) store_volatile(chunks > 1 ? &stored[chunk] : result, shared[0]);
+      if (chunks == 1 || !is_last_to_store(&count[group], size)) return;
+      load<kThreads>(shared, stored, first, first + size);
+      stored += chunks;
+      chunks = (chunks + kMergeChunk - 1) / kMergeChunk;
+      count += chunks;
+      chunk = group;
+    }
+  }
+
+  /// Loads a chunk of results that other blocks stored.
+  template <int kThreads>
+  __device__ static void load(R* shared, const R* from, Size first, Size end) {
+    for (int t = int(threadIdx.x); t < kMergeChunk; t += kThreads) {
+      R r{};
+      if (first + t < end) r.merge(load_volatile(&from[first + t]));
+      shared[t] = r;
+    }
+  }
+};
+
+/// Each block evaluates and merges one chunk. One item per thread, as there may be too few items to occupy a GPU.
+template <class R, class F>
+__global__ void __launch_bounds__(kMergeChunk) reduce_kernel(Size n, F f, MergeLevels<R> levels) {
+  __shared__ alignas(16) unsigned char storage[sizeof(R) * kMergeChunk];
   R* shared = reinterpret_cast<R*>(storage);
-  unsigned block = blockIdx.x;
-  unsigned results = gridDim.x;  // of this level
-  const Size i = Size{block} * kThreads + threadIdx.x;
+  const Size i = Size{blockIdx.x} * kMergeChunk + threadIdx.x;
   R r{};
   if (i < n) r.merge(f(i));
-  for (;;) {
-    shared[threadIdx.x] = r;
-    for (int half = kThreads / 2; half > 0; half /= 2) {
-      __syncthreads();
-      if (threadIdx.x < half) shared[threadIdx.x].merge(shared[threadIdx.x + half]);
+  shared[threadIdx.x] = r;
+  levels.template merge<kMergeChunk>(shared, blockIdx.x, gridDim.x);
+}
+
+/// The memory of a block that evaluates, and then merges.
+template <class R, class F>
+inline constexpr std::size_t kSpreadBytes = sizeof(R) * kMergeChunk;
+template <class R, class F>
+requires TeamKernel<F>
+inline constexpr std::size_t kSpreadBytes<R, F> =
+    std::max(sizeof(R) * kMergeChunk, sizeof(typename F::Shared) * (Warp::kSize / kTeamSizeOf<F>));
+
+/// The same result for kernels of much work: a block is a warp, which evaluates `each` items, a power of two, by its
+/// first lanes or by teams, and stores their results in `items`. The last block to store those of a chunk merges them.
+/// `arrived` holds the number of these blocks per chunk.
+template <class R, class F>
+__global__ void __launch_bounds__(Warp::kSize)
+    spread_reduce_kernel(Size n, unsigned each, F f, R* items, unsigned* arrived, MergeLevels<R> levels) {
+  __shared__ alignas(16) unsigned char storage[kSpreadBytes<R, F>];
+  const Size first = Size{blockIdx.x} * each;
+  if constexpr (TeamKernel<F>) {
+    using Team = PartOfWarp<kTeamSizeOf<F>>;
+    using Shared = typename F::Shared;
+    const unsigned team = threadIdx.x / Team::kSize;
+    const Size i = first + team;
+    if (team < each && i < n) {
+      const R r = f(Team(), reinterpret_cast<Shared*>(storage)[team], i);
+      if (Team::rank() == 0) store_volatile(&items[i], r);
     }
-    const unsigned group = block / kThreads;
-    const unsigned first = group * kThreads;
-    const unsigned size = results - first < kThreads ? results - first : kThreads;
-    if (threadIdx.x == 0) {
-      store_volatile(results > 1 ? &partial[block] : result, shared[0]);
-      __threadfence();
-      is_last = results > 1 && atomicInc(&arrived[group], size - 1) == size - 1;
-    }
-    __syncthreads();
-    if (!is_last) return;
-    __threadfence();
-    r = R{};
-    if (threadIdx.x < size) r.merge(load_volatile(&partial[first + threadIdx.x]));
-    partial += results;
-    results = (results + kThreads - 1) / kThreads;
-    arrived += results;
-    block = group;
+  } else {
+    const Size i = first + threadIdx.x;
+    if (threadIdx.x < each && i < n) store_volatile(&items[i], f(i));
   }
+  const unsigned chunk = static_cast<unsigned>(first / kMergeChunk);
+  const Size begin = Size{chunk} * kMergeChunk;
+  const Size end = begin + kMergeChunk < n ? begin + kMergeChunk : n;
+  if (!is_last_to_store(&arrived[chunk], static_cast<unsigned>((end - begin + each - 1) / each))) return;
+  R* shared = reinterpret_cast<R*>(storage);
+  levels.template load<Warp::kSize>(shared, items, begin, end);
+  levels.template merge<Warp::kSize>(shared, chunk, static_cast<unsigned>((n + kMergeChunk - 1) / kMergeChunk));
 }
 
 /// What a scan adds up: its values; those of a predicate count the items for which it holds.
