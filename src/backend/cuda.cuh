@@ -15,6 +15,7 @@
 #include "backend/concept.hpp"
 #include "backend/cuda_kernels.cuh"
 #include "backend/cuda_memory.cuh"
+#include "backend/cuda_scan.cuh"
 #include "backend/pool.hpp"
 #include "backend/results.hpp"
 #include "backend/span.hpp"
