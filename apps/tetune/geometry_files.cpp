@@ -9,6 +9,7 @@
 
 #include "definitions.hpp"
 #include "option_flags.hpp"
+#include "system/child_process.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune::cli {
@@ -28,7 +29,9 @@ double largest_distance(const GeometryMatch& match) {
 
 std::future<Geometry> start_reading(const GeometryArguments& a, int threads) {
   if (a.file.empty()) return {};
-  return std::async([&a, threads] { return Geometry(a.file, unit_in_mm(a.unit), threads); });
+  // Where there are no processes there may be no threads either, and the constructor refuses at once.
+  const std::launch policy = has_child_processes() ? std::launch::async | std::launch::deferred : std::launch::deferred;
+  return std::async(policy, [&a, threads] { return Geometry(a.file, unit_in_mm(a.unit), threads); });
 }
 
 double unit_in_mm(const std::string& unit) {
