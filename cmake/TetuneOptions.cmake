@@ -13,6 +13,11 @@ function(tetune_target_options target)
     # Sizes of arrays have 64 bits in the code, and 32 in the memory of WebAssembly.
     target_compile_options(${target} PRIVATE -Wno-shorten-64-to-32 -Wno-sign-conversion)
   endif()
+  if(MINGW)
+    # Several sources compile the same inline function, and the linker takes one. GCC for Windows assumes in each of them
+    # that it takes that source's, and keeps values in registers that the other one may use.
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-ipa-ra -fno-ipa-stack-alignment>)
+  endif()
   if(TETUNE_NATIVE)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-march=native>)
   endif()
