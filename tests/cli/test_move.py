@@ -147,6 +147,7 @@ class Moves(CliTest):
         self.assertLessEqual(max(motion["blocking_tetrahedra"]), len(after.tets))
         self.assertGreaterEqual(min(motion["blocking_vertices"]), 1)
 
+    @needs_vtk
     def test_names_what_blocks(self):
         """One vertex is to leave the cube through a side that stays: it and tetrahedra around it are named, and its place is
         the fraction of the way that is reported."""
