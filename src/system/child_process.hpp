@@ -5,12 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "tetune/export.hpp"
+
 /// Child processes (child_process.cpp: Linux; child_process_none.cpp: systems without them): where programs of the
 /// installation are, and how one runs with a file in memory as its channel, once or for many requests.
 namespace tetune {
 
 /// Whether this system's build can start programs; where it cannot, a MemoryFile throws FileError.
-bool has_child_processes();
+TETUNE_API bool has_child_processes();
 
 /// The folder of the program or shared library that holds this code; of a library in a folder for some processors
 /// (glibc-hwcaps), the folder of the one for all.
