@@ -21,7 +21,7 @@ using Warnings = std::vector<std::string>;
 void check(const std::string& file);
 /// `time`: the number of one of times(), from 1; 0: the first, or that of a file without times.
 TetMesh read(const std::string& file, int time, Warnings& warnings);
-/// The times whose values the file has; empty where its format has none.
+/// The times whose values the file has. Called for formats that have them (Format::has_times).
 std::vector<double> times(const std::string& file);
 void write(const std::string& file, TetMesh mesh, Warnings& warnings);
 

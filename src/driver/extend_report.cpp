@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "driver/extend_report.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "backend/span.hpp"
+#include "phases/phase_timer.hpp"
 
 namespace tetune {
 
@@ -16,13 +16,7 @@ std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> 
 }
 
 void add_seconds(Report& report, const std::string& phase, double seconds) {
-  const auto is_same = [&](const PhaseTime& time) { return time.phase == phase; };
-  const auto known = std::find_if(report.phases.begin(), report.phases.end(), is_same);
-  if (known != report.phases.end()) {
-    known->seconds += seconds;
-  } else {
-    report.phases.push_back({phase, seconds});
-  }
+  report.phases[PhaseTimer::entry_of(report, phase)].seconds += seconds;
 }
 
 double seconds_of_phases(const Report& report) {

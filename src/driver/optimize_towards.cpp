@@ -91,7 +91,7 @@ class CriteriaRun {
     }
     if (may_limit && !is_stopped()) find_limits(mesh);
     const double of_rounds = seconds_of_phases(report_.optimization) - known;
-    report_.optimization.phases.push_back({"criteria", PhaseTimer::seconds_since(start) - of_rounds});
+    add_seconds(report_.optimization, "criteria", PhaseTimer::seconds_since(start) - of_rounds);
     if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
     input = std::move(mesh);
     return std::move(report_);

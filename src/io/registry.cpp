@@ -48,7 +48,7 @@ const Format& format_of(const std::string& path, bool to_write) {
   const std::string ending = ending_of(path);
   bool other_way = false;
   for (const Format& format : formats()) {
-    if (std::find(format.endings.begin(), format.endings.end(), ending) == format.endings.end()) continue;
+    if (!format.has_ending(ending)) continue;
     if (to_write ? format.writes() : format.reads()) return format;
     other_way = true;
   }
@@ -158,10 +158,9 @@ std::string excess_of(std::int64_t entries, bool tets) {
 std::vector<std::string> files_of(const std::string& path) {
   const std::filesystem::path named = path_of(path);
   for (const Format& format : formats()) {
-    const auto& all = format.endings;
-    if (!format.is_set || std::find(all.begin(), all.end(), named.extension().string()) == all.end()) continue;
+    if (!format.is_set || !format.has_ending(named.extension().string())) continue;
     std::vector<std::string> files;
-    for (const std::string& ending : all) files.push_back(path_of(path).replace_extension(ending).string());
+    for (const std::string& ending : format.endings) files.push_back(path_of(path).replace_extension(ending).string());
     return files;
   }
   return {path};

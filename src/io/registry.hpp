@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -51,6 +52,9 @@ struct Format {
   bool is_set = false;
   /// A file may have values for several times, of one mesh.
   bool has_times = false;
+  bool has_ending(const std::string& ending) const {
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+  }
   bool reads() const { return read != nullptr || plugin_reads; }
   bool writes() const { return write != nullptr || plugin_writes; }
 };

@@ -235,9 +235,8 @@ TetMesh read_step(const SeriesStep& step, std::vector<std::string>* warnings, in
 
 bool has_times(const std::string& path) {
   const std::string ending = path_of(path).extension().string();
-  return std::any_of(formats().begin(), formats().end(), [&ending](const Format& f) {
-    return f.has_times && std::find(f.endings.begin(), f.endings.end(), ending) != f.endings.end();
-  });
+  return std::any_of(formats().begin(), formats().end(),
+                     [&ending](const Format& f) { return f.has_times && f.has_ending(ending); });
 }
 
 void write_series(const std::string& path, const std::vector<SeriesStep>& steps) {

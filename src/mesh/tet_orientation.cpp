@@ -2,7 +2,6 @@
 #include "mesh/tet_orientation.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "backend/cpu.hpp"
 #include "math/orient.hpp"

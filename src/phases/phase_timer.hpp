@@ -24,7 +24,7 @@ class PhaseTimer {
   template <class F>
   double measure(Phase phase, const F& work) {
     // Allocates memory before the work is done: nothing may fail afterwards.
-    const std::size_t entry = entry_of(phase);
+    const std::size_t entry = entry_of(report_, name_of(phase));
     const auto start = SteadyClock::now();
     work();
     const double seconds = seconds_since(start);
@@ -32,14 +32,15 @@ class PhaseTimer {
     return seconds;
   }
 
- private:
-  std::size_t entry_of(Phase phase) {
+  /// The position in Report::phases of a phase, which is added where it is not there yet.
+  static std::size_t entry_of(Report& report, const std::string& phase) {
     std::size_t entry = 0;
-    while (entry < report_.phases.size() && report_.phases[entry].phase != name_of(phase)) ++entry;
-    if (entry == report_.phases.size()) report_.phases.push_back({name_of(phase), 0});
+    while (entry < report.phases.size() && report.phases[entry].phase != phase) ++entry;
+    if (entry == report.phases.size()) report.phases.push_back({phase, 0});
     return entry;
   }
 
+ private:
   Report& report_;
 };
 
