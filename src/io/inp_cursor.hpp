@@ -9,6 +9,7 @@
 
 #include "backend/span.hpp"
 #include "io/inp_format.hpp"
+#include "io/real_field.hpp"
 #include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
@@ -153,20 +154,12 @@ class InpCursor {
         text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
     return text.empty() ? "the end of the line" : text;
   }
-  /// Reads numbers with a plus sign, with an exponent of Fortran (1D-3), and too small for double.
   double other_real() {
     const char* const stop = std::find_if(at_, end_, [](char c) { return c == ',' || c == '\n' || is_blank(c); });
-    std::string token(at_, stop);
-    for (char& c : token) {
-      if (c == 'D' || c == 'd') c = 'e';
-    }
-    const char* const from = token.data() + (token.starts_with('+') ? 1 : 0);
-    const char* const to = token.data() + token.size();
-    long double value = 0;
-    const auto [last, error] = parse_real(from, to, value);
-    if (error != std::errc() || last != to) fail("expected a coordinate, found \"" + shown() + "\"");
+    const std::optional<double> value = parse_real_field(std::string(at_, stop));
+    if (!value) fail("expected a coordinate, found \"" + shown() + "\"");
     at_ = stop;
-    return double(value);
+    return *value;
   }
 
   std::string file_;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/real_field.hpp"
 #include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
@@ -158,30 +159,11 @@ class TextCursor {
     fail(std::string("expected ") + expected + " (" + name + "), found " +
          (w.empty() ? "the end of the file" : std::string("\"").append(w.substr(0, 40)).append("\"")));
   }
-  /// Reads numbers that from_chars refuses: with a plus sign, 1.0D-3 as Fortran programs write, or beyond the range of
-  /// double.
   double unusual_real(const char* start, const char* name) {
     at_ = start;
-    std::string token(word());
-    for (char& c : token) {
-      if (c == 'D' || c == 'd') c = 'e';
-    }
-    const char* from = token.data();
-    const char* to = from + token.size();
-    if (token.size() > 1 && token[0] == '+' && token[1] != '-') ++from;
-    double value = 0;
-    auto [stop, error] = parse_real(from, to, value);
-    if (error == std::errc::result_out_of_range) {
-      // Too small reads as zero, too large as infinity, which validation reports.
-      long double wide = 0;
-      const auto again = parse_real(from, to, wide);
-      if (again.ec != std::errc()) fail_token(start, "a number in the range of double", name);
-      value = double(wide);
-    } else if (error != std::errc()) {
-      fail_token(start, "a number", name);
-    }
-    if (stop != to) fail_token(start, "a number", name);
-    return value;
+    const std::optional<double> value = parse_real_field(std::string(word()));
+    if (!value) fail_token(start, "a number", name);
+    return *value;
   }
 
   std::string path_;

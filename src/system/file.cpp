@@ -21,6 +21,9 @@ namespace fs = std::filesystem;
 }  // namespace
 
 MappedFile::MappedFile(const std::string& path) {
+  std::error_code ignored;
+  // Windows opens no folder.
+  if (fs::is_directory(native::long_path(path), ignored)) throw FileError(path + ": not a regular file");
   const int descriptor = native::open_to_read(path);
   if (descriptor < 0) fail(path + ": cannot open");
   try {

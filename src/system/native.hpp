@@ -27,7 +27,7 @@ bool close(int descriptor);
 
 /// The size of a regular file; nothing, with errno 0, where the descriptor is something else.
 std::optional<std::size_t> regular_size(int descriptor);
-/// The content of a file, for reading: mapped into memory, or a copy. `size` is positive.
+/// The content of a file, mapped into memory for reading. `size` is positive.
 const char* map(int descriptor, std::size_t size);
 void unmap(std::string_view bytes);
 

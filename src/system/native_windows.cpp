@@ -2,8 +2,8 @@
 #include <fcntl.h>
 #include <io.h>
 #include <sys/stat.h>
+#include <windows.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 
@@ -49,23 +49,16 @@ std::optional<std::size_t> regular_size(int descriptor) {
   return {};
 }
 
-/// A copy: a mapped file could not be replaced as long as it is mapped.
 const char* map(int descriptor, std::size_t size) {
-  constexpr std::size_t kMaxPart = std::size_t{1} << 30;
-  char* const bytes = new char[size];
-  for (std::size_t at = 0; at < size;) {
-    const int got = ::_read(descriptor, bytes + at, unsigned(std::min(size - at, kMaxPart)));
-    if (got <= 0) {
-      if (got == 0) errno = EIO;
-      delete[] bytes;
-      return nullptr;
-    }
-    at += std::size_t(got);
-  }
-  return bytes;
+  const HANDLE file = reinterpret_cast<HANDLE>(::_get_osfhandle(descriptor));
+  const HANDLE mapping = ::CreateFileMappingW(file, nullptr, PAGE_READONLY, 0, 0, nullptr);
+  void* const bytes = mapping == nullptr ? nullptr : ::MapViewOfFile(mapping, FILE_MAP_READ, 0, 0, size);
+  if (bytes == nullptr) errno = ::GetLastError() == ERROR_NOT_ENOUGH_MEMORY ? ENOMEM : EIO;
+  if (mapping != nullptr) ::CloseHandle(mapping);  // the view keeps it
+  return static_cast<const char*>(bytes);
 }
 
-void unmap(std::string_view bytes) { delete[] bytes.data(); }
+void unmap(std::string_view bytes) { ::UnmapViewOfFile(bytes.data()); }
 
 void copy_permissions(const std::string&, const std::string&) {}
 

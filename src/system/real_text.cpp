@@ -41,20 +41,6 @@ const char* end_of_real(const char* first, const char* last) {
   return at;
 }
 
-template <class Real>
-std::from_chars_result parse(const char* first, const char* last, Real& value, Real (*read)(const char*, char**)) {
-  const char* const end = end_of_real(first, last);
-  if (end == first) return {first, std::errc::invalid_argument};
-  const std::string text(first, end);
-  const Real number = read(text.c_str(), nullptr);
-  const bool is_word = !std::any_of(text.begin(), text.end(), is_digit);
-  const std::string_view mantissa(text.data(), std::min(text.find_first_of("eE"), text.size()));
-  const bool is_lost = number == 0 && mantissa.find_first_of("123456789") != std::string_view::npos;
-  if (!is_word && (is_lost || std::isinf(number))) return {end, std::errc::result_out_of_range};
-  value = number;
-  return {end, std::errc()};
-}
-
 using Buffer = std::array<char, 800>;
 
 std::string_view scientific(double value, int digits, Buffer& buffer) {
@@ -119,11 +105,16 @@ std::string fixed(std::string_view text, double value) {
 }  // namespace
 
 std::from_chars_result parse_real(const char* first, const char* last, double& value) {
-  return parse<double>(first, last, value, std::strtod);
-}
-
-std::from_chars_result parse_real(const char* first, const char* last, long double& value) {
-  return parse<long double>(first, last, value, std::strtold);
+  const char* const end = end_of_real(first, last);
+  if (end == first) return {first, std::errc::invalid_argument};
+  const std::string text(first, end);
+  const double number = std::strtod(text.c_str(), nullptr);
+  const bool is_word = !std::any_of(text.begin(), text.end(), is_digit);
+  const std::string_view mantissa(text.data(), std::min(text.find_first_of("eE"), text.size()));
+  const bool is_lost = number == 0 && mantissa.find_first_of("123456789") != std::string_view::npos;
+  if (!is_word && (is_lost || std::isinf(number))) return {end, std::errc::result_out_of_range};
+  value = number;
+  return {end, std::errc()};
 }
 
 std::to_chars_result print_real(char* first, char* last, double value) {

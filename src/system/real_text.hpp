@@ -12,15 +12,13 @@ namespace tetune {
 /// a number is the same as that of the standard library.
 namespace plain {
 std::from_chars_result parse_real(const char* first, const char* last, double& value);
-std::from_chars_result parse_real(const char* first, const char* last, long double& value);
 std::to_chars_result print_real(char* first, char* last, double value);
 /// `digits` after the point; negative: the fewest that read back to the same bits.
 std::to_chars_result print_real(char* first, char* last, double value, std::chars_format format, int digits = -1);
 }  // namespace plain
 
 #ifdef __cpp_lib_to_chars
-template <class Real>
-std::from_chars_result parse_real(const char* first, const char* last, Real& value) {
+inline std::from_chars_result parse_real(const char* first, const char* last, double& value) {
   return std::from_chars(first, last, value);
 }
 template <class... Format>

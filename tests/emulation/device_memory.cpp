@@ -76,12 +76,11 @@ bool DeviceMemory::holds(const void* begin, std::size_t bytes) const {
 bool DeviceMemory::holds_host_address(const void* object, std::size_t bytes) const {
   // The addresses of programs, heaps and stacks on 64-bit systems. As doubles they are subnormal; as two ids the second
   // one is above all ids of the tests.
-  constexpr std::uint64_t kLowest = 0x500000000000U;
   constexpr std::uint64_t kHighest = 0x7fffffffffffU;
   for (std::size_t at = 0; at + sizeof(std::uint64_t) <= bytes; at += sizeof(std::uint64_t)) {
     std::uint64_t word = 0;
     std::memcpy(&word, static_cast<const char*>(object) + at, sizeof word);
-    if (word >= kLowest && word <= kHighest && !holds(reinterpret_cast<const void*>(word), 0)) return true;
+    if (word >= kLowestHostAddress && word <= kHighest && !holds(reinterpret_cast<const void*>(word), 0)) return true;
   }
   return false;
 }

@@ -27,6 +27,9 @@ class DeviceMemory {
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
 
+  /// Smaller words in a kernel are no addresses of the host.
+  static constexpr std::uint64_t kLowestHostAddress = 0x500000000000U;
+
   const Pool& pool() const { return pool_; }
   const Traffic& traffic() const { return traffic_; }
 

@@ -23,11 +23,12 @@ TEST_F(Series, TimesAndFiles) {
   EXPECT_EQ(steps[0].path, path("a & b.vtu"));
   EXPECT_EQ(steps[1].time, 100);
   EXPECT_EQ(steps[1].path, path("sub/c.vtu"));
-  EXPECT_EQ(steps[2].path, "/d.vtu");
+  EXPECT_EQ(std::filesystem::path(steps[2].path), std::filesystem::absolute("/d.vtu"));  // Windows adds a drive
 }
 
 TEST_F(Series, RoundTrip) {
-  const std::vector<SeriesStep> steps{{0.1, path("<a>'\"&.vtu")}, {1.0 / 3, "/elsewhere/b.vtu"}};
+  const std::vector<SeriesStep> steps{{0.1, path("<a>'\"&.vtu")},
+                                      {1.0 / 3, std::filesystem::absolute("/elsewhere/b.vtu").generic_string()}};
   write_series(path("o.pvd"), steps);
   const std::vector<SeriesStep> back = read_series(path("o.pvd"));
   ASSERT_EQ(back.size(), 2U);

@@ -283,10 +283,12 @@ TEST(WriteMeasures, AsAMeditSolution) {
   std::filesystem::create_directory(folder);
   const TetMesh m = test::cube(3, 0.2);
   write_measures(folder + "/m.sol", m);
-  std::ifstream file(folder + "/m.sol");
-  std::string word;
   std::vector<std::string> words;
-  while (file >> word) words.push_back(word);
+  {
+    std::ifstream file(folder + "/m.sol");
+    std::string word;
+    while (file >> word) words.push_back(word);
+  }
   const std::vector<std::string> head = {"MeshVersionFormatted", "2", "Dimension", "3", "SolAtTetrahedra", "162", "9"};
   ASSERT_EQ(words.size(), head.size() + kMeasures + 162 * kMeasures + 1);
   EXPECT_TRUE(std::equal(head.begin(), head.end(), words.begin()));

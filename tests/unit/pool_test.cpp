@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <random>
 #include <vector>
@@ -172,6 +174,9 @@ struct ReadsHost {
 TEST(EmulatedMemory, KernelsMayHoldNoHostAddress) {
   const Emulation gpu;
   const double value = 1;
+  if (std::bit_cast<std::uintptr_t>(&value) < backend::DeviceMemory::kLowestHostAddress) {
+    GTEST_SKIP() << "addresses of this system cannot be distinguished from other words";
+  }
   Emulation::Buffer<double> values(gpu, 10);
   EXPECT_THROW(gpu.for_each(10, ReadsHost{&value, values.span()}), std::logic_error);
   EXPECT_NO_THROW(gpu.for_each(10, ReadsHost{values.span().data() + 3, values.span()}));

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/real_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <system_error>
+
+#include "math/constants.hpp"
+#include "system/real_text.hpp"
+
+namespace tetune {
+namespace {
+
+/// The value of the digits, infinity if there are too many.
+double whole_number(std::string_view digits) {
+  double value = 0;
+  for (const char digit : digits) value = 10 * value + (digit - '0');
+  return value;
+}
+
+/// The nearest of zero and infinity, with the sign of a number beyond the range of double.
+double saturated(std::string_view text) {
+  const std::string_view mantissa = text.substr(0, text.find_first_of("eE"));
+  const double leading = double(mantissa.find_first_of("123456789"));
+  double power = double(std::min(mantissa.find('.'), mantissa.size())) - leading;
+  if (mantissa.size() < text.size()) {
+    const std::string_view exponent = text.substr(mantissa.size() + 1);
+    const double size = whole_number(exponent.substr(exponent.find_first_not_of("+-")));
+    power += exponent.starts_with('-') ? -size : size;
+  }
+  return std::copysign(power > 0 ? kInfinity : 0, text.starts_with('-') ? -1.0 : 1.0);
+}
+
+}  // namespace
+
+std::optional<double> parse_real_field(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == 'D' || c == 'd'; }, 'e');
+  if (text.starts_with('+') && !text.starts_with("+-")) text.erase(0, 1);
+  const char* const end = text.data() + text.size();
+  double value = 0;
+  const auto [stop, error] = parse_real(text.data(), end, value);
+  if (stop != end) return {};
+  if (error == std::errc::result_out_of_range) return saturated(text);
+  return error == std::errc() ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace tetune
