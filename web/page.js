@@ -6,8 +6,21 @@
     const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
     return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
   };
-  const wasm = await inflated($("wasm").textContent);
-  const script = URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" }));
+  // A browser isolates a page, and gives it threads, for two headers of the server, or of a service worker in its place.
+  // The first time the page has to be loaded again.
+  if (!crossOriginIsolated && location.protocol.startsWith("http") && navigator.serviceWorker && !navigator.serviceWorker.controller) {
+    navigator.serviceWorker.addEventListener("controllerchange", () => location.reload());
+    navigator.serviceWorker.register("isolate.js");
+  }
+  const script_of = (...texts) => new Blob(texts, { type: "text/javascript" });
+  /** The module of the command line: with threads where the page is isolated, else the one within the page. */
+  const program = await (async () => {
+    const response = crossOriginIsolated ? await fetch("threads.json").catch(() => null) : null;
+    const { wasm, module, thread } = response?.ok ? await response.json() :
+      { wasm: $("wasm").textContent, module: $("module").textContent };
+    return { wasm: await inflated(wasm), module: script_of(module), thread: thread && script_of(thread), threads: thread ? navigator.hardwareConcurrency : 1 };
+  })();
+  const script = URL.createObjectURL(script_of(program.module, $("worker").textContent));
   const scenes = [null, null];
   let files = {}, warnings = [], input = null, worker = null, place = null;
   const status = (text) => { $("status").textContent = text; };
@@ -165,7 +178,7 @@
         done(data);
       }
     };
-    worker.postMessage({ wasm, files, ...message });
+    worker.postMessage({ program, files, ...message });
   };
   const angle_of = (s) => s.angle.reduce((a, b) => Math.min(a, b), 180).toFixed(2);
   const open = async (list) => {
@@ -200,7 +213,7 @@
         return a;
       }));
       show_all();
-      status(`Done in ${data.seconds.toFixed(1)} s: smallest dihedral angle ${angle_of(scenes[0])}° before, ${angle_of(data)}° after.${warnings.map((w) => `\nWarning: ${w}`).join("")}`);
+      status(`Done in ${data.seconds.toFixed(1)} s${program.threads > 1 ? ` with ${program.threads} threads` : ""}: smallest dihedral angle ${angle_of(scenes[0])}° before, ${angle_of(data)}° after.${warnings.map((w) => `\nWarning: ${w}`).join("")}`);
     });
   });
   $("cancel").addEventListener("click", () => { stop(); status("Canceled."); });

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 "use strict";
-// Runs the command line in a worker, on files in memory. Each command has an instance of the module of its own.
-const command = async (wasm, words, files, on_line) => {
+// Runs the command line in a worker, on files in memory. Each command has an instance of the module of its own; where
+// that has threads, they are workers of this one, and the command itself runs in one of them.
+const command = async ({ wasm, module: module_script, thread }, words, files, on_line) => {
   const errors = [];
-  let code = 0;
+  let exit, abort;
+  const exited = new Promise((resolve, reject) => { exit = resolve; abort = (reason) => reject(new Error(reason)); });
+  const thread_script = thread && URL.createObjectURL(thread);
   const module = await tetune_module({
-    wasmBinary: wasm, noInitialRun: true,
-    print: (line) => on_line(line), printErr: (line) => { errors.push(line); on_line(line); }, quit: (status) => { code = status; },
+    wasmBinary: wasm, noInitialRun: true, mainScriptUrlOrBlob: module_script, locateFile: (name) => thread_script ?? name,
+    print: (line) => on_line(line), printErr: (line) => { errors.push(line); on_line(line); },
+    onExit: exit, onAbort: abort, quit: () => {},
   });
   module.FS.mkdir("/mesh");
   module.FS.chdir("/mesh");
   for (const [name, bytes] of Object.entries(files)) module.FS.writeFile(name, bytes);
-  try {
-    const status = module.callMain(words);
-    if (typeof status === "number" && status) code = status;
-  } catch (e) {
-    if (e.name !== "ExitStatus") throw e;
-    code = e.status;
-  }
+  module.callMain(words);
+  const code = await exited;
   const read = (name) => (module.FS.analyzePath(name).exists ? module.FS.readFile(name) : null);
   return { code, errors, read, names: () => module.FS.readdir(".").filter((n) => !n.startsWith(".")) };
 };
@@ -130,8 +129,8 @@ const measured = ({ points, tets }) => {
   return { angle, ratio, angles };
 };
 
-const scene = async (wasm, files, name) => {
-  const done = await command(wasm, ["convert", name, "-o", "view.meshb"], files, () => {});
+const scene = async (program, files, name) => {
+  const done = await command(program, ["convert", name, "-o", "view.meshb"], files, () => {});
   const bytes = done.read("view.meshb");
   if (!bytes) throw new Error(done.errors.join("\n"));
   const mesh = parsed(bytes);
@@ -141,21 +140,21 @@ const scene = async (wasm, files, name) => {
 };
 const send = (kind, s, more = {}) => postMessage({ kind, ...s, ...more }, [s.points, s.tets, s.neighbors, s.angle, s.ratio].map((a) => a.buffer));
 
-onmessage = async ({ data: { wasm, files, input, output, words } }) => {
+onmessage = async ({ data: { program, files, input, output, words } }) => {
   try {
     if (!output) {
-      send("before", await scene(wasm, files, input));
+      send("before", await scene(program, files, input));
       return;
     }
     const start = performance.now();
-    const done = await command(wasm, ["optimize", input, "-o", output, "--threads", "1", "--progress", "json", ...words], files,
-      (line) => postMessage({ kind: "line", line }));
+    const options = ["--threads", String(program.threads), "--progress", "json", ...words];
+    const done = await command(program, ["optimize", input, "-o", output, ...options], files, (line) => postMessage({ kind: "line", line }));
     const seconds = (performance.now() - start) / 1000;
     const results = Object.fromEntries(done.names().filter((n) => !(n in files) && done.read(n)).map((n) => [n, done.read(n)]));
     const reasons = done.errors.map((l) => (l.startsWith("{") ? JSON.parse(l) : { event: "error", text: l }))
       .filter(({ event }) => event === "error").map(({ text }) => text);
     if (!results[output]) throw new Error(reasons.join("\n") || `exit code ${done.code}`);
-    send("after", await scene(wasm, results, output), { results, seconds });
+    send("after", await scene(program, results, output), { results, seconds });
   } catch (e) {
     postMessage({ kind: "error", message: e.message ?? String(e) });
   }

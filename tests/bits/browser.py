@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page of scripts/web in a browser: its files are those of the command line, and nothing is requested.
+"""The page of scripts/web in a browser, from a disk with one thread and from a server with several: its files are those
+of the command line, and nothing else is requested.
 
 python3 tests/bits/browser.py COMMAND ...    the words that start the command line; exit code 1 on a difference
 """
@@ -10,13 +11,15 @@ import subprocess
 import sys
 import tempfile
 
+from page_server import served
+
 ROOT = pathlib.Path(__file__).parents[2]
 BRACKET = ROOT / "data" / "bracket.meshb"
 
 
-def optimize_in(tab, page, mesh, boundary, effort):
+def optimize_in(tab, url, mesh, boundary, effort):
     """The bytes of the file that the page offers."""
-    tab.goto(page.as_uri())
+    tab.goto(url)
     tab.wait_for_selector("html[data-ready=true]", state="attached")
     tab.locator("#file").set_input_files(mesh)
     tab.wait_for_selector("#start:enabled")
@@ -28,18 +31,39 @@ def optimize_in(tab, page, mesh, boundary, effort):
     return download.value.path().read_bytes()
 
 
-def check(tab, folder, command):
-    page = folder / "index.html"
-    errors, requests = [], []
-    tab.set_default_timeout(60_000)
-    tab.on("pageerror", lambda e: errors.append(str(e)))
-    tab.on("request", lambda r: requests.append(r.url))
+def expect_same(tab, url, folder, command):
     for boundary, effort in (("preserve", "fast"), ("slide", "standard")):
         expected = folder / "expected.meshb"
         words = ["optimize", BRACKET, "-o", expected, "--boundary", boundary, "--effort", effort, "--threads", "1", "--quiet"]
         subprocess.run([*command, *words], check=True)
-        same = optimize_in(tab, page, BRACKET, boundary, effort) == expected.read_bytes()
-        assert same, f"the page's file differs from the command line's: {boundary}, {effort}"
+        same = optimize_in(tab, url, BRACKET, boundary, effort) == expected.read_bytes()
+        assert same, f"the page's file differs from the command line's: {url}, {boundary}, {effort}"
+
+
+def watched(tab):
+    """Errors of the page, and addresses that it requests."""
+    errors, requests = [], []
+    tab.set_default_timeout(60_000)
+    tab.on("pageerror", lambda e: errors.append(str(e)))
+    tab.on("request", lambda r: requests.append(r.url))
+    return errors, requests
+
+
+def check_served(tab, folder, command):
+    errors, requests = watched(tab)
+    with served(folder) as home:
+        tab.goto(home)
+        tab.wait_for_function("crossOriginIsolated")  # the page has been loaded again
+        expect_same(tab, home, folder, command)
+    threads = tab.evaluate("navigator.hardwareConcurrency")
+    assert threads == 1 or f"with {threads} threads" in tab.locator("#status").text_content()
+    assert errors == [], errors
+    assert [r for r in requests if not r.startswith((home, "data:", "blob:"))] == [], requests
+
+
+def check_on_disk(tab, folder, command):
+    errors, requests = watched(tab)
+    expect_same(tab, (folder / "index.html").as_uri(), folder, command)
     assert tab.locator("#worst1 tbody tr").count() == 8
     tab.locator("#worst1 button").first.click()
     tab.locator("#whole").click()
@@ -74,9 +98,10 @@ def main():
         subprocess.run([ROOT / "scripts" / "web", folder], check=True, stdout=subprocess.DEVNULL)
         switches = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
         browser = p.chromium.launch(executable_path=chromium, args=switches)
-        check(browser.new_page(viewport={"width": 1300, "height": 1000}), folder, sys.argv[1:])
+        for check in (check_on_disk, check_served):
+            check(browser.new_page(viewport={"width": 1300, "height": 1000}), folder, sys.argv[1:])
         browser.close()
-    print("browser: the page's files are the command line's")
+    print("browser: the page's files are the command line's, with one thread and with several")
 
 
 if __name__ == "__main__":
