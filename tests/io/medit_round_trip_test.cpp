@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What write_mesh writes, read_mesh reads back to the last bit: text and binary.
-#include <bit>
 #include <random>
 
+#include "bits.hpp"
 #include "io_fixture.hpp"
 
 namespace tetune::test {
@@ -31,7 +31,7 @@ TEST_P(RoundTrip, DoublesOfAnyKind) {
     Point3 p{};
     for (double& x : p) {
       do {
-        x = std::bit_cast<double>(random());
+        x = double_of(random());
       } while (!std::isfinite(x));
     }
     mesh.points.push_back(p);

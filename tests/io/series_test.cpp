@@ -23,7 +23,7 @@ TEST_F(Series, TimesAndFiles) {
   EXPECT_EQ(steps[0].path, path("a & b.vtu"));
   EXPECT_EQ(steps[1].time, 100);
   EXPECT_EQ(steps[1].path, path("sub/c.vtu"));
-  EXPECT_EQ(std::filesystem::path(steps[2].path), std::filesystem::absolute("/d.vtu"));  // Windows adds a drive
+  EXPECT_EQ(std::filesystem::path(steps[2].path), std::filesystem::path(path("s.pvd")).root_path() / "d.vtu");
 }
 
 TEST_F(Series, RoundTrip) {

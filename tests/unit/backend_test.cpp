@@ -19,7 +19,6 @@ namespace tetune {
 namespace {
 
 using backend::Cpu;
-using Index = Index32;
 
 struct Sum {
   double value = 0;
@@ -138,10 +137,10 @@ TYPED_TEST(Primitives, ScanSumsThePrecedingElements) {
 
 TYPED_TEST(Primitives, CompactKeepsOrder) {
   for (const Size n : kSizes) {
-    typename TypeParam::Backend::template Buffer<Index> out(this->backend, n);
+    typename TypeParam::Backend::template Buffer<Index32> out(this->backend, n);
     const Size kept = this->backend.compact(n, IsThird{}, out.span());
     ASSERT_EQ(kept, (n + 2) / 3);
-    const std::vector<Index> host = out.download();
+    const std::vector<Index32> host = out.download();
     for (Size i = 0; i < kept; ++i) ASSERT_EQ(host[static_cast<std::size_t>(i)], 3 * i);
   }
 }
@@ -152,15 +151,15 @@ struct Square {
 
 TYPED_TEST(Primitives, CompactAndSumIsTheScanOfWhatIsKept) {
   for (const Size n : kSizes) {
-    typename TypeParam::Backend::template Buffer<Index> out(this->backend, n);
+    typename TypeParam::Backend::template Buffer<Index32> out(this->backend, n);
     typename TypeParam::Backend::template Buffer<std::uint32_t> sums(this->backend, n);
     const auto all = this->backend.compact_and_sum(n, IsThird{}, out.span(), Square{}, sums.span());
     ASSERT_EQ(all.count, (n + 2) / 3);
-    const std::vector<Index> host = out.download();
+    const std::vector<Index32> host = out.download();
     const std::vector<std::uint32_t> before = sums.download();
     std::uint32_t sum = 0;
     for (std::size_t i = 0; i < all.count; ++i) {
-      ASSERT_EQ(host[i], static_cast<Index>(3 * i));
+      ASSERT_EQ(host[i], static_cast<Index32>(3 * i));
       ASSERT_EQ(before[i], sum);
       sum += Square{}(host[i]);
     }
@@ -172,14 +171,14 @@ TYPED_TEST(Primitives, SortIsStable) {
   std::mt19937_64 random(3);
   std::vector<std::uint64_t> keys(20000);
   for (auto& k : keys) k = random() % 1000 + ((random() % 3) << 40);
-  std::vector<Index> ids(keys.size());
+  std::vector<Index32> ids(keys.size());
   std::iota(ids.begin(), ids.end(), 0);
   auto expected = ids;
-  std::stable_sort(expected.begin(), expected.end(), [&](Index a, Index b) {
+  std::stable_sort(expected.begin(), expected.end(), [&](Index32 a, Index32 b) {
     return keys[static_cast<std::size_t>(a)] < keys[static_cast<std::size_t>(b)];
   });
   typename TypeParam::Backend::template Buffer<std::uint64_t> k;
-  typename TypeParam::Backend::template Buffer<Index> v;
+  typename TypeParam::Backend::template Buffer<Index32> v;
   this->backend.sort_by_key(k, v, 48);
   EXPECT_EQ(v.size(), 0);
   k.upload(this->backend, keys);

@@ -3,10 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cstdint>
 #include <limits>
 #include <vector>
+
+#include "bits.hpp"
 
 namespace tetune {
 namespace {
@@ -61,9 +62,7 @@ TEST(Elementary, KnowsExactValues) {
 TEST(Elementary, HasTheSameBitsOnEveryPlatform) {
   Uniform uniform;
   std::uint64_t checksum = 0;
-  const auto add = [&checksum](double value) {
-    checksum = checksum * 1099511628211U + std::bit_cast<std::uint64_t>(value);
-  };
+  const auto add = [&checksum](double value) { checksum = checksum * 1099511628211U + test::bits_of(value); };
   for (int i = 0; i < kSamples; ++i) {
     const double angle = 7 * (2 * uniform() - 1);
     add(elementary::cos(angle));

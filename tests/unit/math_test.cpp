@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <random>
 
+#include "bits.hpp"
 #include "math/angle.hpp"
 #include "math/hilbert.hpp"
 #include "math/orient.hpp"
@@ -98,7 +98,7 @@ TEST(Orient, ExactSignHoldsForAnyMagnitudes) {
   std::mt19937_64 random(13);
   const auto any = [&random] {
     for (;;) {
-      const double x = std::bit_cast<double>(random());
+      const double x = test::double_of(random());
       if (std::isfinite(x)) return random() % 4 == 0 ? std::ldexp(x, -1000) : x;
     }
   };

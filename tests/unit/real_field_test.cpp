@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cstdint>
 
+#include "bits.hpp"
 #include "math/constants.hpp"
 
 namespace tetune {
@@ -14,7 +14,7 @@ namespace {
 void expect_value(const std::string& text, double expected) {
   const std::optional<double> value = parse_real_field(text);
   ASSERT_TRUE(value) << text;
-  EXPECT_EQ(std::bit_cast<std::uint64_t>(*value), std::bit_cast<std::uint64_t>(expected)) << text;  // with its sign
+  EXPECT_EQ(test::bits_of(*value), test::bits_of(expected)) << text;  // with its sign
 }
 
 TEST(RealField, NotationsOfOtherPrograms) {

@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <random>
 #include <string>
+
+#include "bits.hpp"
 
 namespace tetune {
 namespace {
@@ -20,14 +21,14 @@ std::string printed(double value) {
 TEST(RealText, ReadsWhatItPrints) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 5000; ++i) {
-    const double value = std::bit_cast<double>(random());
+    const double value = test::double_of(random());
     if (!std::isfinite(value)) continue;
     const std::string text = printed(value);
     double read = 0;
     const auto [end, error] = plain::parse_real(text.data(), text.data() + text.size(), read);
     EXPECT_EQ(error, std::errc()) << text;
     EXPECT_EQ(end, text.data() + text.size()) << text;
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(read), std::bit_cast<std::uint64_t>(value)) << text;
+    EXPECT_EQ(test::bits_of(read), test::bits_of(value)) << text;
   }
 }
 
@@ -53,7 +54,7 @@ void expect_same_text(double value) {
 TEST(RealText, PrintsAsTheStandardLibrary) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 5000; ++i) {
-    const double value = std::bit_cast<double>(random());
+    const double value = test::double_of(random());
     if (std::isfinite(value)) expect_same_text(value);
     expect_same_text(std::ldexp(static_cast<double>(random() >> 11), int(random() % 120) - 90));
     expect_same_text(static_cast<double>(random() % 100000) / 1000);
@@ -77,7 +78,7 @@ TEST(RealText, ReadsAsTheStandardLibrary) {
     const auto b = std::from_chars(text.data(), text.data() + text.size(), theirs);
     EXPECT_EQ(a.ec, b.ec) << text;
     EXPECT_EQ(a.ptr - text.data(), b.ptr - text.data()) << text;
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(ours), std::bit_cast<std::uint64_t>(theirs)) << text;
+    EXPECT_EQ(test::bits_of(ours), test::bits_of(theirs)) << text;
   }
 }
 #endif
