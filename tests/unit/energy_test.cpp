@@ -6,6 +6,7 @@
 
 #include "energy/ring.hpp"
 #include "energy/simd_ring.hpp"
+#include "quad.hpp"
 #include "surface.hpp"
 
 namespace tetune {
@@ -13,7 +14,7 @@ namespace {
 
 using test::random_vec;
 
-using Real = __float128;
+using Real = test::Quad;
 
 /// eta by its definition (Eq. 5), in 113-bit arithmetic.
 Real plain_eta(const Vec3 p[4]) {

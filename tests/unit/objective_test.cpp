@@ -7,6 +7,7 @@
 
 #include "energy/ring.hpp"
 #include "energy/simd_ring.hpp"
+#include "quad.hpp"
 #include "surface.hpp"
 
 namespace tetune {
@@ -14,7 +15,7 @@ namespace {
 
 using test::random_vec;
 
-using Real = __float128;
+using Real = test::Quad;
 using Wide = std::array<Real, 3>;
 
 Real root(Real x) {
