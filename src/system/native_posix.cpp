@@ -50,8 +50,11 @@ bool close(int descriptor) { return ::close(descriptor) == 0; }
 std::optional<std::size_t> regular_size(int descriptor) {
   struct stat info {};
   if (::fstat(descriptor, &info) != 0) return {};
-  if (S_ISREG(info.st_mode)) return std::size_t(info.st_size);
   errno = 0;
+  if (!S_ISREG(info.st_mode)) return {};
+  const std::size_t size = std::size_t(info.st_size);
+  if (off_t(size) == info.st_size) return size;
+  errno = EFBIG;  // the addresses of WebAssembly have 32 bits
   return {};
 }
 

@@ -29,7 +29,7 @@ TEST_F(InpMiddles, AMiddleThatACardNamesHoldsItsEdge) {
   EXPECT_EQ(get("b.inp"), get("a.inp"));
   // Three tetrahedra around the edge between 1 and 5 take the place of the two: their edges are those of before.
   m.tets = {{0, 1, 2, 4}, {0, 2, 3, 4}, {0, 3, 1, 4}};
-  m.tet_tags.assign(3, m.tet_tags[0]);
+  m.tet_tags = std::vector<int>(3, m.tet_tags[0]);
   write_mesh(path("b.inp"), m, 1);
   EXPECT_TRUE(contains(get("b.inp"), "34, 0.5, 0.5, 0.5\n"));
   // Without the tetrahedron at it the edge is gone.
@@ -53,7 +53,7 @@ TEST_F(InpMiddles, NewOnesJoinTheSetsThatHaveAllOfThem) {
   // SOME has one of nine, which can only be held.
   EXPECT_EQ(m.edges, (std::vector<std::array<Index, 2>>{{2, 3}}));
   m.tets = {{0, 1, 2, 4}, {0, 2, 3, 4}, {0, 3, 1, 4}};
-  m.tet_tags.assign(3, m.tet_tags[0]);
+  m.tet_tags = std::vector<int>(3, m.tet_tags[0]);
   write_mesh(path("b.inp"), m, 1);
   const std::string text = get("b.inp");
   EXPECT_TRUE(contains(text, "*NSET, NSET=VERTICES, GENERATE\n1, 5, 1\n"));

@@ -141,7 +141,7 @@ TEST_F(Inp, CommentsMayBeBetweenContinuedLines) {
   m.point_tags.push_back(0);
   m.deck_nodes.push_back(0);
   m.tets = {{0, 1, 2, 5}, {0, 3, 1, 5}, {0, 2, 3, 5}, {1, 3, 2, 5}};
-  m.tet_tags.assign(4, m.tet_tags[0]);
+  m.tet_tags = std::vector<int>(4, m.tet_tags[0]);
   write_mesh(path("b.inp"), m, 1);
   EXPECT_TRUE(contains(get("b.inp"), "** b, GENERATE\n*NSET, NSET=A\n10, 20, 30, 40, 900000000000000051\n"))
       << get("b.inp");

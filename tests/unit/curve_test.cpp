@@ -34,7 +34,11 @@ std::vector<SheetTriangle> make_sheet(int n, const Place& place, std::vector<Poi
   std::uniform_real_distribution<double> shift(-0.2, 0.2);
   points.clear();
   for (int j = 0; j <= n; ++j) {
-    for (int i = 0; i <= n; ++i) points.push_back(place((i + shift(random)) / n, (j + shift(random)) / n));
+    for (int i = 0; i <= n; ++i) {
+      const double v = (j + shift(random)) / n;  // a compiler may evaluate arguments of one call in any order
+      const double u = (i + shift(random)) / n;
+      points.push_back(place(u, v));
+    }
   }
   std::vector<SheetTriangle> triangles;
   for (int j = 0; j < n; ++j) {
