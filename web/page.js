@@ -10,7 +10,7 @@
   // The first time the page has to be loaded again.
   if (!crossOriginIsolated && location.protocol.startsWith("http") && navigator.serviceWorker && !navigator.serviceWorker.controller) {
     navigator.serviceWorker.addEventListener("controllerchange", () => location.reload());
-    navigator.serviceWorker.register("isolate.js");
+    navigator.serviceWorker.register("isolate.js").catch(() => {});  // this file alone is on the server: one thread
   }
   const script_of = (...texts) => new Blob(texts, { type: "text/javascript" });
   /** The module of the command line: with threads where the page is isolated, else the one within the page. */
