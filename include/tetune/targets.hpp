@@ -21,16 +21,16 @@ struct Target {
 
 /// The strongest constraint of an element that misses a target: the first of these that applies.
 enum class LimitingConstraint : std::uint8_t {
-  locked_element,   ///< the tetrahedron is required, in a frozen region, or not among those of Options::only_below
-  surface_angle,    ///< the surface has so small an angle at an edge of the element that none there can do better
-  fixed_vertices,   ///< none of its vertices may move
-  surface_element,  ///< all four vertices are on the surface
-  frozen_vertex,    ///< a vertex must not move: it is required, frozen, or one of an element of another kind
-  feature_corner,   ///< a vertex is a corner of the shape
-  feature_line,     ///< a vertex may only move along a line
-  interface,        ///< a vertex is on a face between two regions
-  boundary,         ///< a vertex is on the boundary
-  none,             ///< all its vertices may move anywhere
+  locked_element,    ///< the tetrahedron is required, in a frozen region, or not among those of Options::only_below
+  surface_angle,     ///< the surface has so small an angle at an edge of the element that none there can do better
+  fixed_vertices,    ///< none of its vertices may move
+  surface_element,   ///< all four vertices are on the surface
+  frozen_vertex,     ///< a vertex must not move: it is required, frozen, or one of an element of another kind
+  feature_corner,    ///< a vertex is a corner of the shape
+  feature_line,      ///< a vertex may only move along a line
+  region_interface,  ///< a vertex is on a face between two regions
+  boundary,          ///< a vertex is on the boundary
+  none,              ///< all its vertices may move anywhere
 };
 inline constexpr std::size_t kLimitingConstraints = 10;
 

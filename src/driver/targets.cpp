@@ -113,7 +113,7 @@ class ConstraintFinder {
     if (span_of(outcome_.frozen)[v] == kFrozen) return LimitingConstraint::frozen_vertex;
     if (dof == VertexDof::fixed && options_.boundary != Boundary::fixed) return LimitingConstraint::feature_corner;
     if (dof == VertexDof::line || dof == VertexDof::curve) return LimitingConstraint::feature_line;
-    return span_of(on_interface_)[v] != 0 ? LimitingConstraint::interface : LimitingConstraint::boundary;
+    return span_of(on_interface_)[v] != 0 ? LimitingConstraint::region_interface : LimitingConstraint::boundary;
   }
 
   /// Sets the smallest angle of the surface at an edge of the tetrahedron, measured on its side; 360 if there is none.

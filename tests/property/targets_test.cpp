@@ -94,10 +94,10 @@ TEST(Targets, TheStrongestConstraintIsNamed) {
         fixed += is_fixed ? 1 : 0;
         const LimitingConstraint mine = is_frozen                           ? LimitingConstraint::frozen_vertex
                          : planes == 0                       ? LimitingConstraint::none
-                         : boundary == Boundary::fixed       ? (interface ? LimitingConstraint::interface : LimitingConstraint::boundary)
+                         : boundary == Boundary::fixed       ? (interface ? LimitingConstraint::region_interface : LimitingConstraint::boundary)
                          : planes == 3                       ? LimitingConstraint::feature_corner
                          : planes == 2                       ? LimitingConstraint::feature_line
-                         : interface                         ? LimitingConstraint::interface
+                         : interface                         ? LimitingConstraint::region_interface
                                                              : LimitingConstraint::boundary;
         constraint = std::min(constraint, mine);
       }
@@ -110,7 +110,7 @@ TEST(Targets, TheStrongestConstraintIsNamed) {
           << to_string(missed.held_by) << " for " << to_string(constraint) << ", tetrahedron " << missed.tet;
     }
     for (const LimitingConstraint constraint :
-         {LimitingConstraint::frozen_vertex, LimitingConstraint::interface, LimitingConstraint::boundary})
+         {LimitingConstraint::frozen_vertex, LimitingConstraint::region_interface, LimitingConstraint::boundary})
       EXPECT_GT(held(r, constraint), 0);
     EXPECT_EQ(held(r, LimitingConstraint::surface_angle), 0);
     EXPECT_GT(
