@@ -4,6 +4,10 @@
 
 #include <csignal>
 
+#if defined(__EMSCRIPTEN__)
+#include <emscripten.h>
+#endif
+
 #include "system/process.hpp"
 
 namespace tetune::process {
@@ -21,7 +25,14 @@ void prepare_standard_streams() {
 
 std::vector<std::string> arguments(int argc, char** argv) { return {argv + (argc > 0 ? 1 : 0), argv + argc}; }
 
+#if defined(__EMSCRIPTEN__)
+// The C library takes all standard streams for terminals; node knows which are.
+EM_JS(int, is_terminal_of_node, (int descriptor),
+      { return typeof process == "object" && require("tty").isatty(descriptor) ? 1 : 0; });
+bool is_terminal(int descriptor) { return is_terminal_of_node(descriptor) != 0; }
+#else
 bool is_terminal(int descriptor) { return ::isatty(descriptor) == 1; }
+#endif
 
 void on_interruption(void (*handle)()) {
   handler = handle;
