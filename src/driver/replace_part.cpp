@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <utility>
 
 #include "driver/active_part.hpp"
 #include "driver/result_mesh.hpp"
+#include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
+#include "mesh/tet_orientation.hpp"
 #include "quality/limits.hpp"
 #include "quality/tet_measures.hpp"
 #include "tetune/data.hpp"
@@ -171,21 +174,27 @@ class PartReplacement {
     for (const Index v : freed) span_of(vertex2original_)[v] = -1;
   }
 
-  /// A tetrahedron that is the same in the result keeps its number and the order of its vertices.
+  /// A tetrahedron that is the same in the result, also where it was replaced and made again, keeps its number and the
+  /// order of its vertices.
   void change_tets() {
-    const TetMesh& part = part_.mesh;
+    std::map<std::array<Index, 4>, Index> vertices2original;
+    for (Index i = 0; i < std::ssize(part_.tet2whole); ++i) {
+      vertices2original.emplace(ascending(span_of(mesh_.tets)[span_of(part_.tet2whole)[i]]), i);
+    }
     std::vector<std::uint8_t> is_kept(part_.tet2whole.size(), 0);
-    for (Size t = 0; t < std::ssize(part.tets); ++t) {
-      const Index original = span_of(report_.tet2original)[t];
-      const Index whole = span_of(part_.tet2whole)[original];
+    for (Size t = 0; t < std::ssize(part_.mesh.tets); ++t) {
+      const auto& tet = span_of(part_.mesh.tets)[t];
+      new_tets_.push_back(translated(tet, vertex2whole_));
+      tet2whole_.push_back(-1);
+      const auto found = vertices2original.find(ascending(new_tets_.back()));
+      if (found == vertices2original.end() || has_inserted_vertex(tet)) continue;
+      const Index whole = span_of(part_.tet2whole)[found->second];
       const auto& before = span_of(mesh_.tets)[whole];
-      new_tets_.push_back(translated(span_of(part.tets)[t], vertex2whole_));
-      const bool same = std::is_permutation(before.begin(), before.end(), new_tets_.back().begin());
-      if (same) {
-        new_tets_.back() = before;
-        span_of(is_kept)[original] = 1;
-      }
-      tet2whole_.push_back(same ? whole : -1);
+      if (!is_even_permutation(new_tets_.back(), before)) continue;
+      span_of(report_.tet2original)[t] = found->second;
+      tet2whole_.back() = whole;
+      new_tets_.back() = before;
+      span_of(is_kept)[found->second] = 1;
     }
     tets_ = ListChange(freed_numbers(part_.tet2whole, is_kept), mesh_.tets.size());
     for (Index& whole : tet2whole_) whole = whole < 0 ? tets_.take() : whole;
@@ -193,6 +202,12 @@ class PartReplacement {
     tet2original_ = identity(mesh_.tets.size());
     tets_.apply(tet2original_, picked(part_.tet2whole, report_.tet2original));
     for (Index& t : tet2whole_) t = tets_.renumbered(t);
+  }
+
+  /// Such a vertex may have the number of another one.
+  bool has_inserted_vertex(const std::array<Index, 4>& tet) const {
+    const auto is_inserted = [this](Index v) { return span_of(report_.vertex2original)[v] < 0; };
+    return !report_.vertex2original.empty() && std::any_of(tet.begin(), tet.end(), is_inserted);
   }
 
   void change_triangles() {

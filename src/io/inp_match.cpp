@@ -5,6 +5,7 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/csr.hpp"
+#include "mesh/tet_orientation.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -13,17 +14,6 @@ namespace {
 std::array<Index, 4> sorted(std::array<Index, 4> v) {
   std::sort(v.begin(), v.end());
   return v;
-}
-
-/// Whether one order of the same vertices is an even permutation of the other.
-bool is_even(const std::array<Index, 4>& a, const std::array<Index, 4>& b) {
-  int inversions = 0;
-  std::array<std::ptrdiff_t, 4> place;
-  for (std::size_t k = 0; k < 4; ++k) place[k] = std::find(b.begin(), b.end(), a[k]) - b.begin();
-  for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t j = i + 1; j < 4; ++j) inversions += place[i] > place[j] ? 1 : 0;
-  }
-  return inversions % 2 == 0;
 }
 
 struct LowestNode {
@@ -100,7 +90,7 @@ class InpMatcher {
         }
         take(old, t);
         const std::array<Index, 4> as_listed = vertices_of(old);
-        if (as_listed != listed && !is_even(as_listed, listed)) break;
+        if (as_listed != listed && !is_even_permutation(as_listed, listed)) break;
         listed = as_listed;
         span_of(match_.is_same)[old] = 1;
         break;

@@ -168,4 +168,14 @@ std::int64_t orient_uniformly(TetMesh& mesh, int threads) {
   return count;
 }
 
+bool is_even_permutation(const std::array<Index, 4>& a, const std::array<Index, 4>& b) {
+  int inversions = 0;
+  std::array<std::ptrdiff_t, 4> place;
+  for (std::size_t k = 0; k < 4; ++k) place[k] = std::find(b.begin(), b.end(), a[k]) - b.begin();
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = i + 1; j < 4; ++j) inversions += place[i] > place[j] ? 1 : 0;
+  }
+  return inversions % 2 == 0;
+}
+
 }  // namespace tetune

@@ -16,6 +16,9 @@ inline constexpr std::int8_t kTinyVolume = 2;
 /// validate_arrays(). `threads` 0 means all.
 std::vector<std::int8_t> volume_signs(const TetMesh& mesh, int threads);
 
+/// Whether one order of the same vertices is an even permutation of the other.
+bool is_even_permutation(const std::array<Index, 4>& a, const std::array<Index, 4>& b);
+
 /// A half-face with its vertices in increasing order.
 struct SortedHalfFace {
   std::array<Index, 3> vertices;
