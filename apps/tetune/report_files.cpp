@@ -183,6 +183,8 @@ Json to_json(const Report& r) {
   json["sweeps"] = sweeps_json(r);
   json["flip_passes"] = flip_passes_json(r);
   json["worst_rounds"] = worst_rounds_json(r);
+  json["restarts"] = r.restarts;
+  json["restarts_kept"] = r.restarts_kept;
   json["curved_deviation"] = r.deviation;
   json["straightened"] = Json::array();
   for (const StraightenedEdge& e : r.straightened) {

@@ -215,6 +215,8 @@ void bind_report(nb::module_& m) {
       .def_ro("sweeps", &Report::sweeps)
       .def_ro("flip_passes", &Report::flip_passes)
       .def_ro("worst_rounds", &Report::worst_rounds)
+      .def_ro("restarts", &Report::restarts, "Number of restarts that were tried: the option of this name.")
+      .def_ro("restarts_kept", &Report::restarts_kept, "Number of those that improved the worst element.")
       .def_prop_ro(
           "phases",
           [](const Report& r) {

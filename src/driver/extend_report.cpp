@@ -28,6 +28,8 @@ double seconds_of_phases(const Report& report) {
 void extend_report(Report& report, Report&& further) {
   for (const PhaseTime& time : further.phases) add_seconds(report, time.phase, time.seconds);
   report.OperationCounts::operator+=(further);
+  report.restarts += further.restarts;
+  report.restarts_kept += further.restarts_kept;
   report.tets_after = further.tets_after;
   report.deviation += further.deviation;
   report.energy_after += further.energy_after - further.energy_before;

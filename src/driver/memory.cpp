@@ -24,13 +24,19 @@ std::size_t periodic_bytes(const TetMesh& mesh) {
   return 2 * 10 * (3 * sizeof(Point) + 2 * sizeof(LinkFace)) * pairs;
 }
 
+/// The copy of the mesh that a restart may go back to.
+std::size_t restart_bytes(const TetMesh& mesh, const Options& options) {
+  const bool restarts = improves_worst(options) && max_restarts(options, double(mesh.tets.size())) > 0;
+  return restarts ? 44 * mesh.tets.size() + 140 * mesh.points.size() : 0;
+}
+
 }  // namespace
 
 std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
   // Bytes, fitted to measured peaks: docs/command-line.md, "Memory".
   std::size_t bytes = (std::size_t{4} << 20) + 930 * mesh.points.size() + 84 * mesh.tets.size() +
                       40 * mesh.triangles.size() + 40 * mesh.edges.size();
-  bytes += periodic_bytes(mesh);
+  bytes += periodic_bytes(mesh) + restart_bytes(mesh, options);
   for (const ElementBlock& block : mesh.others) bytes += 8 * (block.element2vertex.size() + block.tags.size());
   if (options.boundary == Boundary::slide) bytes += bytes / 4;  // the reference surface
   if (options.effort == Effort::best) bytes += bytes / 16;      // room for inserted vertices
@@ -55,6 +61,7 @@ std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options)
   std::size_t loop = 132 * tets + 300 * vertices;
   if (options.boundary == Boundary::slide) loop += 100 * vertices;  // the reference surface
   if (options.effort == Effort::best) loop += loop / 6;             // room for inserted vertices
+  loop += restart_bytes(mesh, options);
   const std::size_t load = 70 * tets + 100 * vertices + 24 * mesh.triangles.size();
   // Of small meshes most is the candidates of a batch of proposals.
   const std::size_t candidates = std::size_t{options.effort == Effort::best ? 8U : 4U} << 20;

@@ -126,6 +126,7 @@ class CriteriaRun {
     // The part of the round is at most the mesh.
     if (!options.keep_vertices) options.max_growth = max_tets_ / double(mesh.tets.size());
     options.effort = Effort::best;
+    options.restarts = 0;  // they would enlarge angles at the expense of other measures
     options.targets.clear();
     options.trace_angles = false;
     return options;

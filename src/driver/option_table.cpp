@@ -129,6 +129,13 @@ constexpr std::array kGrowthConditions{
     OptionCondition{
         [](const Options& o) { return o.effort != Effort::best && o.surface_vertices != SurfaceVertices::edit; },
         "has no effect without effort=best or surface_vertices=edit"}};
+constexpr std::array kRestartConditions{
+    OptionCondition{[](const Options& o) { return o.effort != Effort::best; }, "has no effect without effort=best"},
+    OptionCondition{[](const Options& o) { return o.energy == Energy::harmonic; },
+                    "has no effect with energy=harmonic"},
+    OptionCondition{[](const Options& o) { return o.termination == Termination::paper; },
+                    "has no effect with termination=paper"},
+    kWithoutSweeps};
 constexpr std::array kUntangling{
     OptionCondition{[](const Options& o) { return !o.untangle; }, "has no effect without untangle=true"}};
 constexpr std::array kLimited{
@@ -188,6 +195,15 @@ const std::array kTable{
                kSurfaceVertices,
                {},
                kSurfaceEditConditions},
+    OptionInfo{"restarts",
+               &Options::restarts,
+               kMethod,
+               "With effort=best, how often at most the neighborhood of the worst element is optimized anew, without "
+               "regard to the angles reached, and the result taken if that element has improved; 0: never; -1: 8 "
+               "times, or fewer in meshes of more than 100,000 tetrahedra",
+               {},
+               {-1, 10000},
+               kRestartConditions},
     OptionInfo{
         "untangle", &Options::untangle, kMethod,
         "Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that "

@@ -6,6 +6,7 @@
 #include "phases/improve_worst.hpp"
 #include "phases/lower_mean_energy.hpp"
 #include "phases/polish.hpp"
+#include "phases/restart_worst.hpp"
 
 namespace tetune {
 namespace improve_detail {
@@ -35,8 +36,10 @@ bool improve(Optimizer<Backend>& optimizer) {
   Criterion criterion = improve_detail::measure_mesh(optimizer);
   if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return false;
   if (!improves_worst(optimizer.options)) return true;
-  return lower_mean_energy(optimizer, criterion.floor) && improve_worst(optimizer, criterion.floor) &&
-         improve_angles(optimizer, criterion.floor) && polish(optimizer, criterion.floor);
+  if (!lower_mean_energy(optimizer, criterion.floor) || !improve_worst(optimizer, criterion.floor)) return false;
+  const QualityFloor of_input = criterion.floor;
+  return improve_angles(optimizer, criterion.floor) && restart_worst(optimizer, of_input, criterion.floor) &&
+         polish(optimizer, criterion.floor);
 }
 
 }  // namespace tetune

@@ -20,12 +20,29 @@ inline AngleParameters last_parameters(AngleParameters p) {
   return p;
 }
 
-/// One round. Returns the number of changes.
+/// Clears the values of the tetrahedra that have no flagged vertex.
+struct ClearOutside {
+  MeshView mesh;
+  Span<const std::uint8_t> flags;
+  Span<double> values;
+  TETUNE_HD void operator()(Size t) const {
+    if (values[t] == 0) return;
+    const Tet tet = mesh.tet2vertex[t];
+    if ((flags[tet[0]] | flags[tet[1]] | flags[tet[2]] | flags[tet[3]]) == 0) values[t] = 0;
+  }
+};
+
+/// One round, on tetrahedra with a vertex that is flagged in `region`, or anywhere if that is empty. Returns the number
+/// of changes.
 template <class Backend>
-Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, QualityFloor& floor, WorstReport& r) {
+Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, QualityFloor& floor, WorstReport& r,
+                  Span<const std::uint8_t> region = {}) {
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
-  const AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
+  AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
+  if (region.size() > 0) {
+    backend.for_each(work.mesh.slots(), ClearOutside{work.mesh.view(), region, extremes.values.span()});
+  }
   const double selectable = selection_scale(optimizer.options) * static_cast<double>(work.mesh.tets());
   const auto cost_of = [&](double part, double min_count) {
     const double max_above = std::max(part * selectable, min_count);
@@ -89,7 +106,7 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
         Phase::angles, [&] { changes = improve_once(optimizer, is_last ? last : parameters, floor, r); });
     r.dihedral_min = optimizer.traced_angle();
     optimizer.report.worst_rounds.push_back(r);
-    optimizer.progress.estimate.finish_angle_step(round, rounds + optimizer.tuning.polish.sweeps);
+    optimizer.progress.estimate.finish_angle_round(round, rounds);
     if (!optimizer.proceed(Phase::angles, optimizer.iteration())) return false;
     if (changes == 0) break;
     // The floor is the largest cost before the round.

@@ -102,18 +102,18 @@ struct Improved {
   typename Optimizer<Backend>::Swept swept;
 };
 
-/// Improves the neighborhood of the listed tetrahedra: retriangulates, flips, and moves their vertices and the
-/// neighbors of these. The energies of the slots are up to date before and afterwards. Only the vertices that may have
-/// moved have rings afterwards.
+/// Improves the neighborhood of the listed tetrahedra: retriangulates around the `proposers` among them, flips, and
+/// moves their vertices and the neighbors of these. The energies of the slots are up to date before and afterwards.
+/// Only the vertices that may have moved have rings afterwards.
 template <class Backend>
 Improved<Backend> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
-                                 const RetriangulationLimits& limits, WorstReport& r) {
+                                 Span<const Index> proposers, const RetriangulationLimits& limits, WorstReport& r) {
   using namespace improve_around_detail;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   backend.fill(work.dofs.active.span(), std::uint8_t{0});
   flag_vertices(backend, work.mesh, tets, work.dofs.active.span());
-  if (!backend.stop_requested()) retriangulate(optimizer, criterion, tets, limits, r);
+  if (!backend.stop_requested()) retriangulate(optimizer, criterion, proposers, limits, r);
   r.flips += flip_around_active(optimizer, criterion);
   const Span<std::uint8_t> active = work.dofs.active.span();
   flag_neighbors(backend, work.mesh, active);
@@ -123,6 +123,13 @@ Improved<Backend> improve_around(Optimizer<Backend>& optimizer, const Criterion&
   const auto swept = optimizer.sweep_once(criterion, SweepScope::selection);
   refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, std::as_const(affected).span());
   return {std::move(affected), swept};
+}
+
+/// The same, where all propose.
+template <class Backend>
+Improved<Backend> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
+                                 const RetriangulationLimits& limits, WorstReport& r) {
+  return improve_around(optimizer, criterion, tets, tets, limits, r);
 }
 
 }  // namespace tetune

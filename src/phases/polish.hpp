@@ -23,9 +23,12 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
                                           angles.obtuse_weight);
     criterion.floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, angles.obtuse_weight);
     criterion.floor.limit_angles(reached);
+    if (angles.obtuse_weight > 0) {
+      limit_largest_angle(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight,
+                          criterion.floor);
+    }
     backend.fill(work.dofs.active.span(), std::uint8_t{1});
   });
-  const int angle_rounds = optimizer.tuning.angles.rounds();
   for (int sweep = 1; sweep <= p.sweeps; ++sweep) {
     const bool ready = optimizer.refresh_rings();
     optimizer.timer.measure(Phase::angles, [&] {
@@ -41,7 +44,7 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
       if (optimizer.work.boundary.bends) flip_boundary_at_active(optimizer, criterion);
       flip_until_none_active(optimizer, criterion);
     });
-    optimizer.progress.estimate.finish_angle_step(angle_rounds + sweep, angle_rounds + p.sweeps);
+    optimizer.progress.estimate.finish_polish_sweep(sweep, p.sweeps);
     if (!optimizer.proceed(Phase::angles, optimizer.iteration())) return false;
   }
   return true;

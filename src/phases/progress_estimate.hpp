@@ -18,8 +18,10 @@ class ProgressEstimate {
         tolerance_(tuning_of(options.effort).alternation.min_sweep_decrease),
         max_iterations_(std::max(1, options.max_iterations)) {
     const bool best = options.effort == Effort::best;
-    worst_begin_ = !improves_worst(options) ? 1 : best ? 0.6 : 0.95;
+    worst_begin_ = !improves_worst(options) ? 1 : best ? 0.35 : 0.95;
     angles_begin_ = best ? worst_begin_ + 0.05 : 1;
+    restarts_begin_ = best ? worst_begin_ + 0.25 : 1;
+    polish_begin_ = best ? worst_begin_ + 0.6 : 1;
   }
 
   void finish_first_flips(int pass) {
@@ -40,7 +42,9 @@ class ProgressEstimate {
   void finish_worst_round(int round) {
     raise_to(worst_begin_ + (angles_begin_ - worst_begin_) * (1 - std::exp2(-round)));
   }
-  void finish_angle_step(int step, int steps) { raise_to(angles_begin_ + (1 - angles_begin_) * step / steps); }
+  void finish_angle_round(int round, int rounds) { raise_between(angles_begin_, restarts_begin_, round, rounds); }
+  void finish_restart(int restart, int restarts) { raise_between(restarts_begin_, polish_begin_, restart, restarts); }
+  void finish_polish_sweep(int sweep, int sweeps) { raise_between(polish_begin_, 1, sweep, sweeps); }
 
   /// The part that is done, 0 to 1; never decreases.
   double fraction() const { return fraction_; }
@@ -51,12 +55,13 @@ class ProgressEstimate {
   static constexpr double kLoadShare = 0.15;
   static constexpr double kFirstFlipsShare = 0.25;
 
+  void raise_between(double begin, double end, int step, int steps) { raise_to(begin + (end - begin) * step / steps); }
   void raise_to(double fraction) { fraction_ = std::max(fraction_, std::min(fraction, 1.0)); }
 
   bool paper_;
   double tolerance_;
   int max_iterations_;
-  double worst_begin_, angles_begin_;  ///< the fractions at which these phases begin
+  double worst_begin_, angles_begin_, restarts_begin_, polish_begin_;  ///< the fractions at which these phases begin
   double first_decrease_ = 0;
   double fraction_ = kLoadShare;
 };

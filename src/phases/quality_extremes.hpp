@@ -30,6 +30,14 @@ struct MaxCotAbove {
   TETUNE_HD Maximum operator()(Size t) const { return {energies[t] > bound ? dihedral_cots(mesh, t).max : -1}; }
 };
 
+/// The cotangent of the largest angle of a tetrahedron whose energy is above a bound, with the sign changed.
+struct MaxNegatedCotAbove {
+  MeshView mesh;
+  Span<const double> energies;
+  double bound;
+  TETUNE_HD Maximum operator()(Size t) const { return {energies[t] > bound ? -dihedral_cots(mesh, t).min : -1}; }
+};
+
 struct MaxCot {
   MeshView mesh;
   TETUNE_HD Maximum operator()(Size t) const { return {mesh.alive(t) ? dihedral_cots(mesh, t).max : -1}; }
@@ -84,6 +92,19 @@ QualityFloor find_floor(const Backend& backend, WorkMesh<Backend>& mesh, Span<co
   floor.max_cot = std::max(cot_of_worst, max_cot_above(QualityFloor::min_shape(cot_of_worst)));
   floor.add_tolerance();
   return floor;
+}
+
+/// Allows no larger dihedral angle than there is, or than one of the cotangent `cot`. `shapes` are the shape energies of
+/// all slots.
+template <class Backend>
+void limit_largest_angle(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes, double cot,
+                         QualityFloor& floor) {
+  using namespace quality_extremes_detail;
+  const MaxNegatedCotAbove largest{mesh.view(), shapes, QualityFloor::min_shape(cot)};
+  const double negated = backend.template reduce<Maximum>(mesh.slots(), largest).value;
+  QualityFloor present = QualityFloor::none();
+  present.min_cot = -(1 + QualityFloor::kTolerance) * std::max(-cot, negated);
+  floor.limit_angles(present);
 }
 
 /// Returns the cotangent of the smallest dihedral angle.

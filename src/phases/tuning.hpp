@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 
 #include "tetune/options.hpp"
 
@@ -101,7 +103,8 @@ struct AngleParameters {
   /// At most this part of the tetrahedra, or this number of them in a small mesh, are worked on,
   double max_part = 3e-4;
   double min_count = 0;
-  /// and only those with a dihedral angle whose cost (DihedralCots::cost()) is above this: below about 40 degrees.
+  /// and only those with a dihedral angle whose cost (DihedralCots::cost()) is above this: 1.2 is below about 40
+  /// degrees, 1 below 45.
   double min_cost = 1.2;
   /// The weight of large angles in that cost. 0: they do not count.
   double obtuse_weight = 0;
@@ -127,6 +130,30 @@ struct AngleParameters {
   double min_fall = 1e-3;
 
   int rounds() const { return max_rounds + last_rounds; }
+};
+
+/// restart_worst(): the neighborhood of the worst element optimized anew.
+struct RestartParameters {
+  /// Options::restarts by default, in meshes of up to `large` tetrahedra; in larger ones in inverse proportion.
+  int restarts = 0;
+  double large = 100'000;
+  /// A restart is kept if it lowers the largest cost by this part.
+  double min_fall = 1e-4;
+  /// The elements whose cost is within this part of the largest are optimized anew, but at most this number of them: in
+  /// structured meshes many tie.
+  double tie = 5e-3;
+  std::int64_t max_worst = 100;
+  /// One way to do so: the rings of vertices around these elements, rounds under the energy, and then under the mean
+  /// energy.
+  struct Way {
+    int rings, energy_rounds, mean_rounds;
+  };
+  /// Each restart that follows a failure takes the next way, which leads elsewhere; after the last one they end.
+  std::array<Way, 6> ways{{{1, 3, 0}, {2, 3, 2}, {1, 0, 2}, {2, 0, 0}, {1, 3, 2}, {2, 3, 2}}};
+  /// Then rounds enlarge angles, in this number of rings more, on about `count` tetrahedra.
+  int angle_rounds = 10;
+  int angle_rings = 4;
+  double count = 12;
 };
 
 /// polish(): sweeps and flips above the floor of the angles reached.
@@ -159,6 +186,7 @@ struct Tuning {
   MeanParameters mean;
   WorstParameters worst;
   AngleParameters angles;
+  RestartParameters restart;
   PolishParameters polish;
   MotionParameters motion;
   /// The energy is summed again when it has fallen below this part of its last sum: rounding errors of the decreases
@@ -191,8 +219,10 @@ constexpr Tuning best() {
   t.angles.min_vertex_count = 100;
   t.angles.min_cost_gain = 3e-3;
   t.angles.obtuse_weight = 1.5;
-  t.angles.last_rounds = 16;
+  t.angles.last_rounds = 4;
   t.angles.last_count = 12;
+  t.angles.min_cost = 1;
+  t.restart.restarts = 8;
   t.polish = {4, 2};
   return t;
 }
@@ -225,6 +255,13 @@ inline bool edits_vertices(const Options& options) {
 inline double selection_scale(const Options& options) {
   constexpr double kScalePerGrowth = 60;
   return edits_vertices(options) ? 1 + kScalePerGrowth * std::max(0.0, options.max_growth - Options{}.max_growth) : 1;
+}
+
+/// The number of restarts at most.
+inline int max_restarts(const Options& options, double tets) {
+  const RestartParameters& p = tuning_of(options.effort).restart;
+  if (p.restarts == 0 || options.restarts >= 0) return p.restarts == 0 ? 0 : options.restarts;
+  return static_cast<int>(std::ceil(p.restarts * std::min(1.0, p.large / std::max(1.0, tets))));
 }
 
 /// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the

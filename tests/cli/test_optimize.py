@@ -78,7 +78,7 @@ class Optimize(CliTest):
         self.assertEqual(report["input"], source)
         self.assertEqual(report["output"], self.path("out.mesh"))
         self.assertEqual(report["options"], {
-            "boundary": "preserve", "energy": "shape", "effort": "standard", "keep_vertices": False, "max_growth": 1.1, "surface_vertices": "auto", "untangle": False, "straighten": False,
+            "boundary": "preserve", "energy": "shape", "effort": "standard", "keep_vertices": False, "max_growth": 1.1, "surface_vertices": "auto", "restarts": -1, "untangle": False, "straighten": False,
             "feature_angle": 45, "feature_angle_deg": 45, "max_deviation": 0, "open_boundaries": True, "frozen_regions": [],
             "frozen_patches": [], "relocation": "newton", "termination": "paper", "device": "cpu", "max_iterations": 7,
             "flips": True, "max_ring": 7, "boundary_flips": True, "targets": [], "only_below": [], "rings": 2, "threads": 2, "data": "carry",

@@ -27,7 +27,7 @@ TEST(OptionTable, names_are_unique_and_defaults_are_accepted) {
     EXPECT_TRUE(names.insert(option.name).second) << option.name;
     EXPECT_EQ(find_option(option.name), &option);
   }
-  EXPECT_EQ(names.size(), 27U);
+  EXPECT_EQ(names.size(), 28U);
   EXPECT_EQ(refusal({}), "");
   EXPECT_TRUE(ineffective_options({}).empty());
 }

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Restarts around the worst element: a kept one lowers the largest cost, a failed one leaves no trace.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "meshes.hpp"
+#include "phases/tuning.hpp"
+#include "tetune/optimize.hpp"
+#include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+Options with_restarts(int restarts) {
+  Options options;
+  options.effort = Effort::best;
+  options.restarts = restarts;
+  return options;
+}
+
+bool are_same(const TetMesh& a, const TetMesh& b) { return a.points == b.points && a.tets == b.tets; }
+
+/// What restarts lower: see AngleParameters.
+double largest_cost(const TetMesh& mesh) {
+  const Quality q = quality(mesh);
+  const auto cot = [](double degrees) { return 1 / std::tan(degrees * std::numbers::pi / 180); };
+  return std::max(cot(q.dihedral_min), -tuning_of(Effort::best).angles.obtuse_weight * cot(q.dihedral_max));
+}
+
+/// Optimizes meshes with and without restarts; returns how many had one that was kept, and how many had failed ones
+/// only.
+std::pair<int, int> compare_with_none(Boundary boundary, int restarts) {
+  std::pair<int, int> kept_or_failed{0, 0};
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const TetMesh input = test::scrambled(test::cube(5, 0.3, seed), 3, seed);
+    Options options = with_restarts(0);
+    options.boundary = boundary;
+    TetMesh without = input;
+    optimize(without, options);
+    options.restarts = restarts;
+    TetMesh with = input;
+    const Report report = optimize(with, options);
+    EXPECT_TRUE(validate(with).ok());
+    EXPECT_LE(report.restarts, restarts);
+    EXPECT_LE(double(with.tets.size()), options.max_growth * double(input.tets.size()));
+    if (report.restarts_kept > 0) {
+      EXPECT_LT(largest_cost(with), largest_cost(without)) << seed;
+      ++kept_or_failed.first;
+    } else {
+      EXPECT_TRUE(are_same(with, without)) << seed;
+      kept_or_failed.second += report.restarts > 0 ? 1 : 0;
+    }
+  }
+  return kept_or_failed;
+}
+
+TEST(Restarts, LowerTheLargestCost) { EXPECT_GT(compare_with_none(Boundary::preserve, 6).first, 0); }
+
+TEST(Restarts, LeaveNoTraceWhereTheyFail) { EXPECT_GT(compare_with_none(Boundary::fixed, 1).second, 0); }
+
+TEST(Restarts, TheNumberOfThreadsDoesNotMatter) {
+  const TetMesh input = test::scrambled(test::two_materials(6, 0.3), 3, 5);
+  Options options = with_restarts(4);
+  options.threads = 1;
+  TetMesh one = input;
+  const Report report = optimize(one, options);
+  EXPECT_GT(report.restarts, 0);
+  options.threads = 3;
+  TetMesh three = input;
+  optimize(three, options);
+  EXPECT_TRUE(are_same(one, three));
+}
+
+TEST(Restarts, AStopTakesBackTheOneThatIsUnderWay) {
+  const TetMesh input = test::scrambled(test::cube(5, 0.3, 3), 3, 3);
+  const double angle = quality(input).dihedral_min;
+  int polls = 0;
+  bool in_restarts = false;
+  const auto run = [&](int limit) {
+    polls = 0;
+    in_restarts = false;
+    Context context;
+    context.progress = [&](const Progress& p) {
+      in_restarts = in_restarts || p.phase == std::string("restarts");
+      return true;
+    };
+    context.stop = [&] { return in_restarts && ++polls > limit; };
+    TetMesh mesh = input;
+    optimize(mesh, with_restarts(6), context);
+    EXPECT_TRUE(validate(mesh).ok());
+    EXPECT_GE(quality(mesh).dihedral_min, angle);
+    return mesh;
+  };
+  const TetMesh first = run(0);
+  // Stopped within the second restart: as after the first one.
+  for (const int limit : {1, 3, 8}) EXPECT_TRUE(are_same(run(limit), first)) << limit;
+}
+
+TEST(Restarts, LargeMeshesGetFewerByDefault) {
+  Options options;
+  EXPECT_EQ(max_restarts(options, 1e5), 0);
+  options.effort = Effort::best;
+  EXPECT_EQ(max_restarts(options, 1e5), 8);
+  EXPECT_EQ(max_restarts(options, 2e5), 4);
+  EXPECT_EQ(max_restarts(options, 1e9), 1);
+  options.restarts = 30;
+  EXPECT_EQ(max_restarts(options, 1e9), 30);
+}
+
+}  // namespace
+}  // namespace tetune
