@@ -56,7 +56,10 @@ void add_best(std::vector<Case>& all) {
   Case& untangle = add(all, "untangle_best", tangled(4, 0.7, 7));
   untangle.options.untangle = true;
   untangle.operations = {&Counts::vertices_inserted, &Counts::vertices_removed};
-  for (std::size_t k = first; k < all.size(); ++k) all[k].options.effort = Effort::best;
+  for (std::size_t k = first; k < all.size(); ++k) {
+    all[k].options.effort = Effort::best;
+    all[k].options.restarts = 1;
+  }
 }
 
 /// The other efforts, each with several blocks of threads per launch.
