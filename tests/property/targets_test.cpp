@@ -92,13 +92,15 @@ TEST(Targets, TheStrongestConstraintIsNamed) {
         surface += planes > 0 ? 1 : 0;
         const bool is_fixed = is_frozen || planes == 3 || (planes > 0 && boundary == Boundary::fixed);
         fixed += is_fixed ? 1 : 0;
-        const LimitingConstraint mine = is_frozen                           ? LimitingConstraint::frozen_vertex
-                         : planes == 0                       ? LimitingConstraint::none
-                         : boundary == Boundary::fixed       ? (interface ? LimitingConstraint::region_interface : LimitingConstraint::boundary)
-                         : planes == 3                       ? LimitingConstraint::feature_corner
-                         : planes == 2                       ? LimitingConstraint::feature_line
-                         : interface                         ? LimitingConstraint::region_interface
-                                                             : LimitingConstraint::boundary;
+        const LimitingConstraint mine =
+            is_frozen     ? LimitingConstraint::frozen_vertex
+            : planes == 0 ? LimitingConstraint::none
+            : boundary == Boundary::fixed
+                ? (interface ? LimitingConstraint::region_interface : LimitingConstraint::boundary)
+            : planes == 3 ? LimitingConstraint::feature_corner
+            : planes == 2 ? LimitingConstraint::feature_line
+            : interface   ? LimitingConstraint::region_interface
+                          : LimitingConstraint::boundary;
         constraint = std::min(constraint, mine);
       }
       if (fixed == 4) {
