@@ -82,7 +82,7 @@ struct Options {
   double max_growth = 1.1;
   /// Vertices of the surface, with Boundary::preserve.
   SurfaceVertices surface_vertices = SurfaceVertices::automatic;
-  /// With Effort::best: how often at most the neighborhood of the worst element is optimized anew, without regard to
+  /// With Effort::best: how often at most the neighborhood of the worst element is optimized again, without regard to
   /// the angles reached, and the result taken if that element has improved. 0: never; -1: 8 times, or fewer in meshes
   /// of more than 100,000 tetrahedra. The largest value is 10,000.
   int restarts = -1;

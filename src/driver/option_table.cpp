@@ -198,7 +198,7 @@ const std::array kTable{
     OptionInfo{"restarts",
                &Options::restarts,
                kMethod,
-               "With effort=best, how often at most the neighborhood of the worst element is optimized anew, without "
+               "With effort=best, how often at most the neighborhood of the worst element is optimized again, without "
                "regard to the angles reached, and the result taken if that element has improved; 0: never; -1: 8 "
                "times, or fewer in meshes of more than 100,000 tetrahedra",
                {},

@@ -105,7 +105,7 @@ struct FlagNeighbors {
     }
     for (int k = 0; k < 4 && has_flagged; ++k) {
       if (backend::load_shared(flags[tet[k]]) == 0) {
-        backend::store_shared(flags[tet[k]], static_cast<std::uint8_t>(ring + 1));
+        backend::store_shared(flags[tet[k]], std::uint8_t(ring + 1));
       }
     }
   }
@@ -184,8 +184,7 @@ void flag_vertices_of_extreme(const Backend& backend, WorkMesh<Backend>& mesh, c
 template <class Backend>
 void flag_neighbors(const Backend& backend, WorkMesh<Backend>& mesh, Span<std::uint8_t> flags, int rings = 1) {
   for (int ring = 1; ring <= rings; ++ring) {
-    backend.for_each(mesh.slots(),
-                     selection_detail::FlagNeighbors{mesh.view(), flags, static_cast<std::uint8_t>(ring)});
+    backend.for_each(mesh.slots(), selection_detail::FlagNeighbors{mesh.view(), flags, std::uint8_t(ring)});
   }
 }
 

@@ -93,11 +93,11 @@ class Restarts {
     const double limit = (1 - p_.tie) * before.max_cost;
     const auto worst = tets_above(backend, work.mesh, before.values.span(), std::sqrt(1 + limit * limit));
     r.worst = std::min(worst.size(), p_.max_worst);
-    const RestartParameters::Way& way = p_.ways[std::size_t(failures_)];
+    const RestartParameters::Perturbation& perturbation = p_.perturbations[std::size_t(failures_)];
     const Span<const Index> first(worst.span().data(), r.worst);
-    Region<Backend> inner(backend, work.mesh, first, way.rings);
-    Region<Backend> outer(backend, work.mesh, first, way.rings + p_.angle_rings);
-    lower_energy(inner, way, r);
+    Region<Backend> inner(backend, work.mesh, first, perturbation.rings);
+    Region<Backend> outer(backend, work.mesh, first, perturbation.rings + p_.angle_rings);
+    lower_energy(inner, perturbation, r);
     enlarge_angles(outer, r);
     const double after = extremes().max_cost;
     if (after < (1 - p_.min_fall) * before.max_cost && !backend.stop_requested()) {
@@ -106,7 +106,8 @@ class Restarts {
       ++optimizer_.report.restarts_kept;
     } else {
       saved_.restore(backend, work);
-      static_cast<OperationCounts&>(optimizer_.report) = counts;
+      OperationCounts& of_report = optimizer_.report;
+      of_report = counts;
       optimizer_.invalidate_rings();
       optimizer_.sum_energy(kShapeObjective);
       r = {};
@@ -124,22 +125,22 @@ class Restarts {
   }
 
   /// Lowers the energy, and then the mean energy, as before any work on the worst elements.
-  void lower_energy(Region<Backend>& region, const RestartParameters::Way& way, WorstReport& r) {
+  void lower_energy(Region<Backend>& region, const RestartParameters::Perturbation& perturbation, WorstReport& r) {
     const Backend& backend = optimizer_.backend;
     WorkingSet<Backend>& work = optimizer_.work;
     const Criterion criterion{kShapeObjective, of_input_, angles_.obtuse_weight};
-    const int rounds = way.energy_rounds + (edits_vertices(optimizer_.options) ? way.mean_rounds : 0);
+    const int rounds = perturbation.energy_rounds + (edits_vertices(optimizer_.options) ? perturbation.mean_rounds : 0);
     for (int i = 0; i < rounds && !backend.stop_requested(); ++i) {
       RetriangulationLimits limits = retriangulation_limits(optimizer_, kInfeasible);
-      if (i >= way.energy_rounds) {
-        limits.mean_energy = optimizer_.energy() / static_cast<double>(work.mesh.tets());
+      if (i >= perturbation.energy_rounds) {
+        limits.mean_energy = optimizer_.energy() / double(work.mesh.tets());
         limits.min_gain = optimizer_.tuning.mean.min_gain;
       }
       const auto flags = region.flags(backend, work.mesh);
       const auto tets = tets_with_flagged_vertex(backend, work.mesh, flags);
       BufferOf<Backend, Index> extreme;
-      if (i < way.energy_rounds) extreme = extreme_tets(flags);
-      const Span<const Index> proposers = i < way.energy_rounds ? std::as_const(extreme).span() : tets.span();
+      if (i < perturbation.energy_rounds) extreme = extreme_tets(flags);
+      const Span<const Index> proposers = i < perturbation.energy_rounds ? std::as_const(extreme).span() : tets.span();
       WorstReport round;
       round.moved = improve_around(optimizer_, criterion, tets.span(), proposers, limits, round).swept.get().moved;
       add(round, r);
@@ -181,17 +182,17 @@ class Restarts {
 }  // namespace restart_worst_detail
 
 /// Improves the worst element where improve_angles() is stuck, by iterated local search (Lourenço, Martin and Stützle,
-/// 2003): its neighborhood is optimized anew, where angles may be as in the input (`of_input`), and the result is kept
+/// 2003): its neighborhood is optimized again, where angles may be as in the input (`of_input`), and the result is kept
 /// if the largest cost of the mesh has fallen; then `floor` is tightened. Reports Report::worst_rounds. Returns false
 /// when the caller cancels.
 template <class Backend>
 bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& of_input, QualityFloor& floor) {
-  const int restarts = max_restarts(optimizer.options, static_cast<double>(optimizer.work.mesh.tets()));
+  const int restarts = max_restarts(optimizer.options, double(optimizer.work.mesh.tets()));
   if (restarts == 0) return true;
   restart_worst_detail::Restarts<Backend> search(optimizer, of_input, floor);
   optimizer.timer.measure(Phase::restarts, [&] { optimizer.sum_energy(kShapeObjective); });
-  const auto ways = std::ssize(optimizer.tuning.restart.ways);
-  for (int i = 1; i <= restarts && search.failures() < ways; ++i) {
+  const auto perturbations = std::ssize(optimizer.tuning.restart.perturbations);
+  for (int i = 1; i <= restarts && search.failures() < perturbations; ++i) {
     WorstReport r;
     bool has_worst = false;
     r.seconds = optimizer.timer.measure(Phase::restarts, [&] { has_worst = search.restart(r); });

@@ -132,24 +132,24 @@ struct AngleParameters {
   int rounds() const { return max_rounds + last_rounds; }
 };
 
-/// restart_worst(): the neighborhood of the worst element optimized anew.
+/// restart_worst(): the neighborhood of the worst element optimized again.
 struct RestartParameters {
   /// Options::restarts by default, in meshes of up to `large` tetrahedra; in larger ones in inverse proportion.
   int restarts = 0;
   double large = 100'000;
   /// A restart is kept if it lowers the largest cost by this part.
   double min_fall = 1e-4;
-  /// The elements whose cost is within this part of the largest are optimized anew, but at most this number of them: in
-  /// structured meshes many tie.
+  /// The elements whose cost is within this part of the largest are optimized again, but at most this number of them:
+  /// in structured meshes many tie.
   double tie = 5e-3;
   std::int64_t max_worst = 100;
-  /// One way to do so: the rings of vertices around these elements, rounds under the energy, and then under the mean
+  /// A perturbation: the rings of vertices around these elements, rounds under the energy, and then under the mean
   /// energy.
-  struct Way {
+  struct Perturbation {
     int rings, energy_rounds, mean_rounds;
   };
-  /// Each restart that follows a failure takes the next way, which leads elsewhere; after the last one they end.
-  std::array<Way, 6> ways{{{1, 3, 0}, {2, 3, 2}, {1, 0, 2}, {2, 0, 0}, {1, 3, 2}, {2, 3, 2}}};
+  /// Each restart that follows a failure takes the next one, which leads elsewhere; after the last one they end.
+  std::array<Perturbation, 6> perturbations{{{1, 3, 0}, {2, 3, 2}, {1, 0, 2}, {2, 0, 0}, {1, 3, 2}, {2, 3, 2}}};
   /// Then rounds enlarge angles, in this number of rings more, on about `count` tetrahedra.
   int angle_rounds = 10;
   int angle_rings = 4;
@@ -261,7 +261,7 @@ inline double selection_scale(const Options& options) {
 inline int max_restarts(const Options& options, double tets) {
   const RestartParameters& p = tuning_of(options.effort).restart;
   if (p.restarts == 0 || options.restarts >= 0) return p.restarts == 0 ? 0 : options.restarts;
-  return static_cast<int>(std::ceil(p.restarts * std::min(1.0, p.large / std::max(1.0, tets))));
+  return int(std::ceil(p.restarts * std::min(1.0, p.large / std::max(1.0, tets))));
 }
 
 /// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the
