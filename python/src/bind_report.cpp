@@ -166,6 +166,12 @@ void bind_motion(nb::module_& m) {
       });
 }
 
+nb::dict phase_seconds(const Report& r) {
+  nb::dict phases;
+  for (const PhaseTime& p : r.phases) phases[p.phase.c_str()] = p.seconds;
+  return phases;
+}
+
 }  // namespace
 
 std::map<std::string, std::int64_t> by_constraint(const std::array<std::int64_t, kLimitingConstraints>& held_by) {
@@ -217,14 +223,7 @@ void bind_report(nb::module_& m) {
       .def_ro("worst_rounds", &Report::worst_rounds)
       .def_ro("restarts", &Report::restarts, "Number of restarts that were tried: the option of this name.")
       .def_ro("restarts_kept", &Report::restarts_kept, "Number of those that improved the worst element.")
-      .def_prop_ro(
-          "phases",
-          [](const Report& r) {
-            nb::dict phases;
-            for (const PhaseTime& p : r.phases) phases[p.phase.c_str()] = p.seconds;
-            return phases;
-          },
-          nb::sig("def phases(self) -> dict[str, float]"), "Seconds of each phase.")
+      .def_prop_ro("phases", &phase_seconds, nb::sig("def phases(self) -> dict[str, float]"), "Seconds of each phase.")
       .def_ro("targets", &Report::targets, "One for each target, in order.")
       .def_ro("warnings", &Report::warnings, "Of options without effect; optimize() issues them as UserWarning.")
       .def_ro("seconds", &Report::seconds)
