@@ -88,15 +88,17 @@ class Restarts {
     WorkingSet<Backend>& work = optimizer_.work;
     const auto before = extremes();
     if (before.max_cost <= angles_.min_cost) return false;
+    const double limit =
+        std::max((1 - p_.tie) * before.max_cost,
+                 upper_cost_quantile(backend, before.values.span(), p_.max_worst, angles_.cost_resolution));
+    const auto worst = tets_above(backend, work.mesh, before.values.span(), std::sqrt(1 + limit * limit));
+    if (worst.size() == 0) return false;
     saved_.save(backend, work);
     const OperationCounts counts = optimizer_.report;
-    const double limit = (1 - p_.tie) * before.max_cost;
-    const auto worst = tets_above(backend, work.mesh, before.values.span(), std::sqrt(1 + limit * limit));
-    r.worst = std::min(worst.size(), p_.max_worst);
+    r.worst = worst.size();
     const RestartParameters::Perturbation& perturbation = p_.perturbations[std::size_t(failures_)];
-    const Span<const Index> first(worst.span().data(), r.worst);
-    Region<Backend> inner(backend, work.mesh, first, perturbation.rings);
-    Region<Backend> outer(backend, work.mesh, first, perturbation.rings + p_.angle_rings);
+    Region<Backend> inner(backend, work.mesh, worst.span(), perturbation.rings);
+    Region<Backend> outer(backend, work.mesh, worst.span(), perturbation.rings + p_.angle_rings);
     lower_energy(inner, perturbation, r);
     enlarge_angles(outer, r);
     const double after = extremes().max_cost;

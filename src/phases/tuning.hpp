@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 
 #include "tetune/options.hpp"
 
@@ -139,17 +138,17 @@ struct RestartParameters {
   double large = 100'000;
   /// A restart is kept if it lowers the largest cost by this part.
   double min_fall = 1e-4;
-  /// The elements whose cost is within this part of the largest are optimized again, but at most this number of them:
-  /// in structured meshes many tie.
+  /// The elements whose cost is within this part of the largest are optimized again, but at most about this number of
+  /// them. Where more have the same largest cost, as in structured meshes, none are.
   double tie = 5e-3;
-  std::int64_t max_worst = 100;
+  double max_worst = 4;
   /// A perturbation: the rings of vertices around these elements, rounds under the energy, and then under the mean
   /// energy.
   struct Perturbation {
     int rings, energy_rounds, mean_rounds;
   };
   /// Each restart that follows a failure takes the next one, which leads elsewhere; after the last one they end.
-  std::array<Perturbation, 6> perturbations{{{1, 3, 0}, {2, 3, 2}, {1, 0, 2}, {2, 0, 0}, {1, 3, 2}, {2, 3, 2}}};
+  std::array<Perturbation, 6> perturbations{{{1, 3, 0}, {1, 3, 2}, {1, 0, 2}, {2, 0, 0}, {2, 3, 0}, {1, 1, 2}}};
   /// Then rounds enlarge angles, in this number of rings more, on about `count` tetrahedra.
   int angle_rounds = 10;
   int angle_rings = 4;
