@@ -103,7 +103,7 @@ struct AngleParameters {
   double max_part = 3e-4;
   double min_count = 0;
   /// and only those with a dihedral angle whose cost (DihedralCots::cost()) is above this: 1.2 is below about 40
-  /// degrees, 1 below 45.
+  /// degrees, 1.01 below 44.7.
   double min_cost = 1.2;
   /// The weight of large angles in that cost. 0: they do not count.
   double obtuse_weight = 0;
@@ -220,7 +220,7 @@ constexpr Tuning best() {
   t.angles.obtuse_weight = 1.5;
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;
-  t.angles.min_cost = 1;
+  t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
   t.restart.restarts = 8;
   t.polish = {4, 2};
   return t;
