@@ -71,6 +71,15 @@ struct HasFlaggedVertex {
   }
 };
 
+/// Clears the values of tetrahedra without a flagged vertex.
+struct ClearOutside {
+  HasFlaggedVertex is_inside;
+  Span<double> values;
+  TETUNE_HD void operator()(Size t) const {
+    if (values[t] != 0 && !is_inside(t)) values[t] = 0;
+  }
+};
+
 struct FlagVertices {
   Span<const Tet> tets;
   Span<const Index> slots;
@@ -133,6 +142,13 @@ template <class Backend>
 BufferOf<Backend, Index> tets_with_flagged_vertex(const Backend& backend, WorkMesh<Backend>& mesh,
                                                   Span<const std::uint8_t> flags) {
   return find_tets(backend, mesh, selection_detail::HasFlaggedVertex{mesh.view(), flags});
+}
+
+/// Clears the values, one per slot, of the tetrahedra that have no flagged vertex.
+template <class Backend>
+void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const std::uint8_t> flags,
+                   Span<double> values) {
+  backend.for_each(mesh.slots(), selection_detail::ClearOutside{{mesh.view(), flags}, values});
 }
 
 /// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within the

@@ -20,18 +20,6 @@ inline AngleParameters last_parameters(AngleParameters p) {
   return p;
 }
 
-/// Clears the values of the tetrahedra that have no flagged vertex.
-struct ClearOutside {
-  MeshView mesh;
-  Span<const std::uint8_t> flags;
-  Span<double> values;
-  TETUNE_HD void operator()(Size t) const {
-    if (values[t] == 0) return;
-    const Tet tet = mesh.tet2vertex[t];
-    if ((flags[tet[0]] | flags[tet[1]] | flags[tet[2]] | flags[tet[3]]) == 0) values[t] = 0;
-  }
-};
-
 /// One round, on tetrahedra with a vertex that is flagged in `region`, or anywhere if that is empty. Returns the number
 /// of changes.
 template <class Backend>
@@ -40,9 +28,7 @@ Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, Quali
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
-  if (region.size() > 0) {
-    backend.for_each(work.mesh.slots(), ClearOutside{work.mesh.view(), region, extremes.values.span()});
-  }
+  if (region.size() > 0) clear_outside(backend, work.mesh, region, extremes.values.span());
   const double selectable = selection_scale(optimizer.options) * static_cast<double>(work.mesh.tets());
   const auto cost_of = [&](double part, double min_count) {
     const double max_above = std::max(part * selectable, min_count);

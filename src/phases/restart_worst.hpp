@@ -93,7 +93,8 @@ class Restarts {
                  upper_cost_quantile(backend, before.values.span(), p_.max_worst, angles_.cost_resolution));
     const auto worst = tets_above(backend, work.mesh, before.values.span(), std::sqrt(1 + limit * limit));
     if (worst.size() == 0) return false;
-    saved_.save(backend, work);
+    // After a failure the mesh is the saved one.
+    if (failures_ == 0) saved_.save(backend, work);
     const OperationCounts counts = optimizer_.report;
     r.worst = worst.size();
     const RestartParameters::Perturbation& perturbation = p_.perturbations[std::size_t(failures_)];
@@ -154,8 +155,7 @@ class Restarts {
   BufferOf<Backend, Index> extreme_tets(Span<const std::uint8_t> flags) {
     WorkMesh<Backend>& mesh = optimizer_.work.mesh;
     auto found = extremes();
-    optimizer_.backend.for_each(mesh.slots(),
-                                improve_angles_detail::ClearOutside{mesh.view(), flags, found.values.span()});
+    clear_outside(optimizer_.backend, mesh, flags, found.values.span());
     return tets_above(optimizer_.backend, mesh, std::as_const(found.values).span(), 0);
   }
 

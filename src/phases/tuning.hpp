@@ -259,7 +259,8 @@ inline double selection_scale(const Options& options) {
 /// The number of restarts at most.
 inline int max_restarts(const Options& options, double tets) {
   const RestartParameters& p = tuning_of(options.effort).restart;
-  if (p.restarts == 0 || options.restarts >= 0) return p.restarts == 0 ? 0 : options.restarts;
+  if (p.restarts == 0) return 0;
+  if (options.restarts >= 0) return options.restarts;
   return int(std::ceil(p.restarts * std::min(1.0, p.large / std::max(1.0, tets))));
 }
 

@@ -51,7 +51,7 @@ void add_best(std::vector<Case>& all) {
   Case& growing = add(all, "max_growth", two_materials(4, 0.3));
   growing.options.boundary = Boundary::slide;
   growing.options.max_growth = 2;
-  growing.operations = {&Counts::vertices_inserted, &Counts::vertices_removed};
+  growing.operations = {&Counts::boundary_flips, &Counts::vertices_inserted, &Counts::vertices_removed};
   Case& untangle = add(all, "untangle_best", tangled(4, 0.7, 7));
   untangle.options.untangle = true;
   untangle.operations = {&Counts::vertices_inserted, &Counts::vertices_removed};
