@@ -82,9 +82,9 @@ struct Options {
   double max_growth = 1.1;
   /// Vertices of the surface, with Boundary::preserve.
   SurfaceVertices surface_vertices = SurfaceVertices::automatic;
-  /// With Effort::best: how often at most the neighborhood of the worst element is optimized again, without regard to
-  /// the angles reached, and the result taken if that element has improved. 0: never; -1: 8 times, or fewer in meshes
-  /// of more than 100,000 tetrahedra. The largest value is 10,000.
+  /// With Effort::best: the maximum number of rounds in which neighborhoods of the worst elements, four at most, are
+  /// optimized again, without regard to the angles reached, and a result is taken if the worst element in it has
+  /// improved. 0: none; -1: 24. The largest value is 10,000.
   int restarts = -1;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -22,7 +23,10 @@ namespace tetune::backend {
 /// The memory of the host, aligned to cache lines. Stateless.
 class HostMemory {
  public:
-  static void* allocate(std::size_t bytes) { return bytes > 0 ? ::operator new(bytes, kAlignment) : nullptr; }
+  static void* allocate(std::size_t bytes) {
+    if (bytes > std::size_t{PTRDIFF_MAX}) throw std::bad_alloc();
+    return bytes > 0 ? ::operator new(bytes, kAlignment) : nullptr;
+  }
   static void release(void* memory, std::size_t) noexcept { ::operator delete(memory, kAlignment); }
   static void copy(void* to, const void* from, std::size_t bytes) {
     if (bytes > 0) std::memcpy(to, from, bytes);

@@ -24,9 +24,9 @@ std::size_t periodic_bytes(const TetMesh& mesh) {
   return 2 * 10 * (3 * sizeof(Point) + 2 * sizeof(LinkFace)) * pairs;
 }
 
-/// The copy of the mesh that a restart may go back to.
+/// The copy of the mesh on the host that restarts work on.
 std::size_t restart_bytes(const TetMesh& mesh, const Options& options) {
-  const bool restarts = improves_worst(options) && max_restarts(options, double(mesh.tets.size())) > 0;
+  const bool restarts = improves_worst(options) && max_restarts(options) > 0;
   return restarts ? 44 * mesh.tets.size() + 140 * mesh.points.size() : 0;
 }
 
@@ -61,7 +61,6 @@ std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options)
   std::size_t loop = 132 * tets + 300 * vertices;
   if (options.boundary == Boundary::slide) loop += 100 * vertices;  // the reference surface
   if (options.effort == Effort::best) loop += loop / 6;             // room for inserted vertices
-  loop += restart_bytes(mesh, options);
   const std::size_t load = 70 * tets + 100 * vertices + 24 * mesh.triangles.size();
   // Of small meshes most is the candidates of a batch of proposals.
   const std::size_t candidates = std::size_t{options.effort == Effort::best ? 8U : 4U} << 20;

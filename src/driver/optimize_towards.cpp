@@ -8,10 +8,10 @@
 
 #include "backend/span.hpp"
 #include "driver/extend_report.hpp"
-#include "driver/latched_hooks.hpp"
 #include "driver/optimize_active.hpp"
 #include "driver/targets.hpp"
 #include "mesh/tet_mesh_view.hpp"
+#include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"
 #include "quality/check_measures.hpp"
 #include "quality/find_failed.hpp"

@@ -198,9 +198,9 @@ const std::array kTable{
     OptionInfo{"restarts",
                &Options::restarts,
                kMethod,
-               "With effort=best, how often at most the neighborhood of the worst element is optimized again, without "
-               "regard to the angles reached, and the result taken if that element has improved; 0: never; -1: 8 "
-               "times, or fewer in meshes of more than 100,000 tetrahedra",
+               "With effort=best, the number of rounds in which neighborhoods of the worst elements are optimized "
+               "again, without regard to the angles reached, and a result is taken if the worst element in it has "
+               "improved; 0: none; -1: 24",
                {},
                {-1, 10000},
                kRestartConditions},

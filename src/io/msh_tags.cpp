@@ -20,12 +20,12 @@ bool has_groups(const std::vector<MshCell>& cells) {
 /// and the number of the entity in files without groups. The known tags of entities in no group take precedence.
 std::vector<int> tags_of(const MshModel& model) {
   const bool grouped = has_groups(model.cells);
-  using Key = std::pair<std::array<int, 2>, std::vector<int>>;
-  std::map<Key, int> known;
+  using EntityGroups = std::pair<std::array<int, 2>, std::vector<int>>;
+  std::map<EntityGroups, int> known;
   std::set<std::pair<int, int>> taken;  // dimension and tag
   std::vector<int> tags;
   for (const MshCell& cell : model.cells) {
-    const auto [at, is_new] = known.try_emplace(Key{{cell.dimension, cell.entity}, cell.groups}, cell.entity);
+    const auto [at, is_new] = known.try_emplace(EntityGroups{{cell.dimension, cell.entity}, cell.groups}, cell.entity);
     if (!is_new) {
       tags.push_back(at->second);
       continue;

@@ -13,7 +13,7 @@ namespace tetune {
 namespace {
 
 /// The value of the digits, infinity if there are too many.
-double whole_number(std::string_view digits) {
+double digits_value(std::string_view digits) {
   double value = 0;
   for (const char digit : digits) value = 10 * value + (digit - '0');
   return value;
@@ -26,7 +26,7 @@ double saturated(std::string_view text) {
   double power = double(std::min(mantissa.find('.'), mantissa.size())) - leading;
   if (mantissa.size() < text.size()) {
     const std::string_view exponent = text.substr(mantissa.size() + 1);
-    const double size = whole_number(exponent.substr(exponent.find_first_not_of("+-")));
+    const double size = digits_value(exponent.substr(exponent.find_first_not_of("+-")));
     power += exponent.starts_with('-') ? -size : size;
   }
   return std::copysign(power > 0 ? kInfinity : 0, text.starts_with('-') ? -1.0 : 1.0);

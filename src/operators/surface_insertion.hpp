@@ -78,8 +78,9 @@ struct SurfaceInsertion {
                          has_edge(p.surface.reference, edge.v[0], edge.v[1]);
     return is_part ? on_line : NewVertexDof{VertexDof::fixed};
   }
-  /// Whether the reference surface has an edge between two of its vertices.
+  /// Whether the reference surface has an edge between two vertices. Inserted ones are none of its vertices.
   TETUNE_HD static bool has_edge(const ReferenceView& reference, Index a, Index b) {
+    if (a >= reference.points.size()) return false;
     for (Size c = reference.vertex2corner.begin(a); c < reference.vertex2corner.end(a); ++c) {
       const SurfaceTriangle& t = reference.triangles[reference.vertex2corner.items[c] / 3];
       if (t.v[0] == b || t.v[1] == b || t.v[2] == b) return true;

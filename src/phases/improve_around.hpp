@@ -91,7 +91,8 @@ template <class Backend>
 RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer, double vertex_cost,
                                              double growth_part = improve_around_detail::kInsertedPart) {
   const double growth = 1 + growth_part * (optimizer.options.max_growth - 1);
-  return {static_cast<Size>(growth * static_cast<double>(optimizer.report.tets_before)), vertex_cost,
+  const auto max_tets = static_cast<Size>(growth * static_cast<double>(optimizer.report.tets_before));
+  return {max_tets - optimizer.work.outside, vertex_cost,
           optimizer.tuning.angles.min_cost_gain};
 }
 

@@ -131,28 +131,37 @@ struct AngleParameters {
   int rounds() const { return max_rounds + last_rounds; }
 };
 
-/// restart_worst(): the neighborhood of the worst element optimized again.
+/// restart_worst(): the neighborhoods of the worst elements optimized again.
 struct RestartParameters {
-  /// Options::restarts by default, in meshes of up to `large` tetrahedra; in larger ones in inverse proportion.
-  int restarts = 0;
-  double large = 100'000;
-  /// A restart is kept if it lowers the largest cost by this part.
+  /// The number of rounds: Options::restarts by default. Each restarts at several places at most.
+  int rounds = 0;
+  int places = 4;
+  /// These are at the elements whose cost is within this part of the largest.
+  double worst_part = 0.05;
+  /// A restart is kept if it lowers the largest cost by a part, or leaves it and lowers the sum of the costs to this
+  /// power by a part.
+  static constexpr double kPower = 8;
   double min_fall = 1e-4;
-  /// The elements whose cost is within this part of the largest are optimized again, but at most about this number of
-  /// them. Where more have the same largest cost, as in structured meshes, none are.
+  double min_fall_of_others = 0.05;
+  /// Where more than this number of elements have a cost within the part `tie` of the largest, as in structured meshes,
+  /// there are no restarts.
   double tie = 5e-3;
-  double max_worst = 4;
-  /// A perturbation: the rings of vertices around these elements, rounds under the energy, and then under the mean
-  /// energy.
+  int max_worst = 16;
+  /// A perturbation: the rings of vertices around the element, rounds under the energy, and then under the mean energy.
   struct Perturbation {
     int rings, energy_rounds, mean_rounds;
   };
   /// Each restart that follows a failure takes the next one, which leads elsewhere; after the last one they end.
-  std::array<Perturbation, 6> perturbations{{{1, 3, 0}, {1, 3, 2}, {1, 0, 2}, {2, 0, 0}, {2, 3, 0}, {1, 1, 2}}};
-  /// Then rounds enlarge angles, in this number of rings more, on about `count` tetrahedra.
+  std::array<Perturbation, 8> perturbations{
+      {{1, 3, 0}, {1, 3, 2}, {1, 0, 2}, {2, 0, 0}, {2, 3, 0}, {1, 1, 2}, {2, 3, 2}, {3, 2, 0}}};
+  /// Then rounds enlarge angles, in this number of rings more, on about `count` tetrahedra, and on angles whose cost is
+  /// above this part of the largest.
   int angle_rounds = 10;
-  int angle_rings = 4;
+  int angle_rings = 2;
   double count = 12;
+  double cost_part = 0.7;
+  /// The neighborhood has this number of rings more, in which operations move vertices.
+  int margin = 1;
 };
 
 /// polish(): sweeps and flips above the floor of the angles reached.
@@ -221,7 +230,7 @@ constexpr Tuning best() {
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
-  t.restart.restarts = 8;
+  t.restart.rounds = 24;
   t.polish = {4, 2};
   return t;
 }
@@ -256,12 +265,10 @@ inline double selection_scale(const Options& options) {
   return edits_vertices(options) ? 1 + kScalePerGrowth * std::max(0.0, options.max_growth - Options{}.max_growth) : 1;
 }
 
-/// The number of restarts at most.
-inline int max_restarts(const Options& options, double tets) {
+/// The number of rounds of restarts at most.
+inline int max_restarts(const Options& options) {
   const RestartParameters& p = tuning_of(options.effort).restart;
-  if (p.restarts == 0) return 0;
-  if (options.restarts >= 0) return options.restarts;
-  return int(std::ceil(p.restarts * std::min(1.0, p.large / std::max(1.0, tets))));
+  return p.rounds == 0 || options.restarts < 0 ? p.rounds : options.restarts;
 }
 
 /// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the

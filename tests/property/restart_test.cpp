@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "meshes.hpp"
 #include "phases/tuning.hpp"
@@ -32,10 +31,13 @@ double largest_cost(const TetMesh& mesh) {
   return std::max(cot(q.dihedral_min), -tuning_of(Effort::best).angles.obtuse_weight * cot(q.dihedral_max));
 }
 
-/// Optimizes meshes with and without restarts; returns how many had one that was kept, and how many had failed ones
-/// only.
-std::pair<int, int> compare_with_none(Boundary boundary, int restarts) {
-  std::pair<int, int> kept_or_failed{0, 0};
+/// Numbers of meshes: whose largest cost is lower with restarts, and whose restarts all failed.
+struct RestartCounts {
+  int lower = 0, failed = 0;
+};
+
+RestartCounts compare_with_none(Boundary boundary, int restarts) {
+  RestartCounts found;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     const TetMesh input = test::scrambled(test::cube(5, 0.3, seed), 3, seed);
     Options options = with_restarts(0);
@@ -46,22 +48,22 @@ std::pair<int, int> compare_with_none(Boundary boundary, int restarts) {
     TetMesh with = input;
     const Report report = optimize(with, options);
     EXPECT_TRUE(validate(with).ok());
-    EXPECT_LE(report.restarts, restarts);
+    EXPECT_LE(report.restarts, tuning_of(Effort::best).restart.places * restarts);
     EXPECT_LE(double(with.tets.size()), options.max_growth * double(input.tets.size()));
     if (report.restarts_kept > 0) {
-      EXPECT_LT(largest_cost(with), largest_cost(without)) << seed;
-      ++kept_or_failed.first;
+      EXPECT_LE(largest_cost(with), largest_cost(without)) << seed;
+      found.lower += largest_cost(with) < largest_cost(without) ? 1 : 0;
     } else {
       EXPECT_TRUE(are_same(with, without)) << seed;
-      kept_or_failed.second += report.restarts > 0 ? 1 : 0;
+      found.failed += report.restarts > 0 ? 1 : 0;
     }
   }
-  return kept_or_failed;
+  return found;
 }
 
-TEST(Restarts, LowerTheLargestCost) { EXPECT_GT(compare_with_none(Boundary::preserve, 6).first, 0); }
+TEST(Restarts, LowerTheLargestCost) { EXPECT_GT(compare_with_none(Boundary::preserve, 6).lower, 2); }
 
-TEST(Restarts, LeaveNoTraceWhereTheyFail) { EXPECT_GT(compare_with_none(Boundary::fixed, 1).second, 0); }
+TEST(Restarts, LeaveNoTraceWhereTheyFail) { EXPECT_GT(compare_with_none(Boundary::fixed, 1).failed, 0); }
 
 TEST(Restarts, TheNumberOfThreadsDoesNotMatter) {
   const TetMesh input = test::scrambled(test::two_materials(6, 0.3), 3, 5);
@@ -101,15 +103,13 @@ TEST(Restarts, AStopTakesBackTheOneThatIsUnderWay) {
   for (const int limit : {1, 3, 8}) EXPECT_TRUE(are_same(run(limit), first)) << limit;
 }
 
-TEST(Restarts, LargeMeshesGetFewerByDefault) {
+TEST(Restarts, TheOptionIsTheNumberOfRounds) {
   Options options;
-  EXPECT_EQ(max_restarts(options, 1e5), 0);
+  EXPECT_EQ(max_restarts(options), 0);
   options.effort = Effort::best;
-  EXPECT_EQ(max_restarts(options, 1e5), 8);
-  EXPECT_EQ(max_restarts(options, 2e5), 4);
-  EXPECT_EQ(max_restarts(options, 1e9), 1);
+  EXPECT_EQ(max_restarts(options), 24);
   options.restarts = 30;
-  EXPECT_EQ(max_restarts(options, 1e9), 30);
+  EXPECT_EQ(max_restarts(options), 30);
 }
 
 }  // namespace

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "phases/host_work.hpp"
+
+namespace tetune {
+
+/// The tetrahedra within some rings of vertices around one of them, in breadth-first order.
+class NeighborhoodFinder {
+ public:
+  NeighborhoodFinder(const HostWork& whole);
+  /// Adds `sign` to the number of tetrahedra at each vertex of the listed slots: to be called with -1 before these
+  /// change, and with 1 afterwards.
+  void count_tets(const std::vector<Index>& slots, int sign);
+
+  /// Finds the tetrahedra that have a vertex in one of `rings` rings around the one in a slot.
+  void find(Index slot, int rings);
+  const std::vector<Index>& tets() const { return tets_; }
+  /// Whether one of these tetrahedra, or of the neighbors across their faces, is flagged.
+  bool touches(const std::vector<std::uint8_t>& flags) const;
+  /// The number of the ring that a vertex of these tetrahedra is in; that of the tetrahedron's own is 0.
+  int ring(Index v) const { return span_of(ring_)[v]; }
+  /// Whether all tetrahedra at a vertex were found. Where parts of the mesh touch at a vertex alone, faces do not
+  /// connect all of them.
+  bool has_all_tets(Index v) const { return span_of(found_)[v] == span_of(tets_at_)[v]; }
+
+ private:
+  static constexpr std::uint8_t kNoRing = 255;
+  void clear();
+  void add(Index slot);
+  bool reaches(Index slot, int ring) const;
+
+  const HostWork& whole_;
+  std::vector<Index> tets_, vertices_;
+  std::vector<std::uint8_t> is_found_;  ///< per slot
+  std::vector<std::uint8_t> ring_;      ///< per vertex
+  std::vector<Index> tets_at_, found_;  ///< the numbers of tetrahedra at each vertex: all, and those that were found
+};
+
+}  // namespace tetune

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/restart_worst.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "phases/improve_angles.hpp"
+#include "phases/latched_hooks.hpp"
+#include "phases/neighborhood.hpp"
+
+namespace tetune {
+namespace {
+
+using backend::Cpu;
+
+/// The vertices of a neighborhood within some rings, as flags. Vertices that are inserted later belong to them.
+class Region {
+ public:
+  Region(const Cpu& backend, const std::vector<std::uint8_t>& flags) { flags_.upload(backend, flags); }
+  Span<const std::uint8_t> flags(const Cpu& backend, const WorkMesh<Cpu>& mesh) {
+    const Size before = flags_.size();
+    flags_.grow(backend, mesh.vertices());
+    backend.fill(Span<std::uint8_t>(flags_.span().data() + before, flags_.size() - before), std::uint8_t{1});
+    return std::as_const(flags_).span();
+  }
+
+ private:
+  VertexMask<Cpu> flags_;
+};
+
+void add(const WorstReport& round, WorstReport& sum) {
+  sum.inserted += round.inserted;
+  sum.removed += round.removed;
+  sum.flips += round.flips;
+  sum.moved += round.moved;
+}
+
+/// The cost of dihedral angles whose extremeness is given: see AngleExtremes.
+double cost_of(double extremeness) { return extremeness > 0 ? std::sqrt(extremeness * extremeness - 1) : 0; }
+
+/// A sum to which the largest costs contribute most.
+double sum_of_powers(const std::vector<double>& extremeness) {
+  double sum = 0;
+  for (const double e : extremeness) sum += std::pow(cost_of(e), RestartParameters::kPower);
+  return sum;
+}
+
+/// Optimizes one neighborhood.
+class Perturbation {
+ public:
+  Perturbation(Optimizer<Cpu>& optimizer, const RestartInput& input, WorstReport& r)
+      : optimizer_(optimizer),
+        p_(optimizer.tuning.restart),
+        angles_(improve_angles_detail::last_parameters(optimizer.tuning.angles)),
+        input_(input),
+        r_(r) {
+    angles_.min_count = angles_.min_vertex_count = p_.count;
+  }
+
+  AngleExtremes<Cpu> extremes() const { return extremes_above(optimizer_.tuning.angles.min_cost); }
+
+  /// Angles are worked on whose cost is above a part of the largest.
+  void set_largest_cost(double cost) { angles_.min_cost = std::max(angles_.min_cost, p_.cost_part * cost); }
+
+  /// Lowers the energy, and then the mean energy, as before any work on the worst elements.
+  void lower_energy(Region region, const RestartParameters::Perturbation& perturbation) {
+    const Cpu& backend = optimizer_.backend;
+    WorkingSet<Cpu>& work = optimizer_.work;
+    const Criterion criterion{kShapeObjective, input_.of_input, angles_.obtuse_weight};
+    const int rounds = perturbation.energy_rounds + (edits_vertices(optimizer_.options) ? perturbation.mean_rounds : 0);
+    for (int i = 0; i < rounds && !backend.stop_requested(); ++i) {
+      const bool lowers_mean = i >= perturbation.energy_rounds;
+      RetriangulationLimits limits = retriangulation_limits(optimizer_, kInfeasible);
+      if (lowers_mean) {
+        limits.mean_energy = input_.mean_energy;
+        limits.min_gain = optimizer_.tuning.mean.min_gain;
+      }
+      const auto flags = region.flags(backend, work.mesh);
+      const auto tets = tets_with_flagged_vertex(backend, work.mesh, flags);
+      BufferOf<Cpu, Index> extreme;
+      if (!lowers_mean) extreme = extreme_tets(flags);
+      const Span<const Index> proposers = lowers_mean ? tets.span() : std::as_const(extreme).span();
+      WorstReport round;
+      round.moved = improve_around(optimizer_, criterion, tets.span(), proposers, limits, round).swept.get().moved;
+      add(round, r_);
+      optimizer_.set_energy(sum_energy(backend, work.flips.energies));
+    }
+  }
+
+  void enlarge_angles(Region region) {
+    QualityFloor floor = input_.of_input;
+    for (int i = 0, stalls = 0; i < p_.angle_rounds && stalls < angles_.max_stalls; ++i) {
+      if (optimizer_.backend.stop_requested()) return;
+      const double before = floor.max_cot;
+      WorstReport round;
+      improve_angles_detail::improve_once(optimizer_, angles_, floor, round,
+                                          region.flags(optimizer_.backend, optimizer_.work.mesh));
+      add(round, r_);
+      stalls = floor.max_cot > (1 - angles_.min_fall) * before ? stalls + 1 : 0;
+    }
+  }
+
+ private:
+  AngleExtremes<Cpu> extremes_above(double min_cost) const {
+    return {optimizer_.backend, optimizer_.work.mesh, optimizer_.slot_energies(), min_cost, angles_.obtuse_weight};
+  }
+
+  /// The tetrahedra with a flagged vertex, and with an angle that is worked on.
+  BufferOf<Cpu, Index> extreme_tets(Span<const std::uint8_t> flags) const {
+    WorkMesh<Cpu>& mesh = optimizer_.work.mesh;
+    auto found = extremes_above(angles_.min_cost);
+    clear_outside(optimizer_.backend, mesh, flags, found.values.span());
+    return tets_above(optimizer_.backend, mesh, std::as_const(found.values).span(), 0);
+  }
+
+  Optimizer<Cpu>& optimizer_;
+  const RestartParameters& p_;
+  AngleParameters angles_;
+  const RestartInput& input_;
+  WorstReport& r_;
+};
+
+}  // namespace
+
+/// A restart at one place: its neighborhood, and the result.
+struct RestartSearch::Restart {
+  Index slot;  ///< of the element to improve, in the whole mesh
+  const RestartParameters::Perturbation& perturbation;
+  Neighborhood neighborhood;
+  Size tets;  ///< in the neighborhood, before
+  Report report;
+  WorstReport changes;
+  std::vector<double> extremeness;  ///< afterwards
+  bool is_better = false;
+
+  Size growth() const { return neighborhood.work.mesh.tets() - tets; }
+};
+
+RestartSearch::RestartSearch(HostWork& whole, RestartInput input)
+    : whole_(whole),
+      input_(std::move(input)),
+      options_(input_.options),
+      p_(tuning_of(options_.effort).restart),
+      finder_(whole),
+      host_(std::make_unique<Cpu>(options_.threads)) {
+  options_.threads = 1;
+  options_.trace_angles = false;
+}
+RestartSearch::~RestartSearch() = default;
+
+double RestartSearch::max_cost() const {
+  return cost_of(*std::max_element(input_.extremeness.begin(), input_.extremeness.end()));
+}
+
+double RestartSearch::traced_angle() const {
+  using namespace quality_extremes_detail;
+  if (!input_.options.trace_angles) return 0;
+  const MeshView mesh{span_of(whole_.points), span_of(whole_.tet2vertex), span_of(whole_.tet2tet),
+                      span_of(whole_.tet2original)};
+  return ProgressReporter::degrees(host_->reduce<Maximum>(whole_.slots(), MaxCot{mesh}).value);
+}
+
+void RestartSearch::add_to(Report& report) const {
+  report += counts_;
+  report.restarts += restarts_;
+  report.restarts_kept += restarts_kept_;
+}
+
+std::vector<Index> RestartSearch::find_worst() const {
+  const Span<const double> extremeness = span_of(input_.extremeness);
+  const auto is_left = [&](Index t) {
+    const auto found = failures_.find(t);
+    return extremeness[t] > 0 && (found == failures_.end() || found->second < std::ssize(p_.perturbations));
+  };
+  double largest = 0;
+  for (Index t = 0; t < extremeness.size(); ++t) {
+    if (extremeness[t] > largest && is_left(t)) largest = extremeness[t];
+  }
+  std::vector<Index> worst;
+  for (Index t = 0; t < extremeness.size(); ++t) {
+    if (cost_of(extremeness[t]) >= (1 - p_.worst_part) * cost_of(largest) && is_left(t)) worst.push_back(t);
+  }
+  std::sort(worst.begin(), worst.end(), [&](Index a, Index b) {
+    return extremeness[a] > extremeness[b] || (extremeness[a] == extremeness[b] && a < b);
+  });
+  return worst;
+}
+
+bool RestartSearch::is_tied(Index slot, Index other) const {
+  return cost_of(span_of(input_.extremeness)[slot]) >= (1 - p_.tie) * cost_of(span_of(input_.extremeness)[other]);
+}
+
+std::vector<std::unique_ptr<RestartSearch::Restart>> RestartSearch::choose() {
+  std::vector<std::unique_ptr<Restart>> restarts;
+  const std::vector<Index> worst = find_worst();
+  const auto is_tied_with_first = [&](Index t) { return is_tied(t, worst.front()); };
+  if (std::count_if(worst.begin(), worst.end(), is_tied_with_first) > p_.max_worst) return restarts;
+  std::vector<std::uint8_t> is_taken(whole_.tet2vertex.size(), 0);
+  int tried = 0;
+  for (const Index slot : worst) {
+    if (span_of(is_taken)[slot] != 0) continue;
+    if (std::ssize(restarts) == p_.places || tried++ == p_.max_worst) break;
+    const RestartParameters::Perturbation& perturbation = p_.perturbations[std::size_t(failures_[slot])];
+    finder_.find(slot, perturbation.rings + p_.angle_rings + p_.margin);
+    const std::vector<Index>& tets = finder_.tets();
+    if (finder_.touches(is_taken)) continue;
+    for (const Index t : tets) span_of(is_taken)[t] = 1;
+    restarts.push_back(std::unique_ptr<Restart>(
+        new Restart{slot, perturbation, Neighborhood(whole_, finder_), std::ssize(tets), {}, {}, {}}));
+  }
+  return restarts;
+}
+
+void RestartSearch::run(Restart& restart, const Context& context) const {
+  const Cpu backend(1, context.stop);
+  Neighborhood& neighborhood = restart.neighborhood;
+  neighborhood.work.outside = whole_.tets() - restart.tets;
+  restart.report.tets_before = input_.tets_before;
+  PhaseTimer timer(restart.report);
+  Optimizer<Cpu> optimizer(backend, neighborhood.work, options_, context, restart.report, timer,
+                           PhaseTimer::SteadyClock::now());
+  optimizer.sum_energy(kShapeObjective);
+  Perturbation perturbation(optimizer, input_, restart.changes);
+  const AngleExtremes<Cpu> before = perturbation.extremes();
+  perturbation.set_largest_cost(before.max_cost);
+  const int rings = restart.perturbation.rings;
+  perturbation.lower_energy(Region(backend, neighborhood.flags(rings)), restart.perturbation);
+  perturbation.enlarge_angles(Region(backend, neighborhood.flags(rings + p_.angle_rings)));
+  const AngleExtremes<Cpu> after = perturbation.extremes();
+  restart.extremeness = after.values.download();
+  const bool others_fall =
+      sum_of_powers(restart.extremeness) < (1 - p_.min_fall_of_others) * sum_of_powers(before.values.download());
+  restart.is_better =
+      after.max_cost < (1 - p_.min_fall) * before.max_cost || (after.max_cost <= before.max_cost && others_fall);
+}
+
+void RestartSearch::keep(Restart& restart) {
+  finder_.count_tets(restart.neighborhood.slots(), -1);
+  restart.neighborhood.put_back(whole_);
+  const std::vector<Index>& slots = restart.neighborhood.slots();
+  finder_.count_tets(slots, 1);
+  input_.extremeness.resize(whole_.tet2vertex.size(), 0);
+  for (Size i = 0; i < std::ssize(slots); ++i) {
+    const Index slot = span_of(slots)[i];
+    if (slot < 0) continue;
+    span_of(input_.extremeness)[slot] = span_of(restart.extremeness)[i];
+    failures_.erase(slot);
+  }
+  counts_ += restart.report;
+  ++restarts_kept_;
+}
+
+void RestartSearch::count_failure(const Restart& restart) {
+  for (const Index slot : restart.neighborhood.slots()) {
+    if (slot == restart.slot || is_tied(slot, restart.slot)) ++failures_[slot];
+  }
+}
+
+bool RestartSearch::run_round(WorstReport& r) {
+  const auto restarts = choose();
+  if (restarts.empty()) return false;
+  const LatchedHooks hooks(input_.context);
+  host_->for_parts(std::ssize(restarts), [&](Size i) { run(*span_of(restarts)[i], hooks.context()); });
+  if (hooks.is_stopped()) return true;
+  restarts_ += int(restarts.size());
+  r.worst = std::ssize(restarts);
+  const double max_tets = options_.max_growth * double(input_.tets_before);
+  for (const auto& restart : restarts) {
+    const bool has_room = restart->growth() <= 0 || double(whole_.tets() + restart->growth()) <= max_tets;
+    if (restart->is_better && has_room) {
+      add(restart->changes, r);
+      keep(*restart);
+    } else {
+      count_failure(*restart);
+    }
+  }
+  whole_.erase_removed_triangles();
+  return true;
+}
+
+}  // namespace tetune

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// A neighborhood taken out of a mesh and put back: what it holds, what is fixed in it, and that the mesh stays whole.
+#include "phases/neighborhood.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "curved.hpp"
+#include "driver/import_mesh.inl"
+#include "meshes.hpp"
+#include "phases/restart_worst.hpp"
+
+namespace tetune {
+namespace {
+
+using backend::Cpu;
+
+HostWork imported(const TetMesh& mesh, Boundary boundary) {
+  const Cpu backend(1);
+  Options options;
+  options.effort = Effort::best;
+  options.boundary = boundary;
+  WorkingSet<Cpu> work;
+  Report report;
+  import_mesh(backend, mesh, options, nullptr, true, work, report);
+  work.boundary.bends = bends_surface(options);
+  return download_work(work);
+}
+
+std::array<Index, 3> key_of(const Tet& tet, int face) {
+  const FaceKey key = face_key(tet, face);
+  return {key.low, key.middle, key.high};
+}
+
+/// Neighbors name each other and share their face; the triangles of the boundary are the locked faces.
+void expect_consistent(const HostWork& mesh) {
+  std::map<std::array<Index, 3>, int> locked;
+  Size alive = 0;
+  for (Size t = 0; t < mesh.slots(); ++t) {
+    if (!mesh.alive(t)) continue;
+    ++alive;
+    const Tet& tet = span_of(mesh.tet2vertex)[t];
+    for (int f = 0; f < 4; ++f) {
+      const HalfFace across = span_of(mesh.tet2tet)[t][f];
+      if (is_locked(across)) locked[key_of(tet, f)] = 0;
+      if (across == kNoHalfFace) continue;
+      ASSERT_TRUE(mesh.alive(tet_of(across)));
+      const HalfFace back = span_of(mesh.tet2tet)[tet_of(across)][face_of(across)];
+      EXPECT_EQ(back, make_half_face(to_index(t), f) | (across & kLocked));
+      EXPECT_EQ(key_of(span_of(mesh.tet2vertex)[tet_of(across)], face_of(across)), key_of(tet, f));
+    }
+  }
+  EXPECT_EQ(alive, mesh.tets());
+  if (mesh.triangles.empty()) return;  // a fixed boundary
+  EXPECT_EQ(mesh.triangles.size(), locked.size());
+  for (const BoundaryTriangle& t : mesh.triangles) {
+    std::array<Index, 3> v{t.v[0], t.v[1], t.v[2]};
+    std::sort(v.begin(), v.end());
+    ASSERT_TRUE(locked.contains(v));
+    EXPECT_EQ(locked[v]++, 0);
+  }
+}
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+void expect_same(const HostWork& a, const HostWork& b) {
+  EXPECT_TRUE(same_bytes(a.points, b.points));
+  EXPECT_TRUE(same_bytes(a.tet2vertex, b.tet2vertex));
+  EXPECT_TRUE(same_bytes(a.tet2tet, b.tet2tet));
+  EXPECT_EQ(a.tet2original, b.tet2original);
+  EXPECT_EQ(a.vertex2original, b.vertex2original);
+  EXPECT_EQ(a.free_slots, b.free_slots);
+  EXPECT_EQ(a.dof, b.dof);
+  EXPECT_TRUE(same_bytes(a.axis, b.axis));
+  EXPECT_TRUE(same_bytes(a.surface_point, b.surface_point));
+  EXPECT_TRUE(same_bytes(a.displacement_bound, b.displacement_bound));
+  EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
+  EXPECT_EQ(a.constrained_vertex, b.constrained_vertex);
+}
+
+std::vector<TetMesh> meshes() { return {test::cube(4, 0.2), test::two_materials(4, 0.2), test::ball(4)}; }
+
+TEST(Neighborhood, PutBackUnchangedLeavesTheMeshAsItWas) {
+  for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
+    for (const TetMesh& mesh : meshes()) {
+      const HostWork before = imported(mesh, boundary);
+      HostWork after = before;
+      NeighborhoodFinder finder(after);
+      for (Index slot = 0; slot < before.slots(); slot += 37) {
+        finder.find(slot, 1 + slot % 3);
+        Neighborhood neighborhood(after, finder);
+        EXPECT_EQ(neighborhood.work.mesh.tets(), std::ssize(finder.tets()));
+        neighborhood.put_back(after);
+      }
+      expect_same(before, after);
+    }
+  }
+}
+
+TEST(Neighborhood, HasTheTetsOfItsRings) {
+  const HostWork mesh = imported(test::cube(5), Boundary::preserve);
+  NeighborhoodFinder finder(mesh);
+  const Index slot = to_index(mesh.slots() / 2);
+  std::vector<std::uint8_t> in_rings(mesh.points.size(), 0);
+  for (int k = 0; k < 4; ++k) span_of(in_rings)[span_of(mesh.tet2vertex)[slot][k]] = 1;
+  for (int rings = 0; rings < 3; ++rings) {
+    const auto has_one = [&](const Tet& tet) {
+      return std::any_of(tet.v, tet.v + 4, [&](Index v) { return span_of(in_rings)[v] != 0; });
+    };
+    finder.find(slot, rings);
+    EXPECT_EQ(std::ssize(finder.tets()), std::count_if(mesh.tet2vertex.begin(), mesh.tet2vertex.end(), has_one));
+    std::vector<std::uint8_t> next = in_rings;
+    for (const Tet& tet : mesh.tet2vertex) {
+      for (int k = 0; k < 4 && has_one(tet); ++k) span_of(next)[tet[k]] = 1;
+    }
+    in_rings = next;
+  }
+}
+
+TEST(Neighborhood, TouchesAnotherAcrossAFace) {
+  const HostWork mesh = imported(test::cube(5), Boundary::preserve);
+  NeighborhoodFinder finder(mesh);
+  finder.find(0, 1);
+  std::vector<std::uint8_t> taken(mesh.tet2vertex.size(), 0);
+  std::set<std::array<Index, 3>> faces;
+  for (const Index t : finder.tets()) {
+    span_of(taken)[t] = 1;
+    for (int f = 0; f < 4; ++f) faces.insert(key_of(span_of(mesh.tet2vertex)[t], f));
+  }
+  Size touching = 0;
+  for (Index slot = 0; slot < mesh.slots(); ++slot) {
+    finder.find(slot, 0);
+    bool shares_face = false;
+    for (const Index t : finder.tets()) {
+      for (int f = 0; f < 4; ++f) {
+        shares_face = shares_face || faces.contains(key_of(span_of(mesh.tet2vertex)[t], f));
+      }
+    }
+    EXPECT_EQ(finder.touches(taken), shares_face);
+    touching += shares_face ? 1 : 0;
+  }
+  EXPECT_GT(touching, std::ssize(faces) / 4);
+  EXPECT_LT(touching, mesh.slots());
+}
+
+TEST(Neighborhood, FixesTheVerticesThatOthersHaveToo) {
+  const HostWork mesh = imported(test::cube(5), Boundary::preserve);
+  NeighborhoodFinder finder(mesh);
+  finder.find(to_index(mesh.slots() / 2), 1);
+  Neighborhood neighborhood(mesh, finder);
+  std::vector<int> tets_at(mesh.points.size(), 0);
+  for (const Index t : neighborhood.slots()) {
+    for (int k = 0; k < 4; ++k) ++span_of(tets_at)[span_of(mesh.tet2vertex)[t][k]];
+  }
+  for (const Tet& tet : mesh.tet2vertex) {
+    for (int k = 0; k < 4; ++k) --span_of(tets_at)[tet[k]];
+  }
+  Size free = 0;
+  const MeshView part = neighborhood.work.mesh.view();
+  for (Size t = 0; t < neighborhood.work.mesh.slots(); ++t) {
+    for (int k = 0; k < 4; ++k) {
+      const Index of_whole = span_of(mesh.tet2vertex)[span_of(neighborhood.slots())[t]][k];
+      const VertexDof dof = neighborhood.work.dofs.dof.span()[part.tet2vertex[t][k]];
+      if (dof == VertexDof::fixed) continue;
+      EXPECT_EQ(span_of(tets_at)[of_whole], 0);
+      EXPECT_EQ(dof, span_of(mesh.dof)[of_whole]);
+      free += dof == VertexDof::free ? 1 : 0;
+    }
+  }
+  EXPECT_GT(free, 0);
+}
+
+TEST(Neighborhood, DoesNotMoveAVertexWherePartsTouch) {
+  TetMesh mesh = test::one_tet();
+  TetMesh other = test::one_tet();
+  for (std::size_t v = 1; v < 4; ++v) {
+    mesh.points.push_back({-other.points[v][0], -other.points[v][1], -other.points[v][2]});
+  }
+  mesh.tets.push_back({0, 4, 6, 5});
+  mesh = test::with_tags(mesh);
+  HostWork work = imported(mesh, Boundary::preserve);
+  std::fill(work.dof.begin(), work.dof.end(), VertexDof::plane);
+  NeighborhoodFinder finder(work);
+  finder.find(0, 3);
+  EXPECT_EQ(finder.tets().size(), 1U);
+  Neighborhood neighborhood(work, finder);
+  EXPECT_EQ(std::ranges::count(neighborhood.work.dofs.dof.download(), VertexDof::fixed), 1);
+}
+
+/// Restarts until none is left; returns whether one was kept.
+bool restart(const TetMesh& mesh, Boundary boundary) {
+  Options options;
+  options.effort = Effort::best;
+  options.boundary = boundary;
+  options.max_growth = 2;
+  const Cpu backend(1);
+  WorkingSet<Cpu> whole;
+  Report report;
+  import_mesh(backend, mesh, options, nullptr, true, whole, report);
+  whole.boundary.bends = bends_surface(options);
+  BufferOf<Cpu, double> buffer;
+  refresh_energy(backend, whole.mesh, {kShapeObjective}, buffer);
+  const Span<const double> energies = buffer.span();
+  const AngleParameters& angles = tuning_of(Effort::best).angles;
+  const AngleExtremes<Cpu> extremes(backend, whole.mesh, energies, angles.min_cost, angles.obtuse_weight);
+  HostWork work = download_work(whole);
+  RestartSearch search(
+      work,
+      {options, {}, find_floor(backend, whole.mesh, energies), extremes.values.download(), 1.5, std::ssize(mesh.tets)});
+  const double cost = search.max_cost();
+  WorstReport r;
+  for (int round = 0; round < 4 && search.run_round(r); ++round) expect_consistent(work);
+  EXPECT_LE(search.max_cost(), cost);
+  return search.has_changed();
+}
+
+TEST(Restarts, LeaveAConsistentMesh) {
+  int changed = 0;
+  for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
+    for (const TetMesh& mesh : meshes()) changed += restart(mesh, boundary) ? 1 : 0;
+  }
+  EXPECT_GT(changed, 6);
+}
+
+}  // namespace
+}  // namespace tetune
