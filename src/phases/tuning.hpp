@@ -138,9 +138,8 @@ struct RestartParameters {
   int places = 4;
   /// These are at the elements whose cost is within this part of the largest.
   double worst_part = 0.05;
-  /// A restart is kept if it lowers the largest cost by a part, or leaves it and lowers the sum of the costs to this
-  /// power by a part.
-  static constexpr double kPower = 8;
+  /// A restart is kept if it lowers the largest cost by a part, or leaves it and lowers the sum of the costs to the
+  /// power of eight by a part.
   double min_fall = 1e-4;
   double min_fall_of_others = 0.05;
   /// Where more than this number of elements have a cost within the part `tie` of the largest, as in structured meshes,
