@@ -84,7 +84,7 @@ struct Options {
   SurfaceVertices surface_vertices = SurfaceVertices::automatic;
   /// With Effort::best: the maximum number of rounds in which neighborhoods of the worst elements, four at most, are
   /// optimized again, without regard to the angles reached, and a result is taken if the worst element in it has
-  /// improved. 0: none; -1: 24. The largest value is 10,000.
+  /// improved. 0: none; -1: 16, or one for each 250 tetrahedra in smaller meshes. The largest value is 10,000.
   int restarts = -1;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;

@@ -94,7 +94,7 @@ class Perturbation {
 
   void enlarge_angles(Region region) {
     QualityFloor floor = input_.of_input;
-    for (int i = 0, stalls = 0; i < p_.angle_rounds && stalls < angles_.max_stalls; ++i) {
+    for (int i = 0, stalls = 0; i < p_.angle_rounds && stalls < p_.max_stalls; ++i) {
       if (optimizer_.backend.stop_requested()) return;
       const double before = floor.max_cot;
       WorstReport round;

@@ -133,8 +133,10 @@ struct AngleParameters {
 
 /// restart_worst(): the neighborhoods of the worst elements optimized again.
 struct RestartParameters {
-  /// The number of rounds: Options::restarts by default. Each restarts at several places at most.
+  /// Options::restarts by default, the number of rounds; one for each of this number of tetrahedra in smaller meshes.
   int rounds = 0;
+  double tets_per_round = 250;
+  /// Each round restarts at several places at most.
   int places = 4;
   /// These are at the elements whose cost is within this part of the largest.
   double worst_part = 0.05;
@@ -156,6 +158,7 @@ struct RestartParameters {
   /// Then rounds enlarge angles, in this number of rings more, on about `count` tetrahedra, and on angles whose cost is
   /// above this part of the largest.
   int angle_rounds = 10;
+  int max_stalls = 2;  ///< see AngleParameters
   int angle_rings = 2;
   double count = 12;
   double cost_part = 0.7;
@@ -229,7 +232,7 @@ constexpr Tuning best() {
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
-  t.restart.rounds = 24;
+  t.restart.rounds = 16;
   t.polish = {4, 2};
   return t;
 }
@@ -265,9 +268,10 @@ inline double selection_scale(const Options& options) {
 }
 
 /// The number of rounds of restarts at most.
-inline int max_restarts(const Options& options) {
+inline int max_restarts(const Options& options, double tets) {
   const RestartParameters& p = tuning_of(options.effort).restart;
-  return p.rounds == 0 || options.restarts < 0 ? p.rounds : options.restarts;
+  if (p.rounds == 0) return 0;
+  return options.restarts >= 0 ? options.restarts : int(std::ceil(std::min(double(p.rounds), tets / p.tets_per_round)));
 }
 
 /// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the
