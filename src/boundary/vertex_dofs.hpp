@@ -32,14 +32,6 @@ struct VertexDofs {
   /// The active vertices: 1 where at its last visit the vertex, or since then a vertex of its ring, moved by more than
   /// kActivationThreshold at once, or a flip changed its ring.
   BufferOf<Backend, std::uint8_t> active;
-  /// Copies what belongs to the vertices: not the reference surface.
-  void assign_vertices(const Backend& backend, const VertexDofs& other) {
-    dof.assign(backend, other.dof);
-    axis.assign(backend, other.axis);
-    surface_point.assign(backend, other.surface_point);
-    displacement_bound.assign(backend, other.displacement_bound);
-    active.assign(backend, other.active);
-  }
   DofsView view() { return {dof, axis, surface_point, reference.view(), displacement_bound, max_deviation, active}; }
   /// The surface whose neighbors color_vertices() must separate: that of the bound on the deviation.
   ReferenceView stars() const { return max_deviation > 0 ? reference.view() : ReferenceView{}; }

@@ -46,16 +46,6 @@ struct WorkMesh {
   Buffer<Index> free_slots;
   Size free_count = 0;
 
-  void assign(const Backend& backend, const WorkMesh& other) {
-    points.assign(backend, other.points);
-    tet2vertex.assign(backend, other.tet2vertex);
-    tet2tet.assign(backend, other.tet2tet);
-    tet2original.assign(backend, other.tet2original);
-    vertex2original.assign(backend, other.vertex2original);
-    free_slots.assign(backend, other.free_slots);
-    free_count = other.free_count;
-  }
-
   Size vertices() const { return points.size(); }
   Size slots() const { return tet2vertex.size(); }
   Size tets() const { return slots() - free_count; }

@@ -23,11 +23,6 @@ struct Coloring {
   BufferOf<Backend, Index> vertices;
   /// The vertices of color c are vertices[first[c]] .. vertices[first[c + 1] - 1].
   std::vector<Size> first;
-  void assign(const Backend& backend, const Coloring& other) {
-    color.assign(backend, other.color);
-    vertices.assign(backend, other.vertices);
-    first = other.first;
-  }
   int colors() const { return first.empty() ? 0 : static_cast<int>(first.size()) - 1; }
   Span<const Index> vertices_of(int c) const {
     const Size begin = span_of(first)[c];
