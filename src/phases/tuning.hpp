@@ -158,7 +158,7 @@ struct RestartParameters {
   /// Then rounds enlarge angles, in this number of rings more, on about `count` tetrahedra, and on angles whose cost is
   /// above this part of the largest.
   int angle_rounds = 10;
-  int max_stalls = 2;  ///< see AngleParameters
+  int max_stalls = 3;  ///< see AngleParameters
   int angle_rings = 2;
   double count = 12;
   double cost_part = 0.7;
