@@ -11,7 +11,7 @@ namespace tetune {
 /// The tetrahedra within some rings of vertices around one of them, in breadth-first order.
 class NeighborhoodFinder {
  public:
-  NeighborhoodFinder(const HostWork& whole);
+  explicit NeighborhoodFinder(const HostWork& whole);
   /// Adds `sign` to the number of tetrahedra at each vertex of the listed slots: to be called with -1 before these
   /// change, and with 1 afterwards.
   void count_tets(const std::vector<Index>& slots, int sign);
