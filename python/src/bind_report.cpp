@@ -221,7 +221,8 @@ void bind_report(nb::module_& m) {
       .def_ro("sweeps", &Report::sweeps)
       .def_ro("flip_passes", &Report::flip_passes)
       .def_ro("worst_rounds", &Report::worst_rounds)
-      .def_ro("restarts", &Report::restarts, "Number of neighborhoods that were optimized again: the option of this name.")
+      .def_ro("restarts", &Report::restarts,
+              "Number of neighborhoods that were optimized again: the option of this name.")
       .def_ro("restarts_kept", &Report::restarts_kept, "Number of those whose result was taken.")
       .def_prop_ro("phases", &phase_seconds, nb::sig("def phases(self) -> dict[str, float]"), "Seconds of each phase.")
       .def_ro("targets", &Report::targets, "One for each target, in order.")

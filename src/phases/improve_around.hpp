@@ -92,8 +92,7 @@ RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer
                                              double growth_part = improve_around_detail::kInsertedPart) {
   const double growth = 1 + growth_part * (optimizer.options.max_growth - 1);
   const auto max_tets = static_cast<Size>(growth * static_cast<double>(optimizer.report.tets_before));
-  return {max_tets - optimizer.work.outside, vertex_cost,
-          optimizer.tuning.angles.min_cost_gain};
+  return {max_tets - optimizer.work.outside, vertex_cost, optimizer.tuning.angles.min_cost_gain};
 }
 
 /// What improve_around() returns.
