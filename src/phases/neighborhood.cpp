@@ -123,12 +123,11 @@ void Neighborhood::find_vertices(const HostWork& whole) {
   std::set_union(vertex2whole_.begin(), vertex2whole_.end(), near.vertices.begin(), near.vertices.end(),
                  std::back_inserter(both));
   vertex2whole_.swap(both);
-  is_near_.swap(near.is_near);
   for (const Index v : near.vertices) {
     for (auto c = span_of(whole.reference.offsets)[v]; c < span_of(whole.reference.offsets)[v + 1]; ++c) {
       const Index t = to_index(span_of(whole.reference.corners)[c] / 3);
       const auto& corners = span_of(whole.reference.triangles)[t].v;
-      if (std::all_of(corners, corners + 3, [&](Index w) { return span_of(is_near_)[w] != 0; })) {
+      if (std::all_of(corners, corners + 3, [&](Index w) { return span_of(near.is_near)[w] != 0; })) {
         reference2whole_.push_back(t);
       }
     }
@@ -154,7 +153,7 @@ void Neighborhood::take_reference(const HostWork& whole) {
   to.offsets.push_back(0);
   for (const Index v : vertex2whole_) {
     if (v >= std::ssize(from.points)) break;  // inserted, as are all that follow
-    bool is_cut = span_of(is_near_)[v] == 0;
+    bool is_cut = false;
     LineVertex line{{-1, -1}};
     for (auto c = span_of(from.offsets)[v]; c < span_of(from.offsets)[v + 1]; ++c) {
       const Index corner = to_index(span_of(from.corners)[c]);
@@ -226,8 +225,8 @@ void Neighborhood::take_vertices(const HostWork& whole, const NeighborhoodFinder
   std::vector<DisplacementBound> bound;
   std::vector<std::uint8_t> constrained;
   for (const Index v : vertex2whole_) {
-    const bool is_inside = finder.ring(v) < kFixed && finder.has_all_tets(v);
-    ring_.push_back(is_inside ? std::uint8_t(finder.ring(v)) : kFixed);
+    const bool is_inside = finder.ring(v) != NeighborhoodFinder::kNoRing && finder.has_all_tets(v);
+    ring_.push_back(is_inside ? std::uint8_t(finder.ring(v)) : NeighborhoodFinder::kNoRing);
     points.push_back(span_of(whole.points)[v]);
     originals.push_back(span_of(whole.vertex2original)[v]);
     dof.push_back(is_inside ? span_of(whole.dof)[v] : VertexDof::fixed);

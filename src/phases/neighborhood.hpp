@@ -50,19 +50,17 @@ class Neighborhood {
   void put_tets(HostWork& whole);
   void put_triangles(HostWork& whole) const;
 
-  bool moves(Size v) const { return v >= std::ssize(ring_) || span_of(ring_)[v] != kFixed; }
+  bool moves(Size v) const { return v >= std::ssize(ring_) || span_of(ring_)[v] != NeighborhoodFinder::kNoRing; }
   Index vertex_of(Index of_whole) const;
   /// Kind none where it was not taken.
   SurfacePoint to_part(const SurfacePoint& on) const;
   SurfacePoint to_whole(const SurfacePoint& on) const;
 
-  static constexpr std::uint8_t kFixed = 255;
   backend::Cpu backend_{1};
   std::vector<Index> vertex2whole_, slot2whole_;
-  std::vector<std::uint8_t> ring_;      ///< per vertex, as taken; or kFixed
+  std::vector<std::uint8_t> ring_;      ///< per vertex, as taken; kNoRing where it is fixed
   std::vector<Index> triangle2whole_;   ///< the triangles of the boundary, as taken
   std::vector<Index> reference2whole_;  ///< the triangles of the reference surface
-  std::vector<std::uint8_t> is_near_;   ///< per reference vertex of the whole: it is in the part that was taken
   std::vector<CutFace> cut_;            ///< in increasing order
 };
 

@@ -11,6 +11,9 @@ namespace tetune {
 /// The tetrahedra within some rings of vertices around one of them, in breadth-first order.
 class NeighborhoodFinder {
  public:
+  /// The ring of a vertex in none.
+  static constexpr std::uint8_t kNoRing = 255;
+
   explicit NeighborhoodFinder(const HostWork& whole);
   /// Adds `sign` to the number of tetrahedra at each vertex of the listed slots: to be called with -1 before these
   /// change, and with 1 afterwards.
@@ -28,7 +31,6 @@ class NeighborhoodFinder {
   bool has_all_tets(Index v) const { return span_of(found_)[v] == span_of(tets_at_)[v]; }
 
  private:
-  static constexpr std::uint8_t kNoRing = 255;
   void clear();
   void add(Index slot);
   bool reaches(Index slot, int ring) const;

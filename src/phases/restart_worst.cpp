@@ -257,7 +257,7 @@ void RestartSearch::keep(Restart& restart) {
 
 void RestartSearch::count_failure(const Restart& restart) {
   for (const Index slot : restart.neighborhood.slots()) {
-    if (slot == restart.slot || is_tied(slot, restart.slot)) ++failures_[slot];
+    if (is_tied(slot, restart.slot)) ++failures_[slot];
   }
 }
 
