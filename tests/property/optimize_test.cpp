@@ -337,7 +337,7 @@ TEST(Optimize, LeavesTheMeshAsItWasWhereverMemoryRunsOut) {
   options.effort = Effort::best;
   TetMesh after = before;
   bool done = false;
-  for (std::size_t granted = 0; !done; granted += test::kSanitized ? 13 : 1) {
+  for (std::size_t granted = 0; !done; granted += test::kSanitized ? 37 : 5) {
     ASSERT_LT(granted, 10000U);
     try {
       const test::AllocationWatch watch(granted);
