@@ -17,15 +17,15 @@ class SmallSet {
   TETUNE_HD bool is_full() const { return size_ == kCapacity; }
   TETUNE_HD Index operator[](int position) const { return items_[position]; }
   /// The position of an id, or kAbsent.
-  TETUNE_HD int find(Index item) const { return slots_[slot_of(item)] - 1; }
-  TETUNE_HD bool contains(Index item) const { return slots_[slot_of(item)] != 0; }
+  TETUNE_HD int find(Index item) const { return entry(slot_of(item)) - 1; }
+  TETUNE_HD bool contains(Index item) const { return entry(slot_of(item)) != 0; }
   /// Inserts an id that is not in the set; returns its position, or kAbsent where the set is full.
   TETUNE_HD int add(Index item) {
     if (is_full()) return kAbsent;
     const unsigned slot = slot_of(item);
     items_[size_] = item;
-    slots_[slot] = static_cast<std::uint8_t>(size_ + 1);
-    return size_++;
+    slots_[slot / 8] |= static_cast<std::uint64_t>(++size_) << 8 * (slot % 8);
+    return size_ - 1;
   }
 
  private:
@@ -33,15 +33,17 @@ class SmallSet {
   static constexpr unsigned kSlots = kCapacity <= 64 ? 128 : 256;
   static_assert(2 * kCapacity <= int{kSlots});
 
+  /// Of a slot: 1 + the position of its id; 0: none.
+  TETUNE_HD int entry(unsigned slot) const { return static_cast<int>(slots_[slot / 8] >> 8 * (slot % 8) & 0xff); }
   /// The slot of an id, or the empty one where it would be.
   TETUNE_HD unsigned slot_of(Index item) const {
     unsigned slot = static_cast<unsigned>(item) % kSlots;
-    while (slots_[slot] != 0 && items_[slots_[slot] - 1] != item) slot = (slot + 1) % kSlots;
+    while (entry(slot) != 0 && items_[entry(slot) - 1] != item) slot = (slot + 1) % kSlots;
     return slot;
   }
 
   Index items_[kCapacity];
-  std::uint8_t slots_[kSlots] = {};  ///< 1 + the position of the id; 0: none
+  std::uint64_t slots_[kSlots / 8] = {};  ///< eight in a word: nvcc would clear an array of bytes one by one
   int size_ = 0;
 };
 

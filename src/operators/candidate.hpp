@@ -58,6 +58,11 @@ concept Candidate = std::is_trivially_copyable_v<C> && CavityPatch<typename C::P
   { c.expand(mesh) } -> std::convertible_to<typename C::Patch>;
 };
 
+template <class C>
+TETUNE_HD void store(const C& candidate, C& to) {
+  to = candidate;
+}
+
 template <class Cavity>
 TETUNE_HD double energy_before(const Cavity& cavity, Span<const double> energies) {
   double sum = 0;

@@ -42,7 +42,7 @@ struct Proposals {
     const Size i = entry(proposal, part);
     if (bid <= bids[i]) return;
     bids[i] = bid;
-    candidates[i] = candidate;
+    store(candidate, candidates[i]);
   }
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ptxsim/access_history.hpp"
 
+#include <algorithm>
+#include <cstring>
+
 namespace tetune::ptxsim {
 namespace {
 
@@ -26,25 +29,41 @@ void record_read(ByteHistory& byte, const Accessor& a) {
   byte.reader = entry_of(thread_of(byte.reader) == a.thread ? a.thread : kSeveral, strong);
 }
 
+Race record_byte(ByteHistory& byte, const Accessor& a, Access access) {
+  Race race;
+  if (conflicts(byte.write_epoch, byte.writer, a)) {
+    race = {true, access == Access::read ? "is read that another thread writes" : "is written by two threads"};
+  } else if (access != Access::read && conflicts(byte.read_epoch, byte.reader, a)) {
+    race = {true, "is written that another thread reads"};
+  }
+  if (access != Access::write) record_read(byte, a);
+  if (access != Access::read) {
+    byte.write_epoch = a.epoch;
+    byte.writer = entry_of(a.thread, a.strong);
+  }
+  return race;
+}
+
+bool are_equal(const ByteHistory* bytes, u32 count) {
+  return std::memcmp(bytes, bytes + 1, (count - 1) * sizeof *bytes) == 0;
+}
+
 }  // namespace
 
 Race record(ByteHistory* bytes, u32 count, const Accessor& a, Access access) {
-  Race race;
-  for (u32 i = 0; i < count; ++i) {
-    ByteHistory& byte = bytes[i];
-    const bool after_write = conflicts(byte.write_epoch, byte.writer, a);
-    const bool after_read = access != Access::read && conflicts(byte.read_epoch, byte.reader, a);
-    if (after_write && !race.found) {
-      race = {true, access == Access::read ? "is read that another thread writes" : "is written by two threads"};
-    }
-    if (after_read && !race.found) race = {true, "is written that another thread reads"};
-    if (access != Access::write) record_read(byte, a);
-    if (access != Access::read) {
-      byte.write_epoch = a.epoch;
-      byte.writer = entry_of(a.thread, a.strong);
-    }
+  if (are_equal(bytes, count)) {
+    // As a rule the bytes of a value were accessed together.
+    const ByteHistory before = bytes[0];
+    const Race race = record_byte(bytes[0], a, access);
+    if (std::memcmp(&before, bytes, sizeof before) != 0) std::fill(bytes + 1, bytes + count, bytes[0]);
+    return race;
   }
-  return race;
+  Race first;
+  for (u32 i = 0; i < count; ++i) {
+    const Race race = record_byte(bytes[i], a, access);
+    if (race.found && !first.found) first = race;
+  }
+  return first;
 }
 
 }  // namespace tetune::ptxsim

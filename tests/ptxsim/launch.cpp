@@ -57,8 +57,8 @@ class WarpMemory {
     u32 rows;
   };
   static char* new_stacks() {
-    void* const memory =
-        mmap(nullptr, kLanes * kStackBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    void* const memory = mmap(nullptr, kLanes * kStackStride, PROT_READ | PROT_WRITE,
+                              MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (memory == MAP_FAILED) fatal("out of memory for stacks");
     return static_cast<char*>(memory);
   }

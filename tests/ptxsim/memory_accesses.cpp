@@ -9,44 +9,72 @@
 namespace tetune::ptxsim {
 namespace {
 
-u64 load_element(const char* from, u32 bytes, bool is_signed) {
-  u64 bits = 0;
-  std::memcpy(&bits, from, bytes);
-  const u32 above = 64 - 8 * bytes;
-  return is_signed ? static_cast<u64>(static_cast<i64>(bits << above) >> above) : bits;
-}
-
 u64 address_of(const Warp& w, const Instruction& i, const u64* base, u32 lane) {
   const u64 address = (base == nullptr ? 0 : base[lane]) + static_cast<u64>(i.immediate);
   return i.space == Space::frame ? address + w.lanes[lane].stack_begin : address;
 }
 
-void execute_load(Warp& w, const Instruction& i) {
-  const u64* const base = w.row_or_null(i.a);
-  const u32 bytes = u32{i.bytes} * i.elements;
-  AccessCounter counter(w, bytes, Kind::load);
-  for_each_lane(w.active, [&](u32 l) {
-    const u64 address = address_of(w, i, base, l);
-    Space space{};
-    const char* from = resolve(w, l, address, bytes, Access::read, i, space);
-    counter.add(l, address, space);
-    for (u32 k = 0; k < i.elements; ++k) {
-      if (i.vector[k] != kNoRow) w.row(i.vector[k])[l] = load_element(from + k * i.bytes, i.bytes, i.is_signed);
-    }
-  });
+/// Of `elements` values of type T per lane, which one check covers; signed values are extended by their sign.
+template <class T, u32 elements>
+struct Load {
+  static void run(Warp& w, const Instruction& i) {
+    constexpr u32 bytes = elements * sizeof(T);
+    const u64* const base = w.row_or_null(i.a);
+    u64* to[elements];
+    for (u32 k = 0; k < elements; ++k) to[k] = w.row_or_null(i.vector[k]);
+    AccessCounter counter(w, bytes, Kind::load);
+    for_each_lane(w.active, [&](u32 l) {
+      const u64 address = address_of(w, i, base, l);
+      Space space{};
+      const char* from = resolve(w, l, address, bytes, Access::read, i, space);
+      counter.add(l, address, space);
+      T values[elements];
+      std::memcpy(values, from, bytes);
+      for (u32 k = 0; k < elements; ++k) {
+        if (to[k] != nullptr) to[k][l] = static_cast<u64>(values[k]);
+      }
+    });
+  }
+};
+
+template <class T, u32 elements>
+struct Store {
+  static void run(Warp& w, const Instruction& i) {
+    constexpr u32 bytes = elements * sizeof(T);
+    const u64* const base = w.row_or_null(i.a);
+    const u64* from[elements];
+    for (u32 k = 0; k < elements; ++k) from[k] = w.row(i.vector[k]);
+    AccessCounter counter(w, bytes, Kind::store);
+    for_each_lane(w.active, [&](u32 l) {
+      const u64 address = address_of(w, i, base, l);
+      Space space{};
+      char* const to = resolve(w, l, address, bytes, Access::write, i, space);
+      counter.add(l, address, space);
+      T values[elements];
+      for (u32 k = 0; k < elements; ++k) values[k] = static_cast<T>(from[k][l]);
+      std::memcpy(to, values, bytes);
+    });
+  }
+};
+
+template <template <class, u32> class Operation, class T>
+Execute access_of(u32 elements) {
+  return elements == 4 ? &Operation<T, 4>::run : elements == 2 ? &Operation<T, 2>::run : &Operation<T, 1>::run;
 }
 
-void execute_store(Warp& w, const Instruction& i) {
-  const u64* const base = w.row_or_null(i.a);
-  const u32 bytes = u32{i.bytes} * i.elements;
-  AccessCounter counter(w, bytes, Kind::store);
-  for_each_lane(w.active, [&](u32 l) {
-    const u64 address = address_of(w, i, base, l);
-    Space space{};
-    char* const to = resolve(w, l, address, bytes, Access::write, i, space);
-    counter.add(l, address, space);
-    for (u32 k = 0; k < i.elements; ++k) std::memcpy(to + k * i.bytes, w.row(i.vector[k]) + l, i.bytes);
-  });
+/// The function for elements of a size; unsigned for stores, which cut.
+template <template <class, u32> class Operation>
+Execute access_of(u32 bytes, bool is_signed, u32 elements) {
+  switch (bytes) {
+    case 8:
+      return access_of<Operation, u64>(elements);
+    case 4:
+      return is_signed ? access_of<Operation, i32>(elements) : access_of<Operation, u32>(elements);
+    case 2:
+      return is_signed ? access_of<Operation, i16>(elements) : access_of<Operation, u16>(elements);
+    default:
+      return is_signed ? access_of<Operation, i8>(elements) : access_of<Operation, u8>(elements);
+  }
 }
 
 Space space_of(const Statement& s) {
@@ -76,13 +104,15 @@ bool decode_access(const Statement& s, const Operand& address, const Operand& va
 }
 
 bool decode_load(const Statement& s, Scope& scope, Instruction& i) {
-  i.execute = execute_load;
-  return decode_access(s, s.operands[1], s.operands[0], scope, i);
+  if (!decode_access(s, s.operands[1], s.operands[0], scope, i)) return false;
+  i.execute = access_of<Load>(i.bytes, i.is_signed, i.elements);
+  return true;
 }
 
 bool decode_store(const Statement& s, Scope& scope, Instruction& i) {
-  i.execute = execute_store;
-  return decode_access(s, s.operands[0], s.operands[1], scope, i);
+  if (!decode_access(s, s.operands[0], s.operands[1], scope, i)) return false;
+  i.execute = access_of<Store>(i.bytes, false, i.elements);
+  return true;
 }
 
 // -- Atomic operations --

@@ -110,8 +110,8 @@ Space space_of_tag(u64 tag) {
 
 }  // namespace
 
-char* resolve(Warp& warp, u32 lane, u64 address, u32 bytes, Access access, const Instruction& instruction,
-              Space& space) {
+char* resolve_any(Warp& warp, u32 lane, u64 address, u32 bytes, Access access, const Instruction& instruction,
+                  Space& space) {
   space = instruction.space;
   if (space == Space::generic) {
     space = space_of_tag(address & kTagMask);

@@ -16,7 +16,9 @@ inline constexpr u64 kSharedTag = u64{1} << 56, kLocalTag = u64{2} << 56, kParam
 inline constexpr u64 kTagMask = u64{0xff} << 56;
 
 inline constexpr u32 kStackBytes = 64 * 1024;  ///< per lane
-inline constexpr u32 kBarriers = 16;           ///< per block
+/// From one lane's stack to the next one's. Equal offsets of all lanes are in different sets of a processor's cache.
+inline constexpr u32 kStackStride = kStackBytes + 64;
+inline constexpr u32 kBarriers = 16;  ///< per block
 
 /// A barrier of a block.
 struct Barrier {
@@ -83,7 +85,7 @@ struct Warp {
     return registers + (std::size_t{register_base} + r) * kLanes;
   }
   u64* row_or_null(Row r) { return r == kNoRow ? nullptr : row(r); }
-  char* stack(u32 lane) { return stacks + std::size_t{lane} * kStackBytes; }
+  char* stack(u32 lane) { return stacks + std::size_t{lane} * kStackStride; }
   u32 first_active() const { return static_cast<u32>(std::countr_zero(active)); }
   u32 thread_in_block(u32 lane) const { return id * kLanes + lane; }
   void set_active(LaneMask mask) {
@@ -111,9 +113,26 @@ void advance_epoch(Block& block);
 /// Runs up to `budget` instructions. Returns whether any lane could run.
 bool run(Warp& warp, u64 budget);
 
+/// See resolve(), for all spaces.
+char* resolve_any(Warp& warp, u32 lane, u64 address, u32 bytes, Access access, const Instruction& instruction,
+                  Space& space);
+
 /// The memory behind an address that a lane accesses, after all checks, and its space. Where a check fails this is
 /// memory that nobody uses.
-char* resolve(Warp& warp, u32 lane, u64 address, u32 bytes, Access access, const Instruction& instruction,
-              Space& space);
+inline char* resolve(Warp& warp, u32 lane, u64 address, u32 bytes, Access access, const Instruction& instruction,
+                     Space& space) {
+  // Most accesses are to the lane's own stack.
+  space = instruction.space;
+  u64 offset = address;
+  if (space == Space::generic && (address & kTagMask) == kLocalTag) {
+    space = Space::local;
+    offset &= ~kTagMask;
+  }
+  const bool on_stack = space == Space::local || space == Space::frame;
+  if (on_stack && (offset & (bytes - 1)) == 0 && offset + bytes <= warp.lanes[lane].stack_end) {
+    return warp.stack(lane) + offset;
+  }
+  return resolve_any(warp, lane, address, bytes, access, instruction, space);
+}
 
 }  // namespace tetune::ptxsim
