@@ -44,7 +44,7 @@ void add_best(std::vector<Case>& all) {
   link_box_faces(periodic.mesh, {true, true, true});
   periodic.operations = {&Counts::edge_removals, &Counts::boundary_flips, &Counts::compound_flips,
                          &Counts::vertices_inserted};
-  Case& kept = add(all, "keep_vertices", two_materials(4, 0.2));
+  Case& kept = add(all, "keep_vertices", cube(3, 0.25));
   kept.options.keep_vertices = true;
   kept.operations = {&Counts::edge_removals, &Counts::boundary_flips, &Counts::compound_flips};
   Case& growing = add(all, "max_growth", two_materials(2, 0.2));
