@@ -121,6 +121,46 @@ struct MatchFaces {
   TETUNE_HD HalfFace& across(HalfFace item) const { return tet2tet[tet_of(item)][face_of(item)]; }
 };
 
+/// Matches one half-face with those in its row. On a device a thread per row would take longest of all kernels.
+struct MatchFace {
+  Span<const Tet> tets;
+  Span<const std::uint32_t> offsets;
+  Span<const HalfFace> items;
+  Span<FaceAdjacency> tet2tet;
+
+  TETUNE_HD AdjacencyReport operator()(Size i) const {
+    const auto item = static_cast<HalfFace>(i);
+    const Tet tet = tets[tet_of(item)];
+    if (tet[0] == kFreeSlot) return {};
+    const FaceKey key = face_key(tet, face_of(item));
+    const Index combined = combined_vertices(item);
+    HalfFace other = kNoHalfFace;
+    int others = 0;
+    for (Size r = offsets[key.low]; r < offsets[key.low + 1]; ++r) {
+      const HalfFace candidate = items[r];
+      if (combined_vertices(candidate) != combined || candidate == item) continue;
+      if (face_key(tets[tet_of(candidate)], face_of(candidate)).pair() != key.pair()) continue;
+      ++others;
+      other = candidate;
+    }
+    const bool is_opposite = others == 1 && face_key(tets[tet_of(other)], face_of(other)).odd != key.odd;
+    tet2tet[tet_of(item)][face_of(item)] = is_opposite ? other : kNoHalfFace;
+    AdjacencyReport report;
+    if (others == 1 && !is_opposite && item < other) ++report.misoriented_faces;
+    if (others > 1) ++report.non_manifold_faces;
+    return report;
+  }
+
+ private:
+  /// The exclusive or of the vertices of a face: few faces in a row have the same one.
+  TETUNE_HD Index combined_vertices(HalfFace face) const {
+    const Tet tet = tets[tet_of(face)];
+    Index combined = 0;
+    for (int k = 0; k < 4; ++k) combined ^= k == face_of(face) ? 0 : tet[k];
+    return combined;
+  }
+};
+
 struct LockInterface {
   MeshView mesh;
   Span<const int> tags;
@@ -142,8 +182,13 @@ AdjacencyReport build_adjacency(const Backend& backend, WorkMesh<Backend>& mesh)
   mesh.tet2tet.resize(backend, mesh.slots(), mesh.room());
   Csr<Backend> rows;
   build_csr(backend, mesh.vertices(), 4 * mesh.slots(), LowestVertexOfFace{mesh.tet2vertex}, rows);
-  return backend.template reduce<AdjacencyReport>(mesh.vertices(),
-                                                  MatchFaces{mesh.tet2vertex, rows.offsets, rows.items, mesh.tet2tet});
+  if constexpr (Backend::kIsAsynchronous) {
+    return backend.template reduce<AdjacencyReport>(4 * mesh.slots(),
+                                                    MatchFace{mesh.tet2vertex, rows.offsets, rows.items, mesh.tet2tet});
+  } else {
+    return backend.template reduce<AdjacencyReport>(
+        mesh.vertices(), MatchFaces{mesh.tet2vertex, rows.offsets, rows.items, mesh.tet2tet});
+  }
 }
 
 /// The corners at each vertex: items are 4 * tet + local vertex.

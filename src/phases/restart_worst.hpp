@@ -73,7 +73,7 @@ class RestartSearch {
 /// `floor` is tightened. Reports Report::worst_rounds. Returns false when the caller cancels.
 template <class Backend>
 bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& of_input, QualityFloor& floor) {
-  const int rounds = max_restarts(optimizer.options, double(optimizer.work.mesh.tets()));
+  const int rounds = restart_rounds(optimizer.options, double(optimizer.work.mesh.tets()));
   if (rounds == 0) return true;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;

@@ -268,7 +268,7 @@ inline double selection_scale(const Options& options) {
 }
 
 /// The number of rounds of restarts at most.
-inline int max_restarts(const Options& options, double tets) {
+inline int restart_rounds(const Options& options, double tets) {
   const RestartParameters& p = tuning_of(options.effort).restart;
   if (p.rounds == 0) return 0;
   return options.restarts >= 0 ? options.restarts : int(std::ceil(std::min(double(p.rounds), tets / p.tets_per_round)));

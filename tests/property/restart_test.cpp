@@ -105,12 +105,12 @@ TEST(Restarts, AStopTakesBackTheOneThatIsUnderWay) {
 
 TEST(Restarts, TheOptionIsTheNumberOfRounds) {
   Options options;
-  EXPECT_EQ(max_restarts(options, 1e6), 0);
+  EXPECT_EQ(restart_rounds(options, 1e6), 0);
   options.effort = Effort::best;
-  EXPECT_EQ(max_restarts(options, 1e6), 16);
-  EXPECT_EQ(max_restarts(options, 600), 3);
+  EXPECT_EQ(restart_rounds(options, 1e6), 16);
+  EXPECT_EQ(restart_rounds(options, 600), 3);
   options.restarts = 30;
-  EXPECT_EQ(max_restarts(options, 600), 30);
+  EXPECT_EQ(restart_rounds(options, 600), 30);
 }
 
 }  // namespace
