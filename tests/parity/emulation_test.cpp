@@ -113,8 +113,8 @@ TEST(Transfers, RestartsTakeTheMeshToTheHostOnce) {
     EXPECT_GT(report.restarts_kept, 0);
     return gpu.device_memory().traffic();
   };
-  const DeviceMemory::Traffic few = traffic_of(3);
-  const DeviceMemory::Traffic many = traffic_of(9);
+  const DeviceMemory::Traffic few = traffic_of(8);
+  const DeviceMemory::Traffic many = traffic_of(16);
   // The polish that follows may take a few steps more or fewer.
   EXPECT_LT(many.downloads, few.downloads + few.downloads / 10);
   EXPECT_LT(many.uploads, few.uploads + 5);
