@@ -107,14 +107,14 @@ TEST(Transfers, RestartsTakeTheMeshToTheHostOnce) {
     Options options;
     options.effort = Effort::best;
     options.restarts = rounds;
-    TetMesh mesh = test::waved(test::cube(9, 0.2));
+    TetMesh mesh = test::waved(test::cube(7, 0.2));
     const Emulation gpu(1);
     const Report report = optimize_on(gpu, mesh, options, {});
     EXPECT_GT(report.restarts_kept, 0);
     return gpu.device_memory().traffic();
   };
-  const DeviceMemory::Traffic few = traffic_of(8);
-  const DeviceMemory::Traffic many = traffic_of(16);
+  const DeviceMemory::Traffic few = traffic_of(4);
+  const DeviceMemory::Traffic many = traffic_of(12);
   // The polish that follows may take a few steps more or fewer.
   EXPECT_LT(many.downloads, few.downloads + few.downloads / 10);
   EXPECT_LT(many.uploads, few.uploads + 5);
