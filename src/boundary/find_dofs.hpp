@@ -126,7 +126,7 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
   dofs.active.resize(backend, vertices);
   backend.fill(dofs.active.span(), std::uint8_t{1});
   if (slides) {
-    // No kind of vertex that slides has one.
+    // Vertices that slide have no axis, but restarts download the axes of all.
     backend.fill(dofs.axis.span(), Vec3{});
     dofs.max_deviation = (1 - 1e-5) * options.max_deviation * input.scale;  // slightly less, against rounding
     // Underflow must not turn a bound into none.

@@ -121,7 +121,8 @@ struct MatchFaces {
   TETUNE_HD HalfFace& across(HalfFace item) const { return tet2tet[tet_of(item)][face_of(item)]; }
 };
 
-/// Matches one half-face with those in its row. On a device a thread per row would take longest of all kernels.
+/// Matches one half-face with those in its row: on a device, where the threads of the longest rows would have the
+/// longest chains of instructions of all kernels.
 struct MatchFace {
   Span<const Tet> tets;
   Span<const std::uint32_t> offsets;

@@ -58,6 +58,7 @@ concept Candidate = std::is_trivially_copyable_v<C> && CavityPatch<typename C::P
   { c.expand(mesh) } -> std::convertible_to<typename C::Patch>;
 };
 
+/// Stores a candidate; a type may have an overload.
 template <class C>
 TETUNE_HD void store(const C& candidate, C& to) {
   to = candidate;
