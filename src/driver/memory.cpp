@@ -27,7 +27,7 @@ std::size_t periodic_bytes(const TetMesh& mesh) {
 /// The copy of the mesh on the host that restarts work on.
 std::size_t restart_bytes(const TetMesh& mesh, const Options& options) {
   const bool restarts = improves_worst(options) && restart_rounds(options, double(mesh.tets.size())) > 0;
-  return restarts ? 44 * mesh.tets.size() + 140 * mesh.points.size() : 0;
+  return restarts ? 52 * mesh.tets.size() + 140 * mesh.points.size() : 0;
 }
 
 }  // namespace

@@ -59,8 +59,8 @@ struct SurfaceInsertion {
     NewVertexDof dof{VertexDof::surface, {0, 0, 0}, radius, {SurfacePointKind::triangle, t.reference}};
     Vec3 from = p.surface.reference.centroid(t.reference);
     if (simplex.size == 2 && is_feature_edge(t, simplex.v[0], simplex.v[1])) {
-      const Index v = p.kind[simplex.v[0]] == VertexDof::curve ? simplex.v[0] : simplex.v[1];
-      if (p.kind[v] != VertexDof::curve) return place_between_corners(p, simplex, radius);
+      const Index v = is_on_curve(p, simplex.v[0]) ? simplex.v[0] : simplex.v[1];
+      if (!is_on_curve(p, v)) return place_between_corners(p, simplex, radius);
       dof.dof = VertexDof::curve;
       dof.surface_point = p.surface.surface_point[v];
       from = vec(p.mesh.points[v]);
@@ -68,7 +68,14 @@ struct SurfaceInsertion {
     x = project_on_reference(p.surface.reference, dof.dof, from, x, dof.surface_point);
     return dof;
   }
-  /// On a feature edge without a vertex that slides on its line: the edge itself where it is a part of the reference
+  /// Whether a vertex is on a line that vertices slide along, even if this one is fixed, as at the end of a
+  /// neighborhood.
+  TETUNE_HD static bool is_on_curve(const StarContext& p, Index v) {
+    const SurfacePoint& on = p.surface.surface_point[v];
+    return p.kind[v] == VertexDof::curve || on.kind == SurfacePointKind::segment ||
+           (on.kind == SurfacePointKind::vertex && p.surface.reference.dof[on.item] == VertexDof::curve);
+  }
+  /// On a feature edge without a vertex on such a line: the edge itself where it is a part of the reference
   /// surface. Otherwise vertices of the line were removed, and the line between its ends is not known.
   TETUNE_HD static NewVertexDof place_between_corners(const StarContext& p, const SurfaceSimplex& edge, double radius) {
     const Vec3 a = vec(p.mesh.points[edge.v[0]]);

@@ -28,6 +28,10 @@ class Region {
   VertexMask<Cpu> flags_;
 };
 
+MeshView view_of(HostWork& work) {
+  return {span_of(work.points), span_of(work.tet2vertex), span_of(work.tet2tet), span_of(work.tet2original)};
+}
+
 void add(const WorstReport& round, WorstReport& sum) {
   sum.inserted += round.inserted;
   sum.removed += round.removed;
@@ -35,16 +39,35 @@ void add(const WorstReport& round, WorstReport& sum) {
   sum.moved += round.moved;
 }
 
-/// The cost of dihedral angles whose extremeness is given: see AngleExtremes.
-double cost_of(double extremeness) { return extremeness > 0 ? std::sqrt(extremeness * extremeness - 1) : 0; }
+/// The extreme cotangents of the tetrahedron in each slot; 0 where they cost at most AngleParameters::min_cost, and in
+/// free slots.
+std::vector<DihedralCots> extreme_cots(const Cpu& backend, const MeshView& mesh, Size slots,
+                                       const AngleParameters& angles) {
+  std::vector<DihedralCots> all(to_size_t(slots), {0, 0});
+  const Span<DihedralCots> of_slot = span_of(all);
+  backend.for_each(slots, [&](Size t) {
+    if (!mesh.alive(t)) return;
+    const DihedralCots cots = dihedral_cots(mesh, t);
+    if (cots.cost(angles.obtuse_weight) > angles.min_cost) of_slot[t] = cots;
+  });
+  return all;
+}
+
+DihedralCots merge(DihedralCots extremes, const std::vector<DihedralCots>& all) {
+  for (const DihedralCots& cots : all) {
+    extremes.max = std::max(extremes.max, cots.max);
+    extremes.min = std::min(extremes.min, cots.min);
+  }
+  return extremes;
+}
 
 /// The sum of the costs to the power of eight, to which the largest contribute most. Products have the same bits
 /// everywhere, and std::pow() has not.
-double sum_of_powers(const std::vector<double>& extremeness) {
+double sum_of_powers(const std::vector<DihedralCots>& all, double obtuse_weight) {
   double sum = 0;
-  for (const double e : extremeness) {
-    const double squared = e > 0 ? e * e - 1 : 0;
-    const double fourth = squared * squared;
+  for (const DihedralCots& cots : all) {
+    const double cost = cots.cost(obtuse_weight);
+    const double fourth = cost * cost * cost * cost;
     sum += fourth * fourth;
   }
   return sum;
@@ -53,16 +76,15 @@ double sum_of_powers(const std::vector<double>& extremeness) {
 /// Optimizes one neighborhood.
 class Perturbation {
  public:
-  Perturbation(Optimizer<Cpu>& optimizer, const RestartInput& input, WorstReport& r)
+  Perturbation(Optimizer<Cpu>& optimizer, const RestartInput& input, double obtuse_weight, WorstReport& r)
       : optimizer_(optimizer),
         p_(optimizer.tuning.restart),
         angles_(improve_angles_detail::last_parameters(optimizer.tuning.angles)),
         input_(input),
         r_(r) {
     angles_.min_count = angles_.min_vertex_count = p_.count;
+    angles_.obtuse_weight = obtuse_weight;
   }
-
-  AngleExtremes<Cpu> extremes() const { return extremes_above(optimizer_.tuning.angles.min_cost); }
 
   /// Angles are worked on whose cost is above a part of the largest.
   void set_largest_cost(double cost) { angles_.min_cost = std::max(angles_.min_cost, p_.cost_part * cost); }
@@ -106,14 +128,11 @@ class Perturbation {
   }
 
  private:
-  AngleExtremes<Cpu> extremes_above(double min_cost) const {
-    return {optimizer_.backend, optimizer_.work.mesh, optimizer_.slot_energies(), min_cost, angles_.obtuse_weight};
-  }
-
   /// The tetrahedra with a flagged vertex, and with an angle that is worked on.
   BufferOf<Cpu, Index> extreme_tets(Span<const std::uint8_t> flags) const {
     WorkMesh<Cpu>& mesh = optimizer_.work.mesh;
-    auto found = extremes_above(angles_.min_cost);
+    AngleExtremes<Cpu> found(optimizer_.backend, mesh, optimizer_.slot_energies(), angles_.min_cost,
+                             angles_.obtuse_weight);
     clear_outside(optimizer_.backend, mesh, flags, found.values.span());
     return tets_above(optimizer_.backend, mesh, std::as_const(found.values).span(), 0);
   }
@@ -135,7 +154,7 @@ struct RestartSearch::Restart {
   Size tets;  ///< in the neighborhood, before
   Report report;
   WorstReport changes;
-  std::vector<double> extremeness;  ///< afterwards
+  std::vector<DihedralCots> cots;  ///< per slot, afterwards
   bool is_better = false;
 
   Size growth() const { return neighborhood.work.mesh.tets() - tets; }
@@ -145,24 +164,40 @@ RestartSearch::RestartSearch(HostWork& whole, RestartInput input)
     : whole_(whole),
       input_(std::move(input)),
       options_(input_.options),
+      angles_(tuning_of(options_.effort).angles),
       p_(tuning_of(options_.effort).restart),
       finder_(whole),
-      host_(std::make_unique<Cpu>(options_.threads)) {
+      host_(std::make_unique<Cpu>(options_.threads)),
+      cots_(extreme_cots(*host_, view_of(whole), whole.slots(), angles_)),
+      weight_(angles_.obtuse_weight) {
   options_.threads = 1;
   options_.trace_angles = false;
 }
 RestartSearch::~RestartSearch() = default;
 
-double RestartSearch::max_cost() const {
-  return cost_of(*std::max_element(input_.extremeness.begin(), input_.extremeness.end()));
+DihedralCots RestartSearch::extremes() const {
+  return merge({angles_.min_cost, -angles_.min_cost / angles_.obtuse_weight}, cots_);
+}
+
+void RestartSearch::aim_at_largest_angle() {
+  aims_at_largest_ = true;
+  failures_.clear();
+  rounds_without_ = 0;
+}
+
+bool RestartSearch::weigh_largest_angle() {
+  const DihedralCots present = extremes();
+  const bool is_small = -present.min * angles_.obtuse_weight <= angles_.min_cost;
+  if (is_small || rounds_without_ == p_.max_rounds_without) return false;
+  weight_ = (1 + p_.obtuse_lead) * present.max / -present.min;
+  max_cot_ = present.max;
+  return true;
 }
 
 double RestartSearch::traced_angle() const {
   using namespace quality_extremes_detail;
   if (!input_.options.trace_angles) return 0;
-  const MeshView mesh{span_of(whole_.points), span_of(whole_.tet2vertex), span_of(whole_.tet2tet),
-                      span_of(whole_.tet2original)};
-  return ProgressReporter::degrees(host_->reduce<Maximum>(whole_.slots(), MaxCot{mesh}).value);
+  return ProgressReporter::degrees(host_->reduce<Maximum>(whole_.slots(), MaxCot{view_of(whole_)}).value);
 }
 
 void RestartSearch::add_to(Report& report) const {
@@ -172,28 +207,24 @@ void RestartSearch::add_to(Report& report) const {
 }
 
 std::vector<Index> RestartSearch::find_worst() const {
-  const Span<const double> extremeness = span_of(input_.extremeness);
   const auto is_left = [&](Index t) {
     const auto found = failures_.find(t);
-    return extremeness[t] > 0 && (found == failures_.end() || found->second < std::ssize(p_.perturbations));
+    return cost(t) > 0 && (found == failures_.end() || found->second < std::ssize(p_.perturbations));
   };
   double largest = 0;
-  for (Index t = 0; t < extremeness.size(); ++t) {
-    if (extremeness[t] > largest && is_left(t)) largest = extremeness[t];
+  for (Index t = 0; t < std::ssize(cots_); ++t) {
+    if (cost(t) > largest && is_left(t)) largest = cost(t);
   }
   std::vector<Index> worst;
-  for (Index t = 0; t < extremeness.size(); ++t) {
-    if (cost_of(extremeness[t]) >= (1 - p_.worst_part) * cost_of(largest) && is_left(t)) worst.push_back(t);
+  for (Index t = 0; t < std::ssize(cots_); ++t) {
+    if (cost(t) >= (1 - p_.worst_part) * largest && is_left(t)) worst.push_back(t);
   }
-  std::sort(worst.begin(), worst.end(), [&](Index a, Index b) {
-    return extremeness[a] > extremeness[b] || (extremeness[a] == extremeness[b] && a < b);
-  });
+  std::sort(worst.begin(), worst.end(),
+            [&](Index a, Index b) { return cost(a) > cost(b) || (cost(a) == cost(b) && a < b); });
   return worst;
 }
 
-bool RestartSearch::is_tied(Index slot, Index other) const {
-  return cost_of(span_of(input_.extremeness)[slot]) >= (1 - p_.tie) * cost_of(span_of(input_.extremeness)[other]);
-}
+bool RestartSearch::is_tied(Index slot, Index other) const { return cost(slot) >= (1 - p_.tie) * cost(other); }
 
 std::vector<std::unique_ptr<RestartSearch::Restart>> RestartSearch::choose() {
   std::vector<std::unique_ptr<Restart>> restarts;
@@ -225,18 +256,25 @@ void RestartSearch::run(Restart& restart, const Context& context) const {
   Optimizer<Cpu> optimizer(backend, neighborhood.work, options_, context, restart.report, timer,
                            PhaseTimer::SteadyClock::now());
   optimizer.sum_energy(kShapeObjective);
-  Perturbation perturbation(optimizer, input_, restart.changes);
-  const AngleExtremes<Cpu> before = perturbation.extremes();
-  perturbation.set_largest_cost(before.max_cost);
+  Perturbation perturbation(optimizer, input_, weight_, restart.changes);
+  WorkMesh<Cpu>& mesh = neighborhood.work.mesh;
+  const auto largest_cost = [&](const std::vector<DihedralCots>& all) {
+    double largest = angles_.min_cost;
+    for (const DihedralCots& cots : all) largest = std::max(largest, cots.cost(weight_));
+    return largest;
+  };
+  const std::vector<DihedralCots> before = extreme_cots(backend, mesh.view(), mesh.slots(), angles_);
+  const double cost_before = largest_cost(before);
+  perturbation.set_largest_cost(cost_before);
   const int rings = restart.perturbation.rings;
   perturbation.lower_energy(Region(backend, neighborhood.flags(rings)), restart.perturbation);
   perturbation.enlarge_angles(Region(backend, neighborhood.flags(rings + p_.angle_rings)));
-  const AngleExtremes<Cpu> after = perturbation.extremes();
-  restart.extremeness = after.values.download();
+  restart.cots = extreme_cots(backend, mesh.view(), mesh.slots(), angles_);
+  const double cost_after = largest_cost(restart.cots);
   const bool others_fall =
-      sum_of_powers(restart.extremeness) < (1 - p_.min_fall_of_others) * sum_of_powers(before.values.download());
-  restart.is_better =
-      after.max_cost < (1 - p_.min_fall) * before.max_cost || (after.max_cost <= before.max_cost && others_fall);
+      sum_of_powers(restart.cots, weight_) < (1 - p_.min_fall_of_others) * sum_of_powers(before, weight_);
+  restart.is_better = merge({0, 0}, restart.cots).max <= max_cot_ &&
+                      (cost_after < (1 - p_.min_fall) * cost_before || (cost_after <= cost_before && others_fall));
 }
 
 void RestartSearch::keep(Restart& restart) {
@@ -244,11 +282,11 @@ void RestartSearch::keep(Restart& restart) {
   restart.neighborhood.put_back(whole_);
   const std::vector<Index>& slots = restart.neighborhood.slots();
   finder_.count_tets(slots, 1);
-  input_.extremeness.resize(whole_.tet2vertex.size(), 0);
+  cots_.resize(whole_.tet2vertex.size(), {0, 0});
   for (Size i = 0; i < std::ssize(slots); ++i) {
     const Index slot = span_of(slots)[i];
     if (slot < 0) continue;
-    span_of(input_.extremeness)[slot] = span_of(restart.extremeness)[i];
+    span_of(cots_)[slot] = span_of(restart.cots)[i];
     failures_.erase(slot);
   }
   counts_ += restart.report;
@@ -262,6 +300,7 @@ void RestartSearch::count_failure(const Restart& restart) {
 }
 
 bool RestartSearch::run_round(WorstReport& r) {
+  if (aims_at_largest_ && !weigh_largest_angle()) return false;
   const auto restarts = choose();
   if (restarts.empty()) return false;
   const LatchedHooks hooks(input_.context);
@@ -269,6 +308,7 @@ bool RestartSearch::run_round(WorstReport& r) {
   if (hooks.is_stopped()) return true;
   restarts_ += int(restarts.size());
   r.worst = std::ssize(restarts);
+  const int kept_before = restarts_kept_;
   const double max_tets = options_.max_growth * double(input_.tets_before);
   for (const auto& restart : restarts) {
     const bool has_room = restart->growth() <= 0 || double(whole_.tets() + restart->growth()) <= max_tets;
@@ -279,6 +319,7 @@ bool RestartSearch::run_round(WorstReport& r) {
       count_failure(*restart);
     }
   }
+  rounds_without_ = restarts_kept_ > kept_before ? 0 : rounds_without_ + 1;
   whole_.erase_removed_triangles();
   return true;
 }

@@ -144,6 +144,10 @@ struct RestartParameters {
   /// power of eight by a part.
   double min_fall = 1e-4;
   double min_fall_of_others = 0.05;
+  /// In the rounds that follow for the largest angle it costs more than the smallest by this part. They end when none
+  /// of this number in succession has kept a restart.
+  double obtuse_lead = 0.075;
+  int max_rounds_without = 6;
   /// Where more than this number of elements have a cost within the part `tie` of the largest, as in structured meshes,
   /// there are no restarts.
   double tie = 5e-3;
@@ -272,6 +276,11 @@ inline int restart_rounds(const Options& options, double tets) {
   const RestartParameters& p = tuning_of(options.effort).restart;
   if (p.rounds == 0) return 0;
   return options.restarts >= 0 ? options.restarts : int(std::ceil(std::min(double(p.rounds), tets / p.tets_per_round)));
+}
+
+/// The number of rounds for the largest angle that follow at most.
+inline int largest_angle_rounds(const Options& options) {
+  return options.restarts >= 0 ? options.restarts : tuning_of(options.effort).restart.rounds;
 }
 
 /// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the

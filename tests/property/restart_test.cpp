@@ -48,7 +48,7 @@ RestartCounts compare_with_none(Boundary boundary, int restarts) {
     TetMesh with = input;
     const Report report = optimize(with, options);
     EXPECT_TRUE(validate(with).ok());
-    EXPECT_LE(report.restarts, tuning_of(Effort::best).restart.places * restarts);
+    EXPECT_LE(report.restarts, tuning_of(Effort::best).restart.places * 2 * restarts);
     EXPECT_LE(double(with.tets.size()), options.max_growth * double(input.tets.size()));
     if (report.restarts_kept > 0) {
       EXPECT_LE(largest_cost(with), largest_cost(without)) << seed;
@@ -109,8 +109,10 @@ TEST(Restarts, TheOptionIsTheNumberOfRounds) {
   options.effort = Effort::best;
   EXPECT_EQ(restart_rounds(options, 1e6), 16);
   EXPECT_EQ(restart_rounds(options, 600), 3);
+  EXPECT_EQ(largest_angle_rounds(options), 16);
   options.restarts = 30;
   EXPECT_EQ(restart_rounds(options, 600), 30);
+  EXPECT_EQ(largest_angle_rounds(options), 30);
 }
 
 }  // namespace
