@@ -20,6 +20,18 @@ inline AngleParameters last_parameters(AngleParameters p) {
   return p;
 }
 
+/// Whether many tetrahedra have about the largest cost, and it is above the goal.
+template <class Backend>
+bool has_crowd(Optimizer<Backend>& optimizer) {
+  const AngleParameters& p = optimizer.tuning.angles;
+  const AngleExtremes<Backend> extremes(optimizer.backend, optimizer.work.mesh, optimizer.slot_energies(), p.crowd_goal,
+                                        p.obtuse_weight);
+  if (extremes.max_cost <= p.crowd_goal) return false;
+  const double of_crowd =
+      upper_cost_quantile(optimizer.backend, extremes.values.span(), p.crowd_count, p.cost_resolution);
+  return of_crowd >= (1 - p.crowd_part) * extremes.max_cost;
+}
+
 /// One round, on tetrahedra with a vertex that is flagged in `region`, or anywhere if that is empty. Returns the number
 /// of changes.
 template <class Backend>
@@ -70,35 +82,44 @@ Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, Quali
 
 /// Lowers the largest cost of the dihedral angles (DihedralCots::cost()), in rounds: the neighborhood of their
 /// tetrahedra is improved, with Effort::best by inserted and removed vertices too, and vertices are moved to where the
-/// largest cost around them is lowest; the last rounds work on a few tetrahedra. Tightens `floor` to the angles of each
-/// round. Reports Report::worst_rounds. Returns false when the caller cancels.
+/// largest cost around them is lowest. Further rounds follow where many tetrahedra have about the largest cost; the
+/// last ones work on a few. Tightens `floor` to the angles before each round. Reports Report::worst_rounds. Returns
+/// false when the caller cancels.
 template <class Backend>
 bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   using namespace improve_angles_detail;
   const AngleParameters& parameters = optimizer.tuning.angles;
-  const AngleParameters last = last_parameters(parameters);
   const int rounds = parameters.rounds();
   // Not earlier: flips that lower the energy would use up the bound that the worst angles need.
   optimizer.work.boundary.bends = bends_surface(optimizer.options);
   optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
-  int stalls = 0;
-  for (int round = 1; round <= rounds && stalls < parameters.max_stalls; ++round) {
-    const bool is_last = round > parameters.max_rounds;
-    const double cost_before = floor.max_cot;
-    WorstReport r;
-    r.round = round;
-    Size changes = 0;
-    r.seconds = optimizer.timer.measure(
-        Phase::angles, [&] { changes = improve_once(optimizer, is_last ? last : parameters, floor, r); });
-    r.dihedral_min = optimizer.traced_angle();
-    optimizer.report.worst_rounds.push_back(r);
-    optimizer.progress.estimate.finish_angle_round(round, rounds);
-    if (!optimizer.proceed(Phase::angles, optimizer.iteration())) return false;
-    if (changes == 0) break;
-    // The floor is the largest cost before the round.
-    stalls = is_last && floor.max_cot > (1 - parameters.min_fall) * cost_before ? stalls + 1 : 0;
-  }
-  return true;
+  int round = 0, stalls = 0;
+  const auto run_rounds = [&](int limit, const AngleParameters& p, const auto& follows) {
+    stalls = 0;
+    for (int i = 0; i < limit && follows(); ++i) {
+      const double cost_before = floor.max_cot;
+      WorstReport r;
+      r.round = ++round;
+      Size changes = 0;
+      r.seconds = optimizer.timer.measure(Phase::angles, [&] { changes = improve_once(optimizer, p, floor, r); });
+      r.dihedral_min = optimizer.traced_angle();
+      optimizer.report.worst_rounds.push_back(r);
+      optimizer.progress.estimate.finish_angle_round(round, rounds);
+      if (!optimizer.proceed(Phase::angles, optimizer.iteration())) return false;
+      if (changes == 0) break;
+      stalls = floor.max_cot > (1 - p.min_fall) * cost_before ? stalls + 1 : 0;
+    }
+    return true;
+  };
+  const auto has_fallen = [&] { return stalls < parameters.max_stalls; };
+  const auto has_crowd_left = [&] {
+    bool has = false;
+    if (has_fallen()) optimizer.timer.measure(Phase::angles, [&] { has = has_crowd(optimizer); });
+    return has;
+  };
+  return run_rounds(parameters.max_rounds, parameters, [] { return true; }) &&
+         run_rounds(parameters.crowd_rounds, parameters, has_crowd_left) &&
+         run_rounds(parameters.last_rounds, last_parameters(parameters), has_fallen);
 }
 
 }  // namespace tetune

@@ -119,16 +119,22 @@ struct AngleParameters {
   double cost_resolution = 0.01;
   /// Neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
   bool moves_neighbors = false;
-  /// Further rounds, on about this number of the worst tetrahedra alone: where a few are left that need many
+  /// Further rounds, while this number of tetrahedra have a cost within this part of the largest, and that is above
+  /// this one (1.3: 37.6 degrees): restarts work on a few places only.
+  int crowd_rounds = 0;
+  double crowd_count = 64;
+  double crowd_part = 0.05;
+  double crowd_goal = 1.3;
+  /// The last rounds, on about this number of the worst tetrahedra alone: where a few are left that need many
   /// operations, the worst element of the mesh is among them.
   int last_rounds = 0;
   double last_count = 0;
-  /// They end when each of this number of rounds in succession has lowered the largest cost by less than `min_fall` of
-  /// it.
+  /// These and those for crowds end when each of this number of rounds in succession has lowered the largest cost by
+  /// less than `min_fall` of it.
   int max_stalls = 4;
   double min_fall = 1e-3;
 
-  int rounds() const { return max_rounds + last_rounds; }
+  int rounds() const { return max_rounds + crowd_rounds + last_rounds; }
 };
 
 /// restart_worst(): the neighborhoods of the worst elements optimized again.
@@ -233,6 +239,7 @@ constexpr Tuning best() {
   t.angles.min_vertex_count = 100;
   t.angles.min_cost_gain = 3e-3;
   t.angles.obtuse_weight = 1.5;
+  t.angles.crowd_rounds = 16;
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
