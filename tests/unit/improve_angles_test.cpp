@@ -12,8 +12,8 @@ namespace {
 
 using backend::Cpu;
 
-/// Whether has_crowd() holds for a mesh under Effort::best.
-bool crowded(const TetMesh& mesh) {
+/// Whether a mesh has a crowd under Effort::best.
+bool has_crowd(const TetMesh& mesh) {
   Options options;
   options.effort = Effort::best;
   const Cpu backend(1);
@@ -34,13 +34,13 @@ TetMesh flattened(int n, double scale) {
   return mesh;
 }
 
-TEST(ImproveAngles, ManyEquallyBadElementsAreACrowd) { EXPECT_TRUE(crowded(flattened(4, 0.5))); }
+TEST(ImproveAngles, ManyEquallyBadElementsAreACrowd) { EXPECT_TRUE(has_crowd(flattened(4, 0.5))); }
 
-TEST(ImproveAngles, ElementsThatReachTheGoalAreNoCrowd) { EXPECT_FALSE(crowded(flattened(4, 0.95))); }
+TEST(ImproveAngles, ElementsThatReachTheGoalAreNoCrowd) { EXPECT_FALSE(has_crowd(flattened(4, 0.95))); }
 
 TEST(ImproveAngles, FewerElementsAreNoCrowd) {
   // 48 tetrahedra in all.
-  EXPECT_FALSE(crowded(flattened(2, 0.5)));
+  EXPECT_FALSE(has_crowd(flattened(2, 0.5)));
 }
 
 TEST(ImproveAngles, ElementsNearAWorseOneAreNoCrowd) {
@@ -49,7 +49,7 @@ TEST(ImproveAngles, ElementsNearAWorseOneAreNoCrowd) {
   for (Point3& p : mesh.points) {
     if (p[0] == 0.5 && p[1] == 0.5 && p[2] == 0.25) p[2] -= 0.08;
   }
-  EXPECT_FALSE(crowded(mesh));
+  EXPECT_FALSE(has_crowd(mesh));
 }
 
 }  // namespace
