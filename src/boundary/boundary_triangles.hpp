@@ -72,8 +72,12 @@ struct BoundaryTriangles {
   bool stale = true;  ///< vertex2corner must be rebuilt
   /// Tolerance of coplanarity: heights below this part of the edge length count as zero.
   double flat = 0;
-  /// Operations may bend the surface within kMaxBend.
+  /// Inserted and removed vertices may bend the surface within kMaxBend: new ones are on the reference surface, not in
+  /// planes of the present one, which has left it where vertices slid.
   bool bends = false;
+  /// Flips may bend it too, from improve_angles() on. Flips that lower the energy would use up the bound that the worst
+  /// angles need.
+  bool flips_bend = false;
   /// Of the vertices of triangles that flip with their image; empty if there is none.
   PeriodicImages<Backend> images;
 };

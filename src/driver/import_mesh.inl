@@ -140,6 +140,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   if (flips_boundary(options)) {
     const DeviceViewOf<Backend, std::uint8_t> frozen(backend, held);
     build_boundary(backend, surface, listed, frozen.span(), work.boundary);
+    work.boundary.bends = bends_surface(options);
   }
   if (edits_surface(options)) {
     for (const BoundaryTriangle& t : work.boundary.triangles.download()) {

@@ -60,10 +60,11 @@ std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options)
   const std::size_t tets = mesh.tets.size();
   std::size_t loop = 132 * tets + 300 * vertices;
   if (options.boundary == Boundary::slide) loop += 100 * vertices;  // the reference surface
-  if (options.effort == Effort::best) loop += loop / 6;             // room for inserted vertices
+  if (options.effort == Effort::best) loop += loop / 4;             // room for inserted vertices
   const std::size_t load = 70 * tets + 100 * vertices + 24 * mesh.triangles.size();
-  // Of small meshes most is the candidates of a batch of proposals.
-  const std::size_t candidates = std::size_t{options.effort == Effort::best ? 8U : 4U} << 20;
+  // Of small meshes most is the candidates of a batch of proposals, up to 15 MiB where vertices are inserted on the
+  // surface.
+  const std::size_t candidates = std::size_t{options.effort == Effort::best ? 15U : 4U} << 20;
   const std::size_t bytes = candidates + std::max(loop, load) + 32 * mesh.edges.size() + periodic_bytes(mesh);
   return bytes + bytes / 10;
 }

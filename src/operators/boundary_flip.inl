@@ -191,7 +191,7 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   PassResult result;
   list_corners(backend, mesh, boundary);
   const FindEdge find{mesh.points.span(), state.constrained(), boundary.triangles.span(), boundary.vertex2corner.view(),
-                      boundary.flat,      boundary.bends,      boundary.images.view()};
+                      boundary.flat,      boundary.flips_bend, boundary.images.view()};
   auto corners = find_corners(backend, find, changed);
   const Size count = corners.size();
   result.active = count;

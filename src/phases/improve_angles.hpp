@@ -90,8 +90,7 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   using namespace improve_angles_detail;
   const AngleParameters& parameters = optimizer.tuning.angles;
   const int rounds = parameters.rounds();
-  // Not earlier: flips that lower the energy would use up the bound that the worst angles need.
-  optimizer.work.boundary.bends = bends_surface(optimizer.options);
+  optimizer.work.boundary.flips_bend = optimizer.work.boundary.bends;
   optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
   int round = 0, stalls = 0;
   const auto run_rounds = [&](int limit, const AngleParameters& p, const auto& follows) {

@@ -266,7 +266,7 @@ void Neighborhood::take_triangles(const HostWork& whole) {
   }
   work.boundary.triangles.upload(backend_, triangles);
   work.boundary.flat = whole.flat;
-  work.boundary.bends = whole.bends;
+  work.boundary.bends = work.boundary.flips_bend = whole.bends;
 }
 
 void Neighborhood::take_edges(const HostWork& whole) {

@@ -26,7 +26,6 @@ HostWork imported(const TetMesh& mesh, Boundary boundary) {
   WorkingSet<Cpu> work;
   Report report;
   import_mesh(backend, mesh, options, nullptr, true, work, report);
-  work.boundary.bends = bends_surface(options);
   return download_work(work);
 }
 
@@ -207,7 +206,6 @@ Restarted restart(const TetMesh& mesh, Boundary boundary) {
   WorkingSet<Cpu> whole;
   Report report;
   import_mesh(backend, mesh, options, nullptr, true, whole, report);
-  whole.boundary.bends = bends_surface(options);
   BufferOf<Cpu, double> buffer;
   refresh_energy(backend, whole.mesh, {kShapeObjective}, buffer);
   const Span<const double> energies = buffer.span();
