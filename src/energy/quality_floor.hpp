@@ -66,17 +66,15 @@ struct QualityFloor {
   /// Allows no angle of a larger cost, as of DihedralCots. add_tolerance() is not called again: tolerances would
   /// accumulate.
   TETUNE_HD void limit_cost(double cost, double obtuse_weight) {
-    max_cot = cost < max_cot ? cost : max_cot;
-    if (obtuse_weight > 0 && -cost / obtuse_weight > min_cot) min_cot = -cost / obtuse_weight;
+    limit_angles({cost, obtuse_weight > 0 ? -cost / obtuse_weight : -kInfeasible});
+  }
+  /// Allows no angle beyond these.
+  TETUNE_HD void limit_angles(const DihedralCots& extremes) {
+    max_cot = extremes.max < max_cot ? extremes.max : max_cot;
+    min_cot = extremes.min > min_cot ? extremes.min : min_cot;
     update_safe_shape();
   }
-
-  /// Allows no angle that `other` does not allow.
-  TETUNE_HD void limit_angles(const QualityFloor& other) {
-    max_cot = other.max_cot < max_cot ? other.max_cot : max_cot;
-    min_cot = other.min_cot > min_cot ? other.min_cot : min_cot;
-    update_safe_shape();
-  }
+  TETUNE_HD DihedralCots extremes() const { return {max_cot, min_cot}; }
 
   /// Whether the tetrahedron p, of this shape energy and with w = 6 * volume, is no worse than the floor.
   TETUNE_HD bool allows(double shape, const Vec3 p[4], double w) const {

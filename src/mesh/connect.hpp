@@ -40,7 +40,7 @@ struct LowestVertexOfFace {
   }
 };
 
-/// Matches the half-faces in the row of one vertex: those whose lowest vertex it is.
+/// Matches the half-faces in the row of one vertex, those whose lowest vertex it is: on the CPU.
 struct MatchFaces {
   Span<const Tet> tets;
   Span<const std::uint32_t> offsets;
@@ -49,15 +49,15 @@ struct MatchFaces {
 
   struct FaceLess {
     Span<const Tet> tets;
-    TETUNE_HD std::uint64_t key(HalfFace item) const { return face_key(tets[tet_of(item)], face_of(item)).pair(); }
-    TETUNE_HD bool operator()(HalfFace a, HalfFace b) const {
+    std::uint64_t key(HalfFace item) const { return face_key(tets[tet_of(item)], face_of(item)).pair(); }
+    bool operator()(HalfFace a, HalfFace b) const {
       const std::uint64_t key_a = key(a);
       const std::uint64_t key_b = key(b);
       return key_a != key_b ? key_a < key_b : a < b;
     }
   };
 
-  TETUNE_HD AdjacencyReport operator()(Size vertex) const {
+  AdjacencyReport operator()(Size vertex) const {
     const Size begin = offsets[vertex];
     const Size n = offsets[vertex + 1] - begin;
     HalfFace* row = items.data() + begin;
@@ -68,7 +68,7 @@ struct MatchFaces {
  private:
   /// Compares all pairs in vector code: for short rows faster than sorting.
   template <Size kMaxRow>
-  TETUNE_HD AdjacencyReport match_by_comparison(const HalfFace* row, int n) const {
+  AdjacencyReport match_by_comparison(const HalfFace* row, int n) const {
     std::uint64_t keys[kMaxRow];
     bool odd[kMaxRow];
     for (int i = 0; i < n; ++i) {
@@ -97,7 +97,7 @@ struct MatchFaces {
     return report;
   }
 
-  TETUNE_HD AdjacencyReport match_by_sorting(HalfFace* row, Size n) const {
+  AdjacencyReport match_by_sorting(HalfFace* row, Size n) const {
     const FaceLess less{tets};
     sort_small(row, n, less);
     AdjacencyReport report;
@@ -117,8 +117,8 @@ struct MatchFaces {
     return report;
   }
 
-  TETUNE_HD bool is_odd(HalfFace item) const { return face_key(tets[tet_of(item)], face_of(item)).odd; }
-  TETUNE_HD HalfFace& across(HalfFace item) const { return tet2tet[tet_of(item)][face_of(item)]; }
+  bool is_odd(HalfFace item) const { return face_key(tets[tet_of(item)], face_of(item)).odd; }
+  HalfFace& across(HalfFace item) const { return tet2tet[tet_of(item)][face_of(item)]; }
 };
 
 /// Matches one half-face with those in its row: on a device, where the threads of the longest rows would have the

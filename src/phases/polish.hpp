@@ -22,7 +22,7 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
     const AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), angles.min_cost,
                                           angles.obtuse_weight);
     criterion.floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, angles.obtuse_weight);
-    criterion.floor.limit_angles(reached);
+    criterion.floor.limit_angles(reached.extremes());
     if (angles.obtuse_weight > 0) {
       limit_largest_angle(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight,
                           criterion.floor);

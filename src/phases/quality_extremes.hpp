@@ -102,9 +102,7 @@ void limit_largest_angle(const Backend& backend, WorkMesh<Backend>& mesh, Span<c
   using namespace quality_extremes_detail;
   const MaxNegatedCotAbove largest{mesh.view(), shapes, QualityFloor::min_shape(cot)};
   const double negated = backend.template reduce<Maximum>(mesh.slots(), largest).value;
-  QualityFloor present = QualityFloor::none();
-  present.min_cot = -(1 + QualityFloor::kTolerance) * std::max(-cot, negated);
-  floor.limit_angles(present);
+  floor.limit_angles({kInfeasible, -(1 + QualityFloor::kTolerance) * std::max(-cot, negated)});
 }
 
 /// Returns the cotangent of the smallest dihedral angle.

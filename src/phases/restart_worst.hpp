@@ -130,10 +130,8 @@ bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& of_input, 
     optimizer.invalidate_rings();
     optimizer.sum_energy(kShapeObjective);
     const DihedralCots reached = search->extremes();
-    QualityFloor present = QualityFloor::none();
-    present.max_cot = (1 + QualityFloor::kTolerance) * reached.max;
-    present.min_cot = (1 + QualityFloor::kTolerance) * reached.min;
-    floor.limit_angles(present);
+    constexpr double kRelaxed = 1 + QualityFloor::kTolerance;
+    floor.limit_angles({kRelaxed * reached.max, kRelaxed * reached.min});
   });
   return proceeds;
 }
