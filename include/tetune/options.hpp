@@ -50,7 +50,7 @@ enum class Effort {
 /// Whether vertices of the surface and of interfaces are inserted and removed: with Boundary::preserve inside flat
 /// parts of a patch and along straight feature lines, so that the surface keeps its shape; with Boundary::slide on the
 /// input surface and its feature lines, where edges of the surface are flipped too. The latter moves the surface by at
-/// most a tenth of the local edge length, in addition to what sliding does; it has no effect with
+/// most 0.15 of the local edge length, in addition to what sliding does; it has no effect with
 /// Options::max_deviation.
 enum class SurfaceVertices {
   automatic,  ///< "auto": as edit with Effort::best, else as keep

@@ -35,8 +35,9 @@ struct BoundaryTriangle {
 };
 static_assert(sizeof(BoundaryTriangle) == 40, "copies between host and device read no padding");
 
-/// The bound on the distance that operations on a curved surface add, in local lengths of its edges.
-inline constexpr double kMaxBend = 0.1;
+/// The bound on the distance that operations on a curved surface add, in local lengths of its edges
+/// (docs/method.md, "Vertices of the surface").
+inline constexpr double kMaxBend = 0.15;
 
 /// The deviation of the triangles that an operation makes: its distance is added to the largest deviation of those that
 /// it replaces. kInfeasible beyond the bound.
