@@ -108,8 +108,8 @@ TEST(LiveMesh, GivesTheSameBitsForAnyNumberOfThreadsOverManySteps) {
     Options options;
     options.threads = threads;
     options.effort = Effort::best;
-    LiveMesh live(optimized(8), options);
-    for (int step = 0; step < 6; ++step) {
+    LiveMesh live(optimized(test::kSanitized ? 6 : 8), options);
+    for (int step = 0; step < (test::kSanitized ? 4 : 6); ++step) {
       const Index v = inner_vertex_near(live.mesh(), {0.2 + 0.1 * step, 0.5, 0.5});
       if (step % 2 == 0) {
         EXPECT_TRUE(live.move(one_moved(live.mesh(), v, {0.05, 0.03, 0})).reached());

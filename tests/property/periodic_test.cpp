@@ -13,6 +13,7 @@
 #include "mesh/periodic.hpp"
 #include "meshes.hpp"
 #include "periodic_cube.hpp"
+#include "sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -248,7 +249,7 @@ TEST(Periodic, DisturbedFacesReachTheMinimum) {
 }
 
 TEST(Periodic, TheResultDoesNotDependOnTheNumberOfThreads) {
-  TetMesh mesh = periodic_cube(8, 0.2);
+  TetMesh mesh = periodic_cube(test::kSanitized ? 6 : 8, 0.2);
   link_box_faces(mesh, {true, false, true});
   TetMesh other = mesh;
   optimize(mesh, with(Boundary::preserve, Effort::best, 1));
