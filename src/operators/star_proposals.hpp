@@ -55,10 +55,14 @@ struct StarContext {
 
   /// Whether vertices may be inserted and removed at a tetrahedron of the cavity before t: that one proposes the same.
   TETUNE_HD bool is_shared_with_earlier(const StarCavity& star, Index t) const {
-    for (int i = 0; i < star.tet_count(); ++i) {
-      if (star.tet(i) < t && may_change_vertices(star.tet(i))) return true;
-    }
-    return false;
+    return any_earlier(star, t, [](Index) { return true; });
+  }
+  /// Whether a proposer of the cavity before t contracts an edge to the vertex v too.
+  TETUNE_HD bool is_contracted_earlier(const StarCavity& star, Index v, Index t) const {
+    return any_earlier(star, t, [&](Index s) {
+      const Tet tet = mesh.tet2vertex[s];
+      return tet[local_index(tet, v)] == v && is_proposer(s);
+    });
   }
 
   /// Whether a tetrahedron of an edge's ring before t proposes to remove that edge.
@@ -72,6 +76,16 @@ struct StarContext {
 
   TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
   TETUNE_HD SurfaceBend bend() const { return {mesh.points, surface.triangles}; }
+
+ private:
+  template <class Predicate>
+  TETUNE_HD bool any_earlier(const StarCavity& star, Index t, const Predicate& proposes_same) const {
+    for (int i = 0; i < star.tet_count(); ++i) {
+      const Index s = star.tet(i);
+      if (s < t && proposes_same(s) && may_change_vertices(s)) return true;
+    }
+    return false;
+  }
 };
 
 /// One choice of an operator, and where it adds the candidate. A team evaluates it: each of its threads has the cavity
@@ -134,18 +148,21 @@ struct StarProposal : StarContext {
   /// Retriangulations with more or fewer tetrahedra compare by the energy beyond the mean of the mesh: where it falls,
   /// so does that mean.
   TETUNE_HD void add_below_mean(const StarCavity& star, const StarCandidate& c) const {
-    if (!(star.cost_after(c.apex, c.apex_position, kInfeasible, true, team) < kInfeasible)) return;
-    const double gain = energy_gain(star, c);
-    if (gain > min_gain * mean_energy * star.tet_count()) add_gain(c, gain);
+    const double limit = min_gain * mean_energy * star.tet_count();
+    const double gain = energy_gain(star, c, limit);
+    if (!(gain > limit)) return;
+    if (star.cost_after(c.apex, c.apex_position, kInfeasible, true, team) < kInfeasible) add_gain(c, gain);
   }
-  /// By how much the sum of the energies less their mean falls. Not divided among the threads of a team: the sum would
-  /// depend on its size.
-  TETUNE_HD double energy_gain(const StarCavity& star, const StarCandidate& c) const {
+  /// By how much the sum of the energies less their mean falls; not above `limit` where that is not above it. Not
+  /// divided among the threads of a team: the sum would depend on its size.
+  TETUNE_HD double energy_gain(const StarCavity& star, const StarCandidate& c, double limit) const {
     double gain = 0;
     for (int i = 0; i < star.tet_count(); ++i) {
       gain += slot_energy(mesh, mesh.tet2vertex[star.tet(i)]).energy - mean_energy;
     }
     for (int i = 0; i < star.face_count(); ++i) {
+      // No energy is below 1.
+      if (gain + (star.face_count() - i) * (mean_energy - 1) <= limit) return gain;
       if (!has_vertex(star.face(i), c.apex)) gain -= star.energy(star.face(i), c.apex_position) - mean_energy;
     }
     return gain;

@@ -27,6 +27,7 @@ struct SurfaceContraction {
         !star.keeps_faces_of(apex) || !p.surface.find_replaced(star, simplex, replaced)) {
       return;
     }
+    if (p.is_contracted_earlier(star, apex, t)) return;
     if (p.surface.bends) {
       if (!is_beside(p, replaced, v, apex)) return;
       replaced.deviation = p.bend().after_contraction(v, apex, replaced);

@@ -17,6 +17,7 @@ struct VertexContraction {
     const int to = (from + 1 + choice % 3) % 4;
     StarCavity star(p.mesh, p.constrained);
     if (!p.is_movable(tet[from]) || !star.take_vertex(t, from)) return;
+    if (p.is_contracted_earlier(star, tet[to], t)) return;
     const Vec3 x = vec(p.mesh.points[tet[to]]);
     if (!p.grow(star, tet[to], x)) return;
     p.add(star, star.candidate(tet[to], tet[from], x));
