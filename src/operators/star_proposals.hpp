@@ -55,22 +55,19 @@ struct StarContext {
 
   /// Whether vertices may be inserted and removed at a tetrahedron of the cavity before t: that one proposes the same.
   TETUNE_HD bool is_shared_with_earlier(const StarCavity& star, Index t) const {
-    return any_earlier(star, t, [](Index) { return true; });
+    return any_earlier(star, t, [&](Index s) { return may_change_vertices(s); });
   }
   /// Whether a proposer of the cavity before t contracts an edge to the vertex v too.
   TETUNE_HD bool is_contracted_earlier(const StarCavity& star, Index v, Index t) const {
     return any_earlier(star, t, [&](Index s) {
       const Tet tet = mesh.tet2vertex[s];
-      return tet[local_index(tet, v)] == v && is_proposer(s);
+      return tet[local_index(tet, v)] == v && is_proposer(s) && may_change_vertices(s);
     });
   }
 
   /// Whether a tetrahedron of an edge's ring before t proposes to remove that edge.
   TETUNE_HD bool is_proposed_earlier(const StarCavity& ring, Index t) const {
-    for (int i = 0; i < ring.tet_count(); ++i) {
-      if (ring.tet(i) < t && is_proposer(ring.tet(i))) return true;
-    }
-    return false;
+    return any_earlier(ring, t, [&](Index s) { return is_proposer(s); });
   }
   TETUNE_HD bool is_proposer(Index t) const { return contains(proposers, t); }
 
@@ -78,11 +75,11 @@ struct StarContext {
   TETUNE_HD SurfaceBend bend() const { return {mesh.points, surface.triangles}; }
 
  private:
+  /// Whether the predicate holds for a tetrahedron of the cavity before t.
   template <class Predicate>
-  TETUNE_HD bool any_earlier(const StarCavity& star, Index t, const Predicate& proposes_same) const {
+  TETUNE_HD static bool any_earlier(const StarCavity& star, Index t, const Predicate& holds) {
     for (int i = 0; i < star.tet_count(); ++i) {
-      const Index s = star.tet(i);
-      if (s < t && proposes_same(s) && may_change_vertices(s)) return true;
+      if (star.tet(i) < t && holds(star.tet(i))) return true;
     }
     return false;
   }
