@@ -24,7 +24,7 @@
 
 namespace tetune::backend {
 
-/// The CUDA backend: the current device, its default stream, and a pool of memory allocated at the start. The
+/// The CUDA backend: the current device, its default stream, and a pool of memory, which grows. The
 /// primitives are documented in backend/concept.hpp.
 class Cuda {
  public:
@@ -38,12 +38,11 @@ class Cuda {
   template <class R>
   using Result = Pending<R>;
 
-  /// `memory`: the bytes for all buffers and scratch memory. Throws DeviceError.
+  /// `memory`: an estimate of the bytes for all buffers and scratch memory. Throws DeviceError.
   explicit Cuda(std::size_t memory, std::function<bool()> stop = {})
       : stop_(std::move(stop)),
         warps_(resident_warps()),
-        block_(allocate_block(memory)),
-        pool_(block_.get(), memory),
+        pool_({allocate_or_null, free_block}, memory),
         zeros_(allocate_zeros(Readback::kCapacity + (kMaxGroups + 1 + kMaxTiles) * sizeof(unsigned))),
         readback_(zeros()) {}
 
@@ -142,18 +141,23 @@ class Cuda {
   }
 
  private:
-  struct FreeBlock {
-    void operator()(void* block) const { cudaFree(block); }
-  };
-  using Block = std::unique_ptr<void, FreeBlock>;
-  static Block allocate_block(std::size_t bytes) {
+  static void* allocate_or_null(std::size_t bytes) {
     void* block = nullptr;
-    check_cuda(cudaMalloc(&block, bytes), "allocation");
-    return Block(block);
+    const cudaError_t status = cudaMalloc(&block, bytes);
+    if (status == cudaErrorMemoryAllocation) {
+      cudaGetLastError();  // clears the error
+      return nullptr;
+    }
+    check_cuda(status, "allocation");
+    return block;
   }
+  static void free_block(void* block) { cudaFree(block); }
+  using Block = std::unique_ptr<void, void (*)(void*)>;
 
   static Block allocate_zeros(std::size_t bytes) {
-    Block block = allocate_block(bytes);
+    void* memory = nullptr;
+    check_cuda(cudaMalloc(&memory, bytes), "allocation");
+    Block block(memory, free_block);
     check_cuda(cudaMemset(block.get(), 0, bytes), "initialization");
     return block;
   }
@@ -273,8 +277,7 @@ class Cuda {
 
   std::function<bool()> stop_;
   Size warps_;
-  Block block_;
-  mutable Pool pool_;
+  mutable GrowingPool pool_;
   Block zeros_;
   mutable Readback readback_;
   mutable unsigned scans_ = 0;

@@ -30,7 +30,7 @@ inline void check_cuda(cudaError_t status, const char* what) {
 class CudaMemory {
  public:
   CudaMemory() = default;
-  explicit CudaMemory(Pool& pool) : pool_(&pool) {}
+  explicit CudaMemory(GrowingPool& pool) : pool_(&pool) {}
 
   void* allocate(std::size_t bytes) const { return pool_->allocate(bytes); }
   void release(void* memory, std::size_t) const noexcept {
@@ -47,7 +47,7 @@ class CudaMemory {
   }
 
  private:
-  Pool* pool_ = nullptr;
+  GrowingPool* pool_ = nullptr;
 };
 
 /// Results that kernels leave in the memory of the device, which reach the host together: one transfer is one wait.

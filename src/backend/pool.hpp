@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <list>
 #include <map>
+#include <memory>
+#include <utility>
 
 namespace tetune::backend {
 
@@ -40,10 +43,14 @@ class Pool {
 
   /// Null for 0 bytes. Throws DeviceError where no free part is large enough.
   void* allocate(std::size_t bytes);
+  /// The same but null where no free part is large enough.
+  void* allocate_if_it_fits(std::size_t bytes);
   /// Requires a part that is in use.
   void release(void* part) noexcept;
 
+  std::size_t size() const { return block_bytes_; }
   std::size_t in_use() const { return in_use_; }
+  bool holds(const void* part) const { return part >= block_ && part < end_; }
   /// The size of the smallest block for which all allocations would have succeeded; memory_needed_on_device() is
   /// fitted to it.
   std::size_t peak() const { return static_cast<std::size_t>(end_ - block_); }
@@ -62,6 +69,41 @@ class Pool {
   /// The parts cover the block from its start to `end_`. Their number is small.
   ByAddress parts_;
   char* end_;
+};
+
+/// A pool that takes another block from the device where those it has are too small: the size of the first is an
+/// estimate.
+class GrowingPool {
+ public:
+  /// How blocks are allocated and freed. `allocate` returns null where the device has not as much memory.
+  struct Device {
+    void* (*allocate)(std::size_t bytes);
+    void (*free)(void* block);
+  };
+
+  /// Throws DeviceError where the device has not as much memory.
+  GrowingPool(const Device& device, std::size_t bytes);
+  GrowingPool(const GrowingPool&) = delete;
+  GrowingPool& operator=(const GrowingPool&) = delete;
+
+  /// Null for 0 bytes. Throws DeviceError where the device has no more memory.
+  void* allocate(std::size_t bytes);
+  /// Requires a part that is in use.
+  void release(void* part) noexcept;
+
+ private:
+  struct Block {
+    Block(std::unique_ptr<void, void (*)(void*)> allocated, std::size_t bytes)
+        : memory(std::move(allocated)), pool(memory.get(), bytes) {}
+    std::unique_ptr<void, void (*)(void*)> memory;
+    Pool pool;
+  };
+  /// Returns whether the device has as much memory.
+  bool add(std::size_t bytes);
+
+  Device device_;
+  std::size_t first_bytes_;
+  std::list<Block> blocks_;
 };
 
 }  // namespace tetune::backend

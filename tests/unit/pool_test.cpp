@@ -100,6 +100,53 @@ TEST_F(PoolWithoutMemory, AFailedAllocationReportsTheSizeAndChangesNothing) {
   pool.release(rest);
 }
 
+/// A device with memory for two blocks of at most 10 units and one of at most 2.
+struct GrowingPoolOfADevice : testing::Test {
+  static inline std::vector<std::size_t> allocated;
+  static inline int freed = 0;
+  static void* allocate(std::size_t bytes) {
+    const bool fits = allocated.size() < 2 ? bytes <= 10 * kUnit : allocated.size() < 3 && bytes <= 2 * kUnit;
+    if (!fits) return nullptr;
+    allocated.push_back(bytes);
+    return no_memory() + 100 * allocated.size() * kUnit;
+  }
+  static void free(void*) { ++freed; }
+  GrowingPoolOfADevice() {
+    allocated.clear();
+    freed = 0;
+  }
+};
+
+TEST_F(GrowingPoolOfADevice, TakesAnotherBlockWhereThoseItHasAreTooSmall) {
+  {
+    backend::GrowingPool pool({allocate, free}, 10 * kUnit);
+    void* const first = pool.allocate(8 * kUnit);
+    void* const second = pool.allocate(4 * kUnit);
+    EXPECT_EQ(first, no_memory() + 100 * kUnit);
+    EXPECT_EQ(second, no_memory() + 200 * kUnit);
+    EXPECT_EQ(pool.allocate(2 * kUnit), no_memory() + 108 * kUnit) << "the first block still has room";
+    EXPECT_EQ(pool.allocate(0), nullptr);
+    void* const third = pool.allocate(1);
+    EXPECT_EQ(allocated, (std::vector<std::size_t>{10 * kUnit, 4 * kUnit, kUnit})) << "2.5 units are not to be had";
+    EXPECT_THROW(pool.allocate(21 * kUnit), DeviceError);
+    EXPECT_THROW(pool.allocate(3 * kUnit), DeviceError) << "the device has no more";
+    pool.release(second);
+    EXPECT_EQ(pool.allocate(3 * kUnit), second);
+    for (void* part : {first, second, third, static_cast<void*>(no_memory() + 108 * kUnit)}) pool.release(part);
+    EXPECT_EQ(freed, 0);
+  }
+  EXPECT_EQ(freed, 3);
+}
+
+TEST_F(GrowingPoolOfADevice, RefusesAFirstBlockThatIsTooLarge) {
+  try {
+    backend::GrowingPool({allocate, free}, 11 * kUnit);
+    FAIL();
+  } catch (const DeviceError& e) {
+    EXPECT_NE(std::string(e.what()).find("device=cpu"), std::string::npos) << e.what();
+  }
+}
+
 TEST(Pool, PartsDoNotOverlapAndHaveTheSamePositionsInABlockOfThePeakSize) {
   const auto run = [](std::size_t size) {
     char* const block = no_memory();
