@@ -121,45 +121,54 @@ struct MatchFaces {
   HalfFace& across(HalfFace item) const { return tet2tet[tet_of(item)][face_of(item)]; }
 };
 
+/// A half-face, and the exclusive or of its vertices: few faces with the same lowest vertex have the same one.
+struct alignas(8) FaceInRow {
+  HalfFace face;
+  Index combined;
+};
+struct MakeFaceInRow {
+  Span<const Tet> tets;
+  TETUNE_HD FaceInRow operator()(HalfFace face) const {
+    const Tet tet = tets[tet_of(face)];
+    Index combined = 0;
+    for (int k = 0; k < 4; ++k) combined ^= k == face_of(face) ? 0 : tet[k];
+    return {face, combined};
+  }
+};
+
 /// Matches one half-face with those in its row: on a device, where the threads of the longest rows would have the
 /// longest chains of instructions of all kernels.
 struct MatchFace {
   Span<const Tet> tets;
   Span<const std::uint32_t> offsets;
-  Span<const HalfFace> items;
+  Span<const FaceInRow> items;
   Span<FaceAdjacency> tet2tet;
 
   TETUNE_HD AdjacencyReport operator()(Size i) const {
-    const auto item = static_cast<HalfFace>(i);
-    const Tet tet = tets[tet_of(item)];
+    const auto face = static_cast<HalfFace>(i);
+    const Tet tet = tets[tet_of(face)];
     if (tet[0] == kFreeSlot) return {};
-    const FaceKey key = face_key(tet, face_of(item));
-    const Index combined = combined_vertices(item);
+    const FaceKey key = face_key(tet, face_of(face));
+    const Index combined = MakeFaceInRow{tets}(face).combined;
     HalfFace other = kNoHalfFace;
     int others = 0;
     for (Size r = offsets[key.low]; r < offsets[key.low + 1]; ++r) {
-      const HalfFace candidate = items[r];
-      if (combined_vertices(candidate) != combined || candidate == item) continue;
-      if (face_key(tets[tet_of(candidate)], face_of(candidate)).pair() != key.pair()) continue;
+      const FaceInRow candidate = items[r];
+      if (candidate.combined != combined || candidate.face == face) continue;
+      if (key_of(candidate.face).pair() != key.pair()) continue;
       ++others;
-      other = candidate;
+      other = candidate.face;
     }
-    const bool is_opposite = others == 1 && face_key(tets[tet_of(other)], face_of(other)).odd != key.odd;
-    tet2tet[tet_of(item)][face_of(item)] = is_opposite ? other : kNoHalfFace;
+    const bool is_opposite = others == 1 && key_of(other).odd != key.odd;
+    tet2tet[tet_of(face)][face_of(face)] = is_opposite ? other : kNoHalfFace;
     AdjacencyReport report;
-    if (others == 1 && !is_opposite && item < other) ++report.misoriented_faces;
+    if (others == 1 && !is_opposite && face < other) ++report.misoriented_faces;
     if (others > 1) ++report.non_manifold_faces;
     return report;
   }
 
  private:
-  /// The exclusive or of the vertices of a face: few faces in a row have the same one.
-  TETUNE_HD Index combined_vertices(HalfFace face) const {
-    const Tet tet = tets[tet_of(face)];
-    Index combined = 0;
-    for (int k = 0; k < 4; ++k) combined ^= k == face_of(face) ? 0 : tet[k];
-    return combined;
-  }
+  TETUNE_HD FaceKey key_of(HalfFace face) const { return face_key(tets[tet_of(face)], face_of(face)); }
 };
 
 struct LockInterface {
@@ -181,12 +190,17 @@ template <class Backend>
 AdjacencyReport build_adjacency(const Backend& backend, WorkMesh<Backend>& mesh) {
   using namespace adjacency_detail;
   mesh.tet2tet.resize(backend, mesh.slots(), mesh.room());
-  Csr<Backend> rows;
-  build_csr(backend, mesh.vertices(), 4 * mesh.slots(), LowestVertexOfFace{mesh.tet2vertex}, rows);
+  const LowestVertexOfFace row_of{mesh.tet2vertex};
   if constexpr (Backend::kIsAsynchronous) {
+    BufferOf<Backend, std::uint32_t> offsets;
+    BufferOf<Backend, FaceInRow> items;
+    build_unordered_rows<Backend, LowestVertexOfFace, MakeFaceInRow, FaceInRow>(
+        backend, mesh.vertices(), 4 * mesh.slots(), row_of, MakeFaceInRow{mesh.tet2vertex}, offsets, items);
     return backend.template reduce<AdjacencyReport>(4 * mesh.slots(),
-                                                    MatchFace{mesh.tet2vertex, rows.offsets, rows.items, mesh.tet2tet});
+                                                    MatchFace{mesh.tet2vertex, offsets, items, mesh.tet2tet});
   } else {
+    Csr<Backend> rows;
+    build_csr(backend, mesh.vertices(), 4 * mesh.slots(), row_of, rows);
     return backend.template reduce<AdjacencyReport>(
         mesh.vertices(), MatchFaces{mesh.tet2vertex, rows.offsets, rows.items, mesh.tet2tet});
   }

@@ -70,6 +70,10 @@ namespace csr_detail {
 
 inline constexpr std::uint32_t kNoRow = 0xffffffffU;
 
+struct ItemItself {
+  TETUNE_HD std::uint32_t operator()(std::uint32_t item) const { return item; }
+};
+
 template <class RowOf>
 struct FindRow {
   RowOf row_of;
@@ -90,16 +94,18 @@ struct CountItems {
   }
 };
 
-/// Fills each row from its end, in unspecified order. `left` holds the number of items of each row before, 0 after.
-template <class RowOf>
+/// Makes each item at a place in its row, from the end of the row, in unspecified order. `left` holds the number of
+/// items of each row before, 0 after.
+template <class RowOf, class Make, class T>
 struct FillRows {
   RowOf row_of;
+  Make make;
   Span<const std::uint32_t> offsets;
   Span<std::uint32_t> left;
-  Span<std::uint32_t> items;
+  Span<T> out;
   TETUNE_HD void operator()(Size item) const {
     const Size r = row_of(item);
-    if (r >= 0) items[offsets[r] + backend::atomic_add(left[r], ~0U) - 1] = static_cast<std::uint32_t>(item);
+    if (r >= 0) out[offsets[r] + backend::atomic_add(left[r], ~0U) - 1] = make(static_cast<std::uint32_t>(item));
   }
 };
 
@@ -123,11 +129,30 @@ struct MakeInOrder {
   }
 };
 
-struct ItemItself {
-  TETUNE_HD std::uint32_t operator()(std::uint32_t item) const { return item; }
-};
+/// Counts the items of each row, and sums up the counts. Returns the pending number of items that have a row.
+template <class Backend, class RowOf>
+auto count_items(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of,
+                 BufferOf<Backend, std::uint32_t>& counts, BufferOf<Backend, std::uint32_t>& offsets) {
+  counts.resize(backend, row_count + 1);
+  offsets.resize(backend, row_count + 1);
+  backend.fill(counts.span(), std::uint32_t{0});
+  backend.for_each(item_count, CountItems<RowOf>{row_of, counts});
+  return backend.exclusive_scan_async(Span<const std::uint32_t>(counts.span()), offsets.span());
+}
 
 }  // namespace csr_detail
+
+/// build_csr_of() on a backend with atomics and without an order within rows, for uses whose result does not depend on
+/// it. `grouped` gets room for all items.
+template <class Backend, class RowOf, class Make, class T>
+void build_unordered_rows(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of,
+                          const Make& make, BufferOf<Backend, std::uint32_t>& offsets, BufferOf<Backend, T>& grouped) {
+  using namespace csr_detail;
+  BufferOf<Backend, std::uint32_t> counts;
+  count_items(backend, row_count, item_count, row_of, counts, offsets);
+  grouped.resize(backend, item_count);
+  backend.for_each(item_count, FillRows<RowOf, Make, T>{row_of, make, offsets, counts, grouped});
+}
 
 /// Groups the items 0..n-1 by row and stores make(item) for each. row_of(item) returns the row of an item, or a
 /// negative number if it has none. `listed`: the number of items that have one, where it is known, so that the host
@@ -138,8 +163,8 @@ void build_csr_of(const Backend& backend, Size row_count, Size item_count, const
                   std::optional<Size> listed = {}) {
   using namespace csr_detail;
   using Ids = BufferOf<Backend, std::uint32_t>;
-  offsets.resize(backend, row_count + 1);
   if constexpr (backend::CountsByRow<Backend>) {
+    offsets.resize(backend, row_count + 1);
     Ids row(backend, item_count);
     Ids positions;
     const Span<const std::uint32_t> rows = row;
@@ -150,13 +175,12 @@ void build_csr_of(const Backend& backend, Size row_count, Size item_count, const
       out[position] = make(static_cast<std::uint32_t>(item));
     });
   } else {
-    Ids counts(backend, row_count + 1);
-    backend.fill(counts.span(), std::uint32_t{0});
-    backend.for_each(item_count, CountItems<RowOf>{row_of, counts});
-    const auto sum = backend.exclusive_scan_async(Span<const std::uint32_t>(counts.span()), offsets.span());
+    Ids counts;
+    const auto sum = count_items(backend, row_count, item_count, row_of, counts, offsets);
     Ids ids(backend, listed ? *listed : Size{sum.get()});
     TETUNE_ASSERT(ids.size() == sum.get());
-    backend.for_each(item_count, FillRows<RowOf>{row_of, offsets, counts, ids});
+    backend.for_each(item_count,
+                     FillRows<RowOf, ItemItself, std::uint32_t>{row_of, ItemItself{}, offsets, counts, ids});
     grouped.resize(backend, ids.size());
     backend.for_each(ids.size(), MakeInOrder<RowOf, Make, T>{row_of, make, offsets, ids, grouped});
   }
