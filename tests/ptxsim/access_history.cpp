@@ -8,25 +8,39 @@ namespace tetune::ptxsim {
 namespace {
 
 constexpr u32 kStrong = 0x80000000U;
-constexpr u32 kSeveral = 0x7fffffffU;  // threads
+constexpr u32 kSeveral = 0x7fffffffU;  // threads of several blocks
 
 u32 thread_of(u32 entry) { return entry & ~kStrong; }
+u32 block_of(u32 thread) { return thread / kThreadNumbers; }
+/// Stands for several threads of a block.
+u32 several_of(u32 block) { return thread_number(block, kThreadNumbers - 1); }
+
+/// Whether no barrier lies between an earlier access and this one.
+bool is_unordered(u32 epoch, u32 thread, const Accessor& a) {
+  if (epoch == a.epoch) return true;
+  return epoch / kBlockEpochs == a.epoch / kBlockEpochs && block_of(thread) != block_of(a.thread);
+}
 
 bool conflicts(u32 epoch, u32 entry, const Accessor& a) {
   const bool both_strong = (entry & kStrong) != 0 && a.strong;
-  return epoch == a.epoch && thread_of(entry) != a.thread && !both_strong;
+  return thread_of(entry) != a.thread && !both_strong && is_unordered(epoch, thread_of(entry), a);
 }
 
 u32 entry_of(u32 thread, bool strong) { return thread | (strong ? kStrong : 0); }
 
 void record_read(ByteHistory& byte, const Accessor& a) {
-  if (byte.read_epoch != a.epoch) {
-    byte.read_epoch = a.epoch;
+  const u32 before = thread_of(byte.reader);
+  const bool joins = is_unordered(byte.read_epoch, before, a);
+  byte.read_epoch = a.epoch;
+  if (!joins) {
     byte.reader = entry_of(a.thread, a.strong);
     return;
   }
   const bool strong = (byte.reader & kStrong) != 0 && a.strong;
-  byte.reader = entry_of(thread_of(byte.reader) == a.thread ? a.thread : kSeveral, strong);
+  const u32 reader = before == a.thread                       ? a.thread
+                     : block_of(before) == block_of(a.thread) ? several_of(block_of(a.thread))
+                                                              : kSeveral;
+  byte.reader = entry_of(reader, strong);
 }
 
 Race record_byte(ByteHistory& byte, const Accessor& a, Access access) {

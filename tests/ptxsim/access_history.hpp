@@ -7,11 +7,20 @@ namespace tetune::ptxsim {
 
 enum class Access : u8 { read, write, atomic };
 
-/// A thread, the time within which nothing orders it with others (a launch, or what lies between two barriers), and
-/// whether its access is one that the hardware performs as a whole: atomic or volatile.
+/// The time of an access: within an epoch nothing orders threads. Of shared memory it is the time between two barriers
+/// of the block; of global memory the time between two barriers of the block in one launch, as no barrier orders the
+/// threads of different blocks.
+constexpr u32 kBlockEpochs = 1U << 12U;
+constexpr u32 global_epoch(u32 launch, u32 block_epoch) { return launch * kBlockEpochs + block_epoch % kBlockEpochs; }
+
+/// The number of a thread of a launch, below 2^31 - 1.
+constexpr u32 kThreadNumbers = 2048;  ///< per block
+constexpr u32 thread_number(u32 block, u32 thread) { return block * kThreadNumbers + thread; }
+
+/// A thread, the time, and whether its access is one that the hardware performs as a whole: atomic or volatile.
 struct Accessor {
   u32 epoch;
-  u32 thread;  ///< below 2^31 - 1
+  u32 thread;
   bool strong;
 };
 
@@ -27,7 +36,7 @@ struct Race {
   const char* text = "";  ///< such as "is read that another thread writes"
 };
 
-/// Enters an access to `count` bytes; returns the first race with an earlier access of the same epoch.
+/// Enters an access to `count` bytes; returns the first race with an earlier access.
 Race record(ByteHistory* bytes, u32 count, const Accessor& accessor, Access access);
 
 }  // namespace tetune::ptxsim

@@ -122,11 +122,7 @@ void release_if_complete(Block& block, u32 id) {
   advance_epoch(block);
 }
 
-void advance_epoch(Block& block) {
-  ++block.epoch;
-  Launch& launch = *block.warps.front()->launch;
-  if (launch.counts.blocks == 1) launch.epoch = new_epoch();
-}
+void advance_epoch(Block& block) { ++block.epoch; }
 
 void end_lanes(Warp& w) {
   for_each_lane(w.active, [&w](u32 l) {

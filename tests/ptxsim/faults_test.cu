@@ -71,6 +71,20 @@ __global__ void reverse_in_global(int* p) {
   if (kWaits) __syncthreads();
   p[threadIdx.x] = other;
 }
+/// Each lane adds to the value that the one before wrote.
+template <bool kWaits>
+__global__ void add_in_turn(int* p) {
+  for (unsigned lane = 0; lane < kLanes; ++lane) {
+    if (threadIdx.x == lane) *p = *p + 1;
+    if (kWaits) __syncwarp();
+  }
+}
+/// All threads read a value that one of them writes after a barrier.
+__global__ void read_by_all_then_write(int* p) {
+  const int read = *p;
+  __syncthreads();
+  if (threadIdx.x == 0) *p = read + 1;
+}
 __global__ void stop_here() { __trap(); }
 __global__ void count(int* p) { atomicAdd(p, 1); }
 
@@ -100,6 +114,8 @@ TEST_F(Faults, NoneInCorrectCode) {
   reverse_in_shared<true><<<1, kSize>>>(written.data());
   reverse_in_warp<true><<<1, kLanes>>>(written.data());
   reverse_in_global<true><<<1, kSize>>>(written.data());
+  add_in_turn<true><<<1, kLanes>>>(written.data());
+  read_by_all_then_write<<<1, kSize>>>(written.data());
   EXPECT_TRUE(problems().all().empty());
   EXPECT_EQ(unwritten.data()[0], 3 + 4 * kSize);
 }
@@ -138,6 +154,18 @@ TEST_F(Faults, MissingBarrierBeforeGlobalMemory) {
 }
 TEST_F(Faults, BarrierOfOneOfTwoBlocks) {
   reverse_in_global<true><<<2, kSize>>>(written.data());
+  expect_only(Fault::race);
+}
+TEST_F(Faults, MissingWarpBarrierBeforeGlobalMemory) {
+  add_in_turn<false><<<1, kLanes>>>(written.data());
+  expect_only(Fault::race);
+}
+TEST_F(Faults, WarpsInTurnInOneOfTwoBlocks) {
+  add_in_turn<true><<<2, kLanes>>>(written.data());
+  expect_only(Fault::race);
+}
+TEST_F(Faults, ReadByAllBeforeAWriteInOneOfTwoBlocks) {
+  read_by_all_then_write<<<2, kSize>>>(written.data());
   expect_only(Fault::race);
 }
 TEST_F(Faults, MissingWarpBarrier) {

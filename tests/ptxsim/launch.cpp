@@ -206,18 +206,12 @@ void check_limits(const Function& kernel, dim3 grid, dim3 block, std::size_t sha
 
 u32 launch_count() { return launches; }
 
-u32 new_epoch() {
-  static u32 epochs = 0;
-  return ++epochs;
-}
-
 void run_kernel(const Function& kernel, dim3 grid, dim3 block, void** arguments, std::size_t dynamic_shared_bytes) {
   const std::size_t shared_bytes = kernel.shared_bytes + dynamic_shared_bytes;
   check_limits(kernel, grid, block, shared_bytes);
   Launch launch;
   launch.kernel = &kernel;
   launch.number = ++launches;
-  launch.epoch = new_epoch();
   launch.is_of_library = kernel.name.find("3cub") != std::string::npos;
   launch.grid = grid;
   launch.block = block;

@@ -25,9 +25,6 @@ struct LaunchCounts {
 struct Launch {
   const Function* kernel = nullptr;
   u32 number = 0;  ///< from 1
-  /// The time within which nothing orders accesses to global memory: all of the launch, or in a launch of one block
-  /// what lies between two barriers.
-  u32 epoch = 0;
   /// A kernel of CUB, whose warps communicate through memory in ways that the search for races does not model.
   bool is_of_library = false;
   dim3 grid, block;
@@ -38,9 +35,6 @@ struct Launch {
 
 /// Runs a kernel to its end. `arguments`: as of cudaLaunchKernel.
 void run_kernel(const Function& kernel, dim3 grid, dim3 block, void** arguments, std::size_t dynamic_shared_bytes);
-
-/// A number that no epoch of global memory had yet.
-u32 new_epoch();
 
 /// Launches so far.
 u32 launch_count();

@@ -64,8 +64,10 @@ char* resolve_global(const Request& r) {
   }
   if (!region->written.empty()) check_written(r, *region, buffer);
   if (region->history != nullptr && !r.warp.launch->is_of_library) {
-    const u32 thread = r.warp.block->number * 1024 + r.warp.thread_in_block(r.lane);
-    check_race(r, region->history + (r.address - region->base), {r.warp.launch->epoch, thread, r.is_strong()},
+    const Block& block = *r.warp.block;
+    check_race(r, region->history + (r.address - region->base),
+               {global_epoch(r.warp.launch->number, block.epoch),
+                thread_number(block.number, r.warp.thread_in_block(r.lane)), r.is_strong()},
                "global");
   }
   return reinterpret_cast<char*>(r.address);

@@ -33,7 +33,7 @@ struct Block {
   u32 number = 0;
   std::vector<char> shared;
   std::vector<ByteHistory> history;  ///< of `shared`
-  u32 epoch = 1;                     ///< of `history`; advanced by barriers
+  u32 epoch = 1;                     ///< advanced by barriers
   std::vector<std::unique_ptr<Warp>> warps;
   Barrier barriers[kBarriers];
   u32 running = 0;  ///< threads
