@@ -41,6 +41,18 @@ TETUNE_HD inline void atomic_max(T& target, std::type_identity_t<T> value) {
 #endif
 }
 
+TETUNE_HD inline void atomic_min(std::uint64_t& target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  static_assert(sizeof(unsigned long long) == sizeof value);
+  atomicMin(reinterpret_cast<unsigned long long*>(&target), value);
+#else
+  std::uint64_t current = __atomic_load_n(&target, __ATOMIC_RELAXED);
+  while (value < current &&
+         !__atomic_compare_exchange_n(&target, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+#endif
+}
+
 /// Stores `value` if the target equals `expected`; returns the old value.
 TETUNE_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t& target, std::uint32_t expected,
                                                        std::uint32_t value) {

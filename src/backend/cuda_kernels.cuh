@@ -35,9 +35,6 @@ template <int kThreads>
 class PartOfWarp {
  public:
   static constexpr int kSize = kThreads;
-  template <int kPart>
-  using Part = PartOfWarp<(kPart < kThreads ? kPart : kThreads)>;
-
   TETUNE_HD static int rank() {
 #if defined(__CUDA_ARCH__)
     return int(threadIdx.x) % kSize;
@@ -50,6 +47,15 @@ class PartOfWarp {
     return __any_sync(threads(), condition) != 0;
 #else
     return condition;
+#endif
+  }
+  TETUNE_HD static Placement place([[maybe_unused]] bool condition) {
+#if defined(__CUDA_ARCH__)
+    const unsigned holding = __ballot_sync(threads(), condition);
+    const unsigned lower = (1U << (threadIdx.x % 32)) - 1;
+    return {__popc(holding & lower), __popc(holding)};
+#else
+    return {0, condition ? 1 : 0};
 #endif
   }
   template <class T>
@@ -89,9 +95,13 @@ class PartOfWarp {
 };
 using Warp = PartOfWarp<32>;
 
+/// The number of warps that a multiprocessor is to have at once, which limits the registers of a thread. Sweeps on an
+/// H200 take longer with fewer warps and with more (docs/benchmarks/gpu.md).
+inline constexpr int kMinWarps = 12;
+
 /// A block of one warp, or of the teams of one that there are items for.
 template <class F>
-__global__ void __launch_bounds__(Warp::kSize) team_kernel(Size n, F f) {
+__global__ void __launch_bounds__(Warp::kSize, kMinWarps) team_kernel(Size n, F f) {
   using Team = PartOfWarp<kTeamSizeOf<F>>;
   constexpr unsigned kTeams = Warp::kSize / Team::kSize;
   __shared__ alignas(16) unsigned char shared[kTeams][sizeof(typename F::Shared)];

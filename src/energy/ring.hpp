@@ -114,9 +114,9 @@ TETUNE_HD inline bool allowed(const QualityFloor& floor, const OppositeFace<doub
   return floor.allows(shape, p, dot(f.n, x - f.p0));
 }
 
-/// Sums over a ring are made of this many partial sums, one per lane of a vector or thread of a team: that of lane l
-/// over the faces l, l + kRingLanes, ..., all of which are then added in the order of the lanes. All rings give the
-/// same bits.
+/// Sums over a ring are made of this many partial sums, one per lane of a vector or thread of a team (larger teams have
+/// several threads per partial sum): that of lane l over the faces l, l + kRingLanes, ..., all of which are then added
+/// in the order of the lanes. All rings give the same bits.
 inline constexpr int kRingLanes = 4;
 
 /// Each volume of a ring exceeds the bound on its rounding error if the smallest, `w_min`, exceeds the bound for the
@@ -133,24 +133,20 @@ template <class Team = backend::SingleThread>
 class PlainRing {
  public:
   static constexpr Size kCapacity = Size{1} << 31;
-  static_assert(kRingLanes % Team::kSize == 0);
+  static_assert(kRingLanes % Team::kSize == 0 || Team::kSize % kRingLanes == 0);
 
   TETUNE_HD PlainRing(const Objective& objective, Span<const Point> points, const LinkFace* faces, Size count,
                       const QualityFloor& floor = QualityFloor::none())
       : objective_(objective), floor_(floor), points_(points), faces_(faces), count_(count) {}
 
   TETUNE_HD RingModel model(const Vec3& x) {
-    ModelSum<double> partial[kSums]{};
     double w_min = 1;
-    for_own_faces(
-        [&](const OppositeFace<double>& f, ModelSum<double>& sum) {
-          const Vec3 y = x - f.p0;
-          const double w = dot(f.n, y);
-          w_min = w < w_min ? w : w_min;
-          sum.add(objective_, f, y, 1 / w, 1.0);
-        },
-        partial);
-    const ModelSum<double> sum = total(partial);
+    const auto sum = sum_over_faces<ModelSum<double>>([&](const OppositeFace<double>& f, ModelSum<double>& partial) {
+      const Vec3 y = x - f.p0;
+      const double w = dot(f.n, y);
+      w_min = w < w_min ? w : w_min;
+      partial.add(objective_, f, y, 1 / w, 1.0);
+    });
     is_uncertain_ = !exceeds_error_bound(-team_.merge(backend::Max{-w_min}).value, sum.length2);
     return is_uncertain_ ? model_with_error_bounds(x) : to_model(objective_, sum, count_);
   }
@@ -168,25 +164,23 @@ class PlainRing {
   }
 
   TETUNE_HD RingValue value(const Vec3& x) {
-    double partial[kSums]{};
     bool certified = true;
-    for_own_faces(
-        [&](const OppositeFace<double>& f, double& sum) {
-          const Vec3 y = x - f.p0;
-          const double w = dot(f.n, y);
-          double shape = 0;
-          sum += objective_.term(area_term(f, y), 1 / w, shape);
-          certified = certified && w > 0 && volume_margin(f, y, w) > 0 &&
-                      (shape <= floor_.safe_shape / kShapeFactor || allowed(floor_, f, x, kShapeFactor * shape));
-        },
-        partial);
-    return {objective_.factor * total(partial), !team_.any(!certified)};
+    const auto sum = sum_over_faces<double>([&](const OppositeFace<double>& f, double& partial) {
+      const Vec3 y = x - f.p0;
+      const double w = dot(f.n, y);
+      double shape = 0;
+      partial += objective_.term(area_term(f, y), 1 / w, shape);
+      certified = certified && w > 0 && volume_margin(f, y, w) > 0 &&
+                  (shape <= floor_.safe_shape / kShapeFactor || allowed(floor_, f, x, kShapeFactor * shape));
+    });
+    return {objective_.factor * sum, !team_.any(!certified)};
   }
 
   /// f along the ray x + t p, in closed form, as a function of t. Summed in the order of the faces.
   TETUNE_HD auto ray(const Vec3& x, const Vec3& p) const {
     return [this, x, p](double t) {
       double sum = 0;
+      TETUNE_ROLLED
       for (Size begin = 0; begin < count_; begin += Team::kSize) {
         const Size i = begin + team_.rank();
         double own = 0;
@@ -194,6 +188,7 @@ class PlainRing {
           const OppositeFace<double> f = face(i);
           own = ray_term(f, x - f.p0, p).value(objective_, t);
         }
+        TETUNE_ROLLED
         for (int k = 0; k < Team::kSize && begin + k < count_; ++k) sum += team_.broadcast(own, k);
       }
       return sum;
@@ -207,17 +202,39 @@ class PlainRing {
   }
 
  private:
-  /// The lanes of a thread.
-  static constexpr int kSums = kRingLanes / Team::kSize;
+  static constexpr int kLanesOfThread = Team::kSize < kRingLanes ? kRingLanes / Team::kSize : 1;
 
-  /// Calls f(face, partial[lane of the thread]) for the faces of this thread.
-  template <class F, class T>
-  TETUNE_HD void for_own_faces(const F& f, T (&partial)[kSums]) const {
-    for (Size i = team_.rank(); i < count_; i += Team::kSize) f(face(i), partial[i % kRingLanes / Team::kSize]);
+  /// The sum over the lanes of their partial sums, to which f(face, partial) adds the term of a face.
+  template <class T, class F>
+  TETUNE_HD T sum_over_faces(const F& f) const {
+    if constexpr (Team::kSize > kRingLanes) {
+      return total({partial_of_terms<T>(f)});
+    } else {
+      T partial[kLanesOfThread]{};
+      for (Size i = team_.rank(); i < count_; i += Team::kSize) f(face(i), partial[i % kRingLanes / Team::kSize]);
+      return total(partial);
+    }
+  }
+  /// The partial sum of lane rank() % kRingLanes. Each thread has the term of one face at a time.
+  template <class T, class F>
+  TETUNE_HD T partial_of_terms(const F& f) const {
+    const int lane = team_.rank() % kRingLanes;
+    T partial{};
+    TETUNE_ROLLED
+    for (Size begin = 0; begin < count_; begin += Team::kSize) {
+      T own{};
+      if (begin + team_.rank() < count_) f(face(begin + team_.rank()), own);
+      TETUNE_ROLLED
+      for (int first = 0; first < Team::kSize && begin + first < count_; first += kRingLanes) {
+        const T term = team_.broadcast(own, first + lane);
+        if (begin + first + lane < count_) partial += term;
+      }
+    }
+    return partial;
   }
   /// The sum over all lanes, in their order.
   template <class T>
-  TETUNE_HD T total(const T (&partial)[kSums]) const {
+  TETUNE_HD T total(const T (&partial)[kLanesOfThread]) const {
     T sum = team_.broadcast(partial[0], 0);
     for (int lane = 1; lane < kRingLanes; ++lane) {
       sum += team_.broadcast(partial[lane / Team::kSize], lane % Team::kSize);
@@ -228,6 +245,7 @@ class PlainRing {
   /// thread computes it all, in the order of the faces.
   TETUNE_HD __attribute__((noinline)) RingModel model_with_error_bounds(const Vec3& x) const {
     ModelSum<double> sum{};
+    TETUNE_ROLLED
     for (Size i = 0; i < count_; ++i) {
       const OppositeFace<double> f = face(i);
       const Vec3 y = x - f.p0;

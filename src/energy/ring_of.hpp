@@ -25,8 +25,7 @@ struct RingOf<backend::Pack4, Team> {
 };
 #endif
 
-/// The ring of a team, each part of which evaluates all of it.
 template <class Team>
-using RingOfTeam = typename RingOf<backend::TermsOf<Team>, typename Team::template Part<kRingLanes>>::type;
+using RingOfTeam = typename RingOf<backend::TermsOf<Team>, Team>::type;
 
 }  // namespace tetune

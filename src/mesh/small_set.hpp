@@ -7,12 +7,16 @@
 
 namespace tetune {
 
-/// A set of at most kCapacity ids in the memory of a thread; each id has a position, in the order of insertion. Found
+/// A set of at most kCapacity ids, which one thread changes; each id has a position, in the order of insertion. Found
 /// by open addressing with linear probing (Knuth, "The Art of Computer Programming", vol. 3, sec. 6.4).
 template <int kCapacity>
 class SmallSet {
  public:
   static constexpr int kAbsent = -1;
+  TETUNE_HD void clear() {
+    for (std::uint64_t& slots : slots_) slots = 0;
+    size_ = 0;
+  }
   TETUNE_HD int size() const { return size_; }
   TETUNE_HD bool is_full() const { return size_ == kCapacity; }
   TETUNE_HD Index operator[](int position) const { return items_[position]; }

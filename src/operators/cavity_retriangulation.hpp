@@ -16,11 +16,11 @@ struct CavityRetriangulation {
   TETUNE_HD static void propose(const Proposal& p, Index t, int corner) {
     if (p.max_ring < kMinRing) return;
     const Index apex = p.mesh.tet2vertex[t][corner];
-    StarCavity star(p.mesh, p.constrained);
-    if (!star.take_tet(t)) return;
+    StarCavity star = p.cavity();
+    if (!star.take_tet(t, p.team)) return;
     const Vec3 x = vec(p.mesh.points[apex]);
     if (p.grow(star, apex, x)) {
-      p.add(star, star.candidate(apex, kNoVertex, x));
+      p.add(star, p.candidate(star, apex, kNoVertex, x));
     }
   }
 };

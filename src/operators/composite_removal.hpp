@@ -20,11 +20,11 @@ struct CompositeRemoval {
   TETUNE_HD static void propose(const Proposal& p, Index t, int) {
     const int only = p.moves == nullptr ? -1 : chosen_move(p.moves);
     if (only == kMoves) return;
-    Move best{StarCavity(p.mesh, p.constrained), -1, {}, 0, kAcceptRatio};
+    Move best{p.cavity(2), -1, {}, 0, kAcceptRatio};
     for (int edge = 0; edge < 6; ++edge) {
       if (only >= 0 && only / kMaxEdgeTets != edge) continue;
-      StarCavity ring(p.mesh, p.constrained);
-      if (!take_ring(p, t, edge, ring)) continue;
+      StarCavity ring = p.cavity(0);
+      if (!take_ring(p, t, edge, ring, p.team)) continue;
       RingWalk walk(p.mesh, t, edge);
       for (int i = 0; i < ring.tet_count(); ++i) {
         const Index v = walk.next(p.mesh.tet2vertex[ring.tet(i)]);
@@ -33,17 +33,17 @@ struct CompositeRemoval {
       }
     }
     if (best.v < 0) return;
-    StarCandidate c = best.star.candidate(best.v, kNoVertex, p.lower_cost(best.star, best.x));
+    StarCandidate c = p.candidate(best.star, best.v, kNoVertex, p.lower_cost(best.star, best.x));
     c.is_moved = true;
     p.add(best.star, best.before, c);
   }
 
   /// The costs of one move of a tetrahedron.
   template <class Team>
-  TETUNE_HD static MoveCosts evaluate(const StarContext& p, Index t, int move, const Team& team) {
+  TETUNE_HD static MoveCosts evaluate(const StarContext& p, Index t, int move, StarArrays& arrays, const Team& team) {
     const int edge = move / kMaxEdgeTets;
-    StarCavity star(p.mesh, p.constrained);
-    if (!take_ring(p, t, edge, star) || move % kMaxEdgeTets >= star.tet_count()) return {};
+    StarCavity star(p.mesh, p.constrained, arrays, team);
+    if (!take_ring(p, t, edge, star, team) || move % kMaxEdgeTets >= star.tet_count()) return {};
     RingWalk walk(p.mesh, t, edge);
     Index v = kNoVertex;
     for (int i = 0; i <= move % kMaxEdgeTets; ++i) v = walk.next(p.mesh.tet2vertex[star.tet(i)]);
@@ -82,8 +82,9 @@ struct CompositeRemoval {
     Index from_, to_, vertex_;
   };
 
-  TETUNE_HD static bool take_ring(const StarContext& p, Index t, int edge, StarCavity& ring) {
-    return ring.take_edge(t, edge) && ring.tet_count() <= kMaxEdgeTets && ring.tet_count() <= p.max_ring &&
+  template <class Team>
+  TETUNE_HD static bool take_ring(const StarContext& p, Index t, int edge, StarCavity& ring, const Team& team) {
+    return ring.take_edge(t, edge, team) && ring.tet_count() <= kMaxEdgeTets && ring.tet_count() <= p.max_ring &&
            !p.is_proposed_earlier(ring, t);
   }
   /// The move that propose() ends with; kMoves: none.
@@ -98,17 +99,24 @@ struct CompositeRemoval {
     return chosen;
   }
   template <class Proposal>
-  TETUNE_HD static void try_move(const Proposal& p, StarCavity star, Index v, Move& best) {
+  TETUNE_HD static void try_move(const Proposal& p, const StarCavity& ring, Index v, Move& best) {
+    StarCavity star = p.cavity(1);
+    star.assign(ring, p.team);
     Vec3 x;
     const MoveCosts costs = evaluate(p, star, v, x, best.ratio, p.team);
-    if (costs.is_below(best.ratio)) best = {star, v, x, costs.before, costs.after / costs.before};
+    if (!costs.is_below(best.ratio)) return;
+    best.star.assign(star, p.team);
+    best.v = v;
+    best.x = x;
+    best.before = costs.before;
+    best.ratio = costs.after / costs.before;
   }
   /// Moves v to x, and enlarges the cavity, as long as the costs are below `ratio`.
   template <class Team>
   TETUNE_HD static MoveCosts evaluate(const StarContext& p, StarCavity& star, Index v, Vec3& x, double ratio,
                                       const Team& team) {
     MoveCosts costs;
-    if (!star.take_all_around(v)) return costs;
+    if (!star.take_all_around(v, team)) return costs;
     x = vec(p.mesh.points[v]);
     if (!star.find_kernel_point(x, team)) return costs;
     x = star.relax(x, team);
@@ -130,16 +138,16 @@ struct EvaluateMoves {
   Span<const Index> tets;
   Span<MoveCosts> moves;
 
-  struct Shared {};
+  using Shared = StarArrays;
 
   TETUNE_HD void operator()(Size i) const {
-    Shared none;
-    (*this)(backend::SingleThread(), none, i);
+    Shared arrays;
+    (*this)(backend::SingleThread(), arrays, i);
   }
   template <class Team>
-  TETUNE_HD void operator()(const Team& team, Shared&, Size i) const {
+  TETUNE_HD void operator()(const Team& team, Shared& arrays, Size i) const {
     constexpr int kMoves = CompositeRemoval::kMoves;
-    const MoveCosts costs = CompositeRemoval::evaluate(context, tets[i / kMoves], to_index(i % kMoves), team);
+    const MoveCosts costs = CompositeRemoval::evaluate(context, tets[i / kMoves], to_index(i % kMoves), arrays, team);
     if (team.rank() == 0) moves[i] = costs;
   }
 };

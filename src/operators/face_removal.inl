@@ -5,6 +5,7 @@
 #include "operators/face_cluster.hpp"
 #include "operators/face_removal.hpp"
 #include "operators/flip_proposals.hpp"
+#include "operators/group_evaluation.hpp"
 
 namespace tetune {
 namespace face_removal_detail {
@@ -25,25 +26,51 @@ struct FaceRemovalProposals {
 
   TETUNE_HD Size operator()(Size i, const Proposals<FlipCandidate>& proposals) const {
     const Index t = active[i];
-    const Tet tet = mesh.tet2vertex[t];
-    const FaceAdjacency links = mesh.tet2tet[t];
-    const IsWorse is_worse{energies, t, energies[t]};
-    Index apex[4];  // the vertex across each face; -1: locked
-    for (int face = 0; face < 4; ++face) apex[face] = is_locked(links[face]) ? -1 : apex_of(links[face]);
+    PerTet own;
+    start(t, own);
     Size evaluated = 0;
     for (int face = 0; face < 4; ++face) {
-      if (apex[face] < 0 || is_worse(tet_of(links[face])) || !has_two_beside(tet, apex, face, tet_of(links[face])))
-        continue;
-      ++evaluated;
-      evaluate(i, t, face, proposals);
+      if (test(t, face, own) == kFails) continue;
+      FlipCandidate c;
+      const double gain = evaluate(t, face, own, c, evaluated);
+      if (gain > 0) proposals.add(i, c, gain, flip_id(t, face));
     }
     return evaluated;
   }
 
+  /// See group_evaluation.hpp.
+  static constexpr Kinds kKinds = {4, 0};
+  static constexpr int kLists = 1;
+  struct PerTet {
+    Index apex[4];  ///< the vertex across each face; -1: locked
+  };
+  TETUNE_HD Index tet(Size i) const { return active[i]; }
+  TETUNE_HD TETUNE_INLINE void start(Index t, PerTet& own) const {
+    const FaceAdjacency links = mesh.tet2tet[t];
+    for (int face = 0; face < 4; ++face) own.apex[face] = is_locked(links[face]) ? -1 : apex_of(links[face]);
+  }
+  TETUNE_HD TETUNE_INLINE int test(Index t, int face, const PerTet& own) const {
+    if (own.apex[face] < 0) return kFails;
+    const Index other = tet_of(mesh.tet2tet[t][face]);
+    const IsWorse is_worse{energies, t, energies[t]};
+    return is_worse(other) || !has_two_beside(mesh.tet2vertex[t], own.apex, face, other) ? kFails : 0;
+  }
+  /// Finds the best cluster around a face; its removal may gain.
+  TETUNE_HD double evaluate(Index t, int face, const PerTet&, FlipCandidate& c, Size& evaluated) const {
+    ++evaluated;
+    FaceCluster cluster(mesh, constrained);
+    if (!cluster.grow(t, face, max_faces) || !(cluster.best_subtree(energies) < 0)) return 0;
+    c = cluster.candidate();
+    const double before = energy_before(c, energies);
+    const double gain = before - energy_after(mesh, c, before);
+    return gain > kMinRelativeGain * before ? gain : 0;
+  }
+  TETUNE_HD void finish(Index, const PerTet&) const {}
+
  private:
   TETUNE_HD TETUNE_INLINE Index apex_of(HalfFace face) const { return mesh.tet2vertex[tet_of(face)][face_of(face)]; }
   /// Whether two faces beside this one may lie between the same two vertices: the cheapest test, which few faces pass.
-  TETUNE_HD TETUNE_INLINE bool has_two_beside(const Tet& tet, const Index apex[4], int face, Index other) const {
+  TETUNE_HD TETUNE_INLINE bool has_two_beside(const Tet& tet, const Index (&apex)[4], int face, Index other) const {
     const Tet other_tet = mesh.tet2vertex[other];
     const FaceAdjacency other_links = mesh.tet2tet[other];
     int count = 0;
@@ -53,16 +80,6 @@ struct FaceRemovalProposals {
       count += !is_locked(below) && apex_of(below) == apex[side] ? 1 : 0;
     }
     return count >= 2;
-  }
-
-  /// Adds the best cluster around a face where its removal gains.
-  TETUNE_HD void evaluate(Size i, Index t, int face, const Proposals<FlipCandidate>& proposals) const {
-    FaceCluster cluster(mesh, constrained);
-    if (!cluster.grow(t, face, max_faces) || !(cluster.best_subtree(energies) < 0)) return;
-    const FlipCandidate c = cluster.candidate();
-    const double before = energy_before(c, energies);
-    const double gain = before - energy_after(mesh, c, before);
-    if (gain > 0 && gain > kMinRelativeGain * before) proposals.add(i, c, gain, flip_id(t, face));
   }
 };
 

@@ -1,43 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstring>
+
 #include "operators/active_set.hpp"
 #include "operators/flip_energy.hpp"
+#include "operators/group_evaluation.hpp"
 #include "operators/prefetch_tets.hpp"
 #include "operators/selection.hpp"
 
 /// Which flips there are: those of the faces and edges of each active tetrahedron.
 namespace tetune {
-
-/// Candidates 0 to 3 of a tetrahedron are its faces, 4 to 9 its edges.
-TETUNE_HD inline std::uint32_t flip_id(Index t, int candidate) {
-  return static_cast<std::uint32_t>(t) * kCandidates + static_cast<std::uint32_t>(candidate);
-}
-
-/// The order that decides which tetrahedron of a cavity owns its candidate: the worst, the lowest of equals.
-struct IsWorse {
-  Span<const double> energies;
-  Index t;
-  double energy_t;
-  TETUNE_HD bool operator()(Index other) const {
-    const double energy = energies[other];
-    return (energy > energy_t) | ((energy == energy_t) & (other < t));
-  }
-};
-
-/// What the evaluation of a tetrahedron's candidates found.
-struct FlipEvaluation {
-  double min_ratio;  ///< of the energy after to that before, over all candidates
-  Size evaluated = 0;
-
-  TETUNE_HD void add(double ratio) { min_ratio = ratio < min_ratio ? ratio : min_ratio; }
-  /// Whether a cavity of this energy may gain, when the energy afterwards is not less than `bound`.
-  TETUNE_HD bool may_gain(double bound, double before) {
-    if (!(bound > (1 + kBoundMargin) * before)) return true;
-    add(bound / before);
-    return false;
-  }
-};
 
 /// 2-3 flips, 3-2 flips and edge removals. Each candidate is evaluated once, by the worst tetrahedron of its cavity:
 /// its owner. The slack of the tetrahedron is computed, and it stays active while it owns a flip that gains.
@@ -59,54 +32,124 @@ struct FlipProposals {
 
   TETUNE_HD Size operator()(Size i, const Proposals<FlipCandidate>& proposals) const {
     const Index t = active[i];
-    const FaceAdjacency links = mesh.tet2tet[t];
-    const IsWorse is_worse{energies, t, energies[t]};
-    const FlipEnergyLowerBound bound(mesh.objective);
-    const RingBound ring_bound = bound.ring_bound(is_worse.energy_t, max_ring);
-    FlipEvaluation found{1 + kMaxSlack < ring_bound.min_ratio ? 1 + kMaxSlack : ring_bound.min_ratio};
-    const unsigned closed = closed_faces(t, links, is_worse);
+    const IsWorse is_worse = worse_than(t);
+    const RingBound ring_bound = bound_rings(is_worse.energy_t);
+    FlipEvaluation found{initial_ratio(ring_bound)};
+    const unsigned closed = closed_faces(is_worse);
     for (int face = 0; face < 4; ++face) {
-      if ((closed & 1U << face) != 0) continue;
-      const double before = is_worse.energy_t + energies[tet_of(links[face])];
-      if (!found.may_gain(bound.face_flip(), before)) continue;
-      FlipCandidate c = face_cavity(mesh, t, face);
-      evaluate(i, c, before, flip_id(t, face), proposals, found);
+      if ((closed & 1U << face) != 0 || !face_may_gain(is_worse, face, found)) continue;
+      add_gain(i, face_cavity(mesh, t, face), flip_id(t, face), proposals, found);
     }
     for (int edge = 0; edge < 6; ++edge) {
       if ((closed & edge_faces(edge)) != 0) continue;
       const EdgeStar star = edge_star(mesh, ring_bound.max_ring, t, edge, is_worse);
-      if (star.size == 0) continue;
-      double before = 0;
-      for (int m = 0; m < star.size; ++m) before += energies[star.tets[m]];
-      if (!found.may_gain(bound.edge_removal(star.size), before)) continue;
-      FlipCandidate c = edge_cavity(star, constrained);
-      if (c.kind == FlipKind::none) continue;
-      evaluate(i, c, energy_before(c, energies), flip_id(t, 4 + edge), proposals, found);
+      if (star.size == 0 || !star_may_gain(star, found)) continue;
+      add_gain(i, edge_cavity(star, constrained), flip_id(t, 4 + edge), proposals, found);
     }
-    slack[t] = static_cast<float>(found.min_ratio - 1);
-    marks[t] = slack[t] < 0 ? kActive : 0;
+    set_slack(t, found.min_ratio);
     return found.evaluated;
+  }
+  /// See group_evaluation.hpp.
+  static constexpr Kinds kKinds = {4, 6};  ///< faces, edges
+  static constexpr int kLists = 2;         ///< rings of three, and larger ones
+  struct PerTet {
+    std::uint64_t min_ratio;  ///< the bits of a double, which are in the order of positive values
+    std::uint8_t closed_faces, max_ring;
+  };
+  TETUNE_HD Index tet(Size i) const { return active[i]; }
+  TETUNE_HD void start(Index t, PerTet& own) const {
+    const IsWorse is_worse = worse_than(t);
+    const RingBound bound = bound_rings(is_worse.energy_t);
+    own = {bits(initial_ratio(bound)), std::uint8_t(closed_faces(is_worse)), std::uint8_t(bound.max_ring)};
+  }
+  TETUNE_HD int test(Index t, int candidate, PerTet& own) const {
+    const IsWorse is_worse = worse_than(t);
+    FlipEvaluation found{kInfeasible};
+    int list = kFails;
+    if (candidate < 4) {
+      if ((own.closed_faces & 1U << candidate) == 0 && face_may_gain(is_worse, candidate, found)) list = 0;
+    } else if ((own.closed_faces & edge_faces(candidate - 4)) == 0) {
+      const EdgeStar star = edge_star(mesh, own.max_ring, t, candidate - 4, is_worse);
+      if (star.size > 0 && star_may_gain(star, found)) list = star.size == 3 ? 0 : 1;
+    }
+    lower_ratio(own, found.min_ratio);
+    return list;
+  }
+  TETUNE_HD double evaluate(Index t, int candidate, PerTet& own, FlipCandidate& c, Size& evaluated) const {
+    const auto never = [](Index) { return false; };
+    c = candidate < 4 ? face_cavity(mesh, t, candidate)
+                      : edge_cavity(edge_star(mesh, own.max_ring, t, candidate - 4, never), constrained);
+    FlipEvaluation found{kInfeasible};
+    const double gain_of_c = gain(c, found);
+    evaluated += found.evaluated;
+    lower_ratio(own, found.min_ratio);
+    return gain_of_c;
+  }
+  TETUNE_HD void finish(Index t, const PerTet& own) const {
+    double min_ratio = 0;
+    std::memcpy(&min_ratio, &own.min_ratio, sizeof min_ratio);
+    set_slack(t, min_ratio);
   }
 
  private:
-  /// The faces that are locked, or beyond which an owner lies, as bits.
-  TETUNE_HD TETUNE_INLINE static unsigned closed_faces(Index t, const FaceAdjacency& links, const IsWorse& is_worse) {
+  TETUNE_HD TETUNE_INLINE IsWorse worse_than(Index t) const { return {energies, t, energies[t]}; }
+  TETUNE_HD TETUNE_INLINE RingBound bound_rings(double energy) const {
+    return FlipEnergyLowerBound(mesh.objective).ring_bound(energy, max_ring);
+  }
+  TETUNE_HD TETUNE_INLINE static double initial_ratio(const RingBound& bound) {
+    return 1 + kMaxSlack < bound.min_ratio ? 1 + kMaxSlack : bound.min_ratio;
+  }
+  TETUNE_HD TETUNE_INLINE void set_slack(Index t, double min_ratio) const {
+    slack[t] = static_cast<float>(min_ratio - 1);
+    marks[t] = slack[t] < 0 ? kActive : 0;
+  }
+
+  /// The faces of a tetrahedron that are locked, or beyond which an owner lies, as bits.
+  TETUNE_HD TETUNE_INLINE unsigned closed_faces(const IsWorse& is_worse) const {
+    const FaceAdjacency links = mesh.tet2tet[is_worse.t];
     unsigned closed = 0;
     for (int f = 0; f < 4; ++f) {
       const bool locked = is_locked(links[f]);
-      const bool owner_beyond = is_worse(locked ? t : tet_of(links[f]));
+      const bool owner_beyond = is_worse(locked ? is_worse.t : tet_of(links[f]));
       closed |= ((locked ? 1U : 0U) | (owner_beyond ? 1U : 0U)) << f;
     }
     return closed;
   }
+  TETUNE_HD TETUNE_INLINE bool face_may_gain(const IsWorse& is_worse, int face, FlipEvaluation& found) const {
+    const Index other = tet_of(mesh.tet2tet[is_worse.t][face]);
+    return found.may_gain(FlipEnergyLowerBound(mesh.objective).face_flip(), is_worse.energy_t + energies[other]);
+  }
+  TETUNE_HD TETUNE_INLINE bool star_may_gain(const EdgeStar& star, FlipEvaluation& found) const {
+    double before = 0;
+    for (int m = 0; m < star.size; ++m) before += energies[star.tets[m]];
+    return found.may_gain(FlipEnergyLowerBound(mesh.objective).edge_removal(star.size), before);
+  }
 
-  TETUNE_HD TETUNE_INLINE void evaluate(Size i, FlipCandidate& c, double before, std::uint32_t id,
-                                        const Proposals<FlipCandidate>& proposals, FlipEvaluation& found) const {
+  TETUNE_HD static std::uint64_t bits(double value) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    return bits;
+  }
+  TETUNE_HD static void lower_ratio(PerTet& own, double ratio) {
+    TETUNE_ASSERT(!(ratio < 0));
+    if (ratio < kInfeasible) backend::atomic_min(own.min_ratio, bits(ratio));
+  }
+
+  /// Finds the best triangulation of a candidate's ring, and returns its gain; 0: none.
+  TETUNE_HD TETUNE_INLINE double gain(FlipCandidate& c, FlipEvaluation& found) const {
+    if (c.kind == FlipKind::none) return 0;
     ++found.evaluated;
+    const double before = energy_before(c, energies);
     const double after = best_energy<Pack>(mesh, c, before, (1 + kMaxSlack) * before);
     const bool gains = before - after > kMinRelativeGain * before;
     found.add(gains || after > before ? after / before : 1);
-    if (gains) proposals.add(i, c, before - after, id);
+    return gains ? before - after : 0;
+  }
+
+  TETUNE_HD TETUNE_INLINE void add_gain(Size i, FlipCandidate c, std::uint32_t id,
+                                        const Proposals<FlipCandidate>& proposals, FlipEvaluation& found) const {
+    const double gain_of_c = gain(c, found);
+    if (gain_of_c > 0) proposals.add(i, c, gain_of_c, id);
   }
 };
 

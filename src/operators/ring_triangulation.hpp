@@ -26,23 +26,62 @@ TETUNE_HD TETUNE_INLINE T corner_energy(const Objective& objective, const Vec3T<
   return ((det > 0.0) & (margin > 0.0)) ? energy : T{} + kInfeasible;
 }
 
+/// The vertices of a ring relative to a point, repeated beyond the last one, so that packs of consecutive vertices can
+/// be loaded.
+template <class Pack>
+class RingFan {
+ public:
+  TETUNE_HD RingFan(const MeshView& mesh, const FlipCandidate& c, const Vec3& origin) {
+    const int n = c.ring_size;
+    for (int m = 0; m < n; ++m) set(m, vec(mesh.points[c.ring[m]]) - origin);
+    for (int m = n; m < (n > 4 ? 8 : 4) + 2; ++m) set(m, (*this)[m - n]);
+  }
+  TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const { return {x_[m], y_[m], z_[m]}; }
+  /// Vertices m, m + 1, ...
+  TETUNE_HD TETUNE_INLINE Vec3T<Pack> pack(int m) const {
+    Vec3T<Pack> v;
+    std::memcpy(&v.x, x_ + m, sizeof(Pack));
+    std::memcpy(&v.y, y_ + m, sizeof(Pack));
+    std::memcpy(&v.z, z_ + m, sizeof(Pack));
+    return v;
+  }
+
+ private:
+  TETUNE_HD void set(int m, const Vec3& v) {
+    x_[m] = v.x;
+    y_[m] = v.y;
+    z_[m] = v.z;
+  }
+  double x_[10], y_[10], z_[10];
+};
+
+/// Where packs are single numbers, as on a GPU, positions are read again: there the memory of a thread costs more.
+template <>
+class RingFan<double> {
+ public:
+  TETUNE_HD RingFan(const MeshView& mesh, const FlipCandidate& c, const Vec3& origin)
+      : points_(mesh.points), c_(c), origin_(origin) {}
+  TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const {
+    return vec(points_[c_.ring[m < c_.ring_size ? m : m - c_.ring_size]]) - origin_;
+  }
+  TETUNE_HD TETUNE_INLINE Vec3 pack(int m) const { return (*this)[m]; }
+
+ private:
+  Span<const Point> points_;
+  const FlipCandidate& c_;
+  Vec3 origin_;
+};
+
 /// A ring relative to each of the two ends of its edge. The ears of its triangulations, that is the triangles of three
 /// consecutive vertices, are evaluated together; for most rings they show that no triangulation is good enough.
 template <class Pack>
 class RingFans {
  public:
-  TETUNE_HD RingFans(const RatedMesh& mesh, const FlipCandidate& c) : objective_(mesh.objective), n_(c.ring_size) {
-    const Vec3 a = vec(mesh.points[c.a]);
-    const Vec3 b = vec(mesh.points[c.b]);
-    for (int m = 0; m < n_; ++m) {
-      const Vec3 r = vec(mesh.points[c.ring[m]]);
-      from_a_.set(m, r - a);
-      from_b_.set(m, r - b);
-    }
-    for (int m = n_; m < (n_ > 4 ? 8 : 4) + 2; ++m) {
-      from_a_.set(m, from_a_[m - n_]);
-      from_b_.set(m, from_b_[m - n_]);
-    }
+  TETUNE_HD RingFans(const RatedMesh& mesh, const FlipCandidate& c)
+      : objective_(mesh.objective),
+        n_(c.ring_size),
+        from_a_(mesh, c, vec(mesh.points[c.a])),
+        from_b_(mesh, c, vec(mesh.points[c.b])) {
     for (int m = 0; m < n_; m += kLanes) {
       const Pack energies = corner_energy(objective_, from_a_.pack(m), from_a_.pack(m + 1), from_a_.pack(m + 2)) +
                             corner_energy(objective_, from_b_.pack(m), from_b_.pack(m + 2), from_b_.pack(m + 1));
@@ -58,6 +97,8 @@ class RingFans {
 
  private:
   static constexpr int kLanes = sizeof(Pack) / sizeof(double);
+  static constexpr int kPolygons = kMaxRing * (kMaxRing - 1) / 2;
+  TETUNE_HD TETUNE_INLINE static int place(int i, int k) { return k * (k - 1) / 2 + i; }
 
   /// Each triangulation of four or more vertices has two ears that do not overlap.
   TETUNE_HD double min_ears() const {
@@ -72,24 +113,27 @@ class RingFans {
   }
 
   TETUNE_HD double triangulate(double limit, Triangulation& triangulation) const {
-    double min_energy[kMaxRing][kMaxRing];
-    std::uint8_t apex[kMaxRing][kMaxRing];
-    for (int i = 0; i + 1 < n_; ++i) min_energy[i][i + 1] = 0;
+    // Of the polygon from vertex i to vertex k, at place(i, k).
+    double min_energy[kPolygons];
+    std::uint8_t apex[kPolygons];
+    for (int i = 0; i + 1 < n_; ++i) min_energy[place(i, i + 1)] = 0;
     for (int length = 2; length < n_; ++length) {
       for (int i = 0; i + length < n_; ++i) {
         const int k = i + length;
-        min_energy[i][k] = limit;
+        const int polygon = place(i, k);
+        min_energy[polygon] = limit;
         for (int j = i + 1; j < k; ++j) {
-          const double sides = min_energy[i][j] + min_energy[j][k];
-          if (!(sides < min_energy[i][k])) continue;
+          const double sides = min_energy[place(i, j)] + min_energy[place(j, k)];
+          if (!(sides < min_energy[polygon])) continue;
           const double sum = sides + triangle(i, j, k);
-          if (!(sum < min_energy[i][k])) continue;
-          min_energy[i][k] = sum;
-          apex[i][k] = static_cast<std::uint8_t>(j);
+          if (!(sum < min_energy[polygon])) continue;
+          min_energy[polygon] = sum;
+          apex[polygon] = static_cast<std::uint8_t>(j);
         }
       }
     }
-    if (!(min_energy[0][n_ - 1] < limit)) return limit;
+    const double energy = min_energy[place(0, n_ - 1)];
+    if (!(energy < limit)) return limit;
     // Each triangle leaves the polygons beyond two of its sides on a stack.
     int count = 0;
     int open = 1;
@@ -99,33 +143,15 @@ class RingFans {
       const std::uint8_t i = polygons[open][0];
       const std::uint8_t k = polygons[open][1];
       if (k - i < 2) continue;
-      const std::uint8_t j = apex[i][k];
+      const std::uint8_t j = apex[place(i, k)];
       triangulation.corner[count][0] = polygons[open][0] = i;
       triangulation.corner[count][1] = polygons[open][1] = polygons[open + 1][0] = j;
       triangulation.corner[count][2] = polygons[open + 1][1] = k;
       ++count;
       open += 2;
     }
-    return min_energy[0][n_ - 1];
+    return energy;
   }
-
-  struct Fan {
-    double x[10], y[10], z[10];
-    TETUNE_HD void set(int m, const Vec3& v) {
-      x[m] = v.x;
-      y[m] = v.y;
-      z[m] = v.z;
-    }
-    TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const { return {x[m], y[m], z[m]}; }
-    /// Vertices m, m + 1, ...
-    TETUNE_HD TETUNE_INLINE Vec3T<Pack> pack(int m) const {
-      Vec3T<Pack> v;
-      std::memcpy(&v.x, x + m, sizeof(Pack));
-      std::memcpy(&v.y, y + m, sizeof(Pack));
-      std::memcpy(&v.z, z + m, sizeof(Pack));
-      return v;
-    }
-  };
 
   /// Energy of the two tetrahedra on a triangle, over the factor of the objective.
   TETUNE_HD TETUNE_INLINE double pair(int i, int j, int k) const {
@@ -142,7 +168,7 @@ class RingFans {
 
   Objective objective_;
   int n_;
-  Fan from_a_, from_b_;
+  RingFan<Pack> from_a_, from_b_;
   double ears_[8];
 };
 

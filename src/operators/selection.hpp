@@ -7,44 +7,10 @@
 #include "backend/team.hpp"
 #include "operators/bid.hpp"
 #include "operators/candidate.hpp"
+#include "operators/evaluate_proposals.hpp"
 
 /// The first half of the cavity engine: from proposals to a set of candidates whose cavities do not overlap.
-///
-/// A generator is a kernel that evaluates one proposal, say the flips around one tetrahedron, and adds its candidates:
-///   using Candidate = ...;               what it adds
-///   static constexpr int kParts = 1;     cavities per proposal that are selected together or not at all
-///   static constexpr Size kGrain = ...;  proposals that are work enough for a thread
-///   static constexpr Size kBatch = ...;  proposals that take a core about a tenth of a second
-///   Size operator()(Size i, const Proposals<Candidate>&) const;   returns the number of cavities evaluated
-///   using Shared = ...;                  optional: a team evaluates a proposal (backend/team.hpp), by
-///                                        operator()(team, shared, i, proposals)
-///   void prefetch(Size i) const;         optional
-///   Size group() const;                  optional: the number of kinds of proposals, which take turns; threads of a
-///                                        device that run together get proposals of one kind
-/// All candidates bid; of each proposal the best one alone is stored: the tetrahedra of a proposal's candidates
-/// overlap, so that no other can be selected.
 namespace tetune {
-
-/// Where a batch of proposals puts its candidates and bids.
-template <Candidate C>
-struct Proposals {
-  Span<std::uint64_t> tet2bid;
-  Span<C> candidates;        ///< the best one of each proposal and part
-  Span<std::uint64_t> bids;  ///< its bid; 0: none
-  Size first = 0;            ///< proposal of the batch
-  int parts = 1;
-
-  TETUNE_HD Size entry(Size proposal, int part) const { return (proposal - first) * parts + part; }
-  /// Adds a candidate of a positive gain. `id` breaks ties; it belongs to this candidate alone.
-  TETUNE_HD void add(Size proposal, const C& candidate, double gain, std::uint32_t id, int part = 0) const {
-    const std::uint64_t bid = make_bid(gain, id);
-    place_bid(candidate, bid, tet2bid);
-    const Size i = entry(proposal, part);
-    if (bid <= bids[i]) return;
-    bids[i] = bid;
-    store(candidate, candidates[i]);
-  }
-};
 
 /// A candidate on its way from the selection to the mesh.
 template <CavityPatch P>
@@ -83,37 +49,6 @@ struct Selection {
 };
 
 namespace selection_detail {
-
-template <class Generator>
-struct Propose {
-  static constexpr Size kGrain = Generator::kGrain;
-  using Shared = backend::SharedOf<Generator>;
-  Generator generator;
-  Proposals<typename Generator::Candidate> proposals;
-  Size group;   ///< of proposals that are evaluated apart from each other; 1: in order
-  Size groups;  ///< of the batch
-
-  TETUNE_INLINE void prefetch(Size i, Size) const {
-    if constexpr (requires { generator.prefetch(i); }) generator.prefetch(proposals.first + i);
-  }
-  TETUNE_HD backend::Sum<Size> operator()(Size i) const {
-    const Size proposal = begin(i, true);
-    return {generator(proposal, proposals)};
-  }
-  template <class Team, class Memory>
-  TETUNE_HD backend::Sum<Size> operator()(const Team& team, Memory& shared, Size i) const {
-    const Size proposal = begin(i, team.rank() == 0);
-    return {generator(team, shared, proposal, proposals)};
-  }
-
- private:
-  /// The proposal of item i, without candidates yet.
-  TETUNE_HD Size begin(Size i, bool clears) const {
-    const Size proposal = proposals.first + (group == 1 ? i : i % groups * group + i / groups);
-    for (int part = 0; clears && part < Generator::kParts; ++part) proposals.bids[proposals.entry(proposal, part)] = 0;
-    return proposal;
-  }
-};
 
 template <class C>
 inline constexpr bool kIsOwnPatch = std::is_same_v<C, typename C::Patch>;
@@ -200,16 +135,6 @@ struct CountChanges {
   }
 };
 
-/// The length of the groups of proposals that are evaluated apart from each other.
-template <class Backend, class Generator>
-Size group_size(const Generator& generator) {
-  if constexpr (Backend::kIsAsynchronous && requires { generator.group(); }) {
-    return generator.group();
-  } else {
-    return 1;
-  }
-}
-
 /// Proposals per batch: whole groups. The candidates of a batch are stored apart until it is known which lead: on a
 /// device the memory of this is a quarter of what all would take, but for small meshes; where teams evaluate proposals,
 /// fewer of them occupy a device.
@@ -279,8 +204,7 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
       }
       const Size size = std::min(batch, count - first);
       const Proposals<C> proposals{tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
-      const Propose<Generator> propose{generator, proposals, group, size / group};
-      const auto evaluated = backend.template reduce_async<backend::Sum<Size>>(size, propose);
+      const auto evaluated = evaluate_proposals(backend, generator, proposals, size, group);
       const Size found = list_holding(backend, proposals, Generator::kParts * size, is_final, entries.span(), s);
       s.evaluated += evaluated.get().value;
       const Size before = s.records.size();

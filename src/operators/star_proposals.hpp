@@ -85,18 +85,29 @@ struct StarContext {
   }
 };
 
-/// One choice of an operator, and where it adds the candidate. A team evaluates it: each of its threads has the cavity
-/// for itself, and they share the work on its faces.
+/// The memory of a team that evaluates a choice of an operator.
+struct StarMemory {
+  static constexpr int kCavities = 3;
+  MinimaxModel model;
+  StarArrays arrays[kCavities];
+};
+
+/// One choice of an operator, and where it adds the candidate. A team evaluates it.
 template <class Team>
 struct StarProposal : StarContext {
   Proposals<StarCandidate> proposals;
   Size id;
   const MoveCosts* moves;  ///< the costs of all moves of CompositeRemoval; null: not evaluated
   Team team;
-  MinimaxModel& model;  ///< scratch memory that the team shares
+  StarMemory& memory;
 
+  /// An empty cavity, in one of the team's arrays.
+  TETUNE_HD StarCavity cavity(int arrays = 0) const { return {mesh, constrained, memory.arrays[arrays], team}; }
   TETUNE_HD double cost_before(const StarCavity& star) const { return star.cost_before(team); }
-  TETUNE_HD Vec3 lower_cost(StarCavity& star, const Vec3& x) const { return star.lower_cost(x, model, team); }
+  TETUNE_HD Vec3 lower_cost(StarCavity& star, const Vec3& x) const { return star.lower_cost(x, memory.model, team); }
+  TETUNE_HD StarCandidate candidate(const StarCavity& star, Index apex, Index removed, const Vec3& x) const {
+    return star.candidate(apex, removed, x, team);
+  }
   /// Enlarges the cavity until the largest cost is lower than before, where that must fall.
   TETUNE_HD bool grow(StarCavity& star, Index apex, const Vec3& x) const {
     if (lowers_mean()) return true;
@@ -106,7 +117,7 @@ struct StarProposal : StarContext {
   /// Moves a new vertex to where the largest cost is lower than before. Where there is no such place, enlarges the
   /// cavity and moves the vertex once more. Returns false where that fails too. Where the mean energy must fall, the
   /// vertex is in its place already.
-  TETUNE_HD bool open(StarCavity& star, Vec3& x) const {
+  TETUNE_HD TETUNE_OUTLINE bool open(StarCavity& star, Vec3& x) const {
     if (lowers_mean()) return true;
     const double before = cost_before(star);
     const double limit = (1 - min_gain) * before;
@@ -135,7 +146,7 @@ struct StarProposal : StarContext {
     }
   }
   /// Same, where the largest cost is known to be `before`.
-  TETUNE_HD void add(const StarCavity& star, double before, const StarCandidate& c) const {
+  TETUNE_HD TETUNE_OUTLINE void add(const StarCavity& star, double before, const StarCandidate& c) const {
     const double limit = (1 - min_gain) * before;
     const double after = star.cost_after(c.apex, c.apex_position, limit, true, team);
     if (after < limit) add_gain(c, before - after);
@@ -144,7 +155,7 @@ struct StarProposal : StarContext {
  private:
   /// Retriangulations with more or fewer tetrahedra compare by the energy beyond the mean of the mesh: where it falls,
   /// so does that mean.
-  TETUNE_HD void add_below_mean(const StarCavity& star, const StarCandidate& c) const {
+  TETUNE_HD TETUNE_OUTLINE void add_below_mean(const StarCavity& star, const StarCandidate& c) const {
     const double limit = min_gain * mean_energy * star.tet_count();
     const double gain = energy_gain(star, c, limit);
     if (!(gain > limit)) return;
@@ -214,19 +225,19 @@ struct StarProposals : StarContext {
   int first_choice, choices;
   Span<const MoveCosts> moves = {};  ///< of all tetrahedra; may be empty
 
-  using Shared = MinimaxModel;
+  using Shared = StarMemory;
 
   Size group() const { return choices; }
   TETUNE_HD Size operator()(Size id, const Proposals<StarCandidate>& proposals) const {
-    MinimaxModel model;
-    return (*this)(backend::PackThread<Pack>(), model, id, proposals);
+    StarMemory memory;
+    return (*this)(backend::PackThread<Pack>(), memory, id, proposals);
   }
   template <class Team>
-  TETUNE_HD Size operator()(const Team& team, MinimaxModel& model, Size id,
+  TETUNE_HD Size operator()(const Team& team, StarMemory& memory, Size id,
                             const Proposals<StarCandidate>& proposals) const {
     const MoveCosts* costs = nullptr;
     if (moves.size() > 0) costs = &moves[id / choices * (moves.size() / tets.size())];
-    const StarProposal<Team> proposal{*this, proposals, id, costs, team, model};
+    const StarProposal<Team> proposal{*this, proposals, id, costs, team, memory};
     Operators::propose(proposal, tets[id / choices], first_choice + to_index(id % choices));
     return 1;
   }

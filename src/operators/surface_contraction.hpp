@@ -20,10 +20,10 @@ struct SurfaceContraction {
     const Index apex = tet[(from + 1 + choice % 3) % 4];
     const Vec3 x = vec(p.mesh.points[apex]);
     if (!(p.surface.bends ? is_on_sheet(p, v, apex) : is_in_planes(p, v, x)) || p.constrained.has_end(v)) return;
-    StarCavity star(p.mesh, p.constrained);
+    StarCavity star = p.cavity();
     ReplacedTriangles replaced;
     const SurfaceSimplex simplex{{v, -1, -1}, 1};
-    if (!star.take_surface(t, simplex) || !(p.surface.bends || keeps_planes(p, star, v, apex)) ||
+    if (!star.take_surface(t, simplex, p.team) || !(p.surface.bends || keeps_planes(p, star, v, apex)) ||
         !star.keeps_faces_of(apex) || !p.surface.find_replaced(star, simplex, replaced)) {
       return;
     }
@@ -34,7 +34,7 @@ struct SurfaceContraction {
       if (!(replaced.deviation < kInfeasible)) return;
     }
     if (!p.grow(star, apex, x) || !star.keeps_faces_of(apex)) return;
-    StarCandidate c = star.candidate(apex, v, x);
+    StarCandidate c = p.candidate(star, apex, v, x);
     c.replaced = replaced;
     p.add(star, c);
   }

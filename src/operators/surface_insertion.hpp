@@ -29,9 +29,9 @@ struct SurfaceInsertion {
       if (!p.surface.has(simplex.v[k])) return;
       x = x + (1.0 / simplex.size) * vec(p.mesh.points[simplex.v[k]]);
     }
-    StarCavity star(p.mesh, p.constrained);
+    StarCavity star = p.cavity();
     ReplacedTriangles replaced;
-    if (!star.take_surface(t, simplex) || !p.surface.find_replaced(star, simplex, replaced)) return;
+    if (!star.take_surface(t, simplex, p.team) || !p.surface.find_replaced(star, simplex, replaced)) return;
     NewVertexDof dof =
         p.surface.bends ? place_on_reference(p, replaced, simplex, x) : find_dof(p, star, replaced, simplex);
     if (dof.dof == VertexDof::fixed) return;
@@ -43,7 +43,7 @@ struct SurfaceInsertion {
       replaced.deviation = p.bend().after_insertion(simplex, replaced, x);
       if (!(replaced.deviation < kInfeasible)) return;
     }
-    StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
+    StarCandidate c = p.candidate(star, kNewVertex, kNoVertex, x);
     c.dof = dof;
     c.replaced = replaced;
     p.add(star, c);

@@ -15,12 +15,12 @@ struct VertexContraction {
     const Tet tet = p.mesh.tet2vertex[t];
     const int from = choice / 3;
     const int to = (from + 1 + choice % 3) % 4;
-    StarCavity star(p.mesh, p.constrained);
-    if (!p.is_movable(tet[from]) || !star.take_vertex(t, from)) return;
+    StarCavity star = p.cavity();
+    if (!p.is_movable(tet[from]) || !star.take_vertex(t, from, p.team)) return;
     if (p.is_contracted_earlier(star, tet[to], t)) return;
     const Vec3 x = vec(p.mesh.points[tet[to]]);
     if (!p.grow(star, tet[to], x)) return;
-    p.add(star, star.candidate(tet[to], tet[from], x));
+    p.add(star, p.candidate(star, tet[to], tet[from], x));
   }
 };
 

@@ -13,27 +13,27 @@ struct VertexInsertion {
   template <class Proposal>
   TETUNE_HD static void propose(const Proposal& p, Index t, int edge) {
     if (!p.inserts || !p.may_change_vertices(t)) return;
-    StarCavity star(p.mesh, p.constrained);
+    StarCavity star = p.cavity();
     if (edge == 6) {
       insert_inside(p, t, star);
       return;
     }
-    if (!star.take_edge(t, edge) || p.is_shared_with_earlier(star, t)) return;
+    if (!star.take_edge(t, edge, p.team) || p.is_shared_with_earlier(star, t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const EdgeCorners e = edge_corners(edge);
     const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
     Vec3 x = star.relax_and_grow(star.relax(middle, p.team), p.team);
-    if (p.open(star, x)) p.add(star, star.candidate(kNewVertex, kNoVertex, x));
+    if (p.open(star, x)) p.add(star, p.candidate(star, kNewVertex, kNoVertex, x));
   }
 
  private:
   template <class Proposal>
   TETUNE_HD static void insert_inside(const Proposal& p, Index t, StarCavity& star) {
-    if (!star.take_tet(t)) return;
+    if (!star.take_tet(t, p.team)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     Vec3 x{0, 0, 0};
     for (int k = 0; k < 4; ++k) x = x + 0.25 * vec(p.mesh.points[tet[k]]);
-    if (p.open(star, x)) p.add(star, star.candidate(kNewVertex, kNoVertex, x));
+    if (p.open(star, x)) p.add(star, p.candidate(star, kNewVertex, kNoVertex, x));
   }
 };
 

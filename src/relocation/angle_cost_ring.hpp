@@ -92,14 +92,10 @@ class AngleCostRing {
   template <class VertexMotion, class Team = backend::SingleThread>
   TETUNE_HD bool minimize(Vec3& x, VertexMotion& motion, double target_cost, MinimaxModel& model,
                           const Team& team = {}) const {
-    double length2 = 0;
-    for (int k = 0; k < count_; ++k) {
-      const Vec3 d = corner(k, 0) - x;
-      length2 += dot(d, d);
-    }
-    const double length = std::sqrt(length2 / count_);
     int worst = 0;
     double cost = largest_cost(x, kInfeasible, worst, team);
+    if (!(cost > target_cost)) return false;
+    const double length = local_length(x, team);
     bool moved = false;
     double radius = kFirstStep * length;
     while (cost > target_cost && radius > kLastStep * length) {
@@ -153,8 +149,20 @@ class AngleCostRing {
   }
 
  private:
+  /// The root of the mean squared distance to a vertex of each face. Summed in the order of the faces.
   template <class Team>
-  TETUNE_HD double largest_of_team(const Vec3& x, double limit, int& first, const Team& team) const {
+  TETUNE_HD double local_length(const Vec3& x, const Team& team) const {
+    double length2 = 0;
+    for (int begin = 0; begin < count_; begin += Team::kSize) {
+      const int own = begin + team.rank();
+      const Vec3 d = own < count_ ? corner(own, 0) - x : Vec3{};
+      const double own_length2 = dot(d, d);
+      for (int k = 0; k < Team::kSize && begin + k < count_; ++k) length2 += team.broadcast(own_length2, k);
+    }
+    return std::sqrt(length2 / count_);
+  }
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE double largest_of_team(const Vec3& x, double limit, int& first, const Team& team) const {
     backend::IndexedMax worst{-1, first};
     const int start = first;
     for (int begin = 0; begin < count_; begin += Team::kSize) {
@@ -193,7 +201,7 @@ class AngleCostRing {
   }
 
   /// The cost of the tetrahedron at a face; infinite where it is not certified positive or is worse than the floor.
-  TETUNE_HD double cost_of(const Vec3& x, int face) const {
+  TETUNE_HD TETUNE_OUTLINE double cost_of(const Vec3& x, int face) const {
     const Vec3 p[4] = {x, corner(face, 0), corner(face, 1), corner(face, 2)};
     const TetEnergy e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);
     if (!e.certified || e.shape > mesh_.floor.worst_shape) return HUGE_VAL;
@@ -204,8 +212,8 @@ class AngleCostRing {
   /// Finds the costs that are close to the largest, and their gradients in the space of motion. They are added in the
   /// order of the faces.
   template <class VertexMotion, class Team>
-  TETUNE_HD void find_model(const Vec3& x, double cost, const VertexMotion& motion, MinimaxModel& model,
-                            const Team& team) const {
+  TETUNE_HD TETUNE_OUTLINE void find_model(const Vec3& x, double cost, const VertexMotion& motion, MinimaxModel& model,
+                                           const Team& team) const {
     using Pack = backend::TermsOf<Team>;
     constexpr int kLanes = kLanesOf<Pack>;
     const double bound = cost - kBand * (1 + cost);
@@ -214,18 +222,15 @@ class AngleCostRing {
       Pack costs[kAngles];
       const int first = begin + team.rank() * kLanes;
       if (first < count_) find_angle_costs(x, first, costs);
-      const int turns = count_ - begin < Team::kSize ? count_ - begin : Team::kSize;
-      for (int turn = 0; turn < turns; ++turn) {
-        if (turn == team.rank()) {
-          for (int l = 0; l < kLanes && first + l < count_; ++l) {
-            for (int k = 0; k < kAngles; ++k) {
-              const double angle_cost = lane(costs[k], l);
-              if (angle_cost > bound) model.add<Pack>(angle_cost, kAngles * (first + l) + k);
-            }
+      const auto add_own = [&](const auto& add) {
+        for (int l = 0; l < kLanes && first + l < count_; ++l) {
+          for (int k = 0; k < kAngles; ++k) {
+            const double angle_cost = lane(costs[k], l);
+            if (angle_cost > bound) add(angle_cost, kAngles * (first + l) + k);
           }
         }
-        team.sync();
-      }
+      };
+      model.template add_in_order<Pack>(add_own, team);
     }
     model.set_gradients([&](const int(&angles)[kLanes]) { return angle_gradients<Pack>(x, angles); },
                         [&](const Vec3& gradient) { return motion.tangent(gradient); }, team);

@@ -27,15 +27,16 @@ class MinimaxModel {
     if (team.rank() == 0) count_ = 0;
     team.sync();
   }
-  /// Adds a function by its value and a number. Where there is no room, it replaces the one of the smallest value if
-  /// its own is larger.
-  template <class Pack = double>
-  TETUNE_HD void add(double value, int function) {
-    if (count_ == kMaxFunctions && value <= value_[smallest_]) return;
-    const int at = count_ == kMaxFunctions ? smallest_ : count_++;
-    value_[at] = value;
-    function_[at] = function;
-    if (count_ == kMaxFunctions) find_smallest<Pack>();
+  /// Adds functions of each thread of a team, in the order of the threads: `add_own(add)` calls add(value, number) for
+  /// each function of the thread, with the same arguments each time. Where there is no room, a function replaces the
+  /// one of the smallest value if its own is larger.
+  template <class Pack, class AddOwn, class Team>
+  TETUNE_HD void add_in_order(const AddOwn& add_own, const Team& team) {
+    if constexpr (Team::kSize == 1) {
+      add_own([this](double value, int function) { add<Pack>(value, function); });
+    } else {
+      add_of_team<Pack>(add_own, team);
+    }
   }
   /// Sets the gradients of all functions: `project(g)` for each g of `gradients_of(functions)`, which gets one function
   /// per lane of TermsOf<Team>. Functions whose gradient overflows, as at volumes close to underflow, do not count.
@@ -61,7 +62,7 @@ class MinimaxModel {
   /// active functions have the same modeled value, and the one of the largest value joins them until none is larger.
   /// Called by all threads of a team, with equal results.
   template <class Team = backend::SingleThread>
-  TETUNE_HD MinimaxStep step(double radius, const Team& team = {}) const {
+  TETUNE_HD TETUNE_OUTLINE MinimaxStep step(double radius, const Team& team = {}) const {
     backend::IndexedMax largest{kLowest, 0};
     backend::Max norm2{0};
     for (int i = team.rank(); i < count_; i += Team::kSize) {
@@ -85,6 +86,42 @@ class MinimaxModel {
   }
 
  private:
+  template <class Pack, class AddOwn, class Team>
+  TETUNE_HD void add_of_team(const AddOwn& add_own, const Team& team) {
+    int own = 0;
+    add_own([&](double, int) { ++own; });
+    backend::Placement place{0, 0};
+    for (int k = 0; team.any(k < own); ++k) {
+      const backend::Placement more = team.place(k < own);
+      place = {place.before + more.before, place.count + more.count};
+    }
+    const int before = count_;
+    team.sync();
+    if (before + place.count < kMaxFunctions) {
+      int at = before + place.before;
+      add_own([&](double value, int function) {
+        value_[at] = value;
+        function_[at++] = function;
+      });
+      if (team.rank() == 0) count_ = before + place.count;
+    } else {
+      for (int turn = 0; turn < Team::kSize; ++turn) {
+        if (turn == team.rank()) add_own([this](double value, int function) { add<Pack>(value, function); });
+        team.sync();
+      }
+    }
+    team.sync();
+  }
+
+  template <class Pack>
+  TETUNE_HD void add(double value, int function) {
+    if (count_ == kMaxFunctions && value <= value_[smallest_]) return;
+    const int at = count_ == kMaxFunctions ? smallest_ : count_++;
+    value_[at] = value;
+    function_[at] = function;
+    if (count_ == kMaxFunctions) find_smallest<Pack>();
+  }
+
   static constexpr int kMaxFunctions = 40;  ///< a multiple of the lanes of a pack
   static constexpr double kMaxNorm2 = 1e100;
   static constexpr int kMaxRounds = 64;

@@ -11,8 +11,9 @@ namespace tetune {
 
 namespace minimize_angle_cost_detail {
 
-/// Moves one vertex. A team moves it together, as each step takes the angles of all tetrahedra around it.
-template <class Pack>
+/// Moves one vertex. A team moves it together, as each step takes the angles of all tetrahedra around it. Without
+/// `kSlides` no vertex slides on a curved surface: a kernel of its own, as for RelocateVertex.
+template <class Pack, bool kSlides>
 struct MinimizeAngleCost : DofsView {
   static constexpr Size kGrain = 16;
   RatedMesh mesh;
@@ -34,19 +35,28 @@ struct MinimizeAngleCost : DofsView {
     if (flags[v] == 0 || count == 0) return {};
     const AngleCostRing ring(mesh, rings.faces.data() + begin, count, true);
     Vec3 x = vec(backend::read_once(team, mesh.points[v]));
-    if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) {
-      const SurfacePoint start = backend::read_once(team, surface_point[v]);
-      SlideMotion<DeviationBound<Pack>> motion{
-          reference, DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v], start,
-          start};
-      if (!ring.minimize(x, motion, target_cost, model, team)) return {};
-      if (team.rank() == 0) surface_point[v] = motion.surface_point;
-    } else {
-      // Free vertices have no axis: where the surface slides, it was never written.
-      FreeMotion motion{{dof[v], dof[v] == VertexDof::free ? Vec3{} : axis[v]}};
-      if (!ring.minimize(x, motion, target_cost, model, team)) return {};
+    if constexpr (kSlides) {
+      if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) return slide(v, ring, x, team, model);
     }
+    // Free vertices have no axis: where the surface slides, it was never written.
+    FreeMotion motion{{dof[v], dof[v] == VertexDof::free ? Vec3{} : axis[v]}};
+    if (!ring.minimize(x, motion, target_cost, model, team)) return {};
     if (team.rank() == 0) mesh.points[v] = point(x);
+    return {1};
+  }
+
+ private:
+  template <class Team>
+  TETUNE_HD Sum<Size> slide(Index v, const AngleCostRing& ring, Vec3 x, const Team& team, MinimaxModel& model) const {
+    const SurfacePoint start = backend::read_once(team, surface_point[v]);
+    SlideMotion<DeviationBound<Pack>> motion{
+        reference, DeviationBound<Pack>({reference, mesh.points, surface_point, v, max_deviation}), dof[v], start,
+        start};
+    if (!ring.minimize(x, motion, target_cost, model, team)) return {};
+    if (team.rank() == 0) {
+      surface_point[v] = motion.surface_point;
+      mesh.points[v] = point(x);
+    }
     return {1};
   }
 };
@@ -62,9 +72,12 @@ ResultOf<Backend, Sum<Size>> minimize_angle_cost(const Backend& backend, WorkMes
                                                  const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
                                                  Span<const std::uint8_t> flags, double target_cost) {
   using namespace minimize_angle_cost_detail;
-  const MinimizeAngleCost<typename Backend::Pack> kernel{dofs.view(), rated(mesh, criterion), rings, flags,
-                                                         target_cost};
-  return reduce_colors<Sum<Size>>(backend, coloring, kernel);
+  const auto run = [&](auto slides) {
+    const MinimizeAngleCost<typename Backend::Pack, slides.value> kernel{dofs.view(), rated(mesh, criterion), rings,
+                                                                         flags, target_cost};
+    return reduce_colors<Sum<Size>>(backend, coloring, kernel);
+  };
+  return dofs.surface_point.size() > 0 ? run(std::true_type()) : run(std::false_type());
 }
 
 }  // namespace tetune

@@ -64,11 +64,14 @@ struct RelocateVertex : DofsView {
       return {};
     }
     const LinkFace* faces = rings.faces.data() + begin;
-    const auto step_in = [&](auto&& ring) { return step_from(vec(read_once(team, points[v])), ring, team, v); };
-    const StepResult result =
-        count <= AnyRing::kCapacity
-            ? step_in(AnyRing(criterion.objective, points, faces, count, criterion.floor))
-            : step_in(PlainRing<Team>(criterion.objective, points, faces, count, criterion.floor));
+    const auto step_in = [&](auto ring) { return step_from(vec(read_once(team, points[v])), ring, team, v); };
+    const StepResult result = [&] {
+      if constexpr (!std::is_same_v<AnyRing, PlainRing<Team>>) {
+        if (count <= AnyRing::kCapacity)
+          return step_in(AnyRing(criterion.objective, points, faces, count, criterion.floor));
+      }
+      return step_in(PlainRing<Team>(criterion.objective, points, faces, count, criterion.floor));
+    }();
     if (writes && result.decrease > 0) points[v] = point(result.position);
     const bool far = result.relative_move > kActivationThreshold;
     if (writes) backend::store_shared(active[v], far ? 1 : 0);

@@ -17,7 +17,8 @@ namespace {
 class Model {
  public:
   void add(double value, const Vec3& gradient) {
-    model_.add(value, static_cast<int>(gradients_.size()));
+    const int number = static_cast<int>(gradients_.size());
+    model_.add_in_order<double>([&](const auto& add_one) { add_one(value, number); }, backend::SingleThread());
     gradients_.push_back(gradient);
   }
   void clear() { model_.clear(backend::SingleThread()); }

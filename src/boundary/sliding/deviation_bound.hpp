@@ -81,7 +81,7 @@ class DeviationBound : DeviationInput {
   TETUNE_HD explicit DeviationBound(const DeviationInput& input) : DeviationInput(input) {}
 
   /// Whether the vertex may be at x, which is at the surface point `on`.
-  TETUNE_HD bool allows(const Vec3& x, const SurfacePoint& on) const {
+  TETUNE_HD TETUNE_OUTLINE bool allows(const Vec3& x, const SurfacePoint& on) const {
     if (!(limit > 0)) return true;
     if (ref.dof[vertex] == VertexDof::curve && !lines_are_within(x, on)) return false;
     const TriangleDeviation triangle_test(*this);
@@ -104,7 +104,7 @@ class DeviationBound : DeviationInput {
   }
 
  private:
-  TETUNE_HD bool lines_are_within(const Vec3& x, const SurfacePoint& on) const {
+  TETUNE_HD TETUNE_OUTLINE bool lines_are_within(const Vec3& x, const SurfacePoint& on) const {
     const LineDeviation line_test(ref, limit);
     for (const Index neighbor : ref.line[vertex].next) {
       if (!line_test.is_within(x, on, vec(points[neighbor]), surface_points[neighbor])) return false;

@@ -190,8 +190,8 @@ TETUNE_HD inline SurfaceElement steepest_at_vertex(const ReferenceView& ref, Ind
 /// leads into (Alg. 3). The derivative along an edge is never larger than that in its triangles, but the descent of
 /// these may lead out of them, as over the bottom of a valley; on an edge it counts when neither triangle has a
 /// descent. At a vertex all elements are compared, as a valley may be steeper than a triangle elsewhere.
-TETUNE_HD inline SurfaceElement steepest(const ReferenceView& ref, VertexDof dof, const SurfacePoint& point,
-                                         const Vec3& g) {
+TETUNE_HD TETUNE_OUTLINE inline SurfaceElement steepest(const ReferenceView& ref, VertexDof dof,
+                                                        const SurfacePoint& point, const Vec3& g) {
   namespace detail = surface_element_detail;
   switch (point.kind) {
     case SurfacePointKind::triangle:

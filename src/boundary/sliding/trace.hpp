@@ -36,8 +36,9 @@ TETUNE_HD inline TraceResult advance_on_edge(const ReferenceView& ref, VertexDof
 }
 
 /// Moves to the boundary of a triangle at most, from given barycentric coordinates that change at given rates.
-TETUNE_HD inline TraceResult advance_to_boundary(const ReferenceView& ref, VertexDof dof, const SurfaceElement& element,
-                                                 const Vec3& from, const Vec3& rates, double t) {
+TETUNE_HD TETUNE_OUTLINE inline TraceResult advance_to_boundary(const ReferenceView& ref, VertexDof dof,
+                                                                const SurfaceElement& element, const Vec3& from,
+                                                                const Vec3& rates, double t) {
   const Index triangle = element.on.item;
   const double l[3] = {from.x, from.y, from.z};
   const double rate[3] = {rates.x, rates.y, rates.z};
@@ -81,8 +82,9 @@ TETUNE_HD inline Vec3 on_boundary(const ReferenceView& ref, Index triangle, cons
 /// Moves from y, which is at `from`, by t p along a surface element, at most to its boundary, and identifies the
 /// surface point there (Alg. 4). The position is computed from coordinates on the element, so that rounding errors do
 /// not add up over many steps.
-TETUNE_HD inline TraceResult advance(const ReferenceView& ref, VertexDof dof, const SurfaceElement& element,
-                                     const SurfacePoint& from, const Vec3& y, const TangentVector& p, double t) {
+TETUNE_HD TETUNE_OUTLINE inline TraceResult advance(const ReferenceView& ref, VertexDof dof,
+                                                    const SurfaceElement& element, const SurfacePoint& from,
+                                                    const Vec3& y, const TangentVector& p, double t) {
   const Frame& frame = element.frame;
   if (element.on.kind != SurfacePointKind::triangle) return trace_detail::advance_on_edge(ref, dof, element, y, p.u, t);
   Vec3 l = frame.coordinates(y);
@@ -97,8 +99,8 @@ TETUNE_HD inline TraceResult advance(const ReferenceView& ref, VertexDof dof, co
 
 /// The end of a step from x, at surface point `on`: its projection onto the element that it descends into, at most to
 /// the boundary of that element; x itself where there is none.
-TETUNE_HD inline TraceResult project_step(const ReferenceView& ref, VertexDof dof, const SurfacePoint& on,
-                                          const Vec3& x, const Vec3& step) {
+TETUNE_HD TETUNE_OUTLINE inline TraceResult project_step(const ReferenceView& ref, VertexDof dof,
+                                                         const SurfacePoint& on, const Vec3& x, const Vec3& step) {
   const SurfaceElement element = steepest(ref, dof, on, -1.0 * step);
   if (element.on.kind == SurfacePointKind::none) return {x, on, 0, false};
   return advance(ref, dof, element, on, x, element.descent, 1);

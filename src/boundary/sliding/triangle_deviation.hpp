@@ -42,7 +42,7 @@ class TriangleDeviation : DeviationInput {
   TETUNE_HD explicit TriangleDeviation(const DeviationInput& input) : DeviationInput(input) {}
 
   /// Whether the triangle at `corner` of the moved vertex is within the bound, with the vertex at x.
-  TETUNE_HD bool is_within(std::uint32_t corner, const Vec3& x, const SurfacePoint& on) const {
+  TETUNE_HD TETUNE_OUTLINE bool is_within(std::uint32_t corner, const Vec3& x, const SurfacePoint& on) const {
     const SurfaceTriangle t = ref.triangles[corner / 3];
     const Index va = t.v[(corner + 1) % 3];
     const Index vb = t.v[(corner + 2) % 3];

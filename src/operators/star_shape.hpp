@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "energy/criterion.hpp"
+#include "mesh/constrained_edges.hpp"
+#include "mesh/small_set.hpp"
+#include "operators/edge_star.hpp"
+#include "operators/star_candidate.hpp"
+
+namespace tetune {
+
+/// The tetrahedra and faces of a cavity: in the memory of a thread, or in that which a team shares. There one thread
+/// changes them.
+struct StarArrays {
+  SmallSet<kMaxStarTets> tets;
+  LinkFace faces[kMaxStarFaces];
+  HalfFace sides[kMaxStarFaces];      ///< the faces as those of the tetrahedra
+  LinkFace bases[kMaxStarTriangles];  ///< the surface triangles that are replaced
+  SurfaceSimplex simplex;
+  int face_count, base_count;
+
+  TETUNE_HD void clear() {
+    tets.clear();
+    simplex = {};
+    face_count = base_count = 0;
+  }
+};
+
+/// How a cavity gets its tetrahedra and faces. One thread calls the functions that change it.
+class StarShape {
+ protected:
+  TETUNE_HD StarShape(const RatedMesh& mesh, const ConstrainedEdges& constrained, StarArrays& arrays)
+      : mesh_(mesh), constrained_(constrained), arrays_(arrays) {}
+
+  /// Adds all tetrahedra around an edge of t. Like the next two, returns false if the cavity may not have them.
+  TETUNE_HD TETUNE_OUTLINE bool add_edge(Index t, int edge) {
+    const EdgeCorners e = edge_corners(edge);
+    const Tet tet = mesh_.tet2vertex[t];
+    const FaceAdjacency links = mesh_.tet2tet[t];
+    if (is_locked(links[e.k]) || is_locked(links[e.l])) return false;
+    if (constrained_.contains(tet[e.i], tet[e.j])) return false;
+    const Index last = tet_of(links[e.l]);
+    arrays_.tets.add(t);
+    for (EdgeWalk walk{tet[e.l], links[e.k]};;) {
+      if (2 * arrays_.tets.size() == kMaxStarFaces) return false;
+      arrays_.tets.add(walk.tet());
+      if (walk.tet() == last) break;
+      if (!walk.step(mesh_)) return false;
+    }
+    return true;
+  }
+  /// Adds all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too.
+  TETUNE_HD TETUNE_OUTLINE bool add_surface(Index t, const SurfaceSimplex& simplex) {
+    arrays_.simplex = simplex;
+    arrays_.tets.add(t);
+    for (int i = 0; i < arrays_.tets.size(); ++i) {
+      const Tet tet = mesh_.tet2vertex[arrays_.tets[i]];
+      for (int f = 0; f < 4; ++f) {
+        if (!simplex.is_on_face(tet, f)) continue;
+        const HalfFace across = mesh_.tet2tet[arrays_.tets[i]][f];
+        if (across != kNoHalfFace && !arrays_.tets.contains(tet_of(across))) {
+          if (arrays_.tets.is_full()) return false;
+          arrays_.tets.add(tet_of(across));
+        }
+        if (!is_locked(across) || (across != kNoHalfFace && tet_of(across) < arrays_.tets[i])) continue;
+        if (arrays_.base_count == kMaxStarTriangles) return false;
+        arrays_.bases[arrays_.base_count++] = link_face(tet, f);
+      }
+    }
+    return arrays_.base_count > 0;
+  }
+  /// Adds all tetrahedra around a vertex of the cavity.
+  TETUNE_HD TETUNE_OUTLINE bool add_all_around(Index v) {
+    for (int i = 0; i < arrays_.tets.size(); ++i) {
+      const Tet tet = mesh_.tet2vertex[arrays_.tets[i]];
+      if (tet[local_index(tet, v)] != v) continue;
+      const FaceAdjacency links = mesh_.tet2tet[arrays_.tets[i]];
+      for (int f = 0; f < 4; ++f) {
+        if (tet[f] == v) continue;
+        if (is_locked(links[f])) return false;
+        if (arrays_.tets.contains(tet_of(links[f]))) continue;
+        if (arrays_.tets.is_full()) return false;
+        arrays_.tets.add(tet_of(links[f]));
+      }
+    }
+    return true;
+  }
+  /// Finds the faces of the tetrahedra. Returns false where a locked face lies between two, or there are too many.
+  TETUNE_HD TETUNE_OUTLINE bool find_faces() {
+    arrays_.face_count = 0;
+    for (int i = 0; i < arrays_.tets.size(); ++i) {
+      const Tet tet = mesh_.tet2vertex[arrays_.tets[i]];
+      const FaceAdjacency links = mesh_.tet2tet[arrays_.tets[i]];
+      for (int f = 0; f < 4; ++f) {
+        const bool is_base = is_locked(links[f]) && arrays_.simplex.is_on_face(tet, f);
+        if (links[f] != kNoHalfFace && arrays_.tets.contains(tet_of(links[f]))) {
+          if (is_locked(links[f]) && !is_base) return false;
+          continue;
+        }
+        if (is_base) continue;
+        if (arrays_.face_count == kMaxStarFaces) return false;
+        arrays_.faces[arrays_.face_count] = link_face(tet, f);
+        arrays_.sides[arrays_.face_count++] = make_half_face(arrays_.tets[i], f);
+      }
+    }
+    return true;
+  }
+
+  /// Whether the edge is one of a replaced triangle, opposite a vertex of the simplex.
+  TETUNE_HD bool is_base_edge(Index a, Index b) const {
+    for (int i = 0; i < arrays_.base_count; ++i) {
+      if (!has_vertex(arrays_.bases[i], a) || !has_vertex(arrays_.bases[i], b)) continue;
+      for (const Index v : arrays_.bases[i].v) {
+        if (v != a && v != b && arrays_.simplex.has(v)) return true;
+      }
+    }
+    return false;
+  }
+
+  /// The tetrahedron across a face, with its faces towards the cavity: one or two of them.
+  struct Growth {
+    Tet tet{};
+    Index t = -1;  ///< -1: it cannot be taken
+    int face = 0, first = 0, second = -1, other = -1;
+  };
+  /// Where the tetrahedron across face i may be taken. Its faces towards the cavity vanish, one or two of them: with
+  /// three, a vertex would vanish as well.
+  TETUNE_HD TETUNE_OUTLINE Growth growth_across(int i) const {
+    Growth g;
+    const HalfFace across = mesh_.tet2tet[tet_of(arrays_.sides[i])][face_of(arrays_.sides[i])];
+    if (is_locked(across)) return {};
+    const Index t = tet_of(across);
+    g.face = i;
+    g.first = face_of(across);
+    g.tet = mesh_.tet2vertex[t];
+    const FaceAdjacency links = mesh_.tet2tet[t];
+    for (int f = 0; f < 4; ++f) {
+      if (f == g.first || links[f] == kNoHalfFace || !arrays_.tets.contains(tet_of(links[f]))) continue;
+      if (g.second >= 0 || is_locked(links[f])) return {};
+      g.second = f;
+    }
+    if (g.second >= 0) {
+      // The edge between the two vanishes.
+      const int k = g.first * g.second != 0 ? 0 : g.first + g.second == 1 ? 2 : 1;
+      const int l = 6 - g.first - g.second - k;
+      if (constrained_.contains(g.tet[k], g.tet[l]) || is_base_edge(g.tet[k], g.tet[l])) return {};
+      g.other = place_of_side(links[g.second]);
+    }
+    g.t = t;
+    return g;
+  }
+  TETUNE_HD TETUNE_OUTLINE void take(const Growth& g) {
+    arrays_.tets.add(g.t);
+    const int places[3] = {g.face, g.second >= 0 ? g.other : arrays_.face_count, arrays_.face_count + 1};
+    if (g.second < 0) arrays_.face_count += 2;
+    int n = 0;
+    for (int f = 0; f < 4; ++f) {
+      if (f == g.first || f == g.second) continue;
+      arrays_.faces[places[n]] = link_face(g.tet, f);
+      arrays_.sides[places[n++]] = make_half_face(g.t, f);
+    }
+  }
+  TETUNE_HD bool has_room() const { return !arrays_.tets.is_full() && arrays_.face_count + 2 <= kMaxStarFaces; }
+
+  RatedMesh mesh_;
+  ConstrainedEdges constrained_;
+  StarArrays& arrays_;
+
+ private:
+  TETUNE_HD int place_of_side(HalfFace side) const {
+    int i = 0;
+    while (arrays_.sides[i] != side) ++i;
+    return i;
+  }
+};
+
+}  // namespace tetune
