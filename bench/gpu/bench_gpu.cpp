@@ -251,7 +251,7 @@ void run_small() {
   Options options;
   options.effort = Effort::best;
   options.restarts = 0;
-  for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
     options.boundary = boundary;
     options.max_deviation = boundary == Boundary::slide ? 0.01 : 0;
     run_on_gpu(mesh, options, 1);
