@@ -32,23 +32,31 @@ struct FlipProposals {
 
   TETUNE_HD Size operator()(Size i, const Proposals<FlipCandidate>& proposals) const {
     const Index t = active[i];
+    const FaceAdjacency links = mesh.tet2tet[t];
     const IsWorse is_worse = worse_than(t);
-    const RingBound ring_bound = bound_rings(is_worse.energy_t);
+    const FlipEnergyLowerBound bound(mesh.objective);
+    const RingBound ring_bound = bound.ring_bound(is_worse.energy_t, max_ring);
     FlipEvaluation found{initial_ratio(ring_bound)};
-    const unsigned closed = closed_faces(is_worse);
+    const unsigned closed = closed_faces(is_worse, links);
     for (int face = 0; face < 4; ++face) {
-      if ((closed & 1U << face) != 0 || !face_may_gain(is_worse, face, found)) continue;
-      add_gain(i, face_cavity(mesh, t, face), flip_id(t, face), proposals, found);
+      if ((closed & 1U << face) != 0) continue;
+      const double before = is_worse.energy_t + energies[tet_of(links[face])];
+      if (!found.may_gain(bound.face_flip(), before)) continue;
+      FlipCandidate c = face_cavity(mesh, t, face);
+      add_gain(i, c, before, flip_id(t, face), proposals, found);
     }
     for (int edge = 0; edge < 6; ++edge) {
       if ((closed & edge_faces(edge)) != 0) continue;
       const EdgeStar star = edge_star(mesh, ring_bound.max_ring, t, edge, is_worse);
-      if (star.size == 0 || !star_may_gain(star, found)) continue;
-      add_gain(i, edge_cavity(star, constrained), flip_id(t, 4 + edge), proposals, found);
+      if (star.size == 0 || !star_may_gain(bound, star, found)) continue;
+      FlipCandidate c = edge_cavity(star, constrained);
+      if (c.kind == FlipKind::none) continue;
+      add_gain(i, c, energy_before(c, energies), flip_id(t, 4 + edge), proposals, found);
     }
     set_slack(t, found.min_ratio);
     return found.evaluated;
   }
+
   /// See group_evaluation.hpp.
   static constexpr Kinds kKinds = {4, 6};  ///< faces, edges
   static constexpr int kLists = 2;         ///< rings of three, and larger ones
@@ -59,18 +67,22 @@ struct FlipProposals {
   TETUNE_HD Index tet(Size i) const { return active[i]; }
   TETUNE_HD void start(Index t, PerTet& own) const {
     const IsWorse is_worse = worse_than(t);
-    const RingBound bound = bound_rings(is_worse.energy_t);
-    own = {bits(initial_ratio(bound)), std::uint8_t(closed_faces(is_worse)), std::uint8_t(bound.max_ring)};
+    const RingBound bound = FlipEnergyLowerBound(mesh.objective).ring_bound(is_worse.energy_t, max_ring);
+    own = {bits(initial_ratio(bound)), std::uint8_t(closed_faces(is_worse, mesh.tet2tet[t])),
+           std::uint8_t(bound.max_ring)};
   }
   TETUNE_HD int test(Index t, int candidate, PerTet& own) const {
     const IsWorse is_worse = worse_than(t);
+    const FlipEnergyLowerBound bound(mesh.objective);
     FlipEvaluation found{kInfeasible};
     int list = kFails;
     if (candidate < 4) {
-      if ((own.closed_faces & 1U << candidate) == 0 && face_may_gain(is_worse, candidate, found)) list = 0;
+      if ((own.closed_faces & 1U << candidate) != 0) return kFails;
+      const double before = is_worse.energy_t + energies[tet_of(mesh.tet2tet[t][candidate])];
+      if (found.may_gain(bound.face_flip(), before)) list = 0;
     } else if ((own.closed_faces & edge_faces(candidate - 4)) == 0) {
       const EdgeStar star = edge_star(mesh, own.max_ring, t, candidate - 4, is_worse);
-      if (star.size > 0 && star_may_gain(star, found)) list = star.size == 3 ? 0 : 1;
+      if (star.size > 0 && star_may_gain(bound, star, found)) list = star.size == 3 ? 0 : 1;
     }
     lower_ratio(own, found.min_ratio);
     return list;
@@ -79,8 +91,9 @@ struct FlipProposals {
     const auto never = [](Index) { return false; };
     c = candidate < 4 ? face_cavity(mesh, t, candidate)
                       : edge_cavity(edge_star(mesh, own.max_ring, t, candidate - 4, never), constrained);
+    if (c.kind == FlipKind::none) return 0;
     FlipEvaluation found{kInfeasible};
-    const double gain_of_c = gain(c, found);
+    const double gain_of_c = gain(c, energy_before(c, energies), found);
     evaluated += found.evaluated;
     lower_ratio(own, found.min_ratio);
     return gain_of_c;
@@ -93,9 +106,6 @@ struct FlipProposals {
 
  private:
   TETUNE_HD TETUNE_INLINE IsWorse worse_than(Index t) const { return {energies, t, energies[t]}; }
-  TETUNE_HD TETUNE_INLINE RingBound bound_rings(double energy) const {
-    return FlipEnergyLowerBound(mesh.objective).ring_bound(energy, max_ring);
-  }
   TETUNE_HD TETUNE_INLINE static double initial_ratio(const RingBound& bound) {
     return 1 + kMaxSlack < bound.min_ratio ? 1 + kMaxSlack : bound.min_ratio;
   }
@@ -105,8 +115,7 @@ struct FlipProposals {
   }
 
   /// The faces of a tetrahedron that are locked, or beyond which an owner lies, as bits.
-  TETUNE_HD TETUNE_INLINE unsigned closed_faces(const IsWorse& is_worse) const {
-    const FaceAdjacency links = mesh.tet2tet[is_worse.t];
+  TETUNE_HD TETUNE_INLINE static unsigned closed_faces(const IsWorse& is_worse, const FaceAdjacency& links) {
     unsigned closed = 0;
     for (int f = 0; f < 4; ++f) {
       const bool locked = is_locked(links[f]);
@@ -115,14 +124,11 @@ struct FlipProposals {
     }
     return closed;
   }
-  TETUNE_HD TETUNE_INLINE bool face_may_gain(const IsWorse& is_worse, int face, FlipEvaluation& found) const {
-    const Index other = tet_of(mesh.tet2tet[is_worse.t][face]);
-    return found.may_gain(FlipEnergyLowerBound(mesh.objective).face_flip(), is_worse.energy_t + energies[other]);
-  }
-  TETUNE_HD TETUNE_INLINE bool star_may_gain(const EdgeStar& star, FlipEvaluation& found) const {
+  TETUNE_HD TETUNE_INLINE bool star_may_gain(const FlipEnergyLowerBound& bound, const EdgeStar& star,
+                                             FlipEvaluation& found) const {
     double before = 0;
     for (int m = 0; m < star.size; ++m) before += energies[star.tets[m]];
-    return found.may_gain(FlipEnergyLowerBound(mesh.objective).edge_removal(star.size), before);
+    return found.may_gain(bound.edge_removal(star.size), before);
   }
 
   TETUNE_HD static std::uint64_t bits(double value) {
@@ -135,20 +141,19 @@ struct FlipProposals {
     if (ratio < kInfeasible) backend::atomic_min(own.min_ratio, bits(ratio));
   }
 
-  /// Finds the best triangulation of a candidate's ring, and returns its gain; 0: none.
-  TETUNE_HD TETUNE_INLINE double gain(FlipCandidate& c, FlipEvaluation& found) const {
-    if (c.kind == FlipKind::none) return 0;
+  /// Finds the best triangulation of a candidate's ring, whose cavity has the energy `before`, and returns its gain; 0:
+  /// none.
+  TETUNE_HD TETUNE_INLINE double gain(FlipCandidate& c, double before, FlipEvaluation& found) const {
     ++found.evaluated;
-    const double before = energy_before(c, energies);
     const double after = best_energy<Pack>(mesh, c, before, (1 + kMaxSlack) * before);
     const bool gains = before - after > kMinRelativeGain * before;
     found.add(gains || after > before ? after / before : 1);
     return gains ? before - after : 0;
   }
 
-  TETUNE_HD TETUNE_INLINE void add_gain(Size i, FlipCandidate c, std::uint32_t id,
+  TETUNE_HD TETUNE_INLINE void add_gain(Size i, FlipCandidate& c, double before, std::uint32_t id,
                                         const Proposals<FlipCandidate>& proposals, FlipEvaluation& found) const {
-    const double gain_of_c = gain(c, found);
+    const double gain_of_c = gain(c, before, found);
     if (gain_of_c > 0) proposals.add(i, c, gain_of_c, id);
   }
 };

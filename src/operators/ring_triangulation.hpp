@@ -26,16 +26,11 @@ TETUNE_HD TETUNE_INLINE T corner_energy(const Objective& objective, const Vec3T<
   return ((det > 0.0) & (margin > 0.0)) ? energy : T{} + kInfeasible;
 }
 
-/// The vertices of a ring relative to a point, repeated beyond the last one, so that packs of consecutive vertices can
-/// be loaded.
+/// The vertices of a ring relative to an end of its edge, repeated beyond the last one, so that packs of consecutive
+/// vertices can be loaded.
 template <class Pack>
 class RingFan {
  public:
-  TETUNE_HD RingFan(const MeshView& mesh, const FlipCandidate& c, const Vec3& origin) {
-    const int n = c.ring_size;
-    for (int m = 0; m < n; ++m) set(m, vec(mesh.points[c.ring[m]]) - origin);
-    for (int m = n; m < (n > 4 ? 8 : 4) + 2; ++m) set(m, (*this)[m - n]);
-  }
   TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const { return {x_[m], y_[m], z_[m]}; }
   /// Vertices m, m + 1, ...
   TETUNE_HD TETUNE_INLINE Vec3T<Pack> pack(int m) const {
@@ -44,6 +39,22 @@ class RingFan {
     std::memcpy(&v.y, y_ + m, sizeof(Pack));
     std::memcpy(&v.z, z_ + m, sizeof(Pack));
     return v;
+  }
+
+  /// Sets the fans of both ends.
+  TETUNE_HD static void set(const MeshView& mesh, const FlipCandidate& c, RingFan& from_a, RingFan& from_b) {
+    const Vec3 a = vec(mesh.points[c.a]);
+    const Vec3 b = vec(mesh.points[c.b]);
+    const int n = c.ring_size;
+    for (int m = 0; m < n; ++m) {
+      const Vec3 r = vec(mesh.points[c.ring[m]]);
+      from_a.set(m, r - a);
+      from_b.set(m, r - b);
+    }
+    for (int m = n; m < (n > 4 ? 8 : 4) + 2; ++m) {
+      from_a.set(m, from_a[m - n]);
+      from_b.set(m, from_b[m - n]);
+    }
   }
 
  private:
@@ -59,16 +70,21 @@ class RingFan {
 template <>
 class RingFan<double> {
  public:
-  TETUNE_HD RingFan(const MeshView& mesh, const FlipCandidate& c, const Vec3& origin)
-      : points_(mesh.points), c_(c), origin_(origin) {}
   TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const {
-    return vec(points_[c_.ring[m < c_.ring_size ? m : m - c_.ring_size]]) - origin_;
+    return vec(points_[c_->ring[m < c_->ring_size ? m : m - c_->ring_size]]) - origin_;
   }
   TETUNE_HD TETUNE_INLINE Vec3 pack(int m) const { return (*this)[m]; }
 
+  TETUNE_HD static void set(const MeshView& mesh, const FlipCandidate& c, RingFan& from_a, RingFan& from_b) {
+    from_a.points_ = from_b.points_ = mesh.points;
+    from_a.c_ = from_b.c_ = &c;
+    from_a.origin_ = vec(mesh.points[c.a]);
+    from_b.origin_ = vec(mesh.points[c.b]);
+  }
+
  private:
   Span<const Point> points_;
-  const FlipCandidate& c_;
+  const FlipCandidate* c_ = nullptr;
   Vec3 origin_;
 };
 
@@ -77,11 +93,8 @@ class RingFan<double> {
 template <class Pack>
 class RingFans {
  public:
-  TETUNE_HD RingFans(const RatedMesh& mesh, const FlipCandidate& c)
-      : objective_(mesh.objective),
-        n_(c.ring_size),
-        from_a_(mesh, c, vec(mesh.points[c.a])),
-        from_b_(mesh, c, vec(mesh.points[c.b])) {
+  TETUNE_HD RingFans(const RatedMesh& mesh, const FlipCandidate& c) : objective_(mesh.objective), n_(c.ring_size) {
+    RingFan<Pack>::set(mesh, c, from_a_, from_b_);
     for (int m = 0; m < n_; m += kLanes) {
       const Pack energies = corner_energy(objective_, from_a_.pack(m), from_a_.pack(m + 1), from_a_.pack(m + 2)) +
                             corner_energy(objective_, from_b_.pack(m), from_b_.pack(m + 2), from_b_.pack(m + 1));
@@ -98,6 +111,7 @@ class RingFans {
  private:
   static constexpr int kLanes = sizeof(Pack) / sizeof(double);
   static constexpr int kPolygons = kMaxRing * (kMaxRing - 1) / 2;
+  /// Increases by 1 with i, and by k with k.
   TETUNE_HD TETUNE_INLINE static int place(int i, int k) { return k * (k - 1) / 2 + i; }
 
   /// Each triangulation of four or more vertices has two ears that do not overlap.
@@ -122,8 +136,8 @@ class RingFans {
         const int k = i + length;
         const int polygon = place(i, k);
         min_energy[polygon] = limit;
-        for (int j = i + 1; j < k; ++j) {
-          const double sides = min_energy[place(i, j)] + min_energy[place(j, k)];
+        for (int j = i + 1, to_j = place(i, j); j < k; to_j += j, ++j) {
+          const double sides = min_energy[to_j] + min_energy[polygon + j - i];
           if (!(sides < min_energy[polygon])) continue;
           const double sum = sides + triangle(i, j, k);
           if (!(sum < min_energy[polygon])) continue;

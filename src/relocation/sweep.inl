@@ -64,7 +64,7 @@ struct RelocateVertex : DofsView {
       return {};
     }
     const LinkFace* faces = rings.faces.data() + begin;
-    const auto step_in = [&](auto ring) { return step_from(vec(read_once(team, points[v])), ring, team, v); };
+    const auto step_in = [&](auto&& ring) { return step_from(vec(read_once(team, points[v])), ring, team, v); };
     const StepResult result = [&] {
       if constexpr (!std::is_same_v<AnyRing, PlainRing<Team>>) {
         if (count <= AnyRing::kCapacity)
