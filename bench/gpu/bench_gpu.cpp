@@ -4,7 +4,6 @@
 //   bench_gpu parity [FILE ...]              both backends on small meshes: exit code 1 if they differ
 //   bench_gpu small                          small meshes that run all kernels, for compute-sanitizer
 //   bench_gpu mesh TETS|FILE RUNS            times of valid results; TETS: the approximate size of a generated mesh
-//   bench_gpu once TETS|FILE                 one run after a warm-up run, for profilers
 //   bench_gpu count TETS|FILE fixed|preserve|slide fast|default|best
 //                                            one run alone, compared with the CPU's: for bench/gpu/model and for
 //                                            profilers
@@ -209,13 +208,10 @@ void measure(const std::string& source, const TetMesh& mesh, int runs, bool flip
   line.print();
 }
 
-void run_on_gpu(const TetMesh& mesh, Options options, int times) {
+void run_on_gpu(TetMesh mesh, Options options) {
   options.device = Device::cuda;
-  for (int i = 0; i < times; ++i) {
-    TetMesh again = mesh;
-    optimize(again, options);
-    check_valid(again, "a mesh by the GPU");
-  }
+  optimize(mesh, options);
+  check_valid(mesh, "a mesh by the GPU");
 }
 
 template <class T>
@@ -254,17 +250,17 @@ void run_small() {
   for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
     options.boundary = boundary;
     options.max_deviation = boundary == Boundary::slide ? 0.01 : 0;
-    run_on_gpu(mesh, options, 1);
+    run_on_gpu(mesh, options);
   }
   Options other;
   other.relocation = Relocation::gradient;
   other.energy = Energy::harmonic;
-  run_on_gpu(mesh, other, 1);
+  run_on_gpu(mesh, other);
   Options untangling;
   untangling.untangle = true;
   TetMesh tangled = reference::lattice(4);
   tangled.points[tangled.points.size() / 2][0] += 0.375;  // beyond its neighbors
-  run_on_gpu(tangled, untangling, 1);
+  run_on_gpu(std::move(tangled), untangling);
   Json().add("valid", "true").print();
 }
 
@@ -284,19 +280,18 @@ void print_ceilings() {
 }
 
 /// Throws the DeviceError of the library if no GPU can be used.
-void require_gpu() { run_on_gpu(reference::lattice(1), {}, 1); }
+void require_gpu() { run_on_gpu(reference::lattice(1), {}); }
 
 int usage() {
   std::fprintf(stderr,
-               "usage: bench_gpu ceilings | parity [FILE ...] | small | mesh TETS|FILE RUNS | once TETS|FILE |\n"
+               "usage: bench_gpu ceilings | parity [FILE ...] | small | mesh TETS|FILE RUNS |\n"
                "       count TETS|FILE fixed|preserve|slide fast|default|best\n");
   return 2;
 }
 
 int run(const std::vector<std::string>& args) {
   const std::string command = args.empty() ? "" : args[0];
-  const std::map<std::string, std::size_t> arguments{
-      {"ceilings", 1}, {"small", 1}, {"once", 2}, {"mesh", 3}, {"count", 4}};
+  const std::map<std::string, std::size_t> arguments{{"ceilings", 1}, {"small", 1}, {"mesh", 3}, {"count", 4}};
   const auto expected = arguments.find(command);
   if (command != "parity" && (expected == arguments.end() || expected->second != args.size())) return usage();
   const int runs = command == "mesh" ? std::atoi(args[2].c_str()) : 1;
@@ -305,7 +300,6 @@ int run(const std::vector<std::string>& args) {
   if (command == "ceilings") print_ceilings();
   if (command == "small") run_small();
   if (command == "count") run_once_and_compare(args[1], args[2], args[3]);
-  if (command == "once") run_on_gpu(load_or_generate(args[1]), {}, 2);
   if (command == "mesh") {
     const TetMesh mesh = load_or_generate(args[1]);
     for (const bool flips_alone : {true, false}) measure(args[1], mesh, runs, flips_alone);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <type_traits>
 
 #include "backend/macros.hpp"
@@ -26,30 +27,45 @@ TETUNE_HD inline void atomic_or(std::uint32_t& target, std::uint32_t bits) {
 #endif
 }
 
+namespace atomic_detail {
+
+#if defined(__CUDA_ARCH__)
+/// CUDA's type for an unsigned integer of 32 or 64 bits.
+template <class T>
+using Word = std::conditional_t<sizeof(T) == sizeof(unsigned), unsigned, unsigned long long>;
+template <class T>
+__device__ Word<T>* word(T& target) {
+  static_assert(sizeof(Word<T>) == sizeof(T));
+  return reinterpret_cast<Word<T>*>(&target);
+}
+#else
+/// Stores `value` if it precedes the target.
+template <class T, class Precedes>
+void store_if(T& target, T value, const Precedes& precedes) {
+  T current = __atomic_load_n(&target, __ATOMIC_RELAXED);
+  while (precedes(value, current) &&
+         !__atomic_compare_exchange_n(&target, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+}
+#endif
+
+}  // namespace atomic_detail
+
 /// T is an unsigned integer of 32 or 64 bits.
 template <class T>
 TETUNE_HD inline void atomic_max(T& target, std::type_identity_t<T> value) {
 #if defined(__CUDA_ARCH__)
-  using Word = std::conditional_t<sizeof(T) == sizeof(unsigned), unsigned, unsigned long long>;
-  static_assert(sizeof(Word) == sizeof(T));
-  atomicMax(reinterpret_cast<Word*>(&target), Word{value});
+  atomicMax(atomic_detail::word(target), atomic_detail::Word<T>{value});
 #else
-  T current = __atomic_load_n(&target, __ATOMIC_RELAXED);
-  while (current < value &&
-         !__atomic_compare_exchange_n(&target, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
-  }
+  atomic_detail::store_if(target, value, std::greater<>());
 #endif
 }
-
-TETUNE_HD inline void atomic_min(std::uint64_t& target, std::uint64_t value) {
+template <class T>
+TETUNE_HD inline void atomic_min(T& target, std::type_identity_t<T> value) {
 #if defined(__CUDA_ARCH__)
-  static_assert(sizeof(unsigned long long) == sizeof value);
-  atomicMin(reinterpret_cast<unsigned long long*>(&target), value);
+  atomicMin(atomic_detail::word(target), atomic_detail::Word<T>{value});
 #else
-  std::uint64_t current = __atomic_load_n(&target, __ATOMIC_RELAXED);
-  while (value < current &&
-         !__atomic_compare_exchange_n(&target, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
-  }
+  atomic_detail::store_if(target, value, std::less<>());
 #endif
 }
 

@@ -35,6 +35,7 @@ template <int kThreads>
 class PartOfWarp {
  public:
   static constexpr int kSize = kThreads;
+
   TETUNE_HD static int rank() {
 #if defined(__CUDA_ARCH__)
     return int(threadIdx.x) % kSize;

@@ -16,8 +16,8 @@ namespace tetune {
 ///
 /// A cavity of all tetrahedra around a simplex of the surface also replaces the surface triangles that contain it. With
 /// an apex in their planes the surface keeps its shape; with another, on a curved surface, it bends within a bound
-/// (SurfaceBend). All threads of a team call the functions that take a team, with
-/// equal arguments; the others change nothing.
+/// (SurfaceBend). All threads of a team call the functions that take a team, with equal arguments; the others change
+/// nothing.
 class StarCavity : StarShape {
  public:
   /// An empty cavity in the memory of the team.
