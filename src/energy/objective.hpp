@@ -67,6 +67,9 @@ inline constexpr Objective kHarmonicObjective{false, 0, 1.5, 2, -1, 0, -2, 2};
 /// 1 / (6 sqrt(3)): the shape energy of a regular tetrahedron is 1.
 inline constexpr double kShapeFactor = 0.096225044864937627;
 
+/// A lower bound on the shape energy of a tetrahedron, and on its powers, with the rounding errors.
+inline constexpr double kMinShapeEnergy = 1 - 1e-12;
+
 /// The shape energy (eta / eta_r)^(3/2) = q^(3/2) / (6 sqrt(3) w^2) raised to 2^log2_power, where eta_r is the harmonic
 /// index of the regular tetrahedron of the same volume. It is 1 for a regular tetrahedron of any size; a higher power
 /// gives more weight to the worst tetrahedra.

@@ -153,12 +153,21 @@ class SimdRing {
             {f.n.x[l], f.n.y[l], f.n.z[l]}};
   }
 
+  /// As allowed() for each face.
   bool respects_floor(const Vec3& x) const {
-    for (Size i = 0; i < count_; ++i) {
-      const OppositeFace<double> f = face(i);
-      const Vec3 y = x - f.p0;
-      const double shape = Objective::shape_term(area_term(f, y), 1 / dot(f.n, y));
-      if (!(shape <= floor_.safe_shape / kShapeFactor) && !allowed(floor_, f, x, kShapeFactor * shape)) return false;
+    const Vec3T<Pack> xs = broadcast(x);
+    for (int k = 0; k < packs_; ++k) {
+      const OppositeFace<Pack>& f = faces_[k];
+      const Vec3T<Pack> y = xs - f.p0;
+      const Pack w = dot(f.n, y);
+      const Pack term = Objective::shape_term(area_term(f, y), 1.0 / w);
+      if (max_lane(term) <= floor_.safe_shape / kShapeFactor) continue;
+      const Vec3T<Pack> p[4] = {xs, f.p0, f.p0 + f.b, f.p0 + f.a};
+      const Pack shape = kShapeFactor * term;
+      const auto is_safe = (term <= floor_.safe_shape / kShapeFactor) | (shape <= floor_.safe_shape);
+      const auto is_allowed = (shape <= floor_.worst_shape) & floor_.allows(QualityFloor::dihedral_cots(p, w));
+      const Pack violation = is_safe | is_allowed ? zero() : zero() + 1.0;
+      if (max_lane(violation) > 0) return false;
     }
     return true;
   }

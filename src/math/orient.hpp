@@ -20,12 +20,14 @@ TETUNE_HD TETUNE_INLINE auto is_certified(const T& volume, const T& bound) {
   return static_cast<decltype(volume > bound)>((volume > bound) & (bound > kOrientUnderflow));
 }
 
-/// Six times the signed volume of a tetrahedron, and the bound on its rounding error.
-struct Orient {
-  double det;
-  double bound;
-  TETUNE_HD bool certified() const { return is_certified(det, bound); }
+/// Six times the signed volume of a tetrahedron, and the bound on its rounding error. T is double or a pack.
+template <class T>
+struct OrientT {
+  T det;
+  T bound;
+  TETUNE_HD TETUNE_INLINE auto certified() const { return is_certified(det, bound); }
 };
+using Orient = OrientT<double>;
 
 /// The absolute value of a double, or of each lane of a pack.
 template <class T>
@@ -51,10 +53,12 @@ TETUNE_HD TETUNE_INLINE T orient_det(const Vec3T<T> p[4]) {
   return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]);
 }
 
-TETUNE_HD TETUNE_INLINE Orient orient(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3) {
-  const Vec3 a = p1 - p0;
-  const Vec3 b = p2 - p0;
-  const Vec3 c = p3 - p0;
+template <class T = double>
+TETUNE_HD TETUNE_INLINE OrientT<T> orient(const Vec3T<T>& p0, const Vec3T<T>& p1, const Vec3T<T>& p2,
+                                          const Vec3T<T>& p3) {
+  const Vec3T<T> a = p1 - p0;
+  const Vec3T<T> b = p2 - p0;
+  const Vec3T<T> c = p3 - p0;
   return {dot(cross(a, b), c), kOrientBound * permanent(a, b, c)};
 }
 

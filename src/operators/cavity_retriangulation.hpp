@@ -19,9 +19,9 @@ struct CavityRetriangulation {
     StarCavity star = p.cavity();
     if (!star.take_tet(t, p.team)) return;
     const Vec3 x = vec(p.mesh.points[apex]);
-    if (p.grow(star, apex, x)) {
-      p.add(star, p.candidate(star, apex, kNoVertex, x));
-    }
+    if (!p.grow(star, apex, x)) return;
+    StarCandidate c = star.candidate(apex, kNoVertex, x);
+    p.add(star, c);
   }
 };
 

@@ -33,7 +33,7 @@ struct CompositeRemoval {
       }
     }
     if (best.v < 0) return;
-    StarCandidate c = p.candidate(best.star, best.v, kNoVertex, p.lower_cost(best.star, best.x));
+    StarCandidate c = best.star.candidate(best.v, kNoVertex, p.lower_cost(best.star, best.x));
     c.is_moved = true;
     p.add(best.star, best.before, c);
   }

@@ -58,14 +58,15 @@ class StarCavity : StarShape {
   template <class Team>
   TETUNE_HD bool take_vertex(Index t, int corner, const Team& team) {
     return try_change(team, [&] {
+      const Index v = mesh_.tet2vertex[t][corner];
       arrays_.tets.add(t);
-      return add_all_around(mesh_.tet2vertex[t][corner]) && find_faces();
+      return add_all_around(v) && find_faces(v);
     });
   }
   /// Takes all tetrahedra around a vertex of the cavity, in addition to those it has.
   template <class Team>
   TETUNE_HD bool take_all_around(Index v, const Team& team) {
-    return try_change(team, [&] { return add_all_around(v) && find_faces(); });
+    return try_change(team, [&] { return add_all_around(v) && find_faces(v); });
   }
 
   TETUNE_HD int tet_count() const { return arrays_.tets.size(); }
@@ -99,32 +100,38 @@ class StarCavity : StarShape {
     const TetEnergy e = tet_energy(mesh_.objective, x, vec(p[f.v[0]]), vec(p[f.v[1]]), vec(p[f.v[2]]));
     return e.certified ? e.energy : kInfeasible;
   }
-  /// The candidate of the retriangulation from x. Thread 0 of a team has its tetrahedra.
-  template <class Team>
-  TETUNE_HD TETUNE_OUTLINE StarCandidate candidate(Index apex, Index removed, const Vec3& x, const Team& team) const {
+  /// The candidate of the retriangulation from x, without its tetrahedra.
+  TETUNE_HD StarCandidate candidate(Index apex, Index removed, const Vec3& x) const {
     StarCandidate c;
     c.apex_position = x;
     c.apex = apex;
     c.removed = removed;
     c.is_moved = false;
-    c.tet_count = arrays_.tets.size();
     c.simplex = arrays_.simplex;
-    if (team.rank() != 0) return c;
+    return c;
+  }
+  /// Adds the tetrahedra to a candidate. One thread of a team calls it.
+  TETUNE_HD TETUNE_OUTLINE void list_tets(StarCandidate& c) const {
+    c.tet_count = arrays_.tets.size();
     for (int i = 0; i < arrays_.tets.size(); ++i) c.tets[i] = arrays_.tets[i];
     for (int i = 0; i < arrays_.tets.size(); ++i) c.outer_faces[i] = 0;
     for (int k = 0; k < arrays_.face_count; ++k) {
       const int i = arrays_.tets.find(tet_of(arrays_.sides[k]));
       c.outer_faces[i] = static_cast<std::uint8_t>(c.outer_faces[i] | 1 << face_of(arrays_.sides[k]));
     }
-    return c;
   }
 
   /// The largest cost of the dihedral angles (DihedralCots::cost()) in the cavity as it is.
   template <class Team = backend::SingleThread>
   TETUNE_HD TETUNE_OUTLINE double cost_before(const Team& team = {}) const {
+    using Pack = backend::TermsOf<Team>;
+    constexpr int kLanes = kLanesOf<Pack>;
     backend::Max largest{-1};
-    for (int i = team.rank(); i < arrays_.tets.size(); i += Team::kSize) {
-      largest.merge({dihedral_cots(mesh_, arrays_.tets[i]).cost(mesh_.obtuse_weight)});
+    for (int begin = kLanes * team.rank(); begin < arrays_.tets.size(); begin += kLanes * Team::kSize) {
+      Vec3T<Pack> p[4];
+      gather_corners(begin, p);
+      const Pack costs = dihedral_cots(p).cost(mesh_.obtuse_weight);
+      for (int l = 0; l < kLanes; ++l) largest.merge(backend::Max{lane(costs, l)});
     }
     return team.merge(largest).value;
   }
@@ -137,17 +144,16 @@ class StarCavity : StarShape {
       int first = 0;
       return AngleCostRing(mesh_, arrays_.faces, arrays_.face_count, keeps_floor).largest_cost(x, limit, first, team);
     }
+    constexpr int kLanes = kLanesOf<backend::TermsOf<Team>>;
     backend::Max largest{-1};
-    for (int begin = 0; begin < arrays_.face_count; begin += Team::kSize) {
-      const int i = begin + team.rank();
-      bool fails = false;
-      if (i < arrays_.face_count && !has_vertex(arrays_.faces[i], apex)) {
-        int first = 0;
-        const double cost = AngleCostRing(mesh_, &arrays_.faces[i], 1, keeps_floor).largest_cost(x, limit, first);
-        largest.merge({cost});
-        fails = !(cost < limit);
+    for (int begin = 0; begin < arrays_.face_count; begin += kLanes * Team::kSize) {
+      const int first = begin + kLanes * team.rank();
+      double costs[kLanes];
+      if (first < arrays_.face_count) {
+        find_costs_from(first, apex, x, keeps_floor, costs, team);
+        for (const double cost : costs) largest.merge(backend::Max{cost});
       }
-      if (team.any(fails)) return limit;
+      if (team.any(!(largest.value < limit))) return limit;
     }
     return team.merge(largest).value;
   }
@@ -185,8 +191,13 @@ class StarCavity : StarShape {
   template <class Team = backend::SingleThread>
   TETUNE_HD TETUNE_OUTLINE bool grow_below(Index apex, const Vec3& x, double limit, const Team& team = {}) {
     // Face i belongs to thread i % kSize of the team.
+    constexpr int kLanes = kLanesOf<backend::TermsOf<Team>>;
     double costs[(kMaxStarFaces + Team::kSize - 1) / Team::kSize];
-    find_costs(apex, x, costs, team);
+    for (int i = kLanes * team.rank(); i < arrays_.face_count; i += kLanes * Team::kSize) {
+      double some[kLanes];
+      find_costs_from(i, apex, x, false, some, team);
+      for (int l = 0; l < kLanes; ++l) costs[i / Team::kSize + l] = some[l];
+    }
     for (int step = 0; step < kMaxStarTets; ++step) {
       backend::IndexedMax worst{-1, kMaxStarFaces};  // the last of equals: indices count from the last face on
       for (int i = team.rank(); i < arrays_.face_count; i += Team::kSize) {
@@ -200,7 +211,7 @@ class StarCavity : StarShape {
       const int places[3] = {g.face, g.second >= 0 ? g.other : arrays_.face_count, arrays_.face_count + 1};
       change(team, [&] { take(g); });
       for (int k = 0; k < (g.second >= 0 ? 2 : 3); ++k) {
-        if (places[k] % Team::kSize == team.rank()) costs[places[k] / Team::kSize] = face_cost(apex, x, places[k]);
+        if (places[k] % Team::kSize == team.rank()) costs[places[k] / Team::kSize] = face_cost(apex, x, places[k], false);
       }
     }
     return false;
@@ -229,30 +240,39 @@ class StarCavity : StarShape {
     return succeeds;
   }
 
-  /// The cost of the new tetrahedron at a face; -1 where the apex is on it.
-  TETUNE_HD TETUNE_OUTLINE double face_cost(Index apex, const Vec3& x, int face) const {
+  /// The cost of the new tetrahedron at a face, at most kInfeasible; -1 where the apex is on it.
+  TETUNE_HD TETUNE_OUTLINE double face_cost(Index apex, const Vec3& x, int face, bool keeps_floor) const {
     int first = 0;
     return has_vertex(arrays_.faces[face], apex)
                ? -1
-               : AngleCostRing(mesh_, &arrays_.faces[face], 1, false).largest_cost(x, kInfeasible, first);
+               : AngleCostRing(mesh_, &arrays_.faces[face], 1, keeps_floor).largest_cost(x, kInfeasible, first);
   }
-  /// face_cost() of the faces of this thread.
-  template <class Team>
-  TETUNE_HD void find_costs(Index apex, const Vec3& x, double* costs, const Team& team) const {
-    using Pack = backend::TermsOf<Team>;
-    if constexpr (kLanesOf<Pack> != 1) {
-      const AngleCostRing ring(mesh_, arrays_.faces, arrays_.face_count, false);
-      for (int begin = 0; begin < arrays_.face_count; begin += kLanesOf<Pack>) {
-        const Pack pack = ring.template costs_of<Pack>(x, begin);
-        for (int l = 0; l < kLanesOf<Pack> && begin + l < arrays_.face_count; ++l) {
-          const bool is_at_apex = has_vertex(arrays_.faces[begin + l], apex);
-          costs[begin + l] = is_at_apex ? -1 : pack[l] < kInfeasible ? pack[l] : kInfeasible;
-        }
-      }
+  /// face_cost() of the faces from `first` on, as many as the team's threads evaluate at a time; -1 beyond the last one.
+  template <class Team, int kLanes>
+  TETUNE_HD void find_costs_from(int first, Index apex, const Vec3& x, bool keeps_floor, double (&costs)[kLanes],
+                                 const Team&) const {
+    if constexpr (kLanes == 1) {
+      costs[0] = face_cost(apex, x, first, keeps_floor);
     } else {
-      for (int i = team.rank(); i < arrays_.face_count; i += Team::kSize)
-        costs[i / Team::kSize] = face_cost(apex, x, i);
+      using Pack = backend::TermsOf<Team>;
+      const AngleCostRing ring(mesh_, arrays_.faces, arrays_.face_count, keeps_floor);
+      const Pack pack = ring.template costs_of<Pack>(x, first);
+      for (int l = 0; l < kLanes; ++l) {
+        const bool is_absent = first + l >= arrays_.face_count || has_vertex(arrays_.faces[first + l], apex);
+        costs[l] = is_absent ? -1 : pack[l] < kInfeasible ? pack[l] : kInfeasible;
+      }
     }
+  }
+  /// The vertices of the tetrahedra from `begin` on, one tetrahedron per lane; of the last one where there are no more.
+  template <class Pack>
+  TETUNE_HD TETUNE_INLINE void gather_corners(int begin, Vec3T<Pack> (&p)[4]) const {
+    const int last = arrays_.tets.size() - 1;
+    Index ids[4][kLanesOf<Pack>];
+    for (int l = 0; l < kLanesOf<Pack>; ++l) {
+      const Tet tet = mesh_.tet2vertex[arrays_.tets[begin + l < last ? begin + l : last]];
+      for (int k = 0; k < 4; ++k) ids[k][l] = tet[k];
+    }
+    for (int k = 0; k < 4; ++k) p[k] = gather<Pack>(mesh_.points, ids[k]);
   }
 
   static constexpr int kGrowthRounds = 3;
@@ -292,13 +312,15 @@ class StarCavity : StarShape {
   TETUNE_HD Growth gainful_growth_across(int i, const Vec3& x) const {
     const Growth g = growth_across(i);
     if (g.t < 0) return {};
-    double before = energy(arrays_.faces[i], x) + energy(link_face(g.tet, g.first), vec(mesh_.points[g.tet[g.first]]));
-    if (g.second >= 0) before += energy(arrays_.faces[g.other], x);
-    double after = 0;
+    double gain = energy(arrays_.faces[i], x) + energy(link_face(g.tet, g.first), vec(mesh_.points[g.tet[g.first]]));
+    if (g.second >= 0) gain += energy(arrays_.faces[g.other], x);
+    int left = g.second >= 0 ? 2 : 3;
     for (int f = 0; f < 4; ++f) {
-      if (f != g.first && f != g.second) after += energy(link_face(g.tet, f), x);
+      if (f == g.first || f == g.second) continue;
+      if (!(gain > left-- * kMinShapeEnergy)) return {};
+      gain -= energy(link_face(g.tet, f), x);
     }
-    return after < before ? g : Growth{};
+    return gain > 0 ? g : Growth{};
   }
 
   ApexMotion motion_{{{VertexDof::free, {}}}, {}};

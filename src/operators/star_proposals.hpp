@@ -55,13 +55,15 @@ struct StarContext {
 
   /// Whether vertices may be inserted and removed at a tetrahedron of the cavity before t: that one proposes the same.
   TETUNE_HD bool is_shared_with_earlier(const StarCavity& star, Index t) const {
-    return any_earlier(star, t, [&](Index s) { return may_change_vertices(s); });
+    return any_earlier(star, t, [&](Index s) { return proposes_edits(s); });
   }
+  /// Whether a tetrahedron proposes to insert and remove vertices.
+  TETUNE_HD bool proposes_edits(Index t) const { return is_proposer(t) && (lowers_mean() || may_change_vertices(t)); }
   /// Whether a proposer of the cavity before t contracts an edge to the vertex v too.
   TETUNE_HD bool is_contracted_earlier(const StarCavity& star, Index v, Index t) const {
     return any_earlier(star, t, [&](Index s) {
       const Tet tet = mesh.tet2vertex[s];
-      return tet[local_index(tet, v)] == v && is_proposer(s) && may_change_vertices(s);
+      return tet[local_index(tet, v)] == v && proposes_edits(s);
     });
   }
 
@@ -105,9 +107,6 @@ struct StarProposal : StarContext {
   TETUNE_HD StarCavity cavity(int arrays = 0) const { return {mesh, constrained, memory.arrays[arrays], team}; }
   TETUNE_HD double cost_before(const StarCavity& star) const { return star.cost_before(team); }
   TETUNE_HD Vec3 lower_cost(StarCavity& star, const Vec3& x) const { return star.lower_cost(x, memory.model, team); }
-  TETUNE_HD StarCandidate candidate(const StarCavity& star, Index apex, Index removed, const Vec3& x) const {
-    return star.candidate(apex, removed, x, team);
-  }
   /// Enlarges the cavity until the largest cost is lower than before, where that must fall.
   TETUNE_HD bool grow(StarCavity& star, Index apex, const Vec3& x) const {
     if (lowers_mean()) return true;
@@ -136,47 +135,53 @@ struct StarProposal : StarContext {
     return star.cost_after(kNewVertex, x, limit, false, team) < limit;
   }
 
-  /// Adds a retriangulation where it lowers the largest cost, or the mean energy, and no tetrahedron is worse than the
+  /// Completes and adds a retriangulation where it lowers the largest cost, or the mean energy, and no tetrahedron is worse than the
   /// floor.
-  TETUNE_HD void add(const StarCavity& star, const StarCandidate& c) const {
+  TETUNE_HD void add(const StarCavity& star, StarCandidate& c) const {
     if (lowers_mean()) {
-      add_below_mean(star, c);
+      add_below_mean(star, energy_above_mean(star), c);
     } else {
       add(star, cost_before(star), c);
     }
   }
   /// Same, where the largest cost is known to be `before`.
-  TETUNE_HD TETUNE_OUTLINE void add(const StarCavity& star, double before, const StarCandidate& c) const {
+  TETUNE_HD TETUNE_OUTLINE void add(const StarCavity& star, double before, StarCandidate& c) const {
     const double limit = (1 - min_gain) * before;
     const double after = star.cost_after(c.apex, c.apex_position, limit, true, team);
-    if (after < limit) add_gain(c, before - after);
+    if (after < limit) add_gain(star, c, before - after);
+  }
+  /// Same, where the mean energy must fall, and energy_above_mean() is known to be `before`. Retriangulations with more
+  /// or fewer tetrahedra compare by the energy beyond the mean of the mesh: where it falls, so does that mean.
+  TETUNE_HD TETUNE_OUTLINE void add_below_mean(const StarCavity& star, double before, StarCandidate& c) const {
+    const double limit = min_gain * mean_energy * star.tet_count();
+    const double gain = energy_gain(star, before, c, limit);
+    if (!(gain > limit)) return;
+    if (star.cost_after(c.apex, c.apex_position, kInfeasible, true, team) < kInfeasible) add_gain(star, c, gain);
+  }
+  /// The sum of the energies in the cavity less their mean in the mesh. Not divided among the threads of a team: the
+  /// sum would depend on its size.
+  TETUNE_HD double energy_above_mean(const StarCavity& star) const {
+    double above = 0;
+    for (int i = 0; i < star.tet_count(); ++i) {
+      above += slot_energy(mesh, mesh.tet2vertex[star.tet(i)]).energy - mean_energy;
+    }
+    return above;
   }
 
  private:
-  /// Retriangulations with more or fewer tetrahedra compare by the energy beyond the mean of the mesh: where it falls,
-  /// so does that mean.
-  TETUNE_HD TETUNE_OUTLINE void add_below_mean(const StarCavity& star, const StarCandidate& c) const {
-    const double limit = min_gain * mean_energy * star.tet_count();
-    const double gain = energy_gain(star, c, limit);
-    if (!(gain > limit)) return;
-    if (star.cost_after(c.apex, c.apex_position, kInfeasible, true, team) < kInfeasible) add_gain(c, gain);
-  }
-  /// By how much the sum of the energies less their mean falls; not above `limit` where that is not above it. Not
-  /// divided among the threads of a team: the sum would depend on its size.
-  TETUNE_HD double energy_gain(const StarCavity& star, const StarCandidate& c, double limit) const {
-    double gain = 0;
-    for (int i = 0; i < star.tet_count(); ++i) {
-      gain += slot_energy(mesh, mesh.tet2vertex[star.tet(i)]).energy - mean_energy;
-    }
+  /// By how much energy_above_mean() falls from `before`; not above `limit` where that is not above it.
+  TETUNE_HD double energy_gain(const StarCavity& star, double before, const StarCandidate& c, double limit) const {
+    double gain = before;
     for (int i = 0; i < star.face_count(); ++i) {
-      // No energy is below 1.
-      if (gain + (star.face_count() - i) * (mean_energy - 1) <= limit) return gain;
+      if (gain + (star.face_count() - i) * (mean_energy - kMinShapeEnergy) <= limit) return gain;
       if (!has_vertex(star.face(i), c.apex)) gain -= star.energy(star.face(i), c.apex_position) - mean_energy;
     }
     return gain;
   }
-  TETUNE_HD void add_gain(const StarCandidate& c, double gain) const {
-    if (gain > 0 && team.rank() == 0) proposals.add(id, c, gain, static_cast<std::uint32_t>(id));
+  TETUNE_HD void add_gain(const StarCavity& star, StarCandidate& c, double gain) const {
+    if (!(gain > 0) || team.rank() != 0) return;
+    star.list_tets(c);
+    proposals.add(id, c, gain, static_cast<std::uint32_t>(id));
   }
   /// Whether the cost with a new vertex at x is below `reach`; otherwise one inside the mesh moves into the kernel.
   TETUNE_HD bool is_in_reach(const StarCavity& star, double reach, Vec3& x) const {

@@ -86,12 +86,15 @@ class StarShape {
     return true;
   }
   /// Finds the faces of the tetrahedra. Returns false where a locked face lies between two, or there are too many.
-  TETUNE_HD TETUNE_OUTLINE bool find_faces() {
+  /// `inside`: a vertex all tetrahedra around which add_all_around() has added; kNoVertex: none.
+  TETUNE_HD TETUNE_OUTLINE bool find_faces(Index inside = kNoVertex) {
     arrays_.face_count = 0;
     for (int i = 0; i < arrays_.tets.size(); ++i) {
       const Tet tet = mesh_.tet2vertex[arrays_.tets[i]];
       const FaceAdjacency links = mesh_.tet2tet[arrays_.tets[i]];
-      for (int f = 0; f < 4; ++f) {
+      const int opposite = local_index(tet, inside);
+      const bool has_inside = tet[opposite] == inside;
+      for (int f = has_inside ? opposite : 0; f < (has_inside ? opposite + 1 : 4); ++f) {
         const bool is_base = is_locked(links[f]) && arrays_.simplex.is_on_face(tet, f);
         if (links[f] != kNoHalfFace && arrays_.tets.contains(tet_of(links[f]))) {
           if (is_locked(links[f]) && !is_base) return false;

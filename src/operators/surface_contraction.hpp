@@ -34,7 +34,7 @@ struct SurfaceContraction {
       if (!(replaced.deviation < kInfeasible)) return;
     }
     if (!p.grow(star, apex, x) || !star.keeps_faces_of(apex)) return;
-    StarCandidate c = p.candidate(star, apex, v, x);
+    StarCandidate c = star.candidate(apex, v, x);
     c.replaced = replaced;
     p.add(star, c);
   }

@@ -43,7 +43,7 @@ struct SurfaceInsertion {
       replaced.deviation = p.bend().after_insertion(simplex, replaced, x);
       if (!(replaced.deviation < kInfeasible)) return;
     }
-    StarCandidate c = p.candidate(star, kNewVertex, kNoVertex, x);
+    StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
     c.dof = dof;
     c.replaced = replaced;
     p.add(star, c);

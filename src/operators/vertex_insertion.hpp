@@ -22,8 +22,7 @@ struct VertexInsertion {
     const Tet tet = p.mesh.tet2vertex[t];
     const EdgeCorners e = edge_corners(edge);
     const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
-    Vec3 x = star.relax_and_grow(star.relax(middle, p.team), p.team);
-    if (p.open(star, x)) p.add(star, p.candidate(star, kNewVertex, kNoVertex, x));
+    insert(p, star, star.relax_and_grow(star.relax(middle, p.team), p.team));
   }
 
  private:
@@ -33,7 +32,13 @@ struct VertexInsertion {
     const Tet tet = p.mesh.tet2vertex[t];
     Vec3 x{0, 0, 0};
     for (int k = 0; k < 4; ++k) x = x + 0.25 * vec(p.mesh.points[tet[k]]);
-    if (p.open(star, x)) p.add(star, p.candidate(star, kNewVertex, kNoVertex, x));
+    insert(p, star, x);
+  }
+  template <class Proposal>
+  TETUNE_HD static void insert(const Proposal& p, StarCavity& star, Vec3 x) {
+    if (!p.open(star, x)) return;
+    StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
+    p.add(star, c);
   }
 };
 

@@ -17,14 +17,18 @@
 
 namespace tetune {
 
-/// The extreme cotangents of the dihedral angles of a tetrahedron. Where its volume is not certified, the error bound
-/// of the volume takes its place.
+/// The extreme cotangents of the dihedral angles of a tetrahedron, or of one per lane. Where its volume is not
+/// certified, the error bound of the volume takes its place.
+template <class T>
+TETUNE_HD TETUNE_INLINE DihedralCotsT<T> dihedral_cots(const Vec3T<T> (&p)[4]) {
+  const OrientT<T> o = orient(p[0], p[1], p[2], p[3]);
+  return QualityFloor::dihedral_cots(p, o.certified() ? o.det : o.bound);
+}
 TETUNE_HD inline DihedralCots dihedral_cots(const MeshView& mesh, Size t) {
   const Tet tet = mesh.tet2vertex[t];
   const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
                      vec(mesh.points[tet[3]])};
-  const Orient o = orient(p[0], p[1], p[2], p[3]);
-  return QualityFloor::dihedral_cots(p, o.certified() ? o.det : o.bound);
+  return dihedral_cots(p);
 }
 
 /// The trial steps of a vertex in its space of motion.
