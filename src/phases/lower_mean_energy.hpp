@@ -6,10 +6,62 @@
 namespace tetune {
 namespace lower_mean_energy_detail {
 
+/// A number other than 0 for a tetrahedron of these vertices; another one for almost all others.
+TETUNE_HD inline std::uint32_t fingerprint(const Tet& tet) {
+  constexpr std::uint32_t kMultiplier = 0x9e3779b1;
+  std::uint32_t hash = 0;
+  for (int k = 0; k < 4; ++k) hash = (hash ^ std::uint32_t(tet[k])) * kMultiplier;
+  return hash | 1;
+}
+
+/// Flags the vertices of the tetrahedra that have another fingerprint than before.
+struct FlagVerticesOfNew {
+  MeshView mesh;
+  Span<std::uint32_t> fingerprints;
+  Span<std::uint8_t> flags;
+  TETUNE_HD void operator()(Size t) const {
+    if (!mesh.alive(t)) return;
+    const Tet tet = mesh.tet2vertex[t];
+    if (fingerprints[t] == fingerprint(tet)) return;
+    fingerprints[t] = fingerprint(tet);
+    for (int k = 0; k < 4; ++k) backend::store_shared(flags[tet[k]], std::uint8_t{1});
+  }
+};
+
+struct IsAboveWithFlag {
+  selection_detail::IsAbove is_above;
+  selection_detail::HasFlaggedVertex has_flagged;
+  TETUNE_HD bool operator()(Size t) const { return is_above(t) && has_flagged(t); }
+};
+
+/// Finds the tetrahedra whose neighborhood has other tetrahedra than at the last call: where nothing but positions has
+/// changed, almost all proposals would fail again.
+template <class Backend>
+class NewNeighborhoods {
+ public:
+  /// Returns those of the tetrahedra above a bound on the energy; all of them at the first call.
+  BufferOf<Backend, Index> find_above(Optimizer<Backend>& optimizer, double bound) {
+    using selection_detail::IsAbove;
+    const Backend& backend = optimizer.backend;
+    WorkMesh<Backend>& mesh = optimizer.work.mesh;
+    const Size known = fingerprints_.size();
+    fingerprints_.grow(backend, mesh.slots());
+    backend.fill(Span<std::uint32_t>(fingerprints_.span().data() + known, mesh.slots() - known), std::uint32_t{0});
+    VertexMask<Backend> flags(backend, mesh.vertices());
+    backend.fill(flags.span(), std::uint8_t{0});
+    backend.for_each(mesh.slots(), FlagVerticesOfNew{mesh.view(), fingerprints_.span(), flags.span()});
+    return find_tets(backend, mesh,
+                     IsAboveWithFlag{IsAbove{optimizer.slot_energies(), bound}, {mesh.view(), flags.span()}});
+  }
+
+ private:
+  BufferOf<Backend, std::uint32_t> fingerprints_;  ///< per slot; 0: none
+};
+
 /// One round. Returns by which part of what it is above that of regular tetrahedra the mean energy fell.
 template <class Backend>
 double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, RetriangulationLimits limits,
-                  WorstReport& r) {
+                  NewNeighborhoods<Backend>& neighborhoods, WorstReport& r) {
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   const auto mean_energy = [&] { return optimizer.energy() / static_cast<double>(work.mesh.tets()); };
@@ -17,8 +69,9 @@ double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, Ret
   const double max_above = optimizer.tuning.mean.max_part * static_cast<double>(work.mesh.tets());
   const double bound = upper_quantile(backend, optimizer.slot_energies(), max_above);
   const auto worst = tets_above(backend, work.mesh, optimizer.slot_energies(), bound);
+  const auto proposers = neighborhoods.find_above(optimizer, bound);
   r.worst = worst.size();
-  const auto improved = improve_around(optimizer, criterion, worst.span(), limits, r);
+  const auto improved = improve_around(optimizer, criterion, worst.span(), proposers.span(), limits, r);
   optimizer.set_energy(sum_energy(backend, work.flips.energies));
   r.moved = improved.swept.get().moved;
   return (limits.mean_energy - mean_energy()) / (limits.mean_energy - 1);
@@ -39,13 +92,14 @@ bool lower_mean_energy(Optimizer<Backend>& optimizer, const QualityFloor& floor)
   const auto max_removed =
       static_cast<std::int64_t>(p.max_removed * static_cast<double>(optimizer.work.mesh.vertices()));
   optimizer.timer.measure(Phase::worst, [&] { optimizer.sum_energy(kShapeObjective); });
+  lower_mean_energy_detail::NewNeighborhoods<Backend> neighborhoods;
   double fall = 1;
   for (int round = 1; round <= p.max_rounds && fall > p.min_fall; ++round) {
     if (report.vertices_removed - report.vertices_inserted > max_removed) break;
     WorstReport r;
     r.round = round;
     r.seconds = optimizer.timer.measure(
-        Phase::worst, [&] { fall = lower_mean_energy_detail::lower_once(optimizer, criterion, limits, r); });
+        Phase::worst, [&] { fall = lower_mean_energy_detail::lower_once(optimizer, criterion, limits, neighborhoods, r); });
     r.dihedral_min = optimizer.traced_angle();
     optimizer.report.worst_rounds.push_back(r);
     if (!optimizer.proceed(Phase::worst, optimizer.iteration())) return false;
