@@ -211,7 +211,8 @@ class StarCavity : StarShape {
       const int places[3] = {g.face, g.second >= 0 ? g.other : arrays_.face_count, arrays_.face_count + 1};
       change(team, [&] { take(g); });
       for (int k = 0; k < (g.second >= 0 ? 2 : 3); ++k) {
-        if (places[k] % Team::kSize == team.rank()) costs[places[k] / Team::kSize] = face_cost(apex, x, places[k], false);
+        if (places[k] % Team::kSize == team.rank())
+          costs[places[k] / Team::kSize] = face_cost(apex, x, places[k], false);
       }
     }
     return false;
@@ -247,7 +248,8 @@ class StarCavity : StarShape {
                ? -1
                : AngleCostRing(mesh_, &arrays_.faces[face], 1, keeps_floor).largest_cost(x, kInfeasible, first);
   }
-  /// face_cost() of the faces from `first` on, as many as the team's threads evaluate at a time; -1 beyond the last one.
+  /// face_cost() of the faces from `first` on, as many as the team's threads evaluate at a time; -1 beyond the last
+  /// one.
   template <class Team, int kLanes>
   TETUNE_HD void find_costs_from(int first, Index apex, const Vec3& x, bool keeps_floor, double (&costs)[kLanes],
                                  const Team&) const {

@@ -135,8 +135,8 @@ struct StarProposal : StarContext {
     return star.cost_after(kNewVertex, x, limit, false, team) < limit;
   }
 
-  /// Completes and adds a retriangulation where it lowers the largest cost, or the mean energy, and no tetrahedron is worse than the
-  /// floor.
+  /// Completes and adds a retriangulation where it lowers the largest cost, or the mean energy, and no tetrahedron is
+  /// worse than the floor.
   TETUNE_HD void add(const StarCavity& star, StarCandidate& c) const {
     if (lowers_mean()) {
       add_below_mean(star, energy_above_mean(star), c);

@@ -98,8 +98,9 @@ bool lower_mean_energy(Optimizer<Backend>& optimizer, const QualityFloor& floor)
     if (report.vertices_removed - report.vertices_inserted > max_removed) break;
     WorstReport r;
     r.round = round;
-    r.seconds = optimizer.timer.measure(
-        Phase::worst, [&] { fall = lower_mean_energy_detail::lower_once(optimizer, criterion, limits, neighborhoods, r); });
+    r.seconds = optimizer.timer.measure(Phase::worst, [&] {
+      fall = lower_mean_energy_detail::lower_once(optimizer, criterion, limits, neighborhoods, r);
+    });
     r.dihedral_min = optimizer.traced_angle();
     optimizer.report.worst_rounds.push_back(r);
     if (!optimizer.proceed(Phase::worst, optimizer.iteration())) return false;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "backend/team.hpp"
 #include "boundary/sliding/deviation_bound.hpp"
@@ -153,6 +155,8 @@ class AngleCostRing {
   }
 
  private:
+  static constexpr int kAngles = 6;
+
   /// The root of the mean squared distance to a vertex of each face. Summed in the order of the faces.
   template <class Team>
   TETUNE_HD double local_length(const Vec3& x, const Team& team) const {
@@ -214,33 +218,55 @@ class AngleCostRing {
   }
 
   /// Finds the costs that are close to the largest, and their gradients in the space of motion. They are added in the
-  /// order of the faces.
+  /// order of the faces. Where there are too many, fewer are close.
   template <class VertexMotion, class Team>
   TETUNE_HD TETUNE_OUTLINE void find_model(const Vec3& x, double cost, const VertexMotion& motion, MinimaxModel& model,
                                            const Team& team) const {
     using Pack = backend::TermsOf<Team>;
+    double width = kBand;
+    for (int attempt = 1; !add_costs_above(cost - width * (1 + cost), x, model, team) && attempt < kMaxBands;
+         ++attempt) {
+      width *= kBandDecrease * MinimaxModel::kMaxFunctions / model.added();
+    }
+    model.set_gradients([&](const int(&angles)[kLanesOf<Pack>]) { return angle_gradients<Pack>(x, angles); },
+                        [&](const Vec3& gradient) { return motion.tangent(gradient); }, team);
+  }
+  /// Makes a model of the costs above a bound; returns whether it has room for all of them.
+  template <class Team>
+  TETUNE_HD bool add_costs_above(double bound, const Vec3& x, MinimaxModel& model, const Team& team) const {
+    using Pack = backend::TermsOf<Team>;
     constexpr int kLanes = kLanesOf<Pack>;
-    const double bound = cost - kBand * (1 + cost);
     model.clear(team);
     for (int begin = 0; begin < count_; begin += Team::kSize * kLanes) {
       Pack costs[kAngles];
       const int first = begin + team.rank() * kLanes;
       if (first < count_) find_angle_costs(x, first, costs);
-      const auto add_own = [&](const auto& add) {
-        for (int l = 0; l < kLanes && first + l < count_; ++l) {
-          for (int k = 0; k < kAngles; ++k) {
-            const double angle_cost = lane(costs[k], l);
-            if (angle_cost > bound) add(angle_cost, kAngles * (first + l) + k);
-          }
-        }
-      };
-      model.template add_in_order<Pack>(add_own, team);
+      const int faces = count_ - first < kLanes ? count_ - first : kLanes;
+      model.add_in_order([&](const auto& add) { add_above(bound, costs, first, faces, add); }, team);
     }
-    model.set_gradients([&](const int(&angles)[kLanes]) { return angle_gradients<Pack>(x, angles); },
-                        [&](const Vec3& gradient) { return motion.tangent(gradient); }, team);
+    return model.added() <= MinimaxModel::kMaxFunctions;
   }
-
-  static constexpr int kAngles = 6;
+  /// Calls add(cost, number) for the costs above a bound, of some faces from `first` on.
+  template <class Pack, class Add>
+  TETUNE_HD TETUNE_INLINE static void add_above(double bound, const Pack (&costs)[kAngles], int first, int faces,
+                                                const Add& add) {
+    if constexpr (kLanesOf<Pack> == 1) {
+      for (int k = 0; k < kAngles && faces > 0; ++k) {
+        if (costs[k] > bound) add(costs[k], kAngles * first + k);
+      }
+    } else {
+      // The bits of a face are those of its angles.
+      backend::BitsOf<Pack> bits{};
+      for (int l = 0; l < kLanesOf<Pack>; ++l) bits[l] = std::uint64_t{1} << kAngles * l;
+      backend::BitsOf<Pack> above{};
+      for (int k = 0; k < kAngles; ++k) above |= backend::where(costs[k] > bound, bits << k);
+      const std::uint64_t of_faces = (std::uint64_t{1} << kAngles * faces) - 1;
+      for (std::uint64_t left = backend::merged(above) & of_faces; left != 0; left &= left - 1) {
+        const int angle = std::countr_zero(left);
+        add(costs[angle % kAngles][angle / kAngles], kAngles * first + angle);
+      }
+    }
+  }
 
   /// x and the vertices of faces from `begin` on, one face per lane; of the last one where there are no more.
   template <class Pack>
@@ -318,8 +344,11 @@ class AngleCostRing {
   static constexpr double kLastStep = 5e-3;
   /// The smallest relative decrease of the cost for which a step is taken.
   static constexpr double kMinGain = 1e-3;
-  /// Angles within this part of the largest cost take part in a step.
+  /// Angles within this part of the largest cost take part in a step. The part is multiplied by that of them for which
+  /// there is room, and by a factor, in at most this number of attempts.
   static constexpr double kBand = 0.6;
+  static constexpr double kBandDecrease = 0.8;
+  static constexpr int kMaxBands = 4;
 
   TETUNE_HD Vec3 corner(int face, int k) const { return vec(mesh_.points[faces_[face].v[k]]); }
 

@@ -20,24 +20,39 @@ struct MinimaxStep {
 /// thread, or in that which a team shares.
 class MinimaxModel {
  public:
+  static constexpr int kMaxFunctions = 40;  ///< a multiple of the lanes of a pack
+
   /// Removes all functions. Called by all threads of a team; in memory of a team, before anything else.
   template <class Team>
   TETUNE_HD void clear(const Team& team) {
     team.sync();
-    if (team.rank() == 0) count_ = 0;
+    if (team.rank() == 0) added_ = 0;
     team.sync();
   }
   /// Adds functions of each thread of a team, in the order of the threads: `add_own(add)` calls add(value, number) for
-  /// each function of the thread, with the same arguments each time. Where there is no room, a function replaces the
-  /// one of the smallest value if its own is larger.
-  template <class Pack, class AddOwn, class Team>
+  /// each function of the thread, with the same arguments each time. Those for which there is no room are counted.
+  template <class AddOwn, class Team>
   TETUNE_HD void add_in_order(const AddOwn& add_own, const Team& team) {
     if constexpr (Team::kSize == 1) {
-      add_own([this](double value, int function) { add<Pack>(value, function); });
-    } else {
-      add_of_team<Pack>(add_own, team);
+      add_own([this](double value, int function) { store(value, function, added_++); });
+      return;
     }
+    int own = 0;
+    add_own([&own](double, int) { ++own; });
+    int at = added_;
+    int added = added_;
+    for (int k = 0; team.any(k < own); ++k) {
+      const backend::Placement more = team.place(k < own);
+      at += more.before;
+      added += more.count;
+    }
+    team.sync();
+    add_own([&](double value, int function) { store(value, function, at++); });
+    if (team.rank() == 0) added_ = added;
+    team.sync();
   }
+  /// The number of functions that were added. Those beyond kMaxFunctions are not in the model.
+  TETUNE_HD int added() const { return added_; }
   /// Sets the gradients of all functions: `project(g)` for each g of `gradients_of(functions)`, which gets one function
   /// per lane of TermsOf<Team>. Functions whose gradient overflows, as at volumes close to underflow, do not count.
   /// Called by all threads of a team.
@@ -45,11 +60,12 @@ class MinimaxModel {
   TETUNE_HD void set_gradients(const GradientsOf& gradients_of, const Project& project, const Team& team = {}) {
     constexpr int kLanes = kLanesOf<backend::TermsOf<Team>>;
     team.sync();
-    for (int first = team.rank() * kLanes; first < count_; first += Team::kSize * kLanes) {
+    const int size = count();
+    for (int first = team.rank() * kLanes; first < size; first += Team::kSize * kLanes) {
       int functions[kLanes];
-      for (int l = 0; l < kLanes; ++l) functions[l] = function_[first + l < count_ ? first + l : count_ - 1];
+      for (int l = 0; l < kLanes; ++l) functions[l] = function_[first + l < size ? first + l : size - 1];
       const auto gradients = gradients_of(functions);
-      for (int l = 0; l < kLanes && first + l < count_; ++l) {
+      for (int l = 0; l < kLanes && first + l < size; ++l) {
         set_gradient(first + l, project({lane(gradients.x, l), lane(gradients.y, l), lane(gradients.z, l)}));
       }
     }
@@ -65,7 +81,7 @@ class MinimaxModel {
   TETUNE_HD TETUNE_OUTLINE MinimaxStep step(double radius, const Team& team = {}) const {
     backend::IndexedMax largest{kLowest, 0};
     backend::Max norm2{0};
-    for (int i = team.rank(); i < count_; i += Team::kSize) {
+    for (int i = team.rank(); i < count(); i += Team::kSize) {
       largest.add(value_[i], i);
       norm2.merge({dot(gradient(i), gradient(i))});
     }
@@ -86,43 +102,12 @@ class MinimaxModel {
   }
 
  private:
-  template <class Pack, class AddOwn, class Team>
-  TETUNE_HD void add_of_team(const AddOwn& add_own, const Team& team) {
-    int own = 0;
-    add_own([&](double, int) { ++own; });
-    backend::Placement place{0, 0};
-    for (int k = 0; team.any(k < own); ++k) {
-      const backend::Placement more = team.place(k < own);
-      place = {place.before + more.before, place.count + more.count};
-    }
-    const int before = count_;
-    team.sync();
-    if (before + place.count < kMaxFunctions) {
-      int at = before + place.before;
-      add_own([&](double value, int function) {
-        value_[at] = value;
-        function_[at++] = function;
-      });
-      if (team.rank() == 0) count_ = before + place.count;
-    } else {
-      for (int turn = 0; turn < Team::kSize; ++turn) {
-        if (turn == team.rank()) add_own([this](double value, int function) { add<Pack>(value, function); });
-        team.sync();
-      }
-    }
-    team.sync();
-  }
-
-  template <class Pack>
-  TETUNE_HD void add(double value, int function) {
-    if (count_ == kMaxFunctions && value <= value_[smallest_]) return;
-    const int at = count_ == kMaxFunctions ? smallest_ : count_++;
+  TETUNE_HD void store(double value, int function, int at) {
+    if (at >= kMaxFunctions) return;
     value_[at] = value;
     function_[at] = function;
-    if (count_ == kMaxFunctions) find_smallest<Pack>();
   }
 
-  static constexpr int kMaxFunctions = 40;  ///< a multiple of the lanes of a pack
   static constexpr double kMaxNorm2 = 1e100;
   static constexpr int kMaxRounds = 64;
   /// The largest modeled value is minimal to within this part of what a single function would decrease by.
@@ -250,40 +235,25 @@ class MinimaxModel {
       const Vec3T<Pack> step{zero + d.x, zero + d.y, zero + d.z};
       Pack index = first_indices<Pack>();
       PackMax<Pack> lanes{zero + kLowest, zero};
-      for (int i = 0; i < count_; i += kLanesOf<Pack>, index += kLanesOf<Pack>) {
+      for (int i = 0; i < count(); i += kLanesOf<Pack>, index += kLanesOf<Pack>) {
         const Vec3T<Pack> gradients{backend::load<Pack>(x_ + i), backend::load<Pack>(y_ + i),
                                     backend::load<Pack>(z_ + i)};
         const Pack modeled = backend::load<Pack>(value_ + i) + dot(gradients, step);
-        lanes.add(index < count_ ? modeled : zero + kLowest, index);
+        lanes.add(index < count() ? modeled : zero + kLowest, index);
       }
       lanes.merge_to(largest);
     } else {
-      for (int i = team.rank(); i < count_; i += Team::kSize) largest.add(modeled(i, d), i);
+      for (int i = team.rank(); i < count(); i += Team::kSize) largest.add(modeled(i, d), i);
       largest = team.merge(largest);
     }
     return largest;
   }
-  template <class Pack>
-  TETUNE_HD void find_smallest() {
-    backend::IndexedMax smallest{kLowest, 0};  // of the negative values
-    if constexpr (kLanesOf<Pack> != 1) {
-      PackMax<Pack> lanes{Pack{} + kLowest, Pack{}};
-      Pack index = first_indices<Pack>();
-      for (int i = 0; i < kMaxFunctions; i += kLanesOf<Pack>, index += kLanesOf<Pack>) {
-        lanes.add(-backend::load<Pack>(value_ + i), index);
-      }
-      lanes.merge_to(smallest);
-    } else {
-      for (int i = 0; i < kMaxFunctions; ++i) smallest.add(-value_[i], i);
-    }
-    smallest_ = smallest.index;
-  }
+  TETUNE_HD int count() const { return added_ < kMaxFunctions ? added_ : kMaxFunctions; }
 
   double value_[kMaxFunctions];
   double x_[kMaxFunctions], y_[kMaxFunctions], z_[kMaxFunctions];  ///< the gradients
   int function_[kMaxFunctions];
-  int count_ = 0;
-  int smallest_ = 0;  ///< the function of the smallest value, once there is no room
+  int added_ = 0;
 };
 
 }  // namespace tetune

@@ -9,7 +9,6 @@
 #include "mesh/connect.hpp"
 #include "meshes.hpp"
 #include "operators/retriangulate.hpp"
-#include "relocation/angle_cost_ring.hpp"
 #include "relocation/minimize_angle_cost.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
@@ -429,42 +428,6 @@ TEST(Retriangulate, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(r.points, results[0].points);
     EXPECT_EQ(r.tets, results[0].tets);
   }
-}
-
-bool minimize(const AngleCostRing& ring, Vec3& x, const MotionSpace& space, double target_cot) {
-  FreeMotion motion{space};
-  MinimaxModel model;
-  return ring.minimize(x, motion, target_cot, model);
-}
-
-TEST(AngleCostRing, IncreasesTheSmallestAngle) {
-  const TetMesh m = divided_tet();
-  Work work(m);
-  const LinkFace faces[4] = {{{1, 3, 2}}, {{0, 2, 3}}, {{0, 3, 1}}, {{0, 1, 2}}};
-  const AngleCostRing ring(rated(work.mesh, work.criterion), faces, 4, true);
-  int first = 0;
-  Vec3 x = vec(m.points[4]);
-  const double before = ring.largest_cost(x, 1e300, first);
-  EXPECT_NEAR(before, 1 / std::tan(quality(m).dihedral_min * 3.14159265358979324 / 180), 1e-9);
-  ASSERT_TRUE(minimize(ring, x, {VertexDof::free, {}}, 0));
-  // The angles of all four tetrahedra are equal in the middle only.
-  EXPECT_NEAR(norm(x), 0, 0.05);
-  // The search ends where the target is reached.
-  Vec3 y = vec(m.points[4]);
-  ASSERT_TRUE(minimize(ring, y, {VertexDof::free, {}}, 0.9 * before));
-  const double reached = ring.largest_cost(y, 1e300, first);
-  EXPECT_LE(reached, 0.9 * before);
-  EXPECT_GT(reached, 1.1 * ring.largest_cost(x, 1e300, first));
-  // Within a plane and along a line.
-  Vec3 z = vec(m.points[4]);
-  ASSERT_TRUE(minimize(ring, z, {VertexDof::plane, {0, 0, 1}}, 0));
-  EXPECT_EQ(z.z, m.points[4][2]);
-  z = vec(m.points[4]);
-  ASSERT_TRUE(minimize(ring, z, {VertexDof::line, {0, 1, 0}}, 0));
-  EXPECT_EQ(z.x, m.points[4][0]);
-  EXPECT_EQ(z.z, m.points[4][2]);
-  z = vec(m.points[4]);
-  EXPECT_FALSE(minimize(ring, z, {VertexDof::fixed, {}}, 0));
 }
 
 TEST(MinimizeAngleCost, MovesFlaggedVerticesAloneAndNoAngleBecomesSmaller) {
