@@ -21,6 +21,7 @@ class FlipUntilStable {
       : optimizer_(optimizer),
         criterion_(criterion),
         exhaustive_(optimizer.options.termination == Termination::paper || optimizer.options.max_iterations == 0),
+        examines_around_(exhaustive_ && optimizer.options.max_ring > kNeighborRing),
         boundary_pays_(optimizer.work.boundary.triangles.size() > 0) {}
 
   /// After a sweep, only tetrahedra above this energy propose flips.
@@ -105,9 +106,10 @@ class FlipUntilStable {
     return pass_ < kMaxFlipPasses && (optimizer_.work.flips.active.size() > 0 || reactivate_changed());
   }
   /// With exhaustive flips, activates all tetrahedra that may own a candidate with a tetrahedron made since the last
-  /// call. Returns false if there are none.
+  /// call. Returns false if there are none, as where all tetrahedra of a candidate are neighbors: then those are active
+  /// already.
   bool reactivate_changed() {
-    if (!exhaustive_ || !unexamined_flips_) return false;
+    if (!examines_around_ || !unexamined_flips_) return false;
     optimizer_.timer.measure(Phase::flips, [&] {
       activate_around(optimizer_.backend, optimizer_.work.mesh, optimizer_.work.flips, optimizer_.changed.flags());
     });
@@ -119,9 +121,13 @@ class FlipUntilStable {
     unexamined_flips_ = false;
   }
 
+  /// In a ring of this number of tetrahedra each two have a face in common.
+  static constexpr int kNeighborRing = 3;
+
   Optimizer<Backend>& optimizer_;
   const Criterion criterion_;
   const bool exhaustive_;
+  const bool examines_around_;
   int iteration_ = 0;
   int pass_ = 0;
   Size flips_ = 0;
