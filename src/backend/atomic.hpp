@@ -19,6 +19,11 @@ TETUNE_HD inline std::uint32_t atomic_add(std::uint32_t& target, std::uint32_t v
 #endif
 }
 
+/// For the host alone.
+inline void atomic_add(std::uint64_t& target, std::uint64_t value) {
+  __atomic_fetch_add(&target, value, __ATOMIC_RELAXED);
+}
+
 TETUNE_HD inline void atomic_or(std::uint32_t& target, std::uint32_t bits) {
 #if defined(__CUDA_ARCH__)
   atomicOr(&target, bits);

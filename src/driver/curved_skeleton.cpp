@@ -32,10 +32,7 @@ constexpr std::array<std::array<std::size_t, 2>, 3> kSides{{{0, 1}, {1, 2}, {2, 
 /// Calls f(vertices) for each face of the boundary and between regions, and for each tagged listed triangle.
 template <class F>
 void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
-  for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
-    const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
-    if (end - begin == 1 || region(*begin) != region(*(begin + 1))) f(begin->vertices);
-  });
+  for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) { f(face.vertices); });
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (mesh.triangle_tags[i] != 0) f(mesh.triangles[i]);
   }

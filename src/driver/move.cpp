@@ -180,10 +180,7 @@ VertexTargets surface_targets(const TetMesh& mesh, const std::vector<Point3>& po
     }
   }
   if (!patches.empty()) return targets;
-  for_each_face(sorted_half_faces(mesh), [&](auto begin, auto end) {
-    const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
-    if (end - begin == 1 || region(*begin) != region(*(begin + 1))) add(begin->vertices);
-  });
+  for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) { add(face.vertices); });
   return targets;
 }
 

@@ -56,12 +56,9 @@ using Triangle = std::array<Index, 3>;
 /// Adds the listed triangles, but for those that constrain nothing, and the other faces of boundary and interfaces.
 void add_triangles(const TetMesh& mesh, int threads, MeshSurface& s) {
   std::vector<Triangle> faces;
-  for_each_face(sorted_half_faces(mesh, threads), [&](auto begin, auto end) {
-    const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
-    const bool outer = end - begin == 1;
-    if (!outer && region(*begin) == region(*(begin + 1))) return;
-    for (const Index v : begin->vertices) span_of(s.is_outer)[v] |= outer ? 1 : 0;
-    faces.push_back(begin->vertices);
+  for_each_surface_face(mesh, threads, [&](const SortedHalfFace& face, bool is_outer) {
+    for (const Index v : face.vertices) span_of(s.is_outer)[v] |= is_outer ? 1 : 0;
+    faces.push_back(face.vertices);
   });
   std::vector<Triangle> listed;
   for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {

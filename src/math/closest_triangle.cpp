@@ -3,7 +3,6 @@
 #include "math/constants.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace tetune {
 namespace {
@@ -41,38 +40,49 @@ Hit closest_on_triangle(const Vec3& p, const TrianglePoints& t) {
   return best;
 }
 
-/// Three times the centroid's coordinate along an axis.
-double centroid_coordinate(const TrianglePoints& t, double Vec3::*axis) { return t[0].*axis + t[1].*axis + t[2].*axis; }
+Vec3 lower_corner(const Vec3& a, const Vec3& b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+Vec3 upper_corner(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 
 }  // namespace
 
+/// A triangle while the hierarchy is built: its box, and the sum of its vertices, by which it is placed.
+struct ClosestTriangle::Item {
+  Item(const TrianglePoints& t, Size at)
+      : low(lower_corner(lower_corner(t[0], t[1]), t[2])),
+        high(upper_corner(upper_corner(t[0], t[1]), t[2])),
+        sum(t[0] + t[1] + t[2]),
+        position(at) {}
+
+  Vec3 low, high, sum;
+  Size position;  ///< in the list
+};
+
 double distance2(const Vec3& p, const TrianglePoints& t) { return closest_on_triangle(p, t).distance2; }
 
-ClosestTriangle::ClosestTriangle(std::vector<TrianglePoints> triangles) : triangles_(std::move(triangles)) {
-  const Size count = std::ssize(triangles_);
+ClosestTriangle::ClosestTriangle(const std::vector<TrianglePoints>& triangles) {
+  const Size count = std::ssize(triangles);
   nodes_.reserve(to_size_t(2 * (count / kMaxLeafSize + 1)));
-  order_.resize(triangles_.size());
-  std::iota(order_.begin(), order_.end(), Size{0});
-  if (count > 0) build(0, count);
-  std::vector<TrianglePoints> by_leaf;
-  by_leaf.reserve(triangles_.size());
-  for (const Size t : order_) by_leaf.push_back(span_of(triangles_)[t]);
-  triangles_ = std::move(by_leaf);
+  std::vector<Item> items;
+  items.reserve(triangles.size());
+  for (Size i = 0; i < count; ++i) items.emplace_back(span_of(triangles)[i], i);
+  if (count > 0) build(items, 0, count);
+  triangles_.reserve(triangles.size());
+  order_.reserve(triangles.size());
+  for (const Item& item : items) {
+    triangles_.push_back(span_of(triangles)[item.position]);
+    order_.push_back(item.position);
+  }
 }
 
-Size ClosestTriangle::build(Size begin, Size end) {
-  Node node;
+Size ClosestTriangle::build(std::vector<Item>& items, Size begin, Size end) {
+  const auto first = items.begin() + begin;
+  const auto last = items.begin() + end;
+  Node node{first->low, first->high};
   node.begin = begin;
   node.end = end;
-  const auto triangles = span_of(triangles_);
-  const auto first = order_.begin() + begin;
-  const auto last = order_.begin() + end;
-  node.low = node.high = triangles[*first][0];
-  for (auto at = first; at != last; ++at) {
-    for (const Vec3& p : triangles[*at]) {
-      node.low = {std::min(node.low.x, p.x), std::min(node.low.y, p.y), std::min(node.low.z, p.z)};
-      node.high = {std::max(node.high.x, p.x), std::max(node.high.y, p.y), std::max(node.high.z, p.z)};
-    }
+  for (auto item = first; item != last; ++item) {
+    node.low = lower_corner(node.low, item->low);
+    node.high = upper_corner(node.high, item->high);
   }
   const Size id = std::ssize(nodes_);
   nodes_.push_back(node);
@@ -82,11 +92,10 @@ Size ClosestTriangle::build(Size begin, Size end) {
                     : extent.y >= extent.z                       ? &Vec3::y
                                                                  : &Vec3::z;
   const Size middle = begin + (end - begin) / 2;
-  std::nth_element(first, order_.begin() + middle, last, [axis, triangles](Size a, Size b) {
-    return centroid_coordinate(triangles[a], axis) < centroid_coordinate(triangles[b], axis);
-  });
-  const Size left = build(begin, middle);
-  const Size right = build(middle, end);
+  std::nth_element(first, items.begin() + middle, last,
+                   [axis](const Item& a, const Item& b) { return a.sum.*axis < b.sum.*axis; });
+  const Size left = build(items, begin, middle);
+  const Size right = build(items, middle, end);
   Node& built = span_of(nodes_)[id];
   built.left = left;
   built.right = right;

@@ -19,7 +19,7 @@ double distance2(const Vec3& p, const TrianglePoints& t);
 /// concurrently.
 class ClosestTriangle {
  public:
-  explicit ClosestTriangle(std::vector<TrianglePoints> triangles);
+  explicit ClosestTriangle(const std::vector<TrianglePoints>& triangles);
   struct Hit {
     Vec3 point;          ///< on the closest triangle
     double distance2;    ///< squared; infinity if there is no triangle
@@ -37,7 +37,8 @@ class ClosestTriangle {
 
     double distance2(const Vec3& p) const;
   };
-  Size build(Size begin, Size end);
+  struct Item;
+  Size build(std::vector<Item>& items, Size begin, Size end);
 
   std::vector<TrianglePoints> triangles_;  ///< by leaf
   std::vector<Size> order_;                ///< their positions in the list

@@ -2,6 +2,7 @@
 #include "mesh/tet_orientation.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "backend/cpu.hpp"
 #include "math/orient.hpp"
@@ -45,6 +46,53 @@ struct LowestVertex {
   Size operator()(Size half_face) const { return key_of(mesh, HalfFace(half_face)).low; }
 };
 
+/// The same for those at the surface; -1 for others. See half_faces_at_surface().
+struct LowestVertexAtSurface {
+  LowestVertex lowest_vertex;
+  Span<const std::uint64_t> sums;
+  Size operator()(Size half_face) const {
+    const Size v = lowest_vertex(half_face);
+    return sums[v] != 0 ? v : -1;
+  }
+};
+
+/// Adds, for each face of a tetrahedron, a hash of its vertices and of the region to a sum at its lowest vertex, with
+/// the sign of the permutation that sorts the vertices: those of the two half-faces of an inner face cancel.
+struct AddHashes {
+  const TetMeshView& mesh;
+  Span<const int> regions;
+  Span<std::uint64_t> sums;
+  void operator()(Size t) const {
+    const Tet tet = mesh.tet(t);
+    // The lowest vertex of the tetrahedron is that of three of its faces.
+    const Index lowest = std::min({tet[0], tet[1], tet[2], tet[3]});
+    std::uint64_t sum = 0;
+    for (int f = 0; f < 4; ++f) {
+      const FaceKey key = face_key(tet, f);
+      const std::uint64_t hash = hash_of(key, regions[t]);
+      const std::uint64_t term = key.odd ? hash : 0 - hash;
+      if (key.low == lowest) {
+        sum += term;
+      } else {
+        backend::atomic_add(sums[key.low], term);
+      }
+    }
+    backend::atomic_add(sums[lowest], sum);
+  }
+
+ private:
+  /// A number without a pattern (the finalizer of Steele, Lea and Flood, "Fast splittable pseudorandom number
+  /// generators", 2014, Fig. 16).
+  static std::uint64_t hash_of(const FaceKey& key, int region) {
+    constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15;
+    const std::uint64_t high_part = std::uint32_t(region);
+    std::uint64_t z = key.pair() + kStep * (high_part << 32 | std::uint32_t(key.low));
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
+    z = (z ^ z >> 27) * 0x94d049bb133111eb;
+    return z ^ z >> 31;
+  }
+};
+
 struct MakeSorted {
   const TetMeshView& mesh;
   SortedHalfFace operator()(HalfFace half_face) const {
@@ -68,6 +116,19 @@ struct SortGroup {
               });
   }
 };
+
+/// The half-faces that have a row, sorted: they are grouped by their lowest vertex, their row, and sorted within the
+/// groups, which are small.
+template <class RowOf>
+std::vector<SortedHalfFace> sort_half_faces(const TetMeshView& mesh, const RowOf& row_of, const backend::Cpu& cpu) {
+  backend::Cpu::Buffer<std::uint32_t> offsets;
+  backend::Cpu::Buffer<SortedHalfFace> half_faces;
+  const Size vertices = mesh.points.size();
+  build_csr_of<backend::Cpu, RowOf, MakeSorted, SortedHalfFace>(cpu, vertices, 4 * mesh.tets.size(), row_of,
+                                                                MakeSorted{mesh}, offsets, half_faces);
+  cpu.for_each(vertices, SortGroup{offsets, half_faces});
+  return half_faces.download();
+}
 
 /// For each tetrahedron the tetrahedra across its faces, and whether both list the common face in opposite senses.
 class Neighbors {
@@ -142,15 +203,15 @@ std::vector<std::int8_t> volume_signs(const TetMesh& mesh, int threads) {
 
 std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads) {
   const TetMeshView view(mesh);
+  return sort_half_faces(view, LowestVertex{view}, backend::Cpu(threads));
+}
+
+std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threads) {
+  const TetMeshView view(mesh);
   const backend::Cpu cpu(threads);
-  // Half-faces are grouped by their lowest vertex, and sorted within the groups, which are small.
-  backend::Cpu::Buffer<std::uint32_t> offsets;
-  backend::Cpu::Buffer<SortedHalfFace> half_faces;
-  const Size vertices = std::ssize(mesh.points);
-  build_csr_of<backend::Cpu, LowestVertex, MakeSorted, SortedHalfFace>(
-      cpu, vertices, 4 * std::ssize(mesh.tets), LowestVertex{view}, MakeSorted{view}, offsets, half_faces);
-  cpu.for_each(vertices, SortGroup{offsets, half_faces});
-  return half_faces.download();
+  std::vector<std::uint64_t> sums(mesh.points.size(), 0);
+  cpu.for_each(view.tets.size(), AddHashes{view, span_of(mesh.tet_tags), span_of(sums)});
+  return sort_half_faces(view, LowestVertexAtSurface{{view}, span_of(std::as_const(sums))}, cpu);
 }
 
 std::int64_t orient_uniformly(TetMesh& mesh, int threads) {

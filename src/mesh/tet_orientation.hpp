@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "backend/span.hpp"
 #include "mesh/half_face.hpp"
 #include "tetune/mesh.hpp"
 
@@ -29,6 +30,10 @@ struct SortedHalfFace {
 /// All half-faces, sorted by their vertices and then by tetrahedron. `threads` 0 means all.
 std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads = 1);
 
+/// Those of them whose lowest vertex is the lowest one of a face of the boundary or between regions: as a rule a small
+/// part.
+std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threads = 1);
+
 /// Calls f(begin, end) for each group of half-faces of the same face.
 template <class F>
 void for_each_face(const std::vector<SortedHalfFace>& half_faces, const F& f) {
@@ -38,6 +43,17 @@ void for_each_face(const std::vector<SortedHalfFace>& half_faces, const F& f) {
     f(begin, end);
     begin = end;
   }
+}
+
+/// Calls f(half_face, is_boundary) for each face of the boundary and between regions, in the order of their vertices,
+/// with one of its half-faces.
+template <class F>
+void for_each_surface_face(const TetMesh& mesh, int threads, const F& f) {
+  for_each_face(half_faces_at_surface(mesh, threads), [&](auto begin, auto end) {
+    const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
+    const bool is_boundary = end - begin == 1;
+    if (is_boundary || region(begin[0]) != region(begin[1])) f(*begin, is_boundary);
+  });
 }
 
 }  // namespace tetune

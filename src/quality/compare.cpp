@@ -10,10 +10,9 @@
 #include "backend/cpu.hpp"
 #include "curved/surface_distance.hpp"
 #include "math/closest_triangle.hpp"
-#include "mesh/connect.hpp"
 #include "mesh/tet_mesh_view.hpp"
+#include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
-#include "mesh/work_mesh.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
@@ -46,43 +45,33 @@ std::vector<TrianglePoints> facets_of(QuadraticSheet::Triangle triangle, double 
   return divide_into_facets({triangle}, kFacetError * chord).facets;
 }
 
-MeshSurface find_surface(const TetMesh& mesh, double scale, const backend::Cpu& cpu) {
-  WorkMesh<backend::Cpu> work = upload_mesh(cpu, mesh);
-  build_adjacency(cpu, work);
+MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
   MeshSurface surface;
   const TetMeshView positions(mesh, scale);
-  const Span<const int> tags = span_of(mesh.tet_tags);
   std::vector<char> on_surface(mesh.points.size(), 0);
   double edge_sum = 0;
   Size boundary_faces = 0;
-  const MeshView view = work.view();
   const QuadraticTriangles quadratic(mesh.points, mesh.curved_edges);
-  for (Index t = 0; t < work.slots(); ++t) {
-    for (int f = 0; f < 4; ++f) {
-      const HalfFace across = view.tet2tet[t][f];
-      const bool boundary = across == kNoHalfFace;
-      if (!boundary && (tet_of(across) < t || tags[tet_of(across)] == tags[t])) continue;
-      const Tet& tet = view.tet2vertex[t];
-      const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
-      const TrianglePoints triangle{positions.position(v[0]), positions.position(v[1]), positions.position(v[2])};
-      for (std::size_t k = 0; k < 3; ++k) {
-        char& seen = span_of(on_surface)[v[k]];
-        if (seen == 0) surface.vertices.push_back(triangle[k]);
-        seen = 1;
-      }
-      const std::size_t first = surface.triangles.size();
-      if (mesh.curved_edges.empty()) {
-        surface.triangles.push_back(triangle);
-      } else {
-        const std::vector<TrianglePoints> facets = facets_of(quadratic.of({v[0], v[1], v[2]}), scale);
-        surface.triangles.insert(surface.triangles.end(), facets.begin(), facets.end());
-      }
-      if (!boundary) continue;
-      ++boundary_faces;
-      for (std::size_t k = 0; k < 3; ++k) edge_sum += norm(triangle[(k + 1) % 3] - triangle[k]);
-      for (std::size_t i = first; i < surface.triangles.size(); ++i) surface.area += area(surface.triangles[i]);
+  for_each_surface_face(mesh, threads, [&](const SortedHalfFace& face, bool is_boundary) {
+    const std::array<Index, 3>& v = face.vertices;
+    const TrianglePoints triangle{positions.position(v[0]), positions.position(v[1]), positions.position(v[2])};
+    for (std::size_t k = 0; k < 3; ++k) {
+      char& seen = span_of(on_surface)[v[k]];
+      if (seen == 0) surface.vertices.push_back(triangle[k]);
+      seen = 1;
     }
-  }
+    const std::size_t first = surface.triangles.size();
+    if (mesh.curved_edges.empty()) {
+      surface.triangles.push_back(triangle);
+    } else {
+      const std::vector<TrianglePoints> facets = facets_of(quadratic.of(v), scale);
+      surface.triangles.insert(surface.triangles.end(), facets.begin(), facets.end());
+    }
+    if (!is_boundary) return;
+    ++boundary_faces;
+    for (std::size_t k = 0; k < 3; ++k) edge_sum += norm(triangle[(k + 1) % 3] - triangle[k]);
+    for (std::size_t i = first; i < surface.triangles.size(); ++i) surface.area += area(surface.triangles[i]);
+  });
   if (boundary_faces > 0) surface.mean_edge = edge_sum / (3 * static_cast<double>(boundary_faces));
   return surface;
 }
@@ -210,8 +199,8 @@ void compare_sizes(const TetMesh& before, const TetMesh& after, double scale, Co
 void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale, int threads, std::int64_t max_samples,
                       Comparison& c) {
   const backend::Cpu cpu(threads);
-  const MeshSurface old_surface = find_surface(before, scale, cpu);
-  const MeshSurface new_surface = find_surface(after, scale, cpu);
+  const MeshSurface old_surface = find_surface(before, scale, threads);
+  const MeshSurface new_surface = find_surface(after, scale, threads);
   c.area_change = relative_change(old_surface.area, new_surface.area);
   c.mean_edge = old_surface.mean_edge / scale;
   if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
