@@ -72,7 +72,8 @@ class TextSource {
 /// The bytes of a binary file in memory, as MeditTable takes them, and the numbers of one of its sections in sequence.
 class BinarySource {
  public:
-  BinarySource(std::string path, std::string_view bytes) : path_(std::move(path)), bytes_(bytes) {}
+  BinarySource(std::string path, std::string_view bytes, int threads)
+      : path_(std::move(path)), bytes_(bytes), threads_(threads) {}
 
   std::int64_t size() const { return std::ssize(bytes_); }
   void read_at(std::int64_t position, char* to, std::int64_t n) const { std::copy_n(bytes_.begin() + position, n, to); }
@@ -91,19 +92,43 @@ class BinarySource {
   std::size_t count(const MeditSection& section, int reals, int integers) {
     const std::int64_t n = table_->count(*section_, section.name, reals, integers);
     next_ = bytes_.data() + table_->entries_begin(*section_);
+    entry_bytes_ = encoding_.entry_bytes(reals, integers);
     return to_size_t(n);
   }
   double real() { return encoding_.real(next_); }
   std::int64_t integer(const char*) { return encoding_.integer(next_); }
   template <class Read>
   void entries(std::size_t n, const Read& read) {
+    if (n > kEntriesPerPart && read_parts(n, read)) return;
     for (std::size_t i = 0; i < n; ++i) read(*this, i);
   }
 
  private:
+  static constexpr std::size_t kEntriesPerPart = 1 << 13;
+
+  /// Reads the entries on all threads. Returns false where one of them is wrong: reading in sequence finds the first.
+  template <class Read>
+  bool read_parts(std::size_t n, const Read& read) {
+    std::atomic<bool> as_expected = true;
+    backend::Cpu(threads_).for_parts(Size((n + kEntriesPerPart - 1) / kEntriesPerPart), [&](Size part) {
+      const std::size_t first = to_size_t(part) * kEntriesPerPart;
+      BinarySource source = *this;
+      source.next_ += std::int64_t(first) * entry_bytes_;
+      try {
+        for (std::size_t i = first; i < std::min(n, first + kEntriesPerPart); ++i) read(source, i);
+      } catch (const FileError&) {
+        as_expected = false;
+      }
+    });
+    if (as_expected) next_ += std::int64_t(n) * entry_bytes_;
+    return as_expected;
+  }
+
   std::string path_;
   std::string_view bytes_;
+  int threads_;
   const char* next_ = bytes_.data();
+  std::int64_t entry_bytes_ = 0;
   MeditEncoding encoding_;
   const Table* table_ = nullptr;
   const Table::Section* section_ = nullptr;
@@ -263,7 +288,7 @@ TetMesh parse_text(const std::string& path, std::string_view bytes, const IoCont
 }
 
 TetMesh parse_binary(const std::string& path, std::string_view bytes, const IoContext& context) {
-  BinarySource source(path, bytes);
+  BinarySource source(path, bytes, context.threads);
   const MeditTable table(std::as_const(source));
   TetMesh mesh;
   MeditReader reader(source, mesh);

@@ -48,9 +48,9 @@ class IoTest : public ::testing::Test {
     return names;
   }
   /// The message of the FileError that reading the file throws; empty when it does not throw.
-  static std::string read_error(const std::string& file) {
+  static std::string read_error(const std::string& file, int threads = 1) {
     try {
-      read_mesh(file, nullptr, 1);
+      read_mesh(file, nullptr, threads);
     } catch (const FileError& e) {
       return e.what();
     }

@@ -204,6 +204,38 @@ TEST_P(MeditVersion, IdZero) {
   EXPECT_TRUE(contains(read_error(put("a.meshb", out.end())), "id 0 in section Tetrahedra"));
 }
 
+/// Long lists are read in parts, on all threads.
+TEST_P(MeditVersion, LongLists) {
+  const TetMesh mesh = two_materials(12);
+  MeditBytes out = head();
+  out.vertices(mesh).integers(8, static_cast<std::int64_t>(mesh.tets.size()), listed(mesh.tets, mesh.tet_tags));
+  const std::string file = put("a.meshb", out.end());
+  for (const int threads : {1, 3}) {
+    const TetMesh read = read_mesh(file, nullptr, threads);
+    EXPECT_EQ(read.tets, mesh.tets);
+    EXPECT_EQ(read.tet_tags, mesh.tet_tags);
+    EXPECT_EQ(read.point_tags, mesh.point_tags);
+  }
+}
+
+TEST_P(MeditVersion, TheFirstOfSeveralErrorsInALongListIsNamed) {
+  constexpr std::int64_t kEntries = 40'000;
+  for (const std::size_t wrong : {0, 12'345, 30'000}) {
+    std::vector<std::int64_t> ids(kEntries, 1);
+    ids[wrong] = -5;
+    ids.back() = -6;
+    MeditBytes out = head();
+    const std::size_t begin = out.bytes().size();
+    out.integers(13, kEntries, ids);
+    const std::size_t integer = std::get<0>(GetParam()) == 4 ? 8 : 4;
+    const std::size_t position = std::get<0>(GetParam()) >= 3 ? 8 : 4;
+    const std::size_t at = begin + 4 + position + integer * (wrong + 2);
+    const std::string error = read_error(put("a.meshb", out.end()), 3);
+    EXPECT_TRUE(contains(error, "id -5 in section Corners")) << error;
+    EXPECT_TRUE(contains(error, "byte " + std::to_string(at) + ":")) << error;
+  }
+}
+
 TEST_P(MeditVersion, EveryTruncationIsNoticed) {
   const TetMesh mesh = float_mesh();
   MeditBytes out = head();
