@@ -29,7 +29,7 @@ TetMesh lattice_input() {
 
 TEST(OptimizeTowards, RoundsMakeFailingElementsPass) {
   for (const auto& [measure, limit] : {std::pair{CheckMeasure::equiangle_skew, 0.532},
-                                       {CheckMeasure::volume_skew, 0.561},
+                                       {CheckMeasure::volume_skew, 0.58},
                                        {CheckMeasure::orthogonal_quality, 0.42}}) {
     const AcceptanceCriteria criteria = one(measure, limit);
     TetMesh plain = lattice_input();
