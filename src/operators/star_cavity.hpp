@@ -199,14 +199,18 @@ class StarCavity : StarShape {
       for (int l = 0; l < kLanes; ++l) costs[i / Team::kSize + l] = some[l];
     }
     for (int step = 0; step < kMaxStarTets; ++step) {
-      backend::IndexedMax worst{-1, kMaxStarFaces};  // the last of equals: indices count from the last face on
+      double largest = limit;
+      int own_worst = -1;
       for (int i = team.rank(); i < arrays_.face_count; i += Team::kSize) {
-        const double cost = costs[i / Team::kSize];
-        if (cost >= limit) worst.merge({cost, kMaxStarFaces - 1 - i});
+        if (!(costs[i / Team::kSize] >= largest)) continue;
+        largest = costs[i / Team::kSize];
+        own_worst = i;
       }
-      worst = team.merge(worst);
-      if (worst.index == kMaxStarFaces) return true;
-      const Growth g = has_room() ? growth_across(kMaxStarFaces - 1 - worst.index) : Growth{};
+      // The last of equals: indices count from the last face on.
+      const int worst =
+          kMaxStarFaces - 1 - team.merge(backend::IndexedMax{largest, kMaxStarFaces - 1 - own_worst}).index;
+      if (worst < 0) return true;
+      const Growth g = has_room() ? growth_across(worst) : Growth{};
       if (g.t < 0) return false;
       const int places[3] = {g.face, g.second >= 0 ? g.other : arrays_.face_count, arrays_.face_count + 1};
       change(team, [&] { take(g); });
