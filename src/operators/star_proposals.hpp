@@ -13,7 +13,7 @@ namespace tetune {
 /// A place for an apex is improved further when the cost there is at most this many times what it was.
 inline constexpr double kAcceptRatio = 1.5;
 /// The bound before the cavity is enlarged.
-inline constexpr double kScreenRatio = 2;
+inline constexpr double kScreenRatio = 1.4;
 
 /// Where the cavity cannot be enlarged any further, as at the surface, a new vertex is moved nevertheless if the cost
 /// is at most this many times what it was.
