@@ -1,30 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rounds that follow where many tetrahedra have about the largest cost.
+// Which rounds on the mean energy and the angles follow, and on which tetrahedra.
 #include "phases/improve_angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include "driver/import_mesh.inl"
 #include "meshes.hpp"
+#include "phases/lower_mean_energy.hpp"
 
 namespace tetune {
 namespace {
 
 using backend::Cpu;
 
-/// Whether a mesh has a crowd under Effort::best.
-bool has_crowd(const TetMesh& mesh) {
+/// The optimizer of a mesh under Effort::best, with its energies.
+struct OptimizerOfMesh {
+  explicit OptimizerOfMesh(const TetMesh& mesh) {
+    options.effort = Effort::best;
+    import_mesh(backend, mesh, options, nullptr, true, set, report);
+    optimizer.sum_energy(kShapeObjective);
+  }
+
   Options options;
-  options.effort = Effort::best;
-  const Cpu backend(1);
-  WorkingSet<Cpu> work;
+  const Cpu backend{1};
+  WorkingSet<Cpu> set;
   Report report;
-  import_mesh(backend, mesh, options, nullptr, true, work, report);
-  PhaseTimer timer(report);
+  PhaseTimer timer{report};
   const Context context;
-  Optimizer<Cpu> optimizer(backend, work, options, context, report, timer, PhaseTimer::SteadyClock::now());
-  optimizer.sum_energy(kShapeObjective);
-  return improve_angles_detail::has_crowd(optimizer);
+  Optimizer<Cpu> optimizer{backend, set, options, context, report, timer, PhaseTimer::SteadyClock::now()};
+};
+
+bool has_crowd(const TetMesh& mesh) {
+  OptimizerOfMesh work(mesh);
+  return improve_angles_detail::has_crowd(work.optimizer);
 }
 
 /// A lattice of n^3 cubes whose height is scaled: its smallest angles are all equal.
@@ -50,6 +58,35 @@ TEST(ImproveAngles, ElementsNearAWorseOneAreNoCrowd) {
     if (p[0] == 0.5 && p[1] == 0.5 && p[2] == 0.25) p[2] -= 0.08;
   }
   EXPECT_FALSE(has_crowd(mesh));
+}
+
+TEST(NewNeighborhoods, AreThoseOfTheVerticesOfNewTetrahedra) {
+  OptimizerOfMesh work(test::cube(4, 0.2));
+  lower_mean_energy_detail::NewNeighborhoods<Cpu> neighborhoods;
+  const auto find = [&] { return neighborhoods.find_above(work.optimizer, 0).download(); };
+  const MeshView mesh = work.set.mesh.view();
+  const Size slots = mesh.tet2vertex.size();
+  EXPECT_EQ(std::ssize(find()), slots);
+  EXPECT_TRUE(find().empty());
+  // Positions alone.
+  work.set.mesh.points.span()[0].x += 1e-3;
+  EXPECT_TRUE(find().empty());
+  // Another order of the same vertices stands for another tetrahedron.
+  Tet& changed = work.set.mesh.tet2vertex.span()[7];
+  std::swap(changed[2], changed[3]);
+  const std::vector<Index> found = find();
+  std::vector<Index> expected;
+  for (Index t = 0; t < slots; ++t) {
+    const Tet tet = mesh.tet2vertex[t];
+    bool shares = false;
+    for (int k = 0; k < 4; ++k) {
+      for (int l = 0; l < 4; ++l) shares = shares || tet[k] == changed[l];
+    }
+    if (shares) expected.push_back(t);
+  }
+  EXPECT_EQ(found, expected);
+  EXPECT_LT(std::ssize(found), slots);
+  EXPECT_TRUE(find().empty());
 }
 
 }  // namespace
