@@ -11,19 +11,6 @@
 /// operations in kernels; used only where the order of the operations cannot affect the result.
 namespace tetune::backend {
 
-TETUNE_HD inline std::uint32_t atomic_add(std::uint32_t& target, std::uint32_t value) {
-#if defined(__CUDA_ARCH__)
-  return atomicAdd(&target, value);
-#else
-  return __atomic_fetch_add(&target, value, __ATOMIC_RELAXED);
-#endif
-}
-
-/// For the host alone.
-inline void atomic_add(std::uint64_t& target, std::uint64_t value) {
-  __atomic_fetch_add(&target, value, __ATOMIC_RELAXED);
-}
-
 TETUNE_HD inline void atomic_or(std::uint32_t& target, std::uint32_t bits) {
 #if defined(__CUDA_ARCH__)
   atomicOr(&target, bits);
@@ -56,7 +43,15 @@ void store_if(T& target, T value, const Precedes& precedes) {
 
 }  // namespace atomic_detail
 
-/// T is an unsigned integer of 32 or 64 bits.
+/// Returns what the target was before. In these three, T is an unsigned integer of 32 or 64 bits.
+template <class T>
+TETUNE_HD inline T atomic_add(T& target, std::type_identity_t<T> value) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(atomic_detail::word(target), atomic_detail::Word<T>{value});
+#else
+  return __atomic_fetch_add(&target, value, __ATOMIC_RELAXED);
+#endif
+}
 template <class T>
 TETUNE_HD inline void atomic_max(T& target, std::type_identity_t<T> value) {
 #if defined(__CUDA_ARCH__)

@@ -37,13 +37,9 @@ std::array<double, 3> barycentric(const TrianglePoints& t, const Vec3& p) {
 QuadraticSheet::QuadraticSheet(std::vector<Triangle> triangles)
     : triangles_(std::move(triangles)),
       search_(corners_of(triangles_)),
-      low_{kInfinity, kInfinity, kInfinity},
-      high_{-kInfinity, -kInfinity, -kInfinity} {
+      box_{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}} {
   for (const Triangle& t : triangles_) {
-    for (const Vec3& p : t.corners) {
-      low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y), std::min(low_.z, p.z)};
-      high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y), std::max(high_.z, p.z)};
-    }
+    for (const Vec3& p : t.corners) box_.include(p);
   }
 }
 
@@ -52,12 +48,6 @@ Vec3 QuadraticSheet::lift(const Vec3& p) const {
   const Triangle& t = span_of(triangles_)[hit.triangle];
   const auto [l0, l1, l2] = barycentric(t.corners, hit.point);
   return hit.point + 4 * (l0 * l1) * t.offsets[0] + 4 * (l1 * l2) * t.offsets[1] + 4 * (l2 * l0) * t.offsets[2];
-}
-
-double QuadraticSheet::distance2_of_box(const Vec3& p) const {
-  const Vec3 d{std::max({low_.x - p.x, p.x - high_.x, 0.0}), std::max({low_.y - p.y, p.y - high_.y, 0.0}),
-               std::max({low_.z - p.z, p.z - high_.z, 0.0})};
-  return dot(d, d);
 }
 
 Vec3 QuadraticTriangles::at(Index v) const { return vec(span_of(points_)[v]); }

@@ -28,12 +28,12 @@ class QuadraticSheet {
   Vec3 lift(const Vec3& p) const;
   /// The squared distance from the straight triangles.
   double distance2(const Vec3& p) const { return search_.distance2(p); }
-  double distance2_of_box(const Vec3& p) const;
+  double distance2_of_box(const Vec3& p) const { return box_.distance2(p); }
 
  private:
   std::vector<Triangle> triangles_;
   ClosestTriangle search_;
-  Vec3 low_, high_;
+  Box box_;
 };
 
 /// Makes triangles and segments of a quadratic surface.

@@ -14,6 +14,21 @@
 namespace tetune {
 namespace {
 
+/// Calls read_part(i), which returns whether it has read what it expected, for each i below `parts` on all threads.
+/// Returns false where one did not, or found an error: reading in sequence finds the first one, if there is one.
+template <class ReadPart>
+bool read_parts_on_all_threads(int threads, Size parts, const ReadPart& read_part) {
+  std::atomic<bool> as_expected = true;
+  backend::Cpu(threads).for_parts(parts, [&](Size part) {
+    try {
+      if (read_part(part)) return;
+    } catch (const FileError&) {
+    }
+    as_expected = false;
+  });
+  return as_expected;
+}
+
 /// The numbers of a text file.
 class TextSource {
  public:
@@ -49,17 +64,11 @@ class TextSource {
   bool read_lines(std::size_t n, const Read& read) {
     std::vector<TextCursor::Lines> parts = cursor_.next_lines(n, kBytesPerPart);
     if (parts.empty()) return false;
-    std::atomic<bool> as_expected = true;
-    const Span<TextCursor::Lines> part = span_of(parts);
-    backend::Cpu(threads_).for_parts(part.size(), [&](Size p) {
-      TextCursor::Lines& lines = part[p];
-      try {
-        TextSource source(lines.cursor, 1);
-        for (std::size_t i = lines.first; i < lines.first + lines.count; ++i) read(source, i);
-        if (lines.cursor.at_end()) return;
-      } catch (const FileError&) {
-      }
-      as_expected = false;
+    const bool as_expected = read_parts_on_all_threads(threads_, std::ssize(parts), [&](Size part) {
+      TextCursor::Lines& lines = span_of(parts)[part];
+      TextSource source(lines.cursor, 1);
+      for (std::size_t i = lines.first; i < lines.first + lines.count; ++i) read(source, i);
+      return lines.cursor.at_end();
     });
     if (as_expected) cursor_.continue_after(parts.back().cursor);
     return as_expected;
@@ -109,16 +118,13 @@ class BinarySource {
   /// Reads the entries on all threads. Returns false where one of them is wrong: reading in sequence finds the first.
   template <class Read>
   bool read_parts(std::size_t n, const Read& read) {
-    std::atomic<bool> as_expected = true;
-    backend::Cpu(threads_).for_parts(Size((n + kEntriesPerPart - 1) / kEntriesPerPart), [&](Size part) {
+    const auto parts = Size((n + kEntriesPerPart - 1) / kEntriesPerPart);
+    const bool as_expected = read_parts_on_all_threads(threads_, parts, [&](Size part) {
       const std::size_t first = to_size_t(part) * kEntriesPerPart;
       BinarySource source = *this;
       source.next_ += std::int64_t(first) * entry_bytes_;
-      try {
-        for (std::size_t i = first; i < std::min(n, first + kEntriesPerPart); ++i) read(source, i);
-      } catch (const FileError&) {
-        as_expected = false;
-      }
+      for (std::size_t i = first; i < std::min(n, first + kEntriesPerPart); ++i) read(source, i);
+      return true;
     });
     if (as_expected) next_ += std::int64_t(n) * entry_bytes_;
     return as_expected;

@@ -40,20 +40,17 @@ Hit closest_on_triangle(const Vec3& p, const TrianglePoints& t) {
   return best;
 }
 
-Vec3 lower_corner(const Vec3& a, const Vec3& b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
-Vec3 upper_corner(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
-
 }  // namespace
 
 /// A triangle while the hierarchy is built: its box, and the sum of its vertices, by which it is placed.
 struct ClosestTriangle::Item {
-  Item(const TrianglePoints& t, Size at)
-      : low(lower_corner(lower_corner(t[0], t[1]), t[2])),
-        high(upper_corner(upper_corner(t[0], t[1]), t[2])),
-        sum(t[0] + t[1] + t[2]),
-        position(at) {}
+  Item(const TrianglePoints& t, Size at) : box{t[0], t[0]}, sum(t[0] + t[1] + t[2]), position(at) {
+    box.include(t[1]);
+    box.include(t[2]);
+  }
 
-  Vec3 low, high, sum;
+  Box box;
+  Vec3 sum;
   Size position;  ///< in the list
 };
 
@@ -77,17 +74,14 @@ ClosestTriangle::ClosestTriangle(const std::vector<TrianglePoints>& triangles) {
 Size ClosestTriangle::build(std::vector<Item>& items, Size begin, Size end) {
   const auto first = items.begin() + begin;
   const auto last = items.begin() + end;
-  Node node{first->low, first->high};
+  Node node{first->box};
   node.begin = begin;
   node.end = end;
-  for (auto item = first; item != last; ++item) {
-    node.low = lower_corner(node.low, item->low);
-    node.high = upper_corner(node.high, item->high);
-  }
+  for (auto item = first; item != last; ++item) node.box.include(item->box);
   const Size id = std::ssize(nodes_);
   nodes_.push_back(node);
   if (end - begin <= kMaxLeafSize) return id;
-  const Vec3 extent = node.high - node.low;
+  const Vec3 extent = node.box.high - node.box.low;
   const auto axis = extent.x >= extent.y && extent.x >= extent.z ? &Vec3::x
                     : extent.y >= extent.z                       ? &Vec3::y
                                                                  : &Vec3::z;
@@ -102,13 +96,6 @@ Size ClosestTriangle::build(std::vector<Item>& items, Size begin, Size end) {
   return id;
 }
 
-double ClosestTriangle::Node::distance2(const Vec3& p) const {
-  const double x = std::max({low.x - p.x, p.x - high.x, 0.0});
-  const double y = std::max({low.y - p.y, p.y - high.y, 0.0});
-  const double z = std::max({low.z - p.z, p.z - high.z, 0.0});
-  return x * x + y * y + z * z;
-}
-
 ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double sufficient) const {
   Hit best{p, kInfinity};
   if (nodes_.empty()) return best;
@@ -121,7 +108,7 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double sufficient) 
   // Each split halves the range: the tree is at most as deep as a size has bits.
   std::array<Entry, 8 * sizeof(Size)> stack;
   std::size_t depth = 0;
-  stack[depth++] = {0, nodes[0].distance2(p)};
+  stack[depth++] = {0, nodes[0].box.distance2(p)};
   while (depth > 0 && best.distance2 > sufficient) {
     const Entry entry = stack[--depth];
     if (entry.distance2 >= best.distance2) continue;
@@ -136,8 +123,8 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double sufficient) 
       continue;
     }
     // The closer child is visited first.
-    Entry closer{node.left, nodes[node.left].distance2(p)};
-    Entry farther{node.right, nodes[node.right].distance2(p)};
+    Entry closer{node.left, nodes[node.left].box.distance2(p)};
+    Entry farther{node.right, nodes[node.right].box.distance2(p)};
     if (farther.distance2 < closer.distance2) std::swap(closer, farther);
     stack[depth++] = farther;
     stack[depth++] = closer;

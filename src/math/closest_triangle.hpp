@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "backend/span.hpp"
-#include "math/vec3.hpp"
+#include "math/box.hpp"
 
 namespace tetune {
 
@@ -31,11 +31,9 @@ class ClosestTriangle {
 
  private:
   struct Node {
-    Vec3 low, high;
+    Box box;
     Size left = -1, right = -1;  ///< children, or -1 in a leaf
     Size begin = 0, end = 0;     ///< range of triangles
-
-    double distance2(const Vec3& p) const;
   };
   struct Item;
   Size build(std::vector<Item>& items, Size begin, Size end);

@@ -6,22 +6,10 @@
 #include <vector>
 
 #include "backend/span.hpp"
-#include "math/vec3.hpp"
+#include "math/box.hpp"
 #include "mesh/tet.hpp"
 
 namespace tetune {
-
-struct Box {
-  Vec3 low, high;
-  bool meets(const Box& o) const {
-    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y && low.z <= o.high.z &&
-           o.low.z <= high.z;
-  }
-  void include(const Vec3& p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-};
 
 /// A bounding volume hierarchy of boxes in the order of a Hilbert curve. Queries may run concurrently.
 class BoxTree {
