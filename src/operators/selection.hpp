@@ -200,6 +200,7 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
     for (Size first = 0; first < count; first += batch) {
       if (backend.stop_requested()) {
         s.is_stopped = true;
+        s.selected.resize(backend, 0);
         return s;
       }
       const Size size = std::min(batch, count - first);

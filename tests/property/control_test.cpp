@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "meshes.hpp"
 #include "options.hpp"
@@ -51,6 +52,28 @@ TEST(Control, StopsAtEverySafePoint) {
         }
       }
     }
+  }
+}
+
+/// Proposals are evaluated in batches, and a stop is requested before each of those of one round.
+TEST(Control, StopsBetweenBatchesOfProposals) {
+  const TetMesh before = test::scrambled(test::cube(14, 0.2), 3, 1);
+  Options options = options_of(Effort::best, Boundary::preserve, 1);
+  options.restarts = 0;
+  for (int at = 1; at <= 4; ++at) {
+    bool is_in_rounds = false;
+    int polls = 0;
+    Context context;
+    context.progress = [&](const Progress& p) {
+      is_in_rounds = is_in_rounds || p.phase == std::string("worst");
+      return true;
+    };
+    context.stop = [&] { return is_in_rounds && ++polls == at; };
+    TetMesh m = before;
+    EXPECT_EQ(optimize(m, options, context).stop, StopReason::cancelled);
+    const ValidationReport valid = validate(m);
+    ASSERT_TRUE(valid.ok()) << "stopped at " << at << ": " << valid.message(false);
+    EXPECT_GE(quality(m).dihedral_min, quality(before).dihedral_min);
   }
 }
 
