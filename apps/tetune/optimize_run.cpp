@@ -84,8 +84,11 @@ class Run {
     }
   }
 
-  /// The tables need fewer measures than the report.
+  /// Whether the figures of the run are printed or written.
+  bool shows_figures() const { return console_.verbosity() > 0 || !job_.report.empty(); }
+  /// The tables need fewer measures than the report, and JSON lines only some of them.
   Quality measure() const {
+    if (!shows_figures() && !console_.json()) return {};
     return job_.report.empty() ? quality(input_.mesh, options_.threads) : measure_all(input_.mesh, options_.threads);
   }
 
@@ -103,9 +106,8 @@ class Run {
         criteria_ = optimize_towards(input_.mesh, *a_.criteria, options_, context);
         report_ = std::move(criteria_.optimization);
       } else if (geometry_ && !a_.dry_run) {
-        const bool measures = console_.verbosity() > 0 || !job_.report.empty();
         on_geometry_ = optimize_on_geometry(input_.mesh, *geometry_, options_,
-                                            {.snap = a_.geometry.snap == "yes", .measures = measures}, context);
+                                            {.snap = a_.geometry.snap == "yes", .measures = shows_figures()}, context);
         report_ = std::move(on_geometry_.optimization);
       } else {
         report_ = optimize(input_.mesh, options_, context);
@@ -198,8 +200,9 @@ class Run {
   }
 
   void optimize_mesh() {
-    if (options_.boundary == Boundary::slide && !a_.move && !geometry_)
+    if (options_.boundary == Boundary::slide && !a_.move && !geometry_ && shows_figures()) {
       original_ = std::make_unique<TetMesh>(input_.mesh);
+    }
     console_.phase(a_.move ? "moving" : "optimizing");
     std::optional<Time::time_point> end;
     Context context;
@@ -263,7 +266,7 @@ class Run {
                                             : "done";
     // The comparison takes long: not after an early stop.
     std::optional<Comparison> change;
-    if (original_ && !stopped() && (console_.verbosity() > 0 || !job_.report.empty())) {
+    if (original_ && !stopped() && shows_figures()) {
       // A bound is tested at all points; otherwise the comparison must not take longer than the optimization.
       constexpr std::int64_t kMaxSamples = 25'000;
       const bool at_all = options_.max_deviation > 0 && input_.mesh.curved_edges.empty();
@@ -277,7 +280,7 @@ class Run {
       write_text(job_.report, json_text(json));
     }
     if (!job_.trace.empty()) write_text(job_.trace, trace_csv(report_));
-    console_.print(summary(change));
+    if (shows_figures()) console_.print(summary(change));
   }
 
   void check_deviation(const Comparison& change) {
