@@ -40,6 +40,9 @@ struct AnyPredicate {
 struct Weight {
   TETUNE_HD std::uint32_t operator()(Size) const { return 1; }
 };
+struct AnyRow {
+  TETUNE_HD Size operator()(Size) const { return 0; }
+};
 struct Place {
   TETUNE_HD void operator()(Size, std::uint32_t) const {}
 };
@@ -144,16 +147,16 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
 
 /// The optional hook of a backend with few threads: a stable counting sort without atomics, used by mesh/csr.hpp.
 ///
-/// count_by_row(find, no_row, row, offsets, places): calls find(i), which writes row[i] or no_row; writes to offsets[r]
-/// the number of items in rows before r; returns the number of items that have a row.
-/// place_by_row(row, no_row, rows, places, place): calls place(i, rank of item i in the order by rows) for each item
-/// that has a row. Uses up `places`, which the first step filled.
+/// count_by_row(n, row_of, offsets, places): row_of(i) is the row of item i in [0, n), or negative where it has none;
+/// writes to offsets[r] the number of items in rows before r; returns the number of items that have a row.
+/// place_by_row(n, row_of, rows, places, place): calls place(i, rank of item i in the order by rows) for each item that
+/// has a row. Uses up `places`, which the first step filled.
 template <class B>
 concept CountsByRow = Backend<B> &&
-    requires(const B& backend, Span<const std::uint32_t> row, std::uint32_t no_row, Span<std::uint32_t> offsets,
+    requires(const B& backend, Size n, Span<std::uint32_t> offsets,
              typename B::template Buffer<std::uint32_t>& places) {
-  { backend.count_by_row(concept_detail::Visit{}, no_row, row, offsets, places) } -> std::same_as<Size>;
-  { backend.place_by_row(row, no_row, Size{1}, places, concept_detail::Place{}) } -> std::same_as<void>;
+  { backend.count_by_row(n, concept_detail::AnyRow{}, offsets, places) } -> std::same_as<Size>;
+  { backend.place_by_row(n, concept_detail::AnyRow{}, Size{1}, places, concept_detail::Place{}) } -> std::same_as<void>;
 };
 
 }  // namespace tetune::backend

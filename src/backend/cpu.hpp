@@ -220,10 +220,8 @@ class Cpu {
   }
 
   /// Blocks of items are counted and placed independently, so no atomics are needed.
-  template <class Find>
-  Size count_by_row(const Find& find, std::uint32_t no_row, Span<const std::uint32_t> row, Span<std::uint32_t> offsets,
-                    Buffer<std::uint32_t>& places) const {
-    const Size n = row.size();
+  template <class RowOf>
+  Size count_by_row(Size n, const RowOf& row_of, Span<std::uint32_t> offsets, Buffer<std::uint32_t>& places) const {
     const Size rows = offsets.size();
     // At most n / rows blocks: the counts of all blocks take no more memory than the items.
     const Size blocks = std::max<Size>(1, std::min(block_count(n), n / rows));
@@ -233,8 +231,8 @@ class Cpu {
       std::uint32_t* const mine = counts + b * rows;
       std::fill(mine, mine + rows, 0U);
       for (Size i = begin; i < end; ++i) {
-        find(i);
-        if (row[i] != no_row) ++mine[row[i]];
+        const Size row = row_of(i);
+        if (row >= 0) ++mine[row];
       }
     });
     for_blocks(rows, blocks, [&](Size, Size begin, Size end) {
@@ -252,14 +250,14 @@ class Cpu {
     });
     return total;
   }
-  template <class F>
-  void place_by_row(Span<const std::uint32_t> row, std::uint32_t no_row, Size rows, Buffer<std::uint32_t>& places,
-                    const F& place) const {
+  template <class RowOf, class F>
+  void place_by_row(Size n, const RowOf& row_of, Size rows, Buffer<std::uint32_t>& places, const F& place) const {
     std::uint32_t* const next = places.span().data();
-    for_blocks(row.size(), places.size() / rows, [&](Size b, Size begin, Size end) {
+    for_blocks(n, places.size() / rows, [&](Size b, Size begin, Size end) {
       std::uint32_t* const mine = next + b * rows;
       for (Size i = begin; i < end; ++i) {
-        if (row[i] != no_row) place(i, mine[row[i]]++);
+        const Size row = row_of(i);
+        if (row >= 0) place(i, mine[row]++);
       }
     });
   }

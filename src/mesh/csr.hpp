@@ -68,20 +68,8 @@ TETUNE_HD void sort_small(T* a, Size n, const Less& less) {
 
 namespace csr_detail {
 
-inline constexpr std::uint32_t kNoRow = 0xffffffffU;
-
 struct ItemItself {
   TETUNE_HD std::uint32_t operator()(std::uint32_t item) const { return item; }
-};
-
-template <class RowOf>
-struct FindRow {
-  RowOf row_of;
-  Span<std::uint32_t> row;
-  TETUNE_HD void operator()(Size item) const {
-    const Size r = row_of(item);
-    row[item] = r < 0 ? kNoRow : static_cast<std::uint32_t>(r);
-  }
 };
 
 template <class RowOf>
@@ -165,13 +153,10 @@ void build_csr_of(const Backend& backend, Size row_count, Size item_count, const
   using Ids = BufferOf<Backend, std::uint32_t>;
   if constexpr (backend::CountsByRow<Backend>) {
     offsets.resize(backend, row_count + 1);
-    Ids row(backend, item_count);
     Ids positions;
-    const Span<const std::uint32_t> rows = row;
-    const FindRow<RowOf> find{row_of, row.span()};
-    grouped.resize(backend, backend.count_by_row(find, kNoRow, rows, offsets.span(), positions));
+    grouped.resize(backend, backend.count_by_row(item_count, row_of, offsets.span(), positions));
     const Span<T> out = grouped;
-    backend.place_by_row(rows, kNoRow, offsets.size(), positions, [&](Size item, std::uint32_t position) {
+    backend.place_by_row(item_count, row_of, offsets.size(), positions, [&](Size item, std::uint32_t position) {
       out[position] = make(static_cast<std::uint32_t>(item));
     });
   } else {
