@@ -152,9 +152,8 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
 /// place_by_row(n, row_of, rows, places, place): calls place(i, rank of item i in the order by rows) for each item that
 /// has a row. Uses up `places`, which the first step filled.
 template <class B>
-concept CountsByRow = Backend<B> &&
-    requires(const B& backend, Size n, Span<std::uint32_t> offsets,
-             typename B::template Buffer<std::uint32_t>& places) {
+concept CountsByRow = Backend<B> && requires(const B& backend, Size n, Span<std::uint32_t> offsets,
+                                             typename B::template Buffer<std::uint32_t>& places) {
   { backend.count_by_row(n, concept_detail::AnyRow{}, offsets, places) } -> std::same_as<Size>;
   { backend.place_by_row(n, concept_detail::AnyRow{}, Size{1}, places, concept_detail::Place{}) } -> std::same_as<void>;
 };

@@ -282,8 +282,8 @@ void find_across(const Backend& backend, Span<const SurfaceTriangle> triangles, 
   backend.for_each(vertex2corner.offsets.size() - 1, surface_detail::FindAcross{triangles, vertex2corner, across});
 }
 
-/// Collects the surface: boundary faces, locked faces, and the listed triangles inside regions that are tagged or
-/// required; these it locks. `listed_state` receives the role of each listed triangle.
+/// Collects the surface: boundary faces, locked faces, and those listed triangles inside regions that lock
+/// (ListedTriangle::locks), which become locked faces. `listed_state` receives the role of each listed triangle.
 template <class Backend>
 void build_surface(const Backend& backend, WorkMesh<Backend>& mesh, const ListedTriangles& listed,
                    BufferOf<Backend, Listed>& listed_state, Surface<Backend>& surface) {

@@ -36,16 +36,13 @@ constexpr double kRelaxBelow = 0.5;
 /// The accuracy of a scaled Jacobian.
 constexpr double kAccuracy = 2e-3;
 
-std::vector<Index> all_below(const std::vector<CurvedTet>& tets, double limit, bool or_not_valid) {
+std::vector<Index> below_or_not_valid(const std::vector<CurvedTet>& tets, double limit) {
   std::vector<Index> ids;
   for (const CurvedTet& t : tets) {
-    const bool is_invalid = t.validity != CurvedValidity::valid;
-    if (t.scaled_jacobian() < limit || (or_not_valid && is_invalid)) ids.push_back(t.tet);
+    if (t.scaled_jacobian() < limit || t.validity != CurvedValidity::valid) ids.push_back(t.tet);
   }
   return ids;
 }
-
-constexpr double kNoBound = -1e300;
 
 class CurvedOptimizer {
  public:
@@ -141,7 +138,7 @@ class CurvedOptimizer {
     extend_report(report, std::move(further));
   }
 
-  /// The maps of the report lead to the input.
+  /// Composes the maps of the report with origins_, so that they lead to the input.
   void follow_origins(Report& report) const {
     for (Index& t : report.tet2original) t = span_of(origins_.tets)[t];
     if (base_.points.size() == vertices_) return;
@@ -257,7 +254,7 @@ class CurvedOptimizer {
     const CurvedEdges edges(mesh);
     return measure_tets(mesh, edges, curved_tets(mesh, edges), options_.threads);
   }
-  std::vector<Index> find_invalid(const TetMesh& mesh) const { return all_below(measure(mesh), kNoBound, true); }
+  std::vector<Index> find_invalid(const TetMesh& mesh) const { return not_valid(measure(mesh)); }
   double smallest(const TetMesh& mesh) const {
     double least = 1;
     for (const CurvedTet& t : measure(mesh)) least = std::min(least, t.scaled_jacobian());
@@ -272,7 +269,7 @@ class CurvedOptimizer {
 
   /// Elements that are below the limit or not valid, or flattened.
   std::vector<Index> find_bad(const TetMesh& mesh, double limit, bool slides) const {
-    std::vector<Index> bad = all_below(measure(mesh), limit, true);
+    std::vector<Index> bad = below_or_not_valid(measure(mesh), limit);
     if (!slides) return bad;
     const std::vector<Index> flat = flatter_than(mesh, goal_.min_dihedral, options_.threads);
     bad.insert(bad.end(), flat.begin(), flat.end());
@@ -301,7 +298,7 @@ class CurvedOptimizer {
     goal.only_valid = true;
     split_bounded(trial, held, origins, goal);
     if (trial.points.size() == mesh.points.size()) return;
-    relax_curved(trial, held, all_below(measure(trial), kRelaxBelow, true), goal_);
+    relax_curved(trial, held, below_or_not_valid(measure(trial), kRelaxBelow), goal_);
     const bool keeps_angle = quality(trial, options_.threads).dihedral_min >= goal_.min_dihedral;
     if (!keeps_angle || !find_invalid(trial).empty() || smallest(trial) < smallest(mesh)) return;
     trial.point_data = carry_point_data(base_.point_data, origins.vertices, trial.points, trial.tets);

@@ -35,7 +35,6 @@ class ListChange {
   Index renumbered(Index old) const {
     return old - to_index(std::lower_bound(gaps_.begin(), gaps_.end(), old) - gaps_.begin());
   }
-  bool erases(Index old) const { return std::binary_search(gaps_.begin(), gaps_.end(), old); }
 
   /// After reserve(), apply() does not fail.
   template <class T>

@@ -43,7 +43,6 @@ struct Triangulation {
 struct FlipCandidate {
   static constexpr int kMaxExtraTets = kMaxRing - 3;
   static constexpr int kMaxCavityFaces = 2 * kMaxRing;
-  /// The slots that are used again keep the original of their tetrahedron.
   using Patch = FlipCandidate;
 
   FlipKind kind = FlipKind::none;

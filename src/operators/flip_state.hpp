@@ -61,7 +61,7 @@ struct FlipState {
   Buffer<Point> drift_origin;
   /// Tetrahedra are evaluated while their energy is above this.
   double min_energy = 0;
-  /// The largest ring of an edge removal, 3 to kMaxRing.
+  /// The largest ring of an edge removal, 3 to kMaxRing; 0: no flips.
   int max_ring = kMaxRing;
 
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }

@@ -7,25 +7,28 @@
 
 namespace tetune {
 
-/// Numbers of vertices that retriangulate_worst() inserted and removed, and of edges it removed by moving a vertex.
+/// Numbers of vertices that retriangulate_worst() inserted and removed, and of the other cavities it retriangulated.
 struct RetriangulationReport {
   Size inserted = 0, removed = 0;
-  Size edges = 0;
+  Size others = 0;
 };
 
 struct RetriangulationLimits {
-  Size max_tets;       ///< nothing is changed where the mesh would get more tetrahedra
+  /// Where the mesh would get more tetrahedra, the pass is repeated without insertion; where it would even then,
+  /// nothing is changed.
+  Size max_tets;
   double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost; kInfeasible: nowhere
   double min_gain;     ///< what must fall in a cavity falls by at least this part
   /// Above 0: the mean energy of the mesh. Vertices are inserted and removed so that it falls, at all tetrahedra given.
   double mean_energy = 0;
 };
 
-/// Improves some tetrahedra by operators that retriangulate a cavity from one point: each tetrahedron proposes the
-/// removal of one of its edges, with a vertex around that edge moved to where this is possible (CompositeRemoval), and
-/// the retriangulation of a cavity around it from one of its vertices (CavityRetriangulation). Where it has an angle
-/// whose cost is above `vertex_cost`, it also proposes the insertion of a vertex on each of its
-/// edges (VertexInsertion) and the contraction of each of its free vertices to each other (VertexContraction). With a
+/// Improves some tetrahedra, listed in ascending order, by operators that retriangulate a cavity from one point. Each
+/// tetrahedron proposes the removal of one of its edges, with a vertex around that edge moved to where this is possible
+/// (CompositeRemoval). With a finite `vertex_cost` it also proposes the retriangulation of a cavity around it from one
+/// of its vertices (CavityRetriangulation), and where it has an angle with a larger cost, the insertion of a vertex on
+/// each of its edges and inside it (VertexInsertion) and the contraction of each of its free vertices to each other
+/// (VertexContraction). With a `mean_energy` it proposes insertions and contractions alone. With a
 /// `surface` (null: its vertices stay), vertices are inserted and removed there too (SurfaceInsertion,
 /// SurfaceContraction); the surface keeps its shape, or bends within kMaxBend where it may. Constrained edges stay as
 /// they are.

@@ -15,10 +15,11 @@
 namespace tetune {
 namespace retriangulate_detail {
 
-/// All operators that retriangulate a cavity from one point. The first ones keep the number of vertices.
+/// All operators that retriangulate a cavity from one point.
 using AllOperators = StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction,
                                    SurfaceInsertion, SurfaceContraction>;
-inline constexpr int kVertexKeepingChoices = CompositeRemoval::kChoices;
+/// Without insertions and contractions.
+inline constexpr int kChoicesWithoutEdits = CompositeRemoval::kChoices;
 /// The first choice that inserts or removes a vertex.
 inline constexpr int kFirstEdit = StarOperators<CompositeRemoval, CavityRetriangulation>::kChoices;
 inline constexpr int kSurfaceKeepingChoices =
@@ -55,7 +56,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   const bool lowers_mean = limits.mean_energy > 0;
   const bool edits_vertices = lowers_mean || limits.vertex_cost < kInfeasible;
   const int first_choice = lowers_mean ? kFirstEdit : 0;
-  const int end_choice = !edits_vertices      ? kVertexKeepingChoices
+  const int end_choice = !edits_vertices      ? kChoicesWithoutEdits
                          : surface == nullptr ? kSurfaceKeepingChoices
                                               : AllOperators::kChoices;
   const int choices = end_choice - first_choice;

@@ -201,7 +201,7 @@ struct StarCandidate {
     p.removed = removed;
     p.is_inserted = apex == kNewVertex;
     p.is_moved = is_moved;
-    // Neither padding nor the rest of an array is copied: nobody wrote them.
+    // Neither padding nor the rest of an array is copied: they are uninitialized.
     p.dof.dof = dof.dof;
     p.dof.axis = dof.axis;
     p.dof.radius = dof.radius;

@@ -50,7 +50,7 @@ struct StarContext {
   TETUNE_HD bool lowers_mean() const { return mean_energy > 0; }
   TETUNE_HD bool is_movable(Index v) const { return kind[v] == VertexDof::free && !constrained.has_end(v); }
   TETUNE_HD bool may_change_vertices(Index t) const {
-    return lowers_mean() ? is_proposer(t) : dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
+    return lowers_mean() || dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
   }
 
   /// Whether vertices may be inserted and removed at a tetrahedron of the cavity before t: that one proposes the same.
@@ -58,7 +58,7 @@ struct StarContext {
     return any_earlier(star, t, [&](Index s) { return proposes_edits(s); });
   }
   /// Whether a tetrahedron proposes to insert and remove vertices.
-  TETUNE_HD bool proposes_edits(Index t) const { return is_proposer(t) && (lowers_mean() || may_change_vertices(t)); }
+  TETUNE_HD bool proposes_edits(Index t) const { return is_proposer(t) && may_change_vertices(t); }
   /// Whether a proposer of the cavity before t contracts an edge to the vertex v too.
   TETUNE_HD bool is_contracted_earlier(const StarCavity& star, Index v, Index t) const {
     return any_earlier(star, t, [&](Index s) {

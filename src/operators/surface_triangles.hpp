@@ -7,7 +7,7 @@
 #include "operators/star_cavity.hpp"
 #include "operators/surface_bend.hpp"
 
-/// The triangles of the boundary as operators see and change them that insert vertices there or remove some.
+/// The boundary triangles, as operators that insert or remove vertices of the surface read and change them.
 namespace tetune {
 
 struct SurfaceTriangles {

@@ -15,7 +15,7 @@ struct NewVertexDof {
   SurfacePoint surface_point = {};                ///< where it slides: its place on the reference surface
 };
 
-/// The arrays of the vertices that operators write which insert or remove some.
+/// The vertex arrays that insertion and contraction write.
 struct VertexArrays {
   Span<Index> vertex2original;
   Span<VertexDof> kind;

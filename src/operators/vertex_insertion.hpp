@@ -5,22 +5,23 @@
 
 namespace tetune {
 
-/// A vertex inserted near the midpoint of each edge of a tetrahedron; its cavity grows while that lowers the energy
-/// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007).
+/// A vertex inserted near the midpoint of each edge of a tetrahedron, and one inside it; the cavity grows while that
+/// lowers the energy (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007).
 struct VertexInsertion {
-  static constexpr int kChoices = 7;
+  static constexpr int kInside = 6;  ///< the choice after those of the edges
+  static constexpr int kChoices = kInside + 1;
 
   template <class Proposal>
-  TETUNE_HD static void propose(const Proposal& p, Index t, int edge) {
+  TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
     if (!p.inserts || !p.may_change_vertices(t)) return;
     StarCavity star = p.cavity();
-    if (edge == 6) {
+    if (choice == kInside) {
       insert_inside(p, t, star);
       return;
     }
-    if (!star.take_edge(t, edge, p.team) || p.is_shared_with_earlier(star, t)) return;
+    if (!star.take_edge(t, choice, p.team) || p.is_shared_with_earlier(star, t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
-    const EdgeCorners e = edge_corners(edge);
+    const EdgeCorners e = edge_corners(choice);
     const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
     insert(p, star, star.relax_and_grow(star.relax(middle, p.team), p.team));
   }

@@ -98,23 +98,18 @@ struct FlagVerticesOfExtreme {
   }
 };
 
-/// Flags the neighbors of vertices with flags up to `ring` with ring + 1, so that they do not count as flagged while
-/// the kernel runs.
+/// Flags the neighbors of vertices whose flag is 1 with 2, so that they do not count as flagged while the kernel runs.
 struct FlagNeighbors {
   MeshView mesh;
   Span<std::uint8_t> flags;
-  std::uint8_t ring;
   TETUNE_HD void operator()(Size t) const {
     if (!mesh.alive(t)) return;
     const Tet tet = mesh.tet2vertex[t];
     bool has_flagged = false;
-    for (int k = 0; k < 4; ++k) {
-      const std::uint8_t flag = backend::load_shared(flags[tet[k]]);
-      has_flagged = has_flagged || (flag != 0 && flag <= ring);
-    }
+    for (int k = 0; k < 4; ++k) has_flagged = has_flagged || backend::load_shared(flags[tet[k]]) == 1;
     for (int k = 0; k < 4 && has_flagged; ++k) {
       if (backend::load_shared(flags[tet[k]]) == 0) {
-        backend::store_shared(flags[tet[k]], std::uint8_t(ring + 1));
+        backend::store_shared(flags[tet[k]], std::uint8_t{2});
       }
     }
   }
@@ -195,13 +190,11 @@ void flag_vertices_of_extreme(const Backend& backend, WorkMesh<Backend>& mesh, c
                                     rated(mesh, criterion), {mesh.tet2vertex.span(), tets, flags}, cost});
 }
 
-/// Also flags the vertices that share a tetrahedron with one that is flagged with 1, and so on for each of the `rings`,
-/// with 2 and more: the worst tetrahedra improve only if the vertices around them make room.
+/// Flags the vertices that share a tetrahedron with one that is flagged with 1, with 2: the worst tetrahedra improve
+/// only if the vertices around them make room.
 template <class Backend>
-void flag_neighbors(const Backend& backend, WorkMesh<Backend>& mesh, Span<std::uint8_t> flags, int rings = 1) {
-  for (int ring = 1; ring <= rings; ++ring) {
-    backend.for_each(mesh.slots(), selection_detail::FlagNeighbors{mesh.view(), flags, std::uint8_t(ring)});
-  }
+void flag_neighbors(const Backend& backend, WorkMesh<Backend>& mesh, Span<std::uint8_t> flags) {
+  backend.for_each(mesh.slots(), selection_detail::FlagNeighbors{mesh.view(), flags});
 }
 
 }  // namespace tetune

@@ -174,6 +174,7 @@ class TargetFollower {
       const auto start = PhaseTimer::SteadyClock::now();
       MoveStep step;
       step.target = index;
+      prepare();
       optimizer_.timer.measure(Phase::motion, [&] {
         step.solver_iterations = extend(1 - part);
         part = optimizer_.backend.stop_requested() ? 0 : find_step(rest, last * parameters().step_increase);
@@ -198,6 +199,7 @@ class TargetFollower {
   /// The tetrahedra that a further step would invert, or else distort too much. `rest` is the fraction of the way that
   /// is not done.
   std::vector<Index> blocking_slots(double rest) {
+    prepare();
     extend(0);
     const auto next = displaced(std::min(1.0, parameters().min_fraction / rest));
     for (const bool strict : {false, true}) {
@@ -225,19 +227,28 @@ class TargetFollower {
     return ProgressReporter::degrees(find_max_cot(optimizer_.backend, optimizer_.work.mesh));
   }
 
-  /// Computes the displacements of the rest of the way. Returns the number of iterations of the solver.
-  int extend(double rest) {
+  /// Extends the targets to inserted vertices, and builds the rings. Measures its own time.
+  void prepare() {
+    optimizer_.timer.measure(Phase::motion, [&] {
+      add_inserted_vertices();
+      WorkMesh<Backend>& mesh = optimizer_.work.mesh;
+      optimizer_.backend.for_each(mesh.slots(), follow_targets_detail::HoldBesideMovedPlanes{
+                                                    mesh.view(), std::as_const(target_).span(),
+                                                    std::as_const(prescribed_).span(), optimizer_.work.dofs.dof});
+    });
+    optimizer_.invalidate_rings();
+    optimizer_.refresh_rings();
+  }
+
+  /// Computes the displacements of the rest of the way, after prepare(). `kept_part` of the last displacement is the
+  /// initial guess. Returns the number of iterations of the solver.
+  int extend(double kept_part) {
     using namespace follow_targets_detail;
     const Backend& backend = optimizer_.backend;
     WorkingSet<Backend>& work = optimizer_.work;
-    add_inserted_vertices();
-    const Span<const Vec3> target = target_.span();
-    const Span<const std::uint8_t> prescribed = prescribed_.span();
-    backend.for_each(work.mesh.slots(), HoldBesideMovedPlanes{work.mesh.view(), target, prescribed, work.dofs.dof});
-    optimizer_.invalidate_rings();
-    optimizer_.refresh_rings();
     backend.for_each(work.mesh.vertices(),
-                     StartDisplacement{work.mesh.points, target, prescribed, work.dofs.dof, rest, displacement_});
+                     StartDisplacement{work.mesh.points, std::as_const(target_).span(),
+                                       std::as_const(prescribed_).span(), work.dofs.dof, kept_part, displacement_});
     if (backend.stop_requested()) return 0;
     assemble_stiffness(backend, work.mesh, work.rings.view(), stiffness_);
     return extend_harmonically(backend, stiffness_, sliding_.find_spaces(backend, work), parameters().solver_tolerance,

@@ -248,8 +248,8 @@ void assemble_stiffness(const Backend& backend, WorkMesh<Backend>& mesh, const R
 }
 
 /// Solves for the displacements of all vertices that may move, by conjugate gradients; those of fixed vertices are
-/// given. `displacement` holds these and an initial guess. Ends when the norm of the residual is `tolerance` times that
-/// of the right-hand side. Returns the number of iterations.
+/// given. `displacement` holds these and an initial guess. Ends when the preconditioned norm of the residual is
+/// `tolerance` times that of the right-hand side. Returns the number of iterations.
 template <class Backend>
 int extend_harmonically(const Backend& backend, const Stiffness<Backend>& stiffness, const MotionSpaces& spaces,
                         double tolerance, int max_iterations, BufferOf<Backend, Vec3>& displacement) {

@@ -80,7 +80,8 @@ HostWork download_work(const WorkingSet<Backend>& work) {
   return host;
 }
 
-/// Uploads all but the reference surface. Energies, rings and the coloring are out of date afterwards.
+/// Uploads what restarts change: the mesh, degrees of freedom, boundary triangles and constrained vertices. Energies,
+/// rings and the coloring are out of date afterwards.
 template <class Backend>
 void upload_work(const Backend& backend, const HostWork& host, WorkingSet<Backend>& work) {
   work.mesh.points.upload(backend, host.points);

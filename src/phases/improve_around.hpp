@@ -11,7 +11,7 @@
 /// Steps that the phases after alternate() share.
 namespace tetune {
 
-/// Flips edges of the boundary between active vertices. Returns the number of flips.
+/// Flips edges of the boundary with an active end. Returns the number of flips.
 template <class Backend>
 Size flip_boundary_at_active(Optimizer<Backend>& optimizer, const Criterion& criterion) {
   WorkingSet<Backend>& work = optimizer.work;
@@ -50,7 +50,8 @@ inline constexpr Size kMinProposers = 250;
 inline constexpr double kProposingPart = 4e-3;
 /// The part of the growth of the mesh that retriangulation may use up: flips that follow add some tetrahedra.
 inline constexpr double kInsertedPart = 0.95;
-/// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and removed edges as flips.
+/// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and all other changes as
+/// flips.
 template <class Backend>
 void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
                    const RetriangulationLimits& limits, WorstReport& r) {
@@ -67,10 +68,10 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
                           edits_surface(options) ? &work.boundary : nullptr, tets, limits);
   r.inserted = changes.inserted;
   r.removed = changes.removed;
-  r.flips = changes.edges;
+  r.flips = changes.others;
   report.vertices_inserted += changes.inserted;
   report.vertices_removed += changes.removed;
-  report.compound_flips += changes.edges;
+  report.compound_flips += changes.others;
 }
 
 /// Flips from the tetrahedra on that have an edge between active vertices. Returns the number of flips.

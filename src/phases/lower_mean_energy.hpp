@@ -58,7 +58,7 @@ class NewNeighborhoods {
   BufferOf<Backend, std::uint32_t> fingerprints_;  ///< per slot; 0: none
 };
 
-/// One round. Returns by which part of what it is above that of regular tetrahedra the mean energy fell.
+/// One round. Returns (E0 - E1) / (E0 - 1), where E0 and E1 are the mean energies before and after.
 template <class Backend>
 double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, RetriangulationLimits limits,
                   NewNeighborhoods<Backend>& neighborhoods, WorstReport& r) {

@@ -79,7 +79,7 @@ struct MeanParameters {
 
 /// improve_worst(): rounds of work around the tetrahedra of the largest energy.
 struct WorstParameters {
-  /// 0: the phase is left out, and improve_angles() with it.
+  /// 0: all phases after alternate() are left out (improves_worst()).
   int max_rounds = 10;
   /// At most this part of the tetrahedra are among the worst,
   double max_part = 3e-4;
@@ -112,7 +112,7 @@ struct AngleParameters {
   /// Passes per round that move vertices to where the largest cost around them is lowest.
   int opening_passes = 2;
   /// Vertices are inserted and removed around at most this part of the tetrahedra, or this number of them in a small
-  /// mesh. 0: none are.
+  /// mesh. 0: those of Effort::best, where edits_vertices() holds.
   double max_vertex_part = 0;
   double min_vertex_count = 0;
   /// The cost that this number of tetrahedra exceed is found to within this part.

@@ -135,8 +135,8 @@ ResultOf<Backend, SweepSum> sweep_periodic(const Backend& backend, WorkMesh<Back
                                  Kernel{{set.view(), mesh.points, rings}, criterion, step, scope, active});
 }
 
-/// Moves the classes with a flagged member, as minimize_angle_cost() moves single vertices. Returns the number of
-/// vertices that moved.
+/// Moves the classes with a flagged member, as minimize_angle_cost() moves single vertices. Returns the pending number
+/// of vertices that moved.
 template <class Backend>
 ResultOf<Backend, Sum<Size>> minimize_periodic_cost(const Backend& backend, WorkMesh<Backend>& mesh,
                                                     const Criterion& criterion, const RingsView& rings,

@@ -153,7 +153,7 @@ RetriangulationReport check_revisions(const TetMesh& before, int passes, double 
   RetriangulationReport sum;
   for (int pass = 0; pass < passes; ++pass) {
     const RetriangulationReport r = work.retriangulate(cot, 1 << 20, 1, vertex_cot);
-    sum.edges += r.edges;
+    sum.others += r.others;
     sum.inserted += r.inserted;
     sum.removed += r.removed;
     EXPECT_EQ(test::check_adjacency(work.mesh), "");
@@ -194,7 +194,7 @@ RetriangulationReport check_revisions(const TetMesh& before, int passes, double 
                             work.flips.constrained_vertex.size(), work.mesh.vertex2original.size()}) {
       EXPECT_EQ(size, work.mesh.vertices());
     }
-    if (r.inserted + r.removed + r.edges == 0) break;
+    if (r.inserted + r.removed + r.others == 0) break;
   }
   return sum;
 }
@@ -291,7 +291,7 @@ TEST(Retriangulate, RemovesAnEdgeByMovingAVertexOfItsRing) {
   ASSERT_FALSE(orient(p(1), p(2), p(5), p(3)).certified());  // that of a 3-2 flip
   Work work(before);
   const RetriangulationReport r = work.retriangulate(1.7, 1 << 20, 1, kInfeasible);
-  EXPECT_EQ(r.edges, 1);
+  EXPECT_EQ(r.others, 1);
   EXPECT_EQ(r.inserted + r.removed, 0);
   EXPECT_EQ(work.mesh.tets(), 6);
   EXPECT_EQ(work.mesh.free_count, 1);
@@ -312,18 +312,18 @@ TEST(Retriangulate, RemovesNoEdgeByAVertexThatMustStay) {
   {
     Work work(m);
     work.dofs.dof.span()[5] = VertexDof::fixed;
-    EXPECT_EQ(work.retriangulate(1.7, 1 << 20, 1, kInfeasible).edges, 0);
+    EXPECT_EQ(work.retriangulate(1.7, 1 << 20, 1, kInfeasible).others, 0);
   }
   for (const std::array<Index, 2>& edge : {std::array<Index, 2>{0, 1}, std::array<Index, 2>{4, 5}}) {
     Work work(m);
     work.constrain(edge[0], edge[1]);
-    EXPECT_EQ(work.retriangulate(1.7, 1 << 20, 1, kInfeasible).edges, 0);
+    EXPECT_EQ(work.retriangulate(1.7, 1 << 20, 1, kInfeasible).others, 0);
   }
   TetMesh two = m;
   two.tet_tags = {1, 2, 2, 2, 2, 2, 2};
   Work work(two);
   work.dofs.dof.span()[5] = VertexDof::free;
-  EXPECT_EQ(work.retriangulate(1.7, 1 << 20, 1, kInfeasible).edges, 0);
+  EXPECT_EQ(work.retriangulate(1.7, 1 << 20, 1, kInfeasible).others, 0);
 }
 
 TEST(Retriangulate, LeavesAloneWhatIsConstrained) {
@@ -383,7 +383,7 @@ TEST(Retriangulate, KeepsTheVerticesWhereItRemovesEdgesAlone) {
     const TetMesh m = seed % 2 == 0 ? test::two_materials(6, 0.2) : test::scrambled(test::cube(5, 0.25, seed), 2, seed);
     const RetriangulationReport r = check_revisions(with_needless_vertices(m, 12), 4, 1.5, kInfeasible);
     EXPECT_EQ(r.inserted + r.removed, 0);
-    edges += r.edges;
+    edges += r.others;
   }
   EXPECT_GT(edges, 40);
 }
@@ -401,7 +401,7 @@ TEST(Retriangulate, KeepsConstrainedEdges) {
     }
     std::sort(keys.begin(), keys.end());
     work.flips.constrained_keys.upload(backend::Cpu(1), keys);
-    for (int pass = 0; pass < 3; ++pass) edges += work.retriangulate(1.5, 1 << 20, 1, kInfeasible).edges;
+    for (int pass = 0; pass < 3; ++pass) edges += work.retriangulate(1.5, 1 << 20, 1, kInfeasible).others;
     std::set<std::uint64_t> left;
     for (const auto& t : test::from_work(work.mesh, m).tets) {
       for (std::size_t k = 0; k < 4; ++k) {
@@ -421,7 +421,7 @@ TEST(Retriangulate, IsTheSameForAnyNumberOfThreads) {
     const RetriangulationReport r = work.retriangulate(2, 1 << 20, threads);
     EXPECT_GT(r.inserted, 0);
     EXPECT_GT(r.removed, 10);
-    EXPECT_GT(r.edges, 0);
+    EXPECT_GT(r.others, 0);
     results.push_back(test::from_work(work.mesh, m));
   }
   for (const TetMesh& r : results) {
