@@ -200,9 +200,8 @@ class Run {
   }
 
   void optimize_mesh() {
-    if (options_.boundary == Boundary::slide && !a_.move && !geometry_ && shows_figures()) {
-      original_ = std::make_unique<TetMesh>(input_.mesh);
-    }
+    const bool compares = options_.boundary == Boundary::slide && !a_.move && !geometry_ && shows_figures();
+    if (compares) original_ = std::make_unique<TetMesh>(input_.mesh);
     console_.phase(a_.move ? "moving" : "optimizing");
     std::optional<Time::time_point> end;
     Context context;
@@ -266,7 +265,7 @@ class Run {
                                             : "done";
     // The comparison takes long: not after an early stop.
     std::optional<Comparison> change;
-    if (original_ && !stopped() && shows_figures()) {
+    if (original_ && !stopped()) {
       // A bound is tested at all points; otherwise the comparison must not take longer than the optimization.
       constexpr std::int64_t kMaxSamples = 25'000;
       const bool at_all = options_.max_deviation > 0 && input_.mesh.curved_edges.empty();
