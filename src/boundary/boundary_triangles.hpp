@@ -53,16 +53,9 @@ TETUNE_HD inline bool is_feature_edge(const BoundaryTriangle& t, Index a, Index 
   const int k = t.v[0] != a && t.v[0] != b ? 0 : t.v[1] != a && t.v[1] != b ? 1 : 2;
   return (t.features >> k & 1) != 0;
 }
-/// The triangle of three vertices, or -1.
-TETUNE_HD inline Index find_triangle(Span<const BoundaryTriangle> triangles, const CsrView& vertex2corner,
-                                     const Index v[3]) {
-  const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
-  for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
-    const Size triangle = vertex2corner.items[c] / 3;
-    const BoundaryTriangle& t = triangles[triangle];
-    if (has_vertex(t, v[0]) && has_vertex(t, v[1]) && has_vertex(t, v[2])) return to_index(triangle);
-  }
-  return -1;
+/// Whether two triangles are in one patch.
+TETUNE_HD inline bool in_one_patch(const BoundaryTriangle& t, const BoundaryTriangle& u) {
+  return t.tag == u.tag && (t.listed < 0) == (u.listed < 0);
 }
 
 template <class Backend>
@@ -71,8 +64,6 @@ struct BoundaryTriangles {
   /// The corners 3 * triangle + k at each vertex.
   Csr<Backend> vertex2corner;
   bool stale = true;  ///< vertex2corner must be rebuilt
-  /// Tolerance of coplanarity: heights below this part of the edge length count as zero.
-  double flat = 0;
   /// Inserted and removed vertices may bend the surface within kMaxBend: new ones are on the reference surface, not in
   /// planes of the present one, which has left it where vertices slid.
   bool bends = false;
@@ -226,7 +217,6 @@ void build_boundary(const Backend& backend, const Surface<Backend>& surface, con
   boundary.triangles.resize(backend, faces);
   backend.for_each(faces,
                    FillTriangle{surface.triangles, surface.tags, listed, counts, last, frozen, boundary.triangles});
-  boundary.flat = kFlat;
 }
 
 }  // namespace tetune

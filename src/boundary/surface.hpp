@@ -114,6 +114,25 @@ TETUNE_HD inline Index opposite_corner(Span<const SurfaceTriangle> triangles, co
   return opposite;
 }
 
+/// Whether two triangles have the same vertices, in any order.
+TETUNE_HD inline bool same_triangle(const Index a[3], const Index b[3]) {
+  for (int k = 0; k < 3; ++k) {
+    if (a[k] != b[0] && a[k] != b[1] && a[k] != b[2]) return false;
+  }
+  return true;
+}
+
+/// The triangle of three vertices, or -1.
+template <class Triangle>
+TETUNE_HD inline Index find_triangle(Span<const Triangle> triangles, const CsrView& vertex2corner, const Index v[3]) {
+  const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
+  for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
+    const Size triangle = vertex2corner.items[c] / 3;
+    if (same_triangle(triangles[triangle].v, v)) return to_index(triangle);
+  }
+  return -1;
+}
+
 namespace surface_detail {
 
 /// Finds the corners across the edges from a vertex to those of larger id, from the triangles at the vertex.
@@ -168,13 +187,6 @@ struct FindAcross {
   }
 };
 
-TETUNE_HD inline bool same_triangle(const Index a[3], const Index b[3]) {
-  for (int k = 0; k < 3; ++k) {
-    if (a[k] != b[0] && a[k] != b[1] && a[k] != b[2]) return false;
-  }
-  return true;
-}
-
 /// Boundary faces, and one side of each locked face.
 struct IsSurfaceFace {
   Span<const Tet> tets;
@@ -208,7 +220,7 @@ struct MatchListed {
   Span<std::uint32_t> triangle2listed;  ///< position + 1; 0: not listed with a tag
   TETUNE_HD Sum<Size> operator()(Size i) const {
     const ListedTriangle t = listed[i];
-    const Index s = find(t.v);
+    const Index s = find_triangle(triangles, vertex2corner, t.v);
     listed2triangle[i] = s;
     if (s < 0) {
       state[i] = t.locks != 0 ? Listed::absent : Listed::loose;
@@ -217,16 +229,6 @@ struct MatchListed {
     state[i] = Listed::surface;
     if (t.tag != 0) backend::atomic_max(triangle2listed[s], static_cast<std::uint32_t>(i + 1));
     return {};
-  }
-
- private:
-  TETUNE_HD Index find(const Index v[3]) const {
-    const Index from = vertex2corner.shorter(vertex2corner.shorter(v[0], v[1]), v[2]);
-    for (Size c = vertex2corner.begin(from); c < vertex2corner.end(from); ++c) {
-      const std::uint32_t s = vertex2corner.items[c] / 3;
-      if (same_triangle(triangles[s].v, v)) return to_index(s);
-    }
-    return -1;
   }
 };
 

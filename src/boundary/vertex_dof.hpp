@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "backend/span.hpp"
 #include "mesh/tet.hpp"
 
 namespace tetune {
@@ -17,6 +18,9 @@ enum class VertexDof : std::uint8_t {
   curve,    ///< along a feature line of the input surface (Sect. 4.3)
   surface,  ///< on the input surface, not across its feature lines
 };
+
+/// Whether a vertex slides on the reference surface.
+TETUNE_HD inline bool slides(VertexDof dof) { return dof == VertexDof::surface || dof == VertexDof::curve; }
 
 /// The caller's constraint on a vertex: none, or that it must not move, or that it is listed as a corner of the shape
 /// (see fix_corners()).
@@ -58,6 +62,11 @@ struct MotionSpace {
   DisplacementBound displacement_bound = {};
 };
 
+/// The space of motion of a vertex. The axis of a free one is not read: where the surface slides it was never written.
+TETUNE_HD inline MotionSpace motion_space(Span<const VertexDof> dof, Span<const Vec3> axis, Index v) {
+  return {dof[v], dof[v] == VertexDof::free ? Vec3{} : axis[v]};
+}
+
 struct PlaneBasis {
   Vec3 u, v;
 };
@@ -73,6 +82,23 @@ TETUNE_HD inline PlaneBasis plane_basis(const Vec3& n) {
   Vec3 u = cross(n, axis);
   u = (1 / norm(u)) * u;
   return {u, cross(n, u)};
+}
+
+/// The part of a vector that is tangent to a space of motion: of a gradient, the gradient within it (Alg. 2).
+TETUNE_HD inline Vec3 project(const Vec3& d, const MotionSpace& motion) {
+  switch (motion.dof) {
+    case VertexDof::free:
+      return d;
+    case VertexDof::plane: {
+      // With the basis, a coordinate that is the same all over the plane stays to the last bit.
+      const PlaneBasis basis = plane_basis(motion.axis);
+      return dot(d, basis.u) * basis.u + dot(d, basis.v) * basis.v;
+    }
+    case VertexDof::line:
+      return dot(d, motion.axis) * motion.axis;
+    default:
+      return {0, 0, 0};
+  }
 }
 
 }  // namespace tetune

@@ -226,12 +226,7 @@ class CriteriaRun {
       m.tet = span_of(imported.slot2tet)[m.tet];
       ++limits.held_by[std::size_t(m.held_by)];
     }
-    const bool larger = info_of(criterion.measure).larger_is_better;
-    std::sort(limits.worst.begin(), limits.worst.end(), [larger](const MissedTet& a, const MissedTet& b) {
-      if (a.value == b.value) return a.tet < b.tet;
-      return larger ? a.value < b.value : a.value > b.value;
-    });
-    if (limits.worst.size() > kMaxMissed) limits.worst.resize(kMaxMissed);
+    keep_worst(info_of(criterion.measure).larger_is_better, limits.worst);
     return limits;
   }
 

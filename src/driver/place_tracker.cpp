@@ -18,7 +18,7 @@ std::vector<Index> known_vertices(const HostMesh& mesh, const PointLocator& know
   }
   for (bool changed = true; changed;) {
     changed = false;
-    for (const Tet& tet : mesh.tets) {
+    for (const Tet& tet : mesh.tet2vertex) {
       if (tet[0] == kFreeSlot) continue;
       Index found = -1;
       for (const Index v : tet.v) found = std::max(found, span_of(near)[v]);

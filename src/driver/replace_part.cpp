@@ -6,6 +6,7 @@
 
 #include "driver/active_part.hpp"
 #include "driver/result_mesh.hpp"
+#include "driver/targets.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
@@ -326,11 +327,7 @@ void extend_targets(const TetMesh& mesh, const PartReplacement& replacement, con
       ++r.missed;
       ++r.held_by[std::size_t(LimitingConstraint::locked_element)];
     }
-    const bool large = larger_is_better(r.target.measure);
-    std::sort(r.worst.begin(), r.worst.end(), [large](const MissedTet& a, const MissedTet& b) {
-      return a.value != b.value ? (a.value < b.value) == large : a.tet < b.tet;
-    });
-    if (r.worst.size() > kMaxMissed) r.worst.resize(kMaxMissed);
+    keep_worst(larger_is_better(r.target.measure), r.worst);
     r.tets = report.tets_after;
   }
 }

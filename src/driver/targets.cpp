@@ -170,17 +170,11 @@ class ConstraintFinder {
   std::vector<std::uint8_t> on_surface_, on_interface_, required_;
 };
 
-/// A tetrahedron that misses a target, and its slot.
-struct MissedSlot {
-  Index slot;
-  MissedTet tet;
-};
-
 /// The order of TargetReport::worst.
-struct IsWorseValue {
+struct IsWorse {
   bool larger_is_better;
-  bool operator()(const MissedSlot& x, const MissedSlot& y) const {
-    return x.tet.value != y.tet.value ? (x.tet.value < y.tet.value) == larger_is_better : x.slot < y.slot;
+  bool operator()(const MissedTet& x, const MissedTet& y) const {
+    return x.value != y.value ? (x.value < y.value) == larger_is_better : x.tet < y.tet;
   }
 };
 
@@ -188,14 +182,14 @@ struct IsWorseValue {
 /// the worst.
 struct MissedInRange {
   std::array<std::int64_t, kLimitingConstraints> counts{};
-  std::vector<MissedSlot> worst;
+  std::vector<MissedTet> worst;  ///< by slots
 };
 
 MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constraints, const Target& target, Size begin,
                           Size end) {
   const Span<const Tet> tets = span_of(outcome.tets);
   const Span<const Point> points = span_of(outcome.points);
-  const IsWorseValue worse{larger_is_better(target.measure)};
+  const IsWorse is_worse{larger_is_better(target.measure)};
   MissedInRange result;
   for (Size t = begin; t < end; ++t) {
     const Tet& tet = tets[t];
@@ -204,15 +198,16 @@ MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constr
     for (int k = 0; k < 4; ++k) p[k] = vec(points[tet[k]]);
     const double measured = value(all_measures(TetShape(p)), target.measure);
     if (!misses(target, measured)) continue;
-    MissedSlot missed{to_index(t), {}};
+    MissedTet missed;
     const Vec3 centroid = (0.25 / outcome.scale) * (p[0] + p[1] + p[2] + p[3]);
-    missed.tet.value = measured;
-    missed.tet.centroid = {centroid.x, centroid.y, centroid.z};
-    constraints.find(missed.slot, target, missed.tet);
-    ++result.counts[std::size_t(missed.tet.held_by)];
+    missed.tet = to_index(t);
+    missed.value = measured;
+    missed.centroid = {centroid.x, centroid.y, centroid.z};
+    constraints.find(missed.tet, target, missed);
+    ++result.counts[std::size_t(missed.held_by)];
     result.worst.push_back(missed);
     if (result.worst.size() < 2 * kMaxMissed) continue;
-    std::nth_element(result.worst.begin(), result.worst.begin() + kMaxMissed, result.worst.end(), worse);
+    std::nth_element(result.worst.begin(), result.worst.begin() + kMaxMissed, result.worst.end(), is_worse);
     result.worst.resize(kMaxMissed);
   }
   return result;
@@ -250,6 +245,11 @@ void check_target(const Target& target, const std::string& what) {
   throw OptionError(what + to_string(target.measure) + " is " + std::to_string(target.value) + "; it must be " + range);
 }
 
+void keep_worst(bool larger_is_better, std::vector<MissedTet>& missed) {
+  std::sort(missed.begin(), missed.end(), IsWorse{larger_is_better});
+  if (missed.size() > kMaxMissed) missed.resize(kMaxMissed);
+}
+
 void find_limiting(const Outcome& outcome, const Options& options, const std::optional<Target>& target,
                    std::vector<MissedTet>& missed) {
   const ConstraintFinder constraints(outcome, options);
@@ -270,18 +270,13 @@ std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& 
     TargetReport report;
     report.target = target;
     report.tets = slot2tet.back();
-    std::vector<MissedSlot> all;
     for (const MissedInRange& range : ranges) {
-      all.insert(all.end(), range.worst.begin(), range.worst.end());
+      report.worst.insert(report.worst.end(), range.worst.begin(), range.worst.end());
       for (std::size_t k = 0; k < kLimitingConstraints; ++k) report.held_by[k] += range.counts[k];
     }
     report.missed = std::accumulate(report.held_by.begin(), report.held_by.end(), std::int64_t{0});
-    std::sort(all.begin(), all.end(), IsWorseValue{larger_is_better(target.measure)});
-    if (all.size() > kMaxMissed) all.resize(kMaxMissed);
-    for (MissedSlot& missed : all) {
-      missed.tet.tet = span_of(slot2tet)[missed.slot];
-      report.worst.push_back(missed.tet);
-    }
+    keep_worst(larger_is_better(target.measure), report.worst);
+    for (MissedTet& missed : report.worst) missed.tet = span_of(slot2tet)[missed.tet];
     reports.push_back(std::move(report));
   }
   return reports;

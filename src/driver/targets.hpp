@@ -41,6 +41,9 @@ MeshOutcome import_outcome(const TetMesh& mesh, const Options& options);
 void find_limiting(const Outcome& outcome, const Options& options, const std::optional<Target>& target,
                    std::vector<MissedTet>& missed);
 
+/// Sorts tetrahedra that miss a target or a limit, the worst value first, then by id, and keeps at most kMaxMissed.
+void keep_worst(bool larger_is_better, std::vector<MissedTet>& missed);
+
 /// Returns one report per entry of Options::targets.
 std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options);
 

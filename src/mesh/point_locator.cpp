@@ -26,8 +26,8 @@ std::array<double, 4> barycentric(const Vec3& p, const std::array<Vec3, 4>& x) {
 }  // namespace
 
 PointLocator::PointLocator(HostMesh mesh) : mesh_(std::move(mesh)), vertex2tet_(mesh_.points.size(), -1) {
-  for (Index slot = 0; slot < std::ssize(mesh_.tets); ++slot) {
-    const Tet& tet = span_of(mesh_.tets)[slot];
+  for (Index slot = 0; slot < std::ssize(mesh_.tet2vertex); ++slot) {
+    const Tet& tet = span_of(mesh_.tet2vertex)[slot];
     if (tet[0] == kFreeSlot) continue;
     for (const Index v : tet.v) span_of(vertex2tet_)[v] = slot;
   }
@@ -39,7 +39,7 @@ TetPoint PointLocator::locate(const Vec3& p, Index start) const {
   Index slot = first;
   for (int step = 0; hit.distance2 > 0 && step < kMaxWalk; ++step) {
     std::array<Vec3, 4> x{};
-    for (int k = 0; k < 4; ++k) x[to_size_t(k)] = vec(span_of(mesh_.points)[span_of(mesh_.tets)[slot][k]]);
+    for (int k = 0; k < 4; ++k) x[to_size_t(k)] = vec(span_of(mesh_.points)[span_of(mesh_.tet2vertex)[slot][k]]);
     const std::array<double, 4> weights = barycentric(p, x);
     // Across the face that separates most, among those with a tetrahedron behind them.
     int face = -1;
@@ -52,12 +52,12 @@ TetPoint PointLocator::locate(const Vec3& p, Index start) const {
     hit = closest_in(p, slot);
   }
   if (hit.distance2 > 0) hit = search(p, first);
-  return {span_of(mesh_.tets)[hit.slot], hit.weights};
+  return {span_of(mesh_.tet2vertex)[hit.slot], hit.weights};
 }
 
 PointLocator::Hit PointLocator::closest_in(const Vec3& p, Index slot) const {
   std::array<Vec3, 4> x{};
-  for (int k = 0; k < 4; ++k) x[to_size_t(k)] = vec(span_of(mesh_.points)[span_of(mesh_.tets)[slot][k]]);
+  for (int k = 0; k < 4; ++k) x[to_size_t(k)] = vec(span_of(mesh_.points)[span_of(mesh_.tet2vertex)[slot][k]]);
   Hit hit{slot, barycentric(p, x), 0};
   const bool inside = std::all_of(hit.weights.begin(), hit.weights.end(), [](double w) { return w >= -kInside; });
   double sum = 0;

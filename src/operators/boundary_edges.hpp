@@ -47,8 +47,7 @@ struct FindEdge {
   ConstrainedEdges constrained;
   Span<const BoundaryTriangle> triangles;
   CsrView vertex2corner;
-  double flat;
-  bool bends;  ///< flips may bend the surface, within kMaxBend
+  bool flips_bend;  ///< flips may bend the surface, within kMaxBend
   PeriodicImagesView images;
 
   /// The edge opposite a corner.
@@ -86,10 +85,9 @@ struct FindEdge {
     if (e.other < 0 || constrained.contains(e.a, e.b)) return false;
     const BoundaryTriangle& t = triangles[e.triangle];
     const BoundaryTriangle& u = triangles[e.other];
-    const bool in_one_patch = t.stays == u.stays && t.tag == u.tag && (t.listed < 0) == (u.listed < 0);
-    if (t.stays == kStays || !in_one_patch) return false;
-    const bool may_bend = bends && !is_paired(e);
-    if (bends && !may_bend && is_feature_edge(t, e.a, e.b)) return false;
+    if (t.stays == kStays || t.stays != u.stays || !in_one_patch(t, u)) return false;
+    const bool may_bend = flips_bend && !is_paired(e);
+    if (flips_bend && !may_bend && is_feature_edge(t, e.a, e.b)) return false;
     return (may_bend ? deviation_after(e) < kInfeasible : is_flat(e)) && !is_edge(e.p, e.q);
   }
 
@@ -163,7 +161,7 @@ struct FindEdge {
     const double volume = std::fabs(dot(n1, aq));
     const Vec3 m1 = cross(aq, ap);
     const Vec3 m2 = n1 + n2 - m1;  // of (q, b, p)
-    return volume <= flat * norm(ab) * larger(n1, n2) && volume <= flat * norm(ap - aq) * larger(m1, m2);
+    return volume <= kFlat * norm(ab) * larger(n1, n2) && volume <= kFlat * norm(ap - aq) * larger(m1, m2);
   }
   TETUNE_HD static double larger(const Vec3& x, const Vec3& y) {
     const double xx = dot(x, x);

@@ -150,7 +150,7 @@ struct FlipTriangles {
         bit(is_feature_edge(triangle, e.p, e.a), 1) | bit(is_feature_edge(other, e.a, e.q), 2);
     const unsigned second_features =
         bit(is_feature_edge(triangle, e.b, e.p), 0) | bit(is_feature_edge(other, e.q, e.b), is_same ? 2 : 1);
-    if (find.bends && !find.is_paired(e)) triangle.deviation = other.deviation = find.deviation_after(e);
+    if (find.flips_bend && !find.is_paired(e)) triangle.deviation = other.deviation = find.deviation_after(e);
     triangle.features = first_features;
     other.features = second_features;
     for (int k = 0; k < 3; ++k) {
@@ -190,8 +190,9 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   using namespace boundary_flip_detail;
   PassResult result;
   list_corners(backend, mesh, boundary);
-  const FindEdge find{mesh.points.span(), state.constrained(), boundary.triangles.span(), boundary.vertex2corner.view(),
-                      boundary.flat,      boundary.flips_bend, boundary.images.view()};
+  const FindEdge find{mesh.points.span(),        state.constrained(),
+                      boundary.triangles.span(), boundary.vertex2corner.view(),
+                      boundary.flips_bend,       boundary.images.view()};
   auto corners = find_corners(backend, find, changed);
   const Size count = corners.size();
   result.active = count;

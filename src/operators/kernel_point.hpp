@@ -4,6 +4,7 @@
 #include "backend/team.hpp"
 #include "energy/harmonic.hpp"
 #include "energy/ring.hpp"
+#include "operators/star_candidate.hpp"
 
 namespace tetune {
 
@@ -18,12 +19,12 @@ inline constexpr double kHeight = 0.1;
 
 /// Moves x into the kernel of a star-shaped cavity, that is to where all its faces are visible, by steps over the plane
 /// of the most violated face (relaxation after Motzkin and Schoenberg). Returns false where it finds no such place.
-template <int kMaxFaces, class Team>
+template <class Team>
 TETUNE_HD bool move_into_kernel(Span<const Point> points, const LinkFace* faces, int face_count, Vec3& x,
                                 const Team& team) {
   using namespace kernel_point_detail;
   // Face i belongs to thread i % kSize of the team.
-  constexpr int kOwn = (kMaxFaces + Team::kSize - 1) / Team::kSize;
+  constexpr int kOwn = (kMaxStarFaces + Team::kSize - 1) / Team::kSize;
   Vec3 normal[kOwn];
   double height[kOwn];  // of the plane that x is to be above
   for (int i = team.rank(); i < face_count; i += Team::kSize) {

@@ -63,8 +63,8 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   SurfaceTriangles triangles{};
   if (surface != nullptr) {
     list_corners(backend, mesh, *surface);
-    triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->flat, surface->bends,
-                 dofs.reference.view(),     dofs.surface_point.span()};
+    triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->bends, dofs.reference.view(),
+                 dofs.surface_point.span()};
   }
   const Size count = choices * tets.size();
   const StarContext context{rated(mesh, criterion),

@@ -122,8 +122,8 @@ class StarCavity : StarShape {
   }
 
   /// The largest cost of the dihedral angles (DihedralCots::cost()) in the cavity as it is.
-  template <class Team = backend::SingleThread>
-  TETUNE_HD TETUNE_OUTLINE double cost_before(const Team& team = {}) const {
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE double cost_before(const Team& team) const {
     using Pack = backend::TermsOf<Team>;
     constexpr int kLanes = kLanesOf<Pack>;
     backend::Max largest{-1};
@@ -137,9 +137,9 @@ class StarCavity : StarShape {
   }
   /// That of the retriangulation from x; `limit` where it is not below that, or where a tetrahedron is not certified
   /// positive or worse than the floor.
-  template <class Team = backend::SingleThread>
-  TETUNE_HD TETUNE_OUTLINE double cost_after(Index apex, const Vec3& x, double limit, bool keeps_floor = false,
-                                             const Team& team = {}) const {
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE double cost_after(Index apex, const Vec3& x, double limit, bool keeps_floor,
+                                             const Team& team) const {
     if (apex == kNewVertex) {
       int first = 0;
       return AngleCostRing(mesh_, arrays_.faces, arrays_.face_count, keeps_floor).largest_cost(x, limit, first, team);
@@ -159,13 +159,13 @@ class StarCavity : StarShape {
   }
 
   /// move_into_kernel() of the cavity's faces.
-  template <class Team = backend::SingleThread>
-  TETUNE_HD TETUNE_OUTLINE bool find_kernel_point(Vec3& x, const Team& team = {}) const {
-    return move_into_kernel<kMaxStarFaces>(mesh_.points, arrays_.faces, arrays_.face_count, x, team);
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE bool find_kernel_point(Vec3& x, const Team& team) const {
+    return move_into_kernel(mesh_.points, arrays_.faces, arrays_.face_count, x, team);
   }
   /// Whether all vertices and constrained edges of the cavity, except for the apex inside it, are on its faces.
-  template <class Team = backend::SingleThread>
-  TETUNE_HD TETUNE_OUTLINE bool preserves_constraints(Index apex, const Team& team = {}) const {
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE bool preserves_constraints(Index apex, const Team& team) const {
     bool preserves = true;
     for (int i = team.rank(); i < arrays_.tets.size() && preserves; i += Team::kSize) {
       preserves = preserves_constraints_of(mesh_.tet2vertex[arrays_.tets[i]], apex);
@@ -174,22 +174,22 @@ class StarCavity : StarShape {
   }
 
   /// A place for the apex where the energy is lower, from one in the kernel; x itself where the apex slides.
-  template <class Team = backend::SingleThread>
-  TETUNE_HD TETUNE_OUTLINE Vec3 relax(const Vec3& x, const Team& = {}) const {
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE Vec3 relax(const Vec3& x, const Team&) const {
     if (motion_.slides()) return x;
     RingOfTeam<Team> ring(mesh_.objective, mesh_.points, arrays_.faces, arrays_.face_count);
     return NewtonStep{1, kMinGain}(ring, x, motion_.free.space).position;
   }
   /// Enlarges the cavity and relaxes the apex in turn, while that lowers the energy.
-  template <class Team = backend::SingleThread>
-  TETUNE_HD TETUNE_OUTLINE Vec3 relax_and_grow(Vec3 x, const Team& team = {}) {
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE Vec3 relax_and_grow(Vec3 x, const Team& team) {
     for (int round = 0; round < kGrowthRounds && grow(x, team); ++round) x = relax(x, team);
     return x;
   }
   /// Enlarges the cavity across the face whose new tetrahedron costs most, until all cost less than `limit` with the
   /// apex at x. Returns false where a constraint or the size forbids it.
-  template <class Team = backend::SingleThread>
-  TETUNE_HD TETUNE_OUTLINE bool grow_below(Index apex, const Vec3& x, double limit, const Team& team = {}) {
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE bool grow_below(Index apex, const Vec3& x, double limit, const Team& team) {
     // Face i belongs to thread i % kSize of the team.
     constexpr int kLanes = kLanesOf<backend::TermsOf<Team>>;
     double costs[(kMaxStarFaces + Team::kSize - 1) / Team::kSize];
@@ -212,18 +212,17 @@ class StarCavity : StarShape {
       if (worst < 0) return true;
       const Growth g = has_room() ? growth_across(worst) : Growth{};
       if (g.t < 0) return false;
-      const int places[3] = {g.face, g.second >= 0 ? g.other : arrays_.face_count, arrays_.face_count + 1};
       change(team, [&] { take(g); });
-      for (int k = 0; k < (g.second >= 0 ? 2 : 3); ++k) {
-        if (places[k] % Team::kSize == team.rank())
-          costs[places[k] / Team::kSize] = face_cost(apex, x, places[k], false);
+      for (int k = 0; k < g.new_faces(); ++k) {
+        const int place = g.places[k];
+        if (place % Team::kSize == team.rank()) costs[place / Team::kSize] = face_cost(apex, x, place, false);
       }
     }
     return false;
   }
   /// A place for the apex where the largest cost of the angles is lower; `model` as in AngleCostRing::minimize().
-  template <class Team = backend::SingleThread>
-  TETUNE_HD TETUNE_OUTLINE Vec3 lower_cost(Vec3 x, MinimaxModel& model, const Team& team = {}) {
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE Vec3 lower_cost(Vec3 x, MinimaxModel& model, const Team& team) {
     AngleCostRing(mesh_, arrays_.faces, arrays_.face_count, false).minimize(x, motion_, 0, model, team);
     return x;
   }
@@ -319,8 +318,8 @@ class StarCavity : StarShape {
     const Growth g = growth_across(i);
     if (g.t < 0) return {};
     double gain = energy(arrays_.faces[i], x) + energy(link_face(g.tet, g.first), vec(mesh_.points[g.tet[g.first]]));
-    if (g.second >= 0) gain += energy(arrays_.faces[g.other], x);
-    int left = g.second >= 0 ? 2 : 3;
+    if (g.second >= 0) gain += energy(arrays_.faces[g.places[1]], x);
+    int left = g.new_faces();
     for (int f = 0; f < 4; ++f) {
       if (f == g.first || f == g.second) continue;
       if (!(gain > left-- * kMinShapeEnergy)) return {};

@@ -124,7 +124,11 @@ class StarShape {
   struct Growth {
     Tet tet{};
     Index t = -1;  ///< -1: it cannot be taken
-    int face = 0, first = 0, second = -1, other = -1;
+    int first = 0, second = -1;
+    /// The places of its other faces among those of the cavity: of the faces that vanish, and new ones.
+    int places[3] = {};
+
+    TETUNE_HD int new_faces() const { return second >= 0 ? 2 : 3; }
   };
   /// Where the tetrahedron across face i may be taken. Its faces towards the cavity vanish, one or two of them: with
   /// three, a vertex would vanish as well.
@@ -133,7 +137,6 @@ class StarShape {
     const HalfFace across = mesh_.tet2tet[tet_of(arrays_.sides[i])][face_of(arrays_.sides[i])];
     if (is_locked(across)) return {};
     const Index t = tet_of(across);
-    g.face = i;
     g.first = face_of(across);
     g.tet = mesh_.tet2vertex[t];
     const FaceAdjacency links = mesh_.tet2tet[t];
@@ -147,20 +150,21 @@ class StarShape {
       const int k = g.first * g.second != 0 ? 0 : g.first + g.second == 1 ? 2 : 1;
       const int l = 6 - g.first - g.second - k;
       if (constrained_.contains(g.tet[k], g.tet[l]) || is_base_edge(g.tet[k], g.tet[l])) return {};
-      g.other = place_of_side(links[g.second]);
     }
+    g.places[0] = i;
+    g.places[1] = g.second >= 0 ? place_of_side(links[g.second]) : arrays_.face_count;
+    g.places[2] = arrays_.face_count + 1;
     g.t = t;
     return g;
   }
   TETUNE_HD TETUNE_OUTLINE void take(const Growth& g) {
     arrays_.tets.add(g.t);
-    const int places[3] = {g.face, g.second >= 0 ? g.other : arrays_.face_count, arrays_.face_count + 1};
     if (g.second < 0) arrays_.face_count += 2;
     int n = 0;
     for (int f = 0; f < 4; ++f) {
       if (f == g.first || f == g.second) continue;
-      arrays_.faces[places[n]] = link_face(g.tet, f);
-      arrays_.sides[places[n++]] = make_half_face(g.t, f);
+      arrays_.faces[g.places[n]] = link_face(g.tet, f);
+      arrays_.sides[g.places[n++]] = make_half_face(g.t, f);
     }
   }
   TETUNE_HD bool has_room() const { return !arrays_.tets.is_full() && arrays_.face_count + 2 <= kMaxStarFaces; }

@@ -43,7 +43,7 @@ struct SurfaceContraction {
   /// Whether the edge from v to x is in the plane or on the line of v.
   TETUNE_HD static bool is_in_planes(const StarContext& p, Index v, const Vec3& x) {
     const Vec3 edge = x - vec(p.mesh.points[v]);
-    const double tolerance = p.surface.flat * norm(edge);
+    const double tolerance = kFlat * norm(edge);
     return (p.kind[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance) ||
            (p.kind[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance);
   }
@@ -66,7 +66,7 @@ struct SurfaceContraction {
       if (has_vertex(f, apex)) continue;
       const Vec3 n = area_normal(p.mesh, f);
       const Vec3 d = vec(p.mesh.points[apex]) - vec(p.mesh.points[f.v[0]]);
-      if (!(std::fabs(dot(n, d)) <= p.surface.flat * norm(n) * norm(d))) return false;
+      if (!(std::fabs(dot(n, d)) <= kFlat * norm(n) * norm(d))) return false;
       for (Index& w : f.v) w = w == v ? apex : w;
       if (!(dot(n, area_normal(p.mesh, f)) > 0)) return false;
     }

@@ -102,12 +102,13 @@ struct SurfaceInsertion {
     const double radius = 0.25 * length;
     const Vec3 n = area_normal(p.mesh, star.base(0));
     if (simplex.size == 3) return {VertexDof::plane, (1 / norm(n)) * n, radius};
-    if (star.base_count() == 2 && p.surface.in_one_patch(replaced.triangle[0], replaced.triangle[1])) {
+    if (star.base_count() == 2 &&
+        in_one_patch(p.surface.triangles[replaced.triangle[0]], p.surface.triangles[replaced.triangle[1]])) {
       const Vec3 to_first = apex(p, star.base(0), simplex) - origin;
       const Vec3 to_second = apex(p, star.base(1), simplex) - origin;
       const Vec3 n1 = cross(edge, to_first);
       const Vec3 n2 = cross(to_second, edge);
-      const double flat = p.surface.flat * length;
+      const double flat = kFlat * length;
       const bool is_flat = std::fabs(dot(n1, to_second)) <= flat * norm(n1) &&
                            std::fabs(dot(n2, to_first)) <= flat * norm(n2) && dot(n1, n2) > 0;
       const Vec3 sum = n1 + n2;

@@ -13,7 +13,6 @@ namespace tetune {
 struct SurfaceTriangles {
   Span<const BoundaryTriangle> triangles;  ///< empty: the vertices of the surface stay
   CsrView vertex2corner;
-  double flat;                             ///< heights below this part of an edge count as zero
   bool bends;                              ///< operations may bend the surface, within kMaxBend
   ReferenceView reference;                 ///< where it bends: the surface that its vertices slide on,
   Span<const SurfacePoint> surface_point;  ///< and their places there
@@ -44,10 +43,6 @@ struct SurfaceTriangles {
     }
     return true;
   }
-  /// Whether two triangles are in one patch.
-  TETUNE_HD bool in_one_patch(Index s, Index t) const {
-    return triangles[s].tag == triangles[t].tag && (triangles[s].listed < 0) == (triangles[t].listed < 0);
-  }
 };
 
 /// The normal of a triangle; its length is twice the area.
@@ -59,8 +54,8 @@ TETUNE_HD inline Vec3 area_normal(const MeshView& mesh, const LinkFace& f) {
 namespace surface_triangles_detail {
 
 /// Whether one of the replaced triangles has a feature edge between two vertices.
-template <class P>
-TETUNE_HD bool had_feature_edge(const P& patch, Span<const BoundaryTriangle> triangles, Index a, Index b) {
+TETUNE_HD inline bool had_feature_edge(const StarPatch& patch, Span<const BoundaryTriangle> triangles, Index a,
+                                       Index b) {
   for (int i = 0; i < patch.replaced.count; ++i) {
     const BoundaryTriangle& t = triangles[patch.replaced.triangle[i]];
     if (has_vertex(t, a) && has_vertex(t, b) && is_feature_edge(t, a, b)) return true;
@@ -70,8 +65,7 @@ TETUNE_HD bool had_feature_edge(const P& patch, Span<const BoundaryTriangle> tri
 
 /// Whether the new edge between the apex and w is a feature edge: a part of the edge that a vertex was inserted on, or
 /// the edge between w and one of the two vertices that a contraction made one.
-template <class P>
-TETUNE_HD bool has_feature_edge_to(const P& patch, Span<const BoundaryTriangle> triangles, Index w) {
+TETUNE_HD inline bool has_feature_edge_to(const StarPatch& patch, Span<const BoundaryTriangle> triangles, Index w) {
   const SurfaceSimplex& s = patch.simplex;
   if (patch.is_inserted) return s.size == 2 && s.has(w) && had_feature_edge(patch, triangles, s.v[0], s.v[1]);
   return had_feature_edge(patch, triangles, s.v[0], w) || had_feature_edge(patch, triangles, patch.apex, w);
@@ -79,15 +73,14 @@ TETUNE_HD bool has_feature_edge_to(const P& patch, Span<const BoundaryTriangle> 
 
 /// Makes the new triangles of each applied record, the first in place of the old one. Each is an old one with a vertex
 /// of the simplex replaced by the apex, so it keeps orientation, tag and place in the caller's list.
-template <class P>
 struct ReplaceTriangles {
-  Span<const Record<P>> records;
+  Span<const Record<StarPatch>> records;
   Span<const Index> selected;
   Span<const ChangeCounts> before;
   Span<BoundaryTriangle> triangles;
   Size old_count;
   TETUNE_HD void operator()(Size i) const {
-    const P& patch = records[selected[i]].patch;
+    const StarPatch& patch = records[selected[i]].patch;
     const int size = patch.simplex.size;
     unsigned features[3 * kMaxStarTriangles];
     for (int n = 0; n < patch.replaced.count * size; ++n) features[n] = new_features(patch, n / size, n % size);
@@ -111,7 +104,7 @@ struct ReplaceTriangles {
 
  private:
   /// The feature edges of replaced triangle k with vertex s of the simplex replaced by the apex.
-  TETUNE_HD unsigned new_features(const P& patch, int k, int s) const {
+  TETUNE_HD unsigned new_features(const StarPatch& patch, int k, int s) const {
     const BoundaryTriangle& t = triangles[patch.replaced.triangle[k]];
     unsigned features = 0;
     for (unsigned c = 0; c < 3; ++c) {
@@ -148,9 +141,8 @@ void replace_triangles(const Backend& backend, Selection<Backend, StarPatch>& se
   const Size old_count = boundary.triangles.size();
   if (old_count == 0) return;
   boundary.triangles.grow(backend, old_count + selection.total.triangles);
-  backend.for_each(selection.size(),
-                   ReplaceTriangles<StarPatch>{selection.records.span(), selection.selected.span(),
-                                               selection.before.span(), boundary.triangles.span(), old_count});
+  backend.for_each(selection.size(), ReplaceTriangles{selection.records.span(), selection.selected.span(),
+                                                      selection.before.span(), boundary.triangles.span(), old_count});
   const Size count = boundary.triangles.size();
   BufferOf<Backend, Index> kept(backend, count);
   const Size present = backend.compact(count, IsPresent{boundary.triangles.span()}, kept.span());

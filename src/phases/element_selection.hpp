@@ -23,13 +23,25 @@ struct HasUncertifiedVolume {
   }
 };
 
-namespace selection_detail {
-
+/// The value of a slot is above a bound.
 struct IsAbove {
   Span<const double> values;
   double bound;
   TETUNE_HD bool operator()(Size t) const { return values[t] > bound; }
 };
+
+/// The tetrahedron of a slot has a flagged vertex.
+struct HasFlaggedVertex {
+  MeshView mesh;
+  Span<const std::uint8_t> flags;
+  TETUNE_HD bool operator()(Size t) const {
+    if (!mesh.alive(t)) return false;
+    const Tet tet = mesh.tet2vertex[t];
+    return (flags[tet[0]] | flags[tet[1]] | flags[tet[2]] | flags[tet[3]]) != 0;
+  }
+};
+
+namespace element_selection_detail {
 
 /// For each of some bounds, the number of values above it.
 template <int kBounds>
@@ -60,16 +72,6 @@ void fill_bisection(double (&bounds)[kBounds], int node, double low, double high
   fill_bisection(bounds, 2 * node + 1, low, bounds[node]);
   fill_bisection(bounds, 2 * node + 2, bounds[node], high);
 }
-
-struct HasFlaggedVertex {
-  MeshView mesh;
-  Span<const std::uint8_t> flags;
-  TETUNE_HD bool operator()(Size t) const {
-    if (!mesh.alive(t)) return false;
-    const Tet tet = mesh.tet2vertex[t];
-    return (flags[tet[0]] | flags[tet[1]] | flags[tet[2]] | flags[tet[3]]) != 0;
-  }
-};
 
 /// Clears the values of tetrahedra without a flagged vertex.
 struct ClearOutside {
@@ -115,7 +117,7 @@ struct FlagNeighbors {
   }
 };
 
-}  // namespace selection_detail
+}  // namespace element_selection_detail
 
 /// Returns the slots for which a predicate holds.
 template <class Backend, class Predicate>
@@ -129,28 +131,28 @@ BufferOf<Backend, Index> find_tets(const Backend& backend, WorkMesh<Backend>& me
 template <class Backend>
 BufferOf<Backend, Index> tets_above(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> values,
                                     double bound) {
-  return find_tets(backend, mesh, selection_detail::IsAbove{values, bound});
+  return find_tets(backend, mesh, IsAbove{values, bound});
 }
 
 /// Returns the tetrahedra that have a flagged vertex.
 template <class Backend>
 BufferOf<Backend, Index> tets_with_flagged_vertex(const Backend& backend, WorkMesh<Backend>& mesh,
                                                   Span<const std::uint8_t> flags) {
-  return find_tets(backend, mesh, selection_detail::HasFlaggedVertex{mesh.view(), flags});
+  return find_tets(backend, mesh, HasFlaggedVertex{mesh.view(), flags});
 }
 
 /// Clears the values, one per slot, of the tetrahedra that have no flagged vertex.
 template <class Backend>
 void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const std::uint8_t> flags,
                    Span<double> values) {
-  backend.for_each(mesh.slots(), selection_detail::ClearOutside{{mesh.view(), flags}, values});
+  backend.for_each(mesh.slots(), element_selection_detail::ClearOutside{{mesh.view(), flags}, values});
 }
 
 /// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within the
 /// part `resolution`. The values are 0 or at least 1.
 template <class Backend>
 double upper_quantile(const Backend& backend, Span<const double> values, double max_above, double resolution = 0.01) {
-  using namespace selection_detail;
+  using namespace element_selection_detail;
   double low = 1;
   double high = 1e6;
   // A device tries all bounds of several steps at once, as the host waits for each result.
@@ -179,14 +181,14 @@ double upper_cost_quantile(const Backend& backend, Span<const double> extremenes
 /// Flags the vertices of the listed tetrahedra.
 template <class Backend>
 void flag_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Span<const Index> tets, Span<std::uint8_t> flags) {
-  backend.for_each(tets.size(), selection_detail::FlagVertices{mesh.tet2vertex.span(), tets, flags});
+  backend.for_each(tets.size(), element_selection_detail::FlagVertices{mesh.tet2vertex.span(), tets, flags});
 }
 
 /// Flags the vertices of the listed tetrahedra whose dihedral angles exceed a cost.
 template <class Backend>
 void flag_vertices_of_extreme(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                               Span<const Index> tets, double cost, Span<std::uint8_t> flags) {
-  backend.for_each(tets.size(), selection_detail::FlagVerticesOfExtreme{
+  backend.for_each(tets.size(), element_selection_detail::FlagVerticesOfExtreme{
                                     rated(mesh, criterion), {mesh.tet2vertex.span(), tets, flags}, cost});
 }
 
@@ -194,7 +196,7 @@ void flag_vertices_of_extreme(const Backend& backend, WorkMesh<Backend>& mesh, c
 /// only if the vertices around them make room.
 template <class Backend>
 void flag_neighbors(const Backend& backend, WorkMesh<Backend>& mesh, Span<std::uint8_t> flags) {
-  backend.for_each(mesh.slots(), selection_detail::FlagNeighbors{mesh.view(), flags});
+  backend.for_each(mesh.slots(), element_selection_detail::FlagNeighbors{mesh.view(), flags});
 }
 
 }  // namespace tetune

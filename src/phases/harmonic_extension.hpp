@@ -128,19 +128,7 @@ struct System {
   }
   /// The part of a vector within the space of motion of a vertex.
   TETUNE_HD Vec3 project(Size v, const Vec3& d) const {
-    switch (dof[v]) {
-      case VertexDof::free:
-        return d;
-      case VertexDof::plane: {
-        // With the basis, a coordinate that is the same all over the plane stays to the last bit.
-        const PlaneBasis basis = plane_basis(axis[v]);
-        return dot(basis.u, d) * basis.u + dot(basis.v, d) * basis.v;
-      }
-      case VertexDof::line:
-        return dot(axis[v], d) * axis[v];
-      default:
-        return {0, 0, 0};
-    }
+    return tetune::project(d, motion_space(dof, axis, to_index(v)));
   }
   /// Jacobi's preconditioner. A vertex of no tetrahedron stays.
   TETUNE_HD Vec3 precondition(Size v, const Vec3& r) const {

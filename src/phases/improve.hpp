@@ -37,8 +37,8 @@ bool improve(Optimizer<Backend>& optimizer) {
   if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return false;
   if (!improves_worst(optimizer.options)) return true;
   if (!lower_mean_energy(optimizer, criterion.floor) || !improve_worst(optimizer, criterion.floor)) return false;
-  const QualityFloor of_input = criterion.floor;
-  return improve_angles(optimizer, criterion.floor) && restart_worst(optimizer, of_input, criterion.floor) &&
+  const QualityFloor input_floor = criterion.floor;
+  return improve_angles(optimizer, criterion.floor) && restart_worst(optimizer, input_floor, criterion.floor) &&
          polish(optimizer, criterion.floor);
 }
 

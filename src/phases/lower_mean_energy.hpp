@@ -29,8 +29,8 @@ struct FlagVerticesOfNew {
 };
 
 struct IsAboveWithFlag {
-  selection_detail::IsAbove is_above;
-  selection_detail::HasFlaggedVertex has_flagged;
+  IsAbove is_above;
+  HasFlaggedVertex has_flagged;
   TETUNE_HD bool operator()(Size t) const { return is_above(t) && has_flagged(t); }
 };
 
@@ -41,7 +41,6 @@ class NewNeighborhoods {
  public:
   /// Returns those of the tetrahedra above a bound on the energy; all of them at the first call.
   BufferOf<Backend, Index> find_above(Optimizer<Backend>& optimizer, double bound) {
-    using selection_detail::IsAbove;
     const Backend& backend = optimizer.backend;
     WorkMesh<Backend>& mesh = optimizer.work.mesh;
     const Size known = fingerprints_.size();

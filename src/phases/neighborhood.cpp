@@ -265,7 +265,6 @@ void Neighborhood::take_triangles(const HostWork& whole) {
     triangle2whole_.push_back(i);
   }
   work.boundary.triangles.upload(backend_, triangles);
-  work.boundary.flat = whole.flat;
   work.boundary.bends = work.boundary.flips_bend = whole.bends;
 }
 

@@ -43,7 +43,7 @@ class ProgressEstimate {
     raise_to(worst_begin_ + (angles_begin_ - worst_begin_) * (1 - std::exp2(-round)));
   }
   void finish_angle_round(int round, int rounds) { raise_between(angles_begin_, restarts_begin_, round, rounds); }
-  void finish_restart(int restart, int restarts) { raise_between(restarts_begin_, polish_begin_, restart, restarts); }
+  void finish_restart_round(int round, int rounds) { raise_between(restarts_begin_, polish_begin_, round, rounds); }
   void finish_polish_sweep(int sweep, int sweeps) { raise_between(polish_begin_, 1, sweep, sweeps); }
 
   /// The part that is done, 0 to 1; never decreases.

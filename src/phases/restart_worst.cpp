@@ -74,9 +74,9 @@ double sum_of_powers(const std::vector<DihedralCots>& all, double obtuse_weight)
 }
 
 /// Optimizes one neighborhood.
-class Perturbation {
+class NeighborhoodOptimizer {
  public:
-  Perturbation(Optimizer<Cpu>& optimizer, const RestartInput& input, double obtuse_weight, WorstReport& r)
+  NeighborhoodOptimizer(Optimizer<Cpu>& optimizer, const RestartInput& input, double obtuse_weight, WorstReport& r)
       : optimizer_(optimizer),
         p_(optimizer.tuning.restart),
         angles_(improve_angles_detail::last_parameters(optimizer.tuning.angles)),
@@ -93,7 +93,7 @@ class Perturbation {
   void lower_energy(Region region, const RestartParameters::Perturbation& perturbation) {
     const Cpu& backend = optimizer_.backend;
     WorkingSet<Cpu>& work = optimizer_.work;
-    const Criterion criterion{kShapeObjective, input_.of_input, angles_.obtuse_weight};
+    const Criterion criterion{kShapeObjective, input_.input_floor, angles_.obtuse_weight};
     const int rounds = perturbation.energy_rounds + (edits_vertices(optimizer_.options) ? perturbation.mean_rounds : 0);
     for (int i = 0; i < rounds && !backend.stop_requested(); ++i) {
       const bool lowers_mean = i >= perturbation.energy_rounds;
@@ -115,7 +115,7 @@ class Perturbation {
   }
 
   void enlarge_angles(Region region) {
-    QualityFloor floor = input_.of_input;
+    QualityFloor floor = input_.input_floor;
     for (int i = 0, stalls = 0; i < p_.angle_rounds && stalls < p_.max_stalls; ++i) {
       if (optimizer_.backend.stop_requested()) return;
       const double before = floor.max_cot;
@@ -256,7 +256,7 @@ void RestartSearch::run(Restart& restart, const Context& context) const {
   Optimizer<Cpu> optimizer(backend, neighborhood.work, options_, context, restart.report, timer,
                            PhaseTimer::SteadyClock::now());
   optimizer.sum_energy(kShapeObjective);
-  Perturbation perturbation(optimizer, input_, weight_, restart.changes);
+  NeighborhoodOptimizer local(optimizer, input_, weight_, restart.changes);
   WorkMesh<Cpu>& mesh = neighborhood.work.mesh;
   const auto largest_cost = [&](const std::vector<DihedralCots>& all) {
     double largest = angles_.min_cost;
@@ -265,10 +265,10 @@ void RestartSearch::run(Restart& restart, const Context& context) const {
   };
   const std::vector<DihedralCots> before = extreme_cots(backend, mesh.view(), mesh.slots(), angles_);
   const double cost_before = largest_cost(before);
-  perturbation.set_largest_cost(cost_before);
+  local.set_largest_cost(cost_before);
   const int rings = restart.perturbation.rings;
-  perturbation.lower_energy(Region(backend, neighborhood.flags(rings)), restart.perturbation);
-  perturbation.enlarge_angles(Region(backend, neighborhood.flags(rings + p_.angle_rings)));
+  local.lower_energy(Region(backend, neighborhood.flags(rings)), restart.perturbation);
+  local.enlarge_angles(Region(backend, neighborhood.flags(rings + p_.angle_rings)));
   restart.cots = extreme_cots(backend, mesh.view(), mesh.slots(), angles_);
   const double cost_after = largest_cost(restart.cots);
   const bool others_fall =

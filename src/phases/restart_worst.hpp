@@ -23,9 +23,9 @@ class Cpu;
 struct RestartInput {
   const Options& options;
   Context context;
-  QualityFloor of_input;  ///< no tetrahedron may become worse
-  double mean_energy;     ///< per tetrahedron, of the shape energy
-  Size tets_before;       ///< of the caller's mesh
+  QualityFloor input_floor;  ///< no tetrahedron may become worse
+  double mean_energy;        ///< per tetrahedron, of the shape energy
+  Size tets_before;          ///< of the caller's mesh
 };
 
 /// Iterated local search on the host: see restart_worst().
@@ -82,11 +82,11 @@ class RestartSearch {
 
 /// Improves the worst elements where improve_angles() is stuck, by iterated local search (Lourenço, Martin and Stützle,
 /// 2003): neighborhoods of the worst, as meshes of their own on the host, are optimized again, where angles may be as
-/// in the input (`of_input`), and a result is kept if the largest cost in it has fallen, or other large ones. Further
-/// rounds lower the largest angle. Then `floor` is tightened. Reports Report::worst_rounds. Returns false when the
-/// caller cancels.
+/// in the input (`input_floor`), and a result is kept if the largest cost in it has fallen, or other large ones.
+/// Further rounds lower the largest angle. Then `floor` is tightened. Reports Report::worst_rounds. Returns false when
+/// the caller cancels.
 template <class Backend>
-bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& of_input, QualityFloor& floor) {
+bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& input_floor, QualityFloor& floor) {
   const int rounds = restart_rounds(optimizer.options, double(optimizer.work.mesh.tets()));
   if (rounds == 0) return true;
   const Backend& backend = optimizer.backend;
@@ -95,10 +95,10 @@ bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& of_input, 
   std::unique_ptr<RestartSearch> search;
   optimizer.timer.measure(Phase::restarts, [&] {
     optimizer.sum_energy(kShapeObjective);
-    whole = download_work(work);
+    whole = HostWork(work);
     search = std::make_unique<RestartSearch>(whole, RestartInput{optimizer.options,
                                                                  {{}, [&backend] { return backend.stop_requested(); }},
-                                                                 of_input,
+                                                                 input_floor,
                                                                  optimizer.energy() / double(work.mesh.tets()),
                                                                  Size{optimizer.report.tets_before}});
   });
@@ -113,7 +113,7 @@ bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& of_input, 
       r.round = ++round;
       optimizer.timer.measure(Phase::trace, [&] { r.dihedral_min = search->traced_angle(); });
       optimizer.report.worst_rounds.push_back(r);
-      optimizer.progress.estimate.finish_restart(round, rounds_in_all);
+      optimizer.progress.estimate.finish_restart_round(round, rounds_in_all);
       if (!optimizer.proceed(Phase::restarts, optimizer.iteration())) return false;
     }
     return true;

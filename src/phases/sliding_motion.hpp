@@ -8,7 +8,11 @@
 /// The motion of vertices that slide on the reference surface (docs/method.md, "Moving a mesh").
 namespace tetune {
 
-TETUNE_HD inline bool slides(VertexDof dof) { return dof == VertexDof::surface || dof == VertexDof::curve; }
+/// How a motion prescribes a vertex, as bits.
+enum VertexMotion : std::uint8_t {
+  kPrescribed = 1,  ///< it has a position in a target
+  kMoves = 2,       ///< with another one than in the input
+};
 
 namespace sliding_motion_detail {
 
@@ -101,7 +105,7 @@ struct SetSurfacePoint {
 /// vertices that slide.
 struct CutMovingTriangle {
   Span<const SurfaceTriangle> triangles;
-  Span<const std::uint8_t> motion;  ///< per vertex: see VertexMotion
+  Span<const std::uint8_t> motion;  ///< per vertex: VertexMotion
   Span<Index> across;
   TETUNE_HD void operator()(Size corner) const {
     const Index opposite = across[corner];
@@ -111,23 +115,17 @@ struct CutMovingTriangle {
 
  private:
   TETUNE_HD bool leaves(Size triangle) const {
-    unsigned all = 3;
+    unsigned all = kPrescribed | kMoves;
     unsigned any = 0;
     for (const Index v : triangles[triangle].v) {
       all &= motion[v];
       any |= motion[v];
     }
-    return (all & 1U) != 0 && (any & 2U) != 0;
+    return (all & kPrescribed) != 0 && (any & kMoves) != 0;
   }
 };
 
 }  // namespace sliding_motion_detail
-
-/// How a motion prescribes a vertex, as bits.
-enum VertexMotion : std::uint8_t {
-  kPrescribed = 1,  ///< it has a position in a target
-  kMoves = 2,       ///< with another one than in the input
-};
 
 /// Takes the triangles all of whose vertices are prescribed, and some of which move, out of the reference surface.
 /// `motion`: per vertex, VertexMotion.

@@ -24,7 +24,7 @@ template <class F>
 void for_boundary_faces(const HostMesh& mesh, const F& f) {
   const auto tet2tet = backend::span_of(mesh.tet2tet);
   Index slot = -1;
-  for (const Tet& tet : mesh.tets) {
+  for (const Tet& tet : mesh.tet2vertex) {
     ++slot;
     if (tet[0] == kFreeSlot) continue;
     for (int face = 0; face < 4; ++face) {
@@ -49,12 +49,12 @@ void for_boundary_corners(const HostMesh& mesh, const F& f) {
 std::vector<std::uint8_t> vertices_near(const HostMesh& mesh, const std::vector<Index>& slots, int rings) {
   std::vector<std::uint8_t> flags(mesh.points.size(), 0);
   for (const Index slot : slots) {
-    for (const Index v : backend::span_of(mesh.tets)[slot].v) backend::span_of(flags)[v] = 1;
+    for (const Index v : backend::span_of(mesh.tet2vertex)[slot].v) backend::span_of(flags)[v] = 1;
   }
   for (int ring = 0; ring < rings; ++ring) {
     const std::vector<std::uint8_t> before = flags;
     const auto is_near = [near = backend::span_of(before)](Index v) { return near[v] != 0; };
-    for (const Tet& tet : mesh.tets) {
+    for (const Tet& tet : mesh.tet2vertex) {
       if (tet[0] == kFreeSlot || std::none_of(std::begin(tet.v), std::end(tet.v), is_near)) continue;
       for (const Index v : tet.v) backend::span_of(flags)[v] = 1;
     }
@@ -116,7 +116,7 @@ class FacePairs {
 
 std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slots) {
   const auto points = backend::span_of(mesh.points);
-  const auto tets = backend::span_of(mesh.tets);
+  const auto tets = backend::span_of(mesh.tet2vertex);
   std::erase_if(slots, [&](Index slot) {
     const Tet& t = tets[slot];
     return orient_sign(to_array(points[t[0]]), to_array(points[t[1]]), to_array(points[t[2]]), to_array(points[t[3]])) >
@@ -125,21 +125,21 @@ std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slot
   return slots;
 }
 
-std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& kind) {
-  std::vector<Vec3> first_normal(kind.size(), Vec3{});
-  std::vector<std::uint8_t> folded(kind.size(), 0);
-  for_boundary_corners(mesh, [&, kind = backend::span_of(kind), first = backend::span_of(first_normal),
+std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& dofs) {
+  std::vector<Vec3> first_normal(dofs.size(), Vec3{});
+  std::vector<std::uint8_t> folded(dofs.size(), 0);
+  for_boundary_corners(mesh, [&, dofs = backend::span_of(dofs), first = backend::span_of(first_normal),
                               flags = backend::span_of(folded)](Index, Index v, const Vec3& normal) {
-    if (kind[v] != VertexDof::plane) return;
+    if (dofs[v] != VertexDof::plane) return;
     if (dot(first[v], first[v]) == 0) first[v] = normal;
     if (dot(first[v], normal) < 0) flags[v] = 1;
   });
   return folded;
 }
 
-std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<VertexDof>& kind,
+std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<VertexDof>& dofs,
                                 const std::vector<std::uint8_t>& before) {
-  const std::vector<std::uint8_t> folded = folded_vertices(mesh, kind);
+  const std::vector<std::uint8_t> folded = folded_vertices(mesh, dofs);
   std::vector<Index> slots;
   if (std::find(folded.begin(), folded.end(), 1) == folded.end()) return slots;
   for_boundary_corners(mesh, [&slots, now = backend::span_of(folded), then = backend::span_of(before)](

@@ -14,11 +14,11 @@ std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slot
 
 /// Flags each vertex of kind VertexDof::plane whose boundary faces do not all have the same orientation: the surface is
 /// folded there.
-std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& kind);
+std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& dofs);
 
 /// Returns the slots with a boundary face at a vertex that is folded now and was not folded `before`: all volumes may
 /// be positive, but the surface has changed.
-std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<VertexDof>& kind,
+std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<VertexDof>& dofs,
                                 const std::vector<std::uint8_t>& before);
 
 /// Returns the slots with a boundary face that crosses another one or is folded onto a neighbor, among the faces near

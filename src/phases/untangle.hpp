@@ -26,7 +26,7 @@ Size activate_tangled(const Backend& backend, WorkingSet<Backend>& work) {
 
 /// Flips around active vertices until there are no more flips.
 template <class Backend>
-void flip_around_active(const Backend& backend, WorkingSet<Backend>& work) {
+void flip_around_tangles(const Backend& backend, WorkingSet<Backend>& work) {
   const Criterion criterion{kShapeObjective};
   refresh_energy(backend, work.mesh, criterion, work.flips.energies);
   activate_all(backend, work.mesh, criterion, work.flips);
@@ -55,8 +55,7 @@ struct FlagWithOne {
   Span<const VertexDof> dof;
   Span<std::uint8_t> flags;
   TETUNE_HD void operator()(Size v) const {
-    const bool slides = dof[v] == VertexDof::curve || dof[v] == VertexDof::surface;
-    if (flags[v] != 0) flags[v] = slides ? 0 : 1;
+    if (flags[v] != 0) flags[v] = slides(dof[v]) ? 0 : 1;
   }
 };
 
@@ -110,7 +109,7 @@ void run_rounds(Optimizer<Backend>& optimizer) {
       if (tangled == 0 || !go_on) break;
     }
     if (round >= p.first_flip_round && work.flips.max_ring > 0) {
-      flip_around_active(backend, work);
+      flip_around_tangles(backend, work);
       tangled = activate_tangled(backend, work);
     }
     build_rings(backend, work.mesh, work.rings);
@@ -132,29 +131,13 @@ void run_rounds(Optimizer<Backend>& optimizer) {
 /// The state that untangling changes, in the host's memory: few meshes need it again.
 template <class Backend>
 struct Snapshot {
-  std::vector<Point> points;
-  std::vector<Tet> tets;
-  std::vector<FaceAdjacency> tet2tet;
-  std::vector<Index> tet2original;
-  std::vector<Index> free_slots;
-  Size free_count;
+  MeshSnapshot mesh;
   std::vector<SurfacePoint> surface_points;
 
   explicit Snapshot(const WorkingSet<Backend>& work)
-      : points(work.mesh.points.download()),
-        tets(work.mesh.tet2vertex.download()),
-        tet2tet(work.mesh.tet2tet.download()),
-        tet2original(work.mesh.tet2original.download()),
-        free_slots(work.mesh.free_slots.download()),
-        free_count(work.mesh.free_count),
-        surface_points(work.dofs.surface_point.download()) {}
+      : mesh(work.mesh), surface_points(work.dofs.surface_point.download()) {}
   void restore(const Backend& backend, WorkingSet<Backend>& work) const {
-    work.mesh.points.upload(backend, points);
-    work.mesh.tet2vertex.upload(backend, tets);
-    work.mesh.tet2tet.upload(backend, tet2tet);
-    work.mesh.tet2original.upload(backend, tet2original);
-    work.mesh.free_slots.upload(backend, free_slots);
-    work.mesh.free_count = free_count;
+    mesh.upload(backend, work.mesh);
     work.dofs.surface_point.upload(backend, surface_points);
   }
 };
@@ -174,13 +157,13 @@ std::vector<Index> originals_of(const WorkMesh<Backend>& mesh, std::vector<Index
 template <class Backend>
 std::vector<Index> untangle_once(Optimizer<Backend>& optimizer) {
   WorkMesh<Backend>& mesh = optimizer.work.mesh;
-  const std::vector<VertexDof> kind = optimizer.work.dofs.dof.download();
-  const std::vector<std::uint8_t> folded = folded_vertices(HostMesh(mesh), kind);
+  const std::vector<VertexDof> dofs = optimizer.work.dofs.dof.download();
+  const std::vector<std::uint8_t> folded = folded_vertices(HostMesh(mesh), dofs);
   run_rounds(optimizer);
   const HostMesh result(mesh);
   std::vector<Index> left =
       exactly_tangled(result, find_tets(optimizer.backend, mesh, HasUncertifiedVolume{mesh.view()}).download());
-  if (left.empty()) left = newly_folded(result, kind, folded);
+  if (left.empty()) left = newly_folded(result, dofs, folded);
   return originals_of(mesh, std::move(left));
 }
 
@@ -189,21 +172,21 @@ std::vector<Index> untangle_once(Optimizer<Backend>& optimizer) {
 template <class Backend>
 std::vector<Index> untangle_inside(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before) {
   WorkingSet<Backend>& work = optimizer.work;
-  const std::vector<VertexDof> kind = work.dofs.dof.download();
-  std::vector<VertexDof> fixed = kind;
+  const std::vector<VertexDof> dofs = work.dofs.dof.download();
+  std::vector<VertexDof> fixed = dofs;
   for (VertexDof& dof : fixed) dof = dof == VertexDof::free ? dof : VertexDof::fixed;
   before.restore(optimizer.backend, work);
   work.dofs.dof.upload(optimizer.backend, fixed);
   optimizer.invalidate_rings();
   std::vector<Index> left = untangle_once(optimizer);
-  work.dofs.dof.upload(optimizer.backend, kind);
+  work.dofs.dof.upload(optimizer.backend, dofs);
   return left;
 }
 
 template <class Backend>
 bool can_move_surface(const WorkingSet<Backend>& work) {
-  const std::vector<VertexDof> kind = work.dofs.dof.download();
-  return std::any_of(kind.begin(), kind.end(),
+  const std::vector<VertexDof> dofs = work.dofs.dof.download();
+  return std::any_of(dofs.begin(), dofs.end(),
                      [](VertexDof dof) { return dof != VertexDof::free && dof != VertexDof::fixed; });
 }
 

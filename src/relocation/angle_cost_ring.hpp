@@ -36,9 +36,9 @@ TETUNE_HD inline DihedralCots dihedral_cots(const MeshView& mesh, Size t) {
 /// The trial steps of a vertex in its space of motion.
 struct FreeMotion {
   MotionSpace space;
-  TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return tangent_gradient(gradient, space); }
+  TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return project(gradient, space); }
   /// The position after a step from x.
-  TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) const { return x + tangent_gradient(step, space); }
+  TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) const { return x + project(step, space); }
   /// Whether the vertex may move to the last trial position; if so, makes it the current one.
   TETUNE_HD bool accept(const Vec3&) const { return true; }
 };
@@ -95,8 +95,8 @@ class AngleCostRing {
   /// Moves x by steps of `motion` (FreeMotion, SlideMotion, ApexMotion) while these decrease the cost, until it is at
   /// most `target_cost`. Returns whether x moved. `model` is scratch memory that the threads of the team share; each
   /// thread has x and the motion for itself.
-  template <class VertexMotion, class Team = backend::SingleThread>
-  TETUNE_HD bool minimize(Vec3& x, VertexMotion& motion, double target_cost, MinimaxModel& model,
+  template <class TrialMotion, class Team = backend::SingleThread>
+  TETUNE_HD bool minimize(Vec3& x, TrialMotion& motion, double target_cost, MinimaxModel& model,
                           const Team& team = {}) const {
     int worst = 0;
     double cost = largest_cost(x, kInfeasible, worst, team);
@@ -219,8 +219,8 @@ class AngleCostRing {
 
   /// Finds the costs that are close to the largest, and their gradients in the space of motion. They are added in the
   /// order of the faces. Where there are too many, fewer are close.
-  template <class VertexMotion, class Team>
-  TETUNE_HD TETUNE_OUTLINE void find_model(const Vec3& x, double cost, const VertexMotion& motion, MinimaxModel& model,
+  template <class TrialMotion, class Team>
+  TETUNE_HD TETUNE_OUTLINE void find_model(const Vec3& x, double cost, const TrialMotion& motion, MinimaxModel& model,
                                            const Team& team) const {
     using Pack = backend::TermsOf<Team>;
     double width = kBand;

@@ -36,10 +36,9 @@ struct MinimizeAngleCost : DofsView {
     const AngleCostRing ring(mesh, rings.faces.data() + begin, count, true);
     Vec3 x = vec(backend::read_once(team, mesh.points[v]));
     if constexpr (kSlides) {
-      if (dof[v] == VertexDof::curve || dof[v] == VertexDof::surface) return slide(v, ring, x, team, model);
+      if (slides(dof[v])) return slide(v, ring, x, team, model);
     }
-    // Free vertices have no axis: where the surface slides, it was never written.
-    FreeMotion motion{{dof[v], dof[v] == VertexDof::free ? Vec3{} : axis[v]}};
+    FreeMotion motion{motion_space(dof, axis, v)};
     if (!ring.minimize(x, motion, target_cost, model, team)) return {};
     if (team.rank() == 0) mesh.points[v] = point(x);
     return {1};

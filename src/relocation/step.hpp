@@ -68,22 +68,6 @@ TETUNE_HD inline Vec3 newton_direction(const RingModel& m, const MotionSpace& mo
   }
 }
 
-/// Gradient within the space of motion (Alg. 2).
-TETUNE_HD inline Vec3 tangent_gradient(const Vec3& g, const MotionSpace& motion) {
-  switch (motion.dof) {
-    case VertexDof::free:
-      return g;
-    case VertexDof::plane: {
-      const PlaneBasis basis = plane_basis(motion.axis);
-      return dot(g, basis.u) * basis.u + dot(g, basis.v) * basis.v;
-    }
-    case VertexDof::line:
-      return dot(g, motion.axis) * motion.axis;
-    default:
-      return {0, 0, 0};
-  }
-}
-
 /// The over-relaxed Newton step; repeated where the energy is far from quadratic.
 struct NewtonStep {
   double relaxation;  ///< 1 <= omega < 2
@@ -107,7 +91,7 @@ struct NewtonStep {
     for (int repeat = 0; repeat < kMaxRepeats; ++repeat) {
       const RingModel m = ring.model(x);
       if (repeat == 0) {
-        const Vec3 g = tangent_gradient(m.gradient, motion);
+        const Vec3 g = project(m.gradient, motion);
         result.gradient2 = kTraceFactor * kTraceFactor * dot(g, g);
       }
       const Vec3 p = newton_direction(m, motion);
@@ -134,7 +118,7 @@ struct NewtonStep {
   template <class Ring>
   TETUNE_HD __attribute__((noinline)) static double search_along_gradient(Ring& ring, const RingModel& m,
                                                                           const MotionSpace& motion, Vec3& x) {
-    const Vec3 g = tangent_gradient(m.gradient, motion);
+    const Vec3 g = project(m.gradient, motion);
     const Vec3 descent = (-1 / norm(g)) * g;
     const double before_inversion = kInversionFraction * ring.step_bound(x, descent);
     double end = kMaxSearch * std::sqrt(m.length2);
@@ -170,7 +154,7 @@ struct GradientStep {
     StepResult result;
     result.position = x;
     const RingModel m = ring.model(x);
-    const Vec3 g = tangent_gradient(m.gradient, motion);
+    const Vec3 g = project(m.gradient, motion);
     const double norm_g = norm(g);
     result.gradient2 = kTraceFactor * kTraceFactor * norm_g * norm_g;
     if (!(kTraceFactor * norm_g >= min_gradient)) return result;

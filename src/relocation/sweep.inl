@@ -105,14 +105,14 @@ struct RelocateVertex : DofsView {
 
   template <class AnyRing, class Team>
   TETUNE_HD StepResult step_from(const Vec3& x, AnyRing& ring, const Team& team, Index v) const {
-    const VertexDof space = dof[v];
+    const VertexDof own_dof = dof[v];
     // Most vertices are free; the arrays that only others read are not in the cache.
-    if (space == VertexDof::free) return step(ring, x, MotionSpace{space, {}});
+    if (own_dof == VertexDof::free) return step(ring, x, MotionSpace{own_dof, {}});
     const DisplacementBound bound = displacement_bound.size() == 0 ? DisplacementBound{} : displacement_bound[v];
     if constexpr (kSlides) {
-      if (space == VertexDof::curve || space == VertexDof::surface) return slide(x, ring, team, v, bound);
+      if (slides(own_dof)) return slide(x, ring, team, v, bound);
     }
-    return step(ring, x, MotionSpace{space, axis[v], bound});
+    return step(ring, x, MotionSpace{own_dof, axis[v], bound});
   }
   /// Out of line to reduce register pressure in the steps of the free vertices.
   template <class AnyRing, class Team>

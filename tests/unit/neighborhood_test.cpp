@@ -26,7 +26,7 @@ HostWork imported(const TetMesh& mesh, Boundary boundary) {
   WorkingSet<Cpu> work;
   Report report;
   import_mesh(backend, mesh, options, nullptr, true, work, report);
-  return download_work(work);
+  return HostWork(work);
 }
 
 std::array<Index, 3> key_of(const Tet& tet, int face) {
@@ -209,7 +209,7 @@ Restarted restart(const TetMesh& mesh, Boundary boundary) {
   BufferOf<Cpu, double> buffer;
   refresh_energy(backend, whole.mesh, {kShapeObjective}, buffer);
   const Span<const double> energies = buffer.span();
-  HostWork work = download_work(whole);
+  HostWork work(whole);
   RestartSearch search(work, {options, {}, find_floor(backend, whole.mesh, energies), 1.5, std::ssize(mesh.tets)});
   const double weight = tuning_of(Effort::best).angles.obtuse_weight;
   const double cost = search.extremes().cost(weight);

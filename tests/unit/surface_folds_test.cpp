@@ -45,7 +45,7 @@ TEST_F(FoldedSurface, AVertexBeyondTheEdgeOfItsPlaneFoldsTheSurface) {
   const std::vector<Index> slots = newly_folded(host(), kind, before);
   EXPECT_FALSE(slots.empty());
   for (const Index slot : slots) {
-    const auto& tet = mesh.tets[static_cast<std::size_t>(slot)];
+    const auto& tet = mesh.tet2vertex[static_cast<std::size_t>(slot)];
     EXPECT_NE(std::find(tet.begin(), tet.end(), static_cast<Index>(kInTop)), tet.end());
   }
   // A fold of the input is not reported.

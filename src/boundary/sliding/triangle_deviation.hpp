@@ -67,9 +67,9 @@ class TriangleDeviation : DeviationInput {
     if (uncovered <= kMaxUncovered * std::sqrt(n2)) return true;
     // Beside a feature line the triangle may extend beyond the patch by the area between the line and its chord.
     double beside_line = 0;
-    if (!slides(vertex) && !slides(va)) beside_line += norm(a);
-    if (!slides(vertex) && !slides(vb)) beside_line += norm(b);
-    if (!slides(va) && !slides(vb)) beside_line += norm(b - a);
+    if (!is_within_sheet(vertex) && !is_within_sheet(va)) beside_line += norm(a);
+    if (!is_within_sheet(vertex) && !is_within_sheet(vb)) beside_line += norm(b);
+    if (!is_within_sheet(va) && !is_within_sheet(vb)) beside_line += norm(b - a);
     return coverage.max_height <= kDeviationShare * limit && uncovered <= 2 * limit * beside_line;
   }
 
@@ -268,7 +268,7 @@ class TriangleDeviation : DeviationInput {
 
   TETUNE_HD Vec3 position(Index v, const Vec3& x) const { return v == vertex ? x : vec(points[v]); }
   TETUNE_HD Wedge compare(const Vec3& d) const { return dot(d, d) <= limit * limit ? Wedge::near : Wedge::far; }
-  TETUNE_HD bool slides(Index v) const { return ref.dof[v] == VertexDof::surface; }
+  TETUNE_HD bool is_within_sheet(Index v) const { return ref.dof[v] == VertexDof::surface; }
 };
 
 }  // namespace tetune
