@@ -86,7 +86,7 @@ TEST(NewtonStep, InAPlaneStaysThereAndEndsWhereTheTangentGradientVanishes) {
   const Vec3 x = converge(f, v, f.at(v), motion, NewtonStep{1, 0}, 30);
   SimdRing ring = f.simd(v);
   EXPECT_EQ(x.z, 0);
-  EXPECT_LT(norm(tangent_gradient(ring.model(x).gradient, motion)), 1e-5);
+  EXPECT_LT(norm(project(ring.model(x).gradient, motion)), 1e-5);
 }
 
 TEST(NewtonStep, OnALineStaysThere) {

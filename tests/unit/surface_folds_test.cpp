@@ -18,11 +18,11 @@ constexpr std::size_t kInTop = (4 * 5 + 2) * 5 + 1;
 
 struct FoldedSurface : testing::Test {
   TetMesh mesh = test::cube(kCells);
-  std::vector<VertexDof> kind;
+  std::vector<VertexDof> dofs;
 
   FoldedSurface() {
-    kind.assign(mesh.points.size(), VertexDof::fixed);
-    kind[kInTop] = VertexDof::plane;
+    dofs.assign(mesh.points.size(), VertexDof::fixed);
+    dofs[kInTop] = VertexDof::plane;
   }
   HostMesh host() const {
     const backend::Cpu cpu(1);
@@ -34,28 +34,28 @@ struct FoldedSurface : testing::Test {
 
 TEST_F(FoldedSurface, AVertexBeyondTheEdgeOfItsPlaneFoldsTheSurface) {
   ASSERT_EQ(mesh.points[kInTop], (Point3{0.25, 0.5, 1}));
-  const std::vector<std::uint8_t> before = folded_vertices(host(), kind);
+  const std::vector<std::uint8_t> before = folded_vertices(host(), dofs);
   EXPECT_EQ(std::count(before.begin(), before.end(), 1), 0);
-  EXPECT_TRUE(newly_folded(host(), kind, before).empty());
+  EXPECT_TRUE(newly_folded(host(), dofs, before).empty());
 
   mesh.points[kInTop][0] = -0.1;
-  const std::vector<std::uint8_t> after = folded_vertices(host(), kind);
+  const std::vector<std::uint8_t> after = folded_vertices(host(), dofs);
   EXPECT_EQ(std::count(after.begin(), after.end(), 1), 1);
   EXPECT_EQ(after[kInTop], 1);
-  const std::vector<Index> slots = newly_folded(host(), kind, before);
+  const std::vector<Index> slots = newly_folded(host(), dofs, before);
   EXPECT_FALSE(slots.empty());
   for (const Index slot : slots) {
-    const auto& tet = mesh.tet2vertex[static_cast<std::size_t>(slot)];
+    const auto& tet = mesh.tets[static_cast<std::size_t>(slot)];
     EXPECT_NE(std::find(tet.begin(), tet.end(), static_cast<Index>(kInTop)), tet.end());
   }
   // A fold of the input is not reported.
-  EXPECT_TRUE(newly_folded(host(), kind, after).empty());
+  EXPECT_TRUE(newly_folded(host(), dofs, after).empty());
 }
 
 TEST_F(FoldedSurface, OnlyVerticesOfKindPlaneAreChecked) {
-  kind[kInTop] = VertexDof::fixed;
+  dofs[kInTop] = VertexDof::fixed;
   mesh.points[kInTop][0] = -0.1;
-  const std::vector<std::uint8_t> folded = folded_vertices(host(), kind);
+  const std::vector<std::uint8_t> folded = folded_vertices(host(), dofs);
   EXPECT_EQ(std::count(folded.begin(), folded.end(), 1), 0);
 }
 
