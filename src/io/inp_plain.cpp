@@ -27,7 +27,7 @@ struct PatchFace {
   int face;
 };
 
-void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
+void warn_of_losses_in_inp(const TetMesh& mesh, const IoContext& context) {
   std::set<std::string> names;
   for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
     for (const DataArray& array : *data) names.insert(array.name);
@@ -54,7 +54,7 @@ class InpPlainWriter {
       : out_(file), mesh_(mesh), middles_(middles), context_(context) {}
 
   void write() {
-    warn_of_losses(mesh_, context_);
+    warn_of_losses_in_inp(mesh_, context_);
     out_.write("*HEADING\ntetune\n*NODE, NSET=Nall\n");
     std::size_t shortened = 0;
     write_lines(mesh_.points.size(), [&](std::string& line, std::size_t v) {

@@ -150,7 +150,7 @@ void write_sections(Writer& out, const TetMesh& mesh) {
 }
 
 /// Warns of the contents that a MEDIT file cannot hold.
-void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
+void warn_of_losses_in_medit(const TetMesh& mesh, const IoContext& context) {
   std::set<std::string> names;
   const auto add_names = [&names](const std::vector<DataArray>& data) {
     for (const DataArray& array : data) names.insert(array.name);
@@ -170,7 +170,7 @@ void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
 }  // namespace
 
 void write_medit_text(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
-  warn_of_losses(mesh, context);
+  warn_of_losses_in_medit(mesh, context);
   TextWriter out(file, context.threads);
   write_sections(out, mesh);
 }
@@ -187,7 +187,7 @@ void write_medit_solution(FileWriter& file, const std::vector<Measures>& values,
 }
 
 void write_medit_binary(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
-  warn_of_losses(mesh, context);
+  warn_of_losses_in_medit(mesh, context);
   // An upper bound: the last term covers the heads of the sections.
   std::size_t bytes =
       28 * mesh.points.size() + 20 * mesh.tets.size() + 16 * mesh.triangles.size() + 12 * mesh.edges.size() + 1000;

@@ -212,7 +212,7 @@ class Su2Markers {
   bool is_shared_ = false;
 };
 
-void warn_of_losses(const TetMesh& mesh, const IoContext& context) {
+void warn_of_losses_in_su2(const TetMesh& mesh, const IoContext& context) {
   const auto differ = [](const std::vector<int>& tags) {
     return std::any_of(tags.begin(), tags.end(), [&tags](int tag) { return tag != tags[0]; });
   };
@@ -237,7 +237,7 @@ TetMesh read_su2(const std::string& path, const IoContext& context) {
 }
 
 void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
-  warn_of_losses(mesh, context);
+  warn_of_losses_in_su2(mesh, context);
   std::size_t solids = mesh.tets.size();
   for (const ElementBlock& block : mesh.others) {
     const auto kind =
