@@ -98,8 +98,9 @@ struct Options {
   /// elements valid: Report::straightened. Otherwise such a mesh is refused. Refused with periodic vertices.
   bool straighten = false;
   /// With Boundary::slide: an edge where the surface turns by more than this many degrees, in (0, 180], is a feature
-  /// edge, and a vertex where a feature line does is a corner. With 180 only borders between tags, edges that are not
-  /// on two triangles, and listed edges are.
+  /// edge, and a vertex where a feature line does is a corner. A line is none that ends in the middle of the surface
+  /// and nowhere turns by more than 4/3 of the angle. With 180 only borders between tags, edges that are not on two
+  /// triangles, and listed edges are.
   double feature_angle = 45;
   /// With Boundary::slide: maximum distance of any point of the new surface from the old one and of the old one from
   /// the new one; a length in the mesh's unit, 0 for no bound.

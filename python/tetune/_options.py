@@ -17,7 +17,7 @@ class Options(TypedDict, total=False):
     boundary: Literal["preserve", "slide", "fixed"]
     """How vertices of the boundary may move; preserve: vertices move within planes and along straight lines of the surface, whose shape does not change; slide: vertices move on the input surface and along its feature lines, and the surface changes a little; fixed: no vertex of the boundary moves. Default: preserve."""
     feature_angle: float
-    """With boundary=slide, edges where the surface turns by a larger angle are feature lines, which vertices do not leave; 180: no edge is a feature by its angle. Default: 45."""
+    """With boundary=slide, edges where the surface turns by a larger angle are feature lines, which vertices do not leave, except for lines that end in the middle of the surface and nowhere turn by more than 4/3 of the angle; 180: no edge is a feature by its angle. Default: 45."""
     max_deviation: float
     """With boundary=slide, maximum distance of the new surface from the old one and of the old one from the new one; 0: no bound. Default: 0."""
     frozen_regions: ArrayLike

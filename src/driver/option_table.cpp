@@ -149,7 +149,8 @@ const std::array kTable{
                &Options::feature_angle,
                kSurface,
                "With boundary=slide, edges where the surface turns by a larger angle are feature lines, which vertices "
-               "do not leave; 180: no edge is a feature by its angle",
+               "do not leave, except for lines that end in the middle of the surface and nowhere turn by more than 4/3 "
+               "of the angle; 180: no edge is a feature by its angle",
                {},
                {0, 180, true, "degrees"},
                kNeedsSliding},
