@@ -86,6 +86,7 @@ void add_methods(std::vector<Case>& all) {
   Case& gradient_slide = add(all, "gradient_slide", ball(6));
   gradient_slide.options.relocation = Relocation::gradient;
   gradient_slide.options.boundary = Boundary::slide;
+  gradient_slide.options.feature_angle = 20;  // its features are weak lines
   gradient_slide.operations = flips;
   Case& harmonic = add(all, "harmonic", cube(6, 0.2));
   harmonic.options.energy = Energy::harmonic;
