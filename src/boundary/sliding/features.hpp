@@ -143,7 +143,7 @@ inline double cosine_of_turn(double degrees) {
   return degrees >= 180 ? -2 : elementary::cos(degrees * std::numbers::pi / 180);
 }
 
-/// Joins the triangles across the edges of weak lines.
+/// Joins the triangles across the edges of weak lines, whose vertices it flags.
 template <class Backend>
 void join_across_weak_lines(const Backend& backend, const SurfaceFolds& folds, double feature_angle, Span<Index> across,
                             Span<std::uint8_t> on_weak_line) {
