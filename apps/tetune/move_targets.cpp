@@ -71,7 +71,7 @@ std::vector<Point3> displaced(const TetMesh& mesh, const TetMesh& source, const 
   std::vector<Point3> points = mesh.points;
   std::size_t first = 0;
   for (const DataArray* array : find_displacement(source, path, name)) {
-    const std::size_t components(array->components);
+    const auto components = std::size_t(array->components);
     const auto add = [&](const auto& values) {
       auto value = values.begin();
       for (Point3& p : points) {

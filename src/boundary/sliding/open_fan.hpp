@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "backend/span.hpp"
 #include "energy/objective.hpp"
 #include "mesh/tet.hpp"
 

@@ -6,10 +6,10 @@
 #include <tuple>
 #include <utility>
 
+#include "backend/span.hpp"
+
 namespace tetune {
 namespace {
-
-using backend::span_of;
 
 /// The graph of the feature edges, from which lines are removed.
 class FeatureGraph {
