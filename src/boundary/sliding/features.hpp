@@ -17,7 +17,8 @@ namespace features_detail {
 
 /// An edge within a patch is weak where the surface turns by at most this multiple of the feature angle.
 inline constexpr double kMaxWeakTurn = 4.0 / 3;
-/// A vertex of a weak line is a tip where the angles around it add up to a full circle less this number of degrees.
+/// A vertex of a weak line is a tip where the angles around it add up to less than a full circle by more than this
+/// number of degrees.
 inline constexpr double kTipDefect = 30;
 
 /// Where the surface turns.
