@@ -2,7 +2,8 @@
 #include "phases/neighborhood.hpp"
 
 #include <algorithm>
-#include <utility>
+
+#include "phases/near_reference.hpp"
 
 namespace tetune {
 namespace {
@@ -13,73 +14,35 @@ Index position_in(const std::vector<Index>& increasing, Index value) {
   return found != increasing.end() && *found == value ? to_index(found - increasing.begin()) : -1;
 }
 
+struct LowestVertex {
+  Span<const BoundaryTriangle> triangles;
+  Size operator()(Size i) const { return *std::min_element(triangles[i].v, triangles[i].v + 3); }
+};
+
 /// The number of items per triangle or vertex of the reference surface.
 Index items_of(SurfacePointKind kind) {
   return kind == SurfacePointKind::edge ? 3 : kind == SurfacePointKind::segment ? 2 : 1;
 }
 
-/// The vertices and triangles of the reference surface that are near some of its triangles.
-class NearReference {
- public:
-  explicit NearReference(const HostWork& whole) : reference_(whole.reference), is_near(reference_.points.size(), 0) {}
-
-  void add_triangle(Index t) {
-    if (t < 0) return;
-    for (const Index v : span_of(reference_.triangles)[t].v) add_vertex(v);
-  }
-  void add(const SurfacePoint& on) {
-    switch (on.kind) {
-      case SurfacePointKind::none:
-        break;
-      case SurfacePointKind::vertex:
-        add_vertex(on.item);
-        break;
-      case SurfacePointKind::edge:
-        add_triangle(on.item / 3);
-        break;
-      case SurfacePointKind::triangle:
-        add_triangle(on.item);
-        break;
-      case SurfacePointKind::segment:
-        add_vertex(on.item / 2);
-        add_vertex(span_of(reference_.line)[on.item / 2].next[on.item % 2]);
-        break;
-    }
-  }
-  /// Adds the neighbors of all vertices.
-  void add_ring() {
-    const std::size_t end = vertices.size();
-    for (std::size_t i = 0; i < end; ++i) {
-      const Index v = vertices[i];
-      for (auto c = span_of(reference_.offsets)[v]; c < span_of(reference_.offsets)[v + 1]; ++c) {
-        add_triangle(to_index(span_of(reference_.corners)[c] / 3));
-      }
-      if (span_of(reference_.dof)[v] != VertexDof::curve) continue;
-      for (const Index next : span_of(reference_.line)[v].next) add_vertex(next);
-    }
-  }
-
- private:
-  void add_vertex(Index v) {
-    if (v < 0 || std::exchange(span_of(is_near)[v], std::uint8_t{1}) != 0) return;
-    vertices.push_back(v);
-  }
-  const decltype(HostWork::reference)& reference_;
-
- public:
-  std::vector<std::uint8_t> is_near;
-  std::vector<Index> vertices;
-};
-
 }  // namespace
 
-Neighborhood::Neighborhood(const HostWork& whole, const NeighborhoodFinder& finder) : slot2whole_(finder.tets()) {
+TrianglesByVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostWork& whole) {
+  TrianglesByVertex triangles;
+  build_csr(backend, whole.vertices(), std::ssize(whole.triangles), LowestVertex{span_of(whole.triangles)}, triangles);
+  return triangles;
+}
+
+Neighborhood::Neighborhood(const HostWork& whole, FoundTets found, const TrianglesByVertex& triangles)
+    : slot2whole_(std::move(found.slots)) {
   std::sort(slot2whole_.begin(), slot2whole_.end());
-  find_vertices(whole);
+  std::sort(found.vertices.begin(), found.vertices.end(),
+            [](const FoundTets::Vertex& a, const FoundTets::Vertex& b) { return a.vertex < b.vertex; });
+  for (const FoundTets::Vertex& v : found.vertices) vertex2whole_.push_back(v.vertex);
+  find_vertices(whole, triangles);
   take_reference(whole);
   take_tets(whole);
-  take_vertices(whole, finder);
-  take_triangles(whole);
+  take_vertices(whole, found.vertices);
+  take_triangles(whole, triangles);
   take_edges(whole);
 }
 
@@ -101,21 +64,29 @@ SurfacePoint Neighborhood::to_whole(const SurfacePoint& on) const {
   return {on.kind, each * item + on.item % each};
 }
 
-void Neighborhood::find_vertices(const HostWork& whole) {
-  for (const Index t : slot2whole_) {
-    for (int k = 0; k < 4; ++k) vertex2whole_.push_back(span_of(whole.tet2vertex)[t][k]);
+std::vector<Index> Neighborhood::triangles_inside(const HostWork& whole, const TrianglesByVertex& triangles) const {
+  const CsrView by_vertex = triangles.view();
+  std::vector<Index> inside;
+  for (const Index lowest : vertex2whole_) {
+    for (Size at = by_vertex.begin(lowest); at < by_vertex.end(lowest); ++at) {
+      const Index i = to_index(by_vertex.items[at]);
+      const BoundaryTriangle& t = span_of(whole.triangles)[i];
+      if (std::all_of(t.v, t.v + 3, [this](Index v) { return vertex_of(v) >= 0; })) inside.push_back(i);
+    }
   }
-  std::sort(vertex2whole_.begin(), vertex2whole_.end());
-  vertex2whole_.erase(std::unique(vertex2whole_.begin(), vertex2whole_.end()), vertex2whole_.end());
+  std::sort(inside.begin(), inside.end());
+  return inside;
+}
+
+void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByVertex& triangles) {
   if (whole.surface_point.empty()) return;
 
   // A vertex moves by at most its displacement bound, which is below the length of an edge.
   constexpr int kReferenceRings = 3;
   NearReference near(whole);
   for (const Index v : vertex2whole_) near.add(span_of(whole.surface_point)[v]);
-  for (const BoundaryTriangle& t : whole.triangles) {
-    const bool is_inside = std::all_of(t.v, t.v + 3, [&](Index v) { return vertex_of(v) >= 0; });
-    if (is_inside && whole.bends) near.add_triangle(t.reference);
+  if (whole.bends) {
+    for (const Index i : triangles_inside(whole, triangles)) near.add_triangle(span_of(whole.triangles)[i].reference);
   }
   for (int ring = 0; ring < kReferenceRings; ++ring) near.add_ring();
   std::vector<Index> both;
@@ -216,7 +187,7 @@ void Neighborhood::take_tets(const HostWork& whole) {
   backend_.fill(work.flips.slack.span(), kUnknownSlack);
 }
 
-void Neighborhood::take_vertices(const HostWork& whole, const NeighborhoodFinder& finder) {
+void Neighborhood::take_vertices(const HostWork& whole, const std::vector<FoundTets::Vertex>& found) {
   std::vector<Point> points;
   std::vector<Index> originals;
   std::vector<VertexDof> dof;
@@ -224,9 +195,11 @@ void Neighborhood::take_vertices(const HostWork& whole, const NeighborhoodFinder
   std::vector<SurfacePoint> surface_point;
   std::vector<DisplacementBound> bound;
   std::vector<std::uint8_t> constrained;
+  auto next = found.begin();
   for (const Index v : vertex2whole_) {
-    const bool is_inside = finder.ring(v) != NeighborhoodFinder::kNoRing && finder.has_all_tets(v);
-    ring_.push_back(is_inside ? std::uint8_t(finder.ring(v)) : NeighborhoodFinder::kNoRing);
+    const bool is_found = next != found.end() && next->vertex == v;
+    ring_.push_back(is_found ? (next++)->ring : FoundTets::kNoRing);
+    const bool is_inside = ring_.back() != FoundTets::kNoRing;
     points.push_back(span_of(whole.points)[v]);
     originals.push_back(span_of(whole.vertex2original)[v]);
     dof.push_back(is_inside ? span_of(whole.dof)[v] : VertexDof::fixed);
@@ -247,33 +220,32 @@ void Neighborhood::take_vertices(const HostWork& whole, const NeighborhoodFinder
   work.flips.constrained_vertex.upload(backend_, constrained);
 }
 
-void Neighborhood::take_triangles(const HostWork& whole) {
-  std::vector<BoundaryTriangle> triangles;
-  for (Index i = 0; i < std::ssize(whole.triangles); ++i) {
+void Neighborhood::take_triangles(const HostWork& whole, const TrianglesByVertex& triangles) {
+  std::vector<BoundaryTriangle> taken;
+  for (const Index i : triangles_inside(whole, triangles)) {
     BoundaryTriangle t = span_of(whole.triangles)[i];
     if (t.stays == kFlipsWithImage) continue;
-    bool is_inside = false;
-    for (Index& v : t.v) {
-      v = vertex_of(v);
-      if (v < 0) break;
-      is_inside = is_inside || moves(v);
-    }
+    for (Index& v : t.v) v = vertex_of(v);
     // Operators refuse where a triangle is missing.
-    if (!is_inside || std::any_of(t.v, t.v + 3, [](Index v) { return v < 0; })) continue;
+    if (std::none_of(t.v, t.v + 3, [this](Index v) { return moves(v); })) continue;
     if (whole.bends) t.reference = position_in(reference2whole_, t.reference);
-    triangles.push_back(t);
+    taken.push_back(t);
     triangle2whole_.push_back(i);
   }
-  work.boundary.triangles.upload(backend_, triangles);
+  work.boundary.triangles.upload(backend_, taken);
   work.boundary.bends = work.boundary.flips_bend = whole.bends;
 }
 
 void Neighborhood::take_edges(const HostWork& whole) {
   std::vector<std::uint64_t> keys;
-  for (const std::uint64_t key : whole.constrained_keys) {
-    const Index a = vertex_of(Index(key >> 32));
-    const Index b = vertex_of(Index(key & 0xffffffffU));
-    if (a >= 0 && b >= 0) keys.push_back(ConstrainedEdges::edge_key(a, b));
+  for (const Index low : vertex2whole_) {
+    if (span_of(whole.constrained_vertex)[low] == 0) continue;
+    const std::uint64_t first = ConstrainedEdges::edge_key(low, low);
+    for (auto key = std::lower_bound(whole.constrained_keys.begin(), whole.constrained_keys.end(), first);
+         key != whole.constrained_keys.end() && Index(*key >> 32) == low; ++key) {
+      const Index high = vertex_of(Index(*key & 0xffffffffU));
+      if (high >= 0) keys.push_back(ConstrainedEdges::edge_key(vertex_of(low), high));
+    }
   }
   work.flips.constrained_keys.upload(backend_, keys);
 }

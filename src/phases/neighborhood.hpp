@@ -6,10 +6,15 @@
 #include <vector>
 
 #include "backend/cpu.hpp"
+#include "mesh/csr.hpp"
 #include "phases/host_work.hpp"
 #include "phases/neighborhood_finder.hpp"
 
 namespace tetune {
+
+/// The boundary triangles of a mesh by their lowest vertex.
+using TrianglesByVertex = Csr<backend::Cpu>;
+TrianglesByVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostWork& whole);
 
 /// Some tetrahedra of a mesh as a working set of their own, to be changed on the host. Vertices that other tetrahedra
 /// have as well are fixed, and the faces between these and the neighborhood are locked. Periodic vertices do not move.
@@ -19,8 +24,7 @@ namespace tetune {
 /// cannot slide on.
 class Neighborhood {
  public:
-  /// Takes the tetrahedra that `finder` has found.
-  Neighborhood(const HostWork& whole, const NeighborhoodFinder& finder);
+  Neighborhood(const HostWork& whole, FoundTets found, const TrianglesByVertex& triangles);
 
   WorkingSet<backend::Cpu> work;
 
@@ -39,10 +43,12 @@ class Neighborhood {
     HalfFace across;
   };
 
-  void find_vertices(const HostWork& whole);
+  void find_vertices(const HostWork& whole, const TrianglesByVertex& triangles);
+  /// The triangles of the boundary all of whose vertices are in the neighborhood, in increasing order.
+  std::vector<Index> triangles_inside(const HostWork& whole, const TrianglesByVertex& triangles) const;
   void take_tets(const HostWork& whole);
-  void take_vertices(const HostWork& whole, const NeighborhoodFinder& finder);
-  void take_triangles(const HostWork& whole);
+  void take_vertices(const HostWork& whole, const std::vector<FoundTets::Vertex>& found);
+  void take_triangles(const HostWork& whole, const TrianglesByVertex& triangles);
   void take_edges(const HostWork& whole);
   void take_reference(const HostWork& whole);
   void put_vertices(HostWork& whole);
@@ -50,7 +56,7 @@ class Neighborhood {
   void put_tets(HostWork& whole);
   void put_triangles(HostWork& whole) const;
 
-  bool moves(Size v) const { return v >= std::ssize(ring_) || span_of(ring_)[v] != NeighborhoodFinder::kNoRing; }
+  bool moves(Size v) const { return v >= std::ssize(ring_) || span_of(ring_)[v] != FoundTets::kNoRing; }
   Index vertex_of(Index of_whole) const;
   /// Kind none where it was not taken.
   SurfacePoint to_part(const SurfacePoint& on) const;

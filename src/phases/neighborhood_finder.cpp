@@ -13,7 +13,7 @@ NeighborhoodFinder::NeighborhoodFinder(const HostWork& whole) : whole_(whole) {
 
 void NeighborhoodFinder::count_tets(const std::vector<Index>& slots, int sign) {
   is_found_.resize(whole_.tet2vertex.size(), 0);
-  ring_.resize(whole_.points.size(), kNoRing);
+  ring_.resize(whole_.points.size(), FoundTets::kNoRing);
   tets_at_.resize(whole_.points.size(), 0);
   found_.resize(whole_.points.size(), 0);
   for (const Index t : slots) {
@@ -25,7 +25,7 @@ void NeighborhoodFinder::count_tets(const std::vector<Index>& slots, int sign) {
 void NeighborhoodFinder::clear() {
   for (const Index t : tets_) span_of(is_found_)[t] = 0;
   for (const Index v : vertices_) {
-    span_of(ring_)[v] = kNoRing;
+    span_of(ring_)[v] = FoundTets::kNoRing;
     span_of(found_)[v] = 0;
   }
   tets_.clear();
@@ -54,7 +54,7 @@ void NeighborhoodFinder::find(Index slot, int rings) {
     // The vertices that have none yet are those of the ring.
     for (const Index v : vertices_) {
       std::uint8_t& number = span_of(ring_)[v];
-      if (number == kNoRing) number = std::uint8_t(ring);
+      if (number == FoundTets::kNoRing) number = std::uint8_t(ring);
     }
     for (std::size_t i = 0; i < tets_.size(); ++i) {
       const FaceAdjacency links = span_of(whole_.tet2tet)[tets_[i]];
@@ -74,6 +74,16 @@ bool NeighborhoodFinder::touches(const std::vector<std::uint8_t>& flags) const {
              return across != kNoHalfFace && span_of(flags)[tet_of(across)] != 0;
            });
   });
+}
+
+FoundTets NeighborhoodFinder::found() const {
+  FoundTets found{tets_, {}};
+  found.vertices.reserve(vertices_.size());
+  for (const Index v : vertices_) {
+    const bool has_all_tets = span_of(found_)[v] == span_of(tets_at_)[v];
+    found.vertices.push_back({v, has_all_tets ? span_of(ring_)[v] : FoundTets::kNoRing});
+  }
+  return found;
 }
 
 }  // namespace tetune

@@ -8,12 +8,25 @@
 
 namespace tetune {
 
-/// The tetrahedra within some rings of vertices around one of them, in breadth-first order.
-class NeighborhoodFinder {
- public:
+/// Tetrahedra within some rings of vertices around one of them.
+struct FoundTets {
   /// The ring of a vertex in none.
   static constexpr std::uint8_t kNoRing = 255;
 
+  struct Vertex {
+    Index vertex;
+    /// kNoRing also where some of the tetrahedra at the vertex were not found: where parts of the mesh touch at a
+    /// vertex alone, faces do not connect all of them.
+    std::uint8_t ring;
+  };
+
+  std::vector<Index> slots;
+  std::vector<Vertex> vertices;
+};
+
+/// Finds neighborhoods in breadth-first order.
+class NeighborhoodFinder {
+ public:
   explicit NeighborhoodFinder(const HostWork& whole);
   /// Adds `sign` to the number of tetrahedra at each vertex of the listed slots: to be called with -1 before these
   /// change, and with 1 afterwards.
@@ -24,11 +37,8 @@ class NeighborhoodFinder {
   const std::vector<Index>& tets() const { return tets_; }
   /// Whether one of these tetrahedra, or of the neighbors across their faces, is flagged.
   bool touches(const std::vector<std::uint8_t>& flags) const;
-  /// The number of the ring that a vertex of these tetrahedra is in; that of the tetrahedron's own is 0.
-  int ring(Index v) const { return span_of(ring_)[v]; }
-  /// Whether all tetrahedra at a vertex were found. Where parts of the mesh touch at a vertex alone, faces do not
-  /// connect all of them.
-  bool has_all_tets(Index v) const { return span_of(found_)[v] == span_of(tets_at_)[v]; }
+  /// These tetrahedra and their vertices; the ring of those of the first tetrahedron is 0.
+  FoundTets found() const;
 
  private:
   void clear();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "phases/improve_angles.hpp"
 #include "phases/latched_hooks.hpp"
@@ -150,14 +151,14 @@ class NeighborhoodOptimizer {
 struct RestartSearch::Restart {
   Index slot;  ///< of the element to improve, in the whole mesh
   const RestartParameters::Perturbation& perturbation;
-  Neighborhood neighborhood;
-  Size tets;  ///< in the neighborhood, before
+  FoundTets found;
+  std::optional<Neighborhood> neighborhood;
   Report report;
   WorstReport changes;
   std::vector<DihedralCots> cots;  ///< per slot, afterwards
   bool is_better = false;
 
-  Size growth() const { return neighborhood.work.mesh.tets() - tets; }
+  Size growth() const { return neighborhood->work.mesh.tets() - std::ssize(found.slots); }
 };
 
 RestartSearch::RestartSearch(HostWork& whole, RestartInput input)
@@ -238,19 +239,17 @@ std::vector<std::unique_ptr<RestartSearch::Restart>> RestartSearch::choose() {
     if (std::ssize(restarts) == p_.places || tried++ == p_.max_worst) break;
     const RestartParameters::Perturbation& perturbation = p_.perturbations[std::size_t(failures_[slot])];
     finder_.find(slot, perturbation.rings + p_.angle_rings + p_.margin);
-    const std::vector<Index>& tets = finder_.tets();
     if (finder_.touches(is_taken)) continue;
-    for (const Index t : tets) span_of(is_taken)[t] = 1;
-    restarts.push_back(std::unique_ptr<Restart>(
-        new Restart{slot, perturbation, Neighborhood(whole_, finder_), std::ssize(tets), {}, {}, {}}));
+    for (const Index t : finder_.tets()) span_of(is_taken)[t] = 1;
+    restarts.push_back(std::unique_ptr<Restart>(new Restart{slot, perturbation, finder_.found(), {}, {}, {}, {}}));
   }
   return restarts;
 }
 
-void RestartSearch::run(Restart& restart, const Context& context) const {
+void RestartSearch::run(Restart& restart, const TrianglesByVertex& triangles, const Context& context) const {
   const Cpu backend(1, context.stop);
-  Neighborhood& neighborhood = restart.neighborhood;
-  neighborhood.work.outside = whole_.tets() - restart.tets;
+  Neighborhood& neighborhood = restart.neighborhood.emplace(whole_, restart.found, triangles);
+  neighborhood.work.outside = whole_.tets() - std::ssize(restart.found.slots);
   restart.report.tets_before = input_.tets_before;
   PhaseTimer timer(restart.report);
   Optimizer<Cpu> optimizer(backend, neighborhood.work, options_, context, restart.report, timer,
@@ -278,9 +277,9 @@ void RestartSearch::run(Restart& restart, const Context& context) const {
 }
 
 void RestartSearch::keep(Restart& restart) {
-  finder_.count_tets(restart.neighborhood.slots(), -1);
-  restart.neighborhood.put_back(whole_);
-  const std::vector<Index>& slots = restart.neighborhood.slots();
+  finder_.count_tets(restart.found.slots, -1);
+  restart.neighborhood->put_back(whole_);
+  const std::vector<Index>& slots = restart.neighborhood->slots();
   finder_.count_tets(slots, 1);
   cots_.resize(whole_.tet2vertex.size(), {0, 0});
   for (Size i = 0; i < std::ssize(slots); ++i) {
@@ -294,7 +293,7 @@ void RestartSearch::keep(Restart& restart) {
 }
 
 void RestartSearch::count_failure(const Restart& restart) {
-  for (const Index slot : restart.neighborhood.slots()) {
+  for (const Index slot : restart.found.slots) {
     if (is_tied(slot, restart.slot)) ++failures_[slot];
   }
 }
@@ -304,7 +303,8 @@ bool RestartSearch::run_round(WorstReport& r) {
   const auto restarts = choose();
   if (restarts.empty()) return false;
   const LatchedHooks hooks(input_.context);
-  host_->for_parts(std::ssize(restarts), [&](Size i) { run(*span_of(restarts)[i], hooks.context()); });
+  const TrianglesByVertex triangles = list_by_lowest_vertex(*host_, whole_);
+  host_->for_parts(std::ssize(restarts), [&](Size i) { run(*span_of(restarts)[i], triangles, hooks.context()); });
   if (hooks.is_stopped()) return true;
   restarts_ += int(restarts.size());
   r.worst = std::ssize(restarts);

@@ -10,14 +10,10 @@
 #include <vector>
 
 #include "energy/quality_floor.hpp"
-#include "phases/neighborhood_finder.hpp"
+#include "phases/neighborhood.hpp"
 #include "phases/optimizer.hpp"
 
 namespace tetune {
-
-namespace backend {
-class Cpu;
-}
 
 /// The state of a mesh that restarts begin with.
 struct RestartInput {
@@ -58,7 +54,7 @@ class RestartSearch {
   bool is_tied(Index slot, Index other) const;
   /// The restarts of a round, in neighborhoods that have no tetrahedron and no face in common.
   std::vector<std::unique_ptr<Restart>> choose();
-  void run(Restart& restart, const Context& context) const;
+  void run(Restart& restart, const TrianglesByVertex& triangles, const Context& context) const;
   void keep(Restart& restart);
   void count_failure(const Restart& restart);
 

@@ -93,7 +93,7 @@ TEST(Neighborhood, PutBackUnchangedLeavesTheMeshAsItWas) {
       NeighborhoodFinder finder(after);
       for (Index slot = 0; slot < before.slots(); slot += 37) {
         finder.find(slot, 1 + slot % 3);
-        Neighborhood neighborhood(after, finder);
+        Neighborhood neighborhood(after, finder.found(), list_by_lowest_vertex(Cpu(1), after));
         EXPECT_EQ(neighborhood.work.mesh.tets(), std::ssize(finder.tets()));
         neighborhood.put_back(after);
       }
@@ -152,7 +152,7 @@ TEST(Neighborhood, FixesTheVerticesThatOthersHaveToo) {
   const HostWork mesh = imported(test::cube(5), Boundary::preserve);
   NeighborhoodFinder finder(mesh);
   finder.find(to_index(mesh.slots() / 2), 1);
-  Neighborhood neighborhood(mesh, finder);
+  Neighborhood neighborhood(mesh, finder.found(), list_by_lowest_vertex(Cpu(1), mesh));
   std::vector<int> tets_at(mesh.points.size(), 0);
   for (const Index t : neighborhood.slots()) {
     for (int k = 0; k < 4; ++k) ++span_of(tets_at)[span_of(mesh.tet2vertex)[t][k]];
@@ -188,7 +188,7 @@ TEST(Neighborhood, DoesNotMoveAVertexWherePartsTouch) {
   NeighborhoodFinder finder(work);
   finder.find(0, 3);
   EXPECT_EQ(finder.tets().size(), 1U);
-  Neighborhood neighborhood(work, finder);
+  Neighborhood neighborhood(work, finder.found(), list_by_lowest_vertex(Cpu(1), work));
   EXPECT_EQ(std::ranges::count(neighborhood.work.dofs.dof.download(), VertexDof::fixed), 1);
 }
 
