@@ -52,7 +52,7 @@ class Buffer {
   void grow(const Backend& backend, Size size) {
     if (size > capacity_) {
       Buffer bigger(backend, std::max(size, capacity_ + capacity_ / 8));
-      if (size_ > 0) memory_.copy(bigger.data_, data_, bytes(size_));
+      if (size_ > 0) backend.memory().copy(bigger.data_, data_, bytes(size_));
       swap(bigger);
     }
     size_ = size;
@@ -61,7 +61,7 @@ class Buffer {
   /// Copies the content of another buffer.
   void assign(const Backend& backend, const Buffer& other) {
     resize(backend, other.size_);
-    if (size_ > 0) memory_.copy(data_, other.data_, bytes(size_));
+    if (size_ > 0) backend.memory().copy(data_, other.data_, bytes(size_));
   }
 
   Size size() const { return size_; }
@@ -72,7 +72,7 @@ class Buffer {
 
   void upload(const Backend& backend, const std::vector<T>& host) {
     resize(backend, std::ssize(host));
-    if (size_ > 0) memory_.upload(data_, host.data(), bytes(size_));
+    if (size_ > 0) backend.memory().upload(data_, host.data(), bytes(size_));
   }
   std::vector<T> download() const {
     std::vector<T> host(to_size_t(size_));

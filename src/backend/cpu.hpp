@@ -20,22 +20,41 @@
 
 namespace tetune::backend {
 
-/// The memory of the host, aligned to cache lines. Stateless.
+/// The memory of the host, aligned to cache lines. Copies on all threads of a pool if it has one: to touch new pages
+/// first takes longer than to copy to them.
 class HostMemory {
  public:
+  explicit HostMemory(ThreadPool* pool = nullptr) : pool_(pool) {}
+
   static void* allocate(std::size_t bytes) {
     if (bytes > std::size_t{PTRDIFF_MAX}) throw std::bad_alloc();
     return bytes > 0 ? ::operator new(bytes, kAlignment) : nullptr;
   }
   static void release(void* memory, std::size_t) noexcept { ::operator delete(memory, kAlignment); }
-  static void copy(void* to, const void* from, std::size_t bytes) {
+  void copy(void* to, const void* from, std::size_t bytes) const {
+    if (bytes == 0) return;
+    if (pool_ == nullptr || bytes <= kPart) {
+      std::memcpy(to, from, bytes);
+      return;
+    }
+    const Span<char> target(static_cast<char*>(to), Size(bytes));
+    const Span<const char> source(static_cast<const char*>(from), Size(bytes));
+    const auto copy_part = [=](Size part) {
+      const std::size_t begin = to_size_t(part) * kPart;
+      std::memcpy(target.data() + begin, source.data() + begin, std::min(kPart, bytes - begin));
+    };
+    pool_->run(Size((bytes + kPart - 1) / kPart), PartTask(copy_part));
+  }
+  void upload(void* to, const void* from, std::size_t bytes) const { copy(to, from, bytes); }
+  /// On the calling thread: a buffer may be read where the pool is at work.
+  static void download(void* to, const void* from, std::size_t bytes) {
     if (bytes > 0) std::memcpy(to, from, bytes);
   }
-  static void upload(void* to, const void* from, std::size_t bytes) { copy(to, from, bytes); }
-  static void download(void* to, const void* from, std::size_t bytes) { copy(to, from, bytes); }
 
  private:
   static constexpr std::align_val_t kAlignment{64};
+  static constexpr std::size_t kPart = std::size_t{1} << 18;
+  ThreadPool* pool_;
 };
 
 /// The CPU backend. The primitives are documented in backend/concept.hpp.
@@ -70,7 +89,7 @@ class Cpu {
 
   int threads() const { return static_cast<int>(threads_); }
 
-  static Memory memory() { return {}; }
+  Memory memory() const { return Memory(pool_.get()); }
 
   bool stop_requested() const { return stop_ && stop_(); }
 

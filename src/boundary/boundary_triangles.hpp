@@ -84,10 +84,11 @@ void list_corners(const Backend& backend, const WorkMesh<Backend>& mesh, Boundar
   boundary.stale = false;
 }
 
-/// The caller's listed triangles after changes of the boundary.
+/// Changes of the boundary, by entries of the caller's list of triangles.
 struct ChangedTriangles {
-  std::vector<std::array<Index, 3>> triangles;  ///< one per entry of the list
-  std::vector<std::uint8_t> is_present;         ///< per entry: a triangle of the boundary has it
+  /// The entries whose triangle is another one, and that triangle.
+  std::vector<std::pair<Index, std::array<Index, 3>>> changes;
+  std::vector<std::uint8_t> is_present;  ///< per entry: a triangle of the boundary has it
   /// More triangles that descend from an entry, and that entry.
   std::vector<std::array<Index, 3>> more;
   std::vector<Index> origin;
@@ -97,11 +98,11 @@ struct ChangedTriangles {
 inline ChangedTriangles follow_changes(const std::vector<BoundaryTriangle>& boundary,
                                        const std::vector<Index>& vertex2original,
                                        const std::vector<std::array<Index, 3>>& triangles) {
-  ChangedTriangles changed{triangles, std::vector<std::uint8_t>(triangles.size(), 0), {}, {}};
+  ChangedTriangles changed{{}, std::vector<std::uint8_t>(triangles.size(), 0), {}, {}};
   const Span<const Index> ids = span_of(vertex2original);
   for (const BoundaryTriangle& t : boundary) {
     if (t.listed < 0) continue;
-    std::array<Index, 3>& entry = span_of(changed.triangles)[t.listed];
+    const std::array<Index, 3>& entry = span_of(triangles)[t.listed];
     std::array<Index, 3> now{ids[t.v[0]], ids[t.v[1]], ids[t.v[2]]};
     const bool is_same = std::is_permutation(now.begin(), now.end(), entry.begin());
     if (t.turned != 0) std::swap(now[1], now[2]);
@@ -110,7 +111,7 @@ inline ChangedTriangles follow_changes(const std::vector<BoundaryTriangle>& boun
       changed.more.push_back(now);
       changed.origin.push_back(t.listed);
     } else if (!is_same) {
-      entry = now;
+      changed.changes.emplace_back(t.listed, now);
     }
     is_present = 1;
   }

@@ -30,6 +30,15 @@ std::vector<Point3> extended_points(const std::vector<Point3>& before, const std
   return points;
 }
 
+/// The entries of a list at these positions.
+template <class T>
+std::vector<T> taken(const std::vector<T>& list, const std::vector<Index>& positions) {
+  std::vector<T> result;
+  result.reserve(positions.size());
+  for (const Index i : positions) result.push_back(span_of(list)[i]);
+  return result;
+}
+
 /// The inverse of positions_of_kept().
 std::vector<Index> kept_of(const std::vector<Index>& old2new) {
   std::vector<Index> new2old;
@@ -91,7 +100,7 @@ void transfer_data(const TetMesh& mesh, const HostResult& result, const Options&
 std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& result,
                                      const std::vector<Listed>& listed_triangles, const OtherElements& others,
                                      TetMesh& next, Report& report) {
-  ChangedTriangles changed = follow_changes(result.boundary, result.numbering.work2extended, mesh.triangles);
+  const ChangedTriangles changed = follow_changes(result.boundary, result.numbering.work2extended, mesh.triangles);
   std::vector<std::uint8_t> keep;
   auto state = listed_triangles.begin();
   for (const auto& triangle : mesh.triangles) {
@@ -103,14 +112,17 @@ std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& resu
   }
   const std::vector<Index> triangle2new = positions_of_kept(keep);
   std::vector<Index> triangle2original = kept_of(triangle2new);
+  next.triangles = taken(mesh.triangles, triangle2original);
+  for (const auto& [entry, triangle] : changed.changes) {
+    const Index kept = span_of(triangle2new)[entry];
+    if (kept >= 0) span_of(next.triangles)[kept] = triangle;
+  }
+  next.triangles.insert(next.triangles.end(), changed.more.begin(), changed.more.end());
   triangle2original.insert(triangle2original.end(), changed.origin.begin(), changed.origin.end());
-  next.triangles = std::move(changed.triangles);
-  next.triangle_tags = mesh.triangle_tags;
+  next.triangle_tags = taken(mesh.triangle_tags, triangle2original);
   next.triangle_data = take_entries(mesh.triangle_data, triangle2original);
   next.required_triangles = mesh.required_triangles;
-  keep_triangles(next, triangle2new);
-  next.triangles.insert(next.triangles.end(), changed.more.begin(), changed.more.end());
-  for (const Index origin : changed.origin) next.triangle_tags.push_back(span_of(mesh.triangle_tags)[origin]);
+  for (Index& triangle : next.required_triangles) triangle = span_of(triangle2new)[triangle];
   return triangle2original;
 }
 
@@ -174,10 +186,7 @@ std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size) 
 }
 
 std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMesh& mesh) {
-  std::vector<int> tags;
-  tags.reserve(tet2original.size());
-  for (const Index t : tet2original) tags.push_back(span_of(mesh.tet_tags)[t]);
-  return tags;
+  return taken(mesh.tet_tags, tet2original);
 }
 
 void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,

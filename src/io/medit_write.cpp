@@ -3,6 +3,7 @@
 #include <set>
 #include <span>
 
+#include "backend/cpu.hpp"
 #include "io/line_writer.hpp"
 #include "io/medit_codec.hpp"
 #include "io/registry.hpp"
@@ -33,7 +34,7 @@ class TextWriter {
   LineWriter out_;
 };
 
-/// Writes the sections of a binary file.
+/// Writes the sections of a binary file. Entries are encoded in ranges, in parallel, and written in order.
 class BinaryWriter {
  public:
   class Entry {
@@ -47,19 +48,30 @@ class BinaryWriter {
     char* to_;
   };
 
-  BinaryWriter(FileWriter& file, const MeditEncoding& encoding) : file_(file), encoding_(encoding) {
+  BinaryWriter(FileWriter& file, const MeditEncoding& encoding, int threads)
+      : file_(file), encoding_(encoding), cpu_(threads) {
     write(encoding_.file_head());
   }
   /// Writes a list of n entries; put(entry, i) writes one of them.
   template <class Put>
   void list(const MeditSection& section, std::size_t n, int reals, int integers, const Put& put) {
-    const std::int64_t body = encoding_.integer_bytes() + std::int64_t(n) * encoding_.entry_bytes(reals, integers);
-    write(encoding_.section_head(section.code, position_, body));
-    bytes_.resize(to_size_t(body));
-    Entry entry(encoding_, bytes_.data());
-    entry.integer(std::int64_t(n));
-    for (std::size_t i = 0; i < n; ++i) put(entry, i);
+    const Size size = std::int64_t(n);
+    const std::int64_t entry_bytes = encoding_.entry_bytes(reals, integers);
+    write(encoding_.section_head(section.code, position_, encoding_.integer_bytes() + size * entry_bytes));
+    bytes_.resize(to_size_t(encoding_.integer_bytes()));
+    Entry(encoding_, bytes_.data()).integer(size);
     write({bytes_.data(), bytes_.size()});
+    const Size parts = kPartsPerThread * cpu_.threads();
+    for (Size first = 0; first < size; first += parts * kEntriesPerPart) {
+      const Size last = std::min(size, first + parts * kEntriesPerPart);
+      bytes_.resize(to_size_t((last - first) * entry_bytes));
+      cpu_.for_parts((last - first + kEntriesPerPart - 1) / kEntriesPerPart, [&](Size part) {
+        const Size begin = first + part * kEntriesPerPart;
+        Entry entry(encoding_, bytes_.data() + (begin - first) * entry_bytes);
+        for (Size i = begin; i < std::min(last, begin + kEntriesPerPart); ++i) put(entry, to_size_t(i));
+      });
+      write({bytes_.data(), bytes_.size()});
+    }
   }
   void end() { write(encoding_.file_end()); }
 
@@ -68,8 +80,12 @@ class BinaryWriter {
     file_.write(bytes);
     position_ += std::ssize(bytes);
   }
+  static constexpr Size kEntriesPerPart = 1 << 13;
+  static constexpr Size kPartsPerThread = 4;
+
   FileWriter& file_;
   MeditEncoding encoding_;
+  backend::Cpu cpu_;
   std::int64_t position_ = 0;
   std::vector<char> bytes_;
 };
@@ -195,7 +211,7 @@ void write_medit_binary(FileWriter& file, const TetMesh& mesh, const IoContext& 
     bytes += 4 * (2 * block.element2vertex.size() + block.tags.size() + block.required.size());
   }
   for (const MeditList& list : kMeditLists) bytes += 4 * (mesh.*list.ids).size();
-  BinaryWriter out(file, MeditEncoding::for_writing(0, std::int64_t(bytes)));
+  BinaryWriter out(file, MeditEncoding::for_writing(0, std::int64_t(bytes)), context.threads);
   write_sections(out, mesh);
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <numeric>
-#include <vector>
 #include "backend/buffer.hpp"
 #include "mesh/half_face.hpp"
 #include "mesh/tet.hpp"
@@ -54,20 +52,37 @@ struct WorkMesh {
   MeshView view() { return {points.span(), tet2vertex.span(), tet2tet.span(), tet2original.span()}; }
 };
 
+namespace work_mesh_detail {
+
+struct ScalePoint {
+  Span<const double> coordinates;  ///< x, y, z of each point
+  double scale;
+  Span<Point> points;
+  TETUNE_HD void operator()(Size v) const {
+    points[v] = point(scale * Vec3{coordinates[3 * v], coordinates[3 * v + 1], coordinates[3 * v + 2]});
+  }
+};
+
+struct Enumerate {
+  Span<Index> ids;
+  TETUNE_HD void operator()(Size i) const { ids[i] = Index(i); }
+};
+
+}  // namespace work_mesh_detail
+
 /// Uploads points, multiplied by `scale`, and tetrahedra in the caller's order. Requires indices in range.
 template <class Backend>
 WorkMesh<Backend> upload_mesh(const Backend& backend, const TetMesh& mesh, double scale = 1) {
   WorkMesh<Backend> work;
-  std::vector<Point> points;
-  points.reserve(mesh.points.size());
-  for (const Point3& p : mesh.points) points.push_back(point(scale * vec(p)));
-  work.points.upload(backend, points);
+  const DeviceViewOf<Backend, Point3> points(backend, mesh.points);
+  work.points.resize(backend, std::ssize(mesh.points));
+  const Span<const double> coordinates{reinterpret_cast<const double*>(points.span().data()), 3 * points.span().size()};
+  backend.for_each(work.points.size(), work_mesh_detail::ScalePoint{coordinates, scale, work.points});
   static_assert(sizeof(Tet) == sizeof(mesh.tets[0]));
   work.tet2vertex.resize(backend, std::ssize(mesh.tets));
   backend.memory().upload(work.tet2vertex.span().data(), mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
-  std::vector<Index> ids(mesh.tets.size());
-  std::iota(ids.begin(), ids.end(), 0);
-  work.tet2original.upload(backend, ids);
+  work.tet2original.resize(backend, std::ssize(mesh.tets));
+  backend.for_each(work.tet2original.size(), work_mesh_detail::Enumerate{work.tet2original});
   return work;
 }
 

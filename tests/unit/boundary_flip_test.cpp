@@ -69,7 +69,11 @@ struct BoundaryFlips {
   std::vector<std::array<Index, 3>> listed_now(const TetMesh& mesh) {
     std::vector<Index> same(mesh.points.size());
     for (std::size_t v = 0; v < same.size(); ++v) same[v] = static_cast<Index>(v);
-    return follow_changes(boundary.triangles.download(), same, mesh.triangles).triangles;
+    std::vector<std::array<Index, 3>> now = mesh.triangles;
+    for (const auto& [entry, triangle] : follow_changes(boundary.triangles.download(), same, mesh.triangles).changes) {
+      now[static_cast<std::size_t>(entry)] = triangle;
+    }
+    return now;
   }
   /// The outer faces, each turned as its tetrahedron has it and from its lowest vertex on.
   std::set<std::array<Index, 3>> faces() {
