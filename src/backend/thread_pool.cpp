@@ -8,6 +8,14 @@
 #endif
 
 namespace tetune::backend {
+
+[[gnu::weak]] ProcessorModel* processor_model() noexcept { return nullptr; }
+
+SteadyClock::time_point SteadyClock::now() noexcept {
+  const ProcessorModel* const model = processor_model();
+  return model != nullptr ? model->now() : std::chrono::steady_clock::now();
+}
+
 namespace {
 
 constexpr std::uint64_t kOpen = std::uint64_t{1} << 31;
@@ -23,8 +31,10 @@ void relax() {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int threads) {
+ThreadPool::ThreadPool(int threads) : model_(processor_model()) {
   const int count = std::min(threads, kMaxThreads);
+  modeled_threads_ = std::max(count, 1);
+  if (model_ != nullptr) return;
   try {
     if (count > 1) workers_.reserve(to_size_t(count));
     for (int t = 1; t < count; ++t) workers_.emplace_back([this] { work(); });
@@ -88,6 +98,7 @@ void ThreadPool::work() {
 }
 
 void ThreadPool::run(Size parts, const PartTask& task) {
+  if (model_ != nullptr) return model_->run(modeled_threads_, parts, task);
   if (workers_.empty() || parts <= 1) {
     for (Size part = 0; part < parts; ++part) task.call(task.object, part);
     return;

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "backend/processor_model.hpp"
 #include "backend/span.hpp"
 
 namespace tetune::backend {
@@ -40,7 +41,7 @@ class ThreadPool {
   ThreadPool& operator=(const ThreadPool&) = delete;
 
   /// The number of threads that exist, with the caller.
-  int threads() const { return static_cast<int>(workers_.size()) + 1; }
+  int threads() const { return model_ != nullptr ? modeled_threads_ : int(workers_.size()) + 1; }
 
   /// Calls the task for each part in [0, parts), in any order, on all threads. Rethrows the first exception.
   void run(Size parts, const PartTask& task);
@@ -52,6 +53,10 @@ class ThreadPool {
   /// Returns when a round other than `seen` has begun.
   void wait_for_round(std::uint32_t seen);
   void take_parts();
+
+  /// Runs the loops if it is there; then there are no workers.
+  ProcessorModel* model_;
+  int modeled_threads_ = 1;
 
   // The loop in progress; written while the gate is closed.
   const PartTask* task_ = nullptr;

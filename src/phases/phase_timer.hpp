@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 
+#include "backend/processor_model.hpp"
 #include "phases/phase.hpp"
 #include "tetune/report.hpp"
 
@@ -12,7 +13,7 @@ namespace tetune {
 /// Adds up the wall-clock time of each phase in Report::phases.
 class PhaseTimer {
  public:
-  using SteadyClock = std::chrono::steady_clock;
+  using SteadyClock = backend::SteadyClock;
 
   explicit PhaseTimer(Report& report) : report_(report) {}
 
