@@ -84,8 +84,8 @@ struct Options {
   SurfaceVertices surface_vertices = SurfaceVertices::automatic;
   /// With Effort::best: the maximum number of rounds in which neighborhoods of the worst elements, four at most, are
   /// optimized again, without regard to the angles reached, and a result is taken if the worst element in it has
-  /// improved; as many follow that lower the largest dihedral angle where the smallest one stays. 0: none; -1: 16, of
-  /// the first one for each 250 tetrahedra in smaller meshes. The largest value is 10,000.
+  /// improved; as many follow that lower the largest dihedral angle where the smallest one stays. 0: none; -1: 10, of
+  /// the first one for each 400 tetrahedra in smaller meshes. The largest value is 10,000.
   int restarts = -1;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;

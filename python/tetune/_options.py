@@ -39,7 +39,7 @@ class Options(TypedDict, total=False):
     surface_vertices: Literal["auto", "keep", "edit"]
     """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input surface and its feature lines, and edges of the surface are flipped. Default: auto."""
     restarts: int
-    """With effort=best, the number of rounds in which neighborhoods of the worst elements are optimized again, without regard to the angles reached, and a result is taken if the worst element in it has improved; as many follow that lower the largest dihedral angle where the smallest one stays; 0: none; -1: 16, of the first one for each 250 tetrahedra in smaller meshes. Default: -1."""
+    """With effort=best, the number of rounds in which neighborhoods of the worst elements are optimized again, without regard to the angles reached, and a result is taken if the worst element in it has improved; as many follow that lower the largest dihedral angle where the smallest one stays; 0: none; -1: 10, of the first one for each 400 tetrahedra in smaller meshes. Default: -1."""
     untangle: bool
     """Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that the surface alone makes invalid, or nearly so, are split. Default: False."""
     straighten: bool

@@ -202,7 +202,7 @@ const std::array kTable{
                "With effort=best, the number of rounds in which neighborhoods of the worst elements are optimized "
                "again, without regard to the angles reached, and a result is taken if the worst element in it has "
                "improved; as many follow that lower the largest dihedral angle where the smallest one stays; 0: none; "
-               "-1: 16, of the first one for each 250 tetrahedra in smaller meshes",
+               "-1: 10, of the first one for each 400 tetrahedra in smaller meshes",
                {},
                {-1, 10000},
                kRestartConditions},

@@ -2,6 +2,7 @@
 #include "phases/restart_worst.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 
@@ -147,7 +148,7 @@ class NeighborhoodOptimizer {
 
 }  // namespace
 
-/// A restart at one place: its neighborhood, and the result.
+/// One try at a place: its neighborhood, and the result.
 struct RestartSearch::Restart {
   Index slot;  ///< of the element to improve, in the whole mesh
   const RestartParameters::Perturbation& perturbation;
@@ -159,6 +160,13 @@ struct RestartSearch::Restart {
   bool is_better = false;
 
   Size growth() const { return neighborhood->work.mesh.tets() - std::ssize(found.slots); }
+};
+
+/// The tries at one place, of which the first that succeeds counts.
+struct RestartSearch::Place {
+  std::vector<std::unique_ptr<Restart>> tries;
+  /// The first try known to have succeeded; the number of tries if there is none.
+  std::atomic<Size> first_success{0};
 };
 
 RestartSearch::RestartSearch(HostWork& whole, RestartInput input)
@@ -227,23 +235,35 @@ std::vector<Index> RestartSearch::find_worst() const {
 
 bool RestartSearch::is_tied(Index slot, Index other) const { return cost(slot) >= (1 - p_.tie) * cost(other); }
 
-std::vector<std::unique_ptr<RestartSearch::Restart>> RestartSearch::choose() {
-  std::vector<std::unique_ptr<Restart>> restarts;
+std::vector<std::unique_ptr<RestartSearch::Place>> RestartSearch::choose() {
+  std::vector<std::unique_ptr<Place>> places;
   const std::vector<Index> worst = find_worst();
   const auto is_tied_with_first = [&](Index t) { return is_tied(t, worst.front()); };
-  if (std::count_if(worst.begin(), worst.end(), is_tied_with_first) > p_.max_worst) return restarts;
+  if (std::count_if(worst.begin(), worst.end(), is_tied_with_first) > p_.max_worst) return places;
   std::vector<std::uint8_t> is_taken(whole_.tet2vertex.size(), 0);
   int tried = 0;
   for (const Index slot : worst) {
     if (span_of(is_taken)[slot] != 0) continue;
-    if (std::ssize(restarts) == p_.places || tried++ == p_.max_worst) break;
-    const RestartParameters::Perturbation& perturbation = p_.perturbations[std::size_t(failures_[slot])];
-    finder_.find(slot, perturbation.rings + p_.angle_rings + p_.margin);
+    if (std::ssize(places) == p_.places || tried++ == p_.max_worst) break;
+    const auto first = p_.perturbations.begin() + failures_[slot];
+    const auto last = first + std::min<std::ptrdiff_t>(p_.tries, p_.perturbations.end() - first);
+    const auto rings_of = [this](const RestartParameters::Perturbation& perturbation) {
+      return perturbation.rings + p_.angle_rings + p_.margin;
+    };
+    const auto widest = std::max_element(first, last, [](const auto& a, const auto& b) { return a.rings < b.rings; });
+    finder_.find(slot, rings_of(*widest));
     if (finder_.touches(is_taken)) continue;
     for (const Index t : finder_.tets()) span_of(is_taken)[t] = 1;
-    restarts.push_back(std::unique_ptr<Restart>(new Restart{slot, perturbation, finder_.found(), {}, {}, {}, {}}));
+    auto place = std::make_unique<Place>();
+    for (auto perturbation = first; perturbation != last; ++perturbation) {
+      finder_.find(slot, rings_of(*perturbation));
+      place->tries.push_back(
+          std::unique_ptr<Restart>(new Restart{slot, *perturbation, finder_.found(), {}, {}, {}, {}}));
+    }
+    place->first_success = std::ssize(place->tries);
+    places.push_back(std::move(place));
   }
-  return restarts;
+  return places;
 }
 
 void RestartSearch::run(Restart& restart, const TrianglesByVertex& triangles, const Context& context) const {
@@ -300,28 +320,47 @@ void RestartSearch::count_failure(const Restart& restart) {
 
 bool RestartSearch::run_round(WorstReport& r) {
   if (aims_at_largest_ && !weigh_largest_angle()) return false;
-  const auto restarts = choose();
-  if (restarts.empty()) return false;
+  const auto places = choose();
+  if (places.empty()) return false;
   const LatchedHooks hooks(input_.context);
   const TrianglesByVertex triangles = list_by_lowest_vertex(*host_, whole_);
-  host_->for_parts(std::ssize(restarts), [&](Size i) { run(*span_of(restarts)[i], triangles, hooks.context()); });
+  // First tries come first: a later one runs only if an earlier one has not succeeded yet.
+  const Size count = std::ssize(places);
+  host_->for_parts(p_.tries * count, [&](Size i) {
+    Place& place = *span_of(places)[i % count];
+    const Size number = i / count;
+    const auto is_needed = [&] { return number < place.first_success.load(std::memory_order_relaxed); };
+    if (!is_needed()) return;
+    Restart& restart = *span_of(place.tries)[number];
+    const auto stop = [&] { return !is_needed() || hooks.context().stop(); };
+    run(restart, triangles, {{}, stop});
+    if (!restart.is_better) return;
+    Size first = place.first_success.load();
+    while (number < first && !place.first_success.compare_exchange_weak(first, number)) continue;
+  });
   if (hooks.is_stopped()) return true;
-  restarts_ += int(restarts.size());
-  r.worst = std::ssize(restarts);
+  r.worst = count;
   const int kept_before = restarts_kept_;
-  const double max_tets = options_.max_growth * double(input_.tets_before);
-  for (const auto& restart : restarts) {
-    const bool has_room = restart->growth() <= 0 || double(whole_.tets() + restart->growth()) <= max_tets;
-    if (restart->is_better && has_room) {
-      add(restart->changes, r);
-      keep(*restart);
-    } else {
-      count_failure(*restart);
-    }
-  }
+  for (const auto& place : places) finish(*place, r);
   rounds_without_ = restarts_kept_ > kept_before ? 0 : rounds_without_ + 1;
   whole_.erase_removed_triangles();
   return true;
+}
+
+void RestartSearch::finish(Place& place, WorstReport& r) {
+  const double max_tets = options_.max_growth * double(input_.tets_before);
+  const Size first_success = place.first_success;
+  for (Size i = 0; i < std::ssize(place.tries) && i <= first_success; ++i) {
+    Restart& restart = *span_of(place.tries)[i];
+    ++restarts_;
+    const bool has_room = restart.growth() <= 0 || double(whole_.tets() + restart.growth()) <= max_tets;
+    if (i == first_success && has_room) {
+      add(restart.changes, r);
+      keep(restart);
+    } else {
+      count_failure(restart);
+    }
+  }
 }
 
 }  // namespace tetune

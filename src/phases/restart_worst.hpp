@@ -43,6 +43,7 @@ class RestartSearch {
 
  private:
   struct Restart;
+  struct Place;
   double cost(Index slot) const { return span_of(cots_)[slot].cost(weight_); }
   /// Sets the weight of large angles for the next round, so that the largest costs somewhat more than the smallest.
   /// Returns false if it is small enough, or if several rounds have not lowered it.
@@ -52,9 +53,11 @@ class RestartSearch {
   std::vector<Index> find_worst() const;
   /// Whether a slot has about the cost of another one, or a larger one.
   bool is_tied(Index slot, Index other) const;
-  /// The restarts of a round, in neighborhoods that have no tetrahedron and no face in common.
-  std::vector<std::unique_ptr<Restart>> choose();
+  /// The places of a round, whose neighborhoods have no tetrahedron and no face in common.
+  std::vector<std::unique_ptr<Place>> choose();
   void run(Restart& restart, const TrianglesByVertex& triangles, const Context& context) const;
+  /// Keeps the first try that has succeeded, if there is one.
+  void finish(Place& place, WorstReport& r);
   void keep(Restart& restart);
   void count_failure(const Restart& restart);
 

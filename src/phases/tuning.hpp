@@ -141,9 +141,11 @@ struct AngleParameters {
 struct RestartParameters {
   /// Options::restarts by default, the number of rounds; one for each of this number of tetrahedra in smaller meshes.
   int rounds = 0;
-  double tets_per_round = 250;
-  /// Each round restarts at several places at most.
+  double tets_per_round = 400;
+  /// Each round restarts at this number of places at most, and at each with this number of perturbations, of which the
+  /// first one in order that succeeds is kept. On several threads later ones start before the earlier ones have ended.
   int places = 4;
+  int tries = 3;
   /// These are at the elements whose cost is within this part of the largest.
   double worst_part = 0.05;
   /// A restart is kept if it lowers the largest cost by a part, or leaves it and lowers the sum of the costs to the
@@ -243,7 +245,7 @@ constexpr Tuning best() {
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
-  t.restart.rounds = 16;
+  t.restart.rounds = 10;
   t.polish = {4, 2};
   return t;
 }

@@ -336,6 +336,7 @@ TEST(Optimize, LeavesTheMeshAsItWasWhereverMemoryRunsOut) {
   options.threads = 1;
   options.max_iterations = 1;
   options.effort = Effort::best;
+  options.restarts = 1;
   TetMesh after = before;
   bool done = false;
   for (std::size_t granted = 0; !done; granted += test::kSanitized ? 37 : 5) {
