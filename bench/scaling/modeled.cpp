@@ -24,11 +24,11 @@ tetune::backend::ProcessorModel* tetune::backend::processor_model() noexcept { r
 
 int main(int argc, char** argv) {
   using namespace tetune;
-  if (argc < 5) {
+  const std::string mode = argc < 5 ? "" : argv[1];
+  if (mode != "real" && mode != "model" && mode != "serial") {
     std::fprintf(stderr, "usage: bench_model real|model|serial THREADS MESH OUT [OPTION=VALUE ...]\n");
     return 2;
   }
-  const std::string mode = argv[1];
   using Loops = scaling::MachineModel::Loops;
   if (mode != "real") machine.emplace(mode == "serial" ? Loops::free : Loops::scheduled, scaling::ThreadCosts{});
   try {

@@ -131,7 +131,7 @@ struct Report : OperationCounts {
   std::vector<SweepReport> sweeps;
   std::vector<FlipReport> flip_passes;
   std::vector<WorstReport> worst_rounds;
-  int restarts = 0, restarts_kept = 0;  ///< Options::restarts: neighborhoods that were optimized again, and taken
+  int restarts = 0, restarts_kept = 0;  ///< tries in neighborhoods of the worst elements, and those that were taken
   std::vector<PhaseTime> phases;
   std::vector<TargetReport> targets;  ///< one per entry of Options::targets, in the same order
   /// With DataTransfer::carry: the names of floating-point data of vertices that the improvement has moved; values of a

@@ -37,23 +37,22 @@ class HostMemory {
       std::memcpy(to, from, bytes);
       return;
     }
-    const Span<char> target(static_cast<char*>(to), Size(bytes));
-    const Span<const char> source(static_cast<const char*>(from), Size(bytes));
-    const auto copy_part = [=](Size part) {
+    const auto copy_part = [=, target = static_cast<char*>(to), source = static_cast<const char*>(from)](Size part) {
       const std::size_t begin = to_size_t(part) * kPart;
-      std::memcpy(target.data() + begin, source.data() + begin, std::min(kPart, bytes - begin));
+      std::memcpy(target + begin, source + begin, std::min(kPart, bytes - begin));
     };
     pool_->run(Size((bytes + kPart - 1) / kPart), PartTask(copy_part));
   }
   void upload(void* to, const void* from, std::size_t bytes) const { copy(to, from, bytes); }
-  /// On the calling thread: a buffer may be read where the pool is at work.
+  /// Static, as allocate() and release() are: the handle in a buffer may outlive the pool. Only copy() and upload() use
+  /// it, which are called on the backend's own handle.
   static void download(void* to, const void* from, std::size_t bytes) {
     if (bytes > 0) std::memcpy(to, from, bytes);
   }
 
  private:
   static constexpr std::align_val_t kAlignment{64};
-  static constexpr std::size_t kPart = std::size_t{1} << 18;
+  static constexpr std::size_t kPart = std::size_t{1} << 18;  ///< bytes
   ThreadPool* pool_;
 };
 

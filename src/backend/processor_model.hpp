@@ -22,11 +22,11 @@ class ProcessorModel {
   ~ProcessorModel() = default;
 };
 
-/// The model that the process uses: none in the library. The function is weak, so that a program may define it once
-/// more.
+/// The model that the process uses: none in the library. The function is weak, so that a program may replace
+/// it.
 ProcessorModel* processor_model() noexcept;
 
-/// The clock of all times that are reported: modeled time where there is a model.
+/// The clock of all times in reports: modeled time where there is a model.
 struct SteadyClock {
   using time_point = std::chrono::steady_clock::time_point;
   static time_point now() noexcept;

@@ -40,7 +40,7 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /// The number of threads that exist, with the caller.
+  /// The number of threads that exist, or that are modeled, with the caller.
   int threads() const { return model_ != nullptr ? modeled_threads_ : int(workers_.size()) + 1; }
 
   /// Calls the task for each part in [0, parts), in any order, on all threads. Rethrows the first exception.

@@ -2,6 +2,7 @@
 #include "phases/neighborhood.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "phases/near_reference.hpp"
 
@@ -26,13 +27,13 @@ Index items_of(SurfacePointKind kind) {
 
 }  // namespace
 
-TrianglesByVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostWork& whole) {
-  TrianglesByVertex triangles;
+TrianglesByLowestVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostWork& whole) {
+  TrianglesByLowestVertex triangles;
   build_csr(backend, whole.vertices(), std::ssize(whole.triangles), LowestVertex{span_of(whole.triangles)}, triangles);
   return triangles;
 }
 
-Neighborhood::Neighborhood(const HostWork& whole, FoundTets found, const TrianglesByVertex& triangles)
+Neighborhood::Neighborhood(const HostWork& whole, FoundTets found, const TrianglesByLowestVertex& triangles)
     : slot2whole_(std::move(found.slots)) {
   std::sort(slot2whole_.begin(), slot2whole_.end());
   std::sort(found.vertices.begin(), found.vertices.end(),
@@ -64,7 +65,8 @@ SurfacePoint Neighborhood::to_whole(const SurfacePoint& on) const {
   return {on.kind, each * item + on.item % each};
 }
 
-std::vector<Index> Neighborhood::triangles_inside(const HostWork& whole, const TrianglesByVertex& triangles) const {
+std::vector<Index> Neighborhood::triangles_inside(const HostWork& whole,
+                                                  const TrianglesByLowestVertex& triangles) const {
   const CsrView by_vertex = triangles.view();
   std::vector<Index> inside;
   for (const Index lowest : vertex2whole_) {
@@ -78,7 +80,7 @@ std::vector<Index> Neighborhood::triangles_inside(const HostWork& whole, const T
   return inside;
 }
 
-void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByVertex& triangles) {
+void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestVertex& triangles) {
   if (whole.surface_point.empty()) return;
 
   // A vertex moves by at most its displacement bound, which is below the length of an edge.
@@ -220,7 +222,7 @@ void Neighborhood::take_vertices(const HostWork& whole, const std::vector<FoundT
   work.flips.constrained_vertex.upload(backend_, constrained);
 }
 
-void Neighborhood::take_triangles(const HostWork& whole, const TrianglesByVertex& triangles) {
+void Neighborhood::take_triangles(const HostWork& whole, const TrianglesByLowestVertex& triangles) {
   std::vector<BoundaryTriangle> taken;
   for (const Index i : triangles_inside(whole, triangles)) {
     BoundaryTriangle t = span_of(whole.triangles)[i];

@@ -13,8 +13,8 @@
 namespace tetune {
 
 /// The boundary triangles of a mesh by their lowest vertex.
-using TrianglesByVertex = Csr<backend::Cpu>;
-TrianglesByVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostWork& whole);
+using TrianglesByLowestVertex = Csr<backend::Cpu>;
+TrianglesByLowestVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostWork& whole);
 
 /// Some tetrahedra of a mesh as a working set of their own, to be changed on the host. Vertices that other tetrahedra
 /// have as well are fixed, and the faces between these and the neighborhood are locked. Periodic vertices do not move.
@@ -23,8 +23,10 @@ TrianglesByVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostW
 /// tetrahedra and of the reference surface near them, in increasing order. Where the reference surface is cut, vertices
 /// cannot slide on.
 class Neighborhood {
+  backend::Cpu backend_{1};
+
  public:
-  Neighborhood(const HostWork& whole, FoundTets found, const TrianglesByVertex& triangles);
+  Neighborhood(const HostWork& whole, FoundTets found, const TrianglesByLowestVertex& triangles);
 
   WorkingSet<backend::Cpu> work;
 
@@ -43,12 +45,12 @@ class Neighborhood {
     HalfFace across;
   };
 
-  void find_vertices(const HostWork& whole, const TrianglesByVertex& triangles);
+  void find_vertices(const HostWork& whole, const TrianglesByLowestVertex& triangles);
   /// The triangles of the boundary all of whose vertices are in the neighborhood, in increasing order.
-  std::vector<Index> triangles_inside(const HostWork& whole, const TrianglesByVertex& triangles) const;
+  std::vector<Index> triangles_inside(const HostWork& whole, const TrianglesByLowestVertex& triangles) const;
   void take_tets(const HostWork& whole);
   void take_vertices(const HostWork& whole, const std::vector<FoundTets::Vertex>& found);
-  void take_triangles(const HostWork& whole, const TrianglesByVertex& triangles);
+  void take_triangles(const HostWork& whole, const TrianglesByLowestVertex& triangles);
   void take_edges(const HostWork& whole);
   void take_reference(const HostWork& whole);
   void put_vertices(HostWork& whole);
@@ -62,7 +64,6 @@ class Neighborhood {
   SurfacePoint to_part(const SurfacePoint& on) const;
   SurfacePoint to_whole(const SurfacePoint& on) const;
 
-  backend::Cpu backend_{1};
   std::vector<Index> vertex2whole_, slot2whole_;
   std::vector<std::uint8_t> ring_;      ///< per vertex, as taken; kNoRing where it is fixed
   std::vector<Index> triangle2whole_;   ///< the triangles of the boundary, as taken

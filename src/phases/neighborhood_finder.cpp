@@ -6,20 +6,25 @@
 namespace tetune {
 
 NeighborhoodFinder::NeighborhoodFinder(const HostWork& whole) : whole_(whole) {
-  std::vector<Index> slots;
-  for (Index t = 0; t < whole.slots(); ++t) slots.push_back(t);
-  count_tets(slots, 1);
+  grow();
+  for (Index t = 0; t < whole.slots(); ++t) count_tet(t, 1);
 }
 
-void NeighborhoodFinder::count_tets(const std::vector<Index>& slots, int sign) {
+void NeighborhoodFinder::grow() {
   is_found_.resize(whole_.tet2vertex.size(), 0);
   ring_.resize(whole_.points.size(), FoundTets::kNoRing);
   tets_at_.resize(whole_.points.size(), 0);
   found_.resize(whole_.points.size(), 0);
-  for (const Index t : slots) {
-    if (t < 0 || !whole_.alive(t)) continue;
-    for (int k = 0; k < 4; ++k) span_of(tets_at_)[span_of(whole_.tet2vertex)[t][k]] += sign;
-  }
+}
+
+void NeighborhoodFinder::count_tet(Index slot, int sign) {
+  if (slot < 0 || !whole_.alive(slot)) return;
+  for (int k = 0; k < 4; ++k) span_of(tets_at_)[span_of(whole_.tet2vertex)[slot][k]] += sign;
+}
+
+void NeighborhoodFinder::count_tets(const std::vector<Index>& slots, int sign) {
+  grow();
+  for (const Index t : slots) count_tet(t, sign);
 }
 
 void NeighborhoodFinder::clear() {

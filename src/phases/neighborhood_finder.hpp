@@ -41,6 +41,9 @@ class NeighborhoodFinder {
   FoundTets found() const;
 
  private:
+  /// Makes room for slots and vertices that were added.
+  void grow();
+  void count_tet(Index slot, int sign);
   void clear();
   void add(Index slot);
   bool reaches(Index slot, int ring) const;

@@ -178,7 +178,8 @@ RestartSearch::RestartSearch(HostWork& whole, RestartInput input)
       finder_(whole),
       host_(std::make_unique<Cpu>(options_.threads)),
       cots_(extreme_cots(*host_, view_of(whole), whole.slots(), angles_)),
-      weight_(angles_.obtuse_weight) {
+      weight_(angles_.obtuse_weight),
+      failures_(cots_.size(), 0) {
   options_.threads = 1;
   options_.trace_angles = false;
 }
@@ -190,7 +191,7 @@ DihedralCots RestartSearch::extremes() const {
 
 void RestartSearch::aim_at_largest_angle() {
   aims_at_largest_ = true;
-  failures_.clear();
+  std::fill(failures_.begin(), failures_.end(), std::uint8_t{0});
   rounds_without_ = 0;
 }
 
@@ -216,18 +217,18 @@ void RestartSearch::add_to(Report& report) const {
 }
 
 std::vector<Index> RestartSearch::find_worst() const {
-  const auto is_left = [&](Index t) {
-    const auto found = failures_.find(t);
-    return cost(t) > 0 && (found == failures_.end() || found->second < std::ssize(p_.perturbations));
+  using quality_extremes_detail::Maximum;
+  const auto cost_if_left = [&](Size t) {
+    return span_of(failures_)[t] < std::ssize(p_.perturbations) ? cost(to_index(t)) : 0;
   };
-  double largest = 0;
-  for (Index t = 0; t < std::ssize(cots_); ++t) {
-    if (cost(t) > largest && is_left(t)) largest = cost(t);
-  }
+  const Size slots = std::ssize(cots_);
+  const double largest = host_->reduce<Maximum>(slots, [&](Size t) { return Maximum{cost_if_left(t)}; }).value;
   std::vector<Index> worst;
-  for (Index t = 0; t < std::ssize(cots_); ++t) {
-    if (cost(t) >= (1 - p_.worst_part) * largest && is_left(t)) worst.push_back(t);
-  }
+  if (!(largest > 0)) return worst;
+  worst.resize(cots_.size());
+  const double least = (1 - p_.worst_part) * largest;
+  worst.resize(to_size_t(host_->compact(
+      slots, [&](Size t) { return cost_if_left(t) >= least; }, span_of(worst))));
   std::sort(worst.begin(), worst.end(),
             [&](Index a, Index b) { return cost(a) > cost(b) || (cost(a) == cost(b) && a < b); });
   return worst;
@@ -245,7 +246,7 @@ std::vector<std::unique_ptr<RestartSearch::Place>> RestartSearch::choose() {
   for (const Index slot : worst) {
     if (span_of(is_taken)[slot] != 0) continue;
     if (std::ssize(places) == p_.places || tried++ == p_.max_worst) break;
-    const auto first = p_.perturbations.begin() + failures_[slot];
+    const auto first = p_.perturbations.begin() + span_of(failures_)[slot];
     const auto last = first + std::min<std::ptrdiff_t>(p_.tries, p_.perturbations.end() - first);
     const auto rings_of = [this](const RestartParameters::Perturbation& perturbation) {
       return perturbation.rings + p_.angle_rings + p_.margin;
@@ -255,8 +256,11 @@ std::vector<std::unique_ptr<RestartSearch::Place>> RestartSearch::choose() {
     if (finder_.touches(is_taken)) continue;
     for (const Index t : finder_.tets()) span_of(is_taken)[t] = 1;
     auto place = std::make_unique<Place>();
+    int rings_found = rings_of(*widest);
     for (auto perturbation = first; perturbation != last; ++perturbation) {
-      finder_.find(slot, rings_of(*perturbation));
+      const int rings = rings_of(*perturbation);
+      if (rings != rings_found) finder_.find(slot, rings);
+      rings_found = rings;
       place->tries.push_back(
           std::unique_ptr<Restart>(new Restart{slot, *perturbation, finder_.found(), {}, {}, {}, {}}));
     }
@@ -266,7 +270,7 @@ std::vector<std::unique_ptr<RestartSearch::Place>> RestartSearch::choose() {
   return places;
 }
 
-void RestartSearch::run(Restart& restart, const TrianglesByVertex& triangles, const Context& context) const {
+void RestartSearch::run(Restart& restart, const TrianglesByLowestVertex& triangles, const Context& context) const {
   const Cpu backend(1, context.stop);
   Neighborhood& neighborhood = restart.neighborhood.emplace(whole_, restart.found, triangles);
   neighborhood.work.outside = whole_.tets() - std::ssize(restart.found.slots);
@@ -302,11 +306,12 @@ void RestartSearch::keep(Restart& restart) {
   const std::vector<Index>& slots = restart.neighborhood->slots();
   finder_.count_tets(slots, 1);
   cots_.resize(whole_.tet2vertex.size(), {0, 0});
+  failures_.resize(whole_.tet2vertex.size(), 0);
   for (Size i = 0; i < std::ssize(slots); ++i) {
     const Index slot = span_of(slots)[i];
     if (slot < 0) continue;
     span_of(cots_)[slot] = span_of(restart.cots)[i];
-    failures_.erase(slot);
+    span_of(failures_)[slot] = 0;
   }
   counts_ += restart.report;
   ++restarts_kept_;
@@ -314,7 +319,8 @@ void RestartSearch::keep(Restart& restart) {
 
 void RestartSearch::count_failure(const Restart& restart) {
   for (const Index slot : restart.found.slots) {
-    if (is_tied(slot, restart.slot)) ++failures_[slot];
+    std::uint8_t& failures = span_of(failures_)[slot];
+    if (is_tied(slot, restart.slot) && failures < std::ssize(p_.perturbations)) ++failures;
   }
 }
 
@@ -323,7 +329,7 @@ bool RestartSearch::run_round(WorstReport& r) {
   const auto places = choose();
   if (places.empty()) return false;
   const LatchedHooks hooks(input_.context);
-  const TrianglesByVertex triangles = list_by_lowest_vertex(*host_, whole_);
+  const TrianglesByLowestVertex triangles = list_by_lowest_vertex(*host_, whole_);
   // First tries come first: a later one runs only if an earlier one has not succeeded yet.
   const Size count = std::ssize(places);
   host_->for_parts(p_.tries * count, [&](Size i) {

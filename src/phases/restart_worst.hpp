@@ -4,16 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "energy/quality_floor.hpp"
-#include "phases/neighborhood.hpp"
+#include "mesh/csr.hpp"
+#include "phases/neighborhood_finder.hpp"
 #include "phases/optimizer.hpp"
 
 namespace tetune {
+
+namespace backend {
+class Cpu;
+}
 
 /// The state of a mesh that restarts begin with.
 struct RestartInput {
@@ -55,8 +59,8 @@ class RestartSearch {
   bool is_tied(Index slot, Index other) const;
   /// The places of a round, whose neighborhoods have no tetrahedron and no face in common.
   std::vector<std::unique_ptr<Place>> choose();
-  void run(Restart& restart, const TrianglesByVertex& triangles, const Context& context) const;
-  /// Keeps the first try that has succeeded, if there is one.
+  void run(Restart& restart, const Csr<backend::Cpu>& triangles, const Context& context) const;
+  /// Keeps the first try that has succeeded, if there is one, and counts the failures of those before it.
   void finish(Place& place, WorstReport& r);
   void keep(Restart& restart);
   void count_failure(const Restart& restart);
@@ -73,8 +77,8 @@ class RestartSearch {
   double max_cot_ = HUGE_VAL;       ///< a result with a smaller angle is not kept
   bool aims_at_largest_ = false;
   int rounds_without_ = 0;  ///< in succession, in which no restart was kept
-  /// The number of restarts around a slot that have failed since its neighborhood changed last.
-  std::map<Index, int> failures_;
+  /// Per slot: the number of restarts around it that have failed since its neighborhood changed last.
+  std::vector<std::uint8_t> failures_;
   OperationCounts counts_;
   int restarts_ = 0, restarts_kept_ = 0;
 };

@@ -146,7 +146,7 @@ struct RestartParameters {
   /// first one in order that succeeds is kept. On several threads later ones start before the earlier ones have ended.
   int places = 4;
   int tries = 3;
-  /// These are at the elements whose cost is within this part of the largest.
+  /// Places are at elements whose cost is within this part of the largest.
   double worst_part = 0.05;
   /// A restart is kept if it lowers the largest cost by a part, or leaves it and lowers the sum of the costs to the
   /// power of eight by a part.

@@ -38,6 +38,9 @@ MappedFile::MappedFile(const std::string& path) {
 void MappedFile::map(int descriptor, const std::string& name) {
   const std::optional<std::size_t> size = native::regular_size(descriptor);
   if (!size && errno == 0) throw FileError(name + ": not a regular file");
+  if (!size && (errno == EFBIG || errno == EOVERFLOW)) {
+    throw FileError(name + ": too large for the addresses of this program; use tetune on a system of 64 bits");
+  }
   if (!size) fail(name + ": cannot inspect");
   if (*size == 0) return;
   const char* const memory = native::map(descriptor, *size);

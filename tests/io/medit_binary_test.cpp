@@ -218,6 +218,23 @@ TEST_P(MeditVersion, LongLists) {
   }
 }
 
+/// Long lists are encoded in parts, on all threads, and written in batches of several parts per thread.
+TEST_F(IoTest, LongListsOfBinaryMeditAreWrittenOnAllThreads) {
+  TetMesh mesh = two_materials(24);
+  mesh.required_tets.clear();
+  for (Index t = 0; t < 8192; ++t) mesh.required_tets.push_back(t);  // just one part
+  const std::string one = path("one.meshb");
+  const std::string three = path("three.meshb");
+  write_mesh(one, mesh, 1);
+  write_mesh(three, mesh, 3);
+  EXPECT_EQ(get("one.meshb"), get("three.meshb"));
+  const TetMesh read = read_mesh(three);
+  EXPECT_EQ(read.points, mesh.points);
+  EXPECT_EQ(read.tets, mesh.tets);
+  EXPECT_EQ(read.tet_tags, mesh.tet_tags);
+  EXPECT_EQ(read.required_tets, mesh.required_tets);
+}
+
 TEST_P(MeditVersion, TheFirstOfSeveralErrorsInALongListIsNamed) {
   constexpr std::int64_t kEntries = 40'000;
   for (const std::size_t wrong : {0, 12'345, 30'000}) {

@@ -99,7 +99,9 @@ TEST(Restarts, AStopTakesBackTheOneThatIsUnderWay) {
     };
     context.stop = [&] { return in_restarts && ++polls > limit; };
     TetMesh mesh = input;
-    optimize(mesh, with_restarts(6), context);
+    Options options = with_restarts(6);
+    options.threads = 1;
+    optimize(mesh, options, context);
     EXPECT_TRUE(validate(mesh).ok());
     EXPECT_GE(quality(mesh).dihedral_min, angle);
     return mesh;

@@ -198,6 +198,19 @@ TYPED_TEST(Primitives, BuffersKeepTheirContentWhenTheyGrow) {
   EXPECT_EQ(b.download(), (std::vector<int>{1, 2, 3}));
 }
 
+TYPED_TEST(Primitives, LargeBuffersAreCopiedAsAWhole) {
+  std::vector<int> values(300001);  // several parts of a copy, the last one shorter
+  std::iota(values.begin(), values.end(), 7);
+  typename TypeParam::Backend::template Buffer<int> a, b;
+  a.upload(this->backend, values);
+  EXPECT_EQ(a.download(), values);
+  b.assign(this->backend, a);
+  EXPECT_EQ(b.download(), values);
+  b.grow(this->backend, 2 * b.size());
+  b.resize(this->backend, a.size());
+  EXPECT_EQ(b.download(), values);
+}
+
 TYPED_TEST(Primitives, RowsHoldEachItemOnceInOrder) {
   using Here = typename TypeParam::Backend;
   Csr<Here> rows;
