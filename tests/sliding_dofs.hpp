@@ -51,8 +51,7 @@ struct Sliding {
     backend::Cpu::Buffer<std::uint8_t> frozen;
     frozen.upload(cpu, std::vector<std::uint8_t>(mesh.points.size(), kMovable));
     backend::Cpu::Buffer<VertexDof> buffer(cpu, work.vertices());
-    build_reference(cpu, work, surface, none.ends.span(), none.view(), frozen.span(), feature_angle, buffer.span(),
-                    reference);
+    build_reference(cpu, work, surface, none, frozen.span(), feature_angle, buffer.span(), reference);
     dof = buffer.download();
   }
 };

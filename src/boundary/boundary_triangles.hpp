@@ -159,7 +159,8 @@ struct FillTriangle {
   }
 };
 
-/// Decides which triangles of vertices that are frozen, with periodic links, flip with their image.
+/// Of the triangles that periodic links alone freeze, those of periodic vertices flip with their image, and the others
+/// stay.
 struct PairTriangles {
   PeriodicImagesView images;
   Span<const std::uint8_t> frozen;

@@ -201,26 +201,26 @@ struct ClassifyVertex {
 
 }  // namespace classify_detail
 
-/// Decides for each vertex where it may go without changing the surface (Sect. 4.2, Alg. 2):
+/// Finds for each vertex where it may go without changing the surface (Sect. 4.2, Alg. 2):
 ///   free   not on the surface and on no constrained edge
 ///   plane  V_F: its triangles lie in one plane, none folded back on another, and have one tag
 ///   line   V_E: the planes of all its triangles contain one line, along which its two feature edges run. Feature edges
 ///          are folds, borders between tags, edges not on two triangles, and the constrained edges
 ///   fixed  V_C: all others; with `surface_fixed` the whole surface; and where `frozen` is kFrozen
-/// `edges` are the constrained edges, as pairs of work vertices. `axis` receives the direction of the line or the
-/// normal of the plane.
+/// `constrained`: the constrained edges. `axis` receives the direction of the line or the normal of the plane.
 template <class Backend>
 void classify_vertices(const Backend& backend, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                       Span<const Index> edges, const ConstrainedEdges& constrained, Span<const std::uint8_t> frozen,
-                       bool surface_fixed, Span<VertexDof> dof, Span<Vec3> axis) {
+                       const EdgeSet<Backend>& constrained, Span<const std::uint8_t> frozen, bool surface_fixed,
+                       Span<VertexDof> dof, Span<Vec3> axis) {
   using namespace classify_detail;
+  const Span<const Index> edges = constrained.ends.span();
   Csr<Backend> vertex2edge_end;
   build_csr(backend, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end, edges.size());
   BufferOf<Backend, Index> across(backend, 3 * surface.triangles.size());
   if (!surface_fixed) find_across(backend, surface.triangles, surface.vertex2corner.view(), across);
   backend.for_each(mesh.vertices(),
                    ClassifyVertex{mesh.points, surface.triangles, surface.tags, surface.vertex2corner.view(), across,
-                                  edges, vertex2edge_end.view(), constrained, frozen, surface_fixed, dof, axis});
+                                  edges, vertex2edge_end.view(), constrained.view(), frozen, surface_fixed, dof, axis});
 }
 
 }  // namespace tetune

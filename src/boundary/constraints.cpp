@@ -7,15 +7,11 @@
 
 #include "backend/span.hpp"
 #include "boundary/vertex_dof.hpp"
+#include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
-
-std::array<Index, 2> sorted(std::array<Index, 2> edge) {
-  if (edge[1] < edge[0]) std::swap(edge[0], edge[1]);
-  return edge;
-}
 
 /// 1 for each listed edge that constrains.
 std::vector<std::uint8_t> constraining_edges(const TetMesh& mesh) {
@@ -67,12 +63,12 @@ void find_edges(const TetMesh& mesh, Constraints& constraints) {
   };
   std::vector<std::array<Index, 2>> ridges;
   for (const std::vector<Index>* ids : {&mesh.ridges, &mesh.required_edges}) {
-    for (const Index e : *ids) ridges.push_back(sorted(span_of(mesh.edges)[e]));
+    for (const Index e : *ids) ridges.push_back(ascending(span_of(mesh.edges)[e]));
   }
   sort_unique(ridges);
   std::vector<std::array<Index, 2>> tagged;
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    if (mesh.edge_tags[e] != 0) tagged.push_back(sorted(mesh.edges[e]));
+    if (mesh.edge_tags[e] != 0) tagged.push_back(ascending(mesh.edges[e]));
   }
   sort_unique(tagged);
   constraints.edges = ridges;
@@ -172,7 +168,7 @@ std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<s
   std::vector<std::array<Index, 2>> sought;
   for (std::size_t e = 0; e < keep.size(); ++e) {
     if (keep[e] == 0 && others.have(mesh.edges[e])) keep[e] = 1;
-    if (keep[e] == 0) sought.push_back(sorted(mesh.edges[e]));
+    if (keep[e] == 0) sought.push_back(ascending(mesh.edges[e]));
   }
   if (sought.empty()) return keep;
   std::sort(sought.begin(), sought.end());
@@ -183,7 +179,7 @@ std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<s
   for (const auto& tet : tets) {
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) {
-        const auto edge = sorted({tet[i], tet[j]});
+        const auto edge = ascending(tet[i], tet[j]);
         for (Size at = position_of(edge); at < std::ssize(sought) && span_of(sought)[at] == edge; ++at) {
           span_of(found)[at] = 1;
         }
@@ -191,7 +187,7 @@ std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<s
     }
   }
   for (std::size_t e = 0; e < keep.size(); ++e) {
-    if (keep[e] == 0) keep[e] = span_of(found)[position_of(sorted(mesh.edges[e]))];
+    if (keep[e] == 0) keep[e] = span_of(found)[position_of(ascending(mesh.edges[e]))];
   }
   return keep;
 }

@@ -73,11 +73,11 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   const bool slides = options.boundary == Boundary::slide;
   const auto classify = [&](const EdgeSet<Backend>& features) {
     if (slides) {
-      build_reference(backend, mesh, input.surface, features.ends.span(), features.view(), frozen,
-                      options.feature_angle, dofs.dof.span(), dofs.reference);
+      build_reference(backend, mesh, input.surface, features, frozen, options.feature_angle, dofs.dof.span(),
+                      dofs.reference);
     } else {
-      classify_vertices(backend, mesh, input.surface, features.ends.span(), features.view(), frozen,
-                        options.boundary == Boundary::fixed, dofs.dof.span(), dofs.axis.span());
+      classify_vertices(backend, mesh, input.surface, features, frozen, options.boundary == Boundary::fixed,
+                        dofs.dof.span(), dofs.axis.span());
     }
   };
   // Ridges and required edges are features. Tagged edges are features too, unless the list cannot be one of lines.
@@ -112,7 +112,7 @@ inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
 
 }  // namespace find_dofs_detail
 
-/// Decides where each vertex may go, by Options::boundary, and makes all vertices active. The report receives the
+/// Finds where each vertex may go, by Options::boundary, and makes all vertices active. The report receives the
 /// numbers of vertices by degrees of freedom, and of listed corners and edges that are no features.
 template <class Backend>
 void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,

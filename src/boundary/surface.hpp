@@ -22,7 +22,6 @@ struct SurfaceTriangle {
 struct ListedTriangle {
   Index v[3];
   int tag;
-  std::uint8_t required;
   std::uint8_t locks;  ///< remains a face where it lies inside one region
 };
 
@@ -40,8 +39,7 @@ struct ListedTriangles {
     ListedTriangle t;
     for (int k = 0; k < 3; ++k) t.v[k] = original2vertex[vertices[3 * i + k]];
     t.tag = tags[i];
-    t.required = required.size() > 0 ? required[i] : 0;
-    bool locks = t.required != 0 || (tags_lock && t.tag != 0);
+    bool locks = (required.size() > 0 && required[i] != 0) || (tags_lock && t.tag != 0);
     for (Size p = 0; p < frozen_patches.size() && !locks; ++p) locks = frozen_patches[p] == t.tag;
     t.locks = locks ? 1 : 0;
     return t;
@@ -77,7 +75,7 @@ inline void check_surface_size(Size faces) {
                   std::to_string(kMaxFaces) + " can be handled. Split the mesh, or weld the vertices that coincide.");
 }
 
-/// The edge has no neighbor that a vertex may slide to: it is a feature.
+/// In place of the corner across an edge that is a feature: a vertex cannot slide across it.
 inline constexpr Index kFeatureEdge = -1;
 
 /// The vertex at each corner 3 * triangle + k.
@@ -195,8 +193,7 @@ struct IsSurfaceFace {
     const auto half_face = static_cast<HalfFace>(item);
     const Index tet = tet_of(half_face);
     if (tets[tet][0] == kFreeSlot) return false;
-    const HalfFace across = adjacency[tet][face_of(half_face)];
-    return across == kNoHalfFace || (is_locked(across) && tet < tet_of(across));
+    return lists_locked_face(tet, adjacency[tet][face_of(half_face)]);
   }
 };
 

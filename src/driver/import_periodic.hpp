@@ -33,8 +33,7 @@ std::vector<MotionSpace> spaces_without_links(const Backend& backend, WorkMesh<B
   backend.fill(axis.span(), Vec3{});
   const DeviceViewOf<Backend, std::uint8_t> frozen(backend, input.frozen);
   const auto classify = [&](const EdgeSet<Backend>& features) {
-    classify_vertices(backend, mesh, input.surface, features.ends.span(), features.view(), frozen.span(), false,
-                      dof.span(), axis.span());
+    classify_vertices(backend, mesh, input.surface, features, frozen.span(), false, dof.span(), axis.span());
   };
   if (report.edges_not_held == 0) {
     classify(input.edges);

@@ -23,6 +23,11 @@ TETUNE_HD TETUNE_INLINE bool is_locked(HalfFace half_face) { return (half_face &
 TETUNE_HD TETUNE_INLINE Index tet_of(HalfFace half_face) { return static_cast<Index>((half_face & ~kLocked) >> 2); }
 TETUNE_HD TETUNE_INLINE int face_of(HalfFace half_face) { return static_cast<int>(half_face & 3U); }
 
+/// Whether a locked face is listed for tetrahedron t: each once, for the only one at it or the lower slot.
+TETUNE_HD inline bool lists_locked_face(Index t, HalfFace across) {
+  return across == kNoHalfFace || (is_locked(across) && t < tet_of(across));
+}
+
 /// For each face of a tetrahedron the half-face across it.
 struct alignas(16) FaceAdjacency {
   HalfFace across[4];

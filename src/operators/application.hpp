@@ -16,6 +16,7 @@ struct FlipSum {
   double decrease = 0;
   FlipCounts counts;
   TETUNE_HD void merge(const FlipSum& other) {
+    static_assert(sizeof(FlipCounts) == 5 * sizeof(counts.flips23), "merge() adds up all counters");
     decrease += other.decrease;
     counts.flips23 += other.counts.flips23;
     counts.flips32 += other.counts.flips32;

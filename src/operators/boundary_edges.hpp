@@ -22,7 +22,7 @@ struct FindFaces {
     if (!mesh.alive(t)) return;
     const Tet tet = mesh.tet2vertex[t];
     for (int f = 0; f < 4; ++f) {
-      if (!is_locked(links[f]) || (links[f] != kNoHalfFace && tet_of(links[f]) < t)) continue;
+      if (!lists_locked_face(to_index(t), links[f])) continue;
       const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
       const Index triangle = find_triangle(triangles, vertex2corner, v);
       if (triangle >= 0) triangle2face[triangle] = to_index(4 * t + f);

@@ -116,7 +116,7 @@ struct BoundaryFlipProposals {
     const Tet tet = mesh.tet2vertex[face >> 2];
     const int a = local_index(tet, c.a);
     const int b = local_index(tet, c.b);
-    const EdgeCorners e = edge_corners(edge_of(a < b ? a : b, a < b ? b : a));
+    const EdgeCorners e = edge_corners(edge_of(a, b));
     return a < b ? e.l : e.k;
   }
 };

@@ -5,7 +5,7 @@
 
 namespace tetune {
 
-/// The best removal of an edge of a tetrahedron with a vertex of its ring moved at the same time: a composite operation
+/// The best removal of an edge of a tetrahedron with a vertex of its link moved at the same time: a composite operation
 /// (Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement", 2007). The moves are tried in turn, each against
 /// the best one so far. A backend of many threads evaluates all moves beforehand, one per team (EvaluateMoves); then
 /// only the one that the sequence would end with is tried.
@@ -13,7 +13,7 @@ struct CompositeRemoval {
   static constexpr int kChoices = 1;
   /// The maximum number of tetrahedra around the edge: with more it hardly ever helps.
   static constexpr int kMaxEdgeTets = 6;
-  /// The moves of a tetrahedron: one per edge and vertex of its ring.
+  /// The moves of a tetrahedron: one per edge and vertex of its link.
   static constexpr int kMoves = 6 * kMaxEdgeTets;
 
   template <class Proposal>
@@ -25,7 +25,7 @@ struct CompositeRemoval {
       if (only >= 0 && only / kMaxEdgeTets != edge) continue;
       StarCavity ring = p.cavity(0);
       if (!take_ring(p, t, edge, ring, p.team)) continue;
-      RingWalk walk(p.mesh, t, edge);
+      LinkWalk walk(p.mesh, t, edge);
       for (int i = 0; i < ring.tet_count(); ++i) {
         const Index v = walk.next(p.mesh.tet2vertex[ring.tet(i)]);
         if ((only >= 0 && only % kMaxEdgeTets != i) || !p.is_movable(v)) continue;
@@ -44,7 +44,7 @@ struct CompositeRemoval {
     const int edge = move / kMaxEdgeTets;
     StarCavity star(p.mesh, p.constrained, arrays, team);
     if (!take_ring(p, t, edge, star, team) || move % kMaxEdgeTets >= star.tet_count()) return {};
-    RingWalk walk(p.mesh, t, edge);
+    LinkWalk walk(p.mesh, t, edge);
     Index v = kNoVertex;
     for (int i = 0; i <= move % kMaxEdgeTets; ++i) v = walk.next(p.mesh.tet2vertex[star.tet(i)]);
     if (!p.is_movable(v)) return {};
@@ -61,10 +61,10 @@ struct CompositeRemoval {
     double before;
     double ratio;  ///< of the cotangents after and before
   };
-  /// The vertices of the ring of an edge in turn.
-  class RingWalk {
+  /// The vertices of the link of an edge in turn.
+  class LinkWalk {
    public:
-    TETUNE_HD RingWalk(const MeshView& mesh, Index t, int edge) {
+    TETUNE_HD LinkWalk(const MeshView& mesh, Index t, int edge) {
       const EdgeCorners e = edge_corners(edge);
       const Tet tet = mesh.tet2vertex[t];
       from_ = tet[e.i];

@@ -28,7 +28,7 @@ TETUNE_HD TETUNE_INLINE unsigned edge_faces(int edge) {
   return static_cast<unsigned>(kFaces[edge]);
 }
 
-/// The local edge between two local vertices.
+/// The local edge between two local vertices, in any order.
 TETUNE_HD TETUNE_INLINE int edge_of(int i, int j) { return i == 0 || j == 0 ? i + j - 1 : i + j; }
 
 /// Turns around an edge, from tetrahedron to tetrahedron.

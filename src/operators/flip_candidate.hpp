@@ -38,8 +38,9 @@ struct Triangulation {
   }
 };
 
-/// A flip. The order of its vertices and tetrahedra depends on the vertices alone, so that the gain is the same, to the
-/// last bit, whichever tetrahedron evaluates it: a < b, and r_0 is the lowest of the ring.
+/// A flip. In those that one tetrahedron can evaluate as well as another (face_cavity(), edge_cavity()) the order of
+/// vertices and tetrahedra depends on the vertices alone, a < b and r_0 the lowest of the ring, so that the gain is the
+/// same to the last bit. A cluster of faces may bid from several of them, with gains that differ by rounding.
 struct FlipCandidate {
   static constexpr int kMaxExtraTets = kMaxRing - 3;
   static constexpr int kMaxCavityFaces = 2 * kMaxRing;

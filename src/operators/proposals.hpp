@@ -31,7 +31,7 @@ struct Proposals {
   int parts = 1;
 
   TETUNE_HD Size entry(Size proposal, int part) const { return (proposal - first) * parts + part; }
-  /// Adds a candidate of a positive gain. `id` breaks ties; it belongs to this candidate alone.
+  /// Adds a candidate of a positive gain. `id` breaks ties; it belongs to this proposal alone.
   TETUNE_HD void add(Size proposal, const C& candidate, double gain, std::uint32_t id, int part = 0) const {
     const std::uint64_t bid = make_bid(gain, id);
     place_bid(candidate, bid, tet2bid);

@@ -29,7 +29,7 @@ struct RetriangulationLimits {
 /// of its vertices (CavityRetriangulation), and where it has an angle with a larger cost, the insertion of a vertex on
 /// each of its edges and inside it (VertexInsertion) and the contraction of each of its free vertices to each other
 /// (VertexContraction). With a `mean_energy` it proposes insertions and contractions alone. With a
-/// `surface` (null: its vertices stay), vertices are inserted and removed there too (SurfaceInsertion,
+/// `boundary` (null: its vertices stay), vertices are inserted and removed there too (SurfaceInsertion,
 /// SurfaceContraction); the surface keeps its shape, or bends within kMaxBend where it may. Constrained edges stay as
 /// they are.
 ///
@@ -39,7 +39,7 @@ struct RetriangulationLimits {
 template <class Backend>
 RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                                           FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
-                                          BoundaryTriangles<Backend>* surface, Span<const Index> tets,
+                                          BoundaryTriangles<Backend>* boundary, Span<const Index> tets,
                                           const RetriangulationLimits& limits);
 
 }  // namespace tetune

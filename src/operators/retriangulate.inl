@@ -18,10 +18,11 @@ namespace retriangulate_detail {
 /// All operators that retriangulate a cavity from one point.
 using AllOperators = StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction,
                                    SurfaceInsertion, SurfaceContraction>;
-/// Without insertions and contractions.
-inline constexpr int kChoicesWithoutEdits = CompositeRemoval::kChoices;
+/// Where vertices are not edited, composite removals alone are proposed.
+inline constexpr int kRemovalChoices = CompositeRemoval::kChoices;
 /// The first choice that inserts or removes a vertex.
 inline constexpr int kFirstEdit = StarOperators<CompositeRemoval, CavityRetriangulation>::kChoices;
+/// The choices without those that insert and remove vertices of the surface.
 inline constexpr int kSurfaceKeepingChoices =
     StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction>::kChoices;
 
@@ -50,20 +51,20 @@ VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Flip
 template <class Backend>
 RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                                           FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
-                                          BoundaryTriangles<Backend>* surface, Span<const Index> tets,
+                                          BoundaryTriangles<Backend>* boundary, Span<const Index> tets,
                                           const RetriangulationLimits& limits) {
   using namespace retriangulate_detail;
   const bool lowers_mean = limits.mean_energy > 0;
   const bool edits_vertices = lowers_mean || limits.vertex_cost < kInfeasible;
   const int first_choice = lowers_mean ? kFirstEdit : 0;
-  const int end_choice = !edits_vertices      ? kChoicesWithoutEdits
-                         : surface == nullptr ? kSurfaceKeepingChoices
-                                              : AllOperators::kChoices;
+  const int end_choice = !edits_vertices       ? kRemovalChoices
+                         : boundary == nullptr ? kSurfaceKeepingChoices
+                                               : AllOperators::kChoices;
   const int choices = end_choice - first_choice;
   SurfaceTriangles triangles{};
-  if (surface != nullptr) {
-    list_corners(backend, mesh, *surface);
-    triangles = {surface->triangles.span(), surface->vertex2corner.view(), surface->bends, dofs.reference.view(),
+  if (boundary != nullptr) {
+    list_corners(backend, mesh, *boundary);
+    triangles = {boundary->triangles.span(), boundary->vertex2corner.view(), boundary->bends, dofs.reference.view(),
                  dofs.surface_point.span()};
   }
   const Size count = choices * tets.size();
@@ -98,7 +99,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   const ChangeCounts& total = selection.total;
   const VertexArrays vertices = grow_vertices(backend, mesh, flips, dofs, mesh.vertices() + total.inserted);
   apply_selection(backend, mesh, criterion, flips, selection, dofs.active.span(), false, vertices);
-  if (surface != nullptr) replace_triangles(backend, selection, *surface);
+  if (boundary != nullptr) replace_triangles(backend, selection, *boundary);
   return {total.inserted, total.removed, selection.size() - total.inserted - total.removed};
 }
 

@@ -63,7 +63,10 @@ class RingFan {
     y_[m] = v.y;
     z_[m] = v.z;
   }
-  double x_[10], y_[10], z_[10];
+  /// The ring in whole packs of four, and two more: loops read the next two vertices of each.
+  static constexpr int kSize = 8 + 2;
+  static_assert(kMaxRing <= 8 && sizeof(Pack) <= 4 * sizeof(double));
+  double x_[kSize], y_[kSize], z_[kSize];
 };
 
 /// Where packs are single numbers, as on a GPU, positions are read again: there the memory of a thread costs more.

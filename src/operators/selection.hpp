@@ -53,7 +53,8 @@ namespace selection_detail {
 template <class C>
 inline constexpr bool kIsOwnPatch = std::is_same_v<C, typename C::Patch>;
 
-/// Whether a stored candidate holds all of its tetrahedra so far. Bids only rise: otherwise it cannot be selected.
+/// Whether a stored candidate holds all of its tetrahedra so far. One that does not cannot be selected, as bids only
+/// rise.
 template <class C>
 struct HoldsSoFar {
   Proposals<C> proposals;
@@ -135,9 +136,9 @@ struct CountChanges {
   }
 };
 
-/// Proposals per batch: whole groups. The candidates of a batch are stored apart until it is known which lead: on a
-/// device the memory of this is a quarter of what all would take, but for small meshes; where teams evaluate proposals,
-/// fewer of them occupy a device.
+/// Proposals per batch: whole groups. The candidates of a batch are stored apart until it is known which lead. On a
+/// device a batch is a quarter of all proposals, so that they take a quarter of the memory, but at least
+/// kMinDeviceBatch; where teams evaluate proposals it is kTeamBatch, as fewer of them occupy a device.
 template <class Backend, class Generator>
 Size batch_size(Size count, Size group) {
   constexpr Size kMinDeviceBatch = Size{1} << 15;

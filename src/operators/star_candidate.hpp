@@ -232,8 +232,7 @@ struct StarCandidate {
   TETUNE_HD void add_bases(const MeshView& mesh, Index t, const Tet& tet, StarPatch& p) const {
     for (int f = 0; f < 4; ++f) {
       const HalfFace across = mesh.tet2tet[t][f];
-      if (!is_locked(across) || !simplex.is_on_face(tet, f)) continue;
-      if (across == kNoHalfFace || t < tet_of(across)) p.add_base(tet, f, across == kNoHalfFace);
+      if (lists_locked_face(t, across) && simplex.is_on_face(tet, f)) p.add_base(tet, f, across == kNoHalfFace);
     }
   }
 };

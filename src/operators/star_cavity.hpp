@@ -281,7 +281,7 @@ class StarCavity : StarShape {
   }
 
   static constexpr int kGrowthRounds = 3;
-  /// The part of the energy that a step must reduce, by its model.
+  /// A step must lower the energy by this part at least, by its model.
   static constexpr double kMinGain = 1e-3;
 
   /// preserves_constraints() for one tetrahedron of the cavity.
@@ -294,8 +294,8 @@ class StarCavity : StarShape {
     }
     return true;
   }
-  /// Takes more tetrahedra into the cavity, one at a time, across the first face, from the last one on, where that
-  /// lowers the energy of the retriangulation from x. Returns whether it took one.
+  /// Visits the faces in order, and takes the tetrahedron across each where that lowers the energy of the
+  /// retriangulation from x; faces that this adds follow. Returns whether it took one.
   template <class Team>
   TETUNE_HD TETUNE_OUTLINE bool grow(const Vec3& x, const Team& team) {
     bool grown = false;

@@ -12,7 +12,7 @@ namespace tetune {
 
 /// A place for an apex is improved further when the cost there is at most this many times what it was.
 inline constexpr double kAcceptRatio = 1.5;
-/// The bound before the cavity is enlarged.
+/// Before the cavity is enlarged, the cost may be this many times what it was.
 inline constexpr double kScreenRatio = 1.4;
 
 /// Where the cavity cannot be enlarged any further, as at the surface, a new vertex is moved nevertheless if the cost
@@ -33,7 +33,7 @@ struct MoveCosts {
 struct StarContext {
   RatedMesh mesh;
   ConstrainedEdges constrained;
-  Span<const VertexDof> kind;
+  Span<const VertexDof> dof;
   Span<const Vec3> axis;
   SurfaceTriangles surface;
   int max_ring;        ///< of the removal of an edge
@@ -48,7 +48,7 @@ struct StarContext {
   double mean_energy = 0;
 
   TETUNE_HD bool lowers_mean() const { return mean_energy > 0; }
-  TETUNE_HD bool is_movable(Index v) const { return kind[v] == VertexDof::free && !constrained.has_end(v); }
+  TETUNE_HD bool is_movable(Index v) const { return dof[v] == VertexDof::free && !constrained.has_end(v); }
   TETUNE_HD bool may_change_vertices(Index t) const {
     return lowers_mean() || dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
   }
@@ -116,7 +116,7 @@ struct StarProposal : StarContext {
   /// Moves a new vertex to where the largest cost is lower than before. Where there is no such place, enlarges the
   /// cavity and moves the vertex once more. Returns false where that fails too. Where the mean energy must fall, the
   /// vertex is in its place already.
-  TETUNE_HD TETUNE_OUTLINE bool open(StarCavity& star, Vec3& x) const {
+  TETUNE_HD TETUNE_OUTLINE bool place_new_vertex(StarCavity& star, Vec3& x) const {
     if (lowers_mean()) return true;
     const double before = cost_before(star);
     const double limit = (1 - min_gain) * before;

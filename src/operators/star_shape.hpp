@@ -62,7 +62,7 @@ class StarShape {
           if (arrays_.tets.is_full()) return false;
           arrays_.tets.add(tet_of(across));
         }
-        if (!is_locked(across) || (across != kNoHalfFace && tet_of(across) < arrays_.tets[i])) continue;
+        if (!lists_locked_face(arrays_.tets[i], across)) continue;
         if (arrays_.base_count == kMaxStarTriangles) return false;
         arrays_.bases[arrays_.base_count++] = link_face(tet, f);
       }
@@ -147,9 +147,8 @@ class StarShape {
     }
     if (g.second >= 0) {
       // The edge between the two vanishes.
-      const int k = g.first * g.second != 0 ? 0 : g.first + g.second == 1 ? 2 : 1;
-      const int l = 6 - g.first - g.second - k;
-      if (constrained_.contains(g.tet[k], g.tet[l]) || is_base_edge(g.tet[k], g.tet[l])) return {};
+      const EdgeCorners e = edge_corners(edge_of(g.first, g.second));
+      if (constrained_.contains(g.tet[e.k], g.tet[e.l]) || is_base_edge(g.tet[e.k], g.tet[e.l])) return {};
     }
     g.places[0] = i;
     g.places[1] = g.second >= 0 ? place_of_side(links[g.second]) : arrays_.face_count;

@@ -44,18 +44,18 @@ struct SurfaceContraction {
   TETUNE_HD static bool is_in_planes(const StarContext& p, Index v, const Vec3& x) {
     const Vec3 edge = x - vec(p.mesh.points[v]);
     const double tolerance = kFlat * norm(edge);
-    return (p.kind[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance) ||
-           (p.kind[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance);
+    return (p.dof[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance) ||
+           (p.dof[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance);
   }
   /// Whether v may move over the surface, and both vertices are on it.
   TETUNE_HD static bool is_on_sheet(const StarContext& p, Index v, Index apex) {
-    return p.surface.has(apex) && p.kind[v] != VertexDof::fixed && p.surface.has(v);
+    return p.surface.has(apex) && p.dof[v] != VertexDof::fixed && p.surface.has(v);
   }
   /// Whether v has an edge of the surface to the apex, along its feature line where it is on one.
   TETUNE_HD static bool is_beside(const StarContext& p, const ReplacedTriangles& replaced, Index v, Index apex) {
     for (int i = 0; i < replaced.count; ++i) {
       const BoundaryTriangle& t = p.surface.triangles[replaced.triangle[i]];
-      if (has_vertex(t, apex)) return p.kind[v] == VertexDof::surface || is_feature_edge(t, v, apex);
+      if (has_vertex(t, apex)) return p.dof[v] == VertexDof::surface || is_feature_edge(t, v, apex);
     }
     return false;
   }

@@ -37,7 +37,7 @@ struct SurfaceInsertion {
     if (dof.dof == VertexDof::fixed) return;
     star.restrict_apex(dof, p.surface.reference);
     x = star.relax_and_grow(star.relax(x, p.team), p.team);
-    if (!p.open(star, x)) return;
+    if (!p.place_new_vertex(star, x)) return;
     if (p.surface.bends) {
       dof.surface_point = star.surface_point();
       replaced.deviation = p.bend().after_insertion(simplex, replaced, x);
@@ -50,12 +50,15 @@ struct SurfaceInsertion {
   }
 
  private:
+  /// The radius of the displacement bound of a new vertex, in lengths of its edge.
+  static constexpr double kRadius = 0.25;
+
   /// Moves x to the reference surface, in the same sheet or on the same feature line. Degrees of freedom: fixed where
   /// there is none.
   TETUNE_HD static NewVertexDof place_on_reference(const StarContext& p, const ReplacedTriangles& replaced,
                                                    const SurfaceSimplex& simplex, Vec3& x) {
     const BoundaryTriangle& t = p.surface.triangles[replaced.triangle[0]];
-    const double radius = 0.25 * norm(vec(p.mesh.points[simplex.v[1]]) - vec(p.mesh.points[simplex.v[0]]));
+    const double radius = kRadius * norm(vec(p.mesh.points[simplex.v[1]]) - vec(p.mesh.points[simplex.v[0]]));
     NewVertexDof dof{VertexDof::surface, {0, 0, 0}, radius, {SurfacePointKind::triangle, t.reference}};
     Vec3 from = p.surface.reference.centroid(t.reference);
     if (simplex.size == 2 && is_feature_edge(t, simplex.v[0], simplex.v[1])) {
@@ -72,7 +75,7 @@ struct SurfaceInsertion {
   /// neighborhood.
   TETUNE_HD static bool is_on_curve(const StarContext& p, Index v) {
     const SurfacePoint& on = p.surface.surface_point[v];
-    return p.kind[v] == VertexDof::curve || on.kind == SurfacePointKind::segment ||
+    return p.dof[v] == VertexDof::curve || on.kind == SurfacePointKind::segment ||
            (on.kind == SurfacePointKind::vertex && p.surface.reference.dof[on.item] == VertexDof::curve);
   }
   /// On a feature edge without a vertex on such a line: the edge itself where it is a part of the reference
@@ -81,16 +84,18 @@ struct SurfaceInsertion {
     const Vec3 a = vec(p.mesh.points[edge.v[0]]);
     const Vec3 along = vec(p.mesh.points[edge.v[1]]) - a;
     const NewVertexDof on_line{VertexDof::line, (1 / norm(along)) * along, radius, {SurfacePointKind::none, -1}};
-    const bool is_part = p.kind[edge.v[0]] == VertexDof::line || p.kind[edge.v[1]] == VertexDof::line ||
+    const bool is_part = p.dof[edge.v[0]] == VertexDof::line || p.dof[edge.v[1]] == VertexDof::line ||
                          has_edge(p.surface.reference, edge.v[0], edge.v[1]);
     return is_part ? on_line : NewVertexDof{VertexDof::fixed};
   }
   /// Whether the reference surface has an edge between two vertices. Inserted ones are none of its vertices.
   TETUNE_HD static bool has_edge(const ReferenceView& reference, Index a, Index b) {
-    if (a >= reference.points.size()) return false;
-    for (Size c = reference.vertex2corner.begin(a); c < reference.vertex2corner.end(a); ++c) {
+    if (a >= reference.points.size() || b >= reference.points.size()) return false;
+    const Index from = reference.vertex2corner.shorter(a, b);
+    const Index to = a ^ b ^ from;
+    for (Size c = reference.vertex2corner.begin(from); c < reference.vertex2corner.end(from); ++c) {
       const SurfaceTriangle& t = reference.triangles[reference.vertex2corner.items[c] / 3];
-      if (t.v[0] == b || t.v[1] == b || t.v[2] == b) return true;
+      if (t.v[0] == to || t.v[1] == to || t.v[2] == to) return true;
     }
     return false;
   }
@@ -99,7 +104,7 @@ struct SurfaceInsertion {
     const Vec3 origin = vec(p.mesh.points[simplex.v[0]]);
     const Vec3 edge = vec(p.mesh.points[simplex.v[1]]) - origin;
     const double length = norm(edge);
-    const double radius = 0.25 * length;
+    const double radius = kRadius * length;
     const Vec3 n = area_normal(p.mesh, star.base(0));
     if (simplex.size == 3) return {VertexDof::plane, (1 / norm(n)) * n, radius};
     if (star.base_count() == 2 &&

@@ -22,10 +22,11 @@ struct SurfaceTriangles {
   /// The number of triangles that contain a simplex.
   TETUNE_HD int count(const SurfaceSimplex& simplex) const {
     int found = 0;
-    for (Size c = vertex2corner.begin(simplex.v[0]); c < vertex2corner.end(simplex.v[0]); ++c) {
+    const Index v = simplex.size > 1 ? vertex2corner.shorter(simplex.v[0], simplex.v[1]) : simplex.v[0];
+    for (Size c = vertex2corner.begin(v); c < vertex2corner.end(v); ++c) {
       const BoundaryTriangle& t = triangles[vertex2corner.items[c] / 3];
       int shared = 0;
-      for (const Index v : t.v) shared += simplex.has(v) ? 1 : 0;
+      for (const Index w : t.v) shared += simplex.has(w) ? 1 : 0;
       found += shared == simplex.size ? 1 : 0;
     }
     return found;

@@ -18,19 +18,19 @@ struct NewVertexDof {
 /// The vertex arrays that insertion and contraction write.
 struct VertexArrays {
   Span<Index> vertex2original;
-  Span<VertexDof> kind;
+  Span<VertexDof> dof;
   Span<Vec3> axis;
   Span<SurfacePoint> surface_point;  ///< empty unless vertices slide
   Span<std::uint8_t> constrained_vertex;
   Span<DisplacementBound> displacement_bound;  ///< may be empty
 
   /// Initializes a new vertex at x.
-  TETUNE_HD void insert(Index v, const Vec3& x, const NewVertexDof& dof) const {
+  TETUNE_HD void insert(Index v, const Vec3& x, const NewVertexDof& inserted) const {
     vertex2original[v] = kInserted;
-    kind[v] = dof.dof;
-    axis[v] = dof.axis;
-    if (surface_point.size() > 0) surface_point[v] = dof.surface_point;
-    if (displacement_bound.size() > 0) displacement_bound[v] = {x, dof.radius};
+    dof[v] = inserted.dof;
+    axis[v] = inserted.axis;
+    if (surface_point.size() > 0) surface_point[v] = inserted.surface_point;
+    if (displacement_bound.size() > 0) displacement_bound[v] = {x, inserted.radius};
     constrained_vertex[v] = 0;
   }
 };

@@ -37,7 +37,7 @@ struct VertexInsertion {
   }
   template <class Proposal>
   TETUNE_HD static void insert(const Proposal& p, StarCavity& star, Vec3 x) {
-    if (!p.open(star, x)) return;
+    if (!p.place_new_vertex(star, x)) return;
     StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
     p.add(star, c);
   }

@@ -28,9 +28,9 @@ enum class Phase {
 
 /// The name of a phase in Report::phases. Users read these names: they do not change.
 inline const char* name_of(Phase phase) {
-  constexpr std::array kNames{"load",      "untangling", "motion", "flips", "boundary flips", "rings",
-                              "colouring", "sweeps",     "sums",   "worst", "angles",         "restarts",
-                              "trace",     "targets",    "data",   "store"};
+  constexpr std::array kNames{"load",     "untangling", "motion", "flips", "boundary flips", "rings",
+                              "coloring", "sweeps",     "sums",   "worst", "angles",         "restarts",
+                              "trace",    "targets",    "data",   "store"};
   return kNames.at(static_cast<std::size_t>(phase));
 }
 

@@ -7,7 +7,7 @@
 
 namespace tetune {
 
-/// Decides after each sweep whether flips follow and whether the alternation ends (Sect. 4.5).
+/// Determines after each sweep whether flips follow and whether the alternation ends (Sect. 4.5).
 class Schedule {
  public:
   explicit Schedule(const Options& options)

@@ -10,6 +10,7 @@
 #include "boundary/sliding/weak_lines.hpp"
 #include "math/angle.hpp"
 #include "math/elementary.hpp"
+#include "mesh/constrained_edges.hpp"
 
 namespace tetune {
 
@@ -257,7 +258,7 @@ struct ClassifySlidingVertex {
 
 }  // namespace features_detail
 
-/// Makes the surface the reference surface, finds its features, and decides where each vertex may go:
+/// Makes the surface the reference surface, and finds its features and where each vertex may go:
 ///   free     not on the surface and on no constrained edge
 ///   surface  on the surface, on no feature edge
 ///   curve    between exactly two feature edges, where the line turns by at most the feature angle
@@ -267,9 +268,10 @@ struct ClassifySlidingVertex {
 /// a weak line (find_weak_lines()), borders between tags, edges not on two triangles, and the constrained edges.
 template <class Backend>
 void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                     Span<const Index> edges, const ConstrainedEdges& constrained, Span<const std::uint8_t> frozen,
-                     double feature_angle, Span<VertexDof> dof, ReferenceSurface<Backend>& reference) {
+                     const EdgeSet<Backend>& constrained, Span<const std::uint8_t> frozen, double feature_angle,
+                     Span<VertexDof> dof, ReferenceSurface<Backend>& reference) {
   using namespace features_detail;
+  const Span<const Index> edges = constrained.ends.span();
   const Size vertices = mesh.vertices();
   const Size triangles = surface.triangles.size();
   reference.points.assign(backend, mesh.points);
@@ -280,7 +282,8 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   const double cos_angle = cosine_of_turn(feature_angle);
   BufferOf<Backend, Index> opposite_corners(backend, 3 * triangles);
   find_across(backend, reference.triangles.span(), reference.vertex2corner.view(), opposite_corners.span());
-  const SurfaceFolds folds{mesh.points, reference.triangles, surface.tags, opposite_corners, constrained, cos_angle};
+  const SurfaceFolds folds{mesh.points,      reference.triangles, surface.tags,
+                           opposite_corners, constrained.view(),  cos_angle};
   backend.for_each(3 * triangles, CutAtFeatures{folds, reference.across});
   BufferOf<Backend, std::uint8_t> on_weak_line(backend, vertices);
   backend.fill(on_weak_line.span(), std::uint8_t{0});
