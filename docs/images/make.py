@@ -80,7 +80,7 @@ def draw_gallery(folder):
         center, size = (low + high) / 2, np.linalg.norm(high - low)
         direction = np.array(toward, float) / np.linalg.norm(toward)
         camera = [tuple(center + 1.75 * size * direction), tuple(center), up]
-        draw(HERE / f"gallery-{name}.png", (mesh, after), lambda centers: centers @ np.array(normal, float) > cut, camera, zoom=1.0)
+        draw(HERE / f"gallery-{name}.png", (mesh, after), lambda centers: centers @ np.array(normal, float) > cut, camera, zoom=0.85)
         page += [f"## {title}", "", f"From {source}.", "", f"![{title}, cut open, before and after](images/gallery-{name}.png)", "",
                  "| | tetrahedra | smallest angle | largest | mean ratio |", "|---|---|---|---|---|",
                  f"| before | {figures(mesh)} |", f"| after | {figures(after)} |", ""]
