@@ -19,18 +19,18 @@ struct Interval {
   }
 };
 
-struct Box {
+struct Bounds {
   Interval x, y, z;
-  TETUNE_HD void merge(const Box& other) {
+  TETUNE_HD void merge(const Bounds& other) {
     x.merge(other.x);
     y.merge(other.y);
     z.merge(other.z);
   }
 };
 
-struct BoxOfPoint {
+struct BoundsOfPoint {
   Span<const Point> points;
-  TETUNE_HD Box operator()(Size i) const {
+  TETUNE_HD Bounds operator()(Size i) const {
     const Point p = points[i];
     return {{p.x, p.x}, {p.y, p.y}, {p.z, p.z}};
   }
@@ -38,18 +38,19 @@ struct BoxOfPoint {
 
 struct ComputeHilbertKey {
   Span<const Point> points;
-  Box box;
+  Bounds bounds;
   Span<std::uint64_t> keys;
   Span<Index> ids;
   TETUNE_HD void operator()(Size i) const {
     const Point p = points[i];
-    double side = box.x.high - box.x.low;
-    if (box.y.high - box.y.low > side) side = box.y.high - box.y.low;
-    if (box.z.high - box.z.low > side) side = box.z.high - box.z.low;
+    double side = bounds.x.high - bounds.x.low;
+    if (bounds.y.high - bounds.y.low > side) side = bounds.y.high - bounds.y.low;
+    if (bounds.z.high - bounds.z.low > side) side = bounds.z.high - bounds.z.low;
     // The odd factor and offset keep round fractions of the box, where vertices of structured meshes lie, away from
     // cell borders: the order then does not depend on the last bit, and a rescaled mesh gets the same order.
     const double scale = side > 0 ? 0.98765432109876 * kHilbertCells / side : 0;
-    keys[i] = hilbert_index(cell(p.x, box.x.low, scale), cell(p.y, box.y.low, scale), cell(p.z, box.z.low, scale));
+    keys[i] =
+        hilbert_index(cell(p.x, bounds.x.low, scale), cell(p.y, bounds.y.low, scale), cell(p.z, bounds.z.low, scale));
     ids[i] = static_cast<Index>(i);
   }
   TETUNE_HD static std::uint32_t cell(double x, double low, double scale) {
@@ -126,10 +127,10 @@ void sort_mesh(const Backend& backend, WorkMesh<Backend>& mesh) {
   const Size vertices = mesh.vertices();
   const Size tets = mesh.slots();
 
-  const Box box = backend.template reduce<Box>(vertices, BoxOfPoint{mesh.points});
+  const Bounds bounds = backend.template reduce<Bounds>(vertices, BoundsOfPoint{mesh.points});
   BufferOf<Backend, std::uint64_t> keys(backend, vertices);
   mesh.vertex2original.resize(backend, vertices);
-  backend.for_each(vertices, ComputeHilbertKey{mesh.points, box, keys, mesh.vertex2original});
+  backend.for_each(vertices, ComputeHilbertKey{mesh.points, bounds, keys, mesh.vertex2original});
   backend.sort_by_key(keys, mesh.vertex2original, kHilbertBits);
   BufferOf<Backend, Point> points(backend, vertices);
   BufferOf<Backend, Index> original2vertex(backend, vertices);

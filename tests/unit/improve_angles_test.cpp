@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "backend/cpu.hpp"
 #include "driver/import_mesh.inl"
 #include "meshes.hpp"
 #include "phases/lower_mean_energy.hpp"
