@@ -44,6 +44,16 @@ def provenance():
     }
 
 
+def build(*targets, packages=(), options=("-DTETUNE_NATIVE=ON",), preset="release"):
+    """Installs `packages` and what every build needs, builds the targets of a preset, and returns its folder."""
+    subprocess.run([ROOT / "scripts/install-packages", "g++", "cmake", "ninja-build", "libcli11-dev", "libfmt-dev",
+                    "nlohmann-json3-dev", *packages], check=True)
+    subprocess.run(["cmake", "--preset", preset, *options], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", "--preset", preset, "--target", *targets], cwd=ROOT, check=True,
+                   stdout=subprocess.DEVNULL)
+    return ROOT / "build" / preset
+
+
 def run(command, timeout=None, env=None, cwd=None):
     """Runs a command to its end. Returns its exit code (None after a timeout), wall seconds, processor seconds and peak
     memory in MiB (by the kernel's accounting, of the process or the largest that it waited for) and what it printed."""

@@ -22,8 +22,7 @@ class ProcessorModel {
   ~ProcessorModel() = default;
 };
 
-/// The model that the process uses: none in the library. The function is weak, so that a program may replace
-/// it.
+/// The model that the process uses: none in the library. The function is weak, so that a program may replace it.
 ProcessorModel* processor_model() noexcept;
 
 /// The clock of all times in reports: modeled time where there is a model.

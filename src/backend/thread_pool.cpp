@@ -31,15 +31,14 @@ void relax() {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int threads) : model_(processor_model()) {
-  const int count = std::min(threads, kMaxThreads);
-  modeled_threads_ = std::max(count, 1);
+ThreadPool::ThreadPool(int threads) : model_(processor_model()), threads_(std::clamp(threads, 1, kMaxThreads)) {
   if (model_ != nullptr) return;
   try {
-    if (count > 1) workers_.reserve(to_size_t(count));
-    for (int t = 1; t < count; ++t) workers_.emplace_back([this] { work(); });
+    if (threads_ > 1) workers_.reserve(to_size_t(threads_));
+    for (int t = 1; t < threads_; ++t) workers_.emplace_back([this] { work(); });
   } catch (...) {
     // The system refused a thread or memory. The pool uses the threads that started; no result depends on their number.
+    threads_ = int(workers_.size()) + 1;
   }
 }
 
@@ -98,7 +97,7 @@ void ThreadPool::work() {
 }
 
 void ThreadPool::run(Size parts, const PartTask& task) {
-  if (model_ != nullptr) return model_->run(modeled_threads_, parts, task);
+  if (model_ != nullptr) return model_->run(threads_, parts, task);
   if (workers_.empty() || parts <= 1) {
     for (Size part = 0; part < parts; ++part) task.call(task.object, part);
     return;

@@ -41,7 +41,7 @@ class ThreadPool {
   ThreadPool& operator=(const ThreadPool&) = delete;
 
   /// The number of threads that exist, or that are modeled, with the caller.
-  int threads() const { return model_ != nullptr ? modeled_threads_ : int(workers_.size()) + 1; }
+  int threads() const { return threads_; }
 
   /// Calls the task for each part in [0, parts), in any order, on all threads. Rethrows the first exception.
   void run(Size parts, const PartTask& task);
@@ -56,7 +56,7 @@ class ThreadPool {
 
   /// Runs the loops if it is there; then there are no workers.
   ProcessorModel* model_;
-  int modeled_threads_ = 1;
+  int threads_;
 
   // The loop in progress; written while the gate is closed.
   const PartTask* task_ = nullptr;

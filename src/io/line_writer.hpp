@@ -16,8 +16,23 @@
 
 namespace tetune {
 
-/// Writes lines of numbers, real ones with the shortest digits that read back to the same bits. Lines are formatted in
-/// ranges, in parallel, and written in order.
+/// Formats n entries in ranges, in parallel, and writes the ranges in order. format(bytes, begin, end) sets `bytes`, in
+/// which an earlier range may be, to those of the entries [begin, end).
+template <class Format, class Write>
+void write_in_ranges(const backend::Cpu& cpu, Size n, Size per_range, const Format& format, const Write& write) {
+  std::vector<std::string> ranges(to_size_t(4 * cpu.threads()));
+  const Span<std::string> range = span_of(ranges);
+  for (Size first = 0; first < n; first += range.size() * per_range) {
+    const Size count = std::min(range.size(), (n - first + per_range - 1) / per_range);
+    cpu.for_parts(count, [&](Size r) {
+      const Size begin = first + r * per_range;
+      format(range[r], begin, std::min(n, begin + per_range));
+    });
+    for (Size r = 0; r < count; ++r) write(range[r]);
+  }
+}
+
+/// Writes lines of numbers, real ones with the shortest digits that read back to the same bits.
 class LineWriter {
  public:
   /// The numbers of one line, each followed by a space.
@@ -50,26 +65,19 @@ class LineWriter {
   /// Writes n lines; put(entry, i) writes one of them.
   template <class Put>
   void lines(std::size_t n, const Put& put) {
-    const Size size = std::int64_t(n);
-    std::vector<std::string> parts(to_size_t(4 * cpu_.threads()));
-    const Span<std::string> part = span_of(parts);
-    for (Size first = 0; first < size; first += part.size() * kLinesPerPart) {
-      cpu_.for_parts(part.size(), [&](Size p) {
-        part[p].clear();
-        const Size begin = std::min(size, first + p * kLinesPerPart);
-        const std::size_t end = to_size_t(std::min(size, begin + kLinesPerPart));
-        Entry entry(part[p]);
-        for (std::size_t i = to_size_t(begin); i < end; ++i) {
-          put(entry, i);
-          part[p].back() = '\n';
-        }
-      });
-      for (const std::string& lines : parts) write_(lines);
-    }
+    const auto format = [&put](std::string& text, Size begin, Size end) {
+      text.clear();
+      Entry entry(text);
+      for (Size i = begin; i < end; ++i) {
+        put(entry, to_size_t(i));
+        text.back() = '\n';
+      }
+    };
+    write_in_ranges(cpu_, std::int64_t(n), kLinesPerRange, format, write_);
   }
 
  private:
-  static constexpr Size kLinesPerPart = 1 << 15;
+  static constexpr Size kLinesPerRange = 1 << 15;
   std::function<void(std::string_view)> write_;
   backend::Cpu cpu_;
 };

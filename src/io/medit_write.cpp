@@ -34,7 +34,7 @@ class TextWriter {
   LineWriter out_;
 };
 
-/// Writes the sections of a binary file. Entries are encoded in ranges, in parallel, and written in order.
+/// Writes the sections of a binary file.
 class BinaryWriter {
  public:
   class Entry {
@@ -58,20 +58,15 @@ class BinaryWriter {
     const Size size = std::int64_t(n);
     const std::int64_t entry_bytes = encoding_.entry_bytes(reals, integers);
     write(encoding_.section_head(section.code, position_, encoding_.integer_bytes() + size * entry_bytes));
-    bytes_.resize(to_size_t(encoding_.integer_bytes()));
-    Entry(encoding_, bytes_.data()).integer(size);
-    write({bytes_.data(), bytes_.size()});
-    const Size parts = kPartsPerThread * cpu_.threads();
-    for (Size first = 0; first < size; first += parts * kEntriesPerPart) {
-      const Size last = std::min(size, first + parts * kEntriesPerPart);
-      bytes_.resize(to_size_t((last - first) * entry_bytes));
-      cpu_.for_parts((last - first + kEntriesPerPart - 1) / kEntriesPerPart, [&](Size part) {
-        const Size begin = first + part * kEntriesPerPart;
-        Entry entry(encoding_, bytes_.data() + (begin - first) * entry_bytes);
-        for (Size i = begin; i < std::min(last, begin + kEntriesPerPart); ++i) put(entry, to_size_t(i));
-      });
-      write({bytes_.data(), bytes_.size()});
-    }
+    std::string count(to_size_t(encoding_.integer_bytes()), '\0');
+    Entry(encoding_, count.data()).integer(size);
+    write(count);
+    const auto format = [&](std::string& bytes, Size begin, Size end) {
+      bytes.resize(to_size_t((end - begin) * entry_bytes));
+      Entry entry(encoding_, bytes.data());
+      for (Size i = begin; i < end; ++i) put(entry, to_size_t(i));
+    };
+    write_in_ranges(cpu_, size, kEntriesPerRange, format, [this](std::string_view bytes) { write(bytes); });
   }
   void end() { write(encoding_.file_end()); }
 
@@ -80,14 +75,12 @@ class BinaryWriter {
     file_.write(bytes);
     position_ += std::ssize(bytes);
   }
-  static constexpr Size kEntriesPerPart = 1 << 13;
-  static constexpr Size kPartsPerThread = 4;
+  static constexpr Size kEntriesPerRange = 1 << 13;
 
   FileWriter& file_;
   MeditEncoding encoding_;
   backend::Cpu cpu_;
   std::int64_t position_ = 0;
-  std::vector<char> bytes_;
 };
 
 /// The tetrahedra of a mesh whose file listed them inside out, in the orientation of the file.
