@@ -56,8 +56,8 @@ def shortened(name, length=MAX_LENGTH):
 
 def short(name):
     """F for a kernel of the backend that calls F: reduce_kernel<R, F>(...), spread_reduce_kernel<R, F>(...),
-    for_each_kernel<F>(...), for_each_kernel<StoreResult<R, F>>(...), team_kernel likewise, scan_kernel<F, ...>(...) and
-    steps_kernel<F, ...>(...)."""
+    for_each_kernel<F>(...), team_kernel<SIZE, F>(...), also where F is that of StoreResult<R, F>,
+    ordered_kernel<EvaluateInOrder<R, F>>(...), scan_kernel<F, ...>(...) and steps_kernel<F, ...>(...)."""
     name = normalized(name)
     match = re.match(r"void ([\w:]+)<(.*?)>\(", name)
     if not match:
@@ -66,9 +66,9 @@ def short(name):
     parts = arguments_of(rest)
     if kind in ("scan_kernel", "steps_kernel"):
         function = parts[0]
-    elif kind in ("for_each_kernel", "team_kernel"):
-        outer, inner = split_template(parts[0])
-        function = inner[1] if outer == "StoreResult" else parts[0]
+    elif kind in ("for_each_kernel", "team_kernel", "ordered_kernel"):
+        outer, inner = split_template(parts[-1])
+        function = inner[1] if outer.endswith(("StoreResult", "EvaluateInOrder")) else parts[-1]
     elif kind in ("reduce_kernel", "spread_reduce_kernel"):
         function = parts[1]
     elif kind.startswith("cub"):

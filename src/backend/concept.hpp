@@ -46,6 +46,16 @@ struct AnyRow {
 struct Place {
   TETUNE_HD void operator()(Size, std::uint32_t) const {}
 };
+struct EvaluateInOrder {
+  struct Shared {};
+  template <class Team>
+  TETUNE_HD bool is_ready(const Team&, Size) const {
+    return true;
+  }
+  template <class Team>
+  TETUNE_HD void operator()(const Team&, Shared&, Size) const {}
+  TETUNE_HD void finish(Size) const {}
+};
 
 }  // namespace concept_detail
 
@@ -156,6 +166,17 @@ concept CountsByRow = Backend<B> && requires(const B& backend, Size n, Span<std:
                                              typename B::template Buffer<std::uint32_t>& places) {
   { backend.count_by_row(n, concept_detail::AnyRow{}, offsets, places) } -> std::same_as<Size>;
   { backend.place_by_row(n, concept_detail::AnyRow{}, Size{1}, places, concept_detail::Place{}) } -> std::same_as<void>;
+};
+
+/// The optional hook of a backend that evaluates items by teams in the order of their start: items that depend on
+/// others before them, in one launch.
+///
+/// for_each_in_order(n, f): for each item i in [0, n), calls f.is_ready(team, i) until it returns true to all threads
+/// of the team, then f(team, shared, i), then f.finish(i) by one thread. Requires that is_ready() returns true once
+/// finish() was called for all items before, and that backend/atomic.hpp loads and stores what is shared by items.
+template <class B>
+concept RunsInOrder = Backend<B> && requires(const B& backend, Size n) {
+  { backend.for_each_in_order(n, concept_detail::EvaluateInOrder{}) } -> std::same_as<void>;
 };
 
 }  // namespace tetune::backend

@@ -43,8 +43,7 @@ class Cuda {
       : stop_(std::move(stop)),
         warps_(resident_warps()),
         pool_({allocate_or_null, free_block}, memory),
-        zeros_(allocate_zeros(Readback::kCapacity + (kMaxGroups + 1 + kMaxTiles) * sizeof(unsigned))),
-        readback_(zeros()) {}
+        zeros_(allocate_zeros((kMaxGroups + 1 + kMaxTiles) * sizeof(unsigned))) {}
 
   Memory memory() const { return Memory(pool_); }
 
@@ -54,13 +53,26 @@ class Cuda {
   void for_each(Size n, const F& f) const {
     static_assert(std::is_trivially_copyable_v<F>);
     if (n == 0) return;
-    if constexpr (TeamKernel<F>) {
-      const int teams = std::min(warp_items<F>(n), kWarp / kTeamSizeOf<F>);
-      team_kernel<<<blocks(n, teams), static_cast<unsigned>(teams * kTeamSizeOf<F>)>>>(n, f);
+    if constexpr (kScalesToWarp<F>) {
+      if (n <= kWarpEach * warps_) {
+        launch_teams<kWarp>(n, f);
+      } else {
+        launch_teams<kTeamSizeOf<F>>(n, f);
+      }
+    } else if constexpr (TeamKernel<F>) {
+      launch_teams<kTeamSizeOf<F>>(n, f);
     } else {
       const int threads = n < kSmallLaunch ? warp_items<F>(n) : kThreads;
       for_each_kernel<<<blocks(n, threads), static_cast<unsigned>(threads)>>>(n, f);
     }
+    check_cuda(cudaGetLastError(), "launch");
+  }
+
+  template <class F>
+  void for_each_in_order(Size n, const F& f) const {
+    static_assert(std::is_trivially_copyable_v<F>);
+    if (n == 0) return;
+    ordered_kernel<<<blocks(n, 1), kWarp>>>(f, started());
     check_cuda(cudaGetLastError(), "launch");
   }
 
@@ -178,6 +190,11 @@ class Cuda {
     return attribute(cudaDevAttrMultiProcessorCount) * (ratio <= kMaxRatio ? kWarpsPerProcessor : 1);
   }
 
+  template <int kTeamSize, class F>
+  void launch_teams(Size n, const F& f) const {
+    const int teams = std::min(warp_items<F>(n), kWarp / kTeamSize);
+    team_kernel<kTeamSize><<<blocks(n, teams), static_cast<unsigned>(teams * kTeamSize)>>>(n, f);
+  }
   /// One launch.
   template <class R, class F>
   Pending<R> merge(Size n, const F& f) const {
@@ -255,13 +272,14 @@ class Cuda {
     }
   }
 
-  unsigned char* zeros() const { return static_cast<unsigned char*>(zeros_.get()); }
   /// See MergeLevels.
-  unsigned* arrived() const { return reinterpret_cast<unsigned*>(zeros() + Readback::kCapacity); }
-  /// See ScannedTiles.
+  unsigned* arrived() const { return static_cast<unsigned*>(zeros_.get()); }
+  /// See ScannedTiles and ordered_kernel().
   unsigned* started() const { return arrived() + kMaxGroups; }
   unsigned* tile_states() const { return started() + 1; }
 
+  /// The number of items per resident warp up to which a whole warp evaluates each (kScalesToWarp).
+  static constexpr Size kWarpEach = 4;
   static constexpr int kThreads = 128;
   /// Threads of the largest block, which runs steps of few items in one launch.
   static constexpr int kMaxBlock = 1024;
@@ -283,6 +301,6 @@ class Cuda {
   mutable unsigned scans_ = 0;
 };
 
-static_assert(Backend<Cuda>);
+static_assert(Backend<Cuda> && RunsInOrder<Cuda>);
 
 }  // namespace tetune::backend

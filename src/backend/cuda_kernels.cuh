@@ -101,9 +101,9 @@ using Warp = PartOfWarp<32>;
 inline constexpr int kMinWarps = 12;
 
 /// A block of one warp, or of the teams of one that there are items for.
-template <class F>
+template <int kTeamSize, class F>
 __global__ void __launch_bounds__(Warp::kSize, kMinWarps) team_kernel(Size n, F f) {
-  using Team = PartOfWarp<kTeamSizeOf<F>>;
+  using Team = PartOfWarp<kTeamSize>;
   constexpr unsigned kTeams = Warp::kSize / Team::kSize;
   __shared__ alignas(16) unsigned char shared[kTeams][sizeof(typename F::Shared)];
   const unsigned team = threadIdx.x / Team::kSize;
@@ -130,6 +130,26 @@ __device__ T load_volatile(const T* from) {
   T value;
   memcpy(&value, words, sizeof(T));
   return value;
+}
+
+/// A block of one warp evaluates an item. Blocks take the items in order, so that those before an item are evaluated by
+/// blocks that run already. `started` is the number of items that were taken; 0 before and after.
+template <class F>
+__global__ void __launch_bounds__(Warp::kSize, kMinWarps) ordered_kernel(F f, unsigned* started) {
+  static_assert(kTeamSizeOf<F> == Warp::kSize);
+  __shared__ alignas(16) unsigned char shared[sizeof(typename F::Shared)];
+  unsigned taken = 0;
+  if (Warp::rank() == 0) taken = atomicInc(started, gridDim.x - 1);
+  const Size i = Warp::broadcast(taken, 0);
+  while (Warp::any(!f.is_ready(Warp(), i))) {
+  }
+  Warp::sync();
+  __threadfence();
+  f(Warp(), *reinterpret_cast<typename F::Shared*>(shared), i);
+  Warp::sync();
+  if (Warp::rank() != 0) return;
+  __threadfence();
+  f.finish(i);
 }
 
 /// Results that are merged at a time, by a tree of fixed shape, so that each run yields the same bits.

@@ -50,7 +50,7 @@ class CudaMemory {
   GrowingPool* pool_ = nullptr;
 };
 
-/// Results that kernels leave in the memory of the device, which reach the host together: one transfer is one wait.
+/// Results that kernels write to the memory of the host: after one wait all of them are there.
 class Readback {
  public:
   /// A result on the host.
@@ -63,28 +63,33 @@ class Readback {
   static constexpr std::size_t kCapacity = 4096;
   static constexpr std::size_t kAlignment = 16;
 
-  /// In the memory of the device, with kCapacity bytes, all written.
-  explicit Readback(unsigned char* memory) : memory_(memory) {}
+  Readback() : memory_(allocate(), release) {}
 
-  /// Returns where on the device a kernel is to write a result that `slot` is to receive.
+  /// Returns where a kernel is to write a result that `slot` is to receive.
   unsigned char* add(std::shared_ptr<Slot> slot, std::size_t bytes) {
     if (end_ + bytes > kCapacity) fetch();
     slots_.push_back({end_, std::move(slot)});
     end_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
-    return memory_ + slots_.back().first;
+    return memory_.get() + slots_.back().first;
   }
   void fetch() {
-    CudaMemory::download(host_, memory_, std::min(end_, kCapacity));
-    for (const auto& [offset, slot] : slots_) slot->receive(host_ + offset);
+    check_cuda(cudaStreamSynchronize(nullptr), "wait");
+    for (const auto& [offset, slot] : slots_) slot->receive(memory_.get() + offset);
     slots_.clear();
     end_ = 0;
   }
 
  private:
-  unsigned char* memory_;
+  static unsigned char* allocate() {
+    void* memory = nullptr;
+    check_cuda(cudaMallocHost(&memory, kCapacity), "allocation");
+    return static_cast<unsigned char*>(memory);
+  }
+  static void release(unsigned char* memory) { cudaFreeHost(memory); }
+
+  std::unique_ptr<unsigned char, void (*)(unsigned char*)> memory_;
   std::size_t end_ = 0;
   std::vector<std::pair<std::size_t, std::shared_ptr<Slot>>> slots_;
-  unsigned char host_[kCapacity];
 };
 
 /// A result that the host waits for when it is asked for, unless another wait brought it.

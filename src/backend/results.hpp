@@ -14,6 +14,7 @@ struct StoreResult {
   static constexpr Size kGrain = Kernel::kGrain;
   using Shared = SharedOf<Kernel>;
   static constexpr int kTeamSize = kTeamSizeOf<Kernel>;
+  static constexpr bool kScalesToWarp = backend::kScalesToWarp<Kernel>;
   Kernel kernel;
   Span<R> results;
   TETUNE_HD void operator()(Size i) const { results[i] = kernel(i); }

@@ -93,6 +93,13 @@ inline constexpr int kTeamSizeOf = 32;
 template <class Kernel>
 requires requires { Kernel::kTeamSize; }
 inline constexpr int kTeamSizeOf<Kernel> = Kernel::kTeamSize;
+/// Kernel::kScalesToWarp: whether teams of any size up to that of a warp may evaluate the items, to the same bits. A
+/// GPU then gives each of few items a warp.
+template <class Kernel>
+inline constexpr bool kScalesToWarp = false;
+template <TeamKernel Kernel>
+requires requires { Kernel::kScalesToWarp; }
+inline constexpr bool kScalesToWarp<Kernel> = Kernel::kScalesToWarp;
 
 /// The largest of several values.
 struct Max {

@@ -148,7 +148,8 @@ class PlainRing {
       partial.add(objective_, f, y, 1 / w, 1.0);
     });
     is_uncertain_ = !exceeds_error_bound(-team_.merge(backend::Max{-w_min}).value, sum.length2);
-    return is_uncertain_ ? model_with_error_bounds(x) : to_model(objective_, sum, count_);
+    // A copy for the rare case, so that the compiler may keep the ring in registers.
+    return is_uncertain_ ? PlainRing(*this).model_with_error_bounds(x) : to_model(objective_, sum, count_);
   }
 
   /// The smallest t > 0 at which x + t p leaves the kernel of the ring, or infinity. Requires a call of model() at the

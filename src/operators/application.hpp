@@ -123,10 +123,13 @@ struct Resolve {
 
 /// Writes the new tetrahedra, and frees the slots that are left over. Marks the new tetrahedra and their neighbors for
 /// evaluation where `changed_tets` are given: of the candidates whose cavity has changed, few are owned by a
-/// tetrahedron farther away.
+/// tetrahedron farther away. The threads of a team divide the tetrahedra among them.
 template <class P>
 struct Write {
   static constexpr Size kGrain = 32;
+  /// A patch has about as many new tetrahedra.
+  static constexpr int kTeamSize = P::kMaxExtraTets < 16 ? 4 : 32;
+  struct Shared {};
   RatedMesh mesh;
   SelectedRecords<P> records;
   Span<const ChangeCounts> before;
@@ -145,32 +148,51 @@ struct Write {
     for (int k = 0; k < patch.vertex_count(); ++k) backend::prefetch(&mesh.points[patch.vertex(k)]);
   }
   TETUNE_HD FlipSum operator()(Size i) const {
+    Shared memory;
+    return (*this)(backend::SingleThread(), memory, i);
+  }
+  template <class Team>
+  TETUNE_HD FlipSum operator()(const Team& team, Shared&, Size i) const {
     const Record<P>& r = records[i];
     const P& patch = r.patch;
-    if constexpr (requires { patch.write_vertex(mesh, vertices); }) patch.write_vertex(mesh, vertices);
+    if constexpr (requires { patch.write_vertex(mesh, vertices); }) {
+      if (team.rank() == 0) patch.write_vertex(mesh, vertices);
+      team.sync();
+    }
     FlipSum sum;
-    sum.decrease = write_tets(r);
-    for (int x = patch.new_count(); x < patch.old_count(); ++x) {
+    sum.decrease = sum_in_order(team, write_tets(team, r));
+    for (int x = team.rank(); x < patch.old_count(); x += Team::kSize) {
+      if (x < patch.new_count()) continue;
       mesh.tet2vertex[patch.tets[x]][0] = kFreeSlot;
       energies[patch.tets[x]] = 0;
       free_slots[free_kept + before[i].freed + x - patch.new_count()] = patch.tets[x];
     }
-    for (int k = 0; k < patch.vertex_count() && changed.size() > 0; ++k) {
+    for (int k = team.rank(); k < patch.vertex_count() && changed.size() > 0; k += Team::kSize) {
       backend::store_shared(changed[patch.vertex(k)], 1);
     }
-    if (changed_tets.marks.size() > 0) mark_changed(r);
+    if (changed_tets.marks.size() > 0) mark_changed(team, r);
     if (r.is_leader(records.selected[i])) patch.count(sum.counts);
     return sum;
   }
 
  private:
-  /// Returns by how much the energy falls.
-  TETUNE_HD double write_tets(const Record<P>& r) const {
+  /// The sum over the threads, in their order.
+  template <class Team>
+  TETUNE_HD static double sum_in_order(const Team& team, double own) {
+    double sum = team.broadcast(own, 0);
+    for (int k = 1; k < Team::kSize; ++k) sum += team.broadcast(own, k);
+    return sum;
+  }
+  /// Writes the tetrahedra of a thread; returns by how much their energy falls. A thread reads the old energies of the
+  /// slots that it writes.
+  template <class Team>
+  TETUNE_HD double write_tets(const Team& team, const Record<P>& r) const {
     const P& patch = r.patch;
     const Index original = mesh.tet2original[patch.tets[0]];
-    double decrease = energy_before(patch, energies);
-    if constexpr (requires { patch.parent(0); }) write_originals(r);
-    for (int x = 0; x < patch.new_count(); ++x) {
+    double decrease = 0;
+    for (int x = team.rank(); x < patch.old_count(); x += Team::kSize) decrease += energies[patch.tets[x]];
+    if constexpr (requires { patch.parent(0); }) write_originals(team, r);
+    for (int x = team.rank(); x < patch.new_count(); x += Team::kSize) {
       const Index s = r.slot(x);
       FaceAdjacency adjacency{};
       for (int f = 0; f < 4; ++f) {
@@ -187,17 +209,24 @@ struct Write {
     }
     return decrease;
   }
-  TETUNE_HD void mark_changed(const Record<P>& r) const {
-    for (int x = 0; x < r.patch.new_count(); ++x) changed_tets.mark_changed(r.slot(x));
-    for (int k = 0; k < r.patch.face_count(); ++k) {
+  template <class Team>
+  TETUNE_HD void mark_changed(const Team& team, const Record<P>& r) const {
+    for (int x = team.rank(); x < r.patch.new_count(); x += Team::kSize) changed_tets.mark_changed(r.slot(x));
+    for (int k = team.rank(); k < r.patch.face_count(); k += Team::kSize) {
       if (!is_locked(r.across[k])) changed_tets.mark_changed(tet_of(r.across[k]));
     }
   }
   /// All are read before one is written: the parents are among the slots.
-  TETUNE_HD void write_originals(const Record<P>& r) const {
-    Index originals[P::kMaxExtraTets];
-    for (int x = 0; x < r.patch.new_count(); ++x) originals[x] = mesh.tet2original[r.patch.parent(x)];
-    for (int x = 0; x < r.patch.new_count(); ++x) mesh.tet2original[r.slot(x)] = originals[x];
+  template <class Team>
+  TETUNE_HD void write_originals(const Team& team, const Record<P>& r) const {
+    Index originals[(P::kMaxExtraTets + Team::kSize - 1) / Team::kSize];
+    for (int x = team.rank(); x < r.patch.new_count(); x += Team::kSize) {
+      originals[x / Team::kSize] = mesh.tet2original[r.patch.parent(x)];
+    }
+    team.sync();
+    for (int x = team.rank(); x < r.patch.new_count(); x += Team::kSize) {
+      mesh.tet2original[r.slot(x)] = originals[x / Team::kSize];
+    }
   }
 };
 

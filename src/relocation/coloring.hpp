@@ -358,33 +358,4 @@ void color_vertices(const Backend& backend, const RingsView& rings, Span<const V
   }
 }
 
-/// Merges the results of a kernel for all colored vertices, one color after the other; `kernel.vertices` receives the
-/// vertices of a color. Ends between two colors when a stop is requested. Returns the pending result: see
-/// reduce_async().
-template <class R, class Backend, class Kernel>
-ResultOf<Backend, R> reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kernel kernel) {
-  using namespace coloring_detail;
-  R total{};
-  // An asynchronous backend stores the results, as the host would otherwise wait for each color.
-  constexpr bool kStores = Backend::kIsAsynchronous;
-  BufferOf<Backend, R> results;
-  if constexpr (kStores) results.resize(backend, coloring.vertices.size());
-  Size done = 0;
-  for (int c = 0; c < coloring.colors() && !backend.stop_requested(); ++c) {
-    kernel.vertices = coloring.vertices_of(c);
-    const Size count = kernel.vertices.size();
-    if constexpr (kStores) {
-      backend.for_each(count, backend::StoreResult<R, Kernel>{kernel, {results.span().data() + done, count}});
-    } else {
-      total.merge(backend.template reduce<R>(count, kernel));
-    }
-    done += count;
-  }
-  if constexpr (kStores) {
-    return backend.template reduce_async<R>(done, backend::LoadResult<R>{results});
-  } else {
-    return {total};
-  }
-}
-
 }  // namespace tetune

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "backend/atomic.hpp"
 #include "boundary/vertex_dofs.hpp"
 #include "energy/criterion.hpp"
 #include "mesh/work_mesh.hpp"
 #include "relocation/angle_cost_ring.hpp"
 #include "relocation/coloring.hpp"
+#include "relocation/reduce_colors.hpp"
 
 namespace tetune {
 
@@ -21,30 +23,72 @@ struct MinimizeAngleCost : DofsView {
   Span<const std::uint8_t> flags;
   double target_cost;
   Span<const Index> vertices = {};
-  using Shared = MinimaxModel;
+
+  /// Almost all rings have at most this number of faces; larger ones are read from the mesh.
+  static constexpr Size kStoredFaces = 64;
+  struct Shared {
+    MinimaxModel model;
+    Point corners[3 * kStoredFaces];
+    LinkFace faces[kStoredFaces];
+  };
+  static constexpr bool kUsesRingAlone = !kSlides;
+  TETUNE_HD bool may_move(Index v) const { return flags[v] != 0; }
 
   TETUNE_HD Sum<Size> operator()(Size i) const {
     MinimaxModel model;
-    return (*this)(backend::PackThread<Pack>(), model, i);
+    return move(backend::PackThread<Pack>(), model, vertices[i], mesh.points, faces_of(vertices[i]));
   }
   template <class Team>
-  TETUNE_HD Sum<Size> operator()(const Team& team, MinimaxModel& model, Size i) const {
+  TETUNE_HD Sum<Size> operator()(const Team& team, Shared& shared, Size i) const {
     const Index v = vertices[i];
+    const Span<const LinkFace> faces = faces_of(v);
+    if (!may_move(v) || faces.size() > kStoredFaces) return move(team, shared.model, v, mesh.points, faces);
+    for (Size f = team.rank(); f < faces.size(); f += Team::kSize) store_face(faces[f], f, shared);
+    team.sync();
+    return move(team, shared.model, v, {shared.corners, 3 * faces.size()}, {shared.faces, faces.size()});
+  }
+
+ private:
+  TETUNE_HD Span<const LinkFace> faces_of(Index v) const {
     const Size begin = rings.offsets[v];
-    const auto count = to_index(rings.offsets[v + 1] - begin);
-    if (flags[v] == 0 || count == 0) return {};
-    const AngleCostRing ring(mesh, rings.faces.data() + begin, count, true);
-    Vec3 x = vec(backend::read_once(team, mesh.points[v]));
+    return {rings.faces.data() + begin, rings.offsets[v + 1] - begin};
+  }
+  /// Each position is loaded once, as other teams may store it in the same loop, and such loads bypass a cache.
+  TETUNE_HD void store_face(const LinkFace& face, Size f, Shared& shared) const {
+    for (int k = 0; k < 3; ++k) {
+      const Index corner = to_index(3 * f + k);
+      shared.corners[corner] = point(load_position(face.v[k]));
+      shared.faces[f].v[k] = corner;
+    }
+  }
+  TETUNE_HD Vec3 load_position(Index v) const {
+    const Point& p = mesh.points[v];
+    return {backend::load_shared(p.x), backend::load_shared(p.y), backend::load_shared(p.z)};
+  }
+  TETUNE_HD void store_position(Index v, const Vec3& x) const {
+    Point& p = mesh.points[v];
+    backend::store_shared(p.x, x.x);
+    backend::store_shared(p.y, x.y);
+    backend::store_shared(p.z, x.z);
+  }
+
+  /// `faces`: the ring of the vertex, with the positions of its corners.
+  template <class Team>
+  TETUNE_HD Sum<Size> move(const Team& team, MinimaxModel& model, Index v, Span<Point> corners,
+                           Span<const LinkFace> faces) const {
+    if (!may_move(v) || faces.size() == 0) return {};
+    RatedMesh rated = mesh;
+    rated.points = corners;
+    const AngleCostRing ring(rated, faces.data(), to_index(faces.size()), true);
+    Vec3 x = team.broadcast(load_position(v), 0);
     if constexpr (kSlides) {
       if (slides(dof[v])) return slide(v, ring, x, team, model);
     }
     FreeMotion motion{motion_space(dof, axis, v)};
     if (!ring.minimize(x, motion, target_cost, model, team)) return {};
-    if (team.rank() == 0) mesh.points[v] = point(x);
+    if (team.rank() == 0) store_position(v, x);
     return {1};
   }
-
- private:
   template <class Team>
   TETUNE_HD Sum<Size> slide(Index v, const AngleCostRing& ring, Vec3 x, const Team& team, MinimaxModel& model) const {
     const SurfacePoint start = backend::read_once(team, surface_point[v]);

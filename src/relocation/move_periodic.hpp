@@ -5,6 +5,7 @@
 #include "energy/criterion.hpp"
 #include "relocation/angle_cost_ring.hpp"
 #include "relocation/periodic_set.hpp"
+#include "relocation/reduce_colors.hpp"
 #include "relocation/sweep.hpp"
 
 namespace tetune {

@@ -102,7 +102,13 @@ struct NewtonStep {
       if (displacement_step < max_step) max_step = displacement_step;
       const Vec3 start = x;
       double decrease = backtrack(ring, m, p, max_step < relaxation ? max_step : relaxation, x);
-      if (decrease == 0) decrease = search_along_gradient(ring, m, motion, x);
+      if (decrease == 0) {
+        // Copies for the rare case, so that the compiler may keep ring, model and position in registers.
+        Ring ring_of_search = ring;
+        Vec3 end = x;
+        decrease = search_along_gradient(ring_of_search, RingModel(m), MotionSpace(motion), end);
+        x = end;
+      }
       if (decrease == 0) break;
       result.decrease += decrease;
       result.relative_move += norm(x - start) / std::sqrt(m.length2);

@@ -4,6 +4,7 @@
 #include "backend/atomic.hpp"
 #include "backend/prefetch.hpp"
 #include "boundary/sliding/deviation_bound.hpp"
+#include "relocation/reduce_colors.hpp"
 #include "relocation/slide.hpp"
 #include "relocation/sweep.hpp"
 
@@ -19,6 +20,7 @@ struct RelocateVertex : DofsView {
   struct NoMemory {};
   using Shared = std::conditional_t<std::is_same_v<Ring, PlainRing<>>, NoMemory, void>;
   static constexpr int kTeamSize = kRingLanes;
+  static constexpr bool kScalesToWarp = !kSlides;
   Criterion criterion;
   Span<Point> points;
   RingsView rings;

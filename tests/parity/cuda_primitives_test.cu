@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "backend/atomic.hpp"
 #include "backend/cuda.cuh"
 
 namespace tetune::backend {
@@ -69,6 +70,25 @@ struct AddNeighbor {
     (step % 2 == 0 ? odd : even)[i] = from[i] + from[(i + 1) % from.size()];
   }
 };
+/// Each item needs the result of the one before it.
+struct AddToItemBefore {
+  struct Shared {
+    Size before;
+  };
+  Span<Size> sums;
+  Span<std::uint8_t> finished;
+  template <class Team>
+  TETUNE_HD bool is_ready(const Team& team, Size i) const {
+    return i == 0 || team.rank() > 0 || load_shared(finished[i - 1]) == 1;
+  }
+  template <class Team>
+  TETUNE_HD void operator()(const Team& team, Shared& shared, Size i) const {
+    if (team.rank() == Team::kSize - 1) shared.before = i == 0 ? 0 : load_shared(sums[i - 1]);
+    team.sync();
+    if (team.rank() == 0) store_shared(sums[i], shared.before + i);
+  }
+  TETUNE_HD void finish(Size i) const { store_shared(finished[i], std::uint8_t{1}); }
+};
 struct AddSquare {
   Span<Size> out;
   TETUNE_HD void operator()(Size i) const { out[i] += i * i; }
@@ -124,6 +144,18 @@ TEST_P(CudaPrimitives, StepsFollowEachOther) {
     for (std::size_t i = 0; i < next.size(); ++i) expected[i] += next[i];
   }
   EXPECT_EQ(even.download(), expected);
+}
+
+TEST_P(CudaPrimitives, ItemsInOrderFollowThoseTheyNeed) {
+  const Size items = std::min<Size>(n(), 3000);
+  for (int run = 0; run < 2; ++run) {
+    Cuda::Buffer<Size> sums(*cuda, items);
+    Cuda::Buffer<std::uint8_t> finished(*cuda, items);
+    cuda->fill(finished.span(), std::uint8_t{0});
+    cuda->for_each_in_order(items, AddToItemBefore{sums.span(), finished.span()});
+    const std::vector<Size> host = sums.download();
+    for (Size i = 0; i < items; ++i) ASSERT_EQ(host[to_size_t(i)], i * (i + 1) / 2);
+  }
 }
 
 TEST_P(CudaPrimitives, ReduceMergesInItsOrder) {

@@ -173,7 +173,10 @@ cudaError_t cudaOccupancyMaxActiveBlocksPerMultiprocessorWithFlags(int* blocks, 
   return cudaSuccess;
 }
 cudaError_t cudaDeviceSynchronize() { return cudaSuccess; }
-cudaError_t cudaStreamSynchronize(cudaStream_t) { return cudaSuccess; }
+cudaError_t cudaStreamSynchronize(cudaStream_t) {
+  write_transfer("wait", 0);
+  return cudaSuccess;
+}
 
 // -- Memory --
 
@@ -191,6 +194,9 @@ cudaError_t cudaFree(void* memory) {
   global_memory().remove(address_of(memory));
   return cudaSuccess;
 }
+/// Memory of the host that the device can access, too.
+cudaError_t cudaMallocHost(void** memory, std::size_t bytes) { return cudaMalloc(memory, bytes); }
+cudaError_t cudaFreeHost(void* memory) { return cudaFree(memory); }
 cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind) {
   return copy(to, from, bytes, kind);
 }
