@@ -193,7 +193,7 @@ class Cuda {
   template <int kTeamSize, class F>
   void launch_teams(Size n, const F& f) const {
     const int teams = std::min(warp_items<F>(n), kWarp / kTeamSize);
-    team_kernel<kTeamSize><<<blocks(n, teams), static_cast<unsigned>(teams * kTeamSize)>>>(n, f);
+    team_kernel<kTeamSize><<<blocks(n, teams), unsigned(teams * kTeamSize)>>>(n, f);
   }
   /// One launch.
   template <class R, class F>

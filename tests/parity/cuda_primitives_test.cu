@@ -147,7 +147,7 @@ TEST_P(CudaPrimitives, StepsFollowEachOther) {
 }
 
 TEST_P(CudaPrimitives, ItemsInOrderFollowThoseTheyNeed) {
-  const Size items = std::min<Size>(n(), 3000);
+  const Size items = std::min<Size>(n(), 1000);
   for (int run = 0; run < 2; ++run) {
     Cuda::Buffer<Size> sums(*cuda, items);
     Cuda::Buffer<std::uint8_t> finished(*cuda, items);
