@@ -68,7 +68,7 @@ def short(name):
         function = parts[0]
     elif kind in ("for_each_kernel", "team_kernel", "ordered_kernel"):
         outer, inner = split_template(parts[-1])
-        function = inner[1] if outer.endswith(("StoreResult", "EvaluateInOrder")) else parts[-1]
+        function = inner[1] if outer in ("StoreResult", "EvaluateInOrder") else parts[-1]
     elif kind in ("reduce_kernel", "spread_reduce_kernel"):
         function = parts[1]
     elif kind.startswith("cub"):

@@ -168,12 +168,13 @@ concept CountsByRow = Backend<B> && requires(const B& backend, Size n, Span<std:
   { backend.place_by_row(n, concept_detail::AnyRow{}, Size{1}, places, concept_detail::Place{}) } -> std::same_as<void>;
 };
 
-/// The optional hook of a backend that evaluates items by teams in the order of their start: items that depend on
-/// others before them, in one launch.
+/// The optional hook of a backend that starts items in order, each of them evaluated by a team, so that an item may
+/// wait for items before it.
 ///
 /// for_each_in_order(n, f): for each item i in [0, n), calls f.is_ready(team, i) until it returns true to all threads
 /// of the team, then f(team, shared, i), then f.finish(i) by one thread. Requires that is_ready() returns true once
-/// finish() was called for all items before, and that backend/atomic.hpp loads and stores what is shared by items.
+/// finish() was called for all items before. What the items that is_ready() has found finished have stored is visible;
+/// backend/atomic.hpp loads and stores what may change while an item is evaluated.
 template <class B>
 concept RunsInOrder = Backend<B> && requires(const B& backend, Size n) {
   { backend.for_each_in_order(n, concept_detail::EvaluateInOrder{}) } -> std::same_as<void>;

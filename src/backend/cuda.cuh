@@ -190,11 +190,13 @@ class Cuda {
     return attribute(cudaDevAttrMultiProcessorCount) * (ratio <= kMaxRatio ? kWarpsPerProcessor : 1);
   }
 
+  /// One launch, a warp per block.
   template <int kTeamSize, class F>
   void launch_teams(Size n, const F& f) const {
     const int teams = std::min(warp_items<F>(n), kWarp / kTeamSize);
     team_kernel<kTeamSize><<<blocks(n, teams), unsigned(teams * kTeamSize)>>>(n, f);
   }
+
   /// One launch.
   template <class R, class F>
   Pending<R> merge(Size n, const F& f) const {

@@ -96,8 +96,8 @@ class PartOfWarp {
 };
 using Warp = PartOfWarp<32>;
 
-/// The number of warps that a multiprocessor is to have at once, which limits the registers of a thread. Sweeps on an
-/// H200 take longer with fewer warps and with more (docs/benchmarks/gpu.md).
+/// The number of warps that a multiprocessor is to have at once, which limits the registers of a thread. Sweeps gain
+/// nothing from more (docs/benchmarks/gpu.md).
 inline constexpr int kMinWarps = 12;
 
 /// A block of one warp, or of the teams of one that there are items for.
@@ -143,8 +143,9 @@ __global__ void __launch_bounds__(Warp::kSize, kMinWarps) ordered_kernel(F f, un
   const Size i = Warp::broadcast(taken, 0);
   while (Warp::any(!f.is_ready(Warp(), i))) {
   }
-  Warp::sync();
+  // What each thread has found finished is visible to all threads.
   __threadfence();
+  Warp::sync();
   f(Warp(), *reinterpret_cast<typename F::Shared*>(shared), i);
   Warp::sync();
   if (Warp::rank() != 0) return;

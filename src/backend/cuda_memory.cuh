@@ -50,7 +50,7 @@ class CudaMemory {
   GrowingPool* pool_ = nullptr;
 };
 
-/// Results that kernels write to the memory of the host: after one wait all of them are there.
+/// Results that kernels write to pinned memory of the host: after one wait all of them are there.
 class Readback {
  public:
   /// A result on the host.
@@ -85,7 +85,10 @@ class Readback {
     check_cuda(cudaMallocHost(&memory, kCapacity), "allocation");
     return static_cast<unsigned char*>(memory);
   }
-  static void release(unsigned char* memory) { cudaFreeHost(memory); }
+  static void release(unsigned char* memory) {
+    cudaStreamSynchronize(nullptr);  // kernels may have results to write
+    cudaFreeHost(memory);
+  }
 
   std::unique_ptr<unsigned char, void (*)(unsigned char*)> memory_;
   std::size_t end_ = 0;
@@ -101,9 +104,9 @@ class Pending {
  public:
   /// R{}
   Pending() = default;
-  /// Sets `on_device` to where a kernel is to write the result.
-  Pending(Readback& readback, R*& on_device) : readback_(&readback), slot_(std::make_shared<Slot>()) {
-    on_device = reinterpret_cast<R*>(readback.add(slot_, sizeof(R)));
+  /// Sets `target` to where a kernel is to write the result.
+  Pending(Readback& readback, R*& target) : readback_(&readback), slot_(std::make_shared<Slot>()) {
+    target = reinterpret_cast<R*>(readback.add(slot_, sizeof(R)));
   }
 
   R get() const {

@@ -93,8 +93,8 @@ inline constexpr int kTeamSizeOf = 32;
 template <class Kernel>
 requires requires { Kernel::kTeamSize; }
 inline constexpr int kTeamSizeOf<Kernel> = Kernel::kTeamSize;
-/// Kernel::kScalesToWarp: whether teams of any size up to that of a warp may evaluate the items, to the same bits. A
-/// GPU then gives each of few items a warp.
+/// Kernel::kScalesToWarp: whether teams of any size up to that of a warp may evaluate the items, to the same bits. On
+/// a GPU a warp evaluates each item where there are few.
 template <class Kernel>
 inline constexpr bool kScalesToWarp = false;
 template <TeamKernel Kernel>

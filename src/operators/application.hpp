@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backend/atomic.hpp"
+#include "backend/team.hpp"
 #include "energy/mesh_energy.hpp"
 #include "operators/active_set.hpp"
 #include "operators/prefetch_tets.hpp"
@@ -127,7 +128,7 @@ struct Resolve {
 template <class P>
 struct Write {
   static constexpr Size kGrain = 32;
-  /// A patch has about as many new tetrahedra.
+  /// About the number of new tetrahedra of a patch.
   static constexpr int kTeamSize = P::kMaxExtraTets < 16 ? 4 : 32;
   struct Shared {};
   RatedMesh mesh;

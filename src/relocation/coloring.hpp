@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "backend/results.hpp"
+#include "backend/buffer.hpp"
 #include "boundary/sliding/reference_surface.hpp"
 #include "energy/ring.hpp"
 #include "tetune/error.hpp"

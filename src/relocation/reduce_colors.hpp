@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 #include "backend/atomic.hpp"
+#include "backend/buffer.hpp"
 #include "backend/concept.hpp"
+#include "backend/results.hpp"
 #include "backend/team.hpp"
 #include "energy/ring.hpp"
 #include "relocation/coloring.hpp"
@@ -11,8 +15,8 @@ namespace tetune {
 namespace reduce_colors_detail {
 
 /// A kernel that may be evaluated for a vertex once it has been for the neighbors of lower colors: beyond its own
-/// vertex it reads the positions of the ring alone, and it loads and stores positions by backend/atomic.hpp. It has
-/// `rings`, and may_move(v); without that it leaves v as it is.
+/// vertex it reads the positions of the ring alone. It has `rings`, and may_move(v): where that is false, it leaves v
+/// as it is.
 template <class Kernel>
 concept UsesRingAlone = backend::TeamKernel<Kernel> && requires {
   requires Kernel::kUsesRingAlone;
@@ -64,9 +68,11 @@ struct EvaluateInOrder {
   }
 };
 
-/// In one launch, as launches for few vertices each take as long as the slowest of these.
+/// Evaluates the kernel in one launch: one per color would take as long as the slowest vertex of each color. Waits for
+/// the number of vertices that may move.
 template <class R, class Backend, UsesRingAlone Kernel>
 ResultOf<Backend, R> reduce_in_order(const Backend& backend, const Coloring<Backend>& coloring, Kernel kernel) {
+  if (backend.stop_requested()) return {};
   kernel.vertices = coloring.vertices.span();
   const Size n = kernel.vertices.size();
   BufferOf<Backend, std::uint8_t> pending(backend, coloring.color.size());
@@ -83,7 +89,8 @@ ResultOf<Backend, R> reduce_in_order(const Backend& backend, const Coloring<Back
 }  // namespace reduce_colors_detail
 
 /// Merges the results of a kernel for all colored vertices, one color after the other; `kernel.vertices` receives the
-/// vertices. Ends between two colors when a stop is requested. Returns the pending result: see reduce_async().
+/// vertices. Ends between two colors, or before the first, when a stop is requested. Returns the pending result: see
+/// reduce_async().
 template <class R, class Backend, class Kernel>
 ResultOf<Backend, R> reduce_colors(const Backend& backend, const Coloring<Backend>& coloring, Kernel kernel) {
   using namespace reduce_colors_detail;

@@ -14,6 +14,7 @@
 #include "backend/pool.hpp"
 #include "backend/results.hpp"
 #include "backend/span.hpp"
+#include "backend/team.hpp"
 #include "emulation/device_memory.hpp"
 
 namespace tetune::backend {
@@ -74,6 +75,19 @@ class Emulation {
   template <class F>
   void for_each_step(Size steps, Size n, const F& f) const {
     backend::for_each_step(*this, steps, n, f);
+  }
+
+  template <class F>
+  void for_each_in_order(Size n, const F& f) const {
+    F kernel(f);
+    memory_.check_arguments(kernel);
+    const DeviceMemory::Access access(memory_);
+    for (Size i = 0; i < n; ++i) {
+      if (!kernel.is_ready(SingleThread(), i)) throw std::logic_error("an item waits for one that follows it");
+      typename F::Shared shared;
+      kernel(SingleThread(), shared, i);
+      kernel.finish(i);
+    }
   }
 
   template <class R, class F>
