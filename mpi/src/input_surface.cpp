@@ -86,7 +86,7 @@ InputSurface::InputSurface(const Part& part, const Part& halo, const std::vector
       if (next >= 0) vertex.line[side] = item(halo.vertex_id, next);
     }
     vertices_.push_back(vertex);
-    surface_points_.push_back({vertex.id, {vertex.id, -1, -1}});
+    surface_points_.push_back({vertex.id, {vertex.id, -1, -1}, {vertex.id, -1, -1}, vertex.x});
   }
   index();
 }
@@ -110,7 +110,8 @@ bool InputSurface::marked(std::size_t face, const Marks& vertex) const {
 }
 
 void InputSurface::mark(const SurfacePoint& point, Marks& vertex) const {
-  for (const Id id : {point.vertex, point.on[0], point.on[1], point.on[2]}) {
+  for (const Id id : {point.vertex, point.on[0], point.on[1], point.on[2], point.checked_on[0], point.checked_on[1],
+                      point.checked_on[2]}) {
     const Index at = id < 0 ? -1 : vertex_at_[id];
     if (at >= 0) item(vertex, at) = 1;
   }
@@ -151,17 +152,19 @@ std::vector<Index> InputSurface::append_vertices(const Marks& near, Piece& piece
   return position;
 }
 
+/// The entry of a vertex of the surface in a list of positions, or -1 where it has none.
+Index InputSurface::position_of(Id id, const std::vector<Index>& position) const {
+  const Index at = id < 0 ? -1 : vertex_at_[id];
+  return at < 0 ? -1 : item(position, at);
+}
+
 /// Sets the degrees of freedom of the surface's vertices: one whose triangles or line are not all here is fixed.
 void InputSurface::set_vertices(const Marks& near, const std::vector<Index>& position,
                                 const std::vector<int>& triangles_here, SlideSurface& surface) const {
-  const auto position_of = [&](Id id) {
-    const Index at = id < 0 ? -1 : vertex_at_[id];
-    return at < 0 ? -1 : item(position, at);
-  };
   for (std::size_t i = 0; i < near.size(); ++i) {
     if (near[i] == 0) continue;
     const SurfaceVertex& vertex = vertices_[i];
-    const std::array<Index, 2> line{position_of(vertex.line[0]), position_of(vertex.line[1])};
+    const std::array<Index, 2> line{position_of(vertex.line[0], position), position_of(vertex.line[1], position)};
     bool is_complete = triangles_here[i] == vertex.triangles;
     for (std::size_t side = 0; side < 2; ++side)
       is_complete = is_complete && (vertex.line[side] < 0 || line[side] >= 0);
@@ -185,14 +188,17 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, Marks& frozen)
   const std::vector<Index> position = append_vertices(near, piece, part.mesh);
   frozen.resize(piece.id.size(), 1);
   surface.surface_point.assign(piece.id.size(), kNoSurfacePoint);
+  surface.checked_surface_point = surface.surface_point;
+  surface.checked_points = part.mesh.points;
   for (std::size_t v = 0; v < count; ++v) {
-    const Index point = point_at_[piece.id[v]];
-    if (point < 0) continue;
+    const Index at = point_at_[piece.id[v]];
+    if (at < 0) continue;
+    const SurfacePoint& point = item(surface_points_, at);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Id on = item(surface_points_, point).on[k];
-      const Index at = on < 0 ? -1 : vertex_at_[on];
-      surface.surface_point[v][k] = at < 0 ? -1 : item(position, at);
+      surface.surface_point[v][k] = position_of(point.on[k], position);
+      surface.checked_surface_point[v][k] = position_of(point.checked_on[k], position);
     }
+    surface.checked_points[v] = point.checked;
   }
 
   std::vector<int> triangles_here(vertices_.size(), 0);
@@ -213,7 +219,10 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, Marks& frozen)
   surface.dof.assign(piece.id.size(), VertexDof::free);
   surface.line.assign(piece.id.size(), {-1, -1});
   set_vertices(near, position, triangles_here, surface);
-  if (!bounded) return piece;
+  if (!bounded) {
+    surface.checked_points.clear();
+    return piece;
+  }
   // The bound depends on the triangles of a vertex and on those of their vertices.
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     if (!marked(f, near)) continue;
@@ -232,7 +241,11 @@ void InputSurface::write_back(const Piece& piece) {
     const std::array<Index, 3>& on = piece.surface.surface_point[v];
     const Index point = point_at_[piece.id[v]];
     if (point < 0 || on == kNoSurfacePoint) continue;
-    for (std::size_t k = 0; k < 3; ++k) item(surface_points_, point).on[k] = id_of(on[k]);
+    SurfacePoint& stored = item(surface_points_, point);
+    for (std::size_t k = 0; k < 3; ++k) stored.on[k] = id_of(on[k]);
+    if (piece.surface.checked_points.empty()) continue;
+    stored.checked = piece.surface.checked_points[v];
+    for (std::size_t k = 0; k < 3; ++k) stored.checked_on[k] = id_of(piece.surface.checked_surface_point[v][k]);
   }
 }
 

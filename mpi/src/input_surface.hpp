@@ -50,14 +50,18 @@ class InputSurface {
     std::array<Id, 3> v;  ///< increasing
     int feature_edges;    ///< as of SlideSurface
   };
-  /// The point of the surface on which a vertex of the mesh is: the vertices of a triangle, edge or vertex of the
-  /// surface; unused ones are -1.
+  /// The point of the surface on which a vertex of the mesh is, and its place in the checked surface of a bound on the
+  /// deviation (SlideSurface). Each is given by the vertices of a triangle, edge or vertex of the surface; unused ones
+  /// are -1.
   struct SurfacePoint {
     Id vertex;
     std::array<Id, 3> on;
+    std::array<Id, 3> checked_on;
+    Point3 checked;
   };
 
   std::vector<Index> append_vertices(const Marks& near, Piece& piece, TetMesh& mesh) const;
+  Index position_of(Id id, const std::vector<Index>& position) const;
   void set_vertices(const Marks& near, const std::vector<Index>& position, const std::vector<int>& triangles_here,
                     SlideSurface& surface) const;
   void index();

@@ -84,12 +84,10 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   result.points = work.mesh.points.download();
   result.boundary = work.boundary.triangles.download();
   result.listed_boundary = std::move(work.listed_boundary);
-  std::vector<std::array<Index, 3>> surface_points;
-  if (surface != nullptr) {
-    surface_points = export_surface_points(backend, work.dofs, result.numbering.work2extended);
-  }
+  PlacesOnSurface places;
+  if (surface != nullptr) places = export_places(backend, work.dofs, result.numbering.work2extended, work.scale);
   replace_mesh(mesh, std::move(result), work.required_slots, work.listed_triangles, work.scale, options, report);
-  if (surface != nullptr) surface->surface_point.swap(surface_points);
+  if (surface != nullptr) places.swap(*surface);
 }
 
 }  // namespace tetune

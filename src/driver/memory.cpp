@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "boundary/sliding/reference_surface.hpp"
 #include "driver/move_job.hpp"
 #include "energy/ring.hpp"
 #include "phases/tuning.hpp"
@@ -30,6 +31,12 @@ std::size_t restart_bytes(const TetMesh& mesh, const Options& options) {
   return restarts ? 52 * mesh.tets.size() + 140 * mesh.points.size() : 0;
 }
 
+/// The checked surface of a bound on the deviation.
+std::size_t checked_surface_bytes(const TetMesh& mesh, const Options& options) {
+  const bool is_bounded = options.boundary == Boundary::slide && options.max_deviation > 0;
+  return is_bounded ? (sizeof(Point) + sizeof(SurfacePoint)) * mesh.points.size() : 0;
+}
+
 }  // namespace
 
 std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
@@ -39,7 +46,8 @@ std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
   bytes += periodic_bytes(mesh) + restart_bytes(mesh, options);
   for (const ElementBlock& block : mesh.others) bytes += 8 * (block.element2vertex.size() + block.tags.size());
   if (options.boundary == Boundary::slide) bytes += bytes / 4;  // the reference surface
-  if (options.effort == Effort::best) bytes += bytes / 16;      // room for inserted vertices
+  bytes += checked_surface_bytes(mesh, options);
+  if (options.effort == Effort::best) bytes += bytes / 16;  // room for inserted vertices
   bytes += bytes / 32;
   // Two copies of the data exist during export, and a third of vertex data if vertices are inserted or removed.
   bytes += 2 * (bytes_of(mesh.tet_data) + bytes_of(mesh.triangle_data) + bytes_of(mesh.edge_data));
@@ -60,7 +68,8 @@ std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options)
   const std::size_t tets = mesh.tets.size();
   std::size_t loop = 132 * tets + 300 * vertices;
   if (options.boundary == Boundary::slide) loop += 100 * vertices;  // the reference surface
-  if (options.effort == Effort::best) loop += loop / 4;             // room for inserted vertices
+  loop += checked_surface_bytes(mesh, options);
+  if (options.effort == Effort::best) loop += loop / 4;  // room for inserted vertices
   const std::size_t load = 70 * tets + 100 * vertices + 24 * mesh.triangles.size();
   // Of small meshes most is the candidates of a batch of proposals, up to 15 MiB where vertices are inserted on the
   // surface.

@@ -17,6 +17,8 @@ struct HostWork : MeshSnapshot {
   std::vector<SurfacePoint> surface_point;            ///< empty unless vertices slide
   std::vector<DisplacementBound> displacement_bound;  ///< empty: unbounded
   double max_deviation = 0;
+  double max_drift = 0;
+  CheckedSurfaceOnHost checked;  ///< empty without a bound on the deviation
 
   std::vector<BoundaryTriangle> triangles;
   bool bends = false;
@@ -43,6 +45,8 @@ struct HostWork : MeshSnapshot {
         surface_point(work.dofs.surface_point.download()),
         displacement_bound(work.dofs.displacement_bound.download()),
         max_deviation(work.dofs.max_deviation),
+        max_drift(work.dofs.max_drift),
+        checked(work.dofs.checked.download()),
         triangles(work.boundary.triangles.download()),
         bends(work.boundary.bends),
         constrained_keys(work.flips.constrained_keys.download()),
@@ -75,6 +79,7 @@ void upload_work(const Backend& backend, const HostWork& host, WorkingSet<Backen
   work.dofs.axis.upload(backend, host.axis);
   work.dofs.surface_point.upload(backend, host.surface_point);
   work.dofs.displacement_bound.upload(backend, host.displacement_bound);
+  work.dofs.checked.upload(backend, host.checked);
   work.dofs.active.resize(backend, work.mesh.vertices());
   work.boundary.triangles.upload(backend, host.triangles);
   work.boundary.stale = true;

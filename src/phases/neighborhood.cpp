@@ -86,7 +86,10 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
   // A vertex moves by at most its displacement bound, which is below the length of an edge.
   constexpr int kReferenceRings = 3;
   NearReference near(whole);
-  for (const Index v : vertex2whole_) near.add(span_of(whole.surface_point)[v]);
+  for (const Index v : vertex2whole_) {
+    near.add(span_of(whole.surface_point)[v]);
+    if (v < std::ssize(whole.checked.points)) near.add(span_of(whole.checked.surface_points)[v]);
+  }
   if (whole.bends) {
     for (const Index i : triangles_inside(whole, triangles)) near.add_triangle(span_of(whole.triangles)[i].reference);
   }
@@ -113,6 +116,7 @@ void Neighborhood::take_reference(const HostWork& whole) {
   if (whole.surface_point.empty()) return;
   const auto& from = whole.reference;
   decltype(HostWork::reference) to;
+  CheckedSurfaceOnHost checked;
   for (const Index t : reference2whole_) {
     SurfaceTriangle triangle = span_of(from.triangles)[t];
     for (Index& v : triangle.v) v = vertex_of(v);
@@ -146,6 +150,9 @@ void Neighborhood::take_reference(const HostWork& whole) {
     to.points.push_back(span_of(from.points)[v]);
     to.line.push_back(line);
     to.dof.push_back(dof);
+    if (whole.checked.points.empty()) continue;
+    checked.points.push_back(span_of(whole.checked.points)[v]);
+    checked.surface_points.push_back(to_part(span_of(whole.checked.surface_points)[v]));
   }
   ReferenceSurface<backend::Cpu>& reference = work.dofs.reference;
   reference.points.upload(backend_, to.points);
@@ -155,6 +162,7 @@ void Neighborhood::take_reference(const HostWork& whole) {
   reference.vertex2corner.items.upload(backend_, to.corners);
   reference.line.upload(backend_, to.line);
   reference.dof.upload(backend_, to.dof);
+  work.dofs.checked.upload(backend_, checked);
 }
 
 void Neighborhood::take_tets(const HostWork& whole) {
@@ -217,6 +225,7 @@ void Neighborhood::take_vertices(const HostWork& whole, const std::vector<FoundT
   work.dofs.surface_point.upload(backend_, surface_point);
   work.dofs.displacement_bound.upload(backend_, bound);
   work.dofs.max_deviation = whole.max_deviation;
+  work.dofs.max_drift = whole.max_drift;
   work.dofs.active.resize(backend_, work.mesh.vertices());
   backend_.fill(work.dofs.active.span(), std::uint8_t{0});
   work.flips.constrained_vertex.upload(backend_, constrained);
@@ -289,6 +298,10 @@ void Neighborhood::put_vertices(HostWork& whole) {
     span_of(whole.constrained_vertex)[to] = work.flips.constrained_vertex.span()[v];
     if (!whole.surface_point.empty()) {
       span_of(whole.surface_point)[to] = to_whole(work.dofs.surface_point.span()[v]);
+    }
+    if (to < std::ssize(whole.checked.points)) {
+      span_of(whole.checked.points)[to] = work.dofs.checked.points.span()[v];
+      span_of(whole.checked.surface_points)[to] = to_whole(work.dofs.checked.surface_points.span()[v]);
     }
     if (!whole.displacement_bound.empty()) {
       span_of(whole.displacement_bound)[to] = work.dofs.displacement_bound.span()[v];

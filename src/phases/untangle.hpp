@@ -39,14 +39,17 @@ template <class Backend>
 struct Positions {
   BufferOf<Backend, Point> points;
   BufferOf<Backend, SurfacePoint> surface_points;
+  CheckedSurface<Backend> checked;
 
   Positions(const Backend& backend, const WorkingSet<Backend>& work) {
     points.assign(backend, work.mesh.points);
     surface_points.assign(backend, work.dofs.surface_point);
+    checked.assign(backend, work.dofs.checked);
   }
   void restore(const Backend& backend, WorkingSet<Backend>& work) const {
     work.mesh.points.assign(backend, points);
     work.dofs.surface_point.assign(backend, surface_points);
+    work.dofs.checked.assign(backend, checked);
   }
 };
 
@@ -133,12 +136,14 @@ template <class Backend>
 struct Snapshot {
   MeshSnapshot mesh;
   std::vector<SurfacePoint> surface_points;
+  CheckedSurfaceOnHost checked;
 
   explicit Snapshot(const WorkingSet<Backend>& work)
-      : mesh(work.mesh), surface_points(work.dofs.surface_point.download()) {}
+      : mesh(work.mesh), surface_points(work.dofs.surface_point.download()), checked(work.dofs.checked.download()) {}
   void restore(const Backend& backend, WorkingSet<Backend>& work) const {
     mesh.upload(backend, work.mesh);
     work.dofs.surface_point.upload(backend, surface_points);
+    work.dofs.checked.upload(backend, checked);
   }
 };
 

@@ -59,7 +59,7 @@ struct NewtonSlide {
 
   template <class Ring, class Deviation>
   TETUNE_HD SlideResult operator()(Ring& ring, Vec3 x, SurfacePoint surface_point, VertexDof dof,
-                                   const ReferenceView& ref, const Deviation& deviation,
+                                   const ReferenceView& ref, Deviation& deviation,
                                    const DisplacementBound& displacement_bound) const {
     SlideResult result;
     for (int repeat = 0; repeat < NewtonStep::kMaxRepeats; ++repeat) {
@@ -147,7 +147,7 @@ struct GradientSlide {
 
   template <class Ring, class Deviation>
   TETUNE_HD SlideResult operator()(Ring& ring, const Vec3& x, const SurfacePoint& surface_point, VertexDof dof,
-                                   const ReferenceView& ref, const Deviation& deviation,
+                                   const ReferenceView& ref, Deviation& deviation,
                                    const DisplacementBound& displacement_bound) const {
     SlideResult result;
     result.step.position = x;

@@ -33,8 +33,8 @@ struct SlidSurface {
       surface_points.push_back({SurfacePointKind::vertex, static_cast<Index>(v)});
   }
   bool allows(Index v, const TraceResult& end, double limit) const {
-    return DeviationBound<Pack>({s.view(), span_of(points), span_of(surface_points), v, limit})
-        .allows(end.position, end.surface_point);
+    return DeviationTest<Pack>({s.view(), span_of(points), span_of(surface_points), v, limit})
+        .allows(vec(points[static_cast<std::size_t>(v)]), end.position, end.surface_point);
   }
   /// Calls f(vertex, end of the walk) for each of `tries` random walks that leave the surface upright.
   template <class F>
@@ -160,7 +160,7 @@ TEST(FanDeviation, KeepsTheBoundAlone) {
   }
 }
 
-TEST(DeviationBound, DoesNotRestrictMotionInAPlane) {
+TEST(DeviationTest, DoesNotRestrictMotionInAPlane) {
   std::mt19937 random(7);
   const TinySurface s = height_field(6, flat);
   SlidSurface mesh(s);
@@ -173,7 +173,7 @@ TEST(DeviationBound, DoesNotRestrictMotionInAPlane) {
   EXPECT_GT(moves, 500);
 }
 
-TEST(DeviationBound, BoundsBothDistancesOfACurvedSurface) {
+TEST(DeviationTest, BoundsBothDistancesOfACurvedSurface) {
   std::mt19937 random(8);
   for (const double limit : {0.1, 0.02, 0.005, 0.001}) {
     const TinySurface s = height_field(7, bumpy);
@@ -196,7 +196,7 @@ TEST(DeviationBound, BoundsBothDistancesOfACurvedSurface) {
   }
 }
 
-TEST(DeviationBound, BoundsTheDistanceOfAFeatureLine) {
+TEST(DeviationTest, BoundsTheDistanceOfAFeatureLine) {
   std::mt19937 random(9);
   // The line x = 1/2 over a fold of varying height: chords of a bent polyline deviate from it.
   const auto roof = [](double x, double y) { return 0.4 * std::fabs(x - 0.5) + 0.06 * std::sin(9 * y); };
@@ -240,7 +240,7 @@ TEST(DeviationBound, BoundsTheDistanceOfAFeatureLine) {
   }
 }
 
-TEST(DeviationBound, RejectsWhatItCannotDecide) {
+TEST(DeviationTest, RejectsWhatItCannotDecide) {
   // Over a degenerate triangle heights are not defined.
   const TinySurface s = height_field(3, flat);
   const SlidSurface mesh(s);
@@ -259,6 +259,55 @@ TEST(DeviationBound, RejectsWhatItCannotDecide) {
   EXPECT_FALSE(stretched.allows(
       id(13, 13),
       {vec(fine.points[static_cast<std::size_t>(id(12, 22))]), {SurfacePointKind::vertex, id(12, 22)}, 0, true}, 100));
+}
+
+TEST(DeviationBound, AddsUpDriftAndTestedDeviation) {
+  std::mt19937 random(12);
+  const TinySurface s = height_field(9, bumpy);
+  const ReferenceView ref = s.view();
+  for (const double limit : {0.05, 0.01}) {
+    for (const double drift : {0.0, limit / 3}) {
+      SlidSurface mesh(s);
+      SlidSurface checked(s);
+      const CheckedSurfaceView view{span_of(checked.points), span_of(checked.surface_points)};
+      int moves = 0;
+      int tests = 0;
+      mesh.for_walks(4000, 0.03, random, [&](Index v, const TraceResult& end) {
+        DeviationBound<Pack> bound({ref, view.points, view.surface_points, v, limit - drift}, vec(view.points[v]),
+                                   drift);
+        if (!bound.allows(end.position, end.surface_point)) return;
+        const Point before = view.points[v];
+        bound.store(view, v);
+        mesh.put(v, end);
+        ++moves;
+        const bool is_new = norm(vec(view.points[v]) - vec(before)) > 0;
+        if (is_new) {
+          EXPECT_EQ(norm(vec(view.points[v]) - end.position), 0);
+          EXPECT_EQ(view.surface_points[v].item, end.surface_point.item);
+          ++tests;
+        }
+        ASSERT_LE(norm(vec(view.points[v]) - end.position), drift);
+      });
+      EXPECT_LE(checked.distance(), limit - drift);
+      EXPECT_LE(mesh.distance(), limit);
+      EXPECT_GT(mesh.distance(), 0.2 * limit);
+      EXPECT_GT(moves, 500) << limit;
+      if (drift == 0) {
+        EXPECT_EQ(tests, moves);
+      }
+      if (drift > 0.01) {
+        EXPECT_LT(tests, 3 * moves / 4);
+      }
+    }
+  }
+}
+
+TEST(DeviationBound, IsNoneForALimitOf0) {
+  const TinySurface s = height_field(3, flat);
+  const ReferenceView ref = s.view();
+  DeviationBound<Pack> none({ref, {}, {}, 5, 0}, {}, 0);
+  EXPECT_TRUE(none.allows({9, 9, 9}, {SurfacePointKind::vertex, 6}));
+  none.store({}, 5);
 }
 
 }  // namespace

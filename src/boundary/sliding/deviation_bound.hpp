@@ -1,116 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "boundary/sliding/fan_deviation.hpp"
-#include "boundary/sliding/triangle_deviation.hpp"
+#include "boundary/sliding/deviation_test.hpp"
 
 namespace tetune {
 
-/// The test whether the reference feature line between a vertex at x and its neighbor on the line is within the bound
-/// of the edge between them.
-class LineDeviation {
- public:
-  TETUNE_HD LineDeviation(const ReferenceView& ref, double limit) : ref_(ref), limit_(limit) {}
-
-  TETUNE_HD bool is_within(const Vec3& x, const SurfacePoint& on, const Vec3& neighbor,
-                           const SurfacePoint& neighbor_on) const {
-    const Vec3 e = neighbor - x;
-    const double length2 = dot(e, e);
-    const EdgeVertices goal = interval(neighbor_on);
-    const EdgeVertices start = interval(on);
-    for (int side = 0; side < 2; ++side) {
-      const bool on_vertex = start.a == start.b;
-      const Index from = on_vertex || side == 0 ? start.a : start.b;
-      const Index to = on_vertex ? ref_.line[start.a].next[side] : side == 0 ? start.b : start.a;
-      if (same({from, to}, goal) || reaches(from, to, goal, x, e, length2)) return true;
-    }
-    return false;
-  }
-
- private:
-  static constexpr int kMaxSegments = 64;
-
-  /// Whether the line, from one of its vertices on to the next, reaches the goal while all its vertices are within the
-  /// bound of the edge e from x.
-  TETUNE_HD bool reaches(Index from, Index at, const EdgeVertices& goal, const Vec3& x, const Vec3& e,
-                         double length2) const {
-    for (int i = 0; i < kMaxSegments; ++i) {
-      if (goal.a == goal.b && at == goal.a) return true;
-      const Vec3 d = ref_.point(at) - x;
-      double s = length2 > 0 ? dot(d, e) / length2 : 0;
-      s = s < 0 ? 0 : s > 1 ? 1 : s;
-      const Vec3 off = d - s * e;
-      if (!(dot(off, off) <= kDeviationShare * kDeviationShare * limit_ * limit_)) return false;
-      if (ref_.dof[at] != VertexDof::curve) return false;
-      const LineVertex line = ref_.line[at];
-      const Index next = line.next[0] == from ? line.next[1] : line.next[0];
-      if (same({at, next}, goal)) return true;
-      from = at;
-      at = next;
-    }
-    return false;
-  }
-
-  /// The segment of the line that a point is on; a vertex counts as a segment from itself to itself.
-  TETUNE_HD EdgeVertices interval(const SurfacePoint& on) const {
-    return on.kind == SurfacePointKind::segment ? edge_vertices(ref_, on) : EdgeVertices{on.item, on.item};
-  }
-  TETUNE_HD static bool same(const EdgeVertices& p, const EdgeVertices& q) {
-    return (p.a == q.a && p.b == q.b) || (p.a == q.b && p.b == q.a);
-  }
-
-  const ReferenceView& ref_;
-  double limit_;
-};
-
 /// The bound on the distance between the mesh's surface and the reference surface, for moves of one vertex.
 ///
-/// Over each triangle of the mesh's surface the reference is a height function. It is piecewise linear, so its maximum
-/// is at a corner of a reference triangle clipped to the prism over the surface triangle; where all heights are within
-/// the bound, so is the distance in both directions. In the wedge between the prisms of two triangles the distance from
-/// their common edge is convex, so the reference vertices there are tested. Along feature lines the same is done in one
-/// dimension.
-///
-/// There are two tests of a triangle, neither of which accepts one beyond the bound. FanDeviation is fast: it processes
-/// all triangles at a vertex at once, and leaves some undecided. TriangleDeviation decides any triangle. Vertices that
-/// slide on the surface take the fast test first, if SurfaceFan::build() succeeds, and the other one for the undecided
-/// triangles; vertices on feature lines, and all other fans, take TriangleDeviation alone.
+/// DeviationTest is applied to the *checked surface*. It has the triangles of the mesh's surface, and each vertex is at
+/// most `max_drift` away from its place there. The map from triangle to triangle moves no point further than that, so
+/// the distance of the two surfaces is at most max_drift in both directions, and that of the mesh's surface from the
+/// reference at most max_drift more than what was tested. Thus a vertex that stays within max_drift of its place needs
+/// no test; where it moves further, so does its place, if the test allows that.
 template <class Pack>
-class DeviationBound : DeviationInput {
+class DeviationBound {
  public:
-  TETUNE_HD explicit DeviationBound(const DeviationInput& input) : DeviationInput(input) {}
+  /// `checked`: the vertex in the checked surface, and `place` its position there. As the threads of a team share the
+  /// vertex, one of them reads the place for all.
+  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& place, double max_drift)
+      : test_(checked), bounded_(checked.limit > 0), max_drift2_(max_drift * max_drift), place_(place) {}
 
-  /// Whether the vertex may be at x, which is at the surface point `on`.
-  TETUNE_HD TETUNE_OUTLINE bool allows(const Vec3& x, const SurfacePoint& on) const {
-    if (!(limit > 0)) return true;
-    if (ref.dof[vertex] == VertexDof::curve && !lines_are_within(x, on)) return false;
-    const TriangleDeviation triangle_test(*this);
-    if (ref.dof[vertex] == VertexDof::surface) {
-      SurfaceFan<Pack> fan;
-      if (fan.build(ref, points, vertex, x)) {
-        FanMask undecided = 0;
-        FanDeviation<Pack> fan_test(fan, *this, triangle_test);
-        if (!fan_test.is_within(on, undecided)) return false;
-        for (int i = 0; i < fan.count; ++i) {
-          if ((undecided >> i & 1) != 0 && !triangle_test.is_within(fan.corner[i], x, on)) return false;
-        }
-        return true;
-      }
-    }
-    for (Size c = ref.vertex2corner.begin(vertex); c < ref.vertex2corner.end(vertex); ++c) {
-      if (!triangle_test.is_within(ref.vertex2corner.items[c], x, on)) return false;
-    }
+  /// Whether the vertex may move to x, which is at the surface point `on`. If so, its place follows.
+  TETUNE_HD bool allows(const Vec3& x, const SurfacePoint& on) {
+    if (!bounded_) return true;
+    const Vec3 drift = x - place_;
+    if (dot(drift, drift) <= max_drift2_) return true;
+    if (!test_.allows(place_, x, on)) return false;
+    place_ = x;
+    place_on_ = on;
+    has_moved_ = true;
     return true;
+  }
+
+  /// Stores the place of vertex v, after the vertex has moved.
+  TETUNE_HD void store(const CheckedSurfaceView& checked, Index v) const {
+    if (!has_moved_) return;
+    checked.points[v] = point(place_);
+    checked.surface_points[v] = place_on_;
   }
 
  private:
-  TETUNE_HD TETUNE_OUTLINE bool lines_are_within(const Vec3& x, const SurfacePoint& on) const {
-    const LineDeviation line_test(ref, limit);
-    for (const Index neighbor : ref.line[vertex].next) {
-      if (!line_test.is_within(x, on, vec(points[neighbor]), surface_points[neighbor])) return false;
-    }
-    return true;
-  }
+  DeviationTest<Pack> test_;
+  bool bounded_;
+  bool has_moved_ = false;
+  double max_drift2_;
+  Vec3 place_;
+  SurfacePoint place_on_{};
 };
 
 }  // namespace tetune

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "boundary/surface.hpp"
 #include "boundary/vertex_dof.hpp"
 
@@ -41,6 +43,36 @@ struct ReferenceView {
     const SurfaceTriangle& t = triangles[triangle];
     return (1.0 / 3) * (point(t.v[0]) + point(t.v[1]) + point(t.v[2]));
   }
+};
+
+/// The checked surface as kernels access it: see DeviationBound.
+struct CheckedSurfaceView {
+  Span<Point> points;                 ///< per vertex of the reference
+  Span<SurfacePoint> surface_points;  ///< and their places on it
+};
+
+/// The checked surface in the host's memory.
+struct CheckedSurfaceOnHost {
+  std::vector<Point> points;
+  std::vector<SurfacePoint> surface_points;
+};
+
+/// The checked surface in a backend's memory. Empty without a bound on the deviation.
+template <class Backend>
+struct CheckedSurface {
+  BufferOf<Backend, Point> points;
+  BufferOf<Backend, SurfacePoint> surface_points;
+
+  void assign(const Backend& backend, const CheckedSurface& from) {
+    points.assign(backend, from.points);
+    surface_points.assign(backend, from.surface_points);
+  }
+  void upload(const Backend& backend, const CheckedSurfaceOnHost& from) {
+    points.upload(backend, from.points);
+    surface_points.upload(backend, from.surface_points);
+  }
+  CheckedSurfaceOnHost download() const { return {points.download(), surface_points.download()}; }
+  CheckedSurfaceView view() { return {points, surface_points}; }
 };
 
 /// The reference surface in a backend's memory. Empty unless vertices slide.

@@ -21,6 +21,10 @@ struct SlideSurface {
                                                     ///< surface on which it is now; unused entries are -1
   std::vector<std::array<Index, 3>> triangles;
   std::vector<std::uint8_t> feature_edges;  ///< per triangle: bit k is set where the edge opposite k is a feature edge
+  /// The checked surface of a bound on the deviation (DeviationBound), which must hold in all runs or in none: per
+  /// vertex the position and the surface point. Empty before the first run.
+  std::vector<Point3> checked_points;
+  std::vector<std::array<Index, 3>> checked_surface_point;
 };
 
 /// The surface point of a vertex that is not on the surface.

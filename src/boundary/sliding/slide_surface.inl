@@ -27,20 +27,13 @@ struct JoinTriangles {
   TETUNE_HD bool is_feature(Size corner) const { return (feature_edges[corner / 3] >> corner % 3 & 1) != 0; }
 };
 
-/// Puts each vertex on the reference surface with its degrees of freedom; one that is not on it is fixed.
-struct PlaceVertex {
+/// Finds the surface points of vertices from the vertices of the surface elements that they are on.
+struct FindSurfacePoint {
   ReferenceView reference;
   Span<const ElementVertices> on;
-  Span<const std::uint8_t> frozen;
   Span<SurfacePoint> surface_point;
-  Span<VertexDof> dof;
 
-  TETUNE_HD void operator()(Size v) const {
-    const VertexDof on_reference = reference.dof[v];
-    surface_point[v] = find(on_reference, on[v]);
-    const bool off_surface = surface_point[v].kind == SurfacePointKind::none && on_reference != VertexDof::free;
-    dof[v] = off_surface || frozen[v] == kFrozen ? VertexDof::fixed : on_reference;
-  }
+  TETUNE_HD void operator()(Size v) const { surface_point[v] = find(reference.dof[v], on[v]); }
 
  private:
   TETUNE_HD SurfacePoint find(VertexDof on_reference, const ElementVertices& s) const {
@@ -80,6 +73,20 @@ struct PlaceVertex {
   }
 };
 
+/// Lets each vertex go where the reference says; one that is not on it is fixed.
+struct FindDofOnReference {
+  ReferenceView reference;
+  Span<const SurfacePoint> surface_point;
+  Span<const std::uint8_t> frozen;
+  Span<VertexDof> dof;
+
+  TETUNE_HD void operator()(Size v) const {
+    const VertexDof on_reference = reference.dof[v];
+    const bool off_surface = surface_point[v].kind == SurfacePointKind::none && on_reference != VertexDof::free;
+    dof[v] = off_surface || frozen[v] == kFrozen ? VertexDof::fixed : on_reference;
+  }
+};
+
 struct ExportSurfacePoint {
   ReferenceView reference;
   Span<const SurfacePoint> surface_point;
@@ -112,6 +119,29 @@ struct VertexMap {
   }
 };
 
+/// Uploads the positions of vertices to the work mesh.
+template <class Backend>
+void upload_points(const Backend& backend, const std::vector<Point3>& given, const std::vector<Index>& original2vertex,
+                   double scale, BufferOf<Backend, Point>& points) {
+  std::vector<Point> uploaded(original2vertex.size());
+  for (std::size_t v = 0; v < uploaded.size(); ++v)
+    span_of(uploaded)[span_of(original2vertex)[to_index(v)]] = point(scale * vec(given[v]));
+  points.upload(backend, uploaded);
+}
+
+/// Finds the surface points of vertices, which are given as in SlideSurface.
+template <class Backend>
+void import_surface_points(const Backend& backend, const ReferenceSurface<Backend>& reference,
+                           const std::vector<std::array<Index, 3>>& given, const std::vector<Index>& original2vertex,
+                           Span<SurfacePoint> surface_point) {
+  const VertexMap to_work{span_of(original2vertex)};
+  std::vector<ElementVertices> on(original2vertex.size());
+  for (std::size_t v = 0; v < on.size(); ++v) span_of(on)[to_work(to_index(v))] = to_work(given[v]);
+  BufferOf<Backend, ElementVertices> on_buffer;
+  on_buffer.upload(backend, on);
+  backend.for_each(surface_point.size(), FindSurfacePoint{reference.view(), on_buffer, surface_point});
+}
+
 }  // namespace slide_surface_detail
 
 /// Makes a given surface the reference surface, and decides where each vertex may go; one that is not on it is fixed.
@@ -122,24 +152,20 @@ void import_slide_surface(const Backend& backend, const SlideSurface& given, con
   using namespace slide_surface_detail;
   const VertexMap to_work{span_of(original2vertex)};
   const Size vertices = std::ssize(original2vertex);
-  std::vector<Point> points(original2vertex.size());
   std::vector<VertexDof> dof(original2vertex.size());
   std::vector<LineVertex> line(original2vertex.size());
-  std::vector<ElementVertices> on(original2vertex.size());
   for (Size v = 0; v < vertices; ++v) {
     const Index w = to_work.from2to[v];
     const std::array<Index, 2>& next = span_of(given.line)[v];
-    span_of(points)[w] = point(scale * vec(span_of(given.points)[v]));
     span_of(dof)[w] = span_of(given.dof)[v];
     span_of(line)[w] = {{to_work(next[0]), to_work(next[1])}};
-    span_of(on)[w] = to_work(span_of(given.surface_point)[v]);
   }
   std::vector<SurfaceTriangle> triangles(given.triangles.size());
   std::transform(given.triangles.begin(), given.triangles.end(), triangles.begin(),
                  [&to_work](const std::array<Index, 3>& t) { return to_work(t); });
 
   ReferenceSurface<Backend>& reference = dofs.reference;
-  reference.points.upload(backend, points);
+  upload_points(backend, given.points, original2vertex, scale, reference.points);
   reference.dof.upload(backend, dof);
   reference.line.upload(backend, line);
   reference.triangles.upload(backend, triangles);
@@ -151,9 +177,13 @@ void import_slide_surface(const Backend& backend, const SlideSurface& given, con
   feature_edges.upload(backend, given.feature_edges);
   backend.for_each(corners,
                    JoinTriangles{reference.triangles, reference.vertex2corner.view(), feature_edges, reference.across});
-  BufferOf<Backend, ElementVertices> on_buffer;
-  on_buffer.upload(backend, on);
-  backend.for_each(vertices, PlaceVertex{reference.view(), on_buffer, frozen, dofs.surface_point, dofs.dof});
+  import_surface_points(backend, reference, given.surface_point, original2vertex, dofs.surface_point.span());
+  backend.for_each(vertices, FindDofOnReference{reference.view(), dofs.surface_point, frozen, dofs.dof});
+  if (given.checked_points.empty()) return;
+  upload_points(backend, given.checked_points, original2vertex, scale, dofs.checked.points);
+  dofs.checked.surface_points.resize(backend, vertices);
+  import_surface_points(backend, reference, given.checked_surface_point, original2vertex,
+                        dofs.checked.surface_points.span());
 }
 
 /// The surface that the vertices of a mesh slide on at the start: the reference surface in the caller's ids.
@@ -187,15 +217,31 @@ SlideSurface export_slide_surface(const ReferenceSurface<Backend>& reference, co
   return surface;
 }
 
-/// The current surface points of the vertices, as in SlideSurface::surface_point.
+/// The places of the vertices on a slide surface, as its members of these names.
+struct PlacesOnSurface {
+  std::vector<std::array<Index, 3>> surface_point;
+  std::vector<Point3> checked_points;
+  std::vector<std::array<Index, 3>> checked_surface_point;
+
+  void swap(SlideSurface& surface) noexcept {
+    surface.surface_point.swap(surface_point);
+    surface.checked_points.swap(checked_points);
+    surface.checked_surface_point.swap(checked_surface_point);
+  }
+};
+
+namespace slide_surface_detail {
+
+/// Surface points, given as in SlideSurface.
 template <class Backend>
-std::vector<std::array<Index, 3>> export_surface_points(const Backend& backend, const VertexDofs<Backend>& dofs,
+std::vector<std::array<Index, 3>> export_surface_points(const Backend& backend,
+                                                        const ReferenceSurface<Backend>& reference,
+                                                        Span<const SurfacePoint> surface_point,
                                                         const std::vector<Index>& vertex2original) {
-  using namespace slide_surface_detail;
   const VertexMap to_original{span_of(vertex2original)};
-  const Size vertices = dofs.reference.points.size();
+  const Size vertices = reference.points.size();
   BufferOf<Backend, ElementVertices> on(backend, vertices);
-  backend.for_each(vertices, ExportSurfacePoint{dofs.reference.view(), dofs.surface_point, on});
+  backend.for_each(vertices, ExportSurfacePoint{reference.view(), surface_point, on});
   const std::vector<ElementVertices> exported = on.download();
   std::vector<std::array<Index, 3>> surface_points(exported.size(), kNoSurfacePoint);
   for (Size w = 0; w < vertices; ++w) {
@@ -203,6 +249,28 @@ std::vector<std::array<Index, 3>> export_surface_points(const Backend& backend, 
     if (v >= 0) span_of(surface_points)[v] = to_original(span_of(exported)[w]);
   }
   return surface_points;
+}
+
+}  // namespace slide_surface_detail
+
+/// The current places of the vertices. `scale`: as of import_slide_surface().
+template <class Backend>
+PlacesOnSurface export_places(const Backend& backend, const VertexDofs<Backend>& dofs,
+                              const std::vector<Index>& vertex2original, double scale) {
+  using slide_surface_detail::export_surface_points;
+  PlacesOnSurface places;
+  places.surface_point = export_surface_points(backend, dofs.reference, dofs.surface_point.span(), vertex2original);
+  if (dofs.checked.points.size() == 0) return places;
+  places.checked_surface_point =
+      export_surface_points(backend, dofs.reference, dofs.checked.surface_points.span(), vertex2original);
+  const std::vector<Point> points = dofs.checked.points.download();
+  places.checked_points.resize(points.size());
+  for (Size w = 0; w < std::ssize(points); ++w) {
+    const Index v = span_of(vertex2original)[w];
+    const Vec3 x = (1 / scale) * vec(span_of(points)[w]);
+    if (v >= 0) span_of(places.checked_points)[v] = {x.x, x.y, x.z};
+  }
+  return places;
 }
 
 }  // namespace tetune
