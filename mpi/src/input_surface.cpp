@@ -9,8 +9,8 @@
 namespace tetune::mpi {
 namespace {
 
-/// The triangles that are sent with a vertex: those within this number of rings of its surface point and of its initial
-/// position. A vertex moves by less than one ring per round.
+/// The triangles that are sent with a vertex: those within this number of rings of its surface point, of that in the
+/// checked surface, and of its initial position. A vertex moves by less than one ring per round.
 constexpr int kRings = 2;
 
 template <class T>
@@ -188,16 +188,18 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, Marks& frozen)
   const std::vector<Index> position = append_vertices(near, piece, part.mesh);
   frozen.resize(piece.id.size(), 1);
   surface.surface_point.assign(piece.id.size(), kNoSurfacePoint);
-  surface.checked_surface_point = surface.surface_point;
-  surface.checked_points = part.mesh.points;
+  if (bounded) {
+    surface.checked_surface_point = surface.surface_point;
+    surface.checked_points = part.mesh.points;
+  }
   for (std::size_t v = 0; v < count; ++v) {
     const Index at = point_at_[piece.id[v]];
     if (at < 0) continue;
     const SurfacePoint& point = item(surface_points_, at);
-    for (std::size_t k = 0; k < 3; ++k) {
-      surface.surface_point[v][k] = position_of(point.on[k], position);
+    for (std::size_t k = 0; k < 3; ++k) surface.surface_point[v][k] = position_of(point.on[k], position);
+    if (!bounded) continue;
+    for (std::size_t k = 0; k < 3; ++k)
       surface.checked_surface_point[v][k] = position_of(point.checked_on[k], position);
-    }
     surface.checked_points[v] = point.checked;
   }
 
@@ -219,10 +221,7 @@ InputSurface::Piece InputSurface::under(Part& part, bool bounded, Marks& frozen)
   surface.dof.assign(piece.id.size(), VertexDof::free);
   surface.line.assign(piece.id.size(), {-1, -1});
   set_vertices(near, position, triangles_here, surface);
-  if (!bounded) {
-    surface.checked_points.clear();
-    return piece;
-  }
+  if (!bounded) return piece;
   // The bound depends on the triangles of a vertex and on those of their vertices.
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     if (!marked(f, near)) continue;

@@ -30,7 +30,7 @@ class InputSurface {
   /// are frozen, and so is each vertex whose moves depend on more of the surface, or with `bounded` of the mesh, than
   /// is here.
   Piece under(Part& part, bool bounded, Marks& frozen) const;
-  /// Stores the surface points that the vertices of the piece have after the optimization.
+  /// Stores the places that the vertices of the piece have on the surface after the optimization.
   void write_back(const Piece& piece);
 
   /// Sends the surface under the tetrahedra that leave. Collective.

@@ -102,13 +102,13 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
 /// The part of the bound on the deviation by which vertices may drift from the checked surface.
 inline constexpr double kDriftShare = 1.0 / 3;
 
-/// Bounds the deviation of the mesh's surface. It is the reference surface unless dofs.checked is there already.
+/// Bounds the deviation of the mesh's surface. Requires that it is the reference surface, or that dofs.checked is set.
 template <class Backend>
 void bound_deviation(const Backend& backend, const WorkMesh<Backend>& mesh, double bound, VertexDofs<Backend>& dofs) {
   // Slightly less, against rounding; and underflow must not turn a bound into none.
   bound = std::max((1 - 1e-5) * bound, 2 * std::numeric_limits<double>::min());
   dofs.max_drift = kDriftShare * bound;
-  dofs.max_deviation = bound - dofs.max_drift;
+  dofs.max_deviation = (1 - kDriftShare) * bound;
   if (dofs.checked.points.size() > 0) return;
   dofs.checked.points.assign(backend, mesh.points);
   dofs.checked.surface_points.assign(backend, dofs.surface_point);

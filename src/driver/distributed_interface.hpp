@@ -24,7 +24,8 @@ namespace tetune {
 TETUNE_API SlideSurface find_slide_surface(const TetMesh& mesh, const Options& options);
 
 /// optimize() with Boundary::slide on a surface that need not be the mesh's own. Vertices whose surface point is not on
-/// it do not move. Updates `surface.surface_point`, whose entries are those of the vertices before the call.
+/// it do not move. Updates the places of the vertices in `surface`, whose entries are those of the vertices before the
+/// call.
 TETUNE_API Report optimize(TetMesh& mesh, const Options& options, const Context& context, SlideSurface& surface);
 
 /// Erases the vertices v with keep[v] 0, which no element may have, and renumbers the others; corners among them are

@@ -60,7 +60,7 @@ std::vector<MeshPlace> places_of(const PlaceTracker& tracker, const WorkingSet<B
   return tracker.places(number_vertices(work.mesh.vertex2original.download(), vertices).work2new());
 }
 
-/// Replaces the caller's mesh by the result, and updates the points of contact of the surface that it slides on.
+/// Replaces the caller's mesh by the result, and updates the places of the vertices on the surface that they slide on.
 /// Reports which entities were kept. When it throws, mesh and surface are as before; the working set is consumed in any
 /// case.
 template <class Backend>
@@ -87,7 +87,7 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   PlacesOnSurface places;
   if (surface != nullptr) places = export_places(backend, work.dofs, result.numbering.work2extended, work.scale);
   replace_mesh(mesh, std::move(result), work.required_slots, work.listed_triangles, work.scale, options, report);
-  if (surface != nullptr) places.swap(*surface);
+  if (surface != nullptr) surface->PlacesOnSurface::operator=(std::move(places));
 }
 
 }  // namespace tetune

@@ -25,16 +25,16 @@ std::size_t periodic_bytes(const TetMesh& mesh) {
   return 2 * 10 * (3 * sizeof(Point) + 2 * sizeof(LinkFace)) * pairs;
 }
 
-/// The copy of the mesh on the host that restarts work on.
-std::size_t restart_bytes(const TetMesh& mesh, const Options& options) {
-  const bool restarts = improves_worst(options) && restart_rounds(options, double(mesh.tets.size())) > 0;
-  return restarts ? 52 * mesh.tets.size() + 140 * mesh.points.size() : 0;
-}
-
 /// The checked surface of a bound on the deviation.
 std::size_t checked_surface_bytes(const TetMesh& mesh, const Options& options) {
   const bool is_bounded = options.boundary == Boundary::slide && options.max_deviation > 0;
   return is_bounded ? (sizeof(Point) + sizeof(SurfacePoint)) * mesh.points.size() : 0;
+}
+
+/// The copy of the mesh on the host that restarts work on.
+std::size_t restart_bytes(const TetMesh& mesh, const Options& options) {
+  const bool restarts = improves_worst(options) && restart_rounds(options, double(mesh.tets.size())) > 0;
+  return restarts ? 52 * mesh.tets.size() + 140 * mesh.points.size() + checked_surface_bytes(mesh, options) : 0;
 }
 
 }  // namespace

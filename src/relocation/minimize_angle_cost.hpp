@@ -92,11 +92,7 @@ struct MinimizeAngleCost : DofsView {
   template <class Team>
   TETUNE_HD Sum<Size> slide(Index v, const AngleCostRing& ring, Vec3 x, const Team& team, MinimaxModel& model) const {
     const SurfacePoint start = backend::read_once(team, surface_point[v]);
-    const Vec3 place = max_deviation > 0 ? vec(backend::read_once(team, checked.points[v])) : Vec3{};
-    SlideMotion<DeviationBound<Pack>> motion{
-        reference,
-        DeviationBound<Pack>({reference, checked.points, checked.surface_points, v, max_deviation}, place, max_drift),
-        dof[v], start, start};
+    SlideMotion<DeviationBound<Pack>> motion{reference, deviation_bound<Pack>(*this, team, v), dof[v], start, start};
     if (!ring.minimize(x, motion, target_cost, model, team)) return {};
     if (team.rank() == 0) {
       surface_point[v] = motion.surface_point;

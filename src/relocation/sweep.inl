@@ -120,9 +120,7 @@ struct RelocateVertex : DofsView {
   template <class AnyRing, class Team>
   TETUNE_HD __attribute__((noinline)) StepResult slide(const Vec3& x, AnyRing& ring, const Team& team, Index v,
                                                        const DisplacementBound& displacement) const {
-    const Vec3 place = max_deviation > 0 ? vec(read_once(team, checked.points[v])) : Vec3{};
-    DeviationBound<Pack> deviation({reference, checked.points, checked.surface_points, v, max_deviation}, place,
-                                   max_drift);
+    DeviationBound<Pack> deviation = deviation_bound<Pack>(*this, team, v);
     const SlideResult slid =
         slide_of(step)(ring, x, read_once(team, surface_point[v]), dof[v], reference, deviation, displacement);
     if (team.rank() == 0 && slid.step.decrease > 0) {

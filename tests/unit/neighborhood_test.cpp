@@ -18,9 +18,10 @@ namespace {
 
 using backend::Cpu;
 
-HostWork imported(const TetMesh& mesh, Boundary boundary) {
+HostWork imported(const TetMesh& mesh, Boundary boundary, double max_deviation = 0) {
   const Cpu backend(1);
   Options options;
+  options.max_deviation = max_deviation;
   options.effort = Effort::best;
   options.boundary = boundary;
   WorkingSet<Cpu> work;
@@ -34,8 +35,20 @@ std::array<Index, 3> key_of(const Tet& tet, int face) {
   return {key.low, key.middle, key.high};
 }
 
+/// The largest distance of a sliding vertex from its position in the checked surface.
+double drift_of(const HostWork& mesh) {
+  double drift = 0;
+  for (Size v = 0; v < std::ssize(mesh.checked.points); ++v) {
+    if (!slides(span_of(mesh.dof)[v])) continue;
+    drift = std::max(drift, norm(vec(span_of(mesh.points)[v]) - vec(span_of(mesh.checked.points)[v])));
+  }
+  return drift;
+}
+
 /// Neighbors name each other and share their face; the triangles of the boundary are the locked faces.
+/// Vertices have not drifted from the checked surface by more than the bound allows.
 void expect_consistent(const HostWork& mesh) {
+  EXPECT_LE(drift_of(mesh), mesh.max_drift);
   std::map<std::array<Index, 3>, int> locked;
   Size alive = 0;
   for (Size t = 0; t < mesh.slots(); ++t) {
@@ -79,6 +92,8 @@ void expect_same(const HostWork& a, const HostWork& b) {
   EXPECT_TRUE(same_bytes(a.axis, b.axis));
   EXPECT_TRUE(same_bytes(a.surface_point, b.surface_point));
   EXPECT_TRUE(same_bytes(a.displacement_bound, b.displacement_bound));
+  EXPECT_TRUE(same_bytes(a.checked.points, b.checked.points));
+  EXPECT_TRUE(same_bytes(a.checked.surface_points, b.checked.surface_points));
   EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
   EXPECT_EQ(a.constrained_vertex, b.constrained_vertex);
 }
@@ -88,13 +103,16 @@ std::vector<TetMesh> meshes() { return {test::cube(4, 0.2), test::two_materials(
 TEST(Neighborhood, PutBackUnchangedLeavesTheMeshAsItWas) {
   for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
     for (const TetMesh& mesh : meshes()) {
-      const HostWork before = imported(mesh, boundary);
+      const HostWork before = imported(mesh, boundary, 0.1);
+      EXPECT_EQ(before.checked.points.empty(), boundary != Boundary::slide);
       HostWork after = before;
       NeighborhoodFinder finder(after);
       for (Index slot = 0; slot < before.slots(); slot += 37) {
         finder.find(slot, 1 + slot % 3);
         Neighborhood neighborhood(after, finder.found(), list_by_lowest_vertex(Cpu(1), after));
         EXPECT_EQ(neighborhood.work.mesh.tets(), std::ssize(finder.tets()));
+        EXPECT_EQ(neighborhood.work.dofs.max_deviation, before.max_deviation);
+        EXPECT_EQ(neighborhood.work.dofs.max_drift, before.max_drift);
         neighborhood.put_back(after);
       }
       expect_same(before, after);
@@ -197,8 +215,9 @@ struct Restarted {
   bool lowers_largest;  ///< whether the rounds for it lowered the largest angle
 };
 
-Restarted restart(const TetMesh& mesh, Boundary boundary) {
+Restarted restart(const TetMesh& mesh, Boundary boundary, double max_deviation = 0) {
   Options options;
+  options.max_deviation = max_deviation;
   options.effort = Effort::best;
   options.boundary = boundary;
   options.max_growth = 2;
@@ -235,6 +254,14 @@ TEST(Restarts, LeaveAConsistentMesh) {
   }
   EXPECT_GT(changed, 6);
   EXPECT_GT(lower, 1);
+}
+
+TEST(Restarts, MoveTheCheckedSurfaceToo) {
+  int changed = 0;
+  for (const double bound : {0.03, 0.003}) {
+    for (const TetMesh& mesh : meshes()) changed += restart(mesh, Boundary::slide, bound).is_changed ? 1 : 0;
+  }
+  EXPECT_GT(changed, 2);
 }
 
 }  // namespace

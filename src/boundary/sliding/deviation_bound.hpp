@@ -1,42 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "backend/team.hpp"
 #include "boundary/sliding/deviation_test.hpp"
+#include "boundary/vertex_dofs.hpp"
 
 namespace tetune {
 
 /// The bound on the distance between the mesh's surface and the reference surface, for moves of one vertex.
 ///
-/// DeviationTest is applied to the *checked surface*. It has the triangles of the mesh's surface, and each vertex is at
-/// most `max_drift` away from its place there. The map from triangle to triangle moves no point further than that, so
-/// the distance of the two surfaces is at most max_drift in both directions, and that of the mesh's surface from the
-/// reference at most max_drift more than what was tested. Thus a vertex that stays within max_drift of its place needs
-/// no test; where it moves further, so does its place, if the test allows that.
+/// DeviationTest is applied to the *checked surface*. It has the triangles of the mesh's surface, and each vertex of
+/// the mesh's surface is at most `max_drift` away from its position there. The map from triangle to triangle moves no
+/// point farther than that, so the distance of the two surfaces is at most max_drift in both directions, and that of
+/// the mesh's surface from the reference at most max_drift more than what was tested. Thus a vertex that stays within
+/// max_drift of its checked position needs no test. It may move beyond that if the test allows the checked surface to
+/// have it there.
 template <class Pack>
 class DeviationBound {
  public:
-  /// `checked`: the vertex in the checked surface, and `place` its position there. As the threads of a team share the
-  /// vertex, one of them reads the place for all.
-  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& place, double max_drift)
-      : test_(checked), bounded_(checked.limit > 0), max_drift2_(max_drift * max_drift), place_(place) {}
+  /// `checked`: the vertex in the checked surface (limit 0: no bound), and `position` its position there.
+  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& position, double max_drift)
+      : test_(checked), bounded_(checked.limit > 0), max_drift2_(max_drift * max_drift), position_(position) {}
 
-  /// Whether the vertex may move to x, which is at the surface point `on`. If so, its place follows.
+  /// Whether the vertex may move to x, which is at the surface point `on`. If so and this needs a test, its checked
+  /// position follows.
   TETUNE_HD bool allows(const Vec3& x, const SurfacePoint& on) {
     if (!bounded_) return true;
-    const Vec3 drift = x - place_;
+    const Vec3 drift = x - position_;
     if (dot(drift, drift) <= max_drift2_) return true;
-    if (!test_.allows(place_, x, on)) return false;
-    place_ = x;
-    place_on_ = on;
+    if (!test_.allows(position_, x, on)) return false;
+    position_ = x;
+    surface_point_ = on;
     has_moved_ = true;
     return true;
   }
 
-  /// Stores the place of vertex v, after the vertex has moved.
+  /// Stores the checked position of vertex v, after the vertex has moved.
   TETUNE_HD void store(const CheckedSurfaceView& checked, Index v) const {
     if (!has_moved_) return;
-    checked.points[v] = point(place_);
-    checked.surface_points[v] = place_on_;
+    checked.points[v] = point(position_);
+    checked.surface_points[v] = surface_point_;
   }
 
  private:
@@ -44,8 +47,16 @@ class DeviationBound {
   bool bounded_;
   bool has_moved_ = false;
   double max_drift2_;
-  Vec3 place_;
-  SurfacePoint place_on_{};
+  Vec3 position_;
+  SurfacePoint surface_point_{};
 };
+
+/// The bound for vertex v, which the threads of a team share.
+template <class Pack, class Team>
+TETUNE_HD DeviationBound<Pack> deviation_bound(const DofsView& dofs, const Team& team, Index v) {
+  const CheckedSurfaceView& checked = dofs.checked;
+  const Vec3 position = dofs.max_deviation > 0 ? vec(backend::read_once(team, checked.points[v])) : Vec3{};
+  return {{dofs.reference, checked.points, checked.surface_points, v, dofs.max_deviation}, position, dofs.max_drift};
+}
 
 }  // namespace tetune

@@ -66,7 +66,7 @@ class LineDeviation {
 /// The test whether a surface with the triangles of the reference is within a distance of it, in both directions, for
 /// moves of one vertex.
 ///
-/// Over each triangle of the mesh's surface the reference is a height function. It is piecewise linear, so its maximum
+/// Over each triangle of the tested surface the reference is a height function. It is piecewise linear, so its maximum
 /// is at a corner of a reference triangle clipped to the prism over the surface triangle; where all heights are within
 /// the bound, so is the distance in both directions. In the wedge between the prisms of two triangles the distance from
 /// their common edge is convex, so the reference vertices there are tested. Along feature lines the same is done in one
@@ -85,20 +85,20 @@ class DeviationTest : DeviationInput {
   TETUNE_HD TETUNE_OUTLINE bool allows(const Vec3& from, const Vec3& x, const SurfacePoint& on) const {
     if (!(limit > 0)) return true;
     if (ref.dof[vertex] == VertexDof::curve && !lines_are_within(x, on)) return false;
-    return !leaves_fan(from, x) && fan_is_within(x, on);
+    return !crosses_outline(from, x) && fan_is_within(x, on);
   }
 
  private:
-  /// Whether the vertex leaves beyond an edge opposite it, as at a rim that is no feature. The reference there would be
-  /// over no triangle of the new fan, and beside triangles that do not change and so are not tested.
-  TETUNE_HD bool leaves_fan(const Vec3& from, const Vec3& x) const {
+  /// Whether the vertex crosses an edge opposite it, as at a rim that is no feature. The reference on the side that it
+  /// leaves would be over no triangle of the new fan, and beside triangles that do not change and so are not tested. A
+  /// folded triangle does not unfold for the same reason.
+  TETUNE_HD bool crosses_outline(const Vec3& from, const Vec3& x) const {
     for (Size c = ref.vertex2corner.begin(vertex); c < ref.vertex2corner.end(vertex); ++c) {
       const std::uint32_t corner = ref.vertex2corner.items[c];
       const SurfaceTriangle t = ref.triangles[corner / 3];
       const Vec3 a = vec(points[t.v[(corner + 1) % 3]]);
       const Vec3 e = vec(points[t.v[(corner + 2) % 3]]) - a;
-      const Vec3 outward = cross(e, cross(e, x - a));
-      if (dot(from - a, outward) > 0) return true;
+      if (dot(cross(e, from - a), cross(e, x - a)) < 0) return true;
     }
     return false;
   }

@@ -48,7 +48,7 @@ struct ReferenceView {
 /// The checked surface as kernels access it: see DeviationBound.
 struct CheckedSurfaceView {
   Span<Point> points;                 ///< per vertex of the reference
-  Span<SurfacePoint> surface_points;  ///< and their places on it
+  Span<SurfacePoint> surface_points;  ///< and their surface points
 };
 
 /// The checked surface in the host's memory.

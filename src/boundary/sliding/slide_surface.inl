@@ -217,19 +217,6 @@ SlideSurface export_slide_surface(const ReferenceSurface<Backend>& reference, co
   return surface;
 }
 
-/// The places of the vertices on a slide surface, as its members of these names.
-struct PlacesOnSurface {
-  std::vector<std::array<Index, 3>> surface_point;
-  std::vector<Point3> checked_points;
-  std::vector<std::array<Index, 3>> checked_surface_point;
-
-  void swap(SlideSurface& surface) noexcept {
-    surface.surface_point.swap(surface_point);
-    surface.checked_points.swap(checked_points);
-    surface.checked_surface_point.swap(checked_surface_point);
-  }
-};
-
 namespace slide_surface_detail {
 
 /// Surface points, given as in SlideSurface.

@@ -8,7 +8,7 @@ namespace tetune {
 /// In the corner between a feature line and a triangle both deviations count: each may use this part of the bound.
 inline constexpr double kDeviationShare = 0.7;
 
-/// The position of a reference vertex beside the prisms over the triangles of the mesh's surface.
+/// The position of a reference vertex beside the prisms over the triangles of the tested surface.
 enum class Wedge {
   none,  ///< in no wedge between two prisms
   near,  ///< in a wedge, within the bound
@@ -114,7 +114,7 @@ class TriangleDeviation : DeviationInput {
   static constexpr double kMaxUncovered = 1e-3;
   static constexpr int kMaxPolygon = 9;
 
-  /// The prism over a triangle of the mesh's surface with a vertex at `origin`.
+  /// The prism over a triangle of the tested surface with a vertex at `origin`.
   struct Prism {
     Vec3 origin, slope_a, slope_b, unit;
     TETUNE_HD PrismPoint point(const Vec3& p) const {
