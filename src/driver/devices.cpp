@@ -8,7 +8,7 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 
 std::string version(int number) { return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10); }
 
-/// Local memory per thread in bytes, slightly above the largest need of a kernel (docs/benchmarks/gpu-memory.md). The
+/// Local memory per thread in bytes: the largest need of a kernel (docs/benchmarks/gpu-memory.md). The
 /// CUDA driver reserves it for each thread that can be resident.
 constexpr std::size_t kLocalMemory = 12288;
 /// Reserve for the CUDA driver, which holds for example the code of the kernels.
