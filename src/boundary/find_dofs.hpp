@@ -99,21 +99,6 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   backend.for_each(mesh.vertices(), StartSurfacePoint{dofs.surface_point});
 }
 
-/// The part of the bound on the deviation by which vertices may drift from the checked surface.
-inline constexpr double kDriftShare = 1.0 / 3;
-
-/// Bounds the deviation of the mesh's surface. Requires that it is the reference surface, or that dofs.checked is set.
-template <class Backend>
-void bound_deviation(const Backend& backend, const WorkMesh<Backend>& mesh, double bound, VertexDofs<Backend>& dofs) {
-  // Slightly less, against rounding; and underflow must not turn a bound into none.
-  bound = std::max((1 - 1e-5) * bound, 2 * std::numeric_limits<double>::min());
-  dofs.max_drift = kDriftShare * bound;
-  dofs.max_deviation = (1 - kDriftShare) * bound;
-  if (dofs.checked.points.size() > 0) return;
-  dofs.checked.points.assign(backend, mesh.points);
-  dofs.checked.surface_points.assign(backend, dofs.surface_point);
-}
-
 inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
   for (const VertexDof dof : dofs) {
     ++(dof == VertexDof::free      ? report.free_vertices
@@ -143,6 +128,10 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
   if (slides) {
     // Vertices that slide have no axis, but restarts download the axes of all.
     backend.fill(dofs.axis.span(), Vec3{});
+    dofs.max_deviation = (1 - 1e-5) * options.max_deviation * input.scale;  // slightly less, against rounding
+    // Underflow must not turn a bound into none.
+    if (options.max_deviation > 0)
+      dofs.max_deviation = std::max(dofs.max_deviation, 2 * std::numeric_limits<double>::min());
     dofs.surface_point.resize(backend, vertices);
   }
   const DeviceViewOf<Backend, std::uint8_t> frozen(backend, input.frozen);
@@ -157,7 +146,11 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
                      FindDisplacementBound{mesh.points, input.surface.triangles, input.surface.vertex2corner.view(),
                                            slides ? kMaxSlideDisplacement : kMaxDisplacement, dofs.displacement_bound});
   }
-  if (slides && options.max_deviation > 0) bound_deviation(backend, mesh, options.max_deviation * input.scale, dofs);
+  // Before the first run the surface is the reference surface.
+  if (dofs.max_deviation > 0 && dofs.checked.points.size() == 0) {
+    dofs.checked.points.assign(backend, mesh.points);
+    dofs.checked.surface_points.assign(backend, dofs.surface_point);
+  }
   count_dofs(dofs.dof.download(), report);
 }
 

@@ -15,7 +15,6 @@ struct DofsView {
   Span<const DisplacementBound> displacement_bound;
   CheckedSurfaceView checked;
   double max_deviation;
-  double max_drift;
   Span<std::uint8_t> active;
 };
 
@@ -29,17 +28,15 @@ struct VertexDofs {
   ReferenceSurface<Backend> reference;
   /// Per vertex; meaningful on the surface. Empty: unbounded.
   BufferOf<Backend, DisplacementBound> displacement_bound;
-  /// The largest distances allowed between the checked surface and the reference surface (0: no bound), and between a
-  /// vertex of the mesh's surface and its place in the checked one: see DeviationBound.
+  /// The largest distance allowed between the mesh's surface and the reference surface (0: no bound), and the surface
+  /// that it is tested on.
   double max_deviation = 0;
-  double max_drift = 0;
   CheckedSurface<Backend> checked;
   /// The active vertices: 1 where at its last visit the vertex, or since then a vertex of its ring, moved by more than
   /// kActivationThreshold at once, or a flip changed its ring.
   BufferOf<Backend, std::uint8_t> active;
   DofsView view() {
-    return {dof,           axis,      surface_point, reference.view(), displacement_bound, checked.view(),
-            max_deviation, max_drift, active};
+    return {dof, axis, surface_point, reference.view(), displacement_bound, checked.view(), max_deviation, active};
   }
   /// The surface whose neighbors color_vertices() must separate: that of the bound on the deviation.
   ReferenceView stars() const { return max_deviation > 0 ? reference.view() : ReferenceView{}; }

@@ -17,7 +17,6 @@ struct HostWork : MeshSnapshot {
   std::vector<SurfacePoint> surface_point;            ///< empty unless vertices slide
   std::vector<DisplacementBound> displacement_bound;  ///< empty: unbounded
   double max_deviation = 0;
-  double max_drift = 0;
   CheckedSurfaceOnHost checked;  ///< empty without a bound on the deviation
 
   std::vector<BoundaryTriangle> triangles;
@@ -45,7 +44,6 @@ struct HostWork : MeshSnapshot {
         surface_point(work.dofs.surface_point.download()),
         displacement_bound(work.dofs.displacement_bound.download()),
         max_deviation(work.dofs.max_deviation),
-        max_drift(work.dofs.max_drift),
         checked(work.dofs.checked.download()),
         triangles(work.boundary.triangles.download()),
         bends(work.boundary.bends),

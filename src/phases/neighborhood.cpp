@@ -225,7 +225,6 @@ void Neighborhood::take_vertices(const HostWork& whole, const std::vector<FoundT
   work.dofs.surface_point.upload(backend_, surface_point);
   work.dofs.displacement_bound.upload(backend_, bound);
   work.dofs.max_deviation = whole.max_deviation;
-  work.dofs.max_drift = whole.max_drift;
   work.dofs.active.resize(backend_, work.mesh.vertices());
   backend_.fill(work.dofs.active.span(), std::uint8_t{0});
   work.flips.constrained_vertex.upload(backend_, constrained);

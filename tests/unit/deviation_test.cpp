@@ -266,15 +266,15 @@ TEST(DeviationBound, AddsUpDriftAndTestedDeviation) {
   const TinySurface s = height_field(9, bumpy);
   const ReferenceView ref = s.view();
   for (const double limit : {0.05, 0.01}) {
-    for (const double drift : {0.0, limit / 3}) {
+    for (const double share : {0.0, kDriftShare}) {
+      const double drift = share * limit;
       SlidSurface mesh(s);
       SlidSurface checked(s);
       const CheckedSurfaceView view{span_of(checked.points), span_of(checked.surface_points)};
       int moves = 0;
       int tests = 0;
       mesh.for_walks(4000, 0.03, random, [&](Index v, const TraceResult& end) {
-        DeviationBound<Pack> bound({ref, view.points, view.surface_points, v, limit - drift}, vec(view.points[v]),
-                                   drift);
+        DeviationBound<Pack> bound({ref, view.points, view.surface_points, v, limit}, vec(view.points[v]), share);
         if (!bound.allows(end.position, end.surface_point)) return;
         const Point before = view.points[v];
         bound.store(view, v);
@@ -305,7 +305,7 @@ TEST(DeviationBound, AddsUpDriftAndTestedDeviation) {
 TEST(DeviationBound, IsNoneForALimitOf0) {
   const TinySurface s = height_field(3, flat);
   const ReferenceView ref = s.view();
-  DeviationBound<Pack> none({ref, {}, {}, 5, 0}, {}, 0);
+  DeviationBound<Pack> none({ref, {}, {}, 5, 0}, {});
   EXPECT_TRUE(none.allows({9, 9, 9}, {SurfacePointKind::vertex, 6}));
   none.store({}, 5);
 }

@@ -48,7 +48,7 @@ double drift_of(const HostWork& mesh) {
 /// Neighbors name each other and share their face; the triangles of the boundary are the locked faces.
 /// Vertices have not drifted from the checked surface by more than the bound allows.
 void expect_consistent(const HostWork& mesh) {
-  EXPECT_LE(drift_of(mesh), mesh.max_drift);
+  EXPECT_LE(drift_of(mesh), kDriftShare * mesh.max_deviation);
   std::map<std::array<Index, 3>, int> locked;
   Size alive = 0;
   for (Size t = 0; t < mesh.slots(); ++t) {
@@ -101,10 +101,12 @@ void expect_same(const HostWork& a, const HostWork& b) {
 std::vector<TetMesh> meshes() { return {test::cube(4, 0.2), test::two_materials(4, 0.2), test::ball(4)}; }
 
 TEST(Neighborhood, PutBackUnchangedLeavesTheMeshAsItWas) {
-  for (const Boundary boundary : {Boundary::fixed, Boundary::preserve, Boundary::slide}) {
+  const std::pair<Boundary, double> cases[] = {
+      {Boundary::fixed, 0}, {Boundary::preserve, 0}, {Boundary::slide, 0}, {Boundary::slide, 0.1}};
+  for (const auto& [boundary, max_deviation] : cases) {
     for (const TetMesh& mesh : meshes()) {
-      const HostWork before = imported(mesh, boundary, 0.1);
-      EXPECT_EQ(before.checked.points.empty(), boundary != Boundary::slide);
+      const HostWork before = imported(mesh, boundary, max_deviation);
+      EXPECT_EQ(before.checked.points.empty(), max_deviation == 0);
       HostWork after = before;
       NeighborhoodFinder finder(after);
       for (Index slot = 0; slot < before.slots(); slot += 37) {
@@ -112,7 +114,6 @@ TEST(Neighborhood, PutBackUnchangedLeavesTheMeshAsItWas) {
         Neighborhood neighborhood(after, finder.found(), list_by_lowest_vertex(Cpu(1), after));
         EXPECT_EQ(neighborhood.work.mesh.tets(), std::ssize(finder.tets()));
         EXPECT_EQ(neighborhood.work.dofs.max_deviation, before.max_deviation);
-        EXPECT_EQ(neighborhood.work.dofs.max_drift, before.max_drift);
         neighborhood.put_back(after);
       }
       expect_same(before, after);

@@ -71,7 +71,7 @@ struct Slider {
   template <class Step>
   bool visit(const Step& step, Bowl bowl) {
     const ReferenceView ref = surface.view();
-    DeviationBound<backend::Cpu::Pack> no_bound({ref, {}, {}, 0, 0}, {}, 0);
+    DeviationBound<backend::Cpu::Pack> no_bound({ref, {}, {}, 0, 0}, {});
     const double before = bowl.value(x).value;
     const SlideResult r = step(bowl, x, surface_point, dof, surface.view(), no_bound, DisplacementBound{});
     EXPECT_NEAR(r.step.decrease, before - bowl.value(r.step.position).value, 1e-12);

@@ -7,27 +7,33 @@
 
 namespace tetune {
 
+/// The part of the bound on the deviation by which vertices may drift from the checked surface.
+inline constexpr double kDriftShare = 1.0 / 3;
+
 /// The bound on the distance between the mesh's surface and the reference surface, for moves of one vertex.
 ///
 /// DeviationTest is applied to the *checked surface*. It has the triangles of the mesh's surface, and each vertex of
-/// the mesh's surface is at most `max_drift` away from its position there. The map from triangle to triangle moves no
-/// point farther than that, so the distance of the two surfaces is at most max_drift in both directions, and that of
-/// the mesh's surface from the reference at most max_drift more than what was tested. Thus a vertex that stays within
-/// max_drift of its checked position needs no test. It may move beyond that if the test allows the checked surface to
-/// have it there.
+/// the mesh's surface is at most a share of the bound, its drift, away from its position there. The map from triangle
+/// to triangle moves no point farther than that, so the distance of the two surfaces is at most the drift in both
+/// directions, and that of the mesh's surface from the reference at most the drift more than what was tested. Thus a
+/// vertex that stays within the drift of its checked position needs no test. It may move beyond that if the test, with
+/// the rest of the bound, allows the checked surface to have it there.
 template <class Pack>
 class DeviationBound {
  public:
-  /// `checked`: the vertex in the checked surface (limit 0: no bound), and `position` its position there.
-  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& position, double max_drift)
-      : test_(checked), bounded_(checked.limit > 0), max_drift2_(max_drift * max_drift), position_(position) {}
+  /// `checked`: the vertex in the checked surface, with the whole bound as limit, and `position` its position there.
+  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& position, double drift_share = kDriftShare)
+      : test_({checked.ref, checked.points, checked.surface_points, checked.vertex, (1 - drift_share) * checked.limit}),
+        bounded_(checked.limit > 0),
+        max_drift_(drift_share * checked.limit),
+        position_(position) {}
 
   /// Whether the vertex may move to x, which is at the surface point `on`. If so and this needs a test, its checked
   /// position follows.
   TETUNE_HD bool allows(const Vec3& x, const SurfacePoint& on) {
     if (!bounded_) return true;
     const Vec3 drift = x - position_;
-    if (dot(drift, drift) <= max_drift2_) return true;
+    if (dot(drift, drift) <= max_drift_ * max_drift_) return true;
     if (!test_.allows(position_, x, on)) return false;
     position_ = x;
     surface_point_ = on;
@@ -46,7 +52,7 @@ class DeviationBound {
   DeviationTest<Pack> test_;
   bool bounded_;
   bool has_moved_ = false;
-  double max_drift2_;
+  double max_drift_;
   Vec3 position_;
   SurfacePoint surface_point_{};
 };
@@ -56,7 +62,7 @@ template <class Pack, class Team>
 TETUNE_HD DeviationBound<Pack> deviation_bound(const DofsView& dofs, const Team& team, Index v) {
   const CheckedSurfaceView& checked = dofs.checked;
   const Vec3 position = dofs.max_deviation > 0 ? vec(backend::read_once(team, checked.points[v])) : Vec3{};
-  return {{dofs.reference, checked.points, checked.surface_points, v, dofs.max_deviation}, position, dofs.max_drift};
+  return {{dofs.reference, checked.points, checked.surface_points, v, dofs.max_deviation}, position};
 }
 
 }  // namespace tetune
