@@ -24,6 +24,8 @@ using BitsOf = typename PackBitsOf<Pack>::type;
 TETUNE_HD TETUNE_INLINE std::uint64_t where(bool condition, std::uint64_t bits) { return condition ? bits : 0; }
 /// The bitwise or of all words.
 TETUNE_HD TETUNE_INLINE std::uint64_t merged(std::uint64_t bits) { return bits; }
+/// Whether the condition holds in any lane.
+TETUNE_HD TETUNE_INLINE bool any(bool condition) { return condition; }
 
 /// Loads the first three components of the point of each lane: one pack per component.
 TETUNE_HD TETUNE_INLINE void load_columns(const double* const (&row)[1], double (&column)[3]) {
@@ -43,6 +45,9 @@ TETUNE_INLINE Bits4 where(const decltype(Pack4{} < Pack4{}) & condition, const B
   return reinterpret_cast<const Bits4&>(condition) & bits;
 }
 TETUNE_INLINE std::uint64_t merged(const Bits4& bits) { return (bits[0] | bits[1]) | (bits[2] | bits[3]); }
+TETUNE_INLINE bool any(const decltype(Pack4{} < Pack4{}) & condition) {
+  return merged(reinterpret_cast<const Bits4&>(condition)) != 0;
+}
 
 /// Each point is loaded whole, as four doubles; the four vectors are then transposed.
 TETUNE_INLINE void load_columns(const double* const (&row)[4], Pack4 (&column)[3]) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "backend/pack.hpp"
 #include "energy/objective.hpp"
 #include "mesh/tet.hpp"
 
@@ -39,28 +40,60 @@ TETUNE_HD TETUNE_INLINE void for_each_dihedral_cot(const Vec3T<T> p[4], const Ve
   }
 }
 
+/// The sum of the squared edge lengths of a tetrahedron, cubed and divided by w^2, with w = 6 * volume: 432 times the
+/// mean ratio to the power of -3, without roots.
+template <class T>
+TETUNE_HD TETUNE_INLINE T edge_term(const Vec3T<T> p[4], const T& w) {
+  T sum{};
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i + 1; j < 4; ++j) {
+      const Vec3T<T> edge = p[j] - p[i];
+      sum += dot(edge, edge);
+    }
+  }
+  return sum * (sum / w) * (sum / w);
+}
+
 /// The worst quality in a mesh: no operation may create a tetrahedron that is worse.
 struct QualityFloor {
   /// Relative tolerance for rounding.
   static constexpr double kTolerance = 1e-12;
 
-  double worst_shape = 0;         ///< largest shape energy
-  double max_cot = -1;            ///< cotangent of the smallest dihedral angle
-  double min_cot = -kInfeasible;  ///< cotangent of the largest dihedral angle
-  /// No tetrahedron with a shape energy up to this has a smaller angle: the shape energy times the sine of any
-  /// dihedral angle is at least (3 - its cosine) / sqrt(8) (docs/method.md, "Quality floor").
+  double worst_shape = 0;              ///< largest shape energy
+  double max_cot = -1;                 ///< cotangent of the smallest dihedral angle
+  double min_cot = -kInfeasible;       ///< cotangent of the largest dihedral angle
+  double max_edge_term = kInfeasible;  ///< edge_term() of the smallest mean ratio
+  /// No tetrahedron with a shape energy up to this has a smaller mean ratio: the shape energy to the power of 4/3 times
+  /// the mean ratio is at least 1 (docs/method.md, "Quality floor").
+  double safe_shape_of_edges = kInfeasible;
+  /// Nor one with a shape energy up to this a smaller angle either: the shape energy times the sine of any dihedral
+  /// angle is at least (3 - its cosine) / sqrt(8).
   double safe_shape = 0;
 
   /// Lower bound on the shape energy of a tetrahedron with a dihedral angle of this cotangent.
   TETUNE_HD static double min_shape(double cot) {
     return (1 - kTolerance) * std::sqrt(0.125) * (3 * std::sqrt(1 + cot * cot) - cot);
   }
+  /// Lower bound on the shape energy of a tetrahedron with this edge_term().
+  TETUNE_HD static double min_shape_of_edges(double term) {
+    return (1 - kTolerance) * std::sqrt(std::sqrt(term / kMinEdgeTerm));
+  }
   /// The floor that allows every tetrahedron.
-  TETUNE_HD static QualityFloor none() { return {kInfeasible, kInfeasible, -kInfeasible, kInfeasible}; }
+  TETUNE_HD static QualityFloor none() {
+    return {kInfeasible, kInfeasible, -kInfeasible, kInfeasible, kInfeasible, kInfeasible};
+  }
   /// Relaxes measured values by the tolerance. Called once, after the measurement.
   TETUNE_HD void add_tolerance() {
     worst_shape *= 1 + kTolerance;
     max_cot *= 1 + kTolerance;
+    max_edge_term *= 1 + kTolerance;
+    safe_shape_of_edges = min_shape_of_edges(max_edge_term);
+    update_safe_shape();
+  }
+  /// Allows a mean ratio of a part of the smallest one.
+  TETUNE_HD void relax_mean_ratio(double part) {
+    max_edge_term /= part * part * part;
+    safe_shape_of_edges = min_shape_of_edges(max_edge_term);
     update_safe_shape();
   }
   /// Allows no angle of a larger cost, as of DihedralCots. add_tolerance() is not called again: tolerances would
@@ -78,7 +111,13 @@ struct QualityFloor {
 
   /// Whether the tetrahedron p, of this shape energy and with w = 6 * volume, is no worse than the floor.
   TETUNE_HD bool allows(double shape, const Vec3 p[4], double w) const {
-    return shape <= safe_shape || (shape <= worst_shape && allows(dihedral_cots(p, w)));
+    return shape <= safe_shape || (allows_shape(shape, p, w) && allows(dihedral_cots(p, w)));
+  }
+  /// Whether that holds but for its angles. A bool, or one per lane.
+  template <class T>
+  TETUNE_HD TETUNE_INLINE decltype(T{} > T{}) allows_shape(const T& shape, const Vec3T<T> p[4], const T& w) const {
+    if (!backend::any(shape > safe_shape_of_edges)) return shape <= worst_shape;
+    return (shape <= worst_shape) & ((shape <= safe_shape_of_edges) | (edge_term(p, w) <= max_edge_term));
   }
   /// A bool, or one per lane.
   template <class T>
@@ -102,8 +141,11 @@ struct QualityFloor {
   }
 
  private:
+  static constexpr double kMinEdgeTerm = 432;  ///< that of a regular tetrahedron
+
   TETUNE_HD void update_safe_shape() {
     safe_shape = min_shape(max_cot);
+    if (safe_shape_of_edges < safe_shape) safe_shape = safe_shape_of_edges;
     if (min_cot > -kInfeasible && min_shape(min_cot) < safe_shape) safe_shape = min_shape(min_cot);
     if (worst_shape < safe_shape) safe_shape = worst_shape;
   }

@@ -165,7 +165,7 @@ class SimdRing {
       const Vec3T<Pack> p[4] = {xs, f.p0, f.p0 + f.b, f.p0 + f.a};
       const Pack shape = kShapeFactor * term;
       const auto is_safe = (term <= floor_.safe_shape / kShapeFactor) | (shape <= floor_.safe_shape);
-      const auto is_allowed = (shape <= floor_.worst_shape) & floor_.allows(QualityFloor::dihedral_cots(p, w));
+      const auto is_allowed = floor_.allows_shape(shape, p, w) & floor_.allows(QualityFloor::dihedral_cots(p, w));
       const Pack violation = is_safe | is_allowed ? zero() : zero() + 1.0;
       if (max_lane(violation) > 0) return false;
     }

@@ -22,12 +22,28 @@ struct ValueOf {
   TETUNE_HD Maximum operator()(Size t) const { return {values[t]}; }
 };
 
-/// The cotangent of the smallest angle of a tetrahedron whose energy is above a bound.
-struct MaxCotAbove {
+/// The cotangent of the smallest dihedral angle, and edge_term() of the smallest mean ratio.
+struct WorstMeasures {
+  double max_cot = -1, max_edge_term = 0;
+  TETUNE_HD void merge(const WorstMeasures& other) {
+    max_cot = other.max_cot > max_cot ? other.max_cot : max_cot;
+    max_edge_term = other.max_edge_term > max_edge_term ? other.max_edge_term : max_edge_term;
+  }
+};
+
+/// Those of the tetrahedra whose shape energy is above a bound.
+struct MeasureAbove {
   MeshView mesh;
-  Span<const double> energies;
+  Span<const double> shapes;
   double bound;
-  TETUNE_HD Maximum operator()(Size t) const { return {energies[t] > bound ? dihedral_cots(mesh, t).max : -1}; }
+  TETUNE_HD WorstMeasures operator()(Size t) const {
+    if (!(shapes[t] > bound)) return {};
+    const Tet tet = mesh.tet2vertex[t];
+    const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
+                       vec(mesh.points[tet[3]])};
+    const double w = six_volume_or_bound(p);
+    return {QualityFloor::dihedral_cots(p, w).max, edge_term(p, w)};
+  }
 };
 
 /// The cotangent of the largest angle of a tetrahedron whose energy is above a bound, with the sign changed.
@@ -78,18 +94,22 @@ struct AngleExtremes {
   }
 };
 
-/// The largest shape energy and the smallest dihedral angle, as bounds that no tetrahedron may exceed. `shapes` are the
-/// shape energies of all slots: only tetrahedra of a large energy can have small angles.
+/// The largest shape energy, the smallest dihedral angle and the smallest mean ratio, as bounds that no tetrahedron may
+/// exceed. `shapes` are the shape energies of all slots: only tetrahedra of a large energy can have small angles or a
+/// small mean ratio.
 template <class Backend>
 QualityFloor find_floor(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes) {
   using namespace quality_extremes_detail;
-  const auto max_cot_above = [&](double bound) {
-    return backend.template reduce<Maximum>(mesh.slots(), MaxCotAbove{mesh.view(), shapes, bound}).value;
+  const auto measure_above = [&](double bound) {
+    return backend.template reduce<WorstMeasures>(mesh.slots(), MeasureAbove{mesh.view(), shapes, bound});
   };
   QualityFloor floor;
   floor.worst_shape = backend.template reduce<Maximum>(mesh.slots(), ValueOf{shapes}).value;
-  const double cot_of_worst = max_cot_above(0.5 * floor.worst_shape);
-  floor.max_cot = std::max(cot_of_worst, max_cot_above(QualityFloor::min_shape(cot_of_worst)));
+  WorstMeasures worst = measure_above(0.5 * floor.worst_shape);
+  worst.merge(measure_above(
+      std::min(QualityFloor::min_shape(worst.max_cot), QualityFloor::min_shape_of_edges(worst.max_edge_term))));
+  floor.max_cot = worst.max_cot;
+  floor.max_edge_term = worst.max_edge_term;
   floor.add_tolerance();
   return floor;
 }

@@ -107,6 +107,8 @@ struct AngleParameters {
   double min_cost = 1.2;
   /// The weight of large angles in that cost. 0: they do not count.
   double obtuse_weight = 0;
+  /// From these rounds on tetrahedra may have this part of the smallest mean ratio of the input.
+  double mean_ratio_part = 1;
   /// A retriangulation must lower the largest cost in its cavity by this part.
   double min_cost_gain = 0.02;
   /// Passes per round that move vertices to where the largest cost around them is lowest.
@@ -241,6 +243,7 @@ constexpr Tuning best() {
   t.angles.min_vertex_count = 100;
   t.angles.min_cost_gain = 3e-3;
   t.angles.obtuse_weight = 1.5;
+  t.angles.mean_ratio_part = 0.25;
   t.angles.crowd_rounds = 16;
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;

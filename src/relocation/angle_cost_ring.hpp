@@ -19,12 +19,16 @@
 
 namespace tetune {
 
-/// The extreme cotangents of the dihedral angles of a tetrahedron, or of one per lane. Where its volume is not
-/// certified, the error bound of the volume takes its place.
+/// Six times the volume of a tetrahedron, or of one per lane; where it is not certified, the bound on its error.
+template <class T>
+TETUNE_HD TETUNE_INLINE T six_volume_or_bound(const Vec3T<T> (&p)[4]) {
+  const OrientT<T> o = orient(p[0], p[1], p[2], p[3]);
+  return o.certified() ? o.det : o.bound;
+}
+/// The extreme cotangents of the dihedral angles of a tetrahedron, or of one per lane, with that volume.
 template <class T>
 TETUNE_HD TETUNE_INLINE DihedralCotsT<T> dihedral_cots(const Vec3T<T> (&p)[4]) {
-  const OrientT<T> o = orient(p[0], p[1], p[2], p[3]);
-  return QualityFloor::dihedral_cots(p, o.certified() ? o.det : o.bound);
+  return QualityFloor::dihedral_cots(p, six_volume_or_bound(p));
 }
 TETUNE_HD inline DihedralCots dihedral_cots(const MeshView& mesh, Size t) {
   const Tet tet = mesh.tet2vertex[t];
@@ -149,7 +153,7 @@ class AngleCostRing {
     const Pack infinite = Pack{} + HUGE_VAL;
     Pack cost = cots.cost(mesh_.obtuse_weight);
     cost = e.certified ? cost : infinite;
-    cost = e.shape > mesh_.floor.worst_shape ? infinite : cost;
+    cost = mesh_.floor.allows_shape(e.shape, p, e.w) ? cost : infinite;
     if (keeps_floor_) cost = mesh_.floor.allows(cots) ? cost : infinite;
     return cost;
   }
@@ -212,7 +216,7 @@ class AngleCostRing {
   TETUNE_HD TETUNE_OUTLINE double cost_of(const Vec3& x, int face) const {
     const Vec3 p[4] = {x, corner(face, 0), corner(face, 1), corner(face, 2)};
     const TetEnergy e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);
-    if (!e.certified || e.shape > mesh_.floor.worst_shape) return HUGE_VAL;
+    if (!e.certified || !mesh_.floor.allows_shape(e.shape, p, e.w)) return HUGE_VAL;
     const DihedralCots cots = QualityFloor::dihedral_cots(p, e.w);
     return !keeps_floor_ || mesh_.floor.allows(cots) ? cots.cost(mesh_.obtuse_weight) : HUGE_VAL;
   }

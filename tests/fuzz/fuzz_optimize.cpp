@@ -222,7 +222,7 @@ void check_result(const TetMesh& before, const TetMesh& after, const Options& op
     if (options.frozen_vertices[v] != 0) stays(v);
   }
   if (report.tets_untangled > 0 || options.energy != Energy::shape) return;
-  check_angle(before, quality(before, 1), quality(after, 1));
+  check_worst(before, quality(before, 1), quality(after, 1), options.effort);
 }
 
 }  // namespace

@@ -52,6 +52,23 @@ TEST(Optimize, VerticesOfManyTetrahedraTakeNoSquaredTime) {
   }
 }
 
+TEST(Optimize, NoMeanRatioIsBelowTheSmallestOfTheInput) {
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    // Plates, which the shape energy alone would make needles.
+    TetMesh before = test::cube(6, 0.2, seed);
+    for (Point3& p : before.points) p[2] /= 12;
+    for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
+      Options options;
+      options.effort = effort;
+      TetMesh after = before;
+      optimize(after, options);
+      const double part = effort == Effort::best ? 0.25 : 1;
+      EXPECT_GE(quality(after).mean_ratio_min, part * quality(before).mean_ratio_min * (1 - 1e-9));
+      EXPECT_LT(quality(after).shape_sum, quality(before).shape_sum);
+    }
+  }
+}
+
 TEST(Optimize, BestOpensTheSmallestAngles) {
   const TetMesh before = test::scrambled(test::cube(8, 0.25), 3);
   TetMesh standard = before;
@@ -272,6 +289,12 @@ TEST(Optimize, ManyThatAreEquallyBadAreWorkedOnOnce) {
     plate.points[v][2] *= 0.03;
     if (v * 2654435761U % 64 < 32) plate.required_vertices.push_back(static_cast<Index>(v));
   }
+  // A needle beside the plate has a smaller mean ratio; else the moves of a lattice would not be allowed.
+  const auto first = static_cast<Index>(plate.points.size());
+  for (const Point3& p : {Point3{2, 0, 0}, {2.001, 0, 0}, {2, 0.001, 0}, {2, 0, 0.3}}) plate.points.push_back(p);
+  plate.tets.push_back({first, first + 1, first + 2, first + 3});
+  plate.tet_tags.resize(plate.tets.size(), plate.tet_tags.front());
+  plate.point_tags.resize(plate.points.size(), 0);
   TetMesh same = plate;
   const Report report = optimize(plate);
   ASSERT_GE(report.worst_rounds.size(), 2U);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "energy/quality_floor.hpp"
 #include "meshes.hpp"
@@ -128,6 +130,40 @@ TEST(QualityFloor, TolerancesDoNotAccumulate) {
   EXPECT_EQ(floor.max_cot, 1.25);
   EXPECT_EQ(floor.safe_shape, QualityFloor::min_shape(1.25));
   EXPECT_EQ(floor.min_cot, -kInfeasible);
+}
+
+TEST(QualityFloor, BoundsTheMeanRatio) {
+  // Regular tetrahedra stretched by random factors: plates and needles.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> exponent(-3, 3);
+  double least = kInfeasible;
+  for (int i = 0; i < 2000; ++i) {
+    TetMesh m = test::one_tet();
+    m.points = {{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}};
+    for (const std::size_t axis : {0U, 1U, 2U}) {
+      const double factor = std::exp(exponent(random));
+      for (Point3& p : m.points) p[axis] *= factor;
+    }
+    const Quality q = quality(m);
+    const double product = std::pow(q.shape_sum, 4.0 / 3) * q.mean_ratio;
+    EXPECT_GE(product, 1 - 1e-12);
+    least = std::min(least, product);
+    Vec3 p[4];
+    for (int k = 0; k < 4; ++k) p[k] = vec(m.points[static_cast<std::size_t>(m.tets[0][static_cast<std::size_t>(k)])]);
+    const double w = dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]);
+    EXPECT_NEAR(edge_term(p, w) * std::pow(q.mean_ratio, 3) / 432, 1, 1e-12);
+    EXPECT_LE(QualityFloor::min_shape_of_edges(edge_term(p, w)), q.shape_sum);
+
+    QualityFloor floor{kInfeasible, kInfeasible};
+    floor.max_edge_term = edge_term(p, w);
+    floor.add_tolerance();
+    EXPECT_TRUE(floor.allows(q.shape_sum, p, w));
+    floor.max_edge_term *= 1 - 1e-9;
+    EXPECT_EQ(floor.allows(q.shape_sum, p, w), q.shape_sum <= floor.safe_shape);
+    floor.relax_mean_ratio(0.5);
+    EXPECT_TRUE(floor.allows(q.shape_sum, p, w));
+  }
+  EXPECT_LT(least, 1.001) << "the bound is attained";
 }
 
 TEST(QualityFloor, AWeightLimitsLargeAnglesToo) {

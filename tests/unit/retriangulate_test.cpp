@@ -360,7 +360,7 @@ TEST(Retriangulate, KeepsToTheFloorAndToTheNumberOfTetrahedra) {
     EXPECT_EQ(work.retriangulate(1.7, 8).inserted, 1);
   }
   Work work(sliver_on_the_surface());
-  work.criterion.floor = {1.01, 1e300, -1e300, 1};  // nothing worse than regular
+  work.criterion.floor = {1.01, kInfeasible};  // nothing worse than regular
   EXPECT_EQ(work.retriangulate().inserted, 0);
 }
 
