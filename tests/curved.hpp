@@ -83,6 +83,17 @@ inline TrianglePoints corners(const TetMesh& m, const SkinFace& f) {
   return {at(m, f.v[0]), at(m, f.v[1]), at(m, f.v[2])};
 }
 
+/// Lists the faces of the skin as triangles: of tag 7 where x of the centroid is below `split`, else of tag 0 where y
+/// is, else of tag 9.
+inline TetMesh with_patches(TetMesh m, double split) {
+  for (const SkinFace& f : skin(m)) {
+    const Vec3 c = (1.0 / 3) * (at(m, f.v[0]) + at(m, f.v[1]) + at(m, f.v[2]));
+    m.triangles.push_back(f.v);
+    m.triangle_tags.push_back(c.x < split ? 7 : c.y < split ? 0 : 9);
+  }
+  return m;
+}
+
 /// Oracle: the feature edges of a surface and the classification of its vertices.
 struct PlainFeatures {
   std::vector<std::array<Index, 2>> edges;

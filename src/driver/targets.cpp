@@ -134,18 +134,14 @@ class ConstraintFinder {
 
   /// The angle about edge (a, b) from a face of t to the surface; -1 if the edge is not on the surface.
   double angle_to_surface(Index t, int face, Index a, Index b) const {
+    const HalfFace across = tet2tet_[t][face];
+    if (is_locked(across)) return 0;
     double sum = 0;
-    HalfFace across = tet2tet_[t][face];
-    Index behind = tets_[t][6 - local_index(tets_[t], a) - local_index(tets_[t], b) - face];
-    while (!is_locked(across)) {
-      const Index next = tet_of(across);
-      if (next == t) return -1;
-      sum += angle_at(next, a, b);
-      const Tet tet = tets_[next];
-      const int entry = face_of(across);
-      across = tet2tet_[next][local_index(tet, behind)];
-      behind = tet[entry];
-    }
+    EdgeWalk walk{tets_[t][6 - local_index(tets_[t], a) - local_index(tets_[t], b) - face], across};
+    do {
+      if (walk.tet() == t) return -1;
+      sum += angle_at(walk.tet(), a, b);
+    } while (walk.step(tets_, tet2tet_));
     return sum;
   }
 

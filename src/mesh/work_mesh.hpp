@@ -23,6 +23,10 @@ struct MeshView {
   Span<Index> tet2original;
 
   TETUNE_HD bool alive(Size slot) const { return tet2vertex[slot].v[0] != kFreeSlot; }
+  /// The half-face across a face.
+  TETUNE_HD TETUNE_INLINE HalfFace& across(HalfFace face) const { return tet2tet[tet_of(face)][face_of(face)]; }
+  /// The vertex opposite a face in its tetrahedron.
+  TETUNE_HD TETUNE_INLINE Index opposite_vertex(HalfFace face) const { return tet2vertex[tet_of(face)][face_of(face)]; }
 };
 
 /// The mesh during optimization, in a backend's memory: vertices sorted along a space-filling curve, tetrahedra by

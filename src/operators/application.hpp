@@ -72,8 +72,7 @@ struct Forward {
       r.patch.assign_vertex(static_cast<Index>(vertices + before[i].inserted));
     }
     for (int k = 0; k < r.patch.face_count(); ++k) {
-      const HalfFace old = r.patch.old_face(mesh, k);
-      mesh.tet2tet[tet_of(old)][face_of(old)] = r.new_half_face(k);
+      mesh.across(r.patch.old_face(mesh, k)) = r.new_half_face(k);
     }
   }
 };
@@ -103,7 +102,7 @@ struct Resolve {
     for (int k = 0; k < faces; ++k) {
       const HalfFace old = r.across[k];
       if (old == kNoHalfFace) continue;
-      HalfFace& back = mesh.tet2tet[tet_of(old)][face_of(old)];
+      HalfFace& back = mesh.across(old);
       if (tet2bid[tet_of(old)] == kReplaced) {
         r.across[k] = back | (old & kLocked);
       } else {

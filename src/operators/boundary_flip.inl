@@ -84,36 +84,30 @@ struct BoundaryFlipProposals {
   TETUNE_HD bool find(const BoundaryEdge& edge, Index triangle, Index front, Index end, FlipCandidate& c) const {
     c.a = edge.a < edge.b ? edge.a : edge.b;
     c.b = edge.a < edge.b ? edge.b : edge.a;
-    Index face = triangle2face[triangle];
-    if (start_face(face, c) != (face & 3)) {
-      const HalfFace across = mesh.tet2tet[face >> 2][face & 3];
-      if (across == kNoHalfFace) return true;
-      face = static_cast<Index>(across & ~kLocked);
+    auto face = static_cast<HalfFace>(triangle2face[triangle]);
+    if (start_face(face, c) != face_of(face)) {
+      face = mesh.across(face);
+      if (face == kNoHalfFace) return true;
     }
-    Index t = face >> 2;
-    Index next = mesh.tet2vertex[t][face & 3];
+    EdgeWalk walk{front, face};
     int n = 0;
-    for (;;) {
+    do {
       if (n + 2 > max_ring) return false;
-      c.ring[n] = front;
-      c.tets[n] = t;
+      c.ring[n] = walk.next_vertex;
+      c.tets[n] = walk.tet();
       ++n;
-      const HalfFace across = mesh.tet2tet[t][local_index(mesh.tet2vertex[t], front)];
-      front = next;
-      if (is_locked(across)) break;
-      t = tet_of(across);
-      next = mesh.tet2vertex[t][face_of(across)];
-    }
-    if (n < 2 || front != end) return false;
-    c.ring[n] = front;
+    } while (walk.step(mesh));
+    const Index last = mesh.opposite_vertex(walk.entry);
+    if (n < 2 || last != end) return false;
+    c.ring[n] = last;
     c.ring_size = static_cast<std::uint8_t>(n + 1);
     c.kind = FlipKind::boundary_removal;
     return true;
   }
 
   /// The face of the tetrahedron at `face` that a fan about (a, b) would start from.
-  TETUNE_HD int start_face(Index face, const FlipCandidate& c) const {
-    const Tet tet = mesh.tet2vertex[face >> 2];
+  TETUNE_HD int start_face(HalfFace face, const FlipCandidate& c) const {
+    const Tet tet = mesh.tet2vertex[tet_of(face)];
     const int a = local_index(tet, c.a);
     const int b = local_index(tet, c.b);
     const EdgeCorners e = edge_corners(edge_of(a, b));

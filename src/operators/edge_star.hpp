@@ -31,21 +31,22 @@ TETUNE_HD TETUNE_INLINE unsigned edge_faces(int edge) {
 /// The local edge between two local vertices, in any order.
 TETUNE_HD TETUNE_INLINE int edge_of(int i, int j) { return i == 0 || j == 0 ? i + j - 1 : i + j; }
 
-/// Turns around an edge, from tetrahedron to tetrahedron.
+/// A walk around an edge, from tetrahedron to tetrahedron.
 struct EdgeWalk {
   Index next_vertex;  ///< the vertex of the face just crossed that is not on the edge
   HalfFace entry;     ///< the tetrahedron entered, and the face of it that was crossed
 
   TETUNE_HD TETUNE_INLINE Index tet() const { return tet_of(entry); }
   /// Crosses the next face. Returns false, without a step, where it is locked.
-  TETUNE_HD TETUNE_INLINE bool step(const MeshView& mesh) {
-    const Tet here = mesh.tet2vertex[tet()];
-    const HalfFace across = mesh.tet2tet[tet()][local_index(here, next_vertex)];
+  TETUNE_HD TETUNE_INLINE bool step(Span<const Tet> tet2vertex, Span<const FaceAdjacency> tet2tet) {
+    const Tet here = tet2vertex[tet()];
+    const HalfFace across = tet2tet[tet()][local_index(here, next_vertex)];
     if (is_locked(across)) return false;
     next_vertex = here[face_of(entry)];
     entry = across;
     return true;
   }
+  TETUNE_HD TETUNE_INLINE bool step(const MeshView& mesh) { return step(mesh.tet2vertex, mesh.tet2tet); }
 };
 
 /// The tetrahedra around an edge (a, b), in the order of the walk.
@@ -66,7 +67,7 @@ TETUNE_HD TETUNE_INLINE EdgeStar edge_star(const MeshView& mesh, int max_ring, I
   const FaceAdjacency links = mesh.tet2tet[t];
   const Tet tet = mesh.tet2vertex[t];
   if (tet[e.j] < tet[e.i]) e = {e.j, e.i, e.l, e.k};
-  // Turn around the edge, from (a, k, l, b) across the face opposite k, until the tetrahedron opposite l.
+  // Walks around the edge, from (a, k, l, b) across the face opposite k, until the tetrahedron opposite l.
   s.ring[0] = tet[e.k];
   s.tets[0] = t;
   const Index last = tet_of(links[e.l]);

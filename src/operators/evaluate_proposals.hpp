@@ -17,8 +17,8 @@ struct Propose {
   using Shared = backend::SharedOf<Generator>;
   Generator generator;
   Proposals<typename Generator::Candidate> proposals;
-  Size group;   ///< of proposals that are evaluated apart from each other; 1: in order
-  Size groups;  ///< of the batch
+  Size choices;     ///< the proposals of each are evaluated side by side
+  Size per_choice;  ///< proposals of the batch
 
   TETUNE_INLINE void prefetch(Size i, Size) const {
     if constexpr (requires { generator.prefetch(i); }) generator.prefetch(proposals.first + i);
@@ -36,7 +36,7 @@ struct Propose {
  private:
   /// The proposal of item i, without candidates yet.
   TETUNE_HD Size begin(Size i, bool clears) const {
-    const Size proposal = proposals.first + (group == 1 ? i : i % groups * group + i / groups);
+    const Size proposal = proposals.first + (choices == 1 ? i : i % per_choice * choices + i / per_choice);
     for (int part = 0; clears && part < Generator::kParts; ++part) proposals.bids[proposals.entry(proposal, part)] = 0;
     return proposal;
   }
@@ -81,20 +81,20 @@ Size proposals_per_team(Size count) {
 
 }  // namespace evaluate_proposals_detail
 
-/// The length of the groups of proposals that are evaluated apart from each other.
+/// The number of choices whose proposals are evaluated apart from each other.
 template <class Backend, class Generator>
-Size group_size(const Generator& generator) {
-  if constexpr (Backend::kIsAsynchronous && requires { generator.group(); }) {
-    return generator.group();
+Size choices_apart(const Generator& generator) {
+  if constexpr (Backend::kIsAsynchronous && requires { generator.choices; }) {
+    return generator.choices;
   } else {
     return 1;
   }
 }
 
-/// Evaluates `count` proposals, whole groups of `group`. Returns the pending number of cavities evaluated.
+/// Evaluates `count` proposals, a multiple of `choices`. Returns the pending number of cavities evaluated.
 template <class Backend, class Generator>
 auto evaluate_proposals(const Backend& backend, const Generator& generator,
-                        const Proposals<typename Generator::Candidate>& proposals, Size count, Size group) {
+                        const Proposals<typename Generator::Candidate>& proposals, Size count, Size choices) {
   using namespace evaluate_proposals_detail;
   using Evaluated = backend::Sum<Size>;
   if constexpr (Backend::kIsAsynchronous && EvaluatesInGroups<Generator>) {
@@ -102,7 +102,7 @@ auto evaluate_proposals(const Backend& backend, const Generator& generator,
     return backend.template reduce_async<Evaluated>(kernel.teams(), kernel);
   } else {
     return backend.template reduce_async<Evaluated>(count,
-                                                    Propose<Generator>{generator, proposals, group, count / group});
+                                                    Propose<Generator>{generator, proposals, choices, count / choices});
   }
 }
 

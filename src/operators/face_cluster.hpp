@@ -25,7 +25,7 @@ class FaceCluster {
     const HalfFace shared = mesh_.tet2tet[t][face];
     const Tet tet = mesh_.tet2vertex[t];
     a_ = tet[face];
-    b_ = mesh_.tet2vertex[tet_of(shared)][face_of(shared)];
+    b_ = mesh_.opposite_vertex(shared);
     Index v[3];
     for (int k = 0; k < 3; ++k) v[k] = tet[face_vertex(face, k)];
     add({t, tet_of(shared)}, v);
@@ -131,7 +131,7 @@ class FaceCluster {
     if (count_ == max_faces || is_locked(above) || is_locked(below)) return;
     const Tet tet = mesh_.tet2vertex[tet_of(above)];
     const Index apex = tet[face_of(above)];
-    if (mesh_.tet2vertex[tet_of(below)][face_of(below)] != apex) return;
+    if (mesh_.opposite_vertex(below) != apex) return;
     // In a mesh that overlaps itself the two need not lie on one face.
     const HalfFace between = mesh_.tet2tet[tet_of(above)][local_index(tet, a_)];
     if (is_locked(between) || tet_of(between) != tet_of(below)) return;

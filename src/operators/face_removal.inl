@@ -47,7 +47,8 @@ struct FaceRemovalProposals {
   TETUNE_HD Index tet(Size i) const { return active[i]; }
   TETUNE_HD TETUNE_INLINE void start(Index t, PerTet& own) const {
     const FaceAdjacency links = mesh.tet2tet[t];
-    for (int face = 0; face < 4; ++face) own.apex[face] = is_locked(links[face]) ? -1 : apex_of(links[face]);
+    for (int face = 0; face < 4; ++face)
+      own.apex[face] = is_locked(links[face]) ? -1 : mesh.opposite_vertex(links[face]);
   }
   TETUNE_HD TETUNE_INLINE int test(Index t, int face, const PerTet& own) const {
     if (own.apex[face] < 0) return kFails;
@@ -68,7 +69,6 @@ struct FaceRemovalProposals {
   TETUNE_HD void finish(Index, const PerTet&) const {}
 
  private:
-  TETUNE_HD TETUNE_INLINE Index apex_of(HalfFace face) const { return mesh.tet2vertex[tet_of(face)][face_of(face)]; }
   /// Whether two faces beside this one may lie between the same two vertices: the cheapest test, which few faces pass.
   TETUNE_HD TETUNE_INLINE bool has_two_beside(const Tet& tet, const Index (&apex)[4], int face, Index other) const {
     const Tet other_tet = mesh.tet2vertex[other];
@@ -77,7 +77,7 @@ struct FaceRemovalProposals {
     for (int side = 0; side < 4; ++side) {
       if (side == face || apex[side] < 0) continue;
       const HalfFace below = other_links[local_index(other_tet, tet[side])];
-      count += !is_locked(below) && apex_of(below) == apex[side] ? 1 : 0;
+      count += !is_locked(below) && mesh.opposite_vertex(below) == apex[side] ? 1 : 0;
     }
     return count >= 2;
   }

@@ -149,7 +149,7 @@ TETUNE_HD inline FlipCandidate face_cavity(const MeshView& mesh, Index t, int fa
   const Tet tet = mesh.tet2vertex[t];
   c.kind = FlipKind::face_removal;
   c.a = tet[face];
-  c.b = mesh.tet2vertex[other][face_of(across)];
+  c.b = mesh.opposite_vertex(across);
   const bool turned = c.b < c.a;
   if (turned) {
     c.a = c.b;

@@ -15,8 +15,8 @@
 ///   void prefetch(Size i) const;         optional
 ///   static constexpr Kinds kKinds = ...; optional: on a device a team evaluates the candidates of several proposals
 ///                                        (group_evaluation.hpp)
-///   Size group() const;                  optional: the number of kinds of proposals, which take turns; threads of a
-///                                        device that run together get proposals of one kind
+///   int choices;                         optional: proposal i is choice i % choices; threads of a device that run
+///                                        together get proposals of one choice
 /// All candidates bid; of each proposal the best one alone is stored: the tetrahedra of a proposal's candidates
 /// overlap, so that no other can be selected.
 namespace tetune {

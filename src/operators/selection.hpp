@@ -101,8 +101,7 @@ struct FillRecord {
     r.twin = find_twin(first + i, entry);
     const int faces = r.patch.face_count();
     for (int k = 0; k < faces; ++k) {
-      const HalfFace face = r.patch.old_face(mesh, k);
-      r.across[k] = mesh.tet2tet[tet_of(face)][face_of(face)];
+      r.across[k] = mesh.across(r.patch.old_face(mesh, k));
     }
     for (int k = 0; k < r.patch.new_surface_faces(); ++k) r.across[faces + k] = kNoHalfFace;
   }
@@ -136,16 +135,16 @@ struct CountChanges {
   }
 };
 
-/// Proposals per batch: whole groups. The candidates of a batch are stored apart until it is known which lead. On a
-/// device a batch is a quarter of all proposals, so that they take a quarter of the memory, but at least
+/// Proposals per batch, a multiple of `choices`. The candidates of a batch are stored apart until it is known which
+/// lead. On a device a batch is a quarter of all proposals, so that they take a quarter of the memory, but at least
 /// kMinDeviceBatch; where teams evaluate proposals it is kTeamBatch, as fewer of them occupy a device.
 template <class Backend, class Generator>
-Size batch_size(Size count, Size group) {
+Size batch_size(Size count, Size choices) {
   constexpr Size kMinDeviceBatch = Size{1} << 15;
   constexpr Size kTeamBatch = Size{1} << 14;
   const Size on_device = backend::TeamKernel<Generator> ? kTeamBatch : std::max(kMinDeviceBatch, (count + 3) / 4);
   const Size batch = Backend::kIsAsynchronous ? on_device : Generator::kBatch;
-  return std::min(count, (batch + group - 1) / group * group);
+  return std::min(count, (batch + choices - 1) / choices * choices);
 }
 
 /// Memory for all records, from how many there are after a part of the proposals.
@@ -189,8 +188,8 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
   Selection<Backend, P> s;
   tet2bid.resize(backend, mesh.slots(), mesh.room());
   backend.fill(tet2bid.span(), std::uint64_t{0});
-  const Size group = group_size<Backend>(generator);
-  const Size batch = batch_size<Backend, Generator>(count, group);
+  const Size choices = choices_apart<Backend>(generator);
+  const Size batch = batch_size<Backend, Generator>(count, choices);
   // After a single batch the bids are final.
   const bool is_final = kIsOwnPatch<C> && batch == count;
   {
@@ -206,7 +205,7 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
       }
       const Size size = std::min(batch, count - first);
       const Proposals<C> proposals{tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
-      const auto evaluated = evaluate_proposals(backend, generator, proposals, size, group);
+      const auto evaluated = evaluate_proposals(backend, generator, proposals, size, choices);
       const Size found = list_holding(backend, proposals, Generator::kParts * size, is_final, entries.span(), s);
       s.evaluated += evaluated.get().value;
       const Size before = s.records.size();

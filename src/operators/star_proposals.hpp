@@ -232,7 +232,6 @@ struct StarProposals : StarContext {
 
   using Shared = StarMemory;
 
-  Size group() const { return choices; }
   TETUNE_HD Size operator()(Size id, const Proposals<StarCandidate>& proposals) const {
     StarMemory memory;
     return (*this)(backend::PackThread<Pack>(), memory, id, proposals);

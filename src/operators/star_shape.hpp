@@ -134,7 +134,7 @@ class StarShape {
   /// three, a vertex would vanish as well.
   TETUNE_HD TETUNE_OUTLINE Growth growth_across(int i) const {
     Growth g;
-    const HalfFace across = mesh_.tet2tet[tet_of(arrays_.sides[i])][face_of(arrays_.sides[i])];
+    const HalfFace across = mesh_.across(arrays_.sides[i]);
     if (is_locked(across)) return {};
     const Index t = tet_of(across);
     g.first = face_of(across);

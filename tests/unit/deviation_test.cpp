@@ -33,7 +33,7 @@ struct SlidSurface {
       surface_points.push_back({SurfacePointKind::vertex, static_cast<Index>(v)});
   }
   bool allows(Index v, const TraceResult& end, double limit) const {
-    return DeviationTest<Pack>({s.view(), span_of(points), span_of(surface_points), v, limit})
+    return VertexDeviation<Pack>({s.view(), span_of(points), span_of(surface_points), v, limit})
         .allows(vec(points[static_cast<std::size_t>(v)]), end.position, end.surface_point);
   }
   /// Calls f(vertex, end of the walk) for each of `tries` random walks that leave the surface upright.
@@ -160,7 +160,7 @@ TEST(FanDeviation, KeepsTheBoundAlone) {
   }
 }
 
-TEST(DeviationTest, DoesNotRestrictMotionInAPlane) {
+TEST(VertexDeviation, DoesNotRestrictMotionInAPlane) {
   std::mt19937 random(7);
   const TinySurface s = height_field(6, flat);
   SlidSurface mesh(s);
@@ -173,7 +173,7 @@ TEST(DeviationTest, DoesNotRestrictMotionInAPlane) {
   EXPECT_GT(moves, 500);
 }
 
-TEST(DeviationTest, BoundsBothDistancesOfACurvedSurface) {
+TEST(VertexDeviation, BoundsBothDistancesOfACurvedSurface) {
   std::mt19937 random(8);
   for (const double limit : {0.1, 0.02, 0.005, 0.001}) {
     const TinySurface s = height_field(7, bumpy);
@@ -196,7 +196,7 @@ TEST(DeviationTest, BoundsBothDistancesOfACurvedSurface) {
   }
 }
 
-TEST(DeviationTest, BoundsTheDistanceOfAFeatureLine) {
+TEST(VertexDeviation, BoundsTheDistanceOfAFeatureLine) {
   std::mt19937 random(9);
   // The line x = 1/2 over a fold of varying height: chords of a bent polyline deviate from it.
   const auto roof = [](double x, double y) { return 0.4 * std::fabs(x - 0.5) + 0.06 * std::sin(9 * y); };
@@ -240,13 +240,12 @@ TEST(DeviationTest, BoundsTheDistanceOfAFeatureLine) {
   }
 }
 
-TEST(DeviationTest, RejectsWhatItCannotDecide) {
+TEST(VertexDeviation, RejectsWhatItCannotDecide) {
   // Over a degenerate triangle heights are not defined.
   const TinySurface s = height_field(3, flat);
   const SlidSurface mesh(s);
   const TraceResult onto_neighbor{vec(s.points[6]), {SurfacePointKind::vertex, 6}, 0, true};
   EXPECT_FALSE(mesh.allows(5, onto_neighbor, 100));
-  EXPECT_TRUE(mesh.allows(5, onto_neighbor, 0));  // no bound
   // One large triangle over more small ones than fit into the memory of a thread.
   const TinySurface fine = height_field(24, flat);
   SlidSurface stretched(fine);
@@ -259,6 +258,14 @@ TEST(DeviationTest, RejectsWhatItCannotDecide) {
   EXPECT_FALSE(stretched.allows(
       id(13, 13),
       {vec(fine.points[static_cast<std::size_t>(id(12, 22))]), {SurfacePointKind::vertex, id(12, 22)}, 0, true}, 100));
+}
+
+TEST(DeviationBound, AllowsAnyMoveWhereItIsZero) {
+  const TinySurface s = height_field(3, flat);
+  const SlidSurface mesh(s);
+  const ReferenceView ref = s.view();
+  DeviationBound<Pack> bound({ref, span_of(mesh.points), span_of(mesh.surface_points), 5, 0}, vec(mesh.points[5]));
+  EXPECT_TRUE(bound.allows(vec(s.points[6]), {SurfacePointKind::vertex, 6}));
 }
 
 TEST(DeviationBound, AddsUpDriftAndTestedDeviation) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "backend/team.hpp"
-#include "boundary/sliding/deviation_test.hpp"
+#include "boundary/sliding/vertex_deviation.hpp"
 #include "boundary/vertex_dofs.hpp"
 
 namespace tetune {
@@ -12,7 +12,7 @@ inline constexpr double kDriftShare = 1.0 / 3;
 
 /// The bound on the distance between the mesh's surface and the reference surface, for moves of one vertex.
 ///
-/// DeviationTest is applied to the *checked surface*. It has the triangles of the mesh's surface, and each vertex of
+/// VertexDeviation is applied to the *checked surface*. It has the triangles of the mesh's surface, and each vertex of
 /// the mesh's surface is at most a share of the bound, its drift, away from its position there. The map from triangle
 /// to triangle moves no point farther than that, so the distance of the two surfaces is at most the drift in both
 /// directions, and that of the mesh's surface from the reference at most the drift more than what was tested. Thus a
@@ -49,7 +49,7 @@ class DeviationBound {
   }
 
  private:
-  DeviationTest<Pack> test_;
+  VertexDeviation<Pack> test_;
   bool bounded_;
   bool has_moved_ = false;
   double max_drift_;

@@ -64,7 +64,7 @@ class LineDeviation {
 };
 
 /// The test whether a surface with the triangles of the reference is within a distance of it, in both directions, for
-/// moves of one vertex.
+/// moves of one vertex. Requires a distance above 0.
 ///
 /// Over each triangle of the tested surface the reference is a height function. It is piecewise linear, so its maximum
 /// is at a corner of a reference triangle clipped to the prism over the surface triangle; where all heights are within
@@ -77,13 +77,12 @@ class LineDeviation {
 /// slide on the surface take the fast test first, if SurfaceFan::build() succeeds, and the other one for the undecided
 /// triangles; vertices on feature lines, and all other fans, take TriangleDeviation alone.
 template <class Pack>
-class DeviationTest : DeviationInput {
+class VertexDeviation : DeviationInput {
  public:
-  TETUNE_HD explicit DeviationTest(const DeviationInput& input) : DeviationInput(input) {}
+  TETUNE_HD explicit VertexDeviation(const DeviationInput& input) : DeviationInput(input) {}
 
   /// Whether the vertex may go from its position to x, which is at the surface point `on`.
   TETUNE_HD TETUNE_OUTLINE bool allows(const Vec3& from, const Vec3& x, const SurfacePoint& on) const {
-    if (!(limit > 0)) return true;
     if (ref.dof[vertex] == VertexDof::curve && !lines_are_within(x, on)) return false;
     return !crosses_outline(from, x) && fan_is_within(x, on);
   }
