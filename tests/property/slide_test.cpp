@@ -3,7 +3,11 @@
 // samples.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <ostream>
+#include <random>
 #include <set>
 #include <string>
 
@@ -213,6 +217,45 @@ TEST(Slide, KeepsToTheBoundBothWays) {
     }
   }
   EXPECT_GT(bounded, test::kSanitized ? 10 : 30);
+}
+
+/// A box of random sides, bent by waves.
+TetMesh bent_box(std::mt19937& random) {
+  const auto between = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
+  const auto seed = static_cast<std::uint32_t>(random());
+  TetMesh m = test::cube(3 + static_cast<int>(random() % 4), between(0.05, 0.2), seed);
+  const std::array sides{std::exp(between(-0.7, 0.7)), std::exp(between(-0.7, 0.7)), std::exp(between(-1.2, 0.3))};
+  for (Point3& p : m.points) {
+    for (std::size_t k = 0; k < 3; ++k) p[k] *= sides[k];
+  }
+  return test::waved(std::move(m), seed, between(0.02, 0.15) * *std::min_element(sides.begin(), sides.end()));
+}
+
+TEST(Slide, KeepsToTheBoundOnBentBoxes) {
+  // Seeds up to 600 pass (docs/benchmarks/robustness.md).
+  constexpr std::uint32_t kBoxes = test::kSanitized ? 4 : 15;
+  double largest = 0;
+  for (std::uint32_t seed = 1; seed <= kBoxes; ++seed) {
+    std::mt19937 random(seed);
+    const TetMesh before = bent_box(random);
+    ASSERT_TRUE(validate(before).ok());
+    const auto old_skin = test::corners(before, test::skin(before));
+    Options options;
+    options.boundary = Boundary::slide;
+    options.effort = std::array{Effort::fast, Effort::standard, Effort::best}[seed % 3];
+    options.feature_angle = seed % 2 == 0 ? 80 : 40;
+    options.max_deviation = mean_edge(old_skin) * std::pow(0.02, std::uniform_real_distribution<double>()(random));
+    TetMesh after = before;
+    optimize(after, options);
+    EXPECT_TRUE(validate(after).ok()) << seed;
+    EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min * (1 - 1e-9)) << seed;
+    const auto new_skin = test::corners(after, test::skin(after));
+    const double distance = std::max(test::sampled_distance(new_skin, ClosestTriangle(old_skin), 12),
+                                     test::sampled_distance(old_skin, ClosestTriangle(new_skin), 12));
+    EXPECT_LE(distance, options.max_deviation) << seed;
+    largest = std::max(largest, distance / options.max_deviation);
+  }
+  EXPECT_GT(largest, 0.5);
 }
 
 TEST(Slide, LowersTheEnergyMoreThanPreservingAndLessWithABound) {
