@@ -13,7 +13,9 @@ namespace tetune {
 
 /// Improves a mesh in place: harmonic flips alternate with vertex relocation (Stroeter et al. 2022, Sect. 4.5).
 ///
-/// The result is a valid mesh (see validate()) without a smaller dihedral angle than the input's smallest. Kept are:
+/// The result is a valid mesh (see validate()) without a smaller dihedral angle than the input's smallest, or a smaller
+/// mean ratio (with Effort::best, than a quarter of the input's smallest); of curved elements the angle alone. Kept
+/// are:
 /// - the tags, the number and the order of the vertices. Effort::best may insert and remove some
 ///   (Report::vertex2original): those of the input come first, in their order, then the inserted ones, with the tag 0.
 /// - with Boundary::preserve and fixed, the shape of the boundary; where it is flat, boundary_flips may replace its

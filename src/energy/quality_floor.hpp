@@ -65,9 +65,9 @@ struct QualityFloor {
   double max_edge_term = kInfeasible;  ///< edge_term() of the smallest mean ratio
   /// No tetrahedron with a shape energy up to this has a smaller mean ratio: the shape energy to the power of 4/3 times
   /// the mean ratio is at least 1 (docs/method.md, "Quality floor").
-  double safe_shape_of_edges = kInfeasible;
-  /// Nor one with a shape energy up to this a smaller angle either: the shape energy times the sine of any dihedral
-  /// angle is at least (3 - its cosine) / sqrt(8).
+  double safe_shape_of_mean_ratio = kInfeasible;
+  /// No tetrahedron with a shape energy up to this has a smaller mean ratio or a smaller angle: the shape energy times
+  /// the sine of any dihedral angle is at least (3 - its cosine) / sqrt(8).
   double safe_shape = 0;
 
   /// Lower bound on the shape energy of a tetrahedron with a dihedral angle of this cotangent.
@@ -75,7 +75,7 @@ struct QualityFloor {
     return (1 - kTolerance) * std::sqrt(0.125) * (3 * std::sqrt(1 + cot * cot) - cot);
   }
   /// Lower bound on the shape energy of a tetrahedron with this edge_term().
-  TETUNE_HD static double min_shape_of_edges(double term) {
+  TETUNE_HD static double min_shape_of_mean_ratio(double term) {
     return (1 - kTolerance) * std::sqrt(std::sqrt(term / kMinEdgeTerm));
   }
   /// The floor that allows every tetrahedron.
@@ -87,13 +87,11 @@ struct QualityFloor {
     worst_shape *= 1 + kTolerance;
     max_cot *= 1 + kTolerance;
     max_edge_term *= 1 + kTolerance;
-    safe_shape_of_edges = min_shape_of_edges(max_edge_term);
     update_safe_shape();
   }
   /// Allows a mean ratio of a part of the smallest one.
   TETUNE_HD void relax_mean_ratio(double part) {
     max_edge_term /= part * part * part;
-    safe_shape_of_edges = min_shape_of_edges(max_edge_term);
     update_safe_shape();
   }
   /// Allows no angle of a larger cost, as of DihedralCots. add_tolerance() is not called again: tolerances would
@@ -113,11 +111,12 @@ struct QualityFloor {
   TETUNE_HD bool allows(double shape, const Vec3 p[4], double w) const {
     return shape <= safe_shape || (allows_shape(shape, p, w) && allows(dihedral_cots(p, w)));
   }
-  /// Whether that holds but for its angles. A bool, or one per lane.
+  /// Whether the shape energy and the mean ratio of the tetrahedron p are no worse than the floor. A bool, or one per
+  /// lane.
   template <class T>
   TETUNE_HD TETUNE_INLINE decltype(T{} > T{}) allows_shape(const T& shape, const Vec3T<T> p[4], const T& w) const {
-    if (!backend::any(shape > safe_shape_of_edges)) return shape <= worst_shape;
-    return (shape <= worst_shape) & ((shape <= safe_shape_of_edges) | (edge_term(p, w) <= max_edge_term));
+    if (!backend::any(shape > safe_shape_of_mean_ratio)) return shape <= worst_shape;
+    return (shape <= worst_shape) & ((shape <= safe_shape_of_mean_ratio) | (edge_term(p, w) <= max_edge_term));
   }
   /// A bool, or one per lane.
   template <class T>
@@ -144,8 +143,9 @@ struct QualityFloor {
   static constexpr double kMinEdgeTerm = 432;  ///< that of a regular tetrahedron
 
   TETUNE_HD void update_safe_shape() {
+    safe_shape_of_mean_ratio = min_shape_of_mean_ratio(max_edge_term);
     safe_shape = min_shape(max_cot);
-    if (safe_shape_of_edges < safe_shape) safe_shape = safe_shape_of_edges;
+    if (safe_shape_of_mean_ratio < safe_shape) safe_shape = safe_shape_of_mean_ratio;
     if (min_cot > -kInfeasible && min_shape(min_cot) < safe_shape) safe_shape = min_shape(min_cot);
     if (worst_shape < safe_shape) safe_shape = worst_shape;
   }

@@ -11,7 +11,7 @@
 namespace tetune {
 namespace improve_detail {
 
-/// Computes the energies of the mesh, and the floor below which no phase takes a tetrahedron.
+/// Computes the energies of the mesh, and its quality floor.
 template <class Backend>
 Criterion measure_mesh(Optimizer<Backend>& optimizer) {
   Criterion criterion{optimizer.objective()};

@@ -8,7 +8,8 @@
 #include "mesh/work_mesh.hpp"
 #include "relocation/angle_cost_ring.hpp"
 
-/// The largest energy and the smallest dihedral angle of a mesh (docs/method.md, "The worst elements").
+/// The largest energy, the smallest dihedral angle and the smallest mean ratio of a mesh (docs/method.md, "The worst
+/// elements").
 namespace tetune {
 namespace quality_extremes_detail {
 
@@ -31,7 +32,7 @@ struct WorstMeasures {
   }
 };
 
-/// Those of the tetrahedra whose shape energy is above a bound.
+/// The worst measures of the tetrahedra whose shape energy is above a bound.
 struct MeasureAbove {
   MeshView mesh;
   Span<const double> shapes;
@@ -107,7 +108,7 @@ QualityFloor find_floor(const Backend& backend, WorkMesh<Backend>& mesh, Span<co
   floor.worst_shape = backend.template reduce<Maximum>(mesh.slots(), ValueOf{shapes}).value;
   WorstMeasures worst = measure_above(0.5 * floor.worst_shape);
   worst.merge(measure_above(
-      std::min(QualityFloor::min_shape(worst.max_cot), QualityFloor::min_shape_of_edges(worst.max_edge_term))));
+      std::min(QualityFloor::min_shape(worst.max_cot), QualityFloor::min_shape_of_mean_ratio(worst.max_edge_term))));
   floor.max_cot = worst.max_cot;
   floor.max_edge_term = worst.max_edge_term;
   floor.add_tolerance();

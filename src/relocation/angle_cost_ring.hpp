@@ -25,7 +25,8 @@ TETUNE_HD TETUNE_INLINE T six_volume_or_bound(const Vec3T<T> (&p)[4]) {
   const OrientT<T> o = orient(p[0], p[1], p[2], p[3]);
   return o.certified() ? o.det : o.bound;
 }
-/// The extreme cotangents of the dihedral angles of a tetrahedron, or of one per lane, with that volume.
+/// The extreme cotangents of the dihedral angles of a tetrahedron, or of one per lane. Where its volume is not
+/// certified, the bound on its error takes its place.
 template <class T>
 TETUNE_HD TETUNE_INLINE DihedralCotsT<T> dihedral_cots(const Vec3T<T> (&p)[4]) {
   return QualityFloor::dihedral_cots(p, six_volume_or_bound(p));

@@ -87,6 +87,41 @@ std::vector<LinkFace> faces_of(const TetMesh& m) {
   return faces;
 }
 
+TEST(AngleCostRing, TheFloorOnMeanRatiosHoldsPerLane) {
+  TetMesh m = icosahedron();
+  const std::vector<LinkFace> faces = faces_of(m);
+  ASSERT_EQ(faces.size(), 20U);
+  for (const LinkFace& f : faces) m.tets.push_back({12, f.v[0], f.v[1], f.v[2]});
+  m = test::with_tags(m);
+  test::CpuMesh work = test::to_work(m);
+  const Vec3 x{0.3, 0.2, -0.4};
+  std::vector<double> terms;
+  for (const LinkFace& f : faces) {
+    const Vec3 p[4] = {x, vec(work.points.span()[f.v[0]]), vec(work.points.span()[f.v[1]]),
+                       vec(work.points.span()[f.v[2]])};
+    terms.push_back(edge_term(p, orient_det(p)));
+  }
+  std::vector<double> sorted = terms;
+  std::sort(sorted.begin(), sorted.end());
+  QualityFloor floor = QualityFloor::none();
+  floor.max_edge_term = sorted[9];
+  floor.limit_angles(floor.extremes());  // updates what follows from it
+  const AngleCostRing ring(rated(work, {kShapeObjective, floor, 1.5}), faces.data(), 20, false);
+  int mixed = 0;
+  for (int begin = 0; begin < 20; begin += 4) {
+    const auto costs = ring.costs_of<backend::Pack4>(x, begin);
+    int allowed = 0;
+    for (int lane = 0; lane < 4; ++lane) {
+      const bool is_allowed = terms[static_cast<std::size_t>(begin + lane)] <= floor.max_edge_term;
+      EXPECT_EQ(costs[lane] < HUGE_VAL, is_allowed);
+      EXPECT_EQ(costs[lane], ring.costs_of<double>(x, begin + lane));
+      allowed += is_allowed ? 1 : 0;
+    }
+    mixed += allowed > 0 && allowed < 4 ? 1 : 0;
+  }
+  EXPECT_GT(mixed, 0);
+}
+
 TEST(AngleCostRing, TheLargestCostsTakePartWhereThereAreMoreThanAModelHasRoomFor) {
   TetMesh m = icosahedron();
   std::vector<LinkFace> faces = faces_of(m);
