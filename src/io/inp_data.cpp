@@ -121,11 +121,9 @@ void read_inp_set_line(InpCursor& cursor, const InpCardKind& kind, InpScan& scan
   const std::vector<std::string_view> fields = inp_fields(cursor.take_line());
   if (generates) {
     std::array<std::int64_t, 3> range{0, 0, 1};
-    const bool is_short = fields.size() < 2 || fields.size() > 3;
-    for (std::size_t k = 0; !is_short && k < fields.size(); ++k) {
-      if (!parse_inp_integer(fields[k], range[k])) range[2] = 0;
-    }
-    if (is_short || range[2] <= 0) {
+    bool is_range = fields.size() == 2 || fields.size() == 3;
+    for (std::size_t k = 0; is_range && k < fields.size(); ++k) is_range = parse_inp_integer(fields[k], range[k]);
+    if (!is_range || range[2] <= 0) {
       where.fail("a line of this set is not FIRST, LAST, STEP, as GENERATE requires");
     }
     lines.ranges.push_back(range);

@@ -142,6 +142,8 @@ class InpResolver {
       const std::vector<Index> more = span_of(model_.sets)[nested].members;
       set.members.insert(set.members.end(), more.begin(), more.end());
     }
+    // Sets of sets would double their members with each level.
+    if (!lines.names.empty()) sort_unique(set.members);
     if (card.follows_elements) add_nodes_of(find_set(false, lines.elements), set.members);
     lines = {};
   }

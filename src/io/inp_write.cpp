@@ -42,10 +42,11 @@ class InpDeckWriter {
   void flush(std::size_t more_than) {
     if (out_.size() <= more_than) return;
     file_.write(out_);
+    last_written_ = out_.back();
     out_.clear();
   }
   void end_line() {
-    if (!out_.empty() && out_.back() != '\n') out_ += model_.newline;
+    if ((out_.empty() ? last_written_ : out_.back()) != '\n') out_ += model_.newline;
   }
 
   /// Writes the text of a card, or a new one in the place of its first piece: others follow comments.
@@ -131,6 +132,7 @@ class InpDeckWriter {
   InpMatch match_;
   InpChanges changes_;
   std::string out_;
+  char last_written_ = '\n';  ///< by which end_line() knows whether a line has ended
 };
 
 }  // namespace

@@ -218,7 +218,11 @@ class NetgenReader {
       const Index a = vertex();
       const Index b = vertex();
       skip_words(is_short || name == "edgesegmentsgi2" ? 4 : name == "edgesegmentsgi" ? 2 : 0);
-      if (is_short) tag = integer("number of an edge's description") + 1;
+      if (is_short) {
+        tag = integer("number of an edge's description");
+        if (tag == std::numeric_limits<int>::max()) cursor_.fail("the number of an edge's description is too large");
+        ++tag;
+      }
       if (name == "edgesegmentsgi2") {
         tag = integer("number of an edge");
         skip_words(3);
@@ -310,7 +314,11 @@ class NetgenReader {
         if (std::max(a, b) >= vertices) cursor_.fail("an identified point does not exist");
       }
     }
-    erase_middles(middles_, mesh_);
+    try {
+      erase_middles(middles_, mesh_);
+    } catch (const FileError& e) {
+      cursor_.fail(e.what());
+    }
   }
   /// The tag of a triangle whose vertices are all images (side 0), or images of others (side 1).
   int tag_of(const PeriodicLink& link, std::size_t side) const {

@@ -225,7 +225,14 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
   if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + kNoDeck);
   if (format.write != nullptr) {
     std::vector<std::string> losses;
-    format.write(path, mesh, {threads, &losses});
+    try {
+      format.write(path, mesh, {threads, &losses});
+    } catch (const FileError& e) {
+      const std::vector<std::string> files = files_of(path);
+      const auto is_named = [&e](const std::string& file) { return std::string_view(e.what()).starts_with(file); };
+      if (std::any_of(files.begin(), files.end(), is_named)) throw;
+      throw FileError(path + ": " + e.what());
+    }
     for (const std::string& loss : losses) context.warn(path + ": " + loss);
   } else {
     TemporaryFile file(path);

@@ -80,12 +80,16 @@ void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   mesh.curved_edges = find_curved(middles, mesh.points);
   std::vector<Index> old2new(mesh.points.size(), 0);
   for (const Middle& m : middles) span_of(old2new)[m.node] = -1;
-  const auto drop = [&](const Index* ids, std::size_t n) {
-    if (std::any_of(ids, ids + n, [&](Index v) { return span_of(old2new)[v] < 0; })) {
-      throw FileError("a node is in the middle of one element's edge and a vertex of another element");
+  const auto check = [&](const Index* ids, std::size_t n) {
+    for (const Index v : std::span(ids, n)) {
+      if (v < 0 || to_size_t(v) >= old2new.size()) throw FileError("an element has a node that does not exist");
+      if (span_of(old2new)[v] >= 0) continue;
+      throw FileError("node " + std::to_string(v) +
+                      ", counted from 0, is in the middle of one element's edge and a vertex of another element; give "
+                      "all tetrahedra the same order");
     }
   };
-  for_each_list(mesh, drop);
+  for_each_list(mesh, check);
   std::vector<Index> new2old;
   for (std::size_t v = 0; v < old2new.size(); ++v) {
     if (old2new[v] < 0) continue;

@@ -240,14 +240,17 @@ bool has_times(const std::string& path) {
 }
 
 void write_series(const std::string& path, const std::vector<SeriesStep>& steps) {
-  const std::filesystem::path folder = path_of(path).parent_path();
+  // Readers take relative names from the folder of the .pvd file.
+  const std::filesystem::path folder = std::filesystem::absolute(path_of(path)).parent_path().lexically_normal();
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
   for (const SeriesStep& step : steps) {
-    const std::filesystem::path file = path_of(step.path);
+    std::filesystem::path file = path_of(step.path);
+    const std::filesystem::path full = std::filesystem::absolute(file).lexically_normal();
+    if (file.is_relative() || full.parent_path() == folder) file = full.lexically_relative(folder);
     std::array<char, 32> time{};
     const auto end = print_real(time.data(), time.data() + time.size(), step.time).ptr;
     text += "    <DataSet timestep=\"" + std::string(time.data(), end) + "\" part=\"0\" file=\"" +
-            encoded((file.parent_path() == folder ? file.filename() : file).string()) + "\"/>\n";
+            encoded(file.generic_string()) + "\"/>\n";
   }
   write_text(path, text + "  </Collection>\n</VTKFile>\n");
 }

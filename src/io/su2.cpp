@@ -2,6 +2,7 @@
 // SU2's native meshes (.su2): the SU2 documentation, "Mesh File".
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -161,10 +162,11 @@ class Su2Reader {
     ++marker_;
     mesh_.groups.push_back({2, marker_, name, {marker_}});
     if (at_end() || keyword() != "MARKER_ELEMS") cursor_.fail("MARKER_ELEMS= is expected after MARKER_TAG= " + name);
-    read_elements(count("number of elements of the marker", 3), true);
+    const auto elements = count("number of elements of the marker", 3);
     if (!at_end() && cursor_.peek().starts_with("SEND_TO")) {
       cursor_.fail("the file is a part of a partitioned mesh (SEND_TO); use the whole mesh");
     }
+    read_elements(elements, true);
   }
 
   TextCursor cursor_;
@@ -216,7 +218,14 @@ void warn_of_losses_in_su2(const TetMesh& mesh, const IoContext& context) {
   const auto differ = [](const std::vector<int>& tags) {
     return std::any_of(tags.begin(), tags.end(), [&tags](int tag) { return tag != tags[0]; });
   };
-  if (differ(mesh.tet_tags)) context.warn("the format cannot hold regions: tags of tetrahedra are lost");
+  std::vector<int> regions = mesh.tet_tags;
+  for (const ElementBlock& block : mesh.others) {
+    const auto kind =
+        std::find_if(kKinds.begin(), kKinds.end(), [&](const Su2Kind& k) { return k.kind == block.kind; });
+    if (kind == kKinds.end() || !kind->is_solid) continue;
+    std::copy_if(block.tags.begin(), block.tags.end(), std::back_inserter(regions), [](int tag) { return tag != 0; });
+  }
+  if (differ(regions)) context.warn("the format cannot hold regions: tags of tetrahedra and other solids are lost");
   if (differ(mesh.point_tags)) context.warn("the format cannot hold tags of vertices");
   if (!mesh.edges.empty()) context.warn("the format cannot hold edges");
   const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.required_triangles.empty() ||

@@ -71,6 +71,23 @@ TEST_F(Inp, SurfacesAndSetsOfNodesAreTriangles) {
   EXPECT_EQ(m.required_vertices, std::vector<Index>{4});
 }
 
+TEST_F(Inp, SetsOfSetsHaveEachMemberOnce) {
+  std::string cards = "*NSET, NSET=S0\n10, 20, 30\n";
+  for (int i = 1; i <= 60; ++i) {
+    const std::string inner = "S" + std::to_string(i - 1);
+    cards += "*NSET, NSET=S" + std::to_string(i) + "\n" + inner + ", " + inner + "\n";
+  }
+  const TetMesh m = read_mesh(put("a.inp", kTwo + cards), nullptr, 1);
+  EXPECT_EQ(m.triangles.size(), 1U);
+}
+
+TEST_F(Inp, LinesOfGenerateAreNumbers) {
+  for (const char* line : {"first, 10, 1", "10, , 10", "10, 20, 0", "10", "10, 20, 10, 5"}) {
+    EXPECT_THROW(read_mesh(put("a.inp", kTwo + "*NSET, NSET=A, GENERATE\n" + line + "\n"), nullptr, 1), FileError)
+        << line;
+  }
+}
+
 TEST_F(Inp, WhatOtherCardsNameByNumberIsHeld) {
   const std::string cards =
       "*BOUNDARY\n10, 1, 3\n*EQUATION\n2\n20, 1, 1., 30, 1, -1.\n*INITIAL CONDITIONS, TYPE=STRESS\n7, 1., 1., 1.\n"

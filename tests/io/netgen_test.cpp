@@ -48,6 +48,22 @@ TEST_F(Netgen, ElementsNamesAndIdentifications) {
   EXPECT_TRUE(contains(warnings[2], "singular_points"));
 }
 
+TEST_F(Netgen, NodesOfSecondOrderMeshesThatDoNotExistAreRefused) {
+  std::string points;
+  for (int i = 0; i < 10; ++i) points += std::to_string(i % 2) + " " + std::to_string(i % 3) + " 0\n";
+  const std::string file =
+      "mesh3d\ndimension\n3\ngeomtype\n0\n\nvolumeelements\n1\n1 10 1 2 3 4 5 6 7 8 9 10\n\n"
+      "edgesegmentsgi3\n1\n 1 1000000000 -1 -1 0 1 0\n\npoints\n10\n" +
+      points + "\nendmesh\n";
+  try {
+    read_mesh(put("a.vol", file), nullptr, 1);
+    FAIL();
+  } catch (const FileError& e) {
+    EXPECT_TRUE(contains(e.what(), "a.vol")) << e.what();
+    EXPECT_TRUE(contains(e.what(), "a node that does not exist")) << e.what();
+  }
+}
+
 /// Regions behind and in front of each surface element.
 std::vector<std::string> sides(const std::string& file) {
   std::vector<std::string> list;

@@ -39,6 +39,15 @@ TEST_F(Series, RoundTrip) {
   EXPECT_TRUE(contains(get("o.pvd"), "file=\"&lt;a&gt;&apos;&quot;&amp;.vtu\""));
 }
 
+TEST_F(Series, RelativePathsAreThoseOfTheSeries) {
+  const auto relative = [](const std::string& file) { return std::filesystem::relative(file).generic_string(); };
+  write_series(relative(path("o.pvd")), {{0, relative(path("sub/a.vtu"))}, {1, relative(path("b.vtu"))}});
+  const std::vector<SeriesStep> back = read_series(path("o.pvd"));
+  ASSERT_EQ(back.size(), 2U);
+  EXPECT_EQ(std::filesystem::path(back[0].path).lexically_normal(), path("sub/a.vtu"));
+  EXPECT_EQ(std::filesystem::path(back[1].path).lexically_normal(), path("b.vtu"));
+}
+
 TEST_F(Series, RefusesWhatIsNoSeries) {
   const auto refuses = [](const std::string& text, const std::string& said) {
     try {

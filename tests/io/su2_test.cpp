@@ -31,6 +31,26 @@ TEST_F(Su2, ElementsPointsAndMarkers) {
   EXPECT_TRUE(contains(warnings[0], "FFD_NBOX"));
 }
 
+TEST_F(Su2, PartsOfAPartitionedMeshAreRefused) {
+  std::string part = kTwoSu2;
+  const std::string marker = "MARKER_ELEMS=1\n";
+  part.insert(part.find(marker) + marker.size(), "SEND_TO= 1\n");
+  try {
+    read_mesh(put("a.su2", part), nullptr, 1);
+    FAIL();
+  } catch (const FileError& e) {
+    EXPECT_TRUE(contains(e.what(), "use the whole mesh")) << e.what();
+  }
+}
+
+TEST_F(Su2, RegionsOfOtherSolidsAreLostWithAWarning) {
+  TetMesh m = cube(2, 0.1);
+  m.others = {{"Prisms", 6, {0, 1, 2, 3, 4, 5}, {m.tet_tags[0] + 1}, {}}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.su2"), m, 1, &warnings);
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const auto& w) { return contains(w, "regions"); }));
+}
+
 TEST_F(Su2, RoundTripKeepsBitsMarkersAndOrder) {
   TetMesh m = cube(3, 0.2);
   m.triangles = {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}};
