@@ -66,14 +66,15 @@ struct OperationCounts : FlipCounts {
 /// Those of kFlipCounts, then the others.
 inline constexpr auto kOperationCounts = [] {
   using Info = CountInfo<OperationCounts>;
-  constexpr std::array kOthers{Info{"compound_flips", "compound_flips", "compound flips",
-                                    "A cavity is filled from one of its vertices, or an edge is removed together with "
-                                    "a move of a vertex around it",
-                                    &OperationCounts::compound_flips},
-                               Info{"vertices_inserted", "vertices_inserted", "vertices inserted", "With Effort::best",
-                                    &OperationCounts::vertices_inserted},
-                               Info{"vertices_removed", "vertices_removed", "vertices removed", "With Effort::best",
-                                    &OperationCounts::vertices_removed}};
+  constexpr std::array kOthers{
+      Info{"compound_flips", "compound_flips", "compound flips",
+           "A cavity is filled from one of its vertices, or an edge is removed together with "
+           "a move of a vertex around it",
+           &OperationCounts::compound_flips},
+      Info{"vertices_inserted", "vertices_inserted", "vertices inserted",
+           "With Effort::best, and where curved elements are split", &OperationCounts::vertices_inserted},
+      Info{"vertices_removed", "vertices_removed", "vertices removed", "With Effort::best",
+           &OperationCounts::vertices_removed}};
   std::array<Info, kFlipCounts.size() + kOthers.size()> all{};
   std::size_t n = 0;
   for (const auto& c : kFlipCounts) all[n++] = {c.name, c.key, c.title, c.text, c.count};

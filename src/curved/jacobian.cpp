@@ -140,7 +140,6 @@ ScaledJacobian jacobian_of(const TenNodes& nodes) {
   // The mean of at most six determinants: seven more roundings of at most six products.
   result.polynomial.error = determinant_error(largest_side, off) + 48 * kRoundoff * sx * sy * sz;
   result.straight = det(x[1], x[2], x[3]);
-  result.straight_error = determinant_error(largest_node, kRoundoff * largest_node);
   return result;
 }
 
@@ -206,10 +205,15 @@ CurvedTet measure_nodes(const TenNodes& nodes) {
   result.validity = low.lower > 0   ? CurvedValidity::valid
                     : low.upper < 0 ? CurvedValidity::inverted
                                     : CurvedValidity::undecided;
-  result.min_lower = low.lower / straight;
-  result.min_upper = low.upper / straight;
-  result.max_lower = -high.upper / straight;
-  result.max_upper = -high.lower / straight;
+  if (straight > 0) {
+    result.min_lower = low.lower / straight;
+    result.min_upper = low.upper / straight;
+    result.max_lower = -high.upper / straight;
+    result.max_upper = -high.lower / straight;
+  } else {
+    result.min_lower = result.min_upper = -kInfinity;
+    result.max_lower = result.max_upper = kInfinity;
+  }
   double min_corner = kInfinity;
   double max_corner = -kInfinity;
   double min_point = kInfinity;

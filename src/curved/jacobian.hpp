@@ -30,12 +30,11 @@ struct JacobianPolynomial {
 };
 
 /// The determinant of the Jacobian matrix with respect to the reference tetrahedron with three unit edges: that of a
-/// straight element is six times its volume. Lengths are multiplied by a power of two, `scale`, near the inverse size
-/// of the element: products do not overflow.
+/// straight element is six times its volume. Lengths are multiplied by a power of two near the inverse size of the
+/// element: products do not overflow.
 struct ScaledJacobian {
   JacobianPolynomial polynomial;
   double straight = 0;  ///< the determinant of the straight element with the same vertices
-  double straight_error = 0;
 };
 ScaledJacobian jacobian_of(const TenNodes& nodes);
 

@@ -338,8 +338,7 @@ bool HeldNodes::has_edge(Index a, Index b) const {
   return std::binary_search(edges.begin(), edges.end(), ascending(a, b));
 }
 
-RelaxationReport relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets,
-                              const RelaxationGoal& goal) {
+void relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, const RelaxationGoal& goal) {
   const CurvedEdges edges(mesh);
   const VertexTets vertex2tets(mesh);
   const std::vector<TetList> patches = find_patches(mesh, vertex2tets, tets);
@@ -348,16 +347,12 @@ RelaxationReport relax_curved(TetMesh& mesh, const HeldNodes& held, const std::v
   backend::Cpu(goal.threads).for_parts(std::ssize(patches), [&](Size i) {
     span_of(results)[i] = Patch(mesh, edges, held, vertex2tets, goal, span_of(patches)[i]).relax();
   });
-  RelaxationReport report;
-  report.patches = std::ssize(patches);
   std::vector<CurvedEdge> changed;
   for (const PatchResult& result : results) {
-    report.improved += result.improved ? 1 : 0;
     for (const auto& [v, p] : result.vertices) span_of(mesh.points)[v] = p;
     changed.insert(changed.end(), result.edges.begin(), result.edges.end());
   }
   set_curved(mesh.curved_edges, std::move(changed));
-  return report;
 }
 
 }  // namespace tetune

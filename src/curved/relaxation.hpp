@@ -32,15 +32,10 @@ struct RelaxationGoal {
   std::function<bool()> stop{};
 };
 
-struct RelaxationReport {
-  std::int64_t patches = 0;   ///< connected groups of the listed elements with their surroundings
-  std::int64_t improved = 0;  ///< patches that were accepted
-};
-
-/// Relaxes patches around the listed tetrahedra. A patch is accepted if its number of elements that are not proved
-/// valid falls, or is 0 and its smallest scaled Jacobian rises; else it stays as it is. Entries of `curved_edges` are
-/// added where inner edges become curved. Deterministic: the result does not depend on the number of threads.
-RelaxationReport relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets,
-                              const RelaxationGoal& goal);
+/// Relaxes patches, connected groups of the listed tetrahedra with their surroundings. A patch is accepted if its
+/// number of elements that are not proved valid falls, or is 0 and its smallest scaled Jacobian rises; else it stays as
+/// it is. Entries of `curved_edges` are added where inner edges become curved. Deterministic: the result does not
+/// depend on the number of threads.
+void relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, const RelaxationGoal& goal);
 
 }  // namespace tetune

@@ -60,12 +60,14 @@ class CurvedOptimizer {
     goal_.threads = options_.threads;
     goal_.stop = context_.stop;
     make_base_valid();
+    const std::int64_t inserted = std::ssize(base_.points) - std::ssize(mesh.points);
     const bool slides = options_.boundary == Boundary::slide;
     // With other data than carried ones the result has places in the input, which one run alone gives.
     const bool is_single = slides && options_.data != DataTransfer::carry;
     TetMesh result;
     Report report = run_stage(result, is_single, slides && !is_single ? part_of(context_, 0, 0.5) : context_);
     follow_origins(report);
+    report.vertices_inserted += inserted;
     if (slides && !is_single && !is_stopped()) slide_from(result, report);
     report.vertices = std::ssize(mesh.points);
     report.straightened = std::move(straightened_);
@@ -94,8 +96,8 @@ class CurvedOptimizer {
       if (attempt == max_attempts) locked = all_curved(base_);
       if (attempt > max_attempts) locked = all_tets(base_);
       CurvedSkeleton skeleton(base_, held_, locked, slide ? &*slide : nullptr);
-      Report report =
-          optimize(skeleton.mesh, linear_options(slides, linear_bound), attempt == 0 ? context : without_progress());
+      Report report = optimize(skeleton.mesh, linear_options(slides, linear_bound),
+                               attempt == 0 ? context : Context{{}, context_.stop});
       LiftedNodes lifted;
       if (slide) lifted = slide->lift(skeleton.mesh, report);
       skeleton.restore(report);
@@ -167,6 +169,7 @@ class CurvedOptimizer {
     const std::vector<Index> rest = find_invalid(base_);
     if (!options_.straighten && !with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
     split_invalid(goal);
+    extend_options();
     if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
     const std::vector<Index> left = find_invalid(base_);
     if (left.empty() && may_insert()) split_bounded(base_, held_, origins_, goal);
@@ -297,15 +300,17 @@ class CurvedOptimizer {
     RelaxationGoal goal = goal_;
     goal.only_valid = true;
     split_bounded(trial, held, origins, goal);
-    if (trial.points.size() == mesh.points.size()) return;
+    const std::int64_t inserted = std::ssize(trial.points) - std::ssize(mesh.points);
+    if (inserted == 0) return;
+    trial.point_data = carry_point_data(base_.point_data, origins.vertices, trial.points, trial.tets);
     relax_curved(trial, held, below_or_not_valid(measure(trial), kRelaxBelow), goal_);
     const bool keeps_angle = quality(trial, options_.threads).dihedral_min >= goal_.min_dihedral;
     if (!keeps_angle || !find_invalid(trial).empty() || smallest(trial) < smallest(mesh)) return;
-    trial.point_data = carry_point_data(base_.point_data, origins.vertices, trial.points, trial.tets);
     mesh = std::move(trial);
     report.tet2original = std::move(origins.tets);
     report.vertex2original = std::move(origins.vertices);
     report.tets_after = std::ssize(mesh.tets);
+    report.vertices_inserted += inserted;
   }
 
   /// Lists the tetrahedra of the base within some rings around bad ones of the result and vertices that are too far.
@@ -345,11 +350,6 @@ class CurvedOptimizer {
       if (original >= 0) options.frozen_vertices[v] = span_of(options_.frozen_vertices)[original];
     }
     return options;
-  }
-  Context without_progress() const {
-    Context context;
-    context.stop = context_.stop;
-    return context;
   }
 
   Options options_;

@@ -6,6 +6,7 @@
 
 #include "energy/quality_floor.hpp"
 #include "math/angle.hpp"
+#include "math/elementary.hpp"
 #include "quality/shape_loop.hpp"
 
 namespace tetune {
@@ -33,7 +34,7 @@ double smallest_dihedral(const TetMesh& mesh, int threads) {
   std::vector<double> max_cots(to_size_t(shape_chunk_count(view.tets.size())));
   backend::Cpu(threads).for_parts(std::ssize(max_cots),
                                   [&](Size chunk) { span_of(max_cots)[chunk] = max_cot_of_chunk(view, chunk); });
-  return kDegreesPerRadian * std::atan2(1, *std::max_element(max_cots.begin(), max_cots.end()));
+  return kDegreesPerRadian * elementary::atan2(1, *std::max_element(max_cots.begin(), max_cots.end()));
 }
 
 }  // namespace tetune

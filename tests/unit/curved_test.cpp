@@ -14,6 +14,7 @@
 #include "curved/relaxation_energy.hpp"
 #include "math/constants.hpp"
 #include "meshes.hpp"
+#include "tetune/curve.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -70,6 +71,14 @@ TEST(Curved, StraightElementHasConstantDeterminant) {
   EXPECT_NEAR(t.max_upper, 1, 1e-12);
   EXPECT_EQ(t.corner_ratio, 1);
   EXPECT_EQ(t.middle_offset, 0);
+}
+
+TEST(Curved, AFlatElementHasInfiniteScaledJacobians) {
+  const CurvedTet t = measure_nodes(straight({Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}));
+  EXPECT_NE(t.validity, CurvedValidity::valid);
+  EXPECT_EQ(t.min_lower, -kInfinity);
+  EXPECT_EQ(t.scaled_jacobian(), -kInfinity);
+  EXPECT_EQ(t.max_upper, kInfinity);
 }
 
 TEST(Curved, DeterminantOfAMovedMiddleIsKnown) {
@@ -386,10 +395,27 @@ TEST(Curved, ElementsWithTwoFacesOnASmoothSurfaceAreSplit) {
   std::int64_t inserted = 0;
   for (std::size_t v = 0; v < m.points.size(); ++v) inserted += report.vertex2original[v] < 0 ? 1 : 0;
   EXPECT_EQ(inserted, std::ssize(m.points) - std::ssize(before.points));
+  EXPECT_EQ(report.vertices_inserted, inserted);
   options.keep_vertices = true;
   m = before;
   EXPECT_THROW(optimize(m, options), UntangleError);
   EXPECT_EQ(m.curved_edges, before.curved_edges);
+}
+
+TEST(Curved, ElementsOfAValidMeshAreSplitWithTheirData) {
+  TetMesh m = test::ball(3, 0);
+  curve(m);
+  ASSERT_TRUE(quality(m).curved.all_valid());
+  const std::size_t vertices = m.points.size();
+  m.point_data.push_back({"id", 1, std::vector<std::int32_t>(vertices, 7)});
+  Options options;
+  options.untangle = true;
+  options.flips = false;
+  const Report report = optimize(m, options);
+  EXPECT_TRUE(quality(m).curved.all_valid());
+  EXPECT_GT(m.points.size(), vertices);
+  EXPECT_EQ(report.vertices_inserted, std::ssize(m.points) - static_cast<std::int64_t>(vertices));
+  EXPECT_EQ(std::get<std::vector<std::int32_t>>(m.point_data[0].values), std::vector<std::int32_t>(m.points.size(), 7));
 }
 
 TEST(Curved, FoldedSurfaceIsStraightenedWhereAsked) {
