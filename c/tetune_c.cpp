@@ -369,11 +369,13 @@ const int32_t* tetune_report_original(const tetune_report* report, tetune_kind k
   const Index* original = nullptr;
   guarded([&] {
     const tetune::Report& of = checked(report).report;
-    const auto& map = kind == TETUNE_VERTICES    ? of.vertex2original
-                      : kind == TETUNE_EDGES     ? of.edge2original
-                      : kind == TETUNE_TRIANGLES ? of.triangle2original
-                                                 : of.tet2original;
-    if (!map.empty()) original = map.data();
+    const std::vector<Index>* map = kind == TETUNE_VERTICES     ? &of.vertex2original
+                                    : kind == TETUNE_EDGES      ? &of.edge2original
+                                    : kind == TETUNE_TRIANGLES  ? &of.triangle2original
+                                    : kind == TETUNE_TETRAHEDRA ? &of.tet2original
+                                                                : nullptr;
+    require(map != nullptr, "kind is not one of tetune_kind");
+    if (!map->empty()) original = map->data();
   });
   return original;
 }

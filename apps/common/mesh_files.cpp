@@ -116,6 +116,13 @@ std::string unused_regions(const TetMesh& mesh) {
 
 using FileInputs = std::map<std::string, std::string>;  // file to its input
 
+/// The files that a mesh is written to: the data of an .xmf file of tetune-mpi are in an .h5 file beside it.
+std::vector<std::string> files_written(const std::string& output) {
+  std::vector<std::string> files = files_of(output);
+  if (path_of(output).extension() == ".xmf") files.push_back(path_of(output).replace_extension(".h5").string());
+  return files;
+}
+
 /// Throws OptionError if a file that is to be written for `input` is written for another, too, or read.
 void check_clashes(const std::string& file, const std::string& input, bool is_mesh, const FileInputs& read,
                    FileInputs& written) {
@@ -187,7 +194,7 @@ bool copy_mesh(const std::string& input, const std::string& output) {
 }
 
 void refuse_existing(const std::string& output) {
-  for (const std::string& file : files_of(output)) {
+  for (const std::string& file : files_written(output)) {
     std::error_code ignored;
     if (output == kPipe || !std::filesystem::exists(path_of(file), ignored)) continue;
     throw OptionError(
@@ -195,6 +202,26 @@ void refuse_existing(const std::string& output) {
                     "-o {}",
                     output, file == output ? "this file" : file, output));
   }
+}
+
+void check_text_file(const std::string& path) {
+  if (path.empty()) return;
+  const std::filesystem::path folder = path_of(path).parent_path();
+  std::error_code error;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
+    throw FileError(path + ": the folder " + folder.string() + " does not exist");
+  }
+  if (std::filesystem::exists(path_of(path), error) && !std::filesystem::is_regular_file(path_of(path), error)) {
+    throw FileError(path + ": exists and is not a regular file; give another name");
+  }
+  const std::string trial = path + ".tetune.tmp";
+  try {
+    write_text(trial, "");
+  } catch (const FileError&) {
+    throw FileError(path + ": cannot be written: no permission to create a file in " +
+                    (folder.empty() ? "this folder" : folder.string()));
+  }
+  std::filesystem::remove(path_of(trial), error);
 }
 
 std::string shown_name(const std::string& path, bool output) {
@@ -218,7 +245,8 @@ OutputFolder::~OutputFolder() {
   if (!remove_.empty()) std::filesystem::remove(remove_, ignored);
 }
 
-std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern) {
+std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const std::vector<std::string>& read_too,
+                           const Job& pattern) {
   const bool several = inputs.size() > 1;
   std::vector<Job> jobs;
   FileInputs read, written;
@@ -228,12 +256,13 @@ std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pa
       if (!read.emplace(identity(file), input).second) throw OptionError(input + ": this mesh is named twice");
     }
   }
+  for (const std::string& file : read_too) read.emplace(identity(file), file);
   for (const std::string& input : inputs) {
     const Job job{input, output_of(pattern.output, input, several), fill_in("--report", pattern.report, input, several),
                   fill_in("--trace", pattern.trace, input, several), fill_in("--map", pattern.map, input, several)};
     for (const std::string* path : {&job.output, &job.report, &job.trace, &job.map}) {
       if (path->empty() || *path == kPipe) continue;
-      const std::vector<std::string> files = path == &job.output ? files_of(*path) : std::vector{*path};
+      const std::vector<std::string> files = path == &job.output ? files_written(*path) : std::vector{*path};
       for (const std::string& file : files) check_clashes(file, input, path == &job.output, read, written);
     }
     jobs.push_back(job);

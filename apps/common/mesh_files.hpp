@@ -43,6 +43,10 @@ bool copy_mesh(const std::string& input, const std::string& output);
 /// matched.
 void refuse_existing(const std::string& output);
 
+/// Throws FileError where a text file cannot be written: before the work rather than after it. A file that exists
+/// stays.
+void check_text_file(const std::string& path);
+
 /// The name of a file in messages.
 std::string shown_name(const std::string& path, bool output);
 
@@ -66,7 +70,8 @@ class OutputFolder {
 
 /// Makes one job per input from a job of patterns: "{}" stands for the input's name without folder and ending, and an
 /// output that is a folder, or ends in /, gets the input's name. Throws OptionError if two jobs would write the same
-/// file, or if one would write a file that another reads.
-std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const Job& pattern);
+/// file, or if one would write a file that another reads, or one of the files `read_too`.
+std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const std::vector<std::string>& read_too,
+                           const Job& pattern);
 
 }  // namespace tetune::cli

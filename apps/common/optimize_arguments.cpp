@@ -209,6 +209,18 @@ void define_arguments(CLI::App& command, OptimizeArguments& arguments) {
   refuse_empty_values(command);
 }
 
+namespace {
+
+/// The files besides the meshes that the options name, and that are read.
+std::vector<std::string> other_inputs(const OptimizeArguments& a) {
+  std::vector<std::string> files{a.periodic_map, a.criteria_name, a.geometry.file};
+  if (a.move) files.insert(files.end(), a.move->to.begin(), a.move->to.end());
+  std::erase(files, "");
+  return files;
+}
+
+}  // namespace
+
 std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& a) {
   for (const std::string& text : a.freeze) parse_freeze(text, a.frozen);
   if (a.target_dihedral) a.options.targets.push_back({Measure::min_dihedral, *a.target_dihedral});
@@ -222,9 +234,9 @@ std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& a) {
   check(command, a);
   if (a.quiet) a.verbosity = 0;
   if (a.print_options) return {};
-  const bool is_named = !a.names.output.empty();  // with -o
-  std::vector<Job> jobs = make_jobs(find_inputs(a), a.names);
-  if (!is_named && !a.dry_run) refuse_existing(jobs.front().output);
+  a.replaces = !a.names.output.empty();
+  std::vector<Job> jobs = make_jobs(find_inputs(a), other_inputs(a), a.names);
+  if (!a.replaces && !a.dry_run) refuse_existing(jobs.front().output);
   return jobs;
 }
 

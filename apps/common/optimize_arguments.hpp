@@ -56,6 +56,7 @@ struct OptimizeArguments {
   bool quiet = false;
   bool dry_run = false;
   bool print_options = false;
+  bool replaces = false;              ///< the output is named with -o: files that exist may be replaced
   std::vector<std::string> warnings;  ///< former names, and options without effect
 };
 

@@ -60,11 +60,11 @@ double parse_length(const std::string& option, const std::string& text, const Te
   const char* end = text.data() + text.size();
   const auto [at, error] = parse_real(text.data(), end, value);
   const bool percent = error == std::errc() && at + 1 == end && *at == '%';
-  if (error != std::errc() || (at != end && !percent) || !(value > 0) || !std::isfinite(value)) {
-    throw OptionError(fmt::format(
-        "{}: '{}' is not a length; give a positive number in the mesh's unit, or one with % for a part of the "
-        "bounding box's diagonal",
-        option, text));
+  if (error != std::errc() || (at != end && !percent) || !(value >= 0) || !std::isfinite(value)) {
+    throw OptionError(
+        fmt::format("{}: '{}' is not a length; give 0 or more in the mesh's unit, or a number with % for a part of the "
+                    "bounding box's diagonal",
+                    option, text));
   }
   return percent ? value / 100 * bounding_box(mesh).diagonal() : value;
 }

@@ -69,8 +69,8 @@ void define_geometry_to_slide_on(CLI::App& command, GeometryArguments& a) {
 }
 
 void check_geometry_arguments(const OptimizeArguments& a) {
-  if (a.geometry.file.empty()) return;
   unit_in_mm(a.geometry.unit);
+  if (a.geometry.file.empty()) return;
   if (a.options.boundary != Boundary::slide) throw OptionError("--geometry needs --boundary slide");
   if (!a.criteria_name.empty())
     throw OptionError("--geometry and --criteria exclude each other: judge by `tetune info`");

@@ -69,6 +69,7 @@ std::optional<AcceptanceCriteria> criteria_of(const InspectArguments& a) {
   return a.criteria.empty() ? std::nullopt : std::optional(read_criteria(a.criteria));
 }
 
+bool is_valid(const Inspection& i) { return !i.mesh.tets.empty() && i.validity.ok() && i.quality.curved.all_valid(); }
 bool is_accepted(const Inspection& i) { return !i.acceptance || i.acceptance->verdict != Verdict::fail; }
 
 Inspection inspect(const InspectArguments& a, const std::optional<AcceptanceCriteria>& criteria, std::size_t file) {
@@ -205,10 +206,7 @@ int info(const InspectArguments& a) {
   } else {
     print_tables(name, i, verdicts);
   }
-  return !i.mesh.tets.empty() && i.validity.ok() && i.quality.curved.all_valid() && (met || bounds.empty()) &&
-                 is_accepted(i)
-             ? kDone
-             : kStoppedEarly;
+  return is_valid(i) && (met || bounds.empty()) && is_accepted(i) ? kDone : kStoppedEarly;
 }
 
 int compare_files(const InspectArguments& a) {
@@ -239,7 +237,7 @@ int compare_files(const InspectArguments& a) {
     if (!before.validity.ok()) fmt::print("  {}: {}\n", a.files[0], validity_message(before.validity));
     if (!after.validity.ok()) fmt::print("  {}: {}\n", a.files[1], validity_message(after.validity));
   }
-  return before.validity.ok() && after.validity.ok() && is_accepted(after) ? kDone : kStoppedEarly;
+  return is_valid(before) && is_valid(after) && is_accepted(after) ? kDone : kStoppedEarly;
 }
 
 CLI::App* add_common(CLI::App& app, const char* name, const char* description,

@@ -38,8 +38,9 @@ int run(const std::vector<std::string>& arguments) {
   app.require_subcommand(1);
   app.failure_message(failure);
   app.footer(
-      "Exit codes: 0 success; 1 stopped early, a target was missed, a criterion failed, or a target not reached by "
-      "move, and a valid mesh was written (info and compare: the mesh has no tetrahedron, is not valid, or not of the "
+      "Exit codes: 0 success; 1 stopped early, a target was missed, a criterion failed, a target not reached by "
+      "move, or a report, trace or map that could not be written, and a valid mesh was written (info and compare: the "
+      "mesh has no tetrahedron, is not valid, or not of the "
       "required quality; --untangle could not repair all "
       "tetrahedra: no mesh was written); 2 nothing was written. Of several meshes, the largest.");
   int exit_code = kDone;

@@ -69,7 +69,8 @@ files are removed.
 Success.
 .TP
 .B 1
-Stopped early, or a target was missed; a valid mesh was written.
+Stopped early, a target was missed or not reached, a criterion failed, or the report, trace or map could not be written;
+a valid mesh was written.
 Or
 .B \-\-untangle
 could not repair all tetrahedra; no mesh was written.

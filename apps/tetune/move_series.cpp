@@ -73,11 +73,12 @@ class SeriesRun {
     outcome_.code = kDone;
     outcome_.summary = "done";
     for (std::size_t i = 0; i < steps_.size() && outcome_.code == kDone; ++i) {
-      const bool moves = i > 0 || !a_.move->displacement.empty();
-      MoveReport report;
-      if (moves) report = move(mesh, i);
-      if (interrupt::requested() && !report.reached()) break;
-      write(mesh.mesh(), i, moves ? &report : nullptr);
+      try {
+        if (!make_step(mesh, i)) break;
+      } catch (const std::exception& e) {
+        if (written_.empty()) throw;
+        fail_after_first(e);
+      }
     }
     if (interrupt::requested()) {
       outcome_.code = kStoppedEarly;
@@ -89,16 +90,37 @@ class SeriesRun {
   }
 
  private:
+  /// Moves to a time and writes the mesh. Returns false if that was interrupted.
+  bool make_step(LiveMesh& mesh, std::size_t i) {
+    const bool moves = i > 0 || !a_.move->displacement.empty();
+    MoveReport report;
+    if (moves) report = move(mesh, i);
+    if (interrupt::requested() && !report.reached()) return false;
+    write(mesh.mesh(), i, moves ? &report : nullptr);
+    return true;
+  }
+  /// The meshes of earlier times are written, and the series lists them.
+  void fail_after_first(const std::exception& e) {
+    const bool lacks_memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
+    console_.error(lacks_memory ? job_.input + ": out of memory" : with_flags(e.what()));
+    outcome_.code = kStoppedEarly;
+    outcome_.summary = "a time failed";
+  }
+
   void read() {
     check_writable(step_name(job_.output, 0));
-    check_folder(job_.output);
-    check_folder(job_.report);
+    check_text_file(job_.output);
+    check_text_file(job_.report);
     console_.phase("reading");
     steps_ = read_series(job_.input);
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       const std::string name = step_name(job_.output, i);
       std::error_code error;
       if (!fs::exists(name, error)) continue;
+      if (!a_.replaces) {
+        throw OptionError(fmt::format("{0}: the mesh of a time would replace {1}, which exists; replace it with -o {0}",
+                                      job_.output, name));
+      }
       for (const SeriesStep& step : steps_) {
         if (!fs::equivalent(name, step.path, error) || error) continue;
         throw OptionError(fmt::format("{}: the file {} of the input would be overwritten; give the output another name",
@@ -177,18 +199,8 @@ class SeriesRun {
       for (const Index v : from) now.push_back(v < 0 ? v : original_of_.begin()[v]);
       original_of_ = std::move(now);
     }
-    warn_of_moved_fields(report.optimization);
+    for (const std::string& w : moved_fields_warning(report.optimization, a_.move->displacement)) warn(w);
     return report;
-  }
-
-  void warn_of_moved_fields(const Report& report) {
-    std::string names;
-    for (const std::string& name : report.moved_fields) {
-      if (name != a_.move->displacement) names += (names.empty() ? "" : ", ") + name;
-    }
-    if (names.empty()) return;
-    warn("vertices moved and kept their values of " + names +
-         ": of a field, --data interpolate or --data conserve evaluates it at the new places");
   }
 
   /// Writes the mesh of a step and the series up to it.

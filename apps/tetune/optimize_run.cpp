@@ -50,7 +50,7 @@ class Run {
  private:
   void read() {
     if (!job_.output.empty() && job_.output != kPipe) check_writable(job_.output);
-    for (const std::string& path : {job_.report, job_.trace, job_.map}) check_folder(path);
+    for (const std::string& path : {job_.report, job_.trace, job_.map}) check_text_file(path);
     console_.phase("reading");
     std::future<Geometry> geometry = start_reading(a_.geometry, a_.options.threads);
     input_ = read_input(job_.input, options_.threads);
@@ -152,17 +152,6 @@ class Run {
                                    center[2]));
   }
 
-  /// The displacement itself is no field of the result.
-  void warn_of_moved_fields() {
-    std::string names;
-    for (const std::string& name : report_.moved_fields) {
-      if (!a_.move || name != a_.move->displacement) names += (names.empty() ? "" : ", ") + name;
-    }
-    if (names.empty()) return;
-    warn("vertices moved and kept their values of " + names +
-         ": of a field, --data interpolate or --data conserve evaluates it at the new places");
-  }
-
   void warn(const std::string& text) {
     console_.warn(text);
     warnings_.push_back(text);
@@ -218,7 +207,7 @@ class Run {
       return late_ || interrupt::requested();
     };
     improve(context);
-    warn_of_moved_fields();
+    warn_all(moved_fields_warning(report_, a_.move ? a_.move->displacement : ""));
   }
 
   /// The time at which to stop so that there is time to write. Called when the mesh is loaded: storing it takes part of
@@ -243,8 +232,17 @@ class Run {
     interrupt::enter(interrupt::Stage::written);
     write_seconds_ = seconds_since(start);
     warn_all(warnings);
-    if (!job_.map.empty()) {
-      write_text(job_.map, map_text(report_, input_.mesh.points.size(), input_.mesh.tets.size()));
+    if (job_.map.empty()) return;
+    write_beside_mesh(job_.map, map_text(report_, input_.mesh.points.size(), input_.mesh.tets.size()));
+  }
+
+  /// The mesh is written already.
+  void write_beside_mesh(const std::string& path, const std::string& text) {
+    try {
+      write_text(path, text);
+    } catch (const FileError& e) {
+      warn(fmt::format("{}; the mesh was written", e.what()));
+      lacks_texts_ = true;
     }
   }
 
@@ -263,22 +261,25 @@ class Run {
                        : !met               ? "target missed"
                        : !accepted          ? "criterion failed"
                                             : "done";
-    // The comparison takes long: not after an early stop.
     std::optional<Comparison> change;
     if (original_ && !stopped()) {
-      // A bound is tested at all points; otherwise the comparison must not take longer than the optimization.
+      // It takes long. A bound is tested at all points; otherwise it must not take longer than the optimization.
       constexpr std::int64_t kMaxSamples = 25'000;
       const bool at_all = options_.max_deviation > 0 && input_.mesh.curved_edges.empty();
       change = compare(*original_, input_.mesh, options_.threads, at_all ? 0 : kMaxSamples);
     }
     if (change && options_.max_deviation > 0) check_deviation(*change);
+    if (!job_.trace.empty()) write_beside_mesh(job_.trace, trace_csv(report_));
     if (!job_.report.empty()) {
       nlohmann::ordered_json json = full_report();
       if (change) json["surface"] = to_json(*change);
       if (change && options_.max_deviation > 0) json["surface"]["max_deviation_kept"] = deviation_kept_;
-      write_text(job_.report, json_text(json));
+      write_beside_mesh(job_.report, json_text(json));
     }
-    if (!job_.trace.empty()) write_text(job_.trace, trace_csv(report_));
+    if (lacks_texts_ && outcome_.code == kDone) {
+      outcome_.code = kStoppedEarly;
+      outcome_.summary = "report not written";
+    }
     if (shows_figures()) console_.print(summary(change));
   }
 
@@ -359,6 +360,7 @@ class Run {
   CriteriaReport criteria_;  ///< with --criteria, without its Report
   std::optional<Geometry> geometry_;
   GeometryReport on_geometry_;  ///< with --geometry, without its Report
+  bool lacks_texts_ = false;    ///< the report, the trace or the map could not be written
   bool late_ = false;           ///< the time limit was reached
   bool deviation_kept_ = true;
   double write_seconds_ = 0;
@@ -384,11 +386,9 @@ Outcome run_job(const OptimizeArguments& arguments, const Job& job, Console& con
   }
   console.clear();
   outcome.seconds = seconds_since(start);
-  nlohmann::ordered_json end = {{"event", "end"},
-                                {"input", job.input},
-                                {"result", outcome.summary},
-                                {"exit_code", outcome.code},
-                                {"seconds", outcome.seconds}};
+  nlohmann::ordered_json end = {{"event", "end"}, {"input", job.input}, {"result", outcome.summary}};
+  end["exit_code"] = outcome.code;
+  end["seconds"] = outcome.seconds;
   if (outcome.after.tets > 0) {
     end["worst_angle_before_deg"] = outcome.before.dihedral_min;
     end["worst_angle_deg"] = outcome.after.dihedral_min;

@@ -304,6 +304,16 @@ Json counts_json(const TetMesh& mesh) {
   return json;
 }
 
+std::vector<std::string> moved_fields_warning(const Report& report, const std::string& displacement) {
+  std::string names;
+  for (const std::string& name : report.moved_fields) {
+    if (name != displacement) names += (names.empty() ? "" : ", ") + name;
+  }
+  if (names.empty()) return {};
+  return {"vertices moved and kept their values of " + names +
+          ": of a field, --data interpolate or --data conserve evaluates it at the new places"};
+}
+
 std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 std::string trace_csv(const Report& report) {
@@ -329,17 +339,6 @@ std::string trace_csv(const Report& report) {
     flips_after(s.iteration);
   }
   return text;
-}
-
-void check_folder(const std::string& path) {
-  const std::filesystem::path folder = path_of(path).parent_path();
-  std::error_code error;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
-    throw FileError(path + ": the folder " + folder.string() + " does not exist");
-  }
-  if (std::filesystem::exists(path_of(path), error) && !std::filesystem::is_regular_file(path_of(path), error)) {
-    throw FileError(path + ": exists and is not a regular file; give another name");
-  }
 }
 
 }  // namespace tetune::cli

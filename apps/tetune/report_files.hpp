@@ -19,6 +19,9 @@ nlohmann::ordered_json to_json(const AcceptanceReport& report);
 /// Without its Report.
 nlohmann::ordered_json to_json(const CriteriaReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
+/// The warning of point data that moved vertices kept, if there are any besides the displacement of a motion.
+std::vector<std::string> moved_fields_warning(const Report& report, const std::string& displacement);
+
 /// The number of pairs of all periodic links.
 std::size_t periodic_pairs(const TetMesh& mesh);
 
@@ -27,9 +30,5 @@ std::string json_text(const nlohmann::ordered_json& json);
 
 /// One line per sweep and flip pass, in the order in which they ran.
 std::string trace_csv(const Report& report);
-
-/// Throws FileError if the folder of `path` does not exist, or if `path` exists and is not a regular file: to fail
-/// before the work. An empty path is accepted.
-void check_folder(const std::string& path);
 
 }  // namespace tetune::cli

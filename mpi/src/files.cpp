@@ -104,6 +104,9 @@ void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const T
     if (turned != 0) {
       for (Cell& c : pieces.cells) std::swap(c.v[2], c.v[3]);
     }
+    if (rank_of(comm) == 0 && !frame.groups.empty()) {
+      warnings.push_back(path + ": MEDIT has no room for the names of groups");
+    }
     write_meshb(comm, path, pieces, totals);
     return;
   }

@@ -48,7 +48,7 @@ class Program {
       } else {
         check_writable(job_.output);
       }
-      if (!job_.report.empty()) write_text(job_.report, "");  // fails before the work rather than after it
+      cli::check_text_file(job_.report);
     });
     auto start = Time::now();
     Input input = read_pieces(comm_, job_.input);
@@ -256,15 +256,19 @@ int main_of_rank(int argc, char** argv) {
       "written; 2 nothing was written, an old output file is untouched.");
   cli::OptimizeArguments arguments;
   cli::define_arguments(app, arguments);
-  for (const char* name : {"--untangle", "--target-dihedral", "--target-quality", "--only-below", "--rings",
-                           "--criteria", "--max-memory", "--report-html", "--trace-angles", "--trace", "--map",
-                           "--dry-run", "--print-options", "--progress", "--periodic", "--periodic-map"}) {
+  for (const char* name :
+       {"--untangle", "--target-dihedral", "--target-quality", "--only-below", "--rings", "--criteria", "--max-memory",
+        "--report-html", "--trace-angles", "--trace", "--map", "--dry-run", "--print-options", "--progress",
+        "--periodic", "--periodic-map", "--tags", "--straighten"}) {
     app.remove_option(app.get_option(name));
   }
   try {
     app.parse(argc, argv);
     const std::vector<cli::Job> jobs = cli::resolve_jobs(app, arguments);
     if (jobs.size() != 1) throw OptionError("one mesh at a time: a batch of meshes is for `tetune optimize`");
+    if (arguments.options.surface_vertices == SurfaceVertices::edit) {
+      throw OptionError("--surface-vertices edit: ranks keep the vertices of the surface; leave it out");
+    }
     if (jobs[0].input == cli::kPipe || jobs[0].output == cli::kPipe) {
       throw OptionError("pipes end at one rank: name files");
     }

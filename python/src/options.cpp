@@ -78,7 +78,10 @@ void set(const OptionInfo& option, Options& options, nb::handle value) {
     } else if constexpr (std::is_same_v<T, std::vector<Target>>) {
       field = parse_targets(option, value);
     } else if constexpr (std::is_same_v<T, std::vector<std::uint8_t>>) {  // also of booleans
-      assign(option.name, nb::module_::import_("numpy").attr("asarray")(value, "dtype"_a = "uint8"), field);
+      const nb::module_ numpy = nb::module_::import_("numpy");
+      // Any flag other than 0: 256 and 0.5 as well.
+      const nb::object is_set = numpy.attr("not_equal")(numpy.attr("asarray")(value, "dtype"_a = "float64"), 0);
+      assign(option.name, is_set.attr("astype")("uint8"), field);
     } else {
       assign(option.name, value, field);
     }

@@ -126,6 +126,9 @@ def test_options_take_effect():
     frozen[::2] = True
     r = tetune.optimize(points, tets, frozen_vertices=frozen, max_iterations=2, boundary="fixed", max_ring=3)
     assert not r.moved[frozen].any() and r.moved.any()
+    r = tetune.optimize(points, tets, frozen_vertices=256 * frozen, max_iterations=2, boundary="fixed")  # any flag other than 0
+    assert not r.moved[frozen].any() and r.moved.any()
+    r = tetune.optimize(points, tets, frozen_vertices=frozen, max_iterations=2, boundary="fixed", max_ring=3)
     assert len(r.report.sweeps) == 2 and r.report.stop == "iteration limit"
     assert r.report.edge_removals == r.report.face_removals == 0
     tags = (points[tets].mean(axis=1)[:, 0] > 4).astype(int)

@@ -107,6 +107,7 @@ static void test_run(void) {
   for (int64_t t = 0; t < tetune_mesh_count(mesh, TETUNE_TETRAHEDRA); ++t) {
     CHECK(tetune_mesh_tags(mesh, TETUNE_TETRAHEDRA)[t] == tags[original[t]]);
   }
+  CHECK(tetune_report_original(report, (tetune_kind)7) == NULL);
   tetune_report_destroy(report);
   tetune_options_destroy(options);
   tetune_mesh_destroy(mesh);

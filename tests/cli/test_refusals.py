@@ -45,6 +45,31 @@ class Refusals(CliTest):
                          said=["is empty (a variable of the shell that is not set?)"])
         self.refused("info", self.path("in.mesh"), "--cell-data", "", said=["is empty"])
 
+    def test_outputs_that_are_read_too(self):
+        source = self.put("in.mesh", cube(2))
+        pairs, limits = self.put("pairs.txt", "1 2\n"), self.put("limits.toml", "")
+        for words, file in ((["--periodic-map", pairs, "--map", pairs], pairs), (["--geometry", limits, "--report", limits], limits),
+                            (["--periodic-map", pairs, "--trace", pairs], pairs)):
+            self.refused("optimize", source, "-o", self.path("out.mesh"), *words, said=[file, "is read as well"])
+        self.refused("move", source, "--to", self.path("in.mesh"), "-o", self.path("b.mesh"), "--map", self.path("in.mesh"),
+                     said=["in.mesh", "is read as well"])
+        self.assertEqual(self.read_bytes("pairs.txt"), b"1 2\n")
+
+    def test_report_that_cannot_be_written(self):
+        source = self.put("in.mesh", cube(2))
+        self.refused("optimize", source, "-o", self.path("out.mesh"), "--report", "/proc/none.json", said=["/proc/none.json: "])
+        self.assertFalse(os.path.exists(self.path("out.mesh")))
+
+    def test_no_bound_on_the_deviation(self):
+        source = self.put("in.mesh", cube(2))
+        self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--boundary", "slide", "--max-deviation", "0")
+        self.refused("optimize", source, "-o", self.path("out.mesh"), "--boundary", "slide", "--max-deviation", "-1",
+                     said=["is not a length"])
+
+    def test_comparison_without_tetrahedra(self):
+        empty = self.put("empty.mesh", Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], []))
+        self.run_cli("compare", empty, empty, code=1)
+
     def test_inverted_tetrahedra(self):
         self.optimize_refused(self.put("in.mesh", tangled(4)), said=[
             self.path("in.mesh"), "inverted tetrahedra", "counted from 1: ", ", the first near ", "--untangle"])

@@ -116,6 +116,28 @@ class Series(CliTest):
                       self.run_cli("move", mesh, "-o", self.path("b.pvd"), "--displacement", "u", code=2).stderr)
 
     @needs_vtk
+    def test_files_that_exist(self):
+        self.vtk("a.vtk", self.mesh.points)
+        self.vtk("b.vtk", self.stretched(1.1))
+        series = self.series([(0, "a.vtk"), (1, "b.vtk")])
+        with open(self.path("out_0001.vtu"), "w") as file:
+            file.write("of another series")
+        self.assertIn("out_0001.vtu, which exists", self.run_cli("move", series, self.path("out.pvd"), code=2).stderr)
+        self.assertEqual(self.read_bytes("out_0001.vtu"), b"of another series")
+        self.run_cli("move", series, "-o", self.path("out.pvd"))
+        self.points("out_0001.vtu")
+
+    @needs_vtk
+    def test_a_time_that_fails(self):
+        self.vtk("a.vtk", self.mesh.points)
+        self.vtk("b.vtk", self.stretched(1.1))
+        series = self.series([(0, "a.vtk"), (1, "b.vtk"), (2, "none.vtk")])
+        done = self.run_cli("move", series, "-o", self.path("out.pvd"), "--report", self.path("r.json"), code=1)
+        self.assertIn("none.vtk", done.stderr)
+        self.points("out_0001.vtu")
+        self.assertEqual([entry["time"] for entry in json.loads(self.read_bytes("r.json"))["times"]], [0, 1])
+
+    @needs_vtk
     def test_blocked(self):
         self.vtk("a.vtk", self.mesh.points)
         self.vtk("b.vtk", self.stretched(-1))
@@ -175,7 +197,7 @@ class Series(CliTest):
         self.vtk("less.vtk", self.mesh.points, self.mesh.tets[1:])
         out = self.path("out.pvd")
         for file, said in (("other.vtk", "tetrahedron 1 has other vertices"), ("less.vtk", "the same mesh"), ("no.vtk", "no.vtk")):
-            done = self.run_cli("move", self.series([(0, "a.vtk"), (1, file)]), "-o", out, code=2)
+            done = self.run_cli("move", self.series([(0, "a.vtk"), (1, file)]), "-o", out, code=1)
             self.assertIn(said, done.stderr)
             self.points("out_0000.vtu")
         self.refused("move", self.series([(0, "a.vtk"), (0, "a.vtk")]), "-o", out, said=["several files"])
