@@ -18,6 +18,7 @@
 #include "driver/moved_fields.hpp"
 #include "driver/split_bounded.hpp"
 #include "driver/straighten.hpp"
+#include "driver/targets.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -47,7 +48,8 @@ std::vector<Index> below_or_not_valid(const std::vector<CurvedTet>& tets, double
 class CurvedOptimizer {
  public:
   CurvedOptimizer(const TetMesh& mesh, const Options& options, const Context& context)
-      : options_(options),
+      : caller_(options),
+        options_(options),
         context_(context),
         base_(mesh),
         origins_(own_origins(mesh)),
@@ -60,19 +62,19 @@ class CurvedOptimizer {
     goal_.threads = options_.threads;
     goal_.stop = context_.stop;
     make_base_valid();
-    const std::int64_t inserted = std::ssize(base_.points) - std::ssize(mesh.points);
     const bool slides = options_.boundary == Boundary::slide;
     // With other data than carried ones the result has places in the input, which one run alone gives.
     const bool is_single = slides && options_.data != DataTransfer::carry;
     TetMesh result;
     Report report = run_stage(result, is_single, slides && !is_single ? part_of(context_, 0, 0.5) : context_);
     follow_origins(report);
-    report.vertices_inserted += inserted;
+    report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
     if (slides && !is_single && !is_stopped()) slide_from(result, report);
     report.vertices = std::ssize(mesh.points);
     report.straightened = std::move(straightened_);
     report.tets_before = std::ssize(mesh.tets);
     mesh = std::move(result);
+    report.targets = report_targets(mesh, caller_, report.vertex2original);
     return report;
   }
 
@@ -352,7 +354,8 @@ class CurvedOptimizer {
     return options;
   }
 
-  Options options_;
+  const Options& caller_;
+  Options options_;  ///< for the vertices of base_
   const Context& context_;
   TetMesh base_;     ///< the input, made valid
   Origins origins_;  ///< of base_ in the input

@@ -111,20 +111,7 @@ class CriteriaRun {
   Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
 
   /// The caller's options for the vertices of a mesh between.
-  Options current_options() const {
-    Options options = options_;
-    options.only_below.clear();
-    options.untangle = false;
-    if (options.boundary == Boundary::slide) options.boundary = Boundary::preserve;
-    options.max_deviation = 0;
-    const std::vector<Index>& origins = report_.optimization.vertex2original;
-    if (options_.frozen_vertices.empty() || origins.empty()) return options;
-    options.frozen_vertices.clear();
-    for (const Index v : origins) {
-      options.frozen_vertices.push_back(v < 0 ? 0 : span_of(options_.frozen_vertices)[v]);
-    }
-    return options;
-  }
+  Options current_options() const { return options_for_result(options_, report_.optimization.vertex2original); }
 
   Options round_options(const TetMesh& mesh) const {
     Options options = current_options();
@@ -205,12 +192,7 @@ class CriteriaRun {
     if (report_.after.verdict != Verdict::fail && !retargets) return;
     const Options options = current_options();
     const MeshOutcome imported = import_outcome(mesh, options);
-    if (retargets) {
-      report_.optimization.targets = report_targets(imported.outcome, options);
-      for (TargetReport& r : report_.optimization.targets) {
-        for (MissedTet& m : r.worst) m.tet = span_of(imported.slot2tet)[m.tet];
-      }
-    }
+    if (retargets) report_.optimization.targets = report_targets(imported, options);
     for (const CriterionResult& r : report_.after.results) {
       if (r.verdict == Verdict::fail) report_.limits.push_back(limits_of(mesh, r.criterion, imported, options));
     }

@@ -252,6 +252,35 @@ void find_limiting(const Outcome& outcome, const Options& options, const std::op
   for (MissedTet& m : missed) constraints.find(m.tet, target, m);
 }
 
+Options options_for_result(const Options& options, const std::vector<Index>& vertex2original) {
+  Options result = options;
+  result.only_below.clear();
+  result.untangle = false;
+  if (result.boundary == Boundary::slide) result.boundary = Boundary::preserve;
+  result.max_deviation = 0;
+  if (options.frozen_vertices.empty() || vertex2original.empty()) return result;
+  result.frozen_vertices.clear();
+  for (const Index v : vertex2original) {
+    result.frozen_vertices.push_back(v < 0 ? 0 : span_of(options.frozen_vertices)[v]);
+  }
+  return result;
+}
+
+std::vector<TargetReport> report_targets(const TetMesh& result, const Options& options,
+                                         const std::vector<Index>& vertex2original) {
+  if (options.targets.empty()) return {};
+  const Options of_result = options_for_result(options, vertex2original);
+  return report_targets(import_outcome(result, of_result), of_result);
+}
+
+std::vector<TargetReport> report_targets(const MeshOutcome& imported, const Options& options) {
+  std::vector<TargetReport> reports = report_targets(imported.outcome, options);
+  for (TargetReport& r : reports) {
+    for (MissedTet& m : r.worst) m.tet = span_of(imported.slot2tet)[m.tet];
+  }
+  return reports;
+}
+
 std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options) {
   const Size slots = std::ssize(outcome.tets);
   const backend::Cpu cpu(options.threads);

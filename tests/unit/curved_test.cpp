@@ -418,6 +418,24 @@ TEST(Curved, ElementsOfAValidMeshAreSplitWithTheirData) {
   EXPECT_EQ(std::get<std::vector<std::int32_t>>(m.point_data[0].values), std::vector<std::int32_t>(m.points.size(), 7));
 }
 
+TEST(Curved, TargetsAreThoseOfTheResult) {
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    TetMesh m = test::ball(4, 0.15);
+    curve(m);
+    Options options;
+    options.boundary = boundary;
+    options.targets = {{Measure::min_dihedral, 30}, {Measure::min_dihedral, 5}};
+    const Report report = optimize(m, options);
+    const double smallest = quality(m).dihedral_min;
+    ASSERT_EQ(report.targets.size(), 2U);
+    for (const TargetReport& t : report.targets) {
+      EXPECT_EQ(t.met(), smallest >= t.target.value) << smallest;
+      if (t.met()) continue;
+      EXPECT_NEAR(t.worst.front().value, smallest, 1e-9);
+    }
+  }
+}
+
 TEST(Curved, FoldedSurfaceIsStraightenedWhereAsked) {
   const TetMesh before = folded_cube();
   TetMesh m = before;
