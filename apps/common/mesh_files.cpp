@@ -204,26 +204,6 @@ void refuse_existing(const std::string& output) {
   }
 }
 
-void check_text_file(const std::string& path) {
-  if (path.empty()) return;
-  const std::filesystem::path folder = path_of(path).parent_path();
-  std::error_code error;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
-    throw FileError(path + ": the folder " + folder.string() + " does not exist");
-  }
-  if (std::filesystem::exists(path_of(path), error) && !std::filesystem::is_regular_file(path_of(path), error)) {
-    throw FileError(path + ": exists and is not a regular file; give another name");
-  }
-  const std::string trial = path + ".tetune.tmp";
-  try {
-    write_text(trial, "");
-  } catch (const FileError&) {
-    throw FileError(path + ": cannot be written: no permission to create a file in " +
-                    (folder.empty() ? "this folder" : folder.string()));
-  }
-  std::filesystem::remove(path_of(trial), error);
-}
-
 std::string shown_name(const std::string& path, bool output) {
   return path != kPipe ? path : output ? "standard output" : "standard input";
 }

@@ -43,16 +43,19 @@ bool copy_mesh(const std::string& input, const std::string& output);
 /// matched.
 void refuse_existing(const std::string& output);
 
-/// Throws FileError where a text file cannot be written: before the work rather than after it. A file that exists
-/// stays.
-void check_text_file(const std::string& path);
-
 /// The name of a file in messages.
 std::string shown_name(const std::string& path, bool output);
 
 /// One mesh to optimize, and the names of all files to write; an empty name means no file.
 struct Job {
   std::string input, output, report, trace, map;
+
+  /// The text files.
+  std::vector<std::string> texts() const {
+    std::vector<std::string> names{report, trace, map};
+    std::erase(names, "");
+    return names;
+  }
 };
 
 /// Creates the folder that a pattern of outputs names by a / at its end, unless it exists. With --dry-run the

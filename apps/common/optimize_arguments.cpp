@@ -183,6 +183,14 @@ std::vector<std::string> find_inputs(OptimizeArguments& a) {
   return inputs;
 }
 
+/// The files besides the meshes that the options name, and that are read.
+std::vector<std::string> other_inputs(const OptimizeArguments& a) {
+  std::vector<std::string> files{a.periodic_map, a.criteria_name, a.geometry.file};
+  if (a.move) files.insert(files.end(), a.move->to.begin(), a.move->to.end());
+  std::erase(files, "");
+  return files;
+}
+
 void check(const CLI::App& command, OptimizeArguments& a) {
   try {
     check_options(a.options);
@@ -208,18 +216,6 @@ void define_arguments(CLI::App& command, OptimizeArguments& arguments) {
   define_output(command, arguments);
   refuse_empty_values(command);
 }
-
-namespace {
-
-/// The files besides the meshes that the options name, and that are read.
-std::vector<std::string> other_inputs(const OptimizeArguments& a) {
-  std::vector<std::string> files{a.periodic_map, a.criteria_name, a.geometry.file};
-  if (a.move) files.insert(files.end(), a.move->to.begin(), a.move->to.end());
-  std::erase(files, "");
-  return files;
-}
-
-}  // namespace
 
 std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& a) {
   for (const std::string& text : a.freeze) parse_freeze(text, a.frozen);

@@ -109,8 +109,8 @@ class SeriesRun {
 
   void read() {
     check_writable(step_name(job_.output, 0));
-    check_text_file(job_.output);
-    check_text_file(job_.report);
+    check_place(job_.output);
+    for (const std::string& path : job_.texts()) check_place(path);
     console_.phase("reading");
     steps_ = read_series(job_.input);
     for (std::size_t i = 0; i < steps_.size(); ++i) {

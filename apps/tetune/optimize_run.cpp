@@ -50,7 +50,7 @@ class Run {
  private:
   void read() {
     if (!job_.output.empty() && job_.output != kPipe) check_writable(job_.output);
-    for (const std::string& path : {job_.report, job_.trace, job_.map}) check_text_file(path);
+    for (const std::string& path : job_.texts()) check_place(path);
     console_.phase("reading");
     std::future<Geometry> geometry = start_reading(a_.geometry, a_.options.threads);
     input_ = read_input(job_.input, options_.threads);

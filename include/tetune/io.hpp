@@ -50,8 +50,11 @@ TETUNE_API void write_mesh(int descriptor, const std::string& name, bool binary,
 /// Writes text to a file under a temporary name, then renames it, as write_mesh() does. Throws FileError.
 TETUNE_API void write_text(const std::string& path, std::string_view text);
 
-/// Throws FileError if write_mesh() does not know the ending of `path`, or if its folder does not exist or is not
-/// writable: to fail before the work rather than after it.
+/// Throws FileError unless a file can be created at `path`: to fail before the work rather than after it. A file that
+/// exists stays.
+TETUNE_API void check_place(const std::string& path);
+
+/// check_place(), and throws FileError if write_mesh() does not know the ending of `path`.
 TETUNE_API void check_writable(const std::string& path);
 
 /// The names of the files that write_mesh() writes for a name: several for TetGen, in which any of them names the mesh.

@@ -48,7 +48,7 @@ class Program {
       } else {
         check_writable(job_.output);
       }
-      cli::check_text_file(job_.report);
+      for (const std::string& path : job_.texts()) check_place(path);
     });
     auto start = Time::now();
     Input input = read_pieces(comm_, job_.input);

@@ -171,7 +171,7 @@ class CurvedOptimizer {
     const std::vector<Index> rest = find_invalid(base_);
     if (!options_.straighten && !with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
     split_invalid(goal);
-    extend_options();
+    if (options_.straighten) extend_options();
     if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
     const std::vector<Index> left = find_invalid(base_);
     if (left.empty() && may_insert()) split_bounded(base_, held_, origins_, goal);

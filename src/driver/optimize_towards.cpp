@@ -17,6 +17,7 @@
 #include "quality/check_measures.hpp"
 #include "quality/find_failed.hpp"
 #include "tetune/error.hpp"
+#include "tetune/option_table.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
@@ -25,8 +26,6 @@ namespace {
 constexpr int kMaxTargetRounds = 4;
 /// Number of tetrahedra up to which no round is too long.
 constexpr std::ptrdiff_t kLarge = 50'000;
-/// The largest value of Options::max_growth.
-constexpr double kMaxGrowth = 100;
 /// The relative error of a smallest mean ratio.
 constexpr double kRounding = 1e-9;
 /// The part of the progress that the first run is.
@@ -94,7 +93,8 @@ class CriteriaRun {
     if (report_.no_rounds.empty() && report_.after.verdict == Verdict::fail) {
       max_tets_ = options_.max_growth * double(input.tets.size());
       least_mean_ratio_ =
-          tuning_of(options_.effort).angles.mean_ratio_part * quality(input, options_.threads).mean_ratio_min;
+          std::min(tuning_of(options_.effort).angles.mean_ratio_part * quality(input, options_.threads).mean_ratio_min,
+                   quality(mesh, options_.threads).mean_ratio_min);
       make_rounds(mesh);
     }
     if (may_limit && !is_stopped()) find_limits(mesh);
@@ -119,7 +119,8 @@ class CriteriaRun {
     options.keep_vertices = options_.keep_vertices || !inserts || double(mesh.tets.size()) >= max_tets_;
     if (options.keep_vertices) options.surface_vertices = SurfaceVertices::automatic;
     // The part of the round is at most the mesh.
-    if (!options.keep_vertices) options.max_growth = std::min(max_tets_ / double(mesh.tets.size()), kMaxGrowth);
+    if (!options.keep_vertices)
+      options.max_growth = std::min(max_tets_ / double(mesh.tets.size()), find_option("max_growth")->range.max);
     options.effort = Effort::best;
     options.restarts = 0;  // they would enlarge angles at the expense of other measures
     options.targets.clear();
@@ -172,9 +173,8 @@ class CriteriaRun {
     round.failed_after = after.tets;
     const std::size_t max_tets = std::max(mesh.tets.size(), std::size_t(max_tets_));
     // Each round has a quality floor of its own, which leaves room below its smallest mean ratio.
-    const double least_mean_ratio = std::min(least_mean_ratio_, quality(mesh, options_.threads).mean_ratio_min);
     round.kept = after < before && !worsens(report_.after, accepted) && changed.tets.size() <= max_tets &&
-                 quality(changed, options_.threads).mean_ratio_min >= (1 - kRounding) * least_mean_ratio;
+                 quality(changed, options_.threads).mean_ratio_min >= (1 - kRounding) * least_mean_ratio_;
     if (round.kept) {
       mesh = std::move(changed);
       report_.after = std::move(accepted);

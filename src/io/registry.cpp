@@ -204,6 +204,7 @@ void check_place(const std::string& path) {
     throw FileError(path + ": exists and is not a regular file; give another name, or - for the standard output");
   }
   if (!native::is_writable(name)) throw FileError(path + ": no permission to write in " + name);
+  const FileWriter trial(path);  // some file systems refuse what permissions allow
 }
 
 void check_writable(const std::string& path) {

@@ -63,9 +63,6 @@ struct Format {
 /// against it. Readers refuse a count by it before memory is asked for.
 std::string excess_of(std::int64_t entries, bool tets);
 
-/// Throws FileError unless a file can be created at `path`.
-void check_place(const std::string& path);
-
 /// The formats of this build. To add one: docs/adding-a-format.md.
 const std::vector<Format>& formats();
 

@@ -9,6 +9,7 @@
 #include "io/second_order.hpp"
 #include "system/path.hpp"
 #include "tetune/error.hpp"
+#include "tetune/io.hpp"
 
 namespace tetune {
 namespace {
