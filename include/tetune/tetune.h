@@ -35,7 +35,12 @@ typedef enum tetune_status {
   TETUNE_INTERNAL_ERROR = 7
 } tetune_status;
 
+/* Every int is a valid value in C++, so that the library can refuse one that is no kind, from any language. */
+#ifdef __cplusplus
+typedef enum tetune_kind : int {
+#else
 typedef enum tetune_kind {
+#endif
   TETUNE_VERTICES = 0,
   TETUNE_EDGES = 1,
   TETUNE_TRIANGLES = 2,
