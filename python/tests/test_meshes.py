@@ -269,5 +269,5 @@ def test_files_of_vtk(tmp_path):
     assert r.moved.any() and np.array_equal(out.points, r.mesh.points)
     assert np.array_equal(out.point_data["x"], points[:, 0])
     assert np.array_equal(out.cell_data["medit:ref"], region[r.parent])
-    with pytest.warns(UserWarning, match='MEDIT has no room for the data "x"'):
+    with pytest.warns(UserWarning, match='the format cannot hold the data "x"'):
         tetune.write_mesh(str(tmp_path / "out.mesh"), r.mesh)

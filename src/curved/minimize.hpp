@@ -24,9 +24,9 @@ inline void add(std::vector<double>& to, double factor, const std::vector<double
 /// Minimizes a function of many variables by the L-BFGS method (Nocedal & Wright 2006, Alg. 7.4 and 7.5) with a
 /// backtracking line search. `evaluate(x, gradient)` returns the value, which may be infinite, and sets the gradient;
 /// it must be finite at the start. Returns the value at `x`, which has not increased. `step` is the length of the first
-/// step, in the largest component.
-template <class Evaluate>
-double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const Evaluate& evaluate) {
+/// step, in the largest component. Ends early once stop() is true.
+template <class Evaluate, class Stop>
+double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const Evaluate& evaluate, const Stop& stop) {
   constexpr std::size_t kPairs = 10;
   constexpr int kMaxHalvings = 30;
   constexpr double kRelativeDecrease = 1e-6;
@@ -39,7 +39,7 @@ double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const
   std::vector<double> gradient(x.size());
   double value = evaluate(x, gradient);
   std::vector<double> next(x.size()), next_gradient(x.size());
-  for (int i = 0; i < iterations; ++i) {
+  for (int i = 0; i < iterations && !stop(); ++i) {
     std::vector<double> direction = gradient;
     std::vector<double> alpha(pairs.size());
     for (std::size_t k = pairs.size(); k-- > 0;) {

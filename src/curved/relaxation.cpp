@@ -138,6 +138,7 @@ class Patch {
   }
 
  private:
+  bool is_stopped() const { return goal_.stop && goal_.stop(); }
   bool is_enough() const { return goal_.only_valid && best_quality_.not_valid == 0; }
   bool contains(Index t) const { return std::binary_search(tets_.begin(), tets_.end(), t); }
 
@@ -233,15 +234,16 @@ class Patch {
     constexpr double kFirstStep = 0.02;
     RelaxationEnergy energy(elements_with(unknowns, nodes_, ideal), nodes_, unknowns);
     std::vector<double> x = energy.start();
+    const auto stop = [this] { return is_stopped(); };
     const double step = kFirstStep * mean_edge();
     double least = energy.smallest_determinant(x);
     const auto evaluate = [&energy](const std::vector<double>& at, std::vector<double>& g) { return energy(at, g); };
     energy.epsilon = 1;
     int stuck = 0;
     for (int stage = 0; stage < kMaxStages && !(least > 0) && stuck < kMaxStuck; ++stage) {
-      if (goal_.stop && goal_.stop()) return;
+      if (is_stopped()) return;
       energy.epsilon = std::min(energy.epsilon / 2, std::sqrt(1e-12 + 0.04 * least * least));
-      minimize_lbfgs(x, step, kIterations, evaluate);
+      minimize_lbfgs(x, step, kIterations, evaluate, stop);
       const double last = std::exchange(least, energy.smallest_determinant(x));
       // Determinants that held nodes alone make negative stay so.
       stuck = least > last + 1e-6 * std::fabs(last) ? 0 : stuck + 1;
@@ -249,17 +251,19 @@ class Patch {
     }
     if (!(least > 0) || is_enough()) return;
     energy.epsilon = 0;
-    minimize_lbfgs(x, step, kIterations, evaluate);
+    minimize_lbfgs(x, step, kIterations, evaluate, stop);
     const std::vector<Vec3> nodes = energy.nodes_at(x);
     take_if_better(nodes, unknowns, best);
     if (is_enough()) return;
     RelaxationEnergy sharp(elements_with(unknowns, nodes, Ideal::straight), nodes, unknowns);
     if (!(sharp.smallest_determinant(x) > 0)) return;
     for (const int power : {1, 4, 16}) {
-      if (goal_.stop && goal_.stop()) return;
+      if (is_stopped()) return;
       sharp.power = power;
-      minimize_lbfgs(x, step, kIterations,
-                     [&sharp](const std::vector<double>& at, std::vector<double>& g) { return sharp(at, g); });
+      const auto evaluate_sharp = [&sharp](const std::vector<double>& at, std::vector<double>& g) {
+        return sharp(at, g);
+      };
+      minimize_lbfgs(x, step, kIterations, evaluate_sharp, stop);
       take_if_better(sharp.nodes_at(x), unknowns, best);
       if (is_enough()) return;
     }

@@ -29,7 +29,7 @@ struct RelaxationGoal {
   bool moves_vertices = true;  ///< if false, only mid-side nodes move
   bool only_valid = false;     ///< a patch is left alone once all of its elements are proved valid
   int threads = 0;
-  std::function<bool()> stop{};
+  std::function<bool()> stop{};  ///< if set and true, ends the relaxation early; called by all threads
 };
 
 /// Relaxes patches, connected groups of the listed tetrahedra with their surroundings. A patch is accepted if its

@@ -146,13 +146,16 @@ SurfaceFacets divide_into_facets(const std::vector<QuadraticSheet::Triangle>& tr
 }
 
 std::vector<double> bound_distances(const std::vector<QuadraticSheet::Triangle>& from,
-                                    const std::vector<QuadraticSheet::Triangle>& to, double limit, int threads) {
+                                    const std::vector<QuadraticSheet::Triangle>& to, double limit, int threads,
+                                    const std::function<bool()>& stop) {
   std::vector<double> result(from.size(), kInfinity);
   if (to.empty()) return result;
   const SurfaceFacets surface = divide_into_facets(to, limit / 8);
   const ClosestTriangle search(surface.facets);
   const DistanceBound bound(to, surface, search, limit);
-  backend::Cpu(threads).for_each(std::ssize(from), [&](Size i) { span_of(result)[i] = bound.of(span_of(from)[i]); });
+  backend::Cpu(threads).for_each(std::ssize(from), [&](Size i) {
+    if (!stop || !stop()) span_of(result)[i] = bound.of(span_of(from)[i]);
+  });
   return result;
 }
 

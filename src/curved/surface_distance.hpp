@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "curved/quadratic_sheet.hpp"
@@ -23,12 +24,14 @@ struct SurfaceFacets {
 SurfaceFacets divide_into_facets(const std::vector<QuadraticSheet::Triangle>& triangles, double tolerance);
 
 /// For each triangle an upper bound on the largest distance of its points from the surface `to`. A bound below the
-/// limit is sharp to half of the limit, and those above are not sharp.
+/// limit is sharp to half of the limit, and those above are not sharp. Once `stop`, which all threads call, is set and
+/// true, the bounds of the triangles that are left are infinite.
 ///
 /// A triangle is divided into parts. Where the points of `to` beside the corners of a part are on one quadratic
 /// triangle, the difference of both surfaces is a quadratic polynomial, which they bound. Elsewhere the distance from
 /// a facet of `to` that is beside a corner counts: it is convex, and so largest at a corner of the part.
 std::vector<double> bound_distances(const std::vector<QuadraticSheet::Triangle>& from,
-                                    const std::vector<QuadraticSheet::Triangle>& to, double limit, int threads);
+                                    const std::vector<QuadraticSheet::Triangle>& to, double limit, int threads,
+                                    const std::function<bool()>& stop = {});
 
 }  // namespace tetune

@@ -2,7 +2,9 @@
 #include "tetune/curve.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
+#include <utility>
 
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
@@ -13,6 +15,7 @@
 #include "driver/geometry_middles.hpp"
 #include "driver/straighten.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "phases/latched_hooks.hpp"
 #include "tetune/error.hpp"
 #include "tetune/options.hpp"
 #include "tetune/quality.hpp"
@@ -49,13 +52,14 @@ FinerSurface find_finer(const TetMesh& mesh, double feature_angle) {
 
 class Curver {
  public:
-  Curver(TetMesh& mesh, const CurveOptions& options) : mesh_(mesh), options_(options) {
+  /// `stop` is called by all threads.
+  Curver(TetMesh& mesh, const CurveOptions& options, std::function<bool()> stop) : mesh_(mesh), options_(options) {
     Options fixed;
     fixed.boundary = Boundary::fixed;
     held_ = find_held(mesh, fixed);
     goal_.min_dihedral = quality(mesh, options.threads).dihedral_min;
     goal_.threads = options.threads;
-    goal_.stop = options.stop;
+    goal_.stop = std::move(stop);
     find_middles();
     mesh.second_order = true;
   }
@@ -147,7 +151,9 @@ CurveReport curve(TetMesh& mesh, const CurveOptions& options) {
   TetMesh curved = mesh;
   curved.deck = nullptr;
   curved.deck_nodes.clear();
-  const CurveReport report = Curver(curved, options).run();
+  const Context caller{{}, options.stop};
+  const LatchedHooks hooks(caller);
+  const CurveReport report = Curver(curved, options, hooks.context().stop).run();
   mesh = std::move(curved);
   return report;
 }

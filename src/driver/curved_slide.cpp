@@ -309,7 +309,9 @@ LiftedNodes CurvedSlide::lift(const TetMesh& slid, const Report& report) const {
   return lifted;
 }
 
-SurfaceDeviation CurvedSlide::deviation(const TetMesh& result, const Report& report, double limit, int threads) const {
+SurfaceDeviation CurvedSlide::deviation(const TetMesh& result, const Report& report, const Options& options,
+                                        const std::function<bool()>& stop) const {
+  const double limit = options.max_deviation;
   const QuadraticTriangles old_quadratic(mesh_.points, mesh_.curved_edges);
   const QuadraticTriangles new_quadratic(result.points, result.curved_edges);
   const ChangedTriangles changed(triangles_, old_quadratic, find_sheets(result), new_quadratic, report.vertex2original);
@@ -327,9 +329,10 @@ SurfaceDeviation CurvedSlide::deviation(const TetMesh& result, const Report& rep
     }
   };
   // What has not changed is on both surfaces.
-  add(changed.after, bound_distances(new_triangles, old_triangles, limit, threads),
+  add(changed.after, bound_distances(new_triangles, old_triangles, limit, options.threads, stop),
       [&](Index v) { return report.vertex2original.empty() ? v : span_of(report.vertex2original)[v]; });
-  add(changed.before, bound_distances(old_triangles, new_triangles, limit, threads), [](Index v) { return v; });
+  add(changed.before, bound_distances(old_triangles, new_triangles, limit, options.threads, stop),
+      [](Index v) { return v; });
   return deviation;
 }
 

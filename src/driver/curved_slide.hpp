@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <map>
 #include <vector>
 
 #include "curved/quadratic_sheet.hpp"
 #include "curved/surface_middles.hpp"
 #include "tetune/mesh.hpp"
+#include "tetune/options.hpp"
 #include "tetune/report.hpp"
 
 namespace tetune {
@@ -46,8 +48,10 @@ class CurvedSlide {
   /// The nodes of the optimized skeleton on the quadratic surface, without those of edges and vertices that are as they
   /// were.
   LiftedNodes lift(const TetMesh& slid, const Report& report) const;
-  /// The distance of the surface of a result from that of the mesh, as of bound_distances().
-  SurfaceDeviation deviation(const TetMesh& result, const Report& report, double limit, int threads) const;
+  /// The distance of the surface of a result from that of the mesh, as of bound_distances() with
+  /// Options::max_deviation.
+  SurfaceDeviation deviation(const TetMesh& result, const Report& report, const Options& options,
+                             const std::function<bool()>& stop) const;
 
  private:
   using Edge = std::array<Index, 2>;

@@ -106,7 +106,7 @@ class CurvedOptimizer {
       lifted.apply(skeleton.mesh);
       SurfaceDeviation deviation;
       if (slide && options_.max_deviation > 0) {
-        deviation = slide->deviation(skeleton.mesh, report, options_.max_deviation, options_.threads);
+        deviation = slide->deviation(skeleton.mesh, report, options_, context_.stop);
       }
       const std::vector<Index> bad = relax(skeleton.mesh, report, slides);
       if ((bad.empty() && deviation.vertices.empty()) || attempt > max_attempts) {

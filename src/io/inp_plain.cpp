@@ -7,6 +7,7 @@
 
 #include "io/inp_deck.hpp"
 #include "io/inp_format.hpp"
+#include "io/losses.hpp"
 #include "io/second_order.hpp"
 #include "tetune/error.hpp"
 
@@ -28,24 +29,12 @@ struct PatchFace {
 };
 
 void warn_of_losses_in_inp(const TetMesh& mesh, const IoContext& context) {
-  std::set<std::string> names;
-  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
-    for (const DataArray& array : *data) names.insert(array.name);
-  }
-  for (const ElementBlock& block : mesh.others) {
-    for (const DataArray& array : block.data) names.insert(array.name);
-  }
-  for (const std::string& name : names) context.warn("a deck has no room for the data \"" + name + "\"");
-  const auto has_tag = [](const std::vector<int>& tags) {
-    return std::any_of(tags.begin(), tags.end(), [](int tag) { return tag != 0; });
-  };
-  if (has_tag(mesh.point_tags)) context.warn("a deck has no room for the tags of vertices");
+  warn_of_data(mesh, context);
+  warn_of_point_tags(mesh, context);
   if (!mesh.edges.empty()) {
     context.warn(std::to_string(mesh.edges.size()) + " edges are not written: in a deck they would be elements");
   }
-  const bool has_lists = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.required_triangles.empty() ||
-                         !mesh.required_tets.empty();
-  if (has_lists) context.warn("a deck has no room for lists of corners and required entities");
+  warn_of_lists(mesh, context);
 }
 
 class InpPlainWriter {

@@ -5,6 +5,7 @@
 #include "io/inp_follow.hpp"
 #include "io/inp_format.hpp"
 #include "io/inp_middles.hpp"
+#include "io/losses.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -143,6 +144,7 @@ void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
   if (mesh.second_order != model.is_second_order) {
     throw FileError("the mesh and its deck have tetrahedra of different order; write another format");
   }
+  warn_of_data(mesh, context);
   if (!mesh.second_order) return InpDeckWriter(file, model, mesh, nullptr).write();
   TetMesh with_middles = mesh;
   const Middles middles = add_inp_middles(model, with_middles);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <set>
 #include <span>
 
 #include "backend/cpu.hpp"
 #include "io/line_writer.hpp"
+#include "io/losses.hpp"
 #include "io/medit_codec.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
@@ -160,19 +160,11 @@ void write_sections(Writer& out, const TetMesh& mesh) {
 
 /// Warns of the contents that a MEDIT file cannot hold.
 void warn_of_losses_in_medit(const TetMesh& mesh, const IoContext& context) {
-  std::set<std::string> names;
-  const auto add_names = [&names](const std::vector<DataArray>& data) {
-    for (const DataArray& array : data) names.insert(array.name);
-  };
-  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) add_names(*data);
-  for (const ElementBlock& block : mesh.others) {
-    add_names(block.data);
-    if (is_points(block)) context.warn("elements of one vertex are written as required vertices, without their tags");
+  if (std::any_of(mesh.others.begin(), mesh.others.end(), is_points)) {
+    context.warn("elements of one vertex are written as required vertices, without their tags");
   }
-  for (const std::string& name : names) context.warn("MEDIT has no room for the data \"" + name + "\"");
-  if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
-    context.warn("MEDIT has no room for the names of groups");
-  }
+  warn_of_data(mesh, context);
+  warn_of_names(mesh, context);
   if (mesh.second_order) context.warn(lost_middles(mesh));
 }
 

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "backend/span.hpp"
+#include "io/losses.hpp"
 #include "io/msh_layout.hpp"
 #include "io/msh_sink.hpp"
 #include "tetune/error.hpp"
@@ -372,20 +373,11 @@ class MshWriter {
   MshSink sink_;
 };
 
-void warn_of_lists(const TetMesh& mesh, const IoContext& context) {
-  const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.ridges.empty() ||
-                      !mesh.required_edges.empty() || !mesh.required_triangles.empty() || !mesh.required_tets.empty();
-  if (listed) context.warn("the format cannot hold lists of corners, ridges and required entities");
-  const auto has_tag = [](int tag) { return tag != 0; };
-  if (std::any_of(mesh.point_tags.begin(), mesh.point_tags.end(), has_tag)) {
-    context.warn("the format cannot hold tags of vertices");
-  }
-}
-
 }  // namespace
 
 void write_msh(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
   warn_of_lists(mesh, context);
+  warn_of_point_tags(mesh, context);
   if (!mesh.second_order) return MshWriter(file, mesh, nullptr, context).write();
   TetMesh second = mesh;
   const Middles middles(second);

@@ -7,6 +7,7 @@
 #include "io/group_order.hpp"
 #include "io/gzip.hpp"
 #include "io/line_writer.hpp"
+#include "io/losses.hpp"
 #include "io/netgen_format.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
@@ -325,18 +326,9 @@ class NetgenWriter {
 };
 
 void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
-  const auto is_tag = [](int tag) { return tag != 0; };
-  if (std::any_of(mesh.point_tags.begin(), mesh.point_tags.end(), is_tag)) {
-    context.warn("the format cannot hold tags of vertices");
-  }
-  const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.ridges.empty() ||
-                      !mesh.required_edges.empty() || !mesh.required_triangles.empty() || !mesh.required_tets.empty();
-  if (listed) context.warn("the format cannot hold lists of corners, ridges and required entities");
-  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
-    for (const DataArray& array : *data) {
-      if (array.name != kNetgenSurface) context.warn("the format cannot hold the data \"" + array.name + "\"");
-    }
-  }
+  warn_of_point_tags(mesh, context);
+  warn_of_lists(mesh, context);
+  warn_of_data(mesh, context, kNetgenSurface);
   if (mesh.triangles.empty()) context.warn("the mesh lists no triangles: Netgen needs them on the whole boundary");
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iterator>
 #include <span>
+#include <variant>
 
 #include "backend/span.hpp"
 #include "system/native.hpp"
@@ -75,8 +76,19 @@ std::span<const Index> vertices_of(const std::vector<std::array<Index, N>>& elem
   return {elements.empty() ? nullptr : elements.front().data(), N * elements.size()};
 }
 
-/// Throws FileError where arrays of tags differ in length from those of their elements, by which writers index them, or
-/// where a vertex does not exist.
+void check_data(const std::string& path, const std::string& kind, const std::vector<DataArray>& data,
+                std::size_t entries) {
+  for (const DataArray& array : data) {
+    const std::size_t values = std::visit([](const auto& v) { return v.size(); }, array.values);
+    if (array.components > 0 && values == to_size_t(array.components) * entries) continue;
+    throw FileError(path + ": the data \"" + array.name + "\" of " + kind + " have " + std::to_string(values) +
+                    " values for " + std::to_string(entries) + " entries of " + std::to_string(array.components) +
+                    " components");
+  }
+}
+
+/// Throws FileError where arrays of tags or data differ in length from those of their elements, by which writers index
+/// them, or where a vertex does not exist.
 void check_arrays(const std::string& path, const TetMesh& mesh) {
   const auto check = [&path](const std::string& kind, std::size_t tags, std::size_t elements) {
     if (tags == elements) return;
@@ -87,6 +99,10 @@ void check_arrays(const std::string& path, const TetMesh& mesh) {
   check("tetrahedra", mesh.tet_tags.size(), mesh.tets.size());
   check("triangles", mesh.triangle_tags.size(), mesh.triangles.size());
   check("edges", mesh.edge_tags.size(), mesh.edges.size());
+  check_data(path, "vertices", mesh.point_data, mesh.points.size());
+  check_data(path, "tetrahedra", mesh.tet_data, mesh.tets.size());
+  check_data(path, "triangles", mesh.triangle_data, mesh.triangles.size());
+  check_data(path, "edges", mesh.edge_data, mesh.edges.size());
   const std::size_t points = mesh.points.size();
   check_vertices(path, "tetrahedra", vertices_of(mesh.tets), points);
   check_vertices(path, "triangles", vertices_of(mesh.triangles), points);
@@ -97,6 +113,7 @@ void check_arrays(const std::string& path, const TetMesh& mesh) {
     check_vertices(path, block.kind.c_str(), block.element2vertex, points);
     const std::size_t each = to_size_t(std::max(1, block.vertices_per_element));
     check(block.kind, block.tags.size() * each, block.element2vertex.size());
+    check_data(path, block.kind, block.data, block.tags.size());
     const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
     if (std::count_if(mesh.others.begin(), mesh.others.end(), same_kind) > 1) {
       throw FileError(path + ": the mesh has two blocks of " + block.kind + "; a file can hold one");

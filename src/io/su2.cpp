@@ -12,6 +12,7 @@
 #include "io/checked_count.hpp"
 #include "io/group_order.hpp"
 #include "io/line_writer.hpp"
+#include "io/losses.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "io/text_cursor.hpp"
@@ -228,12 +229,8 @@ void warn_of_losses_in_su2(const TetMesh& mesh, const IoContext& context) {
   if (differ(regions)) context.warn("the format cannot hold regions: tags of tetrahedra and other solids are lost");
   if (differ(mesh.point_tags)) context.warn("the format cannot hold tags of vertices");
   if (!mesh.edges.empty()) context.warn("the format cannot hold edges");
-  const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.required_triangles.empty() ||
-                      !mesh.required_tets.empty();
-  if (listed) context.warn("the format cannot hold lists of corners and required entities");
-  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data}) {
-    for (const DataArray& array : *data) context.warn("the format cannot hold the data \"" + array.name + "\"");
-  }
+  warn_of_lists(mesh, context);
+  warn_of_data(mesh, context);
   if (mesh.triangles.empty()) context.warn("the mesh lists no triangles: SU2 needs a marker on the whole boundary");
   if (mesh.second_order) context.warn(lost_middles(mesh));
 }

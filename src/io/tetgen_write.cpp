@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "io/line_writer.hpp"
+#include "io/losses.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "system/path.hpp"
@@ -14,10 +15,6 @@
 namespace tetune {
 namespace {
 
-bool has_tags(const std::vector<int>& tags) {
-  return std::any_of(tags.begin(), tags.end(), [](int tag) { return tag != 0; });
-}
-
 /// The files of a mesh: they are complete before the first replaces an old one.
 class TetgenWriter {
  public:
@@ -25,7 +22,7 @@ class TetgenWriter {
 
   void write_points(const TetMesh& mesh) {
     LineWriter out = start(".node");
-    const bool tagged = has_tags(mesh.point_tags);
+    const bool tagged = has_tag(mesh.point_tags);
     out.text(std::to_string(mesh.points.size()) + (tagged ? " 3 0 1\n" : " 3 0 0\n"));
     out.lines(mesh.points.size(), [&](auto& entry, std::size_t i) {
       entry.integer(i + 1);
@@ -38,7 +35,7 @@ class TetgenWriter {
   void write_elements(const char* ending, const char* head, const std::vector<std::array<Index, N>>& elements,
                       const std::vector<int>& tags, bool inside_out = false) {
     LineWriter out = start(ending);
-    const bool tagged = has_tags(tags);
+    const bool tagged = has_tag(tags);
     out.text(std::to_string(elements.size()) + head + (tagged ? " 1\n" : " 0\n"));
     out.lines(elements.size(), [&](auto& entry, std::size_t i) {
       entry.integer(i + 1);
@@ -69,28 +66,18 @@ class TetgenWriter {
   std::vector<std::unique_ptr<FileWriter>> files_;
 };
 
-void warn_of_tetgen_losses(const TetMesh& mesh, const IoContext& context) {
-  const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.ridges.empty() ||
-                      !mesh.required_edges.empty() || !mesh.required_triangles.empty() || !mesh.required_tets.empty();
-  if (listed) context.warn("TetGen's files cannot hold lists of corners, ridges and required entities");
-  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
-    for (const DataArray& array : *data) context.warn("TetGen's files cannot hold the data \"" + array.name + "\"");
-  }
-  if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
-    context.warn("TetGen's files cannot hold the names of groups");
-  }
-  if (mesh.second_order) context.warn(lost_middles(mesh));
-}
-
 }  // namespace
 
 void write_tetgen(const std::string& path, const TetMesh& mesh, const IoContext& context) {
   for (const ElementBlock& block : mesh.others) {
     if (block.kind != kPoints)
       throw FileError("TetGen's files cannot hold " + block.kind + "; choose .vtu, .msh or .mesh");
-    context.warn("TetGen's files cannot hold elements of one vertex");
+    context.warn("the format cannot hold elements of one vertex");
   }
-  warn_of_tetgen_losses(mesh, context);
+  warn_of_lists(mesh, context);
+  warn_of_data(mesh, context);
+  warn_of_names(mesh, context);
+  if (mesh.second_order) context.warn(lost_middles(mesh));
   TetgenWriter files(path, context.threads);
   files.write_points(mesh);
   files.write_elements(".ele", " 4", mesh.tets, mesh.tet_tags, mesh.listed_inside_out);

@@ -70,7 +70,7 @@ class Convert(CliTest):
         self.assertIn(f"warning: {self.path('a.msh')}: the format cannot hold tags of vertices", done.stderr)
         self.assertEqual(done.stdout, "")
         done = self.run_cli("convert", self.path("a.msh"), self.path("b.ele"))
-        self.assertIn("b.ele: TetGen's files cannot hold the data \"gmsh:geometrical\"", done.stderr)
+        self.assertIn("b.ele: the format cannot hold the data \"gmsh:geometrical\"", done.stderr)
 
     def test_versions_of_msh(self):
         _, source = self.source()

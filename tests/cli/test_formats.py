@@ -256,7 +256,7 @@ class Conversions(Case):
             self.assertEqual(done.returncode, 0, done.stderr)
             told = [line for line in done.stderr.splitlines() if "heat" in line]
             self.assertEqual(told, [] if named is None else
-                             [f'tetune: warning: {named}: MEDIT has no room for the data "heat"'])
+                             [f'tetune: warning: {named}: the format cannot hold the data "heat"'])
             self.assertEqual(done.stdout.startswith("MeshVersionFormatted"), output == "-")
 
     def test_data_of_any_name_number_the_regions(self):

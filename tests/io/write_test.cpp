@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // write_mesh leaves a whole new file or the old one, and nothing else.
+#include <algorithm>
+
 #include "io_fixture.hpp"
 #include "system/file.hpp"
 
@@ -88,12 +90,42 @@ TEST_F(IoTest, MeshesThatNoFileHolds) {
   lengths = one_tet();
   lengths.others.push_back({"Prisms", 6, {0, 1, 2}, {0}, {}});
   EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "Prisms"));
+  lengths = one_tet();
+  lengths.point_data = {{"heat", 2, std::vector<double>(4)}};
+  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths),
+                       "the data \"heat\" of vertices have 4 values for 4 entries of 2 components"));
   TetMesh narrow = one_tet();
   narrow.others.push_back({"Hexahedra", 4, {0, 1, 2, 3}, {0}, {}});
   EXPECT_TRUE(contains(write_error(path("a.mesh"), narrow), "Hexahedra have 8 vertices each, and not 4"));
   EXPECT_TRUE(contains(write_error(path("a.meshb"), narrow), "Hexahedra have 8 vertices each, and not 4"));
   EXPECT_EQ(get("a.mesh"), "old");
   EXPECT_EQ(files(), std::vector<std::string>{"a.mesh"});
+}
+
+TEST_F(IoTest, WritersWarnOfWhatIsLost) {
+  TetMesh mesh = one_tet();
+  ElementBlock quads{"Quadrilaterals", 4, {0, 1, 2, 3}, {1}, {0}};
+  quads.data = {{"heat", 1, std::vector<double>{20}}};
+  mesh.others = {quads};
+  const std::string lists = "the format cannot hold lists of corners, ridges and required entities";
+  const std::string data = "the format cannot hold the data \"heat\"";
+  const auto warnings_of = [&](const std::string& name) {
+    std::vector<std::string> warnings;
+    write_mesh(path(name), mesh, 1, &warnings);
+    for (std::string& warning : warnings) warning.erase(0, path(name).size() + 2);
+    return warnings;
+  };
+  const auto has = [](const std::vector<std::string>& warnings, const std::string& sought) {
+    return std::find(warnings.begin(), warnings.end(), sought) != warnings.end();
+  };
+  for (const char* const name : {"a.msh", "a.vol", "a.su2", "a.inp"}) {
+    EXPECT_TRUE(has(warnings_of(name), lists)) << name;
+  }
+  for (const char* const name : {"a.mesh", "a.vol", "a.su2", "a.inp"}) {
+    EXPECT_TRUE(has(warnings_of(name), data)) << name;
+  }
+  EXPECT_FALSE(has(warnings_of("a.msh"), data));
+  EXPECT_FALSE(has(warnings_of("a.mesh"), lists));
 }
 
 TEST_F(IoTest, PlacesThatCannotBeWritten) {

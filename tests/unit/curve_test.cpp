@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <random>
 #include <string>
+#include <thread>
 
 #include "curved.hpp"
 #include "curved/curved_edges.hpp"
@@ -228,6 +230,22 @@ TEST(Curve, TooCurvedEdgesAreStraightened) {
     EXPECT_LT(e.kept, 1);
     EXPECT_GE(e.kept, 0);
   }
+}
+
+TEST(Curve, TheCallingThreadAloneIsAskedToStop) {
+  TetMesh ball = test::ball(3, 0);
+  CurveOptions options;
+  options.threads = 3;
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<int> asked = 0, by_others = 0;
+  options.stop = [&] {
+    if (std::this_thread::get_id() != caller) ++by_others;
+    return ++asked > 1;
+  };
+  curve(ball, options);
+  EXPECT_LE(asked, 2);  // not again after it has requested a stop
+  EXPECT_EQ(by_others, 0);
+  EXPECT_TRUE(measure_curved(ball).all_valid());
 }
 
 TEST(Curve, IsRefused) {

@@ -10,6 +10,7 @@
 #include "curved/quadratic_sheet.hpp"
 #include "curved/surface_distance.hpp"
 #include "driver/curved_sheets.hpp"
+#include "math/constants.hpp"
 #include "meshes.hpp"
 #include "sanitized.hpp"
 #include "tetune/error.hpp"
@@ -169,6 +170,8 @@ TEST(CurvedSlide, DistanceIsBoundedFromAboveAndSharply) {
       EXPECT_LE(bounds[i], std::max(limit / 2, 1.1 * each[i] + 0.35 * limit));
     }
     EXPECT_EQ(bounds, bound_distances(new_surface, old_surface, limit, 3));
+    const std::vector<double> none(bounds.size(), kInfinity);
+    EXPECT_EQ(bound_distances(new_surface, old_surface, limit, 3, [] { return true; }), none);
     const std::vector<double> small = bound_distances(new_surface, old_surface, 0.5 * sampled, 1);
     EXPECT_GT(*std::max_element(small.begin(), small.end()), 0.5 * sampled);
   }
