@@ -8,6 +8,7 @@
 
 #include "closed_files.hpp"
 #include "gmsh_mesh.hpp"
+#include "ignored_content.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -55,20 +56,6 @@ void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& wa
     warnings.push_back("groups of different dimensions have the number " + std::to_string(number) +
                        ": one name may be read for all of them");
     return;
-  }
-}
-
-/// Warns of files that may be cut short: these formats have no counts, only a last line.
-void check_end(const std::string& file, const std::string& ending, Warnings& warnings) {
-  if (ending != ".unv" && ending != ".bdf") return;
-  std::ifstream in(file);
-  std::string last;
-  for (std::string line; std::getline(in, line);) {
-    if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
-  }
-  if (last.find(ending == ".unv" ? "-1" : "ENDDATA") == std::string::npos) {
-    warnings.push_back(std::string("it does not end with ") + (ending == ".unv" ? "-1" : "ENDDATA") +
-                       "; the file may be cut short");
   }
 }
 
@@ -144,13 +131,13 @@ TetMesh read(const std::string& file, int, Warnings& warnings) {
   check_start(file, ending);
   start_gmsh();
   check_support(ending);
+  check_ignored_content(file, ending, warnings);
   TetMesh mesh;
   guarded([&] {
     gmsh::open(file);
     check_log();
     mesh = from_gmsh(warnings);
   });
-  check_end(file, ending, warnings);
   return mesh;
 }
 
