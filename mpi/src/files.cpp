@@ -2,6 +2,7 @@
 #include "files.hpp"
 
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "tetune/error.hpp"
@@ -46,6 +47,20 @@ std::vector<Element<N>> elements(std::vector<std::array<Index, N>>& list, std::v
   return result;
 }
 
+/// Erases arrays that readers make of numbers in files, by which writers restore them: a distributed mesh does not
+/// carry them.
+void erase_numbers_of_files(const std::string& path, TetMesh& mesh, std::vector<std::string>& warnings) {
+  std::set<std::string> erased;
+  for (auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) {
+    std::erase_if(*data, [&erased](const DataArray& array) {
+      const bool is_of_file = array.name.starts_with("gmsh:") || array.name.starts_with("netgen:");
+      if (is_of_file) erased.insert(array.name);
+      return is_of_file;
+    });
+  }
+  for (const std::string& name : erased) warnings.push_back(path + ": the numbers " + name + " are not kept");
+}
+
 Input entities_of(TetMesh mesh) {
   Input input;
   input.totals = {std::ssize(mesh.points), std::ssize(mesh.tets), std::ssize(mesh.triangles), std::ssize(mesh.edges)};
@@ -84,6 +99,7 @@ Input read_pieces(MPI_Comm comm, const std::string& path) {
     if (rank_of(comm) != 0) return;
     std::vector<std::string> warnings;
     TetMesh mesh = read_mesh(path, &warnings);
+    erase_numbers_of_files(path, mesh, warnings);
     refuse_data(path, mesh);
     input = entities_of(std::move(mesh));
     input.warnings = std::move(warnings);
@@ -105,7 +121,7 @@ void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const T
       for (Cell& c : pieces.cells) std::swap(c.v[2], c.v[3]);
     }
     if (rank_of(comm) == 0 && !frame.groups.empty()) {
-      warnings.push_back(path + ": MEDIT has no room for the names of groups");
+      warnings.push_back(path + ": the format cannot hold the names of groups");
     }
     write_meshb(comm, path, pieces, totals);
     return;

@@ -77,12 +77,12 @@ class ListedEntities {
     std::vector<std::array<Index, N>> list;
     std::vector<std::size_t> position;
     for (std::size_t i = 0; i < offered.size(); ++i) {
-      const bool anywreceived = N < 3 || constrains(offered[i]);
+      const bool is_relevant = N < 3 || constrains(offered[i]);
       std::array<Index, N> v;
       bool possible = true;
       for (std::size_t k = 0; k < N && possible; ++k) {
         v[k] = local_[offered[i].v[k]];
-        possible = v[k] >= 0 && (anywreceived || item(on_surface_, v[k]) != 0);
+        possible = v[k] >= 0 && (is_relevant || item(on_surface_, v[k]) != 0);
       }
       if (!possible) continue;
       list.push_back(v);

@@ -263,6 +263,13 @@ int main_of_rank(int argc, char** argv) {
     app.remove_option(app.get_option(name));
   }
   try {
+    for (int i = 1; i < argc; ++i) {
+      const std::string_view argument = argv[i];
+      // CLI11 would take Mmg's -hausd for -h, which prints the help.
+      if (argument.size() > 2 && argument.starts_with("-h")) {
+        throw OptionError(std::string(argument) + ": Mmg's names of options are for `tetune`; see tetune-mpi --help");
+      }
+    }
     app.parse(argc, argv);
     const std::vector<cli::Job> jobs = cli::resolve_jobs(app, arguments);
     if (jobs.size() != 1) throw OptionError("one mesh at a time: a batch of meshes is for `tetune optimize`");
@@ -277,7 +284,7 @@ int main_of_rank(int argc, char** argv) {
     if (first) return app.exit(e) == 0 ? cli::kDone : cli::kNothingWritten;
     return e.get_exit_code() == 0 ? cli::kDone : cli::kNothingWritten;
   } catch (const Error& e) {
-    // All ranks are here, with the same message.
+    // The error is collective: all ranks have the same message.
     if (first) fmt::print(stderr, "tetune-mpi: {}\n", e.what());
     return cli::kNothingWritten;
   }

@@ -121,6 +121,17 @@ class Contract(MpiTest):
         self.assertEqual(Path(self.path("a.mesh")).read_bytes(), Path(self.path("c.mesh")).read_bytes())
         self.assertEqual(Path(self.path("b.meshb")).read_bytes(), Path(self.path("d.meshb")).read_bytes())
 
+    def test_numbers_of_a_gmsh_file_are_not_kept(self):
+        """They are no data of the user: of a mesh with data nothing is written."""
+        mesh = cli_case.cube(4)
+        nodes = [f"{i + 1} {x} {y} {z}" for i, (x, y, z) in enumerate(mesh.points)]
+        elements = [f"{i + 1} 4 2 7 {1 + i % 2} " + " ".join(str(v + 1) for v in tet) for i, tet in enumerate(mesh.tets)]
+        text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(nodes)), *nodes, "$EndNodes", "$Elements",
+                str(len(elements)), *elements, "$EndElements", ""]
+        done = self.mpi(2, self.put("in.msh", "\n".join(text)), self.path("out.mesh"), "--effort", "fast")
+        self.assertIn("the numbers gmsh:geometrical are not kept", done.stderr)
+        self.assertEqual(set(cli_case.Mesh.read(self.path("out.mesh")).tet_tags), {7})
+
     def test_slide_keeps_the_distance(self):
         out = self.path("out.meshb")
         self.mpi(3, mpi_case.BRACKET, out, "--quiet", "--boundary", "slide", "--max-deviation", "0.05")

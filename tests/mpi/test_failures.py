@@ -67,6 +67,9 @@ class Failures(MpiTest):
         done = self.mpi(2, mpi_case.BRACKET, self.path("nowhere/out.meshb"), code=2)
         self.assertIn("nowhere", done.stderr)
 
+    def test_a_name_of_mmg_is_not_the_help(self):
+        self.refused(mpi_case.BRACKET, "-hausd", "0.1", said=["-hausd", "tetune-mpi --help"])
+
     def test_options_without_effect(self):
         done = self.mpi(3, mpi_case.BRACKET, self.path("out.mesh"), "--max-deviation", "1")
         self.assertIn("warning: --max-deviation 1 has no effect without --boundary slide", done.stderr)

@@ -43,8 +43,8 @@ struct DistributedReport : OperationCounts {
 /// `dm` is replaced by a new DMPlex, interpolated if the old one was, with its labels, name, fields and discretizations
 /// (DMCopyDisc); vertices and cells have new numbers, and some cells are on another rank. Vectors and sections of the
 /// old one are not valid for it. Values of labels survive: cells of different values are different regions, labeled
-/// faces and edges constrain as listed triangles and edges do (optimize.hpp). A label that holds the closure of its
-/// faces or cells does so in the result. Options::frozen_regions are values of "Cell Sets", frozen_patches of "Face
+/// faces and edges constrain as listed triangles and edges do (optimize.hpp). A completed label (DMPlexLabelComplete)
+/// is completed in the result as well. Options::frozen_regions are values of "Cell Sets", frozen_patches of "Face
 /// Sets".
 ///
 /// The result is valid and conforming across ranks, its smallest angle not below that of the input, the shape of its
