@@ -20,7 +20,7 @@ if(NOT TETUNE_LEVELS)
   return()
 endif()
 
-# Programs that were compiled for any x86-64 lend none of these libraries their functions.
+# Calls inside these libraries must not bind to copies of inline functions in a program, which are for any x86-64.
 target_link_options(tetune PRIVATE LINKER:-Bsymbolic-functions)
 get_target_property(sources tetune SOURCES)
 foreach(level ${TETUNE_LEVELS})

@@ -49,7 +49,7 @@ template <class T>
 struct ScannedTiles {
   T* sums;            ///< of each tile
   T* sums_up_to;      ///< of all tiles up to and including each
-  unsigned* states;   ///< has_sum or has_sum + 1 (also up to it); else neither is known: a value of an earlier scan
+  unsigned* states;   ///< has_sum: its sum is known; has_sum + 1: that up to it too; else neither (of an earlier scan)
   unsigned has_sum;   ///< differs by at least 2 from that of any earlier scan
   unsigned* started;  ///< number of tiles that were started; 0 before and after
 

@@ -23,8 +23,8 @@ inline bool can_be_features(Size listed_only, Size constrained) {
   return listed_only <= kFewListed || 20 * listed_only <= constrained;
 }
 
-/// The number of vertices that a list names as corners or junctions of feature lines and whose geometry does not show
-/// it; 0 where the list can be one of features.
+/// Returns the number of vertices that are corners or junctions of feature lines by the list alone; 0 where the list is
+/// accepted (can_be_features()).
 template <class IsListed>
 Size count_no_features(Span<const VertexDof> dof, const IsListed& is_listed) {
   Size constrained = 0;
@@ -45,8 +45,7 @@ inline bool are_feature_lines(Span<const Index> ends, Size first, Span<const Ver
   return count_no_features(dof, [degree](Size v) { return degree[v] > 2; }) == 0;
 }
 
-/// Fixes the listed corners, unless the list is not one of corners: returns then the number of listed vertices that it
-/// leaves movable, else 0.
+/// Fixes the listed corners if the list is accepted. Returns the number of listed vertices that stay movable.
 inline Size fix_corners(Span<const std::uint8_t> frozen, Span<VertexDof> dof) {
   const Size no_corners = count_no_features(dof, [frozen](Size v) { return frozen[v] == kCorner; });
   for (Size v = 0; v < dof.size() && no_corners == 0; ++v) {

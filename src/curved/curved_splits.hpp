@@ -7,13 +7,13 @@
 
 namespace tetune {
 
-/// What a mesh with inserted elements descends from.
+/// The elements and vertices that those of a mesh with inserted ones descend from.
 struct Origins {
   std::vector<Index> tets;      ///< per tetrahedron
   std::vector<Index> vertices;  ///< per vertex; -1 for an inserted one
 };
 
-/// Those of a mesh in itself.
+/// Returns the identity.
 Origins own_origins(const TetMesh& mesh);
 
 /// Splits the longest edge that is not held of each listed tetrahedron at its midpoint, with all tetrahedra around

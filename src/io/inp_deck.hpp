@@ -42,13 +42,14 @@ struct InpSet {
   std::vector<Index> members;
   /// Mid-side nodes, which are not in `members`; ascending.
   std::vector<Index> middles;
-  /// A set of nodes that has all mid-side nodes of its regions and patches, and new ones join it.
+  /// Whether a set of nodes has all mid-side nodes of its regions and patches; new ones are then added to it.
   bool adds_middles = false;
   /// Positions in InpModel::set_cards.
   std::vector<Index> cards;
-  /// A set of tetrahedra for one line of faces and nothing else: it follows those faces, and makes no region.
+  /// Whether one line of faces alone uses a set of tetrahedra: it is made again from these faces, and defines no
+  /// region.
   bool is_auxiliary = false;
-  /// A set of nodes of which every member keeps its place.
+  /// Whether every member of a set of nodes keeps its position.
   bool is_held = false;
   /// Tags of the regions in a set of elements; of those with all vertices in a set of nodes.
   std::vector<int> regions;

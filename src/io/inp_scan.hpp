@@ -24,7 +24,7 @@ struct InpSetLines {
   std::string elements;                             ///< *NSET, ELSET=
 };
 struct InpFaceLine {
-  Index group;  ///< -1: none of a tetrahedron for certain
+  Index group;  ///< -1: the line certainly has no face of a tetrahedron
   int face;
   std::string of;    ///< a number or a set, as written
   std::string line;  ///< with its end

@@ -12,7 +12,7 @@
 /// The second half of the cavity engine: selected candidates are applied to the mesh, in place.
 namespace tetune {
 
-/// What the application of a selection added up to.
+/// Totals over the candidates of a selection that were applied.
 struct FlipSum {
   double decrease = 0;
   FlipCounts counts;

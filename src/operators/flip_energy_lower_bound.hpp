@@ -23,8 +23,9 @@ class FlipEnergyLowerBound {
   TETUNE_HD explicit FlipEnergyLowerBound(const Objective& objective)
       : is_plain_shape_(objective.shape && objective.log2_power == 0) {}
 
-  /// Whether a tetrahedron of this energy may own a candidate that gains. Where all are so good, an edge with five or
-  /// more around it cannot be removed with gain, and exchanges of four for four gain next to nothing.
+  /// Whether a tetrahedron of this energy may own a candidate that gains. If no tetrahedron around an edge has a larger
+  /// energy, the removal of the edge cannot gain where they are five or more, and gains almost nothing where they are
+  /// four.
   TETUNE_HD bool may_gain(double energy) const { return !is_plain_shape_ || !(5 * energy <= edge_removal(5)); }
 
   /// For the three tetrahedra that a 2-3 flip makes: three dihedral angles of 120 degrees.

@@ -10,9 +10,10 @@
 
 namespace tetune {
 
-/// A flip must lower the energy of its cavity by this part: above round-off, and so that no flip is undone by another.
+/// A flip must lower the energy of its cavity by this fraction: above round-off, and so that no flip undoes another.
 inline constexpr double kMinRelativeGain = 1e-9;
-/// Passes are bounded far above what any mesh needs: each pass lowers the energy but for round-off.
+/// A limit far above the number of passes that any mesh needs: in exact arithmetic each lowers the energy, and passes
+/// end.
 inline constexpr int kMaxFlipPasses = 1000;
 
 /// A tetrahedron is evaluated again when it has drifted by its slack: the smallest part by which one of its flips would
@@ -25,13 +26,14 @@ TETUNE_HD inline double drift_rate(const Objective& objective) {
   return kDriftRate * (objective.gu - objective.gv) / 3;
 }
 
-/// Marks of slots: the tetrahedron is evaluated in the next pass; or it is if its energy says that it may gain.
+/// Marks of slots: the tetrahedron is evaluated in the next pass,
 inline constexpr std::uint8_t kActive = 1;
+/// or only if its energy admits a gain (FlipEnergyLowerBound).
 inline constexpr std::uint8_t kActiveIfPromising = 2;
 /// Slack of a new tetrahedron, or one with a changed neighbor: it is evaluated again if it may gain.
 inline constexpr float kUnknownSlack = -1;
 
-/// What one pass of an operator did.
+/// The result of one pass of an operator.
 struct PassResult {
   FlipCounts counts;
   double decrease = 0;  ///< of the energy
@@ -39,7 +41,7 @@ struct PassResult {
   Size evaluated = 0;   ///< candidates
 };
 
-/// What operators keep between passes, in a backend's memory.
+/// The state that operators keep between passes, in a backend's memory.
 template <class Backend>
 struct FlipState {
   template <class T>

@@ -36,7 +36,8 @@ class StarCavity : StarShape {
     motion_ = other.motion_;
   }
 
-  /// Takes all tetrahedra around an edge of t. Like the next four, returns false if it may not.
+  /// Takes all tetrahedra around an edge of t. Returns false, as do the next four, where a constraint or the capacity
+  /// forbids it.
   template <class Team>
   TETUNE_HD bool take_edge(Index t, int edge, const Team& team) {
     return try_change(team, [&] { return add_edge(t, edge) && find_faces(); });
@@ -135,8 +136,8 @@ class StarCavity : StarShape {
     }
     return team.merge(largest).value;
   }
-  /// That of the retriangulation from x; `limit` where it is not below that, or where a tetrahedron is not certified
-  /// positive or worse than the floor.
+  /// The largest cost of the retriangulation from x; `limit` where it is not below `limit`, or where a tetrahedron is
+  /// not certified positive or is worse than the floor.
   template <class Team>
   TETUNE_HD TETUNE_OUTLINE double cost_after(Index apex, const Vec3& x, double limit, bool keeps_floor,
                                              const Team& team) const {

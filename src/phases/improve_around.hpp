@@ -126,7 +126,7 @@ Improved<Backend> improve_around(Optimizer<Backend>& optimizer, const Criterion&
   return {std::move(affected), swept};
 }
 
-/// The same, where all propose.
+/// Same, with all listed tetrahedra as proposers.
 template <class Backend>
 Improved<Backend> improve_around(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
                                  const RetriangulationLimits& limits, WorstReport& r) {

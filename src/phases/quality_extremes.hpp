@@ -76,9 +76,9 @@ struct ComputeExtremeness {
 
 }  // namespace quality_extremes_detail
 
-/// The extremeness of each slot: the square root of 1 + cost^2 if the cost of its dihedral angles
-/// (DihedralCots::cost()) is above `min_cost`, else 0; for a small angle this is 1 / sin. And the largest cost, at
-/// least `min_cost`. `shapes` are the shape energies of all slots.
+/// Per slot, the square root of 1 + cost^2 if the cost of its dihedral angles (DihedralCots::cost()) is above
+/// `min_cost`, else 0; for a small angle this is 1 / sin. `max_cost` is the largest cost, at least `min_cost`. `shapes`
+/// are the shape energies of all slots.
 template <class Backend>
 struct AngleExtremes {
   BufferOf<Backend, double> values;

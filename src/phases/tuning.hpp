@@ -99,40 +99,40 @@ struct WorstParameters {
 /// improve_angles(): rounds of work around the tetrahedra whose dihedral angles cost most.
 struct AngleParameters {
   int max_rounds = 1;
-  /// At most this part of the tetrahedra, or this number of them in a small mesh, are worked on,
+  /// A round works on at most this fraction of the tetrahedra, or this number of them in a small mesh,
   double max_part = 3e-4;
   double min_count = 0;
-  /// and only those with a dihedral angle whose cost (DihedralCots::cost()) is above this: 1.2 is below about 40
-  /// degrees, 1.01 below 44.7.
+  /// and only on those with a dihedral angle whose cost (DihedralCots::cost()) is above this: 1.2 is the cost of about
+  /// 40 degrees, 1.01 that of 44.7.
   double min_cost = 1.2;
   /// The weight of large angles in that cost. 0: they do not count.
   double obtuse_weight = 0;
-  /// From these rounds on tetrahedra may have this part of the smallest mean ratio of the input.
+  /// The smallest mean ratio that these rounds may leave, as a fraction of the smallest one of the input.
   double mean_ratio_part = 1;
-  /// A retriangulation must lower the largest cost in its cavity by this part.
+  /// A retriangulation must lower the largest cost in its cavity by this fraction.
   double min_cost_gain = 0.02;
   /// Passes per round that move vertices to where the largest cost around them is lowest.
   int opening_passes = 2;
-  /// Vertices are inserted and removed around at most this part of the tetrahedra, or this number of them in a small
-  /// mesh. 0: those of Effort::best, where edits_vertices() holds.
+  /// Vertices are inserted and removed around at most this fraction of the tetrahedra, or this number of them in a
+  /// small mesh. 0: the values of Effort::best, where edits_vertices() holds.
   double max_vertex_part = 0;
   double min_vertex_count = 0;
-  /// The cost that this number of tetrahedra exceed is found to within this part.
+  /// The relative accuracy of the cost that a given number of tetrahedra exceed.
   double cost_resolution = 0.01;
-  /// Neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
+  /// Whether neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
   bool moves_neighbors = false;
-  /// Further rounds, while this number of tetrahedra have a cost within this part of the largest, and that is above
-  /// this one (1.3: 37.6 degrees): restarts work on a few places only.
+  /// Maximum number of further rounds for a crowd: at least `crowd_count` tetrahedra with a cost within the fraction
+  /// `crowd_part` of the largest, which is above `crowd_goal` (1.3: 37.6 degrees). Restarts work on a few places only.
   int crowd_rounds = 0;
   double crowd_count = 64;
   double crowd_part = 0.05;
   double crowd_goal = 1.3;
-  /// The last rounds, on about this number of the worst tetrahedra alone: where a few are left that need many
-  /// operations, the worst element of the mesh is among them.
+  /// Maximum number of last rounds, which work on about `last_count` of the worst tetrahedra alone: where a few are
+  /// left that need many operations, the worst element of the mesh is among them.
   int last_rounds = 0;
   double last_count = 0;
-  /// These and those for crowds end when each of this number of rounds in succession has lowered the largest cost by
-  /// less than `min_fall` of it.
+  /// Rounds for crowds and last rounds end after `max_stalls` successive ones that each lower the largest cost by less
+  /// than the fraction `min_fall`.
   int max_stalls = 4;
   double min_fall = 1e-3;
 
@@ -141,42 +141,46 @@ struct AngleParameters {
 
 /// restart_worst(): the neighborhoods of the worst elements optimized again.
 struct RestartParameters {
-  /// Options::restarts by default, the number of rounds; one for each of this number of tetrahedra in smaller meshes.
+  /// The number of rounds by default (Options::restarts); one per `tets_per_round` tetrahedra in smaller meshes.
   int rounds = 0;
   double tets_per_round = 400;
-  /// Each round restarts at this number of places at most, and at each with this number of perturbations, of which the
-  /// first one in order that succeeds is kept. On several threads later ones start before the earlier ones have ended.
+  /// Maximum number of places at which a round restarts.
   int places = 4;
+  /// Maximum number of perturbations that a round tries per place; the first one in order that succeeds is kept. On
+  /// several threads later ones start before the earlier ones have ended.
   int tries = 3;
-  /// Places are at elements whose cost is within this part of the largest.
+  /// Places are at elements whose cost is within this fraction of the largest.
   double worst_part = 0.05;
-  /// A restart is kept if it lowers the largest cost by a part, or leaves it and lowers the sum of the costs to the
-  /// power of eight by a part.
+  /// A restart is kept if it lowers the largest cost by the fraction `min_fall`, or leaves it and lowers the sum of the
+  /// costs to the power of eight by the fraction `min_fall_of_others`.
   double min_fall = 1e-4;
   double min_fall_of_others = 0.05;
-  /// In the rounds that follow for the largest angle it costs more than the smallest by this part. They end when none
-  /// of this number in succession has kept a restart.
+  /// In the rounds that follow for the largest angle its cost exceeds that of the smallest one by this fraction.
   double obtuse_lead = 0.075;
+  /// These rounds end after this number of successive ones without a restart that is kept.
   int max_rounds_without = 6;
-  /// Where more than this number of elements have a cost within the part `tie` of the largest, as in structured meshes,
-  /// there are no restarts.
+  /// Where more than `max_worst` elements have a cost within the fraction `tie` of the largest, as in structured
+  /// meshes, there are no restarts.
   double tie = 5e-3;
   int max_worst = 16;
   /// A perturbation: the rings of vertices around the element, rounds under the energy, and then under the mean energy.
   struct Perturbation {
     int rings, energy_rounds, mean_rounds;
   };
-  /// Each restart that follows a failure takes the next one, which leads elsewhere; after the last one they end.
+  /// Each restart that follows a failure takes the next one, which leads elsewhere; after the last one the element is
+  /// left as it is.
   std::array<Perturbation, 8> perturbations{
       {{1, 3, 0}, {1, 3, 2}, {1, 0, 2}, {2, 0, 0}, {2, 3, 0}, {1, 1, 2}, {2, 3, 2}, {3, 2, 0}}};
-  /// Then rounds enlarge angles, in this number of rings more, on about `count` tetrahedra, and on angles whose cost is
-  /// above this part of the largest.
+  /// Maximum number of rounds that then enlarge angles.
   int angle_rounds = 10;
   int max_stalls = 3;  ///< see AngleParameters
+  /// The number of rings that these rounds work on in addition to those of the perturbation.
   int angle_rings = 2;
+  /// About the number of tetrahedra that each of them works on.
   double count = 12;
+  /// They work on angles whose cost is above this fraction of the largest.
   double cost_part = 0.7;
-  /// The neighborhood has this number of rings more, in which operations move vertices.
+  /// The number of further rings of the neighborhood, in which vertices may move.
   int margin = 1;
 };
 

@@ -14,9 +14,8 @@
 namespace tetune {
 namespace reduce_colors_detail {
 
-/// A kernel that may be evaluated for a vertex once it has been for the neighbors of lower colors: beyond its own
-/// vertex it reads the positions of the ring alone. It has `rings`, and may_move(v): where that is false, it leaves v
-/// as it is.
+/// A kernel that reads only the positions of the ring and data of its own vertex: a vertex may be evaluated as soon as
+/// its neighbors of lower colors have been. It has `rings`, and may_move(v): where that is false, v stays as it is.
 template <class Kernel>
 concept UsesRingAlone = backend::TeamKernel<Kernel> && requires {
   requires Kernel::kUsesRingAlone;
