@@ -193,6 +193,13 @@ bool copy_mesh(const std::string& input, const std::string& output) {
   return true;
 }
 
+void refuse_replacing(const std::string& output, const std::vector<std::string>& read) {
+  for (const std::string& file : read) {
+    if (output == kPipe || file.empty() || identity(file) != identity(output)) continue;
+    throw OptionError(fmt::format("{} would be written, but is read as well; give another name", output));
+  }
+}
+
 void refuse_existing(const std::string& output) {
   for (const std::string& file : files_written(output)) {
     std::error_code ignored;

@@ -43,6 +43,9 @@ bool copy_mesh(const std::string& input, const std::string& output);
 /// matched.
 void refuse_existing(const std::string& output);
 
+/// Throws OptionError if a file would be written that is also read; empty names are no files.
+void refuse_replacing(const std::string& output, const std::vector<std::string>& read);
+
 /// The name of a file in messages.
 std::string shown_name(const std::string& path, bool output);
 

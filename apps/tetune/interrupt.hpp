@@ -2,7 +2,7 @@
 #pragma once
 
 /// SIGINT (Ctrl-C) and SIGTERM. While there is a mesh worth writing, the first signal requests a stop. Otherwise, and
-/// at the second signal, the process ends at once: old files are unchanged, and temporary files are removed.
+/// at the second signal, the process ends at once: old files are unchanged.
 namespace tetune::cli::interrupt {
 
 /// Installs the signal handler. `json`: it prints its message as an event of --progress json.

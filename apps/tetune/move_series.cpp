@@ -199,7 +199,7 @@ class SeriesRun {
       for (const Index v : from) now.push_back(v < 0 ? v : original_of_.begin()[v]);
       original_of_ = std::move(now);
     }
-    for (const std::string& w : moved_fields_warning(report.optimization, a_.move->displacement)) warn(w);
+    for (const std::string& w : run_warnings(report.optimization, a_.move->displacement)) warn(w);
     return report;
   }
 

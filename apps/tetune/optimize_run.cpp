@@ -177,7 +177,7 @@ class Run {
     text += quality_table({"now"}, {outcome_.before});
     text += fmt::format("  memory                 about {:.0f} MB\n", needed_mb_);
     if (!a_.move && options_.termination == Termination::relative && options_.relocation == Relocation::newton) {
-      // Measured ratios of the time of a run to that of loading: docs/command-line.md, --dry-run.
+      // Measured ratios of the time of a run to that of loading.
       const double ratio = options_.effort == Effort::best ? 42 : options_.effort == Effort::fast ? 4.5 : 9;
       text += fmt::format("  time                   about {:.2g} s on {} threads\n",
                           2 * input_.seconds + ratio * load_seconds, report_.threads);
@@ -207,7 +207,7 @@ class Run {
       return late_ || interrupt::requested();
     };
     improve(context);
-    warn_all(moved_fields_warning(report_, a_.move ? a_.move->displacement : ""));
+    warn_all(run_warnings(report_, a_.move ? a_.move->displacement : ""));
   }
 
   /// The time at which to stop so that there is time to write. Called when the mesh is loaded: storing it takes part of
@@ -269,6 +269,8 @@ class Run {
       change = compare(*original_, input_.mesh, options_.threads, at_all ? 0 : kMaxSamples);
     }
     if (change && options_.max_deviation > 0) check_deviation(*change);
+    if (outcome_.code == kStoppedEarly && !shows_figures())
+      warn(shown_name(job_.output, true) + ": " + outcome_.summary);
     if (!job_.trace.empty()) write_beside_mesh(job_.trace, trace_csv(report_));
     if (!job_.report.empty()) {
       nlohmann::ordered_json json = full_report();
@@ -316,12 +318,10 @@ class Run {
                         a_.move ? "moved" : "optimized", report_.seconds, report_.device,
                         report_.threads > 0 ? fmt::format(" ({} threads)", report_.threads) : "", write_seconds_,
                         shown_name(job_.output, true));
-    if (!report_.device_reason.empty()) {
+    if (!report_.device_reason.empty())
       text += fmt::format("  on {}: {}\n", report_.device, with_flags(report_.device_reason));
-    }
-    if (stopped()) {
+    if (stopped())
       text += fmt::format("  stopped early ({}): a valid mesh was written, but there was more to do\n", reason);
-    }
     return text;
   }
 

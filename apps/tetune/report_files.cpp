@@ -304,14 +304,19 @@ Json counts_json(const TetMesh& mesh) {
   return json;
 }
 
-std::vector<std::string> moved_fields_warning(const Report& report, const std::string& displacement) {
+std::vector<std::string> run_warnings(const Report& report, const std::string& displacement) {
   std::string names;
   for (const std::string& name : report.moved_fields) {
     if (name != displacement) names += (names.empty() ? "" : ", ") + name;
   }
-  if (names.empty()) return {};
-  return {"vertices moved and kept their values of " + names +
-          ": of a field, --data interpolate or --data conserve evaluates it at the new places"};
+  std::vector<std::string> warnings;
+  if (!report.unchanged.empty()) warnings.push_back(report.unchanged);
+  if (names.empty()) return warnings;
+  warnings.push_back(
+      "the values of " + names +
+      " moved with their vertices; if they sample a field, --data interpolate or --data conserve evaluates it at the "
+      "new positions");
+  return warnings;
 }
 
 std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }

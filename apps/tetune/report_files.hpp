@@ -19,8 +19,9 @@ nlohmann::ordered_json to_json(const AcceptanceReport& report);
 /// Without its Report.
 nlohmann::ordered_json to_json(const CriteriaReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
-/// The warning of point data that moved vertices kept, if there are any besides the displacement of a motion.
-std::vector<std::string> moved_fields_warning(const Report& report, const std::string& displacement);
+/// Warnings of a mesh that was left as it is, and of point data, except for the displacement of a motion, whose values
+/// moved with their vertices.
+std::vector<std::string> run_warnings(const Report& report, const std::string& displacement);
 
 /// The number of pairs of all periodic links.
 std::size_t periodic_pairs(const TetMesh& mesh);

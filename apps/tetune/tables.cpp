@@ -280,8 +280,9 @@ std::string constraint_notes(const Report& r) {
   if (r.edges_dropped > 0)
     text += fmt::format("  {} listed edges without a tag no longer exist and were dropped\n", r.edges_dropped);
   if (r.uncovered > 1e-12) {
-    text += fmt::format("  {:.2g} % of the input's volume is outside the result; its data went to what is beside it\n",
-                        100 * r.uncovered);
+    text += fmt::format(
+        "  {:.2g} % of the input's volume is outside the result; its data were assigned to the nearest tetrahedra\n",
+        100 * r.uncovered);
   }
   return text;
 }
@@ -289,8 +290,9 @@ std::string constraint_notes(const Report& r) {
 std::string straightened_text(const std::vector<StraightenedEdge>& edges) {
   if (edges.empty()) return {};
   std::string text = fmt::format(
-      "  {} edges of the surface have a part of their curvature alone, as an element would not be valid; by their "
-      "vertices, counted from 1:\n",
+      "  {} edges of the surface were partly straightened, as an element would not be valid otherwise; vertices "
+      "counted "
+      "from 1, and the fraction of the curvature that is kept:\n",
       edges.size());
   for (const StraightenedEdge& e : edges) {
     text += fmt::format("    {} {}: {:.1f} %, mid-side node moved by {:.4g}\n", e.vertices[0] + 1, e.vertices[1] + 1,
@@ -333,8 +335,8 @@ std::string acceptance_table(const std::string& title, const AcceptanceReport& r
 std::string criteria_table(const CriteriaReport& report) {
   std::string text;
   for (const CriteriaRound& r : report.rounds) {
-    text += fmt::format("  round on what fails: {} rings, {} tetrahedra might change, {} -> {} fail{}\n", r.rings,
-                        r.active, r.failed_before, r.failed_after, r.kept ? "" : ", undone");
+    text += fmt::format("  round on the elements that fail: {} rings, {} tetrahedra might change, {} -> {} fail{}\n",
+                        r.rings, r.active, r.failed_before, r.failed_after, r.kept ? "" : ", undone");
   }
   const bool fails = report.after.verdict == Verdict::fail;
   if (fails && !report.no_rounds.empty()) {

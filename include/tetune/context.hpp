@@ -7,8 +7,9 @@ namespace tetune {
 
 /// The state of a run, for the progress callback.
 struct Progress {
-  /// What was just done: "load" (once, the mesh is checked and loaded; or "untangling" first), "flips", "sweep",
-  /// "worst" (a round on the worst elements) or "angles" (a round on the smallest dihedral angles).
+  /// The step that was completed: "load" (once, the mesh is checked and loaded; or "untangling" first), "flips",
+  /// "sweep", "worst" (a round for the mean energy or the worst elements), "angles" (a round on the extreme dihedral
+  /// angles, or a final sweep) or "restarts" (a round of them).
   const char* phase;
   int iteration;         ///< number of relocation sweeps so far
   double energy;         ///< now; the sum that Options::energy names

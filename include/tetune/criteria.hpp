@@ -33,7 +33,7 @@ enum class CheckMeasure : std::uint8_t {
   max_face_angle,       ///< largest angle of a face at a corner, degrees
   equiangle_skew,       ///< deviation of the angles of the faces, and between them, from the regular ones, 0 to 1
   volume_skew,          ///< 1 - volume / volume of the regular tetrahedron of the same circumscribed sphere
-  collapse,             ///< smallest of altitude / root of the area of its face, divided by that of the regular one
+  collapse,             ///< smallest of altitude / root of its face's area; 1 for the regular tetrahedron
   edge_ratio,           ///< longest over shortest edge
   edge_altitude_ratio,  ///< longest edge over smallest altitude
   triangle_aspect,     ///< largest of the faces, and of the sections through an edge and the middle of the opposite one

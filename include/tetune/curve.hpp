@@ -22,7 +22,7 @@ struct CurveOptions {
   int threads = 0;
   /// If not null, a finer mesh of the same part: tetrahedra, or triangles alone, linear or with curved edges. Mid-side
   /// nodes are on its surface (reconstructed likewise if it is straight), and on its feature lines where the edge is a
-  /// feature. Nodes that would be farther than a quarter of their edge from its midpoint are as without.
+  /// feature. A node that would be farther from the midpoint than a quarter of its edge is placed as if this were null.
   const TetMesh* surface = nullptr;
   /// If not null, the CAD model of the part, instead of `surface` and `feature_angle`: mid-side nodes are the points of
   /// its edges and faces nearest to the midpoints.

@@ -33,9 +33,12 @@ class TETUNE_API MeshError : public Error {
 /// Options::untangle could not make every volume positive.
 class TETUNE_API UntangleError : public MeshError {
  public:
-  /// The vertices have no room, with a boundary that stays or one that slides; the caller stopped the run; or the
-  /// surface of the input crosses itself or is folded onto itself.
-  enum class Reason { no_room, no_room_though_sliding, stopped, surface_at_fault };
+  enum class Reason {
+    no_room,                 ///< no positions make all volumes positive while the surface keeps its shape
+    no_room_though_sliding,  ///< nor where it slides
+    stopped,                 ///< by the caller
+    surface_at_fault,        ///< the surface of the input crosses itself or is folded onto itself
+  };
   UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason);
   /// what(), with ids that start from 1 (as in MEDIT files) or from 0.
   std::string message(bool one_based) const;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -12,11 +13,33 @@
 
 namespace tetune {
 
-/// Values of a data array, in the type of the file or of the caller.
-using DataValues =
+using DataVariant =
     std::variant<std::vector<double>, std::vector<float>, std::vector<std::int8_t>, std::vector<std::uint8_t>,
                  std::vector<std::int16_t>, std::vector<std::uint16_t>, std::vector<std::int32_t>,
                  std::vector<std::uint32_t>, std::vector<std::int64_t>, std::vector<std::uint64_t>>;
+
+/// Values of a data array, in the type of the file or of the caller. A copy that runs out of memory throws
+/// std::bad_alloc; in libstdc++ 12 that of the variant itself ends the program.
+struct DataValues : DataVariant {
+  using DataVariant::DataVariant;
+  using DataVariant::operator=;
+  DataValues() = default;
+  DataValues(const DataValues& other) : DataVariant(copy_of(other)) {}
+  DataValues(DataValues&&) = default;
+  DataValues& operator=(const DataValues& other) { return *this = DataValues(other); }
+  DataValues& operator=(DataValues&&) = default;
+  ~DataValues() = default;
+
+ private:
+  static DataVariant copy_of(const DataVariant& other) {
+    return std::visit(
+        [](const auto& values) {
+          auto copy = values;
+          return DataVariant(std::move(copy));
+        },
+        other);
+  }
+};
 
 /// A named array on vertices or elements, as in files. optimize() transfers it to the result (data.hpp).
 struct DataArray {
@@ -59,7 +82,8 @@ struct ElementBlock {
 
 /// Vertices on a part of the boundary that are images of vertices on another part (Gmsh: a link of $Periodic), as
 /// link_box_faces() finds them. optimize() moves a vertex and its images together where they differ by a translation,
-/// within planes and along straight lines; with a rotation they do not move. Triangles of such vertices do not change.
+/// within planes and along straight lines, and flips their triangles together; with a rotation vertices and triangles
+/// stay.
 struct PeriodicLink {
   /// Of the part: 0 to 2.
   int dimension = 2;
@@ -84,7 +108,7 @@ class AbaqusDeck;
 /// A tetrahedral mesh as a structure of arrays, owned by the caller.
 ///
 /// A tag vector is as long as the array that it belongs to; the tag 0 means "no tag". Every function of the library
-/// keeps the order of the vertices; only optimize() with Effort::best inserts and removes some.
+/// keeps the order of the vertices; optimize() inserts and removes some unless Options::keep_vertices is set.
 struct TetMesh {
   /// Vertex positions.
   std::vector<Point3> points;

@@ -14,13 +14,14 @@ namespace tetune {
 /// Improves a mesh in place: harmonic flips alternate with vertex relocation (Stroeter et al. 2022, Sect. 4.5).
 ///
 /// The result is a valid mesh (see validate()) without a smaller dihedral angle than the input's smallest, or a smaller
-/// mean ratio (with Effort::best, than a quarter of the input's smallest); of curved elements the angle alone. Kept
-/// are:
-/// - the tags, the number and the order of the vertices. Effort::best may insert and remove some
-///   (Report::vertex2original): those of the input come first, in their order, then the inserted ones, with the tag 0.
-/// - with Boundary::preserve and fixed, the shape of the boundary; where it is flat, boundary_flips may replace its
+/// mean ratio (with Effort::best, than a quarter of the input's smallest); of curved elements the angle alone.
+/// - Vertices keep their tags, number and order. Where some are inserted or removed (Effort::best,
+/// SurfaceVertices::edit;
+///   Report::vertex2original), those of the input come first, in their order, then the inserted ones, with the tag 0.
+/// - Boundary::preserve and fixed keep the shape of the boundary; where it is flat, boundary_flips may replace its
 ///   triangles by others.
-/// - the energy does not increase, except with Effort::best, which adds at most 10 % to the number of tetrahedra.
+/// - The energy does not increase, unless vertices are inserted or removed. Retriangulations that add tetrahedra need
+///   fewer than Options::max_growth times those of the input; flips are not limited.
 ///
 /// Tetrahedra come out in another order and number. Listed triangles without a tag inside one region are no constraint
 /// and are dropped, as are untagged listed edges that no longer exist. The result is bit for bit the same for any

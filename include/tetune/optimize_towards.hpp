@@ -43,8 +43,9 @@ struct CriteriaReport {
 /// Optimizes a mesh as optimize() does; then, while a criterion fails, works in rounds on the tetrahedra that miss its
 /// limit and those around them, in a growing neighborhood, as Effort::best does (docs/quality.md, "Acceptance"). A
 /// round is kept if fewer criteria fail afterwards, or as many with fewer tetrahedra that miss a limit, and the worst
-/// value of none of these gets worse; else it is undone. The smallest dihedral angle does not fall, and
-/// the smallest mean ratio not below what optimize() allows.
+/// value of none of these gets worse; else it is undone. Where the verdict would be worse than that of the input, or
+/// more criteria would fail, the mesh stays as it is, and Report::warnings says so. The smallest dihedral angle does
+/// not fall, and the smallest mean ratio not below what optimize() allows.
 ///
 /// The rounds insert and remove vertices only where optimize() does with these options, within Options::max_growth of
 /// the input; an inserted vertex may take the number of a removed one. With Boundary::slide they keep the surface as

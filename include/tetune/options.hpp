@@ -58,7 +58,7 @@ enum class SurfaceVertices {
   edit,       ///< they are inserted and removed, inside the mesh too, with any effort that works on the worst elements
 };
 
-/// What data of vertices and tetrahedra are on the result.
+/// How the data of vertices and tetrahedra of the result are obtained.
 enum class DataTransfer {
   carry,        ///< those of the vertex of the input, wherever it has moved, and of the tetrahedron's original
   interpolate,  ///< of vertices: those of the input at the place of the vertex, by interpolate_point_data()
@@ -75,17 +75,17 @@ struct Options {
   Energy energy = Energy::shape;
   /// Without effect with Termination::paper. With Energy::harmonic there is no work on the worst elements.
   Effort effort = Effort::standard;
-  /// If true, no vertex is inserted or removed: otherwise Effort::best does it, and `untangle` in curved meshes.
+  /// If true, no vertex is inserted or removed; otherwise Effort::best, SurfaceVertices::edit, and `untangle` in curved
+  /// meshes do so.
   bool keep_vertices = false;
-  /// Maximum number of tetrahedra of the result, in parts of those of the input, 1 to 100. With a larger value vertices
-  /// are inserted around more of the worst tetrahedra, and the time grows likewise. Without effect where none are.
+  /// Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this, 1 to 100. A
+  /// larger value allows insertion around more of the worst tetrahedra, at proportional cost. Flips are not limited.
   double max_growth = 1.1;
-  /// Vertices of the surface, with Boundary::preserve.
   SurfaceVertices surface_vertices = SurfaceVertices::automatic;
-  /// With Effort::best: the maximum number of rounds in which neighborhoods of the worst elements, four at most, are
-  /// optimized again, without regard to the angles reached, and a result is taken if the worst element in it has
-  /// improved; as many follow that lower the largest dihedral angle where the smallest one stays. 0: none; -1: 10, of
-  /// the first one for each 400 tetrahedra in smaller meshes. The largest value is 10,000.
+  /// With Effort::best: maximum number of rounds of restarts, -1 to 10,000. A round optimizes the neighborhoods of at
+  /// most four of the worst elements again, without regard to the angles reached, and keeps a result that improves the
+  /// worst element in it. At most as many rounds follow that lower the largest dihedral angle and leave the smallest.
+  /// 0: none; -1: 10 of each, of the first kind one per 400 tetrahedra in smaller meshes.
   int restarts = -1;
   Relocation relocation = Relocation::newton;
   Termination termination = Termination::relative;
@@ -98,9 +98,9 @@ struct Options {
   /// elements valid: Report::straightened. Otherwise such a mesh is refused. Refused with periodic vertices.
   bool straighten = false;
   /// With Boundary::slide: an edge where the surface turns by more than this many degrees, in (0, 180], is a feature
-  /// edge, and a vertex where a feature line does is a corner. A line is none that ends in the middle of the surface
-  /// and nowhere turns by more than 4/3 of the angle. With 180 only borders between tags, edges that are not on two
-  /// triangles, and listed edges are.
+  /// edge. A vertex at which a feature line turns by more than it is a corner. Lines with a free end inside the surface
+  /// that nowhere turn by more than 4/3 of the angle are ignored. With 180, feature edges are only those between tags,
+  /// those that are not on exactly two triangles, and listed edges.
   double feature_angle = 45;
   /// With Boundary::slide: maximum distance of any point of the new surface from the old one and of the old one from
   /// the new one; a length in the mesh's unit, 0 for no bound.
@@ -115,8 +115,9 @@ struct Options {
   std::vector<std::uint8_t> frozen_vertices;
   /// If not empty, only tetrahedra that miss one of these limits may change, and those within `rings` around them: a
   /// ring is the tetrahedra that share a vertex with those before. All others keep their vertices, the order in which
-  /// they are listed, and the coordinates of these, bit for bit; their faces are not checked. The time of the work is
-  /// in proportion to Report::tets_active. Refused by move().
+  /// they are listed, and the coordinates of these, bit for bit; their faces are not checked. If more tetrahedra would
+  /// miss a limit afterwards, the mesh stays as it is, and Report::warnings says so. The time of the work is in
+  /// proportion to Report::tets_active. Refused by move().
   std::vector<Target> only_below;
   /// With `only_below`: 0 to 100.
   int rings = 2;
@@ -124,7 +125,7 @@ struct Options {
   int max_iterations = 100;
   /// Number of CPU threads, 0 to 4096; 0 means all. The result does not depend on it.
   int threads = 0;
-  /// If false, no edge and no face is flipped: vertices are only moved (and inserted and removed with Effort::best).
+  /// If false, no edge and no face is flipped: vertices are only moved, inserted and removed.
   bool flips = true;
   /// Maximum number of tetrahedra around an edge that a flip removes or creates, 3 to 7. With 3 there are only the
   /// paper's 3-2 and 2-3 flips; below 5 no faces are removed together.
@@ -135,7 +136,7 @@ struct Options {
   /// The quality that every element should have. It does not change the result: Report::targets says which elements
   /// miss it and what constrains them.
   std::vector<Target> targets;
-  /// What data of vertices are on the result, in files and in TetMesh::point_data.
+  /// How the data of vertices and tetrahedra of the result are obtained.
   DataTransfer data = DataTransfer::carry;
   /// If true, the smallest dihedral angle is measured after each sweep and round, for SweepReport::dihedral_min and
   /// WorstReport::dihedral_min. It takes a twelfth of the time.

@@ -13,7 +13,7 @@
 
 namespace tetune {
 
-/// One relocation sweep over all vertices (Stroeter et al. 2022, Alg. 1).
+/// One relocation sweep over the active vertices (Stroeter et al. 2022, Alg. 1).
 struct SweepReport {
   int iteration = 0;         ///< from 1
   std::int64_t moved = 0;    ///< number of vertices that moved
@@ -117,11 +117,11 @@ struct Report : OperationCounts {
   std::vector<Index> vertex2original;
   /// With DataTransfer::interpolate and conserve: the place of each vertex of the result in the input. A vertex that
   /// did not move has the weight 1. Where the surface has moved outward, the closest point of the input; a vertex that
-  /// is in no tetrahedron is at its own place. After move(), the input has taken part in the motion: a place is a
-  /// material point.
+  /// is in no tetrahedron is at its own place. After move(), a place is the material (Lagrangian) coordinate of the
+  /// vertex.
   std::vector<MeshPlace> places;
-  /// With DataTransfer::conserve: part of the input's volume that no tetrahedron of the result covers, 0 where the
-  /// surface keeps its shape; its data went to the tetrahedra beside it.
+  /// With DataTransfer::conserve: fraction of the input's volume that no tetrahedron of the result covers, 0 where the
+  /// surface keeps its shape; its data were assigned to the nearest tetrahedra.
   double uncovered = 0;
   /// For each tetrahedron of the result one of the input in the same region: itself if it was not changed, else one
   /// that was replaced near it.
@@ -137,7 +137,9 @@ struct Report : OperationCounts {
   /// With DataTransfer::carry: the names of floating-point data of vertices that the improvement has moved; values of a
   /// field are then at other places than before.
   std::vector<std::string> moved_fields;
-  std::vector<std::string> warnings;  ///< of options without effect, see ineffective_options(), and of moved_fields
+  /// With Options::only_below, and of optimize_towards(): the reason why the mesh was left as it is; else empty.
+  std::string unchanged;
+  std::vector<std::string> warnings;  ///< of options without effect, see ineffective_options(), and the two above
   double seconds = 0;                 ///< wall-clock time of optimize()
   StopReason stop = StopReason::converged;
 };

@@ -18,13 +18,13 @@ inline constexpr Index kMaxEntries = 2'000'000'000;
 /// A kind of defect of a mesh.
 enum class Defect {
   index_out_of_range,
-  bad_array_length,    ///< of tags or data, or more entries than kMaxTets or kMaxEntries
-  not_finite,          ///< a coordinate is infinite or not a number
-  repeated_vertex,     ///< within a tetrahedron
-  inverted_tet,        ///< negative volume
-  flat_tet,            ///< volume 0
-  tiny_tet,            ///< volume below 1e-255 of the cube of the largest coordinate: arithmetic underflows
-  duplicate_tet,       ///< the same four vertices
+  bad_array_length,  ///< of tags or data, or more entries than kMaxTets or kMaxEntries
+  not_finite,        ///< a coordinate is infinite or not a number
+  repeated_vertex,   ///< within a tetrahedron
+  inverted_tet,      ///< negative volume
+  flat_tet,          ///< volume 0
+  tiny_tet,          ///< its determinant has terms below 1e-255 of the cube of the largest coordinate, which underflow
+  duplicate_tet,     ///< the same four vertices
   face_on_three_tets,  ///< or on more: the mesh is not a manifold there
   same_side_of_face,   ///< two tetrahedra overlap: they lie on the same side of their common face
   bad_curved_edge,     ///< not in order, listed twice, or not an edge of a tetrahedron, listed triangle or listed edge
@@ -56,11 +56,11 @@ struct TETUNE_API ValidationReport {
 /// Checks whether optimize() accepts a mesh.
 ///
 /// Checked: array lengths (kMaxTets, kMaxEntries), indices, finite coordinates, four distinct vertices per
-/// tetrahedron, the sign of each volume (by exact arithmetic where rounding errors could change it), no volume below
-/// 1e-255 of the cube of the largest coordinate, no tetrahedron listed twice, each face on one or two tetrahedra that
-/// lie on opposite sides. The boundary is then closed: the faces on one tetrahedron are the boundary (modulo 2) of all
-/// tetrahedra together, and a boundary has no boundary. `threads` 0 means all. Safe to call concurrently. Throws only
-/// std::bad_alloc.
+/// tetrahedron, the sign of each volume (by exact arithmetic where rounding errors could change it), no determinant
+/// whose terms are below 1e-255 of the cube of the largest coordinate, no tetrahedron listed twice, each face on one or
+/// two tetrahedra that lie on opposite sides. The boundary is then closed: the faces on one tetrahedron are the
+/// boundary (modulo 2) of all tetrahedra together, and a boundary has no boundary. `threads` 0 means all. Safe to call
+/// concurrently. Throws only std::bad_alloc.
 TETUNE_API ValidationReport validate(const TetMesh& mesh, int threads = 0);
 
 /// Reverses tetrahedra that are listed inside out, by exchanging their last two vertices, so that neighbors have the

@@ -9,8 +9,8 @@
 
 namespace tetune::plugin {
 
-/// Whether parameters of a face's surface are inside its boundary. Away from the boundary, a grid knows the answer of
-/// OpenCASCADE's test.
+/// Decides whether parameters of a face's surface are inside its boundary. A grid stores the results of OpenCASCADE's
+/// test for cells away from the boundary.
 class TrimTable {
  public:
   TrimTable(const TopoDS_Face& face, const BRepAdaptor_Surface& surface);

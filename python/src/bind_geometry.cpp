@@ -55,10 +55,10 @@ void bind_match(nb::module_& m) {
       .def_prop_ro(
           "distances", [](nb::handle_t<GeometryMatch> s) { return view(nb::cast<GeometryMatch&>(s).distances, s); },
           nb::sig("def distances(self) -> NDArray[numpy.float64]"),
-          "Per vertex: from its entity, or from the nearest face; 0 inside.")
+          "Per vertex: its distance from its entity, or from the nearest face; 0 inside.")
       .def_prop_ro(
           "triangles", [](nb::handle_t<GeometryMatch> s) { return view(nb::cast<GeometryMatch&>(s).triangles, s); },
-          nb::sig("def triangles(self) -> NDArray[numpy.int32]"), "Of the surface, of shape (n, 3).")
+          nb::sig("def triangles(self) -> NDArray[numpy.int32]"), "The triangles of the surface, of shape (n, 3).")
       .def_prop_ro(
           "faces", [](nb::handle_t<GeometryMatch> s) { return view(nb::cast<GeometryMatch&>(s).faces, s); },
           nb::sig("def faces(self) -> NDArray[numpy.int32]"),

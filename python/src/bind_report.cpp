@@ -20,14 +20,14 @@ void bind_progress(nb::module_& m) {
   nb::class_<Progress>(m, "Progress", "The state of a run, for the progress callback.")
       .def_prop_ro(
           "phase", [](const Progress& p) { return std::string(p.phase); },
-          "What was just done: 'load', 'untangling', 'flips', 'sweep', 'worst' or 'angles'.")
+          "The step that was completed: 'load', 'untangling', 'flips', 'sweep', 'worst', 'angles' or 'restarts'.")
       .def_ro("iteration", &Progress::iteration, "Number of relocation sweeps so far.")
-      .def_ro("energy", &Progress::energy, "Now.")
-      .def_ro("energy_before", &Progress::energy_before, "At the start.")
+      .def_ro("energy", &Progress::energy, "The energy now.")
+      .def_ro("energy_before", &Progress::energy_before, "The energy at the start.")
       .def_ro("worst_angle", &Progress::worst_angle, "Smallest dihedral angle, degrees; possibly of some passes ago.")
-      .def_ro("fraction", &Progress::fraction, "Of the run that is done, 0 to 1: an estimate.")
-      .def_ro("seconds", &Progress::seconds, "Since the start.")
-      .def_ro("seconds_left", &Progress::seconds_left, "An estimate; negative while there is none.");
+      .def_ro("fraction", &Progress::fraction, "Estimated fraction of the run that is done, 0 to 1.")
+      .def_ro("seconds", &Progress::seconds, "Seconds since the start.")
+      .def_ro("seconds_left", &Progress::seconds_left, "Estimated seconds to the end; negative while unknown.");
 }
 
 template <class T, class Counts, std::size_t kSize>
@@ -133,13 +133,15 @@ void bind_maps(nb::class_<Report>& report) {
           nb::sig("def place_vertices(self) -> NDArray[numpy.int32]"))
       .def_prop_ro(
           "place_weights", [](const Report& r) { return columns_of(r.places, &MeshPlace::weights); },
-          "Its barycentric coordinates there.", nb::sig("def place_weights(self) -> NDArray[numpy.float64]"));
+          "Barycentric coordinates of each vertex of the result in that tetrahedron.",
+          nb::sig("def place_weights(self) -> NDArray[numpy.float64]"));
 }
 
 void bind_motion(nb::module_& m) {
   nb::class_<MoveStep>(m, "MoveStep", "One step of move(): all vertices move at once, then the mesh is improved.")
       .def_ro("target", &MoveStep::target, "Position in the list of targets.")
-      .def_ro("fraction", &MoveStep::fraction, "Of the straight way to that target that is done after the step.")
+      .def_ro("fraction", &MoveStep::fraction,
+              "Fraction of the straight way to that target that is covered after the step.")
       .def_ro("solver_iterations", &MoveStep::solver_iterations)
       .def_ro("dihedral_moved", &MoveStep::dihedral_moved, "Smallest dihedral angle after the motion, degrees.")
       .def_ro("dihedral_min", &MoveStep::dihedral_min, "Smallest dihedral angle after the improvement, degrees.")
@@ -151,7 +153,7 @@ void bind_motion(nb::module_& m) {
       .def_ro("targets", &MoveReport::targets, "Number of targets.")
       .def_ro("targets_reached", &MoveReport::targets_reached, "Number of those that were reached in full.")
       .def_ro("fraction", &MoveReport::fraction,
-              "Of the straight way to the first target that was not reached, the part that is done; 1 if all were.")
+              "Fraction of the straight way to the first target that was not reached; 1 if all were.")
       .def_prop_ro(
           "blocking_tets", [](nb::handle_t<MoveReport> s) { return view(nb::cast<MoveReport&>(s).blocking_tets, s); },
           "Tetrahedra of the result that a further step would invert.")
@@ -191,23 +193,26 @@ void bind_report(nb::module_& m) {
   bind_counts(report, kOperationCounts);
   bind_maps(report);
   report.def_ro("device", &Report::device)
-      .def_ro("device_reason", &Report::device_reason, "Why that one, where the choice was automatic.")
+      .def_ro("device_reason", &Report::device_reason, "The reason for the device with device='auto'.")
       .def_ro("threads", &Report::threads)
-      .def_ro("vertices", &Report::vertices, "Of the input.")
+      .def_ro("vertices", &Report::vertices, "Number of vertices of the input.")
       .def_ro("tets_before", &Report::tets_before)
       .def_ro("tets_after", &Report::tets_after)
-      .def_ro("tets_untangled", &Report::tets_untangled, "With untangle: of the input, inverted or flat.")
+      .def_ro("tets_untangled", &Report::tets_untangled,
+              "With untangle: number of inverted or flat tetrahedra of the input.")
       .def_ro("deviation", &Report::deviation,
               "With max_deviation on a curved second-order surface: a bound on its distance from that of the input.")
-      .def_ro("straightened", &Report::straightened, "With straighten: edges of the surface.")
-      .def_ro("tets_bad", &Report::tets_bad, "With only_below: of the input, those that miss a limit.")
-      .def_ro("tets_active", &Report::tets_active, "With only_below: of the input, those that might change.")
+      .def_ro("straightened", &Report::straightened,
+              "With straighten: the edges of the surface with less curvature than in the input.")
+      .def_ro("tets_bad", &Report::tets_bad, "With only_below: number of tetrahedra of the input that miss a limit.")
+      .def_ro("tets_active", &Report::tets_active,
+              "With only_below: number of tetrahedra of the input that might change.")
       .def_ro("free_vertices", &Report::free_vertices)
       .def_ro("plane_vertices", &Report::plane_vertices)
       .def_ro("line_vertices", &Report::line_vertices)
       .def_ro("fixed_vertices", &Report::fixed_vertices)
       .def_ro("uncovered", &Report::uncovered,
-              "With data='conserve': part of the volume of the input that no tetrahedron of the result covers.")
+              "With data='conserve': fraction of the volume of the input that no tetrahedron of the result covers.")
       .def_ro("surface_vertices", &Report::surface_vertices, "Where the boundary slides.")
       .def_ro("curve_vertices", &Report::curve_vertices, "Where the boundary slides.")
       .def_ro("periodic_vertices", &Report::periodic_vertices, "That move together with their images.")

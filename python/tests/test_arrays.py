@@ -154,7 +154,7 @@ def test_the_automatic_device_says_why():
     points, tets = shaken_box(2, 2, 2)
     assert tetune.optimize(points, tets).report.device_reason == ""
     report = tetune.optimize(points, tets, device="auto").report
-    assert (report.device, report.device_reason) == ("CPU", "below 1000000 tetrahedra")
+    assert (report.device, report.device_reason) == ("CPU", "below 500000 tetrahedra")
 
 
 def test_traced_angles():
@@ -249,12 +249,12 @@ def test_errors_share_a_base():
         tetune.read_mesh("no-such-file.mesh")
 
 
-def test_progress_is_told_and_cancels():
+def test_progress_is_reported_and_cancels():
     points, tets = shaken_box()
-    told = []
-    whole = tetune.optimize(points, tets, progress=lambda p: told.append((p.phase, p.iteration, p.energy)))
-    assert {phase for phase, _, _ in told} >= {"flips", "sweep"}
-    assert told[-1][2] == pytest.approx(whole.report.energy_after)
+    events = []
+    whole = tetune.optimize(points, tets, progress=lambda p: events.append((p.phase, p.iteration, p.energy)))
+    assert {phase for phase, _, _ in events} >= {"flips", "sweep"}
+    assert events[-1][2] == pytest.approx(whole.report.energy_after)
 
     calls = []
     r = tetune.optimize(points, tets, progress=lambda p: calls.append(p) is not None or len(calls) < 3)

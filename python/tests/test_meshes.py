@@ -102,7 +102,7 @@ def test_data_of_inserted_vertices():
         if old.size:
             length = {k: np.linalg.norm(r.mesh.points[k] - r.mesh.points[v]) for k in old}
             assert length[place[out["id"][v]]] == min(length.values())
-        # A mean of the neighbours: between them, and linear fields of where these were are off by their moves alone.
+        # A mean of the neighbors: between their values; linear fields of the old positions differ by the moves alone.
         for name in ("linear", "single", "tensor"):
             near = out[name][around]
             assert (out[name][v] >= near.min(axis=0) - 1e-5).all() and (out[name][v] <= near.max(axis=0) + 1e-5).all()

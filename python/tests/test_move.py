@@ -119,7 +119,7 @@ def test_data_are_interpolated_at_the_new_places():
         nearest = r.report.place_vertices[np.arange(len(new.points)), r.report.place_weights.argmax(axis=1)]
         assert (new.point_data["id"] == nearest).all()
     # Without the option, values stay with their vertex.
-    with pytest.warns(UserWarning, match="kept their values of a, v:"):
+    with pytest.warns(UserWarning, match="the values of a, v moved with their vertices"):
         carried = tetune.optimize(mesh)
     assert (carried.mesh.point_data["a"] == linear).all() and len(carried.report.place_weights) == 0
 

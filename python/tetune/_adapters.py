@@ -291,7 +291,8 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
         return displacement_of(self._mesh.point_data, name)
 
     def fields(self) -> list[str]:
-        return [name for name, values in self._mesh.point_data.items() if is_smooth(np.asarray(values))]
+        data = self._mesh.point_data.items()
+        return [name for name, values in data if name not in KNOWN_TAGS and is_smooth(np.asarray(values))]
 
     def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> meshio.Mesh:
         import meshio
@@ -363,7 +364,8 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
         return displacement_of(dict(self._grid.point_data), name)
 
     def fields(self) -> list[str]:
-        return [name for name, values in self._grid.point_data.items() if is_smooth(np.asarray(values))]
+        data = self._grid.point_data.items()
+        return [name for name, values in data if name not in KNOWN_TAGS and is_smooth(np.asarray(values))]
 
     def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> pv.UnstructuredGrid:
         import pyvista as pv

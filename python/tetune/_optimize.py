@@ -223,8 +223,8 @@ def _result(
     moved_along = [name for name in adapter.fields() if name != displacement]
     if len(moved_along) > 0 and options.get("data", "carry") == "carry" and any(s.moved > 0 for s in report.sweeps):
         warn(
-            f"vertices moved and kept their values of {', '.join(moved_along)}: of a field, data='interpolate' or "
-            "data='conserve' evaluates it at the new places",
+            f"the values of {', '.join(moved_along)} moved with their vertices; if they sample a field, "
+            "data='interpolate' or data='conserve' evaluates it at the new positions",
             stacklevel=3,
         )
     return Result(adapter.result(work, report, nodes), report, nodes.origin, report.tet2original, moved, criteria, geometry)

@@ -33,13 +33,13 @@ class Options(TypedDict, total=False):
     effort: Literal["fast", "standard", "best"]
     """How much is done; fast: flips are searched for once, and sweeps end when one lowers the energy by less than 2 %; standard: sweeps end at 0.2 %, then the worst elements and the smallest dihedral angles are improved; best: sweeps end at 0.01 %, then there is more of that work, and vertices are inserted and removed. Default: standard."""
     keep_vertices: bool
-    """No vertex is inserted or removed. Without it effort=best does so, and untangle=true in curved meshes. Default: False."""
+    """No vertex is inserted or removed, as effort=best and surface_vertices=edit do otherwise, and untangle=true in curved meshes. Default: False."""
     max_growth: float
-    """Maximum number of tetrahedra of the result, in parts of those of the input. With a larger value vertices are inserted around more of the worst tetrahedra, and the time grows likewise. Default: 1.1."""
+    """Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. A larger value allows insertion around more of the worst tetrahedra, at proportional cost. Default: 1.1."""
     surface_vertices: Literal["auto", "keep", "edit"]
     """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input surface and its feature lines, and edges of the surface are flipped. Default: auto."""
     restarts: int
-    """With effort=best, the number of rounds in which neighborhoods of the worst elements are optimized again, without regard to the angles reached, and a result is taken if the worst element in it has improved; as many follow that lower the largest dihedral angle where the smallest one stays; 0: none; -1: 10, of the first one for each 400 tetrahedra in smaller meshes. Default: -1."""
+    """With effort=best, the maximum number of rounds of restarts: a round optimizes the neighborhoods of at most four of the worst elements again, without regard to the angles reached, and keeps a result that improves the worst element in it. At most as many rounds follow that lower the largest dihedral angle and leave the smallest; 0: none; -1: 10 of each, of the first kind one per 400 tetrahedra in smaller meshes. Default: -1."""
     untangle: bool
     """Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that the surface alone makes invalid, or nearly so, are split. Default: False."""
     straighten: bool
@@ -65,7 +65,7 @@ class Options(TypedDict, total=False):
     threads: int
     """Number of CPU threads; 0: all. The result does not depend on it. Default: 0."""
     device: Literal["auto", "cpu", "cuda"]
-    """Where to compute; auto: as cuda for 1000000 tetrahedra or more if there is a GPU with enough memory, else as cpu; cpu: on CPU threads; cuda: on the current NVIDIA GPU, compute capability 7.5 or newer. Default: cpu."""
+    """Where to compute; auto: as cuda for 500000 tetrahedra or more if there is a GPU with enough memory, else as cpu; cpu: on CPU threads; cuda: on the current NVIDIA GPU, compute capability 7.5 or newer. Default: cpu."""
     data: Literal["carry", "interpolate", "conserve"]
     """What data are on the result; carry: those of the vertex of the input, wherever it has moved; interpolate: those of the input at the place of the vertex: floating-point numbers linearly, integers of the nearest vertex; conserve: floating-point data of vertices and of tetrahedra keep their integrals and get no new extremes, by the overlap of old and new tetrahedra; integers are those of the largest overlap; not for inverted or curved elements. Default: carry."""
     trace_angles: bool

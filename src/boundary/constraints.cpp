@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <string>
 
 #include "backend/span.hpp"
@@ -77,6 +78,24 @@ void find_edges(const TetMesh& mesh, Constraints& constraints) {
                       std::back_inserter(constraints.edges));
 }
 
+/// Makes ends and junctions of named groups of edges corners, so that each keeps its extent.
+void hold_ends_of_groups(const TetMesh& mesh, Span<std::uint8_t> frozen) {
+  for (const Group& group : mesh.groups) {
+    if (group.dimension != 1 || group.name.empty()) continue;
+    const std::set<int> tags(group.tags.begin(), group.tags.end());
+    std::vector<Index> ends;
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+      if (tags.contains(mesh.edge_tags[e])) ends.insert(ends.end(), mesh.edges[e].begin(), mesh.edges[e].end());
+    }
+    std::sort(ends.begin(), ends.end());
+    for (auto first = ends.begin(); first != ends.end();) {
+      const auto last = std::upper_bound(first, ends.end(), *first);
+      if (last - first != 2 && frozen[*first] == kMovable) frozen[*first] = kCorner;
+      first = last;
+    }
+  }
+}
+
 /// Sets Constraints::required_triangles.
 void find_required_triangles(const TetMesh& mesh, Constraints& constraints) {
   std::vector<std::uint8_t> required(mesh.triangles.size(), 0);
@@ -126,6 +145,7 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
     if (options.frozen_vertices[v] != 0) result.frozen[v] = kFrozen;
   }
   for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
+  hold_ends_of_groups(mesh, frozen);
   if (!mesh.periodic.empty()) result.frozen_without_links = result.frozen;
   for (const PeriodicLink& link : mesh.periodic) {
     for (const auto& pair : link.pairs) freeze(pair);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "backend/span.hpp"
@@ -33,7 +34,7 @@ Marks vertices_of(const TetMesh& mesh, const Marks& active, bool are_active) {
 class PartTaker {
  public:
   PartTaker(const TetMesh& mesh, const ActiveTets& active, const Constraints& constraints, const Options& options)
-      : mesh_(mesh), constraints_(constraints), vertex2part_(mesh.points.size(), -1) {
+      : mesh_(mesh), constraints_(constraints), active_(active.flags), vertex2part_(mesh.points.size(), -1) {
     part_.options = options;
     part_.options.only_below.clear();
     part_.options.rings = Options().rings;
@@ -47,6 +48,8 @@ class PartTaker {
     take_corners(features.corners);
     take_triangles(frozen_patches);
     take_edges(features.edges);
+    part_.triangle_stays = all_frozen(part_.mesh.triangles);
+    part_.edge_stays = edges_of_rest();
     list_cut();
     part_.options.frozen_vertices = std::move(frozen_);
     return std::move(part_);
@@ -83,8 +86,8 @@ class PartTaker {
   }
 
   void take_corners(bool are_features) {
-    for (const Index v : mesh_.corners) {
-      if (are_features && to_part(v) >= 0) span_of(frozen_)[to_part(v)] = 1;
+    for (Index v = 0; v < std::ssize(constraints_.frozen) && are_features; ++v) {
+      if (span_of(constraints_.frozen)[v] == kCorner && to_part(v) >= 0) span_of(frozen_)[to_part(v)] = 1;
     }
   }
 
@@ -146,10 +149,41 @@ class PartTaker {
     return stays;
   }
 
+  /// Marks the listed edges that tetrahedra outside the part or elements of other kinds have.
+  Marks edges_of_rest() const {
+    std::vector<std::pair<std::array<Index, 2>, Index>> listed;
+    for (Index e = 0; e < std::ssize(part_.edge2whole); ++e) {
+      const auto& [a, b] = span_of(mesh_.edges)[span_of(part_.edge2whole)[e]];
+      listed.emplace_back(std::array{std::min(a, b), std::max(a, b)}, e);
+    }
+    std::sort(listed.begin(), listed.end());
+    Marks stays(part_.edge2whole.size(), 0);
+    const auto mark_edges_of = [&](std::span<const Index> element) {
+      for (const Index a : element) {
+        for (const Index b : element) {
+          const std::pair first{std::array{a, b}, Index{0}};
+          if (a >= b || to_part(a) < 0 || to_part(b) < 0) continue;
+          for (auto at = std::lower_bound(listed.begin(), listed.end(), first);
+               at != listed.end() && at->first == first.first; ++at) {
+            span_of(stays)[at->second] = 1;
+          }
+        }
+      }
+    };
+    for (std::size_t t = 0; t < mesh_.tets.size() && !listed.empty(); ++t) {
+      if (active_[t] == 0) mark_edges_of(mesh_.tets[t]);
+    }
+    for (const ElementBlock& block : mesh_.others) {
+      const auto each = to_size_t(block.vertices_per_element);
+      for (std::size_t i = 0; i < block.element2vertex.size() && each > 0; i += each) {
+        mark_edges_of({&block.element2vertex[i], each});
+      }
+    }
+    return stays;
+  }
+
   /// Lists the faces of one tetrahedron of the part whose vertices are all on the cut, behind the listed triangles.
   void list_cut() {
-    part_.triangle_stays = all_frozen(part_.mesh.triangles);
-    part_.edge_stays = all_frozen(part_.mesh.edges);
     std::vector<std::array<Index, 3>> faces;
     for (const auto& tet : part_.mesh.tets) {
       for (std::size_t f = 0; f < 4; ++f) {
@@ -172,6 +206,7 @@ class PartTaker {
 
   const TetMesh& mesh_;
   const Constraints& constraints_;
+  const Marks& active_;  ///< per tetrahedron
   std::vector<Index> vertex2part_;
   Marks on_cut_, frozen_;  ///< per vertex of the part
   ActivePart part_;

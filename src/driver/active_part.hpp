@@ -23,8 +23,8 @@ struct ActiveTets {
 /// Flags the tetrahedra that have a flagged vertex.
 std::vector<std::uint8_t> tets_at(const TetMesh& mesh, const std::vector<std::uint8_t>& vertices);
 
-/// The flagged tetrahedra, but for locked ones of positive volume, and those within `rings` around them. A locked one
-/// of another volume is active, as the part is refused with it.
+/// Returns the flagged tetrahedra and those within `rings` around them, without locked ones. A locked tetrahedron whose
+/// volume is not positive is included, so that the part is refused with it.
 ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const Constraints& constraints, int rings);
 
 /// Finds the tetrahedra that miss a limit, but for locked ones, and those within Options::rings around them. Inverted
@@ -46,8 +46,10 @@ struct ActivePart {
   TetMesh mesh;
   Options options;  ///< for the part
   std::vector<Index> vertex2whole, tet2whole, triangle2whole, edge2whole;
-  /// Whether all vertices of a listed triangle or edge are frozen: it stays as it is.
-  std::vector<std::uint8_t> triangle_stays, edge_stays;
+  /// Whether a listed triangle stays although the result of the part lacks it: all its vertices are frozen.
+  std::vector<std::uint8_t> triangle_stays;
+  /// Whether a listed edge does: an element outside the part has it.
+  std::vector<std::uint8_t> edge_stays;
 };
 
 /// The numbers in the whole mesh of the vertices and tetrahedra of the result of a part.

@@ -23,7 +23,7 @@ std::vector<SheetTriangle> find_sheets(const TetMesh& mesh) {
     const auto tag = tags.find(begin->vertices);
     const bool is_boundary = end - begin == 1;
     if (!is_boundary && first == last && tag == tags.end()) return;
-    // No region is beside the boundary on its other side: that counts as the number of regions -1 and 0.
+    // The second region is -1 on the boundary, which is then in other sheets than interfaces.
     const std::array<int, 3> sides{tag == tags.end() ? 0 : tag->second, std::min(first, last),
                                    is_boundary ? -1 : std::max(first, last)};
     sheets.push_back({begin->vertices, sides});

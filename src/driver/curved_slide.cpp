@@ -328,7 +328,7 @@ SurfaceDeviation CurvedSlide::deviation(const TetMesh& result, const Report& rep
       }
     }
   };
-  // What has not changed is on both surfaces.
+  // Triangles that have not changed are on both surfaces.
   add(changed.after, bound_distances(new_triangles, old_triangles, limit, options.threads, stop),
       [&](Index v) { return report.vertex2original.empty() ? v : span_of(report.vertex2original)[v]; });
   add(changed.before, bound_distances(old_triangles, new_triangles, limit, options.threads, stop),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "driver/devices.hpp"
 
+#include "driver/move_job.hpp"
+
 namespace tetune {
 namespace {
 
@@ -45,11 +47,15 @@ std::string why_unusable(const Gpu& gpu, std::size_t memory) {
          " MiB are free. End other programs that use it, choose less work (effort=fast), or use the CPU (device=cpu).";
 }
 
-DeviceChoice choose_device(const TetMesh& mesh, const Options& options) {
+std::size_t device_memory(const TetMesh& mesh, const Options& options, const MoveJob* job) {
+  return memory_needed_on_device(mesh, options) + (job == nullptr ? 0 : motion_memory(mesh, options));
+}
+
+DeviceChoice choose_device(const TetMesh& mesh, const Options& options, const MoveJob* job) {
   if (mesh.tets.size() < kAutoTets) {
     return {Device::cpu, "below " + std::to_string(kAutoTets) + " tetrahedra"};
   }
-  const std::string why_not = why_not_on_cuda(mesh, options);
+  const std::string why_not = why_not_on_cuda(device_memory(mesh, options, job));
   if (!why_not.empty()) return {Device::cpu, why_not};
   return {Device::cuda, std::to_string(kAutoTets) + " tetrahedra or more, and a GPU with enough memory"};
 }

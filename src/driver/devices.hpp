@@ -13,9 +13,9 @@ namespace tetune {
 
 struct MoveJob;
 
-/// Device::automatic takes the CPU for meshes of fewer tetrahedra. A conservative choice: the size from which a GPU is
-/// faster has not been measured.
-inline constexpr std::size_t kAutoTets = 1000000;
+/// Device::automatic takes the CPU for meshes of fewer tetrahedra: a process needs 0.3 s for its first use of a GPU, as
+/// long as 16 threads need for 450 thousand tetrahedra (docs/benchmarks/gpu.md).
+inline constexpr std::size_t kAutoTets = 500000;
 
 /// The properties of the system that the CUDA runtime reports.
 struct CudaSystem {
@@ -48,8 +48,11 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
 Report run_on_device(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
                      MoveJob* job);
 
-/// Returns the reason why optimize_on_cuda() would refuse this mesh; empty if it would not.
-std::string why_not_on_cuda(const TetMesh& mesh, const Options& options);
+/// The GPU memory of optimize() or, with a job, move(), in bytes.
+std::size_t device_memory(const TetMesh& mesh, const Options& options, const MoveJob* job);
+
+/// Returns the reason why optimize_on_cuda() would refuse a mesh that needs `memory` bytes; empty if it would not.
+std::string why_not_on_cuda(std::size_t memory);
 
 /// optimize_on() the calling thread's current NVIDIA GPU. Throws DeviceError.
 Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
@@ -60,6 +63,6 @@ struct DeviceChoice {
   Device device;
   std::string reason;
 };
-DeviceChoice choose_device(const TetMesh& mesh, const Options& options);
+DeviceChoice choose_device(const TetMesh& mesh, const Options& options, const MoveJob* job = nullptr);
 
 }  // namespace tetune

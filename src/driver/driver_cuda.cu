@@ -31,12 +31,12 @@ Gpu current_gpu() {
 
 template Report optimize_on(const backend::Cuda&, TetMesh&, const Options&, const Context&, SlideSurface*, MoveJob*);
 
-std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
+std::string why_not_on_cuda(std::size_t memory) {
   std::string why = why_no_gpu(cuda_system());
   cudaGetLastError();  // clears the error, which the returned text reports
   if (!why.empty()) return why;
   try {
-    return why_unusable(current_gpu(), memory_needed_on_device(mesh, options));
+    return why_unusable(current_gpu(), memory);
   } catch (const DeviceError& e) {
     return e.what();
   }
@@ -44,10 +44,9 @@ std::string why_not_on_cuda(const TetMesh& mesh, const Options& options) {
 
 Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
                         MoveJob* job) {
-  if (const std::string why = why_not_on_cuda(mesh, options); !why.empty()) throw DeviceError(why);
+  const std::size_t memory = device_memory(mesh, options, job);
+  if (const std::string why = why_not_on_cuda(memory); !why.empty()) throw DeviceError(why);
   std::string name = current_gpu().name;  // allocated before the mesh changes: nothing may fail afterwards
-  const std::size_t memory =
-      memory_needed_on_device(mesh, options) + (job == nullptr ? 0 : motion_memory(mesh, options));
   const backend::Cuda cuda(memory, context.stop);
   Report report = optimize_on(cuda, mesh, options, context, surface, job);
   report.device.swap(name);

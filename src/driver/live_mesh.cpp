@@ -11,6 +11,7 @@
 #include "driver/live_surface.hpp"
 #include "driver/move_job.hpp"
 #include "driver/optimize_active.hpp"
+#include "phases/latched_hooks.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 
@@ -86,7 +87,9 @@ Report LiveMesh::optimize_all(const Context& context) {
   return report;
 }
 
-MoveReport LiveMesh::move(const VertexTargets& target, const Context& context) {
+MoveReport LiveMesh::move(const VertexTargets& target, const Context& caller) {
+  const LatchedHooks hooks(caller);
+  const Context& context = hooks.context();
   const std::size_t n = mesh_.points.size();
   bool is_usable = target.size() == n && !std::all_of(target.begin(), target.end(), is_free);
   std::vector<std::uint8_t> moves(n, 0);
@@ -129,6 +132,7 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
                                               const Context& context) {
   MoveReport report;
   report.targets = report.targets_reached = 1;
+  report.optimization = report_nothing(options_);
   int rings = neighborhood_;
   for (std::size_t size = 0, last = 0;; last = size) {
     const auto change = [&](ActivePart& part) {

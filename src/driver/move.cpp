@@ -59,11 +59,16 @@ double scale_of(std::span<const VertexTargets> targets) {
 }
 
 /// Sets the vertices of the result to the last position that they reached, to the last bit: coordinates far below the
-/// largest ones are rounded by the scale of the work mesh.
-void restore_bits(TetMesh& mesh, std::span<const VertexTargets> reached, const std::vector<Index>& vertex2original) {
+/// largest ones are rounded by the scale of the work mesh. Vertices that are on their way to a further target stay.
+void restore_bits(TetMesh& mesh, std::span<const VertexTargets> targets, const MoveReport& report) {
+  const std::vector<Index>& vertex2original = report.optimization.vertex2original;
+  const std::span<const VertexTargets> reached = targets.first(report.targets_reached);
+  const VertexTargets* const next =
+      report.fraction > 0 && reached.size() < targets.size() ? &targets[reached.size()] : nullptr;
   for (Size v = 0; v < std::ssize(mesh.points); ++v) {
     const Index original = vertex2original.empty() ? to_index(v) : span_of(vertex2original)[v];
-    for (auto target = reached.rbegin(); original >= 0 && target != reached.rend(); ++target) {
+    if (original < 0 || (next != nullptr && !is_free(span_of(*next)[original]))) continue;
+    for (auto target = reached.rbegin(); target != reached.rend(); ++target) {
       const Point3& p = span_of(*target)[original];
       if (is_free(p)) continue;
       span_of(mesh.points)[v] = p;
@@ -146,7 +151,7 @@ MoveReport move_on(TetMesh& mesh, std::span<const VertexTargets> targets, const 
     if (span_of(job.motion)[v] != 0) span_of(held.frozen_vertices)[v] = 1;
   }
   report.optimization = run_on_device(mesh, held, context, surface, &job);
-  restore_bits(mesh, targets.first(report.targets_reached), report.optimization.vertex2original);
+  restore_bits(mesh, targets, report);
   return report;
 }
 

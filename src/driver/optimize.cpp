@@ -7,9 +7,9 @@
 #include "boundary/constraints.hpp"
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
-#include "driver/moved_fields.hpp"
 #include "driver/optimize_active.hpp"
 #include "driver/optimize_curved.hpp"
+#include "driver/run_warnings.hpp"
 #include "mesh/messages.hpp"
 #include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"
@@ -35,7 +35,8 @@ Report run_on_device(TetMesh& mesh, const Options& options, const Context& conte
   const Context& until_stopped = hooks.context();
   const auto start = PhaseTimer::SteadyClock::now();
   DeviceChoice choice{options.device, ""};
-  if (options.device == Device::automatic) choice = choose_device(mesh, options);
+  if (options.device == Device::automatic) choice = choose_device(mesh, options, job);
+  RunWarnings warnings(mesh, options);
   Report report;
   if (choice.device == Device::cuda) {
     report = optimize_on_cuda(mesh, options, until_stopped, surface, job);
@@ -46,8 +47,7 @@ Report run_on_device(TetMesh& mesh, const Options& options, const Context& conte
     report.threads = cpu.threads();
   }
   report.device_reason.swap(choice.reason);
-  report.warnings = ineffective_options(options);
-  report_moved_fields(mesh, options, report);
+  warnings.add_to(report);
   report.seconds = PhaseTimer::seconds_since(start);
   return report;
 }

@@ -7,9 +7,11 @@
 #include "boundary/classify.hpp"
 #include "driver/active_part.hpp"
 #include "driver/devices.hpp"
-#include "driver/moved_fields.hpp"
+#include "driver/run_warnings.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"
+#include "quality/limits.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
 #include "tetune/validate.hpp"
@@ -49,35 +51,11 @@ Size count_junctions(const TetMesh& mesh, const Constraints& constraints) {
 /// Few corners and junctions are features whatever the geometry; else the whole mesh is classified.
 ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options, const Constraints& constraints,
                                     Report& report) {
-  if (std::ssize(mesh.corners) <= kFewListed && count_junctions(mesh, constraints) <= kFewListed) return {true, true};
+  const Size corners = std::count(constraints.frozen.begin(), constraints.frozen.end(), kCorner);
+  if (corners <= kFewListed && count_junctions(mesh, constraints) <= kFewListed) return {true, true};
   report = report_constraints(mesh, options);
   return {report.corners_not_held == 0, report.edges_not_held == 0};
 }
-
-/// The hooks of a run that may be repeated: the fraction that is done does not fall.
-Context with_rising_fraction(const Context& context) {
-  Context rising = context;
-  if (context.progress) {
-    rising.progress = [progress = context.progress, reached = 0.0](Progress p) mutable {
-      reached = p.fraction = std::max(reached, p.fraction);
-      return progress(p);
-    };
-  }
-  return rising;
-}
-
-/// The report of an empty part.
-Report report_nothing(const Options& options) {
-  Report report;
-  report.device = "CPU";
-  report.threads = backend::Cpu(options.threads).threads();
-  for (const Target& target : options.targets) report.targets.emplace_back().target = target;
-  return report;
-}
-
-}  // namespace
-
-namespace {
 
 /// change_tets() for known constraints and active tetrahedra.
 std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
@@ -99,27 +77,51 @@ std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constrai
     report.corners_not_held = whole.corners_not_held;
     report.edges_not_held = whole.edges_not_held;
   }
-  PartMaps maps = replace_part(mesh, std::move(part), active, report);
   report.tets_bad = active.bad;
   report.tets_active = active.count;
-  report.warnings = ineffective_options(options);
-  report_moved_fields(mesh, options, report);
-  return maps;
+  RunWarnings(mesh, options).add_to(report);
+  return replace_part(mesh, std::move(part), active, report);
+}
+
+std::int64_t count_missing(const TetMesh& mesh, const std::vector<Target>& limits, int threads) {
+  const std::vector<std::uint8_t> missing = find_missing(mesh, limits, threads);
+  return std::count(missing.begin(), missing.end(), 1);
 }
 
 Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
                             const Options& options, const Context& caller) {
-  const Context context = with_rising_fraction(caller);
+  const LatchedHooks hooks(caller);
+  const Context& context = hooks.context();
   Report report = report_nothing(options);
+  std::int64_t before = 0, after = 0;
   const auto change = [&](ActivePart& part) {
+    before = count_missing(part.mesh, options.only_below, options.threads);
     report = run_part(mesh, part, context);
-    return true;
+    after = count_missing(part.mesh, options.only_below, options.threads);
+    return after <= before;
   };
-  change_active(mesh, constraints, active, options, change, report);
+  if (change_active(mesh, constraints, active, options, change, report)) return report;
+  // The objective may lower other measures than those of the floor.
+  ActiveTets none;
+  none.flags.assign(mesh.tets.size(), 0);
+  report = report_nothing(options);
+  change_active(mesh, constraints, none, options, change, report);
+  report.tets_bad = active.bad;
+  report.unchanged = "the mesh is as before: " + std::to_string(after) +
+                     " tetrahedra would miss the limits afterwards, " + std::to_string(before) + " do so now";
+  report.warnings.push_back(report.unchanged);
   return report;
 }
 
 }  // namespace
+
+Report report_nothing(const Options& options) {
+  Report report;
+  report.device = "CPU";
+  report.threads = backend::Cpu(options.threads).threads();
+  for (const Target& target : options.targets) report.targets.emplace_back().target = target;
+  return report;
+}
 
 Constraints checked_constraints(const TetMesh& mesh, const Options& options) {
   check_options(options);

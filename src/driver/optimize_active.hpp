@@ -30,6 +30,9 @@ using ChangePart = std::function<bool(ActivePart&)>;
 std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
                                     const ChangePart& change, Report& report);
 
+/// The report where there is nothing to optimize.
+Report report_nothing(const Options& options);
+
 /// The constraints of a mesh, as optimize() reports them: vertices by degrees of freedom, listed corners and edges that
 /// do not constrain. Computed on the CPU.
 Report report_constraints(const TetMesh& mesh, const Options& options);

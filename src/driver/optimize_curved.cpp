@@ -15,7 +15,7 @@
 #include "driver/curved_skeleton.hpp"
 #include "driver/curved_slide.hpp"
 #include "driver/extend_report.hpp"
-#include "driver/moved_fields.hpp"
+#include "driver/run_warnings.hpp"
 #include "driver/split_bounded.hpp"
 #include "driver/straighten.hpp"
 #include "driver/targets.hpp"
@@ -389,10 +389,10 @@ Report optimize_curved(TetMesh& mesh, const Options& options, const Context& con
         report.message(false));
   }
   const LatchedHooks hooks(context);
+  RunWarnings warnings(mesh, options);
   Report report = CurvedOptimizer(mesh, options, hooks.context()).run(mesh);
   if (hooks.is_stopped()) report.stop = StopReason::cancelled;
-  report.warnings = ineffective_options(options);
-  report_moved_fields(mesh, options, report);
+  warnings.add_to(report);
   report.seconds = PhaseTimer::seconds_since(start);
   return report;
 }

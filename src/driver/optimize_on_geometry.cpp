@@ -30,7 +30,7 @@ namespace {
 /// A vertex is on the geometry if its distance is at most this part of the diagonal.
 constexpr double kOnGeometry = 1e-10;
 /// The parts of the progress.
-constexpr double kSlidePart = 0.6, kInsidePart = 0.35, kWorstPart = 0.05;
+constexpr double kSnapPart = 0.1, kSlidePart = 0.6, kInsidePart = 0.35, kWorstPart = 0.05;
 /// A round is repeated, with vertices of bad elements held, at most this many times.
 constexpr int kMaxRetries = 3;
 
@@ -167,7 +167,7 @@ class GeometryRun {
       work_.mesh = std::move(moved);
       return;
     }
-    MoveReport motion = move(work_.mesh, targets, fixed_options(work_), hooks_.context());
+    MoveReport motion = move(work_.mesh, targets, fixed_options(work_), context_for(0, kSnapPart));
     report_.snapped = motion.fraction;
     work_.follow_result(motion.optimization.vertex2original);
     add(std::move(motion.optimization));
@@ -227,7 +227,7 @@ class GeometryRun {
       const std::vector<double> angles = angles_of(next.mesh, options_.threads);
       const std::vector<Index> next2work = compose(slide.vertex2original, inside.vertex2original);
       const auto is_worse = [&](Size t) { return span_of(angles)[t] < least; };
-      // Where none is to be held, those are tetrahedra of vertices that were held already.
+      // Where no vertex is to be held, all vertices of the worse tetrahedra are held already.
       return !hold_vertices_of(next, next2work, is_worse);
     }
     work_ = std::move(next);
@@ -302,6 +302,9 @@ class GeometryRun {
     mesh.triangle_data = take_entries(input.triangle_data, new2input);
     total.triangles_dropped = std::ssize(input.triangles) - std::ssize(mesh.triangles);
     total.triangle2original = unless_all(std::move(new2input), input.triangles.size());
+    // Projections change the energy as well as the runs, which the total has.
+    const Quality measured = quality(mesh, options_.threads);
+    total.energy_after = options_.energy == Energy::harmonic ? measured.eta_sum : measured.shape_sum;
     input = std::move(mesh);
   }
 
@@ -359,7 +362,7 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
   try {
     report = GeometryRun(geometry, options, on_geometry, context).run(mesh);
   } catch (const MeshError&) {
-    // Of an invalid mesh only that is said, with the numbers of the input.
+    // Where the input is not valid, the error says that alone, with the ids of the input.
     if (const ValidationReport valid = validate(mesh, options.threads); !valid.ok()) {
       throw MeshError(valid.message(false));
     }

@@ -56,6 +56,11 @@ Failures failures_of(const AcceptanceReport& report) {
   return failures;
 }
 
+/// Whether the verdict is worse afterwards, or more criteria fail.
+bool is_worse(const AcceptanceReport& before, const AcceptanceReport& after) {
+  return after.verdict > before.verdict || failures_of(after).criteria > failures_of(before).criteria;
+}
+
 /// Whether the worst value of a criterion that fails after a round is worse than before.
 bool worsens(const AcceptanceReport& before, const AcceptanceReport& after) {
   for (std::size_t i = 0; i < after.results.size(); ++i) {
@@ -67,7 +72,8 @@ bool worsens(const AcceptanceReport& before, const AcceptanceReport& after) {
   return false;
 }
 
-/// A target that is missed where the criterion is missed because of an angle of the surface.
+/// Returns the target on a dihedral angle that the criterion implies, which an angle of the surface may rule out;
+/// nothing for other measures.
 std::optional<Target> target_of(const AcceptanceCriterion& criterion) {
   if (criterion.measure < CheckMeasure::volume) return Target{Measure(criterion.measure), *criterion.fail};
   if (criterion.measure == CheckMeasure::equiangle_skew) {
@@ -97,7 +103,8 @@ class CriteriaRun {
                    quality(mesh, options_.threads).mean_ratio_min);
       make_rounds(mesh);
     }
-    if (may_limit && !is_stopped()) find_limits(mesh);
+    if (is_worse(report_.before, report_.after)) keep_input(input, mesh);
+    if (may_limit) find_limits(mesh);
     const double of_rounds = seconds_of_phases(report_.optimization) - known;
     add_seconds(report_.optimization, "criteria", PhaseTimer::seconds_since(start) - of_rounds);
     if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
@@ -109,6 +116,26 @@ class CriteriaRun {
   bool is_stopped() const { return report_.optimization.stop == StopReason::cancelled || hooks_.is_stopped(); }
 
   Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
+
+  /// Undoes the run where the objective lowers measures of criteria that the input meets.
+  void keep_input(const TetMesh& input, TetMesh& mesh) {
+    mesh = input;
+    Report& run = report_.optimization;
+    Report kept = report_nothing(options_);
+    kept.stop = run.stop;
+    kept.vertices = run.vertices;
+    kept.tets_before = kept.tets_after = run.tets_before;
+    kept.energy_before = kept.energy_after = run.energy_before;
+    kept.phases = std::move(run.phases);
+    kept.seconds = run.seconds;
+    kept.warnings = std::move(run.warnings);
+    kept.unchanged = "the mesh is as before: fewer of the criteria would be met afterwards";
+    kept.warnings.push_back(kept.unchanged);
+    run = std::move(kept);
+    report_.rounds.clear();
+    report_.after = report_.before;
+    is_input_kept_ = true;
+  }
 
   /// The caller's options for the vertices of a mesh between.
   Options current_options() const { return options_for_result(options_, report_.optimization.vertex2original); }
@@ -184,17 +211,20 @@ class CriteriaRun {
     return round;
   }
 
-  /// Finds the constraints of what fails, and of what misses Options::targets after the rounds.
+  /// Judges Options::targets after the rounds, and finds the constraints of the elements that fail, unless the caller
+  /// has requested a stop.
   void find_limits(const TetMesh& mesh) {
     const bool has_changed =
         std::any_of(report_.rounds.begin(), report_.rounds.end(), [](const CriteriaRound& r) { return r.kept; });
-    const bool retargets = has_changed && !options_.targets.empty();
-    if (report_.after.verdict != Verdict::fail && !retargets) return;
+    const bool retargets = (has_changed || is_input_kept_) && !options_.targets.empty();
+    const bool limits = report_.after.verdict == Verdict::fail && !is_stopped();
+    if (!limits && !retargets) return;
     const Options options = current_options();
     const MeshOutcome imported = import_outcome(mesh, options);
     if (retargets) report_.optimization.targets = report_targets(imported, options);
     for (const CriterionResult& r : report_.after.results) {
-      if (r.verdict == Verdict::fail) report_.limits.push_back(limits_of(mesh, r.criterion, imported, options));
+      if (limits && r.verdict == Verdict::fail)
+        report_.limits.push_back(limits_of(mesh, r.criterion, imported, options));
     }
   }
 
@@ -229,6 +259,7 @@ class CriteriaRun {
   CriteriaReport report_;
   double max_tets_ = 0;
   double least_mean_ratio_ = 0;  ///< of the result
+  bool is_input_kept_ = false;
 };
 
 }  // namespace

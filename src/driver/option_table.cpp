@@ -18,7 +18,7 @@ constexpr int choice_value(auto enumerator) { return static_cast<int>(enumerator
 
 constexpr std::array kDevices{
     OptionChoice{"auto", choice_value(Device::automatic),
-                 "as cuda for 1000000 tetrahedra or more if there is a GPU with enough memory, else as cpu",
+                 "as cuda for 500000 tetrahedra or more if there is a GPU with enough memory, else as cpu",
                  "automatic"},
     OptionChoice{"cpu", choice_value(Device::cpu), "on CPU threads"},
     OptionChoice{"cuda", choice_value(Device::cuda), "on the current NVIDIA GPU, compute capability 7.5 or newer"}};
@@ -179,13 +179,16 @@ const std::array kTable{
                {},
                kBoundaryFlipConditions},
     OptionInfo{"effort", &Options::effort, kMethod, "How much is done", kEfforts, {}, kEffortConditions},
-    OptionInfo{"keep_vertices", &Options::keep_vertices, kMethod,
-               "No vertex is inserted or removed. Without it effort=best does so, and untangle=true in curved meshes"},
+    OptionInfo{
+        "keep_vertices", &Options::keep_vertices, kMethod,
+        "No vertex is inserted or removed, as effort=best and surface_vertices=edit do otherwise, and untangle=true "
+        "in curved meshes"},
     OptionInfo{"max_growth",
                &Options::max_growth,
                kMethod,
-               "Maximum number of tetrahedra of the result, in parts of those of the input. With a larger value "
-               "vertices are inserted around more of the worst tetrahedra, and the time grows likewise",
+               "Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. "
+               "A larger value allows insertion around "
+               "more of the worst tetrahedra, at proportional cost",
                {},
                {1, 100},
                kGrowthConditions},
@@ -199,10 +202,11 @@ const std::array kTable{
     OptionInfo{"restarts",
                &Options::restarts,
                kMethod,
-               "With effort=best, the number of rounds in which neighborhoods of the worst elements are optimized "
-               "again, without regard to the angles reached, and a result is taken if the worst element in it has "
-               "improved; as many follow that lower the largest dihedral angle where the smallest one stays; 0: none; "
-               "-1: 10, of the first one for each 400 tetrahedra in smaller meshes",
+               "With effort=best, the maximum number of rounds of restarts: a round optimizes the neighborhoods of at "
+               "most four of the worst elements again, without regard to the angles reached, and keeps a result that "
+               "improves the worst element in it. At most as many rounds follow that lower the largest dihedral angle "
+               "and leave the smallest; 0: none; -1: 10 of each, of the first kind one per 400 tetrahedra in smaller "
+               "meshes",
                {},
                {-1, 10000},
                kRestartConditions},

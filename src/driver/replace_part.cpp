@@ -341,8 +341,9 @@ PartMaps replace_part(TetMesh& mesh, ActivePart part, const ActiveTets& active, 
   report.tets_before = std::ssize(mesh.tets);
   PartReplacement replacement(mesh, part, report);
   extend_targets(mesh, replacement, active, part.options.threads, report);
+  PartMaps maps{replacement.vertex2whole(), replacement.tet2whole()};
   replacement.apply(mesh);
-  return {replacement.vertex2whole(), replacement.tet2whole()};
+  return maps;
 }
 
 }  // namespace tetune

@@ -54,7 +54,8 @@ class Splitter {
     exclude(tets, trial, invalid);
   }
 
-  /// Those of the tetrahedra that share a vertex with one that is not valid then are not split again; else none is.
+  /// Excludes from further splits the tetrahedra that share a vertex with one that is not valid after the split; where
+  /// none does, all of them.
   void exclude(const std::vector<Index>& tets, const TetMesh& trial, const std::vector<Index>& invalid) {
     std::set<Index> vertices;
     for (const Index t : invalid) vertices.insert(span_of(trial.tets)[t].begin(), span_of(trial.tets)[t].end());

@@ -31,7 +31,7 @@ class SurfaceCurvature {
  private:
   struct State {
     Point3 middle;    ///< on the curved surface
-    double kept = 1;  ///< the part of its curvature that it has
+    double kept = 1;  ///< fraction of its curvature
   };
   std::map<Edge, State> surface_;
 };
@@ -39,7 +39,7 @@ class SurfaceCurvature {
 /// The ids of tetrahedra that are not proved valid.
 std::vector<Index> not_valid(const std::vector<CurvedTet>& tets);
 
-/// Makes the elements valid that are not, by less curvature of their edges on the surface, as little as needed up to
+/// Makes invalid elements valid by reducing the curvature of their edges on the surface, by the least amount to within
 /// some hundredths, and by relaxation. Edges that the options or the mesh freeze stay. Where this does not suffice,
 /// some elements are not valid afterwards. Returns the edges that moved.
 std::vector<StraightenedEdge> straighten(TetMesh& mesh, const HeldNodes& held, const Options& options,

@@ -40,12 +40,12 @@ MeshOutcome import_outcome(const TetMesh& mesh, const Options& options);
 Options options_for_result(const Options& options, const std::vector<Index>& vertex2original);
 /// One report per entry of Options::targets, with the mesh's own numbers of tetrahedra.
 std::vector<TargetReport> report_targets(const MeshOutcome& imported, const Options& options);
-/// The same for a result and the caller's options.
+/// Same, for a result and the caller's options.
 std::vector<TargetReport> report_targets(const TetMesh& result, const Options& options,
                                          const std::vector<Index>& vertex2original);
 
-/// Finds the constraints of tetrahedra that miss a target, or without one a limit that no angle of the surface bounds.
-/// MissedTet::tet is a slot.
+/// Finds the constraints of tetrahedra that miss a limit; angles of the surface are among them only where a target is
+/// given. MissedTet::tet is a slot.
 void find_limiting(const Outcome& outcome, const Options& options, const std::optional<Target>& target,
                    std::vector<MissedTet>& missed);
 

@@ -120,8 +120,10 @@ TETUNE_HD inline bool allowed(const QualityFloor& floor, const OppositeFace<doub
 inline constexpr int kRingLanes = 4;
 
 /// Each volume of a ring exceeds the bound on its rounding error if the smallest, `w_min`, exceeds the bound for the
-/// largest possible faces, where `length2` is the sum of the squared distances |y|^2: permanent <= sqrt(2) |a| |b| |y|,
-/// and |a|, |b| are at most twice the longest y.
+/// largest faces, where `length2` is the sum of the squared distances |y|^2: permanent <= sqrt(2) |a| |b| |y|, and |a|,
+/// |b| are at most twice the longest distance from a vertex of the ring. That is about the longest y, which are the
+/// distances from one vertex of each face: in a very uneven ring the test may hold where a volume is not certified, and
+/// a step from such a position is longer or shorter than it should be. The end of each step is certified.
 TETUNE_HD TETUNE_INLINE bool exceeds_error_bound(double w_min, double length2) {
   return w_min > 6 * kOrientBound * length2 * std::sqrt(length2);
 }

@@ -112,9 +112,9 @@ double diagonal_of(const std::vector<Point3>& points, const std::vector<Index>& 
 }
 
 /// A hint at the unit, where it explains the sizes of the mesh and of the geometry.
-std::string unit_hint(double ratio) {
+std::string unit_hint(double ratio, double unit) {
   for (const LengthUnit& u : kLengthUnits) {
-    if (std::fabs(ratio / u.mm - 1) < 0.05 && std::fabs(ratio - 1) > 0.05) {
+    if (std::fabs(ratio / u.mm - 1) < 0.05 && std::fabs(unit / u.mm - 1) > 0.05) {
       return "; geometry_unit=" + number(u.mm) + " (" + u.name + ") would make the sizes equal";
     }
   }
@@ -130,11 +130,14 @@ std::string unit_hint(double ratio) {
   }
   const Point3& p = span_of(mesh.points)[worst];
   const double size = diagonal_of(mesh.points, surface.surface2mesh);
+  const double farthest = span_of(distances)[worst];
+  // The search is limited.
+  const std::string distance = std::isinf(farthest) ? "such as that" : "the farthest by " + number(farthest);
   throw MeshError(
       "the mesh and the geometry of " + geometry.file() + " do not belong together: " + std::to_string(farther) +
-      " vertices of the boundary are too far from it, the farthest by " + number(span_of(distances)[worst]) +
-      text_of(" at %.6g %.6g %.6g", p[0], p[1], p[2]) + "; the diagonal of the mesh is " + number(size) +
-      ", that of the geometry " + number(geometry.diagonal()) + unit_hint(unit * geometry.diagonal() / size));
+      " vertices of the boundary are too far from it, " + distance + text_of(" at %.6g %.6g %.6g", p[0], p[1], p[2]) +
+      "; the diagonal of the mesh is " + number(size) + ", that of the geometry " + number(geometry.diagonal()) +
+      unit_hint(unit * geometry.diagonal() / size, unit));
 }
 
 /// Per triangle of a surface the number of the surface of an .msh file; empty where the mesh is of another origin.

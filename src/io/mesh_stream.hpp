@@ -115,11 +115,11 @@ class MeshReader {
   void operator()(DataValues& values) {
     std::uint64_t which = 0;
     (*this)(which);
-    if (which >= std::variant_size_v<DataValues>) fail();
+    if (which >= std::variant_size_v<DataVariant>) fail();
     const auto set_type = [&]<std::size_t... I>(std::index_sequence<I...>) {
       ((which == I ? void(values.emplace<I>()) : void()), ...);
     };
-    set_type(std::make_index_sequence<std::variant_size_v<DataValues>>());
+    set_type(std::make_index_sequence<std::variant_size_v<DataVariant>>());
     std::visit([this](auto& v) { raw(v); }, values);
   }
   template <class T>

@@ -28,12 +28,13 @@ void expect_end(TextCursor& cursor) {
 }
 
 /// Reads the points; returns the number of the first one in the file, 0 or 1.
-std::int64_t read_nodes(const std::string& path, TetMesh& mesh) {
+std::int64_t read_nodes(const std::string& path, TetMesh& mesh, const IoContext& context) {
   const MappedFile file(path);
   TextCursor cursor(path, file.bytes());
   const std::size_t n = checked_count(cursor, "number of points", 4, false);
   if (cursor.integer("dimension") != 3) cursor.fail("the dimension must be 3");
   const std::int64_t attributes = cursor.line_done() ? 0 : cursor.integer("number of attributes");
+  if (attributes > 0) context.warn(path + ": the attributes of points are not kept");
   const std::int64_t markers = cursor.line_done() ? 0 : cursor.integer("boundary marker flag");
   std::int64_t base = 0;
   mesh.points.resize(n);
@@ -78,7 +79,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
   namespace fs = std::filesystem;
   const auto sibling = [&path](const char* ending) { return path_of(path).replace_extension(ending).string(); };
   TetMesh mesh;
-  const std::int64_t base = read_nodes(sibling(".node"), mesh);
+  const std::int64_t base = read_nodes(sibling(".node"), mesh, context);
   {
     const std::string name = sibling(".ele");
     const MappedFile file(name);
@@ -89,8 +90,9 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
       cursor.fail("tetrahedra have " + std::to_string(corners) +
                   " nodes; tetune takes those with 4 (run TetGen without -o2)");
     }
-    const bool attribute = !cursor.line_done() && cursor.integer("number of attributes") > 0;
-    read_rows(cursor, n, base, attribute, mesh.tets, mesh.tet_tags);
+    const std::int64_t attributes = cursor.line_done() ? 0 : cursor.integer("number of attributes");
+    if (attributes > 1) context.warn(sibling(".ele") + ": the attributes of tetrahedra after the first are not kept");
+    read_rows(cursor, n, base, attributes > 0, mesh.tets, mesh.tet_tags);
   }
   const auto read_optional = [&](const char* ending, const char* count, int numbers, auto& elements, auto& tags) {
     const std::string name = sibling(ending);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "mesh/bounded_projection.hpp"
 #include "mesh/projection_sums.hpp"
 #include "mesh/tet_overlaps.hpp"
+#include "mesh/validate_arrays.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 
@@ -171,6 +173,14 @@ void check_length(const std::vector<DataArray>& data, std::size_t elements) {
   if (elements > 0) take_entries(data, {to_index(elements - 1)});
 }
 
+/// Throws MeshError unless all ids are in [0, size).
+void check_ids(std::span<const Index> ids, std::size_t size, const char* what) {
+  for (const Index id : ids) {
+    if (id >= 0 && to_size_t(id) < size) continue;
+    throw MeshError(std::string(what) + " have the id " + std::to_string(id) + "; there are " + std::to_string(size));
+  }
+}
+
 }  // namespace
 
 ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<Index, 4>>& tets,
@@ -181,6 +191,10 @@ ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<I
   }
   check_length(input.point_data, input.points.size());
   check_length(input.tet_data, input.tets.size());
+  require_arrays(input);
+  check_ids(tet2original, input.tets.size(), "tetrahedra of the input");
+  for (const auto& tet : tets) check_ids(tet, places.size(), "places of vertices");
+  for (const MeshPlace& place : places) check_ids(place.vertices, input.points.size(), "vertices of the input");
   const backend::Cpu cpu(threads);
   const TransferMeshes meshes(input, tets, tet2original, places);
   const auto [fields, values] = projected_fields(input.point_data, std::ssize(input.points));

@@ -254,6 +254,11 @@ std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, cons
     throw MeshError("vertex2original has " + std::to_string(vertex2original.size()) +
                     " entries; it must have one for each of the " + std::to_string(points.size()) + " vertices");
   }
+  for (const auto& tet : tets) {
+    const bool is_known =
+        std::all_of(tet.begin(), tet.end(), [&](Index v) { return v >= 0 && v < std::ssize(points); });
+    if (!is_known) throw MeshError("a tetrahedron has a vertex that is none of the " + std::to_string(points.size()));
+  }
   const bool inserted = std::find(vertex2original.begin(), vertex2original.end(), kInserted) != vertex2original.end();
   if (!inserted) return take_entries(data, vertex2original);
   const std::vector<Stencil> stencils = find_stencils(vertex2original, points, tets);

@@ -9,6 +9,7 @@
 
 #include "backend/span.hpp"
 #include "mesh/periodic.hpp"
+#include "mesh/validate_arrays.hpp"
 #include "tetune/error.hpp"
 #include "tetune/periodic.hpp"
 
@@ -110,6 +111,7 @@ PeriodicLink link_across(const TetMesh& mesh, std::size_t axis, const std::vecto
 }  // namespace
 
 void link_box_faces(TetMesh& mesh, const std::array<bool, 3>& axes) {
+  require_arrays(mesh);
   std::vector<std::uint8_t> is_used(mesh.points.size(), 0);
   for (const auto& tet : mesh.tets) {
     for (const Index v : tet) span_of(is_used)[v] = 1;

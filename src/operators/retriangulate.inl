@@ -89,7 +89,9 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
   const auto has_room = [&] {
     const ChangeCounts& total = selection.total;
-    return mesh.tets() + total.taken - total.freed <= limits.max_tets && SlotChange(mesh, total).needed <= kMaxSlots;
+    const bool is_within_limit =
+        total.taken <= total.freed || mesh.tets() + total.taken - total.freed <= limits.max_tets;
+    return is_within_limit && SlotChange(mesh, total).needed <= kMaxSlots;
   };
   if (!has_room() && edits_vertices) {
     proposals.inserts = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -8,8 +9,9 @@
 
 namespace tetune {
 
-/// Hooks that latch the request to stop: an interrupted step must not be resumed. Those of the caller are called on the
-/// thread that made this object alone; on others the request is the latched one.
+/// Hooks for several runs: they latch the request to stop, as an interrupted step must not be resumed, and the fraction
+/// that is done does not fall where a run is repeated. Those of the caller are called on the thread that made this
+/// object alone; on others the request is the latched one.
 class LatchedHooks {
  public:
   explicit LatchedHooks(const Context& caller) : caller_(caller) {
@@ -18,7 +20,8 @@ class LatchedHooks {
       return stopped_.load();
     };
     if (caller_.progress) {
-      context_.progress = [this](const Progress& p) {
+      context_.progress = [this](Progress p) {
+        fraction_ = p.fraction = std::max(fraction_, p.fraction);
         if (!stopped_ && !caller_.progress(p)) stopped_ = true;
         return !stopped_;
       };
@@ -33,6 +36,7 @@ class LatchedHooks {
   const Context& caller_;
   const std::thread::id thread_ = std::this_thread::get_id();
   std::atomic<bool> stopped_ = false;
+  double fraction_ = 0;
   Context context_;
 };
 

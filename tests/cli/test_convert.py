@@ -142,6 +142,7 @@ class Convert(CliTest):
         self.refused("convert", source, self.path("b.msh"), "--order", "2", "--surface", other,
                      said=["the finer surface is not that of the mesh", "the largest distance is 0.2"])
         self.refused("convert", source, self.path("b.msh"), "--surface", finer, said=["--order 2"])
+        self.refused("convert", source, "-o", finer, "--order", "2", "--surface", finer, said=["finer.mesh", "is read as well"])
         self.refused("convert", source, self.path("b.msh"), "--order", "2", "--surface", self.path("none.mesh"), said=["none.mesh"])
 
     def test_pipes(self):
@@ -158,6 +159,11 @@ class Convert(CliTest):
         self.assertEqual(self.files(), ["a.edge", "a.ele", "a.face", "a.node", "in.mesh"])
         self.assertEqual(self.read_bytes("a.edge"), b"0 0\n")
         self.assertEqual(self.run_cli("info", self.path("a.node"), "--check").stderr, "")
+        self.put("b.node", "4 3 2 0\n1 0 0 0 5 6\n2 1 0 0 5 6\n3 0 1 0 5 6\n4 0 0 1 5 6\n")
+        self.put("b.ele", "1 4 2\n1 1 2 3 4 7 8\n")
+        done = self.run_cli("info", self.path("b.node"), "--check")
+        self.assertIn("b.node: the attributes of points are not kept", done.stderr)
+        self.assertIn("b.ele: the attributes of tetrahedra after the first are not kept", done.stderr)
         self.refused("optimize", self.path("a.node"), self.path("a.ele"), "-o", self.path("new") + "/", said=["named twice"])
         self.put("new.mesh", cube(2))
         self.refused("optimize", self.path("new.mesh"), self.path("a.node"), "-o", self.path("a.ele"), said=["a.ele"])

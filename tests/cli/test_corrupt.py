@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Damaged variants of a small mesh in each format: refused with exit code 2 and a message that names the file (and the
-place, by tetune's own readers), with nothing written and memory bounded; or still a mesh, which is optimised.
+place, by tetune's own readers), with nothing written and memory bounded; or still a mesh, which is optimized.
 
 Run: see cli_case.py. $TETUNE_CORRUPT is the number of variants of each format; by default it is fewer for formats
 through VTK and Gmsh, whose start takes longer.
@@ -139,7 +139,7 @@ class Corrupt(CliTest):
         return process.returncode, out, error, usage.ru_maxrss
 
     def attempt(self, folder, name, files, memory_kb):
-        """What became of it: "refused", "optimised", or what is wrong."""
+        """The outcome: "refused", "optimized", or what is wrong."""
         place = self.folder / folder
         place.mkdir()
         for file, content in files.items():
@@ -168,7 +168,7 @@ class Corrupt(CliTest):
                 wrong.append("the result is not valid")
         else:
             wrong.append(f"exit code {code}")
-        return "; ".join(wrong + [error.strip()]) if wrong else ("refused" if code == 2 else "optimised")
+        return "; ".join(wrong + [error.strip()]) if wrong else ("refused" if code == 2 else "optimized")
 
     def check(self, name, files, damage, count, own=False):
         """Variants of the file `name` with others beside it."""
@@ -187,7 +187,7 @@ class Corrupt(CliTest):
             return self.attempt(str(seed), name, {**files, name: damage(rng, whole)}, memory_kb)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             results = list(pool.map(one, range(count)))
-        wrong = [f"seed {seed}: {r}" for seed, r in enumerate(results) if r not in ("refused", "optimised")]
+        wrong = [f"seed {seed}: {r}" for seed, r in enumerate(results) if r not in ("refused", "optimized")]
         self.assertEqual(wrong, [], "\n".join(wrong))
         # Neither all break nor all miss.
         self.assertGreater(results.count("refused"), count / 10)

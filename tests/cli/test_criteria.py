@@ -51,7 +51,7 @@ class Criteria(CliTest):
         self.assertIn("acceptance by mine.toml: fail", done.stdout)
         both = json.loads(self.read_bytes("r.json"))["acceptance"]
         self.assertEqual((both["before"]["verdict"], both["after"]["verdict"]), ("fail", "fail"))
-        self.assertIn("round on what fails: 2 rings", done.stdout)
+        self.assertIn("round on the elements that fail: 2 rings", done.stdout)
         self.assertIn("edge_ratio fails:", done.stdout)
         limits, = both["limits"]
         self.assertEqual(sum(limits["held_by"].values()), both["after"]["results"][0]["failed"])

@@ -239,28 +239,51 @@ class Conversions(Case):
             self.assertIn(f"out.{ending}: this build of Gmsh has no ", done.stderr)
 
     def test_measures_come_with_the_mesh(self):
-        told = json.loads(self.run_tetune("info", "--json", "cube.mesh").stdout)["quality"]
+        info = json.loads(self.run_tetune("info", "--json", "cube.mesh").stdout)["quality"]
         for ending in ("vtu", "vtk", "e", "msh"):
             done = self.run_tetune("info", "cube.mesh", "--cell-data", f"q.{ending}")
             self.assertEqual(done.returncode, 0, done.stderr)
             done = self.run_tetune("info", f"q.{ending}")
-            for measure in told["measures"]:
+            for measure in info["measures"]:
                 self.assertIn(measure, done.stdout.split("data on tetrahedra")[1].splitlines()[0], ending)
             again = json.loads(self.run_tetune("info", "--json", f"q.{ending}").stdout)["quality"]
-            self.assertEqual(again["measures"], told["measures"], ending)
+            self.assertEqual(again["measures"], info["measures"], ending)
+
+    def test_content_that_gmsh_ignores_is_named(self):
+        self.run_tetune("convert", "cube.mesh", "a.bdf")
+        self.run_tetune("convert", "cube.mesh", "a.unv")
+        self.assertEqual(self.run_tetune("info", "a.bdf").stderr, "")
+        self.assertEqual(self.run_tetune("info", "a.unv").stderr, "")
+        bulk = (self.folder / "a.bdf").read_text()
+        nodes, ends = bulk[bulk.index("GRID"):], "ENDDATA"
+        (self.folder / "b.bdf").write_text("SOL 101\nCEND\nLOAD = 1\nBEGIN BULK\nMAT1,1,2.1+5,,0.3\n+,1.,2.\n"
+                                           "PSOLID  1       1\nFORCE*  1\n" + nodes)
+        done = self.run_tetune("info", "b.bdf")
+        self.assertIn("the statements before BEGIN BULK are not kept", done.stderr)
+        self.assertIn("the cards MAT1, PSOLID, FORCE are not kept", done.stderr)
+        (self.folder / "b.bdf").write_text(bulk.replace(ends, ""))
+        self.assertIn("may be cut short", self.run_tetune("info", "b.bdf").stderr)
+        for node in ("GRID,900,7,1.,90.,0.\n", "GRID    900     7       1.      90.     0.\n"):
+            (self.folder / "b.bdf").write_text(node + nodes)
+            done = self.run_tetune("info", "b.bdf")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("line 1: a node is in the coordinate system 7", done.stderr)
+        whole = (self.folder / "a.unv").read_text()
+        (self.folder / "b.unv").write_text(whole + "    -1\n   164\n         1\n    -1\n    -1\n  2467\n    -1\n")
+        self.assertIn("the data sets 164, 2467 are not kept", self.run_tetune("info", "b.unv").stderr)
 
     def test_what_has_no_room_is_told(self):
         (self.folder / "in.vtk").write_text(HEAT)
         for output, named in (("out.vtu", None), ("out.mesh", "out.mesh"), ("-", "standard output")):
             done = self.run_tetune("optimize", "in.vtk", output)
             self.assertEqual(done.returncode, 0, done.stderr)
-            told = [line for line in done.stderr.splitlines() if "heat" in line]
-            self.assertEqual(told, [] if named is None else
+            warnings = [line for line in done.stderr.splitlines() if "heat" in line]
+            self.assertEqual(warnings, [] if named is None else
                              [f'tetune: warning: {named}: the format cannot hold the data "heat"'])
             self.assertEqual(done.stdout.startswith("MeshVersionFormatted"), output == "-")
 
     def test_data_of_any_name_number_the_regions(self):
-        """--tags: interfaces stay, and so do the data; without it the user is told."""
+        """--tags: interfaces stay, and so do the data; without it there is a warning."""
         mesh = cube(4)
         regions = [1 + (sum(mesh.points[v][0] for v in t) > 2) for t in mesh.tets]
         lines = ["# vtk DataFile Version 3.0", "cube", "ASCII", "DATASET UNSTRUCTURED_GRID", f"POINTS {len(mesh.points)} double",
@@ -270,8 +293,8 @@ class Conversions(Case):
         (self.folder / "in.vtk").write_text("\n".join(lines) + "\n")
 
         def volume_change(output):
-            told = self.run_tetune("compare", "in.vtk", output, "--json", "--tags", "steel").stdout
-            return json.loads(told)["change"]["region_volume_change"]
+            output_text = self.run_tetune("compare", "in.vtk", output, "--json", "--tags", "steel").stdout
+            return json.loads(output_text)["change"]["region_volume_change"]
 
         done = self.run_tetune("optimize", "in.vtk", "-o", "plain.vtu")
         self.assertIn('the cell data "steel" look like numbers of regions', done.stderr)
@@ -281,7 +304,7 @@ class Conversions(Case):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertNotIn("look like", done.stderr)
             self.assertLess(volume_change(output), 1e-12)
-        # Who reads the result finds the regions without being told.
+        # A reader of the result finds the regions without --tags.
         done = self.run_tetune("optimize", "out.vtu", "-o", "again.vtu")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertLess(volume_change("again.vtu"), 1e-12)
@@ -324,8 +347,8 @@ class Conversions(Case):
                 out = f"out_{source.name}"
                 done = self.run_tetune("optimize", source.name, "-o", out, "--effort", "fast", "--threads", "1")
                 self.assertEqual(done.returncode, 0, done.stderr)
-                told = {"parametric": "parametric coordinates", "parts": "the partitions are kept as the data"}
-                for word, text in told.items():
+                warnings = {"parametric": "parametric coordinates", "parts": "the partitions are kept as the data"}
+                for word, text in warnings.items():
                     self.assertEqual(source.name.startswith(word), text in done.stderr, done.stderr)
                 heads = [(self.folder / name).read_bytes()[:20] for name in (source.name, out)]
                 self.assertEqual(heads[0], heads[1])

@@ -163,7 +163,7 @@ class Compare(CliTest):
         self.assertEqual(result["before"], result["after"])
         self.assertEqual(result["before"]["file"], name)
 
-    def test_optimised(self):
+    def test_optimized(self):
         source = self.put("in.mesh", cube(4))
         self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--quiet")
         result = self.compare(source, self.path("out.mesh"))

@@ -49,6 +49,9 @@ class Optimize(CliTest):
         for option in (["--quiet"], ["-v", "0"]):
             done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), *option)
             self.assertEqual(done.stdout + done.stderr, "")
+        done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--quiet", "--target-quality", "0.99",
+                            "mean_ratio", code=1)
+        self.assertEqual(done.stderr, f"tetune: warning: {self.path('out.mesh')}: target missed\n")
         plain = self.run_cli("optimize", source, "-o", self.path("out.mesh")).stdout
         loud = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "-v", "2").stdout
         for part in ("after sweep  pass", "|grad tr|^2", "phase        time s"):
@@ -64,9 +67,9 @@ class Optimize(CliTest):
                                 "--report", self.path("run.json"))
             with open(self.path("run.json"), encoding="utf-8") as file:
                 said[device] = json.load(file)["optimization"]
-            self.assertEqual("on CPU: below 1000000 tetrahedra" in done.stdout, device == "auto")
+            self.assertEqual("on CPU: below 500000 tetrahedra" in done.stdout, device == "auto")
         self.assertEqual(said["auto"]["device"], "CPU")
-        self.assertEqual(said["auto"]["device_reason"], "below 1000000 tetrahedra")
+        self.assertEqual(said["auto"]["device_reason"], "below 500000 tetrahedra")
         self.assertEqual(said["cpu"]["device_reason"], "")
 
     def test_report(self):

@@ -104,9 +104,9 @@ class Refusals(CliTest):
         self.run_cli("optimize", name, "-o", self.path("out.mesh"), *report, "--dry-run", code=1)
         self.assertEqual(self.files(), ["in.mesh", "out.mesh"])
         self.run_cli("optimize", name, "-o", self.path("out.mesh"), *report, code=1)
-        told = json.loads(self.read_bytes("r.json"))["untangling"]
-        self.assertEqual(told["left"], sorted(set(told["left"])))
-        self.assertIn(f"{len(told['left'])} tetrahedra there", run.stderr)
+        listed = json.loads(self.read_bytes("r.json"))["untangling"]
+        self.assertEqual(listed["left"], sorted(set(listed["left"])))
+        self.assertIn(f"{len(listed['left'])} tetrahedra there", run.stderr)
 
     def test_mixed_orientation_is_made_one(self):
         mesh = cube(3)

@@ -194,7 +194,7 @@ TEST_F(Msh, CurvedEdgesKeepTheBitsOfTheirNodes) {
   EXPECT_TRUE(contains(two, "node 5 is a mid-side node of two edges")) << two;
 }
 
-TEST_F(Msh, PeriodicTrianglesAreNotFlipped) {
+TEST_F(Msh, TrianglesOfLinksThatAreNoTranslationsAreNotFlipped) {
   TetMesh m = cube(3);
   m.triangle_tags.clear();
   m.triangles.clear();

@@ -7,7 +7,10 @@
 #include <ostream>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "backend/span.hpp"
 #include "constrained.hpp"
 #include "energy_watch.hpp"
 #include "meshes.hpp"
@@ -171,6 +174,45 @@ TEST(Optimize, BestKeepsWhatMustBeKept) {
   }
   EXPECT_GT(inserted, 10);
   EXPECT_GT(removed, 0);
+}
+
+/// Lines of different names along one straight edge of a cube keep their lengths.
+TEST(Optimize, NamedLinesKeepTheirExtents) {
+  constexpr int n = 6;
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    for (const Effort effort : {Effort::standard, Effort::best}) {
+      TetMesh mesh = test::cube(n, 0.2);
+      std::vector<std::pair<double, Index>> along;
+      for (Index v = 0; v < std::ssize(mesh.points); ++v) {
+        const Point3& p = mesh.points[to_size_t(v)];
+        if (p[1] == 0 && p[2] == 0) along.emplace_back(p[0], v);
+      }
+      ASSERT_EQ(along.size(), std::size_t{n} + 1);
+      std::sort(along.begin(), along.end());
+      for (std::size_t i = 0; i < n; ++i) {
+        mesh.edges.push_back({along[i].second, along[i + 1].second});
+        mesh.edge_tags.push_back(i < 2 ? 1 : i < 4 ? 2 : 0);
+      }
+      mesh.groups = {{1, 1, "inlet", {1}}, {1, 2, "support", {2}}};
+      Options options;
+      options.boundary = boundary;
+      options.effort = effort;
+      const auto length = [&](int tag) {
+        double sum = 0;
+        for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+          if (mesh.edge_tags[e] != tag) continue;
+          const auto& [a, b] = mesh.edges[e];
+          sum += std::fabs(mesh.points[to_size_t(a)][0] - mesh.points[to_size_t(b)][0]);
+        }
+        return sum;
+      };
+      const double first = length(1), second = length(2);
+      const Report report = optimize(mesh, options);
+      EXPECT_EQ(report.corners_not_held, 0);
+      EXPECT_NEAR(length(1), first, 1e-12);
+      EXPECT_NEAR(length(2), second, 1e-12);
+    }
+  }
 }
 
 TEST(Optimize, BestKeepsTheEndsOfTaggedEdgesHoweverManyThereAre) {

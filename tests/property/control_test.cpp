@@ -77,7 +77,7 @@ TEST(Control, StopsBetweenBatchesOfProposals) {
   }
 }
 
-TEST(Control, ProgressTellsHowFarTheRunIs) {
+TEST(Control, ProgressReportsHowFarTheRunIs) {
   const TetMesh before = input();
   for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
     TetMesh m = before;

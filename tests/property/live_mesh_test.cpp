@@ -102,6 +102,36 @@ TEST(LiveMesh, MovesAVertexThroughItsNeighborhood) {
   EXPECT_EQ(live.disturbed(), 0);
 }
 
+TEST(LiveMesh, ReportsAlsoWhereNothingMoves) {
+  Options options;
+  options.targets = {{Measure::mean_ratio, 0.9}};
+  LiveMesh live(optimized(4), options, 2);
+  const MoveReport report = live.move(VertexTargets(live.mesh().points.begin(), live.mesh().points.end()));
+  EXPECT_TRUE(report.reached());
+  EXPECT_EQ(report.optimization.device, "CPU");
+  EXPECT_GT(report.optimization.threads, 0);
+  ASSERT_EQ(report.optimization.targets.size(), 1U);
+  EXPECT_EQ(report.optimization.targets[0].tets, std::ssize(live.mesh().tets));
+}
+
+/// A part that is moved again, in a larger neighborhood, is a part of the same run.
+TEST(LiveMesh, ItsProgressDoesNotFall) {
+  LiveMesh live(optimized(8), {}, 1);
+  const Index v = inner_vertex_near(live.mesh(), {0.5, 0.5, 0.5});
+  double fraction = 0;
+  int calls = 0;
+  const Context context{[&](const Progress& p) {
+                          EXPECT_GE(p.fraction, fraction);
+                          fraction = p.fraction;
+                          ++calls;
+                          return true;
+                        },
+                        {}};
+  live.move(one_moved(live.mesh(), v, {0.3, 0, 0}), context);
+  EXPECT_GT(calls, 2);
+  EXPECT_TRUE(validate(live.mesh()).ok());
+}
+
 TEST(LiveMesh, GivesTheSameBitsForAnyNumberOfThreadsOverManySteps) {
   TetMesh results[2];
   for (const int threads : {1, 3}) {

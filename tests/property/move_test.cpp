@@ -270,6 +270,24 @@ TEST(Move, SequencesOfTargets) {
   expect_valid(after);
 }
 
+/// A vertex on its way to a target that is not reached is not put back to the one before.
+TEST(Move, ALaterTargetIsReachedInPart) {
+  const TetMesh before = test::cube(4);
+  const auto v = static_cast<std::size_t>(std::find(before.points.begin(), before.points.end(), Point3{0.5, 0.5, 0.5}) -
+                                          before.points.begin());
+  ASSERT_LT(v, before.points.size());
+  std::vector<VertexTargets> targets(2, VertexTargets(before.points.size(), kFree));
+  targets[0][v] = {0.6, 0.5, 0.5};
+  targets[1][v] = {1.5, 0.5, 0.5};  // outside
+  TetMesh after = before;
+  const MoveReport r = move(after, targets, options_of(Effort::standard, Boundary::preserve, 2));
+  EXPECT_EQ(r.targets_reached, 1U);
+  EXPECT_GT(r.fraction, 0.2);
+  EXPECT_LT(r.fraction, 0.5);
+  expect_valid(after);
+  EXPECT_NEAR(after.points[v][0], 0.6 + 0.9 * r.fraction, 1e-9);
+}
+
 /// Positions far smaller than the mesh, and negative zeros, keep their bits.
 TEST(Move, PositionsKeepTheirBits) {
   const TetMesh base = test::cube(3);

@@ -198,6 +198,37 @@ TEST(OnlyBelowLimit, improves_what_is_bad) {
   expect_rest_unchanged(before, mesh, active_by_definition(before, options), report);
 }
 
+/// In a thin layer the energy makes other measures worse.
+TEST(OnlyBelowLimit, no_more_tetrahedra_miss_it_afterwards) {
+  int unchanged = 0;
+  for (const Measure measure : {Measure::scaled_jacobian, Measure::radius_ratio, Measure::gamma}) {
+    TetMesh mesh = test::cube(6, 0.2);
+    for (Point3& p : mesh.points) p[2] *= 0.02;
+    const TetMesh before = mesh;
+    std::vector<double> values;
+    for (const Measures& m : measure_each(mesh)) values.push_back(m[static_cast<std::size_t>(measure)]);
+    std::sort(values.begin(), values.end());
+    if (!larger_is_better(measure)) std::reverse(values.begin(), values.end());
+    Options options;
+    options.only_below = {{measure, values[5]}};
+    const auto missing = [&](const TetMesh& of) {
+      const auto all = measure_each(of);
+      return std::count_if(all.begin(), all.end(), [&](const Measures& m) {
+        const double value = m[static_cast<std::size_t>(measure)];
+        return larger_is_better(measure) ? value < values[5] : value > values[5];
+      });
+    };
+    const Report report = optimize(mesh, options);
+    EXPECT_LE(missing(mesh), missing(before));
+    EXPECT_EQ(report.tets_bad, missing(before));
+    if (report.unchanged.empty()) continue;
+    ++unchanged;
+    EXPECT_EQ(mesh.points, before.points);
+    EXPECT_EQ(mesh.tets, before.tets);
+  }
+  EXPECT_GT(unchanged, 0);
+}
+
 TEST(OnlyBelowLimit, nothing_is_done_where_nothing_is_bad) {
   TetMesh mesh = test::cube(3);
   number_data(mesh);
@@ -216,6 +247,32 @@ TEST(OnlyBelowLimit, nothing_is_done_where_nothing_is_bad) {
   EXPECT_EQ(report.targets[0].missed, report.tets_before);
   EXPECT_EQ(report.targets[0].held_by[static_cast<std::size_t>(LimitingConstraint::locked_element)],
             report.tets_before);
+}
+
+TEST(OnlyBelowLimit, listed_edges_that_no_longer_exist_are_dropped) {
+  const auto edges_of = [](const TetMesh& mesh) {
+    std::set<std::array<Index, 2>> edges;
+    for (const auto& tet : mesh.tets) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = 0; j < i; ++j) edges.insert({std::min(tet[i], tet[j]), std::max(tet[i], tet[j])});
+      }
+    }
+    return edges;
+  };
+  std::int64_t dropped = 0;
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    TetMesh mesh = test::cube(6, 0.2, seed);
+    const auto edges = edges_of(mesh);
+    mesh.edges.assign(edges.begin(), edges.end());
+    mesh.edge_tags.assign(mesh.edges.size(), 0);
+    Options options;
+    options.only_below = {{Measure::min_dihedral, 36}};
+    options.rings = 0;
+    dropped += optimize(mesh, options).edges_dropped;
+    const auto existing = edges_of(mesh);
+    for (const auto& [a, b] : mesh.edges) EXPECT_TRUE(existing.contains({std::min(a, b), std::max(a, b)}));
+  }
+  EXPECT_GT(dropped, 0);
 }
 
 TEST(OnlyBelowLimit, targets_are_reported_for_the_whole_mesh) {

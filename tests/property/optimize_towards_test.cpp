@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -46,6 +47,27 @@ TEST(OptimizeTowards, RoundsMakeFailingElementsPass) {
     EXPECT_EQ(report.optimization.tet2original.size(), mesh.tets.size());
     EXPECT_EQ(mesh.point_data.at(0).values, lattice_input().point_data.at(0).values);
   }
+}
+
+/// A thin layer of which every tetrahedron meets the limit, and the energy would make some miss it.
+TEST(OptimizeTowards, AMeshThatPassesIsNotMadeToFail) {
+  TetMesh mesh = test::cube(6, 0.2);
+  for (Point3& p : mesh.points) p[2] *= 0.02;
+  const TetMesh before = mesh;
+  double least = 1;
+  for (const Measures& m : measure_each(mesh)) least = std::min(least, m[std::size_t(Measure::scaled_jacobian)]);
+  const AcceptanceCriteria criteria = one(CheckMeasure::scaled_jacobian, 0.999 * least);
+  Options options;
+  options.targets = {{Measure::scaled_jacobian, 1.001 * least}};
+  const CriteriaReport report = optimize_towards(mesh, criteria, options);
+  EXPECT_NE(report.optimization.unchanged, "");
+  EXPECT_EQ(report.optimization.warnings, std::vector{report.optimization.unchanged});
+  EXPECT_EQ(report.after.verdict, Verdict::pass);
+  EXPECT_EQ(mesh.points, before.points);
+  EXPECT_EQ(mesh.tets, before.tets);
+  ASSERT_EQ(report.optimization.targets.size(), 1U);
+  EXPECT_EQ(report.optimization.targets[0].missed, 1);
+  EXPECT_EQ(report.optimization.tets_after, std::ssize(before.tets));
 }
 
 TEST(OptimizeTowards, SameBitsForAnyNumberOfThreads) {

@@ -303,6 +303,12 @@ TEST(Periodic, TheTranslationReproducesMostPairs) {
   EXPECT_FALSE(translation_of(link, points, 1e-18).has_value());
 }
 
+TEST(Periodic, AVertexThatDoesNotExistIsRefused) {
+  TetMesh mesh = test::one_tet();
+  mesh.tets[0][2] = 2000000000;
+  EXPECT_THROW(link_box_faces(mesh, {true, false, false}), MeshError);
+}
+
 TEST(Periodic, SpacesOfMotionIntersect) {
   const MotionSpace x{VertexDof::plane, {1, 0, 0}};
   const MotionSpace y{VertexDof::plane, {0, 1, 0}};

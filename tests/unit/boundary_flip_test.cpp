@@ -201,7 +201,7 @@ TEST(BoundaryFlip, FindsTheBestOfAllTriangulations) {
 }
 
 /// One whose flip is worth it.
-TetMesh worth_it(int n) {
+TetMesh flippable_fan(int n) {
   TetMesh m;
   for (std::uint32_t seed = 1; seed < 1000; ++seed) {
     m = fan(n, seed);
@@ -211,15 +211,15 @@ TetMesh worth_it(int n) {
 }
 
 TEST(BoundaryFlip, StopsAtTheLargestRingAllowed) {
-  BoundaryFlips f(worth_it(4));
+  BoundaryFlips f(flippable_fan(4));
   f.state.max_ring = 4;
   EXPECT_EQ(f.pass().evaluated, 0);
   f.state.max_ring = 5;
   EXPECT_EQ(f.pass().counts.boundary_flips, 1);
 }
 
-TEST(BoundaryFlip, AsksOnlyAroundAwakeVertices) {
-  BoundaryFlips f(worth_it(2));
+TEST(BoundaryFlip, EvaluatesOnlyAroundActiveVertices) {
+  BoundaryFlips f(flippable_fan(2));
   f.active.assign(f.active.size(), 1);
   f.active[0] = f.active[1] = 0;
   EXPECT_EQ(f.pass().active, 0);
@@ -238,7 +238,7 @@ TEST(BoundaryFlip, LeavesAFoldAlone) {
 }
 
 TEST(BoundaryFlip, LeavesWhatMustStay) {
-  const TetMesh m = worth_it(2);
+  const TetMesh m = flippable_fan(2);
   const std::array<Index, 3> first{0, 1, 2};
   const std::array<Index, 3> second{0, 1, 4};
   const auto flips = [](TetMesh mesh, const std::vector<std::array<Index, 3>>& triangles, std::vector<int> tags) {
@@ -278,7 +278,7 @@ TEST(BoundaryFlip, IsRefusedWhereTheQuadrangleIsNotConvex) {
   EXPECT_EQ(f.pass().counts.flips(), 0);
 }
 
-TEST(BoundaryFlip, EdgesCloseToDelaunayAreNotLookedAt) {
+TEST(BoundaryFlip, EdgesCloseToDelaunayAreNotEvaluated) {
   // The angles opposite the edge are a right one and one of atan(1 / s), so that their cotangents add up to s.
   for (const double s : {0.25, 0.35}) {
     TetMesh m;
@@ -293,7 +293,7 @@ TEST(BoundaryFlip, EdgesCloseToDelaunayAreNotLookedAt) {
 
 TEST(BoundaryFlip, ListedTrianglesFollowAndTurnAsTheyDid) {
   for (const bool turned : {false, true}) {
-    TetMesh m = worth_it(2);
+    TetMesh m = flippable_fan(2);
     m.triangles = {{0, 1, 3}, {1, 0, 2}, {0, 1, 4}};  // the first is inside
     if (turned) std::swap(m.triangles[1][0], m.triangles[1][2]);
     m.triangle_tags = {0, 7, 7};

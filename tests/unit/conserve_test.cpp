@@ -251,5 +251,17 @@ TEST(Conserve, RefusesInvertedElementsAndShortArrays) {
   EXPECT_THROW(optimize(mesh, options), MeshError);
 }
 
+TEST(Conserve, RefusesIdsOutOfRange) {
+  TetMesh mesh = test::one_tet();
+  mesh.point_data = {{"x", 1, std::vector<double>(4)}};
+  std::vector<MeshPlace> places(4);
+  for (Index v = 0; v < 4; ++v) places[to_size_t(v)] = {{v, v, v, v}, {1, 0, 0, 0}};
+  EXPECT_EQ(conserve_data(mesh, mesh.tets, {0}, places).point_data.size(), 1U);
+  EXPECT_THROW(conserve_data(mesh, mesh.tets, {0}, {}), MeshError);
+  EXPECT_THROW(conserve_data(mesh, mesh.tets, {1}, places), MeshError);
+  places[2].vertices[3] = 4;
+  EXPECT_THROW(conserve_data(mesh, mesh.tets, {0}, places), MeshError);
+}
+
 }  // namespace
 }  // namespace tetune

@@ -79,6 +79,7 @@ TEST(Data, MissingEntriesAreRefused) {
   EXPECT_THROW(take_entries({{"fewer", -1, std::vector<float>(5)}}, {0}), MeshError);
   const TetMesh m = one_tet();
   EXPECT_THROW(carry_point_data({{"x", 1, std::vector<float>(4)}}, {0, 1, 2, 3, -1}, m.points, m.tets), MeshError);
+  EXPECT_THROW(carry_point_data({{"x", 1, std::vector<float>(4)}}, {0, 1, 2, -1}, m.points, {{0, 1, 2, 4}}), MeshError);
 }
 
 TEST(Data, LengthsAreValidated) {

@@ -16,7 +16,7 @@ void expect_says(const std::string& message, const std::vector<std::string>& par
 CudaSystem usable_system() { return {12040, 12060, "", 1}; }
 Gpu usable_gpu() { return {"Tesla T4", 7, 5, std::size_t{15} << 30, std::size_t{16} << 30, 40 * 1024}; }
 
-TEST(Devices, SystemsWithoutAGpuToUseAreToldApart) {
+TEST(Devices, SystemsWithoutAGpuToUseAreDistinguished) {
   EXPECT_EQ(why_no_gpu(usable_system()), "");
   CudaSystem newer = usable_system();
   newer.driver = 13000;
@@ -71,7 +71,7 @@ TEST(Devices, AutomaticTakesTheCpuForSmallMeshesAndWhereThereIsNoGpu) {
   EXPECT_EQ(optimize(m).device_reason, "");
 
   m.tets.resize(kAutoTets);
-  const std::string why_not = why_not_on_cuda(m, options);
+  const std::string why_not = why_not_on_cuda(device_memory(m, options, nullptr));
   const DeviceChoice large = choose_device(m, options);
   EXPECT_EQ(large.device, why_not.empty() ? Device::cuda : Device::cpu);
   EXPECT_NE(large.reason, small.reason);
@@ -84,7 +84,7 @@ TEST(Devices, WhatIsRefusedBeforehandIsRefused) {
   TetMesh m = test::cube(2);
   Options options;
   options.device = Device::cuda;
-  const std::string why = why_not_on_cuda(m, options);
+  const std::string why = why_not_on_cuda(device_memory(m, options, nullptr));
   if (why.empty()) GTEST_SKIP() << "there is a GPU";
   expect_says(why, {"CUDA", "device=cpu"});
   try {

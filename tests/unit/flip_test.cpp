@@ -240,7 +240,7 @@ TEST(FlipEnergyLowerBound, OfASplitIsThatOfThreeAroundAnEdge) {
   EXPECT_LE(FlipEnergyLowerBound(kShapeObjective).face_flip(), least);
 }
 
-TEST(FlipEnergyLowerBound, KnowsNothingOfOtherEnergies) {
+TEST(FlipEnergyLowerBound, IsZeroForOtherEnergies) {
   for (const Objective& objective : {kHarmonicObjective, shape_objective(2)}) {
     EXPECT_TRUE(FlipEnergyLowerBound(objective).may_gain(1e-9));
     EXPECT_EQ(FlipEnergyLowerBound(objective).edge_removal(5), 0);
@@ -320,7 +320,7 @@ TEST(FlipPass, KeepsAllThatItMustOnScrambledCubes) {
   EXPECT_GT(removals, 500);
 }
 
-TEST(FlipPass, AFirstLookAtTheWorstLeavesAllElseToTheNext) {
+TEST(FlipPass, FirstPassesOnTheWorstLeavesAllElseToTheNext) {
   Fixture f(test::scrambled(test::cube(8, 0.2, 3), 2, 3));
   f.criterion.objective = kShapeObjective;
   refresh_energy(f.cpu, f.work, f.criterion, f.state.energies);
@@ -355,7 +355,7 @@ TEST(FlipPass, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(FlipPass, AfterAMoveLooksOnlyWhereItMatters) {
+TEST(FlipPass, AfterAMoveEvaluatesOnlyWhatMayGain) {
   Fixture f(test::scrambled(test::cube(8, 0.2, 3), 2, 3));
   while (f.pass().counts.flips() > 0) {
   }

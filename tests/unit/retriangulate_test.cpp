@@ -145,7 +145,7 @@ std::multiset<Face> surface(const TetMesh& m) {
 }
 
 /// Revises a mesh pass by pass, and checks all that must hold after each.
-RetriangulationReport check_revisions(const TetMesh& before, int passes, double cot, double vertex_cot = 0) {
+RetriangulationReport check_retriangulations(const TetMesh& before, int passes, double cot, double vertex_cot = 0) {
   Work work(before);
   const auto old_surface = surface(before);
   const Quality old_quality = quality(before);
@@ -252,7 +252,8 @@ std::array<double, 2> lower_mean(Work& work, Size max_tets, RetriangulationRepor
 TEST(Retriangulate, LowersTheMeanEnergy) {
   RetriangulationReport report;
   Work divided(divided_tet());
-  const auto [before_removal, after_removal] = lower_mean(divided, 4, report);
+  // Fewer tetrahedra are allowed where there are more than the limit already.
+  const auto [before_removal, after_removal] = lower_mean(divided, 0, report);
   EXPECT_EQ(report.removed, 1);
   EXPECT_NEAR(after_removal, 1, 1e-12);
   EXPECT_GT(before_removal, 1.5);
@@ -369,7 +370,7 @@ TEST(Retriangulate, KeepsAMeshAMesh) {
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     const TetMesh m =
         seed % 2 == 0 ? test::two_materials(4, 0.15) : test::scrambled(test::cube(3, 0.25, seed), 2, seed);
-    const RetriangulationReport r = check_revisions(with_needless_vertices(m, 8), 4, 2);
+    const RetriangulationReport r = check_retriangulations(with_needless_vertices(m, 8), 4, 2);
     sum.inserted += r.inserted;
     sum.removed += r.removed;
   }
@@ -381,7 +382,7 @@ TEST(Retriangulate, KeepsTheVerticesWhereItRemovesEdgesAlone) {
   Size edges = 0;
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     const TetMesh m = seed % 2 == 0 ? test::two_materials(6, 0.2) : test::scrambled(test::cube(5, 0.25, seed), 2, seed);
-    const RetriangulationReport r = check_revisions(with_needless_vertices(m, 12), 4, 1.5, kInfeasible);
+    const RetriangulationReport r = check_retriangulations(with_needless_vertices(m, 12), 4, 1.5, kInfeasible);
     EXPECT_EQ(r.inserted + r.removed, 0);
     edges += r.others;
   }

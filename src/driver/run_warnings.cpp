@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/run_warnings.hpp"
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+#include "tetune/option_table.hpp"
+
+namespace tetune {
+namespace {
+
+bool is_floating(const DataArray& array) {
+  return std::visit(
+      [](const auto& values) {
+        return std::is_floating_point_v<typename std::remove_cvref_t<decltype(values)>::value_type>;
+      },
+      array.values);
+}
+
+bool has_moved(const Report& report) {
+  const auto moved = [](const auto& step) { return step.moved > 0; };
+  return std::any_of(report.sweeps.begin(), report.sweeps.end(), moved) ||
+         std::any_of(report.worst_rounds.begin(), report.worst_rounds.end(), moved);
+}
+
+}  // namespace
+
+RunWarnings::RunWarnings(const TetMesh& mesh, const Options& options) : warnings_(ineffective_options(options)) {
+  warnings_.reserve(warnings_.size() + 1);
+  if (options.data != DataTransfer::carry) return;
+  std::string names;
+  for (const DataArray& array : mesh.point_data) {
+    if (!is_floating(array)) continue;
+    fields_.push_back(array.name);
+    names += (names.empty() ? "" : ", ") + array.name;
+  }
+  of_fields_ = "the values of " + names +
+               " moved with their vertices; if they sample a field, data=interpolate or data=conserve evaluates it at "
+               "the new positions";
+}
+
+void RunWarnings::add_to(Report& report) {
+  report.moved_fields.clear();
+  if (!fields_.empty() && has_moved(report)) {
+    warnings_.push_back(std::move(of_fields_));
+    report.moved_fields.swap(fields_);
+  }
+  report.warnings.swap(warnings_);
+}
+
+}  // namespace tetune

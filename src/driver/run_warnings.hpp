@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tetune/mesh.hpp"
+#include "tetune/options.hpp"
+#include "tetune/report.hpp"
+
+namespace tetune {
+
+/// The warnings of a run. They are made before the mesh changes, so that no memory is needed afterwards.
+class RunWarnings {
+ public:
+  RunWarnings(const TetMesh& mesh, const Options& options);
+  /// Sets Report::warnings, and Report::moved_fields where vertices have moved.
+  void add_to(Report& report);
+
+ private:
+  std::vector<std::string> warnings_;  ///< with room for one more
+  std::vector<std::string> fields_;    ///< that move with their vertices
+  std::string of_fields_;
+};
+
+}  // namespace tetune
