@@ -5,7 +5,7 @@ function(tetune_command_line_options target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# What the command line is built with: the system's packages where they are (Debian: libcli11-dev libfmt-dev
+# The libraries that the command line is built with: the system's packages where they are (Debian: libcli11-dev libfmt-dev
 # nlohmann-json3-dev), else these releases: CLI11 2.5.0, fmt 11.2.0, nlohmann/json 3.11.3. toml++ (Debian:
 # libtomlplusplus-dev) is optional: without it the command line has the criteria of programs, and reads no files of them.
 if(CMAKE_CROSSCOMPILING)

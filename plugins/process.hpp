@@ -11,7 +11,7 @@
 #include "io/plugin_protocol.hpp"
 #include "plugin.hpp"
 
-/// What the programs of all plugins share: the channel to tetune, signals and limits (src/io/plugin_protocol.hpp).
+/// Shared by the programs of all plugins: the channel to tetune, signals and limits (src/io/plugin_protocol.hpp).
 namespace tetune::plugin {
 
 /// Writes to the channel. Throws FileError.

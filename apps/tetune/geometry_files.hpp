@@ -37,7 +37,7 @@ TetMesh classified_mesh(const TetMesh& mesh, const GeometryMatch& match);
 std::string match_table(const Geometry& geometry, const GeometryMatch& match);
 nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryMatch& match);
 
-/// What was moved onto the geometry, and the distances from it.
+/// The numbers of vertices that were moved onto the geometry, and the distances from it.
 std::string geometry_summary(const Geometry& geometry, const GeometryReport& report);
 /// Without its Report.
 nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryReport& report);

@@ -9,7 +9,7 @@
 #include "optimize_arguments.hpp"
 #include "tetune/move.hpp"
 
-/// What `tetune move` has beside `tetune optimize`.
+/// The options that `tetune move` has beside those of `tetune optimize`.
 namespace tetune::cli {
 
 /// Defines the arguments of the motion: sets OptimizeArguments::move.

@@ -112,7 +112,7 @@ def info(mesh):
 
 
 def compare(before, after):
-    """What changed between two meshes: validity and quality of both, volume, surface distance, tags."""
+    """The changes between two meshes: validity and quality of both, volume, surface distance, tags."""
     result = subprocess.run([str(TETUNE), "compare", "--json", str(before), str(after)], capture_output=True, text=True)
     if not result.stdout:
         raise RuntimeError(f"tetune compare {before} {after}: {result.stderr.strip()}")

@@ -53,7 +53,7 @@ void per_item(benchmark::State& state, const char* item, Size items) {
       benchmark::Counter(double(items), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// What the machine can do, measured once for each number of threads.
+/// The limits of the machine, measured once for each number of threads.
 struct Ceilings {
   double bytes_a_second;
   double flops_a_second;

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   const int n = static_cast<int>(std::lround(std::cbrt(std::atof(argv[1]) / 7)));
   tetune::TetMesh mesh = tetune::reference::scrambled(tetune::reference::lattice(n, 0.2), 1);
   const auto tets = static_cast<double>(mesh.tets.size());
-  // What the caller's arrays take is not the optimizer's.
+  // The memory of the caller's arrays is not counted.
   const double before = peak_bytes();
   tetune::Options options;
   options.threads = std::atoi(argv[2]);

@@ -79,7 +79,7 @@ class TETUNE_API LiveMesh {
   Options options_;
   int neighborhood_;
   std::vector<std::uint8_t> disturbed_;
-  /// What the vertices slide on; null: the surface of the mesh as it is.
+  /// The surface that the vertices slide on; null: that of the mesh as it is.
   std::shared_ptr<const SlideSurface> surface_;
 };
 

@@ -50,7 +50,7 @@ typedef enum tetune_kind {
 /* "0.2.0": of the library that is loaded. */
 TETUNE_API const char* tetune_version(void);
 
-/* What went wrong in the last call of this thread that failed; empty if none did. Valid until the next failure. */
+/* The error of the last call of this thread that failed; empty if none did. Valid until the next failure. */
 TETUNE_API const char* tetune_last_error(void);
 
 /* ---- Meshes. tetune_mesh_destroy() frees them, and takes null. */

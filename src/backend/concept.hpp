@@ -74,7 +74,7 @@ concept MemoryHandle = std::default_initializable<Memory> && std::copyable<Memor
   memory.download(to, from, bytes);
 };
 
-/// What an array of a backend provides: see backend/buffer.hpp.
+/// The interface of an array of a backend: see backend/buffer.hpp.
 template <class Buffer, class B, class T>
 concept ArrayOf = std::is_nothrow_move_constructible_v<Buffer> && std::default_initializable<Buffer> &&
     requires(const B& backend, Buffer& buffer, const Buffer& other, const std::vector<T>& host) {
@@ -89,7 +89,7 @@ concept ArrayOf = std::is_nothrow_move_constructible_v<Buffer> && std::default_i
   { other.download() } -> std::same_as<std::vector<T>>;
 };
 
-/// What the view of a caller's array provides.
+/// The interface of the view of a caller's array.
 template <class View, class B, class T>
 concept ViewOf = requires(const B& backend, const View& view, const std::vector<T>& host) {
   View(backend, host);
@@ -115,7 +115,7 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
   /// A caller's std::vector as kernels see it: the vector itself, which must outlive it, or a copy in that memory.
   requires ViewOf<typename B::template DeviceView<std::uint32_t>, B, std::uint32_t>;
 
-  /// What reduce_async() returns; by default R{}.
+  /// The result of reduce_async(); by default R{}.
   requires std::default_initializable<typename B::template Result<Sum<std::uint32_t>>>;
 
   // -- Primitives: none depends on the number of threads in the bits of its result --

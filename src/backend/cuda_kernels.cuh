@@ -143,7 +143,7 @@ __global__ void __launch_bounds__(Warp::kSize, kMinWarps) ordered_kernel(F f, un
   const Size i = Warp::broadcast(taken, 0);
   while (Warp::any(!f.is_ready(Warp(), i))) {
   }
-  // What each thread has found finished is visible to all threads.
+  // Results of the items that any thread has found finished are visible to all threads.
   __threadfence();
   Warp::sync();
   f(Warp(), *reinterpret_cast<typename F::Shared*>(shared), i);

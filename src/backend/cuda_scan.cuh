@@ -12,7 +12,7 @@
 /// The scan of the CUDA backend (backend/cuda.cuh).
 namespace tetune::backend {
 
-/// What a scan adds up: its values; those of a predicate count the items for which it holds.
+/// The values that a scan adds up; those of a predicate count the items for which it holds.
 template <class Value>
 using SumOf = std::conditional_t<std::is_same_v<Value, bool>, std::uint32_t, Value>;
 

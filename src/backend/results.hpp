@@ -25,7 +25,7 @@ struct StoreResult {
   }
 };
 
-/// What reduce_async() of a backend that runs kernels at once returns.
+/// The result of reduce_async() of a backend that runs kernels at once.
 template <class R>
 struct Available {
   R value{};
@@ -38,7 +38,7 @@ struct LoadResult {
   TETUNE_HD R operator()(Size i) const { return results[i]; }
 };
 
-/// What compact_and_sum() returns.
+/// The result of compact_and_sum().
 template <class T>
 struct CountAndSum {
   std::uint32_t count = 0;

@@ -41,7 +41,7 @@ struct WorkTarget {
 };
 WorkTarget work_target(const VertexTargets& targets, const std::vector<Index>& vertex2original, double scale);
 
-/// What report_blocking() needs of a work mesh.
+/// The arrays of a work mesh that report_blocking() needs.
 struct BlockedMesh {
   std::vector<Tet> tets;                 ///< per slot
   std::vector<Index> slots;              ///< those that a further step would invert, in increasing order

@@ -40,7 +40,8 @@ std::string reason_for_no_rounds(const TetMesh& mesh, const Options& options) {
   return "";
 }
 
-/// What the rounds lower: the number of criteria that fail, then that of the tetrahedra that miss their limits.
+/// The quantities that rounds lower: the number of criteria that fail, then that of the tetrahedra that miss their
+/// limits.
 struct Failures {
   std::int64_t criteria = 0, tets = 0;
   auto operator<=>(const Failures&) const = default;

@@ -263,7 +263,7 @@ class MshWriter {
     sink_.end_line();
   }
 
-  // What follows the elements.
+  // The sections after the elements.
 
   void write_periodic() {
     if (layout_.links.empty()) return;

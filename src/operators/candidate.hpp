@@ -9,8 +9,8 @@
 #include "operators/slots.hpp"
 #include "tetune/flip_counts.hpp"
 
-/// What the cavity engine requires of an operator's candidates: a cavity, that is a set of tetrahedra with its boundary
-/// faces, and the new tetrahedra that fill it.
+/// The requirements of the cavity engine on an operator's candidates: a cavity, that is a set of tetrahedra with its
+/// boundary faces, and the new tetrahedra that fill it.
 namespace tetune {
 
 /// Face `face` of new tetrahedron `tet`.

@@ -69,7 +69,7 @@ struct HoldsSoFar {
   }
 };
 
-/// What a stored candidate changes, where it is its own patch.
+/// The numbers of tetrahedra and vertices that a stored candidate changes, where it is its own patch.
 template <class C>
 struct CountChangesOfCandidate {
   Span<const C> candidates;

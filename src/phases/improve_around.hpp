@@ -96,7 +96,7 @@ RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer
   return {max_tets - optimizer.work.outside, vertex_cost, optimizer.tuning.angles.min_cost_gain};
 }
 
-/// What improve_around() returns.
+/// The result of improve_around().
 template <class Backend>
 struct Improved {
   BufferOf<Backend, Index> affected;  ///< the tetrahedra with a vertex that may have moved

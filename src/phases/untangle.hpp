@@ -195,7 +195,7 @@ bool can_move_surface(const WorkingSet<Backend>& work) {
                      [](VertexDof dof) { return dof != VertexDof::free && dof != VertexDof::fixed; });
 }
 
-/// What could not be untangled, and why; nothing if all was.
+/// The tetrahedra that could not be untangled, and the reason; none if all are positive.
 struct Outcome {
   std::vector<Index> left;  ///< tetrahedra of the input, in increasing order
   UntangleError::Reason reason = UntangleError::Reason::no_room;

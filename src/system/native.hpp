@@ -7,9 +7,8 @@
 #include <string>
 #include <string_view>
 
-/// What the operating system does with files and the C++ library does not. One of native_posix.cpp and
-/// native_windows.cpp is compiled. A path is UTF-8 on Windows, and bytes elsewhere. Functions that return -1, false,
-/// nothing or a null pointer set errno.
+/// Operations on files that the C++ library lacks. One of native_posix.cpp and native_windows.cpp is compiled. A path
+/// is UTF-8 on Windows, and bytes elsewhere. Functions that return -1, false, nothing or a null pointer set errno.
 namespace tetune::native {
 
 /// The path for functions of the C++ library, which on Windows take long ones only in another notation.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the command line share: meshes, and a case that runs tetune as a process.
+"""Shared by the tests of the command line: meshes, and a case that runs tetune as a process.
 
 Run a file of tests:  python3 test_optimize.py path/to/tetune [names of tests]
 """

@@ -21,7 +21,7 @@ from cli_case import CliTest, cube
 
 VARIANTS = int(os.environ.get("TETUNE_CORRUPT", "0"))
 OWN_VARIANTS, PLUGIN_VARIANTS = VARIANTS or 100, VARIANTS or 8
-# What a process may take beyond the sound file's, and in all where it starts VTK or Gmsh.
+# Limits on the memory of a process: beyond that for the sound file, and in all where it starts VTK or Gmsh.
 OWN_MEMORY_KB = 32 << 10
 PLUGIN_MEMORY_KB = 300_000
 

@@ -74,7 +74,7 @@ class SecondOrderDecks(CliTest):
         return done if code else Deck(self.folder / "b.inp")
 
     def check(self, a, b, solve=True, slides=False):
-        """What each deck of block() keeps, curved or not."""
+        """The content of a deck of block() is kept, curved or not."""
         self.assertEqual(a.rest, b.rest)
         self.assertEqual(b.nsets["NALL"], set(b.nodes))
         self.assertEqual(set(b.nodes), {v for t in b.tets.values() for v in t} | set(b.middles.values()))

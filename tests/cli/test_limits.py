@@ -91,7 +91,7 @@ class Streams(CliTest):
             self.assertEqual(self.shell(f'"$1" {words} 2> /dev/full').returncode, code, words)
 
     def test_closed_streams(self):
-        """What is said must not get into files that are opened in their place."""
+        """Messages must not get into files that are opened in place of the closed streams."""
         done = self.shell('"$1" optimize in.mesh out.mesh --max-iterations 1 --progress json <&- >&- 2>&-')
         self.assertEqual(done.returncode, 0)
         self.assertGreater(min(Mesh.read(self.path("out.mesh")).volumes()), 0)

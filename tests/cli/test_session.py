@@ -164,7 +164,7 @@ class Limits(CliTest):
                 self.assertIn(f"{name}: nothing is written", done.stdout)
                 self.assertRegex(done.stdout, rf"(?m)^  {name} +checked$")
         self.assertEqual(self.files(), ["b.mesh", "c.mesh", "in.mesh"])
-        # What would fail fails.
+        # A run that would fail does so.
         self.refused("optimize", source, self.path("absent/out.mesh"), "--dry-run", said=["absent"])
         self.refused("optimize", self.put("bad.mesh", tangled(4)), "--dry-run", said=["inverted"])
 

@@ -194,7 +194,7 @@ Options make_options(Source& from, const TetMesh& mesh) {
   return o;
 }
 
-/// What a mesh is to the last bit; coordinates by their bits, for the sake of NaN.
+/// All bits of a mesh; coordinates by their bits, as NaN differs from itself.
 bool same(const TetMesh& a, const TetMesh& b) {
   const auto bits = [](const TetMesh& m) {
     return std::string_view(reinterpret_cast<const char*>(m.points.data()), m.points.size() * sizeof(Point3));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a plugin sends, as src/io/plugin.cpp reads it: error, warnings, mesh.
+// The answer of a plugin, as src/io/plugin.cpp reads it: error, warnings, mesh.
 #include <vector>
 
 #include "fuzz.hpp"
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const tetune::FileError&) {
     return 0;
   }
-  // What is written reads back to the same bytes.
+  // A mesh that is written reads back to the same bytes.
   const auto bytes_of = [](tetune::TetMesh& m) {
     std::string bytes;
     tetune::MeshWriter out(

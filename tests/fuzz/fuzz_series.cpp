@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz.hpp"
 
-// What is read is written, and read again as the same.
+// A series that is read is written, and reads back the same.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static tetune::fuzz::Folder folder;
   std::vector<tetune::SeriesStep> steps;

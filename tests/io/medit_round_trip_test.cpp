@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What write_mesh writes, read_mesh reads back to the last bit: text and binary.
+// read_mesh() reads files of write_mesh() back to the last bit: text and binary.
 #include <random>
 
 #include "bits.hpp"

@@ -115,7 +115,7 @@ TEST_F(Plugins, EverythingWrittenIsReadAndComesWithTheRightWarnings) {
     EXPECT_EQ(warnings.empty(), ending == ".msh" || ending == ".e") << warnings.size();
     for (const std::string& w : warnings) EXPECT_TRUE(contains(w, path("a" + ending)));
   }
-  // What there is no room for is said once: points, and not their groups too.
+  // A loss is reported once: points, and not their groups too.
   TetMesh probed = rich(false);
   probed.groups.push_back({0, 31, "probe", {31}});
   for (const std::string ending : {".unv", ".bdf", ".inp"}) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of tetune-mpi share: running it on some ranks.
+"""Shared by the tests of tetune-mpi: running it on some ranks.
 
 Run a file of tests:  python3 test_contract.py path/to/tetune-mpi path/to/tetune bracket.meshb [names of tests]
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tetune-mpi promises, on the bracket of two materials: as on one machine, for 1 to 4 ranks."""
+"""The contract of tetune-mpi, on the bracket of two materials: as on one machine, for 1 to 4 ranks."""
 
 import json
 import subprocess

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a rank has of a mesh: some taken out and put back.
+// Parts of a mesh on a rank: taken out and put back.
 #include <gtest/gtest.h>
 
 #include <algorithm>

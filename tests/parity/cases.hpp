@@ -24,8 +24,8 @@ std::vector<Case> cases();
 /// Those that the case is there for were done.
 void expect_operations(const Case& c, const Report& report);
 
-/// What is the same on all backends (docs/architecture.md, "Equal results"): the operations one by one, the number of
-/// sweeps and why they stopped; sums over the mesh to rounding.
+/// Results that are the same on all backends (docs/architecture.md, "Equal results"): the operations one by one, the
+/// number of sweeps and why they stopped; sums over the mesh to rounding.
 void expect_parity(const Report& report, const Report& on_cpu);
 
 /// The same bits.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the lists and tags of a mesh constrain is kept, whatever the boundary and the effort.
+// Entities that the lists and tags of a mesh constrain stay, with any boundary and effort.
 #include <gtest/gtest.h>
 
 #include <algorithm>

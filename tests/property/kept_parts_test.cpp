@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept to the last bit, and the volumes of regions.
+// Parts that stay to the last bit, and the volumes of regions.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -34,7 +34,7 @@ TetMesh fan(int count) {
 }
 
 TEST(Optimize, VerticesOfManyTetrahedraTakeNoSquaredTime) {
-  // What is in proportion to the square took a minute here; this takes a second or two, and longer under sanitizers.
+  // With quadratic time this would take a minute; it takes a second or two, and longer under sanitizers.
   constexpr std::chrono::seconds kEnough(test::kSanitized ? 300 : 30);
   for (const auto& [boundary, bound] :
        {std::pair(Boundary::preserve, 0.0), {Boundary::slide, 0.0}, {Boundary::slide, 0.01}}) {

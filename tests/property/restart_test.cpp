@@ -24,7 +24,7 @@ Options with_restarts(int restarts) {
 
 bool are_same(const TetMesh& a, const TetMesh& b) { return a.points == b.points && a.tets == b.tets; }
 
-/// What restarts lower: see AngleParameters.
+/// The cost that restarts lower: see AngleParameters.
 double largest_cost(const TetMesh& mesh) {
   const Quality q = quality(mesh);
   const auto cot = [](double degrees) { return 1 / std::tan(degrees * std::numbers::pi / 180); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold when vertices slide on curved surfaces, judged by plain means: brute force over the faces, dense
+// Contracts of sliding on curved surfaces, judged by plain means: brute force over the faces, dense
 // samples.
 #include <gtest/gtest.h>
 

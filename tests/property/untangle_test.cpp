@@ -128,7 +128,7 @@ TEST(Untangle, SaysWhatIsLeftAndChangesNothing) {
   EXPECT_EQ(m.tets, before.tets);
 }
 
-/// What the error says of a mesh that cannot be untangled.
+/// The error for a mesh that cannot be untangled.
 UntangleError failure(TetMesh m, Boundary boundary) {
   Options options = untangling(boundary);
   options.threads = 1;

@@ -8,7 +8,7 @@
 namespace tetune::ptxsim {
 namespace {
 
-/// What device code calls where an assertion fails, with the addresses of its text and file, and the line.
+/// The function that device code calls where an assertion fails, with the addresses of its text and file, and the line.
 constexpr const char* kAssertFail = "__assertfail";
 
 void report_assertion(Warp& w, const Instruction& i) {
@@ -38,7 +38,7 @@ void execute_nothing(Warp&, const Instruction&) {}
 
 void execute_pause(Warp& w, const Instruction&) { w.pauses = true; }
 
-/// What the threads that wait at a barrier get to know about their predicates.
+/// The combined predicate that threads at a barrier receive.
 enum Reduction : u8 { kCount, kAny, kAll };
 
 bool decode_exit(const Statement&, Scope&, Instruction& i) {

@@ -16,7 +16,7 @@ struct Variable {
   u32 bytes = 0, element_bytes = 0;
   u32 alignment = 1;
 };
-/// What follows the space of a declaration.
+/// The rest of a declaration after its space.
 Variable parse_variable(Tokens& tokens);
 
 /// Parses the parameters and the body of one function.
@@ -24,7 +24,7 @@ class FunctionParser final : Scope {
  public:
   FunctionParser(Module& module, Tokens& tokens) : module_(module), tokens_(tokens) {}
 
-  /// What follows ".func" or ".entry".
+  /// The rest of a function after ".func" or ".entry".
   void parse(bool is_kernel);
 
  private:
@@ -33,7 +33,7 @@ class FunctionParser final : Scope {
     std::string_view prefix;
     u32 first, count;
   };
-  /// What is between braces.
+  /// The text between braces.
   struct Braces {
     std::map<std::string_view, Row> registers;
     std::vector<RegisterFamily> families;

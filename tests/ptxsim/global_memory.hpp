@@ -22,7 +22,7 @@ class GlobalMemory final : public backend::PoolObserver {
   static constexpr u32 kGranule = backend::Pool::kAlignment;
   static constexpr u32 kSector = 32;
 
-  /// What cudaMalloc() returned once, or a variable of a module.
+  /// Memory of one cudaMalloc(), or a variable of a module.
   struct Region {
     u64 base, bytes;
     std::vector<Buffer> buffers;     ///< the first one is the whole region until a pool reports parts

@@ -21,7 +21,7 @@ struct LaunchCounts {
   u64 stack_bytes = 0;       ///< the most that a thread used
 };
 
-/// What is the same for all warps of a launch.
+/// The data that all warps of a launch share.
 struct Launch {
   const Function* kernel = nullptr;
   u32 number = 0;  ///< from 1

@@ -10,7 +10,7 @@
 
 namespace tetune::ptxsim {
 
-/// What a kernel or a call of the runtime can do wrong.
+/// The errors of kernels and of calls of the runtime.
 enum class Fault : u8 {
   misaligned,
   outside_memory,  ///< not an address of the device

@@ -20,7 +20,8 @@ struct Module;
 /// Runs an instruction for the active lanes of a warp.
 using Execute = void (*)(Warp&, const Instruction&);
 
-/// What instructions are counted as. Accesses to memory are counted as what their addresses turn out to be.
+/// The classes by which instructions are counted. Accesses to memory are counted as what their addresses turn out to
+/// be.
 enum class Kind : u8 {
   integer,
   f64,

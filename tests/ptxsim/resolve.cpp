@@ -27,7 +27,7 @@ struct Request {
   bool is_strong() const { return instruction.strong || access == Access::atomic; }
 };
 
-/// What accesses that failed a check read and write.
+/// The memory that accesses which failed a check read and write.
 char* memory_of_failed_accesses() {
   alignas(64) static char memory[256];
   return memory;

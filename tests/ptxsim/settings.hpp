@@ -7,7 +7,8 @@
 
 namespace tetune::ptxsim {
 
-/// What is simulated and checked. Each field is read from the environment variable that its comment names.
+/// The device that is simulated, and the checks. Each field is read from the environment variable that its comment
+/// names.
 struct Settings {
   u32 compute_capability = 75;      ///< PTXSIM_CC: 75 or 90, the PTX that is run
   u32 processors = 30;              ///< PTXSIM_SMS: multiprocessors of the device

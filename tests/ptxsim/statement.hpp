@@ -44,7 +44,7 @@ struct Statement {
   Type type() const { return modifiers.empty() ? Type{} : type_of(modifiers.back()); }
 };
 
-/// What decoding an instruction asks of the function around it.
+/// The properties of a function that decoding its instructions needs.
 class Scope {
  public:
   /// The row of a constant.

@@ -17,7 +17,7 @@
 namespace tetune {
 namespace {
 
-/// What retriangulate_worst() works on; the vertices of the surface are fixed.
+/// The arguments of retriangulate_worst(); the vertices of the surface are fixed.
 struct Work {
   test::CpuMesh mesh;
   Criterion criterion;

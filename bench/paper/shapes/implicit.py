@@ -47,7 +47,7 @@ def cut(a, b, blend):
 
 
 def common(a, b, blend):
-    """What is in both."""
+    """The intersection."""
     return -union(-a, -b, blend)
 
 
