@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "backend/cpu.hpp"
 #include "driver/distributed_interface.hpp"
-#include "driver/optimize_active.hpp"
 #include "driver/optimize_on.inl"
+#include "driver/parts/optimize_active.hpp"
 
 namespace tetune {
 

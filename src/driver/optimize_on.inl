@@ -8,7 +8,7 @@
 #include "driver/import_mesh.inl"
 #include "driver/move_job.hpp"
 #include "driver/place_tracker.hpp"
-#include "driver/targets.hpp"
+#include "driver/report/targets.hpp"
 #include "phases/follow_targets.hpp"
 #include "phases/improve.hpp"
 #include "phases/sliding_motion.hpp"

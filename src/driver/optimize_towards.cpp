@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "driver/extend_report.hpp"
-#include "driver/optimize_active.hpp"
-#include "driver/targets.hpp"
+#include "driver/parts/optimize_active.hpp"
+#include "driver/report/extend_report.hpp"
+#include "driver/report/targets.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"

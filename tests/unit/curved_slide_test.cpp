@@ -9,7 +9,7 @@
 #include "curved.hpp"
 #include "curved/quadratic_sheet.hpp"
 #include "curved/surface_distance.hpp"
-#include "driver/curved_sheets.hpp"
+#include "driver/curved/curved_sheets.hpp"
 #include "math/constants.hpp"
 #include "meshes.hpp"
 #include "sanitized.hpp"

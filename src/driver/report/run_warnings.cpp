@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/run_warnings.hpp"
+#include "driver/report/run_warnings.hpp"
 
 #include <algorithm>
 #include <type_traits>

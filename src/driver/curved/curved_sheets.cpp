@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/curved_sheets.hpp"
+#include "driver/curved/curved_sheets.hpp"
 
 #include <algorithm>
 #include <map>

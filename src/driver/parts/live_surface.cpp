@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/live_surface.hpp"
+#include "driver/parts/live_surface.hpp"
 
 #include "backend/span.hpp"
 #include "driver/move_job.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/curved_skeleton.hpp"
+#include "driver/curved/curved_skeleton.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "boundary/constraints.hpp"
 #include "boundary/vertex_dof.hpp"
 #include "curved/curved_edges.hpp"
-#include "driver/curved_slide.hpp"
+#include "driver/curved/curved_slide.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "tetune/data.hpp"

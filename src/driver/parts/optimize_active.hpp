@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "driver/active_part.hpp"
+#include "driver/parts/active_part.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {

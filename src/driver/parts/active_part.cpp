@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/active_part.hpp"
+#include "driver/parts/active_part.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/straighten.hpp"
+#include "driver/curved/straighten.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -8,7 +8,7 @@
 #include "backend/span.hpp"
 #include "boundary/constraints.hpp"
 #include "curved/curved_edges.hpp"
-#include "driver/curved_skeleton.hpp"
+#include "driver/curved/curved_skeleton.hpp"
 
 namespace tetune {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/geometry_middles.hpp"
+#include "driver/geometry/geometry_middles.hpp"
 
 #include <array>
 

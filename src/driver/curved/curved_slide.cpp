@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/curved_slide.hpp"
+#include "driver/curved/curved_slide.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
-#include "driver/curved_sheets.hpp"
+#include "driver/curved/curved_sheets.hpp"
 #include "math/constants.hpp"
 #include "math/elementary.hpp"
 #include "mesh/tet.hpp"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/optimize_active.hpp"
+#include "driver/parts/optimize_active.hpp"
 
 #include <algorithm>
 
 #include "backend/cpu.hpp"
 #include "boundary/classify.hpp"
-#include "driver/active_part.hpp"
 #include "driver/devices.hpp"
-#include "driver/run_warnings.hpp"
+#include "driver/parts/active_part.hpp"
+#include "driver/report/run_warnings.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"

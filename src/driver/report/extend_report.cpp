@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/extend_report.hpp"
+#include "driver/report/extend_report.hpp"
 
 #include <utility>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/split_bounded.hpp"
+#include "driver/curved/split_bounded.hpp"
 
 #include <algorithm>
 #include <set>
@@ -8,7 +8,7 @@
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/held_bound.hpp"
-#include "driver/straighten.hpp"
+#include "driver/curved/straighten.hpp"
 
 namespace tetune {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "backend/span.hpp"
 #include "boundary/constraints.hpp"
-#include "driver/extend_report.hpp"
-#include "driver/geometry_work.hpp"
+#include "driver/geometry/geometry_work.hpp"
+#include "driver/report/extend_report.hpp"
 #include "driver/result_mesh.hpp"
 #include "math/constants.hpp"
 #include "math/vec3.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/optimize_curved.hpp"
+#include "driver/curved/optimize_curved.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -12,13 +12,13 @@
 #include "curved/curved_edges.hpp"
 #include "curved/curved_splits.hpp"
 #include "curved/held_bound.hpp"
-#include "driver/curved_skeleton.hpp"
-#include "driver/curved_slide.hpp"
-#include "driver/extend_report.hpp"
-#include "driver/run_warnings.hpp"
-#include "driver/split_bounded.hpp"
-#include "driver/straighten.hpp"
-#include "driver/targets.hpp"
+#include "driver/curved/curved_skeleton.hpp"
+#include "driver/curved/curved_slide.hpp"
+#include "driver/curved/split_bounded.hpp"
+#include "driver/curved/straighten.hpp"
+#include "driver/report/extend_report.hpp"
+#include "driver/report/run_warnings.hpp"
+#include "driver/report/targets.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"

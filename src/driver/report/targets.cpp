@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/targets.hpp"
+#include "driver/report/targets.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,9 +8,9 @@
 
 #include "backend/span.hpp"
 #include "driver/distributed_interface.hpp"
-#include "driver/live_surface.hpp"
 #include "driver/move_job.hpp"
-#include "driver/optimize_active.hpp"
+#include "driver/parts/live_surface.hpp"
+#include "driver/parts/optimize_active.hpp"
 #include "phases/latched_hooks.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"

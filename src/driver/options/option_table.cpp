@@ -6,7 +6,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "driver/targets.hpp"
+#include "driver/report/targets.hpp"
 #include "math/constants.hpp"
 #include "system/real_text.hpp"
 #include "tetune/error.hpp"

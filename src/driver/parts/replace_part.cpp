@@ -4,9 +4,9 @@
 #include <numeric>
 #include <utility>
 
-#include "driver/active_part.hpp"
+#include "driver/parts/active_part.hpp"
+#include "driver/report/targets.hpp"
 #include "driver/result_mesh.hpp"
-#include "driver/targets.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
