@@ -8,10 +8,11 @@
 #include <string_view>
 
 #include "io/mesh_stream.hpp"
-#include "io/plugin_protocol.hpp"
+#include "io/plugin/plugin_protocol.hpp"
 #include "plugin.hpp"
 
-/// Shared by the programs of all plugins: the channel to tetune, signals and limits (src/io/plugin_protocol.hpp).
+/// Shared by the programs of all plugins: the channel to tetune, signals and limits
+/// (src/io/plugin/plugin_protocol.hpp).
 namespace tetune::plugin {
 
 /// Writes to the channel. Throws FileError.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// main() of the plugins for formats of meshes: src/io/plugin_protocol.hpp.
+// main() of the plugins for formats of meshes: src/io/plugin/plugin_protocol.hpp.
 #include <unistd.h>
 
 #include <cstdlib>

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "files.hpp"
-#include "io/medit_codec.hpp"
+#include "io/medit/medit_codec.hpp"
 #include "star_forest.hpp"
 #include "tetune/error.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "io/geometry_stream.hpp"
+#include "io/geometry/geometry_stream.hpp"
 #include "workers.hpp"
 
 namespace tetune::plugin {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "copies.hpp"
-#include "io/geometry_stream.hpp"
+#include "io/geometry/geometry_stream.hpp"
 #include "plugin.hpp"
 
 namespace tetune::plugin {

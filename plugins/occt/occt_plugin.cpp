@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// main() of the plugin of CAD geometry: src/io/plugin_protocol.hpp.
+// main() of the plugin of CAD geometry: src/io/plugin/plugin_protocol.hpp.
 #include <sys/resource.h>
 #include <unistd.h>
 

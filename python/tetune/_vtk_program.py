@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The plugin for VTK's files of a package that was built without VTK, as wheels are: by pyvista or meshio.
 
-libexec/tetune/tetune-vtk starts this file; src/io/plugin_protocol.hpp defines what it exchanges with the library."""
+libexec/tetune/tetune-vtk starts this file; src/io/plugin/plugin_protocol.hpp defines what it exchanges with the library."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "mesh/point_locator.hpp"
+#include "mesh/transfer/point_locator.hpp"
 #include "tetune/report.hpp"
 
 namespace tetune {

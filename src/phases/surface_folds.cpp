@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "math/orient.hpp"
-#include "mesh/box_tree.hpp"
+#include "mesh/transfer/box_tree.hpp"
 
 namespace tetune {
 namespace {

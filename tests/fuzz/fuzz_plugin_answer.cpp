@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The answer of a plugin, as src/io/plugin.cpp reads it: error, warnings, mesh.
+// The answer of a plugin, as src/io/plugin/plugin.cpp reads it: error, warnings, mesh.
 #include <vector>
 
 #include "fuzz.hpp"

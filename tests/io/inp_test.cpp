@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "io/inp_format.hpp"
+#include "io/inp/inp_format.hpp"
 #include "io_fixture.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/validate.hpp"

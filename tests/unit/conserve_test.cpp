@@ -8,7 +8,7 @@
 #include <random>
 
 #include "curved.hpp"
-#include "mesh/tet_overlap.hpp"
+#include "mesh/transfer/tet_overlap.hpp"
 #include "meshes.hpp"
 #include "tetune/tetune.hpp"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "mesh/point_locator.hpp"
+#include "mesh/transfer/point_locator.hpp"
 #include "meshes.hpp"
 #include "tetune/tetune.hpp"
 #include "work.hpp"

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include "io/inp/inp_format.hpp"
+
+namespace tetune {
+
+/// The fields of the data lines of a card that can name nodes and elements by number.
+struct InpCardKind {
+  enum class Fields { none, first, every, every_third };
+  Fields nodes = Fields::none;
+  Fields elements = Fields::none;
+  /// Its lines are `element or set, face, ...`.
+  bool has_faces = false;
+  /// It relates the nodes of sets one by one.
+  bool pairs = false;
+  /// Why such decks are refused, or nullptr.
+  const char* refusal = nullptr;
+};
+
+/// A card that is not known can name either by the first field.
+InpCardKind inp_card_kind(const InpKeyword& keyword);
+
+}  // namespace tetune

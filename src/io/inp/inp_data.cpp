@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/inp/inp_data.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace tetune {
+namespace {
+
+bool starts_name(std::string_view field) {
+  if (field.empty()) return false;
+  const char c = field[0];
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '"';
+}
+
+void note_name(std::string_view field, const InpCardKind& kind, InpScan& scan) {
+  if (!starts_name(field)) return;
+  std::string name = inp_name(field);
+  if (kind.pairs) scan.paired.insert(name);
+  scan.mentioned.insert(std::move(name));
+}
+
+/// Whether a field is letters and the number of a face of a tetrahedron at `digit`, as S1 or P4NU.
+bool is_face_place(std::string_view field, std::size_t digit) {
+  const auto is_letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };
+  if (digit == std::string_view::npos || digit == 0 || field[digit] < '1' || field[digit] > '4') return false;
+  const bool is_long = digit + 1 < field.size() && field[digit + 1] >= '0' && field[digit + 1] <= '9';
+  const std::string_view letters = field.substr(0, digit);
+  return !is_long && std::all_of(letters.begin(), letters.end(), is_letter);
+}
+
+void check_count(const InpCursor& cursor, std::size_t n, bool tets) {
+  if (const std::string excess = excess_of(std::int64_t(n), tets); !excess.empty())
+    cursor.fail("the deck has " + excess);
+}
+
+void add_element(InpScan& scan, std::int64_t label, Index tet, Index set) {
+  scan.model.element_labels.push_back(label);
+  scan.model.element2tet.push_back(tet);
+  scan.element2set.push_back(set);
+}
+
+}  // namespace
+
+void read_inp_nodes(InpCursor& cursor, InpModel& model) {
+  while (!cursor.at_end() && cursor.line_kind() == InpCursor::Line::data) {
+    model.node_lines.push_back(cursor.at());
+    model.node_labels.push_back(cursor.label("number of a node"));
+    Point3 p{};
+    for (double& x : p) {
+      if (!cursor.take_comma()) break;
+      x = cursor.real();
+    }
+    model.points.push_back(p);
+    cursor.take_line();  // a direction of normals may follow
+  }
+  check_count(cursor, model.points.size(), false);
+}
+
+void read_inp_tets(InpCursor& cursor, Index set, InpScan& scan) {
+  InpModel& model = scan.model;
+  const Index card = to_index(model.tet_cards.size() - 1);
+  while (!cursor.at_end() && cursor.line_kind() == InpCursor::Line::data) {
+    model.tet_lines.push_back(cursor.at());
+    const std::int64_t label = cursor.label("number of an element");
+    for (int k = 0; k < scan.nodes_per_tet; ++k) {
+      if (!cursor.take_comma()) {
+        cursor.fail("the element has fewer than " + std::to_string(scan.nodes_per_tet) + " nodes");
+      }
+      if (cursor.line_done() && !cursor.at_end()) {
+        cursor.end_line();
+        cursor.skip_comments();
+      }
+      scan.tet_node_labels.push_back(cursor.label("number of a node"));
+    }
+    cursor.take_comma();
+    cursor.end_line();
+    model.tet2element.push_back(to_index(model.element_labels.size()));
+    model.tet2card.push_back(card);
+    add_element(scan, label, to_index(model.tet2element.size() - 1), set);
+  }
+  check_count(cursor, model.tet2element.size(), true);
+}
+
+void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, InpScan& scan) {
+  const std::int64_t label = cursor.label("number of an element");
+  const std::size_t first = scan.other_nodes.size();
+  const std::size_t expected = to_size_t(type.nodes);
+  std::size_t n = 0;
+  for (;;) {
+    const bool has_comma = cursor.take_comma();
+    if (cursor.line_done()) {
+      cursor.end_line();
+      const bool is_complete = expected == 0 && !has_comma;
+      if (!is_complete) cursor.skip_comments();
+      if (is_complete || cursor.at_end() || cursor.line_kind() != InpCursor::Line::data) break;
+    }
+    const std::int64_t node = cursor.label("number of a node", true);
+    if (node != 0) scan.other_nodes.push_back(node);  // network elements have 0 for no node
+    if (++n != expected) continue;
+    cursor.take_line();  // both programs ignore more numbers
+    break;
+  }
+  if (type.role != InpElementType::Role::unknown && scan.other_nodes.size() - first != expected) {
+    cursor.fail("element " + std::to_string(label) + " has " + std::to_string(scan.other_nodes.size() - first) +
+                " nodes instead of " + std::to_string(expected));
+  }
+  scan.others.push_back({to_index(scan.model.element_labels.size()), type, first, scan.other_nodes.size()});
+  add_element(scan, label, -1, set);
+  check_count(cursor, scan.other_nodes.size(), false);
+}
+
+void read_inp_set_line(InpCursor& cursor, const InpCardKind& kind, InpScan& scan) {
+  const InpPlace& where = scan.set_places.back();
+  InpSetLines& lines = scan.set_lines.back();
+  const bool generates = scan.model.set_cards.back().generates;
+  if (scan.model.set_cards.back().follows_elements) {
+    cursor.take_line();
+    return;
+  }
+  const std::vector<std::string_view> fields = inp_fields(cursor.take_line());
+  if (generates) {
+    std::array<std::int64_t, 3> range{0, 0, 1};
+    bool is_range = fields.size() == 2 || fields.size() == 3;
+    for (std::size_t k = 0; is_range && k < fields.size(); ++k) is_range = parse_inp_integer(fields[k], range[k]);
+    if (!is_range || range[2] <= 0) {
+      where.fail("a line of this set is not FIRST, LAST, STEP, as GENERATE requires");
+    }
+    lines.ranges.push_back(range);
+    return;
+  }
+  for (const std::string_view field : fields) {
+    std::int64_t label = 0;
+    if (parse_inp_integer(field, label)) {
+      lines.labels.push_back(label);
+    } else if (!field.empty()) {
+      note_name(field, kind, scan);
+      lines.names.emplace_back(field);
+    }
+  }
+}
+
+void read_inp_face_line(InpCursor& cursor, const InpCardKind& kind, InpScan& scan) {
+  const char* const start = cursor.at();
+  const std::string_view line = cursor.take_line();
+  std::string whole(start, cursor.at());
+  if (!whole.ends_with('\n')) whole += scan.model.newline;
+  const std::vector<std::string_view> fields = inp_fields(line);
+  std::vector<InpFaceLine>& lines = scan.face_lines.back();
+  InpFaceCard& card = scan.model.face_cards.back();
+  const std::string_view place = fields.size() < 2 ? std::string_view() : fields[1];
+  const std::size_t digit = place.find_first_of("0123456789");
+  if (!is_face_place(place, digit)) {
+    note_inp_data(fields, kind, scan);
+    lines.push_back({-1, 0, {}, whole});
+    return;
+  }
+  const char* const comma = fields[0].data() + fields[0].size();
+  std::string before(comma, place.data() + digit);
+  std::string after(place.data() + digit + 1, line.data() + line.size());
+  std::vector<InpFaceGroup>& groups = scan.model.face_groups;
+  const auto [at, is_new] =
+      scan.face_group_of.try_emplace({scan.face_lines.size(), before, after}, to_index(groups.size()));
+  if (is_new) {
+    card.groups.push_back(at->second);
+    groups.push_back({std::move(before), std::move(after), {}, {}, {}});
+  }
+  lines.push_back({at->second, place[digit] - '0', std::string(fields[0]), whole});
+}
+
+void note_inp_data(const std::vector<std::string_view>& fields, const InpCardKind& kind, InpScan& scan) {
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    note_name(fields[k], kind, scan);
+    const auto is_named = [&](InpCardKind::Fields named) {
+      return named == InpCardKind::Fields::every || (named == InpCardKind::Fields::first && k == 0) ||
+             (named == InpCardKind::Fields::every_third && k % 3 == 0 && fields.size() >= 3);
+    };
+    std::int64_t label = 0;
+    if (!is_named(kind.nodes) && !is_named(kind.elements)) continue;
+    if (!parse_inp_integer(fields[k], label)) continue;
+    if (is_named(kind.nodes)) scan.held_nodes.push_back(label);
+    if (is_named(kind.elements)) scan.held_elements.push_back(label);
+  }
+}
+
+void note_inp_parameter(const std::string& key, const std::string& value, const InpCardKind& kind, InpScan& scan) {
+  note_name(value, kind, scan);
+  std::int64_t label = 0;
+  if (key.ends_with("NODE") && parse_inp_integer(value, label)) scan.held_nodes.push_back(label);
+}
+
+}  // namespace tetune

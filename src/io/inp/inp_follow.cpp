@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/inp/inp_follow.hpp"
+#include "io/inp/inp_format.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "io/inp/inp_faces.hpp"
+
+namespace tetune {
+namespace {
+
+bool has(const std::vector<Index>& items, Index item) {
+  return std::find(items.begin(), items.end(), item) != items.end();
+}
+
+/// A keyword line without GENERATE, and before it the comments between the lines that continue it.
+std::string without_generate(std::string_view written, const char* newline) {
+  std::string head, comments, text;
+  for (std::size_t start = 0; start < written.size();) {
+    const std::size_t end = std::min(written.find('\n', start), written.size() - 1) + 1;
+    const std::string_view line = written.substr(start, end - start);
+    const std::size_t first = line.find_first_not_of(" \t");
+    const bool is_comment = first != std::string_view::npos && line.substr(first).starts_with("**");
+    (is_comment ? comments : head) += line;
+    start = end;
+  }
+  for (std::size_t start = 0; start <= head.size();) {
+    const std::size_t comma = std::min(head.find(',', start), head.size());
+    const std::string_view part = std::string_view(head).substr(start, comma - start);
+    if (inp_name(part) != "GENERATE") text.append(text.empty() ? "" : ",").append(part);
+    start = comma + 1;
+  }
+  while (text.ends_with('\n') || text.ends_with('\r')) text.pop_back();
+  return comments + text + newline;
+}
+
+class InpFollower {
+ public:
+  InpFollower(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles)
+      : model_(model), mesh_(mesh), match_(match), middles_(middles), additions_(model.sets.size()) {}
+
+  InpChanges follow() {
+    changes_.cards_after_tets.resize(model_.tet_cards.size());
+    faces_ = find_inp_faces(model_, mesh_, match_);
+    follow_faces();
+    add_elements();
+    add_nodes();
+    for (std::size_t c = 0; c < model_.set_cards.size(); ++c) changes_.set_cards.push_back(set_card(c));
+    return std::move(changes_);
+  }
+
+ private:
+  void follow_faces() {
+    for (const InpFaceCard& card : model_.face_cards) {
+      std::string text = std::string(card.head) + card.other_lines;
+      bool is_same = true;
+      for (const Index g : card.groups) {
+        const InpFaceGroup& group = span_of(model_.face_groups)[g];
+        const std::vector<InpLabeledFace> before = labeled(group.direct);
+        const std::vector<InpLabeledFace> after = direct_faces(group, before, span_of(faces_)[g]);
+        is_same = is_same && before == after;
+        for (const InpFaceSet& use : group.sets) {
+          text += use.line;
+        }
+        collect_members(group, after, span_of(faces_)[g]);
+        for (const InpLabeledFace& f : after) {
+          text += std::to_string(f.element) + group.before + std::to_string(f.face) + group.after + model_.newline;
+        }
+      }
+      changes_.face_cards.emplace_back();
+      if (!is_same) changes_.face_cards.back() = std::move(text);
+    }
+  }
+  std::vector<InpLabeledFace> labeled(const std::vector<InpFace>& faces) const {
+    std::vector<InpLabeledFace> list;
+    for (const InpFace& f : faces) list.push_back({span_of(model_.element_labels)[f.element], f.face});
+    std::sort(list.begin(), list.end());
+    return list;
+  }
+  /// The faces of a group that are listed one by one: those of no set, and those that were before.
+  static std::vector<InpLabeledFace> direct_faces(const InpFaceGroup& group, const std::vector<InpLabeledFace>& before,
+                                                  const std::vector<InpLabeledFace>& faces) {
+    std::vector<InpLabeledFace> direct;
+    for (const InpLabeledFace& f : faces) {
+      const bool has_set =
+          std::any_of(group.sets.begin(), group.sets.end(), [&f](const InpFaceSet& use) { return use.face == f.face; });
+      if (!has_set || std::binary_search(before.begin(), before.end(), f)) direct.push_back(f);
+    }
+    return direct;
+  }
+  /// Finds the members of the auxiliary sets of a group: an element stays in its set, others come into the first one.
+  void collect_members(const InpFaceGroup& group, const std::vector<InpLabeledFace>& direct,
+                       const std::vector<InpLabeledFace>& faces) {
+    for (const InpLabeledFace& f : faces) {
+      const Index element = model_.element(f.element);  // -1 for a new number
+      Index first = -1;
+      Index own = -1;
+      for (const InpFaceSet& use : group.sets) {
+        const std::vector<Index>& old = span_of(model_.sets)[use.set].members;
+        if (use.face != f.face) continue;
+        if (first < 0) first = use.set;
+        if (std::binary_search(old.begin(), old.end(), element)) own = use.set;
+      }
+      if (own < 0 && !std::binary_search(direct.begin(), direct.end(), f)) own = first;
+      if (own >= 0) auxiliary_members_[own].insert(f.element);
+    }
+  }
+
+  /// Whether a card of the set lists one of these sets by name.
+  bool nests_one_of(const InpSet& set, const std::vector<Index>& sets) const {
+    return std::any_of(set.cards.begin(), set.cards.end(), [&](Index c) {
+      const std::vector<Index>& nested = span_of(model_.set_cards)[c].nested;
+      return std::any_of(nested.begin(), nested.end(), [&sets](Index s) { return has(sets, s); });
+    });
+  }
+  /// Adds an entity to those of the sets that do not have it by their name in its own card or in other sets.
+  void add(std::int64_t label, const std::vector<Index>& sets, Index set_of_card) {
+    for (const Index s : sets) {
+      if (s == set_of_card || nests_one_of(span_of(model_.sets)[s], sets)) continue;
+      span_of(additions_)[s].push_back(label);
+    }
+  }
+  /// The last card of the set that lists something, so that more can be added to it; -1 where there is none.
+  Index last_card(const InpSet& set) const {
+    for (auto c = set.cards.rbegin(); c != set.cards.rend(); ++c) {
+      if (!span_of(model_.set_cards)[*c].follows_elements) return *c;
+    }
+    return -1;
+  }
+  /// The cards of sets that have none of their own.
+  std::string further_cards(const std::vector<Index>& sets) {
+    std::string text;
+    for (const Index s : sets) {
+      std::vector<std::int64_t>& labels = span_of(additions_)[s];
+      const InpSet& set = span_of(model_.sets)[s];
+      if (labels.empty() || last_card(set) >= 0) continue;
+      text += set.parameters + model_.newline;
+      append_inp_labels(text, labels, model_.newline);
+      labels.clear();
+    }
+    return text;
+  }
+
+  void add_elements() {
+    for (std::size_t c = 0; c < match_.added.size(); ++c) {
+      std::set<Index> sets;
+      for (const Index t : match_.added[c]) {
+        const InpRegion& region = span_of(model_.regions)[find_inp_tag(model_.regions, span_of(mesh_.tet_tags)[t])];
+        add(span_of(match_.tet_labels)[t], region.sets, model_.tet_cards[c].set);
+        sets.insert(region.sets.begin(), region.sets.end());
+      }
+      changes_.cards_after_tets[c] = further_cards({sets.begin(), sets.end()});
+    }
+  }
+
+  void add_nodes() {
+    std::vector<Index> vertex2inserted(mesh_.points.size(), -1);
+    for (std::size_t i = 0; i < match_.inserted.size(); ++i) span_of(vertex2inserted)[match_.inserted[i]] = to_index(i);
+    std::vector<std::set<int>> regions(match_.inserted.size()), patches(match_.inserted.size());
+    const auto collect = [&](const auto& elements, const std::vector<int>& tags, std::vector<std::set<int>>& of,
+                             const auto& edges) {
+      for (std::size_t i = 0; i < elements.size(); ++i) {
+        for (const Index v : elements[i]) {
+          if (const Index n = span_of(vertex2inserted)[v]; n >= 0) span_of(of)[n].insert(tags[i]);
+        }
+        if (middles_ == nullptr || !middles_->has(elements[i])) continue;
+        for (const auto& [a, b] : edges) {
+          const Index v = middles_->of(elements[i][to_size_t(a)], elements[i][to_size_t(b)]);
+          if (const Index n = span_of(vertex2inserted)[v]; n >= 0) span_of(of)[n].insert(tags[i]);
+        }
+      }
+    };
+    if (match_.inserted.empty()) return;
+    collect(mesh_.tets, mesh_.tet_tags, regions, kTetEdges);
+    collect(mesh_.triangles, mesh_.triangle_tags, patches, kTriangleEdges);
+    const Index set_of_card = model_.node_cards.back().set;
+    std::vector<std::vector<Index>> sets_of(match_.inserted.size());
+    changes_.appends_nodes = true;
+    for (std::size_t i = 0; i < sets_of.size(); ++i) {
+      sets_of[i] = sets_with(regions[i], patches[i], middles_ != nullptr && middles_->is_middle(match_.inserted[i]));
+      if (set_of_card >= 0 && !has(sets_of[i], set_of_card)) changes_.appends_nodes = false;
+    }
+    std::set<Index> all;
+    for (std::size_t i = 0; i < sets_of.size(); ++i) {
+      const std::int64_t label = span_of(match_.vertex_labels)[match_.inserted[i]];
+      add(label, sets_of[i], changes_.appends_nodes ? set_of_card : -1);
+      all.insert(sets_of[i].begin(), sets_of[i].end());
+    }
+    changes_.cards_after_nodes = further_cards({all.begin(), all.end()});
+  }
+  /// The sets of nodes that have all vertices of one of these regions or patches.
+  std::vector<Index> sets_with(const std::set<int>& regions, const std::set<int>& patches, bool is_middle) const {
+    std::vector<Index> sets;
+    for (Index s = 0; s < std::ssize(model_.sets); ++s) {
+      const InpSet& set = span_of(model_.sets)[s];
+      const auto any_of = [](const std::vector<int>& tags, const std::set<int>& found) {
+        return std::any_of(tags.begin(), tags.end(), [&found](int tag) { return found.count(tag) != 0; });
+      };
+      if (is_middle && !set.adds_middles) continue;
+      if (set.of_nodes && (any_of(set.regions, regions) || any_of(set.patches, patches))) sets.push_back(s);
+    }
+    return sets;
+  }
+
+  std::optional<std::string> set_card(std::size_t c) {
+    const InpSetCard& card = model_.set_cards[c];
+    const InpSet& set = span_of(model_.sets)[card.set];
+    if (card.follows_elements) return {};
+    std::vector<std::int64_t> labels;
+    for (const Index member : card.members) {
+      const std::int64_t label =
+          set.of_nodes ? span_of(model_.node_labels)[member] : span_of(model_.element_labels)[member];
+      const Index tet = set.of_nodes ? -1 : span_of(model_.element2tet)[member];
+      const bool stays = set.of_nodes       ? span_of(match_.node2vertex)[member] >= 0
+                         : tet < 0          ? true
+                         : set.is_auxiliary ? auxiliary_members_[card.set].count(label) != 0
+                                            : span_of(match_.old2tet)[tet] >= 0;
+      if (stays) labels.push_back(label);
+    }
+    bool is_same = labels.size() == card.members.size();
+    if (to_index(c) == last_card(set)) {
+      std::vector<std::int64_t>& more = span_of(additions_)[card.set];
+      if (set.is_auxiliary) {
+        std::set<std::int64_t> wanted = auxiliary_members_[card.set];
+        for (const Index member : set.members) wanted.erase(span_of(model_.element_labels)[member]);
+        more.assign(wanted.begin(), wanted.end());
+      }
+      is_same = is_same && more.empty();
+      labels.insert(labels.end(), more.begin(), more.end());
+    }
+    if (is_same) return {};
+    if (labels.empty() && card.names.empty()) return "";
+    std::string text = without_generate(card.head, model_.newline);
+    for (const std::string& name : card.names) text += name + "," + model_.newline;
+    append_inp_labels(text, labels, model_.newline);
+    return text;
+  }
+
+  const InpModel& model_;
+  const TetMesh& mesh_;
+  const InpMatch& match_;
+  const Middles* middles_;
+  std::map<Index, std::set<std::int64_t>> auxiliary_members_;  ///< numbers of elements, by set
+  std::vector<std::vector<InpLabeledFace>> faces_;             ///< per face group
+  std::vector<std::vector<std::int64_t>> additions_;           ///< per set
+  InpChanges changes_;
+};
+
+}  // namespace
+
+InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles) {
+  return InpFollower(model, mesh, match, middles).follow();
+}
+
+}  // namespace tetune

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/inp/inp_match.hpp"
+#include "io/second_order.hpp"
+
+namespace tetune {
+
+/// The cards that change with the mesh.
+struct InpChanges {
+  /// The new text of cards of sets and of faces; none where the old one holds.
+  std::vector<std::optional<std::string>> set_cards, face_cards;
+  /// The inserted vertices are in the set of the last *NODE card.
+  bool appends_nodes = false;
+  /// Further cards of sets, after the last node.
+  std::string cards_after_nodes;
+  /// Likewise after the last tetrahedron of each *ELEMENT card.
+  std::vector<std::string> cards_after_tets;
+};
+
+/// Finds the sets and surfaces of a deck in a mesh. Throws FileError where one of them is lost.
+InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles);
+
+}  // namespace tetune

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/inp/inp_format.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "system/real_text.hpp"
+
+namespace tetune {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+char upper(char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; }
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+/// Calls take(part) for the parts between commas that are outside quotation marks.
+template <class Take>
+void split(std::string_view text, const Take& take) {
+  bool is_quoted = false;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '"') is_quoted = !is_quoted;
+    if (text[i] != ',' || is_quoted) continue;
+    take(text.substr(start, i - start));
+    start = i + 1;
+  }
+  take(text.substr(start));
+}
+
+constexpr int kMaxRealLength = 20;
+
+/// Writes the shortest digits of a number in one of three notations; returns the text.
+std::string_view written(double value, int notation, int digits, std::array<char, 512>& buffer) {
+  char* const begin = buffer.data();
+  char* const end = begin + buffer.size();
+  std::to_chars_result result{};
+  if (notation == 0) result = print_real(begin, end, value);
+  if (notation == 1) result = print_real(begin, end, value, std::chars_format::fixed);
+  if (notation >= 2) {
+    result = digits == 0 ? print_real(begin, end, value, std::chars_format::scientific)
+                         : print_real(begin, end, value, std::chars_format::scientific, digits - 1);
+  }
+  char* last = result.ptr;
+  char* const exponent = std::find(begin, last, 'e');
+  if (exponent != last) {  // without a plus sign and leading zeros
+    char* from = exponent + 1;
+    char* to = from;
+    if (*from == '-') ++to;
+    if (*from == '-' || *from == '+') ++from;
+    while (from + 1 < last && *from == '0') ++from;
+    last = std::copy(from, last, to);
+  }
+  char* const first_digit = begin + (*begin == '-' ? 1 : 0);
+  if (last - begin > kMaxRealLength && *first_digit == '0' && first_digit[1] == '.') {
+    last = std::copy(first_digit + 1, last, first_digit);
+  }
+  return {begin, std::size_t(last - begin)};
+}
+
+}  // namespace
+
+const std::string* InpKeyword::find(std::string_view parameter) const {
+  for (const auto& [key, value] : parameters) {
+    if (key == parameter) return &value;
+  }
+  return nullptr;
+}
+
+InpKeyword parse_inp_keyword(std::string_view line) {
+  InpKeyword keyword;
+  bool is_first = true;
+  split(line.substr(1), [&](std::string_view part) {
+    const std::size_t equals = part.find('=');
+    const std::string key = inp_name(part.substr(0, equals));
+    if (is_first) {
+      keyword.name = key;
+    } else if (!key.empty()) {
+      const std::string_view value = equals == std::string_view::npos ? "" : part.substr(equals + 1);
+      keyword.parameters.emplace_back(key, trimmed(value));
+    }
+    is_first = false;
+  });
+  return keyword;
+}
+
+std::vector<std::string_view> inp_fields(std::string_view line) {
+  std::vector<std::string_view> fields;
+  split(line, [&fields](std::string_view part) { fields.push_back(trimmed(part)); });
+  if (fields.back().empty()) fields.pop_back();
+  return fields;
+}
+
+std::string inp_name(std::string_view written) {
+  const std::string_view text = trimmed(written);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
+    return std::string(text.substr(1, text.size() - 2));
+  std::string name;
+  for (const char c : text) {
+    if (!is_blank(c)) name.push_back(upper(c));
+  }
+  return name;
+}
+
+bool parse_inp_integer(std::string_view field, std::int64_t& value) {
+  if (field.size() > 1 && field.front() == '+') field.remove_prefix(1);
+  if (field.empty() || field.size() > 18) return false;
+  const auto [stop, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  return error == std::errc() && stop == field.data() + field.size();
+}
+
+InpElementType inp_element_type(const std::string& type) {
+  using Role = InpElementType::Role;
+  struct Entry {
+    const char* name;
+    InpElementType type;
+  };
+  // The digits of a name end where another character follows. Longer names come first.
+  static const std::vector<Entry> kTypes{
+      {"3D10", {Role::quadratic_tetrahedron, 10}},
+      {"3D20", {Role::unknown, 20}},
+      {"3D15", {Role::unknown, 15}},
+      {"3D27", {Role::unknown, 27}},
+      {"3D4", {Role::tetrahedron, 4}},
+      {"3D5", {Role::block, 5, "Pyramids"}},
+      {"3D6", {Role::block, 6, "Prisms"}},
+      {"3D8", {Role::block, 8, "Hexahedra"}},
+  };
+  // The solid families: structural, thermal, acoustic, fluid, coupled and electromagnetic elements.
+  for (const char* family : {"C", "DC", "AC", "F", "FC", "DCC", "Q", "EMC"}) {
+    for (const Entry& entry : kTypes) {
+      const std::string start = std::string(family) + entry.name;
+      const bool matches = type.starts_with(start);
+      if (matches && (type.size() == start.size() || type[start.size()] < '0' || type[start.size()] > '9')) {
+        return entry.type;
+      }
+    }
+  }
+  static const std::vector<Entry> kOthers{
+      {"STRI3", {Role::triangle, 3}},
+      {"S3", {Role::triangle, 3}},
+      {"DS3", {Role::triangle, 3}},
+      {"M3D3", {Role::triangle, 3}},
+      {"R3D3", {Role::triangle, 3}},
+      {"SFM3D3", {Role::triangle, 3}},
+      {"CPS3", {Role::triangle, 3}},
+      {"CPE3", {Role::triangle, 3}},
+      {"S4", {Role::block, 4, "Quadrilaterals"}},
+      {"DS4", {Role::block, 4, "Quadrilaterals"}},
+      {"M3D4", {Role::block, 4, "Quadrilaterals"}},
+      {"R3D4", {Role::block, 4, "Quadrilaterals"}},
+      {"SFM3D4", {Role::block, 4, "Quadrilaterals"}},
+      {"CPS4", {Role::block, 4, "Quadrilaterals"}},
+      {"CPE4", {Role::block, 4, "Quadrilaterals"}},
+      {"SC8", {Role::block, 8, "Hexahedra"}},
+      {"CSS8", {Role::block, 8, "Hexahedra"}},
+      {"SC6", {Role::block, 6, "Prisms"}},
+      {"B31", {Role::edge, 2}},
+      {"T3D2", {Role::edge, 2}},
+      {"RB3D2", {Role::edge, 2}},
+      {"S8", {Role::unknown, 8}},
+      {"S6", {Role::unknown, 6}},
+  };
+  for (const Entry& entry : kOthers) {
+    const std::size_t n = std::strlen(entry.name);
+    if (type.starts_with(entry.name) && (type.size() == n || type[n] < '0' || type[n] > '9')) return entry.type;
+  }
+  return {};
+}
+
+bool append_inp_real(std::string& out, double value) {
+  std::array<char, 512> buffer;
+  for (int notation = 0; notation < 3; ++notation) {
+    const std::string_view text = written(value, notation, 0, buffer);
+    if (text.size() <= kMaxRealLength) {
+      out += text;
+      return true;
+    }
+  }
+  for (int digits = 17;; --digits) {
+    const std::string_view text = written(value, 3, digits, buffer);
+    if (text.size() > kMaxRealLength) continue;
+    out += text;
+    return false;
+  }
+}
+
+void append_inp_labels(std::string& out, const std::vector<std::int64_t>& labels, std::string_view newline) {
+  constexpr std::size_t kPerLine = 16;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    out += std::to_string(labels[i]);
+    out += i % kPerLine + 1 == kPerLine || i + 1 == labels.size() ? newline : std::string_view(", ");
+  }
+}
+
+}  // namespace tetune

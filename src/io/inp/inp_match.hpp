@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/inp/inp_deck.hpp"
+
+namespace tetune {
+
+/// How the entities of a mesh take the places of those of its deck.
+struct InpMatch {
+  /// Per vertex: its node in the deck, or -1; and its number.
+  std::vector<Index> vertex2node;
+  std::vector<std::int64_t> vertex_labels;
+  /// Per node of the deck its vertex, or -1.
+  std::vector<Index> node2vertex;
+  std::vector<Index> inserted;  ///< vertices
+
+  /// Per tetrahedron: its number, and its vertices in the order in which it is written.
+  std::vector<std::int64_t> tet_labels;
+  std::vector<std::array<Index, 4>> listed;
+  /// Per tetrahedron of the deck the one that has its number, or -1; and whether its line stays.
+  std::vector<Index> old2tet;
+  std::vector<std::uint8_t> is_same;
+  /// Per *ELEMENT card of tetrahedra those with new numbers.
+  std::vector<std::vector<Index>> added;
+};
+
+/// Finds the tetrahedra of a deck that are unchanged; the others of a region get the numbers of those that the region
+/// has lost, then new ones. Throws FileError where the mesh is not of this deck.
+InpMatch match_inp(const InpModel& model, const TetMesh& mesh);
+
+/// The position in a list of regions or patches, or -1.
+template <class T>
+Index find_inp_tag(const std::vector<T>& list, int tag) {
+  const auto at = std::lower_bound(list.begin(), list.end(), tag, [](const T& item, int t) { return item.tag < t; });
+  return at == list.end() || at->tag != tag ? -1 : to_index(at - list.begin());
+}
+
+}  // namespace tetune

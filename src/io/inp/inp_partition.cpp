@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the sets of elements of a deck to tags: each combination of them that occurs becomes a tag of its own.
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "io/inp/inp_combinations.hpp"
+#include "io/inp/inp_scan.hpp"
+
+namespace tetune {
+namespace {
+
+/// The number in a name like Volume50, as tetune and Gmsh write them for tags.
+std::optional<int> tag_in_name(const std::string& name, const char* start) {
+  const std::string key = inp_name(name);
+  const std::string prefix = inp_name(start);
+  std::int64_t value = 0;
+  if (!key.starts_with(prefix) || !parse_inp_integer(key.substr(prefix.size()), value)) return {};
+  if (value == 0 || value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max()) return {};
+  return int(value);
+}
+
+/// Finds the sets of tetrahedra that one line of faces lists and no other card: those make no regions.
+void find_auxiliary_sets(const InpScan& scan, InpModel& model) {
+  std::vector<int> uses(model.sets.size(), 0);
+  for (const Index s : scan.element2set) {
+    if (s >= 0) uses[to_size_t(s)] = 2;
+  }
+  for (const InpFaceGroup& group : model.face_groups) {
+    for (const InpFaceSet& use : group.sets) ++uses[to_size_t(use.set)];
+  }
+  const auto is_other = [&model](Index e) { return span_of(model.element2tet)[e] < 0; };
+  for (const InpSetCard& card : model.set_cards) {
+    if (!card.nested.empty()) uses[to_size_t(card.set)] = 2;
+  }
+  for (std::size_t s = 0; s < model.sets.size(); ++s) {
+    InpSet& set = model.sets[s];
+    set.is_auxiliary = !set.of_nodes && uses[s] == 1 && scan.mentioned.count(inp_name(set.name)) == 0 &&
+                       std::none_of(set.members.begin(), set.members.end(), is_other);
+  }
+  for (InpFaceGroup& group : model.face_groups) {
+    std::erase_if(group.sets, [&](const InpFaceSet& use) {
+      const InpSet& set = span_of(model.sets)[use.set];
+      if (set.is_auxiliary) return false;
+      for (const Index e : set.members) {
+        if (!is_other(e)) group.direct.push_back({e, use.face});
+      }
+      return true;
+    });
+    sort_unique(group.direct);
+  }
+}
+
+class InpRegions {
+ public:
+  InpRegions(const InpScan& scan, InpModel& model, TetMesh& mesh) : scan_(scan), model_(model), mesh_(mesh) {}
+
+  void make() {
+    Combinations<Index> combinations;
+    std::map<std::string, Index> type2member;
+    std::vector<Index> combination(model_.element_labels.size(), 0);
+    for (std::size_t t = 0; t < model_.tets.size(); ++t) {
+      // Elements of different types are in different regions; the first type needs no tag.
+      const std::string& type = span_of(model_.tet_cards)[model_.tet2card[t]].type;
+      const Index member = -type2member.try_emplace(type, to_index(type2member.size())).first->second;
+      if (member < 0) span_of(combination)[model_.tet2element[t]] = combinations.with(0, member);
+    }
+    for (std::size_t s = 0; s < model_.sets.size(); ++s) {
+      const InpSet& set = model_.sets[s];
+      if (set.of_nodes || set.is_auxiliary) continue;
+      for (const Index e : set.members) {
+        Index& c = span_of(combination)[e];
+        c = combinations.with(c, to_index(s));
+      }
+    }
+    set_tags(combinations, combination);
+  }
+
+ private:
+  static bool is_solid(const InpElementType& type) { return type.nodes != 4; }
+
+  void set_tags(const Combinations<Index>& combinations, const std::vector<Index>& combination) {
+    std::vector<std::vector<std::string>> names(combinations.size());
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      for (const Index s : combinations.of(to_index(c))) {
+        if (s >= 0) names[c].push_back(span_of(model_.sets)[s].name);
+      }
+    }
+    std::vector<bool> occurs(combinations.size(), false), of_quads(combinations.size(), false);
+    for (const Index e : model_.tet2element) occurs[to_size_t(span_of(combination)[e])] = true;
+    for (const InpOther& other : scan_.others) {
+      if (other.type.role != InpElementType::Role::block) continue;
+      (is_solid(other.type) ? occurs : of_quads)[to_size_t(span_of(combination)[other.element])] = true;
+    }
+    const std::vector<int> tags = number_inp_tags(names, occurs, "Volume");
+    const std::vector<int> quad_tags = number_inp_tags(names, of_quads, "Surface");
+    mesh_.tet_tags.reserve(model_.tets.size());
+    for (const Index e : model_.tet2element) mesh_.tet_tags.push_back(span_of(tags)[span_of(combination)[e]]);
+    std::map<std::string, std::size_t> next;  // element of each block
+    for (const InpOther& other : scan_.others) {
+      if (other.type.role != InpElementType::Role::block) continue;
+      const auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
+                                      [&other](const ElementBlock& b) { return b.kind == other.type.kind; });
+      block->tags[next[block->kind]++] =
+          span_of(is_solid(other.type) ? tags : quad_tags)[span_of(combination)[other.element]];
+    }
+    add_regions(combinations, occurs, tags);
+    for (std::size_t c = 0; c < quad_tags.size(); ++c) {
+      if (!of_quads[c] || quad_tags[c] == 0) continue;
+      for (const Index s : combinations.of(to_index(c))) {
+        if (s >= 0) span_of(model_.sets)[s].quads.push_back(quad_tags[c]);
+      }
+    }
+  }
+
+  void add_regions(const Combinations<Index>& combinations, const std::vector<bool>& occurs,
+                   const std::vector<int>& tags) {
+    model_.tet_tags = mesh_.tet_tags;
+    for (std::size_t c = 0; c < tags.size(); ++c) {
+      if (!occurs[c]) continue;
+      InpRegion region{tags[c], {}};
+      for (const Index s : combinations.of(to_index(c))) {
+        if (s < 0) continue;
+        region.sets.push_back(s);
+        span_of(model_.sets)[s].regions.push_back(region.tag);
+      }
+      model_.regions.push_back(std::move(region));
+    }
+    std::sort(model_.regions.begin(), model_.regions.end(), [](const auto& a, const auto& b) { return a.tag < b.tag; });
+  }
+
+  const InpScan& scan_;
+  InpModel& model_;
+  TetMesh& mesh_;
+};
+
+/// Adds a group, or tags to the one of this name, unless its name says no more than its tag.
+void add_group(TetMesh& mesh, int dimension, const std::string& name, const std::vector<int>& tags, const char* start) {
+  if (tags.empty() || (tags.size() == 1 && is_inp_tag_name(name, start, tags[0]))) return;
+  for (Group& group : mesh.groups) {
+    if (group.dimension != dimension || inp_name(group.name) != inp_name(name)) continue;
+    group.tags.insert(group.tags.end(), tags.begin(), tags.end());
+    sort_unique(group.tags);
+    return;
+  }
+  const auto is_taken = [&](int number) {
+    return std::any_of(mesh.groups.begin(), mesh.groups.end(),
+                       [&](const Group& g) { return g.dimension == dimension && g.number == number; });
+  };
+  int number = tags.size() == 1 && tags[0] > 0 ? tags[0] : 1;
+  while (is_taken(number)) ++number;
+  mesh.groups.push_back({dimension, number, name, tags});
+}
+
+/// The tags of the quadrilaterals in a set, without those that patches have by chance: a set that is named for the tag
+/// has the quadrilaterals and the patch in one group.
+std::vector<int> tags_of_quads(const InpSet& set, const InpModel& model) {
+  std::vector<int> tags = set.quads;
+  std::erase_if(tags, [&model](int tag) {
+    const auto has_tag = [tag](const InpPatch& patch) { return patch.tag == tag; };
+    const auto is_named = [tag](const InpSet& s) { return !s.of_nodes && is_inp_tag_name(s.name, "Surface", tag); };
+    return std::any_of(model.patches.begin(), model.patches.end(), has_tag) &&
+           std::none_of(model.sets.begin(), model.sets.end(), is_named);
+  });
+  return tags;
+}
+
+void add_groups(const InpModel& model, TetMesh& mesh) {
+  for (const InpSet& set : model.sets) {
+    if (!set.of_nodes) add_group(mesh, 3, set.name, set.regions, "Volume");
+  }
+  std::set<std::string> surfaces;
+  for (const InpFaceCard& card : model.face_cards) {
+    if (card.name.empty()) continue;
+    surfaces.insert(inp_name(card.name));
+    std::vector<int> tags;
+    for (const InpPatch& patch : model.patches) {
+      const auto is_of_card = [&card](const InpPatchMember& m) {
+        return std::find(card.groups.begin(), card.groups.end(), m.group) != card.groups.end();
+      };
+      if (std::any_of(patch.members.begin(), patch.members.end(), is_of_card)) tags.push_back(patch.tag);
+    }
+    add_group(mesh, 2, card.name, tags, "Surface");
+  }
+  for (const InpSet& set : model.sets) {
+    if (!set.of_nodes || !set.regions.empty() || surfaces.count(inp_name(set.name)) != 0) continue;
+    add_group(mesh, 2, set.name, set.patches, "Surface");
+  }
+  for (const InpSet& set : model.sets) add_group(mesh, 2, set.name, tags_of_quads(set, model), "Surface");
+}
+
+/// Holds what other cards name by number.
+void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh) {
+  for (const std::int64_t label : scan.held_nodes) {
+    if (const Index node = model.node(label); node >= 0) mesh.required_vertices.push_back(node);
+  }
+  for (const std::int64_t label : scan.held_elements) {
+    const Index element = model.element(label);
+    const Index tet = element < 0 ? -1 : span_of(model.element2tet)[element];
+    if (tet >= 0) mesh.required_tets.push_back(tet);
+  }
+  sort_unique(mesh.required_vertices);
+  sort_unique(mesh.required_tets);
+}
+
+}  // namespace
+
+std::vector<int> number_inp_tags(const std::vector<std::vector<std::string>>& names, const std::vector<bool>& occurs,
+                                 const char* start) {
+  std::vector<int> tags(names.size(), 0);
+  std::set<int> taken;
+  for (std::size_t c = 1; c < names.size(); ++c) {
+    std::set<int> numbers;
+    for (const std::string& name : names[c]) {
+      if (const std::optional<int> number = tag_in_name(name, start)) numbers.insert(*number);
+    }
+    if (occurs[c] && numbers.size() == 1 && taken.insert(*numbers.begin()).second) tags[c] = *numbers.begin();
+  }
+  int next = 1;
+  for (std::size_t c = 1; c < names.size(); ++c) {
+    if (!occurs[c] || tags[c] != 0) continue;
+    while (!taken.insert(next).second) ++next;
+    tags[c] = next;
+  }
+  return tags;
+}
+
+bool is_inp_tag_name(const std::string& name, const char* start, int tag) { return tag_in_name(name, start) == tag; }
+
+void partition_inp(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context) {
+  find_auxiliary_sets(scan, model);
+  InpRegions(scan, model, mesh).make();
+  find_inp_patches(scan, model, mesh, context);
+  add_groups(model, mesh);
+  hold_labels(scan, model, mesh);
+}
+
+}  // namespace tetune

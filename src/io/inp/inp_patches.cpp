@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the surfaces of a deck, and sets of nodes on its boundary, to triangles with tags.
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "backend/cpu.hpp"
+#include "io/inp/inp_combinations.hpp"
+#include "io/inp/inp_scan.hpp"
+#include "mesh/csr.hpp"
+#include "mesh/tet.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+struct VertexOfCorner {
+  Span<const std::array<Index, 4>> tets;
+  Size operator()(Size corner) const { return tets[corner / 4][to_size_t(corner % 4)]; }
+};
+
+/// A face of a tetrahedron by its vertices in ascending order.
+struct FaceOfTet {
+  std::array<Index, 3> vertices;
+  Index tet;
+  int opposite;
+  bool operator<(const FaceOfTet& other) const { return vertices < other.vertices; }
+};
+
+/// This number of held nodes, or one in this number, is no cause for a warning.
+constexpr std::size_t kFewHeld = 100;
+
+class InpPatches {
+ public:
+  InpPatches(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context)
+      : scan_(scan), model_(model), mesh_(mesh), context_(context) {}
+
+  void find() {
+    find_turned();
+    hold_sets();
+    for (std::size_t g = 0; g < model_.face_groups.size(); ++g) {
+      for (const InpFace& f : model_.face_groups[g].faces) {
+        add(span_of(model_.element2tet)[f.element], kInpOppositeFace[to_size_t(f.face)], to_index(g), true);
+      }
+    }
+    for (std::size_t s = 0; s < model_.sets.size(); ++s) {
+      if (model_.sets[s].of_nodes) cover(to_index(s));
+    }
+    list_triangles();
+    sort_unique(held_);
+    mesh_.required_vertices.insert(mesh_.required_vertices.end(), held_.begin(), held_.end());
+    if (held_.size() <= std::max(kFewHeld, mesh_.points.size() / kFewHeld)) return;
+    context_.warn(std::to_string(held_.size()) + " nodes of the sets " + names_of_held_ +
+                  " keep their place, as no region and no part of the boundary has these sets as its nodes");
+  }
+
+ private:
+  /// Finds the tetrahedra that read_mesh() will turn: an inverted one among others keeps its sense, so that its faces
+  /// have the same sides when it is written.
+  void find_turned() {
+    TetMesh oriented;
+    oriented.points.swap(mesh_.points);
+    oriented.point_tags.assign(oriented.points.size(), 0);
+    oriented.tets = mesh_.tets;
+    oriented.tet_tags.assign(oriented.tets.size(), 0);
+    orient_uniformly(oriented, 1);
+    oriented.points.swap(mesh_.points);
+    is_turned_.resize(oriented.tets.size());
+    for (std::size_t t = 0; t < is_turned_.size(); ++t) is_turned_[t] = oriented.tets[t] != mesh_.tets[t];
+  }
+
+  /// A face with its vertices counter-clockwise as seen from outside a tetrahedron.
+  std::array<Index, 3> outward_face(Index t, int opposite) const {
+    const auto& v = span_of(mesh_.tets)[t];
+    const Tet tet{{v[0], v[1], v[2], v[3]}};
+    std::array<Index, 3> face{tet[face_vertex(opposite, 0)], tet[face_vertex(opposite, 1)],
+                              tet[face_vertex(opposite, 2)]};
+    if (is_turned_[to_size_t(t)]) std::swap(face[1], face[2]);
+    return face;
+  }
+
+  /// Adds a face to a patch: of the group with this number, or of the set of nodes with minus this number - 1.
+  void add(Index tet, int opposite, Index member, bool has_side) {
+    const std::array<Index, 3> face = outward_face(tet, opposite);
+    std::array<Index, 3> key = face;
+    std::sort(key.begin(), key.end());
+    const auto [at, is_new] = positions_.try_emplace(key, to_index(triangles_.size()));
+    if (is_new) {
+      triangles_.push_back(face);
+      combination_.push_back(0);
+    }
+    const auto& listed = span_of(triangles_)[at->second];
+    const auto first = to_size_t(std::find(listed.begin(), listed.end(), face[0]) - listed.begin());
+    const bool same_sense = listed[(first + 1) % 3] == face[1];
+    Index& combination = span_of(combination_)[at->second];
+    combination = combinations_.with(combination, {member, has_side && !same_sense ? 1 : 0});
+  }
+
+  // Sets of nodes.
+
+  /// Holds the sets whose nodes other cards pair, and those nested in them. Throws FileError where one of these has the
+  /// nodes of elements, which change.
+  void hold_sets() {
+    for (InpSet& set : model_.sets) set.is_held |= set.of_nodes && scan_.paired.count(inp_name(set.name)) != 0;
+    for (bool is_changed = true; is_changed;) {
+      is_changed = false;
+      for (const InpSetCard& card : model_.set_cards) {
+        if (!span_of(model_.sets)[card.set].is_held) continue;
+        for (const Index s : card.nested) {
+          InpSet& nested = span_of(model_.sets)[s];
+          is_changed |= !nested.is_held;
+          nested.is_held = true;
+        }
+      }
+    }
+    for (std::size_t c = 0; c < model_.set_cards.size(); ++c) {
+      const InpSet& set = span_of(model_.sets)[model_.set_cards[c].set];
+      if (!set.is_held || !model_.set_cards[c].follows_elements) continue;
+      scan_.set_places[c].fail("the order of the set " + set.name +
+                               " matters, and its nodes would change with the elements; list them by number");
+    }
+  }
+
+  /// The corners of tetrahedra at each vertex: built for the first set that needs them.
+  CsrView vertex2corner() {
+    if (rows_.offsets.size() == 0) {
+      build_csr(cpu_, std::ssize(mesh_.points), 4 * std::ssize(mesh_.tets), VertexOfCorner{span_of(mesh_.tets)}, rows_);
+    }
+    return rows_.view();
+  }
+
+  /// Finds the regions and the parts of the boundary whose vertices a set has; other vertices of tetrahedra are held.
+  void cover(Index s) {
+    InpSet& set = span_of(model_.sets)[s];
+    const auto follows = [this](Index card) { return span_of(model_.set_cards)[card].follows_elements; };
+    const bool has_cards = !set.cards.empty();
+    if (has_cards && std::all_of(set.cards.begin(), set.cards.end(), follows)) return;
+    mark_.resize(mesh_.points.size(), kOutside);
+    for (const Index v : set.members) span_of(mark_)[v] = kInSet;
+    if (!set.is_held) {
+      find_regions(set);
+      take_groups(set);
+      add_faces(faces_in(set), s);
+    }
+    hold_rest(set);
+    for (const Index v : set.members) span_of(mark_)[v] = kOutside;
+  }
+  bool is_outside(Index v) const { return span_of(mark_)[v] == kOutside; }
+  bool is_uncovered(Index v) const { return span_of(mark_)[v] == kInSet; }
+
+  /// Sets the regions with all vertices in a set, and marks these as covered.
+  void find_regions(InpSet& set) {
+    std::vector<std::uint8_t> is_whole(model_.regions.size(), 0);
+    count_tets();
+    for (std::size_t r = 0; r < is_whole.size(); ++r) {
+      // The tetrahedra of a valid mesh of n vertices are fewer than n^2, which spares small sets a pass over the mesh.
+      // A region may have other elements alone.
+      const bool is_possible = tets_of_region_[r] <= set.members.size() * set.members.size();
+      if (tets_of_region_[r] > 0 && is_possible) is_whole[r] = 1;
+    }
+    if (std::find(is_whole.begin(), is_whole.end(), 1) == is_whole.end()) return;
+    for_each_region([&](Index t, std::size_t region) {
+      const auto& tet = span_of(mesh_.tets)[t];
+      if (is_whole[region] != 0 && std::any_of(tet.begin(), tet.end(), [this](Index v) { return is_outside(v); })) {
+        is_whole[region] = 0;
+      }
+    });
+    for (std::size_t r = 0; r < is_whole.size(); ++r) {
+      if (is_whole[r] != 0) set.regions.push_back(model_.regions[r].tag);
+    }
+    if (set.regions.empty()) return;
+    for_each_region([&](Index t, std::size_t region) {
+      for (const Index v : span_of(mesh_.tets)[t]) {
+        if (is_whole[region] != 0) span_of(mark_)[v] = kCovered;
+      }
+    });
+  }
+  void count_tets() {
+    if (!tets_of_region_.empty()) return;
+    tets_of_region_.assign(model_.regions.size(), 0);
+    for_each_region([this](Index, std::size_t region) { ++tets_of_region_[region]; });
+  }
+  /// Calls f(tetrahedron, position of its region).
+  template <class F>
+  void for_each_region(const F& f) const {
+    std::size_t region = 0;
+    for (Index t = 0; t < std::ssize(mesh_.tets); ++t) {
+      const int tag = span_of(mesh_.tet_tags)[t];
+      if (model_.regions[region].tag != tag) {
+        const auto at = std::lower_bound(model_.regions.begin(), model_.regions.end(), tag,
+                                         [](const InpRegion& r, int wanted) { return r.tag < wanted; });
+        region = to_size_t(at - model_.regions.begin());
+      }
+      f(t, region);
+    }
+  }
+
+  /// Takes the face groups with all vertices in a set.
+  void take_groups(InpSet& set) {
+    for (std::size_t g = 0; g < model_.face_groups.size(); ++g) {
+      const std::vector<InpFace>& faces = model_.face_groups[g].faces;
+      const auto vertices_of = [this](const InpFace& f) {
+        return outward_face(span_of(model_.element2tet)[f.element], kInpOppositeFace[to_size_t(f.face)]);
+      };
+      const auto is_in_set = [&](const InpFace& f) {
+        const auto face = vertices_of(f);
+        return std::all_of(face.begin(), face.end(), [this](Index v) { return span_of(mark_)[v] != kOutside; });
+      };
+      if (faces.empty() || !std::all_of(faces.begin(), faces.end(), is_in_set)) continue;
+      set.groups.push_back(to_index(g));
+      for (const InpFace& f : faces) {
+        for (const Index v : vertices_of(f)) span_of(mark_)[v] = kCovered;
+      }
+    }
+  }
+
+  /// The faces with all vertices in a set and one of them not covered yet, sorted.
+  std::vector<FaceOfTet> faces_in(const InpSet& set) {
+    std::vector<FaceOfTet> faces;
+    for (const Index v : set.members) {
+      if (!is_uncovered(v)) continue;
+      const CsrView corners = vertex2corner();
+      for (Size c = corners.begin(v); c < corners.end(v); ++c) {
+        add_faces_of(to_index(corners.items[c] / 4), v, faces);
+      }
+    }
+    std::sort(faces.begin(), faces.end());
+    return faces;
+  }
+  /// Adds the faces of a tetrahedron that are in the set and have v as their first vertex that is not covered.
+  void add_faces_of(Index t, Index v, std::vector<FaceOfTet>& faces) const {
+    const auto& tet = span_of(mesh_.tets)[t];
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::array<Index, 3> face{tet[(k + 1) % 4], tet[(k + 2) % 4], tet[(k + 3) % 4]};
+      if (std::any_of(face.begin(), face.end(), [this](Index u) { return is_outside(u); })) continue;
+      std::sort(face.begin(), face.end());
+      const auto first = std::find_if(face.begin(), face.end(), [this](Index u) { return is_uncovered(u); });
+      if (first == face.end() || *first != v) continue;
+      faces.push_back({face, t, int(k)});
+    }
+  }
+  /// Adds those of the faces that are on the boundary or between regions.
+  void add_faces(const std::vector<FaceOfTet>& faces, Index set) {
+    std::vector<Index> reached;
+    for (auto face = faces.begin(); face != faces.end();) {
+      const auto next = std::find_if(face, faces.end(), [face](const FaceOfTet& f) { return *face < f; });
+      const auto tag_of = [this](const FaceOfTet& f) { return span_of(mesh_.tet_tags)[f.tet]; };
+      if (next - face != 2 || tag_of(face[0]) != tag_of(face[1])) {
+        add(face->tet, face->opposite, -1 - set, false);
+        reached.insert(reached.end(), face->vertices.begin(), face->vertices.end());
+      }
+      face = next;
+    }
+    for (const Index v : reached) span_of(mark_)[v] = kCovered;
+  }
+  void hold_rest(const InpSet& set) {
+    const std::size_t before = held_.size();
+    for (const Index v : set.members) {
+      if (!is_uncovered(v)) continue;
+      const CsrView corners = vertex2corner();
+      if (corners.size(v) > 0) held_.push_back(v);
+    }
+    if (held_.size() == before) return;
+    names_of_held_ += (names_of_held_.empty() ? "" : ", ") + set.name;
+  }
+
+  // The result.
+
+  void list_triangles() {
+    std::vector<std::string> group_names(model_.face_groups.size());
+    for (const InpFaceCard& card : model_.face_cards) {
+      for (const Index g : card.groups) span_of(group_names)[g] = card.name;
+    }
+    std::vector<std::vector<std::string>> names(combinations_.size());
+    std::vector<bool> occurs(combinations_.size(), false);
+    for (const Index c : combination_) occurs[to_size_t(c)] = true;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      for (const InpPatchMember& m : combinations_.of(to_index(c))) {
+        names[c].push_back(m.group >= 0 ? span_of(group_names)[m.group] : span_of(model_.sets)[-1 - m.group].name);
+      }
+    }
+    const std::vector<int> tags = number_inp_tags(names, occurs, "Surface");
+    for (std::size_t c = 1; c < tags.size(); ++c) {
+      if (!occurs[c]) continue;
+      InpPatch patch{tags[c], {}};
+      for (const InpPatchMember& m : combinations_.of(to_index(c))) {
+        if (m.group >= 0) patch.members.push_back(m);
+        if (m.group < 0) span_of(model_.sets)[-1 - m.group].patches.push_back(patch.tag);
+      }
+      model_.patches.push_back(std::move(patch));
+    }
+    std::sort(model_.patches.begin(), model_.patches.end(), [](const auto& a, const auto& b) { return a.tag < b.tag; });
+    take_patches_of_groups();
+    mesh_.triangles.insert(mesh_.triangles.end(), triangles_.begin(), triangles_.end());
+    for (const Index c : combination_) mesh_.triangle_tags.push_back(span_of(tags)[c]);
+  }
+
+  /// A set with the vertices of a face group has those of its patches.
+  void take_patches_of_groups() {
+    for (InpSet& set : model_.sets) {
+      for (const InpPatch& patch : model_.patches) {
+        const auto is_taken = [&set](const InpPatchMember& m) {
+          return std::find(set.groups.begin(), set.groups.end(), m.group) != set.groups.end();
+        };
+        if (std::any_of(patch.members.begin(), patch.members.end(), is_taken)) set.patches.push_back(patch.tag);
+      }
+      sort_unique(set.patches);
+    }
+  }
+
+  static constexpr std::uint8_t kOutside = 0, kInSet = 1, kCovered = 2;
+
+  const InpScan& scan_;
+  InpModel& model_;
+  TetMesh& mesh_;
+  const IoContext& context_;
+
+  Combinations<InpPatchMember> combinations_;
+  std::vector<bool> is_turned_;                      ///< per tetrahedron
+  std::map<std::array<Index, 3>, Index> positions_;  ///< of triangles, by their vertices in ascending order
+  std::vector<std::array<Index, 3>> triangles_;
+  std::vector<Index> combination_;  ///< per triangle
+
+  backend::Cpu cpu_{1};
+  Csr<backend::Cpu> rows_;
+  std::vector<std::size_t> tets_of_region_;
+  std::vector<std::uint8_t> mark_;
+  std::vector<Index> held_;
+  std::string names_of_held_;
+};
+
+}  // namespace
+
+void find_inp_patches(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context) {
+  InpPatches(scan, model, mesh, context).find();
+}
+
+}  // namespace tetune

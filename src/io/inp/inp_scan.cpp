@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// One pass over the text of an .inp file and the files that it includes.
+#include "io/inp/inp_scan.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "io/inp/inp_card_kind.hpp"
+#include "io/inp/inp_cursor.hpp"
+#include "io/inp/inp_data.hpp"
+#include "system/path.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr std::size_t kMaxDepth = 20, kMaxIncludes = 1000;
+
+class InpScanner {
+ public:
+  explicit InpScanner(const std::string& path) : main_path_(path), cursor_(path, {}) {}
+
+  InpScan scan(std::string bytes) {
+    const std::size_t line_end = bytes.find('\n');
+    const bool has_return = line_end != std::string::npos && line_end > 0 && bytes[line_end - 1] == '\r';
+    model_.newline = has_return ? "\r\n" : "\n";
+    read_file(main_path_, std::move(bytes));
+    if (!has_keyword_) {
+      throw FileError(main_path_ + ": this is not an Abaqus or CalculiX deck: it has no keyword lines (*...)");
+    }
+    return std::move(scan_);
+  }
+
+ private:
+  enum class Mode { text, nodes, tets, others, set, faces };
+
+  void read_file(const std::string& path, std::string bytes) {
+    if (bytes.find('\0') != std::string::npos) throw FileError(path + ": this is a binary file, and no deck in text");
+    if (!stack_.empty() && !bytes.empty() && bytes.back() != '\n') bytes += model_.newline;
+    stack_.push_back(path);
+    model_.files.push_back(std::move(bytes));
+    cursor_ = InpCursor(path, model_.files.back());
+    const char* const begin = cursor_.at();
+    if (cursor_.take_byte_order_mark()) add_piece(InpPiece::Kind::text, begin);
+    while (!cursor_.at_end()) {
+      const InpCursor::Line kind = cursor_.line_kind();
+      if (kind == InpCursor::Line::keyword) {
+        read_keyword();
+      } else if (kind == InpCursor::Line::data) {
+        read_data();
+      } else {
+        const char* const start = cursor_.at();
+        cursor_.take_line();
+        add_piece(InpPiece::Kind::text, start);
+      }
+    }
+    stack_.pop_back();
+  }
+
+  /// Adds the text from `start` on, which defines the nodes or tetrahedra from `first` on.
+  void add_piece(InpPiece::Kind kind, const char* start, std::size_t card = 0, std::size_t first = 0,
+                 std::size_t last = 0) {
+    const std::string_view text(start, to_size_t(cursor_.at() - start));
+    if (!model_.pieces.empty()) {
+      InpPiece& before = model_.pieces.back();
+      const bool is_next = before.text.data() + before.text.size() == text.data();
+      if (is_next && before.kind == kind && before.card == to_index(card)) {
+        before.text = {before.text.data(), before.text.size() + text.size()};
+        before.last = to_index(last);
+        return;
+      }
+    }
+    model_.pieces.push_back({kind, text, to_index(card), to_index(first), to_index(last)});
+  }
+
+  void read_keyword() {
+    has_keyword_ = true;
+    const char* const start = cursor_.at();
+    const InpPlace where = cursor_.place();
+    const InpKeyword keyword = cursor_.take_keyword();
+    if (keyword.name == "INCLUDE") return include(keyword, where);
+    mode_ = Mode::text;
+    kind_ = inp_card_kind(keyword);
+    if (kind_.refusal != nullptr) where.fail("*" + keyword.name + ": " + kind_.refusal);
+    for (const char* parameter : {"INPUT", "FILE"}) {
+      const bool defines =
+          keyword.name == "NODE" || keyword.name == "ELEMENT" || keyword.name == "NSET" || keyword.name == "ELSET";
+      if (defines && keyword.has(parameter)) where.fail("*" + keyword.name + " reads another file; use *INCLUDE");
+    }
+    if (!start_card(keyword, start, where)) {
+      add_piece(InpPiece::Kind::text, start);
+      for (const auto& [key, value] : keyword.parameters) note_inp_parameter(key, value, kind_, scan_);
+    }
+  }
+
+  /// Starts a card that tetune interprets; returns false for others.
+  bool start_card(const InpKeyword& keyword, const char* start, const InpPlace& where) {
+    if (keyword.name == "NODE") return start_nodes(keyword, start, where);
+    if (keyword.name == "ELEMENT") return start_elements(keyword, start, where);
+    if (keyword.name == "NSET" || keyword.name == "ELSET") return start_set(keyword, start, where);
+    if (!kind_.has_faces) return false;
+    mode_ = Mode::faces;
+    InpFaceCard card;
+    card.head = head_from(start);
+    if (const std::string* name = keyword.find("NAME")) card.name = *name;
+    add_piece(InpPiece::Kind::faces, start, model_.face_cards.size());
+    model_.face_cards.push_back(std::move(card));
+    scan_.face_lines.emplace_back();
+    scan_.face_places.push_back(where);
+    return true;
+  }
+
+  bool start_nodes(const InpKeyword& keyword, const char* start, const InpPlace& where) {
+    const std::string* system = keyword.find("SYSTEM");
+    if (system != nullptr && inp_name(*system) != "R") where.fail("nodes are in other than rectangular coordinates");
+    mode_ = Mode::nodes;
+    InpEntityCard card;
+    card.first = to_index(model_.node_labels.size());
+    if (const std::string* set = keyword.find("NSET")) card.set = set_of(true, *set, where);
+    model_.node_cards.push_back(card);
+    add_piece(InpPiece::Kind::text, start);
+    return true;
+  }
+
+  bool start_elements(const InpKeyword& keyword, const char* start, const InpPlace& where) {
+    const std::string* type = keyword.find("TYPE");
+    if (type == nullptr) where.fail("*ELEMENT has no TYPE");
+    type_ = inp_element_type(inp_name(*type));
+    element_set_ = -1;
+    if (const std::string* set = keyword.find("ELSET")) element_set_ = set_of(false, *set, where);
+    const bool is_second_order = type_.role == InpElementType::Role::quadratic_tetrahedron;
+    const bool is_tet = is_second_order || type_.role == InpElementType::Role::tetrahedron;
+    if (is_tet && scan_.nodes_per_tet != 0 && scan_.nodes_per_tet != type_.nodes) {
+      where.fail("the elements have type " + *type + ", and others before are tetrahedra of " +
+                 std::to_string(scan_.nodes_per_tet) + " nodes; use one of both kinds in a deck");
+    }
+    if (is_tet) scan_.nodes_per_tet = type_.nodes;
+    if (is_second_order) model_.is_second_order = true;
+    mode_ = is_tet ? Mode::tets : Mode::others;
+    if (is_tet) model_.tet_cards.push_back({element_set_, to_index(model_.tet2element.size()), inp_name(*type)});
+    add_piece(InpPiece::Kind::text, start);
+    return true;
+  }
+
+  bool start_set(const InpKeyword& keyword, const char* start, const InpPlace& where) {
+    const bool of_nodes = keyword.name == "NSET";
+    const std::string* name = keyword.find(keyword.name);
+    if (name == nullptr) where.fail("*" + keyword.name + " has no name (" + keyword.name + "=...)");
+    mode_ = Mode::set;
+    InpSetCard card;
+    card.set = set_of(of_nodes, *name, where);
+    card.head = head_from(start);
+    card.generates = keyword.has("GENERATE");
+    card.follows_elements = of_nodes && keyword.has("ELSET");
+    InpSet& set = span_of(model_.sets)[card.set];
+    if (keyword.has("UNSORTED")) set.is_held = true;
+    const Index position = to_index(model_.set_cards.size());
+    set.cards.push_back(position);
+    InpSetLines lines;
+    if (card.follows_elements) {
+      lines.elements = *keyword.find("ELSET");
+      scan_.mentioned.insert(inp_name(lines.elements));
+    }
+    add_piece(InpPiece::Kind::set, start, to_size_t(position));
+    model_.set_cards.push_back(std::move(card));
+    scan_.set_lines.push_back(std::move(lines));
+    scan_.set_places.push_back(where);
+    return true;
+  }
+
+  /// The set of this name.
+  Index set_of(bool of_nodes, const std::string& name, const InpPlace& where) {
+    const std::string key = inp_name(name);
+    if (key.empty()) where.fail("the name of a set is empty");
+    const auto [at, is_new] = scan_.names.try_emplace({of_nodes, key}, to_index(model_.sets.size()));
+    if (is_new) {
+      InpSet set;
+      set.name = name;
+      set.parameters = std::string(of_nodes ? "*NSET, NSET=" : "*ELSET, ELSET=") + name;
+      set.of_nodes = of_nodes;
+      model_.sets.push_back(std::move(set));
+    }
+    return at->second;
+  }
+
+  void include(const InpKeyword& keyword, const InpPlace& where) {
+    const std::string* input = keyword.find("INPUT");
+    if (input == nullptr || input->empty()) where.fail("*INCLUDE has no INPUT");
+    std::string name = *input;
+    std::erase(name, '"');
+    if (stack_.size() >= kMaxDepth || ++includes_ > kMaxIncludes) where.fail("there are too many included files");
+    const auto in_folder_of = [&name](const std::string& file) {
+      return (path_of(file).parent_path() / path_of(name)).lexically_normal().string();
+    };
+    std::error_code ignored;
+    std::string path = in_folder_of(main_path_);
+    if (!std::filesystem::is_regular_file(path_of(path), ignored)) path = in_folder_of(where.file);
+    if (!std::filesystem::is_regular_file(path_of(path), ignored))
+      where.fail("the included file " + path + " does not exist");
+    if (std::find(stack_.begin(), stack_.end(), path) != stack_.end()) where.fail(path + " includes itself");
+    const InpCursor here = cursor_;
+    read_file(path, std::string(MappedFile(path).bytes()));
+    cursor_ = here;
+  }
+
+  std::string_view head_from(const char* start) const { return {start, to_size_t(cursor_.at() - start)}; }
+
+  void read_data() {
+    const char* const start = cursor_.at();
+    const std::size_t node = model_.node_labels.size();
+    const std::size_t tet = model_.tet2element.size();
+    switch (mode_) {
+      case Mode::nodes:
+        read_inp_nodes(cursor_, model_);
+        return add_piece(InpPiece::Kind::nodes, start, model_.node_cards.size() - 1, node, model_.node_labels.size());
+      case Mode::tets:
+        read_inp_tets(cursor_, element_set_, scan_);
+        return add_piece(InpPiece::Kind::tets, start, model_.tet_cards.size() - 1, tet, model_.tet2element.size());
+      case Mode::others:
+        read_inp_other(cursor_, type_, element_set_, scan_);
+        return add_piece(InpPiece::Kind::text, start);
+      case Mode::set:
+        read_inp_set_line(cursor_, kind_, scan_);
+        return add_piece(InpPiece::Kind::set, start, model_.set_cards.size() - 1);
+      case Mode::faces:
+        read_inp_face_line(cursor_, kind_, scan_);
+        return add_piece(InpPiece::Kind::faces, start, model_.face_cards.size() - 1);
+      case Mode::text:
+        note_inp_data(inp_fields(cursor_.take_line()), kind_, scan_);
+        return add_piece(InpPiece::Kind::text, start);
+    }
+  }
+
+  std::string main_path_;
+  InpCursor cursor_;
+  InpScan scan_;
+  InpModel& model_ = scan_.model;
+  std::vector<std::string> stack_;
+  std::size_t includes_ = 0;
+  bool has_keyword_ = false;
+
+  Mode mode_ = Mode::text;
+  InpCardKind kind_;
+  InpElementType type_;
+  Index element_set_ = -1;
+};
+
+}  // namespace
+
+InpScan scan_inp(const std::string& path, std::string bytes) { return InpScanner(path).scan(std::move(bytes)); }
+
+}  // namespace tetune

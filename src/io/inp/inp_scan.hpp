@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "io/inp/inp_cursor.hpp"
+#include "io/inp/inp_deck.hpp"
+#include "io/inp/inp_format.hpp"
+
+namespace tetune {
+
+/// A line of a data list, as it refers to entities of a deck: resolved when all of them are known.
+struct InpSetLines {
+  std::vector<std::int64_t> labels;
+  std::vector<std::array<std::int64_t, 3>> ranges;  ///< first, last, step
+  std::vector<std::string> names;                   ///< of sets, as written
+  std::string elements;                             ///< *NSET, ELSET=
+};
+struct InpFaceLine {
+  Index group;  ///< -1: the line certainly has no face of a tetrahedron
+  int face;
+  std::string of;    ///< a number or a set, as written
+  std::string line;  ///< with its end
+};
+
+/// An element that is no tetrahedron.
+struct InpOther {
+  Index element;
+  InpElementType type;
+  std::size_t first_node, end_node;  ///< in InpScan::other_nodes
+};
+
+/// All that one pass over the text finds; numbers and names are not resolved.
+struct InpScan {
+  InpModel model;
+  std::vector<InpSetLines> set_lines;                ///< per set card
+  std::vector<std::vector<InpFaceLine>> face_lines;  ///< per face card
+  /// Face groups by card and by what their lines have before and after the number of the face.
+  std::map<std::tuple<std::size_t, std::string, std::string>, Index> face_group_of;
+  std::vector<InpPlace> set_places, face_places;  ///< of cards
+  int nodes_per_tet = 0;
+  std::vector<std::int64_t> tet_node_labels;  ///< nodes_per_tet per tetrahedron
+  std::vector<std::int64_t> other_nodes;
+  std::vector<InpOther> others;
+  /// Sets by kind (of nodes) and name.
+  std::map<std::pair<bool, std::string>, Index> names;
+  std::vector<Index> element2set;  ///< the set of its *ELEMENT card, or -1
+  /// Names that occur in cards other than those of faces and their own definition; and those in cards that pair nodes.
+  std::set<std::string> mentioned, paired;
+  /// Numbers in other cards.
+  std::vector<std::int64_t> held_nodes, held_elements;
+};
+
+/// Reads the text of a deck and of the files that it includes. Throws FileError.
+InpScan scan_inp(const std::string& path, std::string bytes);
+
+/// Finds what the numbers and names refer to, and fills the model and the mesh but for tags.
+void resolve_inp(InpScan& scan, TetMesh& mesh, const std::string& path, const IoContext& context);
+
+/// Lists the triangles of surfaces and of sets of nodes on the boundary, with their tags; the rest of such sets of
+/// nodes is held.
+void find_inp_patches(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context);
+
+/// Gives each tetrahedron a tag by the sets that it is in, and each triangle of a surface one by its surfaces, so that
+/// every set is a union of tags; and holds the nodes and elements that other cards name by number.
+void partition_inp(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context);
+
+}  // namespace tetune

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Abaqus's and CalculiX's decks (.inp).
+#include <cstring>
+
+#include "io/inp/inp_follow.hpp"
+#include "io/inp/inp_format.hpp"
+#include "io/inp/inp_middles.hpp"
+#include "io/losses.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+class InpDeckWriter {
+ public:
+  InpDeckWriter(FileWriter& file, const InpModel& model, const TetMesh& mesh, const Middles* middles)
+      : file_(file),
+        model_(model),
+        mesh_(mesh),
+        middles_(middles),
+        match_(match_inp(model, mesh)),
+        changes_(follow_inp(model, mesh, match_, middles)) {}
+
+  void write() {
+    for (const InpPiece& piece : model_.pieces) {
+      if (piece.kind == InpPiece::Kind::text) out_ += piece.text;
+      if (piece.kind == InpPiece::Kind::set) {
+        write_card(piece, span_of(changes_.set_cards)[piece.card], span_of(model_.set_cards)[piece.card].head);
+      }
+      if (piece.kind == InpPiece::Kind::faces) {
+        write_card(piece, span_of(changes_.face_cards)[piece.card], span_of(model_.face_cards)[piece.card].head);
+      }
+      if (piece.kind == InpPiece::Kind::nodes) write_nodes(piece);
+      if (piece.kind == InpPiece::Kind::tets) write_tets(piece);
+      flush(kBuffer);
+    }
+    flush(0);
+  }
+
+ private:
+  static constexpr std::size_t kBuffer = std::size_t{1} << 20;
+
+  void flush(std::size_t more_than) {
+    if (out_.size() <= more_than) return;
+    file_.write(out_);
+    last_written_ = out_.back();
+    out_.clear();
+  }
+  void end_line() {
+    if ((out_.empty() ? last_written_ : out_.back()) != '\n') out_ += model_.newline;
+  }
+
+  /// Writes the text of a card, or a new one in the place of its first piece: others follow comments.
+  void write_card(const InpPiece& piece, const std::optional<std::string>& text, std::string_view head) {
+    if (!text) {
+      out_ += piece.text;
+    } else if (piece.text.data() == head.data()) {
+      out_ += *text;
+    }
+  }
+
+  void put_node(std::int64_t label, const Point3& p) {
+    out_ += std::to_string(label);
+    for (const double x : p) {
+      out_ += ", ";
+      append_inp_real(out_, x);
+    }
+    out_ += model_.newline;
+  }
+  void put_tet(Index t) {
+    out_ += std::to_string(span_of(match_.tet_labels)[t]);
+    for (const Index v : span_of(match_.listed)[t]) {
+      out_ += ", ";
+      out_ += std::to_string(span_of(match_.vertex_labels)[v]);
+    }
+    if (middles_ != nullptr) put_middles(span_of(match_.listed)[t]);
+    out_ += model_.newline;
+  }
+  void put_middles(const std::array<Index, 4>& tet) {
+    for (const auto& [a, b] : kTetEdges) {
+      const Index v = middles_->of(tet[to_size_t(a)], tet[to_size_t(b)]);
+      out_ += ", " + std::to_string(span_of(match_.vertex_labels)[v]);
+    }
+  }
+  /// The text of an entry of a piece, of which the next one starts at `next`.
+  static std::string_view text_of(const char* line, const char* next) { return {line, to_size_t(next - line)}; }
+
+  void write_nodes(const InpPiece& piece) {
+    const char* const end = piece.text.data() + piece.text.size();
+    for (Index i = piece.first; i < piece.last; ++i) {
+      const Index v = span_of(match_.node2vertex)[i];
+      if (v < 0) continue;
+      const Point3& p = span_of(mesh_.points)[v];
+      if (std::memcmp(&p, &span_of(model_.points)[i], sizeof p) != 0) {
+        put_node(span_of(model_.node_labels)[i], p);
+      } else {
+        const char* const line = span_of(model_.node_lines)[i];
+        out_ += text_of(line, i + 1 < piece.last ? span_of(model_.node_lines)[i + 1] : end);
+      }
+      flush(kBuffer);
+    }
+    if (piece.last < std::ssize(model_.node_labels) || match_.inserted.empty()) return;
+    end_line();
+    if (!changes_.appends_nodes) out_ += std::string("*NODE") + model_.newline;
+    for (const Index v : match_.inserted) put_node(span_of(match_.vertex_labels)[v], span_of(mesh_.points)[v]);
+    out_ += changes_.cards_after_nodes;
+  }
+
+  void write_tets(const InpPiece& piece) {
+    const char* const end = piece.text.data() + piece.text.size();
+    for (Index i = piece.first; i < piece.last; ++i) {
+      const Index t = span_of(match_.old2tet)[i];
+      if (t < 0) continue;
+      if (span_of(match_.is_same)[i] == 0) {
+        put_tet(t);
+      } else {
+        const char* const line = span_of(model_.tet_lines)[i];
+        out_ += text_of(line, i + 1 < piece.last ? span_of(model_.tet_lines)[i + 1] : end);
+      }
+      flush(kBuffer);
+    }
+    const bool is_last = piece.last == std::ssize(model_.tets) || span_of(model_.tet2card)[piece.last] != piece.card;
+    if (!is_last) return;
+    if (!span_of(match_.added)[piece.card].empty()) end_line();
+    for (const Index t : span_of(match_.added)[piece.card]) put_tet(t);
+    out_ += span_of(changes_.cards_after_tets)[piece.card];
+  }
+
+  FileWriter& file_;
+  const InpModel& model_;
+  const TetMesh& mesh_;
+  const Middles* middles_;
+  InpMatch match_;
+  InpChanges changes_;
+  std::string out_;
+  char last_written_ = '\n';  ///< by which end_line() knows whether a line has ended
+};
+
+}  // namespace
+
+void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
+  if (mesh.deck == nullptr) return write_inp_plain(file, mesh, context);
+  const InpModel& model = mesh.deck->model();
+  if (mesh.second_order != model.is_second_order) {
+    throw FileError("the mesh and its deck have tetrahedra of different order; write another format");
+  }
+  warn_of_data(mesh, context);
+  if (!mesh.second_order) return InpDeckWriter(file, model, mesh, nullptr).write();
+  TetMesh with_middles = mesh;
+  const Middles middles = add_inp_middles(model, with_middles);
+  InpDeckWriter(file, model, with_middles, &middles).write();
+}
+
+}  // namespace tetune

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/msh/msh_layout.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "backend/span.hpp"
+#include "mesh/whole_number.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+/// The tags of the entities of one dimension, by number.
+using EntityTags = std::map<int, int>;
+
+template <std::size_t N>
+MshKind kind_of(std::size_t list, const std::vector<std::array<Index, N>>& elements, const std::vector<int>& tags,
+                const std::vector<DataArray>& data) {
+  return {&msh_type_of(list), elements.empty() ? nullptr : elements.front().data(), &tags, &data};
+}
+
+std::vector<MshKind> kinds_of(const TetMesh& mesh) {
+  std::vector<MshKind> kinds{kind_of(kMshTets, mesh.tets, mesh.tet_tags, mesh.tet_data),
+                             kind_of(kMshTriangles, mesh.triangles, mesh.triangle_tags, mesh.triangle_data),
+                             kind_of(kMshEdges, mesh.edges, mesh.edge_tags, mesh.edge_data)};
+  for (const ElementBlock& block : mesh.others) {
+    const auto type = std::find_if(kMshTypes.begin(), kMshTypes.end(),
+                                   [&block](const MshType& t) { return *t.kind != 0 && block.kind == t.kind; });
+    if (type == kMshTypes.end() || type->corners != block.vertices_per_element) {
+      throw FileError("Gmsh has no elements of kind " + block.kind + " with " +
+                      std::to_string(block.vertices_per_element) + " vertices");
+    }
+    kinds.push_back({&*type, block.element2vertex.data(), &block.tags, &block.data});
+  }
+  std::erase_if(kinds, [](const MshKind& kind) { return kind.size() == 0; });
+  std::stable_sort(kinds.begin(), kinds.end(),
+                   [](const MshKind& a, const MshKind& b) { return a.type->dimension < b.type->dimension; });
+  std::int64_t next = 1;
+  for (MshKind& kind : kinds) {
+    kind.first_number = next;
+    next += std::ssize(*kind.tags);
+  }
+  return kinds;
+}
+
+/// The numbers of the entities of a kind as its data have them; empty where they are not known.
+std::vector<int> known_numbers(const MshKind& kind) {
+  std::vector<int> numbers;
+  for (const DataArray& array : *kind.data) {
+    if (array.name != kMshEntities || array.components != 1) continue;
+    const auto add = [&numbers](const auto& values) {
+      for (const auto value : values) {
+        const std::optional<int> number = whole_number(double(value));
+        numbers.push_back(number && *number > 0 ? *number : 0);
+      }
+    };
+    std::visit(add, array.values);
+  }
+  const bool known = numbers.size() == kind.size() && std::find(numbers.begin(), numbers.end(), 0) == numbers.end();
+  return known ? numbers : std::vector<int>();
+}
+
+/// The numbers of the entities of each kind, if all are known and the elements of an entity have one tag.
+std::vector<std::vector<int>> known_entities(std::span<const MshKind> kinds, EntityTags& tags) {
+  std::vector<std::vector<int>> numbers;
+  for (const MshKind& kind : kinds) {
+    numbers.push_back(known_numbers(kind));
+    if (numbers.back().empty()) return {};
+    int last = 0;
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      const int number = numbers.back()[e];
+      if (number == last && (*kind.tags)[e] == (*kind.tags)[e - 1]) continue;
+      last = number;
+      if (tags.try_emplace(number, (*kind.tags)[e]).first->second != (*kind.tags)[e]) return {};
+    }
+  }
+  return numbers;
+}
+
+/// Makes each tag an entity: of the number of the tag, or of minus that number, as the reader expects of entities in no
+/// group; else of a free one.
+std::vector<std::vector<int>> entities_of_tags(std::span<const MshKind> kinds, EntityTags& tags) {
+  std::map<int, int> tag2entity;
+  for (const MshKind& kind : kinds) {
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      if (e == 0 || (*kind.tags)[e] != (*kind.tags)[e - 1]) tag2entity[(*kind.tags)[e]] = 0;
+    }
+  }
+  std::set<int> taken;
+  for (const auto& [tag, entity] : tag2entity) taken.insert(tag);
+  for (auto& [tag, entity] : tag2entity) {
+    if (tag > 0) entity = tag;
+    if (tag < 0 && tag > std::numeric_limits<int>::min() && taken.insert(-tag).second) entity = -tag;
+  }
+  int free = 1;
+  for (auto& [tag, entity] : tag2entity) {
+    while (entity == 0) {
+      if (taken.insert(free).second) entity = free;
+      ++free;
+    }
+    tags[entity] = tag;
+  }
+  std::vector<std::vector<int>> numbers;
+  for (const MshKind& kind : kinds) {
+    numbers.emplace_back();
+    numbers.back().reserve(kind.size());
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      const bool same = e > 0 && (*kind.tags)[e] == (*kind.tags)[e - 1];
+      numbers.back().push_back(same ? numbers.back().back() : tag2entity[(*kind.tags)[e]]);
+    }
+  }
+  return numbers;
+}
+
+/// The groups of an entity: those with its tag, or one of the number of the tag. A tag that came as the number of an
+/// entity is no group.
+std::vector<int> groups_of(const TetMesh& mesh, const MshLayoutEntity& entity) {
+  std::vector<int> groups;
+  for (const Group& group : mesh.groups) {
+    if (group.dimension != entity.dimension) continue;
+    const bool has = std::find(group.tags.begin(), group.tags.end(), entity.tag) != group.tags.end();
+    if (has) groups.push_back(group.number);
+  }
+  if (groups.empty() && entity.tag > 0 && mesh.cell_tags_name != kMshEntityTags) groups.push_back(entity.tag);
+  return groups;
+}
+
+/// Adds the periodic links of one dimension; returns the entities that only they name. Where the entities of the mesh
+/// have new numbers, the links are not kept.
+std::set<int> add_links(const TetMesh& mesh, int dimension, bool renumbered, const EntityTags& tags,
+                        const IoContext& context, MshLayout& layout) {
+  std::set<int> linked;
+  std::size_t dropped = 0;
+  for (const PeriodicLink& link : mesh.periodic) {
+    if (link.dimension != dimension) continue;
+    if (renumbered) {
+      ++dropped;
+      continue;
+    }
+    layout.links.push_back(link);
+    for (const int number : {link.entity, link.master}) {
+      if (tags.count(number) == 0) linked.insert(number);
+    }
+  }
+  if (dropped > 0) {
+    context.warn(std::to_string(dropped) + " periodic links of dimension " + std::to_string(dimension) +
+                 " are not written: elements of one entity have different tags, so that entities get new numbers");
+  }
+  return linked;
+}
+
+/// Adds the entities of one dimension.
+void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, const IoContext& context,
+                  MshLayout& layout) {
+  EntityTags tags;
+  std::vector<std::vector<int>> numbers = known_entities(kinds, tags);
+  const bool known = !numbers.empty() || kinds.empty();
+  if (!known) {
+    tags.clear();
+    numbers = entities_of_tags(kinds, tags);
+  }
+  const bool renumbered = !known && std::any_of(kinds.begin(), kinds.end(),
+                                                [](const MshKind& kind) { return !known_numbers(kind).empty(); });
+  const std::set<int> linked = add_links(mesh, dimension, renumbered, tags, context, layout);
+  for (const int number : linked) tags.emplace(number, 0);
+  std::map<int, Index> positions;
+  for (const auto& [number, tag] : tags) {
+    positions[number] = to_index(layout.entities.size());
+    MshLayoutEntity entity{dimension, number, tag};
+    entity.has_elements = linked.count(number) == 0;
+    if (entity.has_elements) entity.groups = groups_of(mesh, entity);
+    if (entity.groups.empty() && tag < 0 && !mesh.cell_tags_name.starts_with("gmsh")) {
+      context.warn("Gmsh's groups have positive numbers: elements of dimension " + std::to_string(dimension) +
+                   " with the tag " + std::to_string(tag) + " are entity " + std::to_string(number) + ", in no group");
+    }
+    layout.entities.push_back(std::move(entity));
+  }
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    kinds[k].entity.reserve(kinds[k].size());
+    for (std::size_t e = 0; e < kinds[k].size(); ++e) {
+      const bool same = e > 0 && numbers[k][e] == numbers[k][e - 1];
+      kinds[k].entity.push_back(same ? kinds[k].entity.back() : positions.at(numbers[k][e]));
+    }
+  }
+}
+
+/// A side of an element, by its vertices in ascending order, and the entity that it belongs to.
+struct Side {
+  std::array<Index, 3> vertices;
+  Index entity;
+  bool operator<(const Side& other) const { return vertices < other.vertices; }
+};
+
+std::array<Index, 3> side_key(std::span<const Index> vertices) {
+  std::array<Index, 3> key{-1, -1, -1};
+  std::copy(vertices.begin(), vertices.end(), key.begin());
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+/// Sets MshLayoutEntity::bounds of entities of simplices of a dimension.
+void find_bounds(int dimension, std::size_t vertices, MshLayout& layout) {
+  std::vector<Side> sides;
+  std::vector<std::uint8_t> is_on_side(vertices, 0);
+  const auto simplices = [&layout](int of_dimension, const auto& f) {
+    for (const MshKind& kind : layout.kinds) {
+      if (kind.type->dimension == of_dimension && kind.type->corners == of_dimension + 1) f(kind);
+    }
+  };
+  simplices(dimension - 1, [&](const MshKind& kind) {
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      const std::span<const Index> corners(kind.corners(e), to_size_t(dimension));
+      for (const Index v : corners) span_of(is_on_side)[v] = 1;
+      sides.push_back({side_key(corners), kind.entity[e]});
+    }
+  });
+  if (sides.empty()) return;
+  std::sort(sides.begin(), sides.end());
+  std::set<std::pair<Index, Index>> found;
+  simplices(dimension, [&](const MshKind& kind) {
+    const auto n = to_size_t(dimension) + 1;
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      const std::span<const Index> corners(kind.corners(e), n);
+      const auto on_sides =
+          std::count_if(corners.begin(), corners.end(), [&](Index v) { return span_of(is_on_side)[v] != 0; });
+      if (on_sides < dimension) continue;
+      for (std::size_t left_out = 0; left_out < n; ++left_out) {
+        std::array<Index, 3> side{};
+        std::copy_n(corners.begin(), left_out, side.begin());
+        std::copy(corners.begin() + std::ptrdiff_t(left_out) + 1, corners.end(),
+                  side.begin() + std::ptrdiff_t(left_out));
+        const auto key = side_key({side.data(), n - 1});
+        for (auto at = std::lower_bound(sides.begin(), sides.end(), Side{key, 0});
+             at != sides.end() && at->vertices == key; ++at) {
+          found.emplace(kind.entity[e], at->entity);
+        }
+      }
+    }
+  });
+  for (const auto& [entity, side] : found) {
+    span_of(layout.entities)[entity].bounds.push_back(span_of(layout.entities)[side].number);
+  }
+}
+
+void find_boxes(const TetMesh& mesh, MshLayout& layout) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  std::vector<std::uint8_t> is_set(layout.entities.size(), 0);
+  for (const MshKind& kind : layout.kinds) {
+    for (std::size_t e = 0; e < kind.size(); ++e) {
+      std::array<double, 6>& box = span_of(layout.entities)[kind.entity[e]].box;
+      std::uint8_t& set = span_of(is_set)[kind.entity[e]];
+      if (set == 0) box = {kMost, kMost, kMost, -kMost, -kMost, -kMost};
+      set = 1;
+      for (const Index v : std::span(kind.corners(e), to_size_t(kind.type->corners))) {
+        const Point3& p = span_of(mesh.points)[v];
+        for (std::size_t k = 0; k < 3; ++k) {
+          box[k] = std::min(box[k], p[k]);
+          box[k + 3] = std::max(box[k + 3], p[k]);
+        }
+      }
+    }
+  }
+}
+
+/// Gives periodic entities of dimension 0 without elements the position of their vertex.
+void place_points(const TetMesh& mesh, MshLayout& layout) {
+  for (const PeriodicLink& link : layout.links) {
+    if (link.dimension != 0 || link.pairs.empty()) continue;
+    for (MshLayoutEntity& entity : layout.entities) {
+      if (entity.dimension != 0 || entity.has_elements) continue;
+      if (entity.number != link.entity && entity.number != link.master) continue;
+      const Point3& p = span_of(mesh.points)[link.pairs[0][entity.number == link.entity ? 0 : 1]];
+      for (std::size_t k = 0; k < 3; ++k) entity.box[k] = entity.box[k + 3] = p[k];
+    }
+  }
+}
+
+}  // namespace
+
+Index MshLayout::find(int dimension, int number) const {
+  const auto is_before = [](const MshLayoutEntity& entity, const std::pair<int, int>& sought) {
+    return std::pair{entity.dimension, entity.number} < sought;
+  };
+  return to_index(std::lower_bound(entities.begin(), entities.end(), std::pair{dimension, number}, is_before) -
+                  entities.begin());
+}
+
+MshLayout lay_out(const TetMesh& mesh, const IoContext& context) {
+  MshLayout layout;
+  layout.kinds = kinds_of(mesh);
+  if (layout.kinds.empty())
+    throw FileError("the mesh has no elements; an .msh file without them has no entities for its vertices");
+  for (int dimension = 0; dimension <= 3; ++dimension) {
+    const auto is_before = [dimension](const MshKind& kind) { return kind.type->dimension < dimension; };
+    const auto first = std::find_if_not(layout.kinds.begin(), layout.kinds.end(), is_before);
+    const auto last = std::find_if(first, layout.kinds.end(),
+                                   [dimension](const MshKind& kind) { return kind.type->dimension != dimension; });
+    const auto kinds =
+        std::span(layout.kinds).subspan(std::size_t(first - layout.kinds.begin()), std::size_t(last - first));
+    add_entities(mesh, dimension, kinds, context, layout);
+  }
+  for (int dimension = 1; dimension <= 3; ++dimension) find_bounds(dimension, mesh.points.size(), layout);
+  find_boxes(mesh, layout);
+  place_points(mesh, layout);
+  for (const Group& group : mesh.groups) {
+    if (!group.name.empty()) layout.names.push_back(group);
+  }
+  return layout;
+}
+
+}  // namespace tetune

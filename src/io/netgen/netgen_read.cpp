@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes of Netgen and NGSolve (.vol, .vol.gz), as Netgen's Mesh::Load() reads them.
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "io/checked_count.hpp"
+#include "io/gzip.hpp"
+#include "io/netgen/netgen_format.hpp"
+#include "io/registry.hpp"
+#include "io/second_order.hpp"
+#include "io/text_cursor.hpp"
+#include "mesh/tet.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+class NetgenReader {
+ public:
+  NetgenReader(const std::string& path, std::string_view text, const IoContext& context)
+      : cursor_(path, text), path_(path), context_(context) {}
+
+  TetMesh read() {
+    if (cursor_.word() != "mesh3d") cursor_.fail("expected \"mesh3d\", with which files of Netgen start");
+    for (std::string_view name = cursor_.word(); name != "endmesh"; name = cursor_.word()) {
+      if (name.empty() && !has_points_) cursor_.fail("the file ends before its section \"points\"");
+      if (name.empty()) {
+        context_.warn(path_ + ": the file ends without \"endmesh\"; it may be incomplete");
+        break;
+      }
+      read_section(std::string(name));
+    }
+    if (!has_points_) cursor_.fail("the file has no section \"points\"");
+    if (!cursor_.at_end()) skipped_.insert("the geometry after the mesh");
+    finish();
+    for (const std::string& name : skipped_) context_.warn(path_ + ": " + name + " is not kept");
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_section(const std::string& name) {
+    if (name == "dimension") {
+      if (cursor_.integer("dimension") != 3) cursor_.fail("the dimension must be 3");
+    } else if (name == "geomtype") {
+      cursor_.integer("type of the geometry");
+    } else if (name.starts_with("surfaceelements")) {
+      read_surface(name == "surfaceelementsgi" ? 1 : name == "surfaceelementsuv" ? 2 : 0);
+    } else if (name == "volumeelements") {
+      read_solids();
+    } else if (name.starts_with("edgesegments")) {
+      read_edges(name);
+    } else if (name == "points") {
+      read_points();
+    } else if (name == "pointelements") {
+      read_point_elements();
+    } else if (const auto names = names_.find(name); names != names_.end()) {
+      read_names(names->second);
+    } else if (name == "edgedescriptors") {
+      read_edge_descriptors();
+    } else if (name == "identifications") {
+      read_identifications();
+    } else if (name == "identificationtypes") {
+      types_.resize(count("number of types", 1));
+      for (std::int64_t& type : types_) type = cursor_.integer("type of an identification");
+    } else {
+      skip(name);
+    }
+  }
+
+  /// Skips a section without a part of the mesh, up to the next line that starts with the name of a section.
+  void skip(const std::string& name) {
+    // The descriptions of faces and their numbers repeat the data of surface elements; colors are for display.
+    static const std::set<std::string_view> unused{"facedescriptors", "face_colours", "face_transparencies"};
+    static const std::set<std::string_view> known{"facedescriptors",
+                                                  "surfaceelements",
+                                                  "surfaceelementsgi",
+                                                  "surfaceelementsuv",
+                                                  "volumeelements",
+                                                  "edgesegments",
+                                                  "edgesegmentsgi",
+                                                  "edgesegmentsgi2",
+                                                  "edgesegmentsgi3",
+                                                  "points",
+                                                  "pointelements",
+                                                  "materials",
+                                                  "bcnames",
+                                                  "cd2names",
+                                                  "cd3names",
+                                                  "edgedescriptors",
+                                                  "identifications",
+                                                  "identificationtypes",
+                                                  "identificationnames",
+                                                  "singular_points",
+                                                  "face_colours",
+                                                  "curvedelements",
+                                                  "singular_edge_left",
+                                                  "singular_face_inside",
+                                                  "singular_face_outside",
+                                                  "endmesh",
+                                                  "singular_edge_right",
+                                                  "face_transparencies"};
+    if (!TextCursor::is_letter(name[0])) cursor_.fail("expected the name of a section, found \"" + name + "\"");
+    if (!unused.contains(name)) skipped_.insert("the section " + name);
+    cursor_.line();
+    while (!cursor_.at_end() && !known.contains(cursor_.peek())) cursor_.line();
+  }
+
+  std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, true); }
+  int integer(const char* name) {
+    const std::int64_t value = cursor_.integer(name);
+    if (value < -std::numeric_limits<int>::max() || value > std::numeric_limits<int>::max()) {
+      cursor_.fail(std::string(name) + " is beyond 32 bits");
+    }
+    return int(value);
+  }
+  Index vertex() {
+    const int v = integer("point number");
+    if (v < 1) cursor_.fail("point number out of range");
+    return v - 1;
+  }
+  std::vector<Index> vertices(int n) {
+    constexpr int kMaxNodes = 20;
+    if (n < 1 || n > kMaxNodes) cursor_.fail("elements of " + std::to_string(n) + " nodes are not supported");
+    std::vector<Index> list(to_size_t(n));
+    for (Index& v : list) v = vertex();
+    return list;
+  }
+  void skip_words(int n) {
+    for (int i = 0; i < n; ++i) cursor_.word();
+  }
+
+  void read_points() {
+    if (has_points_) cursor_.fail("a second section \"points\"");
+    has_points_ = true;
+    mesh_.points.resize(count("number of points", 3));
+    for (Point3& p : mesh_.points) {
+      for (double& x : p) x = cursor_.real("coordinate");
+    }
+  }
+
+  /// `extra`: the number of parameters of the geometry at each node.
+  void read_surface(int extra) {
+    const std::size_t n = count("number of surface elements", 5);
+    for (std::size_t i = 0; i < n; ++i) {
+      const int surface = integer("number of a surface");
+      const int tag = integer("number of a boundary condition");
+      skip_words(2);  // regions on both sides
+      int nodes = integer("number of nodes");
+      if (nodes == 0) nodes = 3;
+      const std::vector<Index> v = vertices(nodes);
+      skip_words(extra * to_index(v.size()));
+      if (nodes == 3 || nodes == 6) {
+        mesh_.triangles.push_back({v[0], v[1], v[2]});
+        mesh_.triangle_tags.push_back(tag);
+        surfaces_.push_back(surface);
+        if (nodes == 6) add_middles(v, kNetgenTriangle, kTriangleEdges);
+      } else {
+        add_other(v, tag, false);
+      }
+    }
+  }
+
+  void read_solids() {
+    const std::size_t n = count("number of volume elements", 6);
+    for (std::size_t i = 0; i < n; ++i) {
+      const int tag = std::max(1, integer("number of a material"));
+      const std::vector<Index> v = vertices(integer("number of nodes"));
+      if (v.size() == 4 || v.size() == 10) {
+        mesh_.tets.push_back({v[0], v[2], v[1], v[3]});
+        mesh_.tet_tags.push_back(tag);
+        if (v.size() == 10) add_middles(v, kNetgenTet, kTetEdges);
+      } else {
+        add_other(v, tag, true);
+      }
+    }
+  }
+
+  template <class Order, class Edges>
+  void add_middles(const std::vector<Index>& v, const Order& order, const Edges& edges) {
+    const auto node = [&](std::size_t k) { return v[to_size_t(order[k])]; };
+    const std::size_t corners = order.size() - edges.size();
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      middles_.push_back({node(corners + e), {node(to_size_t(edges[e][0])), node(to_size_t(edges[e][1]))}});
+    }
+  }
+
+  void add_other(const std::vector<Index>& v, int tag, bool is_solid) {
+    for (const NetgenKind& kind : kNetgenKinds) {
+      if (to_size_t(kind.vertices) != v.size() || kind.is_solid != is_solid) continue;
+      ElementBlock& block = block_of(kind.kind, kind.vertices);
+      for (std::size_t k = 0; k < v.size(); ++k) block.element2vertex.push_back(v[to_size_t(kind.order[k])]);
+      block.tags.push_back(tag);
+      return;
+    }
+    cursor_.fail(std::string(is_solid ? "volume" : "surface") + " elements of " + std::to_string(v.size()) +
+                 " nodes are not supported");
+  }
+  ElementBlock& block_of(const char* kind, int each) {
+    for (ElementBlock& block : mesh_.others) {
+      if (block.kind == kind) return block;
+    }
+    return mesh_.others.emplace_back(ElementBlock{kind, each, {}, {}, {}});
+  }
+
+  /// Each edge is listed once for each of its faces.
+  void read_edges(const std::string& name) {
+    const bool is_short = name == "edgesegmentsgi3";
+    has_descriptors_ = is_short;
+    const std::size_t n = count("number of edges", 4);
+    for (std::size_t i = 0; i < n; ++i) {
+      int tag = 0;
+      if (!is_short) {
+        tag = integer("number of a surface");
+        skip_words(1);
+      }
+      const Index a = vertex();
+      const Index b = vertex();
+      skip_words(is_short || name == "edgesegmentsgi2" ? 4 : name == "edgesegmentsgi" ? 2 : 0);
+      if (is_short) {
+        tag = integer("number of an edge's description");
+        if (tag == std::numeric_limits<int>::max()) cursor_.fail("the number of an edge's description is too large");
+        ++tag;
+      }
+      if (name == "edgesegmentsgi2") {
+        tag = integer("number of an edge");
+        skip_words(3);
+      }
+      if (!edges_.insert(ascending(a, b)).second) continue;
+      mesh_.edges.push_back({a, b});
+      mesh_.edge_tags.push_back(tag);
+    }
+  }
+
+  void read_point_elements() {
+    const std::size_t n = count("number of points", 2);
+    for (std::size_t i = 0; i < n; ++i) {
+      ElementBlock& block = block_of(kPoints, 1);
+      block.element2vertex.push_back(vertex());
+      block.tags.push_back(integer("number of a point"));
+    }
+  }
+
+  void add_name(int dimension, int tag, std::string_view name) {
+    if (name.empty() || name == kNetgenUnnamed) return;
+    for (Group& group : mesh_.groups) {
+      if (group.dimension == dimension && group.name == name) return group.tags.push_back(tag);
+    }
+    mesh_.groups.push_back({dimension, tag, std::string(name), {tag}});
+  }
+  void read_names(int dimension) {
+    const std::size_t n = count("number of names", 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      const int tag = integer("number of a name");
+      std::string_view name = cursor_.line();
+      const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
+      while (!name.empty() && is_blank(name.front())) name.remove_prefix(1);
+      while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
+      // The names of edges are those of their descriptions, where edges refer to these.
+      if (tag > 0 && !(dimension == 1 && has_descriptors_)) add_name(dimension, tag, name);
+    }
+  }
+  /// Edges refer to descriptions by position; several have the same number if the edge of the geometry has several
+  /// faces.
+  void read_edge_descriptors() {
+    descriptors_.resize(count("number of edges", 6));
+    std::set<std::pair<int, std::string>> named;
+    for (int& number : descriptors_) {
+      number = integer("number of an edge");
+      skip_words(5);
+      std::string_view name = cursor_.word();
+      while (!cursor_.line_done()) name = cursor_.word();  // two more numbers in newer files
+      if (has_descriptors_ && number > 0 && named.emplace(number, name).second) add_name(1, number, name);
+    }
+  }
+
+  void read_identifications() {
+    const std::size_t n = count("number of identified points", 3);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Index master = vertex();
+      const Index image = vertex();
+      identified_[integer("number of an identification")].push_back({image, master});
+    }
+  }
+
+  void finish() {
+    if (has_descriptors_ && !descriptors_.empty()) {
+      for (int& tag : mesh_.edge_tags) {
+        if (tag < 1 || to_size_t(tag) > descriptors_.size()) cursor_.fail("an edge has no description");
+        tag = span_of(descriptors_)[tag - 1];
+      }
+    }
+    mesh_.point_tags.assign(mesh_.points.size(), 0);
+    if (surfaces_ != mesh_.triangle_tags) mesh_.triangle_data.push_back({kNetgenSurface, 1, surfaces_});
+    for (auto& [number, pairs] : identified_) {
+      const bool has_type = number > 0 && to_size_t(number) <= types_.size();
+      if (has_type && span_of(types_)[number - 1] != kNetgenPeriodic) {
+        skipped_.insert("the identification " + std::to_string(number) + ", which is not periodic,");
+      } else {
+        PeriodicLink link{2, 0, 0, {}, std::move(pairs)};
+        link.entity = tag_of(link, 0);
+        link.master = tag_of(link, 1);
+        mesh_.periodic.push_back(std::move(link));
+      }
+    }
+    const auto vertices = std::int64_t(mesh_.points.size());
+    for (const Middle& m : middles_) {
+      if (std::max({m.node, m.ends[0], m.ends[1]}) >= vertices)
+        cursor_.fail("an element has a point that does not exist");
+    }
+    for (const PeriodicLink& link : mesh_.periodic) {
+      for (const auto& [a, b] : link.pairs) {
+        if (std::max(a, b) >= vertices) cursor_.fail("an identified point does not exist");
+      }
+    }
+    try {
+      erase_middles(middles_, mesh_);
+    } catch (const FileError& e) {
+      cursor_.fail(e.what());
+    }
+  }
+  /// The tag of a triangle whose vertices are all images (side 0), or images of others (side 1).
+  int tag_of(const PeriodicLink& link, std::size_t side) const {
+    std::set<Index> in;
+    for (const auto& pair : link.pairs) in.insert(pair[side]);
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+      const auto& t = mesh_.triangles[i];
+      if (in.contains(t[0]) && in.contains(t[1]) && in.contains(t[2])) return mesh_.triangle_tags[i];
+    }
+    return 0;
+  }
+
+  TextCursor cursor_;
+  const std::string& path_;
+  const IoContext& context_;
+  TetMesh mesh_;
+  const std::map<std::string, int> names_{{"materials", 3}, {"bcnames", 2}, {"cd2names", 1}, {"cd3names", 0}};
+  std::vector<std::int32_t> surfaces_;  ///< of the triangles
+  std::vector<Middle> middles_;
+  std::set<std::array<Index, 2>> edges_;
+  std::map<int, std::vector<std::array<Index, 2>>> identified_;
+  std::vector<std::int64_t> types_;  ///< of identifications
+  std::vector<int> descriptors_;     ///< numbers of edges
+  std::set<std::string> skipped_;
+  bool has_points_ = false, has_descriptors_ = false;
+};
+
+}  // namespace
+
+TetMesh read_netgen(const std::string& path, const IoContext& context) {
+  const MappedFile file(path);
+  if (!path.ends_with(".gz")) return NetgenReader(path, file.bytes(), context).read();
+  return NetgenReader(path, gunzip(path, file.bytes()), context).read();
+}
+
+}  // namespace tetune

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "io/plugin/plugin_call.hpp"
+#include "io/plugin/plugin_protocol.hpp"
+#include "system/child_process.hpp"
+#include "system/path.hpp"
+#include "system/write_all.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Returns the path of the program, or an empty one. The working folder and folders that the environment names are
+/// never searched.
+std::string find_program(const Plugin& plugin) {
+  const fs::path own = own_folder();
+  for (const fs::path& folder : {own / "../libexec/tetune", own / "libexec/tetune", fs::path(TETUNE_PLUGIN_FOLDER)}) {
+    std::error_code ignored;
+    const fs::path program = folder / plugin.program;
+    if (folder.is_absolute() && fs::is_regular_file(program, ignored)) return program.string();
+  }
+  return {};
+}
+
+/// Throws FileError where a program ended without an answer.
+void check_status(const ExitStatus& status, const Plugin& plugin, const char* verb, const std::string& path,
+                  bool has_input) {
+  const std::string library = plugin.library;
+  if (status.code == kPluginNotLoaded) {
+    throw FileError(path + ": tetune's plugin for " + library + " cannot start: a shared library is missing; install " +
+                    library);
+  }
+  if (status.code == 0 && status.signal.empty()) return;
+  throw FileError(path + ": " + library + " failed to " + verb + " it (" +
+                  (status.signal.empty() ? "exit code " + std::to_string(status.code) : status.signal) + ")" +
+                  (has_input ? "" : "; the file is damaged, or of a kind that " + library + " does not read"));
+}
+
+/// Replaces what is in the channel.
+void write_input(const MemoryFile& channel, const Plugin& plugin, const std::string& path,
+                 const std::function<void(PluginWriter&)>& write) {
+  channel.clear();
+  PluginWriter writer([&](const void* data, std::size_t bytes) {
+    if (write_all(channel.descriptor(), data, bytes)) return;
+    throw FileError(path + ": no memory for handing the mesh to " + plugin.library + ": " + std::strerror(errno));
+  });
+  writer(kStreamVersion);
+  write(writer);
+}
+
+/// Throws FileError where the answer has an error or is none.
+void read_answer(const MemoryFile& channel, const Plugin& plugin, const std::string& path, const IoContext& context,
+                 const std::function<void(MeshReader&)>& read) {
+  const MappedFile mapped(channel.descriptor(), path);
+  MeshReader answer(mapped.bytes());
+  std::uint64_t version = 0;
+  if (mapped.bytes().size() >= sizeof version) answer(version);
+  if (version != kAnswerVersion) {
+    throw FileError(path + ": tetune's plugin for " + plugin.library +
+                    " gave no answer, or is of another build; install tetune again");
+  }
+  std::string error;
+  std::vector<std::string> warnings;
+  answer(error, warnings);
+  if (!error.empty()) throw FileError(path + ": " + error);
+  for (const std::string& warning : warnings) context.warn(path + ": " + warning);
+  if (read) read(answer);
+}
+
+}  // namespace
+
+void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
+                 const IoContext& context, const std::function<void(PluginWriter&)>& write,
+                 const std::function<void(MeshReader&)>& read, int time) {
+  require_plugin(plugin, path);
+  const MemoryFile channel;
+  if (write) write_input(channel, plugin, path, write);
+  std::vector<std::string> words{verb, file};
+  if (time > 0) words.push_back(std::to_string(time));
+  check_status(run_program(find_program(plugin), words, channel, kPluginDescriptor), plugin, verb, path,
+               write || !read);
+  read_answer(channel, plugin, path, context, read);
+}
+
+void PluginSession::call(const char* verb, const IoContext& context, const std::function<void(PluginWriter&)>& write,
+                         const std::function<void(MeshReader&)>& read) {
+  const std::lock_guard lock(mutex_);
+  if (!process_) {
+    require_plugin(plugin_, file_);
+    channel_ = std::make_unique<MemoryFile>();
+    process_ = std::make_unique<ChildProcess>(find_program(plugin_), std::vector<std::string>{"serve", file_},
+                                              *channel_, kPluginDescriptor);
+  }
+  write_input(*channel_, plugin_, file_, [&](PluginWriter& out) {
+    out(std::string(verb));
+    if (write) write(out);
+  });
+  if (const auto status = process_->request()) check_status(*status, plugin_, verb, file_, bool(write));
+  read_answer(*channel_, plugin_, file_, context, read);
+}
+
+bool has_plugin(const Plugin& plugin) { return !find_program(plugin).empty(); }
+
+bool is_script(const Plugin& plugin) {
+  std::ifstream file(find_program(plugin), std::ios::binary);
+  return file.get() == '#' && file.get() == '!';
+}
+
+void require_plugin(const Plugin& plugin, const std::string& path) {
+  if (!has_child_processes()) {
+    throw FileError(path + ": files with the extension \"" + path_of(path).extension().string() +
+                    "\" need tetune's plugin for " + plugin.library + ", which exists on Linux only" +
+                    (plugin.reads_meshes ? "; convert the mesh to .mesh, .meshb, .msh or .inp first, for example with "
+                                           "meshio or Gmsh"
+                                         : ""));
+  }
+  if (has_plugin(plugin)) return;
+  throw FileError(path + ": files with the extension \"" + path_of(path).extension().string() +
+                  "\" need tetune's plugin for " + plugin.library + ", which is not installed; install " +
+                  plugin.library + " with its headers and build tetune again");
+}
+
+TetMesh read_by_plugin(const Plugin& plugin, const std::string& path, const IoContext& context, int time) {
+  { const MappedFile readable(path); }  // an error of opening has the same message for all formats
+  TetMesh mesh;
+  call_plugin(
+      plugin, "read", path, path, context, {}, [&](MeshReader& answer) { answer(mesh); }, time);
+  return mesh;
+}
+
+std::vector<double> read_times_by_plugin(const Plugin& plugin, const std::string& path) {
+  { const MappedFile readable(path); }
+  std::vector<double> times;
+  call_plugin(plugin, "times", path, path, {}, {}, [&](MeshReader& answer) { answer(times); });
+  return times;
+}
+
+void write_by_plugin(const Plugin& plugin, const std::string& path, const std::string& temporary, const TetMesh& mesh,
+                     const IoContext& context) {
+  call_plugin(plugin, "write", path, temporary, context, [&](PluginWriter& out) { out(mesh); }, {});
+}
+
+void require_format(const Plugin& plugin, const std::string& path) {
+  call_plugin(plugin, "check", path, path, {}, {}, {});
+}
+
+}  // namespace tetune

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh/transfer/point_locator.hpp"
+
+#include <algorithm>
+#include <unordered_set>
+
+namespace tetune {
+namespace {
+
+/// A coordinate above minus this counts as inside: rounding of the coordinates of a point on a face.
+constexpr double kInside = 1e-13;
+/// The walk is given up after this number of tetrahedra, as it can run in a circle.
+constexpr int kMaxWalk = 300;
+/// The search around the start is given up after this number of tetrahedra: the point is outside.
+constexpr std::size_t kMaxSearch = 2000;
+
+double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(cross(b - a, c - a), d - a); }
+
+std::array<double, 4> barycentric(const Vec3& p, const std::array<Vec3, 4>& x) {
+  const double v[4] = {volume(p, x[1], x[2], x[3]), volume(x[0], p, x[2], x[3]), volume(x[0], x[1], p, x[3]),
+                       volume(x[0], x[1], x[2], p)};
+  const double sum = v[0] + v[1] + v[2] + v[3];
+  return {v[0] / sum, v[1] / sum, v[2] / sum, v[3] / sum};
+}
+
+}  // namespace
+
+PointLocator::PointLocator(HostMesh mesh) : mesh_(std::move(mesh)), vertex2tet_(mesh_.points.size(), -1) {
+  for (Index slot = 0; slot < std::ssize(mesh_.tet2vertex); ++slot) {
+    const Tet& tet = span_of(mesh_.tet2vertex)[slot];
+    if (tet[0] == kFreeSlot) continue;
+    for (const Index v : tet.v) span_of(vertex2tet_)[v] = slot;
+  }
+}
+
+TetPoint PointLocator::locate(const Vec3& p, Index start) const {
+  const Index first = span_of(vertex2tet_)[start];
+  Hit hit = closest_in(p, first);
+  Index slot = first;
+  for (int step = 0; hit.distance2 > 0 && step < kMaxWalk; ++step) {
+    std::array<Vec3, 4> x{};
+    for (int k = 0; k < 4; ++k) x[to_size_t(k)] = vec(span_of(mesh_.points)[span_of(mesh_.tet2vertex)[slot][k]]);
+    const std::array<double, 4> weights = barycentric(p, x);
+    // Across the face that separates most, among those with a tetrahedron behind them.
+    int face = -1;
+    for (int k = 0; k < 4; ++k) {
+      if (span_of(mesh_.tet2tet)[slot][k] == kNoHalfFace || weights[to_size_t(k)] >= 0) continue;
+      if (face < 0 || weights[to_size_t(k)] < weights[to_size_t(face)]) face = k;
+    }
+    if (face < 0) break;
+    slot = tet_of(span_of(mesh_.tet2tet)[slot][face]);
+    hit = closest_in(p, slot);
+  }
+  if (hit.distance2 > 0) hit = search(p, first);
+  return {span_of(mesh_.tet2vertex)[hit.slot], hit.weights};
+}
+
+PointLocator::Hit PointLocator::closest_in(const Vec3& p, Index slot) const {
+  std::array<Vec3, 4> x{};
+  for (int k = 0; k < 4; ++k) x[to_size_t(k)] = vec(span_of(mesh_.points)[span_of(mesh_.tet2vertex)[slot][k]]);
+  Hit hit{slot, barycentric(p, x), 0};
+  const bool inside = std::all_of(hit.weights.begin(), hit.weights.end(), [](double w) { return w >= -kInside; });
+  double sum = 0;
+  for (double& w : hit.weights) sum += w = std::max(w, 0.0);
+  Vec3 q{0, 0, 0};
+  for (std::size_t k = 0; k < 4; ++k) {
+    hit.weights[k] /= sum;
+    q = q + hit.weights[k] * x[k];
+  }
+  if (!inside) hit.distance2 = std::max(dot(q - p, q - p), 1e-300);
+  return hit;
+}
+
+/// Breadth first through faces.
+PointLocator::Hit PointLocator::search(const Vec3& p, Index slot) const {
+  std::vector<Index> queue{slot};
+  std::unordered_set<Index> seen{slot};
+  Hit best = closest_in(p, slot);
+  for (std::size_t i = 0; i < queue.size() && best.distance2 > 0; ++i) {
+    const Hit hit = closest_in(p, queue[i]);
+    if (hit.distance2 < best.distance2) best = hit;
+    for (int f = 0; f < 4; ++f) {
+      const HalfFace across = span_of(mesh_.tet2tet)[queue[i]][f];
+      if (across == kNoHalfFace || queue.size() >= kMaxSearch) continue;
+      if (seen.insert(tet_of(across)).second) queue.push_back(tet_of(across));
+    }
+  }
+  return best;
+}
+
+}  // namespace tetune
