@@ -10,7 +10,6 @@
 #include "mesh/transfer/bounded_projection.hpp"
 #include "mesh/transfer/projection_sums.hpp"
 #include "mesh/transfer/tet_overlaps.hpp"
-#include "mesh/validate_arrays.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 
@@ -191,8 +190,12 @@ ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<I
   }
   check_length(input.point_data, input.points.size());
   check_length(input.tet_data, input.tets.size());
-  require_arrays(input);
-  check_ids(tet2original, input.tets.size(), "tetrahedra of the input");
+  if (input.tet_tags.size() != input.tets.size()) {
+    throw MeshError("the input has " + std::to_string(input.tet_tags.size()) + " tags for " +
+                    std::to_string(input.tets.size()) + " tetrahedra");
+  }
+  for (const auto& tet : input.tets) check_ids(tet, input.points.size(), "tetrahedra of the input");
+  check_ids(tet2original, input.tets.size(), "originals of tetrahedra");
   for (const auto& tet : tets) check_ids(tet, places.size(), "places of vertices");
   for (const MeshPlace& place : places) check_ids(place.vertices, input.points.size(), "vertices of the input");
   const backend::Cpu cpu(threads);
