@@ -111,10 +111,12 @@ PeriodicLink link_across(const TetMesh& mesh, std::size_t axis, const std::vecto
 }  // namespace
 
 void link_box_faces(TetMesh& mesh, const std::array<bool, 3>& axes) {
-  require_arrays(mesh);
   std::vector<std::uint8_t> is_used(mesh.points.size(), 0);
   for (const auto& tet : mesh.tets) {
-    for (const Index v : tet) span_of(is_used)[v] = 1;
+    for (const Index v : tet) {
+      if (v < 0 || v >= std::ssize(is_used)) require_arrays(mesh);  // throws
+      span_of(is_used)[v] = 1;
+    }
   }
   const double tolerance = kMatchTolerance * extent_of(mesh);
   std::vector<PeriodicLink> links;
