@@ -55,8 +55,7 @@ struct ConservedData {
 /// vertices at the same places, and their vertices, keep the bits of their data.
 ///
 /// `tets`, `tet2original` and `places` describe the result, as in Report. `threads` 0 means all; the values do not
-/// depend on it. Throws MeshError if an array is too short or has no components, or an id is out of
-/// range.
+/// depend on it. Throws MeshError if an array is too short or has no components, or an id is out of range.
 TETUNE_API ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<Index, 4>>& tets,
                                        const std::vector<Index>& tet2original, const std::vector<MeshPlace>& places,
                                        int threads = 0);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <span>
 #include <utility>
 
 #include "backend/span.hpp"
@@ -149,35 +148,20 @@ class PartTaker {
     return stays;
   }
 
-  /// Marks the listed edges that tetrahedra outside the part or elements of other kinds have.
+  /// Marks the listed edges that last because of their constraints, or of tetrahedra outside the part or elements of
+  /// other kinds.
   Marks edges_of_rest() const {
-    std::vector<std::pair<std::array<Index, 2>, Index>> listed;
-    for (Index e = 0; e < std::ssize(part_.edge2whole); ++e) {
-      const auto& [a, b] = span_of(mesh_.edges)[span_of(part_.edge2whole)[e]];
-      listed.emplace_back(std::array{std::min(a, b), std::max(a, b)}, e);
+    std::vector<std::array<Index, 4>> rest;  // in ids of the part; -1: a vertex outside
+    for (std::size_t t = 0; t < mesh_.tets.size() && !part_.mesh.edges.empty(); ++t) {
+      if (active_[t] != 0) continue;
+      auto tet = mesh_.tets[t];
+      for (Index& v : tet) v = to_part(v);
+      if (std::count(tet.begin(), tet.end(), -1) < 3) rest.push_back(tet);
     }
-    std::sort(listed.begin(), listed.end());
-    Marks stays(part_.edge2whole.size(), 0);
-    const auto mark_edges_of = [&](std::span<const Index> element) {
-      for (const Index a : element) {
-        for (const Index b : element) {
-          const std::pair first{std::array{a, b}, Index{0}};
-          if (a >= b || to_part(a) < 0 || to_part(b) < 0) continue;
-          for (auto at = std::lower_bound(listed.begin(), listed.end(), first);
-               at != listed.end() && at->first == first.first; ++at) {
-            span_of(stays)[at->second] = 1;
-          }
-        }
-      }
-    };
-    for (std::size_t t = 0; t < mesh_.tets.size() && !listed.empty(); ++t) {
-      if (active_[t] == 0) mark_edges_of(mesh_.tets[t]);
-    }
-    for (const ElementBlock& block : mesh_.others) {
-      const auto each = to_size_t(block.vertices_per_element);
-      for (std::size_t i = 0; i < block.element2vertex.size() && each > 0; i += each) {
-        mark_edges_of({&block.element2vertex[i], each});
-      }
+    Marks stays = lasting_edges(part_.mesh, rest, OtherElements(part_.mesh));
+    const OtherElements others(mesh_);
+    for (std::size_t e = 0; e < stays.size(); ++e) {
+      if (others.have(span_of(mesh_.edges)[part_.edge2whole[e]])) stays[e] = 1;
     }
     return stays;
   }

@@ -48,7 +48,7 @@ struct ActivePart {
   std::vector<Index> vertex2whole, tet2whole, triangle2whole, edge2whole;
   /// Whether a listed triangle stays although the result of the part lacks it: all its vertices are frozen.
   std::vector<std::uint8_t> triangle_stays;
-  /// Whether a listed edge does: an element outside the part has it.
+  /// Whether a listed edge does: it constrains, or an element outside the part has it (lasting_edges()).
   std::vector<std::uint8_t> edge_stays;
 };
 
