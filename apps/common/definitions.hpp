@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -30,13 +31,21 @@ inline bool takes_value(const CLI::Option& option) {
   return option.get_expected_max() > 0 && option.get_type_size() > 0;
 }
 
-/// Refuses empty values, as of an unset variable of the shell: CLI11 would treat the option as not given.
-inline void refuse_empty_values(CLI::App& command) {
+/// Refuses empty values, as of an unset variable of the shell, which CLI11 would treat as an option that is not given,
+/// and words where a number is expected.
+inline void check_values(CLI::App& command) {
   for (CLI::Option* option : command.get_options()) {
     if (!takes_value(*option)) continue;
     const std::string subject = is_positional(*option) ? "the name of a mesh" : "the value";
-    const auto check = [subject](const std::string& word) {
-      return word.empty() ? subject + " is empty (a variable of the shell that is not set?)" : "";
+    const std::string type = option->get_type_name();
+    const bool is_integer = type.starts_with("INT"), is_real = type.starts_with("FLOAT");
+    const auto check = [subject, is_integer, is_real](const std::string& word) -> std::string {
+      if (word.empty()) return subject + " is empty (a variable of the shell that is not set?)";
+      std::int64_t integer = 0;
+      double real = 0;
+      if (is_integer && !CLI::detail::lexical_cast(word, integer)) return "'" + word + "' is not an integer";
+      if (is_real && !CLI::detail::lexical_cast(word, real)) return "'" + word + "' is not a number";
+      return "";
     };
     option->check(check, "");
   }

@@ -103,9 +103,9 @@ void define_targets(CLI::App& c, OptimizeArguments& a) {
       ->option_text("DEG")
       ->group(kTargets);
   c.add_option("--target-quality", a.target_quality,
-               "As --target-dihedral, for any measure of `tetune info`: 0.2 mean_ratio, or 5 radius_ratio. May be "
+               "As --target-dihedral, for any measure of `tetune info`: mean_ratio=0.2, or radius_ratio=5. May be "
                "repeated")
-      ->option_text("Q MEASURE")
+      ->option_text("MEASURE=Q")
       ->allow_extra_args(false)
       ->group(kTargets);
 }
@@ -214,14 +214,14 @@ void define_arguments(CLI::App& command, OptimizeArguments& arguments) {
   define_criteria(command, arguments);
   define_limits(command, arguments);
   define_output(command, arguments);
-  refuse_empty_values(command);
+  check_values(command);
 }
 
 std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& a) {
   for (const std::string& text : a.freeze) parse_freeze(text, a.frozen);
   if (a.target_dihedral) a.options.targets.push_back({Measure::min_dihedral, *a.target_dihedral});
-  for (const auto& [value, name] : a.target_quality) {
-    a.options.targets.push_back({parse_measure("--target-quality", name), value});
+  for (const std::string& text : a.target_quality) {
+    a.options.targets.push_back(parse_bound("--target-quality", text, std::nullopt));
   }
   for (const std::string& text : a.only_below) {
     a.options.only_below.push_back(parse_bound("--only-below", text, Measure::min_dihedral));

@@ -18,9 +18,9 @@ enum class ProgressMode { automatic, none, json };
 
 /// The arguments of the motion in `tetune move`.
 struct MoveArguments {
-  std::vector<std::string> to;  ///< files of the targets; empty: the input
-  std::string displacement;     ///< point data; empty: the positions are the targets
-  std::vector<int> patches;     ///< empty: the whole surface
+  std::vector<std::string> to;       ///< files of the targets; empty: the input
+  std::string displacement;          ///< point data; empty: the positions are the targets
+  std::vector<std::string> patches;  ///< tags or names of groups; empty: the whole surface
   bool all_vertices = false;
 };
 
@@ -40,9 +40,9 @@ struct OptimizeArguments {
   std::vector<std::string> periodic;  ///< axes
   std::string periodic_map;
   std::vector<std::string> freeze;
-  std::vector<Frozen> frozen;  ///< parsed from `freeze`
+  std::vector<TagOrName> frozen;  ///< parsed from `freeze`
   std::optional<double> target_dihedral;
-  std::vector<std::pair<double, std::string>> target_quality;
+  std::vector<std::string> target_quality;
   std::vector<std::string> only_below;
   std::string criteria_name;
   std::optional<AcceptanceCriteria> criteria;  ///< read from `criteria_name`

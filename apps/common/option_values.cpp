@@ -8,7 +8,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -37,6 +36,45 @@ std::string list_tags(const TetMesh& mesh, bool regions) {
     }
   }
   return text.empty() ? "none" : text;
+}
+
+/// Parses the name of a measure, for example "mean_ratio".
+Measure parse_measure(const std::string& option, const std::string& name) {
+  std::string known;
+  for (std::size_t k = 0; k < kMeasures; ++k) {
+    const auto measure = static_cast<Measure>(k);
+    if (name == to_string(measure)) return measure;
+    known += fmt::format("{}{}", k == 0 ? "" : ", ", to_string(measure));
+  }
+  throw OptionError(fmt::format("{}: '{}' is not a measure; the measures are {}", option, name, known));
+}
+
+/// A tag if the text is an integer, otherwise the name of a group.
+TagOrName parse_tag(bool region, const std::string& text) {
+  int tag = 0;
+  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), tag);
+  const bool is_tag = error == std::errc() && at == text.data() + text.size();
+  return {region, is_tag ? tag : 0, is_tag ? "" : text};
+}
+
+/// The tags of a region or patch that elements of the mesh have. Throws OptionError if there is none; the message lists
+/// all tags.
+std::vector<int> find_tags(const std::string& option, const TagOrName& wanted, const std::string& mesh_name,
+                           const TetMesh& mesh) {
+  const std::vector<int>& tags = wanted.region ? mesh.tet_tags : mesh.triangle_tags;
+  std::vector<int> found{wanted.tag};
+  if (!wanted.name.empty()) {
+    found.clear();
+    for (const Group& g : mesh.groups) {
+      if (g.name != wanted.name || g.dimension != (wanted.region ? 3 : 2)) continue;
+      found.insert(found.end(), g.tags.begin(), g.tags.end());
+    }
+  }
+  std::erase_if(found, [&tags](int tag) { return std::find(tags.begin(), tags.end(), tag) == tags.end(); });
+  if (!found.empty()) return found;
+  throw OptionError(fmt::format("{}: {} has no {} {}; it has {}", option, mesh_name, wanted.region ? "region" : "patch",
+                                wanted.name.empty() ? std::to_string(wanted.tag) : "\"" + wanted.name + "\"",
+                                list_tags(mesh, wanted.region)));
 }
 
 }  // namespace
@@ -69,21 +107,15 @@ double parse_length(const std::string& option, const std::string& text, const Te
   return percent ? value / 100 * bounding_box(mesh).diagonal() : value;
 }
 
-Measure parse_measure(const std::string& option, const std::string& name) {
-  std::string known;
-  for (std::size_t k = 0; k < kMeasures; ++k) {
-    const auto measure = static_cast<Measure>(k);
-    if (name == to_string(measure)) return measure;
-    known += fmt::format("{}{}", k == 0 ? "" : ", ", to_string(measure));
-  }
-  throw OptionError(fmt::format("{}: '{}' is not a measure; the measures are {}", option, name, known));
-}
-
-Target parse_bound(const std::string& option, const std::string& text, Measure by_default) {
+Target parse_bound(const std::string& option, const std::string& text, std::optional<Measure> by_default) {
   const std::size_t equals = text.find('=');
   const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
-  Target target{by_default, 0};
-  if (equals != std::string::npos) target.measure = parse_measure(option, text.substr(0, equals));
+  if (equals != std::string::npos) {
+    by_default = parse_measure(option, text.substr(0, equals));
+  } else if (!by_default) {
+    throw OptionError(fmt::format("{}: '{}' has no measure; give one and a number as mean_ratio=0.2", option, text));
+  }
+  Target target{*by_default, 0};
   const char* end = number.data() + number.size();
   const auto [at, error] = parse_real(number.data(), end, target.value);
   if (error != std::errc() || at != end || !std::isfinite(target.value)) {
@@ -93,7 +125,7 @@ Target parse_bound(const std::string& option, const std::string& text, Measure b
   return target;
 }
 
-void parse_freeze(const std::string& text, std::vector<Frozen>& frozen) {
+void parse_freeze(const std::string& text, std::vector<TagOrName>& frozen) {
   std::optional<bool> region;
   std::size_t begin = 0;
   while (begin <= text.size()) {
@@ -113,33 +145,26 @@ void parse_freeze(const std::string& text, std::vector<Frozen>& frozen) {
                       "those of patches as patch=3,inlet",
                       text));
     }
-    int tag = 0;
-    const auto [at, error] = std::from_chars(item.data(), item.data() + item.size(), tag);
-    const bool number = error == std::errc() && at == item.data() + item.size();
-    frozen.push_back({*region, number ? tag : 0, number ? "" : item});
+    frozen.push_back(parse_tag(*region, item));
   }
 }
 
-void freeze(const std::vector<Frozen>& frozen, const std::string& mesh_name, const TetMesh& mesh, Options& options) {
-  for (const Frozen& f : frozen) {
-    const std::vector<int>& tags = f.region ? mesh.tet_tags : mesh.triangle_tags;
-    std::vector<int> wanted{f.tag};
-    if (!f.name.empty()) {
-      wanted.clear();
-      for (const Group& g : mesh.groups) {
-        if (g.name != f.name || g.dimension != (f.region ? 3 : 2)) continue;
-        wanted.insert(wanted.end(), g.tags.begin(), g.tags.end());
-      }
-    }
-    const auto is_there = [&tags](int tag) { return std::find(tags.begin(), tags.end(), tag) != tags.end(); };
-    if (!std::any_of(wanted.begin(), wanted.end(), is_there)) {
-      throw OptionError(fmt::format("--freeze: {} has no {} {}; it has {}", mesh_name, f.region ? "region" : "patch",
-                                    f.name.empty() ? std::to_string(f.tag) : "\"" + f.name + "\"",
-                                    list_tags(mesh, f.region)));
-    }
+void freeze(const std::vector<TagOrName>& frozen, const std::string& mesh_name, const TetMesh& mesh, Options& options) {
+  for (const TagOrName& f : frozen) {
+    const std::vector<int> tags = find_tags("--freeze", f, mesh_name, mesh);
     auto& to = f.region ? options.frozen_regions : options.frozen_patches;
-    std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(to), is_there);
+    to.insert(to.end(), tags.begin(), tags.end());
   }
+}
+
+std::vector<int> find_patches(const std::string& option, const std::vector<std::string>& patches,
+                              const std::string& mesh_name, const TetMesh& mesh) {
+  std::vector<int> all;
+  for (const std::string& patch : patches) {
+    const std::vector<int> tags = find_tags(option, parse_tag(false, patch), mesh_name, mesh);
+    all.insert(all.end(), tags.begin(), tags.end());
+  }
+  return all;
 }
 
 void add_links(const std::vector<std::string>& axes, const std::string& map, const std::string& mesh_name,

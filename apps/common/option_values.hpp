@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,26 +21,28 @@ Box bounding_box(const TetMesh& mesh);
 /// Parses a length: "0.01", in the mesh's unit, or "0.1%" of the diagonal of its bounding box. Throws OptionError.
 double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh);
 
-/// Parses the name of a measure, for example "mean_ratio". Throws OptionError, whose message names `option`.
-Measure parse_measure(const std::string& option, const std::string& name);
+/// Parses a bound, for example of `info --min-quality`: "radius_ratio=5", or "0.2" of the measure `by_default` if there
+/// is one. Throws OptionError, whose message names `option`.
+Target parse_bound(const std::string& option, const std::string& text, std::optional<Measure> by_default);
 
-/// Parses a bound, for example of `info --min-quality`: "0.2", of the measure `by_default`, or "radius_ratio=5". Throws
-/// OptionError, whose message names `option`.
-Target parse_bound(const std::string& option, const std::string& text, Measure by_default);
-
-/// A frozen region or patch.
-struct Frozen {
+/// A region or patch that an option names.
+struct TagOrName {
   bool region;
   int tag;           ///< if the name is empty
   std::string name;  ///< of a group
 };
 
 /// Parses "tag=1,2,patch=7,tag=steel" and appends the regions and patches to `frozen`. Throws OptionError.
-void parse_freeze(const std::string& text, std::vector<Frozen>& frozen);
+void parse_freeze(const std::string& text, std::vector<TagOrName>& frozen);
 
 /// Adds the tags of frozen regions and patches to `options`. Throws OptionError if the mesh does not have them; the
 /// message lists those that it has.
-void freeze(const std::vector<Frozen>& frozen, const std::string& mesh_name, const TetMesh& mesh, Options& options);
+void freeze(const std::vector<TagOrName>& frozen, const std::string& mesh_name, const TetMesh& mesh, Options& options);
+
+/// Returns the tags of triangles that `patches` lists as numbers or as names of groups. Throws OptionError if the mesh
+/// has no such patch; the message lists those that it has.
+std::vector<int> find_patches(const std::string& option, const std::vector<std::string>& patches,
+                              const std::string& mesh_name, const TetMesh& mesh);
 
 /// Adds the links of --periodic, a list of axes, and of --periodic-map, a file.
 void add_links(const std::vector<std::string>& axes, const std::string& map, const std::string& mesh_name,

@@ -54,6 +54,11 @@ bool is_integer(const std::string& word) {
   return !digits.empty() && digits.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+bool is_number(const std::string& word) {
+  double value = 0;
+  return CLI::detail::lexical_cast(word, value);
+}
+
 /// Adds the second dash to "-effort=best", if the command has such an option.
 std::string with_two_dashes(const CLI::App& command, const std::string& word) {
   if (word.size() < 3 || word[0] != '-' || std::isalpha(static_cast<unsigned char>(word[1])) == 0) return word;
@@ -136,6 +141,12 @@ std::vector<std::string> expand_aliases(const CLI::App& app, const std::vector<s
         continue;
       }
       refuse_foreign(word);
+    }
+    if (word == "--target-quality" && i + 2 < words.size() && is_number(words[i + 1])) {
+      // The former notation, `--target-quality 0.2 mean_ratio`, accepted until version 0.3.
+      expanded.insert(expanded.end(), {word, words[i + 2] + "=" + words[i + 1]});
+      i += 2;
+      continue;
     }
     expanded.push_back(with_two_dashes(*command, word));
     const std::string& last = expanded.back();

@@ -30,6 +30,7 @@ struct ConvertArguments {
   int order = 0;
   double feature_angle = 45;
   int threads = 0;
+  bool quiet = false;
 };
 
 /// Converts to elements of the order asked for.
@@ -57,11 +58,11 @@ void set_order(const ConvertArguments& a, TetMesh& mesh, Console& console) {
       options.geometry = &*geometry;
     }
     const CurveReport r = curve(mesh, options);
-    fmt::print(stderr, "{} curved edges, {} curved tetrahedra, smallest scaled Jacobian {:.4f}\n", r.curved_edges,
-               r.curved_tets, r.min_scaled_jacobian);
+    console.print(fmt::format("{} curved edges, {} curved tetrahedra, smallest scaled Jacobian {:.4f}\n",
+                              r.curved_edges, r.curved_tets, r.min_scaled_jacobian));
     if (r.not_valid_before > 0) {
-      fmt::print(stderr, "{} tetrahedra were not valid with the curved surface: {} inner vertices were moved\n",
-                 r.not_valid_before, r.vertices_moved);
+      console.print(fmt::format("{} tetrahedra were not valid with the curved surface: {} inner vertices were moved\n",
+                                r.not_valid_before, r.vertices_moved));
     }
     if (r.edges_off_geometry > 0) {
       console.warn(
@@ -88,7 +89,7 @@ int convert(const ConvertArguments& a) {
   if (!a.geometry.file.empty() && a.order != 2) throw OptionError("--geometry is for --order 2 alone");
   if (!a.geometry.file.empty() && !a.surface.empty()) throw OptionError("--surface and --geometry exclude each other");
   unit_in_mm(a.geometry.unit);
-  Console console(ProgressMode::none, 0, nullptr);
+  Console console(ProgressMode::none, a.quiet ? 0 : 1, stderr);
   Input input = read_input(a.input, a.threads);
   if (!a.tags.empty()) choose_tags(input, a.input, a.tags);
   for (const std::string& warning : input.warnings) console.warn(warning);
@@ -133,7 +134,8 @@ void add_convert(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   c->add_option("--tags", a->tags, kTagsHelp)->option_text("NAME");
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
-  refuse_empty_values(*c);
+  c->add_flag("--quiet", a->quiet, "Only errors and warnings");
+  check_values(*c);
   c->callback([a, &exit_code] { exit_code = convert(*a); });
 }
 

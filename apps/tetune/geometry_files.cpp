@@ -68,9 +68,16 @@ void define_geometry_to_slide_on(CLI::App& command, GeometryArguments& a) {
       ->group(kGroup);
 }
 
-void check_geometry_arguments(const OptimizeArguments& a) {
+void check_geometry_arguments(const CLI::App& command, OptimizeArguments& a) {
   unit_in_mm(a.geometry.unit);
-  if (a.geometry.file.empty()) return;
+  if (a.geometry.file.empty()) {
+    for (const char* option : {"--geometry-unit", "--snap"}) {
+      const CLI::Option* given = command.get_option_no_throw(option);
+      if (given != nullptr && given->count() > 0)
+        a.warnings.push_back(std::string(option) + " has no effect without --geometry");
+    }
+    return;
+  }
   if (a.options.boundary != Boundary::slide) throw OptionError("--geometry needs --boundary slide");
   if (!a.criteria_name.empty())
     throw OptionError("--geometry and --criteria exclude each other: judge by `tetune info`");

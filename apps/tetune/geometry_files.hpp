@@ -19,8 +19,8 @@ void define_geometry(CLI::App& command, GeometryArguments& arguments, const std:
 /// Defines --geometry, --geometry-unit and --snap of `tetune optimize`.
 void define_geometry_to_slide_on(CLI::App& command, GeometryArguments& arguments);
 
-/// Throws OptionError for options that the geometry excludes.
-void check_geometry_arguments(const OptimizeArguments& arguments);
+/// Throws OptionError for options that the geometry excludes, and warns of those that have no effect without it.
+void check_geometry_arguments(const CLI::App& command, OptimizeArguments& arguments);
 
 /// A text of the library with its options, and that of the unit, written as flags.
 std::string with_geometry_flags(const std::string& text);

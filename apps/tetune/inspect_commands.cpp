@@ -283,7 +283,7 @@ void add_info(CLI::App& app, int& exit_code) {
        "and as data, and whose vertices have data of the dimension, the number and the distance of their entity")
       ->option_text("FILE");
   c->add_flag("--check", a->check, "Print one line: whether the mesh is valid, and meets --min-quality");
-  refuse_empty_values(*c);
+  check_values(*c);
   c->callback([a, &exit_code] { exit_code = info(*a); });
 }
 
@@ -293,7 +293,7 @@ void add_compare(CLI::App& app, int& exit_code) {
       add_common(app, "compare", "Differences of two meshes of the same shape: quality, volume, surface, tags.", a);
   c->add_option("BEFORE", a->files[0], "Mesh before")->required();
   c->add_option("AFTER", a->files[1], "Mesh after")->required();
-  refuse_empty_values(*c);
+  check_values(*c);
   c->callback([a, &exit_code] { exit_code = compare_files(*a); });
 }
 

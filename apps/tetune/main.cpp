@@ -14,16 +14,27 @@
 #include "console.hpp"
 #include "exit_code.hpp"
 #include "system/process.hpp"
-#include "tetune/error.hpp"
 #include "tetune/version.hpp"
 
 namespace {
 
-/// Formats an error of CLI11 like the other messages.
-std::string failure(const CLI::App* app, const CLI::Error& e) {
-  const std::vector<CLI::App*> command = app->get_subcommands();
-  return fmt::format("tetune: {}; see tetune{} --help\n", e.what(),
-                     command.empty() ? "" : " " + command[0]->get_name());
+/// Whether `--progress json` is among the arguments, which may not be valid otherwise.
+bool wants_json(const std::vector<std::string>& arguments) {
+  const auto option = std::find(arguments.begin(), arguments.end(), "--progress");
+  return std::find(arguments.begin(), arguments.end(), "--progress=json") != arguments.end() ||
+         (option != arguments.end() && option + 1 != arguments.end() && option[1] == "json");
+}
+
+/// An error of CLI11 in the words of the other messages.
+std::string message_of(const CLI::App& app, const CLI::Error& e) {
+  std::string text = e.what();
+  const std::string subject = text.substr(0, text.find(':'));
+  const auto says = [&text](const char* words) { return text.find(words) != std::string::npos; };
+  if (says(" required ") && says(" missing")) text = subject + ": the value is missing";
+  if (says("At Most 1 required")) text = subject + " is given more than once";
+  if (says("not expected: ")) text = "too many arguments" + text.substr(subject.size());
+  const std::vector<CLI::App*> command = app.get_subcommands();
+  return fmt::format("{}; see tetune{} --help", text, command.empty() ? "" : " " + command[0]->get_name());
 }
 
 /// Options of optimize and move with which they only print.
@@ -36,13 +47,13 @@ int run(const std::vector<std::string>& arguments) {
   app.set_version_flag("--version", "tetune " TETUNE_VERSION);
   app.allow_windows_style_options(false);  // a name may start with /
   app.require_subcommand(1);
-  app.failure_message(failure);
   app.footer(
       "Exit codes: 0 success; 1 stopped early, a target was missed, a criterion failed, a target not reached by "
       "move, or a report, trace or map that could not be written, and a valid mesh was written (info and compare: the "
       "mesh has no tetrahedron, is not valid, or not of the "
       "required quality; --untangle could not repair all "
       "tetrahedra: no mesh was written); 2 nothing was written. Of several meshes, the largest.");
+  Console errors(wants_json(arguments) ? ProgressMode::json : ProgressMode::none, 0, nullptr);
   int exit_code = kDone;
   add_optimize(app, exit_code);
   add_convert(app, exit_code);
@@ -57,15 +68,16 @@ int run(const std::vector<std::string>& arguments) {
     std::reverse(words.begin(), words.end());  // CLI11 expects them in reverse
     app.parse(std::move(words));
   } catch (const CLI::ParseError& e) {
-    exit_code = app.exit(e) == 0 ? kDone : kNothingWritten;
-  } catch (const tetune::Error& e) {
-    print_to(stderr, fmt::format("tetune: {}\n", e.what()));
-    return kNothingWritten;
+    if (e.get_exit_code() != 0) {
+      errors.error(message_of(app, e));
+      return kNothingWritten;
+    }
+    exit_code = app.exit(e);  // prints the help or the version
   } catch (const std::bad_alloc&) {
-    print_to(stderr, "tetune: out of memory\n");
+    errors.error("out of memory");
     return kNothingWritten;
   } catch (const std::exception& e) {
-    print_to(stderr, fmt::format("tetune: {}\n", e.what()));
+    errors.error(e.what());
     return kNothingWritten;
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {

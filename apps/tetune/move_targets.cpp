@@ -27,10 +27,11 @@ void define_motion(CLI::App& c, MoveArguments& a) {
                "from the input")
       ->option_text("NAME")
       ->group(kMotion);
-  c.add_option("--patches", a.patches,
-               "Tags of the listed triangles whose vertices move as the target says; the others follow. Default: the "
-               "vertices of the boundary, of interfaces between regions and of listed triangles")
-      ->option_text("TAG,...")
+  c.add_option(
+       "--patches", a.patches,
+       "Patches, by their tags or the names of their groups, whose vertices move as the target says; the others "
+       "follow. Default: the vertices of the boundary, of interfaces between regions and of listed triangles")
+      ->option_text("TAG|NAME,...")
       ->delimiter(',')
       ->group(kMotion);
   c.add_flag("--all-vertices", a.all_vertices, "All vertices move as the target says, those inside the mesh too")
@@ -115,7 +116,8 @@ VertexTargets target_of(const TetMesh& mesh, const TetMesh& source, const std::s
   for (Point3& p : target) {
     if (is_nan(p)) p = {NAN, NAN, NAN};
   }
-  return a.all_vertices ? target : surface_targets(mesh, target, a.patches);
+  if (a.all_vertices) return target;
+  return surface_targets(mesh, target, find_patches("--patches", a.patches, "the input", mesh));
 }
 
 std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments& a, int threads,

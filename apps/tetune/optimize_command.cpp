@@ -62,7 +62,7 @@ int run_all(const OptimizeArguments& a, const std::vector<Job>& jobs, Console& s
 }
 
 void print_options(OptimizeArguments& a) {
-  for (const Frozen& f : a.frozen) {
+  for (const TagOrName& f : a.frozen) {
     if (f.name.empty()) (f.region ? a.options.frozen_regions : a.options.frozen_patches).push_back(f.tag);
   }
   nlohmann::ordered_json json = to_json(a.options);
@@ -77,7 +77,7 @@ int run(const CLI::App& command, OptimizeArguments& a) {
   const bool has_series = std::any_of(a.files.begin(), a.files.end(), is_series);
   if (a.move && !a.print_options) check_move_arguments(*a.move, has_series);
   const std::vector<Job> jobs = resolve_jobs(command, a);
-  check_geometry_arguments(a);
+  check_geometry_arguments(command, a);
   const bool to_pipe = !jobs.empty() && jobs[0].output == kPipe;
   Console console(a.progress, a.verbosity, !to_pipe ? stdout : a.progress == ProgressMode::json ? nullptr : stderr);
   for (const std::string& w : a.warnings) console.warn(w);

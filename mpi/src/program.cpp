@@ -92,7 +92,7 @@ class Program {
 
  private:
   void take_frozen() {
-    for (const cli::Frozen& f : a_.frozen) {
+    for (const cli::TagOrName& f : a_.frozen) {
       if (!f.name.empty())
         throw OptionError("--freeze: '" + f.name + "' is not a tag; tetune-mpi takes no names of groups");
       (f.region ? options_.frozen_regions : options_.frozen_patches).push_back(f.tag);

@@ -123,6 +123,8 @@ class Convert(CliTest):
         source = self.put("in.mesh", mesh.text())
         done = self.run_cli("convert", source, self.path("curved.msh"), "--order", "2")
         self.assertRegex(done.stderr, r"\d+ curved edges, \d+ curved tetrahedra, smallest scaled Jacobian 0\.\d+")
+        # One warning, of tags of vertices, and no figures.
+        self.assertEqual(self.run_cli("convert", source, "-o", self.path("curved.msh"), "--order", "2", "--quiet").stderr.count("\n"), 1)
         curved = json.loads(self.run_cli("info", self.path("curved.msh"), "--json").stdout)["quality"]["curved"]
         self.assertTrue(curved["curved_edges"] >= 3 * 16 and curved["valid"] == curved["tetrahedra"] > 0)
         self.refused("convert", self.path("curved.msh"), self.path("b.msh"), "--order", "2", said=["curved edges already"])

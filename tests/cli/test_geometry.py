@@ -247,6 +247,12 @@ class Geometry(CliTest):
         for command in (("info", absent), ("convert", absent, self.path("out.msh"), "--order", "2")):
             self.refused(*command, "--geometry", self.part("ball.step"), "--geometry-unit", "furlong", said=["furlong"])
 
+    def test_options_without_effect_are_named(self):
+        source = self.put("in.mesh", cylinder(3))
+        done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--snap", "no", "--geometry-unit", "m", "--quiet")
+        for option in ("--snap", "--geometry-unit"):
+            self.assertIn(f"warning: {option} has no effect without --geometry", done.stderr)
+
     def test_options_that_have_no_meaning_with_a_geometry_are_refused(self):
         source, part = self.put("in.mesh", cylinder(3)), self.part("cylinder.step")
         self.refused("optimize", source, "-o", self.path("out.mesh"), "--geometry", part, said=["--boundary slide"])

@@ -134,7 +134,17 @@ class Moves(CliTest):
         self.assertEqual(motion["vertices_prescribed"], 3)
         for v in triangle:
             self.assertEqual(after.points[v][2], 1.05)
-        self.refused("move", self.source, self.path("x.mesh"), "--to", to, "--patches", "4,5", said=["no triangle has the tag 5"])
+        self.refused("move", self.source, self.path("x.mesh"), "--to", to, "--patches", "4,5", said=["--patches: the input has no patch 5; it has ", "4"])
+        # Patches by the names of their groups.
+        nodes = "".join(f"{v + 1} {p[0]!r} {p[1]!r} {p[2]!r}\n" for v, p in enumerate(self.mesh.points))
+        elements = f"1 2 2 4 4 {triangle[0] + 1} {triangle[1] + 1} {triangle[2] + 1}\n" + "".join(
+            f"{t + 2} 4 2 1 1 {' '.join(str(v + 1) for v in tet)}\n" for t, tet in enumerate(self.mesh.tets))
+        self.source = self.put("in.msh", '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 4 "lid"\n$EndPhysicalNames\n'
+                               f"$Nodes\n{len(self.mesh.points)}\n{nodes}$EndNodes\n$Elements\n{len(self.mesh.tets) + 1}\n{elements}$EndElements\n")
+        self.mesh.point_tags = [0] * len(self.mesh.points)
+        _, motion, _ = self.move("--to", to, "--patches", "lid")
+        self.assertEqual(motion["vertices_prescribed"], 3)
+        self.refused("move", self.source, self.path("x.mesh"), "--to", to, "--patches", "floor", said=['no patch "floor"; it has ', '4 "lid"'])
 
     def test_a_target_out_of_reach(self):
         mirrored = moved(self.mesh, lambda p: (1 - p[0], p[1], p[2]))

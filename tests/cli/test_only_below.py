@@ -100,7 +100,7 @@ class OnlyBelow(CliTest):
 
     def test_targets_and_exit_code(self):
         self.put("in.mesh", disturbed())
-        done = self.optimize("--only-below", "20", "--target-quality", "0.9", "mean_ratio", code=1)
+        done = self.optimize("--only-below", "20", "--target-quality", "mean_ratio=0.9", code=1)
         self.assertIn("held by: locked element", done.stdout)
 
     def test_refusals(self):

@@ -254,7 +254,7 @@ class Slide(CliTest):
             self.assert_improved(Mesh.read(source), Mesh.read(self.path("out.mesh")))
             return json.loads(self.read_bytes("r.json")), text
 
-        report, text = run("--target-dihedral", "5", "--target-quality", "20", "radius_ratio", code=0)
+        report, text = run("--target-dihedral", "5", "--target-quality", "radius_ratio=20", code=0)
         self.assertEqual(report["options"]["targets"], [{"measure": "min_dihedral_deg", "value": 5.0},
                                                         {"measure": "radius_ratio", "value": 20.0}])
         self.assertEqual([t["met"] for t in report["optimization"]["targets"]], [True, True])
@@ -262,7 +262,7 @@ class Slide(CliTest):
         self.assertIn("radius_ratio <= 20: met by all", text)
         easy = self.read_bytes("out.mesh")
 
-        report, text = run("--target-quality", "0.8", "mean_ratio", "--target-dihedral", "5", "--target-quality", "1.1",
+        report, text = run("--target-quality", "mean_ratio=0.8", "--target-dihedral", "5", "--target-quality", "1.1",
                            "aspect_ratio", code=1)
         self.assertEqual(self.read_bytes("out.mesh"), easy)
         by_name = {t["measure"]: t for t in report["optimization"]["targets"]}
@@ -290,7 +290,8 @@ class Slide(CliTest):
         for options, said in ((["--target-dihedral", "75"], ["min_dihedral_deg", "70.528"]),
                               (["--target-dihedral", "steep"], ["--target-dihedral"]),
                               (["--target-quality", "0.5", "beauty"], ["--target-quality", "'beauty'", "mean_ratio", "q_h"]),
-                              (["--target-quality", "0.5"], ["--target-quality"]),
+                              (["--target-quality", "0.5"], ["--target-quality", "'0.5' has no measure", "mean_ratio=0.2"]),
+                              (["--target-quality", "beauty=0.5"], ["--target-quality", "'beauty'", "mean_ratio", "q_h"]),
                               (["--target-quality", "0.9", "radius_ratio"], ["radius_ratio", "1 or more"]),
                               (["--target-quality", "170", "gamma"], ["gamma", "at most 1"])):
             self.refused("optimize", source, "-o", self.path("out.mesh"), *options, said=said)

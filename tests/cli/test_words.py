@@ -27,6 +27,21 @@ class Help(CliTest):
         self.run_cli("optimize", "-o", self.path("b.mesh"), "--", source)
         self.refused("report", "a.mesh", "b.mesh", "--run", "r.json", said=["pip install"])
 
+    def test_values_that_are_none(self):
+        source = self.put("in.mesh", cube(1))
+        for words, said in ((["--threads", "two"], "--threads: 'two' is not an integer"), (["--threads", "1.5"], "'1.5' is not an integer"),
+                            (["--max-growth", "x"], "--max-growth: 'x' is not a number"), (["--threads"], "--threads: the value is missing"),
+                            (["--effort", "best", "--effort", "fast"], "--effort is given more than once")):
+            self.refused("optimize", source, "-o", self.path("out.mesh"), *words, said=[said])
+        self.refused("convert", source, "a.mesh", "b.mesh", said=["too many arguments: b.mesh"])
+
+    def test_errors_of_arguments_as_json(self):
+        source = self.put("in.mesh", cube(1))
+        for words in (["--effort", "bst", "--progress", "json"], ["--progress=json", "--wide"], ["--progress", "json", "--max-growth", "-1"]):
+            done = self.refused("optimize", source, "-o", self.path("out.mesh"), *words)
+            [line] = done.stderr.splitlines()
+            self.assertEqual(json.loads(line)["event"], "error")
+
     def test_help_and_version(self):
         for args in (["--help"], *([command, "--help"] for command in COMMANDS)):
             done = self.run_cli(*args)
