@@ -146,7 +146,6 @@ tetune::Context hooks_of(tetune_progress_function progress, void* user) {
 /// Runs `optimize`, which returns a tetune::Report; `report` may be null.
 template <class F>
 void run(tetune_report** report, const F& optimize) {
-  if (report != nullptr) *report = nullptr;
   // Allocated before the mesh changes.
   std::unique_ptr<tetune_report> made(report == nullptr ? nullptr : new tetune_report{});
   tetune::Report done = optimize();
@@ -291,6 +290,7 @@ tetune_status tetune_options_set(tetune_options* options, const char* name, cons
 
 tetune_status tetune_optimize(tetune_mesh* mesh, const tetune_options* options, tetune_progress_function progress,
                               void* user, tetune_report** report) {
+  if (report != nullptr) *report = nullptr;
   return guarded([&] {
     TetMesh& to = checked(mesh).mesh;
     run(report, [&] { return tetune::optimize(to, options_of(options), hooks_of(progress, user)); });
@@ -333,6 +333,7 @@ tetune_status tetune_mesh_check(const tetune_mesh* mesh, const tetune_criteria* 
 tetune_status tetune_optimize_towards(tetune_mesh* mesh, const tetune_criteria* criteria, const tetune_options* options,
                                       tetune_progress_function progress, void* user, tetune_report** report,
                                       tetune_verdict* verdict) {
+  if (report != nullptr) *report = nullptr;
   return guarded([&] {
     TetMesh& to = checked(mesh).mesh;
     const tetune::AcceptanceCriteria& limits = checked(criteria).criteria;

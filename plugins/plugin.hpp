@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/element_kinds.hpp"
 #include "tetune/error.hpp"
 #include "tetune/mesh.hpp"
 
@@ -44,15 +45,6 @@ auto entry_of(List& list, std::int64_t i, std::size_t size) {
 inline std::size_t components_of(const DataArray& array) { return static_cast<std::size_t>(array.components); }
 
 inline std::string ending_of(const std::string& file) { return std::filesystem::path(file).extension().string(); }
-
-/// Kinds of elements that are kept unchanged.
-struct OtherKind {
-  const char* name;
-  int vertices;
-  int dimension;
-};
-inline constexpr OtherKind kOtherKinds[] = {
-    {kPoints, 1, 0}, {"Quadrilaterals", 4, 2}, {"Pyramids", 5, 3}, {"Prisms", 6, 3}, {"Hexahedra", 8, 3}};
 
 /// Positive numbers that are not in use.
 class FreeNumbers {

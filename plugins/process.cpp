@@ -23,6 +23,7 @@ std::string printable(std::string text) {
   constexpr std::size_t kMaxLength = 300;
   if (text.size() > kMaxLength) text.replace(kMaxLength, std::string::npos, " ...");
   for (char& c : text) {
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
     if (c < ' ' || c > '~') c = '?';
   }
   return text;
@@ -96,16 +97,24 @@ MemoryLimit::MemoryLimit(const std::string& file) {
 MemoryLimit::~MemoryLimit() { ::setrlimit(RLIMIT_DATA, &before_); }
 
 int run_and_answer(const std::function<AnswerBody(Warnings&)>& work) {
+  const auto answer_error = [](const std::string& text) {
+    try {
+      answer(text, {}, {});
+      return 0;
+    } catch (const std::exception&) {
+      return 1;  // the channel is gone
+    }
+  };
   try {
     Warnings warnings;
     const AnswerBody body = work(warnings);
     answer("", warnings, body);
   } catch (const std::bad_alloc&) {
-    answer(kTooMuchMemory, {}, {});
+    return answer_error(kTooMuchMemory);
   } catch (const std::length_error&) {
-    answer(kTooMuchMemory, {}, {});
+    return answer_error(kTooMuchMemory);
   } catch (const std::exception& e) {
-    answer(printable(e.what()), {}, {});
+    return answer_error(printable(e.what()));
   }
   return 0;
 }

@@ -113,7 +113,7 @@ typedef struct tetune_progress {
 typedef int (*tetune_progress_function)(const tetune_progress* progress, void* user);
 
 /* Improves a mesh in place. `options` null: the defaults; `progress` null: no calls; `report` null: no report. If it
- * fails, the mesh is unchanged. */
+ * fails, the mesh is unchanged and `*report` null. */
 TETUNE_API tetune_status tetune_optimize(tetune_mesh* mesh, const tetune_options* options,
                                          tetune_progress_function progress, void* user, tetune_report** report);
 TETUNE_API void tetune_report_destroy(tetune_report* report);

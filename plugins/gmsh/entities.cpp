@@ -57,11 +57,10 @@ std::vector<Kind> kinds_of(const TetMesh& mesh) {
                           pairs(kTriangleEdges)));
   kinds.push_back(kind_of(1, second ? kEdge3 : kEdge, mesh.edges, mesh.edge_tags, mesh.edge_data, pairs(kEdgeEdges)));
   for (const ElementBlock& block : mesh.others) {
-    const auto* const other = std::find_if(std::begin(kOtherKinds), std::end(kOtherKinds),
-                                           [&block](const OtherKind& k) { return k.name == block.kind; });
-    if (other == std::end(kOtherKinds)) throw FileError("Gmsh has no elements of kind " + block.kind);
+    const ElementKind* const other = find_element_kind(block.kind);
+    if (other == nullptr) throw FileError("Gmsh has no elements of kind " + block.kind);
     kinds.push_back({other->dimension,
-                     item(kOtherTypes, other - std::begin(kOtherKinds)),
+                     item(kOtherTypes, other - kElementKinds.data()),
                      std::size_t(other->vertices),
                      block.element2vertex,
                      &block.tags,

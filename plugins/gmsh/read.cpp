@@ -37,7 +37,8 @@ struct FoundKind {
 class Reader {
  public:
   Reader(TetMesh& mesh, Warnings& warnings) : mesh_(mesh), warnings_(warnings) {
-    for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
+    for (const ElementKind& kind : kElementKinds)
+      others_.push_back({std::string(kind.name), kind.vertices, {}, {}, {}});
   }
 
   void read() {
@@ -56,7 +57,7 @@ class Reader {
       }
     }
     read_views(nodes);
-    erase_middles(middles_, mesh_);
+    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
     for (ElementBlock& block : others_) {
       if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
     }

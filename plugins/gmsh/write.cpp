@@ -16,16 +16,19 @@ bool add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& en
                 Warnings& warnings) {
   bool all_grouped = true;
   std::map<int, std::vector<int>> number2entities;
+  std::map<int, std::set<int>> number2tags;  // of entities in one group alone
   std::vector<std::string> renumbered;
   for (const auto& [entity, tag] : entity2tag) {
-    bool grouped = false;
+    std::vector<int> numbers;
     for (const Group& group : mesh.groups) {
       if (group.dimension != dimension || std::find(group.tags.begin(), group.tags.end(), tag) == group.tags.end()) {
         continue;
       }
       number2entities[group.number].push_back(entity);
-      grouped = true;
+      numbers.push_back(group.number);
     }
+    const bool grouped = !numbers.empty();
+    if (numbers.size() == 1) number2tags[numbers[0]].insert(tag);
     if (entity != tag && !(grouped && format.groups)) {
       // Where there are groups, a positive tag is that of its group, and elements without a tag are in none.
       if (tag < 0 || !format.groups) {
@@ -52,6 +55,10 @@ bool add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& en
       continue;
     }
     gmsh::model::setPhysicalName(dimension, group.number, group.name);
+    if (const std::size_t tags = number2tags[group.number].size(); tags > 1) {
+      warnings.push_back("the " + std::to_string(tags) + " tags of the group \"" + group.name +
+                         "\" become one: the number of their group");
+    }
   }
   return all_grouped;
 }

@@ -30,8 +30,8 @@ struct Foot {
 /// Distance of a point from a box; 0 inside.
 double box_distance(const Bnd_Box& box, const gp_Pnt& p);
 
-/// Nearest points of the edges and faces of a model, to the last bits. What a search needs is prepared when an entity
-/// is first asked for. Not for concurrent calls.
+/// Nearest points of the edges and faces of a model, to the last bits. The data of an entity that
+/// searches need are prepared by the first search on it. Not for concurrent calls.
 class NearestPoints {
  public:
   explicit NearestPoints(const Model& model);

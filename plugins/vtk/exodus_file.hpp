@@ -15,8 +15,6 @@ namespace tetune::plugin {
 
 /// Sides of a tetrahedron in Exodus' order, seen from outside counter-clockwise.
 inline constexpr std::array<std::array<std::size_t, 3>, 4> kTetSides{{{0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 2, 1}}};
-/// Prefix of the data on vertices that a set of nodes becomes, before its number and name.
-inline constexpr const char* kNodeSet = "node_set:";
 
 /// An open file; every call is checked.
 class File {

@@ -6,6 +6,7 @@
 
 #include "exodus.hpp"
 #include "exodus_file.hpp"
+#include "io/node_sets.hpp"
 #include "io/second_order.hpp"
 
 namespace tetune::plugin {
@@ -41,7 +42,8 @@ class ExodusReader {
  public:
   ExodusReader(const File& file, int time, TetMesh& mesh, Warnings& warnings)
       : file_(file), time_(time), mesh_(mesh), warnings_(warnings) {
-    for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
+    for (const ElementKind& kind : kElementKinds)
+      others_.push_back({std::string(kind.name), kind.vertices, {}, {}, {}});
   }
 
   void read() {
@@ -59,7 +61,7 @@ class ExodusReader {
     for (const int id : set_ids) read_side_set(id);
     for (const int id : ids(EX_NODE_SET, counts.num_node_sets)) read_node_set(id);
     read_variables();
-    erase_middles(middles_, mesh_);
+    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
     for (ElementBlock& block : others_) {
       if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
     }
@@ -109,7 +111,7 @@ class ExodusReader {
     const int tag = tag_of(id, "element block");
     for (std::size_t e = 0; e < nodes.size(); e += each) add(block.kind, nodes.data() + e, tag);
     const int dimension = block.kind < kTriangles ? 3 : block.kind < kEdges ? 2 : block.kind < kOthers ? 1 : -1;
-    add_group(dimension >= 0 ? dimension : kOtherKinds[block.kind - kOthers].dimension, tag,
+    add_group(dimension >= 0 ? dimension : kElementKinds.at(block.kind - kOthers).dimension, tag,
               name_of(EX_ELEM_BLOCK, id));
     blocks_.push_back(block);
   }
@@ -242,7 +244,7 @@ class ExodusReader {
     }
     const std::string name = name_of(EX_NODE_SET, id);
     mesh_.point_data.push_back(
-        {kNodeSet + std::to_string(id) + (name.empty() ? "" : ":" + name), 1, std::move(in_set)});
+        {std::string(kNodeSet) + std::to_string(id) + (name.empty() ? "" : ":" + name), 1, std::move(in_set)});
   }
 
   std::vector<std::string> variable_names(ex_entity_type type) const {

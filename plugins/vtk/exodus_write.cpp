@@ -10,6 +10,7 @@
 #include "exodus.hpp"
 #include "exodus_file.hpp"
 #include "io/group_order.hpp"
+#include "io/node_sets.hpp"
 #include "io/second_order.hpp"
 
 namespace tetune::plugin {
@@ -95,12 +96,11 @@ class Writer {
       add(kEdges + second, 1, mesh_.edge_tags[e], mesh_.edges[e].data(), 2, kEdgeEdges, e);
     }
     for (const ElementBlock& block : mesh_.others) {
-      const auto* const kind = std::find_if(std::begin(kOtherKinds), std::end(kOtherKinds),
-                                            [&block](const OtherKind& k) { return k.name == block.kind; });
-      if (kind == std::end(kOtherKinds)) throw FileError("Exodus has no elements of kind " + block.kind);
+      const ElementKind* const kind = find_element_kind(block.kind);
+      if (kind == nullptr) throw FileError("Exodus has no elements of kind " + block.kind);
       const std::size_t each(kind->vertices);
       for (std::size_t i = 0; i < block.tags.size(); ++i) {
-        add(kOthers + std::size_t(kind - std::begin(kOtherKinds)), kind->dimension, block.tags[i],
+        add(kOthers + std::size_t(kind - kElementKinds.data()), kind->dimension, block.tags[i],
             block.element2vertex.data() + i * each, each, std::array<Pair, 0>{}, i);
       }
     }
@@ -189,9 +189,8 @@ class Writer {
       ++others;
     }
     if (others > 0) {
-      warnings_.push_back(std::to_string(others) +
-                          " element blocks have other numbers than their tags: Exodus' are positive, and different for "
-                          "elements of different kinds");
+      warnings_.push_back("the numbers of element blocks are other than their tags: " + std::to_string(others) +
+                          "; Exodus' are positive, and different for elements of different kinds");
     }
   }
 
@@ -227,19 +226,18 @@ class Writer {
 
   void find_node_sets() {
     std::vector<DataArray> rest;
-    const std::string start = kNodeSet;
     for (DataArray& array : mesh_.point_data) {
-      const auto* flags = std::get_if<std::vector<std::uint8_t>>(&array.values);
-      if (flags == nullptr || array.components != 1 || array.name.rfind(start, 0) != 0) {
+      if (!is_node_set(array)) {
         rest.push_back(std::move(array));
         continue;
       }
-      NodeSet set{std::atoi(array.name.c_str() + start.size()), {}, {}};
-      if (const auto colon = array.name.find(':', start.size()); colon != std::string::npos) {
+      const auto& flags = std::get<std::vector<std::uint8_t>>(array.values);
+      NodeSet set{std::atoi(array.name.c_str() + kNodeSet.size()), {}, {}};
+      if (const auto colon = array.name.find(':', kNodeSet.size()); colon != std::string::npos) {
         set.name = array.name.substr(colon + 1);
       }
-      for (std::size_t v = 0; v < flags->size(); ++v) {
-        if ((*flags)[v] != 0) set.nodes.push_back(int(v) + 1);
+      for (std::size_t v = 0; v < flags.size(); ++v) {
+        if (flags[v] != 0) set.nodes.push_back(int(v) + 1);
       }
       node_sets_.push_back(std::move(set));
     }

@@ -23,7 +23,8 @@ class GridReader {
  public:
   GridReader(vtkUnstructuredGrid* grid, TetMesh& mesh, Warnings& warnings)
       : grid_(grid), mesh_(mesh), warnings_(warnings) {
-    for (const OtherKind& kind : kOtherKinds) others_.push_back({kind.name, kind.vertices, {}, {}, {}});
+    for (const ElementKind& kind : kElementKinds)
+      others_.push_back({std::string(kind.name), kind.vertices, {}, {}, {}});
   }
 
   void read() {
@@ -35,7 +36,7 @@ class GridReader {
     }
     read_point_data();
     read_cell_data();
-    erase_middles(middles_, mesh_);
+    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
     for (std::size_t i = 0; i < others_.size(); ++i) {
       if (!others_[i].element2vertex.empty()) mesh_.others.push_back(std::move(others_[i]));
     }

@@ -111,10 +111,9 @@ Layout add_cells(const TetMesh& mesh, const Middles* middles, vtkUnstructuredGri
   add_all(mesh.tets, kTetEdges, VTK_TETRA, VTK_QUADRATIC_TETRA);
   layout.kinds.push_back({mesh.tets.size(), &mesh.tet_tags, &mesh.tet_data});
   for (const ElementBlock& block : mesh.others) {
-    const auto kind = std::find_if(std::begin(kOtherKinds), std::end(kOtherKinds),
-                                   [&block](const OtherKind& k) { return k.name == block.kind; });
-    if (kind == std::end(kOtherKinds)) throw FileError("VTK has no cells for elements of kind " + block.kind);
-    const int type = item(kOtherTypes, kind - std::begin(kOtherKinds));
+    const ElementKind* const kind = find_element_kind(block.kind);
+    if (kind == nullptr) throw FileError("VTK has no cells for elements of kind " + block.kind);
+    const int type = item(kOtherTypes, kind - kElementKinds.data());
     if (type == VTK_QUAD) layout.first_quad = std::size_t(cells->GetNumberOfCells());
     const std::size_t each(kind->vertices);
     for (std::size_t i = 0; i < block.tags.size(); ++i) add(block.element2vertex.data() + i * each, each, type);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Text files of periodic pairs (docs/formats.md).
 #include <cmath>
+#include <cstdio>
 
 #include "backend/span.hpp"
 #include "io/text_cursor.hpp"
@@ -29,8 +30,9 @@ void check_pair(TextCursor& cursor, const TetMesh& mesh, const PeriodicLink& lin
     distance = std::max(distance, std::fabs(span_of(mesh.points)[vertex][k] - at));
   }
   if (distance <= tolerance) return;
-  cursor.fail("vertex " + std::to_string(vertex + 1) + " is " + std::to_string(distance) + " from vertex " +
-              std::to_string(master + 1) +
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", distance);
+  cursor.fail("vertex " + std::to_string(vertex + 1) + " is " + text + " from vertex " + std::to_string(master + 1) +
               " plus the translation; a pair of another translation belongs to a link of "
               "its own, which begins with \"translation X Y Z\"");
 }
@@ -47,7 +49,11 @@ void read_periodic_map(const std::string& path, TetMesh& mesh) {
       cursor.word();
       PeriodicLink link;
       link.affine = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-      for (std::size_t k = 0; k < 3; ++k) link.affine[4 * k + 3] = cursor.real("translation");
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double component = cursor.real("translation");
+        if (!std::isfinite(component)) cursor.fail("the translation has a component that is not a finite number");
+        link.affine[4 * k + 3] = component;
+      }
       links.push_back(std::move(link));
       continue;
     }

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "backend/span.hpp"
+#include "mesh/element_kinds.hpp"
 #include "system/native.hpp"
 #include "system/path.hpp"
 #include "tetune/error.hpp"
@@ -63,6 +64,15 @@ const Format& format_of(const std::string& path, bool to_write) {
                   "\"; known endings: " + endings(to_write));
 }
 
+/// Throws FileError where a list names an entity that does not exist.
+void check_list(const std::string& path, const std::string& list, const std::vector<Index>& ids, std::size_t entities) {
+  for (const Index id : ids) {
+    if (id >= 0 && to_size_t(id) < entities) continue;
+    throw FileError(path + ": the list of " + list + " has number " + std::to_string(id) + ", counted from 0, of " +
+                    std::to_string(entities));
+  }
+}
+
 /// Throws FileError where an element has a vertex that does not exist.
 void check_vertices(const std::string& path, const char* kind, std::span<const Index> vertices, std::size_t points) {
   for (const Index v : vertices) {
@@ -87,8 +97,24 @@ void check_data(const std::string& path, const std::string& kind, const std::vec
   }
 }
 
+void check_block(const std::string& path, const ElementBlock& block, std::size_t points) {
+  check_vertices(path, block.kind.c_str(), block.element2vertex, points);
+  const ElementKind* const kind = find_element_kind(block.kind);
+  const int each = kind == nullptr ? std::max(1, block.vertices_per_element) : kind->vertices;
+  if (block.vertices_per_element != each) {
+    throw FileError(path + ": " + block.kind + " have " + std::to_string(each) + " vertices each, and not " +
+                    std::to_string(block.vertices_per_element));
+  }
+  if (block.tags.size() * to_size_t(each) != block.element2vertex.size()) {
+    throw FileError(path + ": the mesh has " + std::to_string(block.tags.size()) + " tags for " +
+                    std::to_string(block.element2vertex.size()) + " vertices of " + block.kind);
+  }
+  check_list(path, "required " + block.kind, block.required, block.tags.size());
+  check_data(path, block.kind, block.data, block.tags.size());
+}
+
 /// Throws FileError where arrays of tags or data differ in length from those of their elements, by which writers index
-/// them, or where a vertex does not exist.
+/// them, or where a list or an element names an entity that does not exist.
 void check_arrays(const std::string& path, const TetMesh& mesh) {
   const auto check = [&path](const std::string& kind, std::size_t tags, std::size_t elements) {
     if (tags == elements) return;
@@ -107,13 +133,16 @@ void check_arrays(const std::string& path, const TetMesh& mesh) {
   check_vertices(path, "tetrahedra", vertices_of(mesh.tets), points);
   check_vertices(path, "triangles", vertices_of(mesh.triangles), points);
   check_vertices(path, "edges", vertices_of(mesh.edges), points);
+  check_list(path, "corners", mesh.corners, points);
+  check_list(path, "ridges", mesh.ridges, mesh.edges.size());
+  check_list(path, "required vertices", mesh.required_vertices, points);
+  check_list(path, "required edges", mesh.required_edges, mesh.edges.size());
+  check_list(path, "required triangles", mesh.required_triangles, mesh.triangles.size());
+  check_list(path, "required tetrahedra", mesh.required_tets, mesh.tets.size());
   for (const PeriodicLink& link : mesh.periodic)
     check_vertices(path, "periodic pairs", vertices_of(link.pairs), points);
   for (const ElementBlock& block : mesh.others) {
-    check_vertices(path, block.kind.c_str(), block.element2vertex, points);
-    const std::size_t each = to_size_t(std::max(1, block.vertices_per_element));
-    check(block.kind, block.tags.size() * each, block.element2vertex.size());
-    check_data(path, block.kind, block.data, block.tags.size());
+    check_block(path, block, points);
     const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
     if (std::count_if(mesh.others.begin(), mesh.others.end(), same_kind) > 1) {
       throw FileError(path + ": the mesh has two blocks of " + block.kind + "; a file can hold one");

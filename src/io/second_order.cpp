@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "io/node_sets.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
@@ -62,6 +63,52 @@ std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const st
   return curved;
 }
 
+/// The value of data at the node in the middle of an edge, from those at both ends.
+template <class T>
+T middle_value(const DataArray& array, T x, T y) {
+  if constexpr (std::is_floating_point_v<T>) return T((x + y) / 2);
+  return is_node_set(array) && y == 0 ? y : x;
+}
+
+/// Whether the values of an array at mid-side nodes are those that Middles adds, to rounding.
+bool are_restored(const DataArray& array, const std::vector<Middle>& middles) {
+  const std::size_t each = components_of(array);
+  const auto is_restored = [&array, each](const auto& values, const Middle& m) {
+    using T = typename std::remove_cvref_t<decltype(values)>::value_type;
+    constexpr double kRounding = std::is_same_v<T, float> ? 1e-5 : 1e-10;
+    for (std::size_t c = 0; c < each; ++c) {
+      const T x = entry_of(values, m.ends[0], each)[c], y = entry_of(values, m.ends[1], each)[c];
+      const T found = entry_of(values, m.node, each)[c], restored = middle_value(array, x, y);
+      if constexpr (std::is_floating_point_v<T>) {
+        const double scale = std::max(std::fabs(double{x}), std::fabs(double{y}));
+        if (std::fabs(double{found} - double{restored}) > kRounding * scale) return false;
+      } else if (found != restored) {
+        return false;
+      }
+    }
+    return true;
+  };
+  return std::visit(
+      [&](const auto& values) {
+        return std::all_of(middles.begin(), middles.end(), [&](const Middle& m) { return is_restored(values, m); });
+      },
+      array.values);
+}
+
+/// The warning of erase_middles().
+std::string lost_values(const std::vector<Middle>& middles, const TetMesh& mesh) {
+  std::string names;
+  const auto add = [&names](const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
+  for (const DataArray& array : mesh.point_data) {
+    if (!are_restored(array, middles)) add(array.name);
+  }
+  const auto has_tag = [&mesh](const Middle& m) { return span_of(mesh.point_tags)[m.node] != 0; };
+  if (std::any_of(middles.begin(), middles.end(), has_tag)) add("tags");
+  if (names.empty()) return {};
+  return "values at mid-side nodes are not kept: " + names +
+         "; writers give these nodes the means of both ends, the integers of one end, the sets of both, and no tag";
+}
+
 template <class Function>
 void for_each_list(TetMesh& mesh, const Function& f) {
   for (auto& tet : mesh.tets) f(tet.data(), tet.size());
@@ -74,8 +121,9 @@ void for_each_list(TetMesh& mesh, const Function& f) {
 
 }  // namespace
 
-void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
-  if (middles.empty()) return;
+std::string erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
+  if (middles.empty()) return {};
+  std::string warning = lost_values(middles, mesh);
   mesh.second_order = true;
   mesh.curved_edges = find_curved(middles, mesh.points);
   std::vector<Index> old2new(mesh.points.size(), 0);
@@ -119,6 +167,7 @@ void erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   for (CurvedEdge& edge : mesh.curved_edges) {
     for (Index& v : edge.vertices) v = span_of(old2new)[v];
   }
+  return warning;
 }
 
 std::string lost_middles(const TetMesh& mesh) {
@@ -156,7 +205,7 @@ Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
             for (std::size_t c = 0; c < each; ++c) {
               const T x = entry_of(values, a, each)[c];
               const T y = entry_of(values, b, each)[c];
-              values.push_back(std::is_floating_point_v<T> ? T((x + y) / 2) : x);
+              values.push_back(middle_value(array, x, y));
             }
           }
         },

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <utility>
 
@@ -130,6 +132,13 @@ class TagReader {
   std::string decoded(std::string_view text) const {
     std::string result;
     while (!text.empty()) {
+      if (text.starts_with("&#")) {
+        const std::size_t end = text.find(';');
+        if (end == std::string_view::npos) fail("a character reference has no ; at its end");
+        result += character(text.substr(2, end - 2));
+        text.remove_prefix(end + 1);
+        continue;
+      }
       const auto* entity = std::find_if(kEntities.begin(), kEntities.end(),
                                         [text](const auto& e) { return text.starts_with(e.second); });
       if (entity == kEntities.end() && (text[0] == '&' || text[0] == '<')) {
@@ -139,6 +148,25 @@ class TagReader {
       text.remove_prefix(entity == kEntities.end() ? 1 : entity->second.size());
     }
     return result;
+  }
+
+  /// The character of a reference &#N; or &#xN;, in UTF-8.
+  std::string character(std::string_view digits) const {
+    const int base = digits.starts_with('x') ? 16 : 10;
+    if (base == 16) digits.remove_prefix(1);
+    std::uint32_t code = 0;
+    const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), code, base);
+    const bool is_surrogate = code >= 0xD800 && code < 0xE000;
+    if (error != std::errc() || stop != digits.data() + digits.size() || code == 0 || code > 0x10FFFF || is_surrogate) {
+      fail("&#" + std::string(digits) + "; stands for no character");
+    }
+    if (code < 0x80) return {char(code)};
+    std::string bytes;
+    for (; code >= (bytes.empty() ? 0x40u : 0x40u >> bytes.size()); code >>= 6) {
+      bytes.insert(bytes.begin(), char(0x80 | (code & 0x3F)));
+    }
+    bytes.insert(bytes.begin(), char((0xFF00 >> (bytes.size() + 1) & 0xFF) | code));
+    return bytes;
   }
 
   const std::string path_;
@@ -168,7 +196,7 @@ SeriesStep read_step(const TagReader& reader, const Tag& tag, const std::filesys
   const char* const end = time->data() + time->size();
   const auto [stop, error] = parse_real(time->data(), end, step.time);
   if (error != std::errc() || stop != end || !std::isfinite(step.time)) {
-    reader.fail("the timestep \"" + *time + "\" is no finite number");
+    reader.fail("the timestep \"" + *time + "\" is not a finite number");
   }
   step.path = (folder / path_of(*file)).string();
   return step;
@@ -177,9 +205,9 @@ SeriesStep read_step(const TagReader& reader, const Tag& tag, const std::filesys
 /// The children of the element Collection.
 std::vector<SeriesStep> read_collection(TagReader& reader, const std::filesystem::path& folder) {
   std::vector<SeriesStep> steps;
-  for (Tag tag = reader.next(); !tag.closes; tag = reader.next()) {
-    if (tag.name != "DataSet")
-      reader.fail(std::string("<").append(tag.name).append("> in a collection; expected <DataSet>"));
+  for (Tag tag = reader.next(); !tag.closes || tag.name != "Collection"; tag = reader.next()) {
+    if (tag.name != "DataSet" || tag.closes)
+      reader.fail(std::string("<").append(tag.name).append("> in a collection; expected <DataSet> or </Collection>"));
     steps.push_back(read_step(reader, tag, folder));
     if (steps.size() > 1 && !(steps[steps.size() - 2].time < steps.back().time)) {
       reader.fail(steps[steps.size() - 2].time == steps.back().time
@@ -205,7 +233,7 @@ std::vector<SeriesStep> parse_series(const std::string& path, std::string_view b
   expect(file, "VTKFile", false);
   const std::string* type = file.find("type");
   if (type == nullptr || *type != "Collection") {
-    reader.fail("this is a file of VTK, but no collection (type=\"Collection\")");
+    reader.fail("this file of VTK is not a collection (type=\"Collection\")");
   }
   const Tag collection = reader.next();
   expect(collection, "Collection", false);
@@ -242,6 +270,11 @@ bool has_times(const std::string& path) {
 void write_series(const std::string& path, const std::vector<SeriesStep>& steps) {
   // Readers take relative names from the folder of the .pvd file.
   const std::filesystem::path folder = std::filesystem::absolute(path_of(path)).parent_path().lexically_normal();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (!std::isfinite(steps[i].time) || (i > 0 && !(steps[i - 1].time < steps[i].time))) {
+      throw FileError(path + ": the times of a series must be finite and increase");
+    }
+  }
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
   for (const SeriesStep& step : steps) {
     std::filesystem::path file = path_of(step.path);

@@ -74,6 +74,14 @@ class Su2Reader {
     return name;
   }
 
+  /// The rest of the line without a comment and the blanks around it: a name may hold '#'.
+  std::string rest_of_line() {
+    const std::string_view line = cursor_.line();
+    std::string text(line.substr(0, line.find('%')));
+    const auto begin = text.find_first_not_of(" \t");
+    return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+  }
+
   void read_section() {
     const std::string name = keyword();
     if (name == "NDIME") {
@@ -158,7 +166,7 @@ class Su2Reader {
   }
 
   void read_marker() {
-    const std::string name(cursor_.word());
+    const std::string name = rest_of_line();
     if (name.empty()) cursor_.fail("MARKER_TAG= has no name");
     ++marker_;
     mesh_.groups.push_back({2, marker_, name, {marker_}});
@@ -182,10 +190,9 @@ class Su2Reader {
 /// The elements of a mesh by markers: one per group of triangles, and one per other tag.
 class Su2Markers {
  public:
-  explicit Su2Markers(const TetMesh& mesh) {
+  Su2Markers(const TetMesh& mesh, const IoContext& context) : context_(context) {
     for (const Group* const group : specific_first(mesh, 2)) {
-      std::string name = group->name.empty() ? "patch" + std::to_string(group->number) : group->name;
-      std::replace(name.begin(), name.end(), ' ', '_');
+      const std::string name = marker_of(group->name.empty() ? "patch" + std::to_string(group->number) : group->name);
       for (const int tag : group->tags) is_shared_ |= !names_.emplace(tag, name).second;
       if (group->tags.empty()) lines_[name];
     }
@@ -207,18 +214,32 @@ class Su2Markers {
 
  private:
   void add(int tag, std::vector<Index> line) {
-    const auto name = names_.find(tag);
-    lines_[name != names_.end() ? name->second : "patch" + std::to_string(tag)].push_back(std::move(line));
+    auto name = names_.find(tag);
+    if (name == names_.end()) name = names_.emplace(tag, marker_of("patch" + std::to_string(tag), true)).first;
+    lines_[name->second].push_back(std::move(line));
   }
+  /// The marker of a name, in which SU2 reads no blanks and no comment; two names have two markers, and one of a tag
+  /// that is in no group (`is_loose`) has its own.
+  std::string marker_of(const std::string& name, bool is_loose = false) {
+    std::string plain = name;
+    std::replace_if(
+        plain.begin(), plain.end(), [](unsigned char c) { return c <= ' ' || c == '%'; }, '_');
+    std::string marker = plain;
+    for (int n = 2; marker2owner_.try_emplace(marker, name, is_loose).first->second != std::pair{name, is_loose}; ++n) {
+      marker = plain + "_" + std::to_string(n);
+    }
+    if (marker != name) context_.warn("the group \"" + name + "\" is written as " + marker);
+    return marker;
+  }
+
+  const IoContext& context_;
   std::map<int, std::string> names_;
+  std::map<std::string, std::pair<std::string, bool>> marker2owner_;
   std::map<std::string, std::vector<std::vector<Index>>> lines_;
   bool is_shared_ = false;
 };
 
 void warn_of_losses_in_su2(const TetMesh& mesh, const IoContext& context) {
-  const auto differ = [](const std::vector<int>& tags) {
-    return std::any_of(tags.begin(), tags.end(), [&tags](int tag) { return tag != tags[0]; });
-  };
   std::vector<int> regions = mesh.tet_tags;
   for (const ElementBlock& block : mesh.others) {
     const auto kind =
@@ -226,8 +247,12 @@ void warn_of_losses_in_su2(const TetMesh& mesh, const IoContext& context) {
     if (kind == kKinds.end() || !kind->is_solid) continue;
     std::copy_if(block.tags.begin(), block.tags.end(), std::back_inserter(regions), [](int tag) { return tag != 0; });
   }
-  if (differ(regions)) context.warn("the format cannot hold regions: tags of tetrahedra and other solids are lost");
-  if (differ(mesh.point_tags)) context.warn("the format cannot hold tags of vertices");
+  if (has_tag(regions)) context.warn("the format cannot hold regions: tags of tetrahedra and other solids are lost");
+  const auto is_lost = [](const Group& group) { return group.dimension != 2 && !group.name.empty(); };
+  if (std::any_of(mesh.groups.begin(), mesh.groups.end(), is_lost)) {
+    context.warn("the format cannot hold the names of groups other than those of triangles");
+  }
+  warn_of_point_tags(mesh, context);
   if (!mesh.edges.empty()) context.warn("the format cannot hold edges");
   warn_of_lists(mesh, context);
   warn_of_data(mesh, context);
@@ -273,7 +298,7 @@ void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
   out.lines(mesh.points.size(), [&](auto& entry, std::size_t v) {
     for (const double x : mesh.points[v]) entry.real(x);
   });
-  const Su2Markers markers(mesh);
+  const Su2Markers markers(mesh, context);
   if (markers.is_shared())
     context.warn("a triangle can be in one marker only: it is in that of its group with the fewest tags");
   out.text("NMARK= " + std::to_string(markers.lines().size()) + "\n");

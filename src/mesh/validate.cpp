@@ -8,6 +8,7 @@
 
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
+#include "mesh/element_kinds.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
@@ -80,8 +81,9 @@ void check_data(const std::vector<DataArray>& data, Size entries, const std::str
 void check_block(const ElementBlock& block, Size vertices, ValidationReport& report) {
   const Size elements = std::ssize(block.tags);
   const Size per_element = std::max(1, block.vertices_per_element);
-  const Size vertices_per_element = block.vertices_per_element;
-  check_length(vertices_per_element, per_element, "vertices of " + block.kind, report);
+  const ElementKind* const kind = find_element_kind(block.kind);
+  check_length(Size{block.vertices_per_element}, kind == nullptr ? per_element : Size{kind->vertices},
+               "vertices of " + block.kind, report);
   check_length(elements * per_element, std::ssize(block.element2vertex), block.kind, report);
   check_indices(span_of(block.element2vertex), vertices, per_element, block.kind, report);
   check_indices(span_of(block.required), elements, 1, "required " + block.kind, report);

@@ -37,6 +37,11 @@ std::string own_folder() {
 }
 
 MemoryFile::MemoryFile() : descriptor_(::memfd_create("tetune", MFD_CLOEXEC)) {
+  if (descriptor_ >= 0 && descriptor_ <= STDERR_FILENO) {
+    // Where standard streams are closed their numbers are free; in the child they belong to its standard streams.
+    const int above = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    ::close(std::exchange(descriptor_, above));
+  }
   if (descriptor_ < 0) throw FileError(std::string("cannot create a file in memory: ") + std::strerror(errno));
 }
 

@@ -55,9 +55,13 @@ MappedFile::~MappedFile() {
 TemporaryFile::TemporaryFile(std::string path) : path_(std::move(path)) {
   std::random_device random;
   std::error_code ignored;
-  const std::string ending = path_of(path_).extension().string();
+  const fs::path place = path_of(path_);
+  const std::string ending = place.extension().string();
+  constexpr std::size_t kMaxName = 255;  // of most file systems
   do {
-    name_ = path_ + ".tetune-" + std::to_string(random()) + ".tmp" + ending;
+    const std::string suffix = ".tetune-" + std::to_string(random()) + ".tmp" + ending;
+    const bool fits = place.filename().string().size() + suffix.size() <= kMaxName;
+    name_ = fits ? path_ + suffix : (place.parent_path() / suffix).string();
   } while (fs::exists(native::long_path(name_), ignored));
 }
 

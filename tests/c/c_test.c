@@ -185,6 +185,11 @@ static void test_errors(void) {
   CHECK(tetune_mesh_set_elements(mesh, TETUNE_TETRAHEDRA, tetrahedra, 1) == TETUNE_INVALID_ARGUMENT);
   CHECK(tetune_mesh_set_tags(mesh, TETUNE_TETRAHEDRA, tetrahedra, 3) == TETUNE_INVALID_ARGUMENT);
   CHECK(tetune_optimize(NULL, NULL, NULL, NULL, NULL) == TETUNE_INVALID_ARGUMENT);
+  tetune_report* unset = (tetune_report*)mesh; /* any value: a failure leaves null */
+  CHECK(tetune_optimize(NULL, NULL, NULL, NULL, &unset) == TETUNE_INVALID_ARGUMENT && unset == NULL);
+  unset = (tetune_report*)mesh;
+  CHECK(tetune_optimize_towards(mesh, NULL, NULL, NULL, NULL, &unset, NULL) == TETUNE_INVALID_ARGUMENT &&
+        unset == NULL);
   CHECK(tetune_mesh_count(NULL, TETUNE_VERTICES) == 0 && tetune_mesh_points(NULL) == NULL);
 
   CHECK(tetune_options_create(&options) == TETUNE_OK);

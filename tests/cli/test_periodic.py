@@ -58,6 +58,7 @@ class Periodic(CliTest):
         for text, message in (("1 2\n", 'pairs.txt:1: expected "translation X Y Z" before the first pair'),
                               ("translation 1 0\n", "pairs.txt:2: expected a number (translation)"),
                               ("translation 1 0 0\n1 999\n", "pairs.txt:2: master 999 does not exist"),
+                              ("translation 1 nan 0\n1 2\n", "the translation has a component that is not a finite number"),
                               ("translation 1 0 0\n1 2\n", "pairs.txt:2: vertex 1 is")):
             self.put("pairs.txt", text)
             done = self.optimize("--periodic-map", "pairs.txt", code=2)

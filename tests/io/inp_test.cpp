@@ -50,7 +50,7 @@ TEST_F(Inp, EachCombinationOfSetsIsATag) {
       "800000000000000000\n";
   const TetMesh m = read_mesh(put("a.inp", kTwo + sets), nullptr, 1);
   EXPECT_EQ(m.tet_tags, (std::vector{1, 12}));
-  const std::map<std::string, std::vector<int>> expected{{"A", {1}}, {"\"b c\"", {1, 12}}};
+  const std::map<std::string, std::vector<int>> expected{{"A", {1}}, {"b c", {1, 12}}};
   EXPECT_EQ(groups_of(m, 3), expected);
 }
 

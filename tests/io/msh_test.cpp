@@ -170,6 +170,32 @@ std::string tet10(const std::string& fifth, const std::string& element = "1 11 2
          element + "\n$EndElements\n";
 }
 
+TEST_F(Msh, ValuesAtMidSideNodesAreLostWithAWarning) {
+  const auto warnings_of = [this](const std::string& fifth) {
+    std::string data = "$NodeData\n1\n\"heat\"\n1\n0\n3\n0\n1\n11\n";
+    const std::vector<std::string> values{"0", "1", "0", "0", fifth, "0.5", "0", "0", "0", "0.5", "9"};
+    for (std::size_t v = 0; v < values.size(); ++v) data += std::to_string(v + 1) + " " + values[v] + "\n";
+    std::vector<std::string> warnings;
+    read_mesh(put("a.msh", tet10("0.5 0 0") + data + "$EndNodeData\n"), &warnings, 1);
+    return warnings;
+  };
+  EXPECT_TRUE(warnings_of("0.5").empty());
+  ASSERT_EQ(warnings_of("0.25").size(), 1U);
+  EXPECT_TRUE(contains(warnings_of("0.25")[0], "values at mid-side nodes are not kept: heat"));
+}
+
+TEST_F(Msh, TagsOfOneGroupBecomeOneWithAWarning) {
+  TetMesh m = cube(2, 0.1);
+  for (std::size_t t = 0; t < m.tets.size(); ++t) m.tet_tags[t] = t % 2 == 0 ? 1 : 2;
+  m.groups = {{3, 1, "steel", {1, 2}}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.msh"), m, 1, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "the 2 tags of the group \"steel\" become one"));
+  const TetMesh back = read_mesh(path("a.msh"), nullptr, 1);
+  EXPECT_EQ(back.tet_tags, std::vector<int>(m.tets.size(), 1));
+}
+
 TEST_F(Msh, CurvedEdgesKeepTheBitsOfTheirNodes) {
   const TetMesh straight = read_mesh(put("straight.msh", tet10("0.50001 0 0")), nullptr, 1);
   EXPECT_TRUE(straight.second_order);

@@ -2,6 +2,8 @@
 // Formats through VTK and Gmsh: what comes back of what was written, and what damaged files do.
 #include "io/registry.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <limits>
 #include <set>
@@ -291,6 +293,34 @@ TEST_F(Plugins, SecondOrderIsRebuilt) {
     EXPECT_EQ(back.tets, curved.tets);
     EXPECT_EQ(back.curved_edges, curved.curved_edges) << name;
   }
+}
+
+TEST_F(Plugins, SetsOfNodesHoldMidSideNodesBetweenMembers) {
+  TetMesh m = cube(2);
+  m.second_order = true;
+  std::vector<std::uint8_t> side;
+  for (const Point3& p : m.points) side.push_back(p[0] == 0 ? 1 : 0);
+  m.point_data = {{"node_set:4:left", 1, side}};
+  write_mesh(path("a.e"), m, 1);
+  // Reading warns of mid-side nodes that are members otherwise.
+  std::vector<std::string> warnings;
+  const TetMesh back = read_mesh(path("a.e"), &warnings, 1);
+  EXPECT_TRUE(warnings.empty()) << warnings[0];
+  ASSERT_EQ(back.point_data.size(), 1U);
+  EXPECT_EQ(back.point_data[0].name, "node_set:4:left");
+  EXPECT_EQ(std::get<std::vector<std::uint8_t>>(back.point_data[0].values), side);
+}
+
+TEST_F(Plugins, ReadWhereStandardStreamsAreClosed) {
+  write_mesh(path("a.vtu"), cube(2), 1);
+  const int kept = ::dup(STDIN_FILENO);
+  ::close(STDIN_FILENO);
+  const std::string error = read_error(path("a.vtu"));
+  if (kept >= 0) {
+    ::dup2(kept, STDIN_FILENO);
+    ::close(kept);
+  }
+  EXPECT_EQ(error, "");
 }
 
 TEST_F(Plugins, PartsAreJoinedWhereTheyMeet) {

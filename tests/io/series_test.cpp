@@ -26,6 +26,23 @@ TEST_F(Series, TimesAndFiles) {
   EXPECT_EQ(std::filesystem::path(steps[2].path), std::filesystem::path(path("s.pvd")).root_path() / "d.vtu");
 }
 
+TEST_F(Series, CharacterReferences) {
+  const auto file_of = [](const std::string& name) {
+    return parse_series("s.pvd", series("<DataSet timestep=\"0\" file=\"" + name + "\"/>"))[0].path;
+  };
+  EXPECT_EQ(file_of("&#97;.vtu"), "a.vtu");
+  EXPECT_EQ(file_of("&#xE4;&#228;.vtu"), "\xC3\xA4\xC3\xA4.vtu");
+  EXPECT_EQ(file_of("&#x20AC;"), "\xE2\x82\xAC");
+  EXPECT_EQ(file_of("&#x1F600;"), "\xF0\x9F\x98\x80");
+}
+
+TEST_F(Series, TimesIncreaseOnWritingToo) {
+  for (const double time : {0.0, -1.0, double(NAN), double(INFINITY)}) {
+    EXPECT_THROW(write_series(path("o.pvd"), {{0, path("a.vtu")}, {time, path("b.vtu")}}), FileError) << time;
+  }
+  EXPECT_TRUE(files().empty());
+}
+
 TEST_F(Series, RoundTrip) {
   const std::vector<SeriesStep> steps{{0.1, path("<a>'\"&.vtu")},
                                       {1.0 / 3, std::filesystem::absolute("/elsewhere/b.vtu").generic_string()}};
@@ -61,17 +78,22 @@ TEST_F(Series, RefusesWhatIsNoSeries) {
   const std::string one = "<DataSet timestep=\"0\" file=\"a.vtu\"/>";
   refuses("", "ends early");
   refuses("text", "expected an element");
-  refuses("<VTKFile type=\"UnstructuredGrid\">", "no collection");
+  refuses("<VTKFile type=\"UnstructuredGrid\">", "not a collection");
   refuses("<VTKFile type=\"Collection\"><Collection/></VTKFile>", "lists no file");
   refuses("<VTKFile type=\"Collection\"/>", "ends early");
   refuses(series("<Points/>"), "<Points> in a collection");
   refuses(series("<DataSet file=\"a.vtu\"/>"), "no timestep");
   refuses(series("<DataSet timestep=\"0\"/>"), "names no file");
-  refuses(series("<DataSet timestep=\"nan\" file=\"a.vtu\"/>"), "no finite number");
-  refuses(series("<DataSet timestep=\"0x\" file=\"a.vtu\"/>"), "no finite number");
+  refuses(series("<DataSet timestep=\"nan\" file=\"a.vtu\"/>"), "not a finite number");
+  refuses(series("<DataSet timestep=\"0x\" file=\"a.vtu\"/>"), "not a finite number");
   refuses(series("<DataSet timestep=\"0\" timestep=\"1\" file=\"a.vtu\"/>"), "given twice");
   refuses(series("<DataSet timestep=0 file=\"a.vtu\"/>"), "no quotes");
   refuses(series("<DataSet timestep=\"0\" file=\"a&b\"/>"), "&amp;");
+  for (const char* const reference : {"&#0;", "&#xD800;", "&#x110000;", "&#;", "&#x;", "&#1a;"}) {
+    refuses(series("<DataSet timestep=\"0\" file=\"" + std::string(reference) + "\"/>"), "no character");
+  }
+  refuses(series("<DataSet timestep=\"0\" file=\"&#97\"/>"), "no ; at its end");
+  refuses(series(one).insert(series(one).find("</Collection"), "</Foo>"), "expected <DataSet> or </Collection>");
   refuses(series(one + one), "several files");
   refuses(series("<DataSet timestep=\"1\" file=\"b.vtu\"/>" + one), "do not increase");
   refuses(series(one) + "<more/>", "more after");

@@ -59,7 +59,9 @@ TEST_F(Su2, RoundTripKeepsBitsMarkersAndOrder) {
   m.others = {{"Prisms", 6, {0, 1, 2, 3, 4, 5}, {0}, {}}};
   std::vector<std::string> warnings;
   write_mesh(path("a.su2"), m, 1, &warnings);
-  EXPECT_TRUE(warnings.empty()) << warnings[0];
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "the group \"no slip\" is written as no_slip"));
+  warnings.clear();
   const TetMesh back = read_mesh(path("a.su2"), &warnings, 1);
   EXPECT_TRUE(warnings.empty());
   EXPECT_EQ(back.points, m.points);
@@ -72,6 +74,28 @@ TEST_F(Su2, RoundTripKeepsBitsMarkersAndOrder) {
   EXPECT_EQ(back.others[0].element2vertex, m.others[0].element2vertex);
   write_mesh(path("b.su2"), back, 1);
   EXPECT_EQ(get("a.su2"), get("b.su2"));
+}
+
+TEST_F(Su2, NamesOfMarkersMayHoldNumberSigns) {
+  std::string text = kTwoSu2;
+  text.replace(text.find("wall"), 4, "wall#1  % of the inlet");
+  const TetMesh m = read_mesh(put("a.su2", text), nullptr, 1);
+  EXPECT_EQ(m.groups[0].name, "wall#1");
+}
+
+TEST_F(Su2, DifferentGroupsAreDifferentMarkers) {
+  TetMesh m = cube(2, 0.1);
+  m.triangles = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}};
+  m.triangle_tags = {1, 2, 5, 6};
+  m.groups = {{2, 1, "a b", {1}}, {2, 2, "a_b", {2}}, {2, 6, "patch5", {6}}, {3, 7, "steel", {}}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.su2"), m, 1, &warnings);
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const auto& w) { return contains(w, "a_b_2"); }));
+  EXPECT_TRUE(
+      std::any_of(warnings.begin(), warnings.end(), [](const auto& w) { return contains(w, "names of groups"); }));
+  const TetMesh back = read_mesh(path("a.su2"), nullptr, 1);
+  const std::set<int> tags(back.triangle_tags.begin(), back.triangle_tags.end());
+  EXPECT_EQ(tags.size(), 4U);
 }
 
 TEST_F(Su2, LossesAreNamed) {

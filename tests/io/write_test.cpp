@@ -98,8 +98,25 @@ TEST_F(IoTest, MeshesThatNoFileHolds) {
   narrow.others.push_back({"Hexahedra", 4, {0, 1, 2, 3}, {0}, {}});
   EXPECT_TRUE(contains(write_error(path("a.mesh"), narrow), "Hexahedra have 8 vertices each, and not 4"));
   EXPECT_TRUE(contains(write_error(path("a.meshb"), narrow), "Hexahedra have 8 vertices each, and not 4"));
+  for (std::vector<Index> TetMesh::*const list :
+       {&TetMesh::corners, &TetMesh::ridges, &TetMesh::required_vertices, &TetMesh::required_edges,
+        &TetMesh::required_triangles, &TetMesh::required_tets}) {
+    for (const Index id : {-1, 1000000000}) {
+      TetMesh unlisted = one_tet();
+      (unlisted.*list) = {id};
+      EXPECT_TRUE(contains(write_error(path("a.mesh"), unlisted), "has number " + std::to_string(id)));
+    }
+  }
   EXPECT_EQ(get("a.mesh"), "old");
   EXPECT_EQ(files(), std::vector<std::string>{"a.mesh"});
+}
+
+TEST_F(IoTest, LongNamesOfFiles) {
+  const std::string name = std::string(240, 'a') + ".mesh";
+  write_mesh(path(name), one_tet());
+  write_mesh(path(name), cube(2, 0.1));
+  EXPECT_EQ(read_mesh(path(name)).tets.size(), cube(2, 0.1).tets.size());
+  EXPECT_EQ(files(), std::vector<std::string>{name});
 }
 
 TEST_F(IoTest, WritersWarnOfWhatIsLost) {

@@ -97,10 +97,20 @@ std::vector<std::string_view> inp_fields(std::string_view line) {
   return fields;
 }
 
+namespace {
+
+bool is_quoted(std::string_view text) { return text.size() >= 2 && text.front() == '"' && text.back() == '"'; }
+
+}  // namespace
+
+std::string unquoted_inp_name(std::string_view written) {
+  const std::string_view text = trimmed(written);
+  return std::string(is_quoted(text) ? text.substr(1, text.size() - 2) : text);
+}
+
 std::string inp_name(std::string_view written) {
   const std::string_view text = trimmed(written);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
-    return std::string(text.substr(1, text.size() - 2));
+  if (is_quoted(text)) return unquoted_inp_name(text);
   std::string name;
   for (const char c : text) {
     if (!is_blank(c)) name.push_back(upper(c));

@@ -32,6 +32,8 @@ std::vector<std::string_view> inp_fields(std::string_view line);
 
 /// A name as it is compared: without blanks and in upper case, or as it is between quotation marks.
 std::string inp_name(std::string_view written);
+/// A name as it is written, without quotation marks.
+std::string unquoted_inp_name(std::string_view written);
 
 /// Reads an integer of at most 18 digits that fills the field; returns false for other fields.
 bool parse_inp_integer(std::string_view field, std::int64_t& value);

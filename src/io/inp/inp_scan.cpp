@@ -175,7 +175,7 @@ class InpScanner {
     const auto [at, is_new] = scan_.names.try_emplace({of_nodes, key}, to_index(model_.sets.size()));
     if (is_new) {
       InpSet set;
-      set.name = name;
+      set.name = unquoted_inp_name(name);
       set.parameters = std::string(of_nodes ? "*NSET, NSET=" : "*ELSET, ELSET=") + name;
       set.of_nodes = of_nodes;
       model_.sets.push_back(std::move(set));

@@ -189,7 +189,8 @@ class MeditReader {
   static Index id(Source& source, std::string_view section) {
     const std::int64_t value = source.integer("id");
     if (value < 1 || value > std::numeric_limits<Index>::max()) {
-      source.fail("id " + std::to_string(value) + " in section " + std::string(section) + "; ids count from 1");
+      source.fail("id " + std::to_string(value) + " in section " + std::string(section) +
+                  "; ids count from 1 and are below 2^31");
     }
     return static_cast<Index>(value - 1);
   }

@@ -31,10 +31,7 @@ std::vector<MshKind> kinds_of(const TetMesh& mesh) {
   for (const ElementBlock& block : mesh.others) {
     const auto type = std::find_if(kMshTypes.begin(), kMshTypes.end(),
                                    [&block](const MshType& t) { return *t.kind != 0 && block.kind == t.kind; });
-    if (type == kMshTypes.end() || type->corners != block.vertices_per_element) {
-      throw FileError("Gmsh has no elements of kind " + block.kind + " with " +
-                      std::to_string(block.vertices_per_element) + " vertices");
-    }
+    if (type == kMshTypes.end()) throw FileError("Gmsh has no elements of kind " + block.kind);
     kinds.push_back({&*type, block.element2vertex.data(), &block.tags, &block.data});
   }
   std::erase_if(kinds, [](const MshKind& kind) { return kind.size() == 0; });
@@ -154,6 +151,21 @@ std::set<int> add_links(const TetMesh& mesh, int dimension, bool renumbered, con
   return linked;
 }
 
+/// Warns of tags that are one tag when the file is read: that of a group is its number, where an entity is in no other.
+void warn_of_merged_tags(const TetMesh& mesh, std::span<const MshLayoutEntity> entities, const IoContext& context) {
+  std::map<int, std::set<int>> group2tags;
+  for (const MshLayoutEntity& entity : entities) {
+    if (entity.groups.size() == 1) group2tags[entity.groups[0]].insert(entity.tag);
+  }
+  for (const Group& group : mesh.groups) {
+    const auto found = group2tags.find(group.number);
+    if (group.dimension != entities.front().dimension || found == group2tags.end() || found->second.size() < 2)
+      continue;
+    context.warn("the " + std::to_string(found->second.size()) + " tags of the group \"" + group.name +
+                 "\" become one: the number of their group");
+  }
+}
+
 /// Adds the entities of one dimension.
 void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, const IoContext& context,
                   MshLayout& layout) {
@@ -169,6 +181,7 @@ void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, 
   const std::set<int> linked = add_links(mesh, dimension, renumbered, tags, context, layout);
   for (const int number : linked) tags.emplace(number, 0);
   std::map<int, Index> positions;
+  const std::size_t first = layout.entities.size();
   for (const auto& [number, tag] : tags) {
     positions[number] = to_index(layout.entities.size());
     MshLayoutEntity entity{dimension, number, tag};
@@ -180,6 +193,7 @@ void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, 
     }
     layout.entities.push_back(std::move(entity));
   }
+  if (!tags.empty()) warn_of_merged_tags(mesh, std::span(layout.entities).subspan(first), context);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     kinds[k].entity.reserve(kinds[k].size());
     for (std::size_t e = 0; e < kinds[k].size(); ++e) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From entities and physical groups of Gmsh to tags, groups and data of a mesh.
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <set>
@@ -16,8 +17,9 @@ bool has_groups(const std::vector<MshCell>& cells) {
   return std::any_of(cells.begin(), cells.end(), [](const MshCell& cell) { return !cell.groups.empty(); });
 }
 
-/// The tags of cells: the number of the group of an entity in exactly one, minus the number of the entity in others,
-/// and the number of the entity in files without groups. The known tags of entities in no group take precedence.
+/// The tags of cells: the number of the group of an entity in exactly one, minus the number of the entity in others
+/// (the next free one for a negative number), and the number of the entity in files without groups. The known tags of
+/// entities in no group take precedence.
 std::vector<int> tags_of(const MshModel& model) {
   const bool grouped = has_groups(model.cells);
   using EntityGroups = std::pair<std::array<int, 2>, std::vector<int>>;
@@ -37,8 +39,8 @@ std::vector<int> tags_of(const MshModel& model) {
       at->second = loose->second;
     } else if (grouped) {
       // Elements of one entity may be in different groups; those in several need different tags.
-      int tag = -cell.entity;
-      while (!taken.emplace(cell.dimension, tag).second && !cell.groups.empty()) {
+      int tag = -std::abs(cell.entity);
+      while (!taken.emplace(cell.dimension, tag).second && (!cell.groups.empty() || cell.entity < 0)) {
         tag = tag < 0 && tag > std::numeric_limits<int>::min() + 1 ? tag - 1 : -1;
       }
       at->second = tag;
@@ -116,7 +118,7 @@ class Builder {
     set_elements();
     add_views();
     std::erase_if(mesh_.others, [](const ElementBlock& block) { return block.tags.empty(); });
-    erase_middles(model_.middles, mesh_);
+    if (const std::string warning = erase_middles(model_.middles, mesh_); !warning.empty()) context_.warn(warning);
     return std::move(mesh_);
   }
 

@@ -25,7 +25,7 @@ inline constexpr std::array<NetgenKind, 4> kNetgenKinds{{{"Quadrilaterals", 4, f
 inline constexpr std::array<int, 10> kNetgenTet{0, 2, 1, 3, 5, 7, 4, 6, 9, 8};
 inline constexpr std::array<int, 6> kNetgenTriangle{0, 1, 2, 5, 3, 4};
 
-/// The name of what has no name.
+/// Netgen's name of materials and boundary conditions without a name.
 inline constexpr const char* kNetgenUnnamed = "default";
 /// Data of triangles: the number of the face of the geometry.
 inline constexpr const char* kNetgenSurface = "netgen:surface";

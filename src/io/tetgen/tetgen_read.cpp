@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // TetGen's .node, .ele, .face and .edge files (TetGen manual, Sect. 5.2).
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -17,10 +18,14 @@ namespace {
 
 constexpr int kNumbersPerTet = 5;
 
-int to_tag(TextCursor& cursor, double value) {
+/// Reads a tag; `name` stands for it in messages.
+int read_tag(TextCursor& cursor, const char* name) {
+  const double value = cursor.real(name);
   const std::optional<int> tag = whole_number(value);
-  if (!tag) cursor.fail("attribute " + std::to_string(value) + " is not an integer of 32 bits, as tags are");
-  return *tag;
+  if (tag) return *tag;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  cursor.fail(std::string(name) + " " + text + " is not an integer of 32 bits, as tags are");
 }
 
 void expect_end(TextCursor& cursor) {
@@ -48,15 +53,15 @@ std::int64_t read_nodes(const std::string& path, TetMesh& mesh, const IoContext&
     if (id != base + std::int64_t(i)) cursor.fail("points are not numbered in sequence");
     for (double& x : mesh.points[i]) x = cursor.real("coordinate");
     for (std::int64_t a = 0; a < attributes; ++a) cursor.real("attribute");
-    if (markers != 0) mesh.point_tags[i] = to_tag(cursor, cursor.real("boundary marker"));
+    if (markers != 0) mesh.point_tags[i] = read_tag(cursor, "boundary marker");
   }
   expect_end(cursor);
   return base;
 }
 
-/// Reads elements of N vertices; with `attribute` a tag follows the vertices.
+/// Reads elements of N vertices; a tag of the name `tag_name` follows the vertices unless that is null.
 template <std::size_t N>
-void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, bool attribute,
+void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, const char* tag_name,
                std::vector<std::array<Index, N>>& elements, std::vector<int>& tags) {
   elements.resize(n);
   tags.assign(n, 0);
@@ -67,7 +72,7 @@ void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, bool attrib
       if (id < 0 || id > std::numeric_limits<Index>::max()) cursor.fail("point number out of range");
       v = static_cast<Index>(id);
     }
-    if (attribute && !cursor.line_done()) tags[i] = to_tag(cursor, cursor.real("attribute"));
+    if (tag_name != nullptr && !cursor.line_done()) tags[i] = read_tag(cursor, tag_name);
     while (!cursor.line_done()) cursor.word();  // second-order nodes, neighbors and the like
   }
   expect_end(cursor);
@@ -92,7 +97,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     }
     const std::int64_t attributes = cursor.line_done() ? 0 : cursor.integer("number of attributes");
     if (attributes > 1) context.warn(sibling(".ele") + ": the attributes of tetrahedra after the first are not kept");
-    read_rows(cursor, n, base, attributes > 0, mesh.tets, mesh.tet_tags);
+    read_rows(cursor, n, base, attributes > 0 ? "attribute" : nullptr, mesh.tets, mesh.tet_tags);
   }
   const auto read_optional = [&](const char* ending, const char* count, int numbers, auto& elements, auto& tags) {
     const std::string name = sibling(ending);
@@ -102,7 +107,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     TextCursor cursor(name, file.bytes());
     const std::size_t n = checked_count(cursor, count, numbers, numbers == kNumbersPerTet);
     const bool marker = !cursor.line_done() && cursor.integer("boundary marker flag") != 0;
-    read_rows(cursor, n, base, marker, elements, tags);
+    read_rows(cursor, n, base, marker ? "boundary marker" : nullptr, elements, tags);
     return true;
   };
   if (!read_optional(".face", "number of faces", 4, mesh.triangles, mesh.triangle_tags)) {
