@@ -30,6 +30,7 @@ foreach(level ${TETUNE_LEVELS})
   target_link_options(tetune_${level} PRIVATE LINKER:-Bsymbolic-functions)
   set_target_properties(tetune_${level} PROPERTIES OUTPUT_NAME tetune
     LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/glibc-hwcaps/x86-64-${level})
-  install(TARGETS tetune_${level} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/glibc-hwcaps/x86-64-${level})
+  install(TARGETS tetune_${level} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/glibc-hwcaps/x86-64-${level}
+    NAMELINK_SKIP)
   add_dependencies(tetune tetune_${level})
 endforeach()

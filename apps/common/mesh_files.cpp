@@ -205,8 +205,8 @@ void refuse_existing(const std::string& output) {
     std::error_code ignored;
     if (output == kPipe || !std::filesystem::exists(path_of(file), ignored)) continue;
     throw OptionError(
-        fmt::format("{}: the second name is that of the mesh to write, and {} exists; replace it with "
-                    "-o {}",
+        fmt::format("{}: the second name is that of the mesh to write, and {} exists; to read both, name a folder with "
+                    "-o FOLDER/, to replace it, -o {}",
                     output, file == output ? "this file" : file, output));
   }
 }

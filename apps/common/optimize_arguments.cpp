@@ -34,7 +34,7 @@ CLI::Validator is_positive() {
 
 void define_files(CLI::App& c, OptimizeArguments& a) {
   c.add_option("files", a.files,
-               "Mesh to read: " + readable_endings() +
+               "Mesh to read: " + readable_endings() + (c.get_name() == "move" ? ", time series (.pvd)" : "") +
                    "; or - for the standard input (MEDIT). A second name is that of the mesh to write, which must not "
                    "exist, unless -o is given: then any number of meshes is read")
       ->option_text("INPUT [OUTPUT]");

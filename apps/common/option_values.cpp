@@ -113,7 +113,7 @@ Target parse_bound(const std::string& option, const std::string& text, std::opti
   if (equals != std::string::npos) {
     by_default = parse_measure(option, text.substr(0, equals));
   } else if (!by_default) {
-    throw OptionError(fmt::format("{}: '{}' has no measure; give one and a number as mean_ratio=0.2", option, text));
+    throw OptionError(fmt::format("{}: '{}' is not a measure and a number, as mean_ratio=0.2", option, text));
   }
   Target target{*by_default, 0};
   const char* end = number.data() + number.size();

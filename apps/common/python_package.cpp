@@ -8,8 +8,8 @@ namespace tetune::cli {
 void need_python(const std::string& feature) {
   throw OptionError(
       feature +
-      " is part of the Python package: pip install 'tetune[report]' (in a clone: pip install '.[report]'), "
-      "then run the tetune that this installs, or python -m tetune");
+      " is part of the Python package: pip install '.[report]' in a clone of tetune, then run the tetune that this "
+      "installs, or python -m tetune");
 }
 
 }  // namespace tetune::cli

@@ -142,7 +142,9 @@ std::string fish(const CLI::App& app) {
 void add_completion(CLI::App& app) {
   CLI::App* c = app.add_subcommand("completion", "Print the completion script for a shell.");
   auto shell = std::make_shared<std::string>();
-  c->add_option("shell", *shell, "bash, zsh or fish; docs/command-line.md says where the script goes")
+  c->add_option("shell", *shell,
+                "bash, zsh or fish. Under share/ of an installation the script is bash-completion/completions/tetune, "
+                "zsh/site-functions/_tetune or fish/vendor_completions.d/tetune.fish")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}))
       ->option_text("bash|zsh|fish");

@@ -77,7 +77,7 @@ void set_order(const ConvertArguments& a, TetMesh& mesh, Console& console) {
   if (had_deck) console.warn("--order: the mesh is written without the other parts of its deck");
 }
 
-int convert(const ConvertArguments& a) {
+int convert(const CLI::App& c, const ConvertArguments& a) {
   if (a.output.empty() == a.replaced_output.empty()) {
     throw OptionError("name one mesh to write, after the input or with -o");
   }
@@ -91,6 +91,7 @@ int convert(const ConvertArguments& a) {
   unit_in_mm(a.geometry.unit);
   Console console(ProgressMode::none, a.quiet ? 0 : 1, stderr);
   Input input = read_input(a.input, a.threads);
+  if (a.order != 2 && c.count("--feature-angle") > 0) console.warn("--feature-angle has no effect without --order 2");
   if (!a.tags.empty()) choose_tags(input, a.input, a.tags);
   for (const std::string& warning : input.warnings) console.warn(warning);
   if (!a.msh.empty()) {
@@ -136,7 +137,7 @@ void add_convert(CLI::App& app, int& exit_code) {
   c->add_option("--threads", a->threads, "CPU threads; 0: all")->check(CLI::Range(0, 4096))->capture_default_str();
   c->add_flag("--quiet", a->quiet, "Only errors and warnings");
   check_values(*c);
-  c->callback([a, &exit_code] { exit_code = convert(*a); });
+  c->callback([c, a, &exit_code] { exit_code = convert(*c, *a); });
 }
 
 }  // namespace tetune::cli

@@ -48,11 +48,11 @@ int run(const std::vector<std::string>& arguments) {
   app.allow_windows_style_options(false);  // a name may start with /
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 success; 1 stopped early, a target was missed, a criterion failed, a target not reached by "
-      "move, or a report, trace or map that could not be written, and a valid mesh was written (info and compare: the "
-      "mesh has no tetrahedron, is not valid, or not of the "
-      "required quality; --untangle could not repair all "
-      "tetrahedra: no mesh was written); 2 nothing was written. Of several meshes, the largest.");
+      "Exit codes: 0: success. 1: a valid mesh was written, but the run stopped early, missed a target or a criterion, "
+      "or could not write a report, trace or map. 1 also: --untangle failed, and no mesh was written; info, compare: "
+      "the "
+      "mesh is empty or not valid, or misses --min-quality or a criterion. 2: nothing was written. Of several meshes, "
+      "the largest.");
   Console errors(wants_json(arguments) ? ProgressMode::json : ProgressMode::none, 0, nullptr);
   int exit_code = kDone;
   add_optimize(app, exit_code);

@@ -55,7 +55,7 @@ Meshes are read and written in the formats of MEDIT, VTK, Exodus, Gmsh, TetGen a
 the name selects the format.
 .B \-
 is the standard input or output.
-Every file is written under a temporary name and then renamed: a run that fails leaves the old file.
+Every output replaces the old file only when it is complete: a run that fails leaves the old file.
 )";
 
 constexpr const char* kSections = R"(.SH INTERRUPTION

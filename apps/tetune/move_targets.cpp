@@ -154,7 +154,8 @@ std::string move_summary(const MoveReport& r, const TetMesh& mesh) {
   for (const Index v : mesh.tets.begin()[r.blocking_tets[0]]) {
     for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * mesh.points.begin()[v][k];
   }
-  text += fmt::format("  {} tetrahedra of the result block it ({}; the first near {:.6g} {:.6g} {:.6g})",
+  const char* const at_least = r.blocking_tets.size() < kMaxBlocking ? "" : "at least ";
+  text += fmt::format("  {}{} tetrahedra of the result block it ({}; the first near {:.6g} {:.6g} {:.6g})", at_least,
                       r.blocking_tets.size(), list(r.blocking_tets), center[0], center[1], center[2]);
   if (!r.blocking_vertices.empty()) text += fmt::format(", with the motion of vertices {}", list(r.blocking_vertices));
   return text + "\n";

@@ -28,10 +28,25 @@ std::string table_line(const Job& job, const Outcome& o, std::size_t width) {
   return line + fmt::format("  {}\n", o.summary);
 }
 
+/// Prints the event at the end of a job, in JSON mode only.
+void print_end(const Job& job, const Outcome& outcome, Console& console) {
+  nlohmann::ordered_json end = {{"event", "end"}, {"input", job.input}, {"result", outcome.summary}};
+  end["exit_code"] = outcome.code;
+  end["seconds"] = outcome.seconds;
+  if (outcome.after.tets > 0) {
+    end["worst_angle_before_deg"] = outcome.before.dihedral_min;
+    end["worst_angle_deg"] = outcome.after.dihedral_min;
+  }
+  console.event(end);
+}
+
 /// run_job() or run_series().
 Outcome run_one(const OptimizeArguments& a, const Job& job, Console& console) {
+  console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
   const bool moves_series = a.move && (is_series(job.input) || is_series(job.output));
-  return moves_series ? run_series(a, job, console) : run_job(a, job, console);
+  const Outcome outcome = moves_series ? run_series(a, job, console) : run_job(a, job, console);
+  print_end(job, outcome, console);
+  return outcome;
 }
 
 /// Several meshes: each has one line in a table, and the failure of one does not stop the others.
@@ -49,6 +64,7 @@ int run_all(const OptimizeArguments& a, const std::vector<Job>& jobs, Console& s
     Outcome o;
     if (interrupt::requested()) {
       o.summary = "not started";
+      print_end(job, o, each);
     } else {
       o = run_one(a, job, each);
     }
@@ -76,6 +92,7 @@ void print_options(OptimizeArguments& a) {
 int run(const CLI::App& command, OptimizeArguments& a) {
   const bool has_series = std::any_of(a.files.begin(), a.files.end(), is_series);
   if (a.move && !a.print_options) check_move_arguments(*a.move, has_series);
+  if (has_series && !a.move) throw OptionError("time series (.pvd) are for `tetune move`; name one of their meshes");
   const std::vector<Job> jobs = resolve_jobs(command, a);
   check_geometry_arguments(command, a);
   const bool to_pipe = !jobs.empty() && jobs[0].output == kPipe;

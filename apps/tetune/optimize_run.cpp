@@ -173,7 +173,8 @@ class Run {
     improve(context);
     std::string text = fmt::format("{}{}: nothing is written\n{}", shown_name(job_.input, false),
                                    job_.output.empty() ? "" : " -> " + shown_name(job_.output, true), counts);
-    text += constraint_table(report_) + constraint_notes(report_);
+    text += constraint_table(report_);
+    for (const std::string& note : constraint_notes(report_)) text += "  " + note + "\n";
     text += quality_table({"now"}, {outcome_.before});
     text += fmt::format("  memory                 about {:.0f} MB\n", needed_mb_);
     if (!a_.move && options_.termination == Termination::relative && options_.relocation == Relocation::newton) {
@@ -303,7 +304,7 @@ class Run {
     const char* reason = stopped() ? outcome_.summary : to_string(report_.stop);
     std::string text = quality_table({"before", "after"}, {outcome_.before, outcome_.after});
     text += active_line(report_, options_);
-    if (has_changed()) text += count_line(report_, reason) + constraint_notes(report_);
+    if (has_changed()) text += count_line(report_, reason);
     if (a_.move) text += move_summary(motion_, input_.mesh);
     if (change) text += surface_table(*change);
     if (geometry_) text += geometry_summary(*geometry_, on_geometry_);
@@ -371,7 +372,6 @@ class Run {
 
 Outcome run_job(const OptimizeArguments& arguments, const Job& job, Console& console) {
   interrupt::enter(interrupt::Stage::nothing);
-  console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
   Outcome outcome;
   const auto start = Time::now();
   try {
@@ -386,14 +386,6 @@ Outcome run_job(const OptimizeArguments& arguments, const Job& job, Console& con
   }
   console.clear();
   outcome.seconds = seconds_since(start);
-  nlohmann::ordered_json end = {{"event", "end"}, {"input", job.input}, {"result", outcome.summary}};
-  end["exit_code"] = outcome.code;
-  end["seconds"] = outcome.seconds;
-  if (outcome.after.tets > 0) {
-    end["worst_angle_before_deg"] = outcome.before.dihedral_min;
-    end["worst_angle_deg"] = outcome.after.dihedral_min;
-  }
-  console.event(end);
   return outcome;
 }
 

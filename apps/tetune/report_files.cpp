@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_files.hpp"
 #include "system/path.hpp"
+#include "tables.hpp"
 
 #include <fmt/format.h>
 
@@ -309,7 +310,7 @@ std::vector<std::string> run_warnings(const Report& report, const std::string& d
   for (const std::string& name : report.moved_fields) {
     if (name != displacement) names += (names.empty() ? "" : ", ") + name;
   }
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = constraint_notes(report);
   if (!report.unchanged.empty()) warnings.push_back(report.unchanged);
   if (names.empty()) return warnings;
   warnings.push_back(

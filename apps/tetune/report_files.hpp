@@ -19,8 +19,8 @@ nlohmann::ordered_json to_json(const AcceptanceReport& report);
 /// Without its Report.
 nlohmann::ordered_json to_json(const CriteriaReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
-/// Warnings of a mesh that was left as it is, and of point data, except for the displacement of a motion, whose values
-/// moved with their vertices.
+/// Warnings of lists that the result lacks, of a mesh that was left as it is, and of point data, except for the
+/// displacement of a motion, whose values moved with their vertices.
 std::vector<std::string> run_warnings(const Report& report, const std::string& displacement);
 
 /// The number of pairs of all periodic links.

@@ -261,30 +261,34 @@ std::string constraint_table(const Report& r) {
   return text;
 }
 
-std::string constraint_notes(const Report& r) {
-  std::string text;
+std::vector<std::string> constraint_notes(const Report& r) {
+  std::vector<std::string> texts;
   if (r.corners_not_held > 0) {
-    text += fmt::format(
-        "  {} listed corners lie where the surface has no feature and are too many for a list of corners: they may "
-        "move\n",
-        r.corners_not_held);
+    texts.push_back(fmt::format(
+        "{} listed corners lie where the surface has no feature and are too many for a list of corners: they may move",
+        r.corners_not_held));
   }
   if (r.edges_not_held > 0) {
-    text += fmt::format("  {} tagged edges are too many for feature lines: their vertices may leave them\n",
-                        r.edges_not_held);
+    texts.push_back(
+        fmt::format("{} tagged edges are too many for feature lines: their vertices may leave them", r.edges_not_held));
   }
   if (r.triangles_dropped > 0) {
-    text += fmt::format("  {} listed triangles without a tag inside a region are no constraint and were dropped\n",
-                        r.triangles_dropped);
+    texts.push_back(
+        fmt::format("{} listed triangles constrain nothing, and the result lacks them: they are not faces of the mesh, "
+                    "or are inside "
+                    "a region without a tag or with --no-open-boundaries",
+                    r.triangles_dropped));
   }
-  if (r.edges_dropped > 0)
-    text += fmt::format("  {} listed edges without a tag no longer exist and were dropped\n", r.edges_dropped);
+  if (r.edges_dropped > 0) {
+    texts.push_back(
+        fmt::format("{} listed edges without a tag are not edges of the result, which lacks them", r.edges_dropped));
+  }
   if (r.uncovered > 1e-12) {
-    text += fmt::format(
-        "  {:.2g} % of the input's volume is outside the result; its data were assigned to the nearest tetrahedra\n",
-        100 * r.uncovered);
+    texts.push_back(fmt::format(
+        "{:.2g} % of the input's volume is outside the result; its data were assigned to the nearest tetrahedra",
+        100 * r.uncovered));
   }
-  return text;
+  return texts;
 }
 
 std::string straightened_text(const std::vector<StraightenedEdge>& edges) {

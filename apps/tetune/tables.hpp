@@ -39,7 +39,7 @@ std::string target_table(const TargetReport& report);
 std::string constraint_table(const Report& report);
 
 /// Listed elements that do not constrain or were dropped.
-std::string constraint_notes(const Report& report);
+std::vector<std::string> constraint_notes(const Report& report);
 
 /// The verdict of each criterion. `title` says of which mesh: "acceptance", "acceptance before".
 std::string acceptance_table(const std::string& title, const AcceptanceReport& report);

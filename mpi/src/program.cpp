@@ -4,10 +4,14 @@
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <exception>
 #include <limits>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "exit_code.hpp"
 #include "files.hpp"
@@ -243,6 +247,21 @@ class Program {
   double read_seconds_ = 0, distribute_seconds_ = 0, optimize_seconds_ = 0, write_seconds_ = 0;
 };
 
+/// Options of `tetune optimize` that tetune-mpi does not have.
+constexpr std::array<std::string_view, 18> kAbsentOptions{
+    "--untangle",      "--target-dihedral", "--target-quality", "--only-below",   "--rings", "--criteria",
+    "--max-memory",    "--report-html",     "--trace-angles",   "--trace",        "--map",   "--dry-run",
+    "--print-options", "--progress",        "--periodic",       "--periodic-map", "--tags",  "--straighten"};
+
+/// Replaces texts of `tetune optimize` about files and groups by those that hold here.
+void describe_arguments(CLI::App& app) {
+  app.get_option("files")->description(
+      "Mesh to read: a format of `tetune`, .h5 or .xmf; and mesh to write, which must not exist, unless -o is given");
+  app.get_option("--output")
+      ->description("Mesh to write: a format of `tetune`, .h5 or .xmf. A file that exists is replaced");
+  app.get_option("--freeze")->description("Regions and patches that do not change, by their tags: tag=1,2,patch=7");
+}
+
 int main_of_rank(int argc, char** argv) {
   const MPI_Comm comm = MPI_COMM_WORLD;
   const bool first = rank_of(comm) == 0;
@@ -256,21 +275,24 @@ int main_of_rank(int argc, char** argv) {
       "written; 2 nothing was written, an old output file is untouched.");
   cli::OptimizeArguments arguments;
   cli::define_arguments(app, arguments);
-  for (const char* name :
-       {"--untangle", "--target-dihedral", "--target-quality", "--only-below", "--rings", "--criteria", "--max-memory",
-        "--report-html", "--trace-angles", "--trace", "--map", "--dry-run", "--print-options", "--progress",
-        "--periodic", "--periodic-map", "--tags", "--straighten"}) {
-    app.remove_option(app.get_option(name));
-  }
+  for (const std::string_view name : kAbsentOptions) app.remove_option(app.get_option(std::string(name)));
+  describe_arguments(app);
   try {
     for (int i = 1; i < argc; ++i) {
       const std::string_view argument = argv[i];
+      const std::string_view name = argument.substr(0, argument.find('='));
+      if (std::find(kAbsentOptions.begin(), kAbsentOptions.end(), name) != kAbsentOptions.end()) {
+        throw OptionError(std::string(name) + ": `tetune` has this option, tetune-mpi does not; see tetune-mpi --help");
+      }
       // CLI11 would take Mmg's -hausd for -h, which prints the help.
       if (argument.size() > 2 && argument.starts_with("-h")) {
         throw OptionError(std::string(argument) + ": Mmg's names of options are for `tetune`; see tetune-mpi --help");
       }
     }
     app.parse(argc, argv);
+    if (arguments.files.empty() || (arguments.files.size() == 1 && arguments.names.output.empty())) {
+      throw OptionError("name a mesh to read and one to write: tetune-mpi INPUT OUTPUT");
+    }
     const std::vector<cli::Job> jobs = cli::resolve_jobs(app, arguments);
     if (jobs.size() != 1) throw OptionError("one mesh at a time: a batch of meshes is for `tetune optimize`");
     if (arguments.options.surface_vertices == SurfaceVertices::edit) {
@@ -281,8 +303,10 @@ int main_of_rank(int argc, char** argv) {
     }
     return Program(comm, arguments, jobs[0]).run();
   } catch (const CLI::ParseError& e) {
-    if (first) return app.exit(e) == 0 ? cli::kDone : cli::kNothingWritten;
-    return e.get_exit_code() == 0 ? cli::kDone : cli::kNothingWritten;
+    const bool is_error = e.get_exit_code() != 0;
+    if (first && is_error) fmt::print(stderr, "tetune-mpi: {}; see tetune-mpi --help\n", e.what());
+    if (first && !is_error) app.exit(e);  // prints the help or the version
+    return is_error ? cli::kNothingWritten : cli::kDone;
   } catch (const Error& e) {
     // The error is collective: all ranks have the same message.
     if (first) fmt::print(stderr, "tetune-mpi: {}\n", e.what());

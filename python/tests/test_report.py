@@ -136,7 +136,7 @@ def test_without_plotly(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", code, "a.mesh", "b.mesh", "-o", "r.html"], capture_output=True, text=True, cwd=tmp_path
     )
-    assert done.returncode == 2 and "pip install 'tetune[report]'" in done.stderr
+    assert done.returncode == 2 and "pip install '.[report]'" in done.stderr
     assert not os.path.exists(tmp_path / "r.html")
 
 
@@ -145,4 +145,4 @@ def test_the_program_alone_says_what_to_install(tmp_path):
 
     for words in (["report", "a", "b", "-o", "c"], ["optimize", "a", "-o", "b.mesh", "--report-html", "c.html"]):
         done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, cwd=tmp_path)
-        assert done.returncode == 2 and "pip install 'tetune[report]'" in done.stderr
+        assert done.returncode == 2 and "pip install '.[report]'" in done.stderr

@@ -17,7 +17,7 @@ class ProgressBar:
             from rich.progress import BarColumn, SpinnerColumn, TextColumn
             from rich.progress import Progress as Bar
         except ImportError as error:
-            raise ImportError("progress=True needs the package rich: pip install 'tetune[progress]'") from error
+            raise ImportError("progress=True needs the package rich: pip install rich") from error
         console = Console(stderr=True)
         self._bar = Bar(
             SpinnerColumn(),

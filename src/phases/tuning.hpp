@@ -302,8 +302,9 @@ inline int largest_angle_rounds(const Options& options) {
 /// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the
 /// surface that the deviation is measured from.
 inline bool flips_boundary(const Options& options) {
-  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed &&
-         !(options.max_deviation > 0) && options.max_ring > 3;
+  const bool is_bounded = options.boundary == Boundary::slide && options.max_deviation > 0;
+  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed && !is_bounded &&
+         options.max_ring > 3;
 }
 
 /// Whether vertices are inserted and removed on the surface too.

@@ -123,6 +123,8 @@ class Convert(CliTest):
         source = self.put("in.mesh", mesh.text())
         done = self.run_cli("convert", source, self.path("curved.msh"), "--order", "2")
         self.assertRegex(done.stderr, r"\d+ curved edges, \d+ curved tetrahedra, smallest scaled Jacobian 0\.\d+")
+        done = self.run_cli("convert", source, self.path("plain.mesh"), "--feature-angle", "30")
+        self.assertIn("--feature-angle has no effect without --order 2", done.stderr)
         # One warning, of tags of vertices, and no figures.
         self.assertEqual(self.run_cli("convert", source, "-o", self.path("curved.msh"), "--order", "2", "--quiet").stderr.count("\n"), 1)
         curved = json.loads(self.run_cli("info", self.path("curved.msh"), "--json").stdout)["quality"]["curved"]

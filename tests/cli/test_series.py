@@ -76,6 +76,15 @@ class Series(CliTest):
         self.assertEqual(report["times"][2]["motion"]["fraction"], 1)
 
     @needs_vtk
+    def test_events(self):
+        self.vtk("a.vtk", self.mesh.points)
+        self.vtk("b.vtk", self.stretched(1.1))
+        done = self.run_cli("move", self.series([(0, "a.vtk"), (1, "b.vtk")]), "-o", self.path("out.pvd"), "--progress", "json", "--quiet")
+        events = [json.loads(line) for line in done.stderr.splitlines()]
+        self.assertEqual(events[0], {"event": "start", "input": self.path("in.pvd"), "output": self.path("out.pvd")})
+        self.assertEqual([events[-1][key] for key in ("event", "result", "exit_code")], ["end", "done", 0])
+
+    @needs_vtk
     def test_displacements(self):
         still = [(0.0, 0.0, 0.0)] * len(self.mesh.points)
         lifted = [(0.0, 0.0, 0.2 * p[2]) for p in self.mesh.points]

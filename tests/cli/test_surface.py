@@ -19,7 +19,7 @@ class Slide(CliTest):
     def slide(self, source, *options, code=0):
         done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--report", self.path("r.json"), *options,
                             code=code)
-        return json.loads(self.read_bytes("r.json")), done.stdout
+        return json.loads(self.read_bytes("r.json")), done.stdout + done.stderr
 
     def test_surface_is_followed_and_reported(self):
         mesh = bent(cube(5))
@@ -76,6 +76,19 @@ class Slide(CliTest):
         for text in ("-1", "x", "0.1x", "0.1%%", "%", "nan", "inf", "-5%", "1e999"):
             self.refused("optimize", source, "-o", self.path("o.mesh"), "--boundary", "slide", "--max-deviation=" + text,
                          said=["--max-deviation", f"'{text}'", "%"])
+
+    def test_a_bound_without_sliding_changes_nothing(self):
+        source = self.put("in.mesh", cube(6, jitter=0.2))
+        for effort in ("standard", "best"):
+            self.run_cli("optimize", source, "-o", self.path("plain.mesh"), "--effort", effort, "--quiet")
+            done = self.run_cli("optimize", source, "-o", self.path("bound.mesh"), "--effort", effort, "--max-deviation", "1%", "--quiet")
+            self.assertIn("--max-deviation 1% has no effect without --boundary slide", done.stderr)
+            self.assertEqual(self.read_bytes("plain.mesh"), self.read_bytes("bound.mesh"))
+
+    def test_lists_that_the_result_lacks_are_named(self):
+        source = self.put("in.mesh", with_triangles(cube(3), [((0, 21, 63), 0)]))
+        done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--quiet")
+        self.assertIn("1 listed triangles constrain nothing, and the result lacks them", done.stderr)
 
     def test_nosurf_is_a_fixed_boundary(self):
         mesh = cube(4)
@@ -207,7 +220,7 @@ class Slide(CliTest):
         def triangles(*options):
             _, text = self.slide(source, *options)
             counts = json.loads(self.run_cli("info", "--json", self.path("out.mesh")).stdout)["counts"]
-            return counts["triangles"], "dropped" in text
+            return counts["triangles"], "the result lacks them" in text
         self.assertEqual(triangles(), (6, False))
         self.assertEqual(triangles("--open-boundaries"), (6, False))
         self.assertEqual(triangles("--no-open-boundaries"), (0, True))
@@ -290,7 +303,7 @@ class Slide(CliTest):
         for options, said in ((["--target-dihedral", "75"], ["min_dihedral_deg", "70.528"]),
                               (["--target-dihedral", "steep"], ["--target-dihedral"]),
                               (["--target-quality", "0.5", "beauty"], ["--target-quality", "'beauty'", "mean_ratio", "q_h"]),
-                              (["--target-quality", "0.5"], ["--target-quality", "'0.5' has no measure", "mean_ratio=0.2"]),
+                              (["--target-quality", "0.5"], ["--target-quality", "'0.5' is not a measure and a number", "mean_ratio=0.2"]),
                               (["--target-quality", "beauty=0.5"], ["--target-quality", "'beauty'", "mean_ratio", "q_h"]),
                               (["--target-quality", "0.9", "radius_ratio"], ["radius_ratio", "1 or more"]),
                               (["--target-quality", "170", "gamma"], ["gamma", "at most 1"])):

@@ -35,6 +35,10 @@ class Help(CliTest):
             self.refused("optimize", source, "-o", self.path("out.mesh"), *words, said=[said])
         self.refused("convert", source, "a.mesh", "b.mesh", said=["too many arguments: b.mesh"])
 
+    def test_time_series_are_for_move(self):
+        self.refused("optimize", self.path("in.pvd"), "-o", self.path("out.pvd"), said=["tetune move"])
+        self.assertIn(".pvd", self.run_cli("move", "--help").stdout)
+
     def test_errors_of_arguments_as_json(self):
         source = self.put("in.mesh", cube(1))
         for words in (["--effort", "bst", "--progress", "json"], ["--progress=json", "--wide"], ["--progress", "json", "--max-growth", "-1"]):

@@ -70,6 +70,11 @@ class Failures(MpiTest):
     def test_a_name_of_mmg_is_not_the_help(self):
         self.refused(mpi_case.BRACKET, "-hausd", "0.1", said=["-hausd", "tetune-mpi --help"])
 
+    def test_options_of_tetune_alone_are_named(self):
+        for words, said in ((["--untangle"], "tetune-mpi does not"), (["--map=a"], "tetune-mpi does not"), (["--efort", "best"], "--efort"),
+                            (["--threads", "x"], "--threads: 'x' is not an integer")):
+            self.refused(mpi_case.BRACKET, *words, said=["tetune-mpi: ", said, "tetune-mpi --help"])
+
     def test_options_without_effect(self):
         done = self.mpi(3, mpi_case.BRACKET, self.path("out.mesh"), "--max-deviation", "1")
         self.assertIn("warning: --max-deviation 1 has no effect without --boundary slide", done.stderr)

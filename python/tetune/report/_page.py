@@ -105,7 +105,7 @@ def write_page(
     try:
         plotly = files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
     except ImportError as error:
-        raise ImportError("the report needs the package plotly: pip install 'tetune[report]'") from error
+        raise ImportError("the report needs the package plotly: pip install plotly") from error
     for mesh, name in ((before, names[0]), (after, names[1])):
         if len(mesh.tets) == 0:
             raise MeshError(f"{name}: there is no tetrahedron to show")

@@ -104,16 +104,18 @@ constexpr std::array kEffortConditions{
                     "has no effect with termination=paper"},
     OptionCondition{[](const Options& o) { return o.effort == Effort::best && o.energy == Energy::harmonic; },
                     "inserts no vertices and leaves the worst elements alone with energy=harmonic"}};
+constexpr OptionCondition kBoundedSurface{
+    [](const Options& o) { return o.boundary == Boundary::slide && o.max_deviation > 0; },
+    "has no effect with max_deviation"};
 constexpr std::array kBoundaryFlipConditions{
     OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
                     "has no effect with boundary=fixed"},
-    kWithoutFlips,
-    OptionCondition{[](const Options& o) { return o.max_deviation > 0; }, "has no effect with max_deviation"},
+    kWithoutFlips, kBoundedSurface,
     OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
 constexpr std::array kSurfaceEditConditions{
     OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
                     "has no effect with boundary=fixed"},
-    OptionCondition{[](const Options& o) { return o.max_deviation > 0; }, "has no effect with max_deviation"},
+    kBoundedSurface,
     OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
     OptionCondition{[](const Options& o) { return !o.boundary_flips; }, "has no effect with boundary_flips=false"},
     OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"},
