@@ -268,8 +268,13 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     tags = np.concatenate([k[2] for k in kinds])
     if tags.any() or cell_name:
         cell_data = {cell_name or "medit:ref": tags, **cell_data}
+    cells = [(k[0], k[1].astype("i8"), None) for k in kinds if len(k[1])]
+    if second_order:
+        points, cells, point_data = with_middles(points, cells, point_data, curved)
     if point_tags.any() or point_name:
-        point_data = {point_name or "medit:ref": point_tags, **point_data}
+        tags = np.zeros(len(points), "i4")
+        tags[: len(point_tags)] = point_tags
+        point_data = {point_name or "medit:ref": tags, **point_data}
 
     def flags(data: dict[str, Any], name: str, positions: Any, size: int) -> None:
         if len(positions):
@@ -284,9 +289,7 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     for name, _, _, required, _ in others:
         if name == "Quadrilaterals":
             flags(cell_data, "mmg_required_quadrilaterals", required + first[9], sum(sizes))
-    cells = [(k[0], k[1].astype("i8"), None) for k in kinds if len(k[1])]
-    grid = Grid(points, cells, point_data, cell_data)
-    return with_middles(grid, curved) if second_order else grid
+    return Grid(points, cells, point_data, cell_data)
 
 
 def merged(parts: list[dict[str, Any]], sizes: list[int]) -> dict[str, Any]:
@@ -306,31 +309,33 @@ def merged(parts: list[dict[str, Any]], sizes: list[int]) -> dict[str, Any]:
     return result
 
 
-def with_middles(grid: Grid, curved: Any) -> Grid:
-    """Second order: the node of each edge, behind all vertices. New vertices have no data: 0, or not a number."""
+def with_middles(points: Any, cells: list[tuple[int, Any, Any]], point_data: dict[str, Any],
+                 curved: Any) -> tuple[Any, list[tuple[int, Any, Any]], dict[str, Any]]:
+    """Points, cells and data of second order: the node of each edge, behind all vertices. Its data are those of Middles
+    in src/io/second_order.cpp: means of both ends, or integers of the first."""
     of_kind = {first: (second, [list(p) for p in pairs]) for _, first, second, pairs in SIMPLICES.values()}
-    ends = [np.sort(ids[:, pair], axis=1) for kind, ids, _ in grid.cells if kind in of_kind for pair in of_kind[kind][1]]
+    ends = [np.sort(ids[:, pair], axis=1) for kind, ids, _ in cells if kind in of_kind for pair in of_kind[kind][1]]
     edges, number = np.unique(np.concatenate(ends), axis=0, return_inverse=True)
-    number = number.reshape(-1) + len(grid.points)
-    middle = (grid.points[edges[:, 0]] + grid.points[edges[:, 1]]) / 2
-    key = edges[:, 0] * len(grid.points) + edges[:, 1]
+    number = number.reshape(-1) + len(points)
+
+    def on_edges(values: Any) -> Any:
+        first, second = values[edges[:, 0]], values[edges[:, 1]]
+        return (first + second) / 2 if values.dtype.kind == "f" else first
+
+    middle = on_edges(points)
+    key = edges[:, 0] * len(points) + edges[:, 1]
     wanted = curved["vertices"].astype("i8")
-    wanted_key = wanted[:, 0] * len(grid.points) + wanted[:, 1]
+    wanted_key = wanted[:, 0] * len(points) + wanted[:, 1]
     at = np.minimum(np.searchsorted(key, wanted_key), len(key) - 1)
     found = key[at] == wanted_key
     middle[at[found]] = curved["middle"][found]
-    cells, done = [], 0
-    for kind, ids, rows in grid.cells:
+    new, done = [], 0
+    for kind, ids, rows in cells:
         if kind in of_kind:
             second, pairs = of_kind[kind]
             nodes = number[done : done + len(pairs) * len(ids)].reshape(len(pairs), -1).T
             done += len(pairs) * len(ids)
             kind, ids = second, np.hstack([ids, nodes])
-        cells.append((kind, ids, rows))
-
-    def longer(values: Any) -> Any:
-        filling = np.nan if values.dtype.kind == "f" else 0
-        return np.concatenate([values, np.full((len(edges), *values.shape[1:]), filling, values.dtype)])
-
-    data = {name: longer(values) for name, values in grid.point_data.items()}
-    return Grid(np.concatenate([grid.points, middle]), cells, data, grid.cell_data)
+        new.append((kind, ids, rows))
+    data = {name: np.concatenate([values, on_edges(values)]) for name, values in point_data.items()}
+    return np.concatenate([points, middle]), new, data
