@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -154,7 +155,9 @@ void bind_links(nb::class_<TetMesh>& type) {
            "Links the vertices of opposite faces of a box along axes, as \"xy\": optimize() moves them together. "
            "Raises MeshError where they do not match.")
       .def(
-          "read_periodic_map", [](TetMesh& mesh, const std::string& path) { read_periodic_map(path, mesh); }, "path"_a,
+          "read_periodic_map",
+          [](TetMesh& mesh, const std::filesystem::path& path) { read_periodic_map(file_name(path), mesh); }, "path"_a,
+          nb::sig("def read_periodic_map(self, path: str | os.PathLike[str]) -> None"),
           "Adds the links of a text file: a line \"translation X Y Z\", then \"VERTEX MASTER\" for each pair, in "
           "numbers from 1.");
 }

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -17,6 +18,12 @@ namespace tetune::python {
 /// Issues a UserWarning.
 void warn(const std::string& text);
 
+/// The name of a file for the library, of an argument that is a str or os.PathLike.
+inline std::string file_name(const std::filesystem::path& path) {
+  const auto name = path.u8string();
+  return {name.begin(), name.end()};
+}
+
 /// The hooks of a run: calls `progress`, a function or None, with the GIL held, after Python's handlers of signals
 /// (Ctrl-C).
 Context context_of(nanobind::object progress);
@@ -25,6 +32,7 @@ Context context_of(nanobind::object progress);
 std::map<std::string, std::int64_t> by_constraint(const std::array<std::int64_t, kLimitingConstraints>& held_by);
 
 void bind_criteria(nanobind::module_& m);
+void bind_files(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_live(nanobind::module_& m);
 void bind_mesh(nanobind::module_& m);

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """move(): for arrays and for the meshes of other packages."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -235,6 +237,11 @@ def test_series(tmp_path):
     with pytest.raises(tetune.FileError, match="lists no file"):
         tetune.write_series(path, [])
         tetune.read_series(path)
+    # Paths in the place of names.
+    tetune.write_series(tmp_path / "s.pvd", [(time, Path(name)) for time, name in steps])
+    assert tetune.read_series(tmp_path / "s.pvd") == steps
+    with pytest.raises(tetune.FileError, match=r"times\.e: this is not a \.pvd file"):
+        tetune.read_series(tmp_path / "times.e")
 
 
 def test_slides_on_the_input_surface():

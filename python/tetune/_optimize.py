@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from os import PathLike
+from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, Union, overload
 from warnings import warn
 
@@ -64,7 +64,7 @@ class Result(Generic[M]):
 
 
 def _model(geometry: Geometry | str | PathLike[str], threads: int) -> Geometry:
-    return geometry if isinstance(geometry, Geometry) else Geometry(str(geometry), threads=threads)
+    return geometry if isinstance(geometry, Geometry) else Geometry(geometry, threads=threads)
 
 
 def _prepared(mesh: Any, tets: Any, tags: Tags) -> tuple[TetMesh, Adapter[Any]]:
@@ -191,7 +191,7 @@ def optimize(
 
 
 def _criteria(given: Criteria) -> str | dict[str, Mapping[str, float]]:
-    return dict(given) if isinstance(given, Mapping) else str(given)
+    return dict(given) if isinstance(given, Mapping) else fspath(given)
 
 
 def _with_progress(
