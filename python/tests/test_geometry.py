@@ -52,7 +52,7 @@ def test_vertices_end_on_the_model(cylinder):
     path, points, tets = cylinder
     model = geometry_of(path)
     assert model.counts[2:] == [3, 1] and np.allclose(model.low, [-1, -1, 0]) and np.allclose(model.high, [1, 1, 1])
-    result = tetune.optimize(points, tets, geometry=model, boundary="slide")
+    result = tetune.optimize(points, tets, geometry=model, boundary="slide", snap=np.bool_(True))
     account = result.geometry
     before, after = account.before, account.after
     assert off_cylinder(points, before.dimensions) > 1e-5

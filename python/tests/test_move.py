@@ -219,6 +219,8 @@ def test_progress_stops():
         (np.zeros((3, 2)), {}, ValueError, "targets has the shape"),
         ("points", {"boundary": "slide", "max_deviation": 0.1}, tetune.OptionError, "max_deviation"),
         ("nan", {}, tetune.OptionError, "nothing to move"),
+        ([], {}, tetune.OptionError, "to is an empty list; it must be an array of positions"),
+        ((), {}, tetune.OptionError, "to is an empty list; it must be an array of positions"),
     ],
 )
 def test_refusals(targets, options, error, said):

@@ -180,7 +180,8 @@ def optimize(
         if criteria is not None:
             raise OptionError("criteria and geometry exclude each other: make two calls")
         model = _model(geometry, options.get("threads", 0))
-        on_model = _with_progress(progress, lambda hook: _core.improve_on_geometry(work, model, dict(options), snap, hook))
+        run = lambda hook: _core.improve_on_geometry(work, model, dict(options), bool(snap), hook)
+        on_model = _with_progress(progress, run)
         return _result(work, adapter, on_model.optimization, before, dict(options), geometry=on_model)
     if criteria is None:
         report = _with_progress(progress, lambda hook: _core.improve(work, dict(options), hook))
@@ -197,7 +198,7 @@ def _criteria(given: Criteria) -> str | dict[str, Mapping[str, float]]:
 def _with_progress(
     progress: bool | Callable[[Progress], object], run: Callable[[Callable[[Progress], object] | None], R]
 ) -> R:
-    if progress is not True:
+    if callable(progress) or not progress:
         return run(progress if callable(progress) else None)
     from ._progress import ProgressBar
 
@@ -320,6 +321,8 @@ def move(
         to = before + adapter.point_data(to)
     if to is None:
         raise TypeError("move() needs targets: an array of positions, or a list of them")
+    if isinstance(to, (list, tuple)) and len(to) == 0:
+        raise OptionError("to is an empty list; it must be an array of positions, or a list of such arrays")
     listed = list(to) if isinstance(to, (list, tuple)) and np.ndim(to[0]) == 2 else [to]
     arrays = [np.asarray(t, dtype=np.float64) for t in listed]
     if (vertices := adapter.vertices()) is not None:
