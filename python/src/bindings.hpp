@@ -10,6 +10,9 @@
 #include <string>
 
 #include "tetune/context.hpp"
+#include "tetune/mesh.hpp"
+#include "tetune/move.hpp"
+#include "tetune/report.hpp"
 #include "tetune/targets.hpp"
 
 /// The parts of the module tetune._core.
@@ -30,6 +33,11 @@ Context context_of(nanobind::object progress);
 
 /// The numbers of elements that constraints hold, by their names; without zeros.
 std::map<std::string, std::int64_t> by_constraint(const std::array<std::int64_t, kLimitingConstraints>& held_by);
+
+/// Makes objects of a class picklable, for the same version.
+void bind_state(nanobind::class_<TetMesh>& type);
+void bind_state(nanobind::class_<Report>& type);
+void bind_state(nanobind::class_<MoveReport>& type);
 
 void bind_criteria(nanobind::module_& m);
 void bind_files(nanobind::module_& m);
