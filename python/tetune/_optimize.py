@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._adapters import Adapter, Tags, adapter_of
+from ._adapters import Adapter, adapter_of
 from ._core import (
     AcceptanceReport,
     CriteriaReport,
@@ -29,6 +29,7 @@ from ._core import (
     TetMesh,
 )
 from ._options import Options
+from ._tags import Tags
 
 if TYPE_CHECKING:
     from typing import TypeAlias, Unpack
@@ -151,10 +152,11 @@ def optimize(
             neighbors' floating-point data (by mean value coordinates, which reproduce linear fields exactly), and other
             data of the nearest vertex of the input. Second-order cells (tetra10, triangle6, line3; VTK types 24, 22,
             21) stay so, with the curved surface unmoved; data of a mid-side node follow its edge, and are means of both
-            ends, or the integers of one, on a new edge.
+            ends, or the integers of one, on a new edge. Arrays of required entities, such as `mmg_required_vertices`,
+            hold these as in a file of VTK (docs/formats.md).
         tags: of a meshio or pyvista mesh, the name of the cell data that number regions, patches and lines: faces
-            between regions are kept. By default the first of `medit:ref`, `gmsh:physical`, `gmsh:geometrical` that the
-            mesh has; False: none.
+            between regions are kept. By default the first of `medit:ref`, `gmsh:physical`, `tetgen:ref`, `refs`,
+            `gmsh:geometrical` that the mesh has and that holds integers; False: none.
         progress: True shows a progress bar on a terminal; or a function that is called between passes and stops the
             run by returning False: the result is then the best mesh so far, and valid.
         criteria: acceptance criteria, as in check(). The run then works on the tetrahedra that fail, in rounds
