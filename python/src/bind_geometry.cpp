@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -34,6 +35,22 @@ GeometryReport improve_on_geometry(TetMesh& mesh, const Geometry& geometry, cons
   for (const std::string& text : report.optimization.warnings) warn(text);
   return report;
 }
+
+void load_geometry(Geometry* place, const std::filesystem::path& file, double unit, int threads) {
+  const nb::gil_scoped_release release;
+  new (place) Geometry(file_name(file), unit, threads);
+}
+
+constexpr const char* kGeometry = R"(The exact surface of a part: a STEP, IGES or BREP file, read by OpenCASCADE.
+
+Args:
+    file: the name of the file (.step, .stp, .iges, .igs, .brep, .brp).
+    unit: the length of the mesh's unit in mm.
+    threads: 0 for all cores.
+
+Raises:
+    FileError: the file cannot be read, or tetune was built without OpenCASCADE.
+    OptionError: the unit or the number of threads is out of its range.)";
 
 void bind_match(nb::module_& m) {
   nb::class_<GeometryMatch>(m, "GeometryMatch", "How the surface of a mesh corresponds to a CAD model.")
@@ -112,13 +129,9 @@ void bind_report_of_geometry(nb::module_& m) {
 void bind_geometry(nb::module_& m) {
   bind_match(m);
   bind_deviation(m);
-  nb::class_<Geometry>(m, "Geometry",
-                       "The exact surface of a part: a STEP, IGES or BREP file, read by OpenCASCADE.\n\n`unit`: the "
-                       "length of the mesh's unit in mm; `threads`: 0 for all cores. Raises FileError, also where "
-                       "tetune was built without "
-                       "OpenCASCADE.")
-      .def(nb::init<std::string, double, int>(), "file"_a, "unit"_a = 1.0, "threads"_a = 0,
-           nb::call_guard<nb::gil_scoped_release>())
+  nb::class_<Geometry>(m, "Geometry", kGeometry)
+      .def("__init__", &load_geometry, "file"_a, "unit"_a = 1.0, "threads"_a = 0,
+           nb::sig("def __init__(self, file: str | os.PathLike[str], unit: float = 1.0, threads: int = 0) -> None"))
       .def_prop_ro("file", &Geometry::file)
       .def_prop_ro("counts", &Geometry::counts, "Numbers of vertices, edges, faces and solids.")
       .def_prop_ro("low", &Geometry::low, "Of the bounding box, in the mesh's unit.")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -140,6 +141,15 @@ void bind_mesh_arrays(nb::class_<TetMesh>& type) {
 
 void bind_links(nb::class_<TetMesh>& type) {
   type.def_prop_ro(
+          "groups",
+          [](const TetMesh& mesh) {
+            std::vector<std::tuple<std::string, int, std::vector<int>>> groups;
+            for (const Group& group : mesh.groups) groups.emplace_back(group.name, group.dimension, group.tags);
+            return groups;
+          },
+          "Groups of the file: the name, which may be empty, the dimension (0: points, 1: edges, 2: faces, 3: solids) "
+          "and the tags of the elements.")
+      .def_prop_ro(
           "periodic",
           [](Self s) {
             nb::list list;
@@ -154,7 +164,9 @@ void bind_links(nb::class_<TetMesh>& type) {
            "Links the vertices of opposite faces of a box along axes, as \"xy\": optimize() moves them together. "
            "Raises MeshError where they do not match.")
       .def(
-          "read_periodic_map", [](TetMesh& mesh, const std::string& path) { read_periodic_map(path, mesh); }, "path"_a,
+          "read_periodic_map",
+          [](TetMesh& mesh, const std::filesystem::path& path) { read_periodic_map(file_name(path), mesh); }, "path"_a,
+          nb::sig("def read_periodic_map(self, path: str | os.PathLike[str]) -> None"),
           "Adds the links of a text file: a line \"translation X Y Z\", then \"VERTEX MASTER\" for each pair, in "
           "numbers from 1.");
 }
@@ -183,7 +195,8 @@ void bind_mesh(nb::module_& m) {
       m, "TetMesh",
       "A tetrahedral mesh. Its arrays are views of the mesh's own memory, shared and writable; ids are "
       "zero-based.\n\nThe tag 0 means \"no tag\". Tetrahedra that are listed inside out are "
-      "reversed.");
+      "reversed. Meshes are copied by copy, and pickled for the same version of tetune, except those of decks "
+      "(.inp), whose text a pickle cannot hold.");
   type.def("__init__", &construct, "points"_a, "tets"_a, nb::kw_only(), "point_tags"_a = nb::none(),
            "tet_tags"_a = nb::none(), "triangles"_a = nb::none(), "triangle_tags"_a = nb::none(),
            "edges"_a = nb::none(), "edge_tags"_a = nb::none(), "corners"_a = nb::none(),
@@ -205,6 +218,7 @@ void bind_mesh(nb::module_& m) {
   bind_mesh_arrays(type);
   bind_links(type);
   bind_second_order(type);
+  bind_state(type);
   type.def_prop_ro(
           "others",
           [](Self s) {
@@ -221,6 +235,9 @@ void bind_mesh(nb::module_& m) {
           "Elements of other kinds, each with its vertices.")
       .def(
           "copy", [](const TetMesh& mesh) { return mesh; }, "A mesh of its own memory.")
+      .def("__copy__", [](const TetMesh& mesh) { return mesh; })
+      .def(
+          "__deepcopy__", [](const TetMesh& mesh, nb::handle) { return mesh; }, "memo"_a)
       .def("__repr__", [](const TetMesh& mesh) {
         return "<tetune.TetMesh: " + std::to_string(mesh.points.size()) + " vertices, " +
                std::to_string(mesh.tets.size()) + " tetrahedra, " + std::to_string(mesh.triangles.size()) +

@@ -146,8 +146,9 @@ void bind_motion(nb::module_& m) {
       .def_ro("dihedral_moved", &MoveStep::dihedral_moved, "Smallest dihedral angle after the motion, degrees.")
       .def_ro("dihedral_min", &MoveStep::dihedral_min, "Smallest dihedral angle after the improvement, degrees.")
       .def_ro("seconds", &MoveStep::seconds);
-  nb::class_<MoveReport>(m, "MoveReport", "The account of a run of move().")
-      .def_ro("optimization", &MoveReport::optimization, "The account of the work on the mesh, all steps together.")
+  nb::class_<MoveReport> report(m, "MoveReport", "The account of a run of move().");
+  bind_state(report);
+  report.def_ro("optimization", &MoveReport::optimization, "The account of the work on the mesh, all steps together.")
       .def_ro("prescribed", &MoveReport::prescribed, "Number of vertices with a position in at least one target.")
       .def_ro("steps", &MoveReport::steps)
       .def_ro("targets", &MoveReport::targets, "Number of targets.")
@@ -192,6 +193,7 @@ void bind_report(nb::module_& m) {
   nb::class_<Report> report(m, "Report", "The account of a run of optimize().");
   bind_counts(report, kOperationCounts);
   bind_maps(report);
+  bind_state(report);
   report.def_ro("device", &Report::device)
       .def_ro("device_reason", &Report::device_reason, "The reason for the device with device='auto'.")
       .def_ro("threads", &Report::threads)

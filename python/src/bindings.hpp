@@ -5,10 +5,14 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
 
 #include "tetune/context.hpp"
+#include "tetune/mesh.hpp"
+#include "tetune/move.hpp"
+#include "tetune/report.hpp"
 #include "tetune/targets.hpp"
 
 /// The parts of the module tetune._core.
@@ -17,6 +21,12 @@ namespace tetune::python {
 /// Issues a UserWarning.
 void warn(const std::string& text);
 
+/// The name of a file for the library, of an argument that is a str or os.PathLike.
+inline std::string file_name(const std::filesystem::path& path) {
+  const auto name = path.u8string();
+  return {name.begin(), name.end()};
+}
+
 /// The hooks of a run: calls `progress`, a function or None, with the GIL held, after Python's handlers of signals
 /// (Ctrl-C).
 Context context_of(nanobind::object progress);
@@ -24,7 +34,13 @@ Context context_of(nanobind::object progress);
 /// The numbers of elements that constraints hold, by their names; without zeros.
 std::map<std::string, std::int64_t> by_constraint(const std::array<std::int64_t, kLimitingConstraints>& held_by);
 
+/// Makes objects of a class picklable, for the same version.
+void bind_state(nanobind::class_<TetMesh>& type);
+void bind_state(nanobind::class_<Report>& type);
+void bind_state(nanobind::class_<MoveReport>& type);
+
 void bind_criteria(nanobind::module_& m);
+void bind_files(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_live(nanobind::module_& m);
 void bind_mesh(nanobind::module_& m);

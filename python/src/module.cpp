@@ -3,7 +3,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -184,31 +183,6 @@ void bind_errors(nb::module_& m) {
   nb::exception<DeviceError>(m, "DeviceError", error).doc() = "A device is absent, unusable or out of memory.";
 }
 
-void bind_series(nb::module_& m) {
-  m.def(
-      "read_series",
-      [](const std::string& path) {
-        if (has_times(path))
-          throw FileError(path + ": this is no .pvd file; `tetune move` reads the times of Exodus files");
-        std::vector<std::pair<double, std::string>> steps;
-        for (SeriesStep& step : read_series(path)) steps.emplace_back(step.time, std::move(step.path));
-        return steps;
-      },
-      "path"_a,
-      "Reads a time series of VTK (.pvd): the times, which increase, and a file for each. Raises FileError for "
-      "anything "
-      "else.");
-  m.def(
-      "write_series",
-      [](const std::string& path, const std::vector<std::pair<double, std::string>>& steps) {
-        std::vector<SeriesStep> listed;
-        for (const auto& [time, file] : steps) listed.push_back({time, file});
-        write_series(path, listed);
-      },
-      "path"_a, "steps"_a,
-      "Writes a time series of VTK (.pvd): times and the file of each. It appears as a whole or not at all.");
-}
-
 void bind_functions(nb::module_& m) {
   m.def("improve", &improve, "mesh"_a, "options"_a, "progress"_a = nb::none(),
         nb::sig("def improve(mesh: TetMesh, options: dict[str, Any], progress: Callable[[Progress], object] | None = "
@@ -262,32 +236,6 @@ void bind_functions(nb::module_& m) {
       "accepts.");
 }
 
-void bind_files(nb::module_& m) {
-  m.def(
-      "read_mesh",
-      [](const std::string& path, int threads) {
-        std::vector<std::string> warnings;
-        TetMesh mesh = [&] {
-          const nb::gil_scoped_release release;
-          return read_mesh(path, &warnings, threads);
-        }();
-        for (const std::string& w : warnings) warn(w);
-        return mesh;
-      },
-      "path"_a, nb::kw_only(), "threads"_a = 0);
-  m.def(
-      "write_mesh",
-      [](const std::string& path, const TetMesh& mesh, int threads) {
-        std::vector<std::string> warnings;
-        {
-          const nb::gil_scoped_release release;
-          write_mesh(path, mesh, threads, &warnings);
-        }
-        for (const std::string& w : warnings) warn(w);
-      },
-      "path"_a, "mesh"_a, nb::kw_only(), "threads"_a = 0);
-}
-
 }  // namespace
 
 NB_MODULE(_core, m) {
@@ -300,7 +248,6 @@ NB_MODULE(_core, m) {
   bind_report(m);
   bind_geometry(m);
   bind_functions(m);
-  bind_series(m);
   bind_files(m);
 }
 

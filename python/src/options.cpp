@@ -44,6 +44,9 @@ const OptionChoice& parse_choice(const OptionInfo& option, nb::handle value) {
 template <class T>
 T parse_number(const OptionInfo& option, nb::handle value) {
   T out{};
+  if constexpr (std::is_same_v<T, bool>) {
+    if (nb::isinstance(value, nb::module_::import_("numpy").attr("bool_"))) return nb::cast<bool>(nb::bool_(value));
+  }
   if (nb::try_cast(value, out)) return out;
   refuse(option, value, std::is_same_v<T, bool> ? "a bool" : std::is_integral_v<T> ? "an integer" : "a number");
 }

@@ -9,4 +9,4 @@ for python in "$(dirname "$(dirname "$library")")/bin/$version" "/usr/bin/$versi
   # Isolated: neither the environment nor the working folder adds code.
   [ -x "$python" ] && exec "$python" -I "$package/_vtk_program.py" "$@"
 done
-exit 126
+exit 126  # kPluginNoInterpreter in src/io/plugin/plugin_protocol.hpp

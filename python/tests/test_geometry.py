@@ -33,7 +33,7 @@ def cylinder(tmp_path_factory):
 
 def geometry_of(path, **arguments):
     try:
-        return tetune.Geometry(str(path), **arguments)
+        return tetune.Geometry(path, **arguments)
     except tetune.FileError as e:
         if "libocct" in str(e):
             pytest.skip("built without OpenCASCADE")
@@ -52,7 +52,7 @@ def test_vertices_end_on_the_model(cylinder):
     path, points, tets = cylinder
     model = geometry_of(path)
     assert model.counts[2:] == [3, 1] and np.allclose(model.low, [-1, -1, 0]) and np.allclose(model.high, [1, 1, 1])
-    result = tetune.optimize(points, tets, geometry=model, boundary="slide")
+    result = tetune.optimize(points, tets, geometry=model, boundary="slide", snap=np.bool_(True))
     account = result.geometry
     before, after = account.before, account.after
     assert off_cylinder(points, before.dimensions) > 1e-5
@@ -79,8 +79,10 @@ def test_unit_and_mismatch(cylinder):
         tetune.optimize(points, tets, geometry=str(path))
     with pytest.raises(tetune.OptionError, match="exclude"):
         tetune.optimize(points, tets, geometry=str(path), boundary="slide", criteria="abaqus")
-    with pytest.raises(tetune.FileError):
-        tetune.Geometry(str(path) + ".missing.step")
+    for missing in (str(path) + ".missing.step", path.with_name("missing.step")):
+        with pytest.raises(tetune.FileError, match="missing.step"):
+            tetune.Geometry(missing)
+    assert model.file == str(path)
 
 
 def test_mid_side_nodes_are_on_the_model(cylinder):
@@ -92,6 +94,7 @@ def test_mid_side_nodes_are_on_the_model(cylinder):
     middles = result.mesh.curved_middles
     assert len(middles) > 50 and off_cylinder(middles, np.full(len(middles), 2)) < 1e-12
     assert result.report.min_scaled_jacobian > 0.1
-    assert len(tetune.curve(mesh, geometry=str(path)).mesh.curved_middles) == len(middles)
+    for name in (path, str(path)):
+        assert len(tetune.curve(mesh, geometry=name).mesh.curved_middles) == len(middles)
     with pytest.raises(tetune.OptionError, match="exclude"):
         tetune.curve(mesh, geometry=model, surface=mesh)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """move(): for arrays and for the meshes of other packages."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -217,6 +219,8 @@ def test_progress_stops():
         (np.zeros((3, 2)), {}, ValueError, "targets has the shape"),
         ("points", {"boundary": "slide", "max_deviation": 0.1}, tetune.OptionError, "max_deviation"),
         ("nan", {}, tetune.OptionError, "nothing to move"),
+        ([], {}, tetune.OptionError, "to is an empty list; it must be an array of positions"),
+        ((), {}, tetune.OptionError, "to is an empty list; it must be an array of positions"),
     ],
 )
 def test_refusals(targets, options, error, said):
@@ -235,6 +239,11 @@ def test_series(tmp_path):
     with pytest.raises(tetune.FileError, match="lists no file"):
         tetune.write_series(path, [])
         tetune.read_series(path)
+    # Paths in the place of names.
+    tetune.write_series(tmp_path / "s.pvd", [(time, Path(name)) for time, name in steps])
+    assert tetune.read_series(tmp_path / "s.pvd") == steps
+    with pytest.raises(tetune.FileError, match=r"times\.e: this is not a \.pvd file"):
+        tetune.read_series(tmp_path / "times.e")
 
 
 def test_slides_on_the_input_surface():

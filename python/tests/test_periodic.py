@@ -26,7 +26,7 @@ def test_a_map_file(tmp_path):
     image, master = (int(np.flatnonzero((mesh.points == [x, 1, 1]).all(axis=1))[0]) for x in (2, 0))
     path = tmp_path / "pairs.txt"
     path.write_text(f"translation 2 0 0\n{image + 1} {master + 1}\n")
-    mesh.read_periodic_map(str(path))
+    mesh.read_periodic_map(path)
     assert mesh.periodic[0].tolist() == [[image, master]]
     with pytest.raises(ValueError, match="xyz"):
         mesh.link_box_faces("w")

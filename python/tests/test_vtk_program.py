@@ -4,13 +4,14 @@
 import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import tetune
-from meshes import BRACKET, shaken_box
+from meshes import BRACKET, ROOT, shaken_box
 
 meshio = pytest.importorskip("meshio")
 PACKAGE = Path(tetune.__file__).parent
@@ -95,6 +96,46 @@ def test_same_mesh_as_through_vtk(command, tmp_path, package, order):
         assert (tmp_path / "vtk.msh").read_bytes() == (tmp_path / "out.msh").read_bytes()
 
 
+@pytest.mark.parametrize("package", ["pyvista", "meshio"])
+def test_data_of_mid_side_nodes(command, tmp_path, package):
+    mesh = rich_mesh(2)
+    mesh.point_data["single"] = np.sqrt(np.arange(len(mesh.points), dtype=np.float32))
+    mesh.point_data["refs"] = np.arange(len(mesh.points), dtype=np.int32) + 1
+    mesh.write(tmp_path / "in.vtu")
+    done = command(package)("convert", "in.vtu", "out.vtu")
+    assert done.returncode == 0, done.stderr
+    out = meshio.read(tmp_path / "out.vtu")
+    cells = next(b.data for b in out.cells if b.type == "tetra10")
+    for k, (a, b) in enumerate([(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]):
+        node, first, second = cells[:, 4 + k], cells[:, [a, b]].min(axis=1), cells[:, [a, b]].max(axis=1)
+        for name in ("u", "single"):
+            values = out.point_data[name]
+            assert np.array_equal(values[node], (values[first] + values[second]) / 2), name
+        assert np.array_equal(out.point_data["id"][node], out.point_data["id"][first])
+        assert not out.point_data["refs"][node].any() and not out.point_data["mmg_required_vertices"][node].any()
+    assert {n: v.dtype for n, v in out.point_data.items()} == {n: v.dtype for n, v in mesh.point_data.items()}
+    own = OWN / PROGRAM
+    if own.exists() and own.read_bytes()[:2] != b"#!":
+        subprocess.run([OWN / "bin" / "tetune", "convert", "in.vtu", "vtk.vtu"], cwd=tmp_path, check=True)
+        same = meshio.read(tmp_path / "vtk.vtu")
+        assert np.array_equal(out.points, same.points) and out.point_data.keys() == same.point_data.keys()
+        for name, values in same.point_data.items():
+            assert np.array_equal(out.point_data[name], values), name
+
+
+def test_no_warning_of_pyvista(tmp_path):
+    pytest.importorskip("pyvista")
+    from tetune._vtk_program import load_by_pyvista
+
+    rich_mesh().write(tmp_path / "in.vtu")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        grid = load_by_pyvista(str(tmp_path / "in.vtu"))
+    cells = {kind: ids for kind, ids, _ in grid.cells}
+    for block, kind in zip(rich_mesh().cells, (10, 5, 9, 12)):
+        assert np.array_equal(cells[kind], block.data)
+
+
 def test_required_entities(command, tmp_path):
     rich_mesh().write(tmp_path / "in.vtu")
     run = command("meshio")
@@ -121,6 +162,16 @@ def test_errors_come_before_the_work(command, tmp_path):
     run = command("meshio")
     done = run("optimize", str(BRACKET), "out.e")
     assert done.returncode == 2 and "convert the mesh" in done.stderr
+    script = tmp_path / "with-meshio" / "tetune" / PROGRAM
+    assert run("convert", str(BRACKET), "good.vtu").returncode == 0
+    # From this folder it finds no interpreter.
+    script.write_bytes((ROOT / "python" / "src" / "tetune-vtk.sh").read_bytes())
+    done = run("info", "good.vtu")
+    assert done.returncode == 2 and "there is no Python interpreter to run it" in done.stderr and "damaged" not in done.stderr
+
+
+def test_damaged_files(command, tmp_path):
+    run = command("meshio")
     (tmp_path / "broken.vtu").write_text("<VTKFile>")
     done = run("info", "broken.vtu")
     assert done.returncode == 2 and "broken.vtu: meshio failed to read it" in done.stderr

@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeVar, Union
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import MeshError, OptionError, Report, TetMesh, conserve_data
+from ._core import MeshError, Report, TetMesh, conserve_data
 from ._point_data import Unchanged, as_rows, displacement_of, interpolated, is_smooth, transfer_point_data
 from ._second_order import LINEAR_KIND, Middles, Nodes
+from ._tags import Tags, required_of, tags_of, without_inserted
+from ._vtk_stream import CELLS, ORDERS, POINT_FLAGS, TAG_NAMES
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -20,26 +22,13 @@ if TYPE_CHECKING:
     import meshio
     import pyvista as pv
 
-Tags: TypeAlias = Union[str, Literal[False], None]
 M = TypeVar("M")
 Array: TypeAlias = NDArray[Any]
 
-# Cell data that number regions, patches and lines in files of these programs, as meshio names them.
-KNOWN_TAGS = ("medit:ref", "gmsh:physical", "gmsh:geometrical")
-# Cells: meshio's name and VTK's number.
-VTK_CELLS = {
-    1: "vertex",
-    3: "line",
-    5: "triangle",
-    9: "quad",
-    10: "tetra",
-    12: "hexahedron",
-    13: "wedge",
-    14: "pyramid",
-    21: "line3",
-    22: "triangle6",
-    24: "tetra10",
-}
+# Point data that are no fields.
+NO_FIELDS = (*TAG_NAMES, *POINT_FLAGS.values())
+# Cells: VTK's number and meshio's name. Pixels and voxels are in files alone.
+VTK_CELLS = {number: name for number, (_, name) in CELLS.items() if number not in ORDERS}
 
 
 class Block(NamedTuple):
@@ -108,15 +97,23 @@ class OwnAdapter(Adapter[TetMesh]):
 
 
 class BlockAdapter(Adapter[M]):
-    """A mesh of blocks of cells, with tags for each block or without tags."""
+    """A mesh of blocks of cells, with tags for each block or without tags, and required entities."""
 
     blocks: list[Block]
-    tags: list[Array] | None
     _middles: Middles | None = None
+    _tags: list[Array] | None = None
+    _required: Mapping[str, Any] = {}
 
     def _find_middles(self) -> None:
         if any(b.kind in LINEAR_KIND for b in self.blocks):
             self._middles = Middles(self.points(), [(b.kind, b.vertices) for b in self.blocks])
+
+    def _find_constraints(
+        self, tags: Tags, point_data: Mapping[str, Any], names: list[str], values_of: Callable[[str], Sequence[Any]]
+    ) -> None:
+        """Tags and required entities. `values_of` gives the cell data of a name, one array per block."""
+        self._tags = tags_of(tags, names, values_of)
+        self._required = required_of(point_data, self.vertices(), [_linear_kind(b) for b in self.blocks], names, values_of)
 
     def tet_mesh(self) -> TetMesh:
         tets = self._joined("tetra")
@@ -134,6 +131,7 @@ class BlockAdapter(Adapter[M]):
             edges=self._joined("line"),
             edge_tags=self._joined_tags("line"),
             others=[(b.kind, self._linear(b)) for b in others],
+            **self._required,
             **({} if middles is None else middles.curved_arguments()),
         )
 
@@ -159,9 +157,7 @@ class BlockAdapter(Adapter[M]):
         return _joined([self._linear(b) for b in self.blocks if _linear_kind(b) == kind])
 
     def _joined_tags(self, kind: str) -> Array | None:
-        if self.tags is None:
-            return None
-        return _joined([tags for b, tags in zip(self.blocks, self.tags) if _linear_kind(b) == kind])
+        return _joined([tags for b, tags in zip(self.blocks, self._tags or []) if _linear_kind(b) == kind])
 
     def nodes(self, work: TetMesh, report: Report | Unchanged, vertex_map: NDArray[np.int32]) -> Nodes:
         if self._middles is None:
@@ -179,12 +175,12 @@ class BlockAdapter(Adapter[M]):
         """Data of the nodes of the result, as the option `data` says."""
         points = len(self.points())
         if nodes.middles is None:
-            return transfer_point_data(data, work, report, nodes.origin, points)
+            return without_inserted(transfer_point_data(data, work, report, nodes.origin, points), data, nodes.origin)
         vertices = nodes.middles.input.vertices
         vertex_map = report.vertex2original if len(report.vertex2original) else self._all_vertices(work)
         of_vertices = {name: np.asarray(values)[vertices] for name, values in data.items()}
         new = transfer_point_data(of_vertices, work, report, vertex_map, len(vertices))
-        return nodes.middles.transfer(data, new, nodes, len(report.place_weights) > 0)
+        return without_inserted(nodes.middles.transfer(data, new, nodes, len(report.place_weights) > 0), data, nodes.origin)
 
     def _linear_blocks(self, work: TetMesh, report: Report | Unchanged) -> list[NewBlock]:
         """The blocks of the result by vertices, of the kinds of the input."""
@@ -229,11 +225,13 @@ class BlockAdapter(Adapter[M]):
         smooth_of = dict(zip(smooth, new_points))
         smooth_of_tets = dict(zip(smooth_tets, new_tets))
         places, weights = report.place_vertices, report.place_weights
+        vertex_map = report.vertex2original if len(report.vertex2original) else self._all_vertices(work)
+        new = {
+            name: smooth_of[name].reshape(-1, *v.shape[1:]) if name in smooth_of else interpolated(v, places, weights)
+            for name, v in points.items()
+        }
         return (
-            {
-                name: smooth_of[name].reshape(-1, *v.shape[1:]) if name in smooth_of else interpolated(v, places, weights)
-                for name, v in points.items()
-            },
+            without_inserted(new, points, vertex_map),
             {
                 name: smooth_of_tets[name].reshape(-1, *v.shape[1:]) if name in smooth_of_tets else v[source[:, 0]]
                 for name, v in tet_data.items()
@@ -251,27 +249,6 @@ def _joined(parts: list[Array]) -> Array | None:
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def chosen_tags(tags: Tags, names: list[str]) -> str | None:
-    """The name of the cell data that are used as tags, or None."""
-    if tags is False:
-        return None
-    if tags is None:
-        return next((name for name in KNOWN_TAGS if name in names), None)
-    if tags not in names:
-        raise OptionError(f"tags is {tags!r}; the cell data of this mesh are: {', '.join(names) or 'none'}")
-    return tags
-
-
-def as_tags(name: str, values: Array) -> Array:
-    values = np.asarray(values)
-    if values.ndim != 1:
-        raise OptionError(f"tags is {name!r}, which has {values.shape[1]} numbers a cell; it must have one")
-    whole = values.astype(np.int64)
-    if not np.array_equal(whole, values):
-        raise OptionError(f"tags is {name!r}, which has numbers that are not whole; tags must be")
-    return whole
-
-
 class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
     def __init__(self, mesh: meshio.Mesh, tags: Tags) -> None:
         self._mesh = mesh
@@ -281,8 +258,7 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
                                 f"{', '.join(VTK_CELLS.values())}")
         self.blocks = [Block(b.type, np.asarray(b.data)) for b in mesh.cells]
         self._find_middles()
-        name = chosen_tags(tags, list(mesh.cell_data))
-        self.tags = None if name is None else [as_tags(name, v) for v in mesh.cell_data[name]]
+        self._find_constraints(tags, mesh.point_data, list(mesh.cell_data), lambda name: list(mesh.cell_data[name]))
 
     def points(self) -> Array:
         return np.asarray(self._mesh.points)
@@ -292,7 +268,7 @@ class MeshioAdapter(BlockAdapter["meshio.Mesh"]):
 
     def fields(self) -> list[str]:
         data = self._mesh.point_data.items()
-        return [name for name, values in data if name not in KNOWN_TAGS and is_smooth(np.asarray(values))]
+        return [name for name, values in data if name not in NO_FIELDS and is_smooth(np.asarray(values))]
 
     def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> meshio.Mesh:
         import meshio
@@ -351,11 +327,8 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
             self.blocks = [Block(VTK_CELLS[t], cells[t]) for t in present]
             self._cells = [np.flatnonzero(types == t) for t in present]
         self._find_middles()
-        name = chosen_tags(tags, list(grid.cell_data.keys()))
-        self.tags = None
-        if name is not None:
-            values = as_tags(name, grid.cell_data[name])
-            self.tags = [values[c] for c in self._cells]
+        self._find_constraints(tags, dict(grid.point_data), list(grid.cell_data.keys()),
+                               lambda name: [np.asarray(grid.cell_data[name])[c] for c in self._cells])
 
     def points(self) -> Array:
         return np.asarray(self._grid.points)
@@ -365,7 +338,7 @@ class PyvistaAdapter(BlockAdapter["pv.UnstructuredGrid"]):
 
     def fields(self) -> list[str]:
         data = self._grid.point_data.items()
-        return [name for name, values in data if name not in KNOWN_TAGS and is_smooth(np.asarray(values))]
+        return [name for name, values in data if name not in NO_FIELDS and is_smooth(np.asarray(values))]
 
     def result(self, work: TetMesh, report: Report | Unchanged, nodes: Nodes) -> pv.UnstructuredGrid:
         import pyvista as pv

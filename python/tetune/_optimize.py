@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from os import PathLike
+from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, Union, overload
 from warnings import warn
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._adapters import Adapter, Tags, adapter_of
+from ._adapters import Adapter, adapter_of
 from ._core import (
     AcceptanceReport,
     CriteriaReport,
@@ -29,6 +29,7 @@ from ._core import (
     TetMesh,
 )
 from ._options import Options
+from ._tags import Tags
 
 if TYPE_CHECKING:
     from typing import TypeAlias, Unpack
@@ -64,7 +65,7 @@ class Result(Generic[M]):
 
 
 def _model(geometry: Geometry | str | PathLike[str], threads: int) -> Geometry:
-    return geometry if isinstance(geometry, Geometry) else Geometry(str(geometry), threads=threads)
+    return geometry if isinstance(geometry, Geometry) else Geometry(geometry, threads=threads)
 
 
 def _prepared(mesh: Any, tets: Any, tags: Tags) -> tuple[TetMesh, Adapter[Any]]:
@@ -151,10 +152,11 @@ def optimize(
             neighbors' floating-point data (by mean value coordinates, which reproduce linear fields exactly), and other
             data of the nearest vertex of the input. Second-order cells (tetra10, triangle6, line3; VTK types 24, 22,
             21) stay so, with the curved surface unmoved; data of a mid-side node follow its edge, and are means of both
-            ends, or the integers of one, on a new edge.
+            ends, or the integers of one, on a new edge. Arrays of required entities, such as `mmg_required_vertices`,
+            hold these as in a file of VTK (docs/formats.md).
         tags: of a meshio or pyvista mesh, the name of the cell data that number regions, patches and lines: faces
-            between regions are kept. By default the first of `medit:ref`, `gmsh:physical`, `gmsh:geometrical` that the
-            mesh has; False: none.
+            between regions are kept. By default the first of `medit:ref`, `gmsh:physical`, `tetgen:ref`, `refs`,
+            `gmsh:geometrical` that the mesh has and that holds integers; False: none.
         progress: True shows a progress bar on a terminal; or a function that is called between passes and stops the
             run by returning False: the result is then the best mesh so far, and valid.
         criteria: acceptance criteria, as in check(). The run then works on the tetrahedra that fail, in rounds
@@ -180,7 +182,8 @@ def optimize(
         if criteria is not None:
             raise OptionError("criteria and geometry exclude each other: make two calls")
         model = _model(geometry, options.get("threads", 0))
-        on_model = _with_progress(progress, lambda hook: _core.improve_on_geometry(work, model, dict(options), snap, hook))
+        run = lambda hook: _core.improve_on_geometry(work, model, dict(options), bool(snap), hook)
+        on_model = _with_progress(progress, run)
         return _result(work, adapter, on_model.optimization, before, dict(options), geometry=on_model)
     if criteria is None:
         report = _with_progress(progress, lambda hook: _core.improve(work, dict(options), hook))
@@ -191,13 +194,13 @@ def optimize(
 
 
 def _criteria(given: Criteria) -> str | dict[str, Mapping[str, float]]:
-    return dict(given) if isinstance(given, Mapping) else str(given)
+    return dict(given) if isinstance(given, Mapping) else fspath(given)
 
 
 def _with_progress(
     progress: bool | Callable[[Progress], object], run: Callable[[Callable[[Progress], object] | None], R]
 ) -> R:
-    if progress is not True:
+    if callable(progress) or not progress:
         return run(progress if callable(progress) else None)
     from ._progress import ProgressBar
 
@@ -320,6 +323,8 @@ def move(
         to = before + adapter.point_data(to)
     if to is None:
         raise TypeError("move() needs targets: an array of positions, or a list of them")
+    if isinstance(to, (list, tuple)) and len(to) == 0:
+        raise OptionError("to is an empty list; it must be an array of positions, or a list of such arrays")
     listed = list(to) if isinstance(to, (list, tuple)) and np.ndim(to[0]) == 2 else [to]
     arrays = [np.asarray(t, dtype=np.float64) for t in listed]
     if (vertices := adapter.vertices()) is not None:

@@ -16,7 +16,7 @@ from ._options import Options
 if TYPE_CHECKING:
     from typing import Unpack
 
-    from ._adapters import Tags
+    from ._tags import Tags
 
 
 @pv.register_dataset_accessor("tetune", pv.UnstructuredGrid)  # type: ignore[untyped-decorator, unused-ignore]

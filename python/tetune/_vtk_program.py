@@ -73,7 +73,9 @@ def load_by_pyvista(file: str) -> Grid:
         grid = pv.wrap(grid).clean()
     if not isinstance(grid, pv.UnstructuredGrid):
         raise Refused(f"it holds a {type(grid).__name__}, not an unstructured grid")
-    kinds, offsets, ids = np.asarray(grid.celltypes), np.asarray(grid.offset), np.asarray(grid.cell_connectivity)
+    # By VTK, as the name of the offsets in pyvista depends on its version.
+    offsets = np.asarray(pv.convert_array(grid.GetCells().GetOffsetsArray()))
+    kinds, ids = np.asarray(grid.celltypes), np.asarray(grid.cell_connectivity)
     cells = []
     for kind in np.unique(kinds):
         if kind not in CELLS:

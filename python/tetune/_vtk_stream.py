@@ -14,6 +14,13 @@ VERSION = 0x7465_7475_6E65_0004
 # In the order of DataValues.
 TYPES = ("f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")
 TAG_NAMES = ("medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical")
+# Flags of points and of cells, with the kind of these: the lists of TetMesh, in the order of the stream, and the names
+# of the arrays.
+POINT_FLAGS = {"corners": "mmg_corners", "required_vertices": "mmg_required_vertices"}
+CELL_FLAGS = {"ridges": ("mmg_ridge_edges", "edge"), "required_edges": ("mmg_required_edges", "edge"),
+              "required_triangles": ("mmg_required_triangles", "triangle"),
+              "required_tets": ("mmg_required_tetrahedra", "tet")}
+REQUIRED_QUADS = "mmg_required_quadrilaterals"
 # VTK's number of a kind of cells: vertices, and meshio's name.
 CELLS = {1: (1, "vertex"), 3: (2, "line"), 5: (3, "triangle"), 8: (4, "pixel"), 9: (4, "quad"), 10: (4, "tetra"),
          11: (8, "voxel"), 12: (8, "hexahedron"), 13: (6, "wedge"), 14: (5, "pyramid"),
@@ -115,26 +122,38 @@ def plain_data(data: dict[str, Any], warnings: list[str]) -> dict[str, Any]:
     return kept
 
 
+def whole_numbers(values: Any) -> Any:
+    """The values as integers of 32 bits; None where they are not one such number per entry."""
+    if values.ndim != 1 or values.dtype.kind not in "biuf":
+        return None
+    with np.errstate(invalid="ignore"):
+        whole = values.astype("i4")
+    return whole if np.array_equal(whole, values) else None
+
+
 def take_tags(data: dict[str, Any], size: int, warnings: list[str]) -> tuple[str, Any]:
     """Removes the first array that holds tags, and returns its name with its values."""
     for name in TAG_NAMES:
         if name not in data:
             continue
-        values = data[name]
-        with np.errstate(invalid="ignore"):
-            whole = values.ndim == 1 and np.array_equal(values.astype("i4"), values)
-        if whole:
-            return name, data.pop(name).astype("i4")
+        tags = whole_numbers(data[name])
+        if tags is not None:
+            del data[name]
+            return name, tags
         warnings.append(f'"{name}" does not hold integers of 32 bits: kept as data, not as tags')
     return "", np.zeros(size, "i4")
 
 
-def flagged(data: dict[str, Any], name: str, rows: Any = None) -> Any:
-    """The positions, of all or of `rows`, that are not 0 in an array of required entities."""
-    values = data.get(name)
-    if values is None or values.ndim != 1:
+def take_flags(data: dict[str, Any], name: str) -> Any:
+    """Removes an array of flags, and returns it; None where there is none."""
+    return data.pop(name) if name in data and data[name].ndim == 1 else None
+
+
+def flagged(flags: Any, rows: Any = None) -> Any:
+    """The positions, of all or of `rows`, whose flag is not 0."""
+    if flags is None:
         return np.zeros(0, "i4")
-    return np.flatnonzero(values if rows is None else values[rows])
+    return np.flatnonzero(flags if rows is None else flags[rows])
 
 
 def without_middles(grid: Grid) -> tuple[Grid, bool, Any, Any]:
@@ -188,22 +207,17 @@ def encode(grid: Grid, warnings: list[str], out: Writer) -> None:
         order = np.argsort(rows, kind="stable")
         return ids[order], rows[order]
 
-    tets, triangles, edges = (cells_of((SIMPLICES[kind][1],), SIMPLICES[kind][0]) for kind in ("tet", "triangle", "edge"))
+    simplices = {kind: cells_of((SIMPLICES[kind][1],), SIMPLICES[kind][0]) for kind in ("tet", "triangle", "edge")}
     out.items(grid.points, "f8", 3)
     out.items(point_tags, "i4")
-    for (ids, rows), width in ((tets, 4), (triangles, 3), (edges, 2)):
-        out.items(ids, "i4", width)
+    for kind, (ids, rows) in simplices.items():
+        out.items(ids, "i4", SIMPLICES[kind][0])
         out.items(cell_tags[rows], "i4")
-    out.items(flagged(of_points, "mmg_corners"), "i4")
-    out.items(flagged(of_points, "mmg_required_vertices"), "i4")
-    out.items(flagged(of_cells, "mmg_ridge_edges", edges[1]), "i4")
-    out.items(flagged(of_cells, "mmg_required_edges", edges[1]), "i4")
-    out.items(flagged(of_cells, "mmg_required_triangles", triangles[1]), "i4")
-    out.items(flagged(of_cells, "mmg_required_tetrahedra", tets[1]), "i4")
-    quads_required: Any = of_cells.get("mmg_required_quadrilaterals")
-    for data in (of_points, of_cells):
-        for name in [name for name in data if name.startswith(("mmg_required_", "mmg_corners", "mmg_ridge_"))]:
-            del data[name]
+    for name in POINT_FLAGS.values():
+        out.items(flagged(take_flags(of_points, name)), "i4")
+    for name, kind in CELL_FLAGS.values():
+        out.items(flagged(take_flags(of_cells, name), simplices[kind][1]), "i4")
+    quads_required = take_flags(of_cells, REQUIRED_QUADS)
     others = [(name, CELLS[kinds[0]][0], *cells_of(kinds, CELLS[kinds[0]][0])) for name, kinds in OTHERS]
     others = [block for block in others if len(block[3])]
     out.number("Q", len(others))
@@ -212,11 +226,10 @@ def encode(grid: Grid, warnings: list[str], out: Writer) -> None:
         out.number("i", width)
         out.items(ids, "i4")
         out.items(cell_tags[rows], "i4")
-        is_quads = name == "Quadrilaterals" and quads_required is not None
-        out.items(np.flatnonzero(quads_required[rows]) if is_quads else [], "i4")
+        out.items(flagged(quads_required, rows) if name == "Quadrilaterals" else [], "i4")
         out.data({name: values[rows] for name, values in of_cells.items()})
     out.data(of_points)
-    for _, rows in (tets, triangles, edges):
+    for _, rows in simplices.values():
         out.data({name: values[rows] for name, values in of_cells.items()} if len(rows) else {})
     out.number("Q", 0)  # groups
     out.number("Q", 0)  # periodic links
@@ -237,8 +250,8 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     blocks = {}
     for kind, width in (("tet", 4), ("triangle", 3), ("edge", 2)):
         blocks[kind] = [s.items("i4", width), s.items("i4"), {}]
-    corners, required_vertices = s.items("i4"), s.items("i4")
-    ridges, required_edges, required_triangles, required_tets = (s.items("i4") for _ in range(4))
+    of_points = [(name, s.items("i4")) for name in POINT_FLAGS.values()]
+    of_cells = [(name, kind, s.items("i4")) for name, kind in CELL_FLAGS.values()]
     others = []
     for _ in range(s.number("Q")):
         name, width = s.text(), s.number("i")
@@ -268,25 +281,27 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     tags = np.concatenate([k[2] for k in kinds])
     if tags.any() or cell_name:
         cell_data = {cell_name or "medit:ref": tags, **cell_data}
+    cells = [(k[0], k[1].astype("i8"), None) for k in kinds if len(k[1])]
+    if second_order:
+        points, cells, point_data = with_middles(points, cells, point_data, curved)
     if point_tags.any() or point_name:
-        point_data = {point_name or "medit:ref": point_tags, **point_data}
+        tags = np.zeros(len(points), "i4")
+        tags[: len(point_tags)] = point_tags
+        point_data = {point_name or "medit:ref": tags, **point_data}
 
     def flags(data: dict[str, Any], name: str, positions: Any, size: int) -> None:
         if len(positions):
             data[name] = np.zeros(size, "u1")
             data[name][positions] = 1
 
-    flags(point_data, "mmg_required_vertices", required_vertices, len(points))
-    flags(point_data, "mmg_corners", corners, len(points))
-    for name, vtk, positions in (("required_edges", 3, required_edges), ("ridge_edges", 3, ridges),
-                                 ("required_triangles", 5, required_triangles), ("required_tetrahedra", 10, required_tets)):
-        flags(cell_data, "mmg_" + name, positions + first[vtk], sum(sizes))
+    for name, positions in of_points:
+        flags(point_data, name, positions, len(points))
+    for name, kind, positions in of_cells:
+        flags(cell_data, name, positions + first[SIMPLICES[kind][1]], sum(sizes))
     for name, _, _, required, _ in others:
         if name == "Quadrilaterals":
-            flags(cell_data, "mmg_required_quadrilaterals", required + first[9], sum(sizes))
-    cells = [(k[0], k[1].astype("i8"), None) for k in kinds if len(k[1])]
-    grid = Grid(points, cells, point_data, cell_data)
-    return with_middles(grid, curved) if second_order else grid
+            flags(cell_data, REQUIRED_QUADS, required + first[9], sum(sizes))
+    return Grid(points, cells, point_data, cell_data)
 
 
 def merged(parts: list[dict[str, Any]], sizes: list[int]) -> dict[str, Any]:
@@ -306,31 +321,33 @@ def merged(parts: list[dict[str, Any]], sizes: list[int]) -> dict[str, Any]:
     return result
 
 
-def with_middles(grid: Grid, curved: Any) -> Grid:
-    """Second order: the node of each edge, behind all vertices. New vertices have no data: 0, or not a number."""
+def with_middles(points: Any, cells: list[tuple[int, Any, Any]], point_data: dict[str, Any],
+                 curved: Any) -> tuple[Any, list[tuple[int, Any, Any]], dict[str, Any]]:
+    """Points, cells and data of second order: the node of each edge, behind all vertices. Its data are those of Middles
+    in src/io/second_order.cpp: means of both ends, or integers of the first."""
     of_kind = {first: (second, [list(p) for p in pairs]) for _, first, second, pairs in SIMPLICES.values()}
-    ends = [np.sort(ids[:, pair], axis=1) for kind, ids, _ in grid.cells if kind in of_kind for pair in of_kind[kind][1]]
+    ends = [np.sort(ids[:, pair], axis=1) for kind, ids, _ in cells if kind in of_kind for pair in of_kind[kind][1]]
     edges, number = np.unique(np.concatenate(ends), axis=0, return_inverse=True)
-    number = number.reshape(-1) + len(grid.points)
-    middle = (grid.points[edges[:, 0]] + grid.points[edges[:, 1]]) / 2
-    key = edges[:, 0] * len(grid.points) + edges[:, 1]
+    number = number.reshape(-1) + len(points)
+
+    def on_edges(values: Any) -> Any:
+        first, second = values[edges[:, 0]], values[edges[:, 1]]
+        return (first + second) / 2 if values.dtype.kind == "f" else first
+
+    middle = on_edges(points)
+    key = edges[:, 0] * len(points) + edges[:, 1]
     wanted = curved["vertices"].astype("i8")
-    wanted_key = wanted[:, 0] * len(grid.points) + wanted[:, 1]
+    wanted_key = wanted[:, 0] * len(points) + wanted[:, 1]
     at = np.minimum(np.searchsorted(key, wanted_key), len(key) - 1)
     found = key[at] == wanted_key
     middle[at[found]] = curved["middle"][found]
-    cells, done = [], 0
-    for kind, ids, rows in grid.cells:
+    new, done = [], 0
+    for kind, ids, rows in cells:
         if kind in of_kind:
             second, pairs = of_kind[kind]
             nodes = number[done : done + len(pairs) * len(ids)].reshape(len(pairs), -1).T
             done += len(pairs) * len(ids)
             kind, ids = second, np.hstack([ids, nodes])
-        cells.append((kind, ids, rows))
-
-    def longer(values: Any) -> Any:
-        filling = np.nan if values.dtype.kind == "f" else 0
-        return np.concatenate([values, np.full((len(edges), *values.shape[1:]), filling, values.dtype)])
-
-    data = {name: longer(values) for name, values in grid.point_data.items()}
-    return Grid(np.concatenate([grid.points, middle]), cells, data, grid.cell_data)
+        new.append((kind, ids, rows))
+    data = {name: np.concatenate([values, on_edges(values)]) for name, values in point_data.items()}
+    return np.concatenate([points, middle]), new, data

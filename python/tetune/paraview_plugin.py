@@ -15,9 +15,10 @@ from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints, vtkUnsignedCharArr
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 
 import tetune
-from tetune._adapters import VTK_CELLS, Block, BlockAdapter, as_tags, chosen_tags
+from tetune._adapters import VTK_CELLS, Block, BlockAdapter
 from tetune._point_data import transfer_point_data
 from tetune._second_order import LINEAR_KIND
+from tetune._tags import without_inserted
 
 BOUNDARY = ("preserve", "slide", "fixed")
 EFFORT = ("fast", "standard", "best")
@@ -56,9 +57,9 @@ class GridAdapter(BlockAdapter[vtkUnstructuredGrid]):
             Block(VTK_CELLS[t], ids[offsets[c][:, None] + np.arange(n)]) for t, c, n in zip(self._types, self._cells, sizes)
         ]
         self._cell_data = arrays_of(grid.GetCellData())
-        name = chosen_tags(tags, list(self._cell_data))
-        values = None if name is None else as_tags(name, self._cell_data[name])
-        self.tags = None if values is None else [values[c] for c in self._cells]
+        self._point_data = arrays_of(grid.GetPointData())
+        self._find_constraints(tags, self._point_data, list(self._cell_data),
+                               lambda name: [self._cell_data[name][c] for c in self._cells])
 
     def points(self) -> Any:
         return vtk_to_numpy(self._grid.GetPoints().GetData())
@@ -79,9 +80,9 @@ class GridAdapter(BlockAdapter[vtkUnstructuredGrid]):
         out.SetPoints(points)
         out.SetCells(kinds, cells)
         parent = np.concatenate([c[b.rows] for c, b in zip(self._cells, blocks)])
-        point_data = arrays_of(self._grid.GetPointData())
         before = self._grid.GetNumberOfPoints()
-        for name, values in transfer_point_data(point_data, work, report, result.vertex_map, before).items():
+        moved = transfer_point_data(self._point_data, work, report, result.vertex_map, before)
+        for name, values in without_inserted(moved, self._point_data, result.vertex_map).items():
             add_array(out.GetPointData(), name, values)
         for name, values in self._cell_data.items():
             add_array(out.GetCellData(), name, values[parent])
@@ -119,7 +120,7 @@ class TetuneFilter(VTKPythonAlgorithmBase):
 
     @smproperty.stringvector(name="Regions", default_values="")
     def SetRegions(self, value: str) -> None:
-        """The cell data that number the regions; empty: medit:ref or Gmsh's, if there are such."""
+        """The cell data that number the regions; empty: medit:ref or another of the names in docs/formats.md."""
         self._tags = value
         self.Modified()
 

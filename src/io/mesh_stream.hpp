@@ -13,7 +13,8 @@
 #include "tetune/error.hpp"
 #include "tetune/mesh.hpp"
 
-/// A mesh as a sequence of bytes, between tetune and the programs of its plugins on the same machine.
+/// A mesh as a sequence of bytes, between tetune and the programs of its plugins on the same machine, and in pickles of
+/// Python.
 namespace tetune {
 
 /// The first word of a stream with a mesh, and of an answer: "tetune" and the version of the encoding, which increases

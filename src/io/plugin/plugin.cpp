@@ -36,6 +36,11 @@ void check_status(const ExitStatus& status, const Plugin& plugin, const char* ve
     throw FileError(path + ": tetune's plugin for " + library + " cannot start: a shared library is missing; install " +
                     library);
   }
+  if (status.code == kPluginNoInterpreter) {
+    throw FileError(path + ": tetune's plugin for " + library +
+                    " cannot start: there is no Python interpreter to run it; install tetune again with the Python in "
+                    "use");
+  }
   if (status.code == 0 && status.signal.empty()) return;
   throw FileError(path + ": " + library + " failed to " + verb + " it (" +
                   (status.signal.empty() ? "exit code " + std::to_string(status.code) : status.signal) + ")" +

@@ -28,5 +28,7 @@ namespace tetune {
 inline constexpr int kPluginDescriptor = 3;
 /// Exit code of the system's loader when a shared library is missing.
 inline constexpr int kPluginNotLoaded = 127;
+/// Exit code of a program that is a script of Python where no interpreter can run it.
+inline constexpr int kPluginNoInterpreter = 126;
 
 }  // namespace tetune
