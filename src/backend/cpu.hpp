@@ -82,9 +82,13 @@ class Cpu {
   /// `threads` 0: one per processor. There may be fewer, see ThreadPool.
   explicit Cpu(int threads = 0, std::function<bool()> stop = {})
       : stop_(std::move(stop)),
-        pool_(std::make_shared<ThreadPool>(threads > 0 ? threads
-                                                       : static_cast<int>(std::thread::hardware_concurrency()))),
+        pool_(std::make_shared<ThreadPool>(requested_threads(threads))),
         threads_(pool_->threads()) {}
+
+  /// The number of threads that a backend for `threads` asks for.
+  static int requested_threads(int threads) {
+    return ThreadPool::clamp(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()));
+  }
 
   int threads() const { return static_cast<int>(threads_); }
 

@@ -110,8 +110,7 @@ void activate_all(const Backend& backend, WorkMesh<Backend>& mesh, const Criteri
                   FlipState<Backend>& state, double min_energy) {
   using namespace active_set_detail;
   state.min_energy = min_energy;
-  state.slack.resize(backend, mesh.slots(), mesh.room());
-  backend.fill(state.slack.span(), kUnknownSlack);
+  reset_slack(backend, mesh, state);
   activate_where(backend, mesh, state, is_promising(criterion, state));
 }
 

@@ -29,7 +29,7 @@ template <class Backend>
 void flip_around_tangles(const Backend& backend, WorkingSet<Backend>& work) {
   const Criterion criterion{kShapeObjective};
   refresh_energy(backend, work.mesh, criterion, work.flips.energies);
-  activate_all(backend, work.mesh, criterion, work.flips);
+  reset_slack(backend, work.mesh, work.flips);
   activate_around(backend, work.mesh, work.flips, Span<const std::uint8_t>(work.dofs.active.span()));
   flip_until_none(backend, work.mesh, criterion, work.flips, {});
 }

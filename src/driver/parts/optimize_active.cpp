@@ -120,7 +120,7 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
 Report report_nothing(const Options& options) {
   Report report;
   report.device = "CPU";
-  report.threads = backend::Cpu(options.threads).threads();
+  report.threads = backend::Cpu::requested_threads(options.threads);
   for (const Target& target : options.targets) report.targets.emplace_back().target = target;
   return report;
 }
