@@ -122,8 +122,8 @@ struct Resolve {
 };
 
 /// Writes the new tetrahedra, and frees the slots that are left over. Marks the new tetrahedra and their neighbors for
-/// evaluation where `changed_tets` are given: of the candidates whose cavity has changed, few are owned by a
-/// tetrahedron farther away. The threads of a team divide the tetrahedra among them.
+/// evaluation where `changed_tets` are given: nearly all candidates whose cavity changed belong to one of these. The
+/// threads of a team divide the tetrahedra among them.
 template <class P>
 struct Write {
   static constexpr Size kGrain = 32;

@@ -71,7 +71,7 @@ struct ProposeInGroups {
   }
 };
 
-/// Few proposals occupy a device only if its teams get few each.
+/// Proposals per team: few where there are few proposals, so that all of the device has work.
 template <class Generator>
 Size proposals_per_team(Size count) {
   constexpr Size kTeams = 2048;

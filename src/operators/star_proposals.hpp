@@ -10,7 +10,7 @@
 /// (DihedralCots::cost()) falls, or the mean energy of the mesh.
 namespace tetune {
 
-/// A place for an apex is improved further when the cost there is at most this many times what it was.
+/// An apex position is improved further if its cost is at most this many times the cost before.
 inline constexpr double kAcceptRatio = 1.5;
 /// Before the cavity is enlarged, the cost may be this many times what it was.
 inline constexpr double kScreenRatio = 1.4;

@@ -7,8 +7,8 @@
 
 namespace tetune {
 
-/// Each movable vertex of a tetrahedron removed by the contraction of one of its edges: of those that it has in
-/// proposing tetrahedra. The first of these around the vertex proposes for all.
+/// Removes a movable vertex by contracting one of its edges in proposing tetrahedra. The first of these around the
+/// vertex proposes on behalf of all.
 struct VertexContraction {
   static constexpr int kChoices = 4;
 

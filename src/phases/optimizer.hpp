@@ -65,7 +65,7 @@ class Optimizer {
     rings_stale_ = rings_stale_ || flips.flips() > 0;
   }
 
-  /// To be called when vertices got other degrees of freedom, or the mesh was uploaded.
+  /// Call this after degrees of freedom have changed or the mesh was uploaded.
   void invalidate_rings() { rings_stale_ = true; }
   /// Builds the rings of all vertices, and colors them, if they are out of date. Returns false if a requested stop
   /// prevented it.

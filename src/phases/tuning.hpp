@@ -65,7 +65,7 @@ struct AlternationParameters {
 struct MeanParameters {
   /// 0: the phase is left out.
   int max_rounds = 0;
-  /// They are inserted and removed at this part of the tetrahedra, those of the largest energies.
+  /// Vertices are inserted and removed at this fraction of the tetrahedra: those of the largest energies.
   double max_part = 0.05;
   /// An operation must lower the energy beyond the mean by this part of what a cavity of mean energy has.
   double min_gain = 1e-3;
@@ -121,14 +121,14 @@ struct AngleParameters {
   double cost_resolution = 0.01;
   /// Whether neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
   bool moves_neighbors = false;
-  /// Maximum number of further rounds for a crowd: at least `crowd_count` tetrahedra with a cost within the fraction
-  /// `crowd_part` of the largest, which is above `crowd_goal` (1.3: 37.6 degrees). Restarts work on a few places only.
+  /// Maximum number of further rounds while at least `crowd_count` tetrahedra have a cost within `crowd_part` of the
+  /// largest, and that exceeds `crowd_goal` (1.3: 37.6 degrees). Restarts treat only a few tetrahedra.
   int crowd_rounds = 0;
   double crowd_count = 64;
   double crowd_part = 0.05;
   double crowd_goal = 1.3;
-  /// Maximum number of last rounds, which work on about `last_count` of the worst tetrahedra alone: where a few are
-  /// left that need many operations, the worst element of the mesh is among them.
+  /// Maximum number of last rounds. Each works on about `last_count` of the worst tetrahedra: the few that still need
+  /// many operations include the worst one of the mesh.
   int last_rounds = 0;
   double last_count = 0;
   /// Rounds for crowds and last rounds end after `max_stalls` successive ones that each lower the largest cost by less
@@ -198,7 +198,8 @@ struct MotionParameters {
   /// A step is accepted while the energy of each tetrahedron is below this, or has grown by less than this factor.
   double safe_energy = 8;
   double max_energy_growth = 2;
-  /// A step that is refused is repeated with this part of its length; the next one may be this many times longer.
+  /// A refused step is repeated at this fraction of its length; after an accepted one the next may be longer by the
+  /// factor `step_increase`.
   double step_decrease = 0.75;
   double step_increase = 2;
   /// Steps of less than this fraction are stalls: they are accepted where all volumes stay positive, whatever the

@@ -172,8 +172,8 @@ std::vector<Index> untangle_once(Optimizer<Backend>& optimizer) {
   return originals_of(mesh, std::move(left));
 }
 
-/// The same, from the state before, with all vertices of the surface and of interfaces fixed if they could move: where
-/// they can, the surface may fold, though the inside has room.
+/// Untangles from the state before, with all vertices of the surface and of interfaces fixed: if they can move, the
+/// surface may fold even though the inside has room.
 template <class Backend>
 std::vector<Index> untangle_inside(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before) {
   WorkingSet<Backend>& work = optimizer.work;

@@ -349,8 +349,9 @@ class AngleCostRing {
   static constexpr double kLastStep = 5e-3;
   /// The smallest relative decrease of the cost for which a step is taken.
   static constexpr double kMinGain = 1e-3;
-  /// Angles within this part of the largest cost take part in a step. The part is multiplied by that of them for which
-  /// there is room, and by a factor, in at most this number of attempts.
+  /// Angles whose cost is within the fraction kBand of the largest take part in a step. Where there are more than
+  /// there is room for, the fraction is decreased in proportion, and by a further factor, in at most kMaxBands
+  /// attempts.
   static constexpr double kBand = 0.6;
   static constexpr double kBandDecrease = 0.8;
   static constexpr int kMaxBands = 4;

@@ -31,8 +31,8 @@ struct SurfaceDeviation {
 
 /// The quadratic surface of a mesh, on which its vertices and mid-side nodes slide. The straight triangles parametrize
 /// it: while the straight tetrahedra are optimized, vertices slide on these, and then each node gets the point of the
-/// quadratic triangle with the same barycentric coordinates. An edge within one triangle so stays on the surface as a
-/// whole.
+/// quadratic triangle with the same barycentric coordinates. Thus an edge inside one triangle lies on the
+/// surface along its whole length.
 ///
 /// Feature edges are listed lines, those that are not on two triangles of one sheet, and those at whose mid-side node
 /// the quadratic surface turns by more than the feature angle; corners are vertices at which a line of them does.
