@@ -99,9 +99,9 @@ class CriteriaRun {
     const double known = seconds_of_phases(report_.optimization);
     if (report_.no_rounds.empty() && report_.after.verdict == Verdict::fail) {
       max_tets_ = options_.max_growth * double(input.tets.size());
-      least_mean_ratio_ =
-          std::min(tuning_of(options_.effort).angles.mean_ratio_part * quality(input, options_.threads).mean_ratio_min,
-                   quality(mesh, options_.threads).mean_ratio_min);
+      least_mean_ratio_ = std::min(
+          tuning_of(options_.effort).angles.mean_ratio_fraction * quality(input, options_.threads).mean_ratio_min,
+          quality(mesh, options_.threads).mean_ratio_min);
       make_rounds(mesh);
     }
     if (is_worse(report_.before, report_.after)) keep_input(input, mesh);

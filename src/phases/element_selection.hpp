@@ -149,7 +149,7 @@ void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const s
 }
 
 /// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within the
-/// part `resolution`. The values are 0 or at least 1.
+/// fraction `resolution`. The values are 0 or at least 1.
 template <class Backend>
 double upper_quantile(const Backend& backend, Span<const double> values, double max_above, double resolution = 0.01) {
   using namespace element_selection_detail;

@@ -240,15 +240,15 @@ class TargetFollower {
     optimizer_.refresh_rings();
   }
 
-  /// Computes the displacements of the rest of the way, after prepare(). `kept_part` of the last displacement is the
-  /// initial guess. Returns the number of iterations of the solver.
-  int extend(double kept_part) {
+  /// Computes the displacements of the rest of the way, after prepare(). `kept_fraction` of the last displacement is
+  /// the initial guess. Returns the number of iterations of the solver.
+  int extend(double kept_fraction) {
     using namespace follow_targets_detail;
     const Backend& backend = optimizer_.backend;
     WorkingSet<Backend>& work = optimizer_.work;
     backend.for_each(work.mesh.vertices(),
                      StartDisplacement{work.mesh.points, std::as_const(target_).span(),
-                                       std::as_const(prescribed_).span(), work.dofs.dof, kept_part, displacement_});
+                                       std::as_const(prescribed_).span(), work.dofs.dof, kept_fraction, displacement_});
     if (backend.stop_requested()) return 0;
     assemble_stiffness(backend, work.mesh, work.rings.view(), stiffness_);
     return extend_harmonically(backend, stiffness_, sliding_.find_spaces(backend, work), parameters().solver_tolerance,

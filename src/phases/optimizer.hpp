@@ -55,7 +55,7 @@ class Optimizer {
   /// Subtracts the decrease by one step.
   void decrease_energy(double decrease, const Objective& objective) {
     energy_ -= decrease;
-    if (energy_ < tuning.resum_part * last_sum_) timer.measure(Phase::sums, [&] { sum_energy(objective); });
+    if (energy_ < tuning.resum_fraction * last_sum_) timer.measure(Phase::sums, [&] { sum_energy(objective); });
   }
 
   /// Adds the flips of one pass to the report.

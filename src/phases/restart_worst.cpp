@@ -89,7 +89,7 @@ class NeighborhoodOptimizer {
   }
 
   /// Angles are worked on whose cost is above a part of the largest.
-  void set_largest_cost(double cost) { angles_.min_cost = std::max(angles_.min_cost, p_.cost_part * cost); }
+  void set_largest_cost(double cost) { angles_.min_cost = std::max(angles_.min_cost, p_.cost_fraction * cost); }
 
   /// Lowers the energy, and then the mean energy, as before any work on the worst elements.
   void lower_energy(Region region, const RestartParameters::Perturbation& perturbation) {
@@ -226,7 +226,7 @@ std::vector<Index> RestartSearch::find_worst() const {
   std::vector<Index> worst;
   if (!(largest > 0)) return worst;
   worst.resize(cots_.size());
-  const double least = (1 - p_.worst_part) * largest;
+  const double least = (1 - p_.worst_fraction) * largest;
   worst.resize(to_size_t(host_->compact(
       slots, [&](Size t) { return cost_if_left(t) >= least; }, span_of(worst))));
   std::sort(worst.begin(), worst.end(),

@@ -52,8 +52,8 @@ class RestartSearch {
   /// Sets the weight of large angles for the next round, so that the largest costs somewhat more than the smallest.
   /// Returns false if it is small enough, or if several rounds have not lowered it.
   bool weigh_largest_angle();
-  /// The slots within RestartParameters::worst_part of the largest cost of those whose restarts have not all failed,
-  /// the largest cost first.
+  /// The slots within RestartParameters::worst_fraction of the largest cost of those whose restarts have not all
+  /// failed, the largest cost first.
   std::vector<Index> find_worst() const;
   /// Whether a slot has about the cost of another one, or a larger one.
   bool is_tied(Index slot, Index other) const;

@@ -128,7 +128,7 @@ class CheckedMesh {
 
   double orthogonal_quality(const TetShape& s, Size t) const {
     const Vec3 center = centroid_of(s.p);
-    double quality = volume_part(s);
+    double quality = relative_volume(s);
     for (int f = 0; f < 4; ++f) {
       const Vec3 outward = outward_normal(s, f);
       quality = std::min(quality, cosine(outward, face_centroid(s.p, f) - center));

@@ -12,7 +12,7 @@
 
 namespace tetune {
 
-/// A vertex that moves farther than this part of the local length activates itself and its ring for the next sweep.
+/// A vertex that moves farther than this fraction of the local length activates itself and its ring for the next sweep.
 inline constexpr double kActivationThreshold = 1e-2;
 
 struct SweepSum {

@@ -27,10 +27,10 @@
 namespace tetune {
 namespace {
 
-/// A vertex is on the geometry if its distance is at most this part of the diagonal.
+/// A vertex is on the geometry if its distance is at most this fraction of the diagonal.
 constexpr double kOnGeometry = 1e-10;
-/// The parts of the progress.
-constexpr double kSnapPart = 0.1, kSlidePart = 0.6, kInsidePart = 0.35, kWorstPart = 0.05;
+/// The fractions of the progress that the steps of a round take.
+constexpr double kSnapFraction = 0.1, kSlideFraction = 0.6, kInsideFraction = 0.35, kWorstFraction = 0.05;
 /// A round is repeated, with vertices of bad elements held, at most this many times.
 constexpr int kMaxRetries = 3;
 
@@ -93,7 +93,9 @@ class GeometryRun {
     hold_corners();
     bool is_done = false;
     for (int retry = 0; retry <= kMaxRetries && !is_done && !hooks_.is_stopped(); ++retry) is_done = make_round();
-    if (report_.rounds == 0) add(optimize(work_.mesh, fixed_options(work_), context_for(kSlidePart, 1 - kSlidePart)));
+    if (report_.rounds == 0) {
+      add(optimize(work_.mesh, fixed_options(work_), context_for(kSlideFraction, 1 - kSlideFraction)));
+    }
     store(input);
     add_seconds(report_.optimization, "geometry", seconds_);
     if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
@@ -167,7 +169,7 @@ class GeometryRun {
       work_.mesh = std::move(moved);
       return;
     }
-    MoveReport motion = move(work_.mesh, targets, fixed_options(work_), context_for(0, kSnapPart));
+    MoveReport motion = move(work_.mesh, targets, fixed_options(work_), context_for(0, kSnapFraction));
     report_.snapped = motion.fraction;
     work_.follow_result(motion.optimization.vertex2original);
     add(std::move(motion.optimization));
@@ -212,7 +214,7 @@ class GeometryRun {
     WorkState next = work_;
     Options sliding = options_for(work_, Boundary::slide);
     sliding.targets.clear();
-    Report slide = optimize(next.mesh, sliding, context_for(0, kSlidePart));
+    Report slide = optimize(next.mesh, sliding, context_for(0, kSlideFraction));
     next.follow_result(slide.vertex2original);
     const double slid_least = smallest_dihedral(next.mesh, options_.threads);
     std::vector<Point3> points = feet(next);
@@ -220,7 +222,7 @@ class GeometryRun {
     const std::vector<std::int8_t> signs = volume_signs(next.mesh, options_.threads);
     const auto inverted = [&](Size t) { return span_of(signs)[t] <= 0; };
     if (hold_vertices_of(next, slide.vertex2original, inverted)) return false;
-    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSlidePart, kInsidePart));
+    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSlideFraction, kInsideFraction));
     next.follow_result(inside.vertex2original);
     const double next_least = smallest_dihedral(next.mesh, options_.threads);
     if (next_least < least) {
@@ -246,13 +248,13 @@ class GeometryRun {
       Options sliding = options_for(work_, Boundary::slide);
       sliding.targets.clear();
       sliding.only_below = {{Measure::min_dihedral, slid_least}};
-      Report slide = optimize(next.mesh, sliding, context_for(kSlidePart + kInsidePart, kWorstPart / 2));
+      Report slide = optimize(next.mesh, sliding, context_for(kSlideFraction + kInsideFraction, kWorstFraction / 2));
       next.follow_result(slide.vertex2original);
       next.mesh.points = feet(next);
       if (!all_positive(next.mesh, options_.threads)) return;
       Options fixed = fixed_options(next);
       if (fixed.targets.empty()) fixed.only_below = sliding.only_below;
-      Report inside = optimize(next.mesh, fixed, context_for(1 - kWorstPart / 2, kWorstPart / 2));
+      Report inside = optimize(next.mesh, fixed, context_for(1 - kWorstFraction / 2, kWorstFraction / 2));
       next.follow_result(inside.vertex2original);
       const double next_least = smallest_dihedral(next.mesh, options_.threads);
       if (next_least <= least) return;
