@@ -16,7 +16,7 @@
 namespace tetune::cli {
 namespace {
 
-std::string table_line(const Job& job, const Outcome& o, std::size_t width) {
+std::string table_line(const Job& job, const JobResult& o, std::size_t width) {
   std::string line = fmt::format("  {:<{}}", job.input, width);
   if (o.after.tets > 0) {
     line +=
@@ -29,7 +29,7 @@ std::string table_line(const Job& job, const Outcome& o, std::size_t width) {
 }
 
 /// run_job() or run_series().
-Outcome run_one(const OptimizeArguments& a, const Job& job, Console& console) {
+JobResult run_one(const OptimizeArguments& a, const Job& job, Console& console) {
   const bool moves_series = a.move && (is_series(job.input) || is_series(job.output));
   return moves_series ? run_series(a, job, console) : run_job(a, job, console);
 }
@@ -46,7 +46,7 @@ int run_all(const OptimizeArguments& a, const std::vector<Job>& jobs, Console& s
   if (!has_details) summary.print(table);
   int code = kDone;
   for (const Job& job : jobs) {
-    Outcome o;
+    JobResult o;
     if (interrupt::requested()) {
       o.summary = "not started";
     } else {

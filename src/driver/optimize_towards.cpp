@@ -116,7 +116,7 @@ class CriteriaRun {
  private:
   bool is_stopped() const { return report_.optimization.stop == StopReason::cancelled || hooks_.is_stopped(); }
 
-  Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
+  Context context_for(double done, double fraction) const { return scaled_progress(hooks_.context(), done, fraction); }
 
   /// Undoes the run where the objective lowers measures of criteria that the input meets.
   void keep_input(const TetMesh& input, TetMesh& mesh) {
@@ -221,7 +221,7 @@ class CriteriaRun {
     const bool limits = report_.after.verdict == Verdict::fail && !is_stopped();
     if (!limits && !retargets) return;
     const Options options = current_options();
-    const MeshOutcome imported = import_outcome(mesh, options);
+    const ImportedMesh imported = imported_mesh(mesh, options);
     if (retargets) report_.optimization.targets = report_targets(imported, options);
     for (const CriterionResult& r : report_.after.results) {
       if (limits && r.verdict == Verdict::fail)
@@ -229,7 +229,7 @@ class CriteriaRun {
     }
   }
 
-  CriterionLimits limits_of(const TetMesh& mesh, const AcceptanceCriterion& criterion, const MeshOutcome& imported,
+  CriterionLimits limits_of(const TetMesh& mesh, const AcceptanceCriterion& criterion, const ImportedMesh& imported,
                             const Options& options) const {
     std::vector<Index> tet2slot(imported.slot2tet.size());
     for (Index slot = 0; slot < std::ssize(imported.slot2tet); ++slot) {
@@ -245,7 +245,7 @@ class CriteriaRun {
       missed.centroid = view.centroid(f.tet);
       limits.worst.push_back(missed);
     }
-    find_limiting(imported.outcome, options, target_of(criterion), limits.worst);
+    find_limiting(imported.mesh, options, target_of(criterion), limits.worst);
     for (MissedTet& m : limits.worst) {
       m.tet = span_of(imported.slot2tet)[m.tet];
       ++limits.held_by[std::size_t(m.held_by)];

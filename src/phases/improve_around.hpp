@@ -22,7 +22,7 @@ Size flip_boundary_at_active(Optimizer<Backend>& optimizer, const Criterion& cri
       boundary_flip_pass(optimizer.backend, work.mesh, criterion, work.flips, work.boundary, optimizer.changed.output())
           .counts;
   activate(optimizer.backend, optimizer.changed, work.dofs);
-  optimizer.count(made);
+  optimizer.record_flips(made);
   return made.flips();
 }
 
@@ -38,7 +38,7 @@ Size flip_until_none_active(Optimizer<Backend>& optimizer, const Criterion& crit
   FlipCounts flips = face_removal_pass(backend, work.mesh, criterion, work.flips, changed).counts;
   flips += flip_until_none(backend, work.mesh, criterion, work.flips, changed);
   activate(backend, optimizer.changed, work.dofs);
-  optimizer.count(flips);
+  optimizer.record_flips(flips);
   return flips.flips();
 }
 

@@ -41,7 +41,7 @@ class LatchedHooks {
 };
 
 /// The hooks of a step that takes the run's progress from `done` to `done + fraction`.
-inline Context part_of(const Context& whole, double done, double fraction) {
+inline Context scaled_progress(const Context& whole, double done, double fraction) {
   Context context = whole;
   if (whole.progress) {
     context.progress = [progress = whole.progress, done, fraction](Progress p) {

@@ -59,7 +59,7 @@ class Optimizer {
   }
 
   /// Adds the flips of one pass to the report.
-  void count(const FlipCounts& flips) {
+  void record_flips(const FlipCounts& flips) {
     FlipCounts& total = report;
     total += flips;
     rings_stale_ = rings_stale_ || flips.flips() > 0;

@@ -196,14 +196,14 @@ bool can_move_surface(const WorkingSet<Backend>& work) {
 }
 
 /// The tetrahedra that could not be untangled, and the reason; none if all are positive.
-struct Outcome {
+struct UntangleResult {
   std::vector<Index> left;  ///< tetrahedra of the input, in increasing order
   UntangleError::Reason reason = UntangleError::Reason::no_room;
 };
 
 /// Restores the input, and explains what is left.
 template <class Backend>
-Outcome explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
+UntangleResult explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
   using Reason = UntangleError::Reason;
   if (optimizer.backend.stop_requested()) return {std::move(left), Reason::stopped};
   WorkMesh<Backend>& mesh = optimizer.work.mesh;
@@ -221,7 +221,7 @@ Outcome explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, 
 }
 
 template <class Backend>
-Outcome untangle_tets(Optimizer<Backend>& optimizer) {
+UntangleResult untangle_tets(Optimizer<Backend>& optimizer) {
   const Snapshot<Backend> before(optimizer.work);
   std::vector<Index> left = untangle_once(optimizer);
   if (left.empty()) return {};
@@ -238,11 +238,11 @@ Outcome untangle_tets(Optimizer<Backend>& optimizer) {
 /// "Untangling"). Throws UntangleError if tetrahedra remain that are not positive, or if the surface would fold.
 template <class Backend>
 void untangle(Optimizer<Backend>& optimizer) {
-  untangle_detail::Outcome outcome;
-  optimizer.timer.measure(Phase::untangling, [&] { outcome = untangle_detail::untangle_tets(optimizer); });
+  untangle_detail::UntangleResult result;
+  optimizer.timer.measure(Phase::untangling, [&] { result = untangle_detail::untangle_tets(optimizer); });
   optimizer.report.tets_untangled = optimizer.work.tangled;
-  if (!outcome.left.empty()) {
-    throw UntangleError(optimizer.work.tangled, std::move(outcome.left), outcome.reason);
+  if (!result.left.empty()) {
+    throw UntangleError(optimizer.work.tangled, std::move(result.left), result.reason);
   }
 }
 

@@ -134,7 +134,7 @@ class GeometryRun {
   }
 
   /// Positions on the geometry of the vertices that may move.
-  std::vector<Point3> feet(const WorkState& state) {
+  std::vector<Point3> closest_points(const WorkState& state) {
     std::vector<GeometryEntity> entities = state.entities;
     for (Size v = 0; v < std::ssize(entities); ++v) {
       if (!state.may_move(v)) span_of(entities)[v] = {};
@@ -151,7 +151,7 @@ class GeometryRun {
   void move_onto_geometry() {
     const std::vector<double>& distances = report_.before.distances;
     if (*std::max_element(distances.begin(), distances.end()) <= tolerance_) return;
-    const std::vector<Point3> on_geometry = feet(work_);
+    const std::vector<Point3> on_geometry = closest_points(work_);
     VertexTargets targets(on_geometry.size(), Point3{kNan, kNan, kNan});
     TetMesh moved = work_.mesh;
     for (Size v = 0; v < std::ssize(targets); ++v) {
@@ -193,7 +193,7 @@ class GeometryRun {
   }
   Options fixed_options(const WorkState& state) const { return options_for(state, Boundary::fixed); }
 
-  Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
+  Context context_for(double done, double fraction) const { return scaled_progress(hooks_.context(), done, fraction); }
 
   void add(Report&& run) {
     Report& total = report_.optimization;
@@ -217,7 +217,7 @@ class GeometryRun {
     Report slide = optimize(next.mesh, sliding, context_for(0, kSlideFraction));
     next.follow_result(slide.vertex2original);
     const double slid_least = smallest_dihedral(next.mesh, options_.threads);
-    std::vector<Point3> points = feet(next);
+    std::vector<Point3> points = closest_points(next);
     next.mesh.points.swap(points);
     const std::vector<std::int8_t> signs = volume_signs(next.mesh, options_.threads);
     const auto inverted = [&](Size t) { return span_of(signs)[t] <= 0; };
@@ -250,7 +250,7 @@ class GeometryRun {
       sliding.only_below = {{Measure::min_dihedral, slid_least}};
       Report slide = optimize(next.mesh, sliding, context_for(kSlideFraction + kInsideFraction, kWorstFraction / 2));
       next.follow_result(slide.vertex2original);
-      next.mesh.points = feet(next);
+      next.mesh.points = closest_points(next);
       if (!all_positive(next.mesh, options_.threads)) return;
       Options fixed = fixed_options(next);
       if (fixed.targets.empty()) fixed.only_below = sliding.only_below;
