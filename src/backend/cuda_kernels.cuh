@@ -50,7 +50,7 @@ class PartOfWarp {
     return condition;
 #endif
   }
-  TETUNE_HD static Placement place([[maybe_unused]] bool condition) {
+  TETUNE_HD static Placement rank_among([[maybe_unused]] bool condition) {
 #if defined(__CUDA_ARCH__)
     const unsigned holding = __ballot_sync(threads(), condition);
     const unsigned lower = (1U << (threadIdx.x % 32)) - 1;

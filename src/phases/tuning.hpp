@@ -144,12 +144,12 @@ struct RestartParameters {
   /// The number of rounds by default (Options::restarts); one per `tets_per_round` tetrahedra in smaller meshes.
   int rounds = 0;
   double tets_per_round = 400;
-  /// Maximum number of places at which a round restarts.
-  int places = 4;
-  /// Maximum number of perturbations that a round tries per place; the first one in order that succeeds is kept. On
+  /// Maximum number of spots at which a round restarts.
+  int spots = 4;
+  /// Maximum number of perturbations that a round tries per spot; the first one in order that succeeds is kept. On
   /// several threads later ones start before the earlier ones have ended.
   int tries = 3;
-  /// Places are at elements whose cost is within this fraction of the largest.
+  /// Spots are at elements whose cost is within this fraction of the largest.
   double worst_fraction = 0.05;
   /// A restart is kept if it lowers the largest cost by the fraction `min_fall`, or leaves it and lowers the sum of the
   /// costs to the power of eight by the fraction `min_fall_of_others`.

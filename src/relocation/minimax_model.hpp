@@ -42,7 +42,7 @@ class MinimaxModel {
     int at = added_;
     int added = added_;
     for (int k = 0; team.any(k < own); ++k) {
-      const backend::Placement more = team.place(k < own);
+      const backend::Placement more = team.rank_among(k < own);
       at += more.before;
       added += more.count;
     }

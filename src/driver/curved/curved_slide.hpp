@@ -56,7 +56,7 @@ class CurvedSlide {
  private:
   using Edge = std::array<Index, 2>;
   /// The part of the surface on which each element of the slid surface is.
-  struct Places {
+  struct SheetsOfElements {
     std::map<Edge, const QuadraticSheet*> edges;
     std::map<Index, const QuadraticSheet*> vertices;
   };
@@ -66,7 +66,7 @@ class CurvedSlide {
   Index find_feature(const Edge& edge) const;
   void find_features(double feature_angle);
   void find_chains(double feature_angle);
-  Places find_places(const TetMesh& slid, const Report& report) const;
+  SheetsOfElements find_sheets_of_elements(const TetMesh& slid, const Report& report) const;
   const QuadraticSheet* sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& triangles,
                                  const std::vector<Index>& component) const;
 
