@@ -4,7 +4,6 @@
 #include <concepts>
 #include <type_traits>
 
-#include "backend/prefetch.hpp"
 #include "mesh/work_mesh.hpp"
 #include "operators/slots.hpp"
 #include "tetune/flip_counts.hpp"

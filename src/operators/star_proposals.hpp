@@ -2,8 +2,8 @@
 #pragma once
 
 #include "energy/mesh_energy.hpp"
-#include "operators/selection.hpp"
 #include "operators/star_cavity.hpp"
+#include "operators/surface_bend.hpp"
 #include "operators/surface_triangles.hpp"
 
 /// Proposals to retriangulate a cavity from one point, so that the largest cost of its dihedral angles

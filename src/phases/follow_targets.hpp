@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "boundary/classify.hpp"
 #include "phases/harmonic_extension.hpp"
 #include "phases/optimizer.hpp"
 #include "phases/sliding_motion.hpp"

@@ -11,6 +11,7 @@
 #include "phases/vertex_sets.hpp"
 #include "phases/working_set.hpp"
 #include "relocation/move_periodic.hpp"
+#include "relocation/sweep.hpp"
 
 namespace tetune {
 

@@ -118,7 +118,7 @@ void run_rounds(Optimizer<Backend>& optimizer) {
     build_rings(backend, work.mesh, work.rings);
     color_vertices(backend, work.rings.view(), work.dofs.dof.span(), work.coloring, work.dofs.stars());
     Criterion criterion{kShapeObjective};
-    criterion.objective.regularization = p.regularizations[backend::to_size_t(round) % p.regularizations.size()];
+    criterion.objective.regularization = p.regularizations[to_size_t(round) % p.regularizations.size()];
     for (int i = 0; i < p.max_sweeps && tangled > 0 && go_on; ++i) {
       flag_neighbors(backend, work.mesh, work.dofs.active.span());
       sweep<RegularizedRing>(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
@@ -151,7 +151,7 @@ struct Snapshot {
 template <class Backend>
 std::vector<Index> originals_of(const WorkMesh<Backend>& mesh, std::vector<Index> slots) {
   const std::vector<Index> tet2original = mesh.tet2original.download();
-  for (Index& t : slots) t = backend::span_of(tet2original)[t];
+  for (Index& t : slots) t = span_of(tet2original)[t];
   std::sort(slots.begin(), slots.end());
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   return slots;
@@ -211,7 +211,7 @@ UntangleResult explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& b
   std::vector<Index> slots;
   const std::vector<Index> tet2original = mesh.tet2original.download();
   for (Size slot = 0; slot < std::ssize(tet2original); ++slot) {
-    const Index original = backend::span_of(tet2original)[slot];
+    const Index original = span_of(tet2original)[slot];
     if (std::binary_search(left.begin(), left.end(), original)) slots.push_back(to_index(slot));
   }
   const std::vector<Index> faults = surface_faults(HostMesh(mesh), slots);

@@ -6,6 +6,7 @@
 #include "boundary/classify.hpp"
 #include "boundary/sliding/slide_surface.hpp"
 #include "boundary/sliding/surface_element.hpp"
+#include "boundary/vertex_dofs.hpp"
 
 namespace tetune {
 namespace slide_surface_detail {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/transfer/bounded_projection.hpp"
-#include "math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "math/constants.hpp"
 
 namespace tetune {
 namespace {
