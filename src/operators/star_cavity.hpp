@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "energy/dihedral_cots.hpp"
 #include "energy/ring_of.hpp"
 #include "operators/kernel_point.hpp"
 #include "operators/star_shape.hpp"
 #include "relocation/angle_cost_ring.hpp"
 #include "relocation/step.hpp"
+#include "relocation/trial_motion.hpp"
 
 namespace tetune {
 

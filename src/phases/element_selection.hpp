@@ -4,9 +4,10 @@
 #include <cmath>
 
 #include "backend/atomic.hpp"
+#include "energy/criterion.hpp"
+#include "energy/dihedral_cots.hpp"
 #include "math/orient.hpp"
 #include "mesh/work_mesh.hpp"
-#include "relocation/angle_cost_ring.hpp"
 
 /// Selection of tetrahedra and of their vertices, for work on a few of them (docs/method.md, "The worst elements").
 namespace tetune {

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "boundary/sliding/deviation_bound.hpp"
 #include "curved.hpp"
 #include "driver/import_mesh.inl"
 #include "meshes.hpp"
