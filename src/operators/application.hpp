@@ -243,7 +243,7 @@ auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Crit
   using namespace application_detail;
   const SlotChange change(mesh, selection.total);
   change.make_room(backend, mesh);
-  state.make_room(backend, change.slots, change.needed);
+  state.make_room(backend, change.needed);
   const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
   const Span<const ChangeCounts> before = selection.before.span();
   const Size old_vertices = mesh.vertices() - selection.total.inserted;

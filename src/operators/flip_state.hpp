@@ -68,14 +68,11 @@ struct FlipState {
 
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
 
-  /// Room for slots [old_slots, slots) beside those there are.
-  void make_room(const Backend& backend, Size old_slots, Size slots) {
+  void make_room(const Backend& backend, Size slots) {
     energies.grow(backend, slots);
     tet2bid.grow(backend, slots);
-    marks.grow(backend, slots);
-    slack.grow(backend, slots);
-    backend.fill(Span<std::uint8_t>(marks.span().data() + old_slots, slots - old_slots), std::uint8_t{0});
-    backend.fill(Span<float>(slack.span().data() + old_slots, slots - old_slots), kUnknownSlack);
+    grow_filled(backend, marks, slots, std::uint8_t{0});
+    grow_filled(backend, slack, slots, kUnknownSlack);
   }
 };
 

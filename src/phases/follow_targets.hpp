@@ -259,15 +259,9 @@ class TargetFollower {
   /// Vertices inserted since the last step are not prescribed, and start without a displacement.
   void add_inserted_vertices() {
     const Size vertices = optimizer_.work.mesh.vertices();
-    fill_new(target_, vertices, Vec3{0, 0, 0});
-    fill_new(prescribed_, vertices, std::uint8_t{0});
-    fill_new(displacement_, vertices, Vec3{0, 0, 0});
-  }
-  template <class T>
-  void fill_new(BufferOf<Backend, T>& buffer, Size size, const T& value) {
-    const Size old = buffer.size();
-    buffer.grow(optimizer_.backend, size);
-    optimizer_.backend.fill(Span<T>(buffer.span().data() + old, size - old), value);
+    grow_filled(optimizer_.backend, target_, vertices, Vec3{0, 0, 0});
+    grow_filled(optimizer_.backend, prescribed_, vertices, std::uint8_t{0});
+    grow_filled(optimizer_.backend, displacement_, vertices, Vec3{0, 0, 0});
   }
 
   /// Valid until the next call.

@@ -43,9 +43,7 @@ class NewNeighborhoods {
   BufferOf<Backend, Index> find_above(Optimizer<Backend>& optimizer, double bound) {
     const Backend& backend = optimizer.backend;
     WorkMesh<Backend>& mesh = optimizer.work.mesh;
-    const Size known = fingerprints_.size();
-    fingerprints_.grow(backend, mesh.slots());
-    backend.fill(Span<std::uint32_t>(fingerprints_.span().data() + known, mesh.slots() - known), std::uint32_t{0});
+    grow_filled(backend, fingerprints_, mesh.slots(), std::uint32_t{0});
     VertexMask<Backend> flags(backend, mesh.vertices());
     backend.fill(flags.span(), std::uint8_t{0});
     backend.for_each(mesh.slots(), FlagVerticesOfNew{mesh.view(), fingerprints_.span(), flags.span()});

@@ -20,9 +20,7 @@ class Region {
  public:
   Region(const Cpu& backend, const std::vector<std::uint8_t>& flags) { flags_.upload(backend, flags); }
   Span<const std::uint8_t> flags(const Cpu& backend, const WorkMesh<Cpu>& mesh) {
-    const Size before = flags_.size();
-    flags_.grow(backend, mesh.vertices());
-    backend.fill(Span<std::uint8_t>(flags_.span().data() + before, flags_.size() - before), std::uint8_t{1});
+    grow_filled(backend, flags_, mesh.vertices(), std::uint8_t{1});
     return std::as_const(flags_).span();
   }
 
