@@ -11,7 +11,7 @@
 /// The measures of acceptance criteria. Formulas and sources: docs/quality.md, "Acceptance".
 namespace tetune {
 
-inline Vec3 centroid_of(const Vec3 (&p)[4]) { return 0.25 * (p[0] + p[1] + p[2] + p[3]); }
+inline Vec3 centroid_of(const Vec3 (&p)[4]) { return centroid(p[0], p[1], p[2], p[3]); }
 
 inline Vec3 face_centroid(const Vec3 (&p)[4], int face) {
   return (1.0 / 3) * (p[face_vertex(face, 0)] + p[face_vertex(face, 1)] + p[face_vertex(face, 2)]);

@@ -293,7 +293,6 @@ LiftedNodes CurvedSlide::lift(const TetMesh& slid, const Report& report) const {
   const auto stays = [&](Index v) {
     return original(v) >= 0 && span_of(mesh_.points)[original(v)] == span_of(slid.points)[v];
   };
-  const auto to_point = [](const Vec3& p) { return Point3{p.x, p.y, p.z}; };
   const SheetsOfElements sheets = find_sheets_of_elements(slid, report);
   LiftedNodes lifted;
   for (const auto& [v, sheet] : sheets.vertices) {

@@ -26,7 +26,7 @@ GeometryMiddles find_geometry_middles(const TetMesh& mesh, const Geometry& geome
     const Vec3 a = vec(span_of(mesh.points)[edge.vertices[0]]), b = vec(span_of(mesh.points)[edge.vertices[1]]);
     const Vec3 middle = 0.5 * (a + b);
     edges.push_back(edge.vertices);
-    midpoints.push_back({middle.x, middle.y, middle.z});
+    midpoints.push_back(to_point(middle));
     entities.push_back(edge.entity);
     lengths.push_back(norm(b - a));
   }

@@ -195,10 +195,9 @@ MissedInRange find_missed(const ConstrainedMesh& mesh, const ConstraintFinder& c
     const double measured = value(all_measures(TetShape(p)), target.measure);
     if (!misses(target, measured)) continue;
     MissedTet missed;
-    const Vec3 centroid = (0.25 / mesh.scale) * (p[0] + p[1] + p[2] + p[3]);
     missed.tet = to_index(t);
     missed.value = measured;
-    missed.centroid = {centroid.x, centroid.y, centroid.z};
+    missed.centroid = to_point((1 / mesh.scale) * centroid(p[0], p[1], p[2], p[3]));
     constraints.find(missed.tet, target, missed);
     ++result.counts[std::size_t(missed.held_by)];
     result.worst.push_back(missed);

@@ -20,8 +20,6 @@ double sum_over(const backend::Cpu& cpu, Size n, const F& f) {
   return cpu.reduce<Sum>(n, [&](Size i) { return Sum{f(i)}; }).value;
 }
 
-double volume(const TetPoints& x) { return std::fabs(six_volume(x)) / 6; }
-
 }  // namespace
 
 BoundedProjection::BoundedProjection(const backend::Cpu& cpu, const TransferMeshes& meshes, const TetOverlaps& overlaps,
