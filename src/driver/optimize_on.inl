@@ -5,7 +5,7 @@
 
 #include "driver/devices.hpp"
 #include "driver/export_mesh.hpp"
-#include "driver/import_mesh.inl"
+#include "driver/import_mesh.hpp"
 #include "driver/move_job.hpp"
 #include "driver/place_tracker.hpp"
 #include "driver/report/targets.hpp"

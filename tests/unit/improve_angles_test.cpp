@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "backend/cpu.hpp"
-#include "driver/import_mesh.inl"
+#include "driver/import_mesh.hpp"
 #include "meshes.hpp"
 #include "phases/lower_mean_energy.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "boundary/sliding/deviation_bound.hpp"
 #include "curved.hpp"
-#include "driver/import_mesh.inl"
+#include "driver/import_mesh.hpp"
 #include "meshes.hpp"
 #include "phases/restart_worst.hpp"
 
