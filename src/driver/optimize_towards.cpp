@@ -175,7 +175,9 @@ class CriteriaRun {
       undone = round.kept ? 0 : round.active;
       // Where most of a large mesh fails, another round takes as long as the first run.
       const bool is_large = round.active > std::max(kLarge, std::ssize(mesh.tets) / 2);
-      const bool gains = round.kept && 20 * (round.failed_before - round.failed_after) > round.failed_before;
+      constexpr std::int64_t kFailedPerGain = 20;
+      const bool gains =
+          round.kept && kFailedPerGain * (round.failed_before - round.failed_after) > round.failed_before;
       if (is_large && !gains) break;
     }
   }

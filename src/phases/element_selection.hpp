@@ -157,7 +157,8 @@ double upper_quantile(const Backend& backend, Span<const double> values, double 
   double low = 1;
   double high = 1e6;
   // A device tries all bounds of several steps at once, as the host waits for each result.
-  constexpr int kBounds = Backend::kIsAsynchronous ? 15 : 1;
+  constexpr int kStepsAtOnce = 4;
+  constexpr int kBounds = Backend::kIsAsynchronous ? (1 << kStepsAtOnce) - 1 : 1;
   while (high > (1 + resolution) * low) {
     CountAbove<kBounds> count{values, {}};
     fill_bisection(count.bounds, 0, low, high);

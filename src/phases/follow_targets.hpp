@@ -290,7 +290,8 @@ class TargetFollower {
     const double first = std::min(1.0, longest / rest);
     for (const bool strict : {true, false}) {
       // Where only volumes count, a much shorter step is better than none.
-      const double least = (strict ? 1 : 0.01) * parameters().min_fraction;
+      constexpr double kShorter = 0.01;
+      const double least = (strict ? 1 : kShorter) * parameters().min_fraction;
       for (double part = first; part * rest >= least; part *= parameters().step_decrease) {
         const CountRefusing refusing{refuses(displaced(part), strict)};
         if (optimizer_.backend.template reduce<Sum<Size>>(optimizer_.work.mesh.slots(), refusing).value == 0)

@@ -3,8 +3,9 @@
 
 #include <cmath>
 
+#include "backend/pack.hpp"
 #include "backend/team.hpp"
-#include "mesh/gather.hpp"
+#include "math/vec3.hpp"
 
 namespace tetune {
 

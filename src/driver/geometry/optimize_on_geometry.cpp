@@ -29,6 +29,8 @@ namespace {
 
 /// A vertex is on the geometry if its distance is at most this fraction of the diagonal.
 constexpr double kOnGeometry = 1e-10;
+/// The distance from the geometry that is expected of a vertex, as a fraction of the diagonal.
+constexpr double kExpectedDistance = 0.01;
 /// The fractions of the progress that the steps of a round take.
 constexpr double kSnapFraction = 0.1, kSlideFraction = 0.6, kInsideFraction = 0.35, kWorstFraction = 0.05;
 /// A round is repeated, with vertices of bad elements held, at most this many times.
@@ -344,8 +346,8 @@ class GeometryRun {
   const GeometryOptions& on_geometry_;
   const LatchedHooks hooks_;
   const double tolerance_;
-  /// The distance that is expected of a vertex, for speed.
-  const double radius_ = 0.01 * geometry_.diagonal();
+  /// The expected distance: a search within it is faster.
+  const double radius_ = kExpectedDistance * geometry_.diagonal();
   GeometryReport report_;
   PatchTags tags_;
   WorkState work_;
