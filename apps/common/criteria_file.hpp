@@ -18,7 +18,7 @@ namespace tetune::cli {
 /// Throws FileError with file and line, and for an unknown name the most similar known one.
 AcceptanceCriteria read_criteria(const std::string& name);
 
-/// The same for the bytes of a file; `path` stands for it in messages. A build without toml++ refuses all.
+/// Reads criteria from the bytes of a TOML file; `path` stands for it in messages. A build without toml++ refuses all.
 AcceptanceCriteria parse_criteria(const std::string& path, const std::string& bytes);
 
 /// For an unknown name, as a part of a message: the most similar known one, and all of them.

@@ -63,16 +63,16 @@ class SeriesRun {
   SeriesRun(const OptimizeArguments& arguments, const Job& job, Console& console)
       : a_(arguments), job_(job), console_(console), options_(arguments.options) {}
 
-  Outcome run() {
+  JobResult run() {
     check_arguments(a_, job_);
     read();
     LiveMesh mesh(input_, options_);
     original_of_.resize(input_.points.size());
     std::iota(original_of_.begin(), original_of_.end(), 0);
-    outcome_.before = quality(input_, options_.threads);
-    outcome_.code = kDone;
-    outcome_.summary = "done";
-    for (std::size_t i = 0; i < steps_.size() && outcome_.code == kDone; ++i) {
+    result_.before = quality(input_, options_.threads);
+    result_.code = kDone;
+    result_.summary = "done";
+    for (std::size_t i = 0; i < steps_.size() && result_.code == kDone; ++i) {
       try {
         if (!make_step(mesh, i)) break;
       } catch (const std::exception& e) {
@@ -81,12 +81,12 @@ class SeriesRun {
       }
     }
     if (interrupt::requested()) {
-      outcome_.code = kStoppedEarly;
-      outcome_.summary = "interrupted";
+      result_.code = kStoppedEarly;
+      result_.summary = "interrupted";
     }
-    outcome_.after = quality(mesh.mesh(), options_.threads);
+    result_.after = quality(mesh.mesh(), options_.threads);
     finish();
-    return outcome_;
+    return result_;
   }
 
  private:
@@ -103,8 +103,8 @@ class SeriesRun {
   void fail_after_first(const std::exception& e) {
     const bool lacks_memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
     console_.error(lacks_memory ? job_.input + ": out of memory" : with_flags(e.what()));
-    outcome_.code = kStoppedEarly;
-    outcome_.summary = "a time failed";
+    result_.code = kStoppedEarly;
+    result_.summary = "a time failed";
   }
 
   void read() {
@@ -221,8 +221,8 @@ class SeriesRun {
       const double angle = report->steps.empty() ? 0 : report->steps.back().dihedral_min;
       text += fmt::format(", {} steps, smallest dihedral angle of what moved {:.2f}\n", report->steps.size(), angle);
       if (!report->reached()) {
-        outcome_.code = kStoppedEarly;
-        outcome_.summary = "motion blocked";
+        result_.code = kStoppedEarly;
+        result_.summary = "motion blocked";
         text += move_summary(*report, mesh);
       }
     }
@@ -232,13 +232,13 @@ class SeriesRun {
 
   void finish() {
     if (!job_.report.empty()) {
-      const nlohmann::ordered_json json = {
-          {"tetune", TETUNE_VERSION},         {"input", job_.input},   {"output", job_.output},
-          {"options", to_json(options_)},     {"warnings", warnings_}, {"before", to_json(outcome_.before)},
-          {"after", to_json(outcome_.after)}, {"times", entries_}};
+      const nlohmann::ordered_json json = {{"tetune", TETUNE_VERSION},        {"input", job_.input},
+                                           {"output", job_.output},           {"options", to_json(options_)},
+                                           {"warnings", warnings_},           {"before", to_json(result_.before)},
+                                           {"after", to_json(result_.after)}, {"times", entries_}};
       write_text(job_.report, json_text(json));
     }
-    console_.print(quality_table({"first", "last"}, {outcome_.before, outcome_.after}) +
+    console_.print(quality_table({"first", "last"}, {result_.before, result_.after}) +
                    fmt::format("  {} of {} times written: {}\n", written_.size(), steps_.size(), job_.output));
   }
 
@@ -251,27 +251,27 @@ class SeriesRun {
   std::vector<Index> original_of_;  ///< per vertex: that of the first file, or -1
   std::vector<std::string> warnings_;
   nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();
-  Outcome outcome_;
+  JobResult result_;
 };
 
 }  // namespace
 
 bool is_series(const std::string& path) { return fs::path(path).extension() == ".pvd"; }
 
-Outcome run_series(const OptimizeArguments& arguments, const Job& job, Console& console) {
+JobResult run_series(const OptimizeArguments& arguments, const Job& job, Console& console) {
   interrupt::enter(interrupt::Stage::nothing);
   const auto start = std::chrono::steady_clock::now();
-  Outcome outcome;
+  JobResult result;
   try {
-    outcome = SeriesRun(arguments, job, console).run();
+    result = SeriesRun(arguments, job, console).run();
   } catch (const std::bad_alloc&) {
     console.error(job.input + ": out of memory");
   } catch (const std::exception& e) {
     console.error(with_flags(e.what()));
   }
   console.clear();
-  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return outcome;
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
 }
 
 }  // namespace tetune::cli

@@ -12,6 +12,6 @@ bool is_series(const std::string& path);
 
 /// Moves the mesh of the first file of a series to the targets that the files give, one after the other, and writes
 /// the mesh of each time, and the series of these. Errors are printed, and set the exit code.
-Outcome run_series(const OptimizeArguments& arguments, const Job& job, Console& console);
+JobResult run_series(const OptimizeArguments& arguments, const Job& job, Console& console);
 
 }  // namespace tetune::cli

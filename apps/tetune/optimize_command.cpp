@@ -16,7 +16,7 @@
 namespace tetune::cli {
 namespace {
 
-std::string table_line(const Job& job, const Outcome& o, std::size_t width) {
+std::string table_line(const Job& job, const JobResult& o, std::size_t width) {
   std::string line = fmt::format("  {:<{}}", job.input, width);
   if (o.after.tets > 0) {
     line +=
@@ -29,24 +29,24 @@ std::string table_line(const Job& job, const Outcome& o, std::size_t width) {
 }
 
 /// Prints the event at the end of a job, in JSON mode only.
-void print_end(const Job& job, const Outcome& outcome, Console& console) {
-  nlohmann::ordered_json end = {{"event", "end"}, {"input", job.input}, {"result", outcome.summary}};
-  end["exit_code"] = outcome.code;
-  end["seconds"] = outcome.seconds;
-  if (outcome.after.tets > 0) {
-    end["worst_angle_before_deg"] = outcome.before.dihedral_min;
-    end["worst_angle_deg"] = outcome.after.dihedral_min;
+void print_end(const Job& job, const JobResult& result, Console& console) {
+  nlohmann::ordered_json end = {{"event", "end"}, {"input", job.input}, {"result", result.summary}};
+  end["exit_code"] = result.code;
+  end["seconds"] = result.seconds;
+  if (result.after.tets > 0) {
+    end["worst_angle_before_deg"] = result.before.dihedral_min;
+    end["worst_angle_deg"] = result.after.dihedral_min;
   }
   console.event(end);
 }
 
 /// run_job() or run_series().
-Outcome run_one(const OptimizeArguments& a, const Job& job, Console& console) {
+JobResult run_one(const OptimizeArguments& a, const Job& job, Console& console) {
   console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
   const bool moves_series = a.move && (is_series(job.input) || is_series(job.output));
-  const Outcome outcome = moves_series ? run_series(a, job, console) : run_job(a, job, console);
-  print_end(job, outcome, console);
-  return outcome;
+  const JobResult result = moves_series ? run_series(a, job, console) : run_job(a, job, console);
+  print_end(job, result, console);
+  return result;
 }
 
 /// Several meshes: each has one line in a table, and the failure of one does not stop the others.
@@ -61,7 +61,7 @@ int run_all(const OptimizeArguments& a, const std::vector<Job>& jobs, Console& s
   if (!has_details) summary.print(table);
   int code = kDone;
   for (const Job& job : jobs) {
-    Outcome o;
+    JobResult o;
     if (interrupt::requested()) {
       o.summary = "not started";
       print_end(job, o, each);

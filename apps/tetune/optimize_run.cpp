@@ -38,13 +38,13 @@ class Run {
   Run(const OptimizeArguments& arguments, const Job& job, Console& console)
       : a_(arguments), job_(job), console_(console), options_(arguments.options), warnings_(arguments.warnings) {}
 
-  Outcome run() {
+  JobResult run() {
     read();
     if (a_.dry_run) return dry_run();
     optimize_mesh();
     write();
     finish();
-    return outcome_;
+    return result_;
   }
 
  private:
@@ -96,7 +96,7 @@ class Run {
   void improve(const Context& context) {
     const std::string file = shown_name(job_.input, false) + ": ";
     try {
-      outcome_.before = measure();
+      result_.before = measure();
       if (a_.criteria && a_.move) criteria_.before = check(input_.mesh, *a_.criteria, options_.threads);
       measured_at_ = Time::now();
       if (a_.move) {
@@ -161,7 +161,7 @@ class Run {
   }
 
   /// Loads the mesh, which finds its constraints, and stops there.
-  Outcome dry_run() {
+  JobResult dry_run() {
     console_.phase("checking");
     const std::string counts = mesh_summary(input_.mesh);
     double load_seconds = 0;
@@ -175,7 +175,7 @@ class Run {
                                    job_.output.empty() ? "" : " -> " + shown_name(job_.output, true), counts);
     text += constraint_table(report_);
     for (const std::string& note : constraint_notes(report_)) text += "  " + note + "\n";
-    text += quality_table({"now"}, {outcome_.before});
+    text += quality_table({"now"}, {result_.before});
     text += fmt::format("  memory                 about {:.0f} MB\n", needed_mb_);
     if (!a_.move && options_.termination == Termination::relative && options_.relocation == Relocation::newton) {
       // Measured ratios of the time of a run to that of loading.
@@ -184,9 +184,9 @@ class Run {
                           2 * input_.seconds + ratio * load_seconds, report_.threads);
     }
     console_.print(text);
-    outcome_.code = kDone;
-    outcome_.summary = "checked";
-    return outcome_;
+    result_.code = kDone;
+    result_.summary = "checked";
+    return result_;
   }
 
   void optimize_mesh() {
@@ -252,16 +252,16 @@ class Run {
   bool stopped() const { return report_.stop == StopReason::cancelled; }
 
   void finish() {
-    outcome_.after = measure();
+    result_.after = measure();
     if (a_.criteria && a_.move) criteria_.after = check(input_.mesh, *a_.criteria, options_.threads);
     const bool accepted = !a_.criteria || criteria_.after.verdict != Verdict::fail;
     const bool met = std::all_of(report_.targets.begin(), report_.targets.end(), [](const auto& t) { return t.met(); });
-    outcome_.code = stopped() || !motion_.reached() || !met || !accepted ? kStoppedEarly : kDone;
-    outcome_.summary = stopped()            ? (late_ ? "time limit" : "interrupted")
-                       : !motion_.reached() ? "motion blocked"
-                       : !met               ? "target missed"
-                       : !accepted          ? "criterion failed"
-                                            : "done";
+    result_.code = stopped() || !motion_.reached() || !met || !accepted ? kStoppedEarly : kDone;
+    result_.summary = stopped()            ? (late_ ? "time limit" : "interrupted")
+                      : !motion_.reached() ? "motion blocked"
+                      : !met               ? "target missed"
+                      : !accepted          ? "criterion failed"
+                                           : "done";
     std::optional<Comparison> change;
     if (original_ && !stopped()) {
       // It takes long. A bound is tested at all points; otherwise it must not take longer than the optimization.
@@ -270,8 +270,7 @@ class Run {
       change = compare(*original_, input_.mesh, options_.threads, at_all ? 0 : kMaxSamples);
     }
     if (change && options_.max_deviation > 0) check_deviation(*change);
-    if (outcome_.code == kStoppedEarly && !shows_figures())
-      warn(shown_name(job_.output, true) + ": " + outcome_.summary);
+    if (result_.code == kStoppedEarly && !shows_figures()) warn(shown_name(job_.output, true) + ": " + result_.summary);
     if (!job_.trace.empty()) write_beside_mesh(job_.trace, trace_csv(report_));
     if (!job_.report.empty()) {
       nlohmann::ordered_json json = full_report();
@@ -279,9 +278,9 @@ class Run {
       if (change && options_.max_deviation > 0) json["surface"]["max_deviation_kept"] = deviation_kept_;
       write_beside_mesh(job_.report, json_text(json));
     }
-    if (lacks_texts_ && outcome_.code == kDone) {
-      outcome_.code = kStoppedEarly;
-      outcome_.summary = "report not written";
+    if (lacks_texts_ && result_.code == kDone) {
+      result_.code = kStoppedEarly;
+      result_.summary = "report not written";
     }
     if (shows_figures()) console_.print(summary(change));
   }
@@ -301,8 +300,8 @@ class Run {
   }
 
   std::string summary(const std::optional<Comparison>& change) const {
-    const char* reason = stopped() ? outcome_.summary : to_string(report_.stop);
-    std::string text = quality_table({"before", "after"}, {outcome_.before, outcome_.after});
+    const char* reason = stopped() ? result_.summary : to_string(report_.stop);
+    std::string text = quality_table({"before", "after"}, {result_.before, result_.after});
     text += active_line(report_, options_);
     if (has_changed()) text += count_line(report_, reason);
     if (a_.move) text += move_summary(motion_, input_.mesh);
@@ -334,13 +333,13 @@ class Run {
     nlohmann::ordered_json json = report_head();
     json["read_seconds"] = input_.seconds;
     json["write_seconds"] = write_seconds_;
-    json["before"] = to_json(outcome_.before);
-    json["after"] = to_json(outcome_.after);
+    json["before"] = to_json(result_.before);
+    json["after"] = to_json(result_.after);
     json["optimization"] = to_json(report_);
     if (a_.criteria) json["acceptance"] = to_json(criteria_);
     if (a_.move) json["motion"] = to_json(motion_);
     if (geometry_) json["geometry"] = to_json(*geometry_, on_geometry_);
-    if (stopped()) json["optimization"]["stopped"] = outcome_.summary;
+    if (stopped()) json["optimization"]["stopped"] = result_.summary;
     return json;
   }
 
@@ -365,28 +364,28 @@ class Run {
   bool late_ = false;           ///< the time limit was reached
   bool deviation_kept_ = true;
   double write_seconds_ = 0;
-  Outcome outcome_;
+  JobResult result_;
 };
 
 }  // namespace
 
-Outcome run_job(const OptimizeArguments& arguments, const Job& job, Console& console) {
+JobResult run_job(const OptimizeArguments& arguments, const Job& job, Console& console) {
   interrupt::enter(interrupt::Stage::nothing);
-  Outcome outcome;
+  JobResult result;
   const auto start = Time::now();
   try {
-    outcome = Run(arguments, job, console).run();
+    result = Run(arguments, job, console).run();
   } catch (const std::bad_alloc&) {
     console.error(shown_name(job.input, false) + ": out of memory");
   } catch (const NotUntangled& e) {
     console.error(e.what());
-    outcome.code = kStoppedEarly;
+    result.code = kStoppedEarly;
   } catch (const std::exception& e) {
     console.error(e.what());
   }
   console.clear();
-  outcome.seconds = seconds_since(start);
-  return outcome;
+  result.seconds = seconds_since(start);
+  return result;
 }
 
 }  // namespace tetune::cli

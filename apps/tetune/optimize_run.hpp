@@ -9,7 +9,7 @@
 namespace tetune::cli {
 
 /// The result of one job.
-struct Outcome {
+struct JobResult {
   int code = kNothingWritten;
   const char* summary = "failed";
   Quality before, after;
@@ -17,6 +17,6 @@ struct Outcome {
 };
 
 /// Reads, improves and writes one mesh. Errors are printed, and set the exit code.
-Outcome run_job(const OptimizeArguments& arguments, const Job& job, Console& console);
+JobResult run_job(const OptimizeArguments& arguments, const Job& job, Console& console);
 
 }  // namespace tetune::cli

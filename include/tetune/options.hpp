@@ -10,7 +10,7 @@ namespace tetune {
 
 /// Where optimize() computes.
 enum class Device {
-  automatic,  ///< "auto": as cuda for 1000000 tetrahedra or more if there is a GPU with enough memory, else as cpu
+  automatic,  ///< "auto": as cuda for 500000 tetrahedra or more if there is a GPU with enough memory, else as cpu
   cpu,        ///< on CPU threads
   cuda,       ///< on the calling thread's current NVIDIA GPU, compute capability 7.5 or newer
 };

@@ -171,7 +171,7 @@ class Rounds {
     std::vector<std::int64_t> counts(kBins, 0);
     const float width = kMaxWorstAngle / kBins;
     for (const float a : angles_) {
-      if (a < kMaxWorstAngle) ++item(counts, a / width);
+      if (a < kMaxWorstAngle) ++item(counts, std::min(kBins - 1, std::size_t(a / width)));
     }
     counts = all_reduce(comm_, std::move(counts), MPI_SUM);
     const double wanted = std::max(1.0, kWorstFraction * double(report_.tets_before));

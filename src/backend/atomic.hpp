@@ -69,17 +69,6 @@ TETUNE_HD inline void atomic_min(T& target, std::type_identity_t<T> value) {
 #endif
 }
 
-/// Stores `value` if the target equals `expected`; returns the old value.
-TETUNE_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t& target, std::uint32_t expected,
-                                                       std::uint32_t value) {
-#if defined(__CUDA_ARCH__)
-  return atomicCAS(&target, expected, value);
-#else
-  __atomic_compare_exchange_n(&target, &expected, value, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
-  return expected;
-#endif
-}
-
 /// Stores to a location to which several threads may store the same value concurrently.
 template <class T, class U>
 TETUNE_HD inline void store_shared(T& target, U value) {

@@ -119,4 +119,13 @@ using DeviceViewOf = typename Backend::template DeviceView<T>;
 template <class Backend, class R>
 using ResultOf = typename Backend::template Result<R>;
 
+/// Changes the size and keeps the content, as Buffer::grow(); sets the elements that are new.
+template <class Backend, class T>
+void grow_filled(const Backend& backend, backend::Buffer<T, Backend>& buffer, Size size,
+                 const std::type_identity_t<T>& value) {
+  const Size old_size = buffer.size();
+  buffer.grow(backend, size);
+  if (size > old_size) backend.fill(Span<T>(buffer.span().data() + old_size, size - old_size), value);
+}
+
 }  // namespace tetune

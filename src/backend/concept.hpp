@@ -43,7 +43,7 @@ struct Weight {
 struct AnyRow {
   TETUNE_HD Size operator()(Size) const { return 0; }
 };
-struct Place {
+struct PlaceItem {
   TETUNE_HD void operator()(Size, std::uint32_t) const {}
 };
 struct EvaluateInOrder {
@@ -157,15 +157,17 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
 
 /// The optional hook of a backend with few threads: a stable counting sort without atomics, used by mesh/csr.hpp.
 ///
-/// count_by_row(n, row_of, offsets, places): row_of(i) is the row of item i in [0, n), or negative where it has none;
-/// writes to offsets[r] the number of items in rows before r; returns the number of items that have a row.
-/// place_by_row(n, row_of, rows, places, place): calls place(i, rank of item i in the order by rows) for each item that
-/// has a row. Uses up `places`, which the first step filled.
+/// count_by_row(n, row_of, offsets, offsets_of_blocks): row_of(i) is the row of item i in [0, n), or negative where it
+/// has none; writes to offsets[r] the number of items in rows before r; returns the number of items that have a row.
+/// place_by_row(n, row_of, rows, offsets_of_blocks, place): calls place(i, rank of item i in the order by rows) for
+/// each item that has a row. Uses up `offsets_of_blocks`, which the first step filled.
 template <class B>
 concept CountsByRow = Backend<B> && requires(const B& backend, Size n, Span<std::uint32_t> offsets,
-                                             typename B::template Buffer<std::uint32_t>& places) {
-  { backend.count_by_row(n, concept_detail::AnyRow{}, offsets, places) } -> std::same_as<Size>;
-  { backend.place_by_row(n, concept_detail::AnyRow{}, Size{1}, places, concept_detail::Place{}) } -> std::same_as<void>;
+                                             typename B::template Buffer<std::uint32_t>& offsets_of_blocks) {
+  { backend.count_by_row(n, concept_detail::AnyRow{}, offsets, offsets_of_blocks) } -> std::same_as<Size>;
+  {
+    backend.place_by_row(n, concept_detail::AnyRow{}, Size{1}, offsets_of_blocks, concept_detail::PlaceItem{})
+    } -> std::same_as<void>;
 };
 
 /// The optional hook of a backend that starts items in order, each of them evaluated by a team, so that an item may

@@ -82,9 +82,13 @@ class Cpu {
   /// `threads` 0: one per processor. There may be fewer, see ThreadPool.
   explicit Cpu(int threads = 0, std::function<bool()> stop = {})
       : stop_(std::move(stop)),
-        pool_(std::make_shared<ThreadPool>(threads > 0 ? threads
-                                                       : static_cast<int>(std::thread::hardware_concurrency()))),
+        pool_(std::make_shared<ThreadPool>(requested_threads(threads))),
         threads_(pool_->threads()) {}
+
+  /// The number of threads that a backend for `threads` asks for.
+  static int requested_threads(int threads) {
+    return ThreadPool::clamp(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()));
+  }
 
   int threads() const { return static_cast<int>(threads_); }
 
@@ -239,12 +243,13 @@ class Cpu {
 
   /// Blocks of items are counted and placed independently, so no atomics are needed.
   template <class RowOf>
-  Size count_by_row(Size n, const RowOf& row_of, Span<std::uint32_t> offsets, Buffer<std::uint32_t>& places) const {
+  Size count_by_row(Size n, const RowOf& row_of, Span<std::uint32_t> offsets,
+                    Buffer<std::uint32_t>& offsets_of_blocks) const {
     const Size rows = offsets.size();
     // At most n / rows blocks: the counts of all blocks take no more memory than the items.
     const Size blocks = std::max<Size>(1, std::min(block_count(n), n / rows));
-    places.resize(*this, blocks * rows);
-    std::uint32_t* const counts = places.span().data();
+    offsets_of_blocks.resize(*this, blocks * rows);
+    std::uint32_t* const counts = offsets_of_blocks.span().data();
     for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
       std::uint32_t* const mine = counts + b * rows;
       std::fill(mine, mine + rows, 0U);
@@ -262,16 +267,17 @@ class Cpu {
     const Size total = exclusive_scan(Span<const std::uint32_t>(offsets), offsets);
     for_blocks(rows, blocks, [&](Size, Size begin, Size end) {
       for (Size r = begin; r < end; ++r) {
-        std::uint32_t place = offsets[r];
-        for (Size b = 0; b < blocks; ++b) place += std::exchange(counts[b * rows + r], place);
+        std::uint32_t offset = offsets[r];
+        for (Size b = 0; b < blocks; ++b) offset += std::exchange(counts[b * rows + r], offset);
       }
     });
     return total;
   }
   template <class RowOf, class F>
-  void place_by_row(Size n, const RowOf& row_of, Size rows, Buffer<std::uint32_t>& places, const F& place) const {
-    std::uint32_t* const next = places.span().data();
-    for_blocks(n, places.size() / rows, [&](Size b, Size begin, Size end) {
+  void place_by_row(Size n, const RowOf& row_of, Size rows, Buffer<std::uint32_t>& offsets_of_blocks,
+                    const F& place) const {
+    std::uint32_t* const next = offsets_of_blocks.span().data();
+    for_blocks(n, offsets_of_blocks.size() / rows, [&](Size b, Size begin, Size end) {
       std::uint32_t* const mine = next + b * rows;
       for (Size i = begin; i < end; ++i) {
         const Size row = row_of(i);

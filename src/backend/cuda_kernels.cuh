@@ -50,7 +50,7 @@ class PartOfWarp {
     return condition;
 #endif
   }
-  TETUNE_HD static Placement place([[maybe_unused]] bool condition) {
+  TETUNE_HD static Placement rank_among([[maybe_unused]] bool condition) {
 #if defined(__CUDA_ARCH__)
     const unsigned holding = __ballot_sync(threads(), condition);
     const unsigned lower = (1U << (threadIdx.x % 32)) - 1;
@@ -233,9 +233,9 @@ requires TeamKernel<F>
 inline constexpr std::size_t kSpreadBytes<R, F> =
     std::max(sizeof(R) * kMergeChunk, sizeof(typename F::Shared) * (Warp::kSize / kTeamSizeOf<F>));
 
-/// The same result for kernels of much work: a block is a warp, which evaluates `each` items, a power of two, by its
-/// first lanes or by teams, and stores their results in `items`. The last block to store those of a chunk merges them.
-/// `arrived` holds the number of these blocks per chunk.
+/// Same result as reduce_kernel(), for kernels of much work: a block is a warp, which evaluates `each` items, a power
+/// of two, by its first lanes or by teams, and stores their results in `items`. The last block to store those of a
+/// chunk merges them. `arrived` holds the number of these blocks per chunk.
 template <class R, class F>
 __global__ void __launch_bounds__(Warp::kSize)
     spread_reduce_kernel(Size n, unsigned each, F f, R* items, unsigned* arrived, MergeLevels<R> levels) {

@@ -82,3 +82,20 @@ TETUNE_HD TETUNE_INLINE std::uint64_t load<std::uint64_t>(const void* from) {
 }
 
 }  // namespace tetune::backend
+
+/// Access to the lanes of a pack. A pack may be a single double.
+namespace tetune {
+
+template <class Pack>
+inline constexpr int kLanesOf = sizeof(Pack) / sizeof(double);
+
+template <class Pack>
+TETUNE_HD TETUNE_INLINE double lane(const Pack& pack, int l) {
+  if constexpr (requires { pack[0]; }) {
+    return pack[l];
+  } else {
+    return pack;
+  }
+}
+
+}  // namespace tetune

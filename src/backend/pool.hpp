@@ -43,7 +43,7 @@ class Pool {
 
   /// Null for 0 bytes. Throws DeviceError where no free part is large enough.
   void* allocate(std::size_t bytes);
-  /// The same but null where no free part is large enough.
+  /// Same as allocate(), but returns null where no free part is large enough.
   void* allocate_if_it_fits(std::size_t bytes);
   /// Requires a part that is in use.
   void release(void* part) noexcept;

@@ -7,16 +7,16 @@
 
 /// Teams: threads that evaluate one item of a kernel together. All of them call the kernel with the same item, and make
 /// the same calls of the team's functions; their common memory is a Kernel::Shared. A team has
-///   kSize, rank()        the number of its threads, and which of them this is
-///   any(condition)       whether the condition holds for one of them
-///   place(condition)     the place of this thread among those for which the condition holds
-///   merge(value)         the values of all of them merged by merge(), whose result must not depend on the order
-///   broadcast(value, r)  the value of thread r
-///   sync()               stores to shared memory before are visible to all of them afterwards
+///   kSize, rank()          the number of its threads, and which of them this is
+///   any(condition)         whether the condition holds for one of them
+///   rank_among(condition)  the rank of this thread among those for which the condition holds, and their number
+///   merge(value)           the values of all of them merged by merge(), whose result must not depend on the order
+///   broadcast(value, r)    the value of thread r
+///   sync()                 stores to shared memory before are visible to all of them afterwards
 /// The team of the CPU is a single thread; that of a GPU is a warp, or a part of one (backend/cuda.cuh).
 namespace tetune::backend {
 
-/// The place of a thread among those of its team for which a condition holds.
+/// The rank of a thread among those of its team for which a condition holds.
 struct Placement {
   int before;  ///< the number of those of lower rank
   int count;   ///< the number of all
@@ -26,7 +26,7 @@ struct SingleThread {
   static constexpr int kSize = 1;
   TETUNE_HD static constexpr int rank() { return 0; }
   TETUNE_HD static constexpr bool any(bool condition) { return condition; }
-  TETUNE_HD static constexpr Placement place(bool condition) { return {0, condition ? 1 : 0}; }
+  TETUNE_HD static constexpr Placement rank_among(bool condition) { return {0, condition ? 1 : 0}; }
   template <class T>
   TETUNE_HD static constexpr T merge(const T& value) {
     return value;

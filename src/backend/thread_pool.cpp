@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "backend/thread_pool.hpp"
 
-#include <algorithm>
-
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -31,7 +29,7 @@ void relax() {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int threads) : model_(processor_model()), threads_(std::clamp(threads, 1, kMaxThreads)) {
+ThreadPool::ThreadPool(int threads) : model_(processor_model()), threads_(clamp(threads)) {
   if (model_ != nullptr) return;
   try {
     if (threads_ > 1) workers_.reserve(to_size_t(threads_));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -33,6 +34,7 @@ class ThreadPool {
  public:
   /// Far above any useful number; bounds the cost of a mistake of the caller.
   static constexpr int kMaxThreads = 4096;
+  static constexpr int clamp(int threads) { return std::clamp(threads, 1, kMaxThreads); }
 
   /// `threads` counts the caller. At most kMaxThreads, and fewer where the system refuses to create more.
   explicit ThreadPool(int threads);

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "backend/atomic.hpp"
-#include "boundary/classify.hpp"
 #include "boundary/periodic_images.hpp"
 #include "boundary/surface.hpp"
+#include "boundary/vertex_dof.hpp"
 #include "energy/objective.hpp"
 
 namespace tetune {

@@ -26,7 +26,7 @@ inline bool can_be_features(Size listed_only, Size constrained) {
 /// Returns the number of vertices that are corners or junctions of feature lines by the list alone; 0 where the list is
 /// accepted (can_be_features()).
 template <class IsListed>
-Size count_no_features(Span<const VertexDof> dof, const IsListed& is_listed) {
+Size count_unsupported(Span<const VertexDof> dof, const IsListed& is_listed) {
   Size constrained = 0;
   Size listed_only = 0;
   for (Size v = 0; v < dof.size(); ++v) {
@@ -42,12 +42,12 @@ inline bool are_feature_lines(Span<const Index> ends, Size first, Span<const Ver
   std::vector<Index> degrees(to_size_t(dof.size()), 0);
   const Span<Index> degree = span_of(degrees);
   for (Size i = first; i < ends.size(); ++i) ++degree[ends[i]];
-  return count_no_features(dof, [degree](Size v) { return degree[v] > 2; }) == 0;
+  return count_unsupported(dof, [degree](Size v) { return degree[v] > 2; }) == 0;
 }
 
 /// Fixes the listed corners if the list is accepted. Returns the number of listed vertices that stay movable.
 inline Size fix_corners(Span<const std::uint8_t> frozen, Span<VertexDof> dof) {
-  const Size no_corners = count_no_features(dof, [frozen](Size v) { return frozen[v] == kCorner; });
+  const Size no_corners = count_unsupported(dof, [frozen](Size v) { return frozen[v] == kCorner; });
   for (Size v = 0; v < dof.size() && no_corners == 0; ++v) {
     if (frozen[v] == kCorner) dof[v] = VertexDof::fixed;
   }

@@ -17,7 +17,7 @@ struct Constraints {
   /// kMovable, kFrozen or kCorner per vertex. Required entities, periodic links and elements of other kinds freeze
   /// their vertices; ends and junctions of named groups of edges are corners, as are listed ones.
   std::vector<std::uint8_t> frozen;
-  /// The same without periodic links; empty if there is none.
+  /// `frozen` as it would be without periodic links; empty if there are none.
   std::vector<std::uint8_t> frozen_without_links;
   /// 1 per listed triangle that must not change: a required one, or one of periodic vertices; empty if there is none.
   std::vector<std::uint8_t> required_triangles;

@@ -128,7 +128,9 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
   if (slides) {
     // Vertices that slide have no axis, but restarts download the axes of all.
     backend.fill(dofs.axis.span(), Vec3{});
-    dofs.max_deviation = (1 - 1e-5) * options.max_deviation * input.scale;  // slightly less, against rounding
+    // The bound is slightly smaller than the caller's, against rounding.
+    constexpr double kMargin = 1e-5;
+    dofs.max_deviation = (1 - kMargin) * options.max_deviation * input.scale;
     // Underflow must not turn a bound into none.
     if (options.max_deviation > 0)
       dofs.max_deviation = std::max(dofs.max_deviation, 2 * std::numeric_limits<double>::min());

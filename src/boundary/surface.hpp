@@ -75,7 +75,7 @@ inline void check_surface_size(Size faces) {
                   std::to_string(kMaxFaces) + " can be handled. Split the mesh, or weld the vertices that coincide.");
 }
 
-/// In place of the corner across an edge that is a feature: a vertex cannot slide across it.
+/// Stands for the corner across a feature edge, which no vertex crosses when it slides.
 inline constexpr Index kFeatureEdge = -1;
 
 /// The vertex at each corner 3 * triangle + k.

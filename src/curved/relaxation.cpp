@@ -300,7 +300,7 @@ class Patch {
     best_quality_ = quality;
     best = {true, {}, {}};
     for (const std::size_t n : unknowns) {
-      const Point3 p{nodes[n].x, nodes[n].y, nodes[n].z};
+      const Point3 p = to_point(nodes[n]);
       if (node2vertex_[n] >= 0) {
         best.vertices.emplace_back(node2vertex_[n], p);
       } else {

@@ -55,18 +55,18 @@ class DistanceBound {
   Sample sample(const QuadraticSheet::Triangle& t, double u, double v) const {
     const Vec3 p = point_at(t, u, v);
     const ClosestTriangle::Hit hit = search_.closest(p);
-    const SurfaceFacets::Place& place = span_of(surface_.places)[hit.triangle];
+    const SurfaceFacets::FacetOrigin& origin = span_of(surface_.origins)[hit.triangle];
     const auto l = barycentric(span_of(surface_.facets)[hit.triangle], hit.point);
     Sample s{u, v, p, hit.triangle, 0, 0, 0};
     for (std::size_t k = 0; k < 3; ++k) {
-      s.other_u += std::clamp(l[k], 0.0, 1.0) * place.corners[k][0];
-      s.other_v += std::clamp(l[k], 0.0, 1.0) * place.corners[k][1];
+      s.other_u += std::clamp(l[k], 0.0, 1.0) * origin.corners[k][0];
+      s.other_v += std::clamp(l[k], 0.0, 1.0) * origin.corners[k][1];
     }
-    s.distance = norm(p - point_at(span_of(triangles_)[place.triangle], s.other_u, s.other_v));
+    s.distance = norm(p - point_at(span_of(triangles_)[origin.triangle], s.other_u, s.other_v));
     return s;
   }
 
-  Index triangle_of(const Sample& s) const { return span_of(surface_.places)[s.facet].triangle; }
+  Index triangle_of(const Sample& s) const { return span_of(surface_.origins)[s.facet].triangle; }
 
   /// Of a part of a triangle with all points beside its corners on one triangle.
   double bound_on_one(const QuadraticSheet::Triangle& t, const std::array<Sample, 3>& corners, double largest) const {
@@ -129,11 +129,11 @@ SurfaceFacets divide_into_facets(const std::vector<QuadraticSheet::Triangle>& tr
     result.error = std::max(result.error, facet_error(t, n));
     using Corner = std::array<double, 2>;
     const auto add = [&](const Corner& a, const Corner& b, const Corner& c) {
-      const SurfaceFacets::Place place{i, {{{a[0] / n, a[1] / n}, {b[0] / n, b[1] / n}, {c[0] / n, c[1] / n}}}};
+      const SurfaceFacets::FacetOrigin origin{i, {{{a[0] / n, a[1] / n}, {b[0] / n, b[1] / n}, {c[0] / n, c[1] / n}}}};
       TrianglePoints facet{};
-      for (std::size_t k = 0; k < 3; ++k) facet[k] = point_at(t, place.corners[k][0], place.corners[k][1]);
+      for (std::size_t k = 0; k < 3; ++k) facet[k] = point_at(t, origin.corners[k][0], origin.corners[k][1]);
       result.facets.push_back(facet);
-      result.places.push_back(place);
+      result.origins.push_back(origin);
     };
     for (double u = 0; u < n; ++u) {
       for (double v = 0; u + v < n; ++v) {

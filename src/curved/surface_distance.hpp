@@ -12,13 +12,13 @@ namespace tetune {
 /// Straight triangles in place of quadratic ones: each is divided into n * n facets, with the smallest n up to a limit
 /// for which facets and triangle are within `tolerance` of each other.
 struct SurfaceFacets {
-  /// The place of a facet: the triangle, and two barycentric coordinates of each corner.
-  struct Place {
+  /// Where a facet lies: the triangle, and two barycentric coordinates of each corner.
+  struct FacetOrigin {
     Index triangle;
     std::array<std::array<double, 2>, 3> corners;
   };
   std::vector<TrianglePoints> facets;
-  std::vector<Place> places;
+  std::vector<FacetOrigin> origins;
   double error = 0;  ///< the largest distance between facets and triangles, by a bound
 };
 SurfaceFacets divide_into_facets(const std::vector<QuadraticSheet::Triangle>& triangles, double tolerance);

@@ -84,7 +84,7 @@ class Sheets {
       }
       if (!(norm(offset) > kNegligible * length)) continue;
       const Vec3 middle = 0.5 * (p + q) + offset;
-      result.push_back({edge, {middle.x, middle.y, middle.z}});
+      result.push_back({edge, to_point(middle)});
     }
     return result;
   }

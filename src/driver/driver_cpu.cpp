@@ -11,11 +11,11 @@ template Report optimize_on(const backend::Cpu&, TetMesh&, const Options&, const
 namespace {
 
 /// A mesh as optimize() has it after classification.
-struct ImportedMesh {
+struct ClassifiedMesh {
   backend::Cpu backend;
   WorkingSet<backend::Cpu> work;
   Report report;
-  ImportedMesh(const TetMesh& mesh, const Options& options) : backend(options.threads) {
+  ClassifiedMesh(const TetMesh& mesh, const Options& options) : backend(options.threads) {
     work.scale = unit_scale(mesh);
     import_mesh(backend, mesh, options, nullptr, true, work, report);
   }
@@ -23,15 +23,15 @@ struct ImportedMesh {
 
 }  // namespace
 
-Report report_constraints(const TetMesh& mesh, const Options& options) { return ImportedMesh(mesh, options).report; }
+Report report_constraints(const TetMesh& mesh, const Options& options) { return ClassifiedMesh(mesh, options).report; }
 
-MeshOutcome import_outcome(const TetMesh& mesh, const Options& options) {
-  ImportedMesh imported(mesh, options);
-  return {outcome_of(imported.work, mesh), imported.work.mesh.tet2original.download()};
+ImportedMesh imported_mesh(const TetMesh& mesh, const Options& options) {
+  ClassifiedMesh imported(mesh, options);
+  return {constrained_mesh(imported.work, mesh), imported.work.mesh.tet2original.download()};
 }
 
 SlideSurface find_slide_surface(const TetMesh& mesh, const Options& options) {
-  const ImportedMesh imported(mesh, options);
+  const ClassifiedMesh imported(mesh, options);
   const WorkingSet<backend::Cpu>& work = imported.work;
   return export_slide_surface(work.dofs.reference, mesh.points, work.mesh.vertex2original.download());
 }

@@ -33,7 +33,7 @@ struct RenumberVertices {
 /// The work mesh on the host, for report_targets(). Vertices that move with their images have the degrees of freedom
 /// that they have together.
 template <class Backend>
-Outcome outcome_of(WorkingSet<Backend>& work, const TetMesh& mesh) {
+ConstrainedMesh constrained_mesh(WorkingSet<Backend>& work, const TetMesh& mesh) {
   work.frozen.resize(to_size_t(work.mesh.vertices()), kMovable);
   std::vector<VertexDof> dof = work.dofs.dof.download();
   const std::vector<MotionSpace> spaces = work.periodic.space.download();

@@ -30,8 +30,9 @@ MoveReport move_on(TetMesh& mesh, std::span<const VertexTargets> targets, const 
 /// The memory of a backend that motion takes beside the rest, in bytes: the stiffness matrix and the vectors of its
 /// solver, and where vertices slide their tangent spaces and the ends of their steps.
 inline std::size_t motion_memory(const TetMesh& mesh, const Options& options) {
-  const std::size_t slides = options.boundary == Boundary::slide ? 60 * mesh.points.size() : 0;
-  return 90 * mesh.tets.size() + 260 * mesh.points.size() + slides;
+  constexpr std::size_t kPerTet = 90, kPerVertex = 260, kPerSlidingVertex = 60;
+  const std::size_t slides = options.boundary == Boundary::slide ? kPerSlidingVertex * mesh.points.size() : 0;
+  return kPerTet * mesh.tets.size() + kPerVertex * mesh.points.size() + slides;
 }
 
 /// A target in the order and the unit of the work mesh.

@@ -5,7 +5,7 @@
 
 #include "driver/devices.hpp"
 #include "driver/export_mesh.hpp"
-#include "driver/import_mesh.inl"
+#include "driver/import_mesh.hpp"
 #include "driver/move_job.hpp"
 #include "driver/place_tracker.hpp"
 #include "driver/report/targets.hpp"
@@ -113,7 +113,7 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
   report.energy_after = optimizer.in_callers_unit(optimizer.energy());
 
   if (!options.targets.empty()) {
-    timer.measure(Phase::targets, [&] { report.targets = report_targets(outcome_of(work, mesh), options); });
+    timer.measure(Phase::targets, [&] { report.targets = report_targets(constrained_mesh(work, mesh), options); });
   }
   if (tracker != nullptr) {
     timer.measure(Phase::data, [&] { report.places = places_of(*tracker, work, mesh.points.size()); });

@@ -99,9 +99,9 @@ class CriteriaRun {
     const double known = seconds_of_phases(report_.optimization);
     if (report_.no_rounds.empty() && report_.after.verdict == Verdict::fail) {
       max_tets_ = options_.max_growth * double(input.tets.size());
-      least_mean_ratio_ =
-          std::min(tuning_of(options_.effort).angles.mean_ratio_part * quality(input, options_.threads).mean_ratio_min,
-                   quality(mesh, options_.threads).mean_ratio_min);
+      least_mean_ratio_ = std::min(
+          tuning_of(options_.effort).angles.mean_ratio_fraction * quality(input, options_.threads).mean_ratio_min,
+          quality(mesh, options_.threads).mean_ratio_min);
       make_rounds(mesh);
     }
     if (is_worse(report_.before, report_.after)) keep_input(input, mesh);
@@ -116,7 +116,7 @@ class CriteriaRun {
  private:
   bool is_stopped() const { return report_.optimization.stop == StopReason::cancelled || hooks_.is_stopped(); }
 
-  Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
+  Context context_for(double done, double fraction) const { return scaled_progress(hooks_.context(), done, fraction); }
 
   /// Undoes the run where the objective lowers measures of criteria that the input meets.
   void keep_input(const TetMesh& input, TetMesh& mesh) {
@@ -175,7 +175,9 @@ class CriteriaRun {
       undone = round.kept ? 0 : round.active;
       // Where most of a large mesh fails, another round takes as long as the first run.
       const bool is_large = round.active > std::max(kLarge, std::ssize(mesh.tets) / 2);
-      const bool gains = round.kept && 20 * (round.failed_before - round.failed_after) > round.failed_before;
+      constexpr std::int64_t kFailedPerGain = 20;
+      const bool gains =
+          round.kept && kFailedPerGain * (round.failed_before - round.failed_after) > round.failed_before;
       if (is_large && !gains) break;
     }
   }
@@ -221,7 +223,7 @@ class CriteriaRun {
     const bool limits = report_.after.verdict == Verdict::fail && !is_stopped();
     if (!limits && !retargets) return;
     const Options options = current_options();
-    const MeshOutcome imported = import_outcome(mesh, options);
+    const ImportedMesh imported = imported_mesh(mesh, options);
     if (retargets) report_.optimization.targets = report_targets(imported, options);
     for (const CriterionResult& r : report_.after.results) {
       if (limits && r.verdict == Verdict::fail)
@@ -229,7 +231,7 @@ class CriteriaRun {
     }
   }
 
-  CriterionLimits limits_of(const TetMesh& mesh, const AcceptanceCriterion& criterion, const MeshOutcome& imported,
+  CriterionLimits limits_of(const TetMesh& mesh, const AcceptanceCriterion& criterion, const ImportedMesh& imported,
                             const Options& options) const {
     std::vector<Index> tet2slot(imported.slot2tet.size());
     for (Index slot = 0; slot < std::ssize(imported.slot2tet); ++slot) {
@@ -245,7 +247,7 @@ class CriteriaRun {
       missed.centroid = view.centroid(f.tet);
       limits.worst.push_back(missed);
     }
-    find_limiting(imported.outcome, options, target_of(criterion), limits.worst);
+    find_limiting(imported.mesh, options, target_of(criterion), limits.worst);
     for (MissedTet& m : limits.worst) {
       m.tet = span_of(imported.slot2tet)[m.tet];
       ++limits.held_by[std::size_t(m.held_by)];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "backend/buffer.hpp"
 #include "backend/span.hpp"
 #include "tetune/types.hpp"
 

@@ -5,20 +5,7 @@
 #include "backend/span.hpp"
 #include "mesh/tet.hpp"
 
-/// Access to the lanes of a pack of doubles. A pack may be a single double.
 namespace tetune {
-
-template <class Pack>
-inline constexpr int kLanesOf = sizeof(Pack) / sizeof(double);
-
-template <class Pack>
-TETUNE_HD TETUNE_INLINE double lane(const Pack& pack, int l) {
-  if constexpr (requires { pack[0]; }) {
-    return pack[l];
-  } else {
-    return pack;
-  }
-}
 
 /// Loads one point per lane.
 template <class Pack>

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+
 #include "backend/prefetch.hpp"
 #include "backend/span.hpp"
 #include "mesh/tet.hpp"

@@ -46,7 +46,7 @@ struct LowestVertex {
   Size operator()(Size half_face) const { return key_of(mesh, HalfFace(half_face)).low; }
 };
 
-/// The same for those at the surface; -1 for others. See half_faces_at_surface().
+/// The lowest vertex of a half-face at the surface; -1 for others. See half_faces_at_surface().
 struct LowestVertexAtSurface {
   LowestVertex lowest_vertex;
   Span<const std::uint64_t> sums;

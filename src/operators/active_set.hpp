@@ -14,6 +14,13 @@ template <class Backend>
 void activate_all(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                   FlipState<Backend>& state, double min_energy = 0);
 
+/// Sets the slack of all slots to unknown: tetrahedra are evaluated again where they may gain.
+template <class Backend>
+void reset_slack(const Backend& backend, const WorkMesh<Backend>& mesh, FlipState<Backend>& state) {
+  state.slack.resize(backend, mesh.slots(), mesh.room());
+  backend.fill(state.slack.span(), kUnknownSlack);
+}
+
 /// After vertices have moved: computes the energy of each slot again, and makes the tetrahedra active that have drifted
 /// so far that a flip around them may gain now, and whose energy is above `min_energy`. Returns the sum of the
 /// energies.

@@ -18,7 +18,7 @@ struct SubtractDrift {
   Span<const Point> origin;
   Span<double> energies;
   Span<float> slack;
-  TETUNE_HD backend::Sum<double> operator()(Size pack) const {
+  TETUNE_HD Sum<double> operator()(Size pack) const {
     const SlotPack<Pack> slots(mesh, pack);
     const TetEnergyT<Pack> e = slots.energy();
     Pack move2{};
@@ -110,8 +110,7 @@ void activate_all(const Backend& backend, WorkMesh<Backend>& mesh, const Criteri
                   FlipState<Backend>& state, double min_energy) {
   using namespace active_set_detail;
   state.min_energy = min_energy;
-  state.slack.resize(backend, mesh.slots(), mesh.room());
-  backend.fill(state.slack.span(), kUnknownSlack);
+  reset_slack(backend, mesh, state);
   activate_where(backend, mesh, state, is_promising(criterion, state));
 }
 
@@ -121,7 +120,7 @@ double activate_drifted(const Backend& backend, WorkMesh<Backend>& mesh, const C
   using namespace active_set_detail;
   using Pack = typename Backend::Pack;
   state.min_energy = min_energy;
-  const auto energy = backend.template reduce_async<backend::Sum<double>>(
+  const auto energy = backend.template reduce_async<Sum<double>>(
       SlotPack<Pack>::pack_count(mesh.slots()), SubtractDrift<Pack>{rated(mesh, criterion), state.drift_origin.span(),
                                                                     state.energies.span(), state.slack.span()});
   activate_where(backend, mesh, state, HasDrifted{is_promising(criterion, state), state.slack.span()});

@@ -43,7 +43,7 @@ struct SelectedRecords {
 /// Assigns slots and ids of vertices, and leaves, in each boundary face of the old tetrahedra, the new half-face. Marks
 /// these tetrahedra as replaced, and as not active.
 template <class P>
-struct Forward {
+struct AssignSlots {
   static constexpr Size kGrain = 32;
   MeshView mesh;
   SelectedRecords<P> records;
@@ -80,7 +80,7 @@ struct Forward {
 /// Resolves what lies across the boundary faces now: a neighbor that stays gets the new half-face, one that is replaced
 /// as well has left its own.
 template <class P>
-struct Resolve {
+struct ResolveNeighbors {
   static constexpr Size kGrain = 32;
   MeshView mesh;
   SelectedRecords<P> records;
@@ -122,10 +122,10 @@ struct Resolve {
 };
 
 /// Writes the new tetrahedra, and frees the slots that are left over. Marks the new tetrahedra and their neighbors for
-/// evaluation where `changed_tets` are given: of the candidates whose cavity has changed, few are owned by a
-/// tetrahedron farther away. The threads of a team divide the tetrahedra among them.
+/// evaluation where `changed_tets` are given: nearly all candidates whose cavity changed belong to one of these. The
+/// threads of a team divide the tetrahedra among them.
 template <class P>
-struct Write {
+struct WriteTets {
   static constexpr Size kGrain = 32;
   /// About the number of new tetrahedra of a patch.
   static constexpr int kTeamSize = P::kMaxExtraTets < 16 ? 4 : 32;
@@ -243,18 +243,18 @@ auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Crit
   using namespace application_detail;
   const SlotChange change(mesh, selection.total);
   change.make_room(backend, mesh);
-  state.make_room(backend, change.slots, change.needed);
+  state.make_room(backend, change.needed);
   const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
   const Span<const ChangeCounts> before = selection.before.span();
   const Size old_vertices = mesh.vertices() - selection.total.inserted;
   ActiveMarks changed_tets;
   if (marks_changed) changed_tets = {state.marks.span(), state.slack.span()};
-  backend.for_each(records.size(), Forward<P>{mesh.view(), records, before, mesh.free_slots.span(), change,
-                                              old_vertices, state.tet2bid.span(), state.marks.span()});
-  backend.for_each(records.size(), Resolve<P>{mesh.view(), records, state.tet2bid.span()});
+  backend.for_each(records.size(), AssignSlots<P>{mesh.view(), records, before, mesh.free_slots.span(), change,
+                                                  old_vertices, state.tet2bid.span(), state.marks.span()});
+  backend.for_each(records.size(), ResolveNeighbors<P>{mesh.view(), records, state.tet2bid.span()});
   const auto sum = backend.template reduce_async<FlipSum>(
-      records.size(), Write<P>{rated(mesh, criterion), records, before, mesh.free_slots.span(), change.free_kept,
-                               state.energies.span(), changed_tets, changed, vertices});
+      records.size(), WriteTets<P>{rated(mesh, criterion), records, before, mesh.free_slots.span(), change.free_kept,
+                                   state.energies.span(), changed_tets, changed, vertices});
   change.finish(mesh);
   return sum;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "boundary/classify.hpp"
 #include "boundary/sliding/open_fan.hpp"
 #include "mesh/constrained_edges.hpp"
 #include "operators/boundary_flip.hpp"

@@ -4,7 +4,6 @@
 #include <concepts>
 #include <type_traits>
 
-#include "backend/prefetch.hpp"
 #include "mesh/work_mesh.hpp"
 #include "operators/slots.hpp"
 #include "tetune/flip_counts.hpp"
@@ -24,11 +23,12 @@ struct NewNeighbor {
   HalfFace lock = 0;
 };
 
-/// A cavity with all that its application needs. Boundary faces are numbered; face_count() of them are there before,
-/// new_surface_faces() more, numbered after these, are made in a surface. The first new_count() slots of new tetrahedra
-/// are those of the old ones, in order. The others descend from the first old one; where a patch has parent(x), each
-/// new tetrahedron descends from that one. Two parts of a candidate make the same faces in a surface; where a patch has
-/// meets(other), only if that holds.
+/// A cavity with all that its application needs.
+/// - Boundary faces are numbered: first the face_count() existing ones, then the new_surface_faces() ones that are made
+///   in a surface.
+/// - New tetrahedron x takes the slot of the old one x, while there is one, and descends from it; the others descend
+///   from the first old one. Where the patch has parent(x), new tetrahedron x descends from that one.
+/// - Two parts of a candidate make the same faces in a surface; where the patch has meets(other), only if that is true.
 template <class P>
 concept CavityPatch = std::is_trivially_copyable_v<P> &&
     requires(const P& p, const MeshView& mesh, int i, FlipCounts& flips, ChangeCounts& changes) {

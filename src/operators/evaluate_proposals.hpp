@@ -23,12 +23,12 @@ struct Propose {
   TETUNE_INLINE void prefetch(Size i, Size) const {
     if constexpr (requires { generator.prefetch(i); }) generator.prefetch(proposals.first + i);
   }
-  TETUNE_HD backend::Sum<Size> operator()(Size i) const {
+  TETUNE_HD Sum<Size> operator()(Size i) const {
     const Size proposal = begin(i, true);
     return {generator(proposal, proposals)};
   }
   template <class Team, class Memory>
-  TETUNE_HD backend::Sum<Size> operator()(const Team& team, Memory& shared, Size i) const {
+  TETUNE_HD Sum<Size> operator()(const Team& team, Memory& shared, Size i) const {
     const Size proposal = begin(i, team.rank() == 0);
     return {generator(team, shared, proposal, proposals)};
   }
@@ -58,20 +58,20 @@ struct ProposeInGroups {
   Size each;   ///< proposals per team
 
   Size teams() const { return (count + each - 1) / each; }
-  TETUNE_HD backend::Sum<Size> operator()(Size i) const {
+  TETUNE_HD Sum<Size> operator()(Size i) const {
     Shared memory;
     return (*this)(backend::SingleThread(), memory, i);
   }
   template <class Team>
-  TETUNE_HD backend::Sum<Size> operator()(const Team& team, Shared& memory, Size i) const {
+  TETUNE_HD Sum<Size> operator()(const Team& team, Shared& memory, Size i) const {
     const Size begin = i * each;
     const int size = to_index(count - begin < each ? count - begin : each);
     GroupEvaluation<Generator, Team> evaluation(generator, team, memory, proposals.first + begin, size, proposals);
-    return team.merge(backend::Sum<Size>{evaluation()});
+    return team.merge(Sum<Size>{evaluation()});
   }
 };
 
-/// Few proposals occupy a device only if its teams get few each.
+/// Proposals per team: few where there are few proposals, so that all of the device has work.
 template <class Generator>
 Size proposals_per_team(Size count) {
   constexpr Size kTeams = 2048;
@@ -96,7 +96,7 @@ template <class Backend, class Generator>
 auto evaluate_proposals(const Backend& backend, const Generator& generator,
                         const Proposals<typename Generator::Candidate>& proposals, Size count, Size choices) {
   using namespace evaluate_proposals_detail;
-  using Evaluated = backend::Sum<Size>;
+  using Evaluated = Sum<Size>;
   if constexpr (Backend::kIsAsynchronous && EvaluatesInGroups<Generator>) {
     const ProposeInGroups<Generator> kernel{generator, proposals, count, proposals_per_team<Generator>(count)};
     return backend.template reduce_async<Evaluated>(kernel.teams(), kernel);

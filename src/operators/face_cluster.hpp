@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "energy/criterion.hpp"
 #include "energy/harmonic.hpp"
 #include "mesh/constrained_edges.hpp"
 #include "operators/flip_candidate.hpp"

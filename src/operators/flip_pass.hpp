@@ -10,8 +10,8 @@ namespace tetune {
 /// tetrahedron are evaluated, one is applied when its bid is the highest on all its tetrahedra, and the next active set
 /// is what changed, what is beside it, and what owns a gain that was not applied. In place: a 2-3 flip takes a slot, a
 /// 3-2 flip frees one, an edge removal with n > 4 tetrahedra takes n - 4, and adjacency is kept up to date. `changed`,
-/// when given, is set for the vertices whose ring changed. Throws MeshError, before anything is changed, when there can
-/// be no such number of slots.
+/// when given, is set for the vertices whose ring changed. Throws MeshError, before anything is changed, if the mesh
+/// would need more slots than kMaxSlots.
 template <class Backend>
 PassResult flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                      FlipState<Backend>& state, Span<std::uint8_t> changed);

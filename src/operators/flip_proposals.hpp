@@ -7,7 +7,6 @@
 #include "operators/flip_energy.hpp"
 #include "operators/group_evaluation.hpp"
 #include "operators/prefetch_tets.hpp"
-#include "operators/selection.hpp"
 
 /// Which flips there are: those of the faces and edges of each active tetrahedron.
 namespace tetune {

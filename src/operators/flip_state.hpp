@@ -16,9 +16,9 @@ inline constexpr double kMinRelativeGain = 1e-9;
 /// end.
 inline constexpr int kMaxFlipPasses = 1000;
 
-/// A tetrahedron is evaluated again when it has drifted by its slack: the smallest part by which one of its flips would
-/// have raised the energy, or this. Drift is kDriftRate times the longest move of a vertex over the height of the
-/// tetrahedron (docs/method.md, "Flips").
+/// A tetrahedron is evaluated again once it has drifted by its slack: the smallest relative amount by which one of its
+/// flips would have raised the energy, at most kMaxSlack. Drift is kDriftRate times the longest move of a vertex over
+/// the height of the tetrahedron (docs/method.md, "Flips").
 inline constexpr double kMaxSlack = 0.2;
 inline constexpr double kDriftRate = 0.35;
 /// kDriftRate is for the powers of eta = 1.5 q / w; this is the rate for those of an objective.
@@ -68,14 +68,11 @@ struct FlipState {
 
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
 
-  /// Room for slots [old_slots, slots) beside those there are.
-  void make_room(const Backend& backend, Size old_slots, Size slots) {
+  void make_room(const Backend& backend, Size slots) {
     energies.grow(backend, slots);
     tet2bid.grow(backend, slots);
-    marks.grow(backend, slots);
-    slack.grow(backend, slots);
-    backend.fill(Span<std::uint8_t>(marks.span().data() + old_slots, slots - old_slots), std::uint8_t{0});
-    backend.fill(Span<float>(slack.span().data() + old_slots, slots - old_slots), kUnknownSlack);
+    grow_filled(backend, marks, slots, std::uint8_t{0});
+    grow_filled(backend, slack, slots, kUnknownSlack);
   }
 };
 

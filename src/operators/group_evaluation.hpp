@@ -88,11 +88,11 @@ class GroupEvaluation {
   static_assert(2 * Team::kSize <= GroupMemory<Generator>::kMaxListed);
 
   /// Candidate `local` of a tetrahedron.
-  struct Place {
+  struct CandidateRef {
     int proposal, local;
   };
   /// The candidates of the first kind of all proposals come first, so that threads that test together test one kind.
-  TETUNE_HD Place place_of(int candidate) const {
+  TETUNE_HD CandidateRef ref_of(int candidate) const {
     const int second = candidate - kKinds.first * count_;
     if constexpr (kKinds.second > 0) {
       if (second >= 0) return {second / kKinds.second, kKinds.first + second % kKinds.second};
@@ -110,25 +110,25 @@ class GroupEvaluation {
     proposals_.bids[proposals_.entry(first_ + p, 0)] = memory_.best_bid[p];
   }
   TETUNE_HD int test(int candidate) {
-    const Place at = place_of(candidate);
+    const CandidateRef at = ref_of(candidate);
     return generator_.test(memory_.tets[at.proposal], at.local, memory_.per_tet[at.proposal]);
   }
 
   /// Appends the candidate of a thread to a list of `size` if `condition` holds; returns the number of those appended.
   TETUNE_HD int append(int list, int size, int candidate, bool condition) {
-    const backend::Placement place = team_.place(condition);
-    if (condition) memory_.listed[list][size + place.before] = std::uint16_t(candidate);
-    return place.count;
+    const backend::Placement rank = team_.rank_among(condition);
+    if (condition) memory_.listed[list][size + rank.before] = std::uint16_t(candidate);
+    return rank.count;
   }
 
   /// Evaluates a candidate per thread. Of those of a proposal the best is stored, by the thread whose bid is the
   /// highest so far.
   TETUNE_HD void evaluate(int candidate) {
     Candidate c;
-    Place at{};
+    CandidateRef at{};
     std::uint64_t bid = 0;
     if (candidate != kNone) {
-      at = place_of(candidate);
+      at = ref_of(candidate);
       const Index t = memory_.tets[at.proposal];
       const double gain = generator_.evaluate(t, at.local, memory_.per_tet[at.proposal], c, evaluated_);
       if (gain > 0) {

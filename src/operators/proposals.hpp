@@ -7,8 +7,8 @@
 /// A generator is a kernel that evaluates one proposal, say the flips around one tetrahedron, and adds its candidates:
 ///   using Candidate = ...;               the type that it adds
 ///   static constexpr int kParts = 1;     cavities per proposal that are selected together or not at all
-///   static constexpr Size kGrain = ...;  proposals that are work enough for a thread
-///   static constexpr Size kBatch = ...;  proposals that take a core about a tenth of a second
+///   static constexpr Size kGrain = ...;  the number of proposals that is enough work for one thread
+///   static constexpr Size kBatch = ...;  the number that takes a core about 0.1 s
 ///   Size operator()(Size i, const Proposals<Candidate>&) const;   returns the number of cavities evaluated
 ///   using Shared = ...;                  optional: a team evaluates a proposal (backend/team.hpp), by
 ///                                        operator()(team, shared, i, proposals)

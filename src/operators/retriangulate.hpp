@@ -2,8 +2,8 @@
 #pragma once
 
 #include "boundary/boundary_triangles.hpp"
+#include "boundary/vertex_dofs.hpp"
 #include "operators/flip_state.hpp"
-#include "relocation/sweep.hpp"
 
 namespace tetune {
 

@@ -115,7 +115,7 @@ class RingFans {
   static constexpr int kLanes = sizeof(Pack) / sizeof(double);
   static constexpr int kPolygons = kMaxRing * (kMaxRing - 1) / 2;
   /// Increases by 1 with i, and by k with k.
-  TETUNE_HD TETUNE_INLINE static int place(int i, int k) { return k * (k - 1) / 2 + i; }
+  TETUNE_HD TETUNE_INLINE static int interval_index(int i, int k) { return k * (k - 1) / 2 + i; }
 
   /// Each triangulation of four or more vertices has two ears that do not overlap.
   TETUNE_HD double min_ears() const {
@@ -130,16 +130,16 @@ class RingFans {
   }
 
   TETUNE_HD double triangulate(double limit, Triangulation& triangulation) const {
-    // Of the polygon from vertex i to vertex k, at place(i, k).
+    // Of the polygon from vertex i to vertex k, at interval_index(i, k).
     double min_energy[kPolygons];
     std::uint8_t apex[kPolygons];
-    for (int i = 0; i + 1 < n_; ++i) min_energy[place(i, i + 1)] = 0;
+    for (int i = 0; i + 1 < n_; ++i) min_energy[interval_index(i, i + 1)] = 0;
     for (int length = 2; length < n_; ++length) {
       for (int i = 0; i + length < n_; ++i) {
         const int k = i + length;
-        const int polygon = place(i, k);
+        const int polygon = interval_index(i, k);
         min_energy[polygon] = limit;
-        for (int j = i + 1, to_j = place(i, j); j < k; to_j += j, ++j) {
+        for (int j = i + 1, to_j = interval_index(i, j); j < k; to_j += j, ++j) {
           const double sides = min_energy[to_j] + min_energy[polygon + j - i];
           if (!(sides < min_energy[polygon])) continue;
           const double sum = sides + triangle(i, j, k);
@@ -149,7 +149,7 @@ class RingFans {
         }
       }
     }
-    const double energy = min_energy[place(0, n_ - 1)];
+    const double energy = min_energy[interval_index(0, n_ - 1)];
     if (!(energy < limit)) return limit;
     // Each triangle leaves the polygons beyond two of its sides on a stack.
     int count = 0;
@@ -160,7 +160,7 @@ class RingFans {
       const std::uint8_t i = polygons[open][0];
       const std::uint8_t k = polygons[open][1];
       if (k - i < 2) continue;
-      const std::uint8_t j = apex[place(i, k)];
+      const std::uint8_t j = apex[interval_index(i, k)];
       triangulation.corner[count][0] = polygons[open][0] = i;
       triangulation.corner[count][1] = polygons[open][1] = polygons[open + 1][0] = j;
       triangulation.corner[count][2] = polygons[open + 1][1] = k;

@@ -12,7 +12,7 @@
 /// The first half of the cavity engine: from proposals to a set of candidates whose cavities do not overlap.
 namespace tetune {
 
-/// A candidate on its way from the selection to the mesh.
+/// A selected candidate, with the slots and half-faces that its application needs.
 template <CavityPatch P>
 struct Record {
   P patch;
@@ -147,7 +147,7 @@ Size batch_size(Size count, Size choices) {
   return std::min(count, (batch + choices - 1) / choices * choices);
 }
 
-/// Memory for all records, from how many there are after a part of the proposals.
+/// Reserves memory for all records, estimated from `needed` after the fraction `done` of the proposals.
 template <class Backend, class Buffer>
 void reserve_records(const Backend& backend, Buffer& records, Size needed, double done, Size& room) {
   if (needed <= room) return;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "energy/dihedral_cots.hpp"
 #include "energy/ring_of.hpp"
 #include "operators/kernel_point.hpp"
 #include "operators/star_shape.hpp"
 #include "relocation/angle_cost_ring.hpp"
 #include "relocation/step.hpp"
+#include "relocation/trial_motion.hpp"
 
 namespace tetune {
 
@@ -174,7 +176,7 @@ class StarCavity : StarShape {
     return !team.any(!preserves);
   }
 
-  /// A place for the apex where the energy is lower, from one in the kernel; x itself where the apex slides.
+  /// A position of the apex where the energy is lower, from one in the kernel; x itself where the apex slides.
   template <class Team>
   TETUNE_HD TETUNE_OUTLINE Vec3 relax(const Vec3& x, const Team&) const {
     if (motion_.slides()) return x;
@@ -215,13 +217,13 @@ class StarCavity : StarShape {
       if (g.t < 0) return false;
       change(team, [&] { take(g); });
       for (int k = 0; k < g.new_faces(); ++k) {
-        const int place = g.places[k];
-        if (place % Team::kSize == team.rank()) costs[place / Team::kSize] = face_cost(apex, x, place, false);
+        const int position = g.positions[k];
+        if (position % Team::kSize == team.rank()) costs[position / Team::kSize] = face_cost(apex, x, position, false);
       }
     }
     return false;
   }
-  /// A place for the apex where the largest cost of the angles is lower; `model` as in AngleCostRing::minimize().
+  /// A position of the apex where the largest cost of the angles is lower; `model` as in AngleCostRing::minimize().
   template <class Team>
   TETUNE_HD TETUNE_OUTLINE Vec3 lower_cost(Vec3 x, MinimaxModel& model, const Team& team) {
     AngleCostRing(mesh_, arrays_.faces, arrays_.face_count, false).minimize(x, motion_, 0, model, team);
@@ -319,7 +321,7 @@ class StarCavity : StarShape {
     const Growth g = growth_across(i);
     if (g.t < 0) return {};
     double gain = energy(arrays_.faces[i], x) + energy(link_face(g.tet, g.first), vec(mesh_.points[g.tet[g.first]]));
-    if (g.second >= 0) gain += energy(arrays_.faces[g.places[1]], x);
+    if (g.second >= 0) gain += energy(arrays_.faces[g.positions[1]], x);
     int left = g.new_faces();
     for (int f = 0; f < 4; ++f) {
       if (f == g.first || f == g.second) continue;

@@ -2,15 +2,15 @@
 #pragma once
 
 #include "energy/mesh_energy.hpp"
-#include "operators/selection.hpp"
 #include "operators/star_cavity.hpp"
+#include "operators/surface_bend.hpp"
 #include "operators/surface_triangles.hpp"
 
 /// Proposals to retriangulate a cavity from one point, so that the largest cost of its dihedral angles
 /// (DihedralCots::cost()) falls, or the mean energy of the mesh.
 namespace tetune {
 
-/// A place for an apex is improved further when the cost there is at most this many times what it was.
+/// An apex position is improved further if its cost is at most this many times the cost before.
 inline constexpr double kAcceptRatio = 1.5;
 /// Before the cavity is enlarged, the cost may be this many times what it was.
 inline constexpr double kScreenRatio = 1.4;

@@ -125,8 +125,8 @@ class StarShape {
     Tet tet{};
     Index t = -1;  ///< -1: it cannot be taken
     int first = 0, second = -1;
-    /// The places of its other faces among those of the cavity: of the faces that vanish, and new ones.
-    int places[3] = {};
+    /// The positions of its other faces among those of the cavity: of the faces that vanish, and new ones.
+    int positions[3] = {};
 
     TETUNE_HD int new_faces() const { return second >= 0 ? 2 : 3; }
   };
@@ -150,9 +150,9 @@ class StarShape {
       const EdgeCorners e = edge_corners(edge_of(g.first, g.second));
       if (constrained_.contains(g.tet[e.k], g.tet[e.l]) || is_base_edge(g.tet[e.k], g.tet[e.l])) return {};
     }
-    g.places[0] = i;
-    g.places[1] = g.second >= 0 ? place_of_side(links[g.second]) : arrays_.face_count;
-    g.places[2] = arrays_.face_count + 1;
+    g.positions[0] = i;
+    g.positions[1] = g.second >= 0 ? position_of_side(links[g.second]) : arrays_.face_count;
+    g.positions[2] = arrays_.face_count + 1;
     g.t = t;
     return g;
   }
@@ -162,8 +162,8 @@ class StarShape {
     int n = 0;
     for (int f = 0; f < 4; ++f) {
       if (f == g.first || f == g.second) continue;
-      arrays_.faces[g.places[n]] = link_face(g.tet, f);
-      arrays_.sides[g.places[n++]] = make_half_face(g.t, f);
+      arrays_.faces[g.positions[n]] = link_face(g.tet, f);
+      arrays_.sides[g.positions[n++]] = make_half_face(g.t, f);
     }
   }
   TETUNE_HD bool has_room() const { return !arrays_.tets.is_full() && arrays_.face_count + 2 <= kMaxStarFaces; }
@@ -173,7 +173,7 @@ class StarShape {
   StarArrays& arrays_;
 
  private:
-  TETUNE_HD int place_of_side(HalfFace side) const {
+  TETUNE_HD int position_of_side(HalfFace side) const {
     int i = 0;
     while (arrays_.sides[i] != side) ++i;
     return i;

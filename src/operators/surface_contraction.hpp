@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "boundary/classify.hpp"
 #include "operators/star_proposals.hpp"
 
 namespace tetune {
 
-/// Each vertex that a tetrahedron has in a flat part of one patch, or on a straight feature line, removed by the
-/// contraction of an edge to each of the others that is in the same planes; where the surface may bend, each vertex of
-/// a sheet or of a feature line.
+/// Removes a vertex of the surface by contracting an edge. In a flat part of a patch, or on a straight feature line,
+/// the edge must stay in the same planes; where the surface may bend, any vertex of a sheet or feature line can be
+/// removed.
 struct SurfaceContraction {
   static constexpr int kChoices = 12;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "boundary/classify.hpp"
 #include "operators/star_proposals.hpp"
 
 namespace tetune {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "boundary/boundary_triangles.hpp"
+#include "operators/selection.hpp"
 #include "operators/star_cavity.hpp"
-#include "operators/surface_bend.hpp"
 
 /// The boundary triangles, as operators that insert or remove vertices of the surface read and change them.
 namespace tetune {

@@ -7,8 +7,8 @@
 
 namespace tetune {
 
-/// Each movable vertex of a tetrahedron removed by the contraction of one of its edges: of those that it has in
-/// proposing tetrahedra. The first of these around the vertex proposes for all.
+/// Removes a movable vertex by contracting one of its edges in proposing tetrahedra. The first of these around the
+/// vertex proposes on behalf of all.
 struct VertexContraction {
   static constexpr int kChoices = 4;
 
@@ -31,13 +31,13 @@ struct VertexContraction {
   }
 
  private:
-  /// Proposing tetrahedra of a cavity, as bits of their places, and the lowest of their slots.
+  /// Proposing tetrahedra of a cavity, as bits by their positions, and the lowest of their slots.
   struct Proposers {
-    std::uint64_t places = 0;
+    std::uint64_t members = 0;
     Index lowest = kNoSlot;
-    TETUNE_HD bool has(int place) const { return (places >> place & 1) != 0; }
+    TETUNE_HD bool has(int i) const { return (members >> i & 1) != 0; }
     TETUNE_HD void merge(const Proposers& other) {
-      places |= other.places;
+      members |= other.members;
       lowest = other.lowest < lowest ? other.lowest : lowest;
     }
   };
@@ -52,7 +52,7 @@ struct VertexContraction {
     }
     return team.merge(own);
   }
-  /// Whether a proposing tetrahedron of the cavity before place i has the vertex w.
+  /// Whether a proposing tetrahedron of the cavity before position i has the vertex w.
   TETUNE_HD static bool is_in_earlier(const StarContext& p, const StarCavity& star, const Proposers& proposers, int i,
                                       Index w) {
     for (int j = 0; j < i; ++j) {

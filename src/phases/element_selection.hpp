@@ -4,9 +4,10 @@
 #include <cmath>
 
 #include "backend/atomic.hpp"
+#include "energy/criterion.hpp"
+#include "energy/dihedral_cots.hpp"
 #include "math/orient.hpp"
 #include "mesh/work_mesh.hpp"
-#include "relocation/angle_cost_ring.hpp"
 
 /// Selection of tetrahedra and of their vertices, for work on a few of them (docs/method.md, "The worst elements").
 namespace tetune {
@@ -149,14 +150,15 @@ void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const s
 }
 
 /// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within the
-/// part `resolution`. The values are 0 or at least 1.
+/// fraction `resolution`. The values are 0 or at least 1.
 template <class Backend>
 double upper_quantile(const Backend& backend, Span<const double> values, double max_above, double resolution = 0.01) {
   using namespace element_selection_detail;
   double low = 1;
   double high = 1e6;
   // A device tries all bounds of several steps at once, as the host waits for each result.
-  constexpr int kBounds = Backend::kIsAsynchronous ? 15 : 1;
+  constexpr int kStepsAtOnce = 4;
+  constexpr int kBounds = Backend::kIsAsynchronous ? (1 << kStepsAtOnce) - 1 : 1;
   while (high > (1 + resolution) * low) {
     CountAbove<kBounds> count{values, {}};
     fill_bisection(count.bounds, 0, low, high);

@@ -94,7 +94,7 @@ class FlipUntilStable {
     const FlipReport r{result.counts, iteration_,       ++pass_,
                        result.active, result.evaluated, optimizer_.in_callers_unit(result.decrease),
                        seconds};
-    optimizer_.count(r);
+    optimizer_.record_flips(r);
     optimizer_.report.flip_passes.push_back(r);
     flips_ += r.flips();
     unexamined_flips_ = unexamined_flips_ || r.flips() > 0;

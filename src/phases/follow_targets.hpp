@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "boundary/classify.hpp"
 #include "phases/harmonic_extension.hpp"
 #include "phases/optimizer.hpp"
 #include "phases/sliding_motion.hpp"
@@ -240,15 +241,15 @@ class TargetFollower {
     optimizer_.refresh_rings();
   }
 
-  /// Computes the displacements of the rest of the way, after prepare(). `kept_part` of the last displacement is the
-  /// initial guess. Returns the number of iterations of the solver.
-  int extend(double kept_part) {
+  /// Computes the displacements of the rest of the way, after prepare(). `kept_fraction` of the last displacement is
+  /// the initial guess. Returns the number of iterations of the solver.
+  int extend(double kept_fraction) {
     using namespace follow_targets_detail;
     const Backend& backend = optimizer_.backend;
     WorkingSet<Backend>& work = optimizer_.work;
     backend.for_each(work.mesh.vertices(),
                      StartDisplacement{work.mesh.points, std::as_const(target_).span(),
-                                       std::as_const(prescribed_).span(), work.dofs.dof, kept_part, displacement_});
+                                       std::as_const(prescribed_).span(), work.dofs.dof, kept_fraction, displacement_});
     if (backend.stop_requested()) return 0;
     assemble_stiffness(backend, work.mesh, work.rings.view(), stiffness_);
     return extend_harmonically(backend, stiffness_, sliding_.find_spaces(backend, work), parameters().solver_tolerance,
@@ -258,15 +259,9 @@ class TargetFollower {
   /// Vertices inserted since the last step are not prescribed, and start without a displacement.
   void add_inserted_vertices() {
     const Size vertices = optimizer_.work.mesh.vertices();
-    fill_new(target_, vertices, Vec3{0, 0, 0});
-    fill_new(prescribed_, vertices, std::uint8_t{0});
-    fill_new(displacement_, vertices, Vec3{0, 0, 0});
-  }
-  template <class T>
-  void fill_new(BufferOf<Backend, T>& buffer, Size size, const T& value) {
-    const Size old = buffer.size();
-    buffer.grow(optimizer_.backend, size);
-    optimizer_.backend.fill(Span<T>(buffer.span().data() + old, size - old), value);
+    grow_filled(optimizer_.backend, target_, vertices, Vec3{0, 0, 0});
+    grow_filled(optimizer_.backend, prescribed_, vertices, std::uint8_t{0});
+    grow_filled(optimizer_.backend, displacement_, vertices, Vec3{0, 0, 0});
   }
 
   /// Valid until the next call.
@@ -295,7 +290,8 @@ class TargetFollower {
     const double first = std::min(1.0, longest / rest);
     for (const bool strict : {true, false}) {
       // Where only volumes count, a much shorter step is better than none.
-      const double least = (strict ? 1 : 0.01) * parameters().min_fraction;
+      constexpr double kShorter = 0.01;
+      const double least = (strict ? 1 : kShorter) * parameters().min_fraction;
       for (double part = first; part * rest >= least; part *= parameters().step_decrease) {
         const CountRefusing refusing{refuses(displaced(part), strict)};
         if (optimizer_.backend.template reduce<Sum<Size>>(optimizer_.work.mesh.slots(), refusing).value == 0)

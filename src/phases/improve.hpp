@@ -37,7 +37,7 @@ bool improve(Optimizer<Backend>& optimizer) {
   if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return false;
   if (!improves_worst(optimizer.options)) return true;
   if (!lower_mean_energy(optimizer, criterion.floor) || !improve_worst(optimizer, criterion.floor)) return false;
-  criterion.floor.relax_mean_ratio(optimizer.tuning.angles.mean_ratio_part);
+  criterion.floor.relax_mean_ratio(optimizer.tuning.angles.mean_ratio_fraction);
   const QualityFloor input_floor = criterion.floor;
   return improve_angles(optimizer, criterion.floor) && restart_worst(optimizer, input_floor, criterion.floor) &&
          polish(optimizer, criterion.floor);

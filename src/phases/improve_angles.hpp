@@ -13,23 +13,22 @@ namespace improve_angles_detail {
 /// The parameters of the last rounds.
 inline AngleParameters last_parameters(AngleParameters p) {
   constexpr double kResolution = 5e-4;
-  p.max_part = p.max_vertex_part = 0;
+  p.max_fraction = p.max_vertex_fraction = 0;
   p.min_count = p.min_vertex_count = p.last_count;
   p.cost_resolution = kResolution;
   p.moves_neighbors = true;
   return p;
 }
 
-/// Whether many tetrahedra have about the largest cost, and it is above the goal.
+/// Whether many tetrahedra have about the largest cost, and it is above `tied_cost`.
 template <class Backend>
-bool has_crowd(Optimizer<Backend>& optimizer) {
+bool has_many_tied(Optimizer<Backend>& optimizer) {
   const AngleParameters& p = optimizer.tuning.angles;
-  const AngleExtremes<Backend> extremes(optimizer.backend, optimizer.work.mesh, optimizer.slot_energies(), p.crowd_goal,
+  const AngleExtremes<Backend> extremes(optimizer.backend, optimizer.work.mesh, optimizer.slot_energies(), p.tied_cost,
                                         p.obtuse_weight);
-  if (extremes.max_cost <= p.crowd_goal) return false;
-  const double of_crowd =
-      upper_cost_quantile(optimizer.backend, extremes.values.span(), p.crowd_count, p.cost_resolution);
-  return of_crowd >= (1 - p.crowd_part) * extremes.max_cost;
+  if (extremes.max_cost <= p.tied_cost) return false;
+  const double of_tied = upper_cost_quantile(optimizer.backend, extremes.values.span(), p.min_tied, p.cost_resolution);
+  return of_tied >= (1 - p.tied_fraction) * extremes.max_cost;
 }
 
 /// One round, on tetrahedra with a vertex that is flagged in `region`, or anywhere if that is empty. Returns the number
@@ -42,19 +41,20 @@ Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, Quali
   AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
   if (region.size() > 0) clear_outside(backend, work.mesh, region, extremes.values.span());
   const double selectable = selection_scale(optimizer.options) * static_cast<double>(work.mesh.tets());
-  const auto cost_of = [&](double part, double min_count) {
-    const double max_above = std::max(part * selectable, min_count);
+  const auto cost_of = [&](double fraction, double min_count) {
+    const double max_above = std::max(fraction * selectable, min_count);
     return std::max(p.min_cost, upper_cost_quantile(backend, extremes.values.span(), max_above, p.cost_resolution));
   };
-  const double cost = cost_of(p.max_part, p.min_count);
+  const double cost = cost_of(p.max_fraction, p.min_count);
   const auto extreme = tets_above(backend, work.mesh, extremes.values.span(), std::sqrt(1 + cost * cost));
   r.worst = extreme.size();
   // From now on no angle may cost more than the worst at present; shapes may become worse in between.
   floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, p.obtuse_weight);
   const Criterion criterion{kShapeObjective, floor, p.obtuse_weight};
   const AngleParameters& vertices = p.min_vertex_count > 0 ? p : tuning_of(Effort::best).angles;
-  const double vertex_cost =
-      edits_vertices(optimizer.options) ? cost_of(vertices.max_vertex_part, vertices.min_vertex_count) : kInfeasible;
+  const double vertex_cost = edits_vertices(optimizer.options)
+                                 ? cost_of(vertices.max_vertex_fraction, vertices.min_vertex_count)
+                                 : kInfeasible;
   const auto improved =
       improve_around(optimizer, criterion, extreme.span(), retriangulation_limits(optimizer, vertex_cost), r);
   VertexMask<Backend> selected(backend, work.mesh.vertices());
@@ -110,13 +110,13 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
     return true;
   };
   const auto has_fallen = [&] { return stalls < parameters.max_stalls; };
-  const auto has_crowd_left = [&] {
+  const auto has_many_tied_left = [&] {
     bool has = false;
-    if (has_fallen()) optimizer.timer.measure(Phase::angles, [&] { has = has_crowd(optimizer); });
+    if (has_fallen()) optimizer.timer.measure(Phase::angles, [&] { has = has_many_tied(optimizer); });
     return has;
   };
   if (!run_rounds(parameters.max_rounds, parameters, [] { return true; })) return false;
-  if (!run_rounds(parameters.crowd_rounds, parameters, has_crowd_left)) return false;
+  if (!run_rounds(parameters.tied_rounds, parameters, has_many_tied_left)) return false;
   stalls = 0;
   return run_rounds(parameters.last_rounds, last_parameters(parameters), has_fallen);
 }

@@ -22,7 +22,7 @@ Size flip_boundary_at_active(Optimizer<Backend>& optimizer, const Criterion& cri
       boundary_flip_pass(optimizer.backend, work.mesh, criterion, work.flips, work.boundary, optimizer.changed.output())
           .counts;
   activate(optimizer.backend, optimizer.changed, work.dofs);
-  optimizer.count(made);
+  optimizer.record_flips(made);
   return made.flips();
 }
 
@@ -38,18 +38,18 @@ Size flip_until_none_active(Optimizer<Backend>& optimizer, const Criterion& crit
   FlipCounts flips = face_removal_pass(backend, work.mesh, criterion, work.flips, changed).counts;
   flips += flip_until_none(backend, work.mesh, criterion, work.flips, changed);
   activate(backend, optimizer.changed, work.dofs);
-  optimizer.count(flips);
+  optimizer.record_flips(flips);
   return flips.flips();
 }
 
 namespace improve_around_detail {
 
-/// At most kMinProposers + kProposingPart * tets tetrahedra are processed per pass: in structured meshes all elements
-/// tie for the worst angle.
+/// At most kMinProposers + kProposingFraction * tets tetrahedra are processed per pass: in structured meshes all
+/// elements tie for the worst angle.
 inline constexpr Size kMinProposers = 250;
-inline constexpr double kProposingPart = 4e-3;
-/// The part of the growth of the mesh that retriangulation may use up: flips that follow add some tetrahedra.
-inline constexpr double kInsertedPart = 0.95;
+inline constexpr double kProposingFraction = 4e-3;
+/// The fraction of the growth of the mesh that retriangulation may use up: flips that follow add some tetrahedra.
+inline constexpr double kInsertedFraction = 0.95;
 /// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and all other changes as
 /// flips.
 template <class Backend>
@@ -59,7 +59,7 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
   const Options& options = optimizer.options;
   WorkingSet<Backend>& work = optimizer.work;
   if (limits.mean_energy == 0) {
-    const auto max_proposers = kMinProposers + static_cast<Size>(kProposingPart * selection_scale(options) *
+    const auto max_proposers = kMinProposers + static_cast<Size>(kProposingFraction * selection_scale(options) *
                                                                  static_cast<double>(work.mesh.tets()));
     tets = {tets.data(), std::min(tets.size(), max_proposers)};
   }
@@ -87,11 +87,11 @@ Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterio
 }  // namespace improve_around_detail
 
 /// The limits of a retriangulation. Vertices are inserted and removed at angles whose cost is above `vertex_cost`
-/// (kInfeasible: nowhere). `growth_part`: the part of the growth of the mesh that retriangulation may use up.
+/// (kInfeasible: nowhere). `growth_fraction`: the fraction of the growth of the mesh that retriangulation may use up.
 template <class Backend>
 RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer, double vertex_cost,
-                                             double growth_part = improve_around_detail::kInsertedPart) {
-  const double growth = 1 + growth_part * (optimizer.options.max_growth - 1);
+                                             double growth_fraction = improve_around_detail::kInsertedFraction) {
+  const double growth = 1 + growth_fraction * (optimizer.options.max_growth - 1);
   const auto max_tets = static_cast<Size>(growth * static_cast<double>(optimizer.report.tets_before));
   return {max_tets - optimizer.work.outside, vertex_cost, optimizer.tuning.angles.min_cost_gain};
 }

@@ -18,12 +18,12 @@ bool improve_worst(Optimizer<Backend>& optimizer, const QualityFloor& floor) {
   const Criterion criterion{shape_objective(p.log2_power), floor};
   const RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible);
   const auto tets = static_cast<double>(work.mesh.tets());
-  Size budget = static_cast<Size>(p.budget) + static_cast<Size>(p.budget_part * tets);
+  Size budget = static_cast<Size>(p.budget) + static_cast<Size>(p.budget_fraction * tets);
   double bound = 0;
   double last_energy = 0;
   optimizer.timer.measure(Phase::worst, [&] {
     optimizer.sum_energy(kShapeObjective);
-    const double quantile = upper_quantile(backend, optimizer.slot_energies(), p.max_part * tets);
+    const double quantile = upper_quantile(backend, optimizer.slot_energies(), p.max_fraction * tets);
     bound = elementary::repeated_square(std::max(p.min_energy, quantile), p.log2_power);
     last_energy = refresh_energy(backend, work.mesh, criterion, work.flips.energies);
   });

@@ -9,9 +9,9 @@
 
 namespace tetune {
 
-/// Hooks for several runs: they latch the request to stop, as an interrupted step must not be resumed, and the fraction
-/// that is done does not fall where a run is repeated. Those of the caller are called on the thread that made this
-/// object alone; on others the request is the latched one.
+/// Hooks that several runs share. A request to stop is remembered, since an interrupted step must not be resumed, and
+/// the reported fraction never falls. The caller's hooks are called only on the thread that made this object; other
+/// threads see the remembered request.
 class LatchedHooks {
  public:
   explicit LatchedHooks(const Context& caller) : caller_(caller) {
@@ -40,12 +40,12 @@ class LatchedHooks {
   Context context_;
 };
 
-/// The hooks of a part of a run, before which a part `done` is done.
-inline Context part_of(const Context& whole, double done, double part) {
+/// The hooks of a step that takes the run's progress from `done` to `done + fraction`.
+inline Context scaled_progress(const Context& whole, double done, double fraction) {
   Context context = whole;
   if (whole.progress) {
-    context.progress = [progress = whole.progress, done, part](Progress p) {
-      p.fraction = done + part * p.fraction;
+    context.progress = [progress = whole.progress, done, fraction](Progress p) {
+      p.fraction = done + fraction * p.fraction;
       return progress(p);
     };
   }

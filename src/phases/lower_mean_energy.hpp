@@ -43,9 +43,7 @@ class NewNeighborhoods {
   BufferOf<Backend, Index> find_above(Optimizer<Backend>& optimizer, double bound) {
     const Backend& backend = optimizer.backend;
     WorkMesh<Backend>& mesh = optimizer.work.mesh;
-    const Size known = fingerprints_.size();
-    fingerprints_.grow(backend, mesh.slots());
-    backend.fill(Span<std::uint32_t>(fingerprints_.span().data() + known, mesh.slots() - known), std::uint32_t{0});
+    grow_filled(backend, fingerprints_, mesh.slots(), std::uint32_t{0});
     VertexMask<Backend> flags(backend, mesh.vertices());
     backend.fill(flags.span(), std::uint8_t{0});
     backend.for_each(mesh.slots(), FlagVerticesOfNew{mesh.view(), fingerprints_.span(), flags.span()});
@@ -65,7 +63,7 @@ double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, Ret
   WorkingSet<Backend>& work = optimizer.work;
   const auto mean_energy = [&] { return optimizer.energy() / static_cast<double>(work.mesh.tets()); };
   limits.mean_energy = mean_energy();
-  const double max_above = optimizer.tuning.mean.max_part * static_cast<double>(work.mesh.tets());
+  const double max_above = optimizer.tuning.mean.max_fraction * static_cast<double>(work.mesh.tets());
   const double bound = upper_quantile(backend, optimizer.slot_energies(), max_above);
   const auto worst = tets_above(backend, work.mesh, optimizer.slot_energies(), bound);
   const auto proposers = neighborhoods.find_above(optimizer, bound);
@@ -85,7 +83,7 @@ bool lower_mean_energy(Optimizer<Backend>& optimizer, const QualityFloor& floor)
   const MeanParameters& p = optimizer.tuning.mean;
   if (!edits_vertices(optimizer.options)) return true;
   const Criterion criterion{kShapeObjective, floor};
-  RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, p.growth_part);
+  RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, p.growth_fraction);
   limits.min_gain = p.min_gain;
   const Report& report = optimizer.report;
   const auto max_removed =

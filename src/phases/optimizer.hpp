@@ -11,6 +11,7 @@
 #include "phases/vertex_sets.hpp"
 #include "phases/working_set.hpp"
 #include "relocation/move_periodic.hpp"
+#include "relocation/sweep.hpp"
 
 namespace tetune {
 
@@ -55,17 +56,17 @@ class Optimizer {
   /// Subtracts the decrease by one step.
   void decrease_energy(double decrease, const Objective& objective) {
     energy_ -= decrease;
-    if (energy_ < tuning.resum_part * last_sum_) timer.measure(Phase::sums, [&] { sum_energy(objective); });
+    if (energy_ < tuning.resum_fraction * last_sum_) timer.measure(Phase::sums, [&] { sum_energy(objective); });
   }
 
   /// Adds the flips of one pass to the report.
-  void count(const FlipCounts& flips) {
+  void record_flips(const FlipCounts& flips) {
     FlipCounts& total = report;
     total += flips;
     rings_stale_ = rings_stale_ || flips.flips() > 0;
   }
 
-  /// To be called when vertices got other degrees of freedom, or the mesh was uploaded.
+  /// Call this after degrees of freedom have changed or the mesh was uploaded.
   void invalidate_rings() { rings_stale_ = true; }
   /// Builds the rings of all vertices, and colors them, if they are out of date. Returns false if a requested stop
   /// prevented it.

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "energy/criterion.hpp"
+#include "energy/dihedral_cots.hpp"
 #include "energy/quality_floor.hpp"
 #include "mesh/work_mesh.hpp"
-#include "relocation/angle_cost_ring.hpp"
 
 /// The largest energy, the smallest dihedral angle and the smallest mean ratio of a mesh (docs/method.md, "The worst
 /// elements").

@@ -20,9 +20,7 @@ class Region {
  public:
   Region(const Cpu& backend, const std::vector<std::uint8_t>& flags) { flags_.upload(backend, flags); }
   Span<const std::uint8_t> flags(const Cpu& backend, const WorkMesh<Cpu>& mesh) {
-    const Size before = flags_.size();
-    flags_.grow(backend, mesh.vertices());
-    backend.fill(Span<std::uint8_t>(flags_.span().data() + before, flags_.size() - before), std::uint8_t{1});
+    grow_filled(backend, flags_, mesh.vertices(), std::uint8_t{1});
     return std::as_const(flags_).span();
   }
 
@@ -89,7 +87,7 @@ class NeighborhoodOptimizer {
   }
 
   /// Angles are worked on whose cost is above a part of the largest.
-  void set_largest_cost(double cost) { angles_.min_cost = std::max(angles_.min_cost, p_.cost_part * cost); }
+  void set_largest_cost(double cost) { angles_.min_cost = std::max(angles_.min_cost, p_.cost_fraction * cost); }
 
   /// Lowers the energy, and then the mean energy, as before any work on the worst elements.
   void lower_energy(Region region, const RestartParameters::Perturbation& perturbation) {
@@ -148,7 +146,7 @@ class NeighborhoodOptimizer {
 
 }  // namespace
 
-/// One try at a place: its neighborhood, and the result.
+/// One try at a spot: its neighborhood, and the result.
 struct RestartSearch::Restart {
   Index slot;  ///< of the element to improve, in the whole mesh
   const RestartParameters::Perturbation& perturbation;
@@ -162,8 +160,8 @@ struct RestartSearch::Restart {
   Size growth() const { return neighborhood->work.mesh.tets() - std::ssize(found.slots); }
 };
 
-/// The tries at one place, of which the first that succeeds counts.
-struct RestartSearch::Place {
+/// The tries at one spot, of which the first that succeeds counts.
+struct RestartSearch::RestartSpot {
   std::vector<std::unique_ptr<Restart>> tries;
   /// The first try known to have succeeded; the number of tries if there is none.
   std::atomic<Size> first_success{0};
@@ -226,7 +224,7 @@ std::vector<Index> RestartSearch::find_worst() const {
   std::vector<Index> worst;
   if (!(largest > 0)) return worst;
   worst.resize(cots_.size());
-  const double least = (1 - p_.worst_part) * largest;
+  const double least = (1 - p_.worst_fraction) * largest;
   worst.resize(to_size_t(host_->compact(
       slots, [&](Size t) { return cost_if_left(t) >= least; }, span_of(worst))));
   std::sort(worst.begin(), worst.end(),
@@ -236,16 +234,16 @@ std::vector<Index> RestartSearch::find_worst() const {
 
 bool RestartSearch::is_tied(Index slot, Index other) const { return cost(slot) >= (1 - p_.tie) * cost(other); }
 
-std::vector<std::unique_ptr<RestartSearch::Place>> RestartSearch::choose() {
-  std::vector<std::unique_ptr<Place>> places;
+std::vector<std::unique_ptr<RestartSearch::RestartSpot>> RestartSearch::choose() {
+  std::vector<std::unique_ptr<RestartSpot>> spots;
   const std::vector<Index> worst = find_worst();
   const auto is_tied_with_first = [&](Index t) { return is_tied(t, worst.front()); };
-  if (std::count_if(worst.begin(), worst.end(), is_tied_with_first) > p_.max_worst) return places;
+  if (std::count_if(worst.begin(), worst.end(), is_tied_with_first) > p_.max_worst) return spots;
   std::vector<std::uint8_t> is_taken(whole_.tet2vertex.size(), 0);
   int tried = 0;
   for (const Index slot : worst) {
     if (span_of(is_taken)[slot] != 0) continue;
-    if (std::ssize(places) == p_.places || tried++ == p_.max_worst) break;
+    if (std::ssize(spots) == p_.spots || tried++ == p_.max_worst) break;
     const auto first = p_.perturbations.begin() + span_of(failures_)[slot];
     const auto last = first + std::min<std::ptrdiff_t>(p_.tries, p_.perturbations.end() - first);
     const auto rings_of = [this](const RestartParameters::Perturbation& perturbation) {
@@ -255,19 +253,19 @@ std::vector<std::unique_ptr<RestartSearch::Place>> RestartSearch::choose() {
     finder_.find(slot, rings_of(*widest));
     if (finder_.touches(is_taken)) continue;
     for (const Index t : finder_.tets()) span_of(is_taken)[t] = 1;
-    auto place = std::make_unique<Place>();
+    auto spot = std::make_unique<RestartSpot>();
     int rings_found = rings_of(*widest);
     for (auto perturbation = first; perturbation != last; ++perturbation) {
       const int rings = rings_of(*perturbation);
       if (rings != rings_found) finder_.find(slot, rings);
       rings_found = rings;
-      place->tries.push_back(
+      spot->tries.push_back(
           std::unique_ptr<Restart>(new Restart{slot, *perturbation, finder_.found(), {}, {}, {}, {}}));
     }
-    place->first_success = std::ssize(place->tries);
-    places.push_back(std::move(place));
+    spot->first_success = std::ssize(spot->tries);
+    spots.push_back(std::move(spot));
   }
-  return places;
+  return spots;
 }
 
 void RestartSearch::run(Restart& restart, const TrianglesByLowestVertex& triangles, const Context& context) const {
@@ -326,38 +324,38 @@ void RestartSearch::count_failure(const Restart& restart) {
 
 bool RestartSearch::run_round(WorstReport& r) {
   if (aims_at_largest_ && !weigh_largest_angle()) return false;
-  const auto places = choose();
-  if (places.empty()) return false;
+  const auto spots = choose();
+  if (spots.empty()) return false;
   const LatchedHooks hooks(input_.context);
   const TrianglesByLowestVertex triangles = list_by_lowest_vertex(*host_, whole_);
   // First tries come first: a later one runs only if an earlier one has not succeeded yet.
-  const Size count = std::ssize(places);
+  const Size count = std::ssize(spots);
   host_->for_parts(p_.tries * count, [&](Size i) {
-    Place& place = *span_of(places)[i % count];
+    RestartSpot& spot = *span_of(spots)[i % count];
     const Size number = i / count;
-    const auto is_needed = [&] { return number < place.first_success.load(std::memory_order_relaxed); };
+    const auto is_needed = [&] { return number < spot.first_success.load(std::memory_order_relaxed); };
     if (!is_needed()) return;
-    Restart& restart = *span_of(place.tries)[number];
+    Restart& restart = *span_of(spot.tries)[number];
     const auto stop = [&] { return !is_needed() || hooks.context().stop(); };
     run(restart, triangles, {{}, stop});
     if (!restart.is_better) return;
-    Size first = place.first_success.load();
-    while (number < first && !place.first_success.compare_exchange_weak(first, number)) continue;
+    Size first = spot.first_success.load();
+    while (number < first && !spot.first_success.compare_exchange_weak(first, number)) continue;
   });
   if (hooks.is_stopped()) return true;
   r.worst = count;
   const int kept_before = restarts_kept_;
-  for (const auto& place : places) finish(*place, r);
+  for (const auto& spot : spots) finish(*spot, r);
   rounds_without_ = restarts_kept_ > kept_before ? 0 : rounds_without_ + 1;
   whole_.erase_removed_triangles();
   return true;
 }
 
-void RestartSearch::finish(Place& place, WorstReport& r) {
+void RestartSearch::finish(RestartSpot& spot, WorstReport& r) {
   const double max_tets = options_.max_growth * double(input_.tets_before);
-  const Size first_success = place.first_success;
-  for (Size i = 0; i < std::ssize(place.tries) && i <= first_success; ++i) {
-    Restart& restart = *span_of(place.tries)[i];
+  const Size first_success = spot.first_success;
+  for (Size i = 0; i < std::ssize(spot.tries) && i <= first_success; ++i) {
+    Restart& restart = *span_of(spot.tries)[i];
     ++restarts_;
     const bool has_room = restart.growth() <= 0 || double(whole_.tets() + restart.growth()) <= max_tets;
     if (i == first_success && has_room) {

@@ -34,7 +34,7 @@ class RestartSearch {
   RestartSearch(HostWork& whole, RestartInput input);
   ~RestartSearch();
 
-  /// Restarts at several places. Returns false if none is left.
+  /// Restarts at several spots. Returns false if none is left.
   bool run_round(WorstReport& r);
   /// From now on restarts lower the largest angle, and are kept where the smallest one of the mesh stays.
   void aim_at_largest_angle();
@@ -47,21 +47,21 @@ class RestartSearch {
 
  private:
   struct Restart;
-  struct Place;
+  struct RestartSpot;
   double cost(Index slot) const { return span_of(cots_)[slot].cost(weight_); }
   /// Sets the weight of large angles for the next round, so that the largest costs somewhat more than the smallest.
   /// Returns false if it is small enough, or if several rounds have not lowered it.
   bool weigh_largest_angle();
-  /// The slots within RestartParameters::worst_part of the largest cost of those whose restarts have not all failed,
-  /// the largest cost first.
+  /// The slots within RestartParameters::worst_fraction of the largest cost of those whose restarts have not all
+  /// failed, the largest cost first.
   std::vector<Index> find_worst() const;
   /// Whether a slot has about the cost of another one, or a larger one.
   bool is_tied(Index slot, Index other) const;
-  /// The places of a round, whose neighborhoods have no tetrahedron and no face in common.
-  std::vector<std::unique_ptr<Place>> choose();
+  /// The spots of a round, whose neighborhoods have no tetrahedron and no face in common.
+  std::vector<std::unique_ptr<RestartSpot>> choose();
   void run(Restart& restart, const Csr<backend::Cpu>& triangles, const Context& context) const;
   /// Keeps the first try that has succeeded, if there is one, and counts the failures of those before it.
-  void finish(Place& place, WorstReport& r);
+  void finish(RestartSpot& spot, WorstReport& r);
   void keep(Restart& restart);
   void count_failure(const Restart& restart);
 

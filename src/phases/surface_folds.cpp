@@ -22,7 +22,7 @@ struct BoundaryFace {
 /// Calls f(face) for each boundary face.
 template <class F>
 void for_boundary_faces(const HostMesh& mesh, const F& f) {
-  const auto tet2tet = backend::span_of(mesh.tet2tet);
+  const auto tet2tet = span_of(mesh.tet2tet);
   Index slot = -1;
   for (const Tet& tet : mesh.tet2vertex) {
     ++slot;
@@ -37,7 +37,7 @@ void for_boundary_faces(const HostMesh& mesh, const F& f) {
 /// Calls f(slot, v, normal) for each vertex v of each boundary face.
 template <class F>
 void for_boundary_corners(const HostMesh& mesh, const F& f) {
-  const auto points = backend::span_of(mesh.points);
+  const auto points = span_of(mesh.points);
   for_boundary_faces(mesh, [&](const BoundaryFace& face) {
     const Vec3 origin = vec(points[face.v[0]]);
     const Vec3 normal = cross(vec(points[face.v[1]]) - origin, vec(points[face.v[2]]) - origin);
@@ -49,14 +49,14 @@ void for_boundary_corners(const HostMesh& mesh, const F& f) {
 std::vector<std::uint8_t> vertices_near(const HostMesh& mesh, const std::vector<Index>& slots, int rings) {
   std::vector<std::uint8_t> flags(mesh.points.size(), 0);
   for (const Index slot : slots) {
-    for (const Index v : backend::span_of(mesh.tet2vertex)[slot].v) backend::span_of(flags)[v] = 1;
+    for (const Index v : span_of(mesh.tet2vertex)[slot].v) span_of(flags)[v] = 1;
   }
   for (int ring = 0; ring < rings; ++ring) {
     const std::vector<std::uint8_t> before = flags;
-    const auto is_near = [near = backend::span_of(before)](Index v) { return near[v] != 0; };
+    const auto is_near = [near = span_of(before)](Index v) { return near[v] != 0; };
     for (const Tet& tet : mesh.tet2vertex) {
       if (tet[0] == kFreeSlot || std::none_of(std::begin(tet.v), std::end(tet.v), is_near)) continue;
-      for (const Index v : tet.v) backend::span_of(flags)[v] = 1;
+      for (const Index v : tet.v) span_of(flags)[v] = 1;
     }
   }
   return flags;
@@ -77,9 +77,9 @@ class FacePairs {
   }
 
  private:
-  Vec3 position(Index v) const { return vec(backend::span_of(points_)[v]); }
+  Vec3 position(Index v) const { return vec(span_of(points_)[v]); }
   int sign(Index a, Index b, Index c, Index d) const {
-    const auto at = [this](Index v) { return to_array(backend::span_of(points_)[v]); };
+    const auto at = [this](Index v) { return to_array(span_of(points_)[v]); };
     return orient_sign(at(a), at(b), at(c), at(d));
   }
   static bool has(const BoundaryFace& face, Index v) {
@@ -115,8 +115,8 @@ class FacePairs {
 }  // namespace
 
 std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slots) {
-  const auto points = backend::span_of(mesh.points);
-  const auto tets = backend::span_of(mesh.tet2vertex);
+  const auto points = span_of(mesh.points);
+  const auto tets = span_of(mesh.tet2vertex);
   std::erase_if(slots, [&](Index slot) {
     const Tet& t = tets[slot];
     return orient_sign(to_array(points[t[0]]), to_array(points[t[1]]), to_array(points[t[2]]), to_array(points[t[3]])) >
@@ -128,8 +128,8 @@ std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slot
 std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& dofs) {
   std::vector<Vec3> first_normal(dofs.size(), Vec3{});
   std::vector<std::uint8_t> folded(dofs.size(), 0);
-  for_boundary_corners(mesh, [&, dofs = backend::span_of(dofs), first = backend::span_of(first_normal),
-                              flags = backend::span_of(folded)](Index, Index v, const Vec3& normal) {
+  for_boundary_corners(mesh, [&, dofs = span_of(dofs), first = span_of(first_normal), flags = span_of(folded)](
+                                 Index, Index v, const Vec3& normal) {
     if (dofs[v] != VertexDof::plane) return;
     if (dot(first[v], first[v]) == 0) first[v] = normal;
     if (dot(first[v], normal) < 0) flags[v] = 1;
@@ -142,8 +142,7 @@ std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<VertexDo
   const std::vector<std::uint8_t> folded = folded_vertices(mesh, dofs);
   std::vector<Index> slots;
   if (std::find(folded.begin(), folded.end(), 1) == folded.end()) return slots;
-  for_boundary_corners(mesh, [&slots, now = backend::span_of(folded), then = backend::span_of(before)](
-                                 Index slot, Index v, const Vec3&) {
+  for_boundary_corners(mesh, [&slots, now = span_of(folded), then = span_of(before)](Index slot, Index v, const Vec3&) {
     if (now[v] != 0 && then[v] == 0) slots.push_back(slot);
   });
   return slots;
@@ -163,11 +162,10 @@ std::vector<Index> surface_faults(const HostMesh& mesh, const std::vector<Index>
   std::vector<Index> found;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const BoundaryFace& face = faces[i];
-    if (std::none_of(face.v.begin(), face.v.end(), [&](Index v) { return backend::span_of(near)[v] != 0; })) continue;
+    if (std::none_of(face.v.begin(), face.v.end(), [&](Index v) { return span_of(near)[v] != 0; })) continue;
     bool is_at_fault = false;
-    tree.for_meeting(boxes[i], [&](Index other) {
-      is_at_fault = is_at_fault || pairs.are_at_fault(face, backend::span_of(faces)[other]);
-    });
+    tree.for_meeting(
+        boxes[i], [&](Index other) { is_at_fault = is_at_fault || pairs.are_at_fault(face, span_of(faces)[other]); });
     if (is_at_fault) found.push_back(face.slot);
   }
   found.erase(std::unique(found.begin(), found.end()), found.end());

@@ -8,7 +8,7 @@
 #include "tetune/options.hpp"
 
 /// The tuning constants of all phases, one set per effort. Energies without another unit are shape energies of one
-/// tetrahedron: 1 for the regular one, larger for all others. A "part" is relative to the total that is named.
+/// tetrahedron: 1 for the regular one, larger for all others. A "fraction" is relative to the total that is named.
 namespace tetune {
 
 /// untangle(): soft sweeps in rounds.
@@ -36,7 +36,7 @@ struct UntangleParameters {
 struct RelocationParameters {
   /// Over-relaxation factor of the Newton step (docs/benchmarks/cpu.md, "Relaxation").
   double relaxation = 1.7;
-  /// A Newton step is skipped if its predicted decrease is below this part of the ring's energy.
+  /// A Newton step is skipped if its predicted decrease is below this fraction of the ring's energy.
   double min_gain = 1e-10;
   /// A gradient step is skipped if the norm of the gradient is below this: eps_g of the paper.
   double min_gradient = 1e-5;
@@ -44,13 +44,13 @@ struct RelocationParameters {
 
 /// alternate(): flips and sweeps in turn.
 struct AlternationParameters {
-  /// A further sweep follows if the last one decreased the energy by more than this part
+  /// A further sweep follows if the last one decreased the energy by more than this fraction
   /// (docs/benchmarks/cpu.md, "When to stop").
   double min_sweep_decrease = 2e-3;
-  /// Flips that decrease the energy by less than this part double the number of sweeps until the next flips.
+  /// Flips that decrease the energy by less than this fraction double the number of sweeps until the next flips.
   double min_flip_decrease = 3e-3;
-  /// A flip pass that decreases the energy by less than this part is the last one of its kind: until the next sweep, or
-  /// for boundary flips and face removals until the end of the phase.
+  /// A flip pass that decreases the energy by less than this fraction is the last one of its kind: until the next
+  /// sweep, or for boundary flips and face removals until the end of the phase.
   double min_pass_decrease = 5e-4;
   /// Before the first sweep only tetrahedra above this energy propose flips. Sweeps improve all others first and reach
   /// a lower energy than flips before them (docs/benchmarks/cpu.md, "The first flips").
@@ -65,15 +65,15 @@ struct AlternationParameters {
 struct MeanParameters {
   /// 0: the phase is left out.
   int max_rounds = 0;
-  /// They are inserted and removed at this part of the tetrahedra, those of the largest energies.
-  double max_part = 0.05;
-  /// An operation must lower the energy beyond the mean by this part of what a cavity of mean energy has.
+  /// Vertices are inserted and removed at this fraction of the tetrahedra: those of the largest energies.
+  double max_fraction = 0.05;
+  /// An operation must lower the energy beyond the mean by this fraction of what a cavity of mean energy has.
   double min_gain = 1e-3;
-  /// A round that lowers what the mean energy is above 1 by less than this part is the last one.
+  /// A round that lowers what the mean energy is above 1 by less than this fraction is the last one.
   double min_fall = 0.01;
-  /// The part of the growth of the mesh that insertion may use up: the smallest angles need the rest.
-  double growth_part = 0.4;
-  /// No round follows when the mesh has lost more than this part of its vertices.
+  /// The fraction of the growth of the mesh that insertion may use up: the smallest angles need the rest.
+  double growth_fraction = 0.4;
+  /// No round follows when the mesh has lost more than this fraction of its vertices.
   double max_removed = 0.1;
 };
 
@@ -81,18 +81,18 @@ struct MeanParameters {
 struct WorstParameters {
   /// 0: all phases after alternate() are left out (improves_worst()).
   int max_rounds = 10;
-  /// At most this part of the tetrahedra are among the worst,
-  double max_part = 3e-4;
+  /// At most this fraction of the tetrahedra are among the worst,
+  double max_fraction = 3e-4;
   /// and only those above this energy.
   double min_energy = 2;
   /// The objective is the shape energy to the power 2^log2_power, in which the worst tetrahedra dominate the sum.
   int log2_power = 2;
-  /// A round that decreases this objective by less than this part is the last one.
+  /// A round that decreases this objective by less than this fraction is the last one.
   double min_decrease = 1e-2;
-  /// Work budget: the number of worst tetrahedra, summed over the rounds, is at most `budget` plus this part of all
+  /// Work budget: the number of worst tetrahedra, summed over the rounds, is at most `budget` plus this fraction of all
   /// tetrahedra. Thin uniform layers have many equally bad tetrahedra.
   double budget = 300;
-  double budget_part = 1e-2;
+  double budget_fraction = 1e-2;
   bool has_budget = true;
 };
 
@@ -100,7 +100,7 @@ struct WorstParameters {
 struct AngleParameters {
   int max_rounds = 1;
   /// A round works on at most this fraction of the tetrahedra, or this number of them in a small mesh,
-  double max_part = 3e-4;
+  double max_fraction = 3e-4;
   double min_count = 0;
   /// and only on those with a dihedral angle whose cost (DihedralCots::cost()) is above this: 1.2 is the cost of about
   /// 40 degrees, 1.01 that of 44.7.
@@ -108,35 +108,35 @@ struct AngleParameters {
   /// The weight of large angles in that cost. 0: they do not count.
   double obtuse_weight = 0;
   /// The smallest mean ratio that these rounds may leave, as a fraction of the smallest one of the input.
-  double mean_ratio_part = 1;
+  double mean_ratio_fraction = 1;
   /// A retriangulation must lower the largest cost in its cavity by this fraction.
   double min_cost_gain = 0.02;
   /// Passes per round that move vertices to where the largest cost around them is lowest.
   int opening_passes = 2;
   /// Vertices are inserted and removed around at most this fraction of the tetrahedra, or this number of them in a
   /// small mesh. 0: the values of Effort::best, where edits_vertices() holds.
-  double max_vertex_part = 0;
+  double max_vertex_fraction = 0;
   double min_vertex_count = 0;
   /// The relative accuracy of the cost that a given number of tetrahedra exceed.
   double cost_resolution = 0.01;
   /// Whether neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
   bool moves_neighbors = false;
-  /// Maximum number of further rounds for a crowd: at least `crowd_count` tetrahedra with a cost within the fraction
-  /// `crowd_part` of the largest, which is above `crowd_goal` (1.3: 37.6 degrees). Restarts work on a few places only.
-  int crowd_rounds = 0;
-  double crowd_count = 64;
-  double crowd_part = 0.05;
-  double crowd_goal = 1.3;
-  /// Maximum number of last rounds, which work on about `last_count` of the worst tetrahedra alone: where a few are
-  /// left that need many operations, the worst element of the mesh is among them.
+  /// Maximum number of further rounds while at least `min_tied` tetrahedra have a cost within `tied_fraction` of the
+  /// largest, and that exceeds `tied_cost` (1.3: 37.6 degrees). Restarts treat only a few tetrahedra.
+  int tied_rounds = 0;
+  double min_tied = 64;
+  double tied_fraction = 0.05;
+  double tied_cost = 1.3;
+  /// Maximum number of last rounds. Each works on about `last_count` of the worst tetrahedra: the few that still need
+  /// many operations include the worst one of the mesh.
   int last_rounds = 0;
   double last_count = 0;
-  /// Rounds for crowds and last rounds end after `max_stalls` successive ones that each lower the largest cost by less
-  /// than the fraction `min_fall`.
+  /// Rounds for tied tetrahedra and last rounds end after `max_stalls` successive ones that each lower the largest cost
+  /// by less than the fraction `min_fall`.
   int max_stalls = 4;
   double min_fall = 1e-3;
 
-  int rounds() const { return max_rounds + crowd_rounds + last_rounds; }
+  int rounds() const { return max_rounds + tied_rounds + last_rounds; }
 };
 
 /// restart_worst(): the neighborhoods of the worst elements optimized again.
@@ -144,13 +144,13 @@ struct RestartParameters {
   /// The number of rounds by default (Options::restarts); one per `tets_per_round` tetrahedra in smaller meshes.
   int rounds = 0;
   double tets_per_round = 400;
-  /// Maximum number of places at which a round restarts.
-  int places = 4;
-  /// Maximum number of perturbations that a round tries per place; the first one in order that succeeds is kept. On
+  /// Maximum number of spots at which a round restarts.
+  int spots = 4;
+  /// Maximum number of perturbations that a round tries per spot; the first one in order that succeeds is kept. On
   /// several threads later ones start before the earlier ones have ended.
   int tries = 3;
-  /// Places are at elements whose cost is within this fraction of the largest.
-  double worst_part = 0.05;
+  /// Spots are at elements whose cost is within this fraction of the largest.
+  double worst_fraction = 0.05;
   /// A restart is kept if it lowers the largest cost by the fraction `min_fall`, or leaves it and lowers the sum of the
   /// costs to the power of eight by the fraction `min_fall_of_others`.
   double min_fall = 1e-4;
@@ -179,7 +179,7 @@ struct RestartParameters {
   /// About the number of tetrahedra that each of them works on.
   double count = 12;
   /// They work on angles whose cost is above this fraction of the largest.
-  double cost_part = 0.7;
+  double cost_fraction = 0.7;
   /// The number of further rings of the neighborhood, in which vertices may move.
   int margin = 1;
 };
@@ -198,7 +198,8 @@ struct MotionParameters {
   /// A step is accepted while the energy of each tetrahedron is below this, or has grown by less than this factor.
   double safe_energy = 8;
   double max_energy_growth = 2;
-  /// A step that is refused is repeated with this part of its length; the next one may be this many times longer.
+  /// A refused step is repeated at this fraction of its length; after an accepted one the next may be longer by the
+  /// factor `step_increase`.
   double step_decrease = 0.75;
   double step_increase = 2;
   /// Steps of less than this fraction are stalls: they are accepted where all volumes stay positive, whatever the
@@ -217,9 +218,9 @@ struct Tuning {
   RestartParameters restart;
   PolishParameters polish;
   MotionParameters motion;
-  /// The energy is summed again when it has fallen below this part of its last sum: rounding errors of the decreases
-  /// subtracted since then are relative to that sum.
-  double resum_part = 0.1;
+  /// The energy is summed again when it has fallen below this fraction of its last sum: rounding errors of the
+  /// decreases subtracted since then are relative to that sum.
+  double resum_fraction = 0.1;
 };
 
 namespace tuning_detail {
@@ -241,14 +242,14 @@ constexpr Tuning best() {
   t.mean.max_rounds = 12;
   t.worst.has_budget = false;
   t.angles.max_rounds = 8;
-  t.angles.max_part = 4e-3;
+  t.angles.max_fraction = 4e-3;
   t.angles.min_count = 200;
-  t.angles.max_vertex_part = 6e-4;
+  t.angles.max_vertex_fraction = 6e-4;
   t.angles.min_vertex_count = 100;
   t.angles.min_cost_gain = 3e-3;
   t.angles.obtuse_weight = 1.5;
-  t.angles.mean_ratio_part = 0.25;
-  t.angles.crowd_rounds = 16;
+  t.angles.mean_ratio_fraction = 0.25;
+  t.angles.tied_rounds = 16;
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
@@ -280,7 +281,7 @@ inline bool edits_vertices(const Options& options) {
   return improves_worst(options) && asked && !options.keep_vertices;
 }
 
-/// improve_angles() works on the parts of the tetrahedra in its parameters times this: a mesh that may grow by more
+/// improve_angles() works on the fractions of the tetrahedra in its parameters times this: a mesh that may grow by more
 /// than the default does so in as many rounds.
 inline double selection_scale(const Options& options) {
   constexpr double kScalePerGrowth = 60;

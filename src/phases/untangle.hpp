@@ -29,7 +29,7 @@ template <class Backend>
 void flip_around_tangles(const Backend& backend, WorkingSet<Backend>& work) {
   const Criterion criterion{kShapeObjective};
   refresh_energy(backend, work.mesh, criterion, work.flips.energies);
-  activate_all(backend, work.mesh, criterion, work.flips);
+  reset_slack(backend, work.mesh, work.flips);
   activate_around(backend, work.mesh, work.flips, Span<const std::uint8_t>(work.dofs.active.span()));
   flip_until_none(backend, work.mesh, criterion, work.flips, {});
 }
@@ -118,7 +118,7 @@ void run_rounds(Optimizer<Backend>& optimizer) {
     build_rings(backend, work.mesh, work.rings);
     color_vertices(backend, work.rings.view(), work.dofs.dof.span(), work.coloring, work.dofs.stars());
     Criterion criterion{kShapeObjective};
-    criterion.objective.regularization = p.regularizations[backend::to_size_t(round) % p.regularizations.size()];
+    criterion.objective.regularization = p.regularizations[to_size_t(round) % p.regularizations.size()];
     for (int i = 0; i < p.max_sweeps && tangled > 0 && go_on; ++i) {
       flag_neighbors(backend, work.mesh, work.dofs.active.span());
       sweep<RegularizedRing>(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
@@ -151,7 +151,7 @@ struct Snapshot {
 template <class Backend>
 std::vector<Index> originals_of(const WorkMesh<Backend>& mesh, std::vector<Index> slots) {
   const std::vector<Index> tet2original = mesh.tet2original.download();
-  for (Index& t : slots) t = backend::span_of(tet2original)[t];
+  for (Index& t : slots) t = span_of(tet2original)[t];
   std::sort(slots.begin(), slots.end());
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   return slots;
@@ -172,8 +172,8 @@ std::vector<Index> untangle_once(Optimizer<Backend>& optimizer) {
   return originals_of(mesh, std::move(left));
 }
 
-/// The same, from the state before, with all vertices of the surface and of interfaces fixed if they could move: where
-/// they can, the surface may fold, though the inside has room.
+/// Untangles from the state before, with all vertices of the surface and of interfaces fixed: if they can move, the
+/// surface may fold even though the inside has room.
 template <class Backend>
 std::vector<Index> untangle_inside(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before) {
   WorkingSet<Backend>& work = optimizer.work;
@@ -196,14 +196,14 @@ bool can_move_surface(const WorkingSet<Backend>& work) {
 }
 
 /// The tetrahedra that could not be untangled, and the reason; none if all are positive.
-struct Outcome {
+struct UntangleResult {
   std::vector<Index> left;  ///< tetrahedra of the input, in increasing order
   UntangleError::Reason reason = UntangleError::Reason::no_room;
 };
 
 /// Restores the input, and explains what is left.
 template <class Backend>
-Outcome explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
+UntangleResult explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
   using Reason = UntangleError::Reason;
   if (optimizer.backend.stop_requested()) return {std::move(left), Reason::stopped};
   WorkMesh<Backend>& mesh = optimizer.work.mesh;
@@ -211,7 +211,7 @@ Outcome explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, 
   std::vector<Index> slots;
   const std::vector<Index> tet2original = mesh.tet2original.download();
   for (Size slot = 0; slot < std::ssize(tet2original); ++slot) {
-    const Index original = backend::span_of(tet2original)[slot];
+    const Index original = span_of(tet2original)[slot];
     if (std::binary_search(left.begin(), left.end(), original)) slots.push_back(to_index(slot));
   }
   const std::vector<Index> faults = surface_faults(HostMesh(mesh), slots);
@@ -221,7 +221,7 @@ Outcome explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, 
 }
 
 template <class Backend>
-Outcome untangle_tets(Optimizer<Backend>& optimizer) {
+UntangleResult untangle_tets(Optimizer<Backend>& optimizer) {
   const Snapshot<Backend> before(optimizer.work);
   std::vector<Index> left = untangle_once(optimizer);
   if (left.empty()) return {};
@@ -238,11 +238,11 @@ Outcome untangle_tets(Optimizer<Backend>& optimizer) {
 /// "Untangling"). Throws UntangleError if tetrahedra remain that are not positive, or if the surface would fold.
 template <class Backend>
 void untangle(Optimizer<Backend>& optimizer) {
-  untangle_detail::Outcome outcome;
-  optimizer.timer.measure(Phase::untangling, [&] { outcome = untangle_detail::untangle_tets(optimizer); });
+  untangle_detail::UntangleResult result;
+  optimizer.timer.measure(Phase::untangling, [&] { result = untangle_detail::untangle_tets(optimizer); });
   optimizer.report.tets_untangled = optimizer.work.tangled;
-  if (!outcome.left.empty()) {
-    throw UntangleError(optimizer.work.tangled, std::move(outcome.left), outcome.reason);
+  if (!result.left.empty()) {
+    throw UntangleError(optimizer.work.tangled, std::move(result.left), result.reason);
   }
 }
 

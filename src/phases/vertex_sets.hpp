@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "relocation/sweep.hpp"
+#include "backend/buffer.hpp"
+#include "boundary/vertex_dofs.hpp"
 
 /// Sets of vertices as flags. VertexDofs::active is the active set of the sweeps; the output of flips and temporary
 /// selections are sets of their own.

@@ -6,7 +6,7 @@
 #include "operators/flip_state.hpp"
 #include "relocation/coloring.hpp"
 #include "relocation/periodic_set.hpp"
-#include "relocation/sweep.hpp"
+#include "relocation/rings.hpp"
 
 namespace tetune {
 

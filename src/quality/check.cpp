@@ -120,20 +120,19 @@ class CheckedMesh {
   }
 
   HalfFace across(Size t, int face) const { return std::as_const(work_.tet2tet).span()[t][face]; }
-  Vec3 centroid(Size t) const {
+  Vec3 centroid_of_tet(Size t) const {
     const Tet tet = view_.tet(t);
-    const Vec3 p[4] = {view_.position(tet[0]), view_.position(tet[1]), view_.position(tet[2]), view_.position(tet[3])};
-    return centroid_of(p);
+    return centroid(view_.position(tet[0]), view_.position(tet[1]), view_.position(tet[2]), view_.position(tet[3]));
   }
 
   double orthogonal_quality(const TetShape& s, Size t) const {
     const Vec3 center = centroid_of(s.p);
-    double quality = volume_part(s);
+    double quality = relative_volume(s);
     for (int f = 0; f < 4; ++f) {
       const Vec3 outward = outward_normal(s, f);
       quality = std::min(quality, cosine(outward, face_centroid(s.p, f) - center));
       const HalfFace other = across(t, f);
-      if (other != kNoHalfFace) quality = std::min(quality, cosine(outward, centroid(tet_of(other)) - center));
+      if (other != kNoHalfFace) quality = std::min(quality, cosine(outward, centroid_of_tet(tet_of(other)) - center));
     }
     return quality;
   }
@@ -151,7 +150,7 @@ class CheckedMesh {
     const bool inside = other != kNoHalfFace;
     if (inside && tet_of(other) < t) return;
     const Vec3 own = centroid_of(s.p);
-    const Vec3 neighbor = inside ? centroid(tet_of(other)) : own;
+    const Vec3 neighbor = inside ? centroid_of_tet(tet_of(other)) : own;
     const Vec3 normal = outward_normal(s, f);
     if (measure == CheckMeasure::non_orthogonality) {
       if (inside) counter.add(sums, angle_between(normal, neighbor - own), t);

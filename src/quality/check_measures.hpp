@@ -11,7 +11,7 @@
 /// The measures of acceptance criteria. Formulas and sources: docs/quality.md, "Acceptance".
 namespace tetune {
 
-inline Vec3 centroid_of(const Vec3 (&p)[4]) { return 0.25 * (p[0] + p[1] + p[2] + p[3]); }
+inline Vec3 centroid_of(const Vec3 (&p)[4]) { return centroid(p[0], p[1], p[2], p[3]); }
 
 inline Vec3 face_centroid(const Vec3 (&p)[4], int face) {
   return (1.0 / 3) * (p[face_vertex(face, 0)] + p[face_vertex(face, 1)] + p[face_vertex(face, 2)]);
@@ -65,7 +65,7 @@ inline double max_face_area(const TetShape& s) {
 }
 
 /// The volume relative to that of the regular tetrahedron of the same circumscribed sphere.
-inline double volume_part(const TetShape& s) {
+inline double relative_volume(const TetShape& s) {
   const Vec3 a = s.p[1] - s.p[0];
   const Vec3 b = s.p[2] - s.p[0];
   const Vec3 c = s.p[3] - s.p[0];
@@ -125,7 +125,7 @@ inline double shape_measure(const TetShape& s, CheckMeasure measure) {
     case CheckMeasure::equiangle_skew:
       return std::max(angle_skew(angles, 60), angle_skew({min_angle(s), max_angle(s)}, kRegularDihedral));
     case CheckMeasure::volume_skew:
-      return 1 - volume_part(s);
+      return 1 - relative_volume(s);
     case CheckMeasure::collapse: {
       const double regular = 2 * std::numbers::sqrt2 / std::pow(3, 0.75);
       return 3 * s.volume / std::pow(max_area, 1.5) / regular;

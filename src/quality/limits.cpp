@@ -39,15 +39,15 @@ struct SmallestAngles {
 };
 
 /// Whether a shape misses one of the limits, or has no positive volume.
-bool is_missing(const TetShape& shape, const std::vector<Target>& limits) {
+bool misses_any(const TetShape& shape, const std::vector<Target>& limits) {
   const Measures measures = all_measures(shape);
   return !(shape.volume > 0) || std::any_of(limits.begin(), limits.end(), [&](const Target& limit) {
     return misses(limit, value(measures, limit.measure));
   });
 }
 
-/// Finds the missing tetrahedra of a chunk, where all limits are ones of the smallest dihedral angle and `degrees` is
-/// the largest: those that are not clearly above it are measured.
+/// Finds the tetrahedra of a chunk that miss a limit, where all limits are ones of the smallest dihedral angle and
+/// `degrees` is the largest: those that are not clearly above it are measured.
 void find_small_angles(const TetMeshView& mesh, const std::vector<Target>& limits, double degrees, Size chunk,
                        Span<std::uint8_t> missing) {
   const double cosine = elementary::cos(degrees / kDegreesPerRadian);
@@ -61,14 +61,14 @@ void find_small_angles(const TetMeshView& mesh, const std::vector<Target>& limit
       if (angles.six_volume[l] > 0 && angles.cos2[l] < clear_cos2) continue;
       Vec3 corners[4];
       for (int k = 0; k < 4; ++k) corners[k] = {p[k].x[l], p[k].y[l], p[k].z[l]};
-      missing[first + l] = is_missing(TetShape(corners), limits) ? 1 : 0;
+      missing[first + l] = misses_any(TetShape(corners), limits) ? 1 : 0;
     }
   }
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> find_missing(const TetMesh& mesh, const std::vector<Target>& limits, int threads) {
+std::vector<std::uint8_t> tets_missing_limits(const TetMesh& mesh, const std::vector<Target>& limits, int threads) {
   require_arrays(mesh);
   const TetMeshView view(mesh, unit_scale(mesh));
   double degrees = 0;
@@ -82,7 +82,7 @@ std::vector<std::uint8_t> find_missing(const TetMesh& mesh, const std::vector<Ta
   backend::Cpu(threads).for_parts(shape_chunk_count(missing.size()), [&](Size chunk) {
     if (small_angles) return find_small_angles(view, limits, degrees, chunk, missing);
     for_each_shape(view, chunk, [&](const TetShapeT<ShapePack>& shapes, int l, Size t) {
-      missing[t] = is_missing(lane(shapes, l), limits) ? 1 : 0;
+      missing[t] = misses_any(lane(shapes, l), limits) ? 1 : 0;
     });
   });
   return flags;

@@ -15,6 +15,6 @@ inline bool misses(const Target& target, double value) {
 
 /// 1 for each tetrahedron that misses one of the limits, or has no positive volume (in floating-point arithmetic).
 /// `threads` 0 means all. Throws MeshError as quality() does.
-std::vector<std::uint8_t> find_missing(const TetMesh& mesh, const std::vector<Target>& limits, int threads);
+std::vector<std::uint8_t> tets_missing_limits(const TetMesh& mesh, const std::vector<Target>& limits, int threads);
 
 }  // namespace tetune

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "backend/cpu.hpp"
-#include "mesh/gather.hpp"
+#include "backend/pack.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "quality/tet_measures.hpp"
 

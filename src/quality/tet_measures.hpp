@@ -5,10 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "backend/pack.hpp"
 #include "energy/objective.hpp"
 #include "math/angle.hpp"
 #include "math/elementary.hpp"
-#include "mesh/gather.hpp"
+#include "mesh/tet.hpp"
 #include "tetune/quality.hpp"
 
 /// The measures of one tetrahedron. Formulas and sources: docs/quality.md.

@@ -6,87 +6,16 @@
 #include <cstdint>
 
 #include "backend/team.hpp"
-#include "boundary/sliding/deviation_bound.hpp"
-#include "boundary/sliding/trace.hpp"
-#include "boundary/vertex_dof.hpp"
 #include "energy/criterion.hpp"
+#include "energy/dihedral_cots.hpp"
 #include "energy/ring.hpp"
 #include "math/orient.hpp"
 #include "mesh/gather.hpp"
 #include "mesh/work_mesh.hpp"
 #include "relocation/minimax_model.hpp"
-#include "relocation/step.hpp"
+#include "relocation/trial_motion.hpp"
 
 namespace tetune {
-
-/// Six times the volume of a tetrahedron, or of one per lane; where it is not certified, the bound on its error.
-template <class T>
-TETUNE_HD TETUNE_INLINE T six_volume_or_bound(const Vec3T<T> (&p)[4]) {
-  const OrientT<T> o = orient(p[0], p[1], p[2], p[3]);
-  return o.certified() ? o.det : o.bound;
-}
-/// The extreme cotangents of the dihedral angles of a tetrahedron, or of one per lane. Where its volume is not
-/// certified, the bound on its error takes its place.
-template <class T>
-TETUNE_HD TETUNE_INLINE DihedralCotsT<T> dihedral_cots(const Vec3T<T> (&p)[4]) {
-  return QualityFloor::dihedral_cots(p, six_volume_or_bound(p));
-}
-TETUNE_HD inline DihedralCots dihedral_cots(const MeshView& mesh, Size t) {
-  const Tet tet = mesh.tet2vertex[t];
-  const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
-                     vec(mesh.points[tet[3]])};
-  return dihedral_cots(p);
-}
-
-/// The trial steps of a vertex in its space of motion.
-struct FreeMotion {
-  MotionSpace space;
-  TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return project(gradient, space); }
-  /// The position after a step from x.
-  TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) const { return x + project(step, space); }
-  /// Whether the vertex may move to the last trial position; if so, makes it the current one.
-  TETUNE_HD bool accept(const Vec3&) const { return true; }
-};
-
-/// A surface without a bound on its deviation.
-struct NoDeviationBound {
-  TETUNE_HD bool allows(const Vec3&, const SurfacePoint&) const { return true; }
-};
-
-/// The trial steps of a vertex on the input surface: each ends at the boundary of the surface element at the latest.
-template <class Deviation>
-struct SlideMotion {
-  ReferenceView reference;
-  Deviation deviation;
-  VertexDof dof;
-  SurfacePoint surface_point;
-  SurfacePoint trial_point;
-
-  TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return gradient; }
-  TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) {
-    const TraceResult end = project_step(reference, dof, surface_point, x, step);
-    trial_point = end.surface_point;
-    return end.position;
-  }
-  TETUNE_HD bool accept(const Vec3& x) {
-    if (!deviation.allows(x, trial_point)) return false;
-    surface_point = trial_point;
-    return true;
-  }
-};
-
-/// The trial steps of the apex of a cavity, in one of the two ways.
-struct ApexMotion {
-  FreeMotion free;
-  SlideMotion<NoDeviationBound> slide;
-
-  TETUNE_HD bool slides() const { return slide.surface_point.kind != SurfacePointKind::none; }
-  TETUNE_HD Vec3 tangent(const Vec3& gradient) const { return slides() ? gradient : free.tangent(gradient); }
-  TETUNE_HD Vec3 trial(const Vec3& x, const Vec3& step) {
-    return slides() ? slide.trial(x, step) : free.trial(x, step);
-  }
-  TETUNE_HD bool accept(const Vec3& x) { return !slides() || slide.accept(x); }
-};
 
 /// The extreme dihedral angles of the tetrahedra between a point and given faces, in terms of their cost
 /// (DihedralCots::cost()), which is to be minimized. It is neither a smooth nor a convex function of the point: its
@@ -349,8 +278,9 @@ class AngleCostRing {
   static constexpr double kLastStep = 5e-3;
   /// The smallest relative decrease of the cost for which a step is taken.
   static constexpr double kMinGain = 1e-3;
-  /// Angles within this part of the largest cost take part in a step. The part is multiplied by that of them for which
-  /// there is room, and by a factor, in at most this number of attempts.
+  /// Angles whose cost is within the fraction kBand of the largest take part in a step. Where there are more than
+  /// there is room for, the fraction is decreased in proportion, and by a further factor, in at most kMaxBands
+  /// attempts.
   static constexpr double kBand = 0.6;
   static constexpr double kBandDecrease = 0.8;
   static constexpr int kMaxBands = 4;

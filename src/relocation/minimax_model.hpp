@@ -3,8 +3,9 @@
 
 #include <cmath>
 
+#include "backend/pack.hpp"
 #include "backend/team.hpp"
-#include "mesh/gather.hpp"
+#include "math/vec3.hpp"
 
 namespace tetune {
 
@@ -42,7 +43,7 @@ class MinimaxModel {
     int at = added_;
     int added = added_;
     for (int k = 0; team.any(k < own); ++k) {
-      const backend::Placement more = team.place(k < own);
+      const backend::Placement more = team.rank_among(k < own);
       at += more.before;
       added += more.count;
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backend/atomic.hpp"
+#include "boundary/sliding/deviation_bound.hpp"
 #include "boundary/vertex_dofs.hpp"
 #include "energy/criterion.hpp"
 #include "mesh/work_mesh.hpp"

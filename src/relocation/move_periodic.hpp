@@ -28,8 +28,8 @@ struct ClassMove : PeriodicView {
       }
     }
   }
-  /// Moves all members, if `allows(member, position)` for each: the copies are rounded, and the positions of the
-  /// members are.
+  /// Moves all members, if `allows(member, position)` for each. It tests the rounded positions of the members in their
+  /// own rings, as the copies in the joint ring have been rounded differently.
   template <class Allows>
   TETUNE_HD bool move_to(Index c, const Vec3& root, const Allows& allows) const {
     for (std::uint32_t m = first[c]; m < first[c + 1]; ++m) {

@@ -12,7 +12,7 @@
 
 namespace tetune {
 
-/// A vertex that moves farther than this part of the local length activates itself and its ring for the next sweep.
+/// A vertex that moves farther than this fraction of the local length activates itself and its ring for the next sweep.
 inline constexpr double kActivationThreshold = 1e-2;
 
 struct SweepSum {
@@ -26,11 +26,11 @@ struct SweepSum {
   }
 };
 
-/// The vertices that a sweep serves.
+/// The vertices that a sweep moves.
 enum class SweepScope : std::uint8_t {
-  mesh,       ///< all: a vertex that moves far activates its neighbors, and displacement bounds hold
-  selection,  ///< few: neighbors remain inactive, and displacement is not bounded, as few vertices do not change the
-              ///< element sizes of the surface
+  mesh,       ///< any of the mesh: one that moves far activates its neighbors, and displacement bounds hold
+  selection,  ///< a few: neighbors remain inactive, and displacement is not bounded, because a few vertices hardly
+              ///< change the element sizes of the surface
 };
 
 /// The ring of sweeps over valid meshes. Meshes with inverted elements take RegularizedRing, whose objective requires a

@@ -49,7 +49,7 @@ RestartCounts compare_with_none(Boundary boundary, int restarts) {
     const Report report = optimize(with, options);
     EXPECT_TRUE(validate(with).ok());
     const RestartParameters& p = tuning_of(Effort::best).restart;
-    EXPECT_LE(report.restarts, p.places * p.tries * 2 * restarts);
+    EXPECT_LE(report.restarts, p.spots * p.tries * 2 * restarts);
     EXPECT_LE(double(with.tets.size()), options.max_growth * double(input.tets.size()));
     if (report.restarts_kept > 0) {
       EXPECT_LE(largest_cost(with), largest_cost(without)) << seed;

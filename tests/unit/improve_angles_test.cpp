@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "backend/cpu.hpp"
-#include "driver/import_mesh.inl"
+#include "driver/import_mesh.hpp"
 #include "meshes.hpp"
 #include "phases/lower_mean_energy.hpp"
 
@@ -31,9 +31,9 @@ struct OptimizerOfMesh {
   Optimizer<Cpu> optimizer{backend, set, options, context, report, timer, PhaseTimer::SteadyClock::now()};
 };
 
-bool has_crowd(const TetMesh& mesh) {
+bool has_many_tied(const TetMesh& mesh) {
   OptimizerOfMesh work(mesh);
-  return improve_angles_detail::has_crowd(work.optimizer);
+  return improve_angles_detail::has_many_tied(work.optimizer);
 }
 
 /// A lattice of n^3 cubes whose height is scaled: its smallest angles are all equal.
@@ -43,22 +43,22 @@ TetMesh flattened(int n, double scale) {
   return mesh;
 }
 
-TEST(ImproveAngles, ManyEquallyBadElementsAreACrowd) { EXPECT_TRUE(has_crowd(flattened(4, 0.5))); }
+TEST(ImproveAngles, ManyEquallyBadElementsAreTied) { EXPECT_TRUE(has_many_tied(flattened(4, 0.5))); }
 
-TEST(ImproveAngles, ElementsThatReachTheGoalAreNoCrowd) { EXPECT_FALSE(has_crowd(flattened(4, 0.95))); }
+TEST(ImproveAngles, ElementsBelowTheTiedCostAreNotCounted) { EXPECT_FALSE(has_many_tied(flattened(4, 0.95))); }
 
-TEST(ImproveAngles, FewerElementsAreNoCrowd) {
+TEST(ImproveAngles, FewerElementsAreNotMany) {
   // 48 tetrahedra in all.
-  EXPECT_FALSE(has_crowd(flattened(2, 0.5)));
+  EXPECT_FALSE(has_many_tied(flattened(2, 0.5)));
 }
 
-TEST(ImproveAngles, ElementsNearAWorseOneAreNoCrowd) {
+TEST(ImproveAngles, ElementsNearAWorseOneAreNotTied) {
   TetMesh mesh = flattened(4, 0.5);
   // The vertex in the middle, nearer to the layer below: some tetrahedra there become much flatter.
   for (Point3& p : mesh.points) {
     if (p[0] == 0.5 && p[1] == 0.5 && p[2] == 0.25) p[2] -= 0.08;
   }
-  EXPECT_FALSE(has_crowd(mesh));
+  EXPECT_FALSE(has_many_tied(mesh));
 }
 
 TEST(NewNeighborhoods, AreThoseOfTheVerticesOfNewTetrahedra) {

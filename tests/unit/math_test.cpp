@@ -7,11 +7,11 @@
 #include <numbers>
 #include <random>
 
+#include "backend/pack.hpp"
 #include "bits.hpp"
 #include "math/angle.hpp"
 #include "math/hilbert.hpp"
 #include "math/orient.hpp"
-#include "mesh/gather.hpp"
 
 namespace tetune {
 namespace {

@@ -8,8 +8,9 @@
 #include <map>
 #include <set>
 
+#include "boundary/sliding/deviation_bound.hpp"
 #include "curved.hpp"
-#include "driver/import_mesh.inl"
+#include "driver/import_mesh.hpp"
 #include "meshes.hpp"
 #include "phases/restart_worst.hpp"
 

@@ -118,7 +118,7 @@ TEST(OptionTable, options_without_effect_are_named) {
   nothing.max_iterations = 0;
   EXPECT_EQ(refusal(nothing), "");
   EXPECT_EQ(ineffective_options(nothing),
-            (std::vector<std::string>{"max_iterations=0 with flips=false leaves nothing to improve"}));
+            (std::vector<std::string>{"max_iterations=0 leaves nothing to improve with flips=false"}));
   nothing.untangle = true;
   EXPECT_TRUE(ineffective_options(nothing).empty());
 }

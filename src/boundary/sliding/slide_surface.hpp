@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "boundary/vertex_dofs.hpp"
+#include "boundary/vertex_dof.hpp"
 #include "tetune/mesh.hpp"
 
 namespace tetune {

@@ -6,6 +6,7 @@
 #include "boundary/classify.hpp"
 #include "boundary/sliding/slide_surface.hpp"
 #include "boundary/sliding/surface_element.hpp"
+#include "boundary/vertex_dofs.hpp"
 
 namespace tetune {
 namespace slide_surface_detail {
@@ -254,8 +255,7 @@ PlacesOnSurface export_places(const Backend& backend, const VertexDofs<Backend>&
   places.checked_points.resize(points.size());
   for (Size w = 0; w < std::ssize(points); ++w) {
     const Index v = span_of(vertex2original)[w];
-    const Vec3 x = (1 / scale) * vec(span_of(points)[w]);
-    if (v >= 0) span_of(places.checked_points)[v] = {x.x, x.y, x.z};
+    if (v >= 0) span_of(places.checked_points)[v] = to_point((1 / scale) * vec(span_of(points)[w]));
   }
   return places;
 }

@@ -50,10 +50,11 @@ FinerSurface find_finer(const TetMesh& mesh, double feature_angle) {
   return {mesh.points, sheets, parts, find_surface_middles(mesh.points, sheets, lines, feature_angle)};
 }
 
-class Curver {
+/// One call of curve().
+class CurveRun {
  public:
   /// `stop` is called by all threads.
-  Curver(TetMesh& mesh, const CurveOptions& options, std::function<bool()> stop) : mesh_(mesh), options_(options) {
+  CurveRun(TetMesh& mesh, const CurveOptions& options, std::function<bool()> stop) : mesh_(mesh), options_(options) {
     Options fixed;
     fixed.boundary = Boundary::fixed;
     held_ = find_held(mesh, fixed);
@@ -153,7 +154,7 @@ CurveReport curve(TetMesh& mesh, const CurveOptions& options) {
   curved.deck_nodes.clear();
   const Context caller{{}, options.stop};
   const LatchedHooks hooks(caller);
-  const CurveReport report = Curver(curved, options, hooks.context().stop).run();
+  const CurveReport report = CurveRun(curved, options, hooks.context().stop).run();
   mesh = std::move(curved);
   return report;
 }

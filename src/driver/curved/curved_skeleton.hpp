@@ -21,8 +21,8 @@ std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index
 /// The tetrahedra whose straight volume is not certified positive, or with a smaller dihedral angle, in degrees.
 std::vector<Index> flatter_than(const TetMesh& mesh, double dihedral, int threads);
 
-/// Inserts the tetrahedra within `rings` around the marked vertices into the sorted list `locked`; where all of them
-/// are listed already, those of the next ring too.
+/// Inserts the tetrahedra within `rings` around the marked vertices into the sorted list `locked`. If that adds none,
+/// further rings follow until one does.
 void lock_around(const TetMesh& mesh, std::vector<std::uint8_t> is_marked, int rings, std::vector<Index>& locked);
 
 /// The straight tetrahedra of a curved mesh, constrained for their optimization: triangles of the surface with a curved

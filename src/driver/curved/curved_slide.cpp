@@ -255,8 +255,8 @@ const QuadraticSheet* CurvedSlide::sheet_of(const TetMesh& slid, const std::vect
   return nearest;
 }
 
-CurvedSlide::Places CurvedSlide::find_places(const TetMesh& slid, const Report& report) const {
-  Places places;
+CurvedSlide::SheetsOfElements CurvedSlide::find_sheets_of_elements(const TetMesh& slid, const Report& report) const {
+  SheetsOfElements sheets;
   std::vector<Edge> lines;
   for (Index e = 0; e < std::ssize(slid.edges); ++e) {
     const Index original = report.edge2original.empty() ? e : span_of(report.edge2original)[e];
@@ -265,8 +265,8 @@ CurvedSlide::Places CurvedSlide::find_places(const TetMesh& slid, const Report& 
     const Edge edge = ascending(span_of(slid.edges)[e][0], span_of(slid.edges)[e][1]);
     const QuadraticSheet* chain = &span_of(chains_)[span_of(feature2chain_)[feature]];
     lines.push_back(edge);
-    places.edges[edge] = chain;
-    for (const Index v : edge) places.vertices[v] = chain;
+    sheets.edges[edge] = chain;
+    for (const Index v : edge) sheets.vertices[v] = chain;
   }
   std::sort(lines.begin(), lines.end());
   const std::vector<SheetTriangle> triangles = find_sheets(slid);
@@ -279,11 +279,11 @@ CurvedSlide::Places CurvedSlide::find_places(const TetMesh& slid, const Report& 
     const QuadraticSheet* sheet = sheet_of(slid, triangles, component);
     for (const Index t : component) {
       const auto& vertices = span_of(triangles)[t].vertices;
-      for (const Edge& e : edges_of(vertices)) places.edges.try_emplace(e, sheet);
-      for (const Index v : vertices) places.vertices.try_emplace(v, sheet);
+      for (const Edge& e : edges_of(vertices)) sheets.edges.try_emplace(e, sheet);
+      for (const Index v : vertices) sheets.vertices.try_emplace(v, sheet);
     }
   }
-  return places;
+  return sheets;
 }
 
 LiftedNodes CurvedSlide::lift(const TetMesh& slid, const Report& report) const {
@@ -293,15 +293,14 @@ LiftedNodes CurvedSlide::lift(const TetMesh& slid, const Report& report) const {
   const auto stays = [&](Index v) {
     return original(v) >= 0 && span_of(mesh_.points)[original(v)] == span_of(slid.points)[v];
   };
-  const auto to_point = [](const Vec3& p) { return Point3{p.x, p.y, p.z}; };
-  const Places places = find_places(slid, report);
+  const SheetsOfElements sheets = find_sheets_of_elements(slid, report);
   LiftedNodes lifted;
-  for (const auto& [v, sheet] : places.vertices) {
+  for (const auto& [v, sheet] : sheets.vertices) {
     if (stays(v)) continue;
     lifted.vertices.push_back(v);
     lifted.points.push_back(to_point(sheet->lift(at(slid, v))));
   }
-  for (const auto& [edge, sheet] : places.edges) {
+  for (const auto& [edge, sheet] : sheets.edges) {
     const auto [a, b] = edge;
     if (stays(a) && stays(b) && has_edge(ascending(original(a), original(b)))) continue;
     lifted.middles.push_back({edge, to_point(sheet->lift(0.5 * (at(slid, a) + at(slid, b))))});

@@ -31,8 +31,8 @@ struct SurfaceDeviation {
 
 /// The quadratic surface of a mesh, on which its vertices and mid-side nodes slide. The straight triangles parametrize
 /// it: while the straight tetrahedra are optimized, vertices slide on these, and then each node gets the point of the
-/// quadratic triangle with the same barycentric coordinates. An edge within one triangle so stays on the surface as a
-/// whole.
+/// quadratic triangle with the same barycentric coordinates. Thus an edge inside one triangle lies on the
+/// surface along its whole length.
 ///
 /// Feature edges are listed lines, those that are not on two triangles of one sheet, and those at whose mid-side node
 /// the quadratic surface turns by more than the feature angle; corners are vertices at which a line of them does.
@@ -56,7 +56,7 @@ class CurvedSlide {
  private:
   using Edge = std::array<Index, 2>;
   /// The part of the surface on which each element of the slid surface is.
-  struct Places {
+  struct SheetsOfElements {
     std::map<Edge, const QuadraticSheet*> edges;
     std::map<Index, const QuadraticSheet*> vertices;
   };
@@ -66,7 +66,7 @@ class CurvedSlide {
   Index find_feature(const Edge& edge) const;
   void find_features(double feature_angle);
   void find_chains(double feature_angle);
-  Places find_places(const TetMesh& slid, const Report& report) const;
+  SheetsOfElements find_sheets_of_elements(const TetMesh& slid, const Report& report) const;
   const QuadraticSheet* sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& triangles,
                                  const std::vector<Index>& component) const;
 

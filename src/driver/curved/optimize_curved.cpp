@@ -66,7 +66,7 @@ class CurvedOptimizer {
     // With other data than carried ones the result has places in the input, which one run alone gives.
     const bool is_single = slides && options_.data != DataTransfer::carry;
     TetMesh result;
-    Report report = run_stage(result, is_single, slides && !is_single ? part_of(context_, 0, 0.5) : context_);
+    Report report = run_stage(result, is_single, slides && !is_single ? scaled_progress(context_, 0, 0.5) : context_);
     follow_origins(report);
     report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
     if (slides && !is_single && !is_stopped()) slide_from(result, report);
@@ -131,7 +131,7 @@ class CurvedOptimizer {
     held_ = find_held(base_, options_);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
     TetMesh slid;
-    Report further = run_stage(slid, true, part_of(context_, 0.5, 0.5));
+    Report further = run_stage(slid, true, scaled_progress(context_, 0.5, 0.5));
     if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) return;
     result = std::move(slid);
     const auto vertices = [](Report& r) {

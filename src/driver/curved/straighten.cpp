@@ -162,7 +162,7 @@ class Straightener {
       if (tets == edge2tets.end()) continue;
       double valid = surface_.kept(edge.vertices);
       double part = 1;
-      for (double step = 1 - valid; step > 1.0 / 64; step /= 2) {
+      for (double step = 1 - valid; step > 1.0 / (1 << kBisections); step /= 2) {
         surface_.set(mesh_, edge, part);
         const bool is_valid = not_valid(measure_tets(mesh_, edges, tets->second, goal_.threads)).empty();
         if (is_valid) valid = part;

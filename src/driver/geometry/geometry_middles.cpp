@@ -26,19 +26,19 @@ GeometryMiddles find_geometry_middles(const TetMesh& mesh, const Geometry& geome
     const Vec3 a = vec(span_of(mesh.points)[edge.vertices[0]]), b = vec(span_of(mesh.points)[edge.vertices[1]]);
     const Vec3 middle = 0.5 * (a + b);
     edges.push_back(edge.vertices);
-    midpoints.push_back({middle.x, middle.y, middle.z});
+    midpoints.push_back(to_point(middle));
     entities.push_back(edge.entity);
     lengths.push_back(norm(b - a));
   }
   std::vector<double> radii = lengths;
   for (double& radius : radii) radius *= kFarthest;
-  const std::vector<Point3> feet = geometry.project(midpoints, entities, radii);
+  const std::vector<Point3> closest_points = geometry.project(midpoints, entities, radii);
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    const double distance = norm(vec(feet[i]) - vec(midpoints[i]));
+    const double distance = norm(vec(closest_points[i]) - vec(midpoints[i]));
     if (distance > kFarthest * lengths[i]) {
       ++middles.off_geometry;
     } else if (distance > kStraight * lengths[i]) {
-      middles.edges.push_back({edges[i], feet[i]});
+      middles.edges.push_back({edges[i], closest_points[i]});
     }
   }
   return middles;

@@ -27,10 +27,12 @@
 namespace tetune {
 namespace {
 
-/// A vertex is on the geometry if its distance is at most this part of the diagonal.
+/// A vertex is on the geometry if its distance is at most this fraction of the diagonal.
 constexpr double kOnGeometry = 1e-10;
-/// The parts of the progress.
-constexpr double kSnapPart = 0.1, kSlidePart = 0.6, kInsidePart = 0.35, kWorstPart = 0.05;
+/// The distance from the geometry that is expected of a vertex, as a fraction of the diagonal.
+constexpr double kExpectedDistance = 0.01;
+/// The fractions of the progress that the steps of a round take.
+constexpr double kSnapFraction = 0.1, kSlideFraction = 0.6, kInsideFraction = 0.35, kWorstFraction = 0.05;
 /// A round is repeated, with vertices of bad elements held, at most this many times.
 constexpr int kMaxRetries = 3;
 
@@ -93,7 +95,9 @@ class GeometryRun {
     hold_corners();
     bool is_done = false;
     for (int retry = 0; retry <= kMaxRetries && !is_done && !hooks_.is_stopped(); ++retry) is_done = make_round();
-    if (report_.rounds == 0) add(optimize(work_.mesh, fixed_options(work_), context_for(kSlidePart, 1 - kSlidePart)));
+    if (report_.rounds == 0) {
+      add(optimize(work_.mesh, fixed_options(work_), context_for(kSlideFraction, 1 - kSlideFraction)));
+    }
     store(input);
     add_seconds(report_.optimization, "geometry", seconds_);
     if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
@@ -132,7 +136,7 @@ class GeometryRun {
   }
 
   /// Positions on the geometry of the vertices that may move.
-  std::vector<Point3> feet(const WorkState& state) {
+  std::vector<Point3> closest_points(const WorkState& state) {
     std::vector<GeometryEntity> entities = state.entities;
     for (Size v = 0; v < std::ssize(entities); ++v) {
       if (!state.may_move(v)) span_of(entities)[v] = {};
@@ -149,7 +153,7 @@ class GeometryRun {
   void move_onto_geometry() {
     const std::vector<double>& distances = report_.before.distances;
     if (*std::max_element(distances.begin(), distances.end()) <= tolerance_) return;
-    const std::vector<Point3> on_geometry = feet(work_);
+    const std::vector<Point3> on_geometry = closest_points(work_);
     VertexTargets targets(on_geometry.size(), Point3{kNan, kNan, kNan});
     TetMesh moved = work_.mesh;
     for (Size v = 0; v < std::ssize(targets); ++v) {
@@ -167,7 +171,7 @@ class GeometryRun {
       work_.mesh = std::move(moved);
       return;
     }
-    MoveReport motion = move(work_.mesh, targets, fixed_options(work_), context_for(0, kSnapPart));
+    MoveReport motion = move(work_.mesh, targets, fixed_options(work_), context_for(0, kSnapFraction));
     report_.snapped = motion.fraction;
     work_.follow_result(motion.optimization.vertex2original);
     add(std::move(motion.optimization));
@@ -191,7 +195,7 @@ class GeometryRun {
   }
   Options fixed_options(const WorkState& state) const { return options_for(state, Boundary::fixed); }
 
-  Context context_for(double done, double part) const { return part_of(hooks_.context(), done, part); }
+  Context context_for(double done, double fraction) const { return scaled_progress(hooks_.context(), done, fraction); }
 
   void add(Report&& run) {
     Report& total = report_.optimization;
@@ -212,15 +216,15 @@ class GeometryRun {
     WorkState next = work_;
     Options sliding = options_for(work_, Boundary::slide);
     sliding.targets.clear();
-    Report slide = optimize(next.mesh, sliding, context_for(0, kSlidePart));
+    Report slide = optimize(next.mesh, sliding, context_for(0, kSlideFraction));
     next.follow_result(slide.vertex2original);
     const double slid_least = smallest_dihedral(next.mesh, options_.threads);
-    std::vector<Point3> points = feet(next);
+    std::vector<Point3> points = closest_points(next);
     next.mesh.points.swap(points);
     const std::vector<std::int8_t> signs = volume_signs(next.mesh, options_.threads);
     const auto inverted = [&](Size t) { return span_of(signs)[t] <= 0; };
     if (hold_vertices_of(next, slide.vertex2original, inverted)) return false;
-    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSlidePart, kInsidePart));
+    Report inside = optimize(next.mesh, fixed_options(next), context_for(kSlideFraction, kInsideFraction));
     next.follow_result(inside.vertex2original);
     const double next_least = smallest_dihedral(next.mesh, options_.threads);
     if (next_least < least) {
@@ -246,13 +250,13 @@ class GeometryRun {
       Options sliding = options_for(work_, Boundary::slide);
       sliding.targets.clear();
       sliding.only_below = {{Measure::min_dihedral, slid_least}};
-      Report slide = optimize(next.mesh, sliding, context_for(kSlidePart + kInsidePart, kWorstPart / 2));
+      Report slide = optimize(next.mesh, sliding, context_for(kSlideFraction + kInsideFraction, kWorstFraction / 2));
       next.follow_result(slide.vertex2original);
-      next.mesh.points = feet(next);
+      next.mesh.points = closest_points(next);
       if (!all_positive(next.mesh, options_.threads)) return;
       Options fixed = fixed_options(next);
       if (fixed.targets.empty()) fixed.only_below = sliding.only_below;
-      Report inside = optimize(next.mesh, fixed, context_for(1 - kWorstPart / 2, kWorstPart / 2));
+      Report inside = optimize(next.mesh, fixed, context_for(1 - kWorstFraction / 2, kWorstFraction / 2));
       next.follow_result(inside.vertex2original);
       const double next_least = smallest_dihedral(next.mesh, options_.threads);
       if (next_least <= least) return;
@@ -342,8 +346,8 @@ class GeometryRun {
   const GeometryOptions& on_geometry_;
   const LatchedHooks hooks_;
   const double tolerance_;
-  /// The distance that is expected of a vertex, for speed.
-  const double radius_ = 0.01 * geometry_.diagonal();
+  /// The expected distance: a search within it is faster.
+  const double radius_ = kExpectedDistance * geometry_.diagonal();
   GeometryReport report_;
   PatchTags tags_;
   WorkState work_;

@@ -92,7 +92,7 @@ constexpr OptionCondition kWithoutFlips{[](const Options& o) { return !o.flips; 
 
 constexpr OptionCondition kWithoutOperations{
     [](const Options& o) { return !o.flips && o.max_iterations == 0 && !o.untangle; },
-    "with flips=false leaves nothing to improve"};
+    "leaves nothing to improve with flips=false"};
 
 constexpr std::array kNeedsSliding{kWithoutSliding};
 constexpr std::array kSweeping{kWithoutSweeps};

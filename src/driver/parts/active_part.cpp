@@ -223,7 +223,7 @@ ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const 
 }
 
 ActiveTets find_active(const TetMesh& mesh, const Constraints& constraints, const Options& options) {
-  return activate(mesh, find_missing(mesh, options.only_below, options.threads), constraints, options.rings);
+  return activate(mesh, tets_missing_limits(mesh, options.only_below, options.threads), constraints, options.rings);
 }
 
 ActivePart take_part(const TetMesh& mesh, const ActiveTets& active, const Constraints& constraints,

@@ -31,7 +31,7 @@ ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const 
 /// and flat tetrahedra miss every limit.
 ActiveTets find_active(const TetMesh& mesh, const Constraints& constraints, const Options& options);
 
-/// Whether the lists of a mesh are of features. It depends on the whole mesh: see count_no_features().
+/// Whether the lists of a mesh are of features. It depends on the whole mesh: see count_unsupported().
 struct ListedFeatures {
   bool corners = false;  ///< the listed corners do not move
   bool edges = false;    ///< tagged edges are feature lines

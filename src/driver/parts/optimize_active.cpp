@@ -86,7 +86,7 @@ std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constrai
 /// The number of tetrahedra that miss a limit; 0 without limits, for which nothing is measured.
 std::int64_t count_missing(const TetMesh& mesh, const std::vector<Target>& limits, int threads) {
   if (limits.empty()) return 0;
-  const std::vector<std::uint8_t> missing = find_missing(mesh, limits, threads);
+  const std::vector<std::uint8_t> missing = tets_missing_limits(mesh, limits, threads);
   return std::count(missing.begin(), missing.end(), 1);
 }
 
@@ -120,7 +120,7 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
 Report report_nothing(const Options& options) {
   Report report;
   report.device = "CPU";
-  report.threads = backend::Cpu(options.threads).threads();
+  report.threads = backend::Cpu::requested_threads(options.threads);
   for (const Target& target : options.targets) report.targets.emplace_back().target = target;
   return report;
 }

@@ -17,7 +17,7 @@ Constraints checked_constraints(const TetMesh& mesh, const Options& options);
 /// optimize() with Options::only_below: optimizes the active tetrahedra as a mesh of their own.
 Report optimize_active(TetMesh& mesh, const Options& options, const Context& context);
 
-/// The same for flagged tetrahedra and those within `rings` around them.
+/// Optimizes the flagged tetrahedra, and those within `rings` around them, as a mesh of their own.
 Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
                      const Context& context);
 

@@ -204,7 +204,7 @@ class PartReplacement {
     for (Index& t : tet2whole_) t = tets_.renumbered(t);
   }
 
-  /// Such a vertex may have the number of another one.
+  /// Whether a vertex was inserted. It may have taken the number of a removed one.
   bool has_inserted_vertex(const std::array<Index, 4>& tet) const {
     const auto is_inserted = [this](Index v) { return span_of(report_.vertex2original)[v] < 0; };
     return !report_.vertex2original.empty() && std::any_of(tet.begin(), tet.end(), is_inserted);

@@ -40,20 +40,20 @@ bool is_bounded_by_angle(Measure measure) {
          measure == Measure::harmonic;
 }
 
-/// Finds the limiting constraint of the tetrahedra of one outcome.
+/// Finds the limiting constraint of the tetrahedra of a mesh.
 class ConstraintFinder {
  public:
-  ConstraintFinder(const Outcome& outcome, const Options& options)
+  ConstraintFinder(const ConstrainedMesh& mesh, const Options& options)
       : options_(options),
-        outcome_(outcome),
-        points_(span_of(outcome.points)),
-        tets_(span_of(outcome.tets)),
-        tet2tet_(span_of(outcome.tet2tet)),
-        regions_(span_of(outcome.regions)),
-        on_surface_(outcome.points.size(), 0),
-        on_interface_(outcome.points.size(), 0),
-        required_(outcome.tets.size(), 0) {
-    for (const Index t : outcome.required_slots) span_of(required_)[t] = 1;
+        mesh_(mesh),
+        points_(span_of(mesh.points)),
+        tets_(span_of(mesh.tets)),
+        tet2tet_(span_of(mesh.tet2tet)),
+        regions_(span_of(mesh.regions)),
+        on_surface_(mesh.points.size(), 0),
+        on_interface_(mesh.points.size(), 0),
+        required_(mesh.tets.size(), 0) {
+    for (const Index t : mesh.required_slots) span_of(required_)[t] = 1;
     for (Size t = 0; t < tets_.size(); ++t) {
       if (tets_[t][0] == kFreeSlot) continue;
       for (int f = 0; f < 4; ++f) {
@@ -98,7 +98,7 @@ class ConstraintFinder {
     int on_surface = 0;
     LimitingConstraint strongest = LimitingConstraint::none;
     for (const Index v : tets_[t].v) {
-      fixed += span_of(outcome_.dof)[v] == VertexDof::fixed ? 1 : 0;
+      fixed += span_of(mesh_.dof)[v] == VertexDof::fixed ? 1 : 0;
       on_surface += span_of(on_surface_)[v];
       strongest = std::min(strongest, constraint_of_vertex(v));
     }
@@ -108,9 +108,9 @@ class ConstraintFinder {
   }
 
   LimitingConstraint constraint_of_vertex(Index v) const {
-    const VertexDof dof = span_of(outcome_.dof)[v];
+    const VertexDof dof = span_of(mesh_.dof)[v];
     if (dof == VertexDof::free) return LimitingConstraint::none;
-    if (span_of(outcome_.frozen)[v] == kFrozen) return LimitingConstraint::frozen_vertex;
+    if (span_of(mesh_.frozen)[v] == kFrozen) return LimitingConstraint::frozen_vertex;
     if (dof == VertexDof::fixed && options_.boundary != Boundary::fixed) return LimitingConstraint::feature_corner;
     if (dof == VertexDof::line || dof == VertexDof::curve) return LimitingConstraint::feature_line;
     return span_of(on_interface_)[v] != 0 ? LimitingConstraint::region_interface : LimitingConstraint::boundary;
@@ -128,7 +128,7 @@ class ConstraintFinder {
       const double beyond_l = beyond_k < 0 ? -1 : angle_to_surface(t, e.l, a, b);
       if (beyond_l < 0 || !(angle + beyond_k + beyond_l < missed.surface_angle)) continue;
       missed.surface_angle = angle + beyond_k + beyond_l;
-      missed.edge = {span_of(outcome_.vertex2original)[a], span_of(outcome_.vertex2original)[b]};
+      missed.edge = {span_of(mesh_.vertex2original)[a], span_of(mesh_.vertex2original)[b]};
     }
   }
 
@@ -158,7 +158,7 @@ class ConstraintFinder {
   }
 
   const Options& options_;
-  const Outcome& outcome_;
+  const ConstrainedMesh& mesh_;
   Span<const Point> points_;
   Span<const Tet> tets_;
   Span<const FaceAdjacency> tet2tet_;
@@ -181,10 +181,10 @@ struct MissedInRange {
   std::vector<MissedTet> worst;  ///< by slots
 };
 
-MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constraints, const Target& target, Size begin,
-                          Size end) {
-  const Span<const Tet> tets = span_of(outcome.tets);
-  const Span<const Point> points = span_of(outcome.points);
+MissedInRange find_missed(const ConstrainedMesh& mesh, const ConstraintFinder& constraints, const Target& target,
+                          Size begin, Size end) {
+  const Span<const Tet> tets = span_of(mesh.tets);
+  const Span<const Point> points = span_of(mesh.points);
   const IsWorse is_worse{larger_is_better(target.measure)};
   MissedInRange result;
   for (Size t = begin; t < end; ++t) {
@@ -195,10 +195,9 @@ MissedInRange find_missed(const Outcome& outcome, const ConstraintFinder& constr
     const double measured = value(all_measures(TetShape(p)), target.measure);
     if (!misses(target, measured)) continue;
     MissedTet missed;
-    const Vec3 centroid = (0.25 / outcome.scale) * (p[0] + p[1] + p[2] + p[3]);
     missed.tet = to_index(t);
     missed.value = measured;
-    missed.centroid = {centroid.x, centroid.y, centroid.z};
+    missed.centroid = to_point((1 / mesh.scale) * centroid(p[0], p[1], p[2], p[3]));
     constraints.find(missed.tet, target, missed);
     ++result.counts[std::size_t(missed.held_by)];
     result.worst.push_back(missed);
@@ -246,9 +245,9 @@ void keep_worst(bool larger_is_better, std::vector<MissedTet>& missed) {
   if (missed.size() > kMaxMissed) missed.resize(kMaxMissed);
 }
 
-void find_limiting(const Outcome& outcome, const Options& options, const std::optional<Target>& target,
+void find_limiting(const ConstrainedMesh& mesh, const Options& options, const std::optional<Target>& target,
                    std::vector<MissedTet>& missed) {
-  const ConstraintFinder constraints(outcome, options);
+  const ConstraintFinder constraints(mesh, options);
   for (MissedTet& m : missed) constraints.find(m.tet, target, m);
 }
 
@@ -270,27 +269,27 @@ std::vector<TargetReport> report_targets(const TetMesh& result, const Options& o
                                          const std::vector<Index>& vertex2original) {
   if (options.targets.empty()) return {};
   const Options of_result = options_for_result(options, vertex2original);
-  return report_targets(import_outcome(result, of_result), of_result);
+  return report_targets(imported_mesh(result, of_result), of_result);
 }
 
-std::vector<TargetReport> report_targets(const MeshOutcome& imported, const Options& options) {
-  std::vector<TargetReport> reports = report_targets(imported.outcome, options);
+std::vector<TargetReport> report_targets(const ImportedMesh& imported, const Options& options) {
+  std::vector<TargetReport> reports = report_targets(imported.mesh, options);
   for (TargetReport& r : reports) {
     for (MissedTet& m : r.worst) m.tet = span_of(imported.slot2tet)[m.tet];
   }
   return reports;
 }
 
-std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options) {
-  const Size slots = std::ssize(outcome.tets);
+std::vector<TargetReport> report_targets(const ConstrainedMesh& mesh, const Options& options) {
+  const Size slots = std::ssize(mesh.tets);
   const backend::Cpu cpu(options.threads);
-  const std::vector<Index> slot2tet = slot2tet_of(outcome.tets);
-  const ConstraintFinder constraints(outcome, options);
+  const std::vector<Index> slot2tet = slot2tet_of(mesh.tets);
+  const ConstraintFinder constraints(mesh, options);
   std::vector<TargetReport> reports;
   for (const Target& target : options.targets) {
     std::vector<MissedInRange> ranges(to_size_t(kRanges));
     cpu.for_parts(kRanges, [&](Size i) {
-      span_of(ranges)[i] = find_missed(outcome, constraints, target, slots * i / kRanges, slots * (i + 1) / kRanges);
+      span_of(ranges)[i] = find_missed(mesh, constraints, target, slots * i / kRanges, slots * (i + 1) / kRanges);
     });
     TargetReport report;
     report.target = target;

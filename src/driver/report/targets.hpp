@@ -16,8 +16,8 @@ namespace tetune {
 /// Throws OptionError for a target that every element meets or that none can. `what` names it: "the target for ".
 void check_target(const Target& target, const std::string& what);
 
-/// The optimized mesh on the host, by slots, before they are compacted.
-struct Outcome {
+/// A mesh on the host with the constraints of its vertices, by slots, before they are compacted.
+struct ConstrainedMesh {
   std::vector<Point> points;
   std::vector<Tet> tets;
   std::vector<FaceAdjacency> tet2tet;
@@ -29,30 +29,30 @@ struct Outcome {
   double scale;  ///< coordinates per unit of the caller's
 };
 
-/// A mesh that is not optimized, as an outcome, and the tetrahedron in each slot.
-struct MeshOutcome {
-  Outcome outcome;
+/// A mesh that is not optimized, and the tetrahedron in each slot.
+struct ImportedMesh {
+  ConstrainedMesh mesh;
   std::vector<Index> slot2tet;
 };
-MeshOutcome import_outcome(const TetMesh& mesh, const Options& options);
+ImportedMesh imported_mesh(const TetMesh& mesh, const Options& options);
 
 /// The caller's options for the vertices of a result, to judge it: `vertex2original` is Report::vertex2original.
 Options options_for_result(const Options& options, const std::vector<Index>& vertex2original);
 /// One report per entry of Options::targets, with the mesh's own numbers of tetrahedra.
-std::vector<TargetReport> report_targets(const MeshOutcome& imported, const Options& options);
+std::vector<TargetReport> report_targets(const ImportedMesh& imported, const Options& options);
 /// Same, for a result and the caller's options.
 std::vector<TargetReport> report_targets(const TetMesh& result, const Options& options,
                                          const std::vector<Index>& vertex2original);
 
 /// Finds the constraints of tetrahedra that miss a limit; angles of the surface are among them only where a target is
 /// given. MissedTet::tet is a slot.
-void find_limiting(const Outcome& outcome, const Options& options, const std::optional<Target>& target,
+void find_limiting(const ConstrainedMesh& mesh, const Options& options, const std::optional<Target>& target,
                    std::vector<MissedTet>& missed);
 
 /// Sorts tetrahedra that miss a target or a limit, the worst value first, then by id, and keeps at most kMaxMissed.
 void keep_worst(bool larger_is_better, std::vector<MissedTet>& missed);
 
 /// Returns one report per entry of Options::targets.
-std::vector<TargetReport> report_targets(const Outcome& outcome, const Options& options);
+std::vector<TargetReport> report_targets(const ConstrainedMesh& mesh, const Options& options);
 
 }  // namespace tetune

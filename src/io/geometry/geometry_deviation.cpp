@@ -118,10 +118,10 @@ GeometryDeviation Geometry::measure(const std::vector<Point3>& points, const Geo
   Samples all = sampling.midpoints();
   const std::size_t midpoints = all.points.size();
   all.append(sampling.centers());
-  const std::vector<Point3> feet =
+  const std::vector<Point3> closest_points =
       request_feet(*session_, {unit_, threads_, kPrecision}, all.points, all.entities, all.radii);
-  for (std::size_t i = 0; i < feet.size(); ++i) {
-    const double distance = norm(vec(feet[i]) - vec(all.points[i]));
+  for (std::size_t i = 0; i < closest_points.size(); ++i) {
+    const double distance = norm(vec(closest_points[i]) - vec(all.points[i]));
     if (i < midpoints) {
       add(&GeometryDeviation::midpoints, &Face::midpoints, distance, all.faces[i]);
     } else {

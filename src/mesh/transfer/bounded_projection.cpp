@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/transfer/bounded_projection.hpp"
-#include "math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "math/constants.hpp"
 
 namespace tetune {
 namespace {
@@ -18,8 +19,6 @@ template <class F>
 double sum_over(const backend::Cpu& cpu, Size n, const F& f) {
   return cpu.reduce<Sum>(n, [&](Size i) { return Sum{f(i)}; }).value;
 }
-
-double volume(const TetPoints& x) { return std::fabs(six_volume(x)) / 6; }
 
 }  // namespace
 

@@ -279,11 +279,15 @@ std::vector<DataArray> interpolate_point_data(const std::vector<DataArray>& data
                                               const std::vector<MeshPlace>& places) {
   std::vector<Index> nearest;
   Index largest = -1;
-  for (const MeshPlace& place : places) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const MeshPlace& place = places[i];
     const auto at = std::max_element(place.weights.begin(), place.weights.end()) - place.weights.begin();
     nearest.push_back(place.vertices[to_size_t(at)]);
     for (const Index v : place.vertices) {
-      if (v < 0) throw MeshError("a place has the vertex " + std::to_string(v));
+      if (v < 0) {
+        throw MeshError("places[" + std::to_string(i) + "] names the vertex " + std::to_string(v) +
+                        "; vertex ids are 0 or more");
+      }
       largest = std::max(largest, v);
     }
   }

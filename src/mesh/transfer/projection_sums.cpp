@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/transfer/projection_sums.hpp"
-#include "math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "math/constants.hpp"
 
 namespace tetune {
 namespace {

@@ -19,6 +19,7 @@ struct TetOverlap {
 
 /// Six times the signed volume.
 double six_volume(const TetPoints& x);
+inline double volume(const TetPoints& x) { return std::fabs(six_volume(x)) / 6; }
 
 /// A tetrahedron with the gradients of its barycentric coordinates 1 to 3, which are not finite where it is flat.
 struct TetFrame {

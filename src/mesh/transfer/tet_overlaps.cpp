@@ -15,15 +15,13 @@ namespace {
 
 using VertexIds = std::array<Index, 4>;
 
-double volume(const TetPoints& x) { return std::fabs(six_volume(x)) / 6; }
-
 Box box_of(const TetPoints& x) {
   Box box{x[0], x[0]};
   for (const Vec3& p : x) box.include(p);
   return box;
 }
 
-Vec3 centroid(const TetPoints& x) { return 0.25 * (x[0] + x[1] + x[2] + x[3]); }
+Vec3 centroid_of(const TetPoints& x) { return centroid(x[0], x[1], x[2], x[3]); }
 
 /// For each tetrahedron of the result the one of the input with the same vertices at the same places, or -1.
 std::vector<Index> find_unchanged(const TransferMeshes& meshes) {
@@ -55,13 +53,13 @@ std::vector<Index> changed_old(const TransferMeshes& meshes) {
 
 /// The entry of `tets` in the region of a tetrahedron of the input whose centroid is nearest; -1 if there is none.
 Size nearest(const TransferMeshes& meshes, const std::vector<Index>& tets, Index old) {
-  const Vec3 center = centroid(meshes.old_tet(old));
+  const Vec3 center = centroid_of(meshes.old_tet(old));
   double best = kInfinity;
   Size found = -1;
   for (Size i = 0; i < std::ssize(tets); ++i) {
     const Index t = span_of(tets)[i];
     if (meshes.regions[meshes.tet2original[t]] != meshes.regions[old]) continue;
-    const Vec3 d = centroid(meshes.new_tet(t)) - center;
+    const Vec3 d = centroid_of(meshes.new_tet(t)) - center;
     if (dot(d, d) >= best) continue;
     best = dot(d, d);
     found = i;
