@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "driver/distributed_interface.hpp"
@@ -63,15 +64,6 @@ void drop_appended(TetMesh& mesh, std::vector<Index>& vertex2original, std::size
   std::erase_if(vertex2original, appended);
 }
 
-/// The values of the originals of `count` entities.
-template <class T, class Map>
-std::vector<T> picked(const std::vector<T>& values, const Map& new2old, std::size_t count) {
-  std::vector<T> result;
-  result.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) result.push_back(item(values, new2old[i]));
-  return result;
-}
-
 std::vector<int> present(const std::vector<int>& wanted, const std::vector<int>& tags) {
   std::vector<int> result;
   for (const int tag : wanted) {
@@ -83,22 +75,16 @@ std::vector<int> present(const std::vector<int>& wanted, const std::vector<int>&
 /// Replaces the ids of a part by those of the entities that the optimization left.
 void update_ids(Part& part, const Report& report) {
   if (!report.vertex2original.empty()) {
-    std::vector<Id> ids;
-    Marks flags;
-    for (const Index v : report.vertex2original) {
-      ids.push_back(v < 0 ? -1 : item(part.vertex_id, v));
-      flags.push_back(v < 0 ? 0 : item(part.vertex_flags, v));
-    }
-    part.vertex_id = std::move(ids);
-    part.vertex_flags = std::move(flags);
+    part.vertex_id = gather_entries_or(part.vertex_id, report.vertex2original, Id{-1});
+    part.vertex_flags = gather_entries_or(part.vertex_flags, report.vertex2original, std::uint8_t{0});
   }
-  part.tet_id = picked(part.tet_id, report.tet2original, part.mesh.tets.size());
+  part.tet_id = gather_entries(part.tet_id, report.tet2original);
   if (!report.triangle2original.empty()) {
-    part.triangle_id = picked(part.triangle_id, report.triangle2original, part.mesh.triangles.size());
+    // The map has the triangles of list_interface(), too.
+    const std::span listed = std::span(report.triangle2original).first(part.mesh.triangles.size());
+    part.triangle_id = gather_entries(part.triangle_id, listed);
   }
-  if (!report.edge2original.empty()) {
-    part.edge_id = picked(part.edge_id, report.edge2original, part.mesh.edges.size());
-  }
+  if (!report.edge2original.empty()) part.edge_id = gather_entries(part.edge_id, report.edge2original);
 }
 
 }  // namespace
@@ -137,10 +123,7 @@ Report optimize_part(Part& part, Marks frozen, const Options& all_options, const
     report = surface != nullptr ? tetune::optimize(mesh, options, context, piece.surface)
                                 : tetune::optimize(mesh, options, context);
   } catch (const OverlapError& e) {
-    std::vector<Index> tets;
-    for (const Index t : e.tets) tets.push_back(Index(item(part.tet_id, t)));
-    std::sort(tets.begin(), tets.end());
-    throw OverlapError(std::move(tets));
+    throw OverlapError(translated_ids(e.tets, part.tet_id));
   } catch (const MeshError&) {
     drop_interface(mesh, interface_triangles);
     drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());

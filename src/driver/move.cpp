@@ -8,6 +8,7 @@
 #include "driver/devices.hpp"
 #include "driver/move_job.hpp"
 #include "math/constants.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -66,7 +67,7 @@ void restore_bits(TetMesh& mesh, std::span<const VertexTargets> targets, const M
   const VertexTargets* const next =
       report.fraction > 0 && reached.size() < targets.size() ? &targets[reached.size()] : nullptr;
   for (Size v = 0; v < std::ssize(mesh.points); ++v) {
-    const Index original = vertex2original.empty() ? to_index(v) : span_of(vertex2original)[v];
+    const Index original = original_of(vertex2original, to_index(v));
     if (original < 0 || (next != nullptr && !is_free(span_of(*next)[original]))) continue;
     for (auto target = reached.rbegin(); target != reached.rend(); ++target) {
       const Point3& p = span_of(*target)[original];

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "backend/span.hpp"
 #include "boundary/constraints.hpp"
 #include "boundary/vertex_dof.hpp"
 #include "curved/curved_edges.hpp"
 #include "driver/curved/curved_slide.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "tetune/data.hpp"
@@ -51,7 +53,7 @@ std::vector<Index> with_original(const std::vector<Index>& originals, const std:
   const std::set<Index> wanted(originals.begin(), originals.end());
   std::vector<Index> result;
   for (Index i = 0; i < Index(entries); ++i) {
-    if (wanted.contains(new2original.empty() ? i : span_of(new2original)[i])) result.push_back(i);
+    if (wanted.contains(original_of(new2original, i))) result.push_back(i);
   }
   return result;
 }
@@ -62,23 +64,13 @@ std::vector<Index> drop_added(std::size_t originals, std::size_t entries, std::v
   std::vector<Index> kept;
   std::vector<Index> kept2original;
   for (Index i = 0; i < Index(entries); ++i) {
-    const Index original = new2original.empty() ? i : span_of(new2original)[i];
+    const Index original = original_of(new2original, i);
     if (original >= Index(originals)) continue;
     kept.push_back(i);
     kept2original.push_back(original);
   }
-  Index next = 0;
-  const bool in_order = kept.size() == originals && std::all_of(kept2original.begin(), kept2original.end(),
-                                                                [&next](Index i) { return i == next++; });
-  if (in_order) kept2original.clear();
-  new2original = std::move(kept2original);
+  new2original = unless_all(std::move(kept2original), originals);
   return kept;
-}
-
-template <class T>
-void take(std::vector<T>& list, const std::vector<Index>& kept) {
-  for (std::size_t i = 0; i < kept.size(); ++i) list[i] = span_of(list)[kept[i]];
-  list.resize(kept.size());
 }
 
 }  // namespace
@@ -218,8 +210,7 @@ void CurvedSkeleton::require_triangles() {
     mesh.required_triangles.push_back(i);
     curved.erase(at);
   }
-  std::vector<Index> new2old;
-  for (Index i = 0; i < std::ssize(mesh.triangles); ++i) new2old.push_back(i);
+  std::vector<Index> new2old = identity_map(mesh.triangles.size());
   for (const Triangle& t : curved) {
     mesh.required_triangles.push_back(to_index(mesh.triangles.size()));
     mesh.triangles.push_back(t);
@@ -246,15 +237,15 @@ void CurvedSkeleton::restore(Report& report) {
 
 void CurvedSkeleton::restore_triangles(Report& report) {
   const std::vector<Index> kept = drop_added(whole_.triangles.size(), mesh.triangles.size(), report.triangle2original);
-  take(mesh.triangles, kept);
-  take(mesh.triangle_tags, kept);
+  mesh.triangles = gather_entries(mesh.triangles, kept);
+  mesh.triangle_tags = gather_entries(mesh.triangle_tags, kept);
   mesh.triangle_data = take_entries(mesh.triangle_data, kept);
 }
 
 void CurvedSkeleton::restore_edges(Report& report) {
   const std::vector<Index> kept = drop_added(whole_.edges.size(), mesh.edges.size(), report.edge2original);
-  take(mesh.edges, kept);
-  take(mesh.edge_tags, kept);
+  mesh.edges = gather_entries(mesh.edges, kept);
+  mesh.edge_tags = gather_entries(mesh.edge_tags, kept);
   mesh.edge_data = take_entries(mesh.edge_data, kept);
 }
 
@@ -268,11 +259,8 @@ void CurvedSkeleton::restore_lists(const Report& report) {
 }
 
 void CurvedSkeleton::restore_curved_edges(const Report& report) {
-  std::vector<Index> old2new(whole_.points.size(), -1);
-  for (Index v = 0; v < std::ssize(mesh.points); ++v) {
-    const Index original = report.vertex2original.empty() ? v : span_of(report.vertex2original)[v];
-    if (original >= 0) span_of(old2new)[original] = v;
-  }
+  const std::vector<Index> new2old = explicit_map(report.vertex2original, mesh.points.size());
+  const std::vector<Index> old2new = inverse_map(new2old, whole_.points.size());
   std::set<Edge> edges;
   const auto add = [&edges](const auto& elements) {
     for (const auto& element : elements) {

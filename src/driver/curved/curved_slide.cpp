@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include "driver/curved/curved_sheets.hpp"
 #include "math/constants.hpp"
 #include "math/elementary.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/data.hpp"
 
@@ -205,8 +205,7 @@ void CurvedSlide::find_chains(double feature_angle) {
 }
 
 void CurvedSlide::constrain(TetMesh& skeleton) const {
-  std::vector<Index> new2old(skeleton.edges.size(), -1);
-  std::iota(new2old.begin(), new2old.end(), 0);
+  std::vector<Index> new2old = identity_map(skeleton.edges.size());
   for (Index e = 0; e < std::ssize(mesh_.edges); ++e) {
     if (find_feature(listed_edge(e)) >= 0) skeleton.ridges.push_back(e);
   }
@@ -259,8 +258,7 @@ CurvedSlide::Places CurvedSlide::find_places(const TetMesh& slid, const Report& 
   Places places;
   std::vector<Edge> lines;
   for (Index e = 0; e < std::ssize(slid.edges); ++e) {
-    const Index original = report.edge2original.empty() ? e : span_of(report.edge2original)[e];
-    const Index feature = find_feature(listed_edge(original));
+    const Index feature = find_feature(listed_edge(original_of(report.edge2original, e)));
     if (feature < 0) continue;
     const Edge edge = ascending(span_of(slid.edges)[e][0], span_of(slid.edges)[e][1]);
     const QuadraticSheet* chain = &span_of(chains_)[span_of(feature2chain_)[feature]];
@@ -287,9 +285,7 @@ CurvedSlide::Places CurvedSlide::find_places(const TetMesh& slid, const Report& 
 }
 
 LiftedNodes CurvedSlide::lift(const TetMesh& slid, const Report& report) const {
-  const auto original = [&](Index v) {
-    return report.vertex2original.empty() ? v : span_of(report.vertex2original)[v];
-  };
+  const auto original = [&report](Index v) { return original_of(report.vertex2original, v); };
   const auto stays = [&](Index v) {
     return original(v) >= 0 && span_of(mesh_.points)[original(v)] == span_of(slid.points)[v];
   };
@@ -330,7 +326,7 @@ SurfaceDeviation CurvedSlide::deviation(const TetMesh& result, const Report& rep
   };
   // Triangles that have not changed are on both surfaces.
   add(changed.after, bound_distances(new_triangles, old_triangles, limit, options.threads, stop),
-      [&](Index v) { return report.vertex2original.empty() ? v : span_of(report.vertex2original)[v]; });
+      [&report](Index v) { return original_of(report.vertex2original, v); });
   add(changed.before, bound_distances(old_triangles, new_triangles, limit, options.threads, stop),
       [](Index v) { return v; });
   return deviation;
