@@ -8,6 +8,7 @@
 
 #include "backend/span.hpp"
 #include "boundary/vertex_dof.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
@@ -58,10 +59,6 @@ void add_tagged(const std::vector<int>& element_tags, const std::vector<int>& wa
 
 /// The edges that remain edges: ridges and required ones first.
 void find_edges(const TetMesh& mesh, Constraints& constraints) {
-  const auto sort_unique = [](std::vector<std::array<Index, 2>>& edges) {
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  };
   std::vector<std::array<Index, 2>> ridges;
   for (const std::vector<Index>* ids : {&mesh.ridges, &mesh.required_edges}) {
     for (const Index e : *ids) ridges.push_back(ascending(span_of(mesh.edges)[e]));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
@@ -44,8 +45,7 @@ std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const st
   if (std::none_of(middles.begin(), middles.end(), is_curved)) return {};
   std::vector<std::pair<std::array<Index, 2>, Index>> nodes;
   for (const Middle& m : middles) nodes.emplace_back(ascending(m.ends[0], m.ends[1]), m.node);
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   std::vector<std::uint8_t> taken(points.size(), 0);
   std::vector<CurvedEdge> curved;
   std::array<Index, 2> last{-1, -1};
@@ -135,8 +135,7 @@ Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
   for (const auto& tet : mesh.tets) add(tet.data(), kTetEdges);
   for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
   for (const auto& edge : mesh.edges) add(edge.data(), kEdgeEdges);
-  std::sort(edges_.begin(), edges_.end());
-  edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+  sort_unique(edges_);
   for (const auto& [a, b] : edges_) {
     const Point3 middle = midpoint(span_of(mesh.points)[a], span_of(mesh.points)[b]);
     mesh.points.push_back(middle);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backend/span.hpp"
+#include "mesh/sorted.hpp"
 #include "tetune/types.hpp"
 
 /// Maps between two numberings of vertices, elements or entries of lists. Such a map is named from2to; -1 is an entity
@@ -72,8 +73,7 @@ inline std::vector<Index> kept_of(const std::vector<Index>& from2to) {
 template <class Id>
 std::vector<Index> translated_ids(std::vector<Index> ids, const std::vector<Id>& from2to) {
   for (Index& id : ids) id = Index(span_of(from2to)[id]);
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  sort_unique(ids);
   return ids;
 }
 

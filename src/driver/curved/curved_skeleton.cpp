@@ -12,6 +12,7 @@
 #include "curved/curved_edges.hpp"
 #include "driver/curved/curved_slide.hpp"
 #include "mesh/id_maps.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "tetune/data.hpp"
@@ -136,8 +137,7 @@ void lock_around(const TetMesh& mesh, std::vector<std::uint8_t> is_marked, int r
       if (has_marked) around.push_back(t);
     }
     locked.insert(locked.end(), around.begin(), around.end());
-    std::sort(locked.begin(), locked.end());
-    locked.erase(std::unique(locked.begin(), locked.end()), locked.end());
+    sort_unique(locked);
   } while (--rings > 0 || (locked.size() == before && !around.empty() && around.size() < mesh.tets.size()));
 }
 
@@ -155,8 +155,7 @@ HeldNodes find_held(const TetMesh& mesh, const Options& options) {
     const auto& tet = span_of(mesh.tets)[t];
     for (const auto& [i, j] : kCurvedTetEdges) held.edges.push_back(ascending(tet[i], tet[j]));
   }
-  std::sort(held.edges.begin(), held.edges.end());
-  held.edges.erase(std::unique(held.edges.begin(), held.edges.end()), held.edges.end());
+  sort_unique(held.edges);
   for (const Edge& e : held.edges) {
     for (const Index v : e) span_of(held.vertices)[v] = 1;
   }
@@ -171,8 +170,7 @@ CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, cons
   require_triangles();
   if (slide_ != nullptr) slide_->constrain(mesh);
   mesh.required_tets.insert(mesh.required_tets.end(), tets.begin(), tets.end());
-  std::sort(mesh.required_tets.begin(), mesh.required_tets.end());
-  mesh.required_tets.erase(std::unique(mesh.required_tets.begin(), mesh.required_tets.end()), mesh.required_tets.end());
+  sort_unique(mesh.required_tets);
 }
 
 void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
@@ -223,8 +221,7 @@ void CurvedSkeleton::require_triangles() {
     if (is_kept(edge[0], edge[1])) mesh.required_edges.push_back(e);
   }
   for (auto* list : {&mesh.required_triangles, &mesh.required_edges}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
+    sort_unique(*list);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "math/constants.hpp"
 #include "math/elementary.hpp"
 #include "mesh/id_maps.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/data.hpp"
 
@@ -120,8 +121,7 @@ CurvedSlide::CurvedSlide(const TetMesh& mesh, double feature_angle) : mesh_(mesh
   for (const SheetTriangle& t : triangles_) {
     for (const Edge& e : edges_of(t.vertices)) edges_.push_back(e);
   }
-  std::sort(edges_.begin(), edges_.end());
-  edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+  sort_unique(edges_);
   find_features(feature_angle);
   find_chains(feature_angle);
 }
@@ -133,10 +133,7 @@ Edge CurvedSlide::listed_edge(Index e) const {
   return ascending(span_of(mesh_.edges)[e][0], span_of(mesh_.edges)[e][1]);
 }
 
-Index CurvedSlide::find_feature(const Edge& edge) const {
-  const auto found = std::lower_bound(features_.begin(), features_.end(), edge);
-  return found == features_.end() || *found != edge ? -1 : to_index(found - features_.begin());
-}
+Index CurvedSlide::find_feature(const Edge& edge) const { return position_in(features_, edge); }
 
 void CurvedSlide::find_features(double feature_angle) {
   const CurvedEdges curved(mesh_);
@@ -223,8 +220,7 @@ void CurvedSlide::constrain(TetMesh& skeleton) const {
     }
   }
   for (auto* list : {&skeleton.ridges, &skeleton.required_vertices}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
+    sort_unique(*list);
   }
 }
 

@@ -20,6 +20,7 @@
 #include "driver/report/targets.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/messages.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/latched_hooks.hpp"
@@ -212,8 +213,7 @@ class CurvedOptimizer {
       if (around.empty()) break;
       held_.vertices.resize(base_.points.size(), 0);
       left.insert(left.end(), around.begin(), around.end());
-      std::sort(left.begin(), left.end());
-      left.erase(std::unique(left.begin(), left.end()), left.end());
+      sort_unique(left);
       relax_curved(base_, held_, left, goal);
     }
   }
@@ -263,8 +263,7 @@ class CurvedOptimizer {
     if (!slides) return bad;
     const std::vector<Index> flat = flatter_than(mesh, goal_.min_dihedral, options_.threads);
     bad.insert(bad.end(), flat.begin(), flat.end());
-    std::sort(bad.begin(), bad.end());
-    bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+    sort_unique(bad);
     return bad;
   }
 
