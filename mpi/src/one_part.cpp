@@ -2,9 +2,6 @@
 #include "one_part.hpp"
 
 #include <algorithm>
-#include <array>
-#include <limits>
-#include <map>
 #include <span>
 #include <utility>
 
@@ -15,35 +12,8 @@
 namespace tetune::mpi {
 namespace {
 
-/// The tag of the triangles between the vertices that are worked on and the rest: it continues no patch of the mesh.
-constexpr int kInterfaceTag = std::numeric_limits<int>::min();
-
-/// Lists the faces that only one tetrahedron has and whose vertices are frozen as required triangles with a tag of
-/// their own, so that no vertex slides onto an interface of parts; returns their number.
-std::size_t list_interface(TetMesh& mesh, const Marks& frozen) {
-  std::map<std::array<Index, 3>, int> faces;
-  for (const auto& tet : mesh.tets) {
-    for (std::size_t f = 0; f < 4; ++f) {
-      std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
-      bool all = true;
-      for (const Index v : face) all = all && item(frozen, v) != 0;
-      if (!all) continue;
-      std::sort(face.begin(), face.end());
-      ++faces[face];
-    }
-  }
-  const std::size_t before = mesh.triangles.size();
-  for (const auto& [face, count] : faces) {
-    if (count > 1) continue;
-    mesh.required_triangles.push_back(index_count(mesh.triangles));
-    mesh.triangles.push_back(face);
-    mesh.triangle_tags.push_back(kInterfaceTag);
-  }
-  return mesh.triangles.size() - before;
-}
-
-/// Removes the triangles of list_interface(), which are the last ones of the mesh.
-void drop_interface(TetMesh& mesh, std::size_t count) {
+/// Removes the triangles of list_cut(), which are the last ones of the mesh.
+void drop_cut(TetMesh& mesh, std::size_t count) {
   mesh.triangles.resize(mesh.triangles.size() - count);
   mesh.triangle_tags.resize(mesh.triangles.size());
   mesh.required_triangles.resize(mesh.required_triangles.size() - count);
@@ -80,7 +50,7 @@ void update_ids(Part& part, const Report& report) {
   }
   part.tet_id = gather_entries(part.tet_id, report.tet2original);
   if (!report.triangle2original.empty()) {
-    // The map has the triangles of list_interface(), too.
+    // The map has the triangles of list_cut(), too.
     const std::span listed = std::span(report.triangle2original).first(part.mesh.triangles.size());
     part.triangle_id = gather_entries(part.triangle_id, listed);
   }
@@ -114,7 +84,7 @@ Report optimize_part(Part& part, Marks frozen, const Options& all_options, const
   TetMesh& mesh = part.mesh;
   Options options = options_for(all_options, mesh);
   const std::size_t vertices = mesh.points.size();
-  const std::size_t interface_triangles = list_interface(mesh, frozen);
+  const std::size_t cut_triangles = list_cut(mesh, frozen);
   InputSurface::Piece piece;
   if (surface != nullptr) piece = surface->under(part, options.max_deviation > 0, frozen);
   options.frozen_vertices = std::move(frozen);
@@ -125,11 +95,11 @@ Report optimize_part(Part& part, Marks frozen, const Options& all_options, const
   } catch (const OverlapError& e) {
     throw OverlapError(translated_ids(e.tets, part.tet_id));
   } catch (const MeshError&) {
-    drop_interface(mesh, interface_triangles);
+    drop_cut(mesh, cut_triangles);
     drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());
     throw MeshError(defects_of(part, options.threads));
   }
-  drop_interface(mesh, interface_triangles);
+  drop_cut(mesh, cut_triangles);
   if (surface != nullptr) {
     surface->write_back(piece);
     drop_appended(mesh, report.vertex2original, vertices, piece.id.size());

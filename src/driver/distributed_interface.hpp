@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "boundary/sliding/slide_surface.hpp"
@@ -28,6 +30,13 @@ TETUNE_API SlideSurface find_slide_surface(const TetMesh& mesh, const Options& o
 /// it do not move. Updates the places of the vertices in `surface`, whose entries are those of the vertices before the
 /// call.
 TETUNE_API Report optimize(TetMesh& mesh, const Options& options, const Context& context, SlideSurface& surface);
+
+/// The tag of the triangles between a part and the rest: it continues no patch of the mesh.
+inline constexpr int kCutTag = std::numeric_limits<int>::min();
+
+/// Lists the faces of one tetrahedron of a part alone whose vertices are all on the cut as required triangles, behind
+/// the listed ones, so that no vertex slides onto the cut; returns their number.
+TETUNE_API std::size_t list_cut(TetMesh& part, const std::vector<std::uint8_t>& on_cut);
 
 /// Erases the vertices v with keep[v] 0, which no element may have, and renumbers the others; corners among them are
 /// erased from their list.
