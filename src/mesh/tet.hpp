@@ -32,6 +32,11 @@ std::array<Index, N> ascending(std::array<Index, N> vertices) {
   return vertices;
 }
 
+/// The vertices of the face opposite vertex i of a tetrahedron, in increasing order.
+inline std::array<Index, 3> ascending_face(const std::array<Index, 4>& tet, std::size_t i) {
+  return ascending(std::array{tet[(i + 1) % 4], tet[(i + 2) % 4], tet[(i + 3) % 4]});
+}
+
 /// Local index of vertex k of a face; face i lies opposite vertex i. The vertices of a face are counter-clockwise seen
 /// from inside a positively oriented tetrahedron: (i, face_vertex(i, 0), face_vertex(i, 1), face_vertex(i, 2)) is an
 /// even permutation.

@@ -99,9 +99,8 @@ std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index
   };
   std::vector<Index> folded;
   for (const Index tet : tets) {
-    const auto& v = span_of(mesh.tets)[tet];
     for (std::size_t k = 0; k < 4; ++k) {
-      const Triangle face = ascending(Triangle{v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]});
+      const Triangle face = ascending_face(span_of(mesh.tets)[tet], k);
       if (!surface.contains(face) || !is_folded(face)) continue;
       folded.push_back(tet);
       break;

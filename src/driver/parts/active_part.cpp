@@ -178,8 +178,8 @@ std::size_t list_cut(TetMesh& part, const Marks& on_cut) {
   std::vector<std::array<Index, 3>> faces;
   for (const auto& tet : part.tets) {
     for (std::size_t f = 0; f < 4; ++f) {
-      const std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
-      if (std::all_of(face.begin(), face.end(), is_on_cut)) faces.push_back(ascending(face));
+      const std::array<Index, 3> face = ascending_face(tet, f);
+      if (std::all_of(face.begin(), face.end(), is_on_cut)) faces.push_back(face);
     }
   }
   std::sort(faces.begin(), faces.end());
