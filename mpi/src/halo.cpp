@@ -38,7 +38,7 @@ void join(Addressed& all, const Addressed& more) {
 
 /// The tetrahedra with marked vertices, all addressed to one rank.
 Addressed touching(const Part& part, const Marks& vertices, int rank) {
-  const Part touched = copied(part, tets_touching(part.mesh, vertices));
+  const Part touched = copied(part, tets_at(part.mesh.tets, vertices));
   return address(touched, std::vector<int>(touched.mesh.tets.size(), rank), rank);
 }
 
@@ -68,7 +68,7 @@ Part halo_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::v
   collective_try(comm, [&] {
     Marks vertices(part.vertex_id.size(), 0);
     for (const std::size_t v : shared) vertices[v] = 1;
-    const Part own = copied(part, tets_touching(part.mesh, vertices));
+    const Part own = copied(part, tets_at(part.mesh.tets, vertices));
     const IdMap in_own(own.vertex_id);
     std::map<int, Marks> shared_with;
     for (const Copy& c : copies) {
@@ -77,7 +77,7 @@ Part halo_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::v
       item(marks, in_own[c.id]) = 1;
     }
     for (const auto& [rank, marks] : shared_with) join(all, touching(own, marks, rank));
-    halo = copied(part, tets_touching(part.mesh, held_vertices(part.mesh, frozen_regions)));
+    halo = copied(part, tets_at(part.mesh.tets, held_vertices(part.mesh, frozen_regions)));
   });
   Pieces arrived = send(comm, std::move(all));
   collective_try(comm, [&] { merge(halo, assemble(std::move(arrived))); });

@@ -12,6 +12,7 @@
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "mesh/work_mesh.hpp"
 #include "phases/sliding_motion.hpp"
 #include "tetune/error.hpp"
@@ -78,20 +79,6 @@ void restore_bits(TetMesh& mesh, std::span<const VertexTargets> targets, const M
   }
 }
 
-/// Flags the vertices of the tetrahedra that have a flagged vertex.
-std::vector<std::uint8_t> grow(const std::vector<Tet>& tets, const std::vector<std::uint8_t>& flags) {
-  std::vector<std::uint8_t> grown = flags;
-  for (const Tet& tet : tets) {
-    if (tet[0] == kFreeSlot) continue;
-    bool touches = false;
-    for (const Index v : tet.v) touches = touches || span_of(flags)[v] != 0;
-    for (const Index v : tet.v) {
-      if (touches) span_of(grown)[v] = 1;
-    }
-  }
-  return grown;
-}
-
 }  // namespace
 
 WorkTarget work_target(const VertexTargets& targets, const std::vector<Index>& vertex2original, double scale) {
@@ -127,7 +114,7 @@ void report_blocking(const BlockedMesh& blocked, MoveReport& report) {
         report.blocking_vertices.push_back(span_of(blocked.work2new)[v]);
       }
     }
-    flags = grow(blocked.tets, flags);
+    add_layer(blocked.tets, flags);
   }
   std::sort(report.blocking_vertices.begin(), report.blocking_vertices.end());
 }

@@ -23,6 +23,9 @@ struct alignas(16) Tet {
   TETUNE_HD Index& operator[](int i) { return v[i]; }
 };
 
+/// First vertex of a slot that holds no tetrahedron.
+inline constexpr Index kFreeSlot = -1;
+
 /// Both vertices of an edge, the lower one first.
 inline std::array<Index, 2> ascending(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
 /// Vertices in increasing order.

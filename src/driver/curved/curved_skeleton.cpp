@@ -15,6 +15,7 @@
 #include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "tetune/data.hpp"
 
 namespace tetune {
@@ -124,20 +125,16 @@ std::vector<Index> flatter_than(const TetMesh& mesh, double dihedral, int thread
 
 void lock_around(const TetMesh& mesh, std::vector<std::uint8_t> is_marked, int rings, std::vector<Index>& locked) {
   const std::size_t before = locked.size();
-  std::vector<Index> around;
+  Size around = 0;
   do {
-    for (const Index t : around) {
-      for (const Index v : span_of(mesh.tets)[t]) span_of(is_marked)[v] = 1;
+    if (around > 0) add_layer(mesh.tets, is_marked);
+    const std::vector<std::uint8_t> touches = tets_at(mesh.tets, is_marked);
+    around = std::count(touches.begin(), touches.end(), 1);
+    for (Index t = 0; t < std::ssize(touches); ++t) {
+      if (span_of(touches)[t] != 0) locked.push_back(t);
     }
-    around.clear();
-    for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
-      const auto& tet = span_of(mesh.tets)[t];
-      const bool has_marked = std::any_of(tet.begin(), tet.end(), [&](Index v) { return span_of(is_marked)[v] != 0; });
-      if (has_marked) around.push_back(t);
-    }
-    locked.insert(locked.end(), around.begin(), around.end());
     sort_unique(locked);
-  } while (--rings > 0 || (locked.size() == before && !around.empty() && around.size() < mesh.tets.size()));
+  } while (--rings > 0 || (locked.size() == before && around > 0 && around < std::ssize(mesh.tets)));
 }
 
 HeldNodes find_held(const TetMesh& mesh, const Options& options) {

@@ -9,22 +9,13 @@
 #include "driver/distributed_interface.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "quality/limits.hpp"
 
 namespace tetune {
 namespace {
 
 using Marks = std::vector<std::uint8_t>;
-
-/// Marks the vertices of the tetrahedra that are (or are not) active.
-Marks vertices_of(const TetMesh& mesh, const Marks& active, bool are_active) {
-  Marks vertices(mesh.points.size(), 0);
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    if ((active[t] != 0) != are_active) continue;
-    for (const Index v : mesh.tets[t]) span_of(vertices)[v] = 1;
-  }
-  return vertices;
-}
 
 /// Takes a part out of a mesh.
 class PartTaker {
@@ -36,7 +27,8 @@ class PartTaker {
     part_.options.rings = Options().rings;
     part_.options.frozen_regions.clear();
     part_.options.frozen_patches.clear();
-    take_vertices(vertices_of(mesh, active.flags, true), vertices_of(mesh, active.flags, false));
+    take_vertices(vertices_of(mesh.tets, active.flags, mesh.points.size()),
+                  vertices_of(mesh.tets, active.flags, mesh.points.size(), false));
     take_tets(active.flags);
   }
 
@@ -194,14 +186,6 @@ std::size_t list_cut(TetMesh& part, const Marks& on_cut) {
   return part.triangles.size() - listed;
 }
 
-Marks tets_at(const TetMesh& mesh, const Marks& vertices) {
-  Marks tets(mesh.tets.size(), 0);
-  for (std::size_t t = 0; t < tets.size(); ++t) {
-    for (const Index v : mesh.tets[t]) tets[t] |= span_of(vertices)[v];
-  }
-  return tets;
-}
-
 ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const Constraints& constraints, int rings) {
   ActiveTets active;
   active.flags = std::move(flags);
@@ -212,7 +196,7 @@ ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const 
   active.count = active.bad = std::count(active.flags.begin(), active.flags.end(), 1);
   std::int64_t before = 0;
   for (int ring = 0; ring < rings && active.count > before; ++ring) {
-    active.flags = tets_at(mesh, vertices_of(mesh, active.flags, true));
+    active.flags = tets_at(mesh.tets, vertices_of(mesh.tets, active.flags, mesh.points.size()));
     before = std::exchange(active.count, std::count(active.flags.begin(), active.flags.end(), 1));
   }
   return active;

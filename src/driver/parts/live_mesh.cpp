@@ -13,6 +13,7 @@
 #include "driver/parts/optimize_active.hpp"
 #include "driver/report/targets.hpp"
 #include "mesh/id_maps.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "phases/latched_hooks.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -58,7 +59,7 @@ std::int64_t LiveMesh::disturbed() const { return std::count(disturbed_.begin(),
 
 Report LiveMesh::optimize(const Context& context) {
   if (disturbed() > 0) surface_ = nullptr;
-  Report report = optimize_tets(mesh_, tets_at(mesh_, disturbed_), neighborhood_, options_, context);
+  Report report = optimize_tets(mesh_, tets_at(mesh_.tets, disturbed_), neighborhood_, options_, context);
   follow(report);
   std::fill(disturbed_.begin(), disturbed_.end(), 0);
   return report;
@@ -128,7 +129,7 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
       return report.reached() || !can_grow || report.optimization.stop == StopReason::cancelled;
     };
     try {
-      const auto maps = change_tets(mesh_, tets_at(mesh_, moves), rings, options_, change, report.optimization);
+      const auto maps = change_tets(mesh_, tets_at(mesh_.tets, moves), rings, options_, change, report.optimization);
       rings *= 2;
       if (!maps) continue;
       report.blocking_tets = translated_ids(std::move(report.blocking_tets), maps->tet2whole);
