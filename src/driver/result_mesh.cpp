@@ -6,6 +6,7 @@
 
 #include "boundary/constraints.hpp"
 #include "mesh/id_maps.hpp"
+#include "mesh/keep_entities.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"

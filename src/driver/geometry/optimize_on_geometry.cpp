@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "boundary/constraints.hpp"
 #include "driver/geometry/geometry_work.hpp"
 #include "driver/report/extend_report.hpp"
 #include "math/constants.hpp"
 #include "math/vec3.hpp"
 #include "mesh/id_maps.hpp"
+#include "mesh/keep_entities.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"

@@ -6,6 +6,7 @@
 #include "driver/parts/active_part.hpp"
 #include "driver/report/targets.hpp"
 #include "mesh/id_maps.hpp"
+#include "mesh/keep_entities.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
