@@ -17,7 +17,7 @@ namespace tetune {
 namespace {
 
 /// The largest distance of a node from the middle of its edge, relative to the edge, that rounding explains.
-constexpr double kStraight = 1e-4;
+constexpr double kStraightInFile = 1e-4;
 
 double distance(const Point3& p, const Point3& q) {
   const Point3 d{p[0] - q[0], p[1] - q[1], p[2] - q[2]};
@@ -40,7 +40,7 @@ std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const st
   const auto is_curved = [&points](const Middle& m) {
     const Point3& p = span_of(points)[m.ends[0]];
     const Point3& q = span_of(points)[m.ends[1]];
-    return !(distance(midpoint(p, q), span_of(points)[m.node]) <= kStraight * distance(p, q));
+    return !(distance(midpoint(p, q), span_of(points)[m.node]) <= kStraightInFile * distance(p, q));
   };
   if (std::none_of(middles.begin(), middles.end(), is_curved)) return {};
   std::vector<std::pair<std::array<Index, 2>, Index>> nodes;

@@ -43,12 +43,6 @@ void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
   for (const Index i : mesh.required_triangles) f(span_of(mesh.triangles)[i]);
 }
 
-bool is_straight(const TetMesh& mesh, const CurvedEdge& edge) {
-  const Vec3 p = vec(span_of(mesh.points)[edge.vertices[0]]);
-  const Vec3 q = vec(span_of(mesh.points)[edge.vertices[1]]);
-  return norm(vec(edge.middle) - 0.5 * (p + q)) <= kStraightEdge * norm(q - p);
-}
-
 /// The entries of `list` of the result whose original is one of `originals`.
 std::vector<Index> with_original(const std::vector<Index>& originals, const std::vector<Index>& new2original,
                                  std::size_t entries) {
@@ -179,7 +173,7 @@ void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
     const auto& [a, b] = edge.vertices;
     const bool is_held = held_.has_edge(a, b);
     const bool may_move = slide_ != nullptr && slide_->has_edge(edge.vertices);
-    if (locked.contains(edge.vertices) || (is_held && !may_move && !is_straight(whole_, edge))) {
+    if (locked.contains(edge.vertices) || (is_held && !may_move && !is_straight(whole_, edge, kStraightEdge))) {
       kept_.push_back(edge);
     } else if (is_held) {
       kept_unmoved_.push_back(edge);
@@ -188,12 +182,7 @@ void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
 }
 
 void CurvedSkeleton::require_triangles() {
-  const auto is_kept = [this](Index a, Index b) {
-    const auto edge = ascending(a, b);
-    const auto at = std::lower_bound(kept_.begin(), kept_.end(), edge,
-                                     [](const CurvedEdge& e, const Edge& sought) { return e.vertices < sought; });
-    return at != kept_.end() && at->vertices == edge;
-  };
+  const auto is_kept = [this](Index a, Index b) { return find_edge(kept_, ascending(a, b)) != nullptr; };
   std::set<Triangle> curved;
   for_each_surface_triangle(whole_, [&](const Triangle& t) {
     if (is_kept(t[0], t[1]) || is_kept(t[1], t[2]) || is_kept(t[2], t[0])) curved.insert(ascending(t));
@@ -277,8 +266,7 @@ void CurvedSkeleton::restore_curved_edges(const Report& report) {
   for (const CurvedEdge& edge : kept_) restore_if(edge, false);
   for (const CurvedEdge& edge : kept_unmoved_) restore_if(edge, true);
   // Vertices keep their order.
-  std::sort(mesh.curved_edges.begin(), mesh.curved_edges.end(),
-            [](const CurvedEdge& e, const CurvedEdge& f) { return e.vertices < f.vertices; });
+  std::sort(mesh.curved_edges.begin(), mesh.curved_edges.end(), is_before);
 }
 
 }  // namespace tetune

@@ -105,16 +105,8 @@ struct ChangedTriangles {
 
 void LiftedNodes::apply(TetMesh& mesh) const {
   for (std::size_t i = 0; i < vertices.size(); ++i) span_of(mesh.points)[vertices[i]] = points[i];
-  const auto less = [](const CurvedEdge& e, const CurvedEdge& f) { return e.vertices < f.vertices; };
-  std::vector<CurvedEdge> merged;
-  std::set_union(middles.begin(), middles.end(), mesh.curved_edges.begin(), mesh.curved_edges.end(),
-                 std::back_inserter(merged), less);
-  std::erase_if(merged, [&mesh](const CurvedEdge& e) {
-    const Vec3 p = at(mesh, e.vertices[0]);
-    const Vec3 q = at(mesh, e.vertices[1]);
-    return norm(vec(e.middle) - 0.5 * (p + q)) <= kStraight * norm(q - p);
-  });
-  mesh.curved_edges = std::move(merged);
+  merge_edges(mesh.curved_edges, middles);
+  std::erase_if(mesh.curved_edges, [&mesh](const CurvedEdge& e) { return is_straight(mesh, e, kStraight); });
 }
 
 CurvedSlide::CurvedSlide(const TetMesh& mesh, double feature_angle) : mesh_(mesh), triangles_(find_sheets(mesh)) {
