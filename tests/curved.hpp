@@ -51,14 +51,7 @@ struct SkinFace {
 inline std::vector<SkinFace> skin(const TetMesh& m) {
   std::map<std::array<Index, 3>, std::vector<int>> sides;
   for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    for (std::size_t skip = 0; skip < 4; ++skip) {
-      std::array<Index, 3> f{};
-      for (std::size_t k = 0, at = 0; k < 4; ++k) {
-        if (k != skip) f[at++] = m.tets[t][k];
-      }
-      std::sort(f.begin(), f.end());
-      sides[f].push_back(m.tet_tags[t]);
-    }
+    for (std::size_t k = 0; k < 4; ++k) sides[ascending_face(m.tets[t], k)].push_back(m.tet_tags[t]);
   }
   std::map<std::array<Index, 3>, int> tags;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "driver/distributed_interface.hpp"
 #include "holders.hpp"
 
 namespace tetune::mpi {
@@ -15,14 +16,6 @@ std::vector<std::size_t> possibly_shared(const Part& part) {
     if ((part.vertex_flags[v] & kShared) != 0) vertices.push_back(v);
   }
   return vertices;
-}
-
-template <class T>
-std::vector<T> values_of(const std::vector<std::size_t>& vertices, const std::vector<T>& values) {
-  std::vector<T> result;
-  result.reserve(vertices.size());
-  for (const std::size_t v : vertices) result.push_back(values[v]);
-  return result;
 }
 
 /// A vertex and another rank that has it.
@@ -45,7 +38,7 @@ void join(Addressed& all, const Addressed& more) {
 
 /// The tetrahedra with marked vertices, all addressed to one rank.
 Addressed touching(const Part& part, const Marks& vertices, int rank) {
-  const Part touched = copied(part, tets_touching(part.mesh, vertices));
+  const Part touched = copied(part, tets_at(part.mesh.tets, vertices));
   return address(touched, std::vector<int>(touched.mesh.tets.size(), rank), rank);
 }
 
@@ -55,7 +48,7 @@ Part halo_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::v
   // The owner rank of a vertex has a list of the ranks that hold it.
   const Blocks blocks(totals.vertices, size_of(comm));
   const std::vector<std::size_t> shared = possibly_shared(part);
-  const StarForest star(comm, values_of(shared, part.vertex_id), blocks);
+  const StarForest star(comm, gather_entries(part.vertex_id, shared), blocks);
   const Holders holders(star, blocks, rank_of(comm));
   std::vector<Copy> copies;
   std::vector<int> to;
@@ -75,7 +68,7 @@ Part halo_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::v
   collective_try(comm, [&] {
     Marks vertices(part.vertex_id.size(), 0);
     for (const std::size_t v : shared) vertices[v] = 1;
-    const Part own = copied(part, tets_touching(part.mesh, vertices));
+    const Part own = copied(part, tets_at(part.mesh.tets, vertices));
     const IdMap in_own(own.vertex_id);
     std::map<int, Marks> shared_with;
     for (const Copy& c : copies) {
@@ -84,7 +77,7 @@ Part halo_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::v
       item(marks, in_own[c.id]) = 1;
     }
     for (const auto& [rank, marks] : shared_with) join(all, touching(own, marks, rank));
-    halo = copied(part, tets_touching(part.mesh, held_vertices(part.mesh, frozen_regions)));
+    halo = copied(part, tets_at(part.mesh.tets, held_vertices(part.mesh, frozen_regions)));
   });
   Pieces arrived = send(comm, std::move(all));
   collective_try(comm, [&] { merge(halo, assemble(std::move(arrived))); });
@@ -93,7 +86,7 @@ Part halo_of(MPI_Comm comm, const Part& part, const Totals& totals, const std::v
 
 Shared::Shared(MPI_Comm comm, const Part& part, const Totals& totals)
     : vertices_(possibly_shared(part)),
-      star_(comm, values_of(vertices_, part.vertex_id), Blocks(totals.vertices, size_of(comm))) {}
+      star_(comm, gather_entries(part.vertex_id, vertices_), Blocks(totals.vertices, size_of(comm))) {}
 
 void Shared::mark(Part& part) const {
   const std::vector<int> copies = star_.fetch(star_.copies());
@@ -103,7 +96,7 @@ void Shared::mark(Part& part) const {
 }
 
 void Shared::minimize(std::vector<int>& values) const {
-  const std::vector<int> minima = star_.minima(values_of(vertices_, values));
+  const std::vector<int> minima = star_.minima(gather_entries(values, vertices_));
   for (std::size_t i = 0; i < vertices_.size(); ++i) values[vertices_[i]] = minima[i];
 }
 

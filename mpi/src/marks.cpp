@@ -62,17 +62,6 @@ Marks held_vertices(const TetMesh& mesh, const std::vector<int>& frozen_regions)
   return held;
 }
 
-Marks tets_touching(const TetMesh& mesh, const Marks& vertices) {
-  Marks touching;
-  touching.reserve(mesh.tets.size());
-  for (const auto& tet : mesh.tets) {
-    std::uint8_t any = 0;
-    for (const Index v : tet) any |= item(vertices, v);
-    touching.push_back(any);
-  }
-  return touching;
-}
-
 Marks are_in(const std::vector<std::array<Index, 3>>& triangles, const std::vector<std::array<Index, 4>>& tets,
              std::size_t vertices) {
   return marks_in(triangles, tets, vertices);

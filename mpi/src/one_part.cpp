@@ -2,9 +2,7 @@
 #include "one_part.hpp"
 
 #include <algorithm>
-#include <array>
-#include <limits>
-#include <map>
+#include <span>
 #include <utility>
 
 #include "driver/distributed_interface.hpp"
@@ -14,35 +12,8 @@
 namespace tetune::mpi {
 namespace {
 
-/// The tag of the triangles between the vertices that are worked on and the rest: it continues no patch of the mesh.
-constexpr int kInterfaceTag = std::numeric_limits<int>::min();
-
-/// Lists the faces that only one tetrahedron has and whose vertices are frozen as required triangles with a tag of
-/// their own, so that no vertex slides onto an interface of parts; returns their number.
-std::size_t list_interface(TetMesh& mesh, const Marks& frozen) {
-  std::map<std::array<Index, 3>, int> faces;
-  for (const auto& tet : mesh.tets) {
-    for (std::size_t f = 0; f < 4; ++f) {
-      std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
-      bool all = true;
-      for (const Index v : face) all = all && item(frozen, v) != 0;
-      if (!all) continue;
-      std::sort(face.begin(), face.end());
-      ++faces[face];
-    }
-  }
-  const std::size_t before = mesh.triangles.size();
-  for (const auto& [face, count] : faces) {
-    if (count > 1) continue;
-    mesh.required_triangles.push_back(index_count(mesh.triangles));
-    mesh.triangles.push_back(face);
-    mesh.triangle_tags.push_back(kInterfaceTag);
-  }
-  return mesh.triangles.size() - before;
-}
-
-/// Removes the triangles of list_interface(), which are the last ones of the mesh.
-void drop_interface(TetMesh& mesh, std::size_t count) {
+/// Removes the triangles of list_cut(), which are the last ones of the mesh.
+void drop_cut(TetMesh& mesh, std::size_t count) {
   mesh.triangles.resize(mesh.triangles.size() - count);
   mesh.triangle_tags.resize(mesh.triangles.size());
   mesh.required_triangles.resize(mesh.required_triangles.size() - count);
@@ -63,15 +34,6 @@ void drop_appended(TetMesh& mesh, std::vector<Index>& vertex2original, std::size
   std::erase_if(vertex2original, appended);
 }
 
-/// The values of the originals of `count` entities.
-template <class T, class Map>
-std::vector<T> picked(const std::vector<T>& values, const Map& new2old, std::size_t count) {
-  std::vector<T> result;
-  result.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) result.push_back(item(values, new2old[i]));
-  return result;
-}
-
 std::vector<int> present(const std::vector<int>& wanted, const std::vector<int>& tags) {
   std::vector<int> result;
   for (const int tag : wanted) {
@@ -83,22 +45,16 @@ std::vector<int> present(const std::vector<int>& wanted, const std::vector<int>&
 /// Replaces the ids of a part by those of the entities that the optimization left.
 void update_ids(Part& part, const Report& report) {
   if (!report.vertex2original.empty()) {
-    std::vector<Id> ids;
-    Marks flags;
-    for (const Index v : report.vertex2original) {
-      ids.push_back(v < 0 ? -1 : item(part.vertex_id, v));
-      flags.push_back(v < 0 ? 0 : item(part.vertex_flags, v));
-    }
-    part.vertex_id = std::move(ids);
-    part.vertex_flags = std::move(flags);
+    part.vertex_id = gather_entries_or(part.vertex_id, report.vertex2original, Id{-1});
+    part.vertex_flags = gather_entries_or(part.vertex_flags, report.vertex2original, std::uint8_t{0});
   }
-  part.tet_id = picked(part.tet_id, report.tet2original, part.mesh.tets.size());
+  part.tet_id = gather_entries(part.tet_id, report.tet2original);
   if (!report.triangle2original.empty()) {
-    part.triangle_id = picked(part.triangle_id, report.triangle2original, part.mesh.triangles.size());
+    // The map has the triangles of list_cut(), too.
+    const std::span listed = std::span(report.triangle2original).first(part.mesh.triangles.size());
+    part.triangle_id = gather_entries(part.triangle_id, listed);
   }
-  if (!report.edge2original.empty()) {
-    part.edge_id = picked(part.edge_id, report.edge2original, part.mesh.edges.size());
-  }
+  if (!report.edge2original.empty()) part.edge_id = gather_entries(part.edge_id, report.edge2original);
 }
 
 }  // namespace
@@ -128,7 +84,7 @@ Report optimize_part(Part& part, Marks frozen, const Options& all_options, const
   TetMesh& mesh = part.mesh;
   Options options = options_for(all_options, mesh);
   const std::size_t vertices = mesh.points.size();
-  const std::size_t interface_triangles = list_interface(mesh, frozen);
+  const std::size_t cut_triangles = list_cut(mesh, frozen);
   InputSurface::Piece piece;
   if (surface != nullptr) piece = surface->under(part, options.max_deviation > 0, frozen);
   options.frozen_vertices = std::move(frozen);
@@ -137,16 +93,13 @@ Report optimize_part(Part& part, Marks frozen, const Options& all_options, const
     report = surface != nullptr ? tetune::optimize(mesh, options, context, piece.surface)
                                 : tetune::optimize(mesh, options, context);
   } catch (const OverlapError& e) {
-    std::vector<Index> tets;
-    for (const Index t : e.tets) tets.push_back(Index(item(part.tet_id, t)));
-    std::sort(tets.begin(), tets.end());
-    throw OverlapError(std::move(tets));
+    throw OverlapError(translated_ids(e.tets, part.tet_id));
   } catch (const MeshError&) {
-    drop_interface(mesh, interface_triangles);
+    drop_cut(mesh, cut_triangles);
     drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());
     throw MeshError(defects_of(part, options.threads));
   }
-  drop_interface(mesh, interface_triangles);
+  drop_cut(mesh, cut_triangles);
   if (surface != nullptr) {
     surface->write_back(piece);
     drop_appended(mesh, report.vertex2original, vertices, piece.id.size());

@@ -74,9 +74,6 @@ Marks on_surface(const TetMesh& mesh);
 /// 1 for the vertices of on_surface(), of lists and of frozen regions: all that may be constrained.
 Marks held_vertices(const TetMesh& mesh, const std::vector<int>& frozen_regions);
 
-/// 1 for each tetrahedron with a marked vertex.
-Marks tets_touching(const TetMesh& mesh, const Marks& vertices);
-
 /// The entities of a part and the rank that each is sent to when tetrahedron t goes to rank `tet_to[t]`: vertices,
 /// listed triangles and edges go with each of their tetrahedra, and to `self` if they have none.
 struct Addressed {

@@ -255,15 +255,7 @@ class Rounds {
     const TetMesh& mesh = part_.mesh;
     Marks near(mesh.points.size(), 0);
     for (std::size_t v = 0; v < near.size(); ++v) near[v] = (part_.vertex_flags[v] & kPending) != 0 ? 1 : 0;
-    for (int layer = 0; layer < kLayers; ++layer) {
-      const Marks before = near;
-      for (const auto& tet : mesh.tets) {
-        bool touched = false;
-        for (const Index v : tet) touched = touched || item(before, v) != 0;
-        if (!touched) continue;
-        for (const Index v : tet) item(near, v) = 1;
-      }
-    }
+    for (int layer = 0; layer < kLayers; ++layer) add_layer(mesh.tets, near);
     for (std::size_t v = 0; v < near.size(); ++v) {
       if (near[v] != 0) part_.vertex_flags[v] |= kNearPending;
     }

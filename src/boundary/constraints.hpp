@@ -50,16 +50,4 @@ class OtherElements {
 std::vector<std::uint8_t> lasting_edges(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& tets,
                                         const OtherElements& others);
 
-/// The new positions of a list's entries when those with keep[i] == 0 are dropped; -1 for these.
-std::vector<Index> positions_of_kept(const std::vector<std::uint8_t>& keep);
-
-/// Moves the listed triangles or edges to their new positions and renumbers references to them; returns the number of
-/// dropped ones.
-std::int64_t keep_triangles(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
-std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
-
-/// Moves the vertices to their new positions and renumbers all references to them. Vertices without a new position must
-/// be in no element; they are removed from the corners.
-void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept;
-
 }  // namespace tetune

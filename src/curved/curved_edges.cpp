@@ -2,6 +2,8 @@
 #include "curved/curved_edges.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "backend/cpu.hpp"
 #include "mesh/messages.hpp"
@@ -18,6 +20,24 @@ bool has_smaller_jacobian(const CurvedTet& a, const CurvedTet& b) {
 }  // namespace
 
 const char* to_string(CurvedValidity validity) { return name_of(validity, {"valid", "inverted", "undecided"}); }
+
+const CurvedEdge* find_edge(const std::vector<CurvedEdge>& sorted, const std::array<Index, 2>& edge) {
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), CurvedEdge{edge, {}}, is_before);
+  return at != sorted.end() && at->vertices == edge ? &*at : nullptr;
+}
+
+void merge_edges(std::vector<CurvedEdge>& sorted, std::vector<CurvedEdge> changed) {
+  std::sort(changed.begin(), changed.end(), is_before);
+  std::vector<CurvedEdge> merged;
+  std::set_union(changed.begin(), changed.end(), sorted.begin(), sorted.end(), std::back_inserter(merged), is_before);
+  sorted = std::move(merged);
+}
+
+bool is_straight(const TetMesh& mesh, const CurvedEdge& edge, double tolerance) {
+  const Vec3 p = vec(span_of(mesh.points)[edge.vertices[0]]);
+  const Vec3 q = vec(span_of(mesh.points)[edge.vertices[1]]);
+  return norm(vec(edge.middle) - 0.5 * (p + q)) <= tolerance * norm(q - p);
+}
 
 CurvedEdges::CurvedEdges(const TetMesh& mesh) : mesh_(mesh), first_(mesh.points.size() + 1, 0) {
   for (const CurvedEdge& edge : mesh.curved_edges) ++span_of(first_)[edge.vertices[0] + 1];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,18 @@
 #include "tetune/mesh.hpp"
 
 namespace tetune {
+
+/// The order of lists of curved edges: by their vertices.
+inline bool is_before(const CurvedEdge& e, const CurvedEdge& f) { return e.vertices < f.vertices; }
+
+/// An edge, with vertices in ascending order, in a sorted list; null where the list lacks it.
+const CurvedEdge* find_edge(const std::vector<CurvedEdge>& sorted, const std::array<Index, 2>& edge);
+
+/// Replaces edges of a sorted list, and adds those that it lacks.
+void merge_edges(std::vector<CurvedEdge>& sorted, std::vector<CurvedEdge> changed);
+
+/// Whether the mid-side node is at most this far from the midpoint, relative to the length of the edge.
+bool is_straight(const TetMesh& mesh, const CurvedEdge& edge, double tolerance);
 
 /// The curved edges of a mesh by their vertices. Refers to the mesh.
 class CurvedEdges {

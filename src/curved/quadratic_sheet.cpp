@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "curved/quadratic_sheet.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "backend/span.hpp"
+#include "curved/curved_edges.hpp"
 #include "math/constants.hpp"
 #include "mesh/tet.hpp"
 
@@ -53,11 +53,8 @@ Vec3 QuadraticSheet::lift(const Vec3& p) const {
 Vec3 QuadraticTriangles::at(Index v) const { return vec(span_of(points_)[v]); }
 
 Vec3 QuadraticTriangles::offset(Index a, Index b) const {
-  const auto edge = ascending(a, b);
-  const auto found = std::lower_bound(edges_.begin(), edges_.end(), edge,
-                                      [](const CurvedEdge& e, const auto& sought) { return e.vertices < sought; });
-  if (found == edges_.end() || found->vertices != edge) return {0, 0, 0};
-  return vec(found->middle) - 0.5 * (at(a) + at(b));
+  const CurvedEdge* const edge = find_edge(edges_, ascending(a, b));
+  return edge == nullptr ? Vec3{0, 0, 0} : vec(edge->middle) - 0.5 * (at(a) + at(b));
 }
 
 QuadraticSheet::Triangle QuadraticTriangles::of(const std::array<Index, 3>& triangle) const {

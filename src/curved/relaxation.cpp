@@ -322,15 +322,6 @@ class Patch {
   PatchQuality best_quality_;
 };
 
-/// Replaces the entries of the same edges, and adds the others.
-void set_curved(std::vector<CurvedEdge>& list, std::vector<CurvedEdge> changed) {
-  const auto less = [](const CurvedEdge& a, const CurvedEdge& b) { return a.vertices < b.vertices; };
-  std::sort(changed.begin(), changed.end(), less);
-  std::vector<CurvedEdge> merged;
-  std::set_union(changed.begin(), changed.end(), list.begin(), list.end(), std::back_inserter(merged), less);
-  list = std::move(merged);
-}
-
 }  // namespace
 
 double min_dihedral(const std::array<Vec3, 4>& x) {
@@ -356,7 +347,7 @@ void relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>
     for (const auto& [v, p] : result.vertices) span_of(mesh.points)[v] = p;
     changed.insert(changed.end(), result.edges.begin(), result.edges.end());
   }
-  set_curved(mesh.curved_edges, std::move(changed));
+  merge_edges(mesh.curved_edges, std::move(changed));
 }
 
 }  // namespace tetune

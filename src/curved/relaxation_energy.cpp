@@ -35,7 +35,7 @@ std::array<std::array<Pack, 3>, kPacks> make_points() {
   }
   return points;
 }
-const std::array<std::array<Pack, 3>, kPacks> kPoints = make_points();
+const std::array<std::array<Pack, 3>, kPacks> kLattice = make_points();
 
 double component(const Vec3& v, std::size_t c) { return c == 0 ? v.x : c == 1 ? v.y : v.z; }
 Pack all(double x) { return Pack{x, x, x, x}; }
@@ -84,7 +84,7 @@ struct LinearJacobian {
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t c = 0; c < 3; ++c) {
         m[k][c] = all(component(terms[0][k], c));
-        for (std::size_t v = 0; v < 3; ++v) m[k][c] += kPoints[pack][v] * component(terms[v + 1][k], c);
+        for (std::size_t v = 0; v < 3; ++v) m[k][c] += kLattice[pack][v] * component(terms[v + 1][k], c);
         if (pack + 1 == kPacks) m[k][c][kLanes - 1] = component(straight[k], c);
       }
     }
@@ -104,7 +104,7 @@ struct JacobianSlopes {
   void add(std::size_t pack, MatrixPack slopes) {
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t c = 0; c < 3; ++c) {
-        for (std::size_t v = 0; v < 3; ++v) terms[v + 1][k][c] += kPoints[pack][v] * slopes[k][c];
+        for (std::size_t v = 0; v < 3; ++v) terms[v + 1][k][c] += kLattice[pack][v] * slopes[k][c];
       }
     }
     if (pack + 1 == kPacks) {

@@ -13,6 +13,7 @@
 #include "curved/finer_surface.hpp"
 #include "curved/vertex_normal.hpp"
 #include "math/elementary.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 
 namespace tetune {
@@ -189,8 +190,7 @@ class Sheets {
     for (const Index t : triangles) {
       for (const Index v : span_of(triangles_)[t].vertices) vertices.push_back(v);
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices);
     std::vector<Vec3> around;
     const Index center = vertex(corners[0]);
     for (const Index v : vertices) {

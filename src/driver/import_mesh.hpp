@@ -12,6 +12,7 @@
 #include "boundary/find_dofs.hpp"
 #include "driver/import_periodic.hpp"
 #include "mesh/connect.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/sort_mesh.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -40,13 +41,6 @@ struct LockTet {
   }
 };
 
-inline std::vector<Index> inverse(const std::vector<Index>& to_original) {
-  std::vector<Index> from_original(to_original.size());
-  Index i = 0;
-  for (const Index original : to_original) span_of(from_original)[original] = i++;
-  return from_original;
-}
-
 /// Throws unless every volume is positive, or is to be made positive. Exact arithmetic decides the few volumes whose
 /// sign is uncertain after rounding.
 template <class Backend>
@@ -67,7 +61,7 @@ std::vector<Index> import_tets(const Backend& backend, const TetMesh& mesh, cons
                                WorkingSet<Backend>& work) {
   work.mesh = upload_mesh(backend, mesh, work.scale);
   sort_mesh(backend, work.mesh);
-  std::vector<Index> original2vertex = inverse(work.mesh.vertex2original.download());
+  std::vector<Index> original2vertex = inverse_map(work.mesh.vertex2original.download(), mesh.points.size());
   const AdjacencyReport adjacency = build_adjacency(backend, work.mesh);
   if (adjacency.non_manifold_faces + adjacency.misoriented_faces > 0) {
     throw MeshError(validate(mesh, options.threads).message(false));
@@ -84,7 +78,7 @@ void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<In
     lock_interfaces(backend, work.mesh, regions.span());
   }
   if (tets.empty()) return;
-  const std::vector<Index> original2slot = inverse(work.mesh.tet2original.download());
+  const std::vector<Index> original2slot = inverse_map(work.mesh.tet2original.download(), mesh.tets.size());
   std::vector<Index> locked;
   locked.reserve(tets.size());
   for (const Index t : tets) locked.push_back(span_of(original2slot)[t]);

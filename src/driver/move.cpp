@@ -8,9 +8,11 @@
 #include "driver/devices.hpp"
 #include "driver/move_job.hpp"
 #include "math/constants.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "mesh/work_mesh.hpp"
 #include "phases/sliding_motion.hpp"
 #include "tetune/error.hpp"
@@ -66,7 +68,7 @@ void restore_bits(TetMesh& mesh, std::span<const VertexTargets> targets, const M
   const VertexTargets* const next =
       report.fraction > 0 && reached.size() < targets.size() ? &targets[reached.size()] : nullptr;
   for (Size v = 0; v < std::ssize(mesh.points); ++v) {
-    const Index original = vertex2original.empty() ? to_index(v) : span_of(vertex2original)[v];
+    const Index original = original_of(vertex2original, to_index(v));
     if (original < 0 || (next != nullptr && !is_free(span_of(*next)[original]))) continue;
     for (auto target = reached.rbegin(); target != reached.rend(); ++target) {
       const Point3& p = span_of(*target)[original];
@@ -75,20 +77,6 @@ void restore_bits(TetMesh& mesh, std::span<const VertexTargets> targets, const M
       break;
     }
   }
-}
-
-/// Flags the vertices of the tetrahedra that have a flagged vertex.
-std::vector<std::uint8_t> grow(const std::vector<Tet>& tets, const std::vector<std::uint8_t>& flags) {
-  std::vector<std::uint8_t> grown = flags;
-  for (const Tet& tet : tets) {
-    if (tet[0] == kFreeSlot) continue;
-    bool touches = false;
-    for (const Index v : tet.v) touches = touches || span_of(flags)[v] != 0;
-    for (const Index v : tet.v) {
-      if (touches) span_of(grown)[v] = 1;
-    }
-  }
-  return grown;
 }
 
 }  // namespace
@@ -126,7 +114,7 @@ void report_blocking(const BlockedMesh& blocked, MoveReport& report) {
         report.blocking_vertices.push_back(span_of(blocked.work2new)[v]);
       }
     }
-    flags = grow(blocked.tets, flags);
+    add_layer(blocked.tets, flags);
   }
   std::sort(report.blocking_vertices.begin(), report.blocking_vertices.end());
 }

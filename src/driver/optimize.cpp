@@ -4,12 +4,12 @@
 #include <string>
 
 #include "backend/cpu.hpp"
-#include "boundary/constraints.hpp"
 #include "driver/curved/optimize_curved.hpp"
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "driver/report/run_warnings.hpp"
+#include "mesh/keep_entities.hpp"
 #include "mesh/messages.hpp"
 #include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"

@@ -10,6 +10,7 @@
 #include "driver/parts/optimize_active.hpp"
 #include "driver/report/extend_report.hpp"
 #include "driver/report/targets.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"
@@ -233,10 +234,7 @@ class CriteriaRun {
 
   CriterionLimits limits_of(const TetMesh& mesh, const AcceptanceCriterion& criterion, const ImportedMesh& imported,
                             const Options& options) const {
-    std::vector<Index> tet2slot(imported.slot2tet.size());
-    for (Index slot = 0; slot < std::ssize(imported.slot2tet); ++slot) {
-      span_of(tet2slot)[span_of(imported.slot2tet)[slot]] = slot;
-    }
+    const std::vector<Index> tet2slot = inverse_map(imported.slot2tet, imported.slot2tet.size());
     CriterionLimits limits;
     limits.criterion = criterion;
     const TetMeshView view(mesh);

@@ -5,6 +5,8 @@
 #include <type_traits>
 
 #include "boundary/constraints.hpp"
+#include "mesh/id_maps.hpp"
+#include "mesh/keep_entities.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
@@ -30,31 +32,13 @@ std::vector<Point3> extended_points(const std::vector<Point3>& before, const std
   return points;
 }
 
-/// The entries of a list at these positions.
-template <class T>
-std::vector<T> taken(const std::vector<T>& list, const std::vector<Index>& positions) {
-  std::vector<T> result;
-  result.reserve(positions.size());
-  for (const Index i : positions) result.push_back(span_of(list)[i]);
-  return result;
-}
-
-/// The inverse of positions_of_kept().
-std::vector<Index> kept_of(const std::vector<Index>& old2new) {
-  std::vector<Index> new2old;
-  for (Index i = 0; i < std::ssize(old2new); ++i) {
-    if (span_of(old2new)[i] >= 0) new2old.push_back(i);
-  }
-  return new2old;
-}
-
 /// Data of the vertices of the result.
 std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult& result,
                                           const std::vector<Point3>& extended) {
   const VertexNumbering& numbering = result.numbering;
   if (mesh.point_data.empty() || numbering.new2original.empty()) return mesh.point_data;
-  std::vector<Index> extended2original(extended.size(), -1);
-  for (Index v = 0; v < std::ssize(mesh.points); ++v) span_of(extended2original)[v] = v;
+  std::vector<Index> extended2original = identity_map(mesh.points.size());
+  extended2original.resize(extended.size(), -1);
   return take_entries(carry_point_data(mesh.point_data, extended2original, extended, result.tets),
                       kept_of(numbering.extended2new));
 }
@@ -87,11 +71,9 @@ void transfer_data(const TetMesh& mesh, const HostResult& result, const Options&
   mesh.tet_tags.resize(result.tets.size());
   std::vector<Index> overlapping;
   for (const Finding& finding : validate(mesh, threads).findings) {
-    for (const Index t : finding.first) overlapping.push_back(span_of(result.tet2original)[t]);
+    overlapping.insert(overlapping.end(), finding.first.begin(), finding.first.end());
   }
-  std::sort(overlapping.begin(), overlapping.end());
-  overlapping.erase(std::unique(overlapping.begin(), overlapping.end()), overlapping.end());
-  throw OverlapError(std::move(overlapping));
+  throw OverlapError(translated_ids(std::move(overlapping), result.tet2original));
 }
 
 /// Replaces the listed triangles by those of the result. Those inside one region that lock nothing are dropped and
@@ -112,14 +94,14 @@ std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& resu
   }
   const std::vector<Index> triangle2new = positions_of_kept(keep);
   std::vector<Index> triangle2original = kept_of(triangle2new);
-  next.triangles = taken(mesh.triangles, triangle2original);
+  next.triangles = gather_entries(mesh.triangles, triangle2original);
   for (const auto& [entry, triangle] : changed.changes) {
     const Index kept = span_of(triangle2new)[entry];
     if (kept >= 0) span_of(next.triangles)[kept] = triangle;
   }
   next.triangles.insert(next.triangles.end(), changed.more.begin(), changed.more.end());
   triangle2original.insert(triangle2original.end(), changed.origin.begin(), changed.origin.end());
-  next.triangle_tags = taken(mesh.triangle_tags, triangle2original);
+  next.triangle_tags = gather_entries(mesh.triangle_tags, triangle2original);
   next.triangle_data = take_entries(mesh.triangle_data, triangle2original);
   next.required_triangles = mesh.required_triangles;
   for (Index& triangle : next.required_triangles) triangle = span_of(triangle2new)[triangle];
@@ -178,15 +160,8 @@ std::vector<Index> VertexNumbering::work2new() const {
   return ids;
 }
 
-std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size) {
-  Index next = 0;
-  const bool in_order = std::all_of(new2old.begin(), new2old.end(), [&](Index old) { return old == next++; });
-  if (new2old.size() == old_size && in_order) new2old.clear();
-  return new2old;
-}
-
 std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMesh& mesh) {
-  return taken(mesh.tet_tags, tet2original);
+  return gather_entries(mesh.tet_tags, tet2original);
 }
 
 void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,

@@ -41,9 +41,6 @@ struct HostResult {
 /// Returns the tags of the tetrahedra that these of the caller's have become.
 std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMesh& mesh);
 
-/// The map from a new list to an old one as of Report: empty where it is the identity.
-std::vector<Index> unless_all(std::vector<Index> new2old, std::size_t old_size);
-
 /// Replaces the caller's mesh by the result, and reports which of its entities were kept. `required_slots` and
 /// `listed_triangles`: as of WorkingSet. When it throws, the mesh is as before. Throws OverlapError where flips have
 /// made faces of three or more tetrahedra, and MeshError for incomplete data arrays.

@@ -10,6 +10,7 @@
 
 #include "backend/span.hpp"
 #include "io/node_sets.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
@@ -17,7 +18,7 @@ namespace tetune {
 namespace {
 
 /// The largest distance of a node from the middle of its edge, relative to the edge, that rounding explains.
-constexpr double kStraight = 1e-4;
+constexpr double kStraightInFile = 1e-4;
 
 double distance(const Point3& p, const Point3& q) {
   const Point3 d{p[0] - q[0], p[1] - q[1], p[2] - q[2]};
@@ -40,13 +41,12 @@ std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const st
   const auto is_curved = [&points](const Middle& m) {
     const Point3& p = span_of(points)[m.ends[0]];
     const Point3& q = span_of(points)[m.ends[1]];
-    return !(distance(midpoint(p, q), span_of(points)[m.node]) <= kStraight * distance(p, q));
+    return !(distance(midpoint(p, q), span_of(points)[m.node]) <= kStraightInFile * distance(p, q));
   };
   if (std::none_of(middles.begin(), middles.end(), is_curved)) return {};
   std::vector<std::pair<std::array<Index, 2>, Index>> nodes;
   for (const Middle& m : middles) nodes.emplace_back(ascending(m.ends[0], m.ends[1]), m.node);
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   std::vector<std::uint8_t> taken(points.size(), 0);
   std::vector<CurvedEdge> curved;
   std::array<Index, 2> last{-1, -1};
@@ -184,8 +184,7 @@ Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
   for (const auto& tet : mesh.tets) add(tet.data(), kTetEdges);
   for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
   for (const auto& edge : mesh.edges) add(edge.data(), kEdgeEdges);
-  std::sort(edges_.begin(), edges_.end());
-  edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+  sort_unique(edges_);
   for (const auto& [a, b] : edges_) {
     const Point3 middle = midpoint(span_of(mesh.points)[a], span_of(mesh.points)[b]);
     mesh.points.push_back(middle);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 
 namespace tetune {
@@ -38,8 +39,7 @@ std::vector<NumberedEdge> sides_of(const GeometryMatch& match) {
       sides.push_back({ascending(triangle[k], triangle[(k + 1) % 3]), match.faces[t]});
     }
   }
-  std::sort(sides.begin(), sides.end());
-  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+  sort_unique(sides);
   return sides;
 }
 

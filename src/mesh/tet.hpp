@@ -23,6 +23,9 @@ struct alignas(16) Tet {
   TETUNE_HD Index& operator[](int i) { return v[i]; }
 };
 
+/// First vertex of a slot that holds no tetrahedron.
+inline constexpr Index kFreeSlot = -1;
+
 /// Both vertices of an edge, the lower one first.
 inline std::array<Index, 2> ascending(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
 /// Vertices in increasing order.
@@ -30,6 +33,11 @@ template <std::size_t N>
 std::array<Index, N> ascending(std::array<Index, N> vertices) {
   std::sort(vertices.begin(), vertices.end());
   return vertices;
+}
+
+/// The vertices of the face opposite vertex i of a tetrahedron, in increasing order.
+inline std::array<Index, 3> ascending_face(const std::array<Index, 4>& tet, std::size_t i) {
+  return ascending(std::array{tet[(i + 1) % 4], tet[(i + 2) % 4], tet[(i + 3) % 4]});
 }
 
 /// Local index of vertex k of a face; face i lies opposite vertex i. The vertices of a face are counter-clockwise seen

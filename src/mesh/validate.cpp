@@ -10,6 +10,7 @@
 #include "mesh/connect.hpp"
 #include "mesh/element_kinds.hpp"
 #include "mesh/messages.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -174,8 +175,7 @@ void check_volumes(const TetMesh& mesh, int threads, ValidationReport& report) {
 
 /// Adds each id once, in increasing order, to a finding of tetrahedra.
 void add_tets(std::vector<Index> tets, Defect defect, ValidationReport& report) {
-  std::sort(tets.begin(), tets.end());
-  tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+  sort_unique(tets);
   FindingCollector finding(defect, "tetrahedra");
   for (const Index t : tets) finding.add(t);
   finding.finish(report);

@@ -8,9 +8,6 @@
 
 namespace tetune {
 
-/// First vertex of a slot that holds no tetrahedron.
-inline constexpr Index kFreeSlot = -1;
-
 /// Entries of vertex2original for a vertex that was inserted, and for one that was removed from all tetrahedra.
 inline constexpr Index kInserted = -1;
 inline constexpr Index kRemoved = -2;

@@ -4,16 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "mesh/sorted.hpp"
 #include "phases/near_reference.hpp"
 
 namespace tetune {
 namespace {
-
-/// The position of a value in an increasing sequence, or -1.
-Index position_in(const std::vector<Index>& increasing, Index value) {
-  const auto found = std::lower_bound(increasing.begin(), increasing.end(), value);
-  return found != increasing.end() && *found == value ? to_index(found - increasing.begin()) : -1;
-}
 
 struct LowestVertex {
   Span<const BoundaryTriangle> triangles;
@@ -108,8 +103,7 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
       }
     }
   }
-  std::sort(reference2whole_.begin(), reference2whole_.end());
-  reference2whole_.erase(std::unique(reference2whole_.begin(), reference2whole_.end()), reference2whole_.end());
+  sort_unique(reference2whole_);
 }
 
 void Neighborhood::take_reference(const HostWork& whole) {

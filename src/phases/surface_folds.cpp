@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 
 #include "math/orient.hpp"
 #include "mesh/transfer/box_tree.hpp"
+#include "mesh/vertex_layers.hpp"
 
 namespace tetune {
 namespace {
@@ -51,14 +51,7 @@ std::vector<std::uint8_t> vertices_near(const HostMesh& mesh, const std::vector<
   for (const Index slot : slots) {
     for (const Index v : span_of(mesh.tet2vertex)[slot].v) span_of(flags)[v] = 1;
   }
-  for (int ring = 0; ring < rings; ++ring) {
-    const std::vector<std::uint8_t> before = flags;
-    const auto is_near = [near = span_of(before)](Index v) { return near[v] != 0; };
-    for (const Tet& tet : mesh.tet2vertex) {
-      if (tet[0] == kFreeSlot || std::none_of(std::begin(tet.v), std::end(tet.v), is_near)) continue;
-      for (const Index v : tet.v) span_of(flags)[v] = 1;
-    }
-  }
+  for (int ring = 0; ring < rings; ++ring) add_layer(mesh.tet2vertex, flags);
   return flags;
 }
 

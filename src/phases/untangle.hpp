@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/id_maps.hpp"
 #include "operators/flip_pass.hpp"
 #include "phases/element_selection.hpp"
 #include "phases/optimizer.hpp"
@@ -150,11 +151,7 @@ struct Snapshot {
 /// The tetrahedra of the input from which those in some slots descend, in increasing order.
 template <class Backend>
 std::vector<Index> originals_of(const WorkMesh<Backend>& mesh, std::vector<Index> slots) {
-  const std::vector<Index> tet2original = mesh.tet2original.download();
-  for (Index& t : slots) t = span_of(tet2original)[t];
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
-  return slots;
+  return translated_ids(std::move(slots), mesh.tet2original.download());
 }
 
 /// Returns the tetrahedra of the input from which those descend whose volume is still not positive, or where the

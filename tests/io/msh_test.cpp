@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "io_fixture.hpp"
+#include "mesh/tet.hpp"
 #include "mesh_contents.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/validate.hpp"
@@ -227,11 +228,7 @@ TEST_F(Msh, TrianglesOfLinksThatAreNoTranslationsAreNotFlipped) {
   PeriodicLink link{2, 4, 3, {}, {}};
   std::map<std::array<Index, 3>, int> faces;
   for (const auto& tet : m.tets) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      std::array<Index, 3> face{tet[(k + 1) % 4], tet[(k + 2) % 4], tet[(k + 3) % 4]};
-      std::sort(face.begin(), face.end());
-      ++faces[face];
-    }
+    for (std::size_t k = 0; k < 4; ++k) ++faces[ascending_face(tet, k)];
   }
   const auto x = [&m](Index v) { return m.points[static_cast<std::size_t>(v)][0]; };
   for (const auto& [face, n] : faces) {

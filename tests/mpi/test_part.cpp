@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../../mpi/src/part.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "meshes.hpp"
 
 namespace tetune::mpi {
@@ -151,7 +152,7 @@ TEST(Part, HeldAreTheSurfaceListsAndFrozenRegions) {
   EXPECT_EQ(held_vertices(mesh, {region}), expected);
   std::vector<std::uint8_t> one(mesh.points.size(), 0);
   one[static_cast<std::size_t>(mesh.tets[5][2])] = 1;
-  const auto around = tets_touching(mesh, one);
+  const auto around = tets_at(mesh.tets, one);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     const auto& tet = mesh.tets[t];
     EXPECT_EQ(around[t] != 0, std::find(tet.begin(), tet.end(), mesh.tets[5][2]) != tet.end());

@@ -11,6 +11,7 @@
 
 #include "backend/span.hpp"
 #include "math/constants.hpp"
+#include "mesh/id_maps.hpp"
 #include "meshes.hpp"
 #include "options.hpp"
 #include "safe_points.hpp"
@@ -28,13 +29,7 @@ bool same_bits(const Point3& a, const Point3& b) { return std::memcmp(&a, &b, si
 
 /// The vertex of the result for each of the input, or -1.
 std::vector<Index> original2new(const MoveReport& r, std::size_t originals, std::size_t vertices) {
-  std::vector<Index> map(originals, -1);
-  for (std::size_t v = 0; v < vertices; ++v) {
-    const Index original =
-        r.optimization.vertex2original.empty() ? static_cast<Index>(v) : r.optimization.vertex2original[v];
-    if (original >= 0) map[to_size_t(original)] = static_cast<Index>(v);
-  }
-  return map;
+  return inverse_map(explicit_map(r.optimization.vertex2original, vertices), originals);
 }
 
 /// Targets for some of the vertices, which move by up to `length`.

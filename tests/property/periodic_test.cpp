@@ -11,6 +11,7 @@
 #include "backend/span.hpp"
 #include "boundary/motion_intersection.hpp"
 #include "mesh/periodic.hpp"
+#include "mesh/tet.hpp"
 #include "meshes.hpp"
 #include "periodic_cube.hpp"
 #include "sanitized.hpp"
@@ -62,8 +63,7 @@ std::set<std::array<Index, 3>> outer_faces(const TetMesh& mesh) {
   std::set<std::array<Index, 3>> faces;
   for (const auto& tet : mesh.tets) {
     for (std::size_t f = 0; f < 4; ++f) {
-      std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
-      std::sort(face.begin(), face.end());
+      const std::array<Index, 3> face = ascending_face(tet, f);
       if (!faces.insert(face).second) faces.erase(face);
     }
   }

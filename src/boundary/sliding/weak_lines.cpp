@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "mesh/sorted.hpp"
 
 namespace tetune {
 namespace {
@@ -21,12 +22,11 @@ class FeatureGraph {
     erase_duplicates();
     std::vector<Index> vertices;
     for (const FeatureEdge& e : edges_) vertices.insert(vertices.end(), {e.ends[0], e.ends[1]});
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices);
     vertex2edges_.resize(vertices.size());
     for (Index e = 0; e < std::ssize(edges_); ++e) {
       for (Index& v : span_of(edges_)[e].ends) {
-        v = to_index(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
+        v = position_in(vertices, v);
         span_of(vertex2edges_)[v].push_back(e);
       }
     }

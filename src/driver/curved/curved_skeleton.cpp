@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "backend/span.hpp"
 #include "boundary/constraints.hpp"
 #include "boundary/vertex_dof.hpp"
 #include "curved/curved_edges.hpp"
 #include "driver/curved/curved_slide.hpp"
+#include "mesh/id_maps.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "tetune/data.hpp"
 
 namespace tetune {
@@ -39,19 +43,13 @@ void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
   for (const Index i : mesh.required_triangles) f(span_of(mesh.triangles)[i]);
 }
 
-bool is_straight(const TetMesh& mesh, const CurvedEdge& edge) {
-  const Vec3 p = vec(span_of(mesh.points)[edge.vertices[0]]);
-  const Vec3 q = vec(span_of(mesh.points)[edge.vertices[1]]);
-  return norm(vec(edge.middle) - 0.5 * (p + q)) <= kStraightEdge * norm(q - p);
-}
-
 /// The entries of `list` of the result whose original is one of `originals`.
 std::vector<Index> with_original(const std::vector<Index>& originals, const std::vector<Index>& new2original,
                                  std::size_t entries) {
   const std::set<Index> wanted(originals.begin(), originals.end());
   std::vector<Index> result;
   for (Index i = 0; i < Index(entries); ++i) {
-    if (wanted.contains(new2original.empty() ? i : span_of(new2original)[i])) result.push_back(i);
+    if (wanted.contains(original_of(new2original, i))) result.push_back(i);
   }
   return result;
 }
@@ -62,23 +60,13 @@ std::vector<Index> drop_added(std::size_t originals, std::size_t entries, std::v
   std::vector<Index> kept;
   std::vector<Index> kept2original;
   for (Index i = 0; i < Index(entries); ++i) {
-    const Index original = new2original.empty() ? i : span_of(new2original)[i];
+    const Index original = original_of(new2original, i);
     if (original >= Index(originals)) continue;
     kept.push_back(i);
     kept2original.push_back(original);
   }
-  Index next = 0;
-  const bool in_order = kept.size() == originals && std::all_of(kept2original.begin(), kept2original.end(),
-                                                                [&next](Index i) { return i == next++; });
-  if (in_order) kept2original.clear();
-  new2original = std::move(kept2original);
+  new2original = unless_all(std::move(kept2original), originals);
   return kept;
-}
-
-template <class T>
-void take(std::vector<T>& list, const std::vector<Index>& kept) {
-  for (std::size_t i = 0; i < kept.size(); ++i) list[i] = span_of(list)[kept[i]];
-  list.resize(kept.size());
 }
 
 }  // namespace
@@ -106,9 +94,8 @@ std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index
   };
   std::vector<Index> folded;
   for (const Index tet : tets) {
-    const auto& v = span_of(mesh.tets)[tet];
     for (std::size_t k = 0; k < 4; ++k) {
-      const Triangle face = ascending(Triangle{v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]});
+      const Triangle face = ascending_face(span_of(mesh.tets)[tet], k);
       if (!surface.contains(face) || !is_folded(face)) continue;
       folded.push_back(tet);
       break;
@@ -132,21 +119,16 @@ std::vector<Index> flatter_than(const TetMesh& mesh, double dihedral, int thread
 
 void lock_around(const TetMesh& mesh, std::vector<std::uint8_t> is_marked, int rings, std::vector<Index>& locked) {
   const std::size_t before = locked.size();
-  std::vector<Index> around;
+  Size around = 0;
   do {
-    for (const Index t : around) {
-      for (const Index v : span_of(mesh.tets)[t]) span_of(is_marked)[v] = 1;
+    if (around > 0) add_layer(mesh.tets, is_marked);
+    const std::vector<std::uint8_t> touches = tets_at(mesh.tets, is_marked);
+    around = std::count(touches.begin(), touches.end(), 1);
+    for (Index t = 0; t < std::ssize(touches); ++t) {
+      if (span_of(touches)[t] != 0) locked.push_back(t);
     }
-    around.clear();
-    for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
-      const auto& tet = span_of(mesh.tets)[t];
-      const bool has_marked = std::any_of(tet.begin(), tet.end(), [&](Index v) { return span_of(is_marked)[v] != 0; });
-      if (has_marked) around.push_back(t);
-    }
-    locked.insert(locked.end(), around.begin(), around.end());
-    std::sort(locked.begin(), locked.end());
-    locked.erase(std::unique(locked.begin(), locked.end()), locked.end());
-  } while (--rings > 0 || (locked.size() == before && !around.empty() && around.size() < mesh.tets.size()));
+    sort_unique(locked);
+  } while (--rings > 0 || (locked.size() == before && around > 0 && around < std::ssize(mesh.tets)));
 }
 
 HeldNodes find_held(const TetMesh& mesh, const Options& options) {
@@ -163,8 +145,7 @@ HeldNodes find_held(const TetMesh& mesh, const Options& options) {
     const auto& tet = span_of(mesh.tets)[t];
     for (const auto& [i, j] : kCurvedTetEdges) held.edges.push_back(ascending(tet[i], tet[j]));
   }
-  std::sort(held.edges.begin(), held.edges.end());
-  held.edges.erase(std::unique(held.edges.begin(), held.edges.end()), held.edges.end());
+  sort_unique(held.edges);
   for (const Edge& e : held.edges) {
     for (const Index v : e) span_of(held.vertices)[v] = 1;
   }
@@ -179,8 +160,7 @@ CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, cons
   require_triangles();
   if (slide_ != nullptr) slide_->constrain(mesh);
   mesh.required_tets.insert(mesh.required_tets.end(), tets.begin(), tets.end());
-  std::sort(mesh.required_tets.begin(), mesh.required_tets.end());
-  mesh.required_tets.erase(std::unique(mesh.required_tets.begin(), mesh.required_tets.end()), mesh.required_tets.end());
+  sort_unique(mesh.required_tets);
 }
 
 void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
@@ -193,7 +173,7 @@ void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
     const auto& [a, b] = edge.vertices;
     const bool is_held = held_.has_edge(a, b);
     const bool may_move = slide_ != nullptr && slide_->has_edge(edge.vertices);
-    if (locked.contains(edge.vertices) || (is_held && !may_move && !is_straight(whole_, edge))) {
+    if (locked.contains(edge.vertices) || (is_held && !may_move && !is_straight(whole_, edge, kStraightEdge))) {
       kept_.push_back(edge);
     } else if (is_held) {
       kept_unmoved_.push_back(edge);
@@ -202,12 +182,7 @@ void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
 }
 
 void CurvedSkeleton::require_triangles() {
-  const auto is_kept = [this](Index a, Index b) {
-    const auto edge = ascending(a, b);
-    const auto at = std::lower_bound(kept_.begin(), kept_.end(), edge,
-                                     [](const CurvedEdge& e, const Edge& sought) { return e.vertices < sought; });
-    return at != kept_.end() && at->vertices == edge;
-  };
+  const auto is_kept = [this](Index a, Index b) { return find_edge(kept_, ascending(a, b)) != nullptr; };
   std::set<Triangle> curved;
   for_each_surface_triangle(whole_, [&](const Triangle& t) {
     if (is_kept(t[0], t[1]) || is_kept(t[1], t[2]) || is_kept(t[2], t[0])) curved.insert(ascending(t));
@@ -218,8 +193,7 @@ void CurvedSkeleton::require_triangles() {
     mesh.required_triangles.push_back(i);
     curved.erase(at);
   }
-  std::vector<Index> new2old;
-  for (Index i = 0; i < std::ssize(mesh.triangles); ++i) new2old.push_back(i);
+  std::vector<Index> new2old = identity_map(mesh.triangles.size());
   for (const Triangle& t : curved) {
     mesh.required_triangles.push_back(to_index(mesh.triangles.size()));
     mesh.triangles.push_back(t);
@@ -232,8 +206,7 @@ void CurvedSkeleton::require_triangles() {
     if (is_kept(edge[0], edge[1])) mesh.required_edges.push_back(e);
   }
   for (auto* list : {&mesh.required_triangles, &mesh.required_edges}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
+    sort_unique(*list);
   }
 }
 
@@ -246,15 +219,15 @@ void CurvedSkeleton::restore(Report& report) {
 
 void CurvedSkeleton::restore_triangles(Report& report) {
   const std::vector<Index> kept = drop_added(whole_.triangles.size(), mesh.triangles.size(), report.triangle2original);
-  take(mesh.triangles, kept);
-  take(mesh.triangle_tags, kept);
+  mesh.triangles = gather_entries(mesh.triangles, kept);
+  mesh.triangle_tags = gather_entries(mesh.triangle_tags, kept);
   mesh.triangle_data = take_entries(mesh.triangle_data, kept);
 }
 
 void CurvedSkeleton::restore_edges(Report& report) {
   const std::vector<Index> kept = drop_added(whole_.edges.size(), mesh.edges.size(), report.edge2original);
-  take(mesh.edges, kept);
-  take(mesh.edge_tags, kept);
+  mesh.edges = gather_entries(mesh.edges, kept);
+  mesh.edge_tags = gather_entries(mesh.edge_tags, kept);
   mesh.edge_data = take_entries(mesh.edge_data, kept);
 }
 
@@ -268,11 +241,8 @@ void CurvedSkeleton::restore_lists(const Report& report) {
 }
 
 void CurvedSkeleton::restore_curved_edges(const Report& report) {
-  std::vector<Index> old2new(whole_.points.size(), -1);
-  for (Index v = 0; v < std::ssize(mesh.points); ++v) {
-    const Index original = report.vertex2original.empty() ? v : span_of(report.vertex2original)[v];
-    if (original >= 0) span_of(old2new)[original] = v;
-  }
+  const std::vector<Index> new2old = explicit_map(report.vertex2original, mesh.points.size());
+  const std::vector<Index> old2new = inverse_map(new2old, whole_.points.size());
   std::set<Edge> edges;
   const auto add = [&edges](const auto& elements) {
     for (const auto& element : elements) {
@@ -296,8 +266,7 @@ void CurvedSkeleton::restore_curved_edges(const Report& report) {
   for (const CurvedEdge& edge : kept_) restore_if(edge, false);
   for (const CurvedEdge& edge : kept_unmoved_) restore_if(edge, true);
   // Vertices keep their order.
-  std::sort(mesh.curved_edges.begin(), mesh.curved_edges.end(),
-            [](const CurvedEdge& e, const CurvedEdge& f) { return e.vertices < f.vertices; });
+  std::sort(mesh.curved_edges.begin(), mesh.curved_edges.end(), is_before);
 }
 
 }  // namespace tetune

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -14,6 +13,8 @@
 #include "driver/curved/curved_sheets.hpp"
 #include "math/constants.hpp"
 #include "math/elementary.hpp"
+#include "mesh/id_maps.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/data.hpp"
 
@@ -104,24 +105,15 @@ struct ChangedTriangles {
 
 void LiftedNodes::apply(TetMesh& mesh) const {
   for (std::size_t i = 0; i < vertices.size(); ++i) span_of(mesh.points)[vertices[i]] = points[i];
-  const auto less = [](const CurvedEdge& e, const CurvedEdge& f) { return e.vertices < f.vertices; };
-  std::vector<CurvedEdge> merged;
-  std::set_union(middles.begin(), middles.end(), mesh.curved_edges.begin(), mesh.curved_edges.end(),
-                 std::back_inserter(merged), less);
-  std::erase_if(merged, [&mesh](const CurvedEdge& e) {
-    const Vec3 p = at(mesh, e.vertices[0]);
-    const Vec3 q = at(mesh, e.vertices[1]);
-    return norm(vec(e.middle) - 0.5 * (p + q)) <= kStraight * norm(q - p);
-  });
-  mesh.curved_edges = std::move(merged);
+  merge_edges(mesh.curved_edges, middles);
+  std::erase_if(mesh.curved_edges, [&mesh](const CurvedEdge& e) { return is_straight(mesh, e, kStraight); });
 }
 
 CurvedSlide::CurvedSlide(const TetMesh& mesh, double feature_angle) : mesh_(mesh), triangles_(find_sheets(mesh)) {
   for (const SheetTriangle& t : triangles_) {
     for (const Edge& e : edges_of(t.vertices)) edges_.push_back(e);
   }
-  std::sort(edges_.begin(), edges_.end());
-  edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+  sort_unique(edges_);
   find_features(feature_angle);
   find_chains(feature_angle);
 }
@@ -133,10 +125,7 @@ Edge CurvedSlide::listed_edge(Index e) const {
   return ascending(span_of(mesh_.edges)[e][0], span_of(mesh_.edges)[e][1]);
 }
 
-Index CurvedSlide::find_feature(const Edge& edge) const {
-  const auto found = std::lower_bound(features_.begin(), features_.end(), edge);
-  return found == features_.end() || *found != edge ? -1 : to_index(found - features_.begin());
-}
+Index CurvedSlide::find_feature(const Edge& edge) const { return position_in(features_, edge); }
 
 void CurvedSlide::find_features(double feature_angle) {
   const CurvedEdges curved(mesh_);
@@ -205,8 +194,7 @@ void CurvedSlide::find_chains(double feature_angle) {
 }
 
 void CurvedSlide::constrain(TetMesh& skeleton) const {
-  std::vector<Index> new2old(skeleton.edges.size(), -1);
-  std::iota(new2old.begin(), new2old.end(), 0);
+  std::vector<Index> new2old = identity_map(skeleton.edges.size());
   for (Index e = 0; e < std::ssize(mesh_.edges); ++e) {
     if (find_feature(listed_edge(e)) >= 0) skeleton.ridges.push_back(e);
   }
@@ -224,8 +212,7 @@ void CurvedSlide::constrain(TetMesh& skeleton) const {
     }
   }
   for (auto* list : {&skeleton.ridges, &skeleton.required_vertices}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
+    sort_unique(*list);
   }
 }
 
@@ -259,8 +246,7 @@ CurvedSlide::SheetsOfElements CurvedSlide::find_sheets_of_elements(const TetMesh
   SheetsOfElements sheets;
   std::vector<Edge> lines;
   for (Index e = 0; e < std::ssize(slid.edges); ++e) {
-    const Index original = report.edge2original.empty() ? e : span_of(report.edge2original)[e];
-    const Index feature = find_feature(listed_edge(original));
+    const Index feature = find_feature(listed_edge(original_of(report.edge2original, e)));
     if (feature < 0) continue;
     const Edge edge = ascending(span_of(slid.edges)[e][0], span_of(slid.edges)[e][1]);
     const QuadraticSheet* chain = &span_of(chains_)[span_of(feature2chain_)[feature]];
@@ -287,9 +273,7 @@ CurvedSlide::SheetsOfElements CurvedSlide::find_sheets_of_elements(const TetMesh
 }
 
 LiftedNodes CurvedSlide::lift(const TetMesh& slid, const Report& report) const {
-  const auto original = [&](Index v) {
-    return report.vertex2original.empty() ? v : span_of(report.vertex2original)[v];
-  };
+  const auto original = [&report](Index v) { return original_of(report.vertex2original, v); };
   const auto stays = [&](Index v) {
     return original(v) >= 0 && span_of(mesh_.points)[original(v)] == span_of(slid.points)[v];
   };
@@ -329,7 +313,7 @@ SurfaceDeviation CurvedSlide::deviation(const TetMesh& result, const Report& rep
   };
   // Triangles that have not changed are on both surfaces.
   add(changed.after, bound_distances(new_triangles, old_triangles, limit, options.threads, stop),
-      [&](Index v) { return report.vertex2original.empty() ? v : span_of(report.vertex2original)[v]; });
+      [&report](Index v) { return original_of(report.vertex2original, v); });
   add(changed.before, bound_distances(old_triangles, new_triangles, limit, options.threads, stop),
       [](Index v) { return v; });
   return deviation;

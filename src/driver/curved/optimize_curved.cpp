@@ -2,7 +2,6 @@
 #include "driver/curved/optimize_curved.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -19,7 +18,9 @@
 #include "driver/report/extend_report.hpp"
 #include "driver/report/run_warnings.hpp"
 #include "driver/report/targets.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/messages.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/latched_hooks.hpp"
@@ -96,7 +97,7 @@ class CurvedOptimizer {
     std::vector<Index> locked;
     for (int attempt = 0;; ++attempt) {
       if (attempt == max_attempts) locked = all_curved(base_);
-      if (attempt > max_attempts) locked = all_tets(base_);
+      if (attempt > max_attempts) locked = identity_map(base_.tets.size());
       CurvedSkeleton skeleton(base_, held_, locked, slide ? &*slide : nullptr);
       Report report = optimize(skeleton.mesh, linear_options(slides, linear_bound),
                                attempt == 0 ? context : Context{{}, context_.stop});
@@ -126,7 +127,7 @@ class CurvedOptimizer {
 
   /// Lets the surface of a result slide, unless the elements are worse on the whole then.
   void slide_from(TetMesh& result, Report& report) {
-    options_ = options_of(result, report);
+    options_ = options_of(report);
     base_ = result;
     held_ = find_held(base_, options_);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
@@ -146,11 +147,7 @@ class CurvedOptimizer {
   void follow_origins(Report& report) const {
     for (Index& t : report.tet2original) t = span_of(origins_.tets)[t];
     if (base_.points.size() == vertices_) return;
-    if (report.vertex2original.empty()) {
-      report.vertex2original = origins_.vertices;
-    } else {
-      for (Index& v : report.vertex2original) v = v < 0 ? v : span_of(origins_.vertices)[v];
-    }
+    report.vertex2original = compose(origins_.vertices, std::move(report.vertex2original));
   }
 
   /// Untangles the curved elements of the input with Options::untangle; else refuses them.
@@ -216,8 +213,7 @@ class CurvedOptimizer {
       if (around.empty()) break;
       held_.vertices.resize(base_.points.size(), 0);
       left.insert(left.end(), around.begin(), around.end());
-      std::sort(left.begin(), left.end());
-      left.erase(std::unique(left.begin(), left.end()), left.end());
+      sort_unique(left);
       relax_curved(base_, held_, left, goal);
     }
   }
@@ -231,13 +227,7 @@ class CurvedOptimizer {
   }
 
   [[noreturn]] void refuse(std::int64_t invalid, const std::vector<Index>& left) const {
-    const auto in_input = [this](const std::vector<Index>& tets) {
-      std::vector<Index> ids;
-      for (const Index t : tets) ids.push_back(span_of(origins_.tets)[t]);
-      std::sort(ids.begin(), ids.end());
-      ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-      return ids;
-    };
+    const auto in_input = [this](const std::vector<Index>& tets) { return translated_ids(tets, origins_.tets); };
     const std::vector<Index> folded = in_input(with_folded_face(base_, left));
     if (folded.empty()) {
       throw UntangleError(invalid, in_input(left),
@@ -265,11 +255,6 @@ class CurvedOptimizer {
     for (const CurvedTet& t : measure(mesh)) least = std::min(least, t.scaled_jacobian());
     return least;
   }
-  static std::vector<Index> all_tets(const TetMesh& mesh) {
-    std::vector<Index> tets(mesh.tets.size());
-    std::iota(tets.begin(), tets.end(), 0);
-    return tets;
-  }
   static std::vector<Index> all_curved(const TetMesh& mesh) { return curved_tets(mesh, CurvedEdges(mesh)); }
 
   /// Elements that are below the limit or not valid, or flattened.
@@ -278,8 +263,7 @@ class CurvedOptimizer {
     if (!slides) return bad;
     const std::vector<Index> flat = flatter_than(mesh, goal_.min_dihedral, options_.threads);
     bad.insert(bad.end(), flat.begin(), flat.end());
-    std::sort(bad.begin(), bad.end());
-    bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+    sort_unique(bad);
     return bad;
   }
 
@@ -287,13 +271,13 @@ class CurvedOptimizer {
   std::vector<Index> relax(TetMesh& mesh, const Report& report, bool slides) const {
     const double limit = options_.max_iterations == 0 ? floor_ : std::max(kRelaxBelow, floor_);
     const std::vector<Index> low = find_bad(mesh, limit, slides);
-    if (!low.empty()) relax_curved(mesh, find_held(mesh, options_of(mesh, report)), low, goal_);
+    if (!low.empty()) relax_curved(mesh, find_held(mesh, options_of(report)), low, goal_);
     return find_bad(mesh, floor_, slides);
   }
 
   /// Splits elements that flips made with two faces on the surface, unless something is worse then.
   void split_bounded_of(TetMesh& mesh, Report& report) const {
-    HeldNodes held = find_held(mesh, options_of(mesh, report));
+    HeldNodes held = find_held(mesh, options_of(report));
     if (!may_insert() || is_stopped() || find_bounded(mesh, held, kSmallBound).empty()) return;
     TetMesh trial = mesh;
     Origins origins = own_origins(mesh);
@@ -322,7 +306,7 @@ class CurvedOptimizer {
     for (const Index v : far) span_of(is_near)[v] = 1;
     for (const Index t : bad) {
       for (const Index v : span_of(mesh.tets)[t]) {
-        const Index original = report.vertex2original.empty() ? v : span_of(report.vertex2original)[v];
+        const Index original = original_of(report.vertex2original, v);
         if (original >= 0) span_of(is_near)[original] = 1;
       }
     }
@@ -342,17 +326,7 @@ class CurvedOptimizer {
     options.surface_vertices = SurfaceVertices::automatic;
     return options;
   }
-  /// The caller's options for the vertices of the result.
-  Options options_of(const TetMesh& mesh, const Report& report) const {
-    Options options = options_;
-    if (options.frozen_vertices.empty() || report.vertex2original.empty()) return options;
-    options.frozen_vertices.assign(mesh.points.size(), 0);
-    for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-      const Index original = report.vertex2original[v];
-      if (original >= 0) options.frozen_vertices[v] = span_of(options_.frozen_vertices)[original];
-    }
-    return options;
-  }
+  Options options_of(const Report& report) const { return follow_vertices(options_, report.vertex2original); }
 
   const Options& caller_;
   Options options_;  ///< for the vertices of base_

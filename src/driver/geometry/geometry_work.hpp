@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backend/span.hpp"
+#include "mesh/id_maps.hpp"
 #include "tetune/geometry.hpp"
 #include "tetune/options.hpp"
 
@@ -64,17 +65,6 @@ inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Optio
   return held;
 }
 
-/// Values per vertex for the vertices of a result; inserted vertices have the default.
-template <class T>
-std::vector<T> follow(const std::vector<T>& values, const std::vector<Index>& new2old) {
-  if (new2old.empty()) return values;
-  std::vector<T> followed(new2old.size());
-  for (Size v = 0; v < std::ssize(new2old); ++v) {
-    if (span_of(new2old)[v] >= 0) span_of(followed)[v] = span_of(values)[span_of(new2old)[v]];
-  }
-  return followed;
-}
-
 /// A mesh between runs, with what is known of its vertices.
 struct WorkState {
   TetMesh mesh;  ///< its triangles are the whole surface, with the tags of PatchTags
@@ -82,8 +72,9 @@ struct WorkState {
   std::vector<std::uint8_t> held;
 
   void follow_result(const std::vector<Index>& new2old) {
-    entities = follow(entities, new2old);
-    held = follow(held, new2old);
+    if (new2old.empty()) return;
+    entities = gather_entries_or(entities, new2old, GeometryEntity());
+    held = gather_entries_or(held, new2old, std::uint8_t{0});
   }
   bool may_move(Size v) const {
     const std::int8_t dimension = span_of(entities)[v].dimension;

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "boundary/constraints.hpp"
 #include "driver/geometry/geometry_work.hpp"
 #include "driver/report/extend_report.hpp"
-#include "driver/result_mesh.hpp"
 #include "math/constants.hpp"
 #include "math/vec3.hpp"
+#include "mesh/id_maps.hpp"
+#include "mesh/keep_entities.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"
@@ -275,7 +275,7 @@ class GeometryRun {
       if (!is_bad(t)) continue;
       for (const Index v : span_of(result.mesh.tets)[t]) {
         if (!result.may_move(v)) continue;
-        std::uint8_t& held = span_of(work_.held)[result2work.empty() ? v : span_of(result2work)[v]];
+        std::uint8_t& held = span_of(work_.held)[original_of(result2work, v)];
         count += held == 0 ? 1 : 0;
         held = 1;
       }
@@ -295,8 +295,7 @@ class GeometryRun {
     std::vector<std::uint8_t> keep;
     std::vector<Index> new2input;
     for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {
-      const Index original = total.triangle2original.empty() ? to_index(t) : span_of(total.triangle2original)[t];
-      const Index listed = span_of(report_.before.listed)[original];
+      const Index listed = span_of(report_.before.listed)[original_of(total.triangle2original, to_index(t))];
       keep.push_back(listed >= 0 ? 1 : 0);
       report_.after.listed.push_back(listed >= 0 ? to_index(std::ssize(new2input)) : -1);
       if (listed >= 0) new2input.push_back(listed);
@@ -324,10 +323,7 @@ class GeometryRun {
     for (const int tag : mesh.triangle_tags) after.faces.push_back(tags_.face(tag));
     const std::vector<Index>& new2old = report_.optimization.vertex2original;
     if (!new2old.empty()) {
-      std::vector<Index> old2new(report_.before.vertices.size(), -1);
-      for (Size v = 0; v < std::ssize(new2old); ++v) {
-        if (span_of(new2old)[v] >= 0) span_of(old2new)[span_of(new2old)[v]] = to_index(v);
-      }
+      const std::vector<Index> old2new = inverse_map(new2old, report_.before.vertices.size());
       for (auto& edge : after.edges) {
         for (Index& v : edge) v = span_of(old2new)[v];
       }

@@ -2,32 +2,20 @@
 #include "driver/parts/active_part.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "boundary/vertex_dof.hpp"
+#include "driver/distributed_interface.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "quality/limits.hpp"
 
 namespace tetune {
 namespace {
 
-/// The tag of the faces between the part and the rest: it continues no patch of the mesh.
-constexpr int kCutTag = std::numeric_limits<int>::min();
-
 using Marks = std::vector<std::uint8_t>;
-
-/// Marks the vertices of the tetrahedra that are (or are not) active.
-Marks vertices_of(const TetMesh& mesh, const Marks& active, bool are_active) {
-  Marks vertices(mesh.points.size(), 0);
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    if ((active[t] != 0) != are_active) continue;
-    for (const Index v : mesh.tets[t]) span_of(vertices)[v] = 1;
-  }
-  return vertices;
-}
 
 /// Takes a part out of a mesh.
 class PartTaker {
@@ -39,7 +27,8 @@ class PartTaker {
     part_.options.rings = Options().rings;
     part_.options.frozen_regions.clear();
     part_.options.frozen_patches.clear();
-    take_vertices(vertices_of(mesh, active.flags, true), vertices_of(mesh, active.flags, false));
+    take_vertices(vertices_of(mesh.tets, active.flags, mesh.points.size()),
+                  vertices_of(mesh.tets, active.flags, mesh.points.size(), false));
     take_tets(active.flags);
   }
 
@@ -49,7 +38,7 @@ class PartTaker {
     take_edges(features.edges);
     part_.triangle_stays = all_frozen(part_.mesh.triangles);
     part_.edge_stays = edges_of_rest();
-    list_cut();
+    list_cut(part_.mesh, on_cut_);
     part_.options.frozen_vertices = std::move(frozen_);
     return std::move(part_);
   }
@@ -166,28 +155,6 @@ class PartTaker {
     return stays;
   }
 
-  /// Lists the faces of one tetrahedron of the part whose vertices are all on the cut, behind the listed triangles.
-  void list_cut() {
-    std::vector<std::array<Index, 3>> faces;
-    for (const auto& tet : part_.mesh.tets) {
-      for (std::size_t f = 0; f < 4; ++f) {
-        std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
-        const auto is_on_cut = [this](Index v) { return span_of(on_cut_)[v] != 0; };
-        if (!std::all_of(face.begin(), face.end(), is_on_cut)) continue;
-        faces.push_back(ascending(face));
-      }
-    }
-    std::sort(faces.begin(), faces.end());
-    TetMesh& to = part_.mesh;
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      const bool shared = (i > 0 && faces[i - 1] == faces[i]) || (i + 1 < faces.size() && faces[i + 1] == faces[i]);
-      if (shared) continue;
-      to.required_triangles.push_back(to_index(to.triangles.size()));
-      to.triangles.push_back(faces[i]);
-      to.triangle_tags.push_back(kCutTag);
-    }
-  }
-
   const TetMesh& mesh_;
   const Constraints& constraints_;
   const Marks& active_;  ///< per tetrahedron
@@ -198,12 +165,25 @@ class PartTaker {
 
 }  // namespace
 
-Marks tets_at(const TetMesh& mesh, const Marks& vertices) {
-  Marks tets(mesh.tets.size(), 0);
-  for (std::size_t t = 0; t < tets.size(); ++t) {
-    for (const Index v : mesh.tets[t]) tets[t] |= span_of(vertices)[v];
+std::size_t list_cut(TetMesh& part, const Marks& on_cut) {
+  const auto is_on_cut = [&on_cut](Index v) { return span_of(on_cut)[v] != 0; };
+  std::vector<std::array<Index, 3>> faces;
+  for (const auto& tet : part.tets) {
+    for (std::size_t f = 0; f < 4; ++f) {
+      const std::array<Index, 3> face = ascending_face(tet, f);
+      if (std::all_of(face.begin(), face.end(), is_on_cut)) faces.push_back(face);
+    }
   }
-  return tets;
+  std::sort(faces.begin(), faces.end());
+  const std::size_t listed = part.triangles.size();
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const bool shared = (i > 0 && faces[i - 1] == faces[i]) || (i + 1 < faces.size() && faces[i + 1] == faces[i]);
+    if (shared) continue;
+    part.required_triangles.push_back(to_index(part.triangles.size()));
+    part.triangles.push_back(faces[i]);
+    part.triangle_tags.push_back(kCutTag);
+  }
+  return part.triangles.size() - listed;
 }
 
 ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const Constraints& constraints, int rings) {
@@ -216,7 +196,7 @@ ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const 
   active.count = active.bad = std::count(active.flags.begin(), active.flags.end(), 1);
   std::int64_t before = 0;
   for (int ring = 0; ring < rings && active.count > before; ++ring) {
-    active.flags = tets_at(mesh, vertices_of(mesh, active.flags, true));
+    active.flags = tets_at(mesh.tets, vertices_of(mesh.tets, active.flags, mesh.points.size()));
     before = std::exchange(active.count, std::count(active.flags.begin(), active.flags.end(), 1));
   }
   return active;

@@ -20,9 +20,6 @@ struct ActiveTets {
   std::int64_t count = 0;           ///< number of those that may change
 };
 
-/// Flags the tetrahedra that have a flagged vertex.
-std::vector<std::uint8_t> tets_at(const TetMesh& mesh, const std::vector<std::uint8_t>& vertices);
-
 /// Returns the flagged tetrahedra and those within `rings` around them, without locked ones. A locked tetrahedron whose
 /// volume is not positive is included, so that the part is refused with it.
 ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const Constraints& constraints, int rings);

@@ -11,28 +11,14 @@
 #include "driver/move_job.hpp"
 #include "driver/parts/live_surface.hpp"
 #include "driver/parts/optimize_active.hpp"
+#include "driver/report/targets.hpp"
+#include "mesh/id_maps.hpp"
+#include "mesh/vertex_layers.hpp"
 #include "phases/latched_hooks.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {
-namespace {
-
-/// The targets of the vertices of a part.
-VertexTargets targets_of(const VertexTargets& whole, const std::vector<Index>& vertex2whole) {
-  VertexTargets part;
-  for (const Index v : vertex2whole) part.push_back(span_of(whole)[v]);
-  return part;
-}
-
-/// Translates ids of the result of the part, in increasing order.
-void translate(std::vector<Index>& ids, const std::vector<Index>& part2whole) {
-  for (Index& i : ids) i = span_of(part2whole)[i];
-  std::sort(ids.begin(), ids.end());
-}
-
-}  // namespace
-
 LiveMesh::LiveMesh(TetMesh mesh, Options options, int neighborhood)
     : mesh_(std::move(mesh)),
       options_(std::move(options)),
@@ -73,7 +59,7 @@ std::int64_t LiveMesh::disturbed() const { return std::count(disturbed_.begin(),
 
 Report LiveMesh::optimize(const Context& context) {
   if (disturbed() > 0) surface_ = nullptr;
-  Report report = optimize_tets(mesh_, tets_at(mesh_, disturbed_), neighborhood_, options_, context);
+  Report report = optimize_tets(mesh_, tets_at(mesh_.tets, disturbed_), neighborhood_, options_, context);
   follow(report);
   std::fill(disturbed_.begin(), disturbed_.end(), 0);
   return report;
@@ -136,17 +122,18 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
   int rings = neighborhood_;
   for (std::size_t size = 0, last = 0;; last = size) {
     const auto change = [&](ActivePart& part) {
-      report = tetune::move(part.mesh, targets_of(target, part.vertex2whole), part.options, context);
+      const VertexTargets targets = gather_entries(target, part.vertex2whole);
+      report = tetune::move(part.mesh, targets, part.options, context);
       size = part.tet2whole.size();
       const bool can_grow = size > last && size < mesh_.tets.size();
       return report.reached() || !can_grow || report.optimization.stop == StopReason::cancelled;
     };
     try {
-      const auto maps = change_tets(mesh_, tets_at(mesh_, moves), rings, options_, change, report.optimization);
+      const auto maps = change_tets(mesh_, tets_at(mesh_.tets, moves), rings, options_, change, report.optimization);
       rings *= 2;
       if (!maps) continue;
-      translate(report.blocking_tets, maps->tet2whole);
-      translate(report.blocking_vertices, maps->vertex2whole);
+      report.blocking_tets = translated_ids(std::move(report.blocking_tets), maps->tet2whole);
+      report.blocking_vertices = translated_ids(std::move(report.blocking_vertices), maps->vertex2whole);
     } catch (const Error&) {
       return std::nullopt;
     }
@@ -170,13 +157,8 @@ bool LiveMesh::moves_in_parts(const std::vector<std::uint8_t>& moves) const {
 
 void LiveMesh::follow(const Report& report) {
   if (report.vertex2original.empty()) return;
-  const auto take = [&](std::vector<std::uint8_t>& flags) {
-    std::vector<std::uint8_t> taken;
-    for (const Index v : report.vertex2original) taken.push_back(v < 0 ? 0 : span_of(flags)[v]);
-    flags = std::move(taken);
-  };
-  take(disturbed_);
-  if (!options_.frozen_vertices.empty()) take(options_.frozen_vertices);
+  disturbed_ = gather_entries_or(disturbed_, report.vertex2original, std::uint8_t{0});
+  options_ = follow_vertices(options_, report.vertex2original);
 }
 
 }  // namespace tetune

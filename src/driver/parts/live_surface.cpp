@@ -3,6 +3,7 @@
 
 #include "backend/span.hpp"
 #include "driver/move_job.hpp"
+#include "mesh/id_maps.hpp"
 
 namespace tetune {
 
@@ -27,17 +28,10 @@ void leave_surface(SlideSurface& surface, const VertexTargets& target, const std
 void renumber_surface(SlideSurface& surface, const std::vector<Index>& vertex2original,
                       const std::vector<Point3>& points) {
   if (vertex2original.empty()) return;
-  std::vector<Index> original2vertex(surface.points.size(), -1);
+  const std::vector<Index> original2vertex = inverse_map(vertex2original, surface.points.size());
   SlideSurface result;
   result.points = points;
-  result.dof.resize(points.size(), VertexDof::free);
-  for (Size v = 0; v < std::ssize(vertex2original); ++v) {
-    const Index original = span_of(vertex2original)[v];
-    if (original < 0) continue;
-    span_of(original2vertex)[original] = to_index(v);
-    span_of(result.points)[v] = span_of(surface.points)[original];
-    span_of(result.dof)[v] = span_of(surface.dof)[original];
-  }
+  result.dof = gather_entries_or(surface.dof, vertex2original, VertexDof::free);
   const auto renumber = [&](auto ids) {
     for (Index& id : ids) id = id < 0 ? id : span_of(original2vertex)[id];
     return ids;
@@ -47,6 +41,7 @@ void renumber_surface(SlideSurface& surface, const std::vector<Index>& vertex2or
   for (Size original = 0; original < std::ssize(original2vertex); ++original) {
     const Index v = span_of(original2vertex)[original];
     if (v < 0) continue;
+    span_of(result.points)[v] = span_of(surface.points)[original];
     span_of(result.line)[v] = renumber(span_of(surface.line)[original]);
     span_of(result.surface_point)[v] = renumber(span_of(surface.surface_point)[original]);
   }

@@ -8,6 +8,7 @@
 #include "driver/devices.hpp"
 #include "driver/parts/active_part.hpp"
 #include "driver/report/run_warnings.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/latched_hooks.hpp"
 #include "phases/phase_timer.hpp"
@@ -19,21 +20,14 @@
 namespace tetune {
 namespace {
 
-/// Ids of the part, translated to those of the whole mesh, in increasing order.
-std::vector<Index> in_whole(std::vector<Index> ids, const std::vector<Index>& part2whole) {
-  for (Index& id : ids) id = span_of(part2whole)[id];
-  std::sort(ids.begin(), ids.end());
-  return ids;
-}
-
 /// Optimizes the part. Errors name tetrahedra of the whole mesh.
 Report run_part(const TetMesh& whole, ActivePart& part, const Context& context) {
   try {
     return run_on_device(part.mesh, part.options, context, nullptr, nullptr);
   } catch (const UntangleError& e) {
-    throw UntangleError(e.tangled, in_whole(e.left, part.tet2whole), e.reason);
+    throw UntangleError(e.tangled, translated_ids(e.left, part.tet2whole), e.reason);
   } catch (const OverlapError& e) {
-    throw OverlapError(in_whole(e.tets, part.tet2whole));
+    throw OverlapError(translated_ids(e.tets, part.tet2whole));
   } catch (const MeshError&) {
     throw MeshError(validate(whole, part.options.threads).message(false));
   }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "driver/parts/active_part.hpp"
 #include "driver/report/targets.hpp"
-#include "driver/result_mesh.hpp"
+#include "mesh/id_maps.hpp"
+#include "mesh/keep_entities.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
@@ -70,29 +70,10 @@ std::vector<Index> freed_numbers(const std::vector<Index>& part2whole, const std
   return freed;
 }
 
-std::vector<Index> identity(std::size_t size) {
-  std::vector<Index> ids(size);
-  std::iota(ids.begin(), ids.end(), 0);
-  return ids;
-}
-
-/// A map of the part's report, which is empty where it is the identity.
-std::vector<Index> explicit_map(const std::vector<Index>& map, std::size_t size) {
-  return map.empty() ? identity(size) : map;
-}
-
 template <std::size_t N>
 std::array<Index, N> translated(std::array<Index, N> entity, const std::vector<Index>& map) {
   for (Index& v : entity) v = span_of(map)[v];
   return entity;
-}
-
-/// The values of the originals of entries.
-template <class T>
-std::vector<T> picked(const std::vector<T>& values, const std::vector<Index>& originals) {
-  std::vector<T> result;
-  for (const Index i : originals) result.push_back(span_of(values)[i]);
-  return result;
 }
 
 /// The number of entities that stay although the result of the part lacks them.
@@ -169,7 +150,7 @@ class PartReplacement {
       if (!std::binary_search(freed.begin(), freed.end(), v)) corners_.push_back(v);
     }
     if (report_.vertex2original.empty()) return;
-    vertex2original_ = identity(mesh_.points.size());
+    vertex2original_ = identity_map(mesh_.points.size());
     vertex2original_.resize(vertices_.size(), -1);
     for (const Index v : freed) span_of(vertex2original_)[v] = -1;
   }
@@ -199,8 +180,8 @@ class PartReplacement {
     tets_ = ListChange(freed_numbers(part_.tet2whole, is_kept), mesh_.tets.size());
     for (Index& whole : tet2whole_) whole = whole < 0 ? tets_.take() : whole;
     tets_.set_numbers(tet2whole_);
-    tet2original_ = identity(mesh_.tets.size());
-    tets_.apply(tet2original_, picked(part_.tet2whole, report_.tet2original));
+    tet2original_ = identity_map(mesh_.tets.size());
+    tets_.apply(tet2original_, gather_entries(part_.tet2whole, report_.tet2original));
     for (Index& t : tet2whole_) t = tets_.renumbered(t);
   }
 
@@ -228,8 +209,8 @@ class PartReplacement {
     triangles_ = ListChange(freed_numbers(part_.triangle2whole, is_kept), mesh_.triangles.size());
     for (Index& number : numbers) number = number < 0 ? triangles_.take() : number;
     triangles_.set_numbers(std::move(numbers));
-    triangle_tags_ = picked(mesh_.triangle_tags, wholes);
-    triangle2original_ = identity(mesh_.triangles.size());
+    triangle_tags_ = gather_entries(mesh_.triangle_tags, wholes);
+    triangle2original_ = identity_map(mesh_.triangles.size());
     triangles_.apply(triangle2original_, wholes);
     report_.triangles_dropped -= absent_that_stay(part_.triangle_stays, original);
   }
@@ -241,9 +222,7 @@ class PartReplacement {
     std::vector<std::uint8_t> keep(mesh_.edges.size(), 1);
     for (const Index e : freed_numbers(part_.edge2whole, is_kept)) span_of(keep)[e] = 0;
     edge2new_ = positions_of_kept(keep);
-    for (Index e = 0; e < std::ssize(keep); ++e) {
-      if (span_of(keep)[e] != 0) edge2original_.push_back(e);
-    }
+    edge2original_ = kept_of(edge2new_);
     report_.edges_dropped -= absent_that_stay(part_.edge_stays, original);
   }
 

@@ -3,17 +3,10 @@
 
 #include <utility>
 
-#include "backend/span.hpp"
+#include "mesh/id_maps.hpp"
 #include "phases/phase_timer.hpp"
 
 namespace tetune {
-
-std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> result2between) {
-  if (between2input.empty()) return result2between;
-  if (result2between.empty()) return between2input;
-  for (Index& i : result2between) i = i < 0 ? i : span_of(between2input)[i];
-  return result2between;
-}
 
 void add_seconds(Report& report, const std::string& phase, double seconds) {
   report.phases[PhaseTimer::entry_of(report, phase)].seconds += seconds;

@@ -2,15 +2,11 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "tetune/report.hpp"
 
 /// One report of several runs on a mesh.
 namespace tetune {
-
-/// The map from a result to the input, over the mesh between. An empty map is the identity.
-std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> result2between);
 
 /// Adds to the time of a phase.
 void add_seconds(Report& report, const std::string& phase, double seconds);

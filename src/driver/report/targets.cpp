@@ -13,6 +13,7 @@
 #include "boundary/vertex_dof.hpp"
 #include "math/angle.hpp"
 #include "math/elementary.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/messages.hpp"
 #include "operators/edge_star.hpp"
 #include "quality/check_measures.hpp"
@@ -251,17 +252,18 @@ void find_limiting(const ConstrainedMesh& mesh, const Options& options, const st
   for (MissedTet& m : missed) constraints.find(m.tet, target, m);
 }
 
+Options follow_vertices(Options options, const std::vector<Index>& vertex2original) {
+  if (options.frozen_vertices.empty() || vertex2original.empty()) return options;
+  options.frozen_vertices = gather_entries_or(options.frozen_vertices, vertex2original, std::uint8_t{0});
+  return options;
+}
+
 Options options_for_result(const Options& options, const std::vector<Index>& vertex2original) {
-  Options result = options;
+  Options result = follow_vertices(options, vertex2original);
   result.only_below.clear();
   result.untangle = false;
   if (result.boundary == Boundary::slide) result.boundary = Boundary::preserve;
   result.max_deviation = 0;
-  if (options.frozen_vertices.empty() || vertex2original.empty()) return result;
-  result.frozen_vertices.clear();
-  for (const Index v : vertex2original) {
-    result.frozen_vertices.push_back(v < 0 ? 0 : span_of(options.frozen_vertices)[v]);
-  }
   return result;
 }
 

@@ -36,6 +36,9 @@ struct ImportedMesh {
 };
 ImportedMesh imported_mesh(const TetMesh& mesh, const Options& options);
 
+/// The options for the vertices of a result, of which inserted ones are not frozen; `vertex2original` is
+/// Report::vertex2original.
+Options follow_vertices(Options options, const std::vector<Index>& vertex2original);
 /// The caller's options for the vertices of a result, to judge it: `vertex2original` is Report::vertex2original.
 Options options_for_result(const Options& options, const std::vector<Index>& vertex2original);
 /// One report per entry of Options::targets, with the mesh's own numbers of tetrahedra.

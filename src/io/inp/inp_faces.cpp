@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "io/inp/inp_faces.hpp"
+#include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -21,11 +22,6 @@ struct Neighbor {
   int face;  ///< as Abaqus counts
   int side;  ///< 0: the normal of the triangle points away from it
 };
-
-std::array<Index, 3> key_of(std::array<Index, 3> v) {
-  std::sort(v.begin(), v.end());
-  return v;
-}
 
 /// Whether (d, a, b, c) is an even permutation of a tetrahedron, so that the normal of the triangle (a, b, c) points
 /// away from d.
@@ -60,7 +56,7 @@ std::vector<TaggedTriangle> tagged_triangles(const InpModel& model, const TetMes
     if (patch < 0)
       throw FileError("a triangle has the tag " + std::to_string(tag) + ", which no surface of the deck has");
     occurs[to_size_t(patch)] = true;
-    triangles.push_back({key_of(mesh.triangles[i]), to_index(i)});
+    triangles.push_back({ascending(mesh.triangles[i]), to_index(i)});
   }
   const auto missing = std::find(occurs.begin(), occurs.end(), false) - occurs.begin();
   if (missing < std::ssize(occurs)) {
@@ -83,7 +79,7 @@ std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match,
     const std::array<Index, 4>& v = span_of(match.listed)[t];
     const auto n = std::count_if(v.begin(), v.end(), [&](Index u) { return span_of(is_corner)[u] != 0; });
     for (std::size_t k = 0; k < 4 && n >= 3; ++k) {
-      const auto key = key_of({v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]});
+      const auto key = ascending_face(v, k);
       auto at = std::lower_bound(triangles.begin(), triangles.end(), TaggedTriangle{key, 0});
       for (; at != triangles.end() && at->key == key; ++at) {
         const bool away = points_away(span_of(mesh.tets)[t], span_of(mesh.triangles)[at->triangle]);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/sorted.hpp"
 #include "tetune/mesh.hpp"
 
 /// The syntax of .inp files of Abaqus and CalculiX: keywords, parameters, names, element types, numbers.
@@ -56,13 +57,6 @@ inline constexpr std::array<int, 5> kInpOppositeFace{-1, 3, 2, 0, 1};
 /// Appends a coordinate with the digits that read back to the same bits, or as many of them as fit into 20 characters:
 /// both programs read no more. Returns whether all of them fit.
 bool append_inp_real(std::string& out, double value);
-
-/// Sorts, and leaves one of equal items.
-template <class T>
-void sort_unique(std::vector<T>& items) {
-  std::sort(items.begin(), items.end());
-  items.erase(std::unique(items.begin(), items.end()), items.end());
-}
 
 /// Appends numbers in lines of 16.
 void append_inp_labels(std::string& out, const std::vector<std::int64_t>& labels, std::string_view newline);

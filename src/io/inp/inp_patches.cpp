@@ -231,9 +231,8 @@ class InpPatches {
   void add_faces_of(Index t, Index v, std::vector<FaceOfTet>& faces) const {
     const auto& tet = span_of(mesh_.tets)[t];
     for (std::size_t k = 0; k < 4; ++k) {
-      std::array<Index, 3> face{tet[(k + 1) % 4], tet[(k + 2) % 4], tet[(k + 3) % 4]};
+      const std::array<Index, 3> face = ascending_face(tet, k);
       if (std::any_of(face.begin(), face.end(), [this](Index u) { return is_outside(u); })) continue;
-      std::sort(face.begin(), face.end());
       const auto first = std::find_if(face.begin(), face.end(), [this](Index u) { return is_uncovered(u); });
       if (first == face.end() || *first != v) continue;
       faces.push_back({face, t, int(k)});

@@ -9,6 +9,7 @@
 #include "io/inp/inp_format.hpp"
 #include "io/losses.hpp"
 #include "io/second_order.hpp"
+#include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -134,9 +135,7 @@ class InpPlainWriter {
   void find_patches() {
     std::vector<std::pair<std::array<Index, 3>, std::size_t>> triangles;
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-      std::array<Index, 3> key = mesh_.triangles[i];
-      std::sort(key.begin(), key.end());
-      if (mesh_.triangle_tags[i] != 0) triangles.emplace_back(key, i);
+      if (mesh_.triangle_tags[i] != 0) triangles.emplace_back(ascending(mesh_.triangles[i]), i);
     }
     if (triangles.empty()) return;
     std::sort(triangles.begin(), triangles.end());
@@ -149,8 +148,7 @@ class InpPlainWriter {
       const std::array<Index, 4> v = listed(t);
       if (std::count_if(v.begin(), v.end(), [&](Index u) { return is_corner[to_size_t(u)]; }) < 3) continue;
       for (std::size_t k = 0; k < 4; ++k) {
-        std::array<Index, 3> key{v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]};
-        std::sort(key.begin(), key.end());
+        const std::array<Index, 3> key = ascending_face(v, k);
         auto at = std::lower_bound(triangles.begin(), triangles.end(), std::pair{key, std::size_t{0}});
         for (; at != triangles.end() && at->first == key; ++at) {
           if (is_written[at->second]) continue;  // by the tetrahedron on the other side

@@ -8,6 +8,7 @@
 #include "io/medit/medit_codec.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
+#include "mesh/sorted.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -120,8 +121,7 @@ std::vector<Index> list_of(const TetMesh& mesh, const MeditList& list) {
   for (const ElementBlock& block : mesh.others) {
     if (!is_points(block)) continue;
     ids.insert(ids.end(), block.element2vertex.begin(), block.element2vertex.end());
-    std::sort(ids.begin(), ids.end());
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    sort_unique(ids);
   }
   return ids;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <cstdlib>
+
+#include "mesh/sorted.hpp"
 
 #include "io/msh/msh_sections.hpp"
 
@@ -10,8 +11,7 @@ namespace {
 /// The sign of a group's number is that of the orientation.
 void normalize(std::vector<int>& groups) {
   for (int& group : groups) group = std::abs(group);
-  std::sort(groups.begin(), groups.end());
-  groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+  sort_unique(groups);
   std::erase(groups, 0);
 }
 

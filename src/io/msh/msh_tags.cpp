@@ -9,6 +9,7 @@
 #include "backend/span.hpp"
 #include "io/msh/msh_model.hpp"
 #include "math/constants.hpp"
+#include "mesh/sorted.hpp"
 
 namespace tetune {
 namespace {
@@ -66,8 +67,7 @@ std::vector<Group> groups_of(const MshModel& model, const std::vector<int>& cell
   }
   std::vector<Group> list;
   for (auto& [key, group] : groups) {
-    std::sort(group.tags.begin(), group.tags.end());
-    group.tags.erase(std::unique(group.tags.begin(), group.tags.end()), group.tags.end());
+    sort_unique(group.tags);
     list.push_back(std::move(group));
   }
   return list;

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <type_traits>
+#include <vector>
+
+#include "backend/span.hpp"
+#include "tetune/types.hpp"
+
+/// Lists in increasing order.
+namespace tetune {
+
+/// Sorts, and leaves one of equal items.
+template <class T>
+void sort_unique(std::vector<T>& items) {
+  std::sort(items.begin(), items.end());
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
+/// The position of a value in an increasing list, or -1.
+template <class T>
+Index position_in(const std::vector<T>& increasing, const std::type_identity_t<T>& value) {
+  const auto found = std::lower_bound(increasing.begin(), increasing.end(), value);
+  return found != increasing.end() && *found == value ? to_index(found - increasing.begin()) : -1;
+}
+
+}  // namespace tetune
