@@ -5,7 +5,7 @@
 #include "mesh/connect.hpp"
 #include "mesh/sort_mesh.hpp"
 #include "mesh/work_mesh.hpp"
-#include "operators/flip_pass.hpp"
+#include "operators/flips/flip_pass.hpp"
 #include "relocation/sweep.hpp"
 
 namespace tetune::gpu_bench {

@@ -15,7 +15,7 @@
 #include "mesh/connect.hpp"
 #include "mesh/sort_mesh.hpp"
 #include "mesh/work_mesh.hpp"
-#include "operators/flip_pass.hpp"
+#include "operators/flips/flip_pass.hpp"
 #include "reference/generate.hpp"
 #include "relocation/coloring.hpp"
 #include "relocation/sweep.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "machine_model.hpp"
-#include "phases/phase_timer.hpp"
+#include "phases/progress/phase_timer.hpp"
 #include "tetune/option_table.hpp"
 #include "tetune/tetune.hpp"
 

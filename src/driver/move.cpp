@@ -14,7 +14,7 @@
 #include "mesh/validate_arrays.hpp"
 #include "mesh/vertex_layers.hpp"
 #include "mesh/work_mesh.hpp"
-#include "phases/sliding_motion.hpp"
+#include "phases/motion/sliding_motion.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
 

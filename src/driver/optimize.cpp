@@ -11,8 +11,8 @@
 #include "driver/report/run_warnings.hpp"
 #include "mesh/keep_entities.hpp"
 #include "mesh/messages.hpp"
-#include "phases/latched_hooks.hpp"
-#include "phases/phase_timer.hpp"
+#include "phases/progress/latched_hooks.hpp"
+#include "phases/progress/phase_timer.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
 

@@ -9,10 +9,10 @@
 #include "driver/move_job.hpp"
 #include "driver/place_tracker.hpp"
 #include "driver/report/targets.hpp"
-#include "phases/follow_targets.hpp"
 #include "phases/improve.hpp"
-#include "phases/sliding_motion.hpp"
-#include "phases/untangle.hpp"
+#include "phases/motion/follow_targets.hpp"
+#include "phases/motion/sliding_motion.hpp"
+#include "phases/untangle/untangle.hpp"
 
 namespace tetune {
 namespace optimize_on_detail {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Included once for each backend, by a file that defines it as Instance.
-#include "operators/active_set.inl"
-#include "operators/boundary_flip.inl"
-#include "operators/face_removal.inl"
-#include "operators/flip_pass.inl"
-#include "operators/retriangulate.inl"
+#include "operators/engine/active_set.inl"
+#include "operators/flips/boundary_flip.inl"
+#include "operators/flips/face_removal.inl"
+#include "operators/flips/flip_pass.inl"
+#include "operators/stars/retriangulate.inl"
 
 namespace tetune {
 template void activate_all(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&, double);

@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "operators/boundary_flip.hpp"
-#include "operators/face_removal.hpp"
-#include "operators/flip_pass.hpp"
+#include "operators/flips/boundary_flip.hpp"
+#include "operators/flips/face_removal.hpp"
+#include "operators/flips/flip_pass.hpp"
 #include "phases/optimizer.hpp"
 
 namespace tetune {

@@ -6,7 +6,7 @@
 #include "phases/improve_worst.hpp"
 #include "phases/lower_mean_energy.hpp"
 #include "phases/polish.hpp"
-#include "phases/restart_worst.hpp"
+#include "phases/restart/restart_worst.hpp"
 
 namespace tetune {
 namespace improve_detail {

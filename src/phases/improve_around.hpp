@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "operators/boundary_flip.hpp"
-#include "operators/face_removal.hpp"
-#include "operators/flip_pass.hpp"
-#include "operators/retriangulate.hpp"
+#include "operators/flips/boundary_flip.hpp"
+#include "operators/flips/face_removal.hpp"
+#include "operators/flips/flip_pass.hpp"
+#include "operators/stars/retriangulate.hpp"
 #include "phases/element_selection.hpp"
 #include "phases/optimizer.hpp"
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "energy/mesh_energy.hpp"
-#include "phases/phase_timer.hpp"
-#include "phases/progress_reporter.hpp"
+#include "phases/progress/phase_timer.hpp"
+#include "phases/progress/progress_reporter.hpp"
 #include "phases/quality_extremes.hpp"
 #include "phases/tuning.hpp"
 #include "phases/vertex_sets.hpp"

@@ -3,7 +3,7 @@
 
 #include "boundary/boundary_triangles.hpp"
 #include "boundary/vertex_dofs.hpp"
-#include "operators/flip_state.hpp"
+#include "operators/engine/flip_state.hpp"
 #include "relocation/coloring.hpp"
 #include "relocation/periodic_set.hpp"
 #include "relocation/rings.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Counts that ids of 32 bits cannot number, in files long enough for them: sparse ones, which take no room on the disk.
-#include "allocation_watch.hpp"
 #include "io_fixture.hpp"
+#include "support/allocation_watch.hpp"
 #include "tetune/validate.hpp"
 
 namespace tetune::test {

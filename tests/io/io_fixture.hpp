@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 

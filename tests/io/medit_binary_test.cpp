@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <functional>
 
-#include "allocation_watch.hpp"
 #include "io_fixture.hpp"
+#include "support/allocation_watch.hpp"
 
 namespace tetune::test {
 namespace {

@@ -2,8 +2,8 @@
 // read_mesh() reads files of write_mesh() back to the last bit: text and binary.
 #include <random>
 
-#include "bits.hpp"
 #include "io_fixture.hpp"
+#include "support/bits.hpp"
 
 namespace tetune::test {
 namespace {

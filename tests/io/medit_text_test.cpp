@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "allocation_watch.hpp"
 #include "io_fixture.hpp"
+#include "support/allocation_watch.hpp"
 
 namespace tetune::test {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 
 /// Meshes with all that a format may keep, and comparisons of what came back.
 namespace tetune::test {

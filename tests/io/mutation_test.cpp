@@ -3,8 +3,8 @@
 // targets search further; this test runs everywhere, from fixed seeds.
 #include <random>
 
-#include "allocation_watch.hpp"
 #include "io_fixture.hpp"
+#include "support/allocation_watch.hpp"
 #include "tetune/validate.hpp"
 
 namespace tetune::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // TetGen's .node, .ele, .face and .edge.
-#include "allocation_watch.hpp"
 #include "io_fixture.hpp"
+#include "support/allocation_watch.hpp"
 
 namespace tetune::test {
 namespace {

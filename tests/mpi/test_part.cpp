@@ -12,7 +12,7 @@
 
 #include "../../mpi/src/part.hpp"
 #include "mesh/vertex_layers.hpp"
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 
 namespace tetune::mpi {
 namespace {

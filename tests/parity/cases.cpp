@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "curved.hpp"
-#include "periodic_cube.hpp"
+#include "support/curved.hpp"
+#include "support/periodic_cube.hpp"
 #include "tetune/periodic.hpp"
 
 namespace tetune::test {

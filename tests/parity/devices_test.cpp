@@ -2,8 +2,8 @@
 // The GPU against the CPU. Without a usable GPU these tests are skipped, and counted as skipped.
 #include <gtest/gtest.h>
 
-#include "meshes.hpp"
 #include "parity/cases.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/validate.hpp"

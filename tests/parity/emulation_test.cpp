@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "curved.hpp"
 #include "driver/devices.hpp"
 #include "driver/distributed_interface.hpp"
 #include "driver/move_job.hpp"
 #include "emulation/emulation.hpp"
 #include "parity/cases.hpp"
-#include "sanitized.hpp"
+#include "support/curved.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
 

@@ -6,9 +6,9 @@
 #include <map>
 #include <set>
 
-#include "constrained.hpp"
 #include "mesh/tet.hpp"
-#include "meshes.hpp"
+#include "support/constrained.hpp"
+#include "support/meshes.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/validate.hpp"
 

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "backend/span.hpp"
-#include "constrained.hpp"
-#include "energy_watch.hpp"
-#include "meshes.hpp"
-#include "sanitized.hpp"
+#include "support/constrained.hpp"
+#include "support/energy_watch.hpp"
+#include "support/meshes.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <string>
 
-#include "meshes.hpp"
-#include "options.hpp"
-#include "safe_points.hpp"
+#include "support/meshes.hpp"
+#include "support/options.hpp"
+#include "support/safe_points.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {

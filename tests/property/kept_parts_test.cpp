@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "curved.hpp"
+#include "support/curved.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"

@@ -10,8 +10,8 @@
 #include <limits>
 #include <set>
 
-#include "meshes.hpp"
-#include "sanitized.hpp"
+#include "support/meshes.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"

@@ -12,10 +12,10 @@
 #include "backend/span.hpp"
 #include "math/constants.hpp"
 #include "mesh/id_maps.hpp"
-#include "meshes.hpp"
-#include "options.hpp"
-#include "safe_points.hpp"
-#include "sanitized.hpp"
+#include "support/meshes.hpp"
+#include "support/options.hpp"
+#include "support/safe_points.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "backend/span.hpp"
-#include "constrained.hpp"
-#include "meshes.hpp"
+#include "support/constrained.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/move.hpp"
 #include "tetune/optimize.hpp"

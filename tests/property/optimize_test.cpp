@@ -7,12 +7,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "allocation_watch.hpp"
-#include "constrained.hpp"
-#include "curved.hpp"
 #include "mesh/tet.hpp"
-#include "meshes.hpp"
-#include "sanitized.hpp"
+#include "support/allocation_watch.hpp"
+#include "support/constrained.hpp"
+#include "support/curved.hpp"
+#include "support/meshes.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"

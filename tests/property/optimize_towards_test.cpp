@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
 

@@ -2,8 +2,8 @@
 // Compares the parallel method with the sequential baseline.
 #include <gtest/gtest.h>
 
-#include "meshes.hpp"
 #include "reference/alexa.hpp"
+#include "support/meshes.hpp"
 #include "tetune/io.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "meshes.hpp"
 #include "phases/tuning.hpp"
+#include "support/meshes.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"

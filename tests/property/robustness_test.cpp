@@ -8,9 +8,9 @@
 #include <random>
 #include <string>
 
-#include "curved.hpp"
-#include "meshes.hpp"
-#include "sanitized.hpp"
+#include "support/curved.hpp"
+#include "support/meshes.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"

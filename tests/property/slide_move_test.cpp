@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "math/constants.hpp"
-#include "meshes.hpp"
-#include "options.hpp"
-#include "sanitized.hpp"
+#include "support/meshes.hpp"
+#include "support/options.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {

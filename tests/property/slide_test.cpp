@@ -11,10 +11,10 @@
 #include <set>
 #include <string>
 
-#include "curved.hpp"
 #include "driver/distributed_interface.hpp"
-#include "energy_watch.hpp"
-#include "sanitized.hpp"
+#include "support/curved.hpp"
+#include "support/energy_watch.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/io.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"

@@ -6,10 +6,10 @@
 #include <map>
 #include <set>
 
-#include "constrained.hpp"
-#include "curved.hpp"
 #include "mesh/tet.hpp"
-#include "meshes.hpp"
+#include "support/constrained.hpp"
+#include "support/curved.hpp"
+#include "support/meshes.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/validate.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"

@@ -6,11 +6,11 @@
 #include <array>
 #include <map>
 
-#include "flip_fixture.hpp"
-#include "meshes.hpp"
-#include "operators/application.hpp"
-#include "operators/flip_energy.hpp"
-#include "operators/flip_proposals.hpp"
+#include "operators/engine/application.hpp"
+#include "operators/flips/flip_energy.hpp"
+#include "operators/flips/flip_proposals.hpp"
+#include "support/flip_fixture.hpp"
+#include "support/meshes.hpp"
 
 namespace tetune {
 namespace {
@@ -39,7 +39,7 @@ struct SmallEdgeFlips {
       if (c.kind == FlipKind::none) continue;
       ++evaluated;
       const double gain = find_gain(c);
-      if (gain > 0) proposals.add(i, c, gain, flip_id(t, 4 + edge));
+      if (gain > 0) proposals.add(i, c, gain, candidate_id(t, 4 + edge));
     }
     return evaluated;
   }
@@ -93,7 +93,7 @@ TEST(AddOperator, TheHighestBidOnAllTetrahedraOfItsCavityIsSelected) {
       FlipCandidate c = operation.find(t, edge);
       const double gain = c.kind == FlipKind::none ? 0 : operation.find_gain(c);
       if (!(gain > 0)) continue;
-      bids.push_back({make_bid(gain, flip_id(t, 4 + edge)), c});
+      bids.push_back({make_bid(gain, candidate_id(t, 4 + edge)), c});
       for (int k = 0; k < c.old_count(); ++k) highest[c.tets[k]] = std::max(highest[c.tets[k]], bids.back().first);
     }
   }

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <vector>
 
-#include "meshes.hpp"
+#include "support/meshes.hpp"
+#include "support/work.hpp"
 #include "tetune/quality.hpp"
-#include "work.hpp"
 
 namespace tetune {
 namespace {

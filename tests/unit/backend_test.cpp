@@ -10,10 +10,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include "allocation_watch.hpp"
 #include "backend/cpu.hpp"
 #include "emulation/emulation.hpp"
 #include "mesh/csr.hpp"
+#include "support/allocation_watch.hpp"
 
 namespace tetune {
 namespace {

@@ -7,12 +7,12 @@
 
 #include "boundary/boundary_triangles.hpp"
 #include "boundary/classify.hpp"
-#include "meshes.hpp"
-#include "operators/boundary_flip.hpp"
-#include "operators/flip_energy.hpp"
-#include "operators/flip_pass.hpp"
+#include "operators/flips/boundary_flip.hpp"
+#include "operators/flips/flip_energy.hpp"
+#include "operators/flips/flip_pass.hpp"
+#include "support/meshes.hpp"
+#include "support/work.hpp"
 #include "tetune/validate.hpp"
-#include "work.hpp"
 
 namespace tetune {
 namespace {

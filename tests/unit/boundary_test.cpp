@@ -6,7 +6,7 @@
 
 #include "boundary/surface.hpp"
 #include "math/closest_triangle.hpp"
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"

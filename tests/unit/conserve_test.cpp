@@ -7,9 +7,9 @@
 #include <limits>
 #include <random>
 
-#include "curved.hpp"
 #include "mesh/transfer/tet_overlap.hpp"
-#include "meshes.hpp"
+#include "support/curved.hpp"
+#include "support/meshes.hpp"
 #include "tetune/tetune.hpp"
 
 namespace tetune {

@@ -11,8 +11,8 @@
 #include <string>
 #include <utility>
 
-#include "meshes.hpp"
 #include "quality/check_measures.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 

@@ -11,10 +11,10 @@
 #include <string>
 #include <thread>
 
-#include "curved.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/finer_surface.hpp"
 #include "curved/surface_middles.hpp"
+#include "support/curved.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"

@@ -6,13 +6,13 @@
 #include <random>
 #include <set>
 
-#include "curved.hpp"
 #include "curved/quadratic_sheet.hpp"
 #include "curved/surface_distance.hpp"
 #include "driver/curved/curved_sheets.hpp"
 #include "math/constants.hpp"
-#include "meshes.hpp"
-#include "sanitized.hpp"
+#include "support/curved.hpp"
+#include "support/meshes.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"

@@ -8,12 +8,12 @@
 #include <random>
 #include <set>
 
-#include "curved.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/held_bound.hpp"
 #include "curved/relaxation_energy.hpp"
 #include "math/constants.hpp"
-#include "meshes.hpp"
+#include "support/curved.hpp"
+#include "support/meshes.hpp"
 #include "tetune/curve.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"

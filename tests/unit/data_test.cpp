@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/validate.hpp"

@@ -8,7 +8,7 @@
 #include "boundary/sliding/deviation_bound.hpp"
 #include "boundary/sliding/trace.hpp"
 #include "math/closest_triangle.hpp"
-#include "surface.hpp"
+#include "support/surface.hpp"
 
 namespace tetune {
 namespace {

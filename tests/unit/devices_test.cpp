@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "bits.hpp"
+#include "support/bits.hpp"
 
 namespace tetune {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "energy/ring.hpp"
 #include "energy/simd_ring.hpp"
-#include "quad.hpp"
-#include "surface.hpp"
+#include "support/quad.hpp"
+#include "support/surface.hpp"
 
 namespace tetune {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faces removed together: a tiny mesh with exact figures, all subsets of small clusters as the oracle, whole meshes.
-#include "operators/face_removal.hpp"
+#include "operators/flips/face_removal.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 #include <random>
 
-#include "flip_fixture.hpp"
-#include "meshes.hpp"
-#include "operators/face_cluster.hpp"
+#include "operators/flips/face_cluster.hpp"
+#include "support/flip_fixture.hpp"
+#include "support/meshes.hpp"
 
 namespace tetune {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "boundary/classify.hpp"
-#include "meshes.hpp"
-#include "sliding_dofs.hpp"
+#include "support/meshes.hpp"
+#include "support/sliding_dofs.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {

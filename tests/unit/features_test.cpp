@@ -8,8 +8,8 @@
 #include <numbers>
 #include <utility>
 
-#include "meshes.hpp"
-#include "sliding_dofs.hpp"
+#include "support/meshes.hpp"
+#include "support/sliding_dofs.hpp"
 
 namespace tetune {
 namespace {

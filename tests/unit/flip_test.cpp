@@ -7,10 +7,10 @@
 #include <random>
 #include <set>
 
-#include "flip_fixture.hpp"
-#include "meshes.hpp"
-#include "operators/flip_energy.hpp"
-#include "operators/flip_energy_lower_bound.hpp"
+#include "operators/engine/flip_energy_lower_bound.hpp"
+#include "operators/flips/flip_energy.hpp"
+#include "support/flip_fixture.hpp"
+#include "support/meshes.hpp"
 
 namespace tetune {
 namespace {

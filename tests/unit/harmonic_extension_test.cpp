@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The harmonic extension against a dense solver with a matrix that is assembled tetrahedron by tetrahedron.
-#include "phases/harmonic_extension.hpp"
+#include "phases/motion/harmonic_extension.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 
 #include "emulation/emulation.hpp"
-#include "meshes.hpp"
-#include "work.hpp"
+#include "support/meshes.hpp"
+#include "support/work.hpp"
 
 namespace tetune {
 namespace {

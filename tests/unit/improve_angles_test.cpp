@@ -6,8 +6,8 @@
 
 #include "backend/cpu.hpp"
 #include "driver/import_mesh.hpp"
-#include "meshes.hpp"
 #include "phases/lower_mean_energy.hpp"
+#include "support/meshes.hpp"
 
 namespace tetune {
 namespace {

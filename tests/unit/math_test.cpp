@@ -8,10 +8,10 @@
 #include <random>
 
 #include "backend/pack.hpp"
-#include "bits.hpp"
 #include "math/angle.hpp"
 #include "math/hilbert.hpp"
 #include "math/orient.hpp"
+#include "support/bits.hpp"
 
 namespace tetune {
 namespace {

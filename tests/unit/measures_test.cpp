@@ -9,7 +9,7 @@
 #include <random>
 
 #include "mesh/tet_mesh_view.hpp"
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"

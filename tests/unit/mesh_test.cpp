@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "mesh/sort_mesh.hpp"
-#include "meshes.hpp"
-#include "work.hpp"
+#include "support/meshes.hpp"
+#include "support/work.hpp"
 
 namespace tetune {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A neighborhood taken out of a mesh and put back: what it holds, what is fixed in it, and that the mesh stays whole.
-#include "phases/neighborhood.hpp"
+#include "phases/restart/neighborhood.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <set>
 
 #include "boundary/sliding/deviation_bound.hpp"
-#include "curved.hpp"
 #include "driver/import_mesh.hpp"
-#include "meshes.hpp"
-#include "phases/restart_worst.hpp"
+#include "phases/restart/restart_worst.hpp"
+#include "support/curved.hpp"
+#include "support/meshes.hpp"
 
 namespace tetune {
 namespace {

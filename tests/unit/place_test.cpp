@@ -7,9 +7,9 @@
 #include <random>
 
 #include "mesh/transfer/point_locator.hpp"
-#include "meshes.hpp"
+#include "support/meshes.hpp"
+#include "support/work.hpp"
 #include "tetune/tetune.hpp"
-#include "work.hpp"
 
 namespace tetune {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "energy/quality_floor.hpp"
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 

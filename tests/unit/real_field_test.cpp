@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "bits.hpp"
 #include "math/constants.hpp"
+#include "support/bits.hpp"
 
 namespace tetune {
 namespace {

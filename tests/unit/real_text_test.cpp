@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "bits.hpp"
+#include "support/bits.hpp"
 
 namespace tetune {
 namespace {

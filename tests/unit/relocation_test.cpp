@@ -5,11 +5,11 @@
 #include "energy/simd_ring.hpp"
 #include "math/brent.hpp"
 #include "mesh/connect.hpp"
-#include "meshes.hpp"
 #include "relocation/coloring.hpp"
 #include "relocation/step.hpp"
 #include "relocation/sweep.hpp"
-#include "work.hpp"
+#include "support/meshes.hpp"
+#include "support/work.hpp"
 
 namespace tetune {
 namespace {

@@ -7,12 +7,12 @@
 #include <set>
 
 #include "mesh/connect.hpp"
-#include "meshes.hpp"
-#include "operators/retriangulate.hpp"
+#include "operators/stars/retriangulate.hpp"
 #include "relocation/minimize_angle_cost.hpp"
+#include "support/meshes.hpp"
+#include "support/work.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
-#include "work.hpp"
 
 namespace tetune {
 namespace {

@@ -7,7 +7,7 @@
 #include "boundary/sliding/deviation_bound.hpp"
 #include "math/closest_triangle.hpp"
 #include "relocation/slide.hpp"
-#include "surface.hpp"
+#include "support/surface.hpp"
 
 namespace tetune {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "boundary/sliding/trace.hpp"
-#include "surface.hpp"
+#include "support/surface.hpp"
 
 namespace tetune {
 namespace {

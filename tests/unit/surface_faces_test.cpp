@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "mesh/tet_orientation.hpp"
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 
 namespace tetune {
 namespace {

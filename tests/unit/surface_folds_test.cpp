@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "phases/surface_folds.hpp"
+#include "phases/untangle/surface_folds.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "mesh/connect.hpp"
-#include "meshes.hpp"
-#include "work.hpp"
+#include "support/meshes.hpp"
+#include "support/work.hpp"
 
 namespace tetune {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mesh/validate_arrays.hpp"
-#include "meshes.hpp"
+#include "support/meshes.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/validate.hpp"

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "boundary/sliding/weak_lines.hpp"
-#include "meshes.hpp"
-#include "sliding_dofs.hpp"
+#include "support/meshes.hpp"
+#include "support/sliding_dofs.hpp"
 
 namespace tetune {
 namespace {

@@ -15,7 +15,7 @@
 #include "driver/curved/straighten.hpp"
 #include "driver/geometry/geometry_middles.hpp"
 #include "mesh/validate_arrays.hpp"
-#include "phases/latched_hooks.hpp"
+#include "phases/progress/latched_hooks.hpp"
 #include "tetune/error.hpp"
 #include "tetune/options.hpp"
 #include "tetune/quality.hpp"

@@ -14,7 +14,7 @@
 #include "driver/report/targets.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/vertex_layers.hpp"
-#include "phases/latched_hooks.hpp"
+#include "phases/progress/latched_hooks.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 

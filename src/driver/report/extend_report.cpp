@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "mesh/id_maps.hpp"
-#include "phases/phase_timer.hpp"
+#include "phases/progress/phase_timer.hpp"
 
 namespace tetune {
 

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "backend/atomic.hpp"
+#include "backend/team.hpp"
+#include "energy/mesh_energy.hpp"
+#include "operators/engine/active_set.hpp"
+#include "operators/engine/prefetch_tets.hpp"
+#include "operators/engine/selection.hpp"
+#include "operators/engine/vertex_arrays.hpp"
+
+/// The second half of the cavity engine: selected candidates are applied to the mesh, in place.
+namespace tetune {
+
+/// Totals over the candidates of a selection that were applied.
+struct FlipSum {
+  double decrease = 0;
+  FlipCounts counts;
+  TETUNE_HD void merge(const FlipSum& other) {
+    static_assert(sizeof(FlipCounts) == 5 * sizeof(counts.flips23), "merge() adds up all counters");
+    decrease += other.decrease;
+    counts.flips23 += other.counts.flips23;
+    counts.flips32 += other.counts.flips32;
+    counts.edge_removals += other.counts.edge_removals;
+    counts.face_removals += other.counts.face_removals;
+    counts.boundary_flips += other.counts.boundary_flips;
+  }
+};
+
+namespace application_detail {
+
+/// The prefetch distance in records; cavities are scattered in memory.
+inline constexpr Size kRecordsAhead = 6;
+
+template <class P>
+struct SelectedRecords {
+  Span<Record<P>> records;
+  Span<const Index> selected;
+  TETUNE_HD Size size() const { return selected.size(); }
+  TETUNE_HD Record<P>& operator[](Size i) const { return records[selected[i]]; }
+};
+
+/// Assigns slots and ids of vertices, and leaves, in each boundary face of the old tetrahedra, the new half-face. Marks
+/// these tetrahedra as replaced, and as not active.
+template <class P>
+struct AssignSlots {
+  static constexpr Size kGrain = 32;
+  MeshView mesh;
+  SelectedRecords<P> records;
+  Span<const ChangeCounts> before;
+  Span<const Index> free_slots;
+  SlotChange change;
+  Size vertices;  ///< before
+  Span<std::uint64_t> tet2bid;
+  Span<std::uint8_t> marks;
+
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if (i + kRecordsAhead >= end) return;
+    const P& patch = records[i + kRecordsAhead].patch;
+    for (int k = 0; k < patch.old_count(); ++k) backend::prefetch(&mesh.tet2tet[patch.tets[k]]);
+  }
+  TETUNE_HD void operator()(Size i) const {
+    Record<P>& r = records[i];
+    for (int k = 0; k < r.patch.old_count(); ++k) {
+      tet2bid[r.patch.tets[k]] = kReplaced;
+      marks[r.patch.tets[k]] = 0;
+    }
+    for (int x = 0; x < r.patch.new_count() - r.patch.old_count(); ++x) {
+      r.extra_slots[x] = change.slot_of(free_slots, Size{before[i].taken} + x);
+    }
+    if constexpr (requires { r.patch.assign_vertex(Index{}); }) {
+      r.patch.assign_vertex(static_cast<Index>(vertices + before[i].inserted));
+    }
+    for (int k = 0; k < r.patch.face_count(); ++k) {
+      mesh.across(r.patch.old_face(mesh, k)) = r.new_half_face(k);
+    }
+  }
+};
+
+/// Resolves what lies across the boundary faces now: a neighbor that stays gets the new half-face, one that is replaced
+/// as well has left its own.
+template <class P>
+struct ResolveNeighbors {
+  static constexpr Size kGrain = 32;
+  MeshView mesh;
+  SelectedRecords<P> records;
+  Span<const std::uint64_t> tet2bid;
+
+  /// Records from `end` on may be written by another thread.
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if (i + kRecordsAhead >= end) return;
+    const Record<P>& r = records[i + kRecordsAhead];
+    for (int k = 0; k < r.patch.face_count(); ++k) {
+      const Index t = r.across[k] == kNoHalfFace ? 0 : tet_of(r.across[k]);
+      backend::prefetch(&tet2bid[t]);
+      backend::prefetch(&mesh.tet2tet[t]);
+    }
+  }
+  TETUNE_HD void operator()(Size i) const {
+    Record<P>& r = records[i];
+    const int faces = r.patch.face_count();
+    for (int k = 0; k < faces; ++k) {
+      const HalfFace old = r.across[k];
+      if (old == kNoHalfFace) continue;
+      HalfFace& back = mesh.across(old);
+      if (tet2bid[tet_of(old)] == kReplaced) {
+        r.across[k] = back | (old & kLocked);
+      } else {
+        back = r.new_half_face(k) | (old & kLocked);
+      }
+    }
+    if (r.twin < 0) return;
+    const Record<P>& twin = records.records[r.twin];
+    if constexpr (requires { r.patch.meets(twin.patch); }) {
+      if (!r.patch.meets(twin.patch)) return;
+    }
+    // The faces that both parts make in an interface lie on each other.
+    for (int k = 0; k < r.patch.new_surface_faces(); ++k) {
+      r.across[faces + k] = twin.new_half_face(twin.patch.face_count() + k) | kLocked;
+    }
+  }
+};
+
+/// Writes the new tetrahedra, and frees the slots that are left over. Marks the new tetrahedra and their neighbors for
+/// evaluation where `changed_tets` are given: nearly all candidates whose cavity changed belong to one of these. The
+/// threads of a team divide the tetrahedra among them.
+template <class P>
+struct WriteTets {
+  static constexpr Size kGrain = 32;
+  /// About the number of new tetrahedra of a patch.
+  static constexpr int kTeamSize = P::kMaxExtraTets < 16 ? 4 : 32;
+  struct Shared {};
+  RatedMesh mesh;
+  SelectedRecords<P> records;
+  Span<const ChangeCounts> before;
+  Span<Index> free_slots;
+  Size free_kept;
+  Span<double> energies;
+  ActiveMarks changed_tets;
+  Span<std::uint8_t> changed;
+  VertexArrays vertices;
+
+  TETUNE_INLINE void prefetch(Size i, Size end) const {
+    if (i + kRecordsAhead >= end) return;
+    const P& patch = records[i + kRecordsAhead].patch;
+    for (int k = 0; k < patch.old_count(); ++k) prefetch_tet(mesh, energies, patch.tets[k]);
+    backend::prefetch(&mesh.tet2original[patch.tets[0]]);
+    for (int k = 0; k < patch.vertex_count(); ++k) backend::prefetch(&mesh.points[patch.vertex(k)]);
+  }
+  TETUNE_HD FlipSum operator()(Size i) const {
+    Shared memory;
+    return (*this)(backend::SingleThread(), memory, i);
+  }
+  template <class Team>
+  TETUNE_HD FlipSum operator()(const Team& team, Shared&, Size i) const {
+    const Record<P>& r = records[i];
+    const P& patch = r.patch;
+    if constexpr (requires { patch.write_vertex(mesh, vertices); }) {
+      if (team.rank() == 0) patch.write_vertex(mesh, vertices);
+      team.sync();
+    }
+    FlipSum sum;
+    sum.decrease = sum_in_order(team, write_tets(team, r));
+    for (int x = team.rank(); x < patch.old_count(); x += Team::kSize) {
+      if (x < patch.new_count()) continue;
+      mesh.tet2vertex[patch.tets[x]][0] = kFreeSlot;
+      energies[patch.tets[x]] = 0;
+      free_slots[free_kept + before[i].freed + x - patch.new_count()] = patch.tets[x];
+    }
+    for (int k = team.rank(); k < patch.vertex_count() && changed.size() > 0; k += Team::kSize) {
+      backend::store_shared(changed[patch.vertex(k)], 1);
+    }
+    if (changed_tets.marks.size() > 0) mark_changed(team, r);
+    if (r.is_leader(records.selected[i])) patch.count(sum.counts);
+    return sum;
+  }
+
+ private:
+  /// The sum over the threads, in their order.
+  template <class Team>
+  TETUNE_HD static double sum_in_order(const Team& team, double own) {
+    double sum = team.broadcast(own, 0);
+    for (int k = 1; k < Team::kSize; ++k) sum += team.broadcast(own, k);
+    return sum;
+  }
+  /// Writes the tetrahedra of a thread; returns by how much their energy falls. A thread reads the old energies of the
+  /// slots that it writes.
+  template <class Team>
+  TETUNE_HD double write_tets(const Team& team, const Record<P>& r) const {
+    const P& patch = r.patch;
+    const Index original = mesh.tet2original[patch.tets[0]];
+    double decrease = 0;
+    for (int x = team.rank(); x < patch.old_count(); x += Team::kSize) decrease += energies[patch.tets[x]];
+    if constexpr (requires { patch.parent(0); }) write_originals(team, r);
+    for (int x = team.rank(); x < patch.new_count(); x += Team::kSize) {
+      const Index s = r.slot(x);
+      FaceAdjacency adjacency{};
+      for (int f = 0; f < 4; ++f) {
+        const NewNeighbor n = patch.new_neighbor(x, f);
+        adjacency[f] = n.tet < 0 ? r.across[n.face] : make_half_face(r.slot(n.tet), n.face) | n.lock;
+      }
+      mesh.tet2vertex[s] = patch.new_tet(x);
+      mesh.tet2tet[s] = adjacency;
+      if constexpr (!requires { patch.parent(0); }) {
+        if (x >= patch.old_count()) mesh.tet2original[s] = original;
+      }
+      energies[s] = slot_energy(mesh, mesh.tet2vertex[s]).energy;
+      decrease -= energies[s];
+    }
+    return decrease;
+  }
+  template <class Team>
+  TETUNE_HD void mark_changed(const Team& team, const Record<P>& r) const {
+    for (int x = team.rank(); x < r.patch.new_count(); x += Team::kSize) changed_tets.mark_changed(r.slot(x));
+    for (int k = team.rank(); k < r.patch.face_count(); k += Team::kSize) {
+      if (!is_locked(r.across[k])) changed_tets.mark_changed(tet_of(r.across[k]));
+    }
+  }
+  /// All are read before one is written: the parents are among the slots.
+  template <class Team>
+  TETUNE_HD void write_originals(const Team& team, const Record<P>& r) const {
+    Index originals[(P::kMaxExtraTets + Team::kSize - 1) / Team::kSize];
+    for (int x = team.rank(); x < r.patch.new_count(); x += Team::kSize) {
+      originals[x / Team::kSize] = mesh.tet2original[r.patch.parent(x)];
+    }
+    team.sync();
+    for (int x = team.rank(); x < r.patch.new_count(); x += Team::kSize) {
+      mesh.tet2original[r.slot(x)] = originals[x / Team::kSize];
+    }
+  }
+};
+
+}  // namespace application_detail
+
+/// Applies a selection; the slots that it needs must not be too many (check_slots()). `changed`, when given, is set for
+/// the vertices whose ring changed; with `marks_changed` the tetrahedra that an activation is to evaluate are marked;
+/// `vertices` are needed by operators that write vertices. The energies in `state` stay up to date; the active set does
+/// not. Returns the pending FlipSum: see reduce_async().
+template <class Backend, CavityPatch P>
+auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                     FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed,
+                     bool marks_changed, const VertexArrays& vertices = {}) {
+  using namespace application_detail;
+  const SlotChange change(mesh, selection.total);
+  change.make_room(backend, mesh);
+  state.make_room(backend, change.needed);
+  const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
+  const Span<const ChangeCounts> before = selection.before.span();
+  const Size old_vertices = mesh.vertices() - selection.total.inserted;
+  ActiveMarks changed_tets;
+  if (marks_changed) changed_tets = {state.marks.span(), state.slack.span()};
+  backend.for_each(records.size(), AssignSlots<P>{mesh.view(), records, before, mesh.free_slots.span(), change,
+                                                  old_vertices, state.tet2bid.span(), state.marks.span()});
+  backend.for_each(records.size(), ResolveNeighbors<P>{mesh.view(), records, state.tet2bid.span()});
+  const auto sum = backend.template reduce_async<FlipSum>(
+      records.size(), WriteTets<P>{rated(mesh, criterion), records, before, mesh.free_slots.span(), change.free_kept,
+                                   state.energies.span(), changed_tets, changed, vertices});
+  change.finish(mesh);
+  return sum;
+}
+
+/// Applies the selection of an operator that flips, and makes what changed active. Throws MeshError, before anything is
+/// changed, when the mesh would need too many slots.
+template <class Backend, CavityPatch P>
+PassResult flip_selected(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                         FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed) {
+  PassResult result;
+  result.evaluated = selection.evaluated;
+  if (selection.is_stopped) return result;
+  check_slots(SlotChange(mesh, selection.total).needed);
+  const auto pending = apply_selection(backend, mesh, criterion, state, selection, changed, true);
+  activate_marked(backend, criterion, state);
+  const FlipSum sum = pending.get();
+  result.counts = sum.counts;
+  result.decrease = sum.decrease;
+  return result;
+}
+
+/// One pass of an operator whose proposals are those of the active tetrahedra.
+template <class Backend, class Generator>
+PassResult flip_active(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                       FlipState<Backend>& state, const Generator& generator, Span<std::uint8_t> changed) {
+  const Size active = state.active.size();
+  auto selection = select_candidates(backend, mesh, active, generator, state.tet2bid);
+  PassResult result = flip_selected(backend, mesh, criterion, state, selection, changed);
+  result.active = active;
+  return result;
+}
+
+}  // namespace tetune

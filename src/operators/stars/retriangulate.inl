@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "operators/engine/application.hpp"
+#include "operators/stars/cavity_retriangulation.hpp"
+#include "operators/stars/composite_removal.hpp"
+#include "operators/stars/retriangulate.hpp"
+#include "operators/stars/surface_contraction.hpp"
+#include "operators/stars/surface_insertion.hpp"
+#include "operators/stars/vertex_contraction.hpp"
+#include "operators/stars/vertex_insertion.hpp"
+
+namespace tetune {
+namespace retriangulate_detail {
+
+/// All operators that retriangulate a cavity from one point.
+using AllOperators = StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction,
+                                   SurfaceInsertion, SurfaceContraction>;
+/// Where vertices are not edited, composite removals alone are proposed.
+inline constexpr int kRemovalChoices = CompositeRemoval::kChoices;
+/// The first choice that inserts or removes a vertex.
+inline constexpr int kFirstEdit = StarOperators<CompositeRemoval, CavityRetriangulation>::kChoices;
+/// The choices without those that insert and remove vertices of the surface.
+inline constexpr int kSurfaceKeepingChoices =
+    StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction>::kChoices;
+
+/// Room for inserted vertices in the arrays of all vertices.
+template <class Backend>
+VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, FlipState<Backend>& flips,
+                           VertexDofs<Backend>& dofs, Size count) {
+  mesh.points.grow(backend, count);
+  mesh.vertex2original.grow(backend, count);
+  flips.constrained_vertex.grow(backend, count);
+  dofs.dof.grow(backend, count);
+  dofs.axis.grow(backend, count);
+  dofs.active.grow(backend, count);
+  if (dofs.surface_point.size() > 0) dofs.surface_point.grow(backend, count);
+  if (dofs.displacement_bound.size() > 0) dofs.displacement_bound.grow(backend, count);
+  return {mesh.vertex2original.span(),
+          dofs.dof.span(),
+          dofs.axis.span(),
+          dofs.surface_point.span(),
+          flips.constrained_vertex.span(),
+          dofs.displacement_bound.span()};
+}
+
+}  // namespace retriangulate_detail
+
+template <class Backend>
+RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
+                                          FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
+                                          BoundaryTriangles<Backend>* boundary, Span<const Index> tets,
+                                          const RetriangulationLimits& limits) {
+  using namespace retriangulate_detail;
+  const bool lowers_mean = limits.mean_energy > 0;
+  const bool edits_vertices = lowers_mean || limits.vertex_cost < kInfeasible;
+  const int first_choice = lowers_mean ? kFirstEdit : 0;
+  const int end_choice = !edits_vertices       ? kRemovalChoices
+                         : boundary == nullptr ? kSurfaceKeepingChoices
+                                               : AllOperators::kChoices;
+  const int choices = end_choice - first_choice;
+  SurfaceTriangles triangles{};
+  if (boundary != nullptr) {
+    list_corners(backend, mesh, *boundary);
+    triangles = {boundary->triangles.span(), boundary->vertex2corner.view(), boundary->bends, dofs.reference.view(),
+                 dofs.surface_point.span()};
+  }
+  const Size count = choices * tets.size();
+  const StarContext context{rated(mesh, criterion),
+                            flips.constrained(),
+                            dofs.dof.span(),
+                            dofs.axis.span(),
+                            triangles,
+                            flips.max_ring,
+                            limits.vertex_cost,
+                            limits.min_gain,
+                            true,
+                            edits_vertices ? tets : Span<const Index>{},
+                            limits.mean_energy};
+  StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, first_choice, choices};
+  BufferOf<Backend, MoveCosts> moves;
+  if constexpr (Backend::kIsAsynchronous) {
+    if (!lowers_mean) moves.resize(backend, CompositeRemoval::kMoves * tets.size());
+    backend.for_each(moves.size(), EvaluateMoves{context, tets, moves.span()});
+    proposals.moves = moves.span();
+  }
+  auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
+  const auto has_room = [&] {
+    const ChangeCounts& total = selection.total;
+    const bool is_within_limit =
+        total.taken <= total.freed || mesh.tets() + total.taken - total.freed <= limits.max_tets;
+    return is_within_limit && SlotChange(mesh, total).needed <= kMaxSlots;
+  };
+  if (!has_room() && edits_vertices) {
+    proposals.inserts = false;
+    selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
+  }
+  if (selection.size() == 0 || !has_room()) return {};
+  const ChangeCounts& total = selection.total;
+  const VertexArrays vertices = grow_vertices(backend, mesh, flips, dofs, mesh.vertices() + total.inserted);
+  apply_selection(backend, mesh, criterion, flips, selection, dofs.active.span(), false, vertices);
+  if (boundary != nullptr) replace_triangles(backend, selection, *boundary);
+  return {total.inserted, total.removed, selection.size() - total.inserted - total.removed};
+}
+
+}  // namespace tetune

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "energy/mesh_energy.hpp"
+#include "operators/stars/star_cavity.hpp"
+#include "operators/stars/surface_bend.hpp"
+#include "operators/stars/surface_triangles.hpp"
+
+/// Proposals to retriangulate a cavity from one point, so that the largest cost of its dihedral angles
+/// (DihedralCots::cost()) falls, or the mean energy of the mesh.
+namespace tetune {
+
+/// An apex position is improved further if its cost is at most this many times the cost before.
+inline constexpr double kAcceptRatio = 1.5;
+/// Before the cavity is enlarged, the cost may be this many times what it was.
+inline constexpr double kScreenRatio = 1.4;
+
+/// Where the cavity cannot be enlarged any further, as at the surface, a new vertex is moved nevertheless if the cost
+/// is at most this many times what it was.
+inline constexpr double kReachRatio = 4;
+
+/// The largest costs in a cavity before and after its retriangulation from a vertex that moves.
+struct MoveCosts {
+  double first_before = 0, first_after = kInfeasible;  ///< before the cavity is enlarged
+  double before = 0, after = kInfeasible;              ///< after that; kInfeasible also where a constraint is violated
+
+  /// The bound on `first_after`, where the costs may be at most `ratio` times those before.
+  TETUNE_HD double screen(double ratio) const { return kScreenRatio * ratio * first_before; }
+  TETUNE_HD bool is_below(double ratio) const { return first_after < screen(ratio) && after < ratio * before; }
+};
+
+/// The data that operators share.
+struct StarContext {
+  RatedMesh mesh;
+  ConstrainedEdges constrained;
+  Span<const VertexDof> dof;
+  Span<const Vec3> axis;
+  SurfaceTriangles surface;
+  int max_ring;        ///< of the removal of an edge
+  double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost
+  double min_gain;     ///< the largest cost, or the energy of the cavity, must fall by this part
+  bool inserts;        ///< vertices may be inserted
+  /// The proposing tetrahedra in ascending order: an edge of several is removed by the first of them only. Empty: each
+  /// proposes all its edges.
+  Span<const Index> proposers = {};
+  /// Above 0: the mean energy of the mesh, which must fall, and not the largest cost. All proposers then insert and
+  /// remove vertices.
+  double mean_energy = 0;
+
+  TETUNE_HD bool lowers_mean() const { return mean_energy > 0; }
+  TETUNE_HD bool is_movable(Index v) const { return dof[v] == VertexDof::free && !constrained.has_end(v); }
+  TETUNE_HD bool may_change_vertices(Index t) const {
+    return lowers_mean() || dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
+  }
+
+  /// Whether vertices may be inserted and removed at a tetrahedron of the cavity before t: that one proposes the same.
+  TETUNE_HD bool is_shared_with_earlier(const StarCavity& star, Index t) const {
+    return any_earlier(star, t, [&](Index s) { return proposes_edits(s); });
+  }
+  /// Whether a tetrahedron proposes to insert and remove vertices.
+  TETUNE_HD bool proposes_edits(Index t) const { return is_proposer(t) && may_change_vertices(t); }
+  /// Whether a proposer of the cavity before t contracts an edge to the vertex v too.
+  TETUNE_HD bool is_contracted_earlier(const StarCavity& star, Index v, Index t) const {
+    return any_earlier(star, t, [&](Index s) {
+      const Tet tet = mesh.tet2vertex[s];
+      return tet[local_index(tet, v)] == v && proposes_edits(s);
+    });
+  }
+
+  /// Whether a tetrahedron of an edge's ring before t proposes to remove that edge.
+  TETUNE_HD bool is_proposed_earlier(const StarCavity& ring, Index t) const {
+    return any_earlier(ring, t, [&](Index s) { return is_proposer(s); });
+  }
+  TETUNE_HD bool is_proposer(Index t) const { return contains(proposers, t); }
+
+  TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
+  TETUNE_HD SurfaceBend bend() const { return {mesh.points, surface.triangles}; }
+
+ private:
+  /// Whether the predicate holds for a tetrahedron of the cavity before t.
+  template <class Predicate>
+  TETUNE_HD static bool any_earlier(const StarCavity& star, Index t, const Predicate& holds) {
+    for (int i = 0; i < star.tet_count(); ++i) {
+      if (star.tet(i) < t && holds(star.tet(i))) return true;
+    }
+    return false;
+  }
+};
+
+/// The memory of a team that evaluates a choice of an operator.
+struct StarMemory {
+  static constexpr int kCavities = 3;
+  MinimaxModel model;
+  StarArrays arrays[kCavities];
+};
+
+/// One choice of an operator, and where it adds the candidate. A team evaluates it.
+template <class Team>
+struct StarProposal : StarContext {
+  Proposals<StarCandidate> proposals;
+  Size id;
+  const MoveCosts* moves;  ///< the costs of all moves of CompositeRemoval; null: not evaluated
+  Team team;
+  StarMemory& memory;
+
+  /// An empty cavity, in one of the team's arrays.
+  TETUNE_HD StarCavity cavity(int arrays = 0) const { return {mesh, constrained, memory.arrays[arrays], team}; }
+  TETUNE_HD double cost_before(const StarCavity& star) const { return star.cost_before(team); }
+  TETUNE_HD Vec3 lower_cost(StarCavity& star, const Vec3& x) const { return star.lower_cost(x, memory.model, team); }
+  /// Enlarges the cavity until the largest cost is lower than before, where that must fall.
+  TETUNE_HD bool grow(StarCavity& star, Index apex, const Vec3& x) const {
+    if (lowers_mean()) return true;
+    return star.grow_below(apex, x, (1 - min_gain) * cost_before(star), team);
+  }
+
+  /// Moves a new vertex to where the largest cost is lower than before. Where there is no such place, enlarges the
+  /// cavity and moves the vertex once more. Returns false where that fails too. Where the mean energy must fall, the
+  /// vertex is in its place already.
+  TETUNE_HD TETUNE_OUTLINE bool place_new_vertex(StarCavity& star, Vec3& x) const {
+    if (lowers_mean()) return true;
+    const double before = cost_before(star);
+    const double limit = (1 - min_gain) * before;
+    const double screen = kAcceptRatio * before;
+    const bool is_lowest = star.cost_after(kNewVertex, x, screen, false, team) < screen;
+    if (is_lowest) {
+      x = lower_cost(star, x);
+      if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
+    }
+    const int tets = star.tet_count();
+    const bool is_below = star.grow_below(kNewVertex, x, limit, team);
+    // A cavity that has not grown has no lower place.
+    if (is_lowest && star.tet_count() == tets) return false;
+    if (!is_below && !is_in_reach(star, kReachRatio * before, x)) return false;
+    x = lower_cost(star, x);
+    return star.cost_after(kNewVertex, x, limit, false, team) < limit;
+  }
+
+  /// Completes and adds a retriangulation where it lowers the largest cost, or the mean energy, and no tetrahedron is
+  /// worse than the floor.
+  TETUNE_HD void add(const StarCavity& star, StarCandidate& c) const {
+    if (lowers_mean()) {
+      add_below_mean(star, energy_above_mean(star), c);
+    } else {
+      add(star, cost_before(star), c);
+    }
+  }
+  /// Same, where the largest cost is known to be `before`.
+  TETUNE_HD TETUNE_OUTLINE void add(const StarCavity& star, double before, StarCandidate& c) const {
+    const double limit = (1 - min_gain) * before;
+    const double after = star.cost_after(c.apex, c.apex_position, limit, true, team);
+    if (after < limit) add_gain(star, c, before - after);
+  }
+  /// Same, where the mean energy must fall, and energy_above_mean() is known to be `before`. Retriangulations with more
+  /// or fewer tetrahedra compare by the energy beyond the mean of the mesh: where it falls, so does that mean.
+  TETUNE_HD TETUNE_OUTLINE void add_below_mean(const StarCavity& star, double before, StarCandidate& c) const {
+    const double limit = min_gain * mean_energy * star.tet_count();
+    const double gain = energy_gain(star, before, c, limit);
+    if (!(gain > limit)) return;
+    if (star.cost_after(c.apex, c.apex_position, kInfeasible, true, team) < kInfeasible) add_gain(star, c, gain);
+  }
+  /// The sum of the energies in the cavity less their mean in the mesh. Not divided among the threads of a team: the
+  /// sum would depend on its size.
+  TETUNE_HD double energy_above_mean(const StarCavity& star) const {
+    double above = 0;
+    for (int i = 0; i < star.tet_count(); ++i) {
+      above += slot_energy(mesh, mesh.tet2vertex[star.tet(i)]).energy - mean_energy;
+    }
+    return above;
+  }
+
+ private:
+  /// By how much energy_above_mean() falls from `before`; not above `limit` where that is not above it.
+  TETUNE_HD double energy_gain(const StarCavity& star, double before, const StarCandidate& c, double limit) const {
+    double gain = before;
+    for (int i = 0; i < star.face_count(); ++i) {
+      if (gain + (star.face_count() - i) * (mean_energy - kMinShapeEnergy) <= limit) return gain;
+      if (!has_vertex(star.face(i), c.apex)) gain -= star.energy(star.face(i), c.apex_position) - mean_energy;
+    }
+    return gain;
+  }
+  TETUNE_HD void add_gain(const StarCavity& star, StarCandidate& c, double gain) const {
+    if (!(gain > 0) || team.rank() != 0) return;
+    star.list_tets(c);
+    proposals.add(id, c, gain, static_cast<std::uint32_t>(id));
+  }
+  /// Whether the cost with a new vertex at x is below `reach`; otherwise one inside the mesh moves into the kernel.
+  TETUNE_HD bool is_in_reach(const StarCavity& star, double reach, Vec3& x) const {
+    return star.cost_after(kNewVertex, x, reach, false, team) < reach ||
+           (star.has_free_apex() && star.find_kernel_point(x, team));
+  }
+};
+
+/// Operators, each with a number of choices per tetrahedron; propose() is that of the operator that has a choice. Each
+/// is a function of its own in the machine code of a GPU, where a thread has memory for one of them at a time.
+template <class... Operators>
+struct StarOperators;
+template <>
+struct StarOperators<> {
+  static constexpr int kChoices = 0;
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal&, Index, int) {}
+};
+template <class First, class... Others>
+struct StarOperators<First, Others...> {
+  static constexpr int kChoices = First::kChoices + StarOperators<Others...>::kChoices;
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& proposal, Index t, int choice) {
+    if (choice < First::kChoices) {
+      propose_first(proposal, t, choice);
+    } else {
+      StarOperators<Others...>::propose(proposal, t, choice - First::kChoices);
+    }
+  }
+
+ private:
+  template <class Proposal>
+  TETUNE_HD __attribute__((noinline)) static void propose_first(const Proposal& proposal, Index t, int choice) {
+    First::propose(proposal, t, choice);
+  }
+};
+
+/// Some choices of some tetrahedra.
+template <class Operators, class Pack>
+struct StarProposals : StarContext {
+  using Candidate = StarCandidate;
+  static constexpr int kParts = 1;
+  static constexpr Size kGrain = 4;
+  static constexpr Size kBatch = Size{1} << 12;
+  Span<const Index> tets;
+  int first_choice, choices;
+  Span<const MoveCosts> moves = {};  ///< of all tetrahedra; may be empty
+
+  using Shared = StarMemory;
+
+  TETUNE_HD Size operator()(Size id, const Proposals<StarCandidate>& proposals) const {
+    StarMemory memory;
+    return (*this)(backend::PackThread<Pack>(), memory, id, proposals);
+  }
+  template <class Team>
+  TETUNE_HD Size operator()(const Team& team, StarMemory& memory, Size id,
+                            const Proposals<StarCandidate>& proposals) const {
+    const MoveCosts* costs = nullptr;
+    if (moves.size() > 0) costs = &moves[id / choices * (moves.size() / tets.size())];
+    const StarProposal<Team> proposal{*this, proposals, id, costs, team, memory};
+    Operators::propose(proposal, tets[id / choices], first_choice + to_index(id % choices));
+    return 1;
+  }
+};
+
+}  // namespace tetune

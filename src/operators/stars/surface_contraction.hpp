@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "boundary/classify.hpp"
+#include "operators/stars/star_proposals.hpp"
+
+namespace tetune {
+
+/// Removes a vertex of the surface by contracting an edge. In a flat part of a patch, or on a straight feature line,
+/// the edge must stay in the same planes; where the surface may bend, any vertex of a sheet or feature line can be
+/// removed.
+struct SurfaceContraction {
+  static constexpr int kChoices = 12;
+
+  template <class Proposal>
+  TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
+    if (!p.edits_surface() || !p.may_change_vertices(t)) return;
+    const Tet tet = p.mesh.tet2vertex[t];
+    const int from = choice / 3;
+    const Index v = tet[from];
+    const Index apex = tet[(from + 1 + choice % 3) % 4];
+    const Vec3 x = vec(p.mesh.points[apex]);
+    if (!(p.surface.bends ? is_on_sheet(p, v, apex) : is_in_planes(p, v, x)) || p.constrained.has_end(v)) return;
+    StarCavity star = p.cavity();
+    ReplacedTriangles replaced;
+    const SurfaceSimplex simplex{{v, -1, -1}, 1};
+    if (!star.take_surface(t, simplex, p.team) || !(p.surface.bends || keeps_planes(p, star, v, apex)) ||
+        !star.keeps_faces_of(apex) || !p.surface.find_replaced(star, simplex, replaced)) {
+      return;
+    }
+    if (p.is_contracted_earlier(star, apex, t)) return;
+    if (p.surface.bends) {
+      if (!is_beside(p, replaced, v, apex)) return;
+      replaced.deviation = p.bend().after_contraction(v, apex, replaced);
+      if (!(replaced.deviation < kInfeasible)) return;
+    }
+    if (!p.grow(star, apex, x) || !star.keeps_faces_of(apex)) return;
+    StarCandidate c = star.candidate(apex, v, x);
+    c.replaced = replaced;
+    p.add(star, c);
+  }
+
+ private:
+  /// Whether the edge from v to x is in the plane or on the line of v.
+  TETUNE_HD static bool is_in_planes(const StarContext& p, Index v, const Vec3& x) {
+    const Vec3 edge = x - vec(p.mesh.points[v]);
+    const double tolerance = kFlat * norm(edge);
+    return (p.dof[v] == VertexDof::plane && std::fabs(dot(p.axis[v], edge)) <= tolerance) ||
+           (p.dof[v] == VertexDof::line && norm(cross(p.axis[v], edge)) <= tolerance);
+  }
+  /// Whether v may move over the surface, and both vertices are on it.
+  TETUNE_HD static bool is_on_sheet(const StarContext& p, Index v, Index apex) {
+    return p.surface.has(apex) && p.dof[v] != VertexDof::fixed && p.surface.has(v);
+  }
+  /// Whether v has an edge of the surface to the apex, along its feature line where it is on one.
+  TETUNE_HD static bool is_beside(const StarContext& p, const ReplacedTriangles& replaced, Index v, Index apex) {
+    for (int i = 0; i < replaced.count; ++i) {
+      const BoundaryTriangle& t = p.surface.triangles[replaced.triangle[i]];
+      if (has_vertex(t, apex)) return p.dof[v] == VertexDof::surface || is_feature_edge(t, v, apex);
+    }
+    return false;
+  }
+  /// Whether each triangle stays in its plane, and is not turned over, when v moves to the apex.
+  TETUNE_HD static bool keeps_planes(const StarContext& p, const StarCavity& star, Index v, Index apex) {
+    for (int i = 0; i < star.base_count(); ++i) {
+      LinkFace f = star.base(i);
+      if (has_vertex(f, apex)) continue;
+      const Vec3 n = area_normal(p.mesh, f);
+      const Vec3 d = vec(p.mesh.points[apex]) - vec(p.mesh.points[f.v[0]]);
+      if (!(std::fabs(dot(n, d)) <= kFlat * norm(n) * norm(d))) return false;
+      for (Index& w : f.v) w = w == v ? apex : w;
+      if (!(dot(n, area_normal(p.mesh, f)) > 0)) return false;
+    }
+    return true;
+  }
+};
+
+}  // namespace tetune
