@@ -273,15 +273,14 @@ std::vector<std::string> constraint_notes(const Report& r) {
         fmt::format("{} tagged edges are too many for feature lines: their vertices may leave them", r.edges_not_held));
   }
   if (r.triangles_dropped > 0) {
-    texts.push_back(
-        fmt::format("{} listed triangles constrain nothing, and the result lacks them: they are not faces of the mesh, "
-                    "or are inside "
-                    "a region without a tag or with --no-open-boundaries",
-                    r.triangles_dropped));
+    texts.push_back(fmt::format(
+        "{} listed triangles constrain nothing and are dropped: they are not faces of the mesh, or lie inside "
+        "a region without a tag or with --no-open-boundaries",
+        r.triangles_dropped));
   }
   if (r.edges_dropped > 0) {
     texts.push_back(
-        fmt::format("{} listed edges without a tag are not edges of the result, which lacks them", r.edges_dropped));
+        fmt::format("{} listed edges without a tag are not edges of the result and are dropped", r.edges_dropped));
   }
   if (r.uncovered > 1e-12) {
     texts.push_back(fmt::format(
