@@ -61,8 +61,8 @@ void transfer(Archive& archive, Target& t) {
   for (auto& count : t.held_by) archive(count);
   transfer_each(archive, t.worst);
 }
-template <class Archive, MaybeConst<Report> Account>
-void transfer(Archive& archive, Account& r) {
+template <class Archive, MaybeConst<Report> AnyReport>
+void transfer(Archive& archive, AnyReport& r) {
   for (const auto& kind : kOperationCounts) archive(r.*kind.count);
   archive(r.device, r.device_reason, r.threads, r.vertices, r.tets_before, r.tets_after, r.tets_untangled);
   archive(r.deviation, r.straightened, r.tets_bad, r.tets_active);
@@ -80,8 +80,8 @@ template <class Archive, MaybeConst<MoveStep> Step>
 void transfer(Archive& archive, Step& s) {
   archive(s.target, s.fraction, s.solver_iterations, s.dihedral_moved, s.dihedral_min, s.seconds);
 }
-template <class Archive, MaybeConst<MoveReport> Account>
-void transfer(Archive& archive, Account& r) {
+template <class Archive, MaybeConst<MoveReport> AnyReport>
+void transfer(Archive& archive, AnyReport& r) {
   archive(r.optimization, r.prescribed);
   transfer_each(archive, r.steps);
   archive(r.targets, r.targets_reached, r.fraction, r.blocking_tets, r.blocking_vertices);
