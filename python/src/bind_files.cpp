@@ -61,46 +61,29 @@ Netgen (.vol, .vol.gz) are built in. VTK (.vtu, .pvtu, .vtk) and Exodus (.e, .ex
 with VTK, or, for the files of VTK, pyvista or meshio; I-deas, Nastran, MED and CGNS (.unv, .bdf, .med, .cgns) need one
 that was built with Gmsh.
 
-Args:
-    path: the name of the file.
-    threads: 0 for all cores.
-
-Warns:
-    UserWarning: for each part of the file that is not kept, and where tetrahedra were reversed.
-
-Raises:
-    FileError: the file cannot be read, or is damaged; the message says where, and what to do.)";
+`threads`: 0 for all cores. Warns of each part of the file that is not kept, and where tetrahedra were reversed. Raises
+FileError where the file cannot be read, or is damaged; the message says where, and what to do.)";
 
 constexpr const char* kWriteMesh = R"(Writes a mesh in the format that the ending of the name says: those of read_mesh()
 except .pvtu.
 
 The file is written under a temporary name and renamed once complete: where that fails, an old file is unchanged.
 
-Args:
-    path: the name of the file; for TetGen that of one of its files.
-    mesh: of optimize(), curve() and the like, or of read_mesh().
-    threads: 0 for all cores.
-
-Warns:
-    UserWarning: for each part of the mesh that the format cannot hold.
-
-Raises:
-    FileError: the format is unknown or cannot hold the elements, the mesh has indices that do not exist, or the file
-        cannot be written.)";
+`path`: for TetGen the name of one of its files; `threads`: 0 for all cores. Warns of each part of the mesh that the
+format cannot hold. Raises FileError where the format is unknown or cannot hold the elements, the mesh has indices that
+do not exist, or the file cannot be written.)";
 
 constexpr const char* kReadSeries =
     R"(Reads a time series of VTK (.pvd): the times, which increase, and a file for each.
 The meshes themselves are not read; their names are relative to the current folder.
 
-Raises:
-    FileError: the file cannot be read, is not such a series, lists no file, or several for one time.)";
+Raises FileError where the file cannot be read, is not such a series, lists no file, or several for one time.)";
 
 constexpr const char* kWriteSeries =
     R"(Writes a time series of VTK (.pvd): times and the file of each, by names from the
 current folder. The series appears as a whole or not at all.
 
-Raises:
-    FileError: the file cannot be written.)";
+Raises FileError where the file cannot be written, or the times do not increase.)";
 
 }  // namespace
 

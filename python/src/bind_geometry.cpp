@@ -43,14 +43,9 @@ void load_geometry(Geometry* place, const std::filesystem::path& file, double un
 
 constexpr const char* kGeometry = R"(The exact surface of a part: a STEP, IGES or BREP file, read by OpenCASCADE.
 
-Args:
-    file: the name of the file (.step, .stp, .iges, .igs, .brep, .brp).
-    unit: the length of the mesh's unit in mm.
-    threads: 0 for all cores.
-
-Raises:
-    FileError: the file cannot be read, or tetune was built without OpenCASCADE.
-    OptionError: the unit or the number of threads is out of its range.)";
+`file`: its name (.step, .stp, .iges, .igs, .brep, .brp); `unit`: the length of the mesh's unit in mm; `threads`: 0 for
+all cores. Raises FileError where the file cannot be read, or tetune was built without OpenCASCADE, and OptionError
+where the unit or the number of threads is out of its range.)";
 
 void bind_match(nb::module_& m) {
   nb::class_<GeometryMatch>(m, "GeometryMatch", "How the surface of a mesh corresponds to a CAD model.")
