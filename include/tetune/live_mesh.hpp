@@ -23,9 +23,10 @@ struct SlideSurface;
 /// neighborhood are worked on, and all else keeps its coordinates and numbers bit for bit.
 ///
 /// The work of a step is that of optimize() or move() on the part, and a few passes over the lists of the whole mesh.
-/// Vertices keep their numbers. With Effort::best vertices are inserted, behind all others or with the numbers of
-/// removed ones; none is removed unless as many are inserted. Results are the same bit for bit for any number of
-/// threads. Not for concurrent calls on one object.
+/// Vertices keep their numbers in work on a part. With Effort::best vertices are inserted, behind all others or with
+/// the numbers of removed ones; none is removed unless as many are inserted. A step that works on the whole mesh, as
+/// the first one with Boundary::slide may, can remove more: Report::vertex2original then has the numbers before.
+/// Results are the same bit for bit for any number of threads. Not for concurrent calls on one object.
 class TETUNE_API LiveMesh {
  public:
   /// `options` hold for all calls; those with one entry per vertex follow its vertices. `neighborhood`, at

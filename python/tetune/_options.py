@@ -45,7 +45,7 @@ class Options(TypedDict, total=False):
     straighten: bool
     """Where mid-side nodes of a curved surface make elements invalid, they move toward the middle of their chord, as little as makes the elements valid, instead of being refused. Default: False."""
     flips: bool
-    """Edges and faces are flipped; otherwise vertices are only moved. Default: True."""
+    """Edges and faces are flipped; otherwise vertices are moved, and with effort=best inserted and removed. Default: True."""
     energy: Literal["shape", "harmonic"]
     """Energy per tetrahedron, the sum of which is minimized; shape: (eta / eta_r)^(3/2), scale-free: small elements count as much as large ones; harmonic: eta, the energy of the paper, a length: large elements count for more. Default: shape."""
     relocation: Literal["newton", "gradient"]

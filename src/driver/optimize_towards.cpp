@@ -17,6 +17,7 @@
 #include "phases/tuning.hpp"
 #include "quality/check_measures.hpp"
 #include "quality/find_failed.hpp"
+#include "tetune/curved.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
 #include "tetune/quality.hpp"
@@ -105,7 +106,10 @@ class CriteriaRun {
           quality(mesh, options_.threads).mean_ratio_min);
       make_rounds(mesh);
     }
-    if (is_worse(report_.before, report_.after)) keep_input(input, mesh);
+    // An input that had to be untangled is worse than any result.
+    const bool was_valid = !options_.untangle || (report_.optimization.tets_untangled == 0 &&
+                                                  measure_curved(input, options_.threads).all_valid());
+    if (was_valid && is_worse(report_.before, report_.after)) keep_input(input, mesh);
     if (may_limit) find_limits(mesh);
     const double of_rounds = seconds_of_phases(report_.optimization) - known;
     add_seconds(report_.optimization, "criteria", PhaseTimer::seconds_since(start) - of_rounds);
@@ -126,6 +130,13 @@ class CriteriaRun {
     Report kept = report_nothing(options_);
     kept.stop = run.stop;
     kept.vertices = run.vertices;
+    kept.free_vertices = run.free_vertices;
+    kept.plane_vertices = run.plane_vertices;
+    kept.line_vertices = run.line_vertices;
+    kept.fixed_vertices = run.fixed_vertices;
+    kept.surface_vertices = run.surface_vertices;
+    kept.curve_vertices = run.curve_vertices;
+    kept.periodic_vertices = run.periodic_vertices;
     kept.tets_before = kept.tets_after = run.tets_before;
     kept.energy_before = kept.energy_after = run.energy_before;
     kept.phases = std::move(run.phases);

@@ -46,7 +46,8 @@ std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult&
 /// Sets the data of vertices and tetrahedra of the result, whose points are those by extended id.
 void transfer_data(const TetMesh& mesh, const HostResult& result, const Options& options, TetMesh& next,
                    Report& report) {
-  if (options.data == DataTransfer::conserve) {
+  const bool has_data = !mesh.point_data.empty() || !mesh.tet_data.empty();
+  if (options.data == DataTransfer::conserve && has_data) {
     std::vector<std::array<Index, 4>> tets = result.tets;
     for (auto& tet : tets) {
       for (Index& v : tet) v = span_of(result.numbering.extended2new)[v];

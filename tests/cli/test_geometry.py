@@ -247,6 +247,11 @@ class Geometry(CliTest):
         for command in (("info", absent), ("convert", absent, self.path("out.msh"), "--order", "2")):
             self.refused(*command, "--geometry", self.part("ball.step"), "--geometry-unit", "furlong", said=["furlong"])
 
+    def test_growth_is_that_of_all_runs(self):
+        source = self.put("in.mesh", cylinder(4))
+        report = self.optimize(source, "cylinder.step", self.path("out.mesh"), "--effort", "best", "--max-growth", "1.02")["optimization"]
+        self.assertLessEqual(report["tetrahedra_after"], 1.02 * report["tetrahedra_before"])
+
     def test_options_without_effect_are_named(self):
         source = self.put("in.mesh", cylinder(3))
         done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--snap", "no", "--geometry-unit", "m", "--quiet")

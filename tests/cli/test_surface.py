@@ -178,7 +178,7 @@ class Slide(CliTest):
         for options, word in ((["--boundary", "fixed"], "--boundary fixed"),
                               (["--boundary", "slide", "--max-deviation", "0.1%"], "--max-deviation")):
             text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--surface-vertices", "edit", *options).stderr
-            self.assertIn(f"--surface-vertices edit has no effect with {word}", text)
+            self.assertIn(f"--surface-vertices edit edits inner vertices only with {word}", text)
 
     def test_freeze(self):
         mesh = bent(cube(4))

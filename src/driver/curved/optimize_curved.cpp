@@ -112,7 +112,7 @@ class CurvedOptimizer {
       const std::vector<Index> bad = relax(skeleton.mesh, report, slides);
       if ((bad.empty() && deviation.vertices.empty()) || attempt > max_attempts) {
         split_bounded_of(skeleton.mesh, report);
-        report.deviation = deviation.bound;
+        report.deviation = deviation.bound + straightened_distance();
         result = std::move(skeleton.mesh);
         return report;
       }
@@ -123,6 +123,14 @@ class CurvedOptimizer {
       if (!was_bounded) deviation.vertices.clear();
       lock(bad, deviation.vertices, skeleton.mesh, report, 1 + attempt / kAttemptsPerRing, locked);
     }
+  }
+
+  /// The largest distance by which straightening has moved the surface: the shape functions of the three mid-side nodes
+  /// of a triangle add up to at most 4/3.
+  double straightened_distance() const {
+    double largest = 0;
+    for (const StraightenedEdge& e : straightened_) largest = std::max(largest, e.moved);
+    return 4.0 / 3 * largest;
   }
 
   /// Lets the surface of a result slide, unless the elements are worse on the whole then.

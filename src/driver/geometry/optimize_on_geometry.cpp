@@ -86,6 +86,7 @@ class GeometryRun {
       report_.before = geometry_.match(input);
       if (on_geometry_.measures) report_.deviation_before = geometry_.measure(input.points, report_.before);
     });
+    max_tets_ = options_.max_growth * double(input.tets.size());
     load(input);
     if (on_geometry_.snap) {
       move_onto_geometry();
@@ -191,6 +192,8 @@ class GeometryRun {
     options.surface_vertices = SurfaceVertices::keep;
     options.frozen_vertices = state.held;
     options.frozen_patches = tags_.of_caller(options_.frozen_patches);
+    // The growth of all runs together is limited.
+    options.max_growth = std::max(1.0, max_tets_ / double(state.mesh.tets.size()));
     return options;
   }
   Options fixed_options(const WorkState& state) const { return options_for(state, Boundary::fixed); }
@@ -348,6 +351,7 @@ class GeometryRun {
   PatchTags tags_;
   WorkState work_;
   bool has_run_ = false;
+  double max_tets_ = 0;
   double seconds_ = 0;  ///< of work on the geometry
 };
 

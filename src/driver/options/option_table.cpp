@@ -101,43 +101,44 @@ constexpr std::array kFlipping{kWithoutFlips};
 constexpr std::array kEffortConditions{
     kWithoutSweeps,
     OptionCondition{[](const Options& o) { return o.termination == Termination::paper; },
-                    "has no effect with termination=paper"},
+                    "has little effect with termination=paper"},
     OptionCondition{[](const Options& o) { return o.effort == Effort::best && o.energy == Energy::harmonic; },
                     "inserts no vertices and leaves the worst elements alone with energy=harmonic"}};
-constexpr OptionCondition kBoundedSurface{
-    [](const Options& o) { return o.boundary == Boundary::slide && o.max_deviation > 0; },
-    "has no effect with max_deviation"};
 constexpr std::array kBoundaryFlipConditions{
     OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
                     "has no effect with boundary=fixed"},
-    kWithoutFlips, kBoundedSurface,
-    OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
-constexpr std::array kSurfaceEditConditions{
-    OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
-                    "has no effect with boundary=fixed"},
-    kBoundedSurface,
-    OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
-    OptionCondition{[](const Options& o) { return !o.boundary_flips; }, "has no effect with boundary_flips=false"},
-    OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"},
-    OptionCondition{[](const Options& o) { return o.effort == Effort::fast; }, "has no effect with effort=fast"},
-    OptionCondition{[](const Options& o) { return o.energy == Energy::harmonic; },
-                    "has no effect with energy=harmonic"},
-    OptionCondition{[](const Options& o) { return o.termination == Termination::paper; },
-                    "has no effect with termination=paper"},
     kWithoutFlips,
-    kWithoutSweeps};
+    OptionCondition{[](const Options& o) { return o.boundary == Boundary::slide && o.max_deviation > 0; },
+                    "has no effect with max_deviation"},
+    OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
+constexpr OptionCondition kWithHarmonic{[](const Options& o) { return o.energy == Energy::harmonic; },
+                                        "has no effect with energy=harmonic"};
+constexpr OptionCondition kWithPaper{[](const Options& o) { return o.termination == Termination::paper; },
+                                     "has no effect with termination=paper"};
+constexpr std::array kSurfaceEditConditions{
+    OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
+    OptionCondition{[](const Options& o) { return o.effort == Effort::fast; }, "has no effect with effort=fast"},
+    kWithHarmonic,
+    kWithPaper,
+    kWithoutSweeps,
+    OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
+                    "edits inner vertices only with boundary=fixed"},
+    OptionCondition{[](const Options& o) { return o.boundary == Boundary::slide && o.max_deviation > 0; },
+                    "edits inner vertices only with max_deviation"},
+    OptionCondition{[](const Options& o) { return !o.boundary_flips || !o.flips || o.max_ring == 3; },
+                    "edits inner vertices only where edges of the surface are not flipped"}};
 constexpr std::array kGrowthConditions{
     OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
     OptionCondition{
         [](const Options& o) { return o.effort != Effort::best && o.surface_vertices != SurfaceVertices::edit; },
-        "has no effect without effort=best or surface_vertices=edit"}};
+        "has no effect without effort=best or surface_vertices=edit"},
+    OptionCondition{[](const Options& o) { return o.effort == Effort::fast; }, "has no effect with effort=fast"},
+    kWithHarmonic,
+    kWithPaper,
+    kWithoutSweeps};
 constexpr std::array kRestartConditions{
     OptionCondition{[](const Options& o) { return o.effort != Effort::best; }, "has no effect without effort=best"},
-    OptionCondition{[](const Options& o) { return o.energy == Energy::harmonic; },
-                    "has no effect with energy=harmonic"},
-    OptionCondition{[](const Options& o) { return o.termination == Termination::paper; },
-                    "has no effect with termination=paper"},
-    kWithoutSweeps};
+    kWithHarmonic, kWithPaper, kWithoutSweeps};
 constexpr std::array kUntangling{
     OptionCondition{[](const Options& o) { return !o.untangle; }, "has no effect without untangle=true"}};
 constexpr std::array kLimited{
@@ -224,7 +225,8 @@ const std::array kTable{
                {},
                {},
                kUntangling},
-    OptionInfo{"flips", &Options::flips, kMethod, "Edges and faces are flipped; otherwise vertices are only moved"},
+    OptionInfo{"flips", &Options::flips, kMethod,
+               "Edges and faces are flipped; otherwise vertices are moved, and with effort=best inserted and removed"},
     OptionInfo{"energy", &Options::energy, kMethod, "Energy per tetrahedron, the sum of which is minimized", kEnergies},
     OptionInfo{"relocation", &Options::relocation, kMethod, "How a vertex is moved", kRelocations, {}, kSweeping},
     OptionInfo{"termination", &Options::termination, kMethod, "When sweeps end", kTerminations, {}, kSweeping},

@@ -61,11 +61,13 @@ void add_triangles(const TetMesh& mesh, int threads, MeshSurface& s) {
     faces.push_back(face.vertices);
   });
   std::vector<Triangle> listed;
+  std::vector<std::uint8_t> is_required(mesh.triangles.size(), 0);
+  for (const Index t : mesh.required_triangles) span_of(is_required)[t] = 1;
   for (Size t = 0; t < std::ssize(mesh.triangles); ++t) {
     const Triangle triangle = ascending(span_of(mesh.triangles)[t]);
     listed.push_back(triangle);
-    const bool is_loose =
-        span_of(mesh.triangle_tags)[t] == 0 && !std::binary_search(faces.begin(), faces.end(), triangle);
+    const bool is_loose = span_of(mesh.triangle_tags)[t] == 0 && span_of(is_required)[t] == 0 &&
+                          !std::binary_search(faces.begin(), faces.end(), triangle);
     if (is_loose) continue;
     s.triangles.push_back(span_of(mesh.triangles)[t]);
     s.listed.push_back(to_index(t));
