@@ -50,9 +50,8 @@ int run(const std::vector<std::string>& arguments) {
   app.footer(
       "Exit codes: 0: success. 1: a valid mesh was written, but the run stopped early, missed a target or a criterion, "
       "or could not write a report, trace or map. 1 also: --untangle failed, and no mesh was written; info, compare: "
-      "the "
-      "mesh is empty or not valid, or misses --min-quality or a criterion. 2: nothing was written. Of several meshes, "
-      "the largest.");
+      "the mesh is empty or not valid, or misses --min-quality or a criterion. 2: nothing was written. Of several "
+      "meshes, the largest.");
   Console errors(wants_json(arguments) ? ProgressMode::json : ProgressMode::none, 0, nullptr);
   int exit_code = kDone;
   add_optimize(app, exit_code);

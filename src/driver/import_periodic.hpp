@@ -9,6 +9,7 @@
 #include "boundary/find_dofs.hpp"
 #include "boundary/motion_intersection.hpp"
 #include "mesh/periodic.hpp"
+#include "phases/tuning.hpp"
 #include "phases/working_set.hpp"
 
 namespace tetune {
@@ -16,9 +17,8 @@ namespace tetune {
 /// Whether vertices of periodic links may move.
 inline bool moves_periodic(const TetMesh& mesh, const Options& options) {
   // The bound on the deviation needs the place of each surface vertex on the reference surface.
-  const bool has_deviation_bound = options.boundary == Boundary::slide && options.max_deviation > 0;
   return !mesh.periodic.empty() && options.boundary != Boundary::fixed && options.max_iterations > 0 &&
-         !has_deviation_bound;
+         !has_deviation_bound(options);
 }
 
 namespace import_periodic_detail {

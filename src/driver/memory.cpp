@@ -27,7 +27,7 @@ std::size_t periodic_bytes(const TetMesh& mesh) {
 
 /// The checked surface of a bound on the deviation.
 std::size_t checked_surface_bytes(const TetMesh& mesh, const Options& options) {
-  const bool is_bounded = options.boundary == Boundary::slide && options.max_deviation > 0;
+  const bool is_bounded = has_deviation_bound(options);
   return is_bounded ? (sizeof(Point) + sizeof(SurfacePoint)) * mesh.points.size() : 0;
 }
 

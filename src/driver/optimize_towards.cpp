@@ -106,10 +106,7 @@ class CriteriaRun {
           quality(mesh, options_.threads).mean_ratio_min);
       make_rounds(mesh);
     }
-    // An input that had to be untangled is worse than any result.
-    const bool was_valid = !options_.untangle || (report_.optimization.tets_untangled == 0 &&
-                                                  measure_curved(input, options_.threads).all_valid());
-    if (was_valid && is_worse(report_.before, report_.after)) keep_input(input, mesh);
+    if (is_worse(report_.before, report_.after) && was_valid(input)) keep_input(input, mesh);
     if (may_limit) find_limits(mesh);
     const double of_rounds = seconds_of_phases(report_.optimization) - known;
     add_seconds(report_.optimization, "criteria", PhaseTimer::seconds_since(start) - of_rounds);
@@ -122,6 +119,12 @@ class CriteriaRun {
   bool is_stopped() const { return report_.optimization.stop == StopReason::cancelled || hooks_.is_stopped(); }
 
   Context context_for(double done, double fraction) const { return scaled_progress(hooks_.context(), done, fraction); }
+
+  /// An input that had to be untangled is worse than any result.
+  bool was_valid(const TetMesh& input) const {
+    return !options_.untangle ||
+           (report_.optimization.tets_untangled == 0 && measure_curved(input, options_.threads).all_valid());
+  }
 
   /// Undoes the run where the objective lowers measures of criteria that the input meets.
   void keep_input(const TetMesh& input, TetMesh& mesh) {

@@ -300,12 +300,16 @@ inline int largest_angle_rounds(const Options& options) {
   return options.restarts >= 0 ? options.restarts : tuning_of(options.effort).restart.rounds;
 }
 
+/// Whether the distance of the surface from the input's is limited.
+inline bool has_deviation_bound(const Options& options) {
+  return options.boundary == Boundary::slide && options.max_deviation > 0;
+}
+
 /// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the
 /// surface that the deviation is measured from.
 inline bool flips_boundary(const Options& options) {
-  const bool is_bounded = options.boundary == Boundary::slide && options.max_deviation > 0;
-  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed && !is_bounded &&
-         options.max_ring > 3;
+  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed &&
+         !has_deviation_bound(options) && options.max_ring > 3;
 }
 
 /// Whether vertices are inserted and removed on the surface too.

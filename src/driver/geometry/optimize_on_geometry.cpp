@@ -193,7 +193,7 @@ class GeometryRun {
     options.frozen_vertices = state.held;
     options.frozen_patches = tags_.of_caller(options_.frozen_patches);
     // The growth of all runs together is limited.
-    options.max_growth = std::max(1.0, max_tets_ / double(state.mesh.tets.size()));
+    options.max_growth = std::clamp(max_tets_ / double(state.mesh.tets.size()), 1.0, options_.max_growth);
     return options;
   }
   Options fixed_options(const WorkState& state) const { return options_for(state, Boundary::fixed); }

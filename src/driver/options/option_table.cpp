@@ -8,6 +8,7 @@
 
 #include "driver/report/targets.hpp"
 #include "math/constants.hpp"
+#include "phases/tuning.hpp"
 #include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
@@ -107,9 +108,7 @@ constexpr std::array kEffortConditions{
 constexpr std::array kBoundaryFlipConditions{
     OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
                     "has no effect with boundary=fixed"},
-    kWithoutFlips,
-    OptionCondition{[](const Options& o) { return o.boundary == Boundary::slide && o.max_deviation > 0; },
-                    "has no effect with max_deviation"},
+    kWithoutFlips, OptionCondition{has_deviation_bound, "has no effect with max_deviation"},
     OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
 constexpr OptionCondition kWithHarmonic{[](const Options& o) { return o.energy == Energy::harmonic; },
                                         "has no effect with energy=harmonic"};
@@ -123,8 +122,7 @@ constexpr std::array kSurfaceEditConditions{
     kWithoutSweeps,
     OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
                     "edits inner vertices only with boundary=fixed"},
-    OptionCondition{[](const Options& o) { return o.boundary == Boundary::slide && o.max_deviation > 0; },
-                    "edits inner vertices only with max_deviation"},
+    OptionCondition{has_deviation_bound, "edits inner vertices only with max_deviation"},
     OptionCondition{[](const Options& o) { return !o.boundary_flips || !o.flips || o.max_ring == 3; },
                     "edits inner vertices only where edges of the surface are not flipped"}};
 constexpr std::array kGrowthConditions{
