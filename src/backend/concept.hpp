@@ -43,6 +43,10 @@ struct Weight {
 struct AnyRow {
   TETUNE_HD Size operator()(Size) const { return 0; }
 };
+struct PlaceKeptItem {
+  static constexpr Size kGrain = 32;
+  TETUNE_HD void operator()(Size, Size, std::uint32_t) const {}
+};
 struct PlaceItem {
   TETUNE_HD void operator()(Size, std::uint32_t) const {}
 };
@@ -139,10 +143,12 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
   /// Writes each i in [0, n) with keep(i) to `ids`, in increasing order; returns their number. Requires room for n.
   /// keep(i) may be called twice, with the same result; like a kernel it may write what no other call reads or writes.
   { backend.compact(n, concept_detail::AnyPredicate{}, ids) } -> std::same_as<Size>;
-  /// compact(), and writes to sums[k] the sum of f(i) over the first k of these i; returns also the sum over all.
-  /// Requires room for n.
+  /// Calls place(i, k, sum of f(j) over the first k of these j) for each i in [0, n) with keep(i), where k is the
+  /// number of those below i; returns the number and the sum of all. place(i, ...) may be called before keep(j) for
+  /// other j, and may write what keep(j) and f(j) read, if their results stay the same.
   {
-    backend.compact_and_sum(n, concept_detail::AnyPredicate{}, ids, concept_detail::Weight{}, out)
+    backend.compact_and_sum(n, concept_detail::AnyPredicate{}, concept_detail::Weight{},
+                            concept_detail::PlaceKeptItem{})
     } -> std::same_as<CountAndSum<std::uint32_t>>;
   /// Sorts (key, value) pairs by the lowest 64 bits of the key, or fewer; stable.
   { backend.sort_by_key(keys, values, 64) } -> std::same_as<void>;

@@ -199,9 +199,9 @@ class Cpu {
     return total;
   }
 
-  template <class T, class F, class G>
-  CountAndSum<T> compact_and_sum(Size n, const F& keep, Span<Index32> out, const G& evaluate, Span<T> sums) const {
-    return backend::compact_and_sum(*this, n, keep, out, evaluate, sums);
+  template <class F, class G, class P>
+  auto compact_and_sum(Size n, const F& keep, const G& evaluate, const P& place) const {
+    return backend::compact_and_sum(*this, n, keep, evaluate, place);
   }
 
   /// A radix sort; each pass counts and moves by blocks.

@@ -119,9 +119,9 @@ class Cuda {
     return scan(n, ListKept<F>{keep, out}).get();
   }
 
-  template <class T, class F, class G>
-  CountAndSum<T> compact_and_sum(Size n, const F& keep, Span<Index32> out, const G& evaluate, Span<T> sums) const {
-    return scan(n, ListAndSumKept<T, F, G>{keep, out, evaluate, sums}).get();
+  template <class F, class G, class P>
+  auto compact_and_sum(Size n, const F& keep, const G& evaluate, const P& place) const {
+    return scan(n, PlaceKept<F, G, P>{keep, evaluate, place}).get();
   }
 
   template <class K>

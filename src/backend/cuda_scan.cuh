@@ -169,19 +169,16 @@ struct ListKept {
   }
 };
 
-/// Also sums up a value of each of them.
-template <class T, class Predicate, class Evaluate>
-struct ListAndSumKept {
-  using Value = CountAndSum<T>;
+/// Calls a kernel for these items, with their rank and the sum of the values before.
+template <class Predicate, class Evaluate, class Place>
+struct PlaceKept {
+  using Value = CountAndSum<std::invoke_result_t<const Evaluate&, Size>>;
   Predicate keep;
-  Span<Index32> out;
   Evaluate evaluate;
-  Span<T> sums;
+  Place place_kept;
   TETUNE_HD Value operator()(Size i) const { return keep(i) ? Value{1, evaluate(i)} : Value{}; }
   TETUNE_HD void place(Size i, const Value& before, const Value& value) const {
-    if (value.count == 0) return;
-    out[before.count] = to_index(i);
-    sums[before.count] = before.sum;
+    if (value.count > 0) place_kept(i, Size{before.count}, before.sum);
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "backend/buffer.hpp"
 #include "backend/span.hpp"
 #include "backend/team.hpp"
 
@@ -71,14 +72,26 @@ struct EvaluateListed {
   Span<T> results;
   TETUNE_HD void operator()(Size i) const { results[i] = kernel(items[i]); }
 };
+/// Calls a kernel for listed items, with their rank and the sum of the values before.
+template <class T, class Kernel>
+struct PlaceListed {
+  static constexpr Size kGrain = Kernel::kGrain;
+  Kernel kernel;
+  Span<const Index32> items;
+  Span<const T> before;
+  TETUNE_HD void operator()(Size rank) const { kernel(items[rank], rank, before[rank]); }
+};
 
-template <class Backend, class T, class F, class G>
-CountAndSum<T> compact_and_sum(const Backend& backend, Size n, const F& keep, Span<Index32> out, const G& evaluate,
-                               Span<T> sums) {
-  const Size kept = backend.compact(n, keep, out);
-  backend.for_each(kept, EvaluateListed<T, G>{evaluate, out, sums});
-  sums = {sums.data(), kept};
-  return {std::uint32_t(kept), backend.exclusive_scan(Span<const T>(sums), sums)};
+template <class Backend, class F, class G, class P>
+auto compact_and_sum(const Backend& backend, Size n, const F& keep, const G& evaluate, const P& place) {
+  using T = std::invoke_result_t<const G&, Size>;
+  Buffer<Index32, Backend> kept(backend, n);
+  kept.resize(backend, backend.compact(n, keep, kept.span()));
+  Buffer<T, Backend> sums(backend, kept.size());
+  backend.for_each(kept.size(), EvaluateListed<T, G>{evaluate, kept.span(), sums.span()});
+  const T total = backend.exclusive_scan(Span<const T>(sums.span()), sums.span());
+  backend.for_each(kept.size(), PlaceListed<T, P>{place, kept.span(), sums.span()});
+  return CountAndSum<T>{std::uint32_t(kept.size()), total};
 }
 
 }  // namespace tetune::backend

@@ -233,13 +233,22 @@ struct EvaluateTotals {
     return t;
   }
 };
+struct ListWithSum {
+  static constexpr Size kGrain = 32;
+  Span<Index32> items;
+  Span<Totals> before;
+  TETUNE_HD void operator()(Size i, Size rank, const Totals& sum) const {
+    items[rank] = static_cast<Index32>(i);
+    before[rank] = sum;
+  }
+};
 
 /// Twice, so that the second scan meets what the first one left.
 TEST_P(CudaPrimitives, CompactAndSumIsTheScanOfWhatIsKept) {
   Cuda::Buffer<Index32> out(*cuda, n());
   Cuda::Buffer<Totals> sums(*cuda, n());
   for (int k = 0; k < 2; ++k) {
-    const auto all = cuda->compact_and_sum(n(), IsThird{}, out.span(), EvaluateTotals{}, sums.span());
+    const auto all = cuda->compact_and_sum(n(), IsThird{}, EvaluateTotals{}, ListWithSum{out.span(), sums.span()});
     ASSERT_EQ(all.count, (n() + 2) / 3);
     std::vector<Index32> ids(all.count);
     std::vector<Totals> before(all.count);

@@ -148,12 +148,21 @@ TYPED_TEST(Primitives, CompactKeepsOrder) {
 struct Square {
   std::uint32_t operator()(Size i) const { return static_cast<std::uint32_t>(i * i); }
 };
+struct ListWithSum {
+  static constexpr Size kGrain = 32;
+  Span<Index32> items;
+  Span<std::uint32_t> before;
+  void operator()(Size i, Size rank, std::uint32_t sum) const {
+    items[rank] = static_cast<Index32>(i);
+    before[rank] = sum;
+  }
+};
 
 TYPED_TEST(Primitives, CompactAndSumIsTheScanOfWhatIsKept) {
   for (const Size n : kSizes) {
     typename TypeParam::Backend::template Buffer<Index32> out(this->backend, n);
     typename TypeParam::Backend::template Buffer<std::uint32_t> sums(this->backend, n);
-    const auto all = this->backend.compact_and_sum(n, IsThird{}, out.span(), Square{}, sums.span());
+    const auto all = this->backend.compact_and_sum(n, IsThird{}, Square{}, ListWithSum{out.span(), sums.span()});
     ASSERT_EQ(all.count, (n + 2) / 3);
     const std::vector<Index32> host = out.download();
     const std::vector<std::uint32_t> before = sums.download();

@@ -63,23 +63,27 @@ struct HasFlaggedEdge {
   }
 };
 
-/// Marks the tetrahedra for which a predicate holds, and no others.
+/// Marks the tetrahedra for which a predicate holds, and no others. Clears the bids.
 template <class Predicate>
 struct MarkActive {
   Predicate predicate;
   Span<std::uint8_t> marks;
+  Span<std::uint64_t> tet2bid;
   TETUNE_HD bool operator()(Size t) const {
     const bool is_active = predicate(t);
     marks[t] = is_active ? kActive : 0;
+    tet2bid[t] = 0;
     return is_active;
   }
 };
 
-/// Whether a tetrahedron is marked; resolves kActiveIfPromising to kActive or 0.
+/// Whether a tetrahedron is marked; resolves kActiveIfPromising to kActive or 0. Clears the bids.
 struct ResolveMark {
   Span<std::uint8_t> marks;
+  Span<std::uint64_t> tet2bid;
   IsPromising is_promising;
   TETUNE_HD bool operator()(Size t) const {
+    tet2bid[t] = 0;
     if (marks[t] == kActiveIfPromising) marks[t] = is_promising(t) ? kActive : 0;
     return marks[t] != 0;
   }
@@ -98,8 +102,9 @@ void activate_where(const Backend& backend, WorkMesh<Backend>& mesh, FlipState<B
   state.active.resize(backend, slots, mesh.room());
   state.marks.resize(backend, slots, mesh.room());
   state.tet2bid.resize(backend, slots, mesh.room());
-  const MarkActive<Predicate> mark{predicate, state.marks.span()};
+  const MarkActive<Predicate> mark{predicate, state.marks.span(), state.tet2bid.span()};
   state.active.resize(backend, backend.compact(slots, mark, state.active.span()));
+  state.bids_are_clear = true;
   state.drift_origin.assign(backend, mesh.points);
 }
 
@@ -138,9 +143,10 @@ template <class Backend>
 void activate_marked(const Backend& backend, const Criterion& criterion, FlipState<Backend>& state) {
   using namespace active_set_detail;
   const Size slots = state.marks.size();
-  const ResolveMark is_marked{state.marks.span(), is_promising(criterion, state)};
+  const ResolveMark is_marked{state.marks.span(), state.tet2bid.span(), is_promising(criterion, state)};
   state.active.resize(backend, slots);
   state.active.resize(backend, backend.compact(slots, is_marked, state.active.span()));
+  state.bids_are_clear = true;
 }
 
 }  // namespace tetune

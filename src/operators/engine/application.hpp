@@ -40,90 +40,21 @@ struct SelectedRecords {
   TETUNE_HD Record<P>& operator[](Size i) const { return records[selected[i]]; }
 };
 
-/// Assigns slots and ids of vertices, and leaves, in each boundary face of the old tetrahedra, the new half-face. Marks
-/// these tetrahedra as replaced, and as not active.
+/// AssignSlots for the selected records.
 template <class P>
-struct AssignSlots {
+struct AssignSelected {
   static constexpr Size kGrain = 32;
-  MeshView mesh;
-  SelectedRecords<P> records;
+  selection_detail::AssignSlots<P> assign;
+  Span<const Index> selected;
   Span<const ChangeCounts> before;
-  Span<const Index> free_slots;
-  SlotChange change;
-  Size vertices;  ///< before
-  Span<std::uint64_t> tet2bid;
-  Span<std::uint8_t> marks;
-
-  TETUNE_INLINE void prefetch(Size i, Size end) const {
-    if (i + kRecordsAhead >= end) return;
-    const P& patch = records[i + kRecordsAhead].patch;
-    for (int k = 0; k < patch.old_count(); ++k) backend::prefetch(&mesh.tet2tet[patch.tets[k]]);
-  }
-  TETUNE_HD void operator()(Size i) const {
-    Record<P>& r = records[i];
-    for (int k = 0; k < r.patch.old_count(); ++k) {
-      tet2bid[r.patch.tets[k]] = kReplaced;
-      marks[r.patch.tets[k]] = 0;
-    }
-    for (int x = 0; x < r.patch.new_count() - r.patch.old_count(); ++x) {
-      r.extra_slots[x] = change.slot_of(free_slots, Size{before[i].taken} + x);
-    }
-    if constexpr (requires { r.patch.assign_vertex(Index{}); }) {
-      r.patch.assign_vertex(static_cast<Index>(vertices + before[i].inserted));
-    }
-    for (int k = 0; k < r.patch.face_count(); ++k) {
-      mesh.across(r.patch.old_face(mesh, k)) = r.new_half_face(k);
-    }
-  }
+  TETUNE_HD void operator()(Size i) const { assign(selected[i], before[i]); }
 };
 
-/// Resolves what lies across the boundary faces now: a neighbor that stays gets the new half-face, one that is replaced
-/// as well has left its own.
-template <class P>
-struct ResolveNeighbors {
-  static constexpr Size kGrain = 32;
-  MeshView mesh;
-  SelectedRecords<P> records;
-  Span<const std::uint64_t> tet2bid;
-
-  /// Records from `end` on may be written by another thread.
-  TETUNE_INLINE void prefetch(Size i, Size end) const {
-    if (i + kRecordsAhead >= end) return;
-    const Record<P>& r = records[i + kRecordsAhead];
-    for (int k = 0; k < r.patch.face_count(); ++k) {
-      const Index t = r.across[k] == kNoHalfFace ? 0 : tet_of(r.across[k]);
-      backend::prefetch(&tet2bid[t]);
-      backend::prefetch(&mesh.tet2tet[t]);
-    }
-  }
-  TETUNE_HD void operator()(Size i) const {
-    Record<P>& r = records[i];
-    const int faces = r.patch.face_count();
-    for (int k = 0; k < faces; ++k) {
-      const HalfFace old = r.across[k];
-      if (old == kNoHalfFace) continue;
-      HalfFace& back = mesh.across(old);
-      if (tet2bid[tet_of(old)] == kReplaced) {
-        r.across[k] = back | (old & kLocked);
-      } else {
-        back = r.new_half_face(k) | (old & kLocked);
-      }
-    }
-    if (r.twin < 0) return;
-    const Record<P>& twin = records.records[r.twin];
-    if constexpr (requires { r.patch.meets(twin.patch); }) {
-      if (!r.patch.meets(twin.patch)) return;
-    }
-    // The faces that both parts make in an interface lie on each other.
-    for (int k = 0; k < r.patch.new_surface_faces(); ++k) {
-      r.across[faces + k] = twin.new_half_face(twin.patch.face_count() + k) | kLocked;
-    }
-  }
-};
-
-/// Writes the new tetrahedra, and frees the slots that are left over. Marks the new tetrahedra and their neighbors for
-/// evaluation where `changed_tets` are given: nearly all candidates whose cavity changed belong to one of these. The
-/// threads of a team divide the tetrahedra among them.
+/// Writes the new tetrahedra, connects them with what lies across the boundary of the cavity, and frees the slots that
+/// are left over. Marks the new tetrahedra and their neighbors for evaluation where `changed_tets` are given: nearly
+/// all candidates whose cavity changed belong to one of these. The threads of a team divide faces and tetrahedra among
+/// them. Other calls write the mesh at the same time: what a cavity that is replaced as well becomes is found in its
+/// record.
 template <class P>
 struct WriteTets {
   static constexpr Size kGrain = 32;
@@ -132,6 +63,7 @@ struct WriteTets {
   struct Shared {};
   RatedMesh mesh;
   SelectedRecords<P> records;
+  Span<const std::uint64_t> tet2bid;
   Span<const ChangeCounts> before;
   Span<Index> free_slots;
   Size free_kept;
@@ -142,7 +74,13 @@ struct WriteTets {
 
   TETUNE_INLINE void prefetch(Size i, Size end) const {
     if (i + kRecordsAhead >= end) return;
-    const P& patch = records[i + kRecordsAhead].patch;
+    const Record<P>& r = records[i + kRecordsAhead];
+    const P& patch = r.patch;
+    for (int k = 0; k < patch.face_count(); ++k) {
+      const Index t = r.across[k] == kNoHalfFace ? 0 : tet_of(r.across[k]);
+      backend::prefetch(&tet2bid[t]);
+      backend::prefetch(&mesh.tet2tet[t]);
+    }
     for (int k = 0; k < patch.old_count(); ++k) prefetch_tet(mesh, energies, patch.tets[k]);
     backend::prefetch(&mesh.tet2original[patch.tets[0]]);
     for (int k = 0; k < patch.vertex_count(); ++k) backend::prefetch(&mesh.points[patch.vertex(k)]);
@@ -153,12 +91,13 @@ struct WriteTets {
   }
   template <class Team>
   TETUNE_HD FlipSum operator()(const Team& team, Shared&, Size i) const {
-    const Record<P>& r = records[i];
+    Record<P>& r = records[i];
     const P& patch = r.patch;
     if constexpr (requires { patch.write_vertex(mesh, vertices); }) {
       if (team.rank() == 0) patch.write_vertex(mesh, vertices);
-      team.sync();
     }
+    for (int k = team.rank(); k < patch.face_count() + patch.new_surface_faces(); k += Team::kSize) connect_face(r, k);
+    team.sync();
     FlipSum sum;
     sum.decrease = sum_in_order(team, write_tets(team, r));
     for (int x = team.rank(); x < patch.old_count(); x += Team::kSize) {
@@ -176,6 +115,28 @@ struct WriteTets {
   }
 
  private:
+  /// Sets r.across[k] to what lies across boundary face k now; a neighbor that stays gets the new half-face.
+  TETUNE_HD void connect_face(Record<P>& r, int k) const {
+    if (k >= r.patch.face_count()) {
+      if (r.twin >= 0) connect_twin(r, records.records[r.twin], k);
+      return;
+    }
+    const HalfFace old = r.across[k];
+    if (old == kNoHalfFace) return;
+    const std::uint64_t bid = tet2bid[tet_of(old)];
+    if (is_replaced(bid)) {
+      r.across[k] = records.records[replacing_record(bid)].new_half_face_of(old & ~kLocked) | (old & kLocked);
+    } else {
+      mesh.across(old) = r.new_half_face(k) | (old & kLocked);
+    }
+  }
+  /// The faces that both parts make in an interface lie on each other.
+  TETUNE_HD static void connect_twin(Record<P>& r, const Record<P>& twin, int k) {
+    if constexpr (requires { r.patch.meets(twin.patch); }) {
+      if (!r.patch.meets(twin.patch)) return;
+    }
+    r.across[k] = twin.new_half_face(twin.patch.face_count() + k - r.patch.face_count()) | kLocked;
+  }
   /// The sum over the threads, in their order.
   template <class Team>
   TETUNE_HD static double sum_in_order(const Team& team, double own) {
@@ -241,20 +202,24 @@ auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Crit
                      FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed,
                      bool marks_changed, const VertexArrays& vertices = {}) {
   using namespace application_detail;
+  const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
+  const Span<const ChangeCounts> before = selection.before.span();
+  if (!selection.is_assigned) {
+    const Size old_vertices = mesh.vertices() - selection.total.inserted;
+    backend.for_each(records.size(), AssignSelected<P>{{records.records, FreeSlots(mesh), old_vertices,
+                                                        state.tet2bid.span(), state.marks.span()},
+                                                       records.selected,
+                                                       before});
+  }
   const SlotChange change(mesh, selection.total);
   change.make_room(backend, mesh);
   state.make_room(backend, change.needed);
-  const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
-  const Span<const ChangeCounts> before = selection.before.span();
-  const Size old_vertices = mesh.vertices() - selection.total.inserted;
   ActiveMarks changed_tets;
   if (marks_changed) changed_tets = {state.marks.span(), state.slack.span()};
-  backend.for_each(records.size(), AssignSlots<P>{mesh.view(), records, before, mesh.free_slots.span(), change,
-                                                  old_vertices, state.tet2bid.span(), state.marks.span()});
-  backend.for_each(records.size(), ResolveNeighbors<P>{mesh.view(), records, state.tet2bid.span()});
   const auto sum = backend.template reduce_async<FlipSum>(
-      records.size(), WriteTets<P>{rated(mesh, criterion), records, before, mesh.free_slots.span(), change.free_kept,
-                                   state.energies.span(), changed_tets, changed, vertices});
+      records.size(),
+      WriteTets<P>{rated(mesh, criterion), records, state.tet2bid.span(), before, mesh.free_slots.span(),
+                   change.free_kept, state.energies.span(), changed_tets, changed, vertices});
   change.finish(mesh);
   return sum;
 }
@@ -281,7 +246,7 @@ template <class Backend, class Generator>
 PassResult flip_active(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                        FlipState<Backend>& state, const Generator& generator, Span<std::uint8_t> changed) {
   const Size active = state.active.size();
-  auto selection = select_candidates(backend, mesh, active, generator, state.tet2bid);
+  auto selection = select_candidates(backend, mesh, active, generator, state);
   PassResult result = flip_selected(backend, mesh, criterion, state, selection, changed);
   result.active = active;
   return result;

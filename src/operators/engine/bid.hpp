@@ -12,11 +12,16 @@
 /// for the maximal independent set problem", 1986; Ströter et al. 2022, Alg. 5, lines 21 to 33).
 namespace tetune {
 
-/// In place of the highest bid on a tetrahedron: its cavity is selected, and the tetrahedron is about to be replaced.
-inline constexpr std::uint64_t kReplaced = ~std::uint64_t{0};
+/// In place of the highest bid on a tetrahedron whose cavity is selected: which record replaces it. No bid has this
+/// bit.
+inline constexpr std::uint64_t kReplaced = std::uint64_t{1} << 63;
+TETUNE_HD inline std::uint64_t replaced_by(Index record) { return kReplaced | std::uint64_t(record); }
+TETUNE_HD inline bool is_replaced(std::uint64_t bid) { return (bid & kReplaced) != 0; }
+/// Requires is_replaced().
+TETUNE_HD inline Index replacing_record(std::uint64_t bid) { return Index(bid & ~kReplaced); }
 
 /// Orders candidates by gain, then by id: the lower id wins. The gain is rounded to single precision, so that gains
-/// that differ by round-off alone count as equal. No bid is 0.
+/// that differ by round-off alone count as equal. Requires a positive gain; no bid is 0.
 TETUNE_HD inline std::uint64_t make_bid(double gain, std::uint32_t id) {
   const auto rounded = static_cast<float>(gain);
   std::uint32_t bits = 0;
@@ -30,11 +35,11 @@ template <class Cavity>
 TETUNE_HD void place_bid(const Cavity& cavity, std::uint64_t bid, Span<std::uint64_t> tet2bid) {
   for (int k = 0; k < cavity.old_count(); ++k) backend::atomic_max(tet2bid[cavity.tets[k]], bid);
 }
-/// Whether a bid is the highest on all tetrahedra of a cavity.
+/// Whether a bid is the highest on all tetrahedra of a cavity. Other cavities may become selected at the same time.
 template <class Cavity>
 TETUNE_HD bool holds_all(const Cavity& cavity, std::uint64_t bid, Span<const std::uint64_t> tet2bid) {
   for (int k = 0; k < cavity.old_count(); ++k) {
-    if (tet2bid[cavity.tets[k]] != bid) return false;
+    if (backend::load_shared(tet2bid[cavity.tets[k]]) != bid) return false;
   }
   return true;
 }

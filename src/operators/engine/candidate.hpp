@@ -31,14 +31,14 @@ struct NewNeighbor {
 /// - Two parts of a candidate make the same faces in a surface; where the patch has meets(other), only if that is true.
 template <class P>
 concept CavityPatch = std::is_trivially_copyable_v<P> &&
-    requires(const P& p, const MeshView& mesh, int i, FlipCounts& flips, ChangeCounts& changes) {
+    requires(const P& p, int i, FlipCounts& flips, ChangeCounts& changes) {
   { P::kMaxExtraTets } -> std::convertible_to<int>;
   { P::kMaxCavityFaces } -> std::convertible_to<int>;
   { p.old_count() } -> std::same_as<int>;
   { p.tets[i] } -> std::convertible_to<Index>;
   { p.face_count() } -> std::same_as<int>;
   { p.new_surface_faces() } -> std::same_as<int>;
-  { p.old_face(mesh, i) } -> std::same_as<HalfFace>;
+  { p.old_face(i) } -> std::same_as<HalfFace>;
   { p.new_count() } -> std::same_as<int>;
   { p.new_tet(i) } -> std::same_as<Tet>;
   { p.new_face(i) } -> std::same_as<NewFace>;

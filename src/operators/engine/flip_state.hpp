@@ -50,6 +50,8 @@ struct FlipState {
   Buffer<double> energies;
   /// The highest bid on each slot: gain in the high half, id in the low one. Scratch of a pass.
   Buffer<std::uint64_t> tet2bid;
+  /// Whether an activation has set the bids of all slots to 0.
+  bool bids_are_clear = false;
   /// The slots to evaluate, and for each slot 0, kActive or kActiveIfPromising.
   Buffer<Index> active;
   Buffer<std::uint8_t> marks;
@@ -67,6 +69,16 @@ struct FlipState {
   int max_ring = kMaxRing;
 
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
+
+  /// Called before a pass, whose bids are not clear afterwards. The mesh may be another than at the last activation.
+  void start_pass(const Backend& backend, const WorkMesh<Backend>& mesh) {
+    grow_filled(backend, marks, mesh.slots(), std::uint8_t{0});
+    if (!bids_are_clear || tet2bid.size() != mesh.slots()) {
+      tet2bid.resize(backend, mesh.slots(), mesh.room());
+      backend.fill(tet2bid.span(), std::uint64_t{0});
+    }
+    bids_are_clear = false;
+  }
 
   void make_room(const Backend& backend, Size slots) {
     energies.grow(backend, slots);

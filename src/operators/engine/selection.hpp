@@ -8,6 +8,7 @@
 #include "operators/engine/bid.hpp"
 #include "operators/engine/candidate.hpp"
 #include "operators/engine/evaluate_proposals.hpp"
+#include "operators/engine/flip_state.hpp"
 
 /// The first half of the cavity engine: from proposals to a set of candidates whose cavities do not overlap.
 namespace tetune {
@@ -31,6 +32,12 @@ struct Record {
     const NewFace f = patch.new_face(k);
     return make_half_face(slot(f.tet), f.face);
   }
+  /// The new half-face in place of one of the boundary faces.
+  TETUNE_HD HalfFace new_half_face_of(HalfFace old) const {
+    int k = 0;
+    while (patch.old_face(k) != old) ++k;
+    return new_half_face(k);
+  }
   /// Whether this record stands for all parts of its candidate; `own` is its position.
   TETUNE_HD bool is_leader(Index own) const { return twin < 0 || own < twin; }
 };
@@ -43,7 +50,8 @@ struct Selection {
   BufferOf<Backend, ChangeCounts> before;  ///< sums over the selected records before each
   ChangeCounts total;
   Size evaluated = 0;
-  bool is_stopped = false;  ///< a stop was requested: nothing is selected
+  bool is_assigned = false;  ///< AssignSlots was called for all selected records
+  bool is_stopped = false;   ///< a stop was requested: nothing is selected
 
   Size size() const { return selected.size(); }
 };
@@ -80,29 +88,21 @@ struct CountChangesOfCandidate {
   }
 };
 
-/// Makes records of stored candidates, with what lies around their cavities. Selects all of them for now.
+/// Makes a record of a stored candidate, with what lies around its cavity.
 template <class C>
 struct FillRecord {
-  static constexpr Size kGrain = 32;
   MeshView mesh;
   Proposals<C> proposals;
-  Span<const Index> entries;
   Span<Record<typename C::Patch>> records;
-  Span<Index> selected;
-  Size first;  ///< record of the batch
 
-  TETUNE_HD void operator()(Size i) const {
-    Record<typename C::Patch>& r = records[first + i];
-    selected[first + i] = to_index(first + i);
-    const Size entry = entries[i];
+  TETUNE_HD void operator()(Size entry, Size record) const {
+    Record<typename C::Patch>& r = records[record];
     r.patch = proposals.candidates[entry].expand(mesh);
     r.bid = proposals.bids[entry];
     r.proposal = to_index(proposals.first + entry / proposals.parts);
-    r.twin = find_twin(first + i, entry);
+    r.twin = find_twin(record, entry);
     const int faces = r.patch.face_count();
-    for (int k = 0; k < faces; ++k) {
-      r.across[k] = mesh.across(r.patch.old_face(mesh, k));
-    }
+    for (int k = 0; k < faces; ++k) r.across[k] = mesh.across(r.patch.old_face(k));
     for (int k = 0; k < r.patch.new_surface_faces(); ++k) r.across[faces + k] = kNoHalfFace;
   }
 
@@ -111,6 +111,65 @@ struct FillRecord {
   TETUNE_HD Index find_twin(Size record, Size entry) const {
     if (proposals.parts == 1 || proposals.bids[entry ^ 1] == 0) return -1;
     return to_index(entry % 2 == 0 ? record + 1 : record - 1);
+  }
+};
+
+/// Makes records of listed candidates, from position `first` on.
+template <class C>
+struct FillRecords {
+  static constexpr Size kGrain = 32;
+  FillRecord<C> fill;
+  Span<const Index> entries;
+  Size first;
+  TETUNE_HD void operator()(Size i) const { fill(entries[i], first + i); }
+};
+
+/// Assigns slots and the ids of vertices to a record. Marks its old tetrahedra as replaced, and as not active.
+template <class P>
+struct AssignSlots {
+  Span<Record<P>> records;
+  FreeSlots slots;
+  Size vertices;  ///< before
+  Span<std::uint64_t> tet2bid;
+  Span<std::uint8_t> marks;
+
+  TETUNE_HD void operator()(Size record, const ChangeCounts& before) const {
+    Record<P>& r = records[record];
+    for (int k = 0; k < r.patch.old_count(); ++k) {
+      backend::store_shared(tet2bid[r.patch.tets[k]], replaced_by(to_index(record)));
+      marks[r.patch.tets[k]] = 0;
+    }
+    for (int x = 0; x < r.patch.new_count() - r.patch.old_count(); ++x) {
+      r.extra_slots[x] = slots.slot_of(Size{before.taken} + x);
+    }
+    if constexpr (requires { r.patch.assign_vertex(Index{}); }) {
+      r.patch.assign_vertex(static_cast<Index>(vertices + before.inserted));
+    }
+  }
+};
+
+/// Lists selected records, and what they change.
+struct ListSelected {
+  static constexpr Size kGrain = 32;
+  Span<Index> selected;
+  Span<ChangeCounts> before;
+  TETUNE_HD void operator()(Size record, Size rank, const ChangeCounts& before_record) const {
+    selected[rank] = to_index(record);
+    before[rank] = before_record;
+  }
+};
+
+/// Makes records of the selected candidates, and assigns their slots.
+template <class C>
+struct SelectCandidate {
+  static constexpr Size kGrain = 32;
+  FillRecord<C> fill;
+  AssignSlots<typename C::Patch> assign;
+  ListSelected list;
+  TETUNE_HD void operator()(Size entry, Size rank, const ChangeCounts& before) const {
+    fill(entry, rank);
+    assign(rank, before);
+    list(rank, rank, before);
   }
 };
 
@@ -157,72 +216,102 @@ void reserve_records(const Backend& backend, Buffer& records, Size needed, doubl
   records.resize(backend, kept);
 }
 
-/// Lists the stored candidates of `size` proposals that hold all of their tetrahedra so far; returns their number.
-/// Where these are all proposals (`is_final`), also sums up what the candidates change.
-template <class Backend, class C>
-Size list_holding(const Backend& backend, const Proposals<C>& proposals, Size size, bool is_final, Span<Index> entries,
-                  Selection<Backend, typename C::Patch>& s) {
-  const HoldsSoFar<C> holds{proposals};
-  if constexpr (kIsOwnPatch<C>) {
-    if (is_final) {
-      s.before.resize(backend, size);
-      const auto found = backend.compact_and_sum(size, holds, entries, CountChangesOfCandidate<C>{proposals.candidates},
-                                                 s.before.span());
-      s.total = found.sum;
-      return found.count;
-    }
+/// The candidates of a batch of proposals.
+template <class Backend, class Generator>
+struct Batch {
+  using C = typename Generator::Candidate;
+  BufferOf<Backend, C> candidates;
+  BufferOf<Backend, std::uint64_t> bids;
+
+  Batch(const Backend& backend, Size size)
+      : candidates(backend, Generator::kParts * size), bids(backend, Generator::kParts * size) {}
+  Proposals<C> proposals(FlipState<Backend>& state, Size first) {
+    return {state.tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
   }
-  return backend.compact(size, holds, entries);
+};
+
+/// Makes records of the candidates that may be selected, batch by batch, and polls for a stop before each.
+template <class Backend, class Generator, class P>
+void fill_records(const Backend& backend, WorkMesh<Backend>& mesh, Size count, Size batch, const Generator& generator,
+                  FlipState<Backend>& state, Selection<Backend, P>& s) {
+  using C = typename Generator::Candidate;
+  const Size choices = choices_apart<Backend>(generator);
+  Batch<Backend, Generator> of(backend, batch);
+  BufferOf<Backend, Index> entries(backend, Generator::kParts * batch);
+  Size room = 0;
+  for (Size first = 0; first < count; first += batch) {
+    s.is_stopped = backend.stop_requested();
+    if (s.is_stopped) return;
+    const Size size = std::min(batch, count - first);
+    const Proposals<C> proposals = of.proposals(state, first);
+    const auto evaluated = evaluate_proposals(backend, generator, proposals, size, choices);
+    const Size found = backend.compact(Generator::kParts * size, HoldsSoFar<C>{proposals}, entries.span());
+    s.evaluated += evaluated.get().value;
+    const Size before = s.records.size();
+    reserve_records(backend, s.records, before + found, static_cast<double>(first + size) / static_cast<double>(count),
+                    room);
+    s.records.resize(backend, before + found);
+    backend.for_each(found, FillRecords<C>{{mesh.view(), proposals, s.records.span()}, entries.span(), before});
+  }
+}
+
+/// Selects among the records of all batches.
+template <class Backend, class P>
+void select_records(const Backend& backend, const FlipState<Backend>& state, Selection<Backend, P>& s) {
+  s.selected.resize(backend, s.records.size());
+  s.before.resize(backend, s.records.size());
+  const auto selected =
+      backend.compact_and_sum(s.records.size(), IsSelected<P>{s.records.span(), state.tet2bid.span()},
+                              CountChanges<P>{s.records.span()}, ListSelected{s.selected.span(), s.before.span()});
+  s.selected.resize(backend, selected.count);
+  s.total = selected.sum;
+}
+
+/// After the bids of a single batch, which are final: selects, makes records and assigns slots at once.
+template <class Backend, class Generator, class P>
+void select_and_assign(const Backend& backend, WorkMesh<Backend>& mesh, Size count, const Generator& generator,
+                       FlipState<Backend>& state, Selection<Backend, P>& s) {
+  s.is_stopped = backend.stop_requested();
+  if (s.is_stopped) return;
+  Batch<Backend, Generator> batch(backend, count);
+  const Proposals<P> proposals = batch.proposals(state, 0);
+  const auto evaluated = evaluate_proposals(backend, generator, proposals, count, choices_apart<Backend>(generator));
+  const Size entries = Generator::kParts * count;
+  s.records.resize(backend, entries);
+  s.selected.resize(backend, entries);
+  s.before.resize(backend, entries);
+  const AssignSlots<P> assign{s.records.span(), FreeSlots(mesh), mesh.vertices(), state.tet2bid.span(),
+                              state.marks.span()};
+  const auto selected = backend.compact_and_sum(
+      entries, HoldsSoFar<P>{proposals}, CountChangesOfCandidate<P>{proposals.candidates},
+      SelectCandidate<P>{{mesh.view(), proposals, s.records.span()}, assign, {s.selected.span(), s.before.span()}});
+  s.records.resize(backend, selected.count);
+  s.selected.resize(backend, selected.count);
+  s.evaluated = evaluated.get().value;
+  s.total = selected.sum;
+  s.is_assigned = true;
 }
 
 }  // namespace selection_detail
 
-/// Runs a generator over `count` proposals, and selects candidates whose cavities do not overlap. It polls for a stop
-/// before each batch. `tet2bid` is scratch for all slots.
+/// Runs a generator over `count` proposals, and selects candidates whose cavities do not overlap.
 template <class Backend, class Generator>
 auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size count, const Generator& generator,
-                       BufferOf<Backend, std::uint64_t>& tet2bid) {
+                       FlipState<Backend>& state) {
   using namespace selection_detail;
   using C = typename Generator::Candidate;
-  using P = typename C::Patch;
-  Selection<Backend, P> s;
-  tet2bid.resize(backend, mesh.slots(), mesh.room());
-  backend.fill(tet2bid.span(), std::uint64_t{0});
-  const Size choices = choices_apart<Backend>(generator);
-  const Size batch = batch_size<Backend, Generator>(count, choices);
-  // After a single batch the bids are final.
-  const bool is_final = kIsOwnPatch<C> && batch == count;
-  {
-    BufferOf<Backend, C> candidates(backend, Generator::kParts * batch);
-    BufferOf<Backend, std::uint64_t> bids(backend, Generator::kParts * batch);
-    BufferOf<Backend, Index> entries(backend, Generator::kParts * batch);
-    Size room = 0;
-    for (Size first = 0; first < count; first += batch) {
-      if (backend.stop_requested()) {
-        s.is_stopped = true;
-        s.selected.resize(backend, 0);
-        return s;
-      }
-      const Size size = std::min(batch, count - first);
-      const Proposals<C> proposals{tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
-      const auto evaluated = evaluate_proposals(backend, generator, proposals, size, choices);
-      const Size found = list_holding(backend, proposals, Generator::kParts * size, is_final, entries.span(), s);
-      s.evaluated += evaluated.get().value;
-      const Size before = s.records.size();
-      reserve_records(backend, s.records, before + found,
-                      static_cast<double>(first + size) / static_cast<double>(count), room);
-      s.records.resize(backend, before + found);
-      s.selected.resize(backend, before + found);
-      backend.for_each(
-          found, FillRecord<C>{mesh.view(), proposals, entries.span(), s.records.span(), s.selected.span(), before});
+  Selection<Backend, typename C::Patch> s;
+  if (count == 0) return s;
+  state.start_pass(backend, mesh);
+  const Size batch = batch_size<Backend, Generator>(count, choices_apart<Backend>(generator));
+  if constexpr (kIsOwnPatch<C>) {
+    if (batch == count) {
+      select_and_assign(backend, mesh, count, generator, state, s);
+      return s;
     }
   }
-  if (is_final) return s;
-  s.before.resize(backend, s.records.size());
-  const auto selected = backend.compact_and_sum(s.records.size(), IsSelected<P>{s.records.span(), tet2bid.span()},
-                                                s.selected.span(), CountChanges<P>{s.records.span()}, s.before.span());
-  s.selected.resize(backend, selected.count);
-  s.total = selected.sum;
+  fill_records(backend, mesh, count, batch, generator, state, s);
+  if (!s.is_stopped) select_records(backend, state, s);
   return s;
 }
 

@@ -53,7 +53,22 @@ struct ChangeCounts {
   }
 };
 
-/// How the slots change: free ones are taken first, from the end of their list, then new ones.
+/// The slots for new tetrahedra: free ones are taken first, from the end of their list, then new ones.
+struct FreeSlots {
+  Span<const Index> free;
+  Size slots;
+
+  template <class Backend>
+  explicit FreeSlots(const WorkMesh<Backend>& mesh)
+      : free(mesh.free_slots.span().data(), mesh.free_count), slots(mesh.slots()) {}
+
+  /// The slot for the tetrahedron of this rank among those that take one.
+  TETUNE_HD Index slot_of(Size rank) const {
+    return rank < free.size() ? free[free.size() - 1 - rank] : to_index(slots + rank - free.size());
+  }
+};
+
+/// How the slots change.
 struct SlotChange {
   Size slots;       ///< before
   Size free_count;  ///< before
@@ -80,11 +95,6 @@ struct SlotChange {
   template <class Backend>
   void finish(WorkMesh<Backend>& mesh) const {
     mesh.free_count = free_kept + freed;
-  }
-
-  /// The slot for the tetrahedron of this rank among those that take one.
-  TETUNE_HD Index slot_of(Span<const Index> free_slots, Size rank) const {
-    return rank < free_count ? free_slots[free_count - 1 - rank] : static_cast<Index>(slots + rank - free_count);
   }
 };
 

@@ -199,7 +199,7 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   const BoundaryFlipProposals<typename Backend::Pack> proposals{
       rated(mesh, criterion), edges.span(),          images.span(), corners.span(),
       triangle2face.span(),   state.energies.span(), state.max_ring};
-  auto selection = select_candidates(backend, mesh, count, proposals, state.tet2bid);
+  auto selection = select_candidates(backend, mesh, count, proposals, state);
   result.evaluated = selection.evaluated;
   if (selection.size() == 0 || backend.stop_requested()) return result;
   result = flip_selected(backend, mesh, criterion, state, selection, changed);

@@ -53,8 +53,20 @@ struct FlipCandidate {
   Index ring[kMaxRing];
   /// Edge removal: m holds r_m and r_m+1; face removal: 2 s and 2 s + 1 are those on triangle s.
   Index tets[2 * kMaxRemovedFaces];
+  /// Of a patch: which face of its tetrahedron each boundary face is.
+  std::uint32_t local_faces = 0;
+  static constexpr unsigned kLocalFaceBits = 2;
+  static_assert(kMaxCavityFaces * kLocalFaceBits <= 32);
 
-  TETUNE_HD const FlipCandidate& expand(const MeshView&) const { return *this; }
+  TETUNE_HD FlipCandidate expand(const MeshView& mesh) const {
+    FlipCandidate patch = *this;
+    for (int k = 0; k < face_count(); ++k) {
+      const TetAtFace at = tet_at_face(k);
+      const auto local = unsigned(local_index(mesh.tet2vertex[at.tet], at.opposite));
+      patch.local_faces |= local << kLocalFaceBits * unsigned(k);
+    }
+    return patch;
+  }
 
   TETUNE_HD int triangles() const { return ring_size - 2; }
   /// The sides of the ring that have outer faces: in the boundary the last one has none.
@@ -70,17 +82,8 @@ struct FlipCandidate {
   /// Faces 2 m and 2 m + 1 are those at ring edge (r_m, r_m+1), on the side of a and of b.
   TETUNE_HD int face_count() const { return 2 * sides(); }
   TETUNE_HD int new_surface_faces() const { return kind == FlipKind::boundary_removal ? 2 : 0; }
-  TETUNE_HD HalfFace old_face(const MeshView& mesh, int k) const {
-    const int m = k / 2;
-    const int side = k % 2;
-    Index t = tets[m];
-    Index opposite = side == 0 ? b : a;
-    if (kind == FlipKind::face_removal) {
-      const Triangulation::Side in = ring_edge(m);
-      t = tets[2 * in.triangle + side];
-      opposite = ring[triangulation.corner[in.triangle][in.corner]];
-    }
-    return make_half_face(t, local_index(mesh.tet2vertex[t], opposite));
+  TETUNE_HD HalfFace old_face(int k) const {
+    return make_half_face(tet_at_face(k).tet, int(local_faces >> kLocalFaceBits * unsigned(k) & 3U));
   }
   TETUNE_HD NewFace new_face(int k) const {
     const int m = k / 2;
@@ -115,6 +118,17 @@ struct FlipCandidate {
   TETUNE_HD void count(ChangeCounts& counts) const { counts.add_tets(old_count(), new_count()); }
 
  private:
+  /// The old tetrahedron at a boundary face, and its vertex opposite the face.
+  struct TetAtFace {
+    Index tet, opposite;
+  };
+  TETUNE_HD TetAtFace tet_at_face(int k) const {
+    const int m = k / 2;
+    const int side = k % 2;
+    if (kind != FlipKind::face_removal) return {tets[m], side == 0 ? b : a};
+    const Triangulation::Side in = ring_edge(m);
+    return {tets[2 * in.triangle + side], ring[triangulation.corner[in.triangle][in.corner]]};
+  }
   TETUNE_HD Triangulation::Side ring_edge(int m) const {
     const bool closes = m + 1 == ring_size;
     return triangulation.find_side(triangles(), closes ? 0 : m, closes ? m : m + 1, -1);

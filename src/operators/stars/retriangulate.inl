@@ -86,7 +86,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
     backend.for_each(moves.size(), EvaluateMoves{context, tets, moves.span()});
     proposals.moves = moves.span();
   }
-  auto selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
+  auto selection = select_candidates(backend, mesh, count, proposals, flips);
   const auto has_room = [&] {
     const ChangeCounts& total = selection.total;
     const bool is_within_limit =
@@ -95,7 +95,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   };
   if (!has_room() && edits_vertices) {
     proposals.inserts = false;
-    selection = select_candidates(backend, mesh, count, proposals, flips.tet2bid);
+    selection = select_candidates(backend, mesh, count, proposals, flips);
   }
   if (selection.size() == 0 || !has_room()) return {};
   const ChangeCounts& total = selection.total;

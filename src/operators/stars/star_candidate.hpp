@@ -88,7 +88,7 @@ struct StarPatch {
   TETUNE_HD int new_count() const { return made; }
   TETUNE_HD int face_count() const { return faces_count; }
   TETUNE_HD int new_surface_faces() const { return base_edges_count > 0 ? 1 : 0; }
-  TETUNE_HD HalfFace old_face(const MeshView&, int k) const { return sides[k]; }
+  TETUNE_HD HalfFace old_face(int k) const { return sides[k]; }
   TETUNE_HD int vertex_count() const { return 3 * faces_count + 1; }
   TETUNE_HD Index vertex(int i) const { return i < 3 * faces_count ? faces[i / 3].v[i % 3] : apex; }
   /// The old tetrahedron that new tetrahedron x descends from: that at its face.
