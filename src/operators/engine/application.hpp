@@ -34,10 +34,10 @@ inline constexpr Size kRecordsAhead = 6;
 
 template <class P>
 struct SelectedRecords {
-  Span<Record<P>> records;
+  Span<const Record<P>> records;
   Span<const Index> selected;
   TETUNE_HD Size size() const { return selected.size(); }
-  TETUNE_HD Record<P>& operator[](Size i) const { return records[selected[i]]; }
+  TETUNE_HD const Record<P>& operator[](Size i) const { return records[selected[i]]; }
 };
 
 /// AssignSlots for the selected records.
@@ -60,7 +60,9 @@ struct WriteTets {
   static constexpr Size kGrain = 32;
   /// About the number of new tetrahedra of a patch.
   static constexpr int kTeamSize = P::kMaxExtraTets < 16 ? 4 : 32;
-  struct Shared {};
+  struct Shared {
+    HalfFace across[P::kMaxCavityFaces];  ///< what lies across the boundary faces afterwards
+  };
   RatedMesh mesh;
   SelectedRecords<P> records;
   Span<const std::uint64_t> tet2bid;
@@ -90,16 +92,17 @@ struct WriteTets {
     return (*this)(backend::SingleThread(), memory, i);
   }
   template <class Team>
-  TETUNE_HD FlipSum operator()(const Team& team, Shared&, Size i) const {
-    Record<P>& r = records[i];
+  TETUNE_HD FlipSum operator()(const Team& team, Shared& memory, Size i) const {
+    const Record<P>& r = records[i];
     const P& patch = r.patch;
     if constexpr (requires { patch.write_vertex(mesh, vertices); }) {
       if (team.rank() == 0) patch.write_vertex(mesh, vertices);
     }
-    for (int k = team.rank(); k < patch.face_count() + patch.new_surface_faces(); k += Team::kSize) connect_face(r, k);
+    const int faces = patch.face_count() + patch.new_surface_faces();
+    for (int k = team.rank(); k < faces; k += Team::kSize) memory.across[k] = connect_face(r, k);
     team.sync();
     FlipSum sum;
-    sum.decrease = sum_in_order(team, write_tets(team, r));
+    sum.decrease = sum_in_order(team, write_tets(team, r, memory));
     for (int x = team.rank(); x < patch.old_count(); x += Team::kSize) {
       if (x < patch.new_count()) continue;
       mesh.tet2vertex[patch.tets[x]][0] = kFreeSlot;
@@ -109,33 +112,32 @@ struct WriteTets {
     for (int k = team.rank(); k < patch.vertex_count() && changed.size() > 0; k += Team::kSize) {
       backend::store_shared(changed[patch.vertex(k)], 1);
     }
-    if (changed_tets.marks.size() > 0) mark_changed(team, r);
+    if (changed_tets.marks.size() > 0) mark_changed(team, r, memory);
     if (r.is_leader(records.selected[i])) patch.count(sum.counts);
     return sum;
   }
 
  private:
-  /// Sets r.across[k] to what lies across boundary face k now; a neighbor that stays gets the new half-face.
-  TETUNE_HD void connect_face(Record<P>& r, int k) const {
-    if (k >= r.patch.face_count()) {
-      if (r.twin >= 0) connect_twin(r, records.records[r.twin], k);
-      return;
-    }
+  /// Returns what lies across boundary face k afterwards. A neighbor that stays gets the new half-face.
+  TETUNE_HD HalfFace connect_face(const Record<P>& r, int k) const {
+    if (k >= r.patch.face_count()) return across_new_face(r, k - r.patch.face_count());
     const HalfFace old = r.across[k];
-    if (old == kNoHalfFace) return;
+    if (old == kNoHalfFace) return old;
     const std::uint64_t bid = tet2bid[tet_of(old)];
     if (is_replaced(bid)) {
-      r.across[k] = records.records[replacing_record(bid)].new_half_face_of(old & ~kLocked) | (old & kLocked);
-    } else {
-      mesh.across(old) = r.new_half_face(k) | (old & kLocked);
+      return records.records[replacing_record(bid)].new_half_face_of(old & ~kLocked) | (old & kLocked);
     }
+    mesh.across(old) = r.new_half_face(k) | (old & kLocked);
+    return old;
   }
-  /// The faces that both parts make in an interface lie on each other.
-  TETUNE_HD static void connect_twin(Record<P>& r, const Record<P>& twin, int k) {
+  /// The faces that both parts of a candidate make in an interface lie on each other.
+  TETUNE_HD HalfFace across_new_face(const Record<P>& r, int k) const {
+    if (r.twin < 0) return kNoHalfFace;
+    const Record<P>& twin = records.records[r.twin];
     if constexpr (requires { r.patch.meets(twin.patch); }) {
-      if (!r.patch.meets(twin.patch)) return;
+      if (!r.patch.meets(twin.patch)) return kNoHalfFace;
     }
-    r.across[k] = twin.new_half_face(twin.patch.face_count() + k - r.patch.face_count()) | kLocked;
+    return twin.new_half_face(twin.patch.face_count() + k) | kLocked;
   }
   /// The sum over the threads, in their order.
   template <class Team>
@@ -147,7 +149,7 @@ struct WriteTets {
   /// Writes the tetrahedra of a thread; returns by how much their energy falls. A thread reads the old energies of the
   /// slots that it writes.
   template <class Team>
-  TETUNE_HD double write_tets(const Team& team, const Record<P>& r) const {
+  TETUNE_HD double write_tets(const Team& team, const Record<P>& r, const Shared& memory) const {
     const P& patch = r.patch;
     const Index original = mesh.tet2original[patch.tets[0]];
     double decrease = 0;
@@ -158,7 +160,7 @@ struct WriteTets {
       FaceAdjacency adjacency{};
       for (int f = 0; f < 4; ++f) {
         const NewNeighbor n = patch.new_neighbor(x, f);
-        adjacency[f] = n.tet < 0 ? r.across[n.face] : make_half_face(r.slot(n.tet), n.face) | n.lock;
+        adjacency[f] = n.tet < 0 ? memory.across[n.face] : make_half_face(r.slot(n.tet), n.face) | n.lock;
       }
       mesh.tet2vertex[s] = patch.new_tet(x);
       mesh.tet2tet[s] = adjacency;
@@ -171,10 +173,10 @@ struct WriteTets {
     return decrease;
   }
   template <class Team>
-  TETUNE_HD void mark_changed(const Team& team, const Record<P>& r) const {
+  TETUNE_HD void mark_changed(const Team& team, const Record<P>& r, const Shared& memory) const {
     for (int x = team.rank(); x < r.patch.new_count(); x += Team::kSize) changed_tets.mark_changed(r.slot(x));
     for (int k = team.rank(); k < r.patch.face_count(); k += Team::kSize) {
-      if (!is_locked(r.across[k])) changed_tets.mark_changed(tet_of(r.across[k]));
+      if (!is_locked(memory.across[k])) changed_tets.mark_changed(tet_of(memory.across[k]));
     }
   }
   /// All are read before one is written: the parents are among the slots.
@@ -206,7 +208,7 @@ auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Crit
   const Span<const ChangeCounts> before = selection.before.span();
   if (!selection.is_assigned) {
     const Size old_vertices = mesh.vertices() - selection.total.inserted;
-    backend.for_each(records.size(), AssignSelected<P>{{records.records, FreeSlots(mesh), old_vertices,
+    backend.for_each(records.size(), AssignSelected<P>{{selection.records.span(), FreeSlots(mesh), old_vertices,
                                                         state.tet2bid.span(), state.marks.span()},
                                                        records.selected,
                                                        before});

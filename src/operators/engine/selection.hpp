@@ -21,7 +21,7 @@ struct Record {
   Index proposal;
   Index twin;  ///< the record of the other part; -1: there is none
   Index extra_slots[P::kMaxExtraTets];
-  HalfFace across[P::kMaxCavityFaces];  ///< what lies across the boundary faces: before, then afterwards
+  HalfFace across[P::kMaxCavityFaces];  ///< what lies across the boundary faces that there are already
 
   /// The slot of new tetrahedron x.
   TETUNE_HD Index slot(int x) const {
@@ -101,9 +101,7 @@ struct FillRecord {
     r.bid = proposals.bids[entry];
     r.proposal = to_index(proposals.first + entry / proposals.parts);
     r.twin = find_twin(record, entry);
-    const int faces = r.patch.face_count();
-    for (int k = 0; k < faces; ++k) r.across[k] = mesh.across(r.patch.old_face(k));
-    for (int k = 0; k < r.patch.new_surface_faces(); ++k) r.across[faces + k] = kNoHalfFace;
+    for (int k = 0; k < r.patch.face_count(); ++k) r.across[k] = mesh.across(r.patch.old_face(k));
   }
 
  private:
