@@ -14,6 +14,7 @@
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 #include "tetune/quality.hpp"
+#include "tetune/series.hpp"
 #include "tetune/validate.hpp"
 
 namespace tetune {
@@ -179,11 +180,21 @@ const std::vector<Format>& formats() {
       {"MEDIT binary", {".meshb"}, read_medit, write_file<write_medit_binary>},
       {"TetGen", {".ele", ".node", ".face"}, read_tetgen, write_tetgen, nullptr, false, false, false, true},
       {"VTK XML", {".vtu"}, nullptr, nullptr, &kVtkPlugin, true, true},
-      {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false},
+      {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false, false, false, false, vtk_pieces},
       {"VTK legacy", {".vtk"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true, false, false, true},
       {"Gmsh", {".msh"}, read_msh, write_file<write_msh>},
-      {"Abaqus, CalculiX", {".inp"}, read_inp, write_file<write_inp>},
+      {"Abaqus, CalculiX",
+       {".inp"},
+       read_inp,
+       write_file<write_inp>,
+       nullptr,
+       false,
+       false,
+       false,
+       false,
+       false,
+       included_inp_files},
       {"SU2", {".su2"}, read_su2, write_file<write_su2>},
       {"Netgen", {".vol"}, read_netgen, write_file<write_netgen>},
       {"Netgen, compressed", {".vol.gz"}, read_netgen, write_file<write_netgen_compressed>},
@@ -210,6 +221,25 @@ std::vector<std::string> files_of(const std::string& path) {
     return files;
   }
   return {path};
+}
+
+std::vector<std::string> files_read(const std::string& path) {
+  std::vector<std::string> files = files_of(path);
+  const std::string ending = path_of(path).extension().string();
+  try {
+    for (const Format& format : formats()) {
+      if (format.parts == nullptr || !format.has_ending(ending)) continue;
+      for (std::string& part : format.parts(path)) files.push_back(std::move(part));
+    }
+    if (ending != ".pvd") return files;
+    for (const SeriesStep& step : read_series(path)) {
+      if (path_of(step.path).extension() == ".pvd") continue;  // no mesh
+      for (std::string& file : files_read(step.path)) files.push_back(std::move(file));
+    }
+  } catch (const FileError&) {
+    // That file is not read either.
+  }
+  return files;
 }
 
 std::string readable_endings() { return endings(false); }
