@@ -46,20 +46,4 @@ inline std::size_t components_of(const DataArray& array) { return static_cast<st
 
 inline std::string ending_of(const std::string& file) { return std::filesystem::path(file).extension().string(); }
 
-/// Positive numbers that are not in use.
-class FreeNumbers {
- public:
-  explicit FreeNumbers(std::set<int> taken) : taken_(std::move(taken)) {}
-  /// Takes a number into use; returns whether it was free.
-  bool take(int number) { return taken_.insert(number).second; }
-  int take_lowest() {
-    while (!take(lowest_)) ++lowest_;
-    return lowest_;
-  }
-
- private:
-  std::set<int> taken_;
-  int lowest_ = 1;
-};
-
 }  // namespace tetune::plugin

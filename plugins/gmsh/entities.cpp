@@ -6,6 +6,8 @@
 #include <iterator>
 #include <limits>
 
+#include "io/tag_numbers.hpp"
+
 namespace tetune::plugin {
 namespace {
 
@@ -20,22 +22,13 @@ Kind kind_of(int dimension, int type, const std::vector<std::array<Index, N>>& e
 /// Assigns the elements of each tag to an entity with the number of the tag; where that is not possible, with minus
 /// that number, or with a free one. Returns the entities with their tags.
 std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std::set<int> taken, int max_entity) {
-  std::map<int, int> tag2entity;
+  std::set<int> tags;
   for (const Kind& kind : kinds) {
-    if (kind.dimension != dimension) continue;
-    for (const int tag : *kind.tags) tag2entity[tag] = 0;
-    taken.insert(kind.tags->begin(), kind.tags->end());
+    if (kind.dimension == dimension) tags.insert(kind.tags->begin(), kind.tags->end());
   }
-  FreeNumbers free_numbers(std::move(taken));
-  for (auto& [tag, entity] : tag2entity) {
-    if (tag > 0 && tag <= max_entity) entity = tag;
-    if (tag < 0 && tag >= -max_entity && free_numbers.take(-tag)) entity = -tag;
-  }
+  std::map<int, int> tag2entity = numbers_of_tags(tags, std::move(taken), max_entity);
   std::map<int, int> entity2tag;
-  for (auto& [tag, entity] : tag2entity) {
-    if (entity == 0) entity = free_numbers.take_lowest();
-    entity2tag[entity] = tag;
-  }
+  for (const auto& [tag, entity] : tag2entity) entity2tag[entity] = tag;
   for (Kind& kind : kinds) {
     if (kind.dimension != dimension) continue;
     kind.entities.clear();

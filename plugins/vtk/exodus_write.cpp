@@ -10,8 +10,10 @@
 #include "exodus.hpp"
 #include "exodus_file.hpp"
 #include "io/group_order.hpp"
+#include "io/losses.hpp"
 #include "io/node_sets.hpp"
 #include "io/second_order.hpp"
+#include "io/tag_numbers.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -37,7 +39,7 @@ class Writer {
     const std::map<int, std::vector<std::array<int, 2>>> side_sets = find_sides(middles.get());
     choose_ids();
     choose_names();
-    warn_of_lists();
+    warn_of_losses();
     find_node_sets();
     std::int64_t elements = 0;
     for (const OutBlock& block : blocks_) elements += std::ssize(block.elements);
@@ -205,20 +207,14 @@ class Writer {
         }
       }
     }
-    if (is_shared) {
-      warnings_.push_back("an element can have one name only: it has that of its group with the fewest tags");
-    }
+    if (is_shared) warn_of_shared_names({0, &warnings_});
   }
 
-  void warn_of_lists() {
-    const std::vector<Index>* lists[] = {&mesh_.corners,        &mesh_.required_vertices,  &mesh_.ridges,
-                                         &mesh_.required_edges, &mesh_.required_triangles, &mesh_.required_tets};
-    if (std::any_of(std::begin(lists), std::end(lists), [](const auto* list) { return !list->empty(); })) {
-      warnings_.push_back("the format cannot hold lists of corners, ridges and required entities");
-    }
-    if (std::any_of(mesh_.point_tags.begin(), mesh_.point_tags.end(), [](int t) { return t != 0; })) {
-      warnings_.push_back("the format cannot hold tags of vertices");
-    }
+  void warn_of_losses() {
+    const IoContext context{0, &warnings_};
+    warn_of_lists(mesh_, context);
+    warn_of_point_tags(mesh_, context);
+    warn_of_empty_groups(mesh_, context);
     if (!mesh_.triangle_data.empty() || !mesh_.edge_data.empty()) {
       warnings_.push_back("data are kept on vertices and tetrahedra only");
     }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/io_context.hpp"
 #include "system/file.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/quality.hpp"
@@ -26,15 +27,6 @@ struct Plugin {
 inline constexpr Plugin kVtkPlugin{"tetune-vtk", "VTK"};
 inline constexpr Plugin kGmshPlugin{"tetune-gmsh", "Gmsh"};
 inline constexpr Plugin kOcctPlugin{"tetune-occt", "OpenCASCADE", false};
-
-/// Threads and a place for warnings, for readers and writers.
-struct IoContext {
-  int threads = 0;
-  std::vector<std::string>* warnings = nullptr;
-  void warn(const std::string& text) const {
-    if (warnings != nullptr) warnings->push_back(text);
-  }
-};
 
 /// One file format. A null function means the format cannot be read or written.
 struct Format {

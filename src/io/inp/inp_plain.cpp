@@ -36,6 +36,7 @@ void warn_of_losses_in_inp(const TetMesh& mesh, const IoContext& context) {
     context.warn(std::to_string(mesh.edges.size()) + " edges are not written: in a deck they would be elements");
   }
   warn_of_lists(mesh, context);
+  warn_of_empty_groups(mesh, context);
 }
 
 class InpPlainWriter {

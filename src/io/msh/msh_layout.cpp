@@ -9,6 +9,8 @@
 #include <span>
 
 #include "backend/span.hpp"
+#include "io/losses.hpp"
+#include "io/tag_numbers.hpp"
 #include "mesh/whole_number.hpp"
 #include "tetune/error.hpp"
 
@@ -82,26 +84,14 @@ std::vector<std::vector<int>> known_entities(std::span<const MshKind> kinds, Ent
 /// Makes each tag an entity: of the number of the tag, or of minus that number, as the reader expects of entities in no
 /// group; else of a free one.
 std::vector<std::vector<int>> entities_of_tags(std::span<const MshKind> kinds, EntityTags& tags) {
-  std::map<int, int> tag2entity;
+  std::set<int> used;
   for (const MshKind& kind : kinds) {
     for (std::size_t e = 0; e < kind.size(); ++e) {
-      if (e == 0 || (*kind.tags)[e] != (*kind.tags)[e - 1]) tag2entity[(*kind.tags)[e]] = 0;
+      if (e == 0 || (*kind.tags)[e] != (*kind.tags)[e - 1]) used.insert((*kind.tags)[e]);
     }
   }
-  std::set<int> taken;
-  for (const auto& [tag, entity] : tag2entity) taken.insert(tag);
-  for (auto& [tag, entity] : tag2entity) {
-    if (tag > 0) entity = tag;
-    if (tag < 0 && tag > std::numeric_limits<int>::min() && taken.insert(-tag).second) entity = -tag;
-  }
-  int free = 1;
-  for (auto& [tag, entity] : tag2entity) {
-    while (entity == 0) {
-      if (taken.insert(free).second) entity = free;
-      ++free;
-    }
-    tags[entity] = tag;
-  }
+  std::map<int, int> tag2entity = numbers_of_tags(used, {}, std::numeric_limits<int>::max());
+  for (const auto& [tag, entity] : tag2entity) tags[entity] = tag;
   std::vector<std::vector<int>> numbers;
   for (const MshKind& kind : kinds) {
     numbers.emplace_back();
@@ -152,7 +142,7 @@ std::set<int> add_links(const TetMesh& mesh, int dimension, bool renumbered, con
 }
 
 /// Warns of tags that are one tag when the file is read: that of a group is its number, where an entity is in no other.
-void warn_of_merged_tags(const TetMesh& mesh, std::span<const MshLayoutEntity> entities, const IoContext& context) {
+void warn_of_merged_msh_tags(const TetMesh& mesh, std::span<const MshLayoutEntity> entities, const IoContext& context) {
   std::map<int, std::set<int>> group2tags;
   for (const MshLayoutEntity& entity : entities) {
     if (entity.groups.size() == 1) group2tags[entity.groups[0]].insert(entity.tag);
@@ -161,8 +151,7 @@ void warn_of_merged_tags(const TetMesh& mesh, std::span<const MshLayoutEntity> e
     const auto found = group2tags.find(group.number);
     if (group.dimension != entities.front().dimension || found == group2tags.end() || found->second.size() < 2)
       continue;
-    context.warn("the " + std::to_string(found->second.size()) + " tags of the group \"" + group.name +
-                 "\" become one: the number of their group");
+    warn_of_merged_tags(group, found->second.size(), context);
   }
 }
 
@@ -193,7 +182,7 @@ void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, 
     }
     layout.entities.push_back(std::move(entity));
   }
-  if (!tags.empty()) warn_of_merged_tags(mesh, std::span(layout.entities).subspan(first), context);
+  if (!tags.empty()) warn_of_merged_msh_tags(mesh, std::span(layout.entities).subspan(first), context);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     kinds[k].entity.reserve(kinds[k].size());
     for (std::size_t e = 0; e < kinds[k].size(); ++e) {

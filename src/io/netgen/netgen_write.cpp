@@ -185,7 +185,7 @@ class NetgenWriter {
       context.warn("tags that are not from 1 to 9999 have other numbers");
     }
     if (std::any_of(all.begin(), all.end(), [](const NetgenNumbers* n) { return n->is_shared(); })) {
-      context.warn("an element can have one name only: it has that of its group with the fewest tags");
+      warn_of_shared_names(context);
     }
   }
 
@@ -329,6 +329,7 @@ void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
   warn_of_point_tags(mesh, context);
   warn_of_lists(mesh, context);
   warn_of_data(mesh, context, kNetgenSurface);
+  warn_of_empty_groups(mesh, context);
   if (mesh.triangles.empty()) context.warn("the mesh lists no triangles: Netgen needs them on the whole boundary");
 }
 
