@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "io/tag_numbers.hpp"
+#include "mesh/listed_faces.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -74,34 +75,31 @@ std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const 
   return entities_of_tags(kinds, dimension, std::move(taken), format.max_entity);
 }
 
-Boundaries::Boundaries(const std::vector<Kind>& kinds, int dimension) {
+Boundaries::Boundaries(const std::vector<Kind>& kinds, int dimension, std::size_t vertices) {
   if (dimension == 0) return;
-  using Side = std::vector<Index>;
-  std::vector<std::pair<Side, int>> sides;
+  using Side = std::array<Index, 3>;
+  std::vector<std::pair<Side, Index>> listed;  // sides with their entities
+  // Simplices only: a side has all vertices but one.
+  const auto is_simplex = [](const Kind& kind) { return kind.corners == std::size_t(kind.dimension) + 1; };
   for (const Kind& kind : kinds) {
-    if (kind.dimension != dimension - 1) continue;
+    if (kind.dimension != dimension - 1 || !is_simplex(kind)) continue;
     for (std::size_t e = 0; e < kind.size(); ++e) {
-      const auto vertices = entry_of(kind.element2vertex, std::int64_t(e), kind.corners);
-      Side side(vertices.begin(), vertices.end());
-      std::sort(side.begin(), side.end());
-      sides.emplace_back(std::move(side), kind.entities[e]);
+      const auto corners = entry_of(kind.element2vertex, std::int64_t(e), kind.corners);
+      Side side{-1, -1, -1};
+      std::copy(corners.begin(), corners.end(), side.begin());
+      listed.emplace_back(side, kind.entities[e]);
     }
   }
-  std::sort(sides.begin(), sides.end());
+  const ListedFaces<3> sides(std::move(listed), vertices);
   for (const Kind& kind : kinds) {
-    // Simplices only: a side has all vertices but one.
-    if (kind.dimension != dimension || std::ssize(kind.element2vertex) != std::ssize(*kind.tags) * (dimension + 1))
-      continue;
+    if (kind.dimension != dimension || !is_simplex(kind)) continue;
     for (std::size_t e = 0; e < kind.size(); ++e) {
       for (std::size_t left_out = 0; left_out < kind.corners; ++left_out) {
-        Side side;
-        for (std::size_t k = 0; k < kind.corners; ++k) {
-          if (k != left_out) side.push_back(kind.element2vertex[e * kind.corners + k]);
+        Side side{-1, -1, -1};
+        for (std::size_t k = 0, at = 0; k < kind.corners; ++k) {
+          if (k != left_out) side[at++] = kind.element2vertex[e * kind.corners + k];
         }
-        std::sort(side.begin(), side.end());
-        auto at = std::lower_bound(sides.begin(), sides.end(), std::pair{side, 0},
-                                   [](const auto& a, const auto& b) { return a.first < b.first; });
-        for (; at != sides.end() && at->first == side; ++at) entity2sides_[kind.entities[e]].insert(at->second);
+        sides.find(side, [&](Index entity) { entity2sides_[kind.entities[e]].insert(entity); });
       }
     }
   }

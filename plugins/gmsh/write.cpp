@@ -130,7 +130,7 @@ bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings) {
   std::pair<int, int> default_entity{-1, 0};  // one of the highest dimension
   for (int dimension = 0; dimension <= 3; ++dimension) {
     const std::map<int, int> entity2tag = find_entities(kinds, dimension, mesh.groups, format);
-    const Boundaries boundaries(kinds, dimension);
+    const Boundaries boundaries(kinds, dimension, mesh.points.size());
     for (const auto& [entity, tag] : entity2tag) {
       gmsh::model::addDiscreteEntity(dimension, entity, boundaries.of(entity));
       default_entity = {dimension, entity};

@@ -14,6 +14,7 @@
 #include "io/node_sets.hpp"
 #include "io/second_order.hpp"
 #include "io/tag_numbers.hpp"
+#include "mesh/listed_faces.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -109,31 +110,25 @@ class Writer {
   }
 
   using Face = std::array<Index, 3>;
-  static Face sorted(Face face) {
-    std::sort(face.begin(), face.end());
-    return face;
-  }
-
   /// Finds for each listed triangle the tetrahedron whose side it is, of two the one with the same orientation.
   /// Triangles of no tetrahedron become elements.
   template <class Add>
   void collect_loose_triangles(std::size_t kind, const Add& add) {
-    std::vector<std::pair<Face, std::size_t>> faces;
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) faces.emplace_back(sorted(mesh_.triangles[i]), i);
-    std::sort(faces.begin(), faces.end());
+    std::vector<std::pair<Face, Index>> faces;
+    for (const Face& triangle : mesh_.triangles) faces.emplace_back(triangle, index_count(faces));
+    const ListedFaces<3> triangles(std::move(faces), mesh_.points.size());
     triangle2side_.assign(mesh_.triangles.size(), {-1, 0});
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       for (std::size_t s = 0; s < 4; ++s) {
         const auto& corners = kTetSides[s];
         const Face face{mesh_.tets[t][corners[0]], mesh_.tets[t][corners[1]], mesh_.tets[t][corners[2]]};
-        auto at = std::lower_bound(faces.begin(), faces.end(), std::pair<Face, std::size_t>{sorted(face), 0});
-        for (; at != faces.end() && at->first == sorted(face); ++at) {
-          const Face& listed = mesh_.triangles[at->second];
+        triangles.find(face, [&](Index triangle) {
+          const Face& listed = item(mesh_.triangles, triangle);
           const bool same_orientation =
               face == listed || Face{face[1], face[2], face[0]} == listed || Face{face[2], face[0], face[1]} == listed;
-          auto& side = triangle2side_[at->second];
+          auto& side = item(triangle2side_, triangle);
           if (side[0] < 0 || same_orientation) side = {std::int64_t(t), std::int64_t(s) + 1};
-        }
+        });
       }
     }
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {

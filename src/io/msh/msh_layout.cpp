@@ -11,6 +11,7 @@
 #include "backend/span.hpp"
 #include "io/losses.hpp"
 #include "io/tag_numbers.hpp"
+#include "mesh/listed_faces.hpp"
 #include "mesh/whole_number.hpp"
 #include "tetune/error.hpp"
 
@@ -192,24 +193,15 @@ void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, 
   }
 }
 
-/// A side of an element, by its vertices in ascending order, and the entity that it belongs to.
-struct Side {
-  std::array<Index, 3> vertices;
-  Index entity;
-  bool operator<(const Side& other) const { return vertices < other.vertices; }
-};
-
-std::array<Index, 3> side_key(std::span<const Index> vertices) {
-  std::array<Index, 3> key{-1, -1, -1};
-  std::copy(vertices.begin(), vertices.end(), key.begin());
-  std::sort(key.begin(), key.end());
-  return key;
+std::array<Index, 3> side_of(std::span<const Index> vertices) {
+  std::array<Index, 3> side{-1, -1, -1};
+  std::copy(vertices.begin(), vertices.end(), side.begin());
+  return side;
 }
 
 /// Sets MshLayoutEntity::bounds of entities of simplices of a dimension.
 void find_bounds(int dimension, std::size_t vertices, MshLayout& layout) {
-  std::vector<Side> sides;
-  std::vector<std::uint8_t> is_on_side(vertices, 0);
+  std::vector<std::pair<std::array<Index, 3>, Index>> listed;  // sides with their entities
   const auto simplices = [&layout](int of_dimension, const auto& f) {
     for (const MshKind& kind : layout.kinds) {
       if (kind.type->dimension == of_dimension && kind.type->corners == of_dimension + 1) f(kind);
@@ -217,31 +209,23 @@ void find_bounds(int dimension, std::size_t vertices, MshLayout& layout) {
   };
   simplices(dimension - 1, [&](const MshKind& kind) {
     for (std::size_t e = 0; e < kind.size(); ++e) {
-      const std::span<const Index> corners(kind.corners(e), to_size_t(dimension));
-      for (const Index v : corners) span_of(is_on_side)[v] = 1;
-      sides.push_back({side_key(corners), kind.entity[e]});
+      listed.emplace_back(side_of({kind.corners(e), to_size_t(dimension)}), kind.entity[e]);
     }
   });
-  if (sides.empty()) return;
-  std::sort(sides.begin(), sides.end());
+  if (listed.empty()) return;
+  const ListedFaces<3> sides(std::move(listed), vertices);
   std::set<std::pair<Index, Index>> found;
   simplices(dimension, [&](const MshKind& kind) {
     const auto n = to_size_t(dimension) + 1;
     for (std::size_t e = 0; e < kind.size(); ++e) {
       const std::span<const Index> corners(kind.corners(e), n);
-      const auto on_sides =
-          std::count_if(corners.begin(), corners.end(), [&](Index v) { return span_of(is_on_side)[v] != 0; });
-      if (on_sides < dimension) continue;
+      if (sides.count_listed(corners) < dimension) continue;
       for (std::size_t left_out = 0; left_out < n; ++left_out) {
         std::array<Index, 3> side{};
         std::copy_n(corners.begin(), left_out, side.begin());
         std::copy(corners.begin() + std::ptrdiff_t(left_out) + 1, corners.end(),
                   side.begin() + std::ptrdiff_t(left_out));
-        const auto key = side_key({side.data(), n - 1});
-        for (auto at = std::lower_bound(sides.begin(), sides.end(), Side{key, 0});
-             at != sides.end() && at->vertices == key; ++at) {
-          found.emplace(kind.entity[e], at->entity);
-        }
+        sides.find(side_of({side.data(), n - 1}), [&](Index entity) { found.emplace(kind.entity[e], entity); });
       }
     }
   });
