@@ -45,9 +45,7 @@ void warn_of_names(const TetMesh& mesh, const IoContext& context) {
   }
 }
 
-void warn_of_point_elements(const IoContext& context) {
-  context.warn("the format cannot hold elements of one vertex");
-}
+void warn_of_point_elements(const IoContext& context) { context.warn("the format cannot hold elements of one vertex"); }
 
 void warn_of_shared_names(const IoContext& context) {
   context.warn("an element can have one name only: it has that of its group with the fewest tags");

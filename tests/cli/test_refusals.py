@@ -107,7 +107,7 @@ class Refusals(CliTest):
 
     def test_inverted_tetrahedra(self):
         self.optimize_refused(self.put("in.mesh", tangled(4)), said=[
-            self.path("in.mesh"), "inverted tetrahedra", "counted from 1: ", ", the first near ", "--untangle"])
+            self.path("in.mesh"), " are inverted (negative volume) (first, counted from 1: ", ", the first near ", "--untangle"])
 
     def test_untangle(self):
         name, out = self.put("in.mesh", tangled(4)), self.path("out.mesh")
@@ -155,12 +155,12 @@ class Refusals(CliTest):
 
     def test_flat_tetrahedron(self):
         mesh = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)])
-        self.optimize_refused(self.put("in.mesh", mesh), said=["flat tetrahedra", ": 1 (first, counted from 1: 1)"])
+        self.optimize_refused(self.put("in.mesh", mesh), said=["1 of the tetrahedra is flat (zero volume) (first, counted from 1: 1)"])
 
     def test_index_out_of_range(self):
         mesh = cube(2)
         mesh.tets[6] = (0, 1, 2, 1000)
-        self.optimize_refused(self.put("in.mesh", mesh), said=["index out of range", ": 1 (first, counted from 1: 7)"])
+        self.optimize_refused(self.put("in.mesh", mesh), said=["1 of the tetrahedra has an index out of range (first, counted from 1: 7)"])
 
     def test_no_tetrahedra(self):
         self.optimize_refused(self.put("in.mesh", Mesh([(0, 0, 0)], [])), said=["no tetrahedron"])

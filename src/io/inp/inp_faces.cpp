@@ -60,8 +60,7 @@ ListedFaces<3> tagged_triangles(const InpModel& model, const TetMesh& mesh) {
   return {std::move(triangles), mesh.points.size()};
 }
 
-std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match,
-                                     const ListedFaces<3>& triangles) {
+std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match, const ListedFaces<3>& triangles) {
   std::vector<Neighbor> neighbors;
   for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
     triangles.find_in_tet(span_of(match.listed)[t], [&](std::size_t k, Index triangle) {
