@@ -111,7 +111,8 @@ TEST(Validate, RefusesMoreEntriesThanIdsHave) {
   ASSERT_EQ(many.findings.size(), 5U);
   for (const Finding& f : many.findings) EXPECT_EQ(f.defect, Defect::bad_array_length);
   EXPECT_EQ(many.findings[0].count, 5'000'000'000);
-  EXPECT_NE(many.message(true).find("tetrahedra, of which there can be 400000000, have 600000000 entries"), std::string::npos)
+  EXPECT_NE(many.message(true).find("tetrahedra, of which there can be 400000000, have 600000000 entries"),
+            std::string::npos)
       << many.message(true);
 }
 
