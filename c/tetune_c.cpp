@@ -10,77 +10,19 @@
 #include <utility>
 #include <vector>
 
-#include "tetune/tetune.h"
-#include "tetune/tetune.hpp"
-
-struct tetune_mesh {
-  tetune::TetMesh mesh;
-};
-struct tetune_options {
-  tetune::Options options;
-};
-struct tetune_criteria {
-  tetune::AcceptanceCriteria criteria;
-};
-struct tetune_report {
-  tetune::Report report;
-};
+#include "objects.hpp"
 
 namespace {
 
 using tetune::Index;
 using tetune::TetMesh;
+using tetune::c::checked;
+using tetune::c::guarded;
+using tetune::c::InvalidArgument;
+using tetune::c::require;
 
 thread_local std::string last_error;
-
-/// An error of the caller, which no exception of the library names.
-struct InvalidArgument {
-  const char* text;
-};
-
-tetune_status failed(tetune_status status, const char* text) noexcept {
-  try {
-    last_error = text;
-  } catch (const std::bad_alloc&) {
-    last_error.clear();
-  }
-  return status;
-}
-
-/// Calls f, and turns exceptions into a status.
-template <class F>
-tetune_status guarded(const F& f) noexcept {
-  try {
-    f();
-    return TETUNE_OK;
-  } catch (const InvalidArgument& e) {
-    return failed(TETUNE_INVALID_ARGUMENT, e.text);
-  } catch (const tetune::FileError& e) {
-    return failed(TETUNE_FILE_ERROR, e.what());
-  } catch (const tetune::MeshError& e) {
-    return failed(TETUNE_MESH_ERROR, e.what());
-  } catch (const tetune::OptionError& e) {
-    return failed(TETUNE_OPTION_ERROR, e.what());
-  } catch (const tetune::DeviceError& e) {
-    return failed(TETUNE_DEVICE_ERROR, e.what());
-  } catch (const std::bad_alloc&) {
-    return failed(TETUNE_OUT_OF_MEMORY, "out of memory");
-  } catch (const std::exception& e) {
-    return failed(TETUNE_INTERNAL_ERROR, e.what());
-  } catch (...) {
-    return failed(TETUNE_INTERNAL_ERROR, "an unknown exception");
-  }
-}
-
-void require(bool condition, const char* text) {
-  if (!condition) throw InvalidArgument{text};
-}
-
-template <class T>
-T& checked(T* object) {
-  require(object != nullptr, "a null pointer was given where an object is required");
-  return *object;
-}
+thread_local std::vector<std::string> last_warnings;  // of the last file that was read or written
 
 /// The number of entries of a caller's array, which exists unless it is empty.
 std::size_t checked_size(const void* array, std::int64_t count) {
@@ -162,9 +104,29 @@ std::optional<double> limit_of(double value) { return std::isnan(value) ? std::n
 
 }  // namespace
 
+tetune_status tetune::c::failed(tetune_status status, const char* text) noexcept {
+  try {
+    last_error = text;
+  } catch (const std::bad_alloc&) {
+    last_error.clear();
+  }
+  return status;
+}
+
 const char* tetune_version(void) { return TETUNE_VERSION; }
 
 const char* tetune_last_error(void) { return last_error.c_str(); }
+
+int64_t tetune_last_warnings(void) { return std::ssize(last_warnings); }
+
+const char* tetune_last_warning(int64_t position) {
+  const char* text = nullptr;
+  guarded([&] {
+    require(position >= 0 && position < std::ssize(last_warnings), "there is no warning at this position");
+    text = last_warnings[std::size_t(position)].c_str();
+  });
+  return text;
+}
 
 tetune_status tetune_mesh_create(const double* points, int64_t vertices, const int32_t* tetrahedra, int64_t count,
                                  tetune_mesh** mesh) {
@@ -183,13 +145,17 @@ void tetune_mesh_destroy(tetune_mesh* mesh) { delete mesh; }
 
 tetune_status tetune_mesh_read(const char* path, tetune_mesh** mesh) {
   return guarded([&] {
+    last_warnings.clear();
     checked(mesh) = nullptr;
-    *mesh = new tetune_mesh{tetune::read_mesh(&checked(path))};
+    *mesh = new tetune_mesh{tetune::read_mesh(&checked(path), &last_warnings)};
   });
 }
 
 tetune_status tetune_mesh_write(const tetune_mesh* mesh, const char* path) {
-  return guarded([&] { tetune::write_mesh(&checked(path), checked(mesh).mesh); });
+  return guarded([&] {
+    last_warnings.clear();
+    tetune::write_mesh(&checked(path), checked(mesh).mesh, 0, &last_warnings);
+  });
 }
 
 tetune_status tetune_mesh_set_elements(tetune_mesh* mesh, tetune_kind kind, const int32_t* ids, int64_t count) {
@@ -343,56 +309,4 @@ tetune_status tetune_optimize_towards(tetune_mesh* mesh, const tetune_criteria* 
       return std::move(done.optimization);
     });
   });
-}
-
-const char* tetune_report_stop(const tetune_report* report) {
-  const char* stop = "";
-  guarded([&] { stop = to_string(checked(report).report.stop); });
-  return stop;
-}
-
-double tetune_report_seconds(const tetune_report* report) {
-  double seconds = 0;
-  guarded([&] { seconds = checked(report).report.seconds; });
-  return seconds;
-}
-
-double tetune_report_energy(const tetune_report* report, int after) {
-  double energy = 0;
-  guarded([&] {
-    const tetune::Report& of = checked(report).report;
-    energy = after != 0 ? of.energy_after : of.energy_before;
-  });
-  return energy;
-}
-
-const int32_t* tetune_report_original(const tetune_report* report, tetune_kind kind) {
-  const Index* original = nullptr;
-  guarded([&] {
-    const tetune::Report& of = checked(report).report;
-    const std::vector<Index>* map = kind == TETUNE_VERTICES     ? &of.vertex2original
-                                    : kind == TETUNE_EDGES      ? &of.edge2original
-                                    : kind == TETUNE_TRIANGLES  ? &of.triangle2original
-                                    : kind == TETUNE_TETRAHEDRA ? &of.tet2original
-                                                                : nullptr;
-    require(map != nullptr, "kind is not one of tetune_kind");
-    if (!map->empty()) original = map->data();
-  });
-  return original;
-}
-
-int64_t tetune_report_warnings(const tetune_report* report) {
-  std::int64_t count = 0;
-  guarded([&] { count = std::ssize(checked(report).report.warnings); });
-  return count;
-}
-
-const char* tetune_report_warning(const tetune_report* report, int64_t position) {
-  const char* text = nullptr;
-  guarded([&] {
-    const auto& warnings = checked(report).report.warnings;
-    require(position >= 0 && position < std::ssize(warnings), "there is no warning at this position");
-    text = warnings[std::size_t(position)].c_str();
-  });
-  return text;
 }

@@ -3,10 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <set>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "mesh/element_kinds.hpp"
@@ -45,21 +43,5 @@ auto entry_of(List& list, std::int64_t i, std::size_t size) {
 inline std::size_t components_of(const DataArray& array) { return static_cast<std::size_t>(array.components); }
 
 inline std::string ending_of(const std::string& file) { return std::filesystem::path(file).extension().string(); }
-
-/// Positive numbers that are not in use.
-class FreeNumbers {
- public:
-  explicit FreeNumbers(std::set<int> taken) : taken_(std::move(taken)) {}
-  /// Takes a number into use; returns whether it was free.
-  bool take(int number) { return taken_.insert(number).second; }
-  int take_lowest() {
-    while (!take(lowest_)) ++lowest_;
-    return lowest_;
-  }
-
- private:
-  std::set<int> taken_;
-  int lowest_ = 1;
-};
 
 }  // namespace tetune::plugin

@@ -15,6 +15,7 @@
 #include <map>
 #include <set>
 #include <type_traits>
+#include <utility>
 
 #include "system/path.hpp"
 #include "tetune/data.hpp"
@@ -114,8 +115,6 @@ std::string unused_regions(const TetMesh& mesh) {
   return "";
 }
 
-using FileInputs = std::map<std::string, std::string>;  // file to its input
-
 /// The files that a mesh is written to: the data of an .xmf file of tetune-mpi are in an .h5 file beside it.
 std::vector<std::string> files_written(const std::string& output) {
   std::vector<std::string> files = files_of(output);
@@ -123,21 +122,69 @@ std::vector<std::string> files_written(const std::string& output) {
   return files;
 }
 
-/// Throws OptionError if a file that is to be written for `input` is written for another, too, or read.
-void check_clashes(const std::string& file, const std::string& input, bool is_mesh, const FileInputs& read,
-                   FileInputs& written) {
-  const std::string same = identity(file);
-  const auto [other, first] = written.emplace(same, input);
-  if (!first) {
-    throw OptionError(
-        fmt::format("{} would be written {}; give another name", file,
-                    other->second == input ? "twice" : fmt::format("for {} and for {}", other->second, input)));
+/// Finds files that would be written twice, or written and read.
+class ClashFinder {
+ public:
+  /// `read_too`: files that are read besides the meshes.
+  ClashFinder(const std::vector<std::string>& inputs, const std::vector<std::string>& read_too)
+      : inputs_(inputs), read_too_(read_too) {
+    for (const std::string& input : inputs) {
+      for (const std::string& file : files_of(input)) {
+        if (!replaceable_.emplace(identity(file), input).second) {
+          throw OptionError(input + ": this mesh is named twice");
+        }
+      }
+    }
   }
-  const auto source = read.find(same);
-  if (source != read.end() && (source->second != input || !is_mesh)) {
-    throw OptionError(fmt::format("{} would be written for {}, but is read as well; give another name", file, input));
+
+  /// Adds the files that an output for `input` consists of. Throws OptionError. A mesh may replace its input.
+  void add(const std::string& output, const std::string& input, bool is_mesh) {
+    if (output.empty() || output == kPipe) return;
+    for (const std::string& file : is_mesh ? files_written(output) : std::vector{output}) {
+      const std::string same = identity(file);
+      const auto [other, first] = written_.emplace(same, input);
+      if (!first) {
+        throw OptionError(
+            fmt::format("{} would be written {}; give another name", file,
+                        other->second == input ? "twice" : fmt::format("for {} and for {}", other->second, input)));
+      }
+      const auto source = replaceable_.find(same);
+      const bool is_other = source != replaceable_.end() && (source->second != input || !is_mesh);
+      if (is_other || is_read(file, same)) {
+        throw OptionError(
+            fmt::format("{} would be written for {}, but is read as well; give another name", file, input));
+      }
+    }
   }
-}
+
+ private:
+  /// Whether a file is one of `read_too` or a part of another file. Those are searched for parts where the file exists.
+  bool is_read(const std::string& file, const std::string& same) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path_of(file), ignored)) return false;
+    if (!std::exchange(has_kept_, true)) {
+      for (const std::string& input : inputs_) keep(input);
+      for (const std::string& name : read_too_) keep(name);
+    }
+    return kept_.contains(same);
+  }
+  void keep(const std::string& name) {
+    if (name.empty() || name == kPipe) return;
+    const std::vector<std::string> files = files_read(name);
+    const std::size_t own = files_of(name).size();
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      std::string same = identity(files[i]);
+      if (i >= own || !replaceable_.contains(same)) kept_.insert(std::move(same));
+    }
+  }
+
+  const std::vector<std::string>& inputs_;
+  const std::vector<std::string>& read_too_;
+  std::map<std::string, std::string> replaceable_;  // file of a mesh to its input
+  std::map<std::string, std::string> written_;      // file to the input of its mesh
+  std::set<std::string> kept_;
+  bool has_kept_ = false;
+};
 
 }  // namespace
 
@@ -193,11 +240,9 @@ bool copy_mesh(const std::string& input, const std::string& output) {
   return true;
 }
 
-void refuse_replacing(const std::string& output, const std::vector<std::string>& read) {
-  for (const std::string& file : read) {
-    if (output == kPipe || file.empty() || identity(file) != identity(output)) continue;
-    throw OptionError(fmt::format("{} would be written, but is read as well; give another name", output));
-  }
+void refuse_replacing(const std::string& output, const std::string& input, const std::vector<std::string>& read_too) {
+  const std::vector<std::string> inputs{input};
+  ClashFinder(inputs, read_too).add(output, input, true);
 }
 
 void refuse_existing(const std::string& output) {
@@ -236,21 +281,15 @@ std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const std::ve
                            const Job& pattern) {
   const bool several = inputs.size() > 1;
   std::vector<Job> jobs;
-  FileInputs read, written;
-  for (const std::string& input : inputs) {
-    if (input == kPipe && several) throw OptionError("the standard input (-) cannot be one of several meshes");
-    for (const std::string& file : files_of(input)) {
-      if (!read.emplace(identity(file), input).second) throw OptionError(input + ": this mesh is named twice");
-    }
+  if (several && std::find(inputs.begin(), inputs.end(), kPipe) != inputs.end()) {
+    throw OptionError("the standard input (-) cannot be one of several meshes");
   }
-  for (const std::string& file : read_too) read.emplace(identity(file), file);
+  ClashFinder clashes(inputs, read_too);
   for (const std::string& input : inputs) {
     const Job job{input, output_of(pattern.output, input, several), fill_in("--report", pattern.report, input, several),
                   fill_in("--trace", pattern.trace, input, several), fill_in("--map", pattern.map, input, several)};
     for (const std::string* path : {&job.output, &job.report, &job.trace, &job.map}) {
-      if (path->empty() || *path == kPipe) continue;
-      const std::vector<std::string> files = path == &job.output ? files_written(*path) : std::vector{*path};
-      for (const std::string& file : files) check_clashes(file, input, path == &job.output, read, written);
+      clashes.add(*path, input, path == &job.output);
     }
     jobs.push_back(job);
   }

@@ -43,8 +43,9 @@ bool copy_mesh(const std::string& input, const std::string& output);
 /// matched.
 void refuse_existing(const std::string& output);
 
-/// Throws OptionError if a file would be written that is also read; empty names are no files.
-void refuse_replacing(const std::string& output, const std::vector<std::string>& read);
+/// Throws OptionError if a mesh made of `input` would replace one of the files `read_too`, which may be empty names, or
+/// a file that one of them or the input includes.
+void refuse_replacing(const std::string& output, const std::string& input, const std::vector<std::string>& read_too);
 
 /// The name of a file in messages.
 std::string shown_name(const std::string& path, bool output);
@@ -76,7 +77,8 @@ class OutputFolder {
 
 /// Makes one job per input from a job of patterns: "{}" stands for the input's name without folder and ending, and an
 /// output that is a folder, or ends in /, gets the input's name. Throws OptionError if two jobs would write the same
-/// file, or if one would write a file that another reads, or one of the files `read_too`.
+/// file, or if one would write a file that another reads, one of the files `read_too`, or one that such a file
+/// includes.
 std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const std::vector<std::string>& read_too,
                            const Job& pattern);
 

@@ -6,6 +6,9 @@
 
 #include "commands.hpp"
 #include "definitions.hpp"
+#include "tetune/criteria.hpp"
+#include "tetune/geometry.hpp"
+#include "tetune/quality.hpp"
 
 namespace tetune::cli {
 namespace {
@@ -23,6 +26,31 @@ std::string in_quotes(const std::string& text) { return "'" + replaced(text, "'"
 /// The first clause of a help text.
 std::string short_text(const std::string& text) { return text.substr(0, text.find_first_of(".;:")); }
 
+/// Words that complete the value of an option.
+struct Words {
+  std::string list;           ///< with blanks between them
+  bool has_more = false;      ///< a number follows each, after the = at its end
+  bool are_examples = false;  ///< names of files are values too
+};
+
+/// The choices of an option, or what its placeholder stands for.
+Words words_of(const CLI::Option& option) {
+  if (const auto choices = choices_of(option); !choices.empty()) return {CLI::detail::join(choices, " ")};
+  const std::string placeholder = option.get_option_text();
+  Words words;
+  const auto add = [&words](const std::string& word) { words.list += (words.list.empty() ? "" : " ") + word; };
+  if (placeholder.ends_with("MEASURE=Q")) {
+    words.has_more = true;
+    for (std::size_t k = 0; k < kMeasures; ++k) add(std::string(to_string(Measure(k))) + "=");
+  } else if (placeholder == "NAME|FILE") {
+    words.are_examples = true;
+    for (const AcceptanceCriteria& preset : preset_criteria()) add(preset.name);
+  } else if (placeholder == "UNIT") {
+    for (const LengthUnit& unit : kLengthUnits) add(unit.name);
+  }
+  return words;
+}
+
 std::string names_of(const CLI::App& app) {
   std::string names;
   for (const CLI::App* c : commands_of(app)) names += (names.empty() ? "" : " ") + c->get_name();
@@ -33,7 +61,7 @@ std::string bash(const CLI::App& app) {
   std::string text = fmt::format(
       "# bash completion of tetune; made by: tetune completion bash\n"
       "_tetune() {{\n"
-      "  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} choices=\n"
+      "  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} choices= files=\n"
       "  COMPREPLY=()\n"
       "  if [[ $COMP_CWORD -eq 1 ]]; then\n"
       "    COMPREPLY=($(compgen -W '{} --help --version' -- \"$word\"))\n"
@@ -45,16 +73,16 @@ std::string bash(const CLI::App& app) {
     std::string all, values;
     std::string positional;
     for (const CLI::Option* o : c->get_options()) {
-      const std::vector<std::string> choices = choices_of(*o);
+      const Words words = words_of(*o);
       if (is_positional(*o)) {
-        positional = CLI::detail::join(choices, " ");
+        positional = words.list;
         continue;
       }
       const std::vector<std::string> names = cli::names_of(*o);
       all += (all.empty() ? "" : " ") + CLI::detail::join(names, " ");
-      if (!choices.empty()) {
-        values += fmt::format("        {}) choices='{}' ;;\n", CLI::detail::join(names, "|"),
-                              CLI::detail::join(choices, " "));
+      if (!words.list.empty()) {
+        values += fmt::format("        {}) choices='{}'{} ;;\n", CLI::detail::join(names, "|"), words.list,
+                              words.are_examples ? " files=1" : "");
       }
     }
     text += fmt::format(
@@ -65,9 +93,9 @@ std::string bash(const CLI::App& app) {
          "  esac\n"
          "  if [[ -n $choices ]]; then\n"
          "    COMPREPLY=($(compgen -W \"$choices\" -- \"$word\"))\n"
-         "  else\n"
-         "    COMPREPLY=($(compgen -f -- \"$word\"))\n"
          "  fi\n"
+         "  [[ -n $choices && -z $files ]] || COMPREPLY+=($(compgen -f -- \"$word\"))\n"
+         "  [[ ${COMPREPLY[0]} != *= ]] || compopt -o nospace 2> /dev/null || true\n"
          "}\n"
          "complete -o filenames -F _tetune tetune\n";
 }
@@ -79,8 +107,11 @@ std::string zsh(const CLI::App& app) {
     commands += fmt::format("    {}\n", in_quotes(c->get_name() + ":" + short_text(c->get_description())));
     cases += fmt::format("    {})\n      _arguments", c->get_name());
     for (const CLI::Option* o : c->get_options()) {
-      const std::vector<std::string> choices = choices_of(*o);
-      const std::string action = choices.empty() ? "_files" : "(" + CLI::detail::join(choices, " ") + ")";
+      const Words words = words_of(*o);
+      const std::string action = words.list.empty()   ? "_files"
+                                 : words.has_more     ? "{compadd -S \"\" - " + words.list + "}"
+                                 : words.are_examples ? "{compadd - " + words.list + "; _files}"
+                                                      : "(" + words.list + ")";
       if (is_positional(*o)) {
         cases += " \\\n        " + in_quotes((o->get_expected_max() > 1 ? "*:" : ":") + o->get_name() + ":" + action);
         continue;
@@ -121,10 +152,11 @@ std::string fish(const CLI::App& app) {
   for (const CLI::App* c : commands_of(app)) {
     const std::string when = fmt::format("complete -c tetune -n '__fish_seen_subcommand_from {}'", c->get_name());
     for (const CLI::Option* o : c->get_options()) {
-      const std::vector<std::string> choices = choices_of(*o);
-      const std::string values = choices.empty() ? "" : " -f -a " + in_quotes(CLI::detail::join(choices, " "));
+      const Words words = words_of(*o);
+      const std::string no_files = words.are_examples ? "" : " -f";
+      const std::string values = words.list.empty() ? "" : no_files + " -a " + in_quotes(words.list);
       if (is_positional(*o)) {
-        if (!choices.empty()) text += when + values + "\n";
+        if (!words.list.empty()) text += when + values + "\n";
         continue;
       }
       text += when;

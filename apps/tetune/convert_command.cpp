@@ -84,7 +84,7 @@ int convert(const CLI::App& c, const ConvertArguments& a) {
   if (a.replaced_output.empty()) refuse_existing(a.output);
   const std::string& output = a.output.empty() ? a.replaced_output : a.output;
   if (output != kPipe) check_writable(output);
-  refuse_replacing(output, {a.surface, a.geometry.file});
+  refuse_replacing(output, a.input, {a.surface, a.geometry.file});
   if (!a.surface.empty() && a.order != 2) throw OptionError("--surface is for --order 2 alone");
   if (!a.geometry.file.empty() && a.order != 2) throw OptionError("--geometry is for --order 2 alone");
   if (!a.geometry.file.empty() && !a.surface.empty()) throw OptionError("--surface and --geometry exclude each other");

@@ -16,6 +16,7 @@
 #include "option_flags.hpp"
 #include "report_files.hpp"
 #include "tables.hpp"
+#include "tetune/io.hpp"
 #include "tetune/live_mesh.hpp"
 #include "tetune/series.hpp"
 
@@ -113,6 +114,7 @@ class SeriesRun {
     for (const std::string& path : job_.texts()) check_place(path);
     console_.phase("reading");
     steps_ = read_series(job_.input);
+    const std::vector<std::string> read = files_read(job_.input);
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       const std::string name = step_name(job_.output, i);
       std::error_code error;
@@ -121,10 +123,10 @@ class SeriesRun {
         throw OptionError(fmt::format("{0}: the mesh of a time would replace {1}, which exists; replace it with -o {0}",
                                       job_.output, name));
       }
-      for (const SeriesStep& step : steps_) {
-        if (!fs::equivalent(name, step.path, error) || error) continue;
+      for (const std::string& file : read) {
+        if (!fs::equivalent(name, file, error) || error) continue;
         throw OptionError(fmt::format("{}: the file {} of the input would be overwritten; give the output another name",
-                                      job_.output, step.path));
+                                      job_.output, file));
       }
     }
     Input first = read_input(steps_[0].path, options_.threads);

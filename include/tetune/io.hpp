@@ -60,6 +60,10 @@ TETUNE_API void check_writable(const std::string& path);
 /// The names of the files that write_mesh() writes for a name: several for TetGen, in which any of them names the mesh.
 TETUNE_API std::vector<std::string> files_of(const std::string& path);
 
+/// The names of the files that read_mesh(), or read_series() with read_step(), reads for a name: also those that a deck
+/// includes, pieces of a .pvtu file and meshes of a series. A file that cannot be read names no others.
+TETUNE_API std::vector<std::string> files_read(const std::string& path);
+
 /// The endings that read_mesh() and write_mesh() know: ".mesh .meshb ...".
 TETUNE_API std::string readable_endings();
 TETUNE_API std::string writable_endings();

@@ -65,6 +65,10 @@ TETUNE_API void tetune_mesh_destroy(tetune_mesh* mesh);
  * under a temporary name and renamed. */
 TETUNE_API tetune_status tetune_mesh_read(const char* path, tetune_mesh** mesh);
 TETUNE_API tetune_status tetune_mesh_write(const tetune_mesh* mesh, const char* path);
+/* Warnings of the last of these two calls of this thread: sentences on contents of the file that were skipped, or that
+ * its format cannot hold. Valid until the next one. */
+TETUNE_API int64_t tetune_last_warnings(void);
+TETUNE_API const char* tetune_last_warning(int64_t position);
 
 /* The listed edges (2 ids each) or triangles (3): feature lines, boundary patches, interfaces. All have the tag 0. */
 TETUNE_API tetune_status tetune_mesh_set_elements(tetune_mesh* mesh, tetune_kind kind, const int32_t* ids,

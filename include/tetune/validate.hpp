@@ -44,12 +44,14 @@ struct Finding {
   std::string where;
   /// Centroid of the first of them, if they are tetrahedra with finite coordinates.
   std::optional<Point3> place = std::nullopt;
+  /// Of an array of the wrong length, whose length is `count`: the right one, or -1 if none is.
+  std::int64_t expected = 0;
 };
 
 struct TETUNE_API ValidationReport {
   std::vector<Finding> findings;
   bool ok() const { return findings.empty(); }
-  /// One line per finding, with ids that start from 1 (as in MEDIT files) or from 0.
+  /// One sentence and line per finding, with ids that start from 1 (as in MEDIT files) or from 0.
   std::string message(bool one_based) const;
 };
 

@@ -6,6 +6,9 @@
 #include <iterator>
 #include <limits>
 
+#include "io/tag_numbers.hpp"
+#include "mesh/listed_faces.hpp"
+
 namespace tetune::plugin {
 namespace {
 
@@ -20,22 +23,13 @@ Kind kind_of(int dimension, int type, const std::vector<std::array<Index, N>>& e
 /// Assigns the elements of each tag to an entity with the number of the tag; where that is not possible, with minus
 /// that number, or with a free one. Returns the entities with their tags.
 std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std::set<int> taken, int max_entity) {
-  std::map<int, int> tag2entity;
+  std::set<int> tags;
   for (const Kind& kind : kinds) {
-    if (kind.dimension != dimension) continue;
-    for (const int tag : *kind.tags) tag2entity[tag] = 0;
-    taken.insert(kind.tags->begin(), kind.tags->end());
+    if (kind.dimension == dimension) tags.insert(kind.tags->begin(), kind.tags->end());
   }
-  FreeNumbers free_numbers(std::move(taken));
-  for (auto& [tag, entity] : tag2entity) {
-    if (tag > 0 && tag <= max_entity) entity = tag;
-    if (tag < 0 && tag >= -max_entity && free_numbers.take(-tag)) entity = -tag;
-  }
+  std::map<int, int> tag2entity = numbers_of_tags(tags, std::move(taken), max_entity);
   std::map<int, int> entity2tag;
-  for (auto& [tag, entity] : tag2entity) {
-    if (entity == 0) entity = free_numbers.take_lowest();
-    entity2tag[entity] = tag;
-  }
+  for (const auto& [tag, entity] : tag2entity) entity2tag[entity] = tag;
   for (Kind& kind : kinds) {
     if (kind.dimension != dimension) continue;
     kind.entities.clear();
@@ -81,34 +75,31 @@ std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const 
   return entities_of_tags(kinds, dimension, std::move(taken), format.max_entity);
 }
 
-Boundaries::Boundaries(const std::vector<Kind>& kinds, int dimension) {
+Boundaries::Boundaries(const std::vector<Kind>& kinds, int dimension, std::size_t vertices) {
   if (dimension == 0) return;
-  using Side = std::vector<Index>;
-  std::vector<std::pair<Side, int>> sides;
+  using Side = std::array<Index, 3>;
+  std::vector<std::pair<Side, Index>> listed;  // sides with their entities
+  // Simplices only: a side has all vertices but one.
+  const auto is_simplex = [](const Kind& kind) { return kind.corners == std::size_t(kind.dimension) + 1; };
   for (const Kind& kind : kinds) {
-    if (kind.dimension != dimension - 1) continue;
+    if (kind.dimension != dimension - 1 || !is_simplex(kind)) continue;
     for (std::size_t e = 0; e < kind.size(); ++e) {
-      const auto vertices = entry_of(kind.element2vertex, std::int64_t(e), kind.corners);
-      Side side(vertices.begin(), vertices.end());
-      std::sort(side.begin(), side.end());
-      sides.emplace_back(std::move(side), kind.entities[e]);
+      const auto corners = entry_of(kind.element2vertex, std::int64_t(e), kind.corners);
+      Side side{-1, -1, -1};
+      std::copy(corners.begin(), corners.end(), side.begin());
+      listed.emplace_back(side, kind.entities[e]);
     }
   }
-  std::sort(sides.begin(), sides.end());
+  const ListedFaces<3> sides(std::move(listed), vertices);
   for (const Kind& kind : kinds) {
-    // Simplices only: a side has all vertices but one.
-    if (kind.dimension != dimension || std::ssize(kind.element2vertex) != std::ssize(*kind.tags) * (dimension + 1))
-      continue;
+    if (kind.dimension != dimension || !is_simplex(kind)) continue;
     for (std::size_t e = 0; e < kind.size(); ++e) {
       for (std::size_t left_out = 0; left_out < kind.corners; ++left_out) {
-        Side side;
-        for (std::size_t k = 0; k < kind.corners; ++k) {
-          if (k != left_out) side.push_back(kind.element2vertex[e * kind.corners + k]);
+        Side side{-1, -1, -1};
+        for (std::size_t k = 0, at = 0; k < kind.corners; ++k) {
+          if (k != left_out) side[at++] = kind.element2vertex[e * kind.corners + k];
         }
-        std::sort(side.begin(), side.end());
-        auto at = std::lower_bound(sides.begin(), sides.end(), std::pair{side, 0},
-                                   [](const auto& a, const auto& b) { return a.first < b.first; });
-        for (; at != sides.end() && at->first == side; ++at) entity2sides_[kind.entities[e]].insert(at->second);
+        sides.find(side, [&](Index entity) { entity2sides_[kind.entities[e]].insert(entity); });
       }
     }
   }

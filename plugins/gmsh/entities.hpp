@@ -35,7 +35,7 @@ std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const 
 /// For each entity of a dimension the entities of the dimension below that share a side with it.
 class Boundaries {
  public:
-  Boundaries(const std::vector<Kind>& kinds, int dimension);
+  Boundaries(const std::vector<Kind>& kinds, int dimension, std::size_t vertices);
   std::vector<int> of(int entity) const;
 
  private:

@@ -28,7 +28,4 @@ struct Format {
 TetMesh from_gmsh(Warnings& warnings);
 /// Makes a mesh the model of Gmsh; returns whether every element is in a group.
 bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings);
-/// Warns of data, which these formats cannot hold.
-void warn_of_data(const TetMesh& mesh, Warnings& warnings);
-
 }  // namespace tetune::plugin

@@ -9,6 +9,7 @@
 #include "closed_files.hpp"
 #include "gmsh_mesh.hpp"
 #include "ignored_content.hpp"
+#include "io/losses.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -41,8 +42,7 @@ Format format_of(const std::string& ending) {
 void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& warnings) {
   if (ending == ".bdf") {
     warnings.emplace_back("Nastran's fields have 16 characters: coordinates are rounded to about 9 digits");
-    const bool named = std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return g.name != ""; });
-    if (named) warnings.emplace_back("the format cannot hold the names of groups");
+    warn_of_names(mesh, {0, &warnings});
   }
   if (ending != ".unv") return;
   gmsh::vectorpair groups;
@@ -93,7 +93,7 @@ void erase_points(TetMesh& mesh, Warnings& warnings) {
   if (points == mesh.others.end()) return;
   mesh.others.erase(points);
   std::erase_if(mesh.groups, [](const Group& group) { return group.dimension == 0; });
-  warnings.emplace_back("the format cannot hold elements of one vertex");
+  warn_of_point_elements({0, &warnings});
 }
 
 void refuse_pyramids(const TetMesh& mesh, const std::string& ending) {
@@ -154,7 +154,7 @@ void write(const std::string& file, TetMesh mesh, Warnings& warnings) {
     gmsh::option::setNumber("Mesh.BdfFieldFormat", 2);  // 16 characters a number, not 8
     warn_of_format(mesh, ending, warnings);
     gmsh::write(file);
-    warn_of_data(mesh, warnings);
+    warn_of_data(mesh, {0, &warnings}, kGeometrical);
   });
   check_closed_files();
   if (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) throw FileError("Gmsh wrote nothing");

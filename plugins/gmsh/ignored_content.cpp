@@ -126,16 +126,23 @@ void check_ideas(std::ifstream& in, Warnings& warnings) {
   bool is_number = false;
   std::string text;
   std::string last;
+  std::string set;  // its number
   while (std::getline(in, text)) {
     const std::string_view content = trimmed(text);
     if (content.empty()) continue;
     last = content;
-    if (is_number && kRead.count(last) == 0) sets.add(last);
+    if (is_number) set = last;
+    if (is_number && kRead.count(set) == 0) sets.add(set);
     is_number = content == "-1" && !is_inside;
     if (content == "-1") is_inside = !is_inside;
   }
+  // A line of an unknown data set may be -1 as well.
+  if (is_inside && !is_number && kRead.count(set) != 0) {
+    throw FileError("it ends within the data set " + set +
+                    ", before the -1 after its lines; the file is cut short: " + "write or copy it again");
+  }
   sets.warn("the data sets", warnings);
-  warn_of_end(last, "-1", warnings);
+  warn_of_end(is_inside ? "" : last, "-1", warnings);
 }
 
 }  // namespace

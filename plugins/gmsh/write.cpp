@@ -7,6 +7,7 @@
 #include <set>
 
 #include "entities.hpp"
+#include "io/losses.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -51,13 +52,12 @@ bool add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& en
   for (const Group& group : mesh.groups) {
     if (group.dimension != dimension || group.name.empty()) continue;
     if (number2entities.count(group.number) == 0) {
-      warnings.push_back("the group \"" + group.name + "\" has no elements; it is not written");
+      warn_of_empty_group(group, {0, &warnings});
       continue;
     }
     gmsh::model::setPhysicalName(dimension, group.number, group.name);
     if (const std::size_t tags = number2tags[group.number].size(); tags > 1) {
-      warnings.push_back("the " + std::to_string(tags) + " tags of the group \"" + group.name +
-                         "\" become one: the number of their group");
+      warn_of_merged_tags(group, tags, {0, &warnings});
     }
   }
   return all_grouped;
@@ -117,20 +117,11 @@ void number_elements(std::vector<Kind>& kinds) {
   }
 }
 
-void warn_of_lists(const TetMesh& mesh, Warnings& warnings) {
-  const bool listed = !mesh.corners.empty() || !mesh.required_vertices.empty() || !mesh.ridges.empty() ||
-                      !mesh.required_edges.empty() || !mesh.required_triangles.empty() || !mesh.required_tets.empty();
-  if (listed) warnings.push_back("the format cannot hold lists of corners, ridges and required entities");
-  const auto any = [](const std::vector<int>& tags) {
-    return std::any_of(tags.begin(), tags.end(), [](int t) { return t != 0; });
-  };
-  if (any(mesh.point_tags)) warnings.push_back("the format cannot hold tags of vertices");
-}
-
 }  // namespace
 
 bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings) {
-  warn_of_lists(mesh, warnings);
+  warn_of_lists(mesh, {0, &warnings});
+  warn_of_point_tags(mesh, {0, &warnings});
   const auto middles = mesh.second_order ? std::make_unique<Middles>(mesh) : nullptr;
   std::vector<Kind> kinds = kinds_of(mesh);
   number_elements(kinds);
@@ -139,7 +130,7 @@ bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings) {
   std::pair<int, int> default_entity{-1, 0};  // one of the highest dimension
   for (int dimension = 0; dimension <= 3; ++dimension) {
     const std::map<int, int> entity2tag = find_entities(kinds, dimension, mesh.groups, format);
-    const Boundaries boundaries(kinds, dimension);
+    const Boundaries boundaries(kinds, dimension, mesh.points.size());
     for (const auto& [entity, tag] : entity2tag) {
       gmsh::model::addDiscreteEntity(dimension, entity, boundaries.of(entity));
       default_entity = {dimension, entity};
@@ -157,18 +148,6 @@ bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings) {
   add_nodes(mesh, used, default_entity);
   for (const Kind& kind : kinds) add_elements(kind, middles.get());
   return all_grouped;
-}
-
-void warn_of_data(const TetMesh& mesh, Warnings& warnings) {
-  std::set<std::string> names;
-  const auto add = [&names](const std::vector<DataArray>& data) {
-    for (const DataArray& array : data) {
-      if (array.name != kGeometrical) names.insert(array.name);
-    }
-  };
-  add(mesh.point_data);
-  for (const Kind& kind : kinds_of(mesh)) add(*kind.data);
-  for (const std::string& name : names) warnings.push_back("the format cannot hold the data \"" + name + "\"");
 }
 
 }  // namespace tetune::plugin

@@ -8,6 +8,7 @@
 #include "exodus_file.hpp"
 #include "io/node_sets.hpp"
 #include "io/second_order.hpp"
+#include "io/tag_numbers.hpp"
 
 namespace tetune::plugin {
 namespace {

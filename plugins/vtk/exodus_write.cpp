@@ -10,8 +10,11 @@
 #include "exodus.hpp"
 #include "exodus_file.hpp"
 #include "io/group_order.hpp"
+#include "io/losses.hpp"
 #include "io/node_sets.hpp"
 #include "io/second_order.hpp"
+#include "io/tag_numbers.hpp"
+#include "mesh/listed_faces.hpp"
 
 namespace tetune::plugin {
 namespace {
@@ -37,7 +40,7 @@ class Writer {
     const std::map<int, std::vector<std::array<int, 2>>> side_sets = find_sides(middles.get());
     choose_ids();
     choose_names();
-    warn_of_lists();
+    warn_of_losses();
     find_node_sets();
     std::int64_t elements = 0;
     for (const OutBlock& block : blocks_) elements += std::ssize(block.elements);
@@ -107,31 +110,25 @@ class Writer {
   }
 
   using Face = std::array<Index, 3>;
-  static Face sorted(Face face) {
-    std::sort(face.begin(), face.end());
-    return face;
-  }
-
   /// Finds for each listed triangle the tetrahedron whose side it is, of two the one with the same orientation.
   /// Triangles of no tetrahedron become elements.
   template <class Add>
   void collect_loose_triangles(std::size_t kind, const Add& add) {
-    std::vector<std::pair<Face, std::size_t>> faces;
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) faces.emplace_back(sorted(mesh_.triangles[i]), i);
-    std::sort(faces.begin(), faces.end());
+    std::vector<std::pair<Face, Index>> faces;
+    for (const Face& triangle : mesh_.triangles) faces.emplace_back(triangle, index_count(faces));
+    const ListedFaces<3> triangles(std::move(faces), mesh_.points.size());
     triangle2side_.assign(mesh_.triangles.size(), {-1, 0});
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       for (std::size_t s = 0; s < 4; ++s) {
         const auto& corners = kTetSides[s];
         const Face face{mesh_.tets[t][corners[0]], mesh_.tets[t][corners[1]], mesh_.tets[t][corners[2]]};
-        auto at = std::lower_bound(faces.begin(), faces.end(), std::pair<Face, std::size_t>{sorted(face), 0});
-        for (; at != faces.end() && at->first == sorted(face); ++at) {
-          const Face& listed = mesh_.triangles[at->second];
+        triangles.find(face, [&](Index triangle) {
+          const Face& listed = item(mesh_.triangles, triangle);
           const bool same_orientation =
               face == listed || Face{face[1], face[2], face[0]} == listed || Face{face[2], face[0], face[1]} == listed;
-          auto& side = triangle2side_[at->second];
+          auto& side = item(triangle2side_, triangle);
           if (side[0] < 0 || same_orientation) side = {std::int64_t(t), std::int64_t(s) + 1};
-        }
+        });
       }
     }
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
@@ -205,20 +202,14 @@ class Writer {
         }
       }
     }
-    if (is_shared) {
-      warnings_.push_back("an element can have one name only: it has that of its group with the fewest tags");
-    }
+    if (is_shared) warn_of_shared_names({0, &warnings_});
   }
 
-  void warn_of_lists() {
-    const std::vector<Index>* lists[] = {&mesh_.corners,        &mesh_.required_vertices,  &mesh_.ridges,
-                                         &mesh_.required_edges, &mesh_.required_triangles, &mesh_.required_tets};
-    if (std::any_of(std::begin(lists), std::end(lists), [](const auto* list) { return !list->empty(); })) {
-      warnings_.push_back("the format cannot hold lists of corners, ridges and required entities");
-    }
-    if (std::any_of(mesh_.point_tags.begin(), mesh_.point_tags.end(), [](int t) { return t != 0; })) {
-      warnings_.push_back("the format cannot hold tags of vertices");
-    }
+  void warn_of_losses() {
+    const IoContext context{0, &warnings_};
+    warn_of_lists(mesh_, context);
+    warn_of_point_tags(mesh_, context);
+    warn_of_empty_groups(mesh_, context);
     if (!mesh_.triangle_data.empty() || !mesh_.edge_data.empty()) {
       warnings_.push_back("data are kept on vertices and tetrahedra only");
     }

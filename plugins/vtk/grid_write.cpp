@@ -13,6 +13,7 @@
 
 #include "grid.hpp"
 #include "grid_names.hpp"
+#include "io/losses.hpp"
 #include "io/second_order.hpp"
 #include "vtk_arrays.hpp"
 
@@ -72,10 +73,6 @@ vtkSmartPointer<vtkDataArray> flags_of(const char* name, const std::vector<Index
   return to_vtk({name, 1, std::move(flags)});
 }
 
-bool any(const std::vector<int>& tags) {
-  return std::any_of(tags.begin(), tags.end(), [](int t) { return t != 0; });
-}
-
 /// The cells of a grid: edges, triangles and tetrahedra, then the other kinds.
 struct Layout {
   std::vector<Cells> kinds;
@@ -129,7 +126,7 @@ void add_cell_data(const TetMesh& mesh, const Layout& layout, vtkUnstructuredGri
   std::vector<int> tags;
   for (const Cells& kind : layout.kinds) tags.insert(tags.end(), kind.tags->begin(), kind.tags->end());
   const std::size_t all = tags.size();
-  if (any(tags) || !mesh.cell_tags_name.empty()) {
+  if (has_tag(tags) || !mesh.cell_tags_name.empty()) {
     grid.GetCellData()->AddArray(to_vtk({tags_name(mesh.cell_tags_name), 1, std::move(tags)}));
   }
   for (const DataArray& array : merged(layout.kinds)) grid.GetCellData()->AddArray(to_vtk(array));
@@ -146,7 +143,7 @@ void add_cell_data(const TetMesh& mesh, const Layout& layout, vtkUnstructuredGri
 }
 
 void add_point_data(const TetMesh& mesh, vtkUnstructuredGrid& grid) {
-  if (any(mesh.point_tags) || !mesh.point_tags_name.empty()) {
+  if (has_tag(mesh.point_tags) || !mesh.point_tags_name.empty()) {
     grid.GetPointData()->AddArray(to_vtk({tags_name(mesh.point_tags_name), 1, mesh.point_tags}));
   }
   for (const DataArray& array : mesh.point_data) grid.GetPointData()->AddArray(to_vtk(array));
@@ -160,9 +157,7 @@ void add_point_data(const TetMesh& mesh, vtkUnstructuredGrid& grid) {
 
 vtkSmartPointer<vtkUnstructuredGrid> to_grid(TetMesh mesh, Warnings& warnings) {
   const auto middles = mesh.second_order ? std::make_unique<Middles>(mesh) : nullptr;
-  if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& g) { return !g.name.empty(); })) {
-    warnings.push_back("VTK's files cannot hold the names of groups");
-  }
+  warn_of_names(mesh, {0, &warnings});
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   points->SetNumberOfPoints(std::ssize(mesh.points));

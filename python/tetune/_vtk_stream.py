@@ -262,7 +262,7 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     for _ in range(s.number("Q")):
         s.number("i"), s.number("i")
         if s.text():
-            warnings[:] = ["VTK's files cannot hold the names of groups"]
+            warnings[:] = ["the format cannot hold the names of groups"]
         s.items("i4")
     for _ in range(s.number("Q")):
         s.number("i"), s.number("i"), s.number("i"), s.items("f8"), s.items("i4", 2)

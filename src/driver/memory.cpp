@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <variant>
 
 #include "boundary/sliding/reference_surface.hpp"
 #include "driver/move_job.hpp"
@@ -37,6 +38,34 @@ std::size_t restart_bytes(const TetMesh& mesh, const Options& options) {
   return restarts ? 52 * mesh.tets.size() + 140 * mesh.points.size() + checked_surface_bytes(mesh, options) : 0;
 }
 
+/// Floating-point components of data of the vertices, each of which a conservative transfer projects.
+std::size_t projected_components(const TetMesh& mesh) {
+  std::size_t components = 0;
+  for (const DataArray& array : mesh.point_data) {
+    const bool is_real = std::holds_alternative<std::vector<double>>(array.values) ||
+                         std::holds_alternative<std::vector<float>>(array.values);
+    if (is_real) components += std::size_t(std::max(0, array.components));
+  }
+  return components;
+}
+
+/// The copy of the input that places are found in; and the overlaps of tetrahedra, of which there are up to twice as
+/// many where a curved surface slides.
+std::size_t transfer_bytes(const TetMesh& mesh, const Options& options) {
+  if (options.data == DataTransfer::carry) return 0;
+  const bool has_data = !mesh.point_data.empty() || !mesh.tet_data.empty();
+  if (options.data == DataTransfer::interpolate || !has_data) return 45 * mesh.tets.size();
+  const std::size_t overlaps = options.boundary == Boundary::slide ? 1620 : 960;
+  return (overlaps + 48 * projected_components(mesh)) * mesh.tets.size();
+}
+
+/// The copies of a curved mesh, and what its relaxation and the sheets of its surface take.
+std::size_t curved_bytes(const TetMesh& mesh, const Options& options) {
+  if (mesh.curved_edges.empty()) return 0;
+  return options.boundary == Boundary::slide ? 160 * mesh.tets.size() + 520 * mesh.curved_edges.size()
+                                             : 75 * mesh.tets.size() + 470 * mesh.curved_edges.size();
+}
+
 }  // namespace
 
 std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
@@ -54,7 +83,7 @@ std::size_t memory_needed(const TetMesh& mesh, const Options& options) {
   const bool inserts = edits_vertices(options);
   bytes += (inserts ? 3 : 2) * bytes_of(mesh.point_data);
   for (const ElementBlock& block : mesh.others) bytes += bytes_of(block.data);
-  return bytes;
+  return bytes + transfer_bytes(mesh, options) + curved_bytes(mesh, options);
 }
 
 std::size_t memory_needed_to_move(const TetMesh& mesh, std::size_t targets, const Options& options) {

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <utility>
+
+#include "mesh/element_kinds.hpp"
 
 namespace tetune {
 
@@ -40,6 +43,49 @@ void warn_of_names(const TetMesh& mesh, const IoContext& context) {
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), [](const Group& group) { return !group.name.empty(); })) {
     context.warn("the format cannot hold the names of groups");
   }
+}
+
+void warn_of_point_elements(const IoContext& context) { context.warn("the format cannot hold elements of one vertex"); }
+
+void warn_of_shared_names(const IoContext& context) {
+  context.warn("an element can have one name only: it has that of its group with the fewest tags");
+}
+
+void warn_of_empty_group(const Group& group, const IoContext& context) {
+  context.warn("the group \"" + group.name + "\" has no elements; it is not written");
+}
+
+void warn_of_empty_groups(const TetMesh& mesh, const IoContext& context) {
+  for (const Group* const group : empty_groups(mesh)) {
+    if (!group->name.empty()) warn_of_empty_group(*group, context);
+  }
+}
+
+void warn_of_merged_tags(const Group& group, std::size_t tags, const IoContext& context) {
+  context.warn("the " + std::to_string(tags) + " tags of the group \"" + group.name +
+               "\" become one: the number of their group");
+}
+
+std::vector<const Group*> empty_groups(const TetMesh& mesh) {
+  std::set<std::pair<int, int>> in_use;  // dimensions and tags
+  const auto add = [&in_use](int dimension, const std::vector<int>& tags) {
+    for (std::size_t i = 0; i < tags.size(); ++i) {
+      if (i == 0 || tags[i] != tags[i - 1]) in_use.emplace(dimension, tags[i]);
+    }
+  };
+  add(3, mesh.tet_tags);
+  add(2, mesh.triangle_tags);
+  add(1, mesh.edge_tags);
+  for (const ElementBlock& block : mesh.others) {
+    const ElementKind* const kind = find_element_kind(block.kind);
+    if (kind != nullptr) add(kind->dimension, block.tags);
+  }
+  std::vector<const Group*> empty;
+  for (const Group& group : mesh.groups) {
+    const auto has_element = [&](int tag) { return in_use.contains({group.dimension, tag}); };
+    if (std::none_of(group.tags.begin(), group.tags.end(), has_element)) empty.push_back(&group);
+  }
+  return empty;
 }
 
 }  // namespace tetune

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
-#include "io/registry.hpp"
+#include "io/io_context.hpp"
 #include "tetune/mesh.hpp"
 
-/// Warnings of contents of a mesh that most formats cannot hold.
+/// Warnings of contents of a mesh that most formats cannot hold, for all writers.
 namespace tetune {
 
 /// Whether a tag is not 0.
@@ -19,5 +20,18 @@ void warn_of_point_tags(const TetMesh& mesh, const IoContext& context);
 void warn_of_data(const TetMesh& mesh, const IoContext& context, const char* kept = nullptr);
 /// The names of groups.
 void warn_of_names(const TetMesh& mesh, const IoContext& context);
+/// Elements of one vertex.
+void warn_of_point_elements(const IoContext& context);
+/// Names of elements that are in several groups, where a format has one name per element.
+void warn_of_shared_names(const IoContext& context);
+/// A named group without elements.
+void warn_of_empty_group(const Group& group, const IoContext& context);
+/// The named groups without elements.
+void warn_of_empty_groups(const TetMesh& mesh, const IoContext& context);
+/// Tags that share their only group, whose number becomes the tag of all.
+void warn_of_merged_tags(const Group& group, std::size_t tags, const IoContext& context);
+
+/// The groups without elements.
+std::vector<const Group*> empty_groups(const TetMesh& mesh);
 
 }  // namespace tetune

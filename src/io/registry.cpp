@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <span>
 #include <variant>
 
 #include "backend/span.hpp"
-#include "mesh/element_kinds.hpp"
+#include "mesh/validate_arrays.hpp"
 #include "system/native.hpp"
 #include "system/path.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 #include "tetune/quality.hpp"
+#include "tetune/series.hpp"
 #include "tetune/validate.hpp"
 
 namespace tetune {
@@ -64,85 +64,13 @@ const Format& format_of(const std::string& path, bool to_write) {
                   "\"; known endings: " + endings(to_write));
 }
 
-/// Throws FileError where a list names an entity that does not exist.
-void check_list(const std::string& path, const std::string& list, const std::vector<Index>& ids, std::size_t entities) {
-  for (const Index id : ids) {
-    if (id >= 0 && to_size_t(id) < entities) continue;
-    throw FileError(path + ": the list of " + list + " has number " + std::to_string(id) + ", counted from 0, of " +
-                    std::to_string(entities));
-  }
-}
-
-/// Throws FileError where an element has a vertex that does not exist.
-void check_vertices(const std::string& path, const char* kind, std::span<const Index> vertices, std::size_t points) {
-  for (const Index v : vertices) {
-    if (v >= 0 && to_size_t(v) < points) continue;
-    throw FileError(path + ": one of the " + kind + " has vertex " + std::to_string(v) + ", counted from 0, of " +
-                    std::to_string(points));
-  }
-}
-template <std::size_t N>
-std::span<const Index> vertices_of(const std::vector<std::array<Index, N>>& elements) {
-  return {elements.empty() ? nullptr : elements.front().data(), N * elements.size()};
-}
-
-void check_data(const std::string& path, const std::string& kind, const std::vector<DataArray>& data,
-                std::size_t entries) {
-  for (const DataArray& array : data) {
-    const std::size_t values = std::visit([](const auto& v) { return v.size(); }, array.values);
-    if (array.components > 0 && values == to_size_t(array.components) * entries) continue;
-    throw FileError(path + ": the data \"" + array.name + "\" of " + kind + " have " + std::to_string(values) +
-                    " values for " + std::to_string(entries) + " entries of " + std::to_string(array.components) +
-                    " components");
-  }
-}
-
-void check_block(const std::string& path, const ElementBlock& block, std::size_t points) {
-  check_vertices(path, block.kind.c_str(), block.element2vertex, points);
-  const ElementKind* const kind = find_element_kind(block.kind);
-  const int each = kind == nullptr ? std::max(1, block.vertices_per_element) : kind->vertices;
-  if (block.vertices_per_element != each) {
-    throw FileError(path + ": " + block.kind + " have " + std::to_string(each) + " vertices each, and not " +
-                    std::to_string(block.vertices_per_element));
-  }
-  if (block.tags.size() * to_size_t(each) != block.element2vertex.size()) {
-    throw FileError(path + ": the mesh has " + std::to_string(block.tags.size()) + " tags for " +
-                    std::to_string(block.element2vertex.size()) + " vertices of " + block.kind);
-  }
-  check_list(path, "required " + block.kind, block.required, block.tags.size());
-  check_data(path, block.kind, block.data, block.tags.size());
-}
-
 /// Throws FileError where arrays of tags or data differ in length from those of their elements, by which writers index
-/// them, or where a list or an element names an entity that does not exist.
+/// them, where a list or an element names an entity that does not exist, or where there are two blocks of one kind.
 void check_arrays(const std::string& path, const TetMesh& mesh) {
-  const auto check = [&path](const std::string& kind, std::size_t tags, std::size_t elements) {
-    if (tags == elements) return;
-    throw FileError(path + ": the mesh has " + std::to_string(tags) + " tags for " + std::to_string(elements) + " " +
-                    kind);
-  };
-  check("vertices", mesh.point_tags.size(), mesh.points.size());
-  check("tetrahedra", mesh.tet_tags.size(), mesh.tets.size());
-  check("triangles", mesh.triangle_tags.size(), mesh.triangles.size());
-  check("edges", mesh.edge_tags.size(), mesh.edges.size());
-  check_data(path, "vertices", mesh.point_data, mesh.points.size());
-  check_data(path, "tetrahedra", mesh.tet_data, mesh.tets.size());
-  check_data(path, "triangles", mesh.triangle_data, mesh.triangles.size());
-  check_data(path, "edges", mesh.edge_data, mesh.edges.size());
-  const std::size_t points = mesh.points.size();
-  check_vertices(path, "tetrahedra", vertices_of(mesh.tets), points);
-  check_vertices(path, "triangles", vertices_of(mesh.triangles), points);
-  check_vertices(path, "edges", vertices_of(mesh.edges), points);
-  check_list(path, "corners", mesh.corners, points);
-  check_list(path, "ridges", mesh.ridges, mesh.edges.size());
-  check_list(path, "required vertices", mesh.required_vertices, points);
-  check_list(path, "required edges", mesh.required_edges, mesh.edges.size());
-  check_list(path, "required triangles", mesh.required_triangles, mesh.triangles.size());
-  check_list(path, "required tetrahedra", mesh.required_tets, mesh.tets.size());
-  for (const PeriodicLink& link : mesh.periodic)
-    check_vertices(path, "periodic pairs", vertices_of(link.pairs), points);
+  if (const ValidationReport report = validate_indices(mesh); !report.ok()) {
+    throw FileError(path + ": " + report.message(false));
+  }
   for (const ElementBlock& block : mesh.others) {
-    check_block(path, block, points);
     const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
     if (std::count_if(mesh.others.begin(), mesh.others.end(), same_kind) > 1) {
       throw FileError(path + ": the mesh has two blocks of " + block.kind + "; a file can hold one");
@@ -179,11 +107,21 @@ const std::vector<Format>& formats() {
       {"MEDIT binary", {".meshb"}, read_medit, write_file<write_medit_binary>},
       {"TetGen", {".ele", ".node", ".face"}, read_tetgen, write_tetgen, nullptr, false, false, false, true},
       {"VTK XML", {".vtu"}, nullptr, nullptr, &kVtkPlugin, true, true},
-      {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false},
+      {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false, false, false, false, vtk_pieces},
       {"VTK legacy", {".vtk"}, nullptr, nullptr, &kVtkPlugin, true, true},
       {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true, false, false, true},
       {"Gmsh", {".msh"}, read_msh, write_file<write_msh>},
-      {"Abaqus, CalculiX", {".inp"}, read_inp, write_file<write_inp>},
+      {"Abaqus, CalculiX",
+       {".inp"},
+       read_inp,
+       write_file<write_inp>,
+       nullptr,
+       false,
+       false,
+       false,
+       false,
+       false,
+       included_inp_files},
       {"SU2", {".su2"}, read_su2, write_file<write_su2>},
       {"Netgen", {".vol"}, read_netgen, write_file<write_netgen>},
       {"Netgen, compressed", {".vol.gz"}, read_netgen, write_file<write_netgen_compressed>},
@@ -210,6 +148,25 @@ std::vector<std::string> files_of(const std::string& path) {
     return files;
   }
   return {path};
+}
+
+std::vector<std::string> files_read(const std::string& path) {
+  std::vector<std::string> files = files_of(path);
+  const std::string ending = path_of(path).extension().string();
+  try {
+    for (const Format& format : formats()) {
+      if (format.parts == nullptr || !format.has_ending(ending)) continue;
+      for (std::string& part : format.parts(path)) files.push_back(std::move(part));
+    }
+    if (ending != ".pvd") return files;
+    for (const SeriesStep& step : read_series(path)) {
+      if (path_of(step.path).extension() == ".pvd") continue;  // no mesh
+      for (std::string& file : files_read(step.path)) files.push_back(std::move(file));
+    }
+  } catch (const FileError&) {
+    // That file is not read either.
+  }
+  return files;
 }
 
 std::string readable_endings() { return endings(false); }

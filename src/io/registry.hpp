@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/io_context.hpp"
 #include "system/file.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/quality.hpp"
@@ -27,15 +28,6 @@ inline constexpr Plugin kVtkPlugin{"tetune-vtk", "VTK"};
 inline constexpr Plugin kGmshPlugin{"tetune-gmsh", "Gmsh"};
 inline constexpr Plugin kOcctPlugin{"tetune-occt", "OpenCASCADE", false};
 
-/// Threads and a place for warnings, for readers and writers.
-struct IoContext {
-  int threads = 0;
-  std::vector<std::string>* warnings = nullptr;
-  void warn(const std::string& text) const {
-    if (warnings != nullptr) warnings->push_back(text);
-  }
-};
-
 /// One file format. A null function means the format cannot be read or written.
 struct Format {
   const char* name;
@@ -52,6 +44,8 @@ struct Format {
   bool is_set = false;
   /// A file may have values for several times, of one mesh.
   bool has_times = false;
+  /// The files that a file names and that are read with it; null: none.
+  std::vector<std::string> (*parts)(const std::string& path) = nullptr;
   bool has_ending(const std::string& ending) const {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   }
@@ -89,6 +83,8 @@ void write_msh(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 
 /// Reads a deck of Abaqus or CalculiX, with the files that it includes.
 TetMesh read_inp(const std::string& path, const IoContext& context);
+/// The files that a deck includes, and those that they include. Throws FileError.
+std::vector<std::string> included_inp_files(const std::string& path);
 /// Reads from bytes in memory; `path` stands for them in messages, and included files are relative to it.
 TetMesh parse_inp(const std::string& path, std::string bytes, const IoContext& context);
 /// Writes the deck that the mesh was read from with this mesh in it, or else a deck of the mesh alone. Throws FileError
@@ -102,6 +98,9 @@ void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 TetMesh read_netgen(const std::string& path, const IoContext& context);
 void write_netgen(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 void write_netgen_compressed(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+
+/// The pieces that a .pvtu file names. Throws FileError.
+std::vector<std::string> vtk_pieces(const std::string& path);
 
 /// Whether this installation has the plugin.
 bool has_plugin(const Plugin& plugin);

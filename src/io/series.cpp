@@ -44,10 +44,11 @@ struct Tag {
 };
 
 /// Reads the tags of the part of XML that collections use: elements with attributes, comments and a declaration, no
-/// text.
+/// text unless `has_text` is set, which is then skipped.
 class TagReader {
  public:
-  TagReader(std::string path, std::string_view text) : path_(std::move(path)), text_(text) {}
+  TagReader(std::string path, std::string_view text, bool has_text = false)
+      : path_(std::move(path)), text_(text), has_text_(has_text) {}
 
   [[noreturn]] void fail(const std::string& reason) const {
     const std::string_view before = text_.substr(0, at_);
@@ -59,7 +60,11 @@ class TagReader {
   bool has_next() {
     if (at_ == 0 && text_.starts_with("\xef\xbb\xbf")) at_ = 3;
     for (;;) {
-      skip_space();
+      if (has_text_) {
+        at_ = std::min(text_.find('<', at_), text_.size());
+      } else {
+        skip_space();
+      }
       if (at_ == text_.size()) return false;
       if (skip("<!--")) {
         skip_to("-->", "a comment does not end");
@@ -171,6 +176,7 @@ class TagReader {
 
   const std::string path_;
   const std::string_view text_;
+  const bool has_text_;
   std::size_t at_ = 0;
 };
 
@@ -222,6 +228,18 @@ std::vector<SeriesStep> read_collection(TagReader& reader, const std::filesystem
 }
 
 }  // namespace
+
+std::vector<std::string> vtk_pieces(const std::string& path) {
+  const MappedFile file(path);
+  TagReader reader(path, file.bytes(), true);
+  std::vector<std::string> pieces;
+  while (reader.has_next()) {
+    const Tag tag = reader.next();
+    const std::string* source = tag.name == "Piece" ? tag.find("Source") : nullptr;
+    if (source != nullptr) pieces.push_back((path_of(path).parent_path() / path_of(*source)).string());
+  }
+  return pieces;
+}
 
 std::vector<SeriesStep> parse_series(const std::string& path, std::string_view bytes) {
   TagReader reader(path, bytes);

@@ -191,10 +191,11 @@ class Su2Reader {
 class Su2Markers {
  public:
   Su2Markers(const TetMesh& mesh, const IoContext& context) : context_(context) {
+    const std::vector<const Group*> empty = empty_groups(mesh);
     for (const Group* const group : specific_first(mesh, 2)) {
       const std::string name = marker_of(group->name.empty() ? "patch" + std::to_string(group->number) : group->name);
       for (const int tag : group->tags) is_shared_ |= !names_.emplace(tag, name).second;
-      if (group->tags.empty()) lines_[name];
+      if (std::find(empty.begin(), empty.end(), group) != empty.end()) lines_[name];
     }
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto& [a, b, c] = mesh.triangles[i];

@@ -66,16 +66,22 @@ void check_elements(const std::vector<std::array<Index, N>>& elements, Size vert
   check_indices({elements.front().data(), Size{N} * std::ssize(elements)}, vertices, N, where, report);
 }
 
-void check_length(Size tags, Size elements, const std::string& where, ValidationReport& report) {
-  if (tags != elements) report.findings.push_back({Defect::bad_array_length, tags, {}, where});
+/// `expected` is negative where no length would be right.
+void check_length(Size entries, Size expected, const std::string& where, ValidationReport& report) {
+  if (entries == expected) return;
+  report.findings.push_back({Defect::bad_array_length, entries, {}, where, std::nullopt, expected});
 }
 
 void check_data(const std::vector<DataArray>& data, Size entries, const std::string& where, ValidationReport& report) {
   for (const DataArray& array : data) {
     const Size values = std::visit([](const auto& v) { return std::ssize(v); }, array.values);
     const Size components = array.components;
-    check_length(values, components < 1 ? -1 : components * entries, "values of \"" + array.name + "\" on " + where,
-                 report);
+    const std::string name = "values of \"" + array.name + "\" on " + where;
+    if (components < 1) {
+      check_length(values, -1, name + ", of " + std::to_string(components) + " components,", report);
+    } else {
+      check_length(values, components * entries, name, report);
+    }
   }
 }
 
@@ -211,6 +217,33 @@ void find_bad_faces(const TetMesh& mesh, int threads, ValidationReport& report) 
   add_tets(misoriented, Defect::same_side_of_face, report);
 }
 
+/// A finding without ids: "3 of the tetrahedra are flat (zero volume)".
+std::string sentence(const Finding& f) {
+  if (f.defect == Defect::bad_array_length) {
+    const std::string text = f.where + " have " + std::to_string(f.count) + " entries";
+    return f.expected < 0 ? text : text + ", and not " + std::to_string(f.expected);
+  }
+  struct Predicate {
+    bool has;
+    const char* rest;
+  };
+  static constexpr Predicate kPredicates[] = {
+      {true, "an index out of range"},
+      {true, "the wrong length"},
+      {true, "a coordinate that is not a finite number"},
+      {true, "the same vertex twice"},
+      {false, "inverted (negative volume)"},
+      {false, "flat (zero volume)"},
+      {false, "too small for arithmetic at the scale of the largest coordinate"},
+      {false, "listed twice"},
+      {false, "at a non-manifold face, which three or more share"},
+      {false, "misoriented, on the same side of a face as a neighbor"},
+      {false, "not in ascending order, listed twice or no edge of an element"}};
+  const Predicate& p = kPredicates[std::size_t(f.defect)];
+  const char* const verb = p.has ? (f.count == 1 ? "has" : "have") : f.count == 1 ? "is" : "are";
+  return std::to_string(f.count) + " of the " + f.where + " " + verb + " " + p.rest;
+}
+
 std::string format_coordinate(double x) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.6g", x);
@@ -233,8 +266,7 @@ std::string ValidationReport::message(bool one_based) const {
   std::string text = "the mesh is not valid:";
   bool can_be_untangled = true;
   for (const Finding& f : findings) {
-    text += "\n  " + std::string(to_string(f.defect)) + " in " + f.where + ": " + std::to_string(f.count) +
-            first_ids(f.first, one_based);
+    text += "\n  " + sentence(f) + first_ids(f.first, one_based);
     if (f.place) {
       const Point3& p = *f.place;
       text +=
@@ -249,8 +281,8 @@ std::string ValidationReport::message(bool one_based) const {
 ValidationReport validate_counts(const ArrayCounts& counts) {
   ValidationReport report;
   const auto check = [&report](Size entries, Index max_entries, const std::string& where) {
-    const std::string limit = " (there can be " + std::to_string(max_entries) + ")";
-    check_length(entries, std::min<Size>(entries, max_entries), where + limit, report);
+    if (entries <= max_entries) return;
+    check_length(entries, -1, where + ", of which there can be " + std::to_string(max_entries) + ",", report);
   };
   check(counts.vertices, kMaxEntries, "vertices");
   check(counts.tets, kMaxTets, "tetrahedra");
@@ -260,7 +292,7 @@ ValidationReport validate_counts(const ArrayCounts& counts) {
   return report;
 }
 
-ValidationReport validate_arrays(const TetMesh& mesh) {
+ValidationReport validate_indices(const TetMesh& mesh) {
   const Size vertices = std::ssize(mesh.points);
   const Size tets = std::ssize(mesh.tets);
   const Size triangles = std::ssize(mesh.triangles);
@@ -288,6 +320,11 @@ ValidationReport validate_arrays(const TetMesh& mesh) {
   check_data(mesh.tet_data, tets, "tetrahedra", report);
   check_data(mesh.triangle_data, triangles, "triangles", report);
   check_data(mesh.edge_data, edges, "edges", report);
+  return report;
+}
+
+ValidationReport validate_arrays(const TetMesh& mesh) {
+  ValidationReport report = validate_indices(mesh);
   check_coordinates(span_of(mesh.points), report);
   if (!mesh.curved_edges.empty() && report.ok()) check_curved_edges(mesh, report);
   return report;

@@ -13,7 +13,10 @@ struct ArrayCounts {
 /// One finding per array that is longer than 32-bit ids allow.
 ValidationReport validate_counts(const ArrayCounts& counts);
 
-/// The part of validate() that must hold before the mesh may be indexed: lengths, indices, finite coordinates.
+/// The part of validate() that must hold before the mesh may be indexed: lengths and indices.
+ValidationReport validate_indices(const TetMesh& mesh);
+
+/// validate_indices(), finite coordinates and curved edges.
 ValidationReport validate_arrays(const TetMesh& mesh);
 
 /// Throws MeshError with the findings of validate_arrays(), if any.

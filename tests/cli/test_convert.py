@@ -114,7 +114,7 @@ class Convert(CliTest):
         broken.tets[2] = (0, 1, 2, 1000)
         self.put("broken.mesh", broken)
         for name in ("out.mesh", "out.msh", "out.ele"):
-            self.refused("convert", self.path("broken.mesh"), self.path(name), said=["vertex 1000", "counted from 0"])
+            self.refused("convert", self.path("broken.mesh"), self.path(name), said=["1 of the tetrahedra has an index out of range (first, counted from 0: 2)"])
         self.assertEqual(self.files(), ["broken.mesh", "in.mesh", "out.meshb"])
 
     def test_order(self):

@@ -272,6 +272,22 @@ class Conversions(Case):
         (self.folder / "b.unv").write_text(whole + "    -1\n   164\n         1\n    -1\n    -1\n  2467\n    -1\n")
         self.assertIn("the data sets 164, 2467 are not kept", self.run_tetune("info", "b.unv").stderr)
 
+    def test_a_file_of_ideas_that_ends_within_a_data_set_is_refused(self):
+        self.run_tetune("convert", "cube.mesh", "a.unv")
+        whole = (self.folder / "a.unv").read_text()
+        end = whole.rindex("    -1")
+        for cut in (whole[:len(whole) // 3], whole[:2 * len(whole) // 3], whole[:end], whole[:end - 20]):
+            (self.folder / "b.unv").write_text(cut)
+            done = self.run_tetune("optimize", "b.unv", "out.unv")
+            self.assertEqual(done.returncode, 2)
+            self.assertRegex(done.stderr, r"b\.unv: it ends within the data set (2411|2412|2467|2477), before the -1 .* cut short")
+            self.assertFalse((self.folder / "out.unv").exists())
+        # Where only the mark of another data set is left, the mesh is whole.
+        (self.folder / "b.unv").write_text(whole + "    -1\n")
+        done = self.run_tetune("info", "b.unv")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("may be cut short", done.stderr)
+
     def test_what_has_no_room_is_told(self):
         (self.folder / "in.vtk").write_text(HEAT)
         for output, named in (("out.vtu", None), ("out.mesh", "out.mesh"), ("-", "standard output")):

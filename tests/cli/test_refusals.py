@@ -55,6 +55,41 @@ class Refusals(CliTest):
                      said=["in.mesh", "is read as well"])
         self.assertEqual(self.read_bytes("pairs.txt"), b"1 2\n")
 
+    def test_outputs_over_a_file_that_the_input_includes(self):
+        mesh = cube(2)
+        nodes = "*NODE\n" + "".join(f"{i + 1}, {', '.join(map(repr, p))}\n" for i, p in enumerate(mesh.points))
+        deck = "*HEADING\n*Include, input=more.inc\n*ELEMENT, TYPE=C3D4, ELSET=ALL\n" + "".join(
+            f"{i + 1}, {', '.join(str(v + 1) for v in t)}\n" for i, t in enumerate(mesh.tets))
+        source, part = self.put("in.inp", deck), self.put("part.inp", nodes)
+        self.put("more.inc", "*INCLUDE, INPUT=part.inp\n")
+        said = ["part.inp would be written for", "is read as well"]
+        self.refused("optimize", source, "-o", part, said=said)
+        self.refused("optimize", source, "-o", self.path("out.inp"), "--report", part, said=said)
+        self.refused("convert", source, "-o", part, said=said)
+        self.refused("move", source, "--to", source, "-o", part, said=said)
+        # A deck that another one includes cannot be replaced by its own result either.
+        self.put("part.inp", nodes + deck.split("more.inc\n")[1])
+        self.put("in.inp", "*INCLUDE, INPUT=part.inp\n")
+        before = self.read_bytes("part.inp")
+        self.refused("optimize", part, source, "-o", self.path("") + "/", said=["part.inp would be written for"])
+        self.assertEqual(self.read_bytes("part.inp"), before)
+        self.run_cli("optimize", source, "-o", source)
+        self.assertEqual(self.read_bytes("part.inp"), before)
+
+    def test_outputs_over_pieces_of_a_file_of_vtk(self):
+        pieces = "".join(f'<Piece Source="piece{i}.vtu"/>' for i in range(2))
+        source = self.put("all.pvtu", '<?xml version="1.0"?>\n<VTKFile type="PUnstructuredGrid"><PUnstructuredGrid>'
+                          f"<FieldData><DataArray>1 2</DataArray></FieldData>{pieces}</PUnstructuredGrid></VTKFile>\n")
+        series = self.put("in.pvd", '<VTKFile type="Collection"><Collection>'
+                          '<DataSet timestep="0" file="all.pvtu"/></Collection></VTKFile>\n')
+        piece = self.put("piece1.vtu", "a piece")
+        self.refused("optimize", source, "-o", piece, said=["piece1.vtu would be written for", "is read as well"])
+        self.refused("move", series, "-o", self.path("out.pvd"), "--report", piece,
+                     said=["piece1.vtu would be written for", "is read as well"])
+        self.refused("move", series, "-o", self.path("out.pvd"), "--report", source,
+                     said=["all.pvtu would be written for", "is read as well"])
+        self.assertEqual(self.read_bytes("piece1.vtu"), b"a piece")
+
     def test_report_that_cannot_be_written(self):
         source = self.put("in.mesh", cube(2))
         self.refused("optimize", source, "-o", self.path("out.mesh"), "--report", "/proc/none.json", said=["/proc/none.json: "])
@@ -72,7 +107,7 @@ class Refusals(CliTest):
 
     def test_inverted_tetrahedra(self):
         self.optimize_refused(self.put("in.mesh", tangled(4)), said=[
-            self.path("in.mesh"), "inverted tetrahedra", "counted from 1: ", ", the first near ", "--untangle"])
+            self.path("in.mesh"), " are inverted (negative volume) (first, counted from 1: ", ", the first near ", "--untangle"])
 
     def test_untangle(self):
         name, out = self.put("in.mesh", tangled(4)), self.path("out.mesh")
@@ -120,12 +155,12 @@ class Refusals(CliTest):
 
     def test_flat_tetrahedron(self):
         mesh = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)])
-        self.optimize_refused(self.put("in.mesh", mesh), said=["flat tetrahedra", ": 1 (first, counted from 1: 1)"])
+        self.optimize_refused(self.put("in.mesh", mesh), said=["1 of the tetrahedra is flat (zero volume) (first, counted from 1: 1)"])
 
     def test_index_out_of_range(self):
         mesh = cube(2)
         mesh.tets[6] = (0, 1, 2, 1000)
-        self.optimize_refused(self.put("in.mesh", mesh), said=["index out of range", ": 1 (first, counted from 1: 7)"])
+        self.optimize_refused(self.put("in.mesh", mesh), said=["1 of the tetrahedra has an index out of range (first, counted from 1: 7)"])
 
     def test_no_tetrahedra(self):
         self.optimize_refused(self.put("in.mesh", Mesh([(0, 0, 0)], [])), said=["no tetrahedron"])

@@ -230,6 +230,13 @@ class Generated(CliTest):
             self.assertEqual({o for o in complete("tetune", command, "--") if o.startswith("--")}, self.options_of(command))
         self.assertEqual(complete("tetune", "optimize", "--boundary", ""), {"preserve", "slide", "fixed"})
         self.assertEqual(complete("tetune", "optimize", "a.mesh", "--effort", "b"), {"best"})
+        self.assertEqual(complete("tetune", "optimize", "--only-below", "min_"), {"min_dihedral_deg="})
+        self.assertLessEqual({m + "=" for m in cli_case.MEASURES}, complete("tetune", "optimize", "--target-quality", ""))
+        self.assertEqual(complete("tetune", "info", "--min-quality", "scaled"), {"scaled_jacobian="})
+        self.put("openfoam.toml", "")
+        for command in ("optimize", "info", "move"):
+            self.assertEqual(complete("tetune", command, "--criteria", "open"), {"openfoam", "openfoam.toml"})
+        self.assertEqual(complete("tetune", "info", "--geometry-unit", "m"), {"mm", "m"})
         self.assertEqual(complete("tetune", "completion", ""), {"bash", "zsh", "fish"})
         self.assertEqual(complete("tetune", "optimize", "tet"), {"tetune.bash"})
 
@@ -246,9 +253,14 @@ class Generated(CliTest):
     @unittest.skipUnless(shutil.which("fish"), "needs fish")
     def test_fish_completes(self):
         script = self.put("tetune.fish", self.run_cli("completion", "fish").stdout)
-        done = subprocess.run(["fish", "-c", f"source {script}; complete -C 'tetune optimize --effort '"],
-                              capture_output=True, text=True, timeout=cli_case.HANG, env={"HOME": str(self.folder), "PATH": "/usr/bin:/bin"})
-        self.assertEqual({line.split()[0] for line in done.stdout.splitlines()}, {"fast", "standard", "best"})
+        def complete(line):
+            done = subprocess.run(["fish", "-c", f"source {script}; complete -C '{line}'"], capture_output=True, text=True,
+                                  timeout=cli_case.HANG, cwd=self.folder, env={"HOME": str(self.folder), "PATH": "/usr/bin:/bin"})
+            return {line.split()[0] for line in done.stdout.splitlines()}
+        self.put("openfoam.toml", "")
+        self.assertEqual(complete("tetune optimize --effort "), {"fast", "standard", "best"})
+        self.assertEqual(complete("tetune optimize --only-below min_"), {"min_dihedral_deg="})
+        self.assertEqual(complete("tetune optimize --criteria openfoam"), {"openfoam", "openfoam.toml"})
 
     def test_reference_of_the_options(self):
         """The page and the Python types that are generated from the table of options are up to date."""

@@ -222,6 +222,23 @@ TEST_F(Plugins, ElementsOfSeveralGroupsGetOneNameInExodus) {
   EXPECT_EQ(tags_of(read_mesh(path("b.msh"), nullptr, 1), "load").size(), 1U);  // elements of the same groups
 }
 
+TEST_F(Plugins, LossesAreNamedAsByOtherWriters) {
+  TetMesh mesh = two_materials(2);
+  mesh.groups = {{2, 90, "inlet", {90}}};
+  mesh.others = {{"Quadrilaterals", 4, {0, 1, 4, 3}, {1}, {0}}};
+  const auto has = [&](const std::string& name, const std::string& text) {
+    std::vector<std::string> warnings;
+    write_mesh(path(name), mesh, 1, &warnings);
+    return std::find(warnings.begin(), warnings.end(), path(name) + ": " + text) != warnings.end();
+  };
+  const std::string lists = "the format cannot hold lists of corners, ridges and required entities";
+  for (const char* const name : {"a.e", "a.unv", "a.bdf"}) EXPECT_TRUE(has(name, lists)) << name;
+  const std::string group = "the group \"inlet\" has no elements; it is not written";
+  for (const char* const name : {"a.e", "a.unv"}) EXPECT_TRUE(has(name, group)) << name;
+  const std::string names = "the format cannot hold the names of groups";
+  for (const char* const name : {"a.vtu", "a.vtk", "a.bdf"}) EXPECT_TRUE(has(name, names)) << name;
+}
+
 TEST_F(Plugins, TagsComeUnderTheNamesThatOtherProgramsGiveThem) {
   for (const std::string name : {"medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical"}) {
     TetMesh m = rich();

@@ -77,34 +77,35 @@ TEST_F(IoTest, MeshesThatNoFileHolds) {
   EXPECT_TRUE(contains(write_error(path("a.mesh"), twice), "two blocks of Pyramids"));
   TetMesh lengths = one_tet();
   lengths.point_tags.pop_back();
-  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "3 tags for 4 vertices"));
+  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "vertex tags have 3 entries, and not 4"));
   lengths = one_tet();
   lengths.tet_tags.clear();
-  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "0 tags for 1 tetrahedra"));
+  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "tetrahedron tags have 0 entries, and not 1"));
   lengths = one_tet();
   lengths.triangle_tags = {1};
-  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "1 tags for 0 triangles"));
+  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "triangle tags have 1 entries, and not 0"));
   lengths = one_tet();
   lengths.edge_tags = {1};
-  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "1 tags for 0 edges"));
+  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "edge tags have 1 entries, and not 0"));
   lengths = one_tet();
   lengths.others.push_back({"Prisms", 6, {0, 1, 2}, {0}, {}});
   EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths), "Prisms"));
   lengths = one_tet();
   lengths.point_data = {{"heat", 2, std::vector<double>(4)}};
-  EXPECT_TRUE(contains(write_error(path("a.mesh"), lengths),
-                       "the data \"heat\" of vertices have 4 values for 4 entries of 2 components"));
+  EXPECT_TRUE(
+      contains(write_error(path("a.mesh"), lengths), "values of \"heat\" on vertices have 4 entries, and not 8"));
   TetMesh narrow = one_tet();
   narrow.others.push_back({"Hexahedra", 4, {0, 1, 2, 3}, {0}, {}});
-  EXPECT_TRUE(contains(write_error(path("a.mesh"), narrow), "Hexahedra have 8 vertices each, and not 4"));
-  EXPECT_TRUE(contains(write_error(path("a.meshb"), narrow), "Hexahedra have 8 vertices each, and not 4"));
+  EXPECT_TRUE(contains(write_error(path("a.mesh"), narrow), "vertices of Hexahedra have 4 entries, and not 8"));
+  EXPECT_TRUE(contains(write_error(path("a.meshb"), narrow), "vertices of Hexahedra have 4 entries, and not 8"));
   for (std::vector<Index> TetMesh::*const list :
        {&TetMesh::corners, &TetMesh::ridges, &TetMesh::required_vertices, &TetMesh::required_edges,
         &TetMesh::required_triangles, &TetMesh::required_tets}) {
     for (const Index id : {-1, 1000000000}) {
       TetMesh unlisted = one_tet();
       (unlisted.*list) = {id};
-      EXPECT_TRUE(contains(write_error(path("a.mesh"), unlisted), "has number " + std::to_string(id)));
+      EXPECT_TRUE(contains(write_error(path("a.mesh"), unlisted),
+                           "has an index out of range (first, counted from 0: 0)\n  repair or remove"));
     }
   }
   EXPECT_EQ(get("a.mesh"), "old");
@@ -143,6 +144,33 @@ TEST_F(IoTest, WritersWarnOfWhatIsLost) {
   }
   EXPECT_FALSE(has(warnings_of("a.msh"), data));
   EXPECT_FALSE(has(warnings_of("a.mesh"), lists));
+}
+
+TEST_F(IoTest, NamedGroupsWithoutElementsAreNamedOrKept) {
+  TetMesh mesh = one_tet();
+  mesh.tet_tags = {4};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.triangle_tags = {7};
+  mesh.groups = {
+      {3, 1, "steel", {4}}, {2, 2, "inlet", {8}}, {2, 3, "wall", {7, 9}}, {3, 4, "none", {}}, {3, 5, "", {6}}};
+  const auto not_written = [&](const std::string& name) {
+    std::vector<std::string> found, warnings;
+    write_mesh(path(name), mesh, 1, &warnings);
+    for (const std::string& warning : warnings) {
+      if (contains(warning, "no elements")) found.push_back(warning.substr(path(name).size() + 2));
+    }
+    return found;
+  };
+  const std::vector<std::string> both{"the group \"inlet\" has no elements; it is not written",
+                                      "the group \"none\" has no elements; it is not written"};
+  EXPECT_EQ(not_written("a.vol"), both);
+  EXPECT_EQ(not_written("a.inp"), both);
+  EXPECT_EQ(not_written("a.msh"), std::vector<std::string>());
+  EXPECT_EQ(not_written("a.su2"), std::vector<std::string>());
+  std::vector<std::string> markers;
+  for (const Group& group : read_mesh(path("a.su2")).groups) markers.push_back(group.name);
+  std::sort(markers.begin(), markers.end());
+  EXPECT_EQ(markers, (std::vector<std::string>{"inlet", "wall"}));
 }
 
 TEST_F(IoTest, PlacesThatCannotBeWritten) {

@@ -154,6 +154,28 @@ TEST(Control, MemoryNeededGrowsWithTheMeshAndTheWork) {
   EXPECT_GT(memory_needed(large, slide), memory_needed(large));
 }
 
+TEST(Control, MemoryNeededCountsTransferAndCurvedEdges) {
+  TetMesh mesh = test::cube(4);
+  mesh.tet_data = {{"t", 1, std::vector<double>(mesh.tets.size())}};
+  const auto with = [&mesh](DataTransfer data, Boundary boundary = Boundary::preserve) {
+    Options options;
+    options.data = data;
+    options.boundary = boundary;
+    return memory_needed(mesh, options);
+  };
+  const std::size_t carry = with(DataTransfer::carry);
+  EXPECT_EQ(with(DataTransfer::interpolate), carry + 45 * mesh.tets.size());
+  EXPECT_EQ(with(DataTransfer::conserve), carry + 960 * mesh.tets.size());
+  EXPECT_EQ(with(DataTransfer::conserve, Boundary::slide),
+            with(DataTransfer::carry, Boundary::slide) + 1620 * mesh.tets.size());
+  const std::size_t without_field = with(DataTransfer::conserve) - carry;
+  mesh.point_data = {{"p", 3, std::vector<double>(3 * mesh.points.size())}};
+  EXPECT_EQ(with(DataTransfer::conserve) - with(DataTransfer::carry), without_field + 3 * 48 * mesh.tets.size());
+  const std::size_t straight = with(DataTransfer::carry);
+  mesh.curved_edges.resize(5);
+  EXPECT_EQ(with(DataTransfer::carry), straight + 75 * mesh.tets.size() + 5 * 470);
+}
+
 /// At the end each array is there before and after, data of vertices once more while those of inserted ones are made.
 TEST(Control, MemoryNeededCountsData) {
   TetMesh mesh = test::cube(4);

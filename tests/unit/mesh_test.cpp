@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "mesh/listed_faces.hpp"
 #include "mesh/sort_mesh.hpp"
 #include "support/meshes.hpp"
 #include "support/work.hpp"
@@ -19,6 +20,23 @@ Size count_boundary_faces(test::CpuMesh& work) {
     for (int f = 0; f < 4; ++f) count += work.view().tet2tet[t][f] == kNoHalfFace ? 1 : 0;
   }
   return count;
+}
+
+TEST(ListedFaces, AreFoundByTheirVerticesInAnyOrder) {
+  const ListedFaces<3> faces({{{2, 0, 1}, 5}, {{3, 4, 1}, 1}, {{1, 2, 0}, 0}, {{-1, 4, 2}, 7}}, 6);
+  const auto found = [&faces](const std::array<Index, 3>& face) {
+    std::vector<Index> ids;
+    faces.find(face, [&ids](Index id) { ids.push_back(id); });
+    return ids;
+  };
+  EXPECT_EQ(found({0, 1, 2}), (std::vector<Index>{0, 5}));
+  EXPECT_EQ(found({1, 4, 3}), std::vector<Index>{1});
+  EXPECT_EQ(found({2, 4, -1}), std::vector<Index>{7});
+  EXPECT_TRUE(found({2, 4, 1}).empty());
+  EXPECT_TRUE(found({0, 1, 5}).empty());
+  std::vector<std::pair<std::size_t, Index>> of_tet;
+  faces.find_in_tet({1, 5, 0, 2}, [&of_tet](std::size_t k, Index id) { of_tet.emplace_back(k, id); });
+  EXPECT_EQ(of_tet, (std::vector<std::pair<std::size_t, Index>>{{1, 0}, {1, 5}}));
 }
 
 TEST(Adjacency, TwoTetsShareOneFace) {

@@ -3,18 +3,11 @@
 #include <algorithm>
 
 #include "io/inp/inp_faces.hpp"
-#include "mesh/tet.hpp"
+#include "mesh/listed_faces.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
-
-/// A listed triangle by its vertices in ascending order.
-struct TaggedTriangle {
-  std::array<Index, 3> key;
-  Index triangle;
-  bool operator<(const TaggedTriangle& other) const { return key < other.key; }
-};
 
 /// A tetrahedron at a listed triangle.
 struct Neighbor {
@@ -46,8 +39,8 @@ std::string name_of(const InpModel& model, const InpPatch& patch) {
   return "a set of nodes";
 }
 
-std::vector<TaggedTriangle> tagged_triangles(const InpModel& model, const TetMesh& mesh) {
-  std::vector<TaggedTriangle> triangles;
+ListedFaces<3> tagged_triangles(const InpModel& model, const TetMesh& mesh) {
+  std::vector<std::pair<std::array<Index, 3>, Index>> triangles;
   std::vector<bool> occurs(model.patches.size(), false);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const int tag = mesh.triangle_tags[i];
@@ -56,7 +49,7 @@ std::vector<TaggedTriangle> tagged_triangles(const InpModel& model, const TetMes
     if (patch < 0)
       throw FileError("a triangle has the tag " + std::to_string(tag) + ", which no surface of the deck has");
     occurs[to_size_t(patch)] = true;
-    triangles.push_back({ascending(mesh.triangles[i]), to_index(i)});
+    triangles.emplace_back(mesh.triangles[i], to_index(i));
   }
   const auto missing = std::find(occurs.begin(), occurs.end(), false) - occurs.begin();
   if (missing < std::ssize(occurs)) {
@@ -64,28 +57,16 @@ std::vector<TaggedTriangle> tagged_triangles(const InpModel& model, const TetMes
     throw FileError("the mesh has no more triangles with the tag " + std::to_string(patch.tag) + ", of which " +
                     name_of(model, patch) + " of the deck consists; optimize it with open boundaries");
   }
-  std::sort(triangles.begin(), triangles.end());
-  return triangles;
+  return {std::move(triangles), mesh.points.size()};
 }
 
-std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match,
-                                     const std::vector<TaggedTriangle>& triangles) {
-  std::vector<std::uint8_t> is_corner(mesh.points.size(), 0);
-  for (const TaggedTriangle& t : triangles) {
-    for (const Index v : t.key) span_of(is_corner)[v] = 1;
-  }
+std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match, const ListedFaces<3>& triangles) {
   std::vector<Neighbor> neighbors;
   for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
-    const std::array<Index, 4>& v = span_of(match.listed)[t];
-    const auto n = std::count_if(v.begin(), v.end(), [&](Index u) { return span_of(is_corner)[u] != 0; });
-    for (std::size_t k = 0; k < 4 && n >= 3; ++k) {
-      const auto key = ascending_face(v, k);
-      auto at = std::lower_bound(triangles.begin(), triangles.end(), TaggedTriangle{key, 0});
-      for (; at != triangles.end() && at->key == key; ++at) {
-        const bool away = points_away(span_of(mesh.tets)[t], span_of(mesh.triangles)[at->triangle]);
-        neighbors.push_back({at->triangle, t, kInpFaceOpposite[k], away ? 0 : 1});
-      }
-    }
+    triangles.find_in_tet(span_of(match.listed)[t], [&](std::size_t k, Index triangle) {
+      const bool away = points_away(span_of(mesh.tets)[t], span_of(mesh.triangles)[triangle]);
+      neighbors.push_back({triangle, t, kInpFaceOpposite[k], away ? 0 : 1});
+    });
   }
   std::stable_sort(neighbors.begin(), neighbors.end(),
                    [](const Neighbor& a, const Neighbor& b) { return a.triangle < b.triangle; });
@@ -97,7 +78,7 @@ std::vector<Neighbor> find_neighbors(const TetMesh& mesh, const InpMatch& match,
 std::vector<std::vector<InpLabeledFace>> find_inp_faces(const InpModel& model, const TetMesh& mesh,
                                                         const InpMatch& match) {
   std::vector<std::vector<InpLabeledFace>> faces(model.face_groups.size());
-  const std::vector<TaggedTriangle> triangles = tagged_triangles(model, mesh);
+  const ListedFaces<3> triangles = tagged_triangles(model, mesh);
   const std::vector<Neighbor> neighbors = find_neighbors(mesh, match, triangles);
   std::size_t found = 0;
   for (auto at = neighbors.begin(); at != neighbors.end(); ++found) {

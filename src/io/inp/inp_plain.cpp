@@ -4,12 +4,13 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "io/inp/inp_deck.hpp"
 #include "io/inp/inp_format.hpp"
 #include "io/losses.hpp"
 #include "io/second_order.hpp"
-#include "mesh/tet.hpp"
+#include "mesh/listed_faces.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -36,6 +37,7 @@ void warn_of_losses_in_inp(const TetMesh& mesh, const IoContext& context) {
     context.warn(std::to_string(mesh.edges.size()) + " edges are not written: in a deck they would be elements");
   }
   warn_of_lists(mesh, context);
+  warn_of_empty_groups(mesh, context);
 }
 
 class InpPlainWriter {
@@ -133,31 +135,21 @@ class InpPlainWriter {
   // Patches: the listed triangles with a tag that are faces of tetrahedra.
 
   void find_patches() {
-    std::vector<std::pair<std::array<Index, 3>, std::size_t>> triangles;
+    std::vector<std::pair<std::array<Index, 3>, Index>> tagged;
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-      if (mesh_.triangle_tags[i] != 0) triangles.emplace_back(ascending(mesh_.triangles[i]), i);
+      if (mesh_.triangle_tags[i] != 0) tagged.emplace_back(mesh_.triangles[i], to_index(i));
     }
-    if (triangles.empty()) return;
-    std::sort(triangles.begin(), triangles.end());
-    std::vector<bool> is_corner(mesh_.points.size(), false);
-    for (const auto& [key, i] : triangles) {
-      for (const Index v : key) is_corner[to_size_t(v)] = true;
-    }
-    std::vector<bool> is_written(mesh_.triangles.size(), false);
+    if (tagged.empty()) return;
+    const ListedFaces<3> triangles(std::move(tagged), mesh_.points.size());
+    std::vector<std::uint8_t> is_written(mesh_.triangles.size(), 0);
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
-      const std::array<Index, 4> v = listed(t);
-      if (std::count_if(v.begin(), v.end(), [&](Index u) { return is_corner[to_size_t(u)]; }) < 3) continue;
-      for (std::size_t k = 0; k < 4; ++k) {
-        const std::array<Index, 3> key = ascending_face(v, k);
-        auto at = std::lower_bound(triangles.begin(), triangles.end(), std::pair{key, std::size_t{0}});
-        for (; at != triangles.end() && at->first == key; ++at) {
-          if (is_written[at->second]) continue;  // by the tetrahedron on the other side
-          is_written[at->second] = true;
-          patches_[mesh_.triangle_tags[at->second]].push_back({to_index(t), kInpFaceOpposite[k]});
-        }
-      }
+      triangles.find_in_tet(listed(t), [&](std::size_t k, Index triangle) {
+        if (std::exchange(span_of(is_written)[triangle], 1) != 0) return;  // by the tetrahedron on the other side
+        patches_[span_of(mesh_.triangle_tags)[triangle]].push_back({to_index(t), kInpFaceOpposite[k]});
+      });
     }
-    const auto missing = std::ssize(triangles) - std::count(is_written.begin(), is_written.end(), true);
+    const auto missing = std::ssize(is_written) - std::count(is_written.begin(), is_written.end(), 1) -
+                         std::count(mesh_.triangle_tags.begin(), mesh_.triangle_tags.end(), 0);
     if (missing > 0) {
       context_.warn(std::to_string(missing) + " triangles are not written, as they are no faces of tetrahedra");
     }

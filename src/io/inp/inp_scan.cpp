@@ -16,6 +16,40 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 20, kMaxIncludes = 1000;
 
+bool is_file(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path_of(path), ignored);
+}
+
+/// The file that an *INCLUDE card of `file` names: in the folder of the deck, or else in that of the file.
+std::string included_path(const std::string& deck, const std::string& file, std::string name) {
+  std::erase(name, '"');
+  const auto in_folder_of = [&name](const std::string& of) {
+    return (path_of(of).parent_path() / path_of(name)).lexically_normal().string();
+  };
+  std::string path = in_folder_of(deck);
+  return is_file(path) ? path : in_folder_of(file);
+}
+
+void add_included(const std::string& deck, const std::string& file, std::vector<std::string>& found) {
+  const MappedFile mapped(file);
+  InpCursor cursor(file, mapped.bytes());
+  cursor.take_byte_order_mark();
+  while (!cursor.at_end()) {
+    if (cursor.line_kind() != InpCursor::Line::keyword) {
+      cursor.take_line();
+      continue;
+    }
+    const InpKeyword keyword = cursor.take_keyword();
+    const std::string* input = keyword.name == "INCLUDE" ? keyword.find("INPUT") : nullptr;
+    if (input == nullptr || input->empty() || found.size() >= kMaxIncludes) continue;
+    const std::string path = included_path(deck, file, *input);
+    if (!is_file(path) || std::find(found.begin(), found.end(), path) != found.end()) continue;
+    found.push_back(path);
+    add_included(deck, path, found);
+  }
+}
+
 class InpScanner {
  public:
   explicit InpScanner(const std::string& path) : main_path_(path), cursor_(path, {}) {}
@@ -186,17 +220,9 @@ class InpScanner {
   void include(const InpKeyword& keyword, const InpPlace& where) {
     const std::string* input = keyword.find("INPUT");
     if (input == nullptr || input->empty()) where.fail("*INCLUDE has no INPUT");
-    std::string name = *input;
-    std::erase(name, '"');
     if (stack_.size() >= kMaxDepth || ++includes_ > kMaxIncludes) where.fail("there are too many included files");
-    const auto in_folder_of = [&name](const std::string& file) {
-      return (path_of(file).parent_path() / path_of(name)).lexically_normal().string();
-    };
-    std::error_code ignored;
-    std::string path = in_folder_of(main_path_);
-    if (!std::filesystem::is_regular_file(path_of(path), ignored)) path = in_folder_of(where.file);
-    if (!std::filesystem::is_regular_file(path_of(path), ignored))
-      where.fail("the included file " + path + " does not exist");
+    const std::string path = included_path(main_path_, where.file, *input);
+    if (!is_file(path)) where.fail("the included file " + path + " does not exist");
     if (std::find(stack_.begin(), stack_.end(), path) != stack_.end()) where.fail(path + " includes itself");
     const InpCursor here = cursor_;
     read_file(path, std::string(MappedFile(path).bytes()));
@@ -246,6 +272,12 @@ class InpScanner {
 };
 
 }  // namespace
+
+std::vector<std::string> included_inp_files(const std::string& path) {
+  std::vector<std::string> found;
+  add_included(path, path, found);
+  return found;
+}
 
 InpScan scan_inp(const std::string& path, std::string bytes) { return InpScanner(path).scan(std::move(bytes)); }
 

@@ -9,6 +9,9 @@
 #include <span>
 
 #include "backend/span.hpp"
+#include "io/losses.hpp"
+#include "io/tag_numbers.hpp"
+#include "mesh/listed_faces.hpp"
 #include "mesh/whole_number.hpp"
 #include "tetune/error.hpp"
 
@@ -82,26 +85,14 @@ std::vector<std::vector<int>> known_entities(std::span<const MshKind> kinds, Ent
 /// Makes each tag an entity: of the number of the tag, or of minus that number, as the reader expects of entities in no
 /// group; else of a free one.
 std::vector<std::vector<int>> entities_of_tags(std::span<const MshKind> kinds, EntityTags& tags) {
-  std::map<int, int> tag2entity;
+  std::set<int> used;
   for (const MshKind& kind : kinds) {
     for (std::size_t e = 0; e < kind.size(); ++e) {
-      if (e == 0 || (*kind.tags)[e] != (*kind.tags)[e - 1]) tag2entity[(*kind.tags)[e]] = 0;
+      if (e == 0 || (*kind.tags)[e] != (*kind.tags)[e - 1]) used.insert((*kind.tags)[e]);
     }
   }
-  std::set<int> taken;
-  for (const auto& [tag, entity] : tag2entity) taken.insert(tag);
-  for (auto& [tag, entity] : tag2entity) {
-    if (tag > 0) entity = tag;
-    if (tag < 0 && tag > std::numeric_limits<int>::min() && taken.insert(-tag).second) entity = -tag;
-  }
-  int free = 1;
-  for (auto& [tag, entity] : tag2entity) {
-    while (entity == 0) {
-      if (taken.insert(free).second) entity = free;
-      ++free;
-    }
-    tags[entity] = tag;
-  }
+  std::map<int, int> tag2entity = numbers_of_tags(used, {}, std::numeric_limits<int>::max());
+  for (const auto& [tag, entity] : tag2entity) tags[entity] = tag;
   std::vector<std::vector<int>> numbers;
   for (const MshKind& kind : kinds) {
     numbers.emplace_back();
@@ -152,7 +143,7 @@ std::set<int> add_links(const TetMesh& mesh, int dimension, bool renumbered, con
 }
 
 /// Warns of tags that are one tag when the file is read: that of a group is its number, where an entity is in no other.
-void warn_of_merged_tags(const TetMesh& mesh, std::span<const MshLayoutEntity> entities, const IoContext& context) {
+void warn_of_merged_msh_tags(const TetMesh& mesh, std::span<const MshLayoutEntity> entities, const IoContext& context) {
   std::map<int, std::set<int>> group2tags;
   for (const MshLayoutEntity& entity : entities) {
     if (entity.groups.size() == 1) group2tags[entity.groups[0]].insert(entity.tag);
@@ -161,8 +152,7 @@ void warn_of_merged_tags(const TetMesh& mesh, std::span<const MshLayoutEntity> e
     const auto found = group2tags.find(group.number);
     if (group.dimension != entities.front().dimension || found == group2tags.end() || found->second.size() < 2)
       continue;
-    context.warn("the " + std::to_string(found->second.size()) + " tags of the group \"" + group.name +
-                 "\" become one: the number of their group");
+    warn_of_merged_tags(group, found->second.size(), context);
   }
 }
 
@@ -193,7 +183,7 @@ void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, 
     }
     layout.entities.push_back(std::move(entity));
   }
-  if (!tags.empty()) warn_of_merged_tags(mesh, std::span(layout.entities).subspan(first), context);
+  if (!tags.empty()) warn_of_merged_msh_tags(mesh, std::span(layout.entities).subspan(first), context);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     kinds[k].entity.reserve(kinds[k].size());
     for (std::size_t e = 0; e < kinds[k].size(); ++e) {
@@ -203,24 +193,15 @@ void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, 
   }
 }
 
-/// A side of an element, by its vertices in ascending order, and the entity that it belongs to.
-struct Side {
-  std::array<Index, 3> vertices;
-  Index entity;
-  bool operator<(const Side& other) const { return vertices < other.vertices; }
-};
-
-std::array<Index, 3> side_key(std::span<const Index> vertices) {
-  std::array<Index, 3> key{-1, -1, -1};
-  std::copy(vertices.begin(), vertices.end(), key.begin());
-  std::sort(key.begin(), key.end());
-  return key;
+std::array<Index, 3> side_of(std::span<const Index> vertices) {
+  std::array<Index, 3> side{-1, -1, -1};
+  std::copy(vertices.begin(), vertices.end(), side.begin());
+  return side;
 }
 
 /// Sets MshLayoutEntity::bounds of entities of simplices of a dimension.
 void find_bounds(int dimension, std::size_t vertices, MshLayout& layout) {
-  std::vector<Side> sides;
-  std::vector<std::uint8_t> is_on_side(vertices, 0);
+  std::vector<std::pair<std::array<Index, 3>, Index>> listed;  // sides with their entities
   const auto simplices = [&layout](int of_dimension, const auto& f) {
     for (const MshKind& kind : layout.kinds) {
       if (kind.type->dimension == of_dimension && kind.type->corners == of_dimension + 1) f(kind);
@@ -228,31 +209,23 @@ void find_bounds(int dimension, std::size_t vertices, MshLayout& layout) {
   };
   simplices(dimension - 1, [&](const MshKind& kind) {
     for (std::size_t e = 0; e < kind.size(); ++e) {
-      const std::span<const Index> corners(kind.corners(e), to_size_t(dimension));
-      for (const Index v : corners) span_of(is_on_side)[v] = 1;
-      sides.push_back({side_key(corners), kind.entity[e]});
+      listed.emplace_back(side_of({kind.corners(e), to_size_t(dimension)}), kind.entity[e]);
     }
   });
-  if (sides.empty()) return;
-  std::sort(sides.begin(), sides.end());
+  if (listed.empty()) return;
+  const ListedFaces<3> sides(std::move(listed), vertices);
   std::set<std::pair<Index, Index>> found;
   simplices(dimension, [&](const MshKind& kind) {
     const auto n = to_size_t(dimension) + 1;
     for (std::size_t e = 0; e < kind.size(); ++e) {
       const std::span<const Index> corners(kind.corners(e), n);
-      const auto on_sides =
-          std::count_if(corners.begin(), corners.end(), [&](Index v) { return span_of(is_on_side)[v] != 0; });
-      if (on_sides < dimension) continue;
+      if (sides.count_listed(corners) < dimension) continue;
       for (std::size_t left_out = 0; left_out < n; ++left_out) {
         std::array<Index, 3> side{};
         std::copy_n(corners.begin(), left_out, side.begin());
         std::copy(corners.begin() + std::ptrdiff_t(left_out) + 1, corners.end(),
                   side.begin() + std::ptrdiff_t(left_out));
-        const auto key = side_key({side.data(), n - 1});
-        for (auto at = std::lower_bound(sides.begin(), sides.end(), Side{key, 0});
-             at != sides.end() && at->vertices == key; ++at) {
-          found.emplace(kind.entity[e], at->entity);
-        }
+        sides.find(side_of({side.data(), n - 1}), [&](Index entity) { found.emplace(kind.entity[e], entity); });
       }
     }
   });

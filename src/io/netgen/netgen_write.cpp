@@ -11,7 +11,7 @@
 #include "io/netgen/netgen_format.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
-#include "mesh/tet.hpp"
+#include "mesh/listed_faces.hpp"
 
 namespace tetune {
 namespace {
@@ -77,14 +77,7 @@ using Sides = std::array<int, 2>;
 class NetgenSides {
  public:
   NetgenSides(const TetMesh& mesh, const std::vector<std::array<Index, 4>>& faces, const NetgenNumbers& regions)
-      : mesh_(mesh), faces_(faces), sides_(faces.size()), is_listed_(mesh.points.size(), 0) {
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      keys_.emplace_back(key_of(faces[i]), i);
-      for (const Index v : faces[i]) {
-        if (v >= 0) span_of(is_listed_)[v] = 1;
-      }
-    }
-    std::sort(keys_.begin(), keys_.end());
+      : mesh_(mesh), faces_(faces), listed_(numbered(faces), mesh.points.size()), sides_(faces.size()) {
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
       const auto& tet = mesh.tets[t];
       for (int f = 0; f < 4; ++f) {
@@ -98,9 +91,10 @@ class NetgenSides {
 
  private:
   using Face = std::array<Index, 4>;
-  static Face key_of(Face v) {
-    std::sort(v.begin(), v.end());
-    return v;
+  static std::vector<std::pair<Face, Index>> numbered(const std::vector<Face>& faces) {
+    std::vector<std::pair<Face, Index>> list;
+    for (const Face& face : faces) list.emplace_back(face, to_index(list.size()));
+    return list;
   }
   void add_others(const ElementBlock& block, const NetgenNumbers& regions) {
     static const std::map<std::string, std::vector<Face>> faces_of{
@@ -121,15 +115,11 @@ class NetgenSides {
   }
   /// Adds the region of a solid to a listed face. The faces of tetrahedra, without `solid`, are oriented outwards.
   void add(const Face& face, int region, const std::vector<Index>& solid) {
-    if (!std::all_of(face.begin(), face.end(), [this](Index v) { return v < 0 || span_of(is_listed_)[v] != 0; }))
-      return;
-    const Face key = key_of(face);
-    const auto less = [](const auto& entry, const Face& k) { return entry.first < k; };
-    for (auto at = std::lower_bound(keys_.begin(), keys_.end(), key, less); at != keys_.end() && at->first == key;
-         ++at) {
-      const bool is_behind = solid.empty() ? same_turn(faces_[at->second], face) : is_below(faces_[at->second], solid);
-      sides_[at->second][is_behind ? 0 : 1] = region;
-    }
+    listed_.find(face, [&](Index listed) {
+      const Face& seen = span_of(faces_)[listed];
+      const bool is_behind = solid.empty() ? same_turn(seen, face) : is_below(seen, solid);
+      span_of(sides_)[listed][is_behind ? 0 : 1] = region;
+    });
   }
   static bool same_turn(const Face& a, const Face& b) {
     const auto at = std::find(b.begin(), b.end(), a[0]) - b.begin();
@@ -154,9 +144,8 @@ class NetgenSides {
   }
   const TetMesh& mesh_;
   const std::vector<Face>& faces_;
+  const ListedFaces<4> listed_;
   std::vector<Sides> sides_;
-  std::vector<std::uint8_t> is_listed_;
-  std::vector<std::pair<Face, std::size_t>> keys_;
 };
 
 class NetgenWriter {
@@ -185,7 +174,7 @@ class NetgenWriter {
       context.warn("tags that are not from 1 to 9999 have other numbers");
     }
     if (std::any_of(all.begin(), all.end(), [](const NetgenNumbers* n) { return n->is_shared(); })) {
-      context.warn("an element can have one name only: it has that of its group with the fewest tags");
+      warn_of_shared_names(context);
     }
   }
 
@@ -329,6 +318,7 @@ void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
   warn_of_point_tags(mesh, context);
   warn_of_lists(mesh, context);
   warn_of_data(mesh, context, kNetgenSurface);
+  warn_of_empty_groups(mesh, context);
   if (mesh.triangles.empty()) context.warn("the mesh lists no triangles: Netgen needs them on the whole boundary");
 }
 

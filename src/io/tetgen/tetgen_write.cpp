@@ -72,7 +72,7 @@ void write_tetgen(const std::string& path, const TetMesh& mesh, const IoContext&
   for (const ElementBlock& block : mesh.others) {
     if (block.kind != kPoints)
       throw FileError("TetGen's files cannot hold " + block.kind + "; choose .vtu, .msh or .mesh");
-    context.warn("the format cannot hold elements of one vertex");
+    warn_of_point_elements(context);
   }
   warn_of_lists(mesh, context);
   warn_of_data(mesh, context);

@@ -154,7 +154,12 @@ TetOverlaps find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes,
     }
   });
   result.offsets.assign(to_size_t(count) + 1, 0);
-  for (const std::vector<Pair>& pairs : chunks) {
+  std::size_t total = 0;
+  for (const std::vector<Pair>& pairs : chunks) total += pairs.size();
+  result.old.reserve(total);
+  result.volumes.reserve(total);
+  for (std::vector<Pair>& chunk : chunks) {
+    const std::vector<Pair> pairs = std::exchange(chunk, {});  // its memory is free after it
     for (const Pair& pair : pairs) {
       ++span_of(result.offsets)[pair.entry + 1];
       result.old.push_back(pair.old);
