@@ -271,11 +271,6 @@ const std::array kTable{
                "The smallest dihedral angle is measured after each sweep and round, for the report; takes a twelfth of "
                "the time"}};
 
-std::string number_text(double value) {
-  std::array<char, 32> digits{};
-  return {digits.data(), print_real(digits.data(), digits.data() + digits.size(), value).ptr};
-}
-
 std::string value_text(const Target& target) {
   return std::string(to_string(target.measure)) + ":" + number_text(target.value);
 }
