@@ -267,6 +267,16 @@ class Geometry(CliTest):
         self.assertIn("RequiredTriangles\n1\n1\n", Path(self.path("out.mesh")).read_text())
         self.assertEqual(report["triangles_dropped"], 1)
 
+    def test_vertices_that_slide_do_not_hold_elements(self):
+        self.run_cli("optimize", self.put("in.mesh", ball(3)), "-o", self.path("out.mesh"), "--geometry", self.part("ball.step"),
+                     "--boundary", "slide", "--no-flips", "--target-quality", "mean_ratio=0.99", "--report",
+                     self.path("report.json"), code=1)
+        report = json.loads(Path(self.path("report.json")).read_text())
+        held_by = report["optimization"]["targets"][0]["held_by"]
+        self.assertEqual(report["optimization"]["vertices_fixed"], 0)
+        self.assertEqual(held_by["no vertex may move"], 0)
+        self.assertGreater(held_by["all four vertices on the surface"], 0)
+
     def test_options_without_effect_are_named(self):
         source = self.put("in.mesh", cylinder(3))
         done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--snap", "no", "--geometry-unit", "m", "--quiet")

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/curved.hpp"
 #include "support/meshes.hpp"
 #include "tetune/curved.hpp"
 #include "tetune/quality.hpp"
@@ -166,6 +167,27 @@ TEST(OptimizeTowards, NamesWhatHoldsElements) {
   ASSERT_EQ(angles.limits[0].worst.size(), 1U);
   EXPECT_EQ(angles.limits[0].worst[0].held_by, LimitingConstraint::surface_angle);
   EXPECT_NEAR(angles.limits[0].worst[0].surface_angle, 54.7356, 1e-3);
+}
+
+TEST(OptimizeTowards, VerticesThatSlideDoNotHoldElementsAndRoundsKeepTheSurface) {
+  const TetMesh before = test::ball(5, 0.15);
+  Options options;
+  options.boundary = Boundary::slide;
+  options.feature_angle = 180;
+  TetMesh plain = before;
+  optimize(plain, options);
+  TetMesh mesh = before;
+  const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 2), options);
+  ASSERT_TRUE(std::any_of(report.rounds.begin(), report.rounds.end(), [](const CriteriaRound& r) { return r.kept; }));
+  for (const auto& face : test::skin(plain)) {
+    for (const Index v : face.v) EXPECT_EQ(mesh.points[std::size_t(v)], plain.points[std::size_t(v)]);
+  }
+  ASSERT_EQ(report.optimization.fixed_vertices, 0);
+  ASSERT_EQ(report.limits.size(), 1U);
+  const auto held_by = [&](LimitingConstraint c) { return report.limits[0].held_by[std::size_t(c)]; };
+  EXPECT_GT(held_by(LimitingConstraint::boundary), 0);
+  EXPECT_EQ(held_by(LimitingConstraint::fixed_vertices), 0);
+  EXPECT_EQ(held_by(LimitingConstraint::feature_corner), 0);
 }
 
 TEST(OptimizeTowards, MakesNoRoundsWhereOptionsExcludeThem) {

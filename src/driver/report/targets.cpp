@@ -263,7 +263,6 @@ Options options_for_result(const Options& options, const std::vector<Index>& ver
   Options result = follow_vertices(options, vertex2original);
   result.only_below.clear();
   result.untangle = false;
-  if (result.boundary == Boundary::slide) result.boundary = Boundary::preserve;
   result.max_deviation = 0;
   return result;
 }
