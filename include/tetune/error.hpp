@@ -30,7 +30,7 @@ class TETUNE_API MeshError : public Error {
   using Error::Error;
 };
 
-/// Options::untangle could not make every volume positive.
+/// Options::untangle could not make every volume positive, or every second-order element valid.
 class TETUNE_API UntangleError : public MeshError {
  public:
   enum class Reason {
@@ -38,15 +38,20 @@ class TETUNE_API UntangleError : public MeshError {
     no_room_though_sliding,  ///< nor where it slides
     stopped,                 ///< by the caller
     surface_at_fault,        ///< the surface of the input crosses itself or is folded onto itself
+    curved_surface,          ///< nodes that are held leave second-order elements no room
   };
   UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason);
+  /// Of second-order elements (Reason::curved_surface); `remedy` says in words which options may help.
+  UntangleError(std::int64_t tangled, std::vector<Index> left, std::string remedy);
   /// what(), with ids that start from 1 (as in MEDIT files) or from 0.
   std::string message(bool one_based) const;
-  std::int64_t tangled;  ///< number of inverted or flat tetrahedra of the input
+  /// Number of inverted or flat tetrahedra of the input, or of second-order ones that are not proved valid.
+  std::int64_t tangled;
   /// Tetrahedra of the input, in increasing order, whose descendants are still not positive; or else those at the
   /// surface where it would fold, or where it is at fault.
   std::vector<Index> left;
   Reason reason;
+  std::string remedy;  ///< with Reason::curved_surface
 };
 
 /// The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.

@@ -112,14 +112,15 @@ TETUNE_API std::vector<Measures> measure_each(const TetMesh& mesh, int threads =
 TETUNE_API void write_measures(const std::string& path, const TetMesh& mesh, int threads = 0,
                                std::vector<std::string>* warnings = nullptr);
 
-/// Change of the area of the listed triangles of one tag.
+/// Change of the area of the listed triangles of one tag, curved ones where edges are curved.
 struct PatchChange {
   int tag = 0;
   double area_before = 0;
   double area_change = 0;  ///< relative
 };
 
-/// Differences between two meshes of the same shape, `before` (old) and `after` (new).
+/// Differences between two meshes of the same shape, `before` (old) and `after` (new). Volumes and areas are those of
+/// the curved elements where edges are curved.
 struct Comparison {
   /// Relative changes, new relative to old.
   double volume_change = 0, area_change = 0;

@@ -98,7 +98,8 @@ struct Report : OperationCounts {
   std::vector<StraightenedEdge> straightened;
   /// With Options::only_below: numbers of tetrahedra of the input that miss a limit, and of those that might change.
   std::int64_t tets_bad = 0, tets_active = 0;
-  /// Numbers of vertices of the input that may move anywhere, in a plane, along a line, not at all.
+  /// Numbers of vertices of the input that may move anywhere, in a plane, along a line, not at all. In second-order
+  /// meshes those of curved triangles do not move, unless they slide.
   std::int64_t free_vertices = 0, plane_vertices = 0, line_vertices = 0, fixed_vertices = 0;
   /// With Boundary::slide: numbers of vertices that slide on the surface and along its feature lines.
   std::int64_t surface_vertices = 0, curve_vertices = 0;
@@ -111,7 +112,8 @@ struct Report : OperationCounts {
   std::int64_t edges_not_held = 0;
   std::int64_t triangles_dropped = 0, edges_dropped = 0;  ///< numbers of listed ones that the result lacks
   int colors = 0;                                         ///< of the graph of vertices that must not move at once
-  /// The sum that Options::energy names; with Options::only_below that of the active tetrahedra.
+  /// The sum that Options::energy names; with Options::only_below that of the active tetrahedra, of second-order meshes
+  /// that of the straight ones of the input and of the result.
   double energy_before = 0, energy_after = 0;
   /// For each vertex of the result that of the input, or -1 for an inserted one. Empty if all vertices were kept.
   std::vector<Index> vertex2original;

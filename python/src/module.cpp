@@ -175,7 +175,7 @@ void bind_errors(nb::module_& m) {
   const nb::exception<MeshError> mesh_error(m, "MeshError", error);
   mesh_error.doc() = "A mesh breaks the contract of validate().";
   nb::exception<UntangleError>(m, "UntangleError", mesh_error).doc() =
-      "The option untangle could not make every volume positive.";
+      "The option untangle could not make every volume positive, or every second-order element valid.";
   nb::exception<OverlapError>(m, "OverlapError", mesh_error).doc() =
       "The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.";
   nb::exception<OptionError>(m, "OptionError", error).doc() =

@@ -2,6 +2,7 @@
 #include "curved/curved_edges.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -36,7 +37,10 @@ void merge_edges(std::vector<CurvedEdge>& sorted, std::vector<CurvedEdge> change
 bool is_straight(const TetMesh& mesh, const CurvedEdge& edge, double tolerance) {
   const Vec3 p = vec(span_of(mesh.points)[edge.vertices[0]]);
   const Vec3 q = vec(span_of(mesh.points)[edge.vertices[1]]);
-  return norm(vec(edge.middle) - 0.5 * (p + q)) <= tolerance * norm(q - p);
+  constexpr double kCoordinateRounding = 2e-14;
+  double largest = 0;
+  for (const double x : edge.middle) largest = std::max(largest, std::fabs(x));
+  return norm(vec(edge.middle) - 0.5 * (p + q)) <= tolerance * norm(q - p) + kCoordinateRounding * largest;
 }
 
 CurvedEdges::CurvedEdges(const TetMesh& mesh) : mesh_(mesh), first_(mesh.points.size() + 1, 0) {

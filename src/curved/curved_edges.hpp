@@ -20,7 +20,8 @@ const CurvedEdge* find_edge(const std::vector<CurvedEdge>& sorted, const std::ar
 /// Replaces edges of a sorted list, and adds those that it lacks.
 void merge_edges(std::vector<CurvedEdge>& sorted, std::vector<CurvedEdge> changed);
 
-/// Whether the mid-side node is at most this far from the midpoint, relative to the length of the edge.
+/// Whether the mid-side node is at most this far from the midpoint, relative to the length of the edge; farther by the
+/// rounding of coordinates of 15 digits, as of text.
 bool is_straight(const TetMesh& mesh, const CurvedEdge& edge, double tolerance);
 
 /// The curved edges of a mesh by their vertices. Refers to the mesh.

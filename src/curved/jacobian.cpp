@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "curved/jacobian.hpp"
-#include "math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <queue>
 #include <vector>
+
+#include "math/constants.hpp"
 
 namespace tetune {
 namespace {
@@ -77,17 +79,23 @@ constexpr PartTable kPartTable = make_part_table();
 
 double det(const Vec3& a, const Vec3& b, const Vec3& c) { return dot(cross(a, b), c); }
 
+struct LocalNodes {
+  TenNodes nodes{};
+  double scale = 1;
+};
+
 /// The nodes relative to the first vertex, scaled so that the largest coordinate is about 1.
-TenNodes localize(const TenNodes& nodes) {
-  TenNodes local{};
+LocalNodes localize(const TenNodes& nodes) {
+  LocalNodes result;
+  TenNodes& local = result.nodes;
   double largest = 0;
   for (std::size_t i = 0; i < 10; ++i) {
     local[i] = nodes[i] - nodes[0];
     largest = std::max({largest, std::fabs(local[i].x), std::fabs(local[i].y), std::fabs(local[i].z)});
   }
-  const double scale = largest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1020, 1020)) : 1;
-  for (Vec3& x : local) x = scale * x;
-  return local;
+  if (largest > 0) result.scale = std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1020, 1020));
+  for (Vec3& x : local) x = result.scale * x;
+  return result;
 }
 
 Vec3 larger(const Vec3& a, const Vec3& b) {
@@ -109,7 +117,7 @@ double JacobianPolynomial::smallest() const { return *std::min_element(coefficie
 double JacobianPolynomial::largest() const { return *std::max_element(coefficients.begin(), coefficients.end()); }
 
 ScaledJacobian jacobian_of(const TenNodes& nodes) {
-  const TenNodes x = localize(nodes);
+  const auto [x, scale] = localize(nodes);
   // Twice the Bezier control points of the element: 2 x_i at a vertex, 4 m_ij - x_i - x_j on an edge.
   std::array<std::array<Vec3, 4>, 4> control{};
   for (std::size_t i = 0; i < 4; ++i) control[i][i] = 2.0 * x[i];
@@ -129,6 +137,7 @@ ScaledJacobian jacobian_of(const TenNodes& nodes) {
     }
   }
   ScaledJacobian result;
+  result.scale = scale;
   JacobianCoefficients& sums = result.polynomial.coefficients;
   for (std::size_t i = 0; i < 64; ++i) {
     sums[kTerms[i]] += det(side[0][i / 16], side[1][i / 4 % 4], side[2][i % 4]);
@@ -141,6 +150,14 @@ ScaledJacobian jacobian_of(const TenNodes& nodes) {
   result.polynomial.error = determinant_error(largest_side, off) + 48 * kRoundoff * sx * sy * sz;
   result.straight = det(x[1], x[2], x[3]);
   return result;
+}
+
+double signed_volume(const TenNodes& nodes) {
+  const ScaledJacobian jacobian = jacobian_of(nodes);
+  const JacobianCoefficients& terms = jacobian.polynomial.coefficients;
+  // The mean over the element is that of the coefficients.
+  const double mean = std::accumulate(terms.begin(), terms.end(), 0.0) / double(kJacobianTerms);
+  return mean / 6 / jacobian.scale / jacobian.scale / jacobian.scale;
 }
 
 std::array<JacobianPolynomial, 8> subdivide(const JacobianPolynomial& polynomial) {

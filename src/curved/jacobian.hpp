@@ -35,8 +35,12 @@ struct JacobianPolynomial {
 struct ScaledJacobian {
   JacobianPolynomial polynomial;
   double straight = 0;  ///< the determinant of the straight element with the same vertices
+  double scale = 1;     ///< the power of two
 };
 ScaledJacobian jacobian_of(const TenNodes& nodes);
+
+/// The signed volume of a ten-node tetrahedron: the integral of the determinant, exact but for rounding.
+double signed_volume(const TenNodes& nodes);
 
 /// The eight parts of a polynomial, on the tetrahedra that the midpoints of the edges divide the element into.
 std::array<JacobianPolynomial, 8> subdivide(const JacobianPolynomial& polynomial);

@@ -50,6 +50,34 @@ Vec3 QuadraticSheet::lift(const Vec3& p) const {
   return hit.point + 4 * (l0 * l1) * t.offsets[0] + 4 * (l1 * l2) * t.offsets[1] + 4 * (l2 * l0) * t.offsets[2];
 }
 
+double area_of(const QuadraticSheet::Triangle& triangle) {
+  struct Node {
+    std::array<double, 3> at;
+    double weight;
+  };
+  // J. Radon: Zur mechanischen Kubatur (1948). (6 -+ sqrt(15)) / 21 and (155 -+ sqrt(15)) / 1200.
+  constexpr double kSmall = 0.10128650732345634;
+  constexpr double kLarge = 0.47014206410511509;
+  constexpr double kCornerWeight = 0.12593918054482715;
+  constexpr double kSideWeight = 0.13239415278850618;
+  constexpr std::array<Node, 7> kNodes{{{{1.0 / 3, 1.0 / 3, 1.0 / 3}, 0.225},
+                                        {{1 - 2 * kSmall, kSmall, kSmall}, kCornerWeight},
+                                        {{kSmall, 1 - 2 * kSmall, kSmall}, kCornerWeight},
+                                        {{kSmall, kSmall, 1 - 2 * kSmall}, kCornerWeight},
+                                        {{1 - 2 * kLarge, kLarge, kLarge}, kSideWeight},
+                                        {{kLarge, 1 - 2 * kLarge, kLarge}, kSideWeight},
+                                        {{kLarge, kLarge, 1 - 2 * kLarge}, kSideWeight}}};
+  const auto& [p, q, r] = triangle.corners;
+  const auto& [o, s, t] = triangle.offsets;
+  double sum = 0;
+  for (const auto& [l, weight] : kNodes) {
+    const Vec3 du = (q - p) + 4 * ((l[0] - l[1]) * o + l[2] * (s - t));
+    const Vec3 dv = (r - p) + 4 * ((l[0] - l[2]) * t + l[1] * (s - o));
+    sum += weight * norm(cross(du, dv));
+  }
+  return 0.5 * sum;
+}
+
 Vec3 QuadraticTriangles::at(Index v) const { return vec(span_of(points_)[v]); }
 
 Vec3 QuadraticTriangles::offset(Index a, Index b) const {

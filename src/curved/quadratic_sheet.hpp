@@ -36,6 +36,9 @@ class QuadraticSheet {
   Box box_;
 };
 
+/// The area of a quadratic triangle by a rule of seven points of degree 5; exact for a flat one that is not folded.
+double area_of(const QuadraticSheet::Triangle& triangle);
+
 /// Makes triangles and segments of a quadratic surface.
 class QuadraticTriangles {
  public:

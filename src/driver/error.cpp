@@ -9,7 +9,12 @@ namespace tetune {
 namespace {
 
 std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, UntangleError::Reason reason,
-                             bool one_based) {
+                             bool one_based, const std::string& remedy) {
+  if (reason == UntangleError::Reason::curved_surface) {
+    return "of " + std::to_string(tangled) + " second-order tetrahedra that are not proved valid, " +
+           std::to_string(left.size()) + " could not be made so" + first_ids(left, one_based) +
+           "\n  nodes that stay leave them no room: " + remedy + ".";
+  }
   if (reason == UntangleError::Reason::stopped) {
     return "stopped before all of " + std::to_string(tangled) +
            " inverted or flat tetrahedra were made positive: " + std::to_string(left.size()) + " are left" +
@@ -39,9 +44,18 @@ std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
 }  // namespace
 
 UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, Reason why)
-    : MeshError(untangle_message(all, rest, why, false)), tangled(all), left(std::move(rest)), reason(why) {}
+    : MeshError(untangle_message(all, rest, why, false, "")), tangled(all), left(std::move(rest)), reason(why) {}
 
-std::string UntangleError::message(bool one_based) const { return untangle_message(tangled, left, reason, one_based); }
+UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, std::string what_helps)
+    : MeshError(untangle_message(all, rest, Reason::curved_surface, false, what_helps)),
+      tangled(all),
+      left(std::move(rest)),
+      reason(Reason::curved_surface),
+      remedy(std::move(what_helps)) {}
+
+std::string UntangleError::message(bool one_based) const {
+  return untangle_message(tangled, left, reason, one_based, remedy);
+}
 
 OverlapError::OverlapError(std::vector<Index> overlapping)
     : MeshError(overlap_message(overlapping, false)), tets(std::move(overlapping)) {}

@@ -158,6 +158,8 @@ class CriteriaRun {
 
   Options round_options(const TetMesh& mesh) const {
     Options options = current_options();
+    // The first run slides on the surface of the input; rounds would slide on that of the result before.
+    if (options.boundary == Boundary::slide) options.boundary = Boundary::preserve;
     const bool inserts = options_.effort == Effort::best || options_.surface_vertices == SurfaceVertices::edit;
     options.keep_vertices = options_.keep_vertices || !inserts || double(mesh.tets.size()) >= max_tets_;
     if (options.keep_vertices) options.surface_vertices = SurfaceVertices::automatic;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/angle.hpp"
 #include "quality/tet_measures.hpp"
 #include "tetune/criteria.hpp"
 
@@ -17,9 +18,9 @@ inline Vec3 face_centroid(const Vec3 (&p)[4], int face) {
   return (1.0 / 3) * (p[face_vertex(face, 0)] + p[face_vertex(face, 1)] + p[face_vertex(face, 2)]);
 }
 
-/// The angle between two vectors, in degrees.
+/// The angle between two vectors, in degrees; with the same bits on every platform, as limits are compared with it.
 inline double angle_between(const Vec3& a, const Vec3& b) {
-  return kDegreesPerRadian * std::atan2(norm(cross(a, b)), dot(a, b));
+  return kDegreesPerRadian * upper_atan2(norm(cross(a, b)), dot(a, b));
 }
 
 struct Range {

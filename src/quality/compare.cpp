@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "backend/cpu.hpp"
+#include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
 #include "math/closest_triangle.hpp"
 #include "mesh/tet_mesh_view.hpp"
@@ -31,14 +32,18 @@ struct MeshSurface {
   std::int64_t sample_count() const { return std::ssize(vertices) + std::ssize(triangles) * 5 / 2; }
 };
 
-/// A triangle, or facets of a curved one that are within a thousandth of its longest chord.
-std::vector<TrianglePoints> facets_of(QuadraticSheet::Triangle triangle, double scale) {
-  constexpr double kFacetError = 1e-3;
-  double chord = 0;
+QuadraticSheet::Triangle scaled(QuadraticSheet::Triangle triangle, double scale) {
   for (std::size_t k = 0; k < 3; ++k) {
     triangle.corners[k] = scale * triangle.corners[k];
     triangle.offsets[k] = scale * triangle.offsets[k];
   }
+  return triangle;
+}
+
+/// A triangle, or facets of a curved one that are within a thousandth of its longest chord.
+std::vector<TrianglePoints> facets_of(const QuadraticSheet::Triangle& triangle) {
+  constexpr double kFacetError = 1e-3;
+  double chord = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     chord = std::max(chord, norm(triangle.corners[(k + 1) % 3] - triangle.corners[k]));
   }
@@ -60,17 +65,20 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
       if (seen == 0) surface.vertices.push_back(triangle[k]);
       seen = 1;
     }
-    const std::size_t first = surface.triangles.size();
+    double area_of_face = 0;
     if (mesh.curved_edges.empty()) {
+      area_of_face = area(triangle);
       surface.triangles.push_back(triangle);
     } else {
-      const std::vector<TrianglePoints> facets = facets_of(quadratic.of(v), scale);
+      const QuadraticSheet::Triangle curved = scaled(quadratic.of(v), scale);
+      area_of_face = area_of(curved);
+      const std::vector<TrianglePoints> facets = facets_of(curved);
       surface.triangles.insert(surface.triangles.end(), facets.begin(), facets.end());
     }
     if (!is_boundary) return;
     ++boundary_faces;
+    surface.area += area_of_face;
     for (std::size_t k = 0; k < 3; ++k) edge_sum += norm(triangle[(k + 1) % 3] - triangle[k]);
-    for (std::size_t i = first; i < surface.triangles.size(); ++i) surface.area += area(surface.triangles[i]);
   });
   if (boundary_faces > 0) surface.mean_edge = edge_sum / (3 * static_cast<double>(boundary_faces));
   return surface;
@@ -134,18 +142,27 @@ using SizeByTag = std::map<int, double>;
 
 SizeByTag region_volumes(const TetMesh& mesh, const TetMeshView& view) {
   SizeByTag volumes;
-  for (Size t = 0; t < view.tets.size(); ++t) {
-    volumes[span_of(mesh.tet_tags)[t]] += view.six_volume(view.tet(t)) / 6;
-  }
+  const CurvedEdges edges(mesh);
+  const auto volume = [&](Size t) {
+    const std::array<Index, 4>& tet = view.tets[t];
+    if (mesh.curved_edges.empty() || !edges.has_curved(tet)) return view.six_volume(view.tet(t)) / 6;
+    TenNodes nodes = edges.nodes(tet);
+    for (Vec3& node : nodes) node = view.scale * node;
+    return signed_volume(nodes);
+  };
+  for (Size t = 0; t < view.tets.size(); ++t) volumes[span_of(mesh.tet_tags)[t]] += volume(t);
   return volumes;
 }
 
 SizeByTag patch_areas(const TetMesh& mesh, const TetMeshView& view) {
   SizeByTag areas;
+  const QuadraticTriangles quadratic(mesh.points, mesh.curved_edges);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangle_tags[t] == 0) continue;
     const auto& v = mesh.triangles[t];
-    areas[mesh.triangle_tags[t]] += area({view.position(v[0]), view.position(v[1]), view.position(v[2])});
+    areas[mesh.triangle_tags[t]] += mesh.curved_edges.empty()
+                                        ? area({view.position(v[0]), view.position(v[1]), view.position(v[2])})
+                                        : area_of(scaled(quadratic.of(v), view.scale));
   }
   return areas;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <charconv>
+#include <string>
 #include <version>
 
 /// std::from_chars and std::to_chars of real numbers, and their replacement for C++ libraries that lack them (libc++
@@ -29,5 +31,11 @@ std::to_chars_result print_real(char* first, char* last, double value, Format...
 using plain::parse_real;
 using plain::print_real;
 #endif
+
+/// The shortest text that reads back to the same number.
+inline std::string number_text(double value) {
+  std::array<char, 32> digits{};
+  return {digits.data(), print_real(digits.data(), digits.data() + digits.size(), value).ptr};
+}
 
 }  // namespace tetune

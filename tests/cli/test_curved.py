@@ -113,6 +113,25 @@ class Curved(CliTest):
         kept = {p for i, p in enumerate(points) if i in on_surface} & read_nodes(self.path_of("out.msh"))
         self.assertEqual(len(kept), len(on_surface) - len(straightened))
 
+    def test_straightening_counts_for_the_bound_on_the_deviation(self):
+        nodes, points, on_surface = curved_block(n=2, jitter=0)
+        row = nodes[0]
+        k = next(k for k, v in enumerate(row[4:]) if v in on_surface)
+        a, b = (row[i] for i in EDGES[k])
+        points[row[4 + k]] = tuple(p + 1.2 * (q - p) for p, q in zip(points[a], points[b]))
+        write_msh(self.path_of("in.msh"), nodes, points)
+        words = ["optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle", "--straighten",
+                 "--boundary", "slide", "--keep-vertices", "--max-iterations", "0", "--report", self.path_of("r.json")]
+        for bound, is_kept in (("1e-4", False), ("10", True)):
+            done = self.run_cli(*words, "--max-deviation", bound)
+            report = json.loads(self.path_of("r.json").read_text())
+            moved = max(s["moved"] for s in report["optimization"]["straightened"])
+            self.assertGreater(moved, 1e-2)
+            self.assertGreaterEqual(report["optimization"]["curved_deviation"], 4 / 3 * moved)
+            self.assertEqual(report["surface"]["max_deviation_kept"], is_kept)
+            exceeded = f"the surface is {report['optimization']['curved_deviation']:.3e} from the old one"
+            (self.assertNotIn if is_kept else self.assertIn)(exceeded, done.stderr)
+
     def test_the_surface_slides_on_itself_within_the_bound(self):
         nodes, points, on_surface = curved_block(n=3, jitter=0.25, straight=True)
         write_msh(self.path_of("in.msh"), nodes, points)

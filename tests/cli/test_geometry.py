@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CAD geometry on the command line. Run: see cli_case.py; $TETUNE_MAKE_PARTS is the program that writes the CAD files."""
 
+import itertools
 import json
 import math
 import os
@@ -251,6 +252,30 @@ class Geometry(CliTest):
         source = self.put("in.mesh", cylinder(4))
         report = self.optimize(source, "cylinder.step", self.path("out.mesh"), "--effort", "best", "--max-growth", "1.02")["optimization"]
         self.assertLessEqual(report["tetrahedra_after"], 1.02 * report["tetrahedra_before"])
+
+    def test_required_triangles_inside_a_region_stay(self):
+        mesh = cylinder(4)
+        surface = mesh.boundary_faces()
+        row = mesh.tets[len(mesh.tets) // 2]
+        inner = [face for face in itertools.combinations(row, 3) if tuple(sorted(face)) not in surface][:2]
+        listed = with_triangles(mesh, [(face, 0) for face in inner])
+        source = self.put("in.mesh", listed.replace("End", "RequiredTriangles\n1\n1\nEnd"))
+        report = self.optimize(source, "cylinder.step", self.path("out.mesh"))["optimization"]
+        points = Mesh.read(self.path("out.mesh")).points
+        rows = triangles_of(self.path("out.mesh"))
+        self.assertEqual([sorted(points[v] for v in face) for face, _ in rows], [sorted(mesh.points[v] for v in inner[0])])
+        self.assertIn("RequiredTriangles\n1\n1\n", Path(self.path("out.mesh")).read_text())
+        self.assertEqual(report["triangles_dropped"], 1)
+
+    def test_vertices_that_slide_do_not_hold_elements(self):
+        self.run_cli("optimize", self.put("in.mesh", ball(3)), "-o", self.path("out.mesh"), "--geometry", self.part("ball.step"),
+                     "--boundary", "slide", "--no-flips", "--target-quality", "mean_ratio=0.99", "--report",
+                     self.path("report.json"), code=1)
+        report = json.loads(Path(self.path("report.json")).read_text())
+        held_by = report["optimization"]["targets"][0]["held_by"]
+        self.assertEqual(report["optimization"]["vertices_fixed"], 0)
+        self.assertEqual(held_by["no vertex may move"], 0)
+        self.assertGreater(held_by["all four vertices on the surface"], 0)
 
     def test_options_without_effect_are_named(self):
         source = self.put("in.mesh", cylinder(3))

@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "support/curved.hpp"
 #include "support/meshes.hpp"
+#include "tetune/curved.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
 
@@ -70,6 +73,58 @@ TEST(OptimizeTowards, AMeshThatPassesIsNotMadeToFail) {
   EXPECT_EQ(report.optimization.tets_after, std::ssize(before.tets));
 }
 
+/// A thin layer whose smallest volume the energy makes smaller, and beside it four tetrahedra around a vertex.
+TetMesh layer_and_star(const Point3& apex) {
+  TetMesh mesh = test::cube(4, 0.2);
+  for (Point3& p : mesh.points) p[2] *= 0.05;
+  const Index first = Index(mesh.points.size());
+  for (const Point3& p : {Point3{2, 0, 0}, {3, 0, 0}, {2, 1, 0}, {2, 0, 1}, apex}) mesh.points.push_back(p);
+  for (const std::array<Index, 4>& t : {std::array{0, 1, 2, 4}, {0, 3, 1, 4}, {0, 2, 3, 4}, {1, 3, 2, 4}}) {
+    mesh.tets.push_back({first + t[0], first + t[1], first + t[2], first + t[3]});
+  }
+  return test::with_tags(std::move(mesh));
+}
+
+/// The smallest volume of a layer, which a single tetrahedron may miss.
+AcceptanceCriteria smallest_volume(const TetMesh& layer) {
+  AcceptanceCriteria criteria = one(CheckMeasure::volume, 1e-12);
+  AcceptanceCriterion& volume = criteria.criteria[0];
+  volume.fail = (1 - 1e-9) * check(layer, criteria).results[0].worst;
+  volume.allowed_percent = 100 * 1.5 / double(layer.tets.size());
+  return criteria;
+}
+
+TEST(OptimizeTowards, AnInvertedInputIsNotPutBack) {
+  const AcceptanceCriteria criteria = smallest_volume(layer_and_star({2.3, 0.3, 0.3}));
+  Options options;
+  options.untangle = true;
+  TetMesh valid = layer_and_star({2.3, 0.3, 0.3});
+  EXPECT_NE(optimize_towards(valid, criteria, options).optimization.unchanged, "");
+  TetMesh mesh = layer_and_star({2.3, 0.3, -0.05});
+  ASSERT_FALSE(validate(mesh).ok());
+  const CriteriaReport report = optimize_towards(mesh, criteria, options);
+  EXPECT_EQ(report.before.verdict, Verdict::warn);
+  EXPECT_EQ(report.after.verdict, Verdict::fail);
+  EXPECT_EQ(report.optimization.unchanged, "");
+  EXPECT_TRUE(validate(mesh).ok());
+}
+
+TEST(OptimizeTowards, AnInputWithInvertedCurvedElementsIsNotPutBack) {
+  TetMesh mesh = layer_and_star({2.3, 0.3, 0.3});
+  const AcceptanceCriteria criteria = smallest_volume(mesh);
+  const Index apex = Index(mesh.points.size()) - 1;
+  mesh.second_order = true;
+  mesh.curved_edges = {{{apex - 1, apex}, {2.5, 0.15, 0.65}}};
+  ASSERT_GT(measure_curved(mesh).inverted, 0);
+  Options options;
+  options.untangle = true;
+  const CriteriaReport report = optimize_towards(mesh, criteria, options);
+  EXPECT_EQ(report.before.verdict, Verdict::pass);
+  EXPECT_EQ(report.after.verdict, Verdict::fail);
+  EXPECT_EQ(report.optimization.unchanged, "");
+  EXPECT_TRUE(measure_curved(mesh).all_valid());
+}
+
 TEST(OptimizeTowards, SameBitsForAnyNumberOfThreads) {
   Options options;
   options.effort = Effort::best;
@@ -112,6 +167,27 @@ TEST(OptimizeTowards, NamesWhatHoldsElements) {
   ASSERT_EQ(angles.limits[0].worst.size(), 1U);
   EXPECT_EQ(angles.limits[0].worst[0].held_by, LimitingConstraint::surface_angle);
   EXPECT_NEAR(angles.limits[0].worst[0].surface_angle, 54.7356, 1e-3);
+}
+
+TEST(OptimizeTowards, VerticesThatSlideDoNotHoldElementsAndRoundsKeepTheSurface) {
+  const TetMesh before = test::ball(5, 0.15);
+  Options options;
+  options.boundary = Boundary::slide;
+  options.feature_angle = 180;
+  TetMesh plain = before;
+  optimize(plain, options);
+  TetMesh mesh = before;
+  const CriteriaReport report = optimize_towards(mesh, one(CheckMeasure::edge_ratio, 2), options);
+  ASSERT_TRUE(std::any_of(report.rounds.begin(), report.rounds.end(), [](const CriteriaRound& r) { return r.kept; }));
+  for (const auto& face : test::skin(plain)) {
+    for (const Index v : face.v) EXPECT_EQ(mesh.points[std::size_t(v)], plain.points[std::size_t(v)]);
+  }
+  ASSERT_EQ(report.optimization.fixed_vertices, 0);
+  ASSERT_EQ(report.limits.size(), 1U);
+  const auto held_by = [&](LimitingConstraint c) { return report.limits[0].held_by[std::size_t(c)]; };
+  EXPECT_GT(held_by(LimitingConstraint::boundary), 0);
+  EXPECT_EQ(held_by(LimitingConstraint::fixed_vertices), 0);
+  EXPECT_EQ(held_by(LimitingConstraint::feature_corner), 0);
 }
 
 TEST(OptimizeTowards, MakesNoRoundsWhereOptionsExcludeThem) {

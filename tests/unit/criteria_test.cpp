@@ -125,6 +125,14 @@ TetMesh leaning() {
   return mesh;
 }
 
+TEST(CheckMeasures, angles_have_the_same_bits_everywhere) {
+  // C libraries differ in the last bits: one has ...46p+7, ...6fp+5 and ...ecp+5.
+  EXPECT_EQ(angle_between({-1, 5, 2}, {5, -5, -4}), 0x1.294bbfa6e5045p+7);
+  EXPECT_EQ(angle_between({0, 4, -1}, {-2, 2, 0}), 0x1.757d38b86856ep+5);
+  EXPECT_EQ(angle_between({-3, -1, 4}, {-3, -5, 0}), 0x1.ef45f1ff145eep+5);
+  EXPECT_EQ(angle_between({1, 0, 0}, {0, 1, 0}), 90);
+}
+
 TEST(CheckMeasures, faces) {
   // Between the centroids (1/4, 0, 1/4) and (0, 0, -1/4), through the face at (1/8, 0, 0); the face has its corners at
   // a distance of 1 from its centroid, the origin, in this direction.

@@ -278,5 +278,26 @@ TEST(CurvedSlide, NodesStayOnTheQuadraticSurfaceAndNoElementGetsWorse) {
   }
 }
 
+TEST(CurvedSlide, VerticesAreInsertedInsideWithInterpolatedData) {
+  if (test::kSanitized) return;
+  const TetMesh before = bent_box(3);
+  Options options;
+  options.boundary = Boundary::slide;
+  options.effort = Effort::best;
+  options.data = DataTransfer::interpolate;
+  for (const bool keeps : {true, false}) {
+    options.keep_vertices = keeps;
+    TetMesh m = before;
+    const Report report = optimize(m, options);
+    EXPECT_EQ(report.vertices_inserted == 0, keeps);
+    EXPECT_EQ(report.places.size(), m.points.size());
+    EXPECT_TRUE(validate(m).ok()) << validate(m).message(false);
+    EXPECT_TRUE(quality(m).curved.all_valid());
+    EXPECT_GE(quality(m).curved.min_scaled_jacobian, quality(before).curved.min_scaled_jacobian - 2e-3);
+    EXPECT_LT(farthest_node(m, surface_of(before)), 1e-12);
+    EXPECT_EQ(m.triangles.size(), before.triangles.size());
+  }
+}
+
 }  // namespace
 }  // namespace tetune

@@ -381,6 +381,7 @@ TEST(Curved, ElementsWithTwoFacesOnASmoothSurfaceAreSplit) {
   const TetMesh before = curved_ball();
   Options options;
   options.untangle = true;
+  options.max_growth = 3;
   TetMesh m = before;
   m.point_data.push_back({"id", 1, std::vector<std::int32_t>(m.points.size(), 7)});
   const Report report = optimize(m, options);
@@ -416,6 +417,138 @@ TEST(Curved, ElementsOfAValidMeshAreSplitWithTheirData) {
   EXPECT_GT(m.points.size(), vertices);
   EXPECT_EQ(report.vertices_inserted, std::ssize(m.points) - static_cast<std::int64_t>(vertices));
   EXPECT_EQ(std::get<std::vector<std::int32_t>>(m.point_data[0].values), std::vector<std::int32_t>(m.points.size(), 7));
+}
+
+TEST(Curved, SplitsCountAsGrowth) {
+  TetMesh before = test::ball(3, 0);
+  curve(before);
+  std::vector<std::size_t> tets;
+  for (const Effort effort : {Effort::standard, Effort::best}) {
+    for (const double growth : {1.0, 1.05, 2.0}) {
+      TetMesh m = before;
+      Options options;
+      options.untangle = true;
+      options.flips = false;
+      options.effort = effort;
+      options.max_growth = growth;
+      const Report report = optimize(m, options);
+      EXPECT_TRUE(quality(m).curved.all_valid());
+      EXPECT_LE(double(m.tets.size()), growth * double(before.tets.size()));
+      EXPECT_TRUE(report.warnings.empty());
+      if (effort == Effort::standard) tets.push_back(m.tets.size());
+    }
+  }
+  EXPECT_EQ(tets[0], before.tets.size());
+  EXPECT_LT(tets[0], tets[1]);
+  EXPECT_LT(tets[1], tets[2]);
+}
+
+/// The message of the refusal; empty if the mesh is optimized.
+std::string curved_refusal(TetMesh m, const Options& options) {
+  try {
+    optimize(m, options);
+    return "";
+  } catch (const MeshError& e) {
+    EXPECT_NE(std::string(e.what()).find("second-order tetrahedra that are not proved valid"), std::string::npos);
+    return e.what();
+  }
+}
+
+TEST(Curved, RefusalsSayWhatHelps) {
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  const TetMesh ball = curved_ball();
+  Options helped;
+  helped.untangle = true;
+  helped.max_growth = 3;
+  EXPECT_EQ(curved_refusal(ball, helped), "");
+  Options options = helped;
+  options.keep_vertices = true;
+  EXPECT_TRUE(has(curved_refusal(ball, options), "inserted (without keep_vertices)")) << curved_refusal(ball, options);
+  options = helped;
+  options.data = DataTransfer::interpolate;
+  EXPECT_TRUE(has(curved_refusal(ball, options), "inserted (data=carry)")) << curved_refusal(ball, options);
+  options = helped;
+  options.max_growth = 1;
+  const std::string limited = curved_refusal(ball, options);
+  EXPECT_TRUE(has(limited, "inserted (a larger max_growth), ")) << limited;
+  EXPECT_TRUE(has(limited, "straighten=true")) << limited;
+  EXPECT_FALSE(has(limited, "free frozen")) << limited;
+  EXPECT_FALSE(has(limited, "boundary=slide")) << limited;
+  options.straighten = true;
+  EXPECT_EQ(curved_refusal(ball, options), "");
+  options.frozen_regions = {ball.tet_tags[0]};
+  const std::string frozen = curved_refusal(ball, options);
+  EXPECT_TRUE(has(frozen, "free frozen and required entities there")) << frozen;
+  EXPECT_FALSE(has(frozen, "straighten=true")) << frozen;
+}
+
+std::int64_t vertices_by_freedom(const Report& r) {
+  return r.free_vertices + r.plane_vertices + r.line_vertices + r.fixed_vertices + r.surface_vertices +
+         r.curve_vertices;
+}
+
+TEST(Curved, TheReportIsOfTheInputAndTheResult) {
+  TetMesh jittered = test::ball(3, 0.15);
+  curve(jittered);
+  for (const TetMesh& before : {curved_ball(), jittered}) {
+    for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+      Options options;
+      options.untangle = true;
+      options.max_growth = 3;
+      options.boundary = boundary;
+      TetMesh m = before;
+      const Report report = optimize(m, options);
+      EXPECT_GT(report.vertices_inserted, 0);
+      EXPECT_EQ(report.vertices, std::ssize(before.points));
+      EXPECT_EQ(vertices_by_freedom(report), std::ssize(before.points));
+      const bool slides = boundary == Boundary::slide;
+      EXPECT_EQ(report.surface_vertices > 0, slides);
+      EXPECT_EQ(report.energy_before, quality(before).shape_sum);
+      EXPECT_EQ(report.energy_after, quality(m).shape_sum);
+    }
+  }
+}
+
+TEST(Curved, EdgesThatAreStraightToTheRoundingOfTheirCoordinatesHoldNoVertex) {
+  // Coordinates of 15 digits, as in files.
+  const auto rounded = [](double x) { return std::round(x * 1e8) / 1e8; };
+  TetMesh m = test::cube(3, 0.15);
+  for (Point3& p : m.points) p = {rounded(1e6 + p[0]), rounded(1e6 + p[1]), rounded(1e6 + p[2])};
+  TetMesh straight = m;
+  std::set<std::array<Index, 2>> edges;
+  for (const auto& face : test::skin(m)) {
+    for (std::size_t k = 0; k < 3; ++k) edges.insert(ascending(face.v[k], face.v[(k + 1) % 3]));
+  }
+  m.second_order = true;
+  for (const auto& edge : edges) {
+    const Vec3 middle = 0.5 * (test::at(m, edge[0]) + test::at(m, edge[1]));
+    const Point3 in_file{rounded(middle.x), rounded(middle.y), rounded(middle.z)};
+    if (vec(in_file).x != middle.x || vec(in_file).y != middle.y || vec(in_file).z != middle.z) {
+      m.curved_edges.push_back({edge, in_file});
+    }
+  }
+  ASSERT_GT(m.curved_edges.size(), 50U);
+  const Report expected = optimize(straight);
+  const Report report = optimize(m);
+  EXPECT_GT(report.plane_vertices, 0);
+  EXPECT_EQ(report.plane_vertices, expected.plane_vertices);
+  EXPECT_EQ(report.fixed_vertices, expected.fixed_vertices);
+}
+
+TEST(Curved, VerticesThatSlideDoNotHoldElements) {
+  TetMesh m = test::ball(4, 0.15);
+  curve(m);
+  Options options;
+  options.boundary = Boundary::slide;
+  options.targets = {{Measure::scaled_jacobian, 0.7}};
+  const Report report = optimize(m, options);
+  ASSERT_GT(report.surface_vertices, 0);
+  ASSERT_EQ(report.fixed_vertices, 0);
+  const auto held_by = [&](LimitingConstraint c) { return report.targets.at(0).held_by[std::size_t(c)]; };
+  EXPECT_GT(held_by(LimitingConstraint::boundary), 0);
+  EXPECT_EQ(held_by(LimitingConstraint::fixed_vertices), 0);
+  EXPECT_EQ(held_by(LimitingConstraint::feature_corner), 0);
+  EXPECT_EQ(held_by(LimitingConstraint::feature_line), 0);
 }
 
 TEST(Curved, TargetsAreThoseOfTheResult) {

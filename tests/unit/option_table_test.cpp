@@ -98,6 +98,10 @@ TEST(OptionTable, values_out_of_range_are_refused) {
             "feature_angle=0 is out of range: it must be above 0 and at most 180 degrees");
   EXPECT_NE(with(&Options::max_deviation, std::numeric_limits<double>::quiet_NaN()), "");
   EXPECT_NE(with(&Options::effort, static_cast<Effort>(7)), "");
+  EXPECT_EQ(with(&Options::targets, std::vector<Target>{{Measure::mean_ratio, 1.5}}),
+            "the target for mean_ratio is 1.5; it must be above 0 and at most 1");
+  EXPECT_EQ(with(&Options::only_below, std::vector<Target>{{Measure::mean_ratio, -1e-9}}),
+            "the limit of only_below for mean_ratio is -1e-09; it must be above 0 and at most 1");
 }
 
 TEST(OptionTable, options_without_effect_are_named) {
@@ -121,6 +125,15 @@ TEST(OptionTable, options_without_effect_are_named) {
             (std::vector<std::string>{"max_iterations=0 leaves nothing to improve with flips=false"}));
   nothing.untangle = true;
   EXPECT_TRUE(ineffective_options(nothing).empty());
+  // Curved elements may be split.
+  Options growing;
+  growing.max_growth = 1.2;
+  EXPECT_EQ(ineffective_options(growing),
+            (std::vector<std::string>{
+                "max_growth=1.2 has no effect without effort=best, surface_vertices=edit or untangle=true"}));
+  growing.untangle = true;
+  growing.effort = Effort::fast;
+  EXPECT_TRUE(ineffective_options(growing).empty());
 }
 
 }  // namespace

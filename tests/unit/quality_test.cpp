@@ -70,6 +70,46 @@ TEST(Quality, RefusesIndicesOutOfRange) {
   EXPECT_EQ(quality(TetMesh{}).tets, 0);
 }
 
+/// Of the graph z = 4 s x (1 - x - y) over the triangle x, y, 1 - x - y >= 0.
+double area_of_bulge(double s) {
+  constexpr int kSteps = 400;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      // The square as a triangle: y = (1 - x) t.
+      const double x = (i + 0.5) / kSteps;
+      const double y = (1 - x) * (j + 0.5) / kSteps;
+      const double dx = 4 * s * (1 - 2 * x - y);
+      const double dy = -4 * s * x;
+      sum += (1 - x) * std::sqrt(1 + dx * dx + dy * dy);
+    }
+  }
+  return sum / kSteps / kSteps;
+}
+
+TEST(Compare, VolumesAndAreasAreThoseOfCurvedElements) {
+  constexpr double kShift = 0.1;
+  TetMesh before = test::one_tet();
+  before.triangles = {{0, 1, 3}, {0, 2, 1}};
+  before.triangle_tags = {5, 6};
+  TetMesh after = before;
+  after.second_order = true;
+  after.curved_edges = {{{0, 1}, {0.5, 0, -kShift}}};
+  const Comparison c = compare(before, after);
+  EXPECT_NEAR(c.volume_change, kShift, 1e-15);
+  EXPECT_EQ(c.region_volume_change, c.volume_change);
+  ASSERT_EQ(c.patches.size(), 2U);
+  EXPECT_NEAR(c.patches[0].area_change, 4 * kShift / 3, 1e-15);  // a parabola on its flat side
+  const double bulge = area_of_bulge(kShift);
+  EXPECT_NEAR(c.patches[1].area_change, bulge / 0.5 - 1, 3e-6);
+  EXPECT_EQ(c.patch_area_change, c.patches[0].area_change);
+  const double area = 1.5 + std::sqrt(3.0) / 2;
+  EXPECT_NEAR(c.area_change, (2 * kShift / 3 + bulge - 0.5) / area, 3e-6);
+  const Comparison back = compare(after, before);
+  EXPECT_NEAR(back.patches[1].area_before, bulge, 3e-6);
+  EXPECT_NEAR(back.volume_change, 1 / (1 + kShift) - 1, 1e-15);
+}
+
 TEST(Compare, FindsChanges) {
   const TetMesh before = test::cube(4);
   TetMesh after = before;

@@ -16,6 +16,7 @@
 #include "driver/geometry/geometry_middles.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/progress/latched_hooks.hpp"
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 #include "tetune/options.hpp"
 #include "tetune/quality.hpp"
@@ -128,7 +129,7 @@ class CurveRun {
 
 CurveReport curve(TetMesh& mesh, const CurveOptions& options) {
   if (!(options.feature_angle > 0 && options.feature_angle <= 180)) {
-    throw OptionError("feature_angle is " + std::to_string(options.feature_angle) + "; it must be in (0, 180]");
+    throw OptionError("feature_angle is " + number_text(options.feature_angle) + "; it must be in (0, 180]");
   }
   if (options.threads < 0 || options.threads > 4096) {
     throw OptionError("threads is " + std::to_string(options.threads) + "; it must be in 0 to 4096");

@@ -22,7 +22,7 @@ namespace tetune {
 namespace {
 
 /// The largest distance of a mid-side node from the midpoint, relative to the edge, at which an edge of the surface is
-/// no constraint.
+/// no constraint; see is_straight().
 constexpr double kStraightEdge = 1e-9;
 
 /// The largest distance of a node from the plane of a flat triangle, relative to the root of twice its area.

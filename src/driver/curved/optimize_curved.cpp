@@ -11,6 +11,8 @@
 #include "curved/curved_edges.hpp"
 #include "curved/curved_splits.hpp"
 #include "curved/held_bound.hpp"
+#include "driver/curved/curved_constraints.hpp"
+#include "driver/curved/curved_refusal.hpp"
 #include "driver/curved/curved_skeleton.hpp"
 #include "driver/curved/curved_slide.hpp"
 #include "driver/curved/split_bounded.hpp"
@@ -21,13 +23,10 @@
 #include "mesh/id_maps.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/sorted.hpp"
-#include "mesh/tet_mesh_view.hpp"
-#include "mesh/validate_arrays.hpp"
 #include "phases/progress/latched_hooks.hpp"
 #include "phases/progress/phase_timer.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
-#include "tetune/option_table.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
@@ -49,13 +48,14 @@ std::vector<Index> below_or_not_valid(const std::vector<CurvedTet>& tets, double
 class CurvedOptimizer {
  public:
   CurvedOptimizer(const TetMesh& mesh, const Options& options, const Context& context)
-      : caller_(options),
+      : input_(mesh),
+        caller_(options),
         options_(options),
         context_(context),
         base_(mesh),
         origins_(own_origins(mesh)),
         held_(find_held(mesh, options)),
-        vertices_(mesh.points.size()) {}
+        limit_{options.max_growth * double(mesh.tets.size())} {}
 
   Report run(TetMesh& mesh) {
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
@@ -64,18 +64,14 @@ class CurvedOptimizer {
     goal_.stop = context_.stop;
     make_base_valid();
     const bool slides = options_.boundary == Boundary::slide;
-    // With other data than carried ones the result has places in the input, which one run alone gives.
-    const bool is_single = slides && options_.data != DataTransfer::carry;
+    const bool runs_twice = slides && !slides_at_once();
     TetMesh result;
-    Report report = run_stage(result, is_single, slides && !is_single ? scaled_progress(context_, 0, 0.5) : context_);
+    Report report = run_stage(result, slides && !runs_twice, runs_twice ? scaled_progress(context_, 0, 0.5) : context_);
     follow_origins(report);
     report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
-    if (slides && !is_single && !is_stopped()) slide_from(result, report);
-    report.vertices = std::ssize(mesh.points);
-    report.straightened = std::move(straightened_);
-    report.tets_before = std::ssize(mesh.tets);
+    if (runs_twice && !is_stopped()) slide_from(result, report);
+    report_whole(result, report);
     mesh = std::move(result);
-    report.targets = report_targets(mesh, caller_, report.vertex2original);
     return report;
   }
 
@@ -86,6 +82,26 @@ class CurvedOptimizer {
   static constexpr int kMaxSlidingAttempts = 12;
   static constexpr int kAttemptsPerRing = 4;  ///< later ones lock more around a bad element
   static constexpr int kMaxRounds = 4;        ///< of splits and relaxation
+
+  /// With other data than carried ones the result has places in the input, which one run alone gives.
+  bool slides_at_once() const { return options_.data != DataTransfer::carry; }
+
+  /// Makes a report on the stages one on the input and the result.
+  void report_whole(const TetMesh& result, Report& report) {
+    report.vertices = std::ssize(input_.points);
+    report.tets_before = std::ssize(input_.tets);
+    report.energy_before = energy_of(input_);
+    report.energy_after = energy_of(result);
+    report.straightened = std::move(straightened_);
+    if (!counts_input_) count_curved_vertices(input_, caller_, report);
+    report.targets = report_curved_targets(result, caller_, report.vertex2original);
+  }
+
+  /// Of the straight tetrahedra.
+  double energy_of(const TetMesh& mesh) const {
+    const Quality q = quality(mesh, options_.threads);
+    return options_.energy == Energy::harmonic ? q.eta_sum : q.shape_sum;
+  }
 
   /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base.
   Report run_stage(TetMesh& result, bool slides, const Context& context) {
@@ -113,6 +129,7 @@ class CurvedOptimizer {
       if ((bad.empty() && deviation.vertices.empty()) || attempt > max_attempts) {
         split_bounded_of(skeleton.mesh, report);
         report.deviation = deviation.bound + straightened_distance();
+        counts_input_ = locked.empty() && base_.points.size() == input_.points.size();
         result = std::move(skeleton.mesh);
         return report;
       }
@@ -141,7 +158,10 @@ class CurvedOptimizer {
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
     TetMesh slid;
     Report further = run_stage(slid, true, scaled_progress(context_, 0.5, 0.5));
-    if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) return;
+    if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) {
+      counts_input_ = false;
+      return;
+    }
     result = std::move(slid);
     const auto vertices = [](Report& r) {
       return std::tie(r.free_vertices, r.plane_vertices, r.line_vertices, r.fixed_vertices, r.surface_vertices,
@@ -154,7 +174,7 @@ class CurvedOptimizer {
   /// Composes the maps of the report with origins_, so that they lead to the input.
   void follow_origins(Report& report) const {
     for (Index& t : report.tet2original) t = span_of(origins_.tets)[t];
-    if (base_.points.size() == vertices_) return;
+    if (base_.points.size() == input_.points.size()) return;
     report.vertex2original = compose(origins_.vertices, std::move(report.vertex2original));
   }
 
@@ -179,7 +199,7 @@ class CurvedOptimizer {
     if (options_.straighten) extend_options();
     if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
     const std::vector<Index> left = find_invalid(base_);
-    if (left.empty() && may_insert()) split_bounded(base_, held_, origins_, goal);
+    if (left.empty() && may_insert()) split_bounded(base_, held_, origins_, goal, limit_);
     extend_options();
     if (!left.empty()) refuse(std::ssize(invalid), left);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
@@ -192,7 +212,7 @@ class CurvedOptimizer {
       std::vector<Index> tets = find_bounded(base_, held_, 0);
       std::erase_if(
           tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), span_of(origins_.tets)[t]); });
-      if (tets.empty() || split_edges(base_, held_, tets, origins_).empty()) return;
+      if (tets.empty() || split_edges(base_, held_, tets, limit_, origins_).empty()) return;
       held_.vertices.resize(base_.points.size(), 0);
     }
   }
@@ -217,7 +237,7 @@ class CurvedOptimizer {
       const std::vector<Index> folded = with_folded_face(base_, left);
       std::erase_if(left, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
       if (left.empty()) break;
-      const std::vector<Index> around = split_edges(base_, held_, left, origins_);
+      const std::vector<Index> around = split_edges(base_, held_, left, limit_, origins_);
       if (around.empty()) break;
       held_.vertices.resize(base_.points.size(), 0);
       left.insert(left.end(), around.begin(), around.end());
@@ -228,7 +248,7 @@ class CurvedOptimizer {
 
   /// Inserted vertices have data, and are not frozen.
   void extend_options() {
-    if (base_.points.size() == vertices_) return;
+    if (base_.points.size() == input_.points.size()) return;
     base_.point_data = carry_point_data(base_.point_data, origins_.vertices, base_.points, base_.tets);
     if (!options_.frozen_vertices.empty()) options_.frozen_vertices.resize(base_.points.size(), 0);
     held_ = find_held(base_, options_);
@@ -236,20 +256,8 @@ class CurvedOptimizer {
 
   [[noreturn]] void refuse(std::int64_t invalid, const std::vector<Index>& left) const {
     const auto in_input = [this](const std::vector<Index>& tets) { return translated_ids(tets, origins_.tets); };
-    const std::vector<Index> folded = in_input(with_folded_face(base_, left));
-    if (folded.empty()) {
-      throw UntangleError(invalid, in_input(left),
-                          is_stopped() ? UntangleError::Reason::stopped : UntangleError::Reason::no_room);
-    }
-    const Point3 place = TetMeshView(base_).centroid(left[0]);
-    throw MeshError("of " + std::to_string(invalid) + " second-order tetrahedra that are not proved valid, " +
-                    std::to_string(in_input(left).size()) + " stay so, and " + std::to_string(folded.size()) +
-                    " of these have a face on the surface that its own mid-side nodes fold" + first_ids(folded, false) +
-                    ", the first near " + std::to_string(place[0]) + " " + std::to_string(place[1]) + " " +
-                    std::to_string(place[2]) +
-                    "\n  no position of inner nodes makes them valid: mesh the surface more finely there, or let its "
-                    "mid-side nodes "
-                    "move (straighten=true).");
+    refuse_curved(input_, caller_,
+                  {invalid, in_input(left), in_input(with_folded_face(base_, left)), is_stopped(), limit_.is_reached});
   }
   bool is_stopped() const { return context_.stop && context_.stop(); }
 
@@ -284,7 +292,7 @@ class CurvedOptimizer {
   }
 
   /// Splits elements that flips made with two faces on the surface, unless something is worse then.
-  void split_bounded_of(TetMesh& mesh, Report& report) const {
+  void split_bounded_of(TetMesh& mesh, Report& report) {
     HeldNodes held = find_held(mesh, options_of(report));
     if (!may_insert() || is_stopped() || find_bounded(mesh, held, kSmallBound).empty()) return;
     TetMesh trial = mesh;
@@ -293,7 +301,7 @@ class CurvedOptimizer {
     if (!report.vertex2original.empty()) origins.vertices = report.vertex2original;
     RelaxationGoal goal = goal_;
     goal.only_valid = true;
-    split_bounded(trial, held, origins, goal);
+    split_bounded(trial, held, origins, goal, limit_);
     const std::int64_t inserted = std::ssize(trial.points) - std::ssize(mesh.points);
     if (inserted == 0) return;
     trial.point_data = carry_point_data(base_.point_data, origins.vertices, trial.points, trial.tets);
@@ -328,48 +336,46 @@ class CurvedOptimizer {
     // CurvedSlide lists the features.
     options.feature_angle = slides ? 180 : Options().feature_angle;
     if (options.boundary == Boundary::slide && !slides) options.boundary = Boundary::preserve;
+    // Splits count as growth.
+    if (base_.tets.size() > input_.tets.size()) {
+      options.max_growth = std::clamp(limit_.max_tets / double(base_.tets.size()), 1.0, options_.max_growth);
+    }
     if (!slides) return options;
-    // The run before has inserted what max_growth allows.
+    if (slides_at_once()) {
+      // Vertices are inserted inside the mesh only.
+      if (options.surface_vertices == SurfaceVertices::edit) {
+        options.boundary_flips = false;
+      } else {
+        options.surface_vertices = SurfaceVertices::keep;
+      }
+      return options;
+    }
+    // The run before has inserted and removed vertices.
     options.keep_vertices = true;
     options.surface_vertices = SurfaceVertices::automatic;
     return options;
   }
   Options options_of(const Report& report) const { return follow_vertices(options_, report.vertex2original); }
 
+  const TetMesh& input_;
   const Options& caller_;
   Options options_;  ///< for the vertices of base_
   const Context& context_;
   TetMesh base_;     ///< the input, made valid
   Origins origins_;  ///< of base_ in the input
   HeldNodes held_;
-  std::size_t vertices_;  ///< of the input
+  SplitLimit limit_;
   RelaxationGoal goal_;
   std::vector<StraightenedEdge> straightened_;
   double floor_ = 0;
+  bool counts_input_ = true;  ///< the numbers of vertices by degrees of freedom are those of the input
 };
 
 }  // namespace
 
 Report optimize_curved(TetMesh& mesh, const Options& options, const Context& context) {
   const auto start = PhaseTimer::SteadyClock::now();
-  check_options(options);
-  if (!options.only_below.empty()) {
-    throw OptionError("only_below: curved second-order elements are relaxed wherever they are; leave it empty");
-  }
-  if (options.data == DataTransfer::conserve) {
-    throw OptionError(
-        "data=conserve intersects straight tetrahedra, and this mesh has curved ones; use data=interpolate");
-  }
-  if (options.straighten && !mesh.periodic.empty()) {
-    throw OptionError("straighten: mid-side nodes of periodic vertices would no longer match; set it to false");
-  }
-  if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
-    throw MeshError(
-        "the straight tetrahedra of a curved mesh have to be valid first (convert them to straight ones, in C++ by an "
-        "empty curved_edges, "
-        "and untangle these): " +
-        report.message(false));
-  }
+  check_curved_input(mesh, options);
   const LatchedHooks hooks(context);
   RunWarnings warnings(mesh, options);
   Report report = CurvedOptimizer(mesh, options, hooks.context()).run(mesh);

@@ -8,6 +8,7 @@
 #include "backend/span.hpp"
 #include "driver/geometry/geometry_work.hpp"
 #include "driver/report/extend_report.hpp"
+#include "driver/report/targets.hpp"
 #include "math/constants.hpp"
 #include "math/vec3.hpp"
 #include "mesh/id_maps.hpp"
@@ -289,6 +290,7 @@ class GeometryRun {
 
   /// Gives the caller the result with triangles as they were listed.
   void store(TetMesh& input) {
+    judge_targets();
     match_result();
     if (on_geometry_.measures) {
       timed([&] { report_.deviation_after = geometry_.measure(work_.mesh.points, report_.after); });
@@ -312,6 +314,15 @@ class GeometryRun {
     const Quality measured = quality(mesh, options_.threads);
     total.energy_after = options_.energy == Energy::harmonic ? measured.eta_sum : measured.shape_sum;
     input = std::move(mesh);
+  }
+
+  /// The last run has a fixed surface, where the vertices of the result may slide.
+  void judge_targets() {
+    if (options_.targets.empty()) return;
+    Report& total = report_.optimization;
+    Options sliding = options_for(work_, Boundary::slide);
+    sliding.frozen_vertices = follow_vertices(options_, total.vertex2original).frozen_vertices;
+    total.targets = report_targets(work_.mesh, sliding, {});
   }
 
   /// The match of the result.

@@ -127,13 +127,16 @@ constexpr std::array kSurfaceEditConditions{
                     "edits inner vertices only where edges of the surface are not flipped"}};
 constexpr std::array kGrowthConditions{
     OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
-    OptionCondition{
-        [](const Options& o) { return o.effort != Effort::best && o.surface_vertices != SurfaceVertices::edit; },
-        "has no effect without effort=best or surface_vertices=edit"},
-    OptionCondition{[](const Options& o) { return o.effort == Effort::fast; }, "has no effect with effort=fast"},
-    kWithHarmonic,
-    kWithPaper,
-    kWithoutSweeps};
+    // With untangle=true curved elements may be split, whatever the other options are.
+    OptionCondition{[](const Options& o) {
+                      return !o.untangle && o.effort != Effort::best && o.surface_vertices != SurfaceVertices::edit;
+                    },
+                    "has no effect without effort=best, surface_vertices=edit or untangle=true"},
+    OptionCondition{[](const Options& o) { return !o.untangle && o.effort == Effort::fast; },
+                    "has no effect with effort=fast"},
+    OptionCondition{[](const Options& o) { return !o.untangle && kWithHarmonic.applies(o); }, kWithHarmonic.text},
+    OptionCondition{[](const Options& o) { return !o.untangle && kWithPaper.applies(o); }, kWithPaper.text},
+    OptionCondition{[](const Options& o) { return !o.untangle && kWithoutSweeps.applies(o); }, kWithoutSweeps.text}};
 constexpr std::array kRestartConditions{
     OptionCondition{[](const Options& o) { return o.effort != Effort::best; }, "has no effect without effort=best"},
     kWithHarmonic, kWithPaper, kWithoutSweeps};
@@ -188,8 +191,8 @@ const std::array kTable{
                &Options::max_growth,
                kMethod,
                "Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. "
-               "A larger value allows insertion around "
-               "more of the worst tetrahedra, at proportional cost",
+               "A larger value allows insertion around more of the worst tetrahedra, at proportional cost. With "
+               "untangle=true it limits splits of curved elements too, whatever the other options are",
                {},
                {1, 100},
                kGrowthConditions},
@@ -214,7 +217,7 @@ const std::array kTable{
     OptionInfo{
         "untangle", &Options::untangle, kMethod,
         "Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that "
-        "the surface alone makes invalid, or nearly so, are split"},
+        "the surface alone makes invalid, or nearly so, are split, within max_growth"},
     OptionInfo{"straighten",
                &Options::straighten,
                kMethod,
@@ -270,11 +273,6 @@ const std::array kTable{
     OptionInfo{"trace_angles", &Options::trace_angles, kOutput,
                "The smallest dihedral angle is measured after each sweep and round, for the report; takes a twelfth of "
                "the time"}};
-
-std::string number_text(double value) {
-  std::array<char, 32> digits{};
-  return {digits.data(), print_real(digits.data(), digits.data() + digits.size(), value).ptr};
-}
 
 std::string value_text(const Target& target) {
   return std::string(to_string(target.measure)) + ":" + number_text(target.value);

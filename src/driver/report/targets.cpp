@@ -19,6 +19,7 @@
 #include "quality/check_measures.hpp"
 #include "quality/limits.hpp"
 #include "quality/tet_measures.hpp"
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -238,7 +239,7 @@ void check_target(const Target& target, const std::string& what) {
       : worst < regular
           ? "above 0 and at most " + (regular == 1 ? std::string("1") : "70.528, the regular tetrahedron's")
           : std::string("at least 70.529, the regular tetrahedron's, and below 180");
-  throw OptionError(what + to_string(target.measure) + " is " + std::to_string(target.value) + "; it must be " + range);
+  throw OptionError(what + to_string(target.measure) + " is " + number_text(target.value) + "; it must be " + range);
 }
 
 void keep_worst(bool larger_is_better, std::vector<MissedTet>& missed) {
@@ -262,7 +263,6 @@ Options options_for_result(const Options& options, const std::vector<Index>& ver
   Options result = follow_vertices(options, vertex2original);
   result.only_below.clear();
   result.untangle = false;
-  if (result.boundary == Boundary::slide) result.boundary = Boundary::preserve;
   result.max_deviation = 0;
   return result;
 }

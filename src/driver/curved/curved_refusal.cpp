@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/curved/curved_refusal.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "mesh/messages.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "system/real_text.hpp"
+#include "tetune/error.hpp"
+#include "tetune/option_table.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune {
+namespace {
+
+/// Whether the caller holds something besides the surface.
+bool has_frozen(const TetMesh& mesh, const Options& options) {
+  const auto& flags = options.frozen_vertices;
+  return !options.frozen_regions.empty() || !options.frozen_patches.empty() || !mesh.required_vertices.empty() ||
+         !mesh.required_edges.empty() || !mesh.required_triangles.empty() || !mesh.required_tets.empty() ||
+         std::any_of(flags.begin(), flags.end(), [](std::uint8_t flag) { return flag != 0; });
+}
+
+/// Options that let the surface give way.
+std::vector<std::string> remedies_at_surface(const TetMesh& mesh, const Options& options) {
+  std::vector<std::string> remedies;
+  if (!options.straighten && mesh.periodic.empty()) {
+    remedies.emplace_back("let mid-side nodes of the surface move (straighten=true)");
+  }
+  if (has_frozen(mesh, options)) remedies.emplace_back("free frozen and required entities there");
+  remedies.emplace_back("mesh the surface more finely there");
+  return remedies;
+}
+
+/// Options that let vertices be inserted.
+std::vector<std::string> remedies_inside(const Options& options, bool is_growth_limited) {
+  if (options.keep_vertices) return {"let vertices be inserted (without keep_vertices)"};
+  if (options.data != DataTransfer::carry) return {"let vertices be inserted (data=carry)"};
+  if (is_growth_limited) return {"let more vertices be inserted (a larger max_growth)"};
+  return {};
+}
+
+std::string joined(const std::vector<std::string>& remedies) {
+  std::string text;
+  for (std::size_t i = 0; i < remedies.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 < remedies.size() ? ", " : ", or ") + remedies[i];
+  }
+  return text;
+}
+
+}  // namespace
+
+void check_curved_input(const TetMesh& mesh, const Options& options) {
+  check_options(options);
+  if (!options.only_below.empty()) {
+    throw OptionError("only_below: curved second-order elements are relaxed wherever they are; leave it empty");
+  }
+  if (options.data == DataTransfer::conserve) {
+    throw OptionError(
+        "data=conserve intersects straight tetrahedra, and this mesh has curved ones; use data=interpolate");
+  }
+  if (options.straighten && !mesh.periodic.empty()) {
+    throw OptionError("straighten: mid-side nodes of periodic vertices would no longer match; set it to false");
+  }
+  if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
+    throw MeshError(
+        "the straight tetrahedra of a curved mesh have to be valid first (convert them to straight ones, in C++ by an "
+        "empty curved_edges, and untangle these): " +
+        report.message(false));
+  }
+}
+
+void refuse_curved(const TetMesh& mesh, const Options& options, const CurvedFailure& failure) {
+  if (failure.is_stopped) throw UntangleError(failure.invalid, failure.left, UntangleError::Reason::stopped);
+  std::vector<std::string> remedies = remedies_at_surface(mesh, options);
+  if (failure.folded.empty()) {
+    std::vector<std::string> all = remedies_inside(options, failure.is_growth_limited);
+    all.insert(all.end(), remedies.begin(), remedies.end());
+    throw UntangleError(failure.invalid, failure.left, joined(all));
+  }
+  const Point3 place = TetMeshView(mesh).centroid(failure.folded[0]);
+  throw MeshError("of " + std::to_string(failure.invalid) + " second-order tetrahedra that are not proved valid, " +
+                  std::to_string(failure.left.size()) + " stay so, and " + std::to_string(failure.folded.size()) +
+                  " of these have a face on the surface that its own mid-side nodes fold" +
+                  first_ids(failure.folded, false) + ", the first near " + number_text(place[0]) + " " +
+                  number_text(place[1]) + " " + number_text(place[2]) +
+                  "\n  no position of inner nodes makes them valid: " + joined(remedies) + ".");
+}
+
+}  // namespace tetune
