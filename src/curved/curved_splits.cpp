@@ -72,7 +72,7 @@ Origins own_origins(const TetMesh& mesh) {
   return origins;
 }
 
-std::vector<Index> split_edges(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, SplitLimit& limit,
+std::vector<Index> split_edges(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, double max_tets,
                                Origins& origins) {
   std::set<Edge> wanted;
   std::vector<Edge> order;
@@ -88,10 +88,7 @@ std::vector<Index> split_edges(TetMesh& mesh, const HeldNodes& held, const std::
   for (const Edge& edge : order) {
     const std::vector<Index>& star = stars.at(edge);
     if (std::any_of(star.begin(), star.end(), [&](Index t) { return span_of(is_split)[t] != 0; })) continue;
-    if (double(mesh.tets.size() + star.size()) > limit.max_tets) {
-      limit.is_reached = true;
-      continue;
-    }
+    if (double(mesh.tets.size() + star.size()) > max_tets) continue;
     for (const Index t : star) span_of(is_split)[t] = 1;
     split(mesh, edge, star, new2old, origins);
     gone.insert(edge);

@@ -36,10 +36,9 @@ std::vector<std::string> remedies_at_surface(const TetMesh& mesh, const Options&
 }
 
 /// Options that let vertices be inserted.
-std::vector<std::string> remedies_inside(const Options& options, bool is_growth_limited) {
+std::vector<std::string> remedies_inside(const Options& options) {
   if (options.keep_vertices) return {"let vertices be inserted (without keep_vertices)"};
   if (options.data != DataTransfer::carry) return {"let vertices be inserted (data=carry)"};
-  if (is_growth_limited) return {"let more vertices be inserted (a larger max_growth)"};
   return {};
 }
 
@@ -77,7 +76,7 @@ void refuse_curved(const TetMesh& mesh, const Options& options, const CurvedFail
   if (failure.is_stopped) throw UntangleError(failure.invalid, failure.left, UntangleError::Reason::stopped);
   std::vector<std::string> remedies = remedies_at_surface(mesh, options);
   if (failure.folded.empty()) {
-    std::vector<std::string> all = remedies_inside(options, failure.is_growth_limited);
+    std::vector<std::string> all = remedies_inside(options);
     all.insert(all.end(), remedies.begin(), remedies.end());
     throw UntangleError(failure.invalid, failure.left, joined(all));
   }

@@ -19,7 +19,6 @@ struct CurvedFailure {
   std::vector<Index> left;    ///< those that stay so, in increasing order
   std::vector<Index> folded;  ///< those of them with a face that its own mid-side nodes fold
   bool is_stopped = false;
-  bool is_growth_limited = false;  ///< max_growth has kept elements from being split
 };
 
 /// Throws MeshError for elements with a folded face, else UntangleError, with the options that may help.

@@ -2,6 +2,7 @@
 #include "driver/curved/optimize_curved.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -55,7 +56,7 @@ class CurvedOptimizer {
         base_(mesh),
         origins_(own_origins(mesh)),
         held_(find_held(mesh, options)),
-        limit_{options.max_growth * double(mesh.tets.size())} {}
+        max_tets_(options.max_growth * double(mesh.tets.size())) {}
 
   Report run(TetMesh& mesh) {
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
@@ -82,6 +83,8 @@ class CurvedOptimizer {
   static constexpr int kMaxSlidingAttempts = 12;
   static constexpr int kAttemptsPerRing = 4;  ///< later ones lock more around a bad element
   static constexpr int kMaxRounds = 4;        ///< of splits and relaxation
+  /// Splits that make elements valid are not limited.
+  static constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
   /// With other data than carried ones the result has places in the input, which one run alone gives.
   bool slides_at_once() const { return options_.data != DataTransfer::carry; }
@@ -199,7 +202,7 @@ class CurvedOptimizer {
     if (options_.straighten) extend_options();
     if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
     const std::vector<Index> left = find_invalid(base_);
-    if (left.empty() && may_insert()) split_bounded(base_, held_, origins_, goal, limit_);
+    if (left.empty() && may_insert()) split_bounded(base_, held_, origins_, goal, max_tets_);
     extend_options();
     if (!left.empty()) refuse(std::ssize(invalid), left);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
@@ -212,7 +215,7 @@ class CurvedOptimizer {
       std::vector<Index> tets = find_bounded(base_, held_, 0);
       std::erase_if(
           tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), span_of(origins_.tets)[t]); });
-      if (tets.empty() || split_edges(base_, held_, tets, limit_, origins_).empty()) return;
+      if (tets.empty() || split_edges(base_, held_, tets, kUnlimited, origins_).empty()) return;
       held_.vertices.resize(base_.points.size(), 0);
     }
   }
@@ -237,7 +240,7 @@ class CurvedOptimizer {
       const std::vector<Index> folded = with_folded_face(base_, left);
       std::erase_if(left, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
       if (left.empty()) break;
-      const std::vector<Index> around = split_edges(base_, held_, left, limit_, origins_);
+      const std::vector<Index> around = split_edges(base_, held_, left, kUnlimited, origins_);
       if (around.empty()) break;
       held_.vertices.resize(base_.points.size(), 0);
       left.insert(left.end(), around.begin(), around.end());
@@ -256,8 +259,7 @@ class CurvedOptimizer {
 
   [[noreturn]] void refuse(std::int64_t invalid, const std::vector<Index>& left) const {
     const auto in_input = [this](const std::vector<Index>& tets) { return translated_ids(tets, origins_.tets); };
-    refuse_curved(input_, caller_,
-                  {invalid, in_input(left), in_input(with_folded_face(base_, left)), is_stopped(), limit_.is_reached});
+    refuse_curved(input_, caller_, {invalid, in_input(left), in_input(with_folded_face(base_, left)), is_stopped()});
   }
   bool is_stopped() const { return context_.stop && context_.stop(); }
 
@@ -301,7 +303,7 @@ class CurvedOptimizer {
     if (!report.vertex2original.empty()) origins.vertices = report.vertex2original;
     RelaxationGoal goal = goal_;
     goal.only_valid = true;
-    split_bounded(trial, held, origins, goal, limit_);
+    split_bounded(trial, held, origins, goal, max_tets_);
     const std::int64_t inserted = std::ssize(trial.points) - std::ssize(mesh.points);
     if (inserted == 0) return;
     trial.point_data = carry_point_data(base_.point_data, origins.vertices, trial.points, trial.tets);
@@ -338,7 +340,7 @@ class CurvedOptimizer {
     if (options.boundary == Boundary::slide && !slides) options.boundary = Boundary::preserve;
     // Splits count as growth.
     if (base_.tets.size() > input_.tets.size()) {
-      options.max_growth = std::clamp(limit_.max_tets / double(base_.tets.size()), 1.0, options_.max_growth);
+      options.max_growth = std::clamp(max_tets_ / double(base_.tets.size()), 1.0, options_.max_growth);
     }
     if (!slides) return options;
     if (slides_at_once()) {
@@ -364,7 +366,7 @@ class CurvedOptimizer {
   TetMesh base_;     ///< the input, made valid
   Origins origins_;  ///< of base_ in the input
   HeldNodes held_;
-  SplitLimit limit_;
+  double max_tets_;  ///< beyond which nothing is split or inserted for better elements
   RelaxationGoal goal_;
   std::vector<StraightenedEdge> straightened_;
   double floor_ = 0;

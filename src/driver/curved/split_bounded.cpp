@@ -17,8 +17,8 @@ constexpr int kMaxSplitRounds = 8;
 
 class Splitter {
  public:
-  Splitter(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal, SplitLimit& limit)
-      : mesh_(mesh), held_(held), origins_(origins), goal_(goal), limit_(limit) {}
+  Splitter(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal, double max_tets)
+      : mesh_(mesh), held_(held), origins_(origins), goal_(goal), max_tets_(max_tets) {}
 
   void run() {
     for (int round = 0; round < kMaxSplitRounds && !(goal_.stop && goal_.stop()); ++round) {
@@ -39,7 +39,7 @@ class Splitter {
     TetMesh trial = mesh_;
     HeldNodes held = held_;
     Origins step = own_origins(mesh_);
-    const std::vector<Index> around = split_edges(trial, held, tets, limit_, step);
+    const std::vector<Index> around = split_edges(trial, held, tets, max_tets_, step);
     held.vertices.resize(trial.points.size(), 0);
     relax_curved(trial, held, find_invalid(trial), goal_);
     const std::vector<Index> invalid = find_invalid(trial);
@@ -73,14 +73,14 @@ class Splitter {
   HeldNodes& held_;
   Origins& origins_;
   const RelaxationGoal& goal_;
-  SplitLimit& limit_;
+  double max_tets_;
   std::set<Index> excluded_;  ///< of the input
 };
 
 }  // namespace
 
-void split_bounded(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal, SplitLimit& limit) {
-  Splitter(mesh, held, origins, goal, limit).run();
+void split_bounded(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal, double max_tets) {
+  Splitter(mesh, held, origins, goal, max_tets).run();
 }
 
 }  // namespace tetune

@@ -192,7 +192,7 @@ const std::array kTable{
                kMethod,
                "Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. "
                "A larger value allows insertion around more of the worst tetrahedra, at proportional cost. With "
-               "untangle=true it limits splits of curved elements too, whatever the other options are",
+               "untangle=true it limits splits of valid curved elements too, whatever the other options are",
                {},
                {1, 100},
                kGrowthConditions},
@@ -217,7 +217,7 @@ const std::array kTable{
     OptionInfo{
         "untangle", &Options::untangle, kMethod,
         "Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that "
-        "the surface alone makes invalid, or nearly so, are split, within max_growth"},
+        "the surface alone makes invalid are split, and within max_growth those that it makes nearly so"},
     OptionInfo{"straighten",
                &Options::straighten,
                kMethod,

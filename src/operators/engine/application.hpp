@@ -52,17 +52,15 @@ struct AssignSelected {
 
 /// Writes the new tetrahedra, connects them with what lies across the boundary of the cavity, and frees the slots that
 /// are left over. Marks the new tetrahedra and their neighbors for evaluation where `changed_tets` are given: nearly
-/// all candidates whose cavity changed belong to one of these. The threads of a team divide faces and tetrahedra among
-/// them. Other calls write the mesh at the same time: what a cavity that is replaced as well becomes is found in its
+/// all candidates whose cavity changed belong to one of these. The threads of a team divide the tetrahedra among them.
+/// Other calls write the mesh at the same time: what becomes of a neighbor that is replaced as well is found in its
 /// record.
 template <class P>
 struct WriteTets {
   static constexpr Size kGrain = 32;
   /// About the number of new tetrahedra of a patch.
   static constexpr int kTeamSize = P::kMaxExtraTets < 16 ? 4 : 32;
-  struct Shared {
-    HalfFace across[P::kMaxCavityFaces];  ///< what lies across the boundary faces afterwards
-  };
+  struct Shared {};
   RatedMesh mesh;
   SelectedRecords<P> records;
   Span<const std::uint64_t> tet2bid;
@@ -92,17 +90,15 @@ struct WriteTets {
     return (*this)(backend::SingleThread(), memory, i);
   }
   template <class Team>
-  TETUNE_HD FlipSum operator()(const Team& team, Shared& memory, Size i) const {
+  TETUNE_HD FlipSum operator()(const Team& team, Shared&, Size i) const {
     const Record<P>& r = records[i];
     const P& patch = r.patch;
     if constexpr (requires { patch.write_vertex(mesh, vertices); }) {
       if (team.rank() == 0) patch.write_vertex(mesh, vertices);
+      team.sync();
     }
-    const int faces = patch.face_count() + patch.new_surface_faces();
-    for (int k = team.rank(); k < faces; k += Team::kSize) memory.across[k] = connect_face(r, k);
-    team.sync();
     FlipSum sum;
-    sum.decrease = sum_in_order(team, write_tets(team, r, memory));
+    sum.decrease = sum_in_order(team, write_tets(team, r));
     for (int x = team.rank(); x < patch.old_count(); x += Team::kSize) {
       if (x < patch.new_count()) continue;
       mesh.tet2vertex[patch.tets[x]][0] = kFreeSlot;
@@ -112,14 +108,13 @@ struct WriteTets {
     for (int k = team.rank(); k < patch.vertex_count() && changed.size() > 0; k += Team::kSize) {
       backend::store_shared(changed[patch.vertex(k)], 1);
     }
-    if (changed_tets.marks.size() > 0) mark_changed(team, r, memory);
     if (r.is_leader(records.selected[i])) patch.count(sum.counts);
     return sum;
   }
 
  private:
-  /// Returns what lies across boundary face k afterwards. A neighbor that stays gets the new half-face.
-  TETUNE_HD HalfFace connect_face(const Record<P>& r, int k) const {
+  /// Returns what lies across boundary face k afterwards. A neighbor that stays gets `own`, the new half-face.
+  TETUNE_HD HalfFace connect_face(const Record<P>& r, int k, HalfFace own) const {
     if (k >= r.patch.face_count()) return across_new_face(r, k - r.patch.face_count());
     const HalfFace old = r.across[k];
     if (old == kNoHalfFace) return old;
@@ -127,7 +122,7 @@ struct WriteTets {
     if (is_replaced(bid)) {
       return records.records[replacing_record(bid)].new_half_face_of(old & ~kLocked) | (old & kLocked);
     }
-    mesh.across(old) = r.new_half_face(k) | (old & kLocked);
+    mesh.across(old) = own | (old & kLocked);
     return old;
   }
   /// The faces that both parts of a candidate make in an interface lie on each other.
@@ -146,10 +141,27 @@ struct WriteTets {
     for (int k = 1; k < Team::kSize; ++k) sum += team.broadcast(own, k);
     return sum;
   }
+  /// The half-faces across the faces of new tetrahedron x.
+  TETUNE_HD FaceAdjacency connect_tet(const Record<P>& r, int x) const {
+    const bool marks = changed_tets.marks.size() > 0;
+    const Index s = r.slot(x);
+    FaceAdjacency adjacency{};
+    for (int f = 0; f < 4; ++f) {
+      const NewNeighbor n = r.patch.new_neighbor(x, f);
+      if (n.tet >= 0) {
+        adjacency[f] = make_half_face(r.slot(n.tet), n.face) | n.lock;
+        continue;
+      }
+      adjacency[f] = connect_face(r, n.face, make_half_face(s, f));
+      if (marks && !is_locked(adjacency[f])) changed_tets.mark_changed(tet_of(adjacency[f]));
+    }
+    if (marks) changed_tets.mark_changed(s);
+    return adjacency;
+  }
   /// Writes the tetrahedra of a thread; returns by how much their energy falls. A thread reads the old energies of the
   /// slots that it writes.
   template <class Team>
-  TETUNE_HD double write_tets(const Team& team, const Record<P>& r, const Shared& memory) const {
+  TETUNE_HD double write_tets(const Team& team, const Record<P>& r) const {
     const P& patch = r.patch;
     const Index original = mesh.tet2original[patch.tets[0]];
     double decrease = 0;
@@ -157,13 +169,8 @@ struct WriteTets {
     if constexpr (requires { patch.parent(0); }) write_originals(team, r);
     for (int x = team.rank(); x < patch.new_count(); x += Team::kSize) {
       const Index s = r.slot(x);
-      FaceAdjacency adjacency{};
-      for (int f = 0; f < 4; ++f) {
-        const NewNeighbor n = patch.new_neighbor(x, f);
-        adjacency[f] = n.tet < 0 ? memory.across[n.face] : make_half_face(r.slot(n.tet), n.face) | n.lock;
-      }
       mesh.tet2vertex[s] = patch.new_tet(x);
-      mesh.tet2tet[s] = adjacency;
+      mesh.tet2tet[s] = connect_tet(r, x);
       if constexpr (!requires { patch.parent(0); }) {
         if (x >= patch.old_count()) mesh.tet2original[s] = original;
       }
@@ -171,13 +178,6 @@ struct WriteTets {
       decrease -= energies[s];
     }
     return decrease;
-  }
-  template <class Team>
-  TETUNE_HD void mark_changed(const Team& team, const Record<P>& r, const Shared& memory) const {
-    for (int x = team.rank(); x < r.patch.new_count(); x += Team::kSize) changed_tets.mark_changed(r.slot(x));
-    for (int k = team.rank(); k < r.patch.face_count(); k += Team::kSize) {
-      if (!is_locked(memory.across[k])) changed_tets.mark_changed(tet_of(memory.across[k]));
-    }
   }
   /// All are read before one is written: the parents are among the slots.
   template <class Team>

@@ -21,7 +21,7 @@ struct Record {
   Index proposal;
   Index twin;  ///< the record of the other part; -1: there is none
   Index extra_slots[P::kMaxExtraTets];
-  HalfFace across[P::kMaxCavityFaces];  ///< what lies across the boundary faces that there are already
+  HalfFace across[P::kMaxCavityFaces];  ///< what lies across the boundary faces before
 
   /// The slot of new tetrahedron x.
   TETUNE_HD Index slot(int x) const {

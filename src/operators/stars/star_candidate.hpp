@@ -57,8 +57,7 @@ struct ReplacedTriangles {
 /// triangles of the apex and of its edges opposite the vertices of the simplex.
 struct StarPatch {
   static constexpr int kMaxExtraTets = kMaxStarFaces;
-  /// One more for the outside, beyond all new triangles of the surface.
-  static constexpr int kMaxCavityFaces = kMaxStarFaces + 1;
+  static constexpr int kMaxCavityFaces = kMaxStarFaces;
 
   Vec3 apex_position;
   Index apex;
