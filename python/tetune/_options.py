@@ -35,13 +35,13 @@ class Options(TypedDict, total=False):
     keep_vertices: bool
     """No vertex is inserted or removed, as effort=best and surface_vertices=edit do otherwise, and untangle=true in curved meshes. Default: False."""
     max_growth: float
-    """Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. A larger value allows insertion around more of the worst tetrahedra, at proportional cost. With untangle=true it limits splits of curved elements too, whatever the other options are. Default: 1.1."""
+    """Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. A larger value allows insertion around more of the worst tetrahedra, at proportional cost. With untangle=true it limits splits of valid curved elements too, whatever the other options are. Default: 1.1."""
     surface_vertices: Literal["auto", "keep", "edit"]
     """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input surface and its feature lines, and edges of the surface are flipped. Default: auto."""
     restarts: int
     """With effort=best, the maximum number of rounds of restarts: a round optimizes the neighborhoods of at most four of the worst elements again, without regard to the angles reached, and keeps a result that improves the worst element in it. At most as many rounds follow that lower the largest dihedral angle and leave the smallest; 0: none; -1: 10 of each, of the first kind one per 400 tetrahedra in smaller meshes. Default: -1."""
     untangle: bool
-    """Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that the surface alone makes invalid, or nearly so, are split, within max_growth. Default: False."""
+    """Inverted and flat tetrahedra are made positive first, instead of refused. Curved second-order elements that the surface alone makes invalid are split, and within max_growth those that it makes nearly so. Default: False."""
     straighten: bool
     """Where mid-side nodes of a curved surface make elements invalid, they move toward the middle of their chord, as little as makes the elements valid, instead of being refused. Default: False."""
     flips: bool
