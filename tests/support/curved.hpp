@@ -5,11 +5,14 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <vector>
 
+#include "curved/curved_edges.hpp"
 #include "math/closest_triangle.hpp"
 #include "mesh/tet.hpp"
 #include "support/meshes.hpp"
+#include "tetune/curve.hpp"
 
 /// Curved meshes, and plain oracles for their surfaces after optimization.
 namespace tetune::test {
@@ -163,6 +166,60 @@ inline std::vector<TrianglePoints> corners(const TetMesh& m, const std::vector<s
   std::vector<TrianglePoints> all;
   for (const auto& e : edges) all.push_back({at(m, e[0]), at(m, e[1]), at(m, e[1])});
   return all;
+}
+
+/// A cube whose upper face has mid-side nodes that are shifted upward or downward, but for those on its border.
+inline TetMesh bulged_cube(double shift) {
+  TetMesh m = cube(3, 0.15);
+  m.second_order = true;
+  std::vector<std::array<Index, 2>> edges;
+  const auto top = [&m](Index v) { return m.points[static_cast<std::size_t>(v)][2] == 1; };
+  const auto on_side = [&m](Index v, Index w) {
+    const Point3& p = m.points[static_cast<std::size_t>(v)];
+    const Point3& q = m.points[static_cast<std::size_t>(w)];
+    return (p[0] == q[0] && (p[0] == 0 || p[0] == 1)) || (p[1] == q[1] && (p[1] == 0 || p[1] == 1));
+  };
+  for (const auto& tet : m.tets) {
+    for (const auto& [i, j] : kCurvedTetEdges) {
+      if (top(tet[i]) && top(tet[j]) && !on_side(tet[i], tet[j])) edges.push_back(ascending(tet[i], tet[j]));
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  for (const auto& e : edges) {
+    const Point3& p = m.points[static_cast<std::size_t>(e[0])];
+    const Point3& q = m.points[static_cast<std::size_t>(e[1])];
+    m.curved_edges.push_back({e, {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, 1 + shift}});
+  }
+  return m;
+}
+
+/// A ball whose mid-side nodes of the surface are on the sphere: elements at former edges of the cube have two faces
+/// there.
+inline TetMesh curved_ball() {
+  TetMesh m = ball(2, 0);
+  m.second_order = true;
+  std::set<std::array<Index, 2>> edges;
+  for (const auto& face : skin(m)) {
+    for (std::size_t k = 0; k < 3; ++k) edges.insert(ascending(face.v[k], face.v[(k + 1) % 3]));
+  }
+  for (const auto& edge : edges) {
+    const Vec3 middle = at(m, edge[0]) + at(m, edge[1]);
+    const Vec3 on_sphere = (1 / norm(middle)) * middle;
+    m.curved_edges.push_back({edge, {on_sphere.x, on_sphere.y, on_sphere.z}});
+  }
+  return m;
+}
+
+/// The positions of the mid-side nodes of curved edges on the upper face, sorted.
+inline std::vector<Point3> upper_middles(const TetMesh& m) {
+  std::vector<Point3> middles;
+  for (const CurvedEdge& e : m.curved_edges) {
+    const auto z = [&m](Index v) { return m.points[static_cast<std::size_t>(v)][2]; };
+    if (z(e.vertices[0]) == 1 && z(e.vertices[1]) == 1) middles.push_back(e.middle);
+  }
+  std::sort(middles.begin(), middles.end());
+  return middles;
 }
 
 }  // namespace tetune::test

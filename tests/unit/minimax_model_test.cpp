@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "backend/span.hpp"
 #include "relocation/minimax_model.hpp"
 
 namespace tetune {

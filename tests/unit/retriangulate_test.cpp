@@ -9,6 +9,7 @@
 #include "mesh/connect.hpp"
 #include "operators/stars/retriangulate.hpp"
 #include "relocation/minimize_angle_cost.hpp"
+#include "relocation/rings.hpp"
 #include "support/meshes.hpp"
 #include "support/work.hpp"
 #include "tetune/quality.hpp"

@@ -303,7 +303,8 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
   state.start_pass(backend, mesh);
   const Size batch = batch_size<Backend, Generator>(count, choices_apart<Backend>(generator));
   if constexpr (kIsOwnPatch<C>) {
-    if (batch == count) {
+    // There is a record per proposal then: no more memory than batches of all tetrahedra take.
+    if (batch == count && Generator::kParts * count <= mesh.slots() / 4) {
       select_and_assign(backend, mesh, count, generator, state, s);
       return s;
     }
