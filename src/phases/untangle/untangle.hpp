@@ -180,8 +180,11 @@ std::vector<Index> untangle_inside(Optimizer<Backend>& optimizer, const Snapshot
   before.restore(optimizer.backend, work);
   work.dofs.dof.upload(optimizer.backend, fixed);
   optimizer.invalidate_rings();
+  // Other vertices have colors than before, and afterwards.
+  work.coloring = {};
   std::vector<Index> left = untangle_once(optimizer);
   work.dofs.dof.upload(optimizer.backend, dofs);
+  work.coloring = {};
   return left;
 }
 
