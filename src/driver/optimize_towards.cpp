@@ -8,6 +8,7 @@
 
 #include "backend/span.hpp"
 #include "driver/parts/optimize_active.hpp"
+#include "driver/report/dof_counts.hpp"
 #include "driver/report/extend_report.hpp"
 #include "driver/report/targets.hpp"
 #include "mesh/id_maps.hpp"
@@ -133,12 +134,7 @@ class CriteriaRun {
     Report kept = report_nothing(options_);
     kept.stop = run.stop;
     kept.vertices = run.vertices;
-    kept.free_vertices = run.free_vertices;
-    kept.plane_vertices = run.plane_vertices;
-    kept.line_vertices = run.line_vertices;
-    kept.fixed_vertices = run.fixed_vertices;
-    kept.surface_vertices = run.surface_vertices;
-    kept.curve_vertices = run.curve_vertices;
+    dof_counts(kept) = dof_counts(run);
     kept.periodic_vertices = run.periodic_vertices;
     kept.tets_before = kept.tets_after = run.tets_before;
     kept.energy_before = kept.energy_after = run.energy_before;

@@ -8,6 +8,7 @@
 #include "driver/curved/curved_skeleton.hpp"
 #include "driver/curved/curved_slide.hpp"
 #include "driver/parts/optimize_active.hpp"
+#include "driver/report/dof_counts.hpp"
 #include "driver/report/targets.hpp"
 #include "mesh/sorted.hpp"
 
@@ -30,13 +31,8 @@ void count_curved_vertices(const TetMesh& mesh, const Options& options, Report& 
   Options linear = slides ? with_listed_features(options) : options;
   linear.max_deviation = 0;
   linear.untangle = false;
-  const Report counts = report_constraints(skeleton.mesh, linear);
-  report.free_vertices = counts.free_vertices;
-  report.plane_vertices = counts.plane_vertices;
-  report.line_vertices = counts.line_vertices;
-  report.fixed_vertices = counts.fixed_vertices;
-  report.surface_vertices = counts.surface_vertices;
-  report.curve_vertices = counts.curve_vertices;
+  Report counts = report_constraints(skeleton.mesh, linear);
+  dof_counts(report) = dof_counts(counts);
 }
 
 std::vector<TargetReport> report_curved_targets(const TetMesh& result, const Options& options,

@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "backend/span.hpp"
@@ -18,6 +17,7 @@
 #include "driver/curved/curved_slide.hpp"
 #include "driver/curved/split_bounded.hpp"
 #include "driver/curved/straighten.hpp"
+#include "driver/report/dof_counts.hpp"
 #include "driver/report/extend_report.hpp"
 #include "driver/report/run_warnings.hpp"
 #include "driver/report/targets.hpp"
@@ -166,11 +166,7 @@ class CurvedOptimizer {
       return;
     }
     result = std::move(slid);
-    const auto vertices = [](Report& r) {
-      return std::tie(r.free_vertices, r.plane_vertices, r.line_vertices, r.fixed_vertices, r.surface_vertices,
-                      r.curve_vertices);
-    };
-    vertices(report) = vertices(further);
+    dof_counts(report) = dof_counts(further);
     extend_report(report, std::move(further));
   }
 
