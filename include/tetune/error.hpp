@@ -41,7 +41,7 @@ class TETUNE_API UntangleError : public MeshError {
     curved_surface,          ///< nodes that are held leave second-order elements no room
   };
   UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason);
-  /// Of second-order elements (Reason::curved_surface); `remedy` says in words which options may help.
+  /// Of second-order elements, whose reason is the curved surface; `remedy` says in words which options may help.
   UntangleError(std::int64_t tangled, std::vector<Index> left, std::string remedy);
   /// what(), with ids that start from 1 (as in MEDIT files) or from 0.
   std::string message(bool one_based) const;
@@ -51,7 +51,7 @@ class TETUNE_API UntangleError : public MeshError {
   /// surface where it would fold, or where it is at fault.
   std::vector<Index> left;
   Reason reason;
-  std::string remedy;  ///< with Reason::curved_surface
+  std::string remedy;  ///< of second-order elements that the curved surface leaves no room
 };
 
 /// The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.

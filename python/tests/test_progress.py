@@ -37,7 +37,15 @@ def test_what_the_callback_raises_comes_through():
         tetune.optimize(points, tets, progress=fail)
 
 
-def test_interrupt_without_callback():
+@pytest.fixture
+def interruptible():
+    """Python's handler of SIGINT, which Gmsh replaces by the default action in processes that use it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_interrupt_without_callback(interruptible):
     points, tets = shaken_box(28, 28, 28)
     mesh = tetune.TetMesh(points, tets)
     timer = threading.Timer(0.15, lambda: os.kill(os.getpid(), signal.SIGINT))
