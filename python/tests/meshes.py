@@ -51,3 +51,16 @@ def smallest_dihedral(points, tets):
         for g in range(f)
     ]
     return np.min(angles, axis=0)
+
+
+def everything_of(value):
+    """All that Python shows of an object of the module, as plain values."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [everything_of(v) for v in value]
+    if not type(value).__module__.startswith("tetune"):
+        return value
+    names = [n for n in dir(value) if not n.startswith("_") and not callable(getattr(value, n))]
+    assert len(names) > 1
+    return {n: everything_of(getattr(value, n)) for n in names}

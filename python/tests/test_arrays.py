@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import tetune
-from meshes import shaken_box, smallest_dihedral, volumes
+from meshes import everything_of, shaken_box, smallest_dihedral, volumes
 
 
 def test_better_valid_and_input_untouched():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tetune
-from meshes import shaken_box, volumes
+from meshes import everything_of, shaken_box, volumes
 
 
 GROUPS_AND_MORE = """$MeshFormat
@@ -68,19 +68,6 @@ def test_groups(tmp_path):
     groups = full_mesh(tmp_path).groups
     assert sorted(groups) == [("air", 3, [2]), ("steel", 3, [1]), ("wall", 2, [7])]
     assert tetune.TetMesh(*shaken_box(2, 2, 2)).groups == []
-
-
-def everything_of(value):
-    """All that Python shows of an object of the module, as plain values."""
-    if isinstance(value, np.ndarray):
-        return value.dtype.str, value.shape, value.tolist()
-    if isinstance(value, (list, tuple)):
-        return [everything_of(v) for v in value]
-    if not type(value).__module__.startswith("tetune"):
-        return value
-    names = [n for n in dir(value) if not n.startswith("_") and not callable(getattr(value, n))]
-    assert len(names) > 1
-    return {n: everything_of(getattr(value, n)) for n in names}
 
 
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda m: pickle.loads(pickle.dumps(m))])
