@@ -28,4 +28,5 @@ struct Format {
 TetMesh from_gmsh(Warnings& warnings);
 /// Makes a mesh the model of Gmsh; returns whether every element is in a group.
 bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings);
+
 }  // namespace tetune::plugin

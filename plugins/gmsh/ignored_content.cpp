@@ -139,7 +139,7 @@ void check_ideas(std::ifstream& in, Warnings& warnings) {
   // A line of an unknown data set may be -1 as well.
   if (is_inside && !is_number && kRead.count(set) != 0) {
     throw FileError("it ends within the data set " + set +
-                    ", before the -1 after its lines; the file is cut short: " + "write or copy it again");
+                    ", before the -1 after its lines; the file is cut short: write or copy it again");
   }
   sets.warn("the data sets", warnings);
   warn_of_end(is_inside ? "" : last, "-1", warnings);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "backend/buffer.hpp"
 #include "backend/span.hpp"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <variant>
 
 #include "backend/span.hpp"
 #include "mesh/validate_arrays.hpp"

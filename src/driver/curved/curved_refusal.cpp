@@ -24,22 +24,21 @@ bool has_frozen(const TetMesh& mesh, const Options& options) {
          std::any_of(flags.begin(), flags.end(), [](std::uint8_t flag) { return flag != 0; });
 }
 
-/// Options that let the surface give way.
-std::vector<std::string> remedies_at_surface(const TetMesh& mesh, const Options& options) {
+/// Ways to valid elements: where `inside`, options that let vertices be inserted; and those that let the surface give
+/// way.
+std::vector<std::string> remedies_for(const TetMesh& mesh, const Options& options, bool inside) {
   std::vector<std::string> remedies;
+  if (inside && options.keep_vertices) {
+    remedies.emplace_back("let vertices be inserted (without keep_vertices)");
+  } else if (inside && options.data != DataTransfer::carry) {
+    remedies.emplace_back("let vertices be inserted (data=carry)");
+  }
   if (!options.straighten && mesh.periodic.empty()) {
     remedies.emplace_back("let mid-side nodes of the surface move (straighten=true)");
   }
   if (has_frozen(mesh, options)) remedies.emplace_back("free frozen and required entities there");
   remedies.emplace_back("mesh the surface more finely there");
   return remedies;
-}
-
-/// Options that let vertices be inserted.
-std::vector<std::string> remedies_inside(const Options& options) {
-  if (options.keep_vertices) return {"let vertices be inserted (without keep_vertices)"};
-  if (options.data != DataTransfer::carry) return {"let vertices be inserted (data=carry)"};
-  return {};
 }
 
 std::string joined(const std::vector<std::string>& remedies) {
@@ -74,19 +73,16 @@ void check_curved_input(const TetMesh& mesh, const Options& options) {
 
 void refuse_curved(const TetMesh& mesh, const Options& options, const CurvedFailure& failure) {
   if (failure.is_stopped) throw UntangleError(failure.invalid, failure.left, UntangleError::Reason::stopped);
-  std::vector<std::string> remedies = remedies_at_surface(mesh, options);
-  if (failure.folded.empty()) {
-    std::vector<std::string> all = remedies_inside(options);
-    all.insert(all.end(), remedies.begin(), remedies.end());
-    throw UntangleError(failure.invalid, failure.left, joined(all));
-  }
+  // Where a face of the surface is folded, no inner vertex helps.
+  const std::string remedies = joined(remedies_for(mesh, options, failure.folded.empty()));
+  if (failure.folded.empty()) throw UntangleError(failure.invalid, failure.left, remedies);
   const Point3 place = TetMeshView(mesh).centroid(failure.folded[0]);
   throw MeshError("of " + std::to_string(failure.invalid) + " second-order tetrahedra that are not proved valid, " +
                   std::to_string(failure.left.size()) + " stay so, and " + std::to_string(failure.folded.size()) +
                   " of these have a face on the surface that its own mid-side nodes fold" +
                   first_ids(failure.folded, false) + ", the first near " + number_text(place[0]) + " " +
                   number_text(place[1]) + " " + number_text(place[2]) +
-                  "\n  no position of inner nodes makes them valid: " + joined(remedies) + ".");
+                  "\n  no position of inner nodes makes them valid: " + remedies + ".");
 }
 
 }  // namespace tetune

@@ -290,7 +290,7 @@ class CurvedOptimizer {
   }
 
   /// Splits elements that flips made with two faces on the surface, unless something is worse then.
-  void split_bounded_of(TetMesh& mesh, Report& report) {
+  void split_bounded_of(TetMesh& mesh, Report& report) const {
     HeldNodes held = find_held(mesh, options_of(report));
     if (!may_insert() || is_stopped() || find_bounded(mesh, held, kSmallBound).empty()) return;
     TetMesh trial = mesh;

@@ -206,7 +206,6 @@ class GeometryRun {
     if (!has_run_) {
       total = std::move(run);
     } else {
-      total.targets = run.targets;
       total.stop = run.stop;
       extend_report(total, std::move(run));
     }
