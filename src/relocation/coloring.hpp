@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "backend/buffer.hpp"
@@ -79,10 +80,35 @@ struct InitializeColor {
   }
 };
 
+/// The neighbors on the surface that a corner of a surface triangle lists for its vertex: of the two triangles at an
+/// edge within a patch, only the one in which the neighbor follows the vertex lists it.
+struct CornerNeighbors {
+  Index next;
+  Index previous;  ///< -1: listed by the triangle on the other side of the edge
+};
+
+TETUNE_HD inline CornerNeighbors corner_neighbors(const ReferenceView& surface, std::uint32_t corner) {
+  const std::uint32_t after = corner % 3 == 2 ? corner - 2 : corner + 1;
+  const std::uint32_t before = corner % 3 == 0 ? corner + 2 : corner - 1;
+  const SurfaceTriangle t = surface.triangles[corner / 3];
+  const Index opposite = surface.across[after];
+  const bool follows_there =
+      opposite != kFeatureEdge && surface.triangles[opposite / 3].v[(opposite + 1) % 3] == t.v[corner % 3];
+  return {t.v[after % 3], follows_there ? -1 : t.v[before % 3]};
+}
+
+struct ListCornerNeighbors {
+  ReferenceView surface;
+  Span<CornerNeighbors> neighbors;
+  TETUNE_HD void operator()(Size i) const { neighbors[i] = corner_neighbors(surface, surface.vertex2corner.items[i]); }
+};
+
 /// The vertices whose color must differ from that of a vertex.
 struct ConflictNeighbors {
   RingsView rings;
   ReferenceView surface;
+  /// corner_neighbors() of the corners in the order of surface.vertex2corner; empty where few vertices are visited.
+  Span<const CornerNeighbors> on_surface;
 
   TETUNE_INLINE void prefetch(Span<const Index> vertices, Size i) const {
     constexpr Size kAhead = 8;
@@ -98,17 +124,9 @@ struct ConflictNeighbors {
     for (const Index next : surface.line[v].next) {
       if (next >= 0 && !visitor(next)) return false;
     }
-    for (Size c = corners.begin(v); c < corners.end(v); ++c) {
-      for (const Index near : surface.triangles[corners.items[c] / 3].v) {
-        if (near == v) continue;
-        for (Size d = corners.begin(near); d < corners.end(near); ++d) {
-          for (const Index far : surface.triangles[corners.items[d] / 3].v) {
-            if (far != v && !visitor(far)) return false;
-          }
-        }
-      }
-    }
-    return true;
+    return visit_surface(v, [&](Index near) {
+      return visitor(near) && visit_surface(near, [&](Index far) { return far == v || visitor(far); });
+    });
   }
   /// visit() for the vertices of the ring alone.
   template <class Visitor>
@@ -118,6 +136,18 @@ struct ConflictNeighbors {
       for (int k = 0; k < 3; ++k) {
         if (!visitor(f.v[k])) return false;
       }
+    }
+    return true;
+  }
+
+ private:
+  /// visit() for the neighbors on the surface.
+  template <class Visitor>
+  TETUNE_HD TETUNE_INLINE bool visit_surface(Index v, const Visitor& visitor) const {
+    const CsrView& corners = surface.vertex2corner;
+    for (Size i = corners.begin(v); i < corners.end(v); ++i) {
+      const CornerNeighbors near = on_surface.size() > 0 ? on_surface[i] : corner_neighbors(surface, corners.items[i]);
+      if (!visitor(near.next) || (near.previous >= 0 && !visitor(near.previous))) return false;
     }
     return true;
   }
@@ -345,7 +375,12 @@ void color_vertices(const Backend& backend, const RingsView& rings, Span<const V
     backend.for_each(n, InitializeColor{dof, surface, coloring.color});
   }
   const Span<std::uint8_t> color = coloring.color;
-  const ConflictNeighbors neighbors{rings, surface};
+  BufferOf<Backend, CornerNeighbors> on_surface;
+  if (none_colored && surface.triangles.size() > 0) {
+    on_surface.resize(backend, surface.vertex2corner.items.size());
+    backend.for_each(on_surface.size(), ListCornerNeighbors{surface, on_surface.span()});
+  }
+  const ConflictNeighbors neighbors{rings, surface, std::as_const(on_surface).span()};
   BufferOf<Backend, std::uint8_t> conflicts(backend, n);
   BufferOf<Backend, std::uint8_t> tentative_color(backend, n);
   backend.for_each(n, FindConflict{neighbors, color, conflicts});

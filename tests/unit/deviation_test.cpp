@@ -132,6 +132,7 @@ Decision fan_decision(const SlidSurface& mesh, Index v, const TraceResult& end, 
   const TriangleDeviation wedges(input);
   SurfaceFan<Pack> fan;
   if (!fan.build(ref, span_of(mesh.points), v, end.position)) return Decision::undecided;
+  fan.find_prisms();
   FanMask undecided = 0;
   FanDeviation<Pack> test(fan, input, wedges);
   if (!test.is_within(end.surface_point, undecided)) return Decision::beyond;
@@ -158,6 +159,74 @@ TEST(FanDeviation, KeepsTheBoundAlone) {
     EXPECT_GT(count[0], 50) << limit;
     EXPECT_GT(count[1], 50) << limit;
   }
+}
+
+/// Whether the test along the axis of the fan decides alone that the bound holds.
+bool axis_test_allows(const SlidSurface& mesh, Index v, const TraceResult& end, double limit) {
+  const ReferenceView ref = mesh.s.view();
+  const DeviationInput input{ref, span_of(mesh.points), span_of(mesh.surface_points), v, limit};
+  SurfaceFan<Pack> fan;
+  return fan.build(ref, span_of(mesh.points), v, end.position) &&
+         AxisDeviation<Pack>(fan, input).is_within(end.surface_point);
+}
+/// Whether the general test, along the normals of the triangles, allows each of them.
+bool triangle_test_allows(const SlidSurface& mesh, Index v, const TraceResult& end, double limit) {
+  const ReferenceView ref = mesh.s.view();
+  const TriangleDeviation test({ref, span_of(mesh.points), span_of(mesh.surface_points), v, limit});
+  for (Size c = ref.vertex2corner.begin(v); c < ref.vertex2corner.end(v); ++c) {
+    if (!test.is_within(ref.vertex2corner.items[c], end.position, end.surface_point)) return false;
+  }
+  return true;
+}
+
+TEST(AxisDeviation, ImpliesTheTestAlongTheNormals) {
+  std::mt19937 random(13);
+  for (const double limit : {0.05, 0.02, 0.005}) {
+    const TinySurface s = height_field(9, [](double x, double y) { return 0.4 * bumpy(x, y); });
+    SlidSurface mesh(s);
+    int allowed = 0;
+    int others = 0;
+    mesh.for_walks(4000, 0.1, random, [&](Index v, const TraceResult& end) {
+      // Moves that the general test alone allows take part, so that triangles of both kinds are neighbors.
+      const bool general = triangle_test_allows(mesh, v, end, limit);
+      if (axis_test_allows(mesh, v, end, limit)) {
+        ASSERT_TRUE(general) << limit;
+        ++allowed;
+      } else if (general) {
+        ++others;
+      } else {
+        return;
+      }
+      mesh.put(v, end);
+      if (allowed % 10 == 0) {
+        ASSERT_LE(mesh.distance(), limit);
+      }
+    });
+    EXPECT_LE(mesh.distance(), limit);
+    EXPECT_GT(mesh.distance(), 0.2 * limit);
+    EXPECT_GT(allowed, 50) << limit;
+    EXPECT_GT(others, 50) << limit;
+  }
+}
+
+TEST(AxisDeviation, LeavesFansAtFeaturesUndecided) {
+  std::mt19937 random(14);
+  const TinySurface s = height_field_with_line(8, flat);
+  const SlidSurface mesh(s);
+  const ReferenceView ref = s.view();
+  int decided = 0;
+  for (Index v = 0; v < std::ssize(s.points); ++v) {
+    if (ref.dof[v] != VertexDof::surface) continue;
+    bool at_feature = false;
+    for (Size c = ref.vertex2corner.begin(v); c < ref.vertex2corner.end(v); ++c) {
+      at_feature = at_feature || ref.across[ref.vertex2corner.items[c]] == kFeatureEdge;
+    }
+    const TraceResult here{vec(s.points[static_cast<std::size_t>(v)]), {SurfacePointKind::vertex, v}, 0, true};
+    const bool allowed = axis_test_allows(mesh, v, here, 0.01);
+    EXPECT_FALSE(at_feature && allowed) << v;
+    decided += allowed ? 1 : 0;
+  }
+  EXPECT_GT(decided, 0);
 }
 
 TEST(VertexDeviation, DoesNotRestrictMotionInAPlane) {

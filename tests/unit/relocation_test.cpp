@@ -233,8 +233,10 @@ TEST(Coloring, WithASurfaceSeparatesItsVerticesByThreeEdges) {
     for (int face = 0; face < 4; ++face) {
       if (adjacency[t][face] != kNoHalfFace) continue;
       SurfaceTriangle triangle;
+      for (int k = 0; k < 3; ++k) triangle.v[k] = tets[t][face_vertex(face, k)];
+      // Triangles within one patch may be oriented differently.
+      if (triangles.size() % 3 == 0) std::swap(triangle.v[0], triangle.v[1]);
       for (int k = 0; k < 3; ++k) {
-        triangle.v[k] = tets[t][face_vertex(face, k)];
         corners[static_cast<std::size_t>(triangle.v[k])].push_back(static_cast<std::uint32_t>(3 * triangles.size()) +
                                                                    static_cast<std::uint32_t>(k));
       }
@@ -253,6 +255,14 @@ TEST(Coloring, WithASurfaceSeparatesItsVerticesByThreeEdges) {
   surface.triangles = span_of(triangles);
   surface.vertex2corner = {span_of(offsets), span_of(items)};
   surface.line = span_of(line);
+  std::vector<Index> across(3 * triangles.size());
+  find_across(backend::Cpu(1), surface.triangles, surface.vertex2corner, span_of(across));
+  for (std::size_t c = 0; c < across.size(); c += 7) {
+    if (across[c] == kFeatureEdge) continue;
+    across[static_cast<std::size_t>(across[c])] = kFeatureEdge;
+    across[c] = kFeatureEdge;
+  }
+  surface.across = span_of(across);
   const auto too_near = [&](const Coloring<backend::Cpu>& coloring) {
     const std::vector<std::uint8_t> color = coloring.color.download();
     int count = 0;

@@ -220,7 +220,7 @@ class FanDeviation : DeviationInput {
     for (int k = 0; k < 3; ++k) {
       const PrismPoint& a = p[(k + 1) % 3];
       const PrismPoint& b = p[(k + 2) % 3];
-      if (!edge_is_within(a, b)) return false;
+      if (!edge_is_within(a, b, kPrismInset, limit)) return false;
       weight[0][k] = a.l[1] * b.l[2] - a.l[2] * b.l[1];
       weight[1][k] = a.l[2] * b.l[0] - a.l[0] * b.l[2];
       weight[2][k] = a.l[0] * b.l[1] - a.l[1] * b.l[0];
@@ -237,28 +237,6 @@ class FanDeviation : DeviationInput {
     }
     return true;
   }
-  /// Whether the part of an edge (a, b) inside the prism is within the bound.
-  TETUNE_HD bool edge_is_within(const PrismPoint& a, const PrismPoint& b) const {
-    double from = 0;
-    double to = 1;
-    for (int side = 0; side < 3; ++side) {
-      const double da = a.l[side] - kPrismInset;
-      const double db = b.l[side] - kPrismInset;
-      if (da < 0 && db < 0) {
-        to = -1;
-      } else if (da < 0) {
-        const double s = da / (da - db);
-        from = s > from ? s : from;
-      } else if (db < 0) {
-        const double s = da / (da - db);
-        to = s < to ? s : to;
-      }
-    }
-    const double rise = b.height - a.height;
-    return from > to || (height_is_within(a.height + from * rise) && height_is_within(a.height + to * rise));
-  }
-  TETUNE_HD bool height_is_within(double height) const { return height <= limit && height >= -limit; }
-
   /// The triangles in `over` over which a reference triangle is not upright.
   TETUNE_HD FanMask not_upright(VertexRelation* const corner[3], FanMask over) const {
     const Vec3 normal = cross(corner[1]->d - corner[0]->d, corner[2]->d - corner[0]->d);

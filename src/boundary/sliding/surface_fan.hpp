@@ -51,7 +51,27 @@ struct SurfaceFan {
   /// without feature edges at the vertex, are degenerate, or have a normal at 90 degrees or more from the axis.
   TETUNE_HD bool build(const ReferenceView& ref, Span<const Point> points, Index vertex, const Vec3& position) {
     x = position;
-    return collect(ref, points, vertex) && find_normals();
+    return collect(ref, points, vertex) && find_axis();
+  }
+  /// Finds the prisms over the triangles: `slope_a`, `slope_b`, `edge2`, `inward` and `inward_offset`.
+  TETUNE_HD void find_prisms() {
+    for (int i = 0; i < count; ++i) {
+      const Vec3 a = edge[i];
+      const Vec3 b = edge[after(i)];
+      const Vec3 normal = cross(a, b);
+      const double inverse = 1 / dot(normal, normal);
+      slope_a.set(i, inverse * cross(b, normal));
+      slope_b.set(i, inverse * cross(normal, a));
+      edge2[i] = dot(a, a);
+      const Vec3 e = b - a;
+      const Vec3 apex = outer[i] - a;
+      inward.set(i, at_feature[i] ? Vec3{} : apex - (dot(apex, e) / dot(e, e)) * e);
+      inward_offset[i] = at_feature[i] ? -1 : dot(a, inward[i]);
+    }
+    for (int i = count; i % kLanes != 0; ++i) {
+      for (Vectors* v : {&slope_a, &slope_b, &unit, &edge, &inward}) v->set(i, {});
+      edge2[i] = inward_offset[i] = 0;
+    }
   }
 
   TETUNE_HD int after(int i) const { return i + 1 < count ? i + 1 : 0; }
@@ -100,29 +120,16 @@ struct SurfaceFan {
     return static_cast<std::uint32_t>(c) == corner[0];
   }
 
-  TETUNE_HD bool find_normals() {
+  TETUNE_HD bool find_axis() {
     Vec3 sum{};
     for (int i = 0; i < count; ++i) {
-      const Vec3 a = edge[i];
-      const Vec3 b = edge[after(i)];
-      const Vec3 normal = cross(a, b);
+      const Vec3 normal = cross(edge[i], edge[after(i)]);
       const double n2 = dot(normal, normal);
       if (!(n2 > 0)) return false;
-      slope_a.set(i, (1 / n2) * cross(b, normal));
-      slope_b.set(i, (1 / n2) * cross(normal, a));
       unit.set(i, (1 / std::sqrt(n2)) * normal);
       sum = sum + unit[i];
-      edge2[i] = dot(a, a);
-      const Vec3 e = b - a;
-      const Vec3 apex = outer[i] - a;
-      inward.set(i, at_feature[i] ? Vec3{} : apex - (dot(apex, e) / dot(e, e)) * e);
-      inward_offset[i] = at_feature[i] ? -1 : dot(a, inward[i]);
     }
-    for (int i = count; i % kLanes != 0; ++i) {
-      bit[i] = 0;
-      for (Vectors* v : {&slope_a, &slope_b, &unit, &edge, &inward}) v->set(i, {});
-      edge2[i] = inward_offset[i] = 0;
-    }
+    for (int i = count; i % kLanes != 0; ++i) bit[i] = 0;
     axis = (1 / norm(sum)) * sum;
     double min_cos = 1;
     for (int i = 0; i < count; ++i) {

@@ -24,6 +24,31 @@ struct PrismPoint {
 /// Reference triangles that only touch the boundary of a prism, to within this tolerance, are not over the triangle.
 inline constexpr double kPrismInset = 1e-6;
 
+/// Whether the part of a segment (a, b) inside a prism, where all coordinates are at least `inset`, has heights of at
+/// most `max_height`.
+TETUNE_HD inline bool edge_is_within(const PrismPoint& a, const PrismPoint& b, double inset, double max_height) {
+  double from = 0;
+  double to = 1;
+  for (int side = 0; side < 3; ++side) {
+    const double da = a.l[side] - inset;
+    const double db = b.l[side] - inset;
+    if (da < 0 && db < 0) {
+      to = -1;
+    } else if (da < 0) {
+      const double s = da / (da - db);
+      from = s > from ? s : from;
+    } else if (db < 0) {
+      const double s = da / (da - db);
+      to = s < to ? s : to;
+    }
+  }
+  if (from > to) return true;
+  const double rise = b.height - a.height;
+  const double first = a.height + from * rise;
+  const double last = a.height + to * rise;
+  return first <= max_height && first >= -max_height && last <= max_height && last >= -max_height;
+}
+
 /// A vertex that is to be moved on the surface, and the bound on its deviation.
 struct DeviationInput {
   const ReferenceView& ref;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "boundary/sliding/axis_deviation.hpp"
 #include "boundary/sliding/fan_deviation.hpp"
 #include "boundary/sliding/triangle_deviation.hpp"
 
@@ -72,10 +73,10 @@ class LineDeviation {
 /// their common edge is convex, so the reference vertices there are tested. Along feature lines the same is done in one
 /// dimension.
 ///
-/// There are two tests of a triangle, neither of which accepts one beyond the bound. FanDeviation is fast: it processes
-/// all triangles at a vertex at once, and leaves some undecided. TriangleDeviation decides any triangle. Vertices that
-/// slide on the surface take the fast test first, if SurfaceFan::build() succeeds, and the other one for the undecided
-/// triangles; vertices on feature lines, and all other fans, take TriangleDeviation alone.
+/// There are three tests, none of which accepts a triangle beyond the bound. AxisDeviation is the fastest: it processes
+/// all triangles at a vertex at once, along one direction. FanDeviation does so along their normals. Both leave some
+/// undecided; TriangleDeviation decides any triangle. Vertices that slide on the surface take the tests in this order,
+/// if SurfaceFan::build() succeeds; vertices on feature lines, and all other fans, take TriangleDeviation alone.
 template <class Pack>
 class VertexDeviation : DeviationInput {
  public:
@@ -84,28 +85,46 @@ class VertexDeviation : DeviationInput {
   /// Whether the vertex may go from its position to x, which is at the surface point `on`.
   TETUNE_HD TETUNE_OUTLINE bool allows(const Vec3& from, const Vec3& x, const SurfacePoint& on) const {
     if (ref.dof[vertex] == VertexDof::curve && !lines_are_within(x, on)) return false;
-    return !crosses_outline(from, x) && fan_is_within(x, on);
+    const FanChange change = change_of_fan(from, x);
+    return change == FanChange::none || (change == FanChange::shape && fan_is_within(x, on));
   }
 
  private:
-  /// Whether the vertex crosses an edge opposite it, as at a rim that is no feature. The reference on the side that it
-  /// leaves would be over no triangle of the new fan, and beside triangles that do not change and so are not tested. A
-  /// folded triangle does not unfold for the same reason.
-  TETUNE_HD bool crosses_outline(const Vec3& from, const Vec3& x) const {
+  /// A distance from a plane that is no more than this part of the bound is a rounding error.
+  static constexpr double kFlatShare = 1e-6;
+
+  /// What a move does to the triangles at the vertex.
+  enum class FanChange {
+    none,  ///< the triangles cover the same points, as the vertex stays in the plane of each of them
+    shape,
+    outline,  ///< the vertex crosses an edge opposite it
+  };
+  /// Compares the triangles at the vertex before and after a move. It crosses an edge opposite it, for example, at a
+  /// rim that is no feature: the reference on the side that it leaves would be over no triangle of the new fan, and
+  /// beside triangles that do not change and so are not tested. A folded triangle does not unfold for the same reason.
+  TETUNE_HD FanChange change_of_fan(const Vec3& from, const Vec3& x) const {
+    const double tolerance2 = kFlatShare * kFlatShare * limit * limit;
+    bool changes = false;
     for (Size c = ref.vertex2corner.begin(vertex); c < ref.vertex2corner.end(vertex); ++c) {
       const std::uint32_t corner = ref.vertex2corner.items[c];
       const SurfaceTriangle t = ref.triangles[corner / 3];
       const Vec3 a = vec(points[t.v[(corner + 1) % 3]]);
       const Vec3 e = vec(points[t.v[(corner + 2) % 3]]) - a;
-      if (dot(cross(e, from - a), cross(e, x - a)) < 0) return true;
+      const Vec3 before = cross(e, from - a);
+      const double turned = dot(before, cross(e, x - a));
+      if (turned < 0) return FanChange::outline;
+      const double off = dot(before, x - from);
+      changes = changes || !(turned > 0 && off * off <= tolerance2 * dot(before, before));
     }
-    return false;
+    return changes ? FanChange::shape : FanChange::none;
   }
   TETUNE_HD bool fan_is_within(const Vec3& x, const SurfacePoint& on) const {
     const TriangleDeviation triangle_test(*this);
     if (ref.dof[vertex] == VertexDof::surface) {
       SurfaceFan<Pack> fan;
       if (fan.build(ref, points, vertex, x)) {
+        if (AxisDeviation<Pack>(fan, *this).is_within(on)) return true;
+        fan.find_prisms();
         FanMask undecided = 0;
         FanDeviation<Pack> fan_test(fan, *this, triangle_test);
         if (!fan_test.is_within(on, undecided)) return false;
