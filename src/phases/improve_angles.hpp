@@ -94,6 +94,7 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
   int round = 0, stalls = 0;
   const auto run_rounds = [&](int limit, const AngleParameters& p, const auto& follows) {
+    stalls = 0;
     for (int i = 0; i < limit && follows(); ++i) {
       const double cost_before = floor.max_cot;
       WorstReport r;
@@ -117,7 +118,6 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   };
   if (!run_rounds(parameters.max_rounds, parameters, [] { return true; })) return false;
   if (!run_rounds(parameters.tied_rounds, parameters, has_many_tied_left)) return false;
-  stalls = 0;
   return run_rounds(parameters.last_rounds, last_parameters(parameters), has_fallen);
 }
 
