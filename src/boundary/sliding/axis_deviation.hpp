@@ -28,7 +28,7 @@ class AxisDeviation : DeviationInput {
   TETUNE_HD AxisDeviation(const Fan& fan, const DeviationInput& input) : DeviationInput(input), fan_(fan) {}
 
   /// Whether the fan with its vertex on `on` is proven to be within the bound.
-  TETUNE_HD TETUNE_OUTLINE bool is_within(const SurfacePoint& on) {
+  TETUNE_HD bool is_within(const SurfacePoint& on) {
     if (!find_limits() || !add_triangles_at(on)) return false;
     find_planes();
     for (int i = 0; i < triangles_.size(); ++i) {

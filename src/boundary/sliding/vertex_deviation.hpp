@@ -123,11 +123,9 @@ class VertexDeviation : DeviationInput {
     if (ref.dof[vertex] == VertexDof::surface) {
       SurfaceFan<Pack> fan;
       if (fan.build(ref, points, vertex, x)) {
-        if (AxisDeviation<Pack>(fan, *this).is_within(on)) return true;
-        fan.find_prisms();
+        if (is_within_along_axis(fan, on)) return true;
         FanMask undecided = 0;
-        FanDeviation<Pack> fan_test(fan, *this, triangle_test);
-        if (!fan_test.is_within(on, undecided)) return false;
+        if (!is_within_along_normals(fan, on, undecided)) return false;
         for (int i = 0; i < fan.count; ++i) {
           if ((undecided >> i & 1) != 0 && !triangle_test.is_within(fan.corner[i], x, on)) return false;
         }
@@ -138,6 +136,18 @@ class VertexDeviation : DeviationInput {
       if (!triangle_test.is_within(ref.vertex2corner.items[c], x, on)) return false;
     }
     return true;
+  }
+  // Two functions out of line, as each test takes some kilobytes of the stack of a device.
+  TETUNE_HD TETUNE_OUTLINE bool is_within_along_axis(const SurfaceFan<Pack>& fan, const SurfacePoint& on) const {
+    AxisDeviation<Pack> test(fan, *this);
+    return test.is_within(on);
+  }
+  TETUNE_HD TETUNE_OUTLINE bool is_within_along_normals(SurfaceFan<Pack>& fan, const SurfacePoint& on,
+                                                        FanMask& undecided) const {
+    const TriangleDeviation wedges(*this);
+    fan.find_prisms();
+    FanDeviation<Pack> test(fan, *this, wedges);
+    return test.is_within(on, undecided);
   }
   TETUNE_HD TETUNE_OUTLINE bool lines_are_within(const Vec3& x, const SurfacePoint& on) const {
     const LineDeviation line_test(ref, limit);
