@@ -12,7 +12,7 @@ std::string version(int number) { return std::to_string(number / 1000) + "." + s
 
 /// Local memory per thread in bytes: the largest need of a kernel (docs/benchmarks/gpu-memory.md). The
 /// CUDA driver reserves it for each thread that can be resident.
-constexpr std::size_t kLocalMemory = 12288;
+constexpr std::size_t kLocalMemory = 11264;
 /// Reserve for the CUDA driver, which holds for example the code of the kernels.
 constexpr std::size_t kDriverReserve = 128 * kMiB;
 
