@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <system_error>
 
 #include "files.hpp"
 #include "io/medit/medit_codec.hpp"
+#include "shared_temporary.hpp"
 #include "star_forest.hpp"
 #include "tetune/error.hpp"
 
@@ -188,6 +188,7 @@ class Writer {
     if (MPI_File_open(comm, path.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file_) != MPI_SUCCESS) {
       throw FileError(path + ": cannot be opened for writing");
     }
+    if (MPI_File_set_size(file_, 0) != MPI_SUCCESS) failed_ = 1;
     write_once(encoding_.file_head());
   }
 
@@ -266,10 +267,10 @@ void write_flagged(Writer& writer, const MeditSection& section, const std::vecto
 }  // namespace
 
 void write_meshb(MPI_Comm comm, const std::string& path, const Pieces& pieces, const Totals& totals) {
-  const std::string temporary = path + ".tetune-mpi.tmp";
+  SharedTemporary temporary(comm, path);
   // An upper bound: the lists of ids may hold every entity.
   const std::int64_t bytes = 36 * totals.vertices + 24 * totals.cells + 20 * totals.sides + 20 * totals.lines;
-  Writer writer(comm, temporary, MeditEncoding::for_writing(std::max(totals.vertices, totals.cells), bytes));
+  Writer writer(comm, temporary.name(), MeditEncoding::for_writing(std::max(totals.vertices, totals.cells), bytes));
   writer.list(kMeditVertices.code, pieces.vertices, 3, 1, [&writer](char*& to, const Vertex& v) {
     for (const double x : v.x) MeditEncoding::put_real(to, x);
     writer.encoding().put_integer(to, v.tag);
@@ -283,15 +284,8 @@ void write_meshb(MPI_Comm comm, const std::string& path, const Pieces& pieces, c
   write_flagged(writer, kMeditRequiredEdges, pieces.lines, kRequired);
   write_flagged(writer, kMeditRequiredTriangles, pieces.sides, kRequired);
   write_flagged(writer, kMeditRequiredTetrahedra, pieces.cells, kRequired);
-  const bool written = writer.end();
-  collective_try(comm, [&] {
-    if (rank_of(comm) != 0) return;
-    std::error_code error;
-    if (written) std::filesystem::rename(temporary, path, error);
-    if (written && !error) return;
-    std::filesystem::remove(temporary, error);
-    throw FileError(path + ": could not be written (disk full?); an old file is untouched");
-  });
+  if (!writer.end()) throw FileError(path + ": could not be written (disk full?); an old file is untouched");
+  temporary.replace();
 }
 
 }  // namespace tetune::mpi
