@@ -38,5 +38,15 @@ class Files(MpiTest):
                     self.assertNotEqual(Path(out).read_bytes(), b"old")
                     self.assertEqual(os.stat(out).st_mode & 0o777, mode)
 
+    def test_the_mesh_is_written_and_the_report_is_not(self):
+        report = self.path("long" * 75 + ".json")
+        for ranks in (1, 3):
+            out = self.put("out.meshb", "old")
+            done = self.mpi(ranks, mpi_case.BRACKET, out, "--effort", "fast", "--report", report, code=1)
+            self.assertIn("; the mesh was written", done.stderr)
+            self.assertIn("dihedral min", done.stdout)
+            self.assertTrue(self.info(out)["validity"]["valid"])
+            self.assertEqual(self.files(), ["out.meshb"])
+
 
 mpi_case.main(__doc__)
