@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <set>
 
 #include "files.hpp"
 #include "io/medit/medit_codec.hpp"
@@ -22,6 +23,7 @@ class FileSource {
     if (!file_) throw FileError(path + ": cannot be opened: " + std::strerror(errno));
     size_ = std::int64_t(std::filesystem::file_size(path));
   }
+  const std::string& path() const { return path_; }
   std::int64_t size() const { return size_; }
   void read_at(std::int64_t position, char* to, std::int64_t bytes) {
     file_.seekg(position);
@@ -45,6 +47,17 @@ class Reader {
         source_.fail_at(section.begin, "section " + std::to_string(section.code) + " occurs twice");
       }
     }
+  }
+
+  /// Warns of sections that are not read, and of a missing end.
+  void warn_of_the_rest(const IoContext& context) const {
+    std::set<int> codes{kMeditDimension, kMeditVertices.code, kMeditEdges.code, kMeditTriangles.code,
+                        kMeditTetrahedra.code};
+    for (const MeditList& list : kMeditLists) codes.insert(list.section.code);
+    for (const auto& section : table_.sections()) {
+      if (!codes.contains(section.code)) warn_of_skipped_section(source_.path(), section.code, context);
+    }
+    table_.warn_of_missing_end(source_.path(), context);
   }
 
   const MeditEncoding& encoding() const { return table_.encoding(); }
@@ -159,6 +172,7 @@ Input read_meshb(MPI_Comm comm, const std::string& path) {
   collective_try(comm, [&] {
     reader.emplace(path);
     if (reader->dimension() != 3) throw FileError(path + ": the dimension is not 3");
+    reader->warn_of_the_rest({0, &input.warnings});
     all = {reader->count(kMeditVertices, 3), reader->count(kMeditTetrahedra), reader->count(kMeditTriangles),
            reader->count(kMeditEdges)};
     const Blocks blocks(all.vertices, ranks);
