@@ -149,7 +149,7 @@ TETUNE_API double tetune_report_seconds(const tetune_report* report);
 /* The energy before (0) and after (1): its sum over the mesh decreases, except with effort=best. */
 TETUNE_API double tetune_report_energy(const tetune_report* report, int after);
 /* For each entity of the result that of the input, -1 for an inserted vertex: tetune_mesh_count() of the result
- * entries. Null if all were kept in their order. */
+ * entries. Null if all were kept in their order, and if the result has none. */
 TETUNE_API const int32_t* tetune_report_original(const tetune_report* report, tetune_kind kind);
 /* Sentences on options without effect. */
 TETUNE_API int64_t tetune_report_warnings(const tetune_report* report);

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "io/medit/medit_codec.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
 
@@ -120,9 +121,9 @@ void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const T
     if (turned != 0) {
       for (Cell& c : pieces.cells) std::swap(c.v[2], c.v[3]);
     }
-    if (rank_of(comm) == 0 && !frame.groups.empty()) {
-      warnings.push_back(path + ": the format cannot hold the names of groups");
-    }
+    std::vector<std::string> losses;
+    if (rank_of(comm) == 0) warn_of_losses_in_medit(frame, {0, &losses});
+    for (const std::string& loss : losses) warnings.push_back(path + ": " + loss);
     write_meshb(comm, path, pieces, totals);
     return;
   }

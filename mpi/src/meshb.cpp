@@ -4,10 +4,11 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <system_error>
+#include <set>
 
 #include "files.hpp"
 #include "io/medit/medit_codec.hpp"
+#include "shared_temporary.hpp"
 #include "star_forest.hpp"
 #include "tetune/error.hpp"
 
@@ -22,6 +23,7 @@ class FileSource {
     if (!file_) throw FileError(path + ": cannot be opened: " + std::strerror(errno));
     size_ = std::int64_t(std::filesystem::file_size(path));
   }
+  const std::string& path() const { return path_; }
   std::int64_t size() const { return size_; }
   void read_at(std::int64_t position, char* to, std::int64_t bytes) {
     file_.seekg(position);
@@ -45,6 +47,17 @@ class Reader {
         source_.fail_at(section.begin, "section " + std::to_string(section.code) + " occurs twice");
       }
     }
+  }
+
+  /// Warns of sections that are not read, and of a missing end.
+  void warn_of_the_rest(const IoContext& context) const {
+    std::set<int> codes{kMeditDimension, kMeditVertices.code, kMeditEdges.code, kMeditTriangles.code,
+                        kMeditTetrahedra.code};
+    for (const MeditList& list : kMeditLists) codes.insert(list.section.code);
+    for (const auto& section : table_.sections()) {
+      if (!codes.contains(section.code)) warn_of_skipped_section(source_.path(), section.code, context);
+    }
+    table_.warn_of_missing_end(source_.path(), context);
   }
 
   const MeditEncoding& encoding() const { return table_.encoding(); }
@@ -159,6 +172,7 @@ Input read_meshb(MPI_Comm comm, const std::string& path) {
   collective_try(comm, [&] {
     reader.emplace(path);
     if (reader->dimension() != 3) throw FileError(path + ": the dimension is not 3");
+    reader->warn_of_the_rest({0, &input.warnings});
     all = {reader->count(kMeditVertices, 3), reader->count(kMeditTetrahedra), reader->count(kMeditTriangles),
            reader->count(kMeditEdges)};
     const Blocks blocks(all.vertices, ranks);
@@ -188,6 +202,7 @@ class Writer {
     if (MPI_File_open(comm, path.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file_) != MPI_SUCCESS) {
       throw FileError(path + ": cannot be opened for writing");
     }
+    if (MPI_File_set_size(file_, 0) != MPI_SUCCESS) failed_ = 1;
     write_once(encoding_.file_head());
   }
 
@@ -266,10 +281,10 @@ void write_flagged(Writer& writer, const MeditSection& section, const std::vecto
 }  // namespace
 
 void write_meshb(MPI_Comm comm, const std::string& path, const Pieces& pieces, const Totals& totals) {
-  const std::string temporary = path + ".tetune-mpi.tmp";
+  SharedTemporary temporary(comm, path);
   // An upper bound: the lists of ids may hold every entity.
   const std::int64_t bytes = 36 * totals.vertices + 24 * totals.cells + 20 * totals.sides + 20 * totals.lines;
-  Writer writer(comm, temporary, MeditEncoding::for_writing(std::max(totals.vertices, totals.cells), bytes));
+  Writer writer(comm, temporary.name(), MeditEncoding::for_writing(std::max(totals.vertices, totals.cells), bytes));
   writer.list(kMeditVertices.code, pieces.vertices, 3, 1, [&writer](char*& to, const Vertex& v) {
     for (const double x : v.x) MeditEncoding::put_real(to, x);
     writer.encoding().put_integer(to, v.tag);
@@ -283,15 +298,8 @@ void write_meshb(MPI_Comm comm, const std::string& path, const Pieces& pieces, c
   write_flagged(writer, kMeditRequiredEdges, pieces.lines, kRequired);
   write_flagged(writer, kMeditRequiredTriangles, pieces.sides, kRequired);
   write_flagged(writer, kMeditRequiredTetrahedra, pieces.cells, kRequired);
-  const bool written = writer.end();
-  collective_try(comm, [&] {
-    if (rank_of(comm) != 0) return;
-    std::error_code error;
-    if (written) std::filesystem::rename(temporary, path, error);
-    if (written && !error) return;
-    std::filesystem::remove(temporary, error);
-    throw FileError(path + ": could not be written (disk full?); an old file is untouched");
-  });
+  if (!writer.end()) throw FileError(path + ": could not be written (disk full?); an old file is untouched");
+  temporary.replace();
 }
 
 }  // namespace tetune::mpi

@@ -42,6 +42,12 @@ std::vector<int> present(const std::vector<int>& wanted, const std::vector<int>&
   return result;
 }
 
+/// The ids of the first `entries` of a list after an optimization. The map of a report is empty for all and for none.
+std::vector<Id> ids_left(const std::vector<Id>& ids, const std::vector<Index>& new2original, std::size_t entries) {
+  const std::vector<Index> original = explicit_map(new2original, entries);
+  return gather_entries(ids, std::span(original).first(entries));
+}
+
 /// Replaces the ids of a part by those of the entities that the optimization left.
 void update_ids(Part& part, const Report& report) {
   if (!report.vertex2original.empty()) {
@@ -49,12 +55,9 @@ void update_ids(Part& part, const Report& report) {
     part.vertex_flags = gather_entries_or(part.vertex_flags, report.vertex2original, std::uint8_t{0});
   }
   part.tet_id = gather_entries(part.tet_id, report.tet2original);
-  if (!report.triangle2original.empty()) {
-    // The map has the triangles of list_cut(), too.
-    const std::span listed = std::span(report.triangle2original).first(part.mesh.triangles.size());
-    part.triangle_id = gather_entries(part.triangle_id, listed);
-  }
-  if (!report.edge2original.empty()) part.edge_id = gather_entries(part.edge_id, report.edge2original);
+  // The map has the triangles of list_cut(), too.
+  part.triangle_id = ids_left(part.triangle_id, report.triangle2original, part.mesh.triangles.size());
+  part.edge_id = ids_left(part.edge_id, report.edge2original, part.mesh.edges.size());
 }
 
 }  // namespace

@@ -7,10 +7,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <system_error>
 #include <utility>
 
 #include "files.hpp"
+#include "shared_temporary.hpp"
 #include "star_forest.hpp"
 #include "tetune/error.hpp"
 #include "tetune/io.hpp"
@@ -117,9 +117,8 @@ void check_plex_writable(const std::string& path) {
   if (path.find_first_of("&<>:") != std::string::npos && std::filesystem::path(path).extension() == ".xmf") {
     throw FileError(path + ": XDMF refers to the .h5 beside it, whose name cannot have any of & < > :");
   }
-  const std::string temporary = path + ".tetune-mpi.tmp";
-  if (!std::ofstream(temporary)) throw FileError(path + ": cannot be written: " + std::strerror(errno));
-  std::filesystem::remove(temporary);
+  const TemporaryFile temporary(path);
+  if (!std::ofstream(temporary.name())) throw FileError(path + ": cannot be written: " + std::strerror(errno));
 }
 
 Input read_plex(MPI_Comm comm, const std::string& path) {
@@ -161,39 +160,32 @@ void write_plex(MPI_Comm comm, const std::string& path, Part part, Totals totals
     warnings.push_back(path + ": a DMPlex cannot hold corners, ridges and required entities");
   }
   const std::string h5 = with_ending(path, ".h5");
-  const std::string temporary = h5 + ".tetune-mpi.tmp";
+  SharedTemporary temporary(comm, h5);
   const std::vector<int> tags = mesh.tet_tags;
   reverse(part.mesh.tets);
   const Labels all = labels ? *labels : labels_of(comm, part);
   PetscInt vertices = 0;
-  try {
-    with_file_name(h5, "could not be written", [&] {
-      DM dm = plex_of(comm, std::move(part), totals, all);
-      check_petsc(PetscObjectSetName(reinterpret_cast<PetscObject>(dm), "mesh"));
-      Vec points = nullptr;
-      check_petsc(DMGetCoordinates(dm, &points));
-      check_petsc(VecGetSize(points, &vertices));
-      vertices /= 3;
-      Viewer viewer(comm, temporary, FILE_MODE_WRITE);
-      check_petsc(DMView(dm, viewer.get()));
-      write_tags(comm, tags, viewer);
-      viewer.close();
-      check_petsc(DMDestroy(&dm));
-    });
-  } catch (const FileError&) {
-    std::error_code ignored;
-    if (rank_of(comm) == 0) std::filesystem::remove(temporary, ignored);
-    throw;
-  }
+  with_file_name(h5, "could not be written", [&] {
+    DM dm = plex_of(comm, std::move(part), totals, all);
+    check_petsc(PetscObjectSetName(reinterpret_cast<PetscObject>(dm), "mesh"));
+    Vec points = nullptr;
+    check_petsc(DMGetCoordinates(dm, &points));
+    check_petsc(VecGetSize(points, &vertices));
+    vertices /= 3;
+    Viewer viewer(comm, temporary.name(), FILE_MODE_WRITE);
+    check_petsc(DMView(dm, viewer.get()));
+    write_tags(comm, tags, viewer);
+    viewer.close();
+    check_petsc(DMDestroy(&dm));
+  });
   if (vertices < totals.vertices) {
     warnings.push_back(path + ": " + std::to_string(totals.vertices - vertices) +
                        " vertices of no tetrahedron are lost in a DMPlex");
   }
   const Id cells = all_reduce(comm, std::ssize(tags), MPI_SUM);
+  temporary.replace();
   collective_try(comm, [&] {
-    if (rank_of(comm) != 0) return;
-    std::filesystem::rename(temporary, h5);
-    if (h5 != path) write_xdmf(path, std::filesystem::path(h5).filename(), cells, vertices);
+    if (rank_of(comm) == 0 && h5 != path) write_xdmf(path, std::filesystem::path(h5).filename(), cells, vertices);
   });
 }
 

@@ -90,8 +90,9 @@ class Program {
     for (const std::string& w : warnings) warn(w);
     write_seconds_ = seconds_since(start);
     memory_ = all_gather(comm_, peak_mb());
+    const bool has_report = write_report();
     if (first_) print_summary();
-    return report_.stop == StopReason::cancelled ? cli::kStoppedEarly : cli::kDone;
+    return report_.stop == StopReason::cancelled || !has_report ? cli::kStoppedEarly : cli::kDone;
   }
 
  private:
@@ -154,9 +155,22 @@ class Program {
     options_.max_deviation = cli::parse_length("--max-deviation", a_.max_deviation, corners);
   }
 
+  /// Returns false on all ranks, after a warning, where the report cannot be written: the mesh is written already.
+  bool write_report() const {
+    int failed = 0;
+    if (first_ && !job_.report.empty()) {
+      try {
+        write_text(job_.report, json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+      } catch (const FileError& e) {
+        warn(fmt::format("{}; the mesh was written", e.what()));
+        failed = 1;
+      }
+    }
+    MPI_Bcast(&failed, 1, MPI_INT, 0, comm_);
+    return failed == 0;
+  }
+
   void print_summary() const {
-    if (!job_.report.empty())
-      write_text(job_.report, json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     if (a_.verbosity < 1) return;
     std::string text = fmt::format("  {:<22}{:>14}{:>14}\n", "", "before", "after");
     const auto line = [&text](const char* name, double before, double after, int digits) {
@@ -271,8 +285,8 @@ int main_of_rank(int argc, char** argv) {
       "tetune-mpi"};
   app.set_version_flag("--version", "tetune-mpi " TETUNE_VERSION);
   app.footer(
-      "Options are those of `tetune optimize`. Exit codes: 0 done; 1 stopped at the time limit, a valid mesh was "
-      "written; 2 nothing was written, an old output file is untouched.");
+      "Options are those of `tetune optimize`. Exit codes: 0 done; 1 stopped at the time limit, or the report "
+      "could not be written, and a valid mesh was written; 2 nothing was written, an old output file is untouched.");
   cli::OptimizeArguments arguments;
   cli::define_arguments(app, arguments);
   for (const std::string_view name : kAbsentOptions) app.remove_option(app.get_option(std::string(name)));

@@ -121,10 +121,10 @@ void bind_maps(nb::class_<Report>& report) {
           "For each tetrahedron of the result its ancestor in the input.")
       .def_prop_ro(
           "triangle2original", [](nb::handle_t<Report> s) { return view(nb::cast<Report&>(s).triangle2original, s); },
-          "For each listed triangle of the result its row in the input; empty where all were kept.")
+          "For each listed triangle of the result its row in the input; empty where all were kept, and where none was.")
       .def_prop_ro(
           "edge2original", [](nb::handle_t<Report> s) { return view(nb::cast<Report&>(s).edge2original, s); },
-          "For each listed edge of the result its row in the input; empty where all were kept.")
+          "For each listed edge of the result its row in the input; empty where all were kept, and where none was.")
       .def_prop_ro(
           "place_vertices", [](const Report& r) { return columns_of(r.places, &MeshPlace::vertices); },
           "With data='interpolate' or 'conserve': four vertices of the input, in one of whose tetrahedra each vertex "

@@ -50,6 +50,18 @@ def meshio_mesh(tag="medit:ref"):
     )
 
 
+def test_blocks_that_lose_all_their_cells():
+    points, tets = shaken_box(8, 6, 6)
+    edges = lambda of: set(map(tuple, np.sort(np.concatenate([of[:, [i, j]] for j in range(4) for i in range(j)]), axis=1)))
+    gone = sorted(edges(tets) - edges(tetune.optimize(tetune.TetMesh(points, tets)).mesh.tets))
+    cells = [("line", np.array(gone[:2])), ("tetra", tets), ("line", np.array(gone[2:]))]
+    rank = [np.arange(len(block)) for _, block in cells]
+    r = tetune.optimize(meshio.Mesh(points, cells, cell_data={"rank": rank}))
+    assert r.report.edges_dropped == len(gone) > 2
+    assert [len(block.data) for block in r.mesh.cells] == [0, len(r.report.tet2original), 0]
+    assert [len(values) for values in r.mesh.cell_data["rank"]] == [0, len(r.report.tet2original), 0]
+
+
 @pytest.mark.parametrize("effort", ["standard", "best"])
 def test_meshio(effort):
     m = meshio_mesh()

@@ -198,7 +198,7 @@ class BlockAdapter(Adapter[M]):
             begin, end = first[kind], first[kind] + len(b.vertices)
             first[kind] = end
             parent = parents[kind]
-            if len(parent) == 0 and report.tets_after > 0:  # all were kept
+            if len(parent) == 0 and len(cells[kind]) > 0:  # all were kept
                 blocks.append(NewBlock(b.kind, cells[kind][begin:end], np.arange(len(b.vertices)), np.arange(begin, end)))
                 continue
             mine = (parent >= begin) & (parent < end)

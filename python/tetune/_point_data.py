@@ -24,7 +24,6 @@ class Unchanged:
     vertex2original = tet2original = triangle2original = edge2original = np.array([], dtype=np.int32)
     place_vertices = np.array([], dtype=np.int32)
     place_weights = np.array([], dtype=np.float64)
-    tets_after = 1
 
 
 def displacement_of(data: Mapping[str, Any], name: str) -> Array:

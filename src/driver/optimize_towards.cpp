@@ -221,7 +221,7 @@ class CriteriaRun {
     if (round.kept) {
       mesh = std::move(changed);
       report_.after = std::move(accepted);
-      extend_report(report_.optimization, std::move(report));
+      extend_report(report_.optimization, std::move(report), mesh);
     }
     round.seconds = PhaseTimer::seconds_since(start);
     return round;

@@ -13,7 +13,8 @@
 #include "tetune/types.hpp"
 
 /// Maps between two numberings of vertices, elements or entries of lists. Such a map is named from2to; -1 is an entity
-/// that the other numbering lacks. In reports, an empty map from a result to its original is the identity.
+/// that the other numbering lacks. In reports, an empty map from a result to its original is the identity, and so is
+/// that of a result without entries, which may have lost them all.
 namespace tetune {
 
 inline std::vector<Index> identity_map(std::size_t size) {
@@ -22,7 +23,7 @@ inline std::vector<Index> identity_map(std::size_t size) {
   return ids;
 }
 
-/// The map of a report with all entries.
+/// The map of a report with all entries; `size`: those of the result.
 inline std::vector<Index> explicit_map(const std::vector<Index>& new2original, std::size_t size) {
   return new2original.empty() ? identity_map(size) : new2original;
 }

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "tetune/export.hpp"
+
 /// Files: reading by memory mapping, and writing such that a file is replaced as a whole or not at all.
 namespace tetune {
 
@@ -28,7 +30,7 @@ class MappedFile {
 
 /// The name of a temporary file in the folder of `path`, with the same extension, because some libraries choose the
 /// format by it. The destructor deletes the file, unless replace() has moved it to `path`.
-class TemporaryFile {
+class TETUNE_API TemporaryFile {
  public:
   explicit TemporaryFile(std::string path);
   ~TemporaryFile();

@@ -67,6 +67,22 @@ class Mesh:
                     + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6
         return [volume(tet) for tet in self.tets]
 
+    def volume_of(self, tag):
+        return sum(volume for volume, t in zip(self.volumes(), self.tet_tags) if t == tag)
+
+    def smallest_angle(self):
+        """Between two faces of a tetrahedron, in degrees."""
+        def dot(a, b):
+            return sum(x * y for x, y in zip(a, b))
+
+        def angle(p, q, r, s):  # at the edge from p to q
+            along, u, v = (tuple(x - y for x, y in zip(to, p)) for to in (q, r, s))
+            u, v = (tuple(x - dot(w, along) / dot(along, along) * y for x, y in zip(w, along)) for w in (u, v))
+            return math.degrees(math.acos(max(-1.0, min(1.0, dot(u, v) / math.sqrt(dot(u, u) * dot(v, v))))))
+
+        return min(angle(*(self.points[tet[i]] for i in order)) for tet in self.tets
+                   for order in ((0, 1, 2, 3), (0, 2, 1, 3), (0, 3, 1, 2), (1, 2, 0, 3), (1, 3, 0, 2), (2, 3, 0, 1)))
+
     def boundary_faces(self):
         count = {}
         for a, b, c, d in self.tets:
@@ -77,14 +93,18 @@ class Mesh:
         return {face for face, n in count.items() if n == 1}
 
 
-def cube(n, jitter=0.2, seed=1):
-    """n^3 cells of six tetrahedra in the unit cube; inner vertices displaced; two regions; a tag a vertex."""
+def cube(n, jitter=0.2, seed=1, two_regions=False):
+    """n^3 cells of six tetrahedra in the unit cube; inner vertices displaced; a tag a vertex. Two regions meet in a
+    plane, in which its vertices stay."""
     rng = random.Random(seed)
     points = []
     for k in range(n + 1):
         for j in range(n + 1):
             for i in range(n + 1):
-                points.append(tuple(c / n + (jitter * rng.uniform(-1, 1) / n if 0 < c < n else 0.0) for c in (i, j, k)))
+                p = [c / n + (jitter * rng.uniform(-1, 1) / n if 0 < c < n else 0.0) for c in (i, j, k)]
+                if two_regions and k == n // 2:
+                    p[2] = k / n
+                points.append(tuple(p))
 
     def vertex(at):
         return (at[2] * (n + 1) + at[1]) * (n + 1) + at[0]
@@ -101,7 +121,7 @@ def cube(n, jitter=0.2, seed=1):
             if path in ((0, 2, 1), (2, 1, 0), (1, 0, 2)):
                 tet[2], tet[3] = tet[3], tet[2]
             tets.append(tuple(tet))
-            tags.append(3)
+            tags.append(4 if two_regions and corner[2] < n // 2 else 3)
     return Mesh(points, tets, [i % 5 for i in range(len(points))], tags)
 
 
@@ -141,9 +161,9 @@ def unflipped(mesh):
     for t, tet in enumerate(mesh.tets):
         for v in tet:
             owners.setdefault(tuple(sorted(set(tet) - {v})), []).append((t, v))
-    gone, new = set(), []
+    gone, new, tags = set(), [], []
     for (a, b, c), sides in owners.items():
-        if len(sides) < 2 or gone & {t for t, _ in sides}:
+        if len(sides) < 2 or gone & {t for t, _ in sides} or len({mesh.tet_tags[t] for t, _ in sides}) > 1:
             continue
         top, bottom = (v for _, v in sides)
         three = Mesh(mesh.points, [(a, b, bottom, top), (b, c, bottom, top), (c, a, bottom, top)])
@@ -152,8 +172,9 @@ def unflipped(mesh):
         if min(three.volumes()) > 1e-4:
             gone |= {t for t, _ in sides}
             new += three.tets
-    tets = [tet for t, tet in enumerate(mesh.tets) if t not in gone] + new
-    return Mesh(mesh.points, tets, mesh.point_tags, [mesh.tet_tags[0]] * len(tets))
+            tags += [mesh.tet_tags[sides[0][0]]] * 3
+    kept = [t for t in range(len(mesh.tets)) if t not in gone]
+    return Mesh(mesh.points, [mesh.tets[t] for t in kept] + new, mesh.point_tags, [mesh.tet_tags[t] for t in kept] + tags)
 
 
 def bent(mesh, height=0.1):
@@ -216,7 +237,9 @@ class CliTest(unittest.TestCase):
         self.assertEqual(after.point_tags, before.point_tags)
         self.assertEqual(set(after.tet_tags), set(before.tet_tags))
         self.assertGreater(min(after.volumes()), 0)
-        self.assertAlmostEqual(sum(after.volumes()), sum(before.volumes()), places=12)
+        self.assertGreater(after.smallest_angle(), before.smallest_angle())
+        for tag in set(before.tet_tags):
+            self.assertAlmostEqual(after.volume_of(tag), before.volume_of(tag), places=12)
         self.assertEqual(len({tuple(sorted(t)) for t in after.tets}), len(after.tets))
         after.boundary_faces()
 

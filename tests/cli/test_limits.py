@@ -139,7 +139,7 @@ class Files(CliTest):
         """The output is the old file or the whole new one."""
         self.put("in.mesh", cube(14))
         rng = random.Random(1)
-        for ending in ["mesh", "meshb"] + [e for e in ("vtu", "msh") if e in plugins()]:
+        for ending in ["mesh", "meshb", "msh"] + [e for e in plugins() if e == "vtu"]:
             out = f"out.{ending}"
             words = [cli_case.TETUNE, "optimize", self.path("in.mesh"), "-o", self.path(out), "--max-iterations", "1", "--progress",
                      "json", "--threads", "1"]

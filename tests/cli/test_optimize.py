@@ -14,7 +14,7 @@ TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gra
 
 class Optimize(CliTest):
     def test_writes_a_valid_mesh_and_a_table(self):
-        mesh = unflipped(cube(5))
+        mesh = unflipped(cube(5, two_regions=True))
         done = self.run_cli("optimize", self.put("in.mesh", mesh), "-o", self.path("out.mesh"))
         after = Mesh.read(self.path("out.mesh"))
         self.assert_improved(mesh, after)

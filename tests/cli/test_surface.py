@@ -259,7 +259,7 @@ class Slide(CliTest):
             self.assertEqual(self.files(), ["in.mesh"])
 
     def test_targets(self):
-        source = self.put("in.mesh", cube(5, 0.25))
+        source = self.put("in.mesh", cube(5, 0.25, two_regions=True))
 
         def run(*options, code):
             text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--report", self.path("r.json"), *options,

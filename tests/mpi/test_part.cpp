@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../mpi/src/one_part.hpp"
 #include "../../mpi/src/part.hpp"
 #include "mesh/vertex_layers.hpp"
 #include "support/meshes.hpp"
@@ -198,6 +199,63 @@ TEST(Part, SurfaceAndInterfaceAreFound) {
   }
   EXPECT_EQ(on_surface(mesh), expected);
   EXPECT_GT(std::count(expected.begin(), expected.end(), 0), 0);
+}
+
+/// Edges of the second mesh that the first lacks.
+std::vector<std::array<Index, 2>> edges_only_in(const TetMesh& second, const TetMesh& first) {
+  const auto edges_of = [](const TetMesh& mesh) {
+    std::set<std::array<Index, 2>> edges;
+    for (auto tet : mesh.tets) {
+      std::sort(tet.begin(), tet.end());
+      for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = i + 1; j < 4; ++j) edges.insert({tet[i], tet[j]});
+      }
+    }
+    return edges;
+  };
+  const auto had = edges_of(first);
+  std::vector<std::array<Index, 2>> edges;
+  for (const auto& edge : edges_of(second)) {
+    if (!had.contains(edge)) edges.push_back(edge);
+  }
+  return edges;
+}
+
+TEST(Part, HasNoIdsOfListsThatAreLeftEmpty) {
+  Part part;
+  part.mesh = test::cube(5, 0.2);
+  part.vertex_id.resize(part.mesh.points.size());
+  part.tet_id.resize(part.mesh.tets.size());
+  part.vertex_flags.resize(part.mesh.points.size());
+  std::iota(part.vertex_id.begin(), part.vertex_id.end(), 0);
+  std::iota(part.tet_id.begin(), part.tet_id.end(), 0);
+  const Marks frozen(part.mesh.points.size(), 0);
+  Part optimized = part;
+  optimize_part(optimized, frozen, Options(), Context(), nullptr);
+  part.mesh.edges = edges_only_in(part.mesh, optimized.mesh);
+  ASSERT_FALSE(part.mesh.edges.empty());
+  part.mesh.edge_tags.assign(part.mesh.edges.size(), 0);
+  part.edge_id.resize(part.mesh.edges.size());
+  std::iota(part.edge_id.begin(), part.edge_id.end(), 0);
+  // A triangle inside: a face, with an edge that goes.
+  const std::vector<std::uint8_t> is_outside = on_surface(part.mesh);
+  for (const auto& [a, b] : part.mesh.edges) {
+    for (const auto& tet : part.mesh.tets) {
+      const std::set<Index> vertices(tet.begin(), tet.end());
+      if (!vertices.contains(a) || !vertices.contains(b)) continue;
+      for (const Index v : tet) {
+        if (v != a && v != b && is_outside[static_cast<std::size_t>(v)] == 0) part.mesh.triangles = {{a, b, v}};
+      }
+    }
+  }
+  ASSERT_FALSE(part.mesh.triangles.empty());
+  part.mesh.triangle_tags = {0};
+  part.triangle_id = {0};
+  optimize_part(part, frozen, Options(), Context(), nullptr);
+  EXPECT_TRUE(part.mesh.edges.empty());
+  EXPECT_TRUE(part.edge_id.empty());
+  EXPECT_TRUE(part.mesh.triangles.empty());
+  EXPECT_TRUE(part.triangle_id.empty());
 }
 
 TEST(Part, IdsAreNumberedAsTheyCome) {

@@ -249,16 +249,17 @@ TEST(OnlyBelowLimit, nothing_is_done_where_nothing_is_bad) {
             report.tets_before);
 }
 
-TEST(OnlyBelowLimit, listed_edges_that_no_longer_exist_are_dropped) {
-  const auto edges_of = [](const TetMesh& mesh) {
-    std::set<std::array<Index, 2>> edges;
-    for (const auto& tet : mesh.tets) {
-      for (std::size_t i = 0; i < 4; ++i) {
-        for (std::size_t j = 0; j < i; ++j) edges.insert({std::min(tet[i], tet[j]), std::max(tet[i], tet[j])});
-      }
+std::set<std::array<Index, 2>> edges_of(const TetMesh& mesh) {
+  std::set<std::array<Index, 2>> edges;
+  for (const auto& tet : mesh.tets) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) edges.insert({std::min(tet[i], tet[j]), std::max(tet[i], tet[j])});
     }
-    return edges;
-  };
+  }
+  return edges;
+}
+
+TEST(OnlyBelowLimit, listed_edges_that_no_longer_exist_are_dropped) {
   std::int64_t dropped = 0;
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     TetMesh mesh = test::cube(6, 0.2, seed);
@@ -273,6 +274,27 @@ TEST(OnlyBelowLimit, listed_edges_that_no_longer_exist_are_dropped) {
     for (const auto& [a, b] : mesh.edges) EXPECT_TRUE(existing.contains({std::min(a, b), std::max(a, b)}));
   }
   EXPECT_GT(dropped, 0);
+}
+
+/// The map of the part's report is empty then, as where all are kept.
+TEST(OnlyBelowLimit, listed_edges_are_dropped_where_the_part_keeps_none) {
+  const TetMesh input = test::cube(6, 0.2);
+  Options options;
+  options.only_below = {{Measure::min_dihedral, 60}};
+  TetMesh mesh = input;
+  optimize(mesh, options);
+  const auto kept = edges_of(mesh);
+  mesh = input;
+  for (const auto& edge : edges_of(input)) {
+    if (!kept.contains(edge) && mesh.edges.size() < 5) mesh.edges.push_back(edge);
+  }
+  ASSERT_EQ(mesh.edges.size(), 5U);
+  mesh.edge_tags.assign(5, 0);
+  const Report report = optimize(mesh, options);
+  EXPECT_EQ(report.edges_dropped, 5);
+  EXPECT_TRUE(mesh.edges.empty());
+  EXPECT_TRUE(mesh.edge_tags.empty());
+  EXPECT_TRUE(report.edge2original.empty());
 }
 
 TEST(OnlyBelowLimit, targets_are_reported_for_the_whole_mesh) {

@@ -101,7 +101,9 @@ TEST(Restarts, AStopTakesBackTheOneThatIsUnderWay) {
     TetMesh mesh = input;
     Options options = with_restarts(6);
     options.threads = 1;
-    optimize(mesh, options, context);
+    const Report report = optimize(mesh, options, context);
+    EXPECT_TRUE(in_restarts) << limit;
+    EXPECT_EQ(report.stop, StopReason::cancelled) << limit;
     EXPECT_TRUE(validate(mesh).ok());
     EXPECT_GE(quality(mesh).dihedral_min, angle);
     return mesh;

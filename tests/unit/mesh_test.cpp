@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "driver/report/extend_report.hpp"
 #include "mesh/listed_faces.hpp"
 #include "mesh/sort_mesh.hpp"
 #include "support/meshes.hpp"
@@ -110,6 +111,24 @@ TEST(SortMesh, ARescaledMeshGetsTheSameOrder) {
   sort_mesh(backend::Cpu(1), work);
   sort_mesh(backend::Cpu(1), scaled);
   EXPECT_EQ(work.vertex2original.download(), scaled.vertex2original.download());
+}
+
+TEST(ExtendReport, MapsOfListsThatEndEmptyAreEmpty) {
+  const auto maps_after = [](std::size_t entries, const std::vector<Index>& further) {
+    Report report;
+    report.triangle2original = report.edge2original = {1, 3};
+    Report next;
+    next.triangle2original = next.edge2original = further;
+    TetMesh result;
+    result.triangles.resize(entries);
+    result.edges.resize(entries);
+    extend_report(report, std::move(next), result);
+    EXPECT_EQ(report.triangle2original, report.edge2original);
+    return report.edge2original;
+  };
+  EXPECT_EQ(maps_after(2, {}), (std::vector<Index>{1, 3}));
+  EXPECT_EQ(maps_after(1, {1}), std::vector<Index>{3});
+  EXPECT_TRUE(maps_after(0, {}).empty());
 }
 
 TEST(CompactSlots, DropsFreeSlots) {

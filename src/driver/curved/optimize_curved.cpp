@@ -167,7 +167,7 @@ class CurvedOptimizer {
     }
     result = std::move(slid);
     dof_counts(report) = dof_counts(further);
-    extend_report(report, std::move(further));
+    extend_report(report, std::move(further), result);
   }
 
   /// Composes the maps of the report with origins_, so that they lead to the input.

@@ -207,7 +207,7 @@ class GeometryRun {
       total = std::move(run);
     } else {
       total.stop = run.stop;
-      extend_report(total, std::move(run));
+      extend_report(total, std::move(run), work_.mesh);
     }
     has_run_ = true;
   }

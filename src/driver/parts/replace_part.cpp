@@ -216,7 +216,7 @@ class PartReplacement {
   }
 
   void change_edges() {
-    const std::vector<Index> original = explicit_map(report_.edge2original, part_.edge2whole.size());
+    const std::vector<Index> original = explicit_map(report_.edge2original, part_.mesh.edges.size());
     std::vector<std::uint8_t> is_kept = part_.edge_stays;
     for (const Index e : original) span_of(is_kept)[e] = 1;
     std::vector<std::uint8_t> keep(mesh_.edges.size(), 1);

@@ -7,6 +7,15 @@
 #include "phases/progress/phase_timer.hpp"
 
 namespace tetune {
+namespace {
+
+/// compose() for a list of which the result has some entries, or none: the map is empty then, too.
+std::vector<Index> compose_of_list(std::size_t entries, std::vector<Index> between2input,
+                                   std::vector<Index> result2between) {
+  return entries == 0 ? std::vector<Index>() : compose(std::move(between2input), std::move(result2between));
+}
+
+}  // namespace
 
 void add_seconds(Report& report, const std::string& phase, double seconds) {
   report.phases[PhaseTimer::entry_of(report, phase)].seconds += seconds;
@@ -18,7 +27,7 @@ double seconds_of_phases(const Report& report) {
   return sum;
 }
 
-void extend_report(Report& report, Report&& further) {
+void extend_report(Report& report, Report&& further, const TetMesh& result) {
   for (const PhaseTime& time : further.phases) add_seconds(report, time.phase, time.seconds);
   report.OperationCounts::operator+=(further);
   report.restarts += further.restarts;
@@ -30,8 +39,10 @@ void extend_report(Report& report, Report&& further) {
   report.edges_dropped += further.edges_dropped;
   report.vertex2original = compose(std::move(report.vertex2original), std::move(further.vertex2original));
   report.tet2original = compose(std::move(report.tet2original), std::move(further.tet2original));
-  report.triangle2original = compose(std::move(report.triangle2original), std::move(further.triangle2original));
-  report.edge2original = compose(std::move(report.edge2original), std::move(further.edge2original));
+  report.triangle2original = compose_of_list(result.triangles.size(), std::move(report.triangle2original),
+                                             std::move(further.triangle2original));
+  report.edge2original =
+      compose_of_list(result.edges.size(), std::move(report.edge2original), std::move(further.edge2original));
 }
 
 }  // namespace tetune

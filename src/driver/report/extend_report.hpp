@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "tetune/mesh.hpp"
 #include "tetune/report.hpp"
 
 /// One report of several runs on a mesh.
@@ -14,6 +15,7 @@ void add_seconds(Report& report, const std::string& phase, double seconds);
 double seconds_of_phases(const Report& report);
 
 /// Extends the report of the runs before by that of a further run on their result: counts, energies, maps and times.
-void extend_report(Report& report, Report&& further);
+/// `result`: the mesh after the further run.
+void extend_report(Report& report, Report&& further, const TetMesh& result);
 
 }  // namespace tetune

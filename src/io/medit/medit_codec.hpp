@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/io_context.hpp"
+#include "tetune/export.hpp"
 #include "tetune/mesh.hpp"
 
 /// The MEDIT format: its sections, and the layout of binary files (libMeshb's, versions 1 to 4). Shared by the readers
@@ -65,6 +67,9 @@ inline constexpr std::array<MeditList, 6> kMeditLists{{
     {kMeditRequiredTriangles, &TetMesh::required_triangles},
     {kMeditRequiredTetrahedra, &TetMesh::required_tets},
 }};
+
+/// Warns of the contents that a MEDIT file cannot hold.
+TETUNE_API void warn_of_losses_in_medit(const TetMesh& mesh, const IoContext& context);
 
 /// The widths and the byte order of the numbers of a binary file.
 struct MeditEncoding {
@@ -141,6 +146,13 @@ struct MeditEncoding {
   }
 };
 
+inline constexpr const char* kMeditNoEnd = ": the section End is missing; the file may be cut short";
+
+/// The warning of a section of a binary file that readers skip.
+inline void warn_of_skipped_section(const std::string& path, int code, const IoContext& context) {
+  context.warn(path + ": section with code " + std::to_string(code) + " is not kept by tetune; skipped");
+}
+
 /// The sections of a binary file, in the order of the file. `Source` has these members:
 ///   std::int64_t size() const                                         bytes of the file
 ///   void read_at(std::int64_t position, char* to, std::int64_t n)      n bytes that are in the file
@@ -185,8 +197,10 @@ class MeditTable {
         std::find_if(sections_.begin(), sections_.end(), [code](const Section& s) { return s.code == code; });
     return at == sections_.end() ? nullptr : &*at;
   }
-  /// False where the section End is missing.
-  bool is_complete() const { return is_complete_; }
+  /// Warns where the section End is missing.
+  void warn_of_missing_end(const std::string& path, const IoContext& context) const {
+    if (!is_complete_) context.warn(path + kMeditNoEnd);
+  }
 
   /// The dimension is 32 bits wide in every version (libMeshb); some writers of version 4 make it 64 bits wide.
   std::int64_t dimension(const Section& section) const {

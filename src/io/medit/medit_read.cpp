@@ -261,8 +261,6 @@ class MeditReader {
   std::vector<Index> required_quads_;
 };
 
-constexpr const char* kNoEnd = ": the section End is missing; the file may be cut short";
-
 TetMesh parse_text(const std::string& path, std::string_view bytes, const IoContext& context) {
   constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
   if (bytes.starts_with(kUtf8Mark)) bytes.remove_prefix(kUtf8Mark.size());
@@ -289,7 +287,7 @@ TetMesh parse_text(const std::string& path, std::string_view bytes, const IoCont
       cursor.skip_numbers();
     }
   }
-  if (word.empty()) context.warn(path + kNoEnd);
+  if (word.empty()) context.warn(path + kMeditNoEnd);
   reader.finish();
   return mesh;
 }
@@ -304,10 +302,10 @@ TetMesh parse_binary(const std::string& path, std::string_view bytes, const IoCo
     if (section.code == kMeditDimension) {
       reader.set_dimension(table.dimension(section));
     } else if (!reader.read({}, section.code)) {
-      context.warn(path + ": section with code " + std::to_string(section.code) + " is not kept by tetune; skipped");
+      warn_of_skipped_section(path, section.code, context);
     }
   }
-  if (!table.is_complete()) context.warn(path + kNoEnd);
+  table.warn_of_missing_end(path, context);
   reader.finish();
   return mesh;
 }

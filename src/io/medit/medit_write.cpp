@@ -155,7 +155,8 @@ void write_sections(Writer& out, const TetMesh& mesh) {
   out.end();
 }
 
-/// Warns of the contents that a MEDIT file cannot hold.
+}  // namespace
+
 void warn_of_losses_in_medit(const TetMesh& mesh, const IoContext& context) {
   if (std::any_of(mesh.others.begin(), mesh.others.end(), is_points)) {
     context.warn("elements of one vertex are written as required vertices, without their tags");
@@ -164,8 +165,6 @@ void warn_of_losses_in_medit(const TetMesh& mesh, const IoContext& context) {
   warn_of_names(mesh, context);
   if (mesh.second_order) context.warn(lost_middles(mesh));
 }
-
-}  // namespace
 
 void write_medit_text(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
   warn_of_losses_in_medit(mesh, context);

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files of tetune-mpi: replaced as by tetune, with the same warnings of what they do not keep."""
+
+import os
+import struct
+import subprocess
+from pathlib import Path
+
+import mpi_case
+from mpi_case import MpiTest, cli_case
+
+
+class Files(MpiTest):
+    def warnings(self, done):
+        return [line.split("warning: ", 1)[1] for line in done.stderr.splitlines() if "warning: " in line]
+
+    def same_warnings(self, source, said):
+        """Of both programs, from `source` to .meshb."""
+        out = self.path("out.meshb")
+        done = subprocess.run([mpi_case.TETUNE, "optimize", source, "-o", out, "--effort", "fast"], capture_output=True,
+                              text=True, check=True)
+        alone = self.warnings(done)
+        self.assertTrue(any(said in warning for warning in alone), alone)
+        self.assertEqual(self.warnings(self.mpi(2, source, out, "--effort", "fast")), alone)
+
+    def writes_hdf5(self):
+        done = subprocess.run([mpi_case.PROGRAM, mpi_case.BRACKET, "-o", self.path("trial.h5"), "--effort", "fast"],
+                              capture_output=True, text=True, check=False)
+        return "built without HDF5" not in done.stderr
+
+    def test_files_that_an_earlier_run_has_left(self):
+        source = self.put("in.mesh", cli_case.cube(4))
+        out = self.path("out.meshb")
+        self.mpi(2, source, out, "--effort", "fast")
+        expected = Path(out).read_bytes()
+        left = Path(out + ".tetune-mpi.tmp")
+        left.write_bytes(b"left" * 100_000)
+        self.mpi(2, source, out, "--effort", "fast")
+        self.assertEqual(Path(out).read_bytes(), expected)
+        self.assertEqual(left.stat().st_size, 400_000)
+        self.assertEqual(self.files(), ["in.mesh", "out.meshb", left.name])
+
+    def test_permissions_are_kept(self):
+        endings = ["meshb", "mesh"] + ["h5"] * self.writes_hdf5()
+        for ending in endings:
+            out = self.put(f"out.{ending}", "old")
+            for mode in (0o640, 0o604):
+                with self.subTest(ending=ending, mode=mode):
+                    os.chmod(out, mode)
+                    self.mpi(2, mpi_case.BRACKET, out, "--effort", "fast")
+                    self.assertNotEqual(Path(out).read_bytes(), b"old")
+                    self.assertEqual(os.stat(out).st_mode & 0o777, mode)
+
+    def test_the_mesh_is_written_and_the_report_is_not(self):
+        report = self.path("long" * 75 + ".json")
+        for ranks in (1, 3):
+            out = self.put("out.meshb", "old")
+            done = self.mpi(ranks, mpi_case.BRACKET, out, "--effort", "fast", "--report", report, code=1)
+            self.assertIn("; the mesh was written", done.stderr)
+            self.assertIn("dihedral min", done.stdout)
+            self.assertTrue(self.info(out)["validity"]["valid"])
+            self.assertEqual(self.files(), ["out.meshb"])
+
+    def test_nodes_in_the_middles_of_edges_are_lost_with_a_warning(self):
+        mesh = cli_case.cube(3)
+        points, middles, rows = [*mesh.points], {}, []
+        for tet in mesh.tets:
+            row = list(tet)
+            for a, b in ((0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3)):
+                edge = tuple(sorted((tet[a], tet[b])))
+                if edge not in middles:
+                    middles[edge] = len(points)
+                    points.append(tuple((x + y) / 2 for x, y in zip(points[edge[0]], points[edge[1]])))
+                row.append(middles[edge])
+            rows.append(row)
+        text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(points))]
+        text += [f"{i + 1} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(points)]
+        text += ["$EndNodes", "$Elements", str(len(rows))]
+        text += [f"{i + 1} 11 2 7 7 " + " ".join(str(v + 1) for v in row) for i, row in enumerate(rows)]
+        source = self.put("in.msh", "\n".join([*text, "$EndElements", ""]))
+        out = self.path("out.meshb")
+        lost = f"{out}: written as linear elements, without the nodes in the middles of edges"
+        self.assertIn(lost, self.warnings(self.mpi(2, source, out, "--effort", "fast")))
+
+    def test_sections_that_are_not_kept(self):
+        data = Path(mpi_case.BRACKET).read_bytes()
+        # Version 2: the section End is its code and a position, of 32 bits each.
+        self.assertEqual((struct.unpack("<i", data[4:8])[0], struct.unpack("<i", data[-8:-4])[0]), (2, 54))
+        normals = struct.pack("<iiifff", 60, len(data) - 8 + 24, 1, 0, 0, 1)
+        source = self.path("in.meshb")
+        Path(source).write_bytes(data[:-8] + normals + data[-8:])
+        self.same_warnings(source, "section with code 60 is not kept by tetune; skipped")
+
+    def test_a_file_without_an_end(self):
+        source = self.path("in.meshb")
+        Path(source).write_bytes(Path(mpi_case.BRACKET).read_bytes()[:-8])
+        self.same_warnings(source, "the section End is missing")
+
+
+mpi_case.main(__doc__)
