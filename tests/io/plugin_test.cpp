@@ -313,6 +313,49 @@ TEST_F(Plugins, SecondOrderIsRebuilt) {
   }
 }
 
+/// Replaces a run of 32-bit numbers, most significant byte first, which the file has once.
+void replace_numbers(std::string& file, const std::vector<char>& before, const std::vector<char>& after) {
+  const auto bytes = [](const std::vector<char>& numbers) {
+    std::string text;
+    for (const char n : numbers) text += std::string(3, '\0') + n;
+    return text;
+  };
+  const std::size_t at = file.find(bytes(before));
+  ASSERT_NE(at, std::string::npos);
+  ASSERT_EQ(file.find(bytes(before), at + 1), std::string::npos);
+  file.replace(at, 4 * before.size(), bytes(after));
+}
+
+TEST_F(Plugins, ElementsOfOtherKindsBehindMidSideNodesKeepTheirVertices) {
+  TetMesh m;
+  m.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 0, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0}};
+  m.point_tags.assign(8, 0);
+  m.tets = {{0, 1, 2, 3}};
+  m.tet_tags = {1};
+  m.second_order = true;
+  m.others = {{"Quadrilaterals", 4, {4, 5, 6, 7}, {2}, {}}};
+  // The file has the mid-side nodes last: the quadrilateral changes places with four of them.
+  write_mesh(path("a.e"), m, 1);
+  std::string file = get("a.e");
+  replace_numbers(file, {5, 6, 7, 8}, {10, 11, 13, 14});
+  replace_numbers(file, {1, 2, 3, 4, 9, 12, 10, 11, 13, 14}, {1, 2, 3, 4, 9, 12, 5, 6, 7, 8});
+  const TetMesh exodus = read_mesh(put("b.e", file), nullptr, 1);
+  ASSERT_EQ(exodus.others.size(), 1U);
+  EXPECT_EQ(exodus.others[0].element2vertex, (std::vector<Index>{4, 5, 6, 7}));
+  EXPECT_EQ(exodus.points.size(), 8U);
+  const TetMesh nastran = read_mesh(
+      put("a.bdf",
+          "GRID,1,,0.,0.,0.\nGRID,2,,.5,0.,0.\nGRID,3,,1.,0.,0.\nGRID,4,,.5,.5,0.\nGRID,5,,0.,1.,0.\nGRID,6,,0.,.5,0.\n"
+          "GRID,7,,0.,0.,1.\nGRID,8,,0.,0.,.5\nGRID,9,,.5,0.,.5\nGRID,10,,0.,.5,.5\nGRID,11,,5.,0.,0.\n"
+          "GRID,12,,6.,0.,0.\nGRID,13,,6.,1.,0.\nGRID,14,,5.,1.,0.\nCTETRA,1,1,1,3,5,7,2,4,+A\n+A,6,8,9,10\n"
+          "CQUAD4,2,2,11,12,13,14\nENDDATA\n"),
+      nullptr, 1);
+  EXPECT_TRUE(nastran.second_order);
+  ASSERT_EQ(nastran.others.size(), 1U);
+  EXPECT_EQ(nastran.others[0].element2vertex, (std::vector<Index>{4, 5, 6, 7}));
+  EXPECT_EQ(nastran.points, m.points);
+}
+
 TEST_F(Plugins, SetsOfNodesHoldMidSideNodesBetweenMembers) {
   TetMesh m = cube(2);
   m.second_order = true;
