@@ -60,3 +60,16 @@ def test_wrong_arguments_are_refused():
         live_box(only_below={"min_dihedral_deg": 10})
     with pytest.raises(tetune.OptionError, match="neighborhood"):
         live_box(neighborhood=0)
+    with pytest.raises(TypeError, match="vertices must be integers"):
+        live.set_points([0.5], [[0.0, 0, 0]])
+
+
+def test_no_vertex_set_elsewhere():
+    live = live_box()
+    before = live.points
+    for vertices in ([], np.zeros(0), np.zeros(0, np.int64)):
+        live.set_points(vertices, np.zeros((0, 3)))
+    live.set_points([], [])
+    assert live.disturbed == 0 and np.array_equal(live.points, before)
+    with pytest.raises(tetune.OptionError, match=r"must be \(0, 3\)"):
+        live.set_points([], [[0.0, 0, 0]])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """meshio.Mesh and pyvista.UnstructuredGrid, with all their data."""
 
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -218,6 +219,47 @@ def test_inserted_vertices_are_not_required(data):
     assert (r.vertex_map < 0).any(), "the test needs an inserted vertex"
     for name, values in mesh.point_data.items():
         assert np.array_equal(np.sort(r.vertex_map[r.mesh.point_data[name] != 0]), np.flatnonzero(values)), name
+
+
+@pytest.mark.parametrize("kind", ["line", "triangle"])
+@pytest.mark.parametrize("data", ["carry", "conserve"])
+def test_all_lines_or_triangles_dropped(kind, data):
+    points, tets = shaken_box()
+    new = {tuple(sorted(t)) for t in tetune.optimize(points, tets).mesh.tets.tolist()}
+    width = {"line": 2, "triangle": 3}[kind]
+    parts = lambda cells: {p for t in cells for p in combinations(sorted(t), width)}
+    gone = np.array(sorted(parts(tets.tolist()) - parts(new)))[:2]
+    assert len(gone) == 2, "the test needs a case where these are flipped"
+    mesh = meshio.Mesh(points, [("tetra", tets), (kind, gone)], point_data={"x": points[:, 0]},
+                       cell_data={"a": [np.arange(len(tets)), np.arange(2)]}, cell_sets={"all": [None, np.arange(2)]})
+    r = tetune.optimize(mesh, data=data)
+    assert [len(b.data) for b in r.mesh.cells] == [len(r.parent), 0] and r.mesh.cell_data["a"][1].shape == (0,)
+    assert r.mesh.cell_sets["all"][1].size == 0
+    if data == "carry":
+        assert np.array_equal(r.mesh.cell_data["a"][0], r.parent)
+        second = tetune.optimize(tetune.curve(mesh).mesh).mesh
+        assert [(b.type[:4], len(b.data)) for b in second.cells] == [("tetr", len(r.parent)), (kind[:4], 0)]
+    out = tetune.optimize(pv.from_meshio(mesh), data=data).mesh
+    assert out.n_cells == len(r.parent) and np.array_equal(out.cell_data["a"], r.mesh.cell_data["a"][0])
+
+
+def test_legacy_files_of_vtk_by_meshio(tmp_path):
+    """Their arrays are big-endian."""
+    points, tets, region = two_regions()
+    mesh = meshio.Mesh(points, [("tetra", tets)], point_data={"x": points[:, 0].copy(), "id": np.arange(len(points))},
+                       cell_data={"medit:ref": [region], "load": [np.sqrt(region)]})
+    mesh.write(tmp_path / "in.vtk")
+    read = meshio.read(tmp_path / "in.vtk")
+    assert read.points.dtype == ">f8" and not read.cells[0].data.dtype.isnative
+    for options in ({"effort": "best"}, {"data": "interpolate"}, {"data": "conserve"}):
+        r, expected = tetune.optimize(read, **options), tetune.optimize(mesh, **options)
+        assert np.array_equal(r.mesh.points, expected.mesh.points)
+        assert np.array_equal(r.mesh.cells[0].data, expected.mesh.cells[0].data)
+        for name, values in expected.mesh.point_data.items():
+            assert np.array_equal(r.mesh.point_data[name], values), name
+        for name, (values,) in expected.mesh.cell_data.items():
+            assert np.array_equal(r.mesh.cell_data[name][0], values), name
+    assert np.array_equal(tetune.TetMesh(points.astype(">f4"), tets.astype(">i2")).tets, tets)
 
 
 def grid(points=None):
