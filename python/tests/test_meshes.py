@@ -45,9 +45,9 @@ def meshio_mesh(tag="medit:ref"):
         point_data={"id": np.arange(len(points)), "field": points * 2},
         cell_data={tag: tags, "row": [np.arange(n) for n in sizes]},
         field_data={"steel": np.array([1, 3])},
-        point_sets={"clamped": np.array([0, 5, 7])},
+        point_sets={"clamped": np.array([0, 5, 7])}, info={"made by": "us"},
         cell_sets={"left": [np.arange(sizes[0]), None, np.array([], int), None, None],
-                   "bottom": [None, np.array([2]), None, None, None]},
+                   "bottom": [None, np.array([2]), None, None, None], "gmsh:bounding_entities": [np.array([-1])] * 5},
     )
 
 
@@ -76,8 +76,18 @@ def test_meshio(effort):
     assert out.cell_sets["left"][2].size == 0 and out.cell_sets["left"][1] is None
     assert np.array_equal(out.cell_sets["bottom"][1], [1])
     assert np.array_equal(r.vertex_map[out.point_sets["clamped"]], [0, 5, 7])
-    assert out.field_data.keys() == {"steel"}
+    assert out.cell_sets["gmsh:bounding_entities"] == m.cell_sets["gmsh:bounding_entities"]
+    assert out.field_data.keys() == {"steel"} and out.info == {"made by": "us"}
     assert not r.moved[0]
+
+
+def test_removed_vertices_are_in_no_set():
+    b = tetune.read_mesh(str(BRACKET))
+    every = np.arange(len(b.points))
+    r = tetune.optimize(meshio.Mesh(b.points, [("tetra", b.tets)], point_sets={"all": every}), effort="best")
+    kept = r.vertex_map[r.vertex_map >= 0]
+    assert len(kept) < len(every), "the test needs a removed vertex"
+    assert np.array_equal(np.sort(r.vertex_map[r.mesh.point_sets["all"]]), np.sort(kept))
 
 
 def test_data_of_inserted_vertices():
@@ -215,6 +225,7 @@ def test_required_entities(package, order, tmp_path):
 @pytest.mark.parametrize("data", ["carry", "interpolate", "conserve"])
 def test_inserted_vertices_are_not_required(data):
     mesh = mesh_with_required()
+    mesh.point_data["mmg_corners"][0] = 1
     r = tetune.optimize(mesh, effort="best", data=data)
     assert (r.vertex_map < 0).any(), "the test needs an inserted vertex"
     for name, values in mesh.point_data.items():
@@ -270,6 +281,10 @@ def grid(points=None):
     g.cell_data["row"] = np.arange(len(tets))
     g.field_data["note"] = ["mine"]
     g.point_data.active_scalars_name = "id"
+    g.point_data["velocity"] = np.ones((len(p), 3))
+    g.point_data["force"] = np.ones((len(p), 3))
+    g.point_data.active_vectors_name = "velocity"
+    g.cell_data.active_scalars_name = "row"
     return g
 
 
@@ -284,6 +299,7 @@ def test_pyvista():
     assert np.array_equal(out.cell_data["row"], r.parent)
     assert np.array_equal(out.cell_data["region"], g.cell_data["region"][r.parent])
     assert out.field_data["note"][0] == "mine" and out.point_data.active_scalars_name == "id"
+    assert out.point_data.active_vectors_name == "velocity" and out.cell_data.active_scalars_name == "row"
     sized = out.compute_cell_sizes(length=False, area=False)
     assert sized.cell_data["Volume"].min() > 0 and sized.volume == pytest.approx(128)
     assert out.cell_quality("scaled_jacobian")["scaled_jacobian"].min() > g.cell_quality("scaled_jacobian")["scaled_jacobian"].min()
