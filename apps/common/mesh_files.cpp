@@ -286,9 +286,13 @@ std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const std::ve
   }
   ClashFinder clashes(inputs, read_too);
   for (const std::string& input : inputs) {
-    const Job job{input, output_of(pattern.output, input, several), fill_in("--report", pattern.report, input, several),
-                  fill_in("--trace", pattern.trace, input, several), fill_in("--map", pattern.map, input, several)};
-    for (const std::string* path : {&job.output, &job.report, &job.trace, &job.map}) {
+    const Job job{input,
+                  output_of(pattern.output, input, several),
+                  fill_in("--report", pattern.report, input, several),
+                  fill_in("--trace", pattern.trace, input, several),
+                  fill_in("--map", pattern.map, input, several),
+                  fill_in("--report-html", pattern.page, input, several)};
+    for (const std::string* path : {&job.output, &job.report, &job.trace, &job.map, &job.page}) {
       clashes.add(*path, input, path == &job.output);
     }
     jobs.push_back(job);

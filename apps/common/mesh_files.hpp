@@ -53,10 +53,11 @@ std::string shown_name(const std::string& path, bool output);
 /// One mesh to optimize, and the names of all files to write; an empty name means no file.
 struct Job {
   std::string input, output, report, trace, map;
+  std::string page;  ///< written by the Python package after the run
 
   /// The text files.
   std::vector<std::string> texts() const {
-    std::vector<std::string> names{report, trace, map};
+    std::vector<std::string> names{report, trace, map, page};
     std::erase(names, "");
     return names;
   }

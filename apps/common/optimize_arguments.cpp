@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 #include "criteria_file.hpp"
@@ -133,9 +134,15 @@ void define_output(CLI::App& c, OptimizeArguments& a) {
   c.add_option("--report", a.names.report, "Write all figures of the run to this file, as JSON")
       ->option_text("FILE.json")
       ->group(kOutput);
+  // The Python package runs this program with the variable set, and writes the page afterwards.
+  const auto set_page = [&a](const std::string& name) {
+    const char* data = std::getenv("TETUNE_PAGE_DATA");
+    if (data == nullptr || *data == '\0') need_python("--report-html");
+    a.names.page = name;
+    a.page_data = data;
+  };
   c.add_option_function<std::string>(
-       "--report-html", [](const std::string&) { need_python("--report-html"); },
-       "Write one HTML page that shows the mesh before and after (needs the Python package)")
+       "--report-html", set_page, "Write one HTML page that shows the mesh before and after (needs the Python package)")
       ->option_text("FILE.html")
       ->group(kOutput);
   c.add_option("--trace", a.names.trace, "Write one line per sweep and flip pass to this file, as CSV")
@@ -191,6 +198,24 @@ std::vector<std::string> other_inputs(const OptimizeArguments& a) {
   return files;
 }
 
+/// The page is made of the files of one mesh.
+void check_page(const std::vector<std::string>& inputs, OptimizeArguments& a) {
+  if (a.names.page.empty()) return;
+  if (inputs.size() > 1) {
+    throw OptionError("--report-html: the page shows one mesh, and there are several; name one, or use --report");
+  }
+  const auto is_mesh_file = [](const std::string& name) {
+    return name != kPipe && path_of(name).extension() != ".pvd";
+  };
+  if (!is_mesh_file(inputs[0]) || !is_mesh_file(a.names.output)) {
+    throw OptionError(
+        "--report-html: the page is made of the files of one mesh, not of the standard input or output or a time "
+        "series; "
+        "give names of files");
+  }
+  if (a.dry_run) a.warnings.emplace_back("--report-html has no effect with --dry-run");
+}
+
 void check(const CLI::App& command, OptimizeArguments& a) {
   try {
     check_options(a.options);
@@ -200,7 +225,7 @@ void check(const CLI::App& command, OptimizeArguments& a) {
   Options options = a.options;
   if (!a.max_deviation.empty()) options.max_deviation = 1;  // its length is not known yet
   for (std::string& text : ineffective_flags(command, options)) a.warnings.push_back(std::move(text));
-  if (a.options.trace_angles && a.names.report.empty()) {
+  if (a.options.trace_angles && a.names.report.empty() && a.names.page.empty()) {
     a.warnings.emplace_back("--trace-angles has no effect without --report");
   }
 }
@@ -231,7 +256,10 @@ std::vector<Job> resolve_jobs(const CLI::App& command, OptimizeArguments& a) {
   if (a.quiet) a.verbosity = 0;
   if (a.print_options) return {};
   a.replaces = !a.names.output.empty();
-  std::vector<Job> jobs = make_jobs(find_inputs(a), other_inputs(a), a.names);
+  if (!a.names.page.empty()) a.options.trace_angles = true;
+  const std::vector<std::string> inputs = find_inputs(a);
+  check_page(inputs, a);
+  std::vector<Job> jobs = make_jobs(inputs, other_inputs(a), a.names);
   if (!a.replaces && !a.dry_run) refuse_existing(jobs.front().output);
   return jobs;
 }

@@ -278,6 +278,11 @@ class Run {
       if (change && options_.max_deviation > 0) json["surface"]["max_deviation_kept"] = deviation_kept_;
       write_beside_mesh(job_.report, json_text(json));
     }
+    if (!job_.page.empty()) {
+      nlohmann::ordered_json json = report_head();
+      json.update({{"page", job_.page}, {"optimization", to_json(report_)}});
+      write_beside_mesh(a_.page_data, json_text(json));
+    }
     if (lacks_texts_ && result_.code == kDone) {
       result_.code = kStoppedEarly;
       result_.summary = "report not written";

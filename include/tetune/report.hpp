@@ -128,8 +128,8 @@ struct Report : OperationCounts {
   /// For each tetrahedron of the result one of the input in the same region: itself if it was not changed, else one
   /// that was replaced near it.
   std::vector<Index> tet2original;
-  /// For each listed triangle and edge of the result its position in the input's list. Empty if all were kept, and if
-  /// none was.
+  /// For each listed triangle and edge of the result its position in the input's list. Empty if all were kept, or
+  /// none.
   std::vector<Index> triangle2original, edge2original;
   std::vector<SweepReport> sweeps;
   std::vector<FlipReport> flip_passes;

@@ -34,7 +34,7 @@ TETUNE_API bool has_times(const std::string& path);
 TETUNE_API std::vector<SeriesStep> parse_series(const std::string& path, std::string_view bytes);
 
 /// Writes a `.pvd` file under a temporary name, then renames it. Paths in its folder are written relative to that; all
-/// steps have files of their own. Throws FileError.
+/// steps have files of their own. Throws FileError, as for no step or times that do not increase.
 TETUNE_API void write_series(const std::string& path, const std::vector<SeriesStep>& steps);
 
 }  // namespace tetune

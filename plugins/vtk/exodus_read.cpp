@@ -62,10 +62,10 @@ class ExodusReader {
     for (const int id : set_ids) read_side_set(id);
     for (const int id : ids(EX_NODE_SET, counts.num_node_sets)) read_node_set(id);
     read_variables();
-    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
     for (ElementBlock& block : others_) {
       if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
     }
+    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
   }
 
  private:

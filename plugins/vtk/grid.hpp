@@ -8,9 +8,11 @@
 
 namespace tetune::plugin {
 
-TetMesh from_grid(vtkUnstructuredGrid* grid, Warnings& warnings);
-/// Merges points at the same position, as the parts of a file have.
-void merge_points(TetMesh& mesh);
+/// Pieces of a file repeat the points where they meet.
+enum class Pieces { one, several };
+
+/// Points of several pieces at the same position are merged.
+TetMesh from_grid(vtkUnstructuredGrid* grid, Pieces pieces, Warnings& warnings);
 vtkSmartPointer<vtkUnstructuredGrid> to_grid(TetMesh mesh, Warnings& warnings);
 
 }  // namespace tetune::plugin

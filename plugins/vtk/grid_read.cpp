@@ -18,6 +18,50 @@
 namespace tetune::plugin {
 namespace {
 
+/// Merges points at the same position, as the pieces of a file have; with `middles`, whose ids are those of the points.
+void merge_points(TetMesh& mesh, std::vector<Middle>& middles) {
+  std::vector<vtkIdType> order(mesh.points.size());
+  std::iota(order.begin(), order.end(), vtkIdType{0});
+  const auto point = [&mesh](vtkIdType v) -> const Point3& { return item(mesh.points, v); };
+  std::stable_sort(order.begin(), order.end(), [&point](vtkIdType a, vtkIdType b) { return point(a) < point(b); });
+  std::vector<vtkIdType> first(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool same = i > 0 && point(order[i]) == point(order[i - 1]);
+    item(first, order[i]) = same ? item(first, order[i - 1]) : order[i];
+  }
+  std::vector<Index> old2new(order.size());
+  std::vector<vtkIdType> kept;
+  for (vtkIdType v = 0; v < std::ssize(first); ++v) {
+    const vtkIdType owner = item(first, v);
+    item(old2new, v) = owner == v ? index_count(kept) : item(old2new, owner);
+    if (owner == v) kept.push_back(v);
+  }
+  if (kept.size() == first.size()) return;
+  for (std::size_t v = 0; v < kept.size(); ++v) {
+    mesh.points[v] = point(kept[v]);
+    mesh.point_tags[v] = item(mesh.point_tags, kept[v]);
+  }
+  mesh.points.resize(kept.size());
+  mesh.point_tags.resize(kept.size());
+  for (DataArray& array : mesh.point_data) array = entries(array, kept);
+  const auto renumber = [&old2new](auto& ids) {
+    for (Index& v : ids) v = item(old2new, v);
+  };
+  for (auto& tet : mesh.tets) renumber(tet);
+  for (auto& triangle : mesh.triangles) renumber(triangle);
+  for (auto& edge : mesh.edges) renumber(edge);
+  for (ElementBlock& block : mesh.others) renumber(block.element2vertex);
+  for (Middle& middle : middles) {
+    middle.node = item(old2new, middle.node);
+    renumber(middle.ends);
+  }
+  for (std::vector<Index>* ids : {&mesh.corners, &mesh.required_vertices}) {
+    renumber(*ids);
+    std::sort(ids->begin(), ids->end());
+    ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
+  }
+}
+
 /// The cells of a grid by kind, in order.
 class GridReader {
  public:
@@ -27,7 +71,8 @@ class GridReader {
       others_.push_back({std::string(kind.name), kind.vertices, {}, {}, {}});
   }
 
-  void read() {
+  /// Points of several pieces are merged before the mid-side nodes are checked: both copies of such a node are one.
+  void read(Pieces pieces) {
     read_points();
     // Ghost cells are copies of the elements of another part.
     vtkUnsignedCharArray* ghosts = grid_->GetCellGhostArray();
@@ -36,10 +81,11 @@ class GridReader {
     }
     read_point_data();
     read_cell_data();
-    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
     for (std::size_t i = 0; i < others_.size(); ++i) {
       if (!others_[i].element2vertex.empty()) mesh_.others.push_back(std::move(others_[i]));
     }
+    if (pieces == Pieces::several) merge_points(mesh_, middles_);
+    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
   }
 
  private:
@@ -201,9 +247,9 @@ class GridReader {
 
 }  // namespace
 
-TetMesh from_grid(vtkUnstructuredGrid* grid, Warnings& warnings) {
+TetMesh from_grid(vtkUnstructuredGrid* grid, Pieces pieces, Warnings& warnings) {
   TetMesh mesh;
-  GridReader(grid, mesh, warnings).read();
+  GridReader(grid, mesh, warnings).read(pieces);
   const vtkFieldData* none = nullptr;
   if (vtkFieldData* fields = grid->GetFieldData(); fields != none) {
     for (int i = 0; i < fields->GetNumberOfArrays(); ++i) {
@@ -211,45 +257,6 @@ TetMesh from_grid(vtkUnstructuredGrid* grid, Warnings& warnings) {
     }
   }
   return mesh;
-}
-
-void merge_points(TetMesh& mesh) {
-  std::vector<vtkIdType> order(mesh.points.size());
-  std::iota(order.begin(), order.end(), vtkIdType{0});
-  const auto point = [&mesh](vtkIdType v) -> const Point3& { return item(mesh.points, v); };
-  std::stable_sort(order.begin(), order.end(), [&point](vtkIdType a, vtkIdType b) { return point(a) < point(b); });
-  std::vector<vtkIdType> first(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && point(order[i]) == point(order[i - 1]);
-    item(first, order[i]) = same ? item(first, order[i - 1]) : order[i];
-  }
-  std::vector<Index> old2new(order.size());
-  std::vector<vtkIdType> kept;
-  for (vtkIdType v = 0; v < std::ssize(first); ++v) {
-    const vtkIdType owner = item(first, v);
-    item(old2new, v) = owner == v ? index_count(kept) : item(old2new, owner);
-    if (owner == v) kept.push_back(v);
-  }
-  if (kept.size() == first.size()) return;
-  for (std::size_t v = 0; v < kept.size(); ++v) {
-    mesh.points[v] = point(kept[v]);
-    mesh.point_tags[v] = item(mesh.point_tags, kept[v]);
-  }
-  mesh.points.resize(kept.size());
-  mesh.point_tags.resize(kept.size());
-  for (DataArray& array : mesh.point_data) array = entries(array, kept);
-  const auto renumber = [&old2new](auto& ids) {
-    for (Index& v : ids) v = item(old2new, v);
-  };
-  for (auto& tet : mesh.tets) renumber(tet);
-  for (auto& triangle : mesh.triangles) renumber(triangle);
-  for (auto& edge : mesh.edges) renumber(edge);
-  for (ElementBlock& block : mesh.others) renumber(block.element2vertex);
-  for (std::vector<Index>* ids : {&mesh.corners, &mesh.required_vertices}) {
-    renumber(*ids);
-    std::sort(ids->begin(), ids->end());
-    ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
-  }
 }
 
 }  // namespace tetune::plugin

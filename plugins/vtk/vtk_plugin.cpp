@@ -53,7 +53,7 @@ class Messages : public vtkOutputWindow {
 vtkStandardNewMacro(Messages)
 
     template <class Reader>
-    TetMesh read_xml(const std::string& file, const Messages& messages, Warnings& warnings) {
+    TetMesh read_xml(const std::string& file, Pieces pieces, const Messages& messages, Warnings& warnings) {
   vtkNew<Reader> reader;
   if (reader->CanReadFile(file.c_str()) == 0) {
     throw FileError("this is not a VTK XML file of an unstructured grid");
@@ -61,7 +61,7 @@ vtkStandardNewMacro(Messages)
   reader->SetFileName(file.c_str());
   reader->Update();
   messages.check();
-  return from_grid(reader->GetOutput(), warnings);
+  return from_grid(reader->GetOutput(), pieces, warnings);
 }
 
 TetMesh read_legacy(const std::string& file, const Messages& messages, Warnings& warnings) {
@@ -79,7 +79,7 @@ TetMesh read_legacy(const std::string& file, const Messages& messages, Warnings&
   reader->ReadAllFieldsOn();
   reader->Update();
   messages.check();
-  return from_grid(reader->GetOutput(), warnings);
+  return from_grid(reader->GetOutput(), Pieces::one, warnings);
 }
 
 /// False when it failed.
@@ -102,11 +102,9 @@ TetMesh read(const std::string& file, int time, Warnings& warnings) {
   vtkNew<Messages> messages;
   vtkOutputWindow::SetInstance(messages);
   const std::string ending = ending_of(file);
-  if (ending == ".vtu") return read_xml<vtkXMLUnstructuredGridReader>(file, *messages, warnings);
+  if (ending == ".vtu") return read_xml<vtkXMLUnstructuredGridReader>(file, Pieces::one, *messages, warnings);
   if (ending == ".pvtu") {
-    TetMesh mesh = read_xml<vtkXMLPUnstructuredGridReader>(file, *messages, warnings);
-    merge_points(mesh);
-    return mesh;
+    return read_xml<vtkXMLPUnstructuredGridReader>(file, Pieces::several, *messages, warnings);
   }
   if (ending == ".vtk") return read_legacy(file, *messages, warnings);
   TetMesh mesh = read_exodus(file, time, warnings);

@@ -16,11 +16,12 @@ namespace tetune::python {
 
 namespace nb = nanobind;
 
-/// Anything numpy makes an array of, in any layout.
+/// Anything numpy makes an array of, in any layout; a copy where its byte order is not that of the processor.
 inline nb::ndarray<nb::ro, nb::device::cpu> as_array(const char* name, nb::handle object) {
   nb::object array = nb::module_::import_("numpy").attr("asarray")(object);
   nb::ndarray<nb::ro, nb::device::cpu> view;
   const nb::object type = array.attr("dtype");
+  if (!nb::cast<bool>(type.attr("isnative"))) array = array.attr("astype")(type.attr("newbyteorder")("="));
   const std::string kind = nb::str(type.attr("kind")).c_str();
   if (kind.find_first_of("fiu") == std::string::npos || !nb::try_cast(array, view)) {
     throw nb::type_error(

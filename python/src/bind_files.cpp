@@ -83,7 +83,7 @@ constexpr const char* kWriteSeries =
     R"(Writes a time series of VTK (.pvd): times and the file of each, by names from the
 current folder. The series appears as a whole or not at all.
 
-Raises FileError where the file cannot be written, or the times do not increase.)";
+Raises FileError where the file cannot be written, the list is empty, or the times do not increase.)";
 
 }  // namespace
 

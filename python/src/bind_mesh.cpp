@@ -76,7 +76,9 @@ void construct(TetMesh* place, nb::object points, nb::object tets, nb::object po
   mesh.second_order = second_order || !mesh.curved_edges.empty();
   for (const auto& [kind, object] : others) {
     const auto array = as_array(kind.c_str(), object);
-    if (array.ndim() != 2) throw nb::value_error((kind + " must have the shape (n, vertices of one)").c_str());
+    if (array.ndim() != 2 || array.shape(1) == 0) {
+      throw nb::value_error((kind + " must have the shape (n, vertices of one), with at least one vertex").c_str());
+    }
     ElementBlock block{
         kind, static_cast<int>(array.shape(1)), std::vector<Index>(array.size()), std::vector<int>(array.shape(0)), {}};
     if (array.size() > 0) copy_array(kind.c_str(), array, array.shape(1), block.element2vertex.data());

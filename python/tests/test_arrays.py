@@ -87,6 +87,15 @@ def test_untangle():
     assert issubclass(tetune.UntangleError, tetune.MeshError)
 
 
+def test_elements_without_vertices_are_refused():
+    points, tets = shaken_box(2, 2, 2)
+    for shape in ((0, 0), (3, 0)):
+        with pytest.raises(ValueError, match="Pyramids must have the shape .*, with at least one vertex"):
+            tetune.TetMesh(points, tets, others=[("Pyramids", np.zeros(shape, int))])
+    (kind, none), = tetune.TetMesh(points, tets, others=[("Pyramids", np.zeros((0, 5), int))]).others
+    assert kind == "Pyramids" and none.shape == (0, 5)
+
+
 def test_listed_entities_follow():
     points, tets = shaken_box(4, 3, 3)
     inside = tets[volumes(points, tets).argmax()][:3]  # an untagged triangle inside: no constraint

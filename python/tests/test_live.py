@@ -60,3 +60,30 @@ def test_wrong_arguments_are_refused():
         live_box(only_below={"min_dihedral_deg": 10})
     with pytest.raises(tetune.OptionError, match="neighborhood"):
         live_box(neighborhood=0)
+    with pytest.raises(TypeError, match="vertices must be integers"):
+        live.set_points([0.5], [[0.0, 0, 0]])
+
+
+def test_everything_is_optimized_on_request():
+    moved = {}
+    for everything in (False, True):
+        live = tetune.LiveMesh(*shaken_box(), neighborhood=1)
+        points = live.points
+        v = inner_vertex(points, points.max(axis=0))
+        live.set_points(v, points[v] + [0.02, 0, 0])
+        before = live.points
+        live.optimize(everything=everything)
+        moved[everything] = (live.points != before).any(axis=1)
+    inner = ((points > 0.01) & (points < points.max(axis=0) - 0.01)).all(axis=1)
+    assert moved[False].sum() < inner.sum() / 2 and moved[True][inner].mean() > 0.95
+
+
+def test_no_vertex_set_elsewhere():
+    live = live_box()
+    before = live.points
+    for vertices in ([], np.zeros(0), np.zeros(0, np.int64)):
+        live.set_points(vertices, np.zeros((0, 3)))
+    live.set_points([], [])
+    assert live.disturbed == 0 and np.array_equal(live.points, before)
+    with pytest.raises(tetune.OptionError, match=r"must be \(0, 3\)"):
+        live.set_points([], [[0.0, 0, 0]])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """meshio.Mesh and pyvista.UnstructuredGrid, with all their data."""
 
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -44,9 +45,9 @@ def meshio_mesh(tag="medit:ref"):
         point_data={"id": np.arange(len(points)), "field": points * 2},
         cell_data={tag: tags, "row": [np.arange(n) for n in sizes]},
         field_data={"steel": np.array([1, 3])},
-        point_sets={"clamped": np.array([0, 5, 7])},
+        point_sets={"clamped": np.array([0, 5, 7])}, info={"made by": "us"},
         cell_sets={"left": [np.arange(sizes[0]), None, np.array([], int), None, None],
-                   "bottom": [None, np.array([2]), None, None, None]},
+                   "bottom": [None, np.array([2]), None, None, None], "gmsh:bounding_entities": [np.array([-1])] * 5},
     )
 
 
@@ -87,8 +88,18 @@ def test_meshio(effort):
     assert out.cell_sets["left"][2].size == 0 and out.cell_sets["left"][1] is None
     assert np.array_equal(out.cell_sets["bottom"][1], [1])
     assert np.array_equal(r.vertex_map[out.point_sets["clamped"]], [0, 5, 7])
-    assert out.field_data.keys() == {"steel"}
+    assert out.cell_sets["gmsh:bounding_entities"] == m.cell_sets["gmsh:bounding_entities"]
+    assert out.field_data.keys() == {"steel"} and out.info == {"made by": "us"}
     assert not r.moved[0]
+
+
+def test_removed_vertices_are_in_no_set():
+    b = tetune.read_mesh(str(BRACKET))
+    every = np.arange(len(b.points))
+    r = tetune.optimize(meshio.Mesh(b.points, [("tetra", b.tets)], point_sets={"all": every}), effort="best")
+    kept = r.vertex_map[r.vertex_map >= 0]
+    assert len(kept) < len(every), "the test needs a removed vertex"
+    assert np.array_equal(np.sort(r.vertex_map[r.mesh.point_sets["all"]]), np.sort(kept))
 
 
 def test_data_of_inserted_vertices():
@@ -226,10 +237,52 @@ def test_required_entities(package, order, tmp_path):
 @pytest.mark.parametrize("data", ["carry", "interpolate", "conserve"])
 def test_inserted_vertices_are_not_required(data):
     mesh = mesh_with_required()
+    mesh.point_data["mmg_corners"][0] = 1
     r = tetune.optimize(mesh, effort="best", data=data)
     assert (r.vertex_map < 0).any(), "the test needs an inserted vertex"
     for name, values in mesh.point_data.items():
         assert np.array_equal(np.sort(r.vertex_map[r.mesh.point_data[name] != 0]), np.flatnonzero(values)), name
+
+
+@pytest.mark.parametrize("kind", ["line", "triangle"])
+@pytest.mark.parametrize("data", ["carry", "conserve"])
+def test_all_lines_or_triangles_dropped(kind, data):
+    points, tets = shaken_box()
+    new = {tuple(sorted(t)) for t in tetune.optimize(points, tets).mesh.tets.tolist()}
+    width = {"line": 2, "triangle": 3}[kind]
+    parts = lambda cells: {p for t in cells for p in combinations(sorted(t), width)}
+    gone = np.array(sorted(parts(tets.tolist()) - parts(new)))[:2]
+    assert len(gone) == 2, "the test needs a case where these are flipped"
+    mesh = meshio.Mesh(points, [("tetra", tets), (kind, gone)], point_data={"x": points[:, 0]},
+                       cell_data={"a": [np.arange(len(tets)), np.arange(2)]}, cell_sets={"all": [None, np.arange(2)]})
+    r = tetune.optimize(mesh, data=data)
+    assert [len(b.data) for b in r.mesh.cells] == [len(r.parent), 0] and r.mesh.cell_data["a"][1].shape == (0,)
+    assert r.mesh.cell_sets["all"][1].size == 0
+    if data == "carry":
+        assert np.array_equal(r.mesh.cell_data["a"][0], r.parent)
+        second = tetune.optimize(tetune.curve(mesh).mesh).mesh
+        assert [(b.type[:4], len(b.data)) for b in second.cells] == [("tetr", len(r.parent)), (kind[:4], 0)]
+    out = tetune.optimize(pv.from_meshio(mesh), data=data).mesh
+    assert out.n_cells == len(r.parent) and np.array_equal(out.cell_data["a"], r.mesh.cell_data["a"][0])
+
+
+def test_legacy_files_of_vtk_by_meshio(tmp_path):
+    """Their arrays are big-endian."""
+    points, tets, region = two_regions()
+    mesh = meshio.Mesh(points, [("tetra", tets)], point_data={"x": points[:, 0].copy(), "id": np.arange(len(points))},
+                       cell_data={"medit:ref": [region], "load": [np.sqrt(region)]})
+    mesh.write(tmp_path / "in.vtk")
+    read = meshio.read(tmp_path / "in.vtk")
+    assert read.points.dtype == ">f8" and not read.cells[0].data.dtype.isnative
+    for options in ({"effort": "best"}, {"data": "interpolate"}, {"data": "conserve"}):
+        r, expected = tetune.optimize(read, **options), tetune.optimize(mesh, **options)
+        assert np.array_equal(r.mesh.points, expected.mesh.points)
+        assert np.array_equal(r.mesh.cells[0].data, expected.mesh.cells[0].data)
+        for name, values in expected.mesh.point_data.items():
+            assert np.array_equal(r.mesh.point_data[name], values), name
+        for name, (values,) in expected.mesh.cell_data.items():
+            assert np.array_equal(r.mesh.cell_data[name][0], values), name
+    assert np.array_equal(tetune.TetMesh(points.astype(">f4"), tets.astype(">i2")).tets, tets)
 
 
 def grid(points=None):
@@ -240,6 +293,10 @@ def grid(points=None):
     g.cell_data["row"] = np.arange(len(tets))
     g.field_data["note"] = ["mine"]
     g.point_data.active_scalars_name = "id"
+    g.point_data["velocity"] = np.ones((len(p), 3))
+    g.point_data["force"] = np.ones((len(p), 3))
+    g.point_data.active_vectors_name = "velocity"
+    g.cell_data.active_scalars_name = "row"
     return g
 
 
@@ -254,6 +311,7 @@ def test_pyvista():
     assert np.array_equal(out.cell_data["row"], r.parent)
     assert np.array_equal(out.cell_data["region"], g.cell_data["region"][r.parent])
     assert out.field_data["note"][0] == "mine" and out.point_data.active_scalars_name == "id"
+    assert out.point_data.active_vectors_name == "velocity" and out.cell_data.active_scalars_name == "row"
     sized = out.compute_cell_sizes(length=False, area=False)
     assert sized.cell_data["Volume"].min() > 0 and sized.volume == pytest.approx(128)
     assert out.cell_quality("scaled_jacobian")["scaled_jacobian"].min() > g.cell_quality("scaled_jacobian")["scaled_jacobian"].min()

@@ -8,6 +8,7 @@ import pytest
 
 import tetune
 from meshes import shaken_box, volumes
+from tetune._point_data import interpolated
 
 
 def sides(points):
@@ -126,6 +127,15 @@ def test_data_are_interpolated_at_the_new_places():
     assert (carried.mesh.point_data["a"] == linear).all() and len(carried.report.place_weights) == 0
 
 
+def test_interpolated_values_stay_within_those_of_the_corners():
+    """Weights add up to 1 to rounding alone."""
+    weights = np.array([[0.7, 0.3, 1e-9, 0], [0.25, 0.25, 0.25, 0.25]])
+    places = np.array([[0, 1, 2, 3], [0, 1, 2, 3]])
+    assert (interpolated(np.full(4, 0.1), places, weights) == 0.1).all()
+    # A corner of no weight does not count.
+    assert (interpolated(np.array([0.1, 0.1, 0.1, 5.0]), places[:1], weights[:1]) == 0.1).all()
+
+
 def test_fields_move_with_the_mesh():
     meshio = pytest.importorskip("meshio")
     points, tets = shaken_box()
@@ -236,9 +246,12 @@ def test_series(tmp_path):
     path = str(tmp_path / "s.pvd")
     tetune.write_series(path, steps)
     assert tetune.read_series(path) == steps
-    with pytest.raises(tetune.FileError, match="lists no file"):
+    with pytest.raises(tetune.FileError, match="s.pvd: the series lists no file"):
         tetune.write_series(path, [])
-        tetune.read_series(path)
+    assert tetune.read_series(path) == steps
+    (tmp_path / "none.pvd").write_text('<VTKFile type="Collection"><Collection></Collection></VTKFile>')
+    with pytest.raises(tetune.FileError, match="the collection lists no file"):
+        tetune.read_series(tmp_path / "none.pvd")
     # Paths in the place of names.
     tetune.write_series(tmp_path / "s.pvd", [(time, Path(name)) for time, name in steps])
     assert tetune.read_series(tmp_path / "s.pvd") == steps

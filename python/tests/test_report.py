@@ -128,6 +128,75 @@ def test_errors(words, message, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def run(folder, *words):
+    return subprocess.run([sys.executable, "-m", "tetune", *words], capture_output=True, text=True, cwd=folder)
+
+
+def test_files_that_are_read_are_not_replaced(tmp_path):
+    shutil.copy(BRACKET, tmp_path / "in.meshb")
+    (tmp_path / "link.html").symlink_to("in.meshb")
+    mesh = (tmp_path / "in.meshb").read_bytes()
+    for words, message in (
+        (["--report-html", "in.meshb"], "in.meshb would be written for in.meshb, but is read as well"),
+        (["--report-html=./in.meshb"], "would be written for in.meshb, but is read as well"),
+        (["-report-html", "link.html"], "link.html would be written for in.meshb, but is read as well"),
+        (["--report-html", "out.meshb"], "out.meshb would be written twice"),
+        (["--report", "r", "--report-html", "r"], "r would be written twice"),
+        (["--criteria", "c.toml", "--report-html", "c.toml"], "c.toml"),
+    ):
+        done = run(tmp_path, "optimize", "in.meshb", "out.meshb", *words)
+        assert done.returncode == 2 and message in done.stderr and "temp" not in done.stderr, done.stderr
+    for words in (["in.meshb", "in.meshb"], ["in.meshb", str(BRACKET)], [str(BRACKET), "in.meshb"]):
+        done = run(tmp_path, "report", *words, "-o", "link.html")
+        assert done.returncode == 2 and "link.html would be written, but is read as well" in done.stderr
+    assert sorted(f.name for f in tmp_path.iterdir()) == ["in.meshb", "link.html"]
+    assert (tmp_path / "in.meshb").read_bytes() == mesh
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such files")
+def test_special_files_are_not_replaced(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for words in (["optimize", str(BRACKET), "out.meshb", "--report-html", "pipe"], ["report", str(BRACKET), str(BRACKET), "-o", "pipe"]):
+        done = run(tmp_path, *words)
+        assert done.returncode == 2 and "pipe: exists and is not a regular file" in done.stderr, done.stderr
+    assert [f.name for f in tmp_path.iterdir()] == ["pipe"] and (tmp_path / "pipe").is_fifo()
+    from tetune.report import write_page
+
+    mesh = tetune.read_mesh(BRACKET)
+    with pytest.raises(tetune.FileError, match="not a regular file"):
+        write_page(tmp_path / "pipe", mesh, mesh)
+
+
+def test_errors_come_before_the_run(tmp_path):
+    for words, message in (
+        ([str(BRACKET), "out.meshb", "--report-html", "nowhere/p.html"], "nowhere"),
+        ([str(BRACKET), str(BRACKET), "-o", "{}.meshb", "--report-html", "p.html"], "the page shows one mesh"),
+        ([str(BRACKET), "-o", "-", "--report-html", "p.html"], "not of the standard input or output"),
+        ([str(BRACKET), "out.meshb", "--report-html"], "--report-html"),
+    ):
+        done = run(tmp_path, "optimize", *words)
+        assert done.returncode == 2 and message in done.stderr and "pip install" not in done.stderr, done.stderr
+    done = run(tmp_path, "optimize", str(BRACKET), "--dry-run", "--report-html", "p.html")
+    assert done.returncode == 0 and "--report-html has no effect with --dry-run" in done.stderr
+    code = "import sys; sys.modules['plotly'] = None; from tetune.__main__ import main; sys.exit(main())"
+    words = ["optimize", str(BRACKET), "out.meshb", "--report-html", "p.html"]
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 2 and "--report-html: the report needs the package plotly" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_page_beside_the_report(tmp_path):
+    points, tets = shaken_box(2, 2, 2)
+    tetune.write_mesh(tmp_path / "in.mesh", tetune.TetMesh(points, tets))
+    done = run(tmp_path, "optimize", "in.mesh", "out.mesh", "-report-html={}.html", "--report", "{}.json")
+    assert done.returncode == 0, done.stderr
+    assert '"optimization": {' in (tmp_path / "in.html").read_text(encoding="utf-8")
+    tetune.write_mesh(tmp_path / "to.mesh", tetune.TetMesh(points + 0.1, tets))
+    done = run(tmp_path, "move", "in.mesh", "--to", "to.mesh", "-o", "moved.mesh", "--report-html", "moved.html")
+    assert done.returncode == 0, done.stderr
+    assert sorted(f.name for f in tmp_path.iterdir()) == ["in.html", "in.json", "in.mesh", "moved.html", "moved.mesh", "out.mesh", "to.mesh"]
+
+
 def test_without_plotly(tmp_path):
     points, tets = shaken_box(2, 2, 2)
     for name in "ab":

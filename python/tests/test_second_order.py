@@ -103,6 +103,23 @@ def test_straight_second_order_stays_so():
     assert np.allclose(moved.points[:, 0].min(), points[:, 0].min() + 1)
 
 
+def test_data_of_mid_side_nodes_that_move():
+    """They follow their edge, and with data="interpolate" are means of both ends."""
+    points, cells = with_middles(*shaken_box(4, 3, 3))
+    own = points[:, 0].copy()
+    own[cells[:, 4:]] = 1000
+    mesh = meshio.Mesh(points, [("tetra10", cells)], point_data={"x": own})
+    middles = np.unique(cells[:, 4:])
+    for data in ("carry", "interpolate"):
+        r = tetune.optimize(mesh, data=data, boundary="fixed")
+        old = np.isin(r.vertex_map, middles)
+        stayed, moved = old & ~r.moved, old & r.moved
+        assert stayed.sum() > 0 and moved.sum() > 0
+        values = r.mesh.point_data["x"]
+        assert (values[stayed] == 1000).all()
+        assert (values[moved] == 1000).all() if data == "carry" else (values[moved] < 5).all()
+
+
 def test_arrays_of_curved_edges():
     points, cells = bent_box()
     mesh = tetune.TetMesh(

@@ -12,6 +12,7 @@ import pytest
 
 import tetune
 from meshes import BRACKET, ROOT, shaken_box
+from tetune._adapters import adapter_of
 
 meshio = pytest.importorskip("meshio")
 PACKAGE = Path(tetune.__file__).parent
@@ -121,6 +122,58 @@ def test_data_of_mid_side_nodes(command, tmp_path, package):
         assert np.array_equal(out.points, same.points) and out.point_data.keys() == same.point_data.keys()
         for name, values in same.point_data.items():
             assert np.array_equal(out.point_data[name], values), name
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_pieces_with_ghosts(command, tmp_path, order):
+    """Points where the pieces meet are one, and a ghost cell is the copy of a cell of the other piece."""
+    whole = meshio.Mesh(*(lambda p, t: (p, [("tetra", t)]))(*shaken_box(4, 2, 2)))
+    if order == 2:
+        whole = tetune.curve(whole).mesh
+        whole.points += np.stack([0.02 * whole.points[:, 1] ** 2, 0 * whole.points[:, 0], 0 * whole.points[:, 0]], axis=1)
+    kind, cells = whole.cells[0].type, whole.cells[0].data
+    left = whole.points[cells].mean(axis=1)[:, 0] < 2
+    for name, ids, ghosts in (("a.vtu", np.flatnonzero(left), 0), ("b.vtu", np.flatnonzero(~left), 3)):
+        ids = np.concatenate([np.flatnonzero(left)[:ghosts], ids])
+        used, number = np.unique(cells[ids], return_inverse=True)
+        ghost = (np.arange(len(ids)) < ghosts).astype(np.uint8)
+        meshio.Mesh(whole.points[used], [(kind, number.reshape(len(ids), -1))], cell_data={"vtkGhostType": [ghost]}).write(tmp_path / name)
+    (tmp_path / "whole.pvtu").write_text(
+        '<VTKFile type="PUnstructuredGrid" version="1.0"><PUnstructuredGrid GhostLevel="1"><PCellData>'
+        '<PDataArray type="UInt8" Name="vtkGhostType"/></PCellData><PPoints><PDataArray type="Float64" NumberOfComponents="3"/>'
+        '</PPoints><Piece Source="a.vtu"/><Piece Source="b.vtu"/></PUnstructuredGrid></VTKFile>')
+    done = command("pyvista")("convert", "whole.pvtu", "out.msh")
+    assert done.returncode == 0, done.stderr
+    out, expected = tetune.read_mesh(tmp_path / "out.msh"), adapter_of(whole, None).tet_mesh()
+    by_place = lambda mesh, cells: sorted(map(sorted, mesh.points[cells].tolist()))
+    assert len(out.points) == len(expected.points) and by_place(out, out.tets) == by_place(expected, expected.tets)
+    assert len(out.curved_edges) == len(expected.curved_edges) and (len(out.curved_edges) > 0) == (order == 2)
+    assert by_place(out, out.curved_edges) == by_place(expected, expected.curved_edges)
+    assert sorted(out.curved_middles.tolist()) == sorted(expected.curved_middles.tolist())
+
+
+@pytest.mark.parametrize("package", ["pyvista", "meshio"])
+def test_ghosts_of_one_file(command, tmp_path, package):
+    points, tets = shaken_box(2, 2, 2)
+    region = np.arange(len(tets), dtype=np.int32) + 1
+    ghost = (region % 4 == 0).astype(np.uint8)
+    meshio.Mesh(points, [("tetra", tets), ("triangle", tets[:2, :3])], cell_data={
+        "vtkGhostType": [ghost, np.array([0, 1], np.uint8)], "medit:ref": [region, np.array([90, 91], np.int32)]}).write(tmp_path / "in.vtu")
+    done = command(package)("convert", "in.vtu", "out.mesh")
+    assert done.returncode == 0, done.stderr
+    out = tetune.read_mesh(tmp_path / "out.mesh")
+    assert np.array_equal(out.tets, tets[ghost == 0]) and np.array_equal(out.tet_tags, region[ghost == 0])
+    assert out.triangle_tags.tolist() == [90]
+
+
+@pytest.mark.parametrize("package", ["pyvista", "meshio"])
+def test_meshes_inside_out_are_written_as_they_came(command, tmp_path, package):
+    points, tets = shaken_box(2, 2, 2)
+    turned = tets[:, [0, 1, 3, 2]]
+    meshio.Mesh(points, [("tetra", turned)]).write(tmp_path / "in.vtu")
+    done = command(package)("convert", "in.vtu", "out.vtu")
+    assert done.returncode == 0, done.stderr
+    assert np.array_equal(meshio.read(tmp_path / "out.vtu").cells[0].data, turned)
 
 
 def test_no_warning_of_pyvista(tmp_path):

@@ -13,30 +13,31 @@ from pathlib import Path
 PROGRAM = Path(__file__).parent / "bin" / "tetune"
 
 
-def _take_option(words: list[str], name: str) -> str | None:
-    """Removes `NAME VALUE` or `NAME=VALUE` and returns the value."""
-    for i, word in enumerate(words):
-        if word == name and i + 1 < len(words):
-            del words[i]
-            return words.pop(i)
-        if word.startswith(name + "="):
-            return words.pop(i)[len(name) + 1 :]
-    return None
+def _wants_page(words: list[str]) -> bool:
+    """Whether --report-html is among the words, with one dash or two, its value behind it or in it."""
+    options = words[: words.index("--")] if "--" in words else words
+    return any(w.lstrip("-").split("=")[0] == "report-html" for w in options if w.startswith("-"))
 
 
-def _optimize_with_page(words: list[str], page: str) -> int:
-    from .report.__main__ import main as report
+def _run_with_page(words: list[str]) -> int:
+    """Runs the program, which checks the name of the page with those of its other files, and then writes the page."""
+    from .report._page import plotly_script
+    from .report.__main__ import write_report
 
-    words = [w for w in words if w != "--trace-angles"]
+    try:
+        plotly_script()
+    except ImportError as error:
+        print(f"tetune: --report-html: {error}", file=sys.stderr)
+        return 2
     with tempfile.TemporaryDirectory() as folder:
-        figures = _take_option(words, "--report") or os.path.join(folder, "run.json")
-        done = subprocess.run([PROGRAM, *words, "--trace-angles", "--report", figures]).returncode
-        if done not in (0, 1):
+        data = Path(folder) / "run.json"
+        done = subprocess.run([PROGRAM, *words], env={**os.environ, "TETUNE_PAGE_DATA": str(data)}).returncode
+        if not data.exists():  # no mesh was written, or that of --dry-run
             return done
-        run = json.loads(Path(figures).read_text(encoding="utf-8")) if os.path.exists(figures) else {}
-        if "optimization" not in run:  # no mesh was written: --untangle failed
-            return done
-        return report([run["input"], run["output"], "-o", page, "--run", figures]) or done
+        run = json.loads(data.read_text(encoding="utf-8"))
+    failed = write_report(run["input"], run["output"], run["page"], run)
+    # As for the program's other reports: the mesh was written.
+    return 1 if failed else done
 
 
 def main() -> int:
@@ -45,9 +46,8 @@ def main() -> int:
         from .report.__main__ import main as report
 
         return report(words[1:])
-    page = _take_option(words, "--report-html") if words[:1] == ["optimize"] else None
-    if page is not None:
-        return _optimize_with_page(words, page)
+    if words[:1] in (["optimize"], ["move"]) and _wants_page(words):
+        return _run_with_page(words)
     os.execv(PROGRAM, ["tetune", *words])
 
 

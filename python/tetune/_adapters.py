@@ -186,6 +186,7 @@ class BlockAdapter(Adapter[M]):
         """The blocks of the result by vertices, of the kinds of the input."""
         cells = {"tetra": work.tets, "triangle": work.triangles, "line": work.edges}
         parents = {"tetra": report.tet2original, "triangle": report.triangle2original, "line": report.edge2original}
+        given = {kind: sum(len(b.vertices) for b in self.blocks if _linear_kind(b) == kind) for kind in cells}
         others = iter(work.others)
         first = dict.fromkeys(cells, 0)
         blocks: list[NewBlock] = []
@@ -198,7 +199,8 @@ class BlockAdapter(Adapter[M]):
             begin, end = first[kind], first[kind] + len(b.vertices)
             first[kind] = end
             parent = parents[kind]
-            if len(parent) == 0 and len(cells[kind]) > 0:  # all were kept
+            # An empty map says that all were kept, or that none was.
+            if len(parent) == 0 and len(cells[kind]) == given[kind]:
                 blocks.append(NewBlock(b.kind, cells[kind][begin:end], np.arange(len(b.vertices)), np.arange(begin, end)))
                 continue
             mine = (parent >= begin) & (parent < end)

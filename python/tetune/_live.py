@@ -68,9 +68,11 @@ class LiveMesh:
             OptionError: a vertex does not exist, or a position is not finite; the mesh is then unchanged.
         """
         ids = np.atleast_1d(np.asarray(vertices))
-        if not np.issubdtype(ids.dtype, np.integer):
+        if ids.size > 0 and not np.issubdtype(ids.dtype, np.integer):
             raise TypeError(f"vertices must be integers, the numbers of vertices, and not {ids.dtype}")
         positions = np.atleast_2d(np.asarray(points, dtype=np.float64))
+        if positions.size == 0:
+            positions = positions.reshape(0, 3)
         if positions.shape != (len(ids), 3):
             raise _core.OptionError(f"points has the shape {positions.shape} for {len(ids)} vertices; it must be ({len(ids)}, 3)")
         self._core.set_points(ids.tolist(), positions)

@@ -36,12 +36,13 @@ def displacement_of(data: Mapping[str, Any], name: str) -> Array:
 
 
 def is_smooth(values: Array) -> bool:
-    return values.size > 0 and values.dtype in (np.float64, np.float32)
+    """Whether these are floating-point data, in either byte order: meshio reads legacy files of VTK without swapping."""
+    return values.size > 0 and values.dtype.newbyteorder("=") in (np.float64, np.float32)
 
 
 def as_rows(values: Array) -> Array:
-    """An array of two dimensions with one row per entry."""
-    return np.ascontiguousarray(values).reshape(len(values), -1)
+    """An array of two dimensions with one row per entry, in the byte order of the processor."""
+    return np.ascontiguousarray(values, values.dtype.newbyteorder("=")).reshape(len(values), -1)
 
 
 def transfer_point_data(

@@ -159,7 +159,7 @@ class ResultMiddles:
         if kind not in EDGES:
             return corners
         rows = np.searchsorted(self._keys, keys_of(edges_of(kind, cells), self._base))
-        return np.hstack([corners, self._node2place[self._vertices + rows].reshape(len(cells), -1)])
+        return np.hstack([corners, self._node2place[self._vertices + rows].reshape(len(cells), len(EDGES[kind]))])
 
     def transfer(self, data: Mapping[str, Any], of_vertices: Mapping[str, Array], nodes: Nodes, interpolate: bool) -> dict[str, Array]:
         """Data of all nodes: those of a mid-side node whose edge was kept, else means of both ends or, of integers, the

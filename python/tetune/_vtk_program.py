@@ -46,6 +46,21 @@ def check(file: str) -> str:
 
 
 def load(file: str) -> Grid:
+    return without_ghosts(load_all(file))
+
+
+def without_ghosts(grid: Grid) -> Grid:
+    """Ghost cells are copies of the elements of another part."""
+    if "vtkGhostType" not in grid.cell_data:
+        return grid
+    kept = (np.asarray(grid.cell_data["vtkGhostType"]).astype(int) & 1) == 0
+    number = np.cumsum(kept) - 1
+    cells = [(kind, ids[kept[rows]], number[rows[kept[rows]]]) for kind, ids, rows in grid.cells]
+    return Grid(grid.points, [block for block in cells if len(block[2])], grid.point_data,
+                {name: np.asarray(values)[kept] for name, values in grid.cell_data.items()})
+
+
+def load_all(file: str) -> Grid:
     if check(file) == "pyvista":
         return load_by_pyvista(file)
     import meshio
@@ -83,8 +98,6 @@ def load_by_pyvista(file: str) -> Grid:
         rows, size = np.flatnonzero(kinds == kind), CELLS[kind][0]
         if (np.diff(offsets)[rows] != size).any():
             raise Refused(f"cells of VTK's type {kind} do not all have {size} points")
-        ghosts = np.asarray(grid.cell_data["vtkGhostType"])[rows] & 1 if "vtkGhostType" in grid.cell_data else 0 * rows
-        rows = rows[ghosts == 0]
         cells.append((int(kind), ids[offsets[rows][:, None] + np.arange(size)], rows))
     return Grid(np.asarray(grid.points, float), cells, {n: np.asarray(v) for n, v in grid.point_data.items()},
                 {n: np.asarray(v) for n, v in grid.cell_data.items()})

@@ -286,6 +286,7 @@ bool has_times(const std::string& path) {
 }
 
 void write_series(const std::string& path, const std::vector<SeriesStep>& steps) {
+  if (steps.empty()) throw FileError(path + ": the series lists no file");
   // Readers take relative names from the folder of the .pvd file.
   const std::filesystem::path folder = std::filesystem::absolute(path_of(path)).parent_path().lexically_normal();
   for (std::size_t i = 0; i < steps.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "io_fixture.hpp"
 #include "mesh_contents.hpp"
@@ -312,6 +313,49 @@ TEST_F(Plugins, SecondOrderIsRebuilt) {
   }
 }
 
+/// Replaces a run of 32-bit numbers, most significant byte first, which the file has once.
+void replace_numbers(std::string& file, const std::vector<char>& before, const std::vector<char>& after) {
+  const auto bytes = [](const std::vector<char>& numbers) {
+    std::string text;
+    for (const char n : numbers) text += std::string(3, '\0') + n;
+    return text;
+  };
+  const std::size_t at = file.find(bytes(before));
+  ASSERT_NE(at, std::string::npos);
+  ASSERT_EQ(file.find(bytes(before), at + 1), std::string::npos);
+  file.replace(at, 4 * before.size(), bytes(after));
+}
+
+TEST_F(Plugins, ElementsOfOtherKindsBehindMidSideNodesKeepTheirVertices) {
+  TetMesh m;
+  m.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 0, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0}};
+  m.point_tags.assign(8, 0);
+  m.tets = {{0, 1, 2, 3}};
+  m.tet_tags = {1};
+  m.second_order = true;
+  m.others = {{"Quadrilaterals", 4, {4, 5, 6, 7}, {2}, {}}};
+  // The file has the mid-side nodes last: the quadrilateral changes places with four of them.
+  write_mesh(path("a.e"), m, 1);
+  std::string file = get("a.e");
+  replace_numbers(file, {5, 6, 7, 8}, {10, 11, 13, 14});
+  replace_numbers(file, {1, 2, 3, 4, 9, 12, 10, 11, 13, 14}, {1, 2, 3, 4, 9, 12, 5, 6, 7, 8});
+  const TetMesh exodus = read_mesh(put("b.e", file), nullptr, 1);
+  ASSERT_EQ(exodus.others.size(), 1U);
+  EXPECT_EQ(exodus.others[0].element2vertex, (std::vector<Index>{4, 5, 6, 7}));
+  EXPECT_EQ(exodus.points.size(), 8U);
+  const TetMesh nastran = read_mesh(
+      put("a.bdf",
+          "GRID,1,,0.,0.,0.\nGRID,2,,.5,0.,0.\nGRID,3,,1.,0.,0.\nGRID,4,,.5,.5,0.\nGRID,5,,0.,1.,0.\nGRID,6,,0.,.5,0.\n"
+          "GRID,7,,0.,0.,1.\nGRID,8,,0.,0.,.5\nGRID,9,,.5,0.,.5\nGRID,10,,0.,.5,.5\nGRID,11,,5.,0.,0.\n"
+          "GRID,12,,6.,0.,0.\nGRID,13,,6.,1.,0.\nGRID,14,,5.,1.,0.\nCTETRA,1,1,1,3,5,7,2,4,+A\n+A,6,8,9,10\n"
+          "CQUAD4,2,2,11,12,13,14\nENDDATA\n"),
+      nullptr, 1);
+  EXPECT_TRUE(nastran.second_order);
+  ASSERT_EQ(nastran.others.size(), 1U);
+  EXPECT_EQ(nastran.others[0].element2vertex, (std::vector<Index>{4, 5, 6, 7}));
+  EXPECT_EQ(nastran.points, m.points);
+}
+
 TEST_F(Plugins, SetsOfNodesHoldMidSideNodesBetweenMembers) {
   TetMesh m = cube(2);
   m.second_order = true;
@@ -340,40 +384,94 @@ TEST_F(Plugins, ReadWhereStandardStreamsAreClosed) {
   EXPECT_EQ(error, "");
 }
 
-TEST_F(Plugins, PartsAreJoinedWhereTheyMeet) {
-  TetMesh m = two_materials(4);
-  for (int part = 1; part <= 2; ++part) {
-    TetMesh half = m;
-    half.tets.clear();
-    half.tet_tags.clear();
-    std::vector<Index> old2new(m.points.size(), -1);
-    half.points.clear();
-    for (std::size_t t = 0; t < m.tets.size(); ++t) {
-      if (m.tet_tags[t] != part) continue;
-      auto tet = m.tets[t];
-      for (Index& v : tet) {
-        Index& now = old2new[static_cast<std::size_t>(v)];
-        if (now < 0) {
-          now = static_cast<Index>(half.points.size());
-          half.points.push_back(m.points[static_cast<std::size_t>(v)]);
-        }
-        v = now;
+/// The elements with a tag and their vertices, with the curved edges and other elements between these.
+TetMesh part_of(const TetMesh& m, int tag) {
+  TetMesh part;
+  part.second_order = m.second_order;
+  std::vector<Index> old2new(m.points.size(), -1);
+  const auto now = [&old2new](Index v) { return old2new[static_cast<std::size_t>(v)]; };
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    if (m.tet_tags[t] != tag) continue;
+    auto tet = m.tets[t];
+    for (Index& v : tet) {
+      Index& number = old2new[static_cast<std::size_t>(v)];
+      if (number < 0) {
+        number = static_cast<Index>(part.points.size());
+        part.points.push_back(m.points[static_cast<std::size_t>(v)]);
       }
-      half.tets.push_back(tet);
-      half.tet_tags.push_back(part);
+      v = number;
     }
-    half.point_tags.assign(half.points.size(), 0);
-    write_mesh(path("part" + std::to_string(part) + ".vtu"), half, 1);
+    part.tets.push_back(tet);
+    part.tet_tags.push_back(tag);
   }
-  put("a.pvtu",
-      R"(<VTKFile type="PUnstructuredGrid" version="1.0"><PUnstructuredGrid GhostLevel="0"><PCellData>)"
-      R"(<PDataArray type="Int32" Name="medit:ref"/></PCellData><PPoints><PDataArray type="Float64" NumberOfComponents="3"/>)"
-      R"(</PPoints><Piece Source="part1.vtu"/><Piece Source="part2.vtu"/></PUnstructuredGrid></VTKFile>)");
-  const TetMesh joined = read_mesh(path("a.pvtu"), nullptr, 1);
+  part.point_tags.assign(part.points.size(), 0);
+  for (const CurvedEdge& e : m.curved_edges) {
+    const Index a = now(e.vertices[0]), b = now(e.vertices[1]);
+    if (a >= 0 && b >= 0) part.curved_edges.push_back({{std::min(a, b), std::max(a, b)}, e.middle});
+  }
+  std::sort(part.curved_edges.begin(), part.curved_edges.end(),
+            [](const CurvedEdge& x, const CurvedEdge& y) { return x.vertices < y.vertices; });
+  for (ElementBlock block : m.others) {
+    for (Index& v : block.element2vertex) v = now(v);
+    if (std::count(block.element2vertex.begin(), block.element2vertex.end(), -1) == 0) part.others.push_back(block);
+  }
+  return part;
+}
+
+const char* const kTwoParts =
+    R"(<VTKFile type="PUnstructuredGrid" version="1.0"><PUnstructuredGrid GhostLevel="0"><PCellData>)"
+    R"(<PDataArray type="Int32" Name="medit:ref"/></PCellData><PPoints><PDataArray type="Float64" NumberOfComponents="3"/>)"
+    R"(</PPoints><Piece Source="part1.vtu"/><Piece Source="part2.vtu"/></PUnstructuredGrid></VTKFile>)";
+
+TEST_F(Plugins, PartsAreJoinedWhereTheyMeet) {
+  const TetMesh m = two_materials(4);
+  for (int part = 1; part <= 2; ++part) write_mesh(path("part" + std::to_string(part) + ".vtu"), part_of(m, part), 1);
+  const TetMesh joined = read_mesh(put("a.pvtu", kTwoParts), nullptr, 1);
   EXPECT_EQ(joined.points.size(), m.points.size());
   EXPECT_EQ(joined.tets.size(), m.tets.size());
   EXPECT_TRUE(validate(joined).ok());
   EXPECT_EQ(std::set<int>(joined.tet_tags.begin(), joined.tet_tags.end()), (std::set<int>{1, 2}));
+}
+
+/// The curved edges of a mesh, by positions.
+std::set<std::pair<std::set<Point3>, Point3>> curved_places(const TetMesh& m) {
+  std::set<std::pair<std::set<Point3>, Point3>> places;
+  const auto at = [&m](Index v) { return m.points[static_cast<std::size_t>(v)]; };
+  for (const CurvedEdge& e : m.curved_edges) places.insert({{at(e.vertices[0]), at(e.vertices[1])}, e.middle});
+  return places;
+}
+
+TEST_F(Plugins, PartsOfSecondOrderAreJoinedWithTheirCurvedEdges) {
+  TetMesh m = two_materials(4);
+  std::set<std::array<Index, 2>> edges;
+  for (const auto& tet : m.tets) {
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = 0; b < a; ++b) edges.insert({std::min(tet[a], tet[b]), std::max(tet[a], tet[b])});
+    }
+  }
+  m.second_order = true;
+  for (const auto& [a, b] : edges) {  // all, also those between both parts
+    const Point3 p = m.points[static_cast<std::size_t>(a)], q = m.points[static_cast<std::size_t>(b)];
+    m.curved_edges.push_back({{a, b}, {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2 + 0.01, (p[2] + q[2]) / 2}});
+  }
+  // An element of another kind in each part, behind whose vertices the file has mid-side nodes.
+  for (const auto& tet : {m.tets[0], m.tets.back()}) {
+    m.others.push_back({"Quadrilaterals", 4, {tet.begin(), tet.end()}, {5}, {}});
+  }
+  for (int part = 1; part <= 2; ++part) write_mesh(path("part" + std::to_string(part) + ".vtu"), part_of(m, part), 1);
+  const TetMesh joined = read_mesh(put("a.pvtu", kTwoParts), nullptr, 1);
+  EXPECT_EQ(joined.points.size(), m.points.size());
+  EXPECT_EQ(joined.curved_edges.size(), m.curved_edges.size());
+  EXPECT_EQ(curved_places(joined), curved_places(m));
+  EXPECT_TRUE(validate(joined).ok());
+  ASSERT_EQ(joined.others.size(), 1U);
+  std::vector<Point3> places;
+  for (const Index v : joined.others[0].element2vertex) places.push_back(joined.points[static_cast<std::size_t>(v)]);
+  std::vector<Point3> expected;
+  for (const ElementBlock& block : m.others) {
+    for (const Index v : block.element2vertex) expected.push_back(m.points[static_cast<std::size_t>(v)]);
+  }
+  EXPECT_EQ(places, expected);
 }
 
 TEST_F(Plugins, OtherKindsFreezeWhatTheyShare) {

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any
 
 from .. import Error, read_mesh
-from ._page import write_page
+from ._page import check_page, write_page
 
 
 def _run(path: str) -> dict[str, Any]:
@@ -21,6 +22,23 @@ def _run(path: str) -> dict[str, Any]:
     if not isinstance(run, dict) or "optimization" not in run:
         raise Error(f"{path}: this is not what `tetune optimize --report FILE.json` writes; give that file, or drop --run")
     return run
+
+
+def _refuse_replacing(page: str, read: list[str]) -> None:
+    for name in read:
+        if os.path.exists(page) and os.path.exists(name) and os.path.samefile(page, name):
+            raise Error(f"{page} would be written, but is read as well; give another name")
+
+
+def write_report(before: str, after: str, page: str, run: dict[str, Any] | None) -> int:
+    """Writes the page of two files. Prints what prevents it, and returns an exit code."""
+    try:
+        check_page(page)
+        write_page(page, read_mesh(before), read_mesh(after), names=(before, after), run=run)
+    except (Error, OSError, ImportError) as error:
+        print(f"tetune: {error}", file=sys.stderr)
+        return 2
+    return 0
 
 
 def main(words: list[str] | None = None) -> int:
@@ -39,14 +57,11 @@ def main(words: list[str] | None = None) -> int:
     args = parser.parse_args(words)
     try:
         run = None if args.run is None else _run(args.run)
-        if not Path(args.output).absolute().parent.is_dir():
-            raise Error(f"{args.output}: there is no folder {Path(args.output).parent}; make it first")
-        before, after = read_mesh(args.before), read_mesh(args.after)
-        write_page(args.output, before, after, names=(args.before, args.after), run=run)
-    except (Error, OSError, ImportError) as error:
+        _refuse_replacing(args.output, [args.before, args.after, *([] if args.run is None else [args.run])])
+    except (Error, OSError) as error:
         print(f"tetune: {error}", file=sys.stderr)
         return 2
-    return 0
+    return write_report(args.before, args.after, args.output, run)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import Comparison, MeshError, Quality, TetMesh, __version__, compare
+from .. import Comparison, FileError, MeshError, Quality, TetMesh, __version__, compare
 from ._scene import COLORS, Measured, Scene, cuts_per_axis, worst_places
 
 # Measure, title, first and last edge of the bins, their number.
@@ -89,6 +89,23 @@ def _histograms(before: Measured, after: Measured) -> list[dict[str, Any]]:
     return charts
 
 
+def plotly_script() -> bytes:
+    """The library that draws. Raises ImportError where it is missing."""
+    try:
+        return files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
+    except ImportError as error:
+        raise ImportError("the report needs the package plotly: pip install plotly") from error
+
+
+def check_page(path: str | os.PathLike[str]) -> None:
+    """Raises FileError where the page cannot have this name."""
+    place = Path(path).absolute()
+    if not place.parent.is_dir():
+        raise FileError(f"{os.fspath(path)}: there is no folder {Path(path).parent}; make it first")
+    if place.exists() and not place.is_file():
+        raise FileError(f"{os.fspath(path)}: exists and is not a regular file; give another name")
+
+
 def write_page(
     path: str | os.PathLike[str],
     before: TetMesh,
@@ -100,12 +117,11 @@ def write_page(
     """Writes one HTML page that shows `before` and `after`; it opens offline in any browser.
 
     `run` is what `tetune optimize --report` wrote. The page is written under a temporary name and renamed. Raises
+    FileError where the folder does not exist, or where the name is that of something else than a regular file,
     MeshError for a mesh without tetrahedra or with wild indices, ImportError where plotly is missing.
     """
-    try:
-        plotly = files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
-    except ImportError as error:
-        raise ImportError("the report needs the package plotly: pip install plotly") from error
+    check_page(path)
+    plotly = plotly_script()
     for mesh, name in ((before, names[0]), (after, names[1])):
         if len(mesh.tets) == 0:
             raise MeshError(f"{name}: there is no tetrahedron to show")
