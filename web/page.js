@@ -7,10 +7,17 @@
     return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
   };
   // A browser isolates a page, and gives it threads, for two headers of the server, or of a service worker in its place.
-  // The first time the page has to be loaded again.
-  if (!crossOriginIsolated && location.protocol.startsWith("http") && navigator.serviceWorker && !navigator.serviceWorker.controller) {
+  // The first time the page has to be loaded again; also where a forced reload has passed over a worker that is active,
+  // once, as tools of developers may do that each time.
+  if (crossOriginIsolated) {
+    history.replaceState(null, "");
+  } else if (location.protocol.startsWith("http") && navigator.serviceWorker && !navigator.serviceWorker.controller) {
     navigator.serviceWorker.addEventListener("controllerchange", () => location.reload());
-    navigator.serviceWorker.register("isolate.js").catch(() => {});  // this file alone is on the server: one thread
+    navigator.serviceWorker.register("isolate.js").then(({ active }) => {
+      if (!active || history.state === "reloaded") return;
+      history.replaceState("reloaded", "");
+      location.reload();
+    }).catch(() => {});  // this file alone is on the server: one thread
   }
   const script_of = (...texts) => new Blob(texts, { type: "text/javascript" });
   /** The module of the command line: with threads where the page is isolated, else the one within the page. */
@@ -22,7 +29,7 @@
   })();
   const script = URL.createObjectURL(script_of(program.module, $("worker").textContent));
   const scenes = [null, null];
-  let files = {}, warnings = [], input = null, worker = null, place = null;
+  let files = {}, warnings = [], input = null, worker = null, place = null, opened = 0;
   const status = (text) => { $("status").textContent = text; };
 
   // ---- 3D
@@ -181,15 +188,27 @@
     worker.postMessage({ program, files, ...message });
   };
   const angle_of = (s) => s.angle.reduce((a, b) => Math.min(a, b), 180).toFixed(2);
+  /** Links to the files of a result, in place of those before. */
+  const offer = (results) => {
+    for (const a of $("downloads").children) URL.revokeObjectURL(a.href);
+    $("downloads").replaceChildren(...Object.entries(results).map(([name, bytes]) => {
+      const a = document.createElement("a");
+      a.href = URL.createObjectURL(new Blob([bytes]));
+      a.download = a.textContent = name;
+      return a;
+    }));
+  };
   const open = async (list) => {
     stop();
-    files = {};
-    for (const f of list) files[f.name] = new Uint8Array(await f.arrayBuffer());
+    const number = ++opened;
+    const read = await Promise.all(Array.from(list, async (f) => [f.name, new Uint8Array(await f.arrayBuffer())]));
+    if (number !== opened) return;  // others were opened meanwhile
+    files = Object.fromEntries(read);
     const names = Object.keys(files);
     input = names.find((n) => n.endsWith(".ele")) ?? names[0];
     place = scenes[0] = scenes[1] = null;
     $("whole").hidden = true;
-    $("downloads").replaceChildren();
+    offer({});
     [0, 1].forEach((which) => views.show(which, new Float32Array()));
     views.draw();
     status(`Reading ${input}`);
@@ -206,12 +225,7 @@
     status("Optimizing");
     work({ input, output, words: ["--boundary", $("boundary").value, "--effort", $("effort").value] }, (data) => {
       scenes[1] = data;
-      $("downloads").replaceChildren(...Object.entries(data.results).map(([name, bytes]) => {
-        const a = document.createElement("a");
-        a.href = URL.createObjectURL(new Blob([bytes]));
-        a.download = a.textContent = name;
-        return a;
-      }));
+      offer(data.results);
       show_all();
       status(`Done in ${data.seconds.toFixed(1)} s${program.threads > 1 ? ` with ${program.threads} threads` : ""}: smallest dihedral angle ${angle_of(scenes[0])}° before, ${angle_of(data)}° after.${warnings.map((w) => `\nWarning: ${w}`).join("")}`);
     });

@@ -54,11 +54,33 @@ def check_served(tab, folder, command):
     with served(folder) as home:
         tab.goto(home)
         tab.wait_for_function("crossOriginIsolated")  # the page has been loaded again
+        # A forced reload passes over the service worker, which is active.
+        tab.evaluate("() => { window.before = true; }")
+        tab.context.new_cdp_session(tab).send("Page.reload", {"ignoreCache": True})
+        tab.wait_for_function("crossOriginIsolated && !window.before")
         expect_same(tab, home, folder, command)
     threads = tab.evaluate("navigator.hardwareConcurrency")
     assert threads == 1 or f"with {threads} threads" in tab.locator("#status").text_content()
     assert errors == [], errors
     assert [r for r in requests if not r.startswith((home, "data:", "blob:"))] == [], requests
+
+
+def check_links(tab):
+    """The page keeps no file that it no longer offers, and of two sets of files that are opened at once the second."""
+    link = tab.locator("#downloads a").first.get_attribute("href")
+    works = "(link) => fetch(link).then((answer) => answer.ok, () => false)"
+    assert tab.evaluate(works, link)
+    tab.evaluate("""() => {
+      const open = (...names) => {
+        const files = new DataTransfer();
+        names.forEach((name) => files.items.add(new File(["no mesh\\n"], name)));
+        dispatchEvent(new DragEvent("drop", { dataTransfer: files }));
+      };
+      open("first.node", "first.ele");
+      open("second.mesh");
+    }""")
+    tab.get_by_text("second.mesh:1: this is not a MEDIT mesh").wait_for()
+    assert not tab.evaluate(works, link)
 
 
 def check_on_disk(tab, folder, command):
@@ -72,6 +94,10 @@ def check_on_disk(tab, folder, command):
     tab.locator("#cancel").click()
     tab.get_by_text("Canceled.").wait_for()
     tab.wait_for_selector("#start:enabled")
+    tab.locator("#effort").select_option("fast")
+    tab.locator("#start").click()
+    tab.wait_for_selector("#downloads a")
+    check_links(tab)
     bad = folder / "bad.mesh"
     bad.write_text("no mesh\n")
     tab.locator("#file").set_input_files(bad)
