@@ -61,6 +61,9 @@ Every output replaces the old file only when it is complete: a run that fails le
 constexpr const char* kSections = R"(.SH INTERRUPTION
 On SIGINT (Ctrl\-C) and SIGTERM, and at the time limit, the work stops within about half a second; the mesh at that time,
 which is as valid as any result, is written, and the exit code is 1.
+With
+.BR "\-\-data conserve"
+data are still transferred, for at most as long as the run has taken before; then they are interpolated.
 A second signal, or one before there is anything to write, ends the process at once: no file is written, and temporary
 files are removed.
 .SH EXIT STATUS

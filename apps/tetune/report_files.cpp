@@ -175,6 +175,7 @@ Json to_json(const Report& r) {
                {"triangles_dropped", r.triangles_dropped},
                {"edges_dropped", r.edges_dropped},
                {"uncovered", r.uncovered},
+               {"transfer_stopped", r.transfer_stopped},
                {"colors", r.colors},
                {"energy_before", r.energy_before},
                {"energy_after", r.energy_after}};
@@ -312,6 +313,11 @@ std::vector<std::string> run_warnings(const Report& report, const std::string& d
   }
   std::vector<std::string> warnings = constraint_notes(report);
   if (!report.unchanged.empty()) warnings.push_back(report.unchanged);
+  if (report.transfer_stopped) {
+    warnings.push_back(
+        "--data conserve: the run was stopped, and the transfer took longer than the run before it; data are those of "
+        "--data interpolate, so totals have changed");
+  }
   if (names.empty()) return warnings;
   warnings.push_back(
       "the values of " + names +

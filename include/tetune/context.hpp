@@ -25,7 +25,7 @@ struct Progress {
 ///
 /// If one of them requests a stop, optimize() returns at the next safe point, with StopReason::cancelled: the mesh is
 /// the best so far, and as valid as any result. Once the mesh is loaded there are several safe points per second, on
-/// large meshes too.
+/// large meshes too. Only DataTransfer::conserve may take as long again: see Report::transfer_stopped.
 struct Context {
   /// Called between passes; returns false to stop.
   std::function<bool(const Progress&)> progress;

@@ -125,6 +125,9 @@ struct Report : OperationCounts {
   /// With DataTransfer::conserve: fraction of the input's volume that no tetrahedron of the result covers, 0 where the
   /// surface keeps its shape; its data were assigned to the nearest tetrahedra.
   double uncovered = 0;
+  /// With DataTransfer::conserve: the run was stopped, and the transfer would have taken longer than the run before it;
+  /// data are those of DataTransfer::interpolate.
+  bool transfer_stopped = false;
   /// For each tetrahedron of the result one of the input in the same region: itself if it was not changed, else one
   /// that was replaced near it.
   std::vector<Index> tet2original;
@@ -142,7 +145,7 @@ struct Report : OperationCounts {
   std::vector<std::string> moved_fields;
   /// With Options::only_below, and of optimize_towards(): the reason why the mesh was left as it is; else empty.
   std::string unchanged;
-  std::vector<std::string> warnings;  ///< of options without effect, see ineffective_options(), and the two above
+  std::vector<std::string> warnings;  ///< of options without effect, see ineffective_options(), and the three above
   double seconds = 0;                 ///< wall-clock time of optimize()
   StopReason stop = StopReason::converged;
 };

@@ -69,7 +69,8 @@ void transfer(Archive& archive, AnyReport& r) {
   archive(r.free_vertices, r.plane_vertices, r.line_vertices, r.fixed_vertices);
   archive(r.surface_vertices, r.curve_vertices, r.periodic_vertices, r.corners_not_held, r.edges_not_held);
   archive(r.triangles_dropped, r.edges_dropped, r.colors, r.energy_before, r.energy_after);
-  archive(r.vertex2original, r.places, r.uncovered, r.tet2original, r.triangle2original, r.edge2original);
+  archive(r.vertex2original, r.places, r.uncovered, r.transfer_stopped, r.tet2original, r.triangle2original,
+          r.edge2original);
   transfer_each(archive, r.sweeps);
   transfer_each(archive, r.flip_passes);
   transfer_each(archive, r.worst_rounds);

@@ -134,7 +134,9 @@ void bind_maps(nb::class_<Report>& report) {
       .def_prop_ro(
           "place_weights", [](const Report& r) { return columns_of(r.places, &MeshPlace::weights); },
           "Barycentric coordinates of each vertex of the result in that tetrahedron.",
-          nb::sig("def place_weights(self) -> NDArray[numpy.float64]"));
+          nb::sig("def place_weights(self) -> NDArray[numpy.float64]"))
+      .def_ro("transfer_stopped", &Report::transfer_stopped,
+              "With data='conserve': the run was stopped, and data are those of 'interpolate'.");
 }
 
 void bind_motion(nb::module_& m) {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "backend/span.hpp"
 #include "boundary/vertex_dof.hpp"
@@ -27,14 +29,18 @@ std::vector<std::uint8_t> constraining_edges(const TetMesh& mesh) {
 /// Appends the elements with one of the tags. A tag without elements is an error: the caller meant a part of the mesh.
 void add_tagged(const std::vector<int>& element_tags, const std::vector<int>& wanted, const char* option,
                 const char* what, std::vector<Index>& elements) {
+  std::map<int, std::vector<Index>> tag2elements;
+  for (const int tag : wanted) tag2elements[tag];
+  for (Size i = 0; i < std::ssize(element_tags) && !wanted.empty(); ++i) {
+    const auto found = tag2elements.find(span_of(element_tags)[i]);
+    if (found != tag2elements.end()) found->second.push_back(to_index(i));
+  }
   for (const int tag : wanted) {
-    const std::size_t before = elements.size();
-    for (Size i = 0; i < std::ssize(element_tags); ++i) {
-      if (span_of(element_tags)[i] == tag) elements.push_back(to_index(i));
-    }
-    if (elements.size() == before) {
+    const std::vector<Index>& tagged = tag2elements[tag];
+    if (tagged.empty()) {
       throw OptionError(std::string(option) + "=" + std::to_string(tag) + ": no " + what + " has this tag");
     }
+    elements.insert(elements.end(), tagged.begin(), tagged.end());
   }
 }
 
@@ -58,12 +64,20 @@ void find_edges(const TetMesh& mesh, Constraints& constraints) {
 
 /// Makes ends and junctions of named groups of edges corners, so that each keeps its extent.
 void hold_ends_of_groups(const TetMesh& mesh, Span<std::uint8_t> frozen) {
+  if (mesh.groups.empty()) return;
+  std::vector<std::pair<int, Index>> tag2edge;
+  for (Index e = 0; e < std::ssize(mesh.edges); ++e) tag2edge.emplace_back(span_of(mesh.edge_tags)[e], e);
+  std::sort(tag2edge.begin(), tag2edge.end());
   for (const Group& group : mesh.groups) {
     if (group.dimension != 1 || group.name.empty()) continue;
     const std::set<int> tags(group.tags.begin(), group.tags.end());
     std::vector<Index> ends;
-    for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-      if (tags.contains(mesh.edge_tags[e])) ends.insert(ends.end(), mesh.edges[e].begin(), mesh.edges[e].end());
+    for (const int tag : tags) {
+      auto entry = std::lower_bound(tag2edge.begin(), tag2edge.end(), std::pair{tag, Index{0}});
+      for (; entry != tag2edge.end() && entry->first == tag; ++entry) {
+        const auto& edge = span_of(mesh.edges)[entry->second];
+        ends.insert(ends.end(), edge.begin(), edge.end());
+      }
     }
     std::sort(ends.begin(), ends.end());
     for (auto first = ends.begin(); first != ends.end();) {
@@ -78,17 +92,30 @@ void hold_ends_of_groups(const TetMesh& mesh, Span<std::uint8_t> frozen) {
 void find_required_triangles(const TetMesh& mesh, Constraints& constraints) {
   std::vector<std::uint8_t> required(mesh.triangles.size(), 0);
   for (const Index t : mesh.required_triangles) span_of(required)[t] = 1;
+  std::vector<std::pair<Index, Index>> vertex2triangle;  // by the first vertex of each
+  if (!mesh.periodic.empty()) {
+    for (Index t = 0; t < std::ssize(required); ++t) vertex2triangle.emplace_back(span_of(mesh.triangles)[t][0], t);
+  }
+  std::sort(vertex2triangle.begin(), vertex2triangle.end());
+  std::vector<std::uint8_t> is_paired(mesh.points.size(), 0);
+  const Span<std::uint8_t> sides = span_of(is_paired);
   for (const PeriodicLink& link : mesh.periodic) {
     if (link.dimension != 2) continue;
-    std::vector<std::uint8_t> is_paired(mesh.points.size(), 0);
     for (const auto& [vertex, master] : link.pairs) {
-      span_of(is_paired)[vertex] |= 1;
-      span_of(is_paired)[master] |= 2;
+      sides[vertex] |= 1;
+      sides[master] |= 2;
     }
-    for (std::size_t t = 0; t < required.size(); ++t) {
-      const auto& [a, b, c] = mesh.triangles[t];
-      const Span<const std::uint8_t> sides = span_of(is_paired);
-      if ((sides[a] & sides[b] & sides[c]) != 0) required[t] = 1;
+    for (const auto& pair : link.pairs) {
+      for (const Index v : pair) {
+        auto entry = std::lower_bound(vertex2triangle.begin(), vertex2triangle.end(), std::pair{v, Index{0}});
+        for (; entry != vertex2triangle.end() && entry->first == v; ++entry) {
+          const auto& [a, b, c] = span_of(mesh.triangles)[entry->second];
+          if ((sides[a] & sides[b] & sides[c]) != 0) span_of(required)[entry->second] = 1;
+        }
+      }
+    }
+    for (const auto& pair : link.pairs) {
+      for (const Index v : pair) sides[v] = 0;
     }
   }
   const bool any = std::find(required.begin(), required.end(), 1) != required.end();

@@ -2,6 +2,7 @@
 #include "tetune/optimize.hpp"
 
 #include <string>
+#include <utility>
 
 #include "backend/cpu.hpp"
 #include "driver/curved/optimize_curved.hpp"
@@ -47,7 +48,7 @@ Report run_on_device(TetMesh& mesh, const Options& options, const Context& conte
     report.threads = cpu.threads();
   }
   report.device_reason.swap(choice.reason);
-  warnings.add_to(report);
+  warnings.add_to(report, std::exchange(report.warnings, {}));
   report.seconds = PhaseTimer::seconds_since(start);
   return report;
 }

@@ -9,6 +9,7 @@
 #include "driver/move_job.hpp"
 #include "driver/place_tracker.hpp"
 #include "driver/report/targets.hpp"
+#include "driver/transfer_stop.hpp"
 #include "phases/improve.hpp"
 #include "phases/motion/follow_targets.hpp"
 #include "phases/motion/sliding_motion.hpp"
@@ -108,7 +109,7 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
   }
 
   Optimizer<Backend> optimizer(backend, work, options, context, report, timer, start);
-  const auto tracker = optimize_on_detail::run_phases(optimizer, job);
+  auto tracker = optimize_on_detail::run_phases(optimizer, job);
   optimizer.sum_energy(optimizer.objective());
   report.energy_after = optimizer.in_callers_unit(optimizer.energy());
 
@@ -117,8 +118,11 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
   }
   if (tracker != nullptr) {
     timer.measure(Phase::data, [&] { report.places = places_of(*tracker, work, mesh.points.size()); });
+    tracker.reset();  // its memory is free for the transfer
   }
-  timer.measure(Phase::store, [&] { export_mesh(backend, work, options, mesh, surface, report); });
+  timer.measure(Phase::store, [&] {
+    export_mesh(backend, work, options, mesh, surface, transfer_stop(context.stop, start), report);
+  });
   report.tets_after = std::ssize(mesh.tets);
   return report;
 }

@@ -2,12 +2,15 @@
 #include "driver/result_mesh.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <type_traits>
 
+#include "backend/cpu.hpp"
 #include "boundary/constraints.hpp"
+#include "driver/transfer_stop.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/keep_entities.hpp"
-#include "tetune/data.hpp"
+#include "mesh/transfer/conserve.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
 
@@ -44,19 +47,23 @@ std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult&
 }
 
 /// Sets the data of vertices and tetrahedra of the result, whose points are those by extended id.
-void transfer_data(const TetMesh& mesh, const HostResult& result, const Options& options, TetMesh& next,
-                   Report& report) {
+void transfer_data(const TetMesh& mesh, const HostResult& result, const Options& options,
+                   const std::function<bool()>& stop, TetMesh& next, Report& report) {
   const bool has_data = !mesh.point_data.empty() || !mesh.tet_data.empty();
   if (options.data == DataTransfer::conserve && has_data) {
     std::vector<std::array<Index, 4>> tets = result.tets;
     for (auto& tet : tets) {
       for (Index& v : tet) v = span_of(result.numbering.extended2new)[v];
     }
-    ConservedData data = conserve_data(mesh, tets, result.tet2original, report.places, options.threads);
-    next.point_data = std::move(data.point_data);
-    next.tet_data = std::move(data.tet_data);
-    report.uncovered = data.uncovered;
-    return;
+    std::optional<ConservedData> data = conserve_data_until_stopped(backend::Cpu(options.threads, stop), mesh, tets,
+                                                                    result.tet2original, report.places);
+    if (data) {
+      next.point_data = std::move(data->point_data);
+      next.tet_data = std::move(data->tet_data);
+      report.uncovered = data->uncovered;
+      return;
+    }
+    report_transfer_given_up(report);
   }
   next.point_data = report.places.empty() ? carried_point_data(mesh, result, next.points)
                                           : interpolate_point_data(mesh.point_data, report.places);
@@ -166,7 +173,8 @@ std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMes
 }
 
 void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
-                  const std::vector<Listed>& listed_triangles, double scale, const Options& options, Report& report) {
+                  const std::vector<Listed>& listed_triangles, double scale, const Options& options,
+                  const std::function<bool()>& stop_transfer, Report& report) {
   VertexNumbering& numbering = result.numbering;
   TetMesh next;
   next.points = extended_points(mesh.points, result.points, numbering, scale);
@@ -175,7 +183,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   next.point_tags.resize(next.points.size(), 0);
   next.deck_nodes = mesh.deck_nodes;
   if (mesh.deck != nullptr) next.deck_nodes.resize(next.points.size(), 0);
-  transfer_data(mesh, result, options, next, report);
+  transfer_data(mesh, result, options, stop_transfer, next, report);
   next.tet_tags = regions_of(result.tet2original, mesh);
   next.required_tets = new_required_tets(required_slots, result.slot_of_tet);
   next.corners = mesh.corners;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "boundary/boundary_triangles.hpp"
@@ -44,7 +45,10 @@ std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMes
 /// Replaces the caller's mesh by the result, and reports which of its entities were kept. `required_slots` and
 /// `listed_triangles`: as of WorkingSet. When it throws, the mesh is as before. Throws OverlapError where flips have
 /// made faces of three or more tetrahedra, and MeshError for incomplete data arrays.
+///
+/// A conservative transfer that `stop_transfer` ends, which all threads call, leaves a warning and interpolated data.
 void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
-                  const std::vector<Listed>& listed_triangles, double scale, const Options& options, Report& report);
+                  const std::vector<Listed>& listed_triangles, double scale, const Options& options,
+                  const std::function<bool()>& stop_transfer, Report& report);
 
 }  // namespace tetune

@@ -11,6 +11,7 @@
 #include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
 #include "math/closest_triangle.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -84,22 +85,62 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
   return surface;
 }
 
-/// One in `stride` of some points.
-std::vector<Vec3> every(std::int64_t stride, const std::vector<Vec3>& points) {
+/// A surface to which distances are measured.
+class DistantSurface {
+ public:
+  explicit DistantSurface(const MeshSurface& surface) : closest_(surface.triangles) {
+    for (const Vec3& v : surface.vertices) vertices_.push_back(to_point(v));
+    for (const TrianglePoints& t : surface.triangles) triangles_.push_back(sorted(t));
+    sort_unique(vertices_);
+    sort_unique(triangles_);
+  }
+
+  const ClosestTriangle& closest() const { return closest_; }
+  /// Whether it has a vertex or a triangle, in all bits: points of that need no search, which takes long where many
+  /// triangles share a vertex.
+  bool has(const Vec3& vertex) const {
+    return std::binary_search(vertices_.begin(), vertices_.end(), to_point(vertex));
+  }
+  bool has(const TrianglePoints& triangle) const {
+    return std::binary_search(triangles_.begin(), triangles_.end(), sorted(triangle));
+  }
+
+ private:
+  using SortedTriangle = std::array<Point3, 3>;
+  static SortedTriangle sorted(const TrianglePoints& t) {
+    SortedTriangle points{to_point(t[0]), to_point(t[1]), to_point(t[2])};
+    std::sort(points.begin(), points.end());
+    return points;
+  }
+
+  ClosestTriangle closest_;
+  std::vector<Point3> vertices_;
+  std::vector<SortedTriangle> triangles_;
+};
+
+/// One in `stride` of some vertices, without those that the other surface has.
+std::vector<Vec3> distant_vertices(std::int64_t stride, const std::vector<Vec3>& vertices,
+                                   const DistantSurface& other) {
   std::vector<Vec3> sampled;
-  for (Size i = 0; i < std::ssize(points); i += stride) sampled.push_back(span_of(points)[i]);
+  for (Size i = 0; i < std::ssize(vertices); i += stride) {
+    if (!other.has(span_of(vertices)[i])) sampled.push_back(span_of(vertices)[i]);
+  }
   return sampled;
 }
 
-/// One in `stride` of the midpoints of edges and triangles. Of the triangles at an edge at least one lists it in
-/// increasing order of its end points.
-std::vector<Vec3> midpoints(std::int64_t stride, const std::vector<TrianglePoints>& triangles) {
+/// One in `stride` of the midpoints of edges and triangles, without those of triangles that the other surface has. Of
+/// the triangles at an edge at least one lists it in increasing order of its end points.
+std::vector<Vec3> distant_midpoints(std::int64_t stride, const std::vector<TrianglePoints>& triangles,
+                                    const DistantSurface& other) {
   std::vector<Vec3> points;
   std::int64_t passed = 0;
-  const auto add = [&](const Vec3& p) {
-    if (passed++ % stride == 0) points.push_back(p);
-  };
   for (const TrianglePoints& t : triangles) {
+    std::optional<bool> is_common;
+    const auto add = [&](const Vec3& p) {
+      if (passed++ % stride != 0) return;
+      if (!is_common) is_common = other.has(t);
+      if (!*is_common) points.push_back(p);
+    };
     add((1.0 / 3) * (t[0] + t[1] + t[2]));
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& a = t[k];
@@ -221,22 +262,25 @@ void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale,
   c.area_change = relative_change(old_surface.area, new_surface.area);
   c.mean_edge = old_surface.mean_edge / scale;
   if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
-  std::optional<ClosestTriangle> old_triangles;
-  std::optional<ClosestTriangle> new_triangles;
+  std::optional<DistantSurface> old_triangles;
+  std::optional<DistantSurface> new_triangles;
   cpu.for_parts(2, [&](Size i) {
     if (i == 0) {
-      old_triangles.emplace(old_surface.triangles);
+      old_triangles.emplace(old_surface);
     } else {
-      new_triangles.emplace(new_surface.triangles);
+      new_triangles.emplace(new_surface);
     }
   });
   const std::int64_t samples = std::max(old_surface.sample_count(), new_surface.sample_count());
   c.sample_stride = max_samples > 0 ? (samples + max_samples - 1) / max_samples : 1;
-  const auto farthest = [&](const MeshSurface& surface, const ClosestTriangle& triangles, double vertices) {
-    return max_distance(midpoints(c.sample_stride, surface.triangles), triangles, cpu, vertices);
+  const auto farthest = [&](const MeshSurface& surface, const DistantSurface& other, double vertices) {
+    return max_distance(distant_midpoints(c.sample_stride, surface.triangles, other), other.closest(), cpu, vertices);
   };
-  const double new_vertices = max_distance(every(c.sample_stride, new_surface.vertices), *old_triangles, cpu);
-  const double old_vertices = max_distance(every(c.sample_stride, old_surface.vertices), *new_triangles, cpu);
+  const auto farthest_vertex = [&](const MeshSurface& surface, const DistantSurface& other) {
+    return max_distance(distant_vertices(c.sample_stride, surface.vertices, other), other.closest(), cpu);
+  };
+  const double new_vertices = farthest_vertex(new_surface, *old_triangles);
+  const double old_vertices = farthest_vertex(old_surface, *new_triangles);
   c.vertices_to_old = new_vertices / old_surface.mean_edge;
   c.new_to_old = farthest(new_surface, *old_triangles, new_vertices) / old_surface.mean_edge;
   c.old_to_new = farthest(old_surface, *new_triangles, old_vertices) / old_surface.mean_edge;

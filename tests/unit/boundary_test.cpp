@@ -2,11 +2,15 @@
 // Classification of vertices whose surface is preserved; closest points on triangles.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <random>
 
+#include "boundary/constraints.hpp"
 #include "boundary/surface.hpp"
+#include "boundary/vertex_dof.hpp"
 #include "math/closest_triangle.hpp"
 #include "support/meshes.hpp"
+#include "support/sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -201,6 +205,44 @@ TEST(Classification, ASheetThinnerThanTheToleranceKeepsItsShape) {
   EXPECT_LT(std::fabs(c.volume_change), 1e-9);
   EXPECT_LT(c.old_to_new, 1e-9);
   EXPECT_TRUE(validate(m).ok());
+}
+
+/// Lines, one per group, of two edges each; pairs of triangles, one per periodic link.
+TEST(Constraints, OfManyGroupsAndLinksTakeLinearTime) {
+  // With quadratic time this would take half a minute; it takes a part of a second.
+  constexpr std::chrono::seconds kEnough(test::kSanitized ? 50 : 5);
+  constexpr Index kCount = 20'000;
+  TetMesh mesh;
+  for (Index i = 0; i < kCount; ++i) {
+    const auto v = static_cast<Index>(mesh.points.size());
+    mesh.points.resize(mesh.points.size() + 9);
+    mesh.edges.insert(mesh.edges.end(), {{v, v + 1}, {v + 1, v + 2}});
+    mesh.edge_tags.insert(mesh.edge_tags.end(), 2, i + 1);
+    mesh.groups.push_back({1, i + 1, "line", {i + 1}});
+    mesh.triangles.insert(mesh.triangles.end(), {{v + 3, v + 4, v + 5}, {v + 6, v + 7, v + 8}, {v, v + 4, v + 5}});
+    mesh.triangle_tags.insert(mesh.triangle_tags.end(), 3, i + 1);
+    PeriodicLink link;
+    for (Index k = 3; k < 6; ++k) link.pairs.push_back({v + k, v + k + 3});
+    mesh.periodic.push_back(link);
+  }
+  Options options;
+  for (Index i = 0; i < kCount; i += 2) options.frozen_patches.push_back(i + 1);
+  const auto start = std::chrono::steady_clock::now();
+  const Constraints found = find_constraints(mesh, options);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, kEnough);
+  for (std::size_t i = 0; i < to_size_t(kCount); ++i) {
+    const bool is_even = i % 2 == 0;
+    EXPECT_EQ(found.frozen[9 * i], is_even ? kFrozen : kCorner);
+    EXPECT_EQ(found.frozen[9 * i + 1], kMovable);
+    EXPECT_EQ(found.frozen[9 * i + 2], kCorner);
+    EXPECT_EQ(found.frozen_without_links[9 * i + 4], is_even ? kFrozen : kMovable);
+    EXPECT_EQ(found.frozen[9 * i + 4], kFrozen);
+    EXPECT_EQ(found.required_triangles[3 * i], 1);
+    EXPECT_EQ(found.required_triangles[3 * i + 1], 1);
+    EXPECT_EQ(found.required_triangles[3 * i + 2], 0);
+  }
+  options.frozen_patches.push_back(kCount + 1);
+  EXPECT_THROW(find_constraints(mesh, options), OptionError);
 }
 
 TEST(Surface, IsRejectedWhereItsCornersExceed32Bits) {

@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
+#include <thread>
+#include <utility>
 
 #include "mesh/transfer/tet_overlap.hpp"
 #include "support/curved.hpp"
@@ -261,6 +265,81 @@ TEST(Conserve, RefusesIdsOutOfRange) {
   EXPECT_THROW(conserve_data(mesh, mesh.tets, {1}, places), MeshError);
   places[2].vertices[3] = 4;
   EXPECT_THROW(conserve_data(mesh, mesh.tets, {0}, places), MeshError);
+}
+
+/// Tetrahedra from a point of a cube to the triangles of its surface, with a field. Their boxes all meet: transfer
+/// takes a time that is quadratic in their number.
+TetMesh star(int cells) {
+  TetMesh mesh = test::cube(cells);
+  const std::vector<std::array<Index, 4>> tets = std::exchange(mesh.tets, {});
+  std::map<std::array<Index, 3>, std::pair<std::array<Index, 3>, int>> faces;
+  for (const auto& t : tets) {
+    for (const auto& face : {std::array{t[0], t[1], t[2]}, std::array{t[0], t[3], t[1]}, std::array{t[1], t[3], t[2]},
+                             std::array{t[0], t[2], t[3]}}) {
+      auto key = face;
+      std::sort(key.begin(), key.end());
+      auto& [oriented, count] = faces[key];
+      oriented = face;
+      ++count;
+    }
+  }
+  const Index center = static_cast<Index>(mesh.points.size());
+  mesh.points.push_back({0.513, 0.521, 0.483});
+  for (const auto& [key, face] : faces) {
+    if (face.second == 1) mesh.tets.push_back({face.first[0], face.first[1], face.first[2], center});
+  }
+  mesh.point_tags.resize(mesh.points.size());
+  mesh.tet_tags.assign(mesh.tets.size(), 0);
+  std::vector<double> field;
+  for (const Point3& p : mesh.points) field.push_back(p[0] * p[1]);
+  mesh.point_data = {{"field", 1, field}};
+  return mesh;
+}
+
+TEST(Conserve, EndsAfterAStop) {
+  const TetMesh before = star(40);
+  ASSERT_TRUE(validate(before).ok());
+  for (const bool in_part : {false, true}) {
+    Options options;
+    options.data = DataTransfer::conserve;
+    options.threads = 1;
+    if (in_part) options.only_below = {{Measure::min_dihedral, 70}};
+    Context context;
+    context.progress = [](const Progress& p) { return p.iteration == 0; };
+    TetMesh after = before;
+    const Report report = optimize(after, options, context);
+    EXPECT_EQ(report.stop, StopReason::cancelled);
+    EXPECT_TRUE(report.transfer_stopped);
+    ASSERT_NE(after.points, before.points);
+    EXPECT_TRUE(validate(after).ok());
+    ASSERT_EQ(std::count_if(report.warnings.begin(), report.warnings.end(),
+                            [](const std::string& w) { return w.find("data are those of") != std::string::npos; }),
+              1);
+    const auto expected = interpolate_point_data(before.point_data, report.places);
+    EXPECT_EQ(doubles(after.point_data[0]), doubles(expected[0]));
+  }
+}
+
+/// A stop is no reason to give up what takes a moment.
+TEST(Conserve, IsFinishedAfterAStopIfItTakesLittle) {
+  TetMesh before = test::scrambled(test::cube(6, 0.2, 5), 5, 1);
+  std::vector<double> field;
+  for (const Point3& p : before.points) field.push_back(p[0] * p[1]);
+  before.point_data = {{"field", 1, field}};
+  Options options;
+  options.data = DataTransfer::conserve;
+  bool was_asked = false;
+  Context context;
+  context.progress = [&](const Progress& p) {
+    if (p.iteration == 0) return true;
+    if (!std::exchange(was_asked, true)) std::this_thread::sleep_for(std::chrono::seconds(3));
+    return false;
+  };
+  TetMesh after = before;
+  const Report report = optimize(after, options, context);
+  EXPECT_EQ(report.stop, StopReason::cancelled);
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_NE(doubles(after.point_data[0]), doubles(interpolate_point_data(before.point_data, report.places)[0]));
 }
 
 }  // namespace

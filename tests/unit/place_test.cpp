@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "mesh/transfer/point_locator.hpp"
@@ -59,6 +60,34 @@ TEST(PointLocator, TakesTheClosestPointForOneOutside) {
     const Vec3 q = position(mesh, locate.locate(vec(p), near(p)));
     const Vec3 clamped{std::clamp(p[0], 0.0, 1.0), std::clamp(p[1], 0.0, 1.0), std::clamp(p[2], 0.0, 1.0)};
     EXPECT_LT(norm(q - clamped), 0.1);
+  }
+}
+
+/// Tetrahedra around one edge.
+TetMesh sectors(Index count) {
+  TetMesh mesh;
+  mesh.points = {{0, 0, 1}, {0, 0, -1}};
+  for (Index i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * i / count;
+    mesh.points.push_back({std::cos(angle), std::sin(angle), 0});
+    mesh.tets.push_back({0, 1, 2 + (i + 1) % count, 2 + i});
+  }
+  mesh.point_tags.resize(mesh.points.size());
+  mesh.tet_tags.resize(mesh.tets.size());
+  return mesh;
+}
+
+/// Neither the walk nor the search around the start gets to the other side of an edge of 9000 tetrahedra.
+TEST(PointLocator, FindsPointsAcrossAVertexOfManyTetrahedra) {
+  const TetMesh mesh = sectors(9000);
+  const PointLocator locate = locator(mesh);
+  for (Index v = 2; v < std::ssize(mesh.points); v += 450) {
+    const Vec3 outer = vec(span_of(mesh.points)[v]);
+    for (const Vec3& p : {0.5 * outer, 0.99 * outer}) {
+      EXPECT_LT(norm(position(mesh, locate.locate(p, 0)) - p), 1e-9);
+    }
+    EXPECT_LT(norm(position(mesh, locate.locate(1.01 * outer, 0)) - outer), 0.02)
+        << "for a point outside the closest one";
   }
 }
 

@@ -110,6 +110,18 @@ TEST(Compare, VolumesAndAreasAreThoseOfCurvedElements) {
   EXPECT_NEAR(back.volume_change, 1 / (1 + kShift) - 1, 1e-15);
 }
 
+/// With exact zeros no triangle was searched for, which takes quadratic time where many share a vertex.
+TEST(Compare, CommonTrianglesHaveNoDistance) {
+  TetMesh mesh = test::cube(6);
+  for (Point3& p : mesh.points) p = {0.3 * p[0] - 0.7 * p[1], 0.7 * p[0] + 0.3 * p[1] + 0.1 * p[2], 0.9 * p[2]};
+  const Comparison same = compare(mesh, mesh);
+  EXPECT_EQ(same.new_to_old, 0);
+  EXPECT_EQ(same.old_to_new, 0);
+  EXPECT_EQ(same.vertices_to_old, 0);
+  const Comparison renumbered = compare(mesh, test::scrambled(mesh, 5, 2));
+  EXPECT_EQ(renumbered.new_to_old, 0);
+}
+
 TEST(Compare, FindsChanges) {
   const TetMesh before = test::cube(4);
   TetMesh after = before;

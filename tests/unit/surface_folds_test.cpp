@@ -52,7 +52,21 @@ TEST_F(FoldedSurface, AVertexBeyondTheEdgeOfItsPlaneFoldsTheSurface) {
   EXPECT_TRUE(newly_folded(host(), dofs, after).empty());
 }
 
-TEST_F(FoldedSurface, OnlyVerticesOfKindPlaneAreChecked) {
+/// One of the middle of the edge x = 0 of the top face. Its faces are those of two planes.
+TEST_F(FoldedSurface, AVertexBeyondTheNextOneOnItsLineFoldsTheSurface) {
+  constexpr std::size_t kOnEdge = (4 * 5 + 2) * 5;
+  ASSERT_EQ(mesh.points[kOnEdge], (Point3{0, 0.5, 1}));
+  dofs.assign(mesh.points.size(), VertexDof::fixed);
+  dofs[kOnEdge] = VertexDof::line;
+  const std::vector<std::uint8_t> before = folded_vertices(host(), dofs);
+  EXPECT_EQ(std::count(before.begin(), before.end(), 1), 0);
+  mesh.points[kOnEdge][1] = 0.7;
+  EXPECT_TRUE(newly_folded(host(), dofs, before).empty()) << "before the next vertex";
+  mesh.points[kOnEdge][1] = 0.8;
+  EXPECT_FALSE(newly_folded(host(), dofs, before).empty());
+}
+
+TEST_F(FoldedSurface, FixedVerticesAreNotChecked) {
   dofs[kInTop] = VertexDof::fixed;
   mesh.points[kInTop][0] = -0.1;
   const std::vector<std::uint8_t> folded = folded_vertices(host(), dofs);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "boundary/constraints.hpp"
@@ -63,7 +64,9 @@ ActivePart take_part(const TetMesh& mesh, const ActiveTets& active, const Constr
 /// vertices may have been removed than inserted.
 ///
 /// `report` is that of the part, and becomes one of the whole mesh; its targets count the other tetrahedra as locked.
-/// Returns where the entries of the result of the part are. When it throws, the mesh is as before.
-PartMaps replace_part(TetMesh& mesh, ActivePart part, const ActiveTets& active, Report& report);
+/// Returns where the entries of the result of the part are. When it throws, the mesh is as before. `stop_transfer`: as
+/// of replace_mesh().
+PartMaps replace_part(TetMesh& mesh, ActivePart part, const ActiveTets& active,
+                      const std::function<bool()>& stop_transfer, Report& report);
 
 }  // namespace tetune

@@ -129,7 +129,8 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
       return report.reached() || !can_grow || report.optimization.stop == StopReason::cancelled;
     };
     try {
-      const auto maps = change_tets(mesh_, tets_at(mesh_.tets, moves), rings, options_, change, report.optimization);
+      const auto maps =
+          change_tets(mesh_, tets_at(mesh_.tets, moves), rings, options_, context, change, report.optimization);
       rings *= 2;
       if (!maps) continue;
       report.blocking_tets = translated_ids(std::move(report.blocking_tets), maps->tet2whole);

@@ -8,6 +8,7 @@
 #include "driver/devices.hpp"
 #include "driver/parts/active_part.hpp"
 #include "driver/report/run_warnings.hpp"
+#include "driver/transfer_stop.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/progress/latched_hooks.hpp"
@@ -51,9 +52,16 @@ ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options,
   return {report.corners_not_held == 0, report.edges_not_held == 0};
 }
 
+/// A run that can be stopped.
+struct Run {
+  const Context& context;
+  PhaseTimer::SteadyClock::time_point start = PhaseTimer::SteadyClock::now();
+};
+
 /// change_tets() for known constraints and active tetrahedra.
 std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
-                                      const Options& options, const ChangePart& change, Report& report) {
+                                      const Options& options, const Run& run, const ChangePart& change,
+                                      Report& report) {
   ActivePart part;
   part.options = options;
   if (active.count > 0) {
@@ -74,7 +82,7 @@ std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constrai
   report.tets_bad = active.bad;
   report.tets_active = active.count;
   RunWarnings(mesh, options).add_to(report);
-  return replace_part(mesh, std::move(part), active, report);
+  return replace_part(mesh, std::move(part), active, transfer_stop(run.context.stop, run.start), report);
 }
 
 /// The number of tetrahedra that miss a limit; 0 without limits, for which nothing is measured.
@@ -87,21 +95,21 @@ std::int64_t count_missing(const TetMesh& mesh, const std::vector<Target>& limit
 Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
                             const Options& options, const Context& caller) {
   const LatchedHooks hooks(caller);
-  const Context& context = hooks.context();
+  const Run run{hooks.context()};
   Report report = report_nothing(options);
   std::int64_t before = 0, after = 0;
   const auto change = [&](ActivePart& part) {
     before = count_missing(part.mesh, options.only_below, options.threads);
-    report = run_part(mesh, part, context);
+    report = run_part(mesh, part, run.context);
     after = count_missing(part.mesh, options.only_below, options.threads);
     return after <= before;
   };
-  if (change_active(mesh, constraints, active, options, change, report)) return report;
+  if (change_active(mesh, constraints, active, options, run, change, report)) return report;
   // The objective may lower other measures than those of the floor.
   ActiveTets none;
   none.flags.assign(mesh.tets.size(), 0);
   report = report_nothing(options);
-  change_active(mesh, constraints, none, options, change, report);
+  change_active(mesh, constraints, none, options, run, change, report);
   report.tets_bad = active.bad;
   report.unchanged = "the mesh is as before: " + std::to_string(after) +
                      " tetrahedra would miss the limits afterwards, " + std::to_string(before) + " do so now";
@@ -144,12 +152,13 @@ Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, 
 }
 
 std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
-                                    const ChangePart& change, Report& report) {
-  const auto start = PhaseTimer::SteadyClock::now();
+                                    const Context& context, const ChangePart& change, Report& report) {
+  const LatchedHooks hooks(context);
+  const Run run{hooks.context()};
   const Constraints constraints = checked_constraints(mesh, options);
   const ActiveTets active = activate(mesh, std::move(flags), constraints, rings);
-  auto maps = change_active(mesh, constraints, active, options, change, report);
-  report.seconds = PhaseTimer::seconds_since(start);
+  auto maps = change_active(mesh, constraints, active, options, run, change, report);
+  report.seconds = PhaseTimer::seconds_since(run.start);
   return maps;
 }
 

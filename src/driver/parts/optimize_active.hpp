@@ -28,7 +28,7 @@ using ChangePart = std::function<bool(ActivePart&)>;
 /// `report` is that of the part, which `change` fills, and becomes one of the whole mesh. Where the result is not
 /// taken, returns nothing, and the mesh is as before.
 std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
-                                    const ChangePart& change, Report& report);
+                                    const Context& context, const ChangePart& change, Report& report);
 
 /// The report where there is nothing to optimize.
 Report report_nothing(const Options& options);

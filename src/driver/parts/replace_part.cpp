@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
+#include "backend/cpu.hpp"
 #include "driver/parts/active_part.hpp"
 #include "driver/report/targets.hpp"
+#include "driver/transfer_stop.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/keep_entities.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
+#include "mesh/transfer/conserve.hpp"
 #include "quality/limits.hpp"
 #include "quality/tet_measures.hpp"
-#include "tetune/data.hpp"
 
 namespace tetune {
 namespace {
@@ -87,8 +90,9 @@ std::int64_t absent_that_stay(std::vector<std::uint8_t> stays, const std::vector
 /// The changes of the whole mesh by the result of the part.
 class PartReplacement {
  public:
-  PartReplacement(const TetMesh& mesh, const ActivePart& part, Report& report)
-      : mesh_(mesh), part_(part), report_(report) {
+  PartReplacement(const TetMesh& mesh, const ActivePart& part, const std::function<bool()>& stop_transfer,
+                  Report& report)
+      : mesh_(mesh), part_(part), stop_transfer_(stop_transfer), report_(report) {
     change_vertices();
     change_tets();
     change_triangles();
@@ -226,13 +230,20 @@ class PartReplacement {
     report_.edges_dropped -= absent_that_stay(part_.edge_stays, original);
   }
 
-  void conserve() {
+  /// Returns false where the transfer is given up.
+  bool conserve() {
     std::vector<std::array<Index, 4>> tets = mesh_.tets;
     tets_.apply(tets, new_tets_);
-    ConservedData data = conserve_data(mesh_, tets, tet2original_, report_.places, part_.options.threads);
-    point_data_ = std::move(data.point_data);
-    tet_data_ = std::move(data.tet_data);
-    report_.uncovered = data.uncovered;
+    std::optional<ConservedData> data = conserve_data_until_stopped(backend::Cpu(part_.options.threads, stop_transfer_),
+                                                                    mesh_, tets, tet2original_, report_.places);
+    if (!data) {
+      report_transfer_given_up(report_);
+      return false;
+    }
+    point_data_ = std::move(data->point_data);
+    tet_data_ = std::move(data->tet_data);
+    report_.uncovered = data->uncovered;
+    return true;
   }
 
   void transfer_data() {
@@ -246,9 +257,7 @@ class PartReplacement {
         place.vertices = translated(place.vertices, part_.vertex2whole);
       }
       report_.places = std::move(places);
-      if (part_.options.data == DataTransfer::conserve) {
-        conserve();
-      } else {
+      if (part_.options.data != DataTransfer::conserve || !conserve()) {
         point_data_ = interpolate_point_data(mesh_.point_data, report_.places);
       }
     } else if (vertex2original_.empty() || mesh_.point_data.empty()) {
@@ -271,6 +280,7 @@ class PartReplacement {
 
   const TetMesh& mesh_;
   const ActivePart& part_;
+  const std::function<bool()>& stop_transfer_;
   Report& report_;
   ListChange vertices_{{}, 0}, tets_{{}, 0}, triangles_{{}, 0};
   std::vector<std::array<Index, 4>> new_tets_;
@@ -313,12 +323,13 @@ void extend_targets(const TetMesh& mesh, const PartReplacement& replacement, con
 
 }  // namespace
 
-PartMaps replace_part(TetMesh& mesh, ActivePart part, const ActiveTets& active, Report& report) {
+PartMaps replace_part(TetMesh& mesh, ActivePart part, const ActiveTets& active,
+                      const std::function<bool()>& stop_transfer, Report& report) {
   report.fixed_vertices += std::ssize(mesh.points) - report.vertices;
   report.vertices = std::ssize(mesh.points);
   report.tets_after += std::ssize(mesh.tets) - report.tets_before;
   report.tets_before = std::ssize(mesh.tets);
-  PartReplacement replacement(mesh, part, report);
+  PartReplacement replacement(mesh, part, stop_transfer, report);
   extend_targets(mesh, replacement, active, part.options.threads, report);
   PartMaps maps{replacement.vertex2whole(), replacement.tet2whole()};
   replacement.apply(mesh);

@@ -27,7 +27,7 @@ bool has_moved(const Report& report) {
 }  // namespace
 
 RunWarnings::RunWarnings(const TetMesh& mesh, const Options& options) : warnings_(ineffective_options(options)) {
-  warnings_.reserve(warnings_.size() + 1);
+  warnings_.reserve(warnings_.size() + 2);
   if (options.data != DataTransfer::carry) return;
   std::string names;
   for (const DataArray& array : mesh.point_data) {
@@ -40,12 +40,13 @@ RunWarnings::RunWarnings(const TetMesh& mesh, const Options& options) : warnings
                "the new positions";
 }
 
-void RunWarnings::add_to(Report& report) {
+void RunWarnings::add_to(Report& report, std::vector<std::string> of_run) {
   report.moved_fields.clear();
   if (!fields_.empty() && has_moved(report)) {
     warnings_.push_back(std::move(of_fields_));
     report.moved_fields.swap(fields_);
   }
+  for (std::string& warning : of_run) warnings_.push_back(std::move(warning));
   report.warnings.swap(warnings_);
 }
 

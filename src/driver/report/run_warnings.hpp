@@ -14,11 +14,11 @@ namespace tetune {
 class RunWarnings {
  public:
   RunWarnings(const TetMesh& mesh, const Options& options);
-  /// Sets Report::warnings, and Report::moved_fields where vertices have moved.
-  void add_to(Report& report);
+  /// Sets Report::warnings, and Report::moved_fields where vertices have moved. `of_run`: at most one more warning.
+  void add_to(Report& report, std::vector<std::string> of_run = {});
 
  private:
-  std::vector<std::string> warnings_;  ///< with room for one more
+  std::vector<std::string> warnings_;  ///< with room for two more
   std::vector<std::string> fields_;    ///< that move with their vertices
   std::string of_fields_;
 };

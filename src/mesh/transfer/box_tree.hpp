@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "backend/span.hpp"
@@ -22,6 +23,13 @@ class BoxTree {
     if (!items_.empty()) descend(levels_.size() - 1, 0, box, visit);
   }
 
+  /// Calls visit(i) for the boxes i within a squared distance of a point. Close ones tend to be first, and visit()
+  /// may lower the distance.
+  template <class Visit>
+  void for_closer(const Vec3& p, const double& distance2, const Visit& visit) const {
+    if (!items_.empty()) approach(levels_.size() - 1, 0, p, distance2, visit);
+  }
+
  private:
   static constexpr Size kFanout = 4;
 
@@ -35,6 +43,28 @@ class BoxTree {
         visit(span_of(items_)[i]);
       } else {
         descend(level - 1, i * kFanout, box, visit);
+      }
+    }
+  }
+
+  template <class Visit>
+  void approach(std::size_t level, Size node, const Vec3& p, const double& distance2, const Visit& visit) const {
+    const std::vector<Box>& nodes = levels_[level];
+    std::array<std::pair<double, Size>, kFanout> children;
+    auto last = children.begin();
+    const Size end = std::min<Size>(node + kFanout, std::ssize(nodes));
+    for (Size i = node; i < end; ++i) {
+      const std::pair<double, Size> child{span_of(nodes)[i].distance2(p), i};
+      auto place = last++;
+      for (; place != children.begin() && child < *(place - 1); --place) *place = *(place - 1);
+      *place = child;
+    }
+    for (auto child = children.begin(); child != last && child->first <= distance2; ++child) {
+      const Size i = child->second;
+      if (level == 0) {
+        visit(span_of(items_)[i]);
+      } else {
+        approach(level - 1, i * kFanout, p, distance2, visit);
       }
     }
   }

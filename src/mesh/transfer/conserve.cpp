@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "mesh/transfer/conserve.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -10,7 +12,6 @@
 #include "mesh/transfer/bounded_projection.hpp"
 #include "mesh/transfer/projection_sums.hpp"
 #include "mesh/transfer/tet_overlaps.hpp"
-#include "tetune/data.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -182,8 +183,10 @@ void check_ids(std::span<const Index> ids, std::size_t size, const char* what) {
 
 }  // namespace
 
-ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<Index, 4>>& tets,
-                            const std::vector<Index>& tet2original, const std::vector<MeshPlace>& places, int threads) {
+std::optional<ConservedData> conserve_data_until_stopped(const backend::Cpu& cpu, const TetMesh& input,
+                                                         const std::vector<std::array<Index, 4>>& tets,
+                                                         const std::vector<Index>& tet2original,
+                                                         const std::vector<MeshPlace>& places) {
   if (tet2original.size() != tets.size()) {
     throw MeshError("tet2original has " + std::to_string(tet2original.size()) + " entries; it must have one for each " +
                     "of the " + std::to_string(tets.size()) + " tetrahedra");
@@ -198,12 +201,11 @@ ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<I
   check_ids(tet2original, input.tets.size(), "originals of tetrahedra");
   for (const auto& tet : tets) check_ids(tet, places.size(), "places of vertices");
   for (const MeshPlace& place : places) check_ids(place.vertices, input.points.size(), "vertices of the input");
-  const backend::Cpu cpu(threads);
   const TransferMeshes meshes(input, tets, tet2original, places);
   const auto [fields, values] = projected_fields(input.point_data, std::ssize(input.points));
   ProjectionSums sums(meshes, span_of(values), std::ssize(fields));
   const bool projects = !fields.empty();
-  const TetOverlaps overlaps = find_overlaps(
+  const std::optional<TetOverlaps> found = find_overlaps(
       cpu, meshes, projects,
       [&](const std::vector<Index>& changed) {
         if (projects) sums.begin(changed);
@@ -211,16 +213,24 @@ ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<I
       [&](Size entry, Index old, const TetOverlap& common) {
         if (projects) sums.add(entry, old, common);
       });
+  if (!found) return std::nullopt;
+  const TetOverlaps& overlaps = *found;
   ConservedData result{interpolate_point_data(input.point_data, places),
                        conserved_tet_data(cpu, input.tet_data, tet2original, overlaps), overlaps.uncovered};
   if (!projects) return result;
   sums.complete(overlaps);
   BoundedProjection projection(cpu, meshes, overlaps, sums);
   for (Size f = 0; f < std::ssize(fields); ++f) {
+    if (cpu.stop_requested()) return std::nullopt;
     const Field& field = span_of(fields)[f];
     project(projection, f, field, input.point_data[field.array], result.point_data[field.array]);
   }
   return result;
+}
+
+ConservedData conserve_data(const TetMesh& input, const std::vector<std::array<Index, 4>>& tets,
+                            const std::vector<Index>& tet2original, const std::vector<MeshPlace>& places, int threads) {
+  return *conserve_data_until_stopped(backend::Cpu(threads), input, tets, tet2original, places);
 }
 
 }  // namespace tetune

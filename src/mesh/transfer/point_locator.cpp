@@ -11,7 +11,7 @@ namespace {
 constexpr double kInside = 1e-13;
 /// The walk is given up after this number of tetrahedra, as it can run in a circle.
 constexpr int kMaxWalk = 300;
-/// The search around the start is given up after this number of tetrahedra: the point is outside.
+/// The search around the start is given up after this number of tetrahedra: the point is outside, or far.
 constexpr std::size_t kMaxSearch = 2000;
 
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(cross(b - a, c - a), d - a); }
@@ -37,27 +37,37 @@ TetPoint PointLocator::locate(const Vec3& p, Index start) const {
   const Index first = span_of(vertex2tet_)[start];
   Hit hit = closest_in(p, first);
   Index slot = first;
+  bool is_outside = false;
   for (int step = 0; hit.distance2 > 0 && step < kMaxWalk; ++step) {
-    std::array<Vec3, 4> x{};
-    for (int k = 0; k < 4; ++k) x[to_size_t(k)] = vec(span_of(mesh_.points)[span_of(mesh_.tet2vertex)[slot][k]]);
-    const std::array<double, 4> weights = barycentric(p, x);
+    const std::array<double, 4> weights = barycentric(p, corners(slot));
     // Across the face that separates most, among those with a tetrahedron behind them.
     int face = -1;
     for (int k = 0; k < 4; ++k) {
       if (span_of(mesh_.tet2tet)[slot][k] == kNoHalfFace || weights[to_size_t(k)] >= 0) continue;
       if (face < 0 || weights[to_size_t(k)] < weights[to_size_t(face)]) face = k;
     }
-    if (face < 0) break;
+    is_outside = face < 0;
+    if (is_outside) break;
     slot = tet_of(span_of(mesh_.tet2tet)[slot][face]);
     hit = closest_in(p, slot);
   }
-  if (hit.distance2 > 0) hit = search(p, first);
+  if (hit.distance2 > 0) {
+    const Hit walked = hit;
+    bool is_complete = true;
+    hit = search(p, first, is_complete);
+    if (!is_complete && !touches(hit)) hit = look_up(p, walked.distance2 < hit.distance2 ? walked : hit, is_outside);
+  }
   return {span_of(mesh_.tet2vertex)[hit.slot], hit.weights};
 }
 
-PointLocator::Hit PointLocator::closest_in(const Vec3& p, Index slot) const {
+std::array<Vec3, 4> PointLocator::corners(Index slot) const {
   std::array<Vec3, 4> x{};
   for (int k = 0; k < 4; ++k) x[to_size_t(k)] = vec(span_of(mesh_.points)[span_of(mesh_.tet2vertex)[slot][k]]);
+  return x;
+}
+
+PointLocator::Hit PointLocator::closest_in(const Vec3& p, Index slot) const {
+  const std::array<Vec3, 4> x = corners(slot);
   Hit hit{slot, barycentric(p, x), 0};
   const bool inside = std::all_of(hit.weights.begin(), hit.weights.end(), [](double w) { return w >= -kInside; });
   double sum = 0;
@@ -71,8 +81,17 @@ PointLocator::Hit PointLocator::closest_in(const Vec3& p, Index slot) const {
   return hit;
 }
 
-/// Breadth first through faces.
-PointLocator::Hit PointLocator::search(const Vec3& p, Index slot) const {
+/// Whether the point is outside the tetrahedron by rounding only, as one that has moved within the surface.
+bool PointLocator::touches(const Hit& hit) const {
+  constexpr double kRounding = 1e-10;
+  const std::array<Vec3, 4> x = corners(hit.slot);
+  double longest2 = 0;
+  for (std::size_t k = 1; k < 4; ++k) longest2 = std::max(longest2, dot(x[k] - x[0], x[k] - x[0]));
+  return hit.distance2 <= kRounding * kRounding * longest2;
+}
+
+/// Breadth first through faces. `is_complete` becomes false where the search is given up.
+PointLocator::Hit PointLocator::search(const Vec3& p, Index slot, bool& is_complete) const {
   std::vector<Index> queue{slot};
   std::unordered_set<Index> seen{slot};
   Hit best = closest_in(p, slot);
@@ -81,10 +100,42 @@ PointLocator::Hit PointLocator::search(const Vec3& p, Index slot) const {
     if (hit.distance2 < best.distance2) best = hit;
     for (int f = 0; f < 4; ++f) {
       const HalfFace across = span_of(mesh_.tet2tet)[queue[i]][f];
-      if (across == kNoHalfFace || queue.size() >= kMaxSearch) continue;
+      if (queue.size() >= kMaxSearch) is_complete = false;
+      if (across == kNoHalfFace || !is_complete) continue;
       if (seen.insert(tet_of(across)).second) queue.push_back(tet_of(across));
     }
   }
+  return best;
+}
+
+void PointLocator::build_tree() const {
+  std::vector<Box> boxes;
+  for (Index slot = 0; slot < std::ssize(mesh_.tet2vertex); ++slot) {
+    if (span_of(mesh_.tet2vertex)[slot][0] == kFreeSlot) continue;
+    const std::array<Vec3, 4> x = corners(slot);
+    Box box{x[0], x[0]};
+    for (const Vec3& p : x) box.include(p);
+    boxes.push_back(box);
+    tree2slot_.push_back(slot);
+  }
+  tree_.emplace(boxes);
+}
+
+/// The tetrahedron that contains the point, wherever it is. If there is none, the closest one of all, but the known one
+/// where the walk has ended at the surface: others may be across a gap.
+PointLocator::Hit PointLocator::look_up(const Vec3& p, const Hit& known, bool is_outside) const {
+  std::call_once(needs_tree_, [this] { build_tree(); });
+  Hit best = known;
+  tree_->for_meeting(Box{p, p}, [&](Index i) {
+    if (best.distance2 == 0) return;
+    const Hit hit = closest_in(p, span_of(tree2slot_)[i]);
+    if (hit.distance2 == 0) best = hit;
+  });
+  if (best.distance2 == 0 || is_outside) return best;
+  tree_->for_closer(p, best.distance2, [&](Index i) {
+    const Hit hit = closest_in(p, span_of(tree2slot_)[i]);
+    if (hit.distance2 < best.distance2) best = hit;
+  });
   return best;
 }
 

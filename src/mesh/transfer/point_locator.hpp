@@ -2,9 +2,12 @@
 #pragma once
 
 #include <array>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "mesh/host_mesh.hpp"
+#include "mesh/transfer/box_tree.hpp"
 
 namespace tetune {
 
@@ -22,7 +25,8 @@ class PointLocator {
   /// Whether a vertex is one of a tetrahedron.
   bool has_tet(Index vertex) const { return vertex < std::ssize(vertex2tet_) && span_of(vertex2tet_)[vertex] >= 0; }
   /// The tetrahedron that contains `p`; for a point outside the mesh the closest point of those around `start`, a
-  /// vertex of a tetrahedron. The search takes a time proportional to the number of tetrahedra between it and `p`.
+  /// vertex of a tetrahedron, or of all where the way to it is long. The search takes a time proportional to the number
+  /// of tetrahedra between it and `p`, up to a limit.
   TetPoint locate(const Vec3& p, Index start) const;
 
  private:
@@ -31,11 +35,19 @@ class PointLocator {
     std::array<double, 4> weights;
     double distance2;  ///< of `p` from the point with these weights
   };
+  std::array<Vec3, 4> corners(Index slot) const;
   Hit closest_in(const Vec3& p, Index slot) const;
-  Hit search(const Vec3& p, Index slot) const;
+  bool touches(const Hit& hit) const;
+  Hit search(const Vec3& p, Index slot, bool& is_complete) const;
+  void build_tree() const;
+  Hit look_up(const Vec3& p, const Hit& known, bool is_outside) const;
 
   HostMesh mesh_;
   std::vector<Index> vertex2tet_;  ///< a slot with the vertex, or -1
+  /// Over all tetrahedra, for points that are far from their start; most meshes have none.
+  mutable std::once_flag needs_tree_;
+  mutable std::optional<BoxTree> tree_;
+  mutable std::vector<Index> tree2slot_;
 };
 
 }  // namespace tetune

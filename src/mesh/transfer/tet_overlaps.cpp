@@ -51,21 +51,44 @@ std::vector<Index> changed_old(const TransferMeshes& meshes) {
   return changed;
 }
 
-/// The entry of `tets` in the region of a tetrahedron of the input whose centroid is nearest; -1 if there is none.
-Size nearest(const TransferMeshes& meshes, const std::vector<Index>& tets, Index old) {
-  const Vec3 center = centroid_of(meshes.old_tet(old));
-  double best = kInfinity;
-  Size found = -1;
-  for (Size i = 0; i < std::ssize(tets); ++i) {
-    const Index t = span_of(tets)[i];
-    if (meshes.regions[meshes.tet2original[t]] != meshes.regions[old]) continue;
-    const Vec3 d = centroid_of(meshes.new_tet(t)) - center;
-    if (dot(d, d) >= best) continue;
-    best = dot(d, d);
-    found = i;
+/// Finds the entry of `tets` in the region of a tetrahedron of the input whose centroid is nearest.
+class NearestEntry {
+ public:
+  NearestEntry(const TransferMeshes& meshes, const std::vector<Index>& tets)
+      : meshes_(meshes), tets_(tets), tree_(centroids(meshes, tets)) {}
+
+  /// -1 if there is none; the first of equally near ones.
+  Size of(Index old) const {
+    const Vec3 center = centroid_of(meshes_.old_tet(old));
+    double best = kInfinity;
+    Size found = -1;
+    tree_.for_closer(center, best, [&](Index i) {
+      const Index t = span_of(tets_)[i];
+      if (meshes_.regions[meshes_.tet2original[t]] != meshes_.regions[old]) return;
+      const Vec3 d = centroid_of(meshes_.new_tet(t)) - center;
+      const double distance2 = dot(d, d);
+      if (distance2 > best || (distance2 == best && found >= 0 && i > found)) return;
+      best = distance2;
+      found = i;
+    });
+    return found;
   }
-  return found;
-}
+
+ private:
+  static std::vector<Box> centroids(const TransferMeshes& meshes, const std::vector<Index>& tets) {
+    std::vector<Box> boxes;
+    boxes.reserve(tets.size());
+    for (const Index t : tets) {
+      const Vec3 center = centroid_of(meshes.new_tet(t));
+      boxes.push_back({center, center});
+    }
+    return boxes;
+  }
+
+  const TransferMeshes& meshes_;
+  const std::vector<Index>& tets_;
+  const BoxTree tree_;
+};
 
 struct Pair {
   Size entry;
@@ -87,11 +110,13 @@ void measure_cover(const TransferMeshes& meshes, const std::vector<Index>& chang
     const Index t = span_of(result.old)[i];
     span_of(result.covered)[t] += span_of(result.volumes)[i] / span_of(result.old_volumes)[t];
   }
+  std::optional<NearestEntry> nearest;
   for (const Index t : changed) {
     const double missing = 1 - span_of(result.covered)[t];
     if (missing > 1e-12) result.uncovered += missing * span_of(result.old_volumes)[t] / total;
     if (span_of(result.covered)[t] > 0) continue;
-    const Size near = nearest(meshes, result.tets, t);
+    if (!nearest) nearest.emplace(meshes, result.tets);
+    const Size near = nearest->of(t);
     if (near >= 0) result.uncovered_tets.emplace_back(t, near);
   }
 }
@@ -116,8 +141,9 @@ TransferMeshes::TransferMeshes(const TetMesh& input, const std::vector<VertexIds
   tet2same = find_unchanged(*this);
 }
 
-TetOverlaps find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, bool with_moments,
-                          const std::function<void(const std::vector<Index>&)>& begin, const OverlapVisitor& visit) {
+std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, bool with_moments,
+                                         const std::function<void(const std::vector<Index>&)>& begin,
+                                         const OverlapVisitor& visit) {
   TetOverlaps result;
   for (Index t = 0; t < meshes.new_tets.size(); ++t) {
     if (span_of(meshes.tet2same)[t] < 0) result.tets.push_back(t);
@@ -140,6 +166,7 @@ TetOverlaps find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes,
   cpu.for_parts(std::ssize(chunks), [&](Size chunk) {
     std::vector<Pair>& pairs = span_of(chunks)[chunk];
     for (Size i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
+      if (cpu.stop_requested()) return;
       const Index t = span_of(result.tets)[i];
       const TetFrame x(meshes.new_tet(t));
       const double size = std::fabs(x.six) / 6;
@@ -153,6 +180,7 @@ TetOverlaps find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes,
       });
     }
   });
+  if (cpu.stop_requested()) return std::nullopt;
   result.offsets.assign(to_size_t(count) + 1, 0);
   std::size_t total = 0;
   for (const std::vector<Pair>& pairs : chunks) total += pairs.size();

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <functional>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "backend/cpu.hpp"
@@ -52,8 +54,10 @@ struct TetOverlaps {
 /// in order, and those for different entries concurrently.
 using OverlapVisitor = std::function<void(Size, Index, const TetOverlap&)>;
 
-/// The result does not depend on the number of threads. `begin(tets)` is called once before the first visit.
-TetOverlaps find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, bool with_moments,
-                          const std::function<void(const std::vector<Index>&)>& begin, const OverlapVisitor& visit);
+/// The result does not depend on the number of threads. `begin(tets)` is called once before the first visit. Nothing is
+/// returned once cpu.stop_requested(), which all threads call.
+std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, bool with_moments,
+                                         const std::function<void(const std::vector<Index>&)>& begin,
+                                         const OverlapVisitor& visit);
 
 }  // namespace tetune

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "math/orient.hpp"
 #include "mesh/transfer/box_tree.hpp"
@@ -44,6 +45,31 @@ void for_boundary_corners(const HostMesh& mesh, const F& f) {
     for (const Index v : face.v) f(face.slot, v, normal);
   });
 }
+
+/// Normals of boundary faces at a vertex, of one plane or of the two that meet in its line.
+class PlaneNormals {
+ public:
+  /// Whether a face of a vertex that moves within a plane is turned over with respect to the first one.
+  bool is_turned_in_plane(const Vec3& normal) {
+    if (is_zero(first_)) first_ = normal;
+    return dot(first_, normal) < 0;
+  }
+  /// Whether a face is turned over with respect to the first one in the same plane.
+  bool is_turned_at_line(const Vec3& normal) {
+    for (Vec3* known : {&first_, &second_}) {
+      if (is_zero(*known)) *known = normal;
+      const double cosine = dot(*known, normal) / (norm(*known) * norm(normal));
+      if (std::fabs(cosine) > 1 - kParallel) return cosine < 0;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr double kParallel = 1e-6;  // 1 - cos of the angle
+  static bool is_zero(const Vec3& x) { return dot(x, x) == 0; }
+
+  Vec3 first_{}, second_{};
+};
 
 /// Flags the vertices within a number of rings around the slots.
 std::vector<std::uint8_t> vertices_near(const HostMesh& mesh, const std::vector<Index>& slots, int rings) {
@@ -119,13 +145,13 @@ std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slot
 }
 
 std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& dofs) {
-  std::vector<Vec3> first_normal(dofs.size(), Vec3{});
+  std::vector<PlaneNormals> normals(dofs.size());
   std::vector<std::uint8_t> folded(dofs.size(), 0);
-  for_boundary_corners(mesh, [&, dofs = span_of(dofs), first = span_of(first_normal), flags = span_of(folded)](
+  for_boundary_corners(mesh, [&, dofs = span_of(dofs), known = span_of(normals), flags = span_of(folded)](
                                  Index, Index v, const Vec3& normal) {
-    if (dofs[v] != VertexDof::plane) return;
-    if (dot(first[v], first[v]) == 0) first[v] = normal;
-    if (dot(first[v], normal) < 0) flags[v] = 1;
+    const bool is_turned = (dofs[v] == VertexDof::plane && known[v].is_turned_in_plane(normal)) ||
+                           (dofs[v] == VertexDof::line && known[v].is_turned_at_line(normal));
+    if (is_turned) flags[v] = 1;
   });
   return folded;
 }

@@ -12,8 +12,8 @@ namespace tetune {
 /// Returns those of the `slots` whose volume is not positive in exact arithmetic.
 std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slots);
 
-/// Flags each vertex of kind VertexDof::plane whose boundary faces do not all have the same orientation: the surface is
-/// folded there.
+/// Flags each vertex that moves within a plane or along a line and whose boundary faces in one plane do not all have
+/// the same orientation: the surface is folded there. Vertices that slide on a curved surface are not tested.
 std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& dofs);
 
 /// Returns the slots with a boundary face at a vertex that is folded now and was not folded `before`: all volumes may
