@@ -7,8 +7,10 @@
 #include <ostream>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "backend/span.hpp"
+#include "driver/parts/optimize_active.hpp"
 #include "support/constrained.hpp"
 #include "support/meshes.hpp"
 #include "tetune/error.hpp"
@@ -329,6 +331,20 @@ TEST(OnlyBelowLimit, tetrahedra_that_cannot_be_repaired_are_named_by_their_numbe
   } catch (const UntangleError& e) {
     EXPECT_TRUE(std::find(e.left.begin(), e.left.end(), last) != e.left.end());
   }
+}
+
+TEST(OnlyBelowLimit, errors_name_what_is_not_valid_in_the_whole_mesh_or_stay) {
+  const TetMesh valid = test::cube(3);
+  TetMesh inverted = valid;
+  std::swap(inverted.tets[7][0], inverted.tets[7][1]);
+  TetMesh part = test::one_tet();
+  std::swap(part.tets[0][0], part.tets[0][1]);
+  const MeshError of_part(validate(part).message(false));
+  EXPECT_EQ(error_of_whole(of_part, part, inverted, 1).what(), validate(inverted).message(false));
+  EXPECT_STREQ(error_of_whole(of_part, part, valid, 1).what(), of_part.what());
+  const MeshError other("flips would need room for too many tetrahedra");
+  EXPECT_STREQ(error_of_whole(other, part, inverted, 1).what(), other.what());
+  EXPECT_STREQ(error_of_whole(other, part, valid, 1).what(), other.what());
 }
 
 /// A corner that is listed, and that the geometry does not show, is held as in the whole mesh.

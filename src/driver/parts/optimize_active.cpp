@@ -28,8 +28,8 @@ Report run_part(const TetMesh& whole, ActivePart& part, const Context& context) 
     throw UntangleError(e.tangled, translated_ids(e.left, part.tet2whole), e.reason);
   } catch (const OverlapError& e) {
     throw OverlapError(translated_ids(e.tets, part.tet2whole));
-  } catch (const MeshError&) {
-    throw MeshError(validate(whole, part.options.threads).message(false));
+  } catch (const MeshError& e) {
+    throw error_of_whole(e, part.mesh, whole, part.options.threads);
   }
 }
 
@@ -117,6 +117,12 @@ Report report_nothing(const Options& options) {
   report.threads = backend::Cpu::requested_threads(options.threads);
   for (const Target& target : options.targets) report.targets.emplace_back().target = target;
   return report;
+}
+
+MeshError error_of_whole(const MeshError& of_part, const TetMesh& part, const TetMesh& whole, int threads) {
+  if (of_part.what() != validate(part, threads).message(false)) return of_part;
+  const ValidationReport report = validate(whole, threads);
+  return report.ok() ? of_part : MeshError(report.message(false));
 }
 
 Constraints checked_constraints(const TetMesh& mesh, const Options& options) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "driver/parts/active_part.hpp"
+#include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {
@@ -29,6 +30,9 @@ using ChangePart = std::function<bool(ActivePart&)>;
 /// taken, returns nothing, and the mesh is as before.
 std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
                                     const ChangePart& change, Report& report);
+
+/// The error of a part, or, if it lists what is not valid in the part, the same for the whole mesh with its numbers.
+MeshError error_of_whole(const MeshError& of_part, const TetMesh& part, const TetMesh& whole, int threads);
 
 /// The report where there is nothing to optimize.
 Report report_nothing(const Options& options);
