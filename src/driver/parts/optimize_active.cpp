@@ -8,6 +8,7 @@
 #include "driver/devices.hpp"
 #include "driver/parts/active_part.hpp"
 #include "driver/report/run_warnings.hpp"
+#include "driver/report/unchanged.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/progress/latched_hooks.hpp"
@@ -54,25 +55,26 @@ ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options,
 /// change_tets() for known constraints and active tetrahedra.
 std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
                                       const Options& options, const ChangePart& change, Report& report) {
-  ActivePart part;
-  part.options = options;
-  if (active.count > 0) {
-    Report whole;
-    const ListedFeatures features = find_listed_features(mesh, options, constraints, whole);
-    part = take_part(mesh, active, constraints, features, options);
-    const std::size_t vertices = part.mesh.points.size();
-    if (!change(part)) return std::nullopt;
-    if (part.mesh.points.size() < vertices) {
-      // Vertices would get other numbers.
-      part = take_part(mesh, active, constraints, features, options);
-      part.options.keep_vertices = true;
-      if (!change(part)) return std::nullopt;
-    }
-    report.corners_not_held = whole.corners_not_held;
-    report.edges_not_held = whole.edges_not_held;
+  if (active.count == 0) {
+    report = report_unchanged(mesh, options);
+    return PartMaps();
   }
+  Report whole;
+  const ListedFeatures features = find_listed_features(mesh, options, constraints, whole);
+  ActivePart part = take_part(mesh, active, constraints, features, options);
+  const std::size_t vertices = part.mesh.points.size();
+  bool is_taken = change(part);
+  if (is_taken && part.mesh.points.size() < vertices) {
+    // Vertices would get other numbers.
+    part = take_part(mesh, active, constraints, features, options);
+    part.options.keep_vertices = true;
+    is_taken = change(part);
+  }
+  report.corners_not_held = whole.corners_not_held;
+  report.edges_not_held = whole.edges_not_held;
   report.tets_bad = active.bad;
   report.tets_active = active.count;
+  if (!is_taken) return std::nullopt;
   RunWarnings(mesh, options).add_to(report);
   return replace_part(mesh, std::move(part), active, report);
 }
@@ -88,7 +90,7 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
                             const Options& options, const Context& caller) {
   const LatchedHooks hooks(caller);
   const Context& context = hooks.context();
-  Report report = report_nothing(options);
+  Report report;
   std::int64_t before = 0, after = 0;
   const auto change = [&](ActivePart& part) {
     before = count_missing(part.mesh, options.only_below, options.threads);
@@ -98,26 +100,14 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
   };
   if (change_active(mesh, constraints, active, options, change, report)) return report;
   // The objective may lower other measures than those of the floor.
-  ActiveTets none;
-  none.flags.assign(mesh.tets.size(), 0);
-  report = report_nothing(options);
-  change_active(mesh, constraints, none, options, change, report);
-  report.tets_bad = active.bad;
-  report.unchanged = "the mesh is as before: " + std::to_string(after) +
-                     " tetrahedra would miss the limits afterwards, " + std::to_string(before) + " do so now";
-  report.warnings.push_back(report.unchanged);
+  discard_result(mesh, options,
+                 "the mesh is as before: " + std::to_string(after) + " tetrahedra would miss the limits afterwards, " +
+                     std::to_string(before) + " do so now",
+                 report);
   return report;
 }
 
 }  // namespace
-
-Report report_nothing(const Options& options) {
-  Report report;
-  report.device = "CPU";
-  report.threads = backend::Cpu::requested_threads(options.threads);
-  for (const Target& target : options.targets) report.targets.emplace_back().target = target;
-  return report;
-}
 
 MeshError error_of_whole(const MeshError& of_part, const TetMesh& part, const TetMesh& whole, int threads) {
   if (of_part.what() != validate(part, threads).message(false)) return of_part;
