@@ -248,7 +248,8 @@ class Run {
   }
 
   /// False where --only-below has left nothing to do.
-  bool has_changed() const { return options_.only_below.empty() || report_.tets_active > 0; }
+  bool has_worked() const { return options_.only_below.empty() || report_.tets_active > 0; }
+  bool has_changed() const { return has_worked() && (options_.only_below.empty() || report_.unchanged.empty()); }
   bool stopped() const { return report_.stop == StopReason::cancelled; }
 
   void finish() {
@@ -308,7 +309,7 @@ class Run {
     const char* reason = stopped() ? result_.summary : to_string(report_.stop);
     std::string text = quality_table({"before", "after"}, {result_.before, result_.after});
     text += active_line(report_, options_);
-    if (has_changed()) text += count_line(report_, reason);
+    if (has_worked()) text += count_line(report_, reason);
     if (a_.move) text += move_summary(motion_, input_.mesh);
     if (change) text += surface_table(*change);
     if (geometry_) text += geometry_summary(*geometry_, on_geometry_);

@@ -7,10 +7,11 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "driver/curved/curved_constraints.hpp"
 #include "driver/parts/optimize_active.hpp"
-#include "driver/report/dof_counts.hpp"
 #include "driver/report/extend_report.hpp"
 #include "driver/report/targets.hpp"
+#include "driver/report/unchanged.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "phases/progress/latched_hooks.hpp"
@@ -130,20 +131,9 @@ class CriteriaRun {
   /// Undoes the run where the objective lowers measures of criteria that the input meets.
   void keep_input(const TetMesh& input, TetMesh& mesh) {
     mesh = input;
-    Report& run = report_.optimization;
-    Report kept = report_nothing(options_);
-    kept.stop = run.stop;
-    kept.vertices = run.vertices;
-    dof_counts(kept) = dof_counts(run);
-    kept.periodic_vertices = run.periodic_vertices;
-    kept.tets_before = kept.tets_after = run.tets_before;
-    kept.energy_before = kept.energy_after = run.energy_before;
-    kept.phases = std::move(run.phases);
-    kept.seconds = run.seconds;
-    kept.warnings = std::move(run.warnings);
-    kept.unchanged = "the mesh is as before: fewer of the criteria would be met afterwards";
-    kept.warnings.push_back(kept.unchanged);
-    run = std::move(kept);
+    discard_result(mesh, options_, "the mesh is as before: fewer of the criteria would be met afterwards",
+                   report_.optimization);
+    if (!mesh.curved_edges.empty()) report_.optimization.targets = report_curved_targets(mesh, options_, {});
     report_.rounds.clear();
     report_.after = report_.before;
     is_input_kept_ = true;

@@ -7,8 +7,11 @@
 #include <ostream>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "backend/span.hpp"
+#include "driver/parts/optimize_active.hpp"
+#include "mesh/id_maps.hpp"
 #include "support/constrained.hpp"
 #include "support/meshes.hpp"
 #include "tetune/error.hpp"
@@ -99,10 +102,10 @@ void number_data(TetMesh& mesh) {
   mesh.tet_data = {numbers(mesh.tets.size(), 0.25)};
 }
 
-/// The value of the mean ratio that a part of the tetrahedra miss.
-double limit_missed_by(const TetMesh& mesh, double part) {
+/// The value of a measure that a part of the tetrahedra miss.
+double limit_missed_by(const TetMesh& mesh, double part, Measure measure = Measure::mean_ratio) {
   std::vector<double> values;
-  for (const Measures& m : measure_each(mesh)) values.push_back(m[static_cast<std::size_t>(Measure::mean_ratio)]);
+  for (const Measures& m : measure_each(mesh)) values.push_back(m[static_cast<std::size_t>(measure)]);
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size()))];
 }
@@ -211,6 +214,7 @@ TEST(OnlyBelowLimit, no_more_tetrahedra_miss_it_afterwards) {
     if (!larger_is_better(measure)) std::reverse(values.begin(), values.end());
     Options options;
     options.only_below = {{measure, values[5]}};
+    options.device = Device::automatic;
     const auto missing = [&](const TetMesh& of) {
       const auto all = measure_each(of);
       return std::count_if(all.begin(), all.end(), [&](const Measures& m) {
@@ -225,6 +229,42 @@ TEST(OnlyBelowLimit, no_more_tetrahedra_miss_it_afterwards) {
     ++unchanged;
     EXPECT_EQ(mesh.points, before.points);
     EXPECT_EQ(mesh.tets, before.tets);
+    // The report is that of the run that was made.
+    EXPECT_GE(report.tets_active, report.tets_bad);
+    EXPECT_FALSE(report.device_reason.empty());
+    EXPECT_FALSE(report.phases.empty());
+    EXPECT_GT(report.colors, 0);
+    EXPECT_GT(report.free_vertices, 0);
+    EXPECT_EQ(report.free_vertices + report.plane_vertices + report.line_vertices + report.fixed_vertices,
+              std::ssize(mesh.points));
+    EXPECT_EQ(report.flips() + report.vertices_inserted + report.vertices_removed, 0);
+    EXPECT_TRUE(report.sweeps.empty());
+    EXPECT_EQ(report.energy_after, report.energy_before);
+    EXPECT_EQ(report.tet2original, identity_map(mesh.tets.size()));
+    EXPECT_EQ(report.warnings, std::vector{report.unchanged});
+  }
+  EXPECT_GT(unchanged, 0);
+}
+
+TEST(OnlyBelowLimit, a_requested_stop_is_reported_also_where_the_mesh_is_as_before) {
+  int unchanged = 0;
+  for (int calls = 1; calls < 12; ++calls) {
+    TetMesh mesh = test::cube(6, 0.2);
+    for (Point3& p : mesh.points) p[2] *= 0.02;
+    number_data(mesh);
+    Options options;
+    options.only_below = {{Measure::scaled_jacobian, limit_missed_by(mesh, 0.005, Measure::scaled_jacobian)}};
+    options.data = DataTransfer::interpolate;
+    options.targets = options.only_below;
+    int called = 0;
+    const Report report = optimize(mesh, options, {[&](const Progress&) { return ++called < calls; }, {}});
+    const bool is_stopped = called == calls;
+    EXPECT_EQ(report.stop == StopReason::cancelled, is_stopped);
+    if (report.unchanged.empty() || !is_stopped) continue;
+    ++unchanged;
+    EXPECT_EQ(report.targets[0].missed, report.tets_bad);
+    ASSERT_EQ(report.places.size(), mesh.points.size());
+    EXPECT_EQ(report.places[9].vertices[0], 9);
   }
   EXPECT_GT(unchanged, 0);
 }
@@ -351,6 +391,20 @@ TEST(OnlyBelowLimit, tetrahedra_that_cannot_be_repaired_are_named_by_their_numbe
   } catch (const UntangleError& e) {
     EXPECT_TRUE(std::find(e.left.begin(), e.left.end(), last) != e.left.end());
   }
+}
+
+TEST(OnlyBelowLimit, errors_name_what_is_not_valid_in_the_whole_mesh_or_stay) {
+  const TetMesh valid = test::cube(3);
+  TetMesh inverted = valid;
+  std::swap(inverted.tets[7][0], inverted.tets[7][1]);
+  TetMesh part = test::one_tet();
+  std::swap(part.tets[0][0], part.tets[0][1]);
+  const MeshError of_part(validate(part).message(false));
+  EXPECT_EQ(error_of_whole(of_part, part, inverted, 1).what(), validate(inverted).message(false));
+  EXPECT_STREQ(error_of_whole(of_part, part, valid, 1).what(), of_part.what());
+  const MeshError other("flips would need room for too many tetrahedra");
+  EXPECT_STREQ(error_of_whole(other, part, inverted, 1).what(), other.what());
+  EXPECT_STREQ(error_of_whole(other, part, valid, 1).what(), other.what());
 }
 
 /// A corner that is listed, and that the geometry does not show, is held as in the whole mesh.

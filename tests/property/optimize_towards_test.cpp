@@ -62,6 +62,7 @@ TEST(OptimizeTowards, AMeshThatPassesIsNotMadeToFail) {
   const AcceptanceCriteria criteria = one(CheckMeasure::scaled_jacobian, 0.999 * least);
   Options options;
   options.targets = {{Measure::scaled_jacobian, 1.001 * least}};
+  options.device = Device::automatic;
   const CriteriaReport report = optimize_towards(mesh, criteria, options);
   EXPECT_NE(report.optimization.unchanged, "");
   EXPECT_EQ(report.optimization.warnings, std::vector{report.optimization.unchanged});
@@ -71,6 +72,33 @@ TEST(OptimizeTowards, AMeshThatPassesIsNotMadeToFail) {
   ASSERT_EQ(report.optimization.targets.size(), 1U);
   EXPECT_EQ(report.optimization.targets[0].missed, 1);
   EXPECT_EQ(report.optimization.tets_after, std::ssize(before.tets));
+  EXPECT_EQ(report.optimization.tet2original.size(), before.tets.size());
+  // The run was made, on this device.
+  EXPECT_FALSE(report.optimization.device_reason.empty());
+  EXPECT_GT(report.optimization.colors, 0);
+  EXPECT_GT(report.optimization.free_vertices, 0);
+  EXPECT_FALSE(report.optimization.phases.empty());
+}
+
+/// The input is put back with all that the report says about it.
+TEST(OptimizeTowards, AKeptInputIsReportedAsTheResult) {
+  TetMesh mesh = test::cube(6, 0.2);
+  for (Point3& p : mesh.points) p[2] *= 0.02;
+  mesh.point_data.push_back({"field", 1, std::vector<double>(mesh.points.size(), 1.0)});
+  double least = 1;
+  for (const Measures& m : measure_each(mesh)) least = std::min(least, m[std::size_t(Measure::scaled_jacobian)]);
+  const AcceptanceCriteria criteria = one(CheckMeasure::scaled_jacobian, 0.999 * least);
+  Options options;
+  TetMesh carried = mesh;
+  const Report of_carried = optimize_towards(carried, criteria, options).optimization;
+  ASSERT_NE(of_carried.unchanged, "");
+  EXPECT_TRUE(of_carried.moved_fields.empty());
+  EXPECT_EQ(of_carried.warnings, std::vector{of_carried.unchanged});
+  options.data = DataTransfer::interpolate;
+  const Report of_places = optimize_towards(mesh, criteria, options).optimization;
+  ASSERT_NE(of_places.unchanged, "");
+  ASSERT_EQ(of_places.places.size(), mesh.points.size());
+  EXPECT_EQ(of_places.places[7].vertices[0], 7);
 }
 
 /// A thin layer whose smallest volume the energy makes smaller, and beside it four tetrahedra around a vertex.

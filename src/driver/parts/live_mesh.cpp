@@ -118,7 +118,6 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
                                               const Context& context) {
   MoveReport report;
   report.targets = report.targets_reached = 1;
-  report.optimization = report_nothing(options_);
   int rings = neighborhood_;
   for (std::size_t size = 0, last = 0;; last = size) {
     const auto change = [&](ActivePart& part) {

@@ -8,6 +8,7 @@
 #include "driver/devices.hpp"
 #include "driver/parts/active_part.hpp"
 #include "driver/report/run_warnings.hpp"
+#include "driver/report/unchanged.hpp"
 #include "driver/transfer_stop.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -29,8 +30,8 @@ Report run_part(const TetMesh& whole, ActivePart& part, const Context& context) 
     throw UntangleError(e.tangled, translated_ids(e.left, part.tet2whole), e.reason);
   } catch (const OverlapError& e) {
     throw OverlapError(translated_ids(e.tets, part.tet2whole));
-  } catch (const MeshError&) {
-    throw MeshError(validate(whole, part.options.threads).message(false));
+  } catch (const MeshError& e) {
+    throw error_of_whole(e, part.mesh, whole, part.options.threads);
   }
 }
 
@@ -62,25 +63,26 @@ struct Run {
 std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
                                       const Options& options, const Run& run, const ChangePart& change,
                                       Report& report) {
-  ActivePart part;
-  part.options = options;
-  if (active.count > 0) {
-    Report whole;
-    const ListedFeatures features = find_listed_features(mesh, options, constraints, whole);
-    part = take_part(mesh, active, constraints, features, options);
-    const std::size_t vertices = part.mesh.points.size();
-    if (!change(part)) return std::nullopt;
-    if (part.mesh.points.size() < vertices) {
-      // Vertices would get other numbers.
-      part = take_part(mesh, active, constraints, features, options);
-      part.options.keep_vertices = true;
-      if (!change(part)) return std::nullopt;
-    }
-    report.corners_not_held = whole.corners_not_held;
-    report.edges_not_held = whole.edges_not_held;
+  if (active.count == 0) {
+    report = report_unchanged(mesh, options);
+    return PartMaps();
   }
+  Report whole;
+  const ListedFeatures features = find_listed_features(mesh, options, constraints, whole);
+  ActivePart part = take_part(mesh, active, constraints, features, options);
+  const std::size_t vertices = part.mesh.points.size();
+  bool is_taken = change(part);
+  if (is_taken && part.mesh.points.size() < vertices) {
+    // Vertices would get other numbers.
+    part = take_part(mesh, active, constraints, features, options);
+    part.options.keep_vertices = true;
+    is_taken = change(part);
+  }
+  report.corners_not_held = whole.corners_not_held;
+  report.edges_not_held = whole.edges_not_held;
   report.tets_bad = active.bad;
   report.tets_active = active.count;
+  if (!is_taken) return std::nullopt;
   RunWarnings(mesh, options).add_to(report);
   return replace_part(mesh, std::move(part), active, transfer_stop(run.context.stop, run.start), report);
 }
@@ -96,7 +98,7 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
                             const Options& options, const Context& caller) {
   const LatchedHooks hooks(caller);
   const Run run{hooks.context()};
-  Report report = report_nothing(options);
+  Report report;
   std::int64_t before = 0, after = 0;
   const auto change = [&](ActivePart& part) {
     before = count_missing(part.mesh, options.only_below, options.threads);
@@ -106,25 +108,19 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
   };
   if (change_active(mesh, constraints, active, options, run, change, report)) return report;
   // The objective may lower other measures than those of the floor.
-  ActiveTets none;
-  none.flags.assign(mesh.tets.size(), 0);
-  report = report_nothing(options);
-  change_active(mesh, constraints, none, options, run, change, report);
-  report.tets_bad = active.bad;
-  report.unchanged = "the mesh is as before: " + std::to_string(after) +
-                     " tetrahedra would miss the limits afterwards, " + std::to_string(before) + " do so now";
-  report.warnings.push_back(report.unchanged);
+  discard_result(mesh, options,
+                 "the mesh is as before: " + std::to_string(after) + " tetrahedra would miss the limits afterwards, " +
+                     std::to_string(before) + " do so now",
+                 report);
   return report;
 }
 
 }  // namespace
 
-Report report_nothing(const Options& options) {
-  Report report;
-  report.device = "CPU";
-  report.threads = backend::Cpu::requested_threads(options.threads);
-  for (const Target& target : options.targets) report.targets.emplace_back().target = target;
-  return report;
+MeshError error_of_whole(const MeshError& of_part, const TetMesh& part, const TetMesh& whole, int threads) {
+  if (of_part.what() != validate(part, threads).message(false)) return of_part;
+  const ValidationReport report = validate(whole, threads);
+  return report.ok() ? of_part : MeshError(report.message(false));
 }
 
 Constraints checked_constraints(const TetMesh& mesh, const Options& options) {

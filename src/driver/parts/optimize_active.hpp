@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "driver/parts/active_part.hpp"
+#include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {
@@ -25,13 +26,13 @@ Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, 
 using ChangePart = std::function<bool(ActivePart&)>;
 
 /// Takes the part of the flagged tetrahedra and those within `rings` around them, changes it, and puts it in its place;
-/// `report` is that of the part, which `change` fills, and becomes one of the whole mesh. Where the result is not
-/// taken, returns nothing, and the mesh is as before.
+/// `report` is that of the part, which `change` fills, and becomes one of the whole mesh. Without tetrahedra that may
+/// change, nothing is called. Where the result is not taken, returns nothing, and the mesh is as before.
 std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
                                     const Context& context, const ChangePart& change, Report& report);
 
-/// The report where there is nothing to optimize.
-Report report_nothing(const Options& options);
+/// The error of a part, or, if it lists what is not valid in the part, the same for the whole mesh with its numbers.
+MeshError error_of_whole(const MeshError& of_part, const TetMesh& part, const TetMesh& whole, int threads);
 
 /// The constraints of a mesh, as optimize() reports them: vertices by degrees of freedom, listed corners and edges that
 /// do not constrain. Computed on the CPU.

@@ -11,11 +11,8 @@
 #include "mesh/id_maps.hpp"
 #include "mesh/keep_entities.hpp"
 #include "mesh/tet.hpp"
-#include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/transfer/conserve.hpp"
-#include "quality/limits.hpp"
-#include "quality/tet_measures.hpp"
 
 namespace tetune {
 namespace {
@@ -296,29 +293,15 @@ class PartReplacement {
 /// Extends the reports on targets to the whole mesh: outside the part tetrahedra are locked.
 void extend_targets(const TetMesh& mesh, const PartReplacement& replacement, const ActiveTets& active, int threads,
                     Report& report) {
-  if (report.targets.empty()) return;
-  const std::vector<Measures> measures = measure_each(mesh, threads);
-  const TetMeshView view(mesh);
   for (TargetReport& r : report.targets) {
+    r.tets = report.tets_after;
     for (MissedTet& missed : r.worst) {
       missed.tet = span_of(replacement.tet2whole())[missed.tet];
       for (Index& v : missed.edge) v = v < 0 ? v : span_of(replacement.vertex2whole())[v];
     }
-    for (Size t = 0; t < std::ssize(mesh.tets); ++t) {
-      const double measured = value(span_of(measures)[t], r.target.measure);
-      if (span_of(active.flags)[t] != 0 || !misses(r.target, measured)) continue;
-      MissedTet missed;
-      missed.tet = replacement.tets().renumbered(to_index(t));
-      missed.value = measured;
-      missed.centroid = view.centroid(t);
-      missed.held_by = LimitingConstraint::locked_element;
-      r.worst.push_back(missed);
-      ++r.missed;
-      ++r.held_by[std::size_t(LimitingConstraint::locked_element)];
-    }
-    keep_worst(larger_is_better(r.target.measure), r.worst);
-    r.tets = report.tets_after;
   }
+  const auto number = [&](Index t) { return replacement.tets().renumbered(t); };
+  add_locked(mesh, active.flags, threads, number, report.targets);
 }
 
 }  // namespace

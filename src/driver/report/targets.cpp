@@ -16,6 +16,7 @@
 #include "mesh/edge_star.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/messages.hpp"
+#include "mesh/tet_mesh_view.hpp"
 #include "quality/check_measures.hpp"
 #include "quality/limits.hpp"
 #include "quality/tet_measures.hpp"
@@ -245,6 +246,28 @@ void check_target(const Target& target, const std::string& what) {
 void keep_worst(bool larger_is_better, std::vector<MissedTet>& missed) {
   std::sort(missed.begin(), missed.end(), IsWorse{larger_is_better});
   if (missed.size() > kMaxMissed) missed.resize(kMaxMissed);
+}
+
+void add_locked(const TetMesh& mesh, const std::vector<std::uint8_t>& flags, int threads,
+                const std::function<Index(Index)>& number, std::vector<TargetReport>& targets) {
+  if (targets.empty()) return;
+  const std::vector<Measures> measures = measure_each(mesh, threads);
+  const TetMeshView view(mesh);
+  for (TargetReport& r : targets) {
+    for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
+      const double measured = value(span_of(measures)[t], r.target.measure);
+      if (span_of(flags)[t] != 0 || !misses(r.target, measured)) continue;
+      MissedTet missed;
+      missed.tet = number(t);
+      missed.value = measured;
+      missed.centroid = view.centroid(t);
+      missed.held_by = LimitingConstraint::locked_element;
+      r.worst.push_back(missed);
+      ++r.missed;
+      ++r.held_by[std::size_t(LimitingConstraint::locked_element)];
+    }
+    keep_worst(larger_is_better(r.target.measure), r.worst);
+  }
 }
 
 void find_limiting(const ConstrainedMesh& mesh, const Options& options, const std::optional<Target>& target,

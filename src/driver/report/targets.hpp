@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +56,10 @@ void find_limiting(const ConstrainedMesh& mesh, const Options& options, const st
 
 /// Sorts tetrahedra that miss a target or a limit, the worst value first, then by id, and keeps at most kMaxMissed.
 void keep_worst(bool larger_is_better, std::vector<MissedTet>& missed);
+
+/// Adds the tetrahedra without a flag that miss a target, as locked ones; `number` gives that of one in the result.
+void add_locked(const TetMesh& mesh, const std::vector<std::uint8_t>& flags, int threads,
+                const std::function<Index(Index)>& number, std::vector<TargetReport>& targets);
 
 /// Returns one report per entry of Options::targets.
 std::vector<TargetReport> report_targets(const ConstrainedMesh& mesh, const Options& options);
