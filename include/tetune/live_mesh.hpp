@@ -29,8 +29,8 @@ struct SlideSurface;
 /// Results are the same bit for bit for any number of threads. Not for concurrent calls on one object.
 class TETUNE_API LiveMesh {
  public:
-  /// `options` hold for all calls; those with one entry per vertex follow its vertices. `neighborhood`, at
-  /// least 1: the number of rings of tetrahedra around a disturbed one that may change.
+  /// `options` hold for all calls; those with one entry per vertex follow its vertices. `neighborhood`, from 1 to 100:
+  /// the number of rings of tetrahedra around a disturbed one that may change.
   ///
   /// Throws MeshError if the lists of the mesh are not consistent or it is curved, and OptionError; Options::only_below
   /// must be empty.

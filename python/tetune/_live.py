@@ -28,7 +28,7 @@ class LiveMesh:
 
     Args:
         mesh: arrays of points and `tets`, a TetMesh, or a meshio or pyvista mesh, as in optimize(). It is copied.
-        neighborhood: the number of rings of tetrahedra around a disturbed one that may change, at least 1.
+        neighborhood: the number of rings of tetrahedra around a disturbed one that may change, 1 to 100.
         options: as in optimize(), for all calls; without only_below.
 
     Not for calls from several threads at a time, nor from its own progress function.

@@ -8,15 +8,14 @@
 #include "backend/buffer.hpp"
 #include "boundary/sliding/reference_surface.hpp"
 #include "energy/ring.hpp"
-#include "tetune/error.hpp"
 
 /// Speculative coloring (Gebremedhin & Manne, "Scalable parallel graph coloring algorithms", 2000): in each round all
 /// uncolored vertices take tentative colors at the same time, and of two neighbors with the same tentative color the
 /// one of lower random priority (Jones & Plassmann 1993) tries again in the next round.
 namespace tetune {
 
-/// Independent sets of vertices: no two of one color share a tetrahedron (Sect. 4.1). Vertices that cannot move have no
-/// color.
+/// Independent sets of vertices: no two of one color share a tetrahedron (Sect. 4.1). Vertices that cannot move, and
+/// those for which there is no color, have none.
 template <class Backend>
 struct Coloring {
   BufferOf<Backend, std::uint8_t> color;
@@ -346,7 +345,6 @@ bool color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
     if (rounds >= kMany && group_by_color(backend, coloring) == 0) return true;
     const Size left = backend.compact(count, IsUncolored{vertices, color}, positions.span());
     if (left == count) {
-      if (neighbors.surface.triangles.size() == 0) throw MeshError("a vertex has too many neighbors to be colored");
       backend.for_each(count, Exclude{vertices, color});
       break;
     }
@@ -362,8 +360,8 @@ bool color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
 /// Colors the vertices of a mesh. Existing colors remain where they do not conflict, so that few vertices change color
 /// after a few flips. The result does not depend on the number of threads.
 /// With `surface`, vertices of one color are also at least three edges of the surface apart, as the bound on its
-/// deviation reads positions two edges away; vertices for which there is no such color do not move. Existing colors
-/// must have been made with the same `surface`. Throws MeshError where a vertex has too many neighbors.
+/// deviation reads positions two edges away. Existing colors must have been made with the same `surface`. Vertices for
+/// which there is no color, as more than kMaxColors are all neighbors of each other, get none, and do not move.
 template <class Backend>
 void color_vertices(const Backend& backend, const RingsView& rings, Span<const VertexDof> dof,
                     Coloring<Backend>& coloring, const ReferenceView& surface = {}) {

@@ -114,6 +114,13 @@ TEST(LiveMesh, ReportsAlsoWhereNothingMoves) {
   EXPECT_EQ(report.optimization.targets[0].tets, std::ssize(live.mesh().tets));
 }
 
+TEST(LiveMesh, RefusesANeighborhoodOutOfRange) {
+  for (const int neighborhood : {-1, 0, 101, std::numeric_limits<int>::max()}) {
+    EXPECT_THROW(LiveMesh(test::cube(2), {}, neighborhood), OptionError) << neighborhood;
+  }
+  EXPECT_NO_THROW(LiveMesh(test::cube(2), {}, 100));
+}
+
 /// A part that is moved again, in a larger neighborhood, is a part of the same run.
 TEST(LiveMesh, ItsProgressDoesNotFall) {
   LiveMesh live(optimized(8), {}, 1);

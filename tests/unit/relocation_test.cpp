@@ -298,6 +298,33 @@ TEST(Coloring, WithASurfaceSeparatesItsVerticesByThreeEdges) {
   }
 }
 
+/// Of more vertices than there are colors, all neighbors of each other, the others do not move.
+TEST(Coloring, VerticesForWhichThereIsNoColorGetNone) {
+  constexpr Index kVertices = 150;
+  std::vector<std::uint32_t> offsets{0};
+  std::vector<LinkFace> faces;
+  for (Index v = 0; v < kVertices; ++v) {
+    for (Index i = 1; i + 2 < kVertices; ++i) {
+      faces.push_back({{(v + i) % kVertices, (v + i + 1) % kVertices, (v + i + 2) % kVertices}});
+    }
+    offsets.push_back(static_cast<std::uint32_t>(faces.size()));
+  }
+  const std::vector<VertexDof> dof(kVertices, VertexDof::free);
+  const RingsView rings{span_of(std::as_const(offsets)), span_of(std::as_const(faces))};
+  for (const int threads : {1, 3}) {
+    const backend::Cpu cpu(threads);
+    Coloring<backend::Cpu> coloring;
+    for (int again = 0; again < 2; ++again) {
+      color_vertices(cpu, rings, span_of(dof), coloring);
+      EXPECT_EQ(coloring.colors(), 128);
+      EXPECT_EQ(coloring.vertices.size(), 128);
+      std::vector<std::uint8_t> colors = coloring.color.download();
+      std::sort(colors.begin(), colors.end());
+      EXPECT_EQ(std::unique(colors.begin(), colors.end()) - colors.begin(), 129);
+    }
+  }
+}
+
 TEST(Coloring, ResolvesConflictsAndKeepsOtherColors) {
   Fixture f(test::cube(6, 0.2));
   const Size n = f.work.vertices();

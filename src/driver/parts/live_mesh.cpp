@@ -17,6 +17,7 @@
 #include "phases/progress/latched_hooks.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
+#include "tetune/option_table.hpp"
 
 namespace tetune {
 LiveMesh::LiveMesh(TetMesh mesh, Options options, int neighborhood)
@@ -27,7 +28,10 @@ LiveMesh::LiveMesh(TetMesh mesh, Options options, int neighborhood)
   if (!options_.only_below.empty()) {
     throw OptionError("only_below: a live mesh works on the tetrahedra that were disturbed; leave it empty");
   }
-  if (neighborhood < 1) throw OptionError("neighborhood: must be at least 1");
+  const double most = find_option("rings")->range.max;
+  if (neighborhood < 1 || neighborhood > most) {
+    throw OptionError("neighborhood: must be from 1 to " + std::to_string(int(most)));
+  }
   if (!mesh_.curved_edges.empty()) throw MeshError("a live mesh has straight elements; this one has curved edges");
   checked_constraints(mesh_, options_);
 }
@@ -130,8 +134,10 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
     try {
       const auto maps =
           change_tets(mesh_, tets_at(mesh_.tets, moves), rings, options_, context, change, report.optimization);
-      rings *= 2;
-      if (!maps) continue;
+      if (!maps) {
+        rings *= 2;
+        continue;
+      }
       report.blocking_tets = translated_ids(std::move(report.blocking_tets), maps->tet2whole);
       report.blocking_vertices = translated_ids(std::move(report.blocking_vertices), maps->vertex2whole);
     } catch (const Error&) {
