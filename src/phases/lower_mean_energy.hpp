@@ -86,13 +86,16 @@ bool lower_mean_energy(Optimizer<Backend>& optimizer, const QualityFloor& floor)
   RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, p.growth_fraction);
   limits.min_gain = p.min_gain;
   const Report& report = optimizer.report;
+  const auto removed = [&report] { return report.vertices_removed - report.vertices_inserted; };
+  // Steps of a motion before may have removed vertices.
+  const std::int64_t removed_before = removed();
   const auto max_removed =
       static_cast<std::int64_t>(p.max_removed * static_cast<double>(optimizer.work.mesh.vertices()));
   optimizer.timer.measure(Phase::worst, [&] { optimizer.sum_energy(kShapeObjective); });
   lower_mean_energy_detail::NewNeighborhoods<Backend> neighborhoods;
   double fall = 1;
   for (int round = 1; round <= p.max_rounds && fall > p.min_fall; ++round) {
-    if (report.vertices_removed - report.vertices_inserted > max_removed) break;
+    if (removed() - removed_before > max_removed) break;
     WorstReport r;
     r.round = round;
     r.seconds = optimizer.timer.measure(Phase::worst, [&] {

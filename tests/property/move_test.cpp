@@ -186,6 +186,19 @@ TEST(Move, PistonCompressesToAFifth) {
   expect_valid(fixed);
 }
 
+/// A cube becomes ten thousand times as high: every longer step would raise the energies by too much at first.
+TEST(Move, OnlyShortStepsMayRaiseEnergies) {
+  TetMesh mesh = test::cube(1);
+  for (Point3& p : mesh.points) p = {1e-4 * p[0], 1e-4 * p[1], 1e-4 * p[2]};
+  VertexTargets target(mesh.points.begin(), mesh.points.end());
+  for (Point3& p : target) p[2] = p[2] > 0 ? 1 : 0;
+  const MoveReport r = move(mesh, target);
+  EXPECT_TRUE(r.reached());
+  ASSERT_FALSE(r.steps.empty());
+  EXPECT_LT(r.steps[0].fraction, 1e-3);
+  expect_valid(mesh);
+}
+
 /// Beside prescribed vertices that leave a plane, the vertices of the plane stay: they must not follow into a new
 /// shape.
 TEST(Move, PlanesAreNotBent) {

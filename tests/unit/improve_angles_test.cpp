@@ -17,12 +17,17 @@ using backend::Cpu;
 /// The optimizer of a mesh under Effort::best, with its energies.
 struct OptimizerOfMesh {
   explicit OptimizerOfMesh(const TetMesh& mesh) {
-    options.effort = Effort::best;
     import_mesh(backend, mesh, options, nullptr, true, set, report);
     optimizer.sum_energy(kShapeObjective);
   }
 
-  Options options;
+  static Options best() {
+    Options options;
+    options.effort = Effort::best;
+    return options;
+  }
+
+  const Options options = best();
   const Cpu backend{1};
   WorkingSet<Cpu> set;
   Report report;
@@ -88,6 +93,18 @@ TEST(NewNeighborhoods, AreThoseOfTheVerticesOfNewTetrahedra) {
   EXPECT_EQ(found, expected);
   EXPECT_LT(std::ssize(found), slots);
   EXPECT_TRUE(find().empty());
+}
+
+/// The phase runs after each step of a motion: its limit is on the vertices that it removes itself.
+TEST(LowerMeanEnergy, VerticesThatWereRemovedBeforeDoNotCount) {
+  const auto rounds = [](std::int64_t removed_before) {
+    OptimizerOfMesh work(test::cube(4, 0.2));
+    work.report.vertices_removed = removed_before;
+    EXPECT_TRUE(lower_mean_energy(work.optimizer, QualityFloor::none()));
+    return work.report.worst_rounds.size();
+  };
+  EXPECT_GT(rounds(0), 0U);
+  EXPECT_EQ(rounds(1'000'000), rounds(0));
 }
 
 }  // namespace

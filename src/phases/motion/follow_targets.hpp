@@ -287,12 +287,12 @@ class TargetFollower {
   /// way that it may be at most, and `rest` that of the displacements.
   double find_step(double rest, double longest) {
     using namespace follow_targets_detail;
-    const double first = std::min(1.0, longest / rest);
+    const double least = parameters().min_fraction / rest;
+    double part = std::min(1.0, longest / rest);
     for (const bool strict : {true, false}) {
       // Where only volumes count, a much shorter step is better than none.
       constexpr double kShorter = 0.01;
-      const double least = (strict ? 1 : kShorter) * parameters().min_fraction;
-      for (double part = first; part * rest >= least; part *= parameters().step_decrease) {
+      for (; part >= (strict ? 1 : kShorter) * least; part *= parameters().step_decrease) {
         const CountRefusing refusing{refuses(displaced(part), strict)};
         if (optimizer_.backend.template reduce<Sum<Size>>(optimizer_.work.mesh.slots(), refusing).value == 0)
           return part;
