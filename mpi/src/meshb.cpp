@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 #include <set>
+#include <system_error>
 
 #include "files.hpp"
 #include "io/medit/medit_codec.hpp"
@@ -198,7 +199,8 @@ namespace {
 /// Writes sections in sequence, of which each rank writes its entries.
 class Writer {
  public:
-  Writer(MPI_Comm comm, const std::string& path, const MeditEncoding& encoding) : comm_(comm), encoding_(encoding) {
+  Writer(MPI_Comm comm, const std::string& path, const MeditEncoding& encoding)
+      : comm_(comm), path_(path), encoding_(encoding) {
     if (MPI_File_open(comm, path.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file_) != MPI_SUCCESS) {
       throw FileError(path + ": cannot be opened for writing");
     }
@@ -235,10 +237,13 @@ class Writer {
 
   const MeditEncoding& encoding() const { return encoding_; }
 
-  /// Returns whether all ranks could write.
+  /// Returns whether all ranks could write. Some versions of Open MPI report no error where the disk is full, so the
+  /// size of the file decides, too.
   bool end() {
     write_once(encoding_.file_end());
     if (MPI_File_close(&file_) != MPI_SUCCESS) failed_ = 1;
+    std::error_code error;
+    if (rank_of(comm_) == 0 && std::filesystem::file_size(path_, error) != std::uintmax_t(position_)) failed_ = 1;
     return all_reduce(comm_, failed_, MPI_MAX) == 0;
   }
 
@@ -255,6 +260,7 @@ class Writer {
   }
 
   MPI_Comm comm_;
+  std::string path_;
   MPI_File file_ = MPI_FILE_NULL;
   MeditEncoding encoding_;
   std::int64_t position_ = 0;  ///< the end of what all ranks have written

@@ -199,6 +199,16 @@ def needs_vtk(test):
     return wrapped
 
 
+def can_mount():
+    return shutil.which("unshare") is not None and subprocess.run(
+        ["unshare", "-rm", "mount", "-t", "tmpfs", "none", "/mnt"], capture_output=True).returncode == 0
+
+
+def needs_mount(test):
+    return unittest.skipUnless(
+        can_mount(), "SKIPPED, NOT TESTED: no permission to mount a file system of its own (unshare -rm)")(test)
+
+
 class CliTest(unittest.TestCase):
     def setUp(self):
         self.folder = Path(tempfile.mkdtemp(prefix="tetune_cli_"))

@@ -5,11 +5,9 @@ is killed, two that write one file. Run: see cli_case.py."""
 import os
 import random
 import shlex
-import shutil
 import signal
 import subprocess
 import time
-import unittest
 from pathlib import Path
 
 import cli_case
@@ -18,18 +16,13 @@ from cli_case import CliTest, Mesh, cube
 OLD = b"an old file"
 
 
-def can_mount():
-    return shutil.which("unshare") is not None and subprocess.run(
-        ["unshare", "-rm", "mount", "-t", "tmpfs", "none", "/mnt"], capture_output=True).returncode == 0
-
-
 def plugins():
     folder = Path(cli_case.TETUNE).parent / "../libexec/tetune"
     return [ending for program, endings in (("tetune-vtk", ["vtu", "vtk", "e"]), ("tetune-gmsh", ["unv", "bdf"]))
             if (folder / program).is_file() for ending in endings]
 
 
-@unittest.skipUnless(can_mount(), "SKIPPED, NOT TESTED: no permission to mount a file system of its own (unshare -rm)")
+@cli_case.needs_mount
 class Mounts(CliTest):
     def on_disk(self, options, output):
         """Exit code, message, and what is then in a file system of its own, where there was an old file."""

@@ -17,14 +17,17 @@ import cli_case  # noqa: E402
 PROGRAM = TETUNE = BRACKET = ""
 
 
+def command(ranks, *args):
+    return ["mpiexec", "--allow-run-as-root", "--oversubscribe", "--mca", "btl", "self,vader", "--mca",
+            "btl_vader_single_copy_mechanism", "none", "-n", str(ranks), PROGRAM, *map(str, args)]
+
+
 class MpiTest(cli_case.CliTest):
     def mpi(self, ranks, source, out, *args, code=0):
         """Replaces `out`. The exit code of mpiexec is that of the ranks."""
         args = (source, "-o", out, *args)
         done = subprocess.run(
-            ["mpiexec", "--allow-run-as-root", "--oversubscribe", "--mca", "btl", "self,vader", "--mca",
-             "btl_vader_single_copy_mechanism", "none", "-n", str(ranks), PROGRAM, *map(str, args)],
-            capture_output=True, text=True, timeout=cli_case.HANG,
+            command(ranks, *args), capture_output=True, text=True, timeout=cli_case.HANG,
             env={**os.environ, "OMPI_MCA_rmaps_base_oversubscribe": "1"})
         self.assertEqual(done.returncode, code, f"{args}\n{done.stdout}\n{done.stderr}")
         return done

@@ -2,6 +2,8 @@
 """A rank that fails ends the run: one message, exit code 2, the old file as it was and no temporary one left."""
 
 import os
+import shlex
+import subprocess
 from pathlib import Path
 
 import mpi_case
@@ -33,6 +35,19 @@ class Failures(MpiTest):
         self.refused(self.put("grid.xmf", "<Xdmf/>"), said=["grid.xmf", ".h5 beside it"])
         done = self.mpi(2, mpi_case.BRACKET, self.path("nowhere/out.h5"), code=2)
         self.assertIn("nowhere/out.h5", done.stderr)
+
+    @cli_case.needs_mount
+    def test_a_full_disk(self):
+        (self.folder / "disk").mkdir()
+        words = shlex.join(mpi_case.command(2, mpi_case.BRACKET, "-o", "disk/out.meshb", "--effort", "fast", "--quiet"))
+        script = ("mount -t tmpfs -o size=600k none disk && printf old > disk/out.meshb\n"
+                  f"{words} > log 2>&1; echo $? > code; ls disk > names; cp disk/out.meshb left")
+        subprocess.run(["unshare", "-rm", "sh", "-c", script], cwd=self.folder, check=True, timeout=cli_case.HANG)
+        log = (self.folder / "log").read_text()
+        self.assertEqual((self.folder / "code").read_text(), "2\n", log)
+        self.assertIn("disk/out.meshb: could not be written (disk full?)", log)
+        self.assertEqual((self.folder / "names").read_text(), "out.meshb\n")
+        self.assertEqual((self.folder / "left").read_text(), "old")
 
     def test_other_elements_are_not_for_a_plex(self):
         prism = "Prisms\n1\n1 2 6 37 38 42 0\nEnd"
