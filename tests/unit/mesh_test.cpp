@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "driver/report/extend_report.hpp"
+#include "driver/report/unchanged.hpp"
 #include "mesh/listed_faces.hpp"
 #include "mesh/sort_mesh.hpp"
 #include "support/meshes.hpp"
@@ -111,6 +112,17 @@ TEST(SortMesh, ARescaledMeshGetsTheSameOrder) {
   sort_mesh(backend::Cpu(1), work);
   sort_mesh(backend::Cpu(1), scaled);
   EXPECT_EQ(work.vertex2original.download(), scaled.vertex2original.download());
+}
+
+TEST(DiscardResult, ForgetsATransferThatWasGivenUp) {
+  const TetMesh mesh = test::cube(2);
+  Report report;
+  report.transfer_stopped = true;
+  report.stop = StopReason::cancelled;
+  discard_result(mesh, {}, "the mesh is as before", report);
+  EXPECT_FALSE(report.transfer_stopped);
+  EXPECT_EQ(report.stop, StopReason::cancelled);
+  EXPECT_EQ(report.warnings, std::vector<std::string>{"the mesh is as before"});
 }
 
 TEST(ExtendReport, MapsOfListsThatEndEmptyAreEmpty) {

@@ -23,6 +23,7 @@ void describe_unchanged(const TetMesh& mesh, const Options& options, Report& rep
   report.tets_untangled = report.triangles_dropped = report.edges_dropped = 0;
   report.restarts = report.restarts_kept = 0;
   report.deviation = report.uncovered = 0;
+  report.transfer_stopped = false;
   report.straightened.clear();
   report.sweeps.clear();
   report.flip_passes.clear();
