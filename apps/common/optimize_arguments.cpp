@@ -210,8 +210,7 @@ void check_page(const std::vector<std::string>& inputs, OptimizeArguments& a) {
   if (!is_mesh_file(inputs[0]) || !is_mesh_file(a.names.output)) {
     throw OptionError(
         "--report-html: the page is made of the files of one mesh, not of the standard input or output or a time "
-        "series; "
-        "give names of files");
+        "series; give names of files");
   }
   if (a.dry_run) a.warnings.emplace_back("--report-html has no effect with --dry-run");
 }

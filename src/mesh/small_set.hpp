@@ -51,4 +51,30 @@ class SmallSet {
   int size_ = 0;
 };
 
+/// Values of at most kCapacity ids.
+template <class Value, int kCapacity>
+class SmallMap {
+ public:
+  /// The value of an id; null where it has none.
+  TETUNE_HD const Value* find(Index item) const {
+    const int i = ids_.find(item);
+    return i < 0 ? nullptr : &values_[i];
+  }
+  /// The value of an id, which make(value) sets where there was none; null where the map is full.
+  template <class Make>
+  TETUNE_HD Value* find_or_make(Index item, const Make& make) {
+    int i = ids_.find(item);
+    if (i < 0) {
+      i = ids_.add(item);
+      if (i < 0) return nullptr;
+      make(values_[i]);
+    }
+    return &values_[i];
+  }
+
+ private:
+  SmallSet<kCapacity> ids_;
+  Value values_[kCapacity];
+};
+
 }  // namespace tetune

@@ -40,6 +40,7 @@ class AxisDeviation : DeviationInput {
     return true;
   }
 
+ private:
   static constexpr int kMaxTriangles = 64;
   static constexpr int kMaxVertices = 64;
   /// The largest angle between the axis and the normals of the fan and of its neighbors: 20 degrees.
@@ -128,13 +129,7 @@ class AxisDeviation : DeviationInput {
 
   /// The relation of a reference vertex, computed once; null where the memory is full.
   TETUNE_HD VertexRelation* relation(Index v) {
-    int i = vertices_.find(v);
-    if (i < 0) {
-      i = vertices_.add(v);
-      if (i < 0) return nullptr;
-      relate(v, relations_[i]);
-    }
-    return &relations_[i];
+    return relations_.find_or_make(v, [&](VertexRelation& r) { relate(v, r); });
   }
   TETUNE_HD void relate(Index v, VertexRelation& r) const {
     const Vec3 d = in_frame(ref.point(v) - fan_.x);
@@ -218,8 +213,8 @@ class AxisDeviation : DeviationInput {
       case SurfacePointKind::edge:
         return is_over(on.item / 3) || (ref.across[on.item] != kFeatureEdge && is_over(ref.across[on.item] / 3));
       case SurfacePointKind::vertex: {
-        const int i = vertices_.find(on.item);
-        return i >= 0 && relations_[i].is_covered;
+        const VertexRelation* const r = relations_.find(on.item);
+        return r != nullptr && r->is_covered;
       }
       default:
         return false;
@@ -239,8 +234,7 @@ class AxisDeviation : DeviationInput {
   double beyond_[Fan::kMaxTriangles];  ///< the coordinate of the vertex, 0 at the edge opposite, at the margin
   SmallSet<kMaxTriangles> triangles_;
   FanMask over_[kMaxTriangles];  ///< per visited reference triangle: the triangles it has a part over
-  SmallSet<kMaxVertices> vertices_;
-  VertexRelation relations_[kMaxVertices];
+  SmallMap<VertexRelation, kMaxVertices> relations_;  ///< by reference vertex
 };
 
 }  // namespace tetune

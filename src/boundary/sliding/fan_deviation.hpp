@@ -72,13 +72,7 @@ class FanDeviation : DeviationInput {
 
   /// The relation of a reference vertex, computed once; null where the memory is full.
   TETUNE_HD VertexRelation* relation(Index v) {
-    int i = vertices_.find(v);
-    if (i < 0) {
-      i = vertices_.add(v);
-      if (i < 0) return nullptr;
-      relate(v, relations_[i]);
-    }
-    return &relations_[i];
+    return relations_.find_or_make(v, [&](VertexRelation& r) { relate(v, r); });
   }
 
   /// Compares a reference vertex with all triangles. Each 64-bit word collects up to four masks of 16 bits, at bits 0,
@@ -237,6 +231,7 @@ class FanDeviation : DeviationInput {
     }
     return true;
   }
+
   /// The triangles in `over` over which a reference triangle is not upright.
   TETUNE_HD FanMask not_upright(VertexRelation* const corner[3], FanMask over) const {
     const Vec3 normal = cross(corner[1]->d - corner[0]->d, corner[2]->d - corner[0]->d);
@@ -280,8 +275,8 @@ class FanDeviation : DeviationInput {
     return i < 0 ? 0 : over_[i];
   }
   TETUNE_HD FanMask over_vertex(Index v) const {
-    const int i = vertices_.find(v);
-    return i < 0 ? 0 : relations_[i].covers;
+    const VertexRelation* const r = relations_.find(v);
+    return r == nullptr ? 0 : r->covers;
   }
 
   const Fan& fan_;
@@ -289,8 +284,7 @@ class FanDeviation : DeviationInput {
   FanMask undecided_ = 0;
   SmallSet<kMaxTriangles> triangles_;
   FanMask over_[kMaxTriangles];  ///< per visited reference triangle: the triangles it has a part over
-  SmallSet<kMaxVertices> vertices_;
-  VertexRelation relations_[kMaxVertices];
+  SmallMap<VertexRelation, kMaxVertices> relations_;  ///< by reference vertex
 };
 
 }  // namespace tetune

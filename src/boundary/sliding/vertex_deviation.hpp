@@ -99,9 +99,10 @@ class VertexDeviation : DeviationInput {
     shape,
     outline,  ///< the vertex crosses an edge opposite it
   };
-  /// Compares the triangles at the vertex before and after a move. It crosses an edge opposite it, for example, at a
-  /// rim that is no feature: the reference on the side that it leaves would be over no triangle of the new fan, and
-  /// beside triangles that do not change and so are not tested. A folded triangle does not unfold for the same reason.
+  /// Compares the triangles at the vertex before and after a move. A vertex may not cross an edge opposite it, as it
+  /// could at a rim that is no feature: the reference on the side that it leaves would be over no triangle of the new
+  /// fan, and beside triangles that do not change and so are not tested. A folded triangle does not unfold for the same
+  /// reason.
   TETUNE_HD FanChange change_of_fan(const Vec3& from, const Vec3& x) const {
     const double tolerance2 = kFlatShare * kFlatShare * limit * limit;
     bool changes = false;
