@@ -41,46 +41,40 @@ FaceKey key_of(const TetMeshView& mesh, HalfFace half_face) {
   return face_key(mesh.tet(tet_of(half_face)), face_of(half_face));
 }
 
-struct LowestVertex {
-  const TetMeshView& mesh;
-  Size operator()(Size half_face) const { return key_of(mesh, HalfFace(half_face)).low; }
-};
-
-/// The lowest vertex of a half-face at the surface; -1 for others. See half_faces_at_surface().
-struct LowestVertexAtSurface {
-  LowestVertex lowest_vertex;
-  Span<const std::uint64_t> sums;
-  Size operator()(Size half_face) const {
-    const Size v = lowest_vertex(half_face);
-    return sums[v] != 0 ? v : -1;
+/// Finds the vertices of faces of the boundary and between regions. For each face of a tetrahedron a hash of its
+/// vertices and of the region is added to a sum at each of its vertices, with the sign of the permutation that sorts
+/// them: those of the two half-faces of a face inside a region cancel.
+class SurfaceVertices {
+ public:
+  SurfaceVertices(const TetMesh& mesh, const TetMeshView& view, const backend::Cpu& cpu)
+      : view_(view), regions_(span_of(mesh.tet_tags)), sums_(mesh.points.size(), 0) {
+    cpu.for_each(view.tets.size(), [this](Size t) { add_hashes(t); });
   }
-};
 
-/// Adds, for each face of a tetrahedron, a hash of its vertices and of the region to a sum at its lowest vertex, with
-/// the sign of the permutation that sorts the vertices: those of the two half-faces of an inner face cancel.
-struct AddHashes {
-  const TetMeshView& mesh;
-  Span<const int> regions;
-  Span<std::uint64_t> sums;
-  void operator()(Size t) const {
-    const Tet tet = mesh.tet(t);
-    // The lowest vertex of the tetrahedron is that of three of its faces.
-    const Index lowest = std::min({tet[0], tet[1], tet[2], tet[3]});
-    std::uint64_t sum = 0;
-    for (int f = 0; f < 4; ++f) {
-      const FaceKey key = face_key(tet, f);
-      const std::uint64_t hash = hash_of(key, regions[t]);
-      const std::uint64_t term = key.odd ? hash : 0 - hash;
-      if (key.low == lowest) {
-        sum += term;
-      } else {
-        backend::atomic_add(sums[key.low], term);
-      }
+  /// Whether the vertices of a half-face are at the surface: false for most half-faces inside.
+  bool may_be_at_surface(HalfFace half_face) const {
+    const Tet tet = view_.tet(tet_of(half_face));
+    for (int k = 0; k < 4; ++k) {
+      if (k != face_of(half_face) && span_of(sums_)[tet[k]] == 0) return false;
     }
-    backend::atomic_add(sums[lowest], sum);
+    return true;
   }
 
  private:
+  void add_hashes(Size t) {
+    view_.prefetch_ahead(t);
+    const Tet tet = view_.tet(t);
+    std::array<std::uint64_t, 4> terms{};
+    std::uint64_t sum = 0;
+    for (int f = 0; f < 4; ++f) {
+      const FaceKey key = face_key(tet, f);
+      const std::uint64_t hash = hash_of(key, regions_[t]);
+      terms[to_size_t(f)] = key.odd ? hash : 0 - hash;
+      sum += terms[to_size_t(f)];
+    }
+    // A vertex belongs to all faces but the one across from it.
+    for (int k = 0; k < 4; ++k) backend::atomic_add(span_of(sums_)[tet[k]], sum - terms[to_size_t(k)]);
+  }
   /// A number without a pattern (the finalizer of Steele, Lea and Flood, "Fast splittable pseudorandom number
   /// generators", 2014, Fig. 16).
   static std::uint64_t hash_of(const FaceKey& key, int region) {
@@ -91,15 +85,16 @@ struct AddHashes {
     z = (z ^ z >> 27) * 0x94d049bb133111eb;
     return z ^ z >> 31;
   }
+
+  const TetMeshView& view_;
+  Span<const int> regions_;
+  std::vector<std::uint64_t> sums_;
 };
 
-struct MakeSorted {
-  const TetMeshView& mesh;
-  SortedHalfFace operator()(HalfFace half_face) const {
-    const FaceKey key = key_of(mesh, half_face);
-    return {{key.low, key.middle, key.high}, tet_of(half_face), key.odd};
-  }
-};
+SortedHalfFace make_sorted(const TetMeshView& mesh, HalfFace half_face) {
+  const FaceKey key = key_of(mesh, half_face);
+  return {{key.low, key.middle, key.high}, tet_of(half_face), key.odd};
+}
 
 /// Sorts the half-faces of the same lowest vertex.
 struct SortGroup {
@@ -117,15 +112,18 @@ struct SortGroup {
   }
 };
 
-/// The half-faces that have a row, sorted: they are grouped by their lowest vertex, their row, and sorted within the
-/// groups, which are small.
-template <class RowOf>
-std::vector<SortedHalfFace> sort_half_faces(const TetMeshView& mesh, const RowOf& row_of, const backend::Cpu& cpu) {
+/// Sorts `count` half-faces, each half_face_at(i) for one i: they are grouped by their lowest vertex and sorted within
+/// the groups, which are small.
+template <class HalfFaceAt>
+std::vector<SortedHalfFace> sort_half_faces(const TetMeshView& mesh, Size count, const HalfFaceAt& half_face_at,
+                                            const backend::Cpu& cpu) {
   backend::Cpu::Buffer<std::uint32_t> offsets;
   backend::Cpu::Buffer<SortedHalfFace> half_faces;
   const Size vertices = mesh.points.size();
-  build_csr_of<backend::Cpu, RowOf, MakeSorted, SortedHalfFace>(cpu, vertices, 4 * mesh.tets.size(), row_of,
-                                                                MakeSorted{mesh}, offsets, half_faces);
+  const auto lowest_vertex = [&](Size i) { return Size{key_of(mesh, half_face_at(i)).low}; };
+  const auto make = [&](Size i) { return make_sorted(mesh, half_face_at(i)); };
+  build_csr_of<backend::Cpu, decltype(lowest_vertex), decltype(make), SortedHalfFace>(
+      cpu, vertices, count, lowest_vertex, make, offsets, half_faces);
   cpu.for_each(vertices, SortGroup{offsets, half_faces});
   return half_faces.download();
 }
@@ -203,15 +201,19 @@ std::vector<std::int8_t> volume_signs(const TetMesh& mesh, int threads) {
 
 std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads) {
   const TetMeshView view(mesh);
-  return sort_half_faces(view, LowestVertex{view}, backend::Cpu(threads));
+  const auto all = [](Size i) { return HalfFace(i); };
+  return sort_half_faces(view, 4 * view.tets.size(), all, backend::Cpu(threads));
 }
 
 std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threads) {
   const TetMeshView view(mesh);
   const backend::Cpu cpu(threads);
-  std::vector<std::uint64_t> sums(mesh.points.size(), 0);
-  cpu.for_each(view.tets.size(), AddHashes{view, span_of(mesh.tet_tags), span_of(sums)});
-  return sort_half_faces(view, LowestVertexAtSurface{{view}, span_of(std::as_const(sums))}, cpu);
+  const SurfaceVertices surface(mesh, view, cpu);
+  std::vector<Index> candidates(to_size_t(4 * view.tets.size()));
+  const auto is_candidate = [&](Size half_face) { return surface.may_be_at_surface(HalfFace(half_face)); };
+  const Size count = cpu.compact(std::ssize(candidates), is_candidate, span_of(candidates));
+  const auto listed = [&](Size i) { return HalfFace(span_of(candidates)[i]); };
+  return sort_half_faces(view, count, listed, cpu);
 }
 
 std::int64_t orient_uniformly(TetMesh& mesh, int threads) {

@@ -30,7 +30,7 @@ struct SortedHalfFace {
 /// All half-faces, sorted by their vertices and then by tetrahedron. `threads` 0 means all.
 std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads = 1);
 
-/// Those of them whose lowest vertex is the lowest one of a face of the boundary or between regions: as a rule a small
+/// Those of them all of whose vertices are vertices of faces of the boundary or between regions: as a rule a small
 /// part.
 std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threads = 1);
 

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <set>
 #include <tuple>
 
 #include "backend/cpu.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
-#include "math/closest_triangle.hpp"
-#include "mesh/sorted.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "quality/sampled_distance.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
@@ -24,8 +21,12 @@ double area(const TrianglePoints& t) { return 0.5 * norm(cross(t[1] - t[0], t[2]
 
 /// The surface of a mesh: the boundary, and the interfaces between regions. Curved triangles are divided into facets.
 struct MeshSurface {
+  struct Vertex {
+    Vec3 point;
+    double search_radius;
+  };
   std::vector<TrianglePoints> triangles;
-  std::vector<Vec3> vertices;
+  std::vector<Vertex> vertices;
   double area = 0;       ///< of the boundary
   double mean_edge = 0;  ///< of the boundary
 
@@ -63,7 +64,7 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
     const TrianglePoints triangle{positions.position(v[0]), positions.position(v[1]), positions.position(v[2])};
     for (std::size_t k = 0; k < 3; ++k) {
       char& seen = span_of(on_surface)[v[k]];
-      if (seen == 0) surface.vertices.push_back(triangle[k]);
+      if (seen == 0) surface.vertices.push_back({triangle[k], search_radius(triangle)});
       seen = 1;
     }
     double area_of_face = 0;
@@ -85,61 +86,19 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
   return surface;
 }
 
-/// A surface to which distances are measured.
-class DistantSurface {
- public:
-  explicit DistantSurface(const MeshSurface& surface) : closest_(surface.triangles) {
-    for (const Vec3& v : surface.vertices) vertices_.push_back(to_point(v));
-    for (const TrianglePoints& t : surface.triangles) triangles_.push_back(sorted(t));
-    sort_unique(vertices_);
-    sort_unique(triangles_);
+/// One in `stride` of the vertices, and of the midpoints of edges and triangles. Of the triangles at an edge at least
+/// one lists it in increasing order of its end points.
+SurfaceSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
+  SurfaceSamples result{surface.triangles, {}};
+  for (Size i = 0; i < std::ssize(surface.vertices); i += stride) {
+    const MeshSurface::Vertex& v = span_of(surface.vertices)[i];
+    result.samples.push_back({v.point, v.search_radius, -1});
   }
-
-  const ClosestTriangle& closest() const { return closest_; }
-  /// Whether it has a vertex or a triangle, in all bits: points of that need no search, which takes long where many
-  /// triangles share a vertex.
-  bool has(const Vec3& vertex) const {
-    return std::binary_search(vertices_.begin(), vertices_.end(), to_point(vertex));
-  }
-  bool has(const TrianglePoints& triangle) const {
-    return std::binary_search(triangles_.begin(), triangles_.end(), sorted(triangle));
-  }
-
- private:
-  using SortedTriangle = std::array<Point3, 3>;
-  static SortedTriangle sorted(const TrianglePoints& t) {
-    SortedTriangle points{to_point(t[0]), to_point(t[1]), to_point(t[2])};
-    std::sort(points.begin(), points.end());
-    return points;
-  }
-
-  ClosestTriangle closest_;
-  std::vector<Point3> vertices_;
-  std::vector<SortedTriangle> triangles_;
-};
-
-/// One in `stride` of some vertices, without those that the other surface has.
-std::vector<Vec3> distant_vertices(std::int64_t stride, const std::vector<Vec3>& vertices,
-                                   const DistantSurface& other) {
-  std::vector<Vec3> sampled;
-  for (Size i = 0; i < std::ssize(vertices); i += stride) {
-    if (!other.has(span_of(vertices)[i])) sampled.push_back(span_of(vertices)[i]);
-  }
-  return sampled;
-}
-
-/// One in `stride` of the midpoints of edges and triangles, without those of triangles that the other surface has. Of
-/// the triangles at an edge at least one lists it in increasing order of its end points.
-std::vector<Vec3> distant_midpoints(std::int64_t stride, const std::vector<TrianglePoints>& triangles,
-                                    const DistantSurface& other) {
-  std::vector<Vec3> points;
   std::int64_t passed = 0;
-  for (const TrianglePoints& t : triangles) {
-    std::optional<bool> is_common;
+  for (Index i = 0; i < std::ssize(surface.triangles); ++i) {
+    const TrianglePoints& t = span_of(surface.triangles)[i];
     const auto add = [&](const Vec3& p) {
-      if (passed++ % stride != 0) return;
-      if (!is_common) is_common = other.has(t);
-      if (!*is_common) points.push_back(p);
+      if (passed++ % stride == 0) result.samples.push_back({p, search_radius(t), i});
     };
     add((1.0 / 3) * (t[0] + t[1] + t[2]));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -148,27 +107,20 @@ std::vector<Vec3> distant_midpoints(std::int64_t stride, const std::vector<Trian
       if (std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z)) add(0.5 * (a + b));
     }
   }
-  return points;
-}
-
-/// The largest distance of the points from the surface, at least `at_least`. A point within the largest distance found
-/// so far needs no exact distance; the result does not depend on the order.
-double max_distance(const std::vector<Vec3>& points, const ClosestTriangle& surface, const backend::Cpu& cpu,
-                    double at_least = 0) {
-  std::atomic<double> max_distance2{at_least * at_least};
-  const Span<const Vec3> samples = span_of(points);
-  cpu.for_each(samples.size(), [&](Size i) {
-    double known = max_distance2.load(std::memory_order_relaxed);
-    const double distance2 = surface.closest(samples[i], known).distance2;
-    while (distance2 > known && !max_distance2.compare_exchange_weak(known, distance2, std::memory_order_relaxed)) {
-    }
-  });
-  return std::sqrt(max_distance2.load());
+  return result;
 }
 
 using TagSet = std::set<int>;
 
-TagSet tag_set(const std::vector<int>& tags) { return {tags.begin(), tags.end()}; }
+TagSet tag_set(const std::vector<int>& tags) {
+  TagSet set;
+  const int* last = nullptr;
+  for (const int& tag : tags) {
+    if (last == nullptr || tag != *last) set.insert(tag);
+    last = &tag;
+  }
+  return set;
+}
 
 TagSet nonzero_tag_set(const std::vector<int>& tags) {
   TagSet set = tag_set(tags);
@@ -181,8 +133,22 @@ double relative_change(double before, double after) { return before != 0 ? after
 /// Volumes or areas by tag.
 using SizeByTag = std::map<int, double>;
 
+/// Adds up sizes of items, most of which have the tag of the one before.
+class SizeSum {
+ public:
+  void add(int tag, double size) {
+    if (entry_ == sizes_.end() || entry_->first != tag) entry_ = sizes_.try_emplace(tag, 0).first;
+    entry_->second += size;
+  }
+  SizeByTag take() { return std::move(sizes_); }
+
+ private:
+  SizeByTag sizes_;
+  SizeByTag::iterator entry_ = sizes_.end();
+};
+
 SizeByTag region_volumes(const TetMesh& mesh, const TetMeshView& view) {
-  SizeByTag volumes;
+  SizeSum volumes;
   const CurvedEdges edges(mesh);
   const auto volume = [&](Size t) {
     const std::array<Index, 4>& tet = view.tets[t];
@@ -191,21 +157,24 @@ SizeByTag region_volumes(const TetMesh& mesh, const TetMeshView& view) {
     for (Vec3& node : nodes) node = view.scale * node;
     return signed_volume(nodes);
   };
-  for (Size t = 0; t < view.tets.size(); ++t) volumes[span_of(mesh.tet_tags)[t]] += volume(t);
-  return volumes;
+  for (Size t = 0; t < view.tets.size(); ++t) {
+    view.prefetch_ahead(t);
+    volumes.add(span_of(mesh.tet_tags)[t], volume(t));
+  }
+  return volumes.take();
 }
 
 SizeByTag patch_areas(const TetMesh& mesh, const TetMeshView& view) {
-  SizeByTag areas;
+  SizeSum areas;
   const QuadraticTriangles quadratic(mesh.points, mesh.curved_edges);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangle_tags[t] == 0) continue;
     const auto& v = mesh.triangles[t];
-    areas[mesh.triangle_tags[t]] += mesh.curved_edges.empty()
-                                        ? area({view.position(v[0]), view.position(v[1]), view.position(v[2])})
-                                        : area_of(scaled(quadratic.of(v), view.scale));
+    areas.add(mesh.triangle_tags[t], mesh.curved_edges.empty()
+                                         ? area({view.position(v[0]), view.position(v[1]), view.position(v[2])})
+                                         : area_of(scaled(quadratic.of(v), view.scale)));
   }
-  return areas;
+  return areas.take();
 }
 
 double max_change(const SizeByTag& before, const SizeByTag& after) {
@@ -262,28 +231,15 @@ void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale,
   c.area_change = relative_change(old_surface.area, new_surface.area);
   c.mean_edge = old_surface.mean_edge / scale;
   if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
-  std::optional<DistantSurface> old_triangles;
-  std::optional<DistantSurface> new_triangles;
-  cpu.for_parts(2, [&](Size i) {
-    if (i == 0) {
-      old_triangles.emplace(old_surface);
-    } else {
-      new_triangles.emplace(new_surface);
-    }
-  });
   const std::int64_t samples = std::max(old_surface.sample_count(), new_surface.sample_count());
   c.sample_stride = max_samples > 0 ? (samples + max_samples - 1) / max_samples : 1;
-  const auto farthest = [&](const MeshSurface& surface, const DistantSurface& other, double vertices) {
-    return max_distance(distant_midpoints(c.sample_stride, surface.triangles, other), other.closest(), cpu, vertices);
+  const auto distances = [&](const MeshSurface& from, const MeshSurface& to) {
+    return max_distances(sample_surface(from, c.sample_stride), to.triangles, cpu);
   };
-  const auto farthest_vertex = [&](const MeshSurface& surface, const DistantSurface& other) {
-    return max_distance(distant_vertices(c.sample_stride, surface.vertices, other), other.closest(), cpu);
-  };
-  const double new_vertices = farthest_vertex(new_surface, *old_triangles);
-  const double old_vertices = farthest_vertex(old_surface, *new_triangles);
-  c.vertices_to_old = new_vertices / old_surface.mean_edge;
-  c.new_to_old = farthest(new_surface, *old_triangles, new_vertices) / old_surface.mean_edge;
-  c.old_to_new = farthest(old_surface, *new_triangles, old_vertices) / old_surface.mean_edge;
+  const LargestDistances new_to_old = distances(new_surface, old_surface);
+  c.vertices_to_old = new_to_old.vertices / old_surface.mean_edge;
+  c.new_to_old = new_to_old.all / old_surface.mean_edge;
+  c.old_to_new = distances(old_surface, new_surface).all / old_surface.mean_edge;
 }
 
 void compare_tags(const TetMesh& before, const TetMesh& after, Comparison& c) {

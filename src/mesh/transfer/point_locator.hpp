@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "math/box_tree.hpp"
 #include "mesh/host_mesh.hpp"
-#include "mesh/transfer/box_tree.hpp"
 
 namespace tetune {
 

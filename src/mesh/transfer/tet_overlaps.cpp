@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "math/box_tree.hpp"
 #include "math/constants.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/transfer/box_tree.hpp"
 
 namespace tetune {
 namespace {

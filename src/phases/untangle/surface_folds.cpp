@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "math/box_tree.hpp"
 #include "math/orient.hpp"
-#include "mesh/transfer/box_tree.hpp"
 #include "mesh/vertex_layers.hpp"
 
 namespace tetune {

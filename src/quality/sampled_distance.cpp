@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quality/sampled_distance.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "math/box_tree.hpp"
+#include "math/constants.hpp"
+
+namespace tetune {
+namespace {
+
+using Sample = SurfaceSamples::Sample;
+
+/// The first radius in lengths of an edge, of which most samples are within: a larger one finds more triangles for
+/// each.
+constexpr double kFirstRadius = 0.1;
+constexpr double kRadiusGrowth = 4;
+constexpr int kMaxRounds = 3;
+
+bool equal(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+bool has_vertex(const TrianglePoints& t, const Vec3& p) { return equal(t[0], p) || equal(t[1], p) || equal(t[2], p); }
+
+bool same_vertices(const TrianglePoints& a, const TrianglePoints& b) {
+  return has_vertex(b, a[0]) && has_vertex(b, a[1]) && has_vertex(b, a[2]);
+}
+
+Box box_of(const TrianglePoints& t) {
+  Box box{t[0], t[0]};
+  box.include(t[1]);
+  box.include(t[2]);
+  return box;
+}
+
+/// The squared length of the edge after corner k.
+double length2(const TrianglePoints& t, std::size_t k) {
+  const Vec3 edge = t[(k + 1) % 3] - t[k];
+  return dot(edge, edge);
+}
+
+double max_length2(const TrianglePoints& t) { return std::max({length2(t, 0), length2(t, 1), length2(t, 2)}); }
+
+double double_area(const TrianglePoints& t) { return norm(cross(t[1] - t[0], t[2] - t[0])); }
+
+/// Calls visit(box) for boxes that cover a triangle. A thin triangle is divided, because its box may cover much else.
+template <class Visit>
+void for_each_box(const TrianglePoints& t, int depth, const Visit& visit) {
+  constexpr double kMaxAspect = 4;
+  const double longest2 = max_length2(t);
+  if (depth == 0 || longest2 <= kMaxAspect * double_area(t)) return visit(box_of(t));
+  std::size_t k = 0;
+  while (length2(t, k) < longest2) ++k;
+  const Vec3 middle = 0.5 * (t[k] + t[(k + 1) % 3]);
+  for_each_box({t[k], middle, t[(k + 2) % 3]}, depth - 1, visit);
+  for_each_box({middle, t[(k + 1) % 3], t[(k + 2) % 3]}, depth - 1, visit);
+}
+
+class DistanceSearch {
+ public:
+  DistanceSearch(const SurfaceSamples& from, const std::vector<TrianglePoints>& surface, const backend::Cpu& cpu)
+      : from_(from), surface_(surface), cpu_(cpu), distance2_(from.samples.size()), pending_(from.samples.size()) {
+    for (std::atomic<double>& d : distance2_) d.store(kInfinity, std::memory_order_relaxed);
+    std::iota(pending_.begin(), pending_.end(), Index{0});
+  }
+
+  LargestDistances run() {
+    search_within_radius();
+    search_everywhere();
+    return {std::sqrt(vertices2_), std::sqrt(all2_)};
+  }
+
+ private:
+  /// Samples that are pending afterwards are far from the surface.
+  void search_within_radius() {
+    double scale = 1;
+    for (int round = 0; round < kMaxRounds && !pending_.empty(); ++round, scale *= kRadiusGrowth) {
+      search(scale);
+      for (const Index i : pending_) {
+        if (is_exact(i, scale)) include(i);
+      }
+      std::erase_if(pending_, [&](Index i) { return is_exact(i, scale) || is_within_largest(i); });
+    }
+  }
+
+  void search_everywhere() {
+    if (pending_.empty()) return;
+    const ClosestTriangle closest(surface_);
+    cpu_.for_each(std::ssize(pending_), [&](Size p) {
+      const Index i = span_of(pending_)[p];
+      distance2_[to_size_t(i)].store(closest.closest(sample(i).point, largest2(i)).distance2,
+                                     std::memory_order_relaxed);
+    });
+    for (const Index i : pending_) include(i);
+  }
+
+  /// The largest distance that matters for a sample.
+  double largest2(Index i) const { return sample(i).triangle < 0 ? vertices2_ : all2_; }
+  /// Whether the distance found so far, an upper bound, cannot change the results.
+  bool is_within_largest(Index i) const { return distance2_of(i) <= largest2(i); }
+  void include(Index i) {
+    if (sample(i).triangle < 0) vertices2_ = std::max(vertices2_, distance2_of(i));
+    all2_ = std::max(all2_, distance2_of(i));
+  }
+
+  const Sample& sample(Index i) const { return span_of(from_.samples)[i]; }
+  double distance2_of(Index i) const { return distance2_[to_size_t(i)].load(std::memory_order_relaxed); }
+  /// Every triangle within the radius has been measured.
+  bool is_exact(Index i, double scale) const {
+    const double radius = scale * sample(i).radius;
+    return distance2_of(i) <= radius * radius;
+  }
+
+  /// Measures the distances of the pending samples from the triangles near them.
+  void search(double scale) {
+    constexpr int kMaxDivisions = 10;
+    std::vector<Box> boxes;
+    boxes.reserve(pending_.size());
+    for (const Index i : pending_) {
+      const double r = scale * sample(i).radius;
+      const Vec3 radius{r, r, r};
+      boxes.push_back({sample(i).point - radius, sample(i).point + radius});
+    }
+    const BoxTree tree(boxes);
+    cpu_.for_each(std::ssize(surface_), [&](Size t) {
+      const TrianglePoints& triangle = span_of(surface_)[t];
+      for_each_box(triangle, kMaxDivisions, [&](const Box& box) {
+        tree.for_meeting(box, [&](Index item) { measure(span_of(pending_)[item], triangle); });
+      });
+    });
+  }
+
+  void measure(Index i, const TrianglePoints& triangle) {
+    std::atomic<double>& least = distance2_[to_size_t(i)];
+    double so_far = least.load(std::memory_order_relaxed);
+    const Sample& s = sample(i);
+    const bool is_common =
+        s.triangle < 0 ? has_vertex(triangle, s.point) : same_vertices(span_of(from_.triangles)[s.triangle], triangle);
+    const double d = is_common ? 0 : distance2(s.point, triangle);
+    while (d < so_far && !least.compare_exchange_weak(so_far, d, std::memory_order_relaxed)) {
+    }
+  }
+
+  const SurfaceSamples& from_;
+  const std::vector<TrianglePoints>& surface_;
+  const backend::Cpu& cpu_;
+  std::vector<std::atomic<double>> distance2_;
+  std::vector<Index> pending_;
+  double vertices2_ = 0, all2_ = 0;  ///< the largest squared distances so far
+};
+
+}  // namespace
+
+double search_radius(const TrianglePoints& triangle) {
+  // A thin triangle has a small radius, but not one that grows for ever.
+  return std::sqrt(std::max(kFirstRadius * kFirstRadius * double_area(triangle), 1e-6 * max_length2(triangle)));
+}
+
+LargestDistances max_distances(const SurfaceSamples& from, const std::vector<TrianglePoints>& surface,
+                               const backend::Cpu& cpu) {
+  return DistanceSearch(from, surface, cpu).run();
+}
+
+}  // namespace tetune
