@@ -29,7 +29,8 @@ struct SlideSurface;
 /// Results are the same bit for bit for any number of threads. Not for concurrent calls on one object.
 class TETUNE_API LiveMesh {
  public:
-  /// `options` hold for all calls; those with one entry per vertex follow its vertices. `neighborhood`, from 1 to 100:
+  /// `options` hold for all calls; those with one entry per vertex follow its vertices. Options::max_growth limits the
+  /// number of tetrahedra after any number of calls, by that of the mesh given here. `neighborhood`, from 1 to 100:
   /// the number of rings of tetrahedra around a disturbed one that may change.
   ///
   /// Throws MeshError if the lists of the mesh are not consistent or it is curved, and OptionError; Options::only_below
@@ -73,12 +74,15 @@ class TETUNE_API LiveMesh {
                                       const Context& context);
   /// move() with Boundary::slide.
   MoveReport move_sliding(const VertexTargets& target, const std::vector<std::uint8_t>& moves, const Context& context);
+  /// The options of the next call, which may add what others have left of the growth.
+  Options next_options() const;
   /// Takes the arrays with an entry per vertex along.
   void follow(const Report& report);
 
   TetMesh mesh_;
   Options options_;
   int neighborhood_;
+  double max_tets_;
   std::vector<std::uint8_t> disturbed_;
   /// The surface that the vertices slide on; null: that of the mesh as it is.
   std::shared_ptr<const SlideSurface> surface_;

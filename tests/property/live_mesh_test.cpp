@@ -230,6 +230,30 @@ TEST(LiveMesh, KeepsTheNumbersOfFrozenVerticesThroughInsertions) {
   }
 }
 
+TEST(LiveMesh, GrowsByMaxGrowthOverAllSteps) {
+  const TetMesh mesh = test::cube(6, 0.25, 5);
+  Options options;
+  options.effort = Effort::best;
+  options.max_growth = 1.05;
+  options.restarts = 0;
+  LiveMesh live(mesh, options);
+  const std::vector<Point3> start = mesh.points;
+  for (int step = 1; step <= 3; ++step) {
+    VertexTargets targets(live.mesh().points.size(), Point3{kNan, kNan, kNan});
+    for (std::size_t v = 0; v < start.size(); ++v) {
+      if (test::is_inner(start[v])) continue;
+      const double angle = 0.4 * std::sin(step) * start[v][2];
+      const double x = start[v][0] - 0.5, y = start[v][1] - 0.5;
+      targets[v] = {0.5 + std::cos(angle) * x - std::sin(angle) * y, 0.5 + std::sin(angle) * x + std::cos(angle) * y,
+                    start[v][2]};
+    }
+    ASSERT_TRUE(live.move(targets).reached());
+    // Flips are not limited.
+    EXPECT_LE(live.mesh().tets.size(), 1.06 * double(mesh.tets.size())) << "step " << step;
+  }
+  EXPECT_GE(live.mesh().tets.size(), 1.02 * double(mesh.tets.size()));
+}
+
 TEST(LiveMesh, WidensTheNeighborhoodAndNamesWhatBlocks) {
   const TetMesh before = optimized(6);
   LiveMesh live(before, {}, 1);

@@ -24,6 +24,7 @@ LiveMesh::LiveMesh(TetMesh mesh, Options options, int neighborhood)
     : mesh_(std::move(mesh)),
       options_(std::move(options)),
       neighborhood_(neighborhood),
+      max_tets_(options_.max_growth * double(mesh_.tets.size())),
       disturbed_(mesh_.points.size(), 0) {
   if (!options_.only_below.empty()) {
     throw OptionError("only_below: a live mesh works on the tetrahedra that were disturbed; leave it empty");
@@ -63,7 +64,7 @@ std::int64_t LiveMesh::disturbed() const { return std::count(disturbed_.begin(),
 
 Report LiveMesh::optimize(const Context& context) {
   if (disturbed() > 0) surface_ = nullptr;
-  Report report = optimize_tets(mesh_, tets_at(mesh_.tets, disturbed_), neighborhood_, options_, context);
+  Report report = optimize_tets(mesh_, tets_at(mesh_.tets, disturbed_), neighborhood_, next_options(), context);
   follow(report);
   std::fill(disturbed_.begin(), disturbed_.end(), 0);
   return report;
@@ -71,7 +72,7 @@ Report LiveMesh::optimize(const Context& context) {
 
 Report LiveMesh::optimize_all(const Context& context) {
   surface_ = nullptr;
-  Report report = tetune::optimize(mesh_, options_, context);
+  Report report = tetune::optimize(mesh_, next_options(), context);
   follow(report);
   std::fill(disturbed_.begin(), disturbed_.end(), 0);
   return report;
@@ -95,14 +96,14 @@ MoveReport LiveMesh::move(const VertexTargets& target, const Context& caller) {
     }
   }
   // The whole mesh: it gives the messages, too, with its numbers.
-  MoveReport report = tetune::move(mesh_, target, options_, context);
+  MoveReport report = tetune::move(mesh_, target, next_options(), context);
   follow(report.optimization);
   return report;
 }
 
 MoveReport LiveMesh::move_sliding(const VertexTargets& target, const std::vector<std::uint8_t>& moves,
                                   const Context& context) {
-  Options options = options_;
+  Options options = next_options();
   if (options.surface_vertices == SurfaceVertices::edit) {
     throw OptionError(
         "surface_vertices=edit: while a live mesh moves with boundary=slide, the vertices of its surface "
@@ -133,7 +134,7 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
     };
     try {
       const auto maps =
-          change_tets(mesh_, tets_at(mesh_.tets, moves), rings, options_, context, change, report.optimization);
+          change_tets(mesh_, tets_at(mesh_.tets, moves), rings, next_options(), context, change, report.optimization);
       if (!maps) {
         rings *= 2;
         continue;
@@ -159,6 +160,14 @@ bool LiveMesh::moves_in_parts(const std::vector<std::uint8_t>& moves) const {
     if (moves[v] != 0 && has_tet[v] == 0) return false;
   }
   return true;
+}
+
+Options LiveMesh::next_options() const {
+  Options options = options_;
+  if (!mesh_.tets.empty()) {
+    options.max_growth = std::min(options_.max_growth, std::max(1.0, max_tets_ / double(mesh_.tets.size())));
+  }
+  return options;
 }
 
 void LiveMesh::follow(const Report& report) {
