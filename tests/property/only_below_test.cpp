@@ -372,6 +372,31 @@ TEST(OnlyBelowLimit, inverted_tetrahedra_are_bad) {
   EXPECT_TRUE(validate(mesh).ok());
 }
 
+/// More tetrahedra miss the limit of the repaired mesh, but the input is inverted.
+TEST(OnlyBelowLimit, a_repaired_mesh_is_kept_although_more_tetrahedra_miss_the_limit) {
+  int more = 0;
+  for (const double limit : {40.0, 43.0, 44.9}) {
+    TetMesh mesh = test::cube(6);
+    for (Point3& p : mesh.points) {
+      if (std::abs(p[0] - 0.5) + std::abs(p[1] - 0.5) + std::abs(p[2] - 0.5) < 1e-9) p[0] += 0.25;
+    }
+    Options options;
+    options.only_below = {{Measure::min_dihedral, limit}};
+    options.untangle = true;
+    const auto missing = [&](const TetMesh& of) {
+      const auto all = measure_each(of);
+      return std::count_if(all.begin(), all.end(), [&](const Measures& m) { return is_bad(m, options.only_below[0]); });
+    };
+    const auto before = missing(mesh);
+    const Report report = optimize(mesh, options);
+    EXPECT_TRUE(validate(mesh).ok());
+    EXPECT_EQ(report.unchanged, "");
+    EXPECT_GT(report.tets_untangled, 0);
+    if (missing(mesh) > before) ++more;
+  }
+  EXPECT_GT(more, 0);
+}
+
 TEST(OnlyBelowLimit, tetrahedra_that_cannot_be_repaired_are_named_by_their_numbers) {
   TetMesh mesh = test::cube(6);
   const Index last = static_cast<Index>(mesh.tets.size()) - 1;

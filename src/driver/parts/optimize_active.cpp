@@ -104,7 +104,8 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
     before = count_missing(part.mesh, options.only_below, options.threads);
     report = run_part(mesh, part, run.context);
     after = count_missing(part.mesh, options.only_below, options.threads);
-    return after <= before;
+    // An input that had to be untangled is worse than any result.
+    return after <= before || report.tets_untangled > 0;
   };
   if (change_active(mesh, constraints, active, options, run, change, report)) return report;
   // The objective may lower other measures than those of the floor.
