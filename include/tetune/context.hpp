@@ -25,7 +25,9 @@ struct Progress {
 ///
 /// If one of them requests a stop, optimize() returns at the next safe point, with StopReason::cancelled: the mesh is
 /// the best so far, and as valid as any result. Once the mesh is loaded there are several safe points per second, on
-/// large meshes too. Only DataTransfer::conserve may take as long again: see Report::transfer_stopped.
+/// large meshes too. Only DataTransfer::conserve may take as long again, see Report::transfer_stopped, and a run with
+/// Options::only_below that has removed more vertices than inserted: it is repeated with the same vertices, until flips
+/// and sweeps have converged.
 struct Context {
   /// Called between passes; returns false to stop.
   std::function<bool(const Progress&)> progress;

@@ -116,8 +116,8 @@ struct Options {
   /// If not empty, only tetrahedra that miss one of these limits may change, and those within `rings` around them: a
   /// ring is the tetrahedra that share a vertex with those before. All others keep their vertices, the order in which
   /// they are listed, and the coordinates of these, bit for bit; their faces are not checked. If more tetrahedra would
-  /// miss a limit afterwards, the mesh stays as it is, and Report::warnings says so. The time of the work is in
-  /// proportion to Report::tets_active. Refused by move().
+  /// miss a limit afterwards, and none had to be untangled, the mesh stays as it is, and Report::warnings says so. The
+  /// time of the work is in proportion to Report::tets_active. Refused by move().
   std::vector<Target> only_below;
   /// With `only_below`: 0 to 100.
   int rings = 2;

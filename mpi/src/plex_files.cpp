@@ -7,13 +7,15 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <utility>
 
 #include "files.hpp"
 #include "shared_temporary.hpp"
 #include "star_forest.hpp"
+#include "system/file.hpp"
 #include "tetune/error.hpp"
-#include "tetune/io.hpp"
+#include "write_watch.hpp"
 
 /// DMPlex in HDF5, as DMView() writes it and DMLoad() reads it, and XDMF beside it.
 namespace tetune::mpi {
@@ -27,17 +29,17 @@ void reverse(Cells& cells) {
 
 class Viewer {
  public:
-  Viewer(MPI_Comm comm, const std::string& path, PetscFileMode mode) {
+  Viewer(MPI_Comm comm, PetscFileMode mode) {
     check_petsc(PetscViewerCreate(comm, &viewer_));
     check_petsc(PetscViewerSetType(viewer_, PETSCVIEWERHDF5));
     check_petsc(PetscViewerFileSetMode(viewer_, mode));
-    check_petsc(PetscViewerFileSetName(viewer_, path.c_str()));
   }
   ~Viewer() { PetscViewerDestroy(&viewer_); }
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
   PetscViewer get() const { return viewer_; }
-  void close() { check_petsc(PetscViewerDestroy(&viewer_)); }
+  PetscErrorCode open(const std::string& path) { return PetscViewerFileSetName(viewer_, path.c_str()); }
+  PetscErrorCode close() { return PetscViewerDestroy(&viewer_); }
 
  private:
   PetscViewer viewer_ = nullptr;
@@ -70,7 +72,7 @@ std::filesystem::path with_ending(const std::string& path, const char* ending) {
 }
 
 /// Writes the tags of the cells of all ranks as a data set.
-void write_tags(MPI_Comm comm, const std::vector<int>& tags, const Viewer& viewer) {
+void write_tags(MPI_Comm comm, const std::vector<int>& tags, const Viewer& viewer, const WriteWatch& watch) {
   Vec values = nullptr;
   check_petsc(VecCreateMPI(comm, petsc_size(tags), PETSC_DETERMINE, &values));
   check_petsc(PetscObjectSetName(reinterpret_cast<PetscObject>(values), "tags"));
@@ -78,13 +80,40 @@ void write_tags(MPI_Comm comm, const std::vector<int>& tags, const Viewer& viewe
   check_petsc(VecGetArrayWrite(values, &to));
   std::copy(tags.begin(), tags.end(), to);
   check_petsc(VecRestoreArrayWrite(values, &to));
-  check_petsc(VecView(values, viewer.get()));
+  watch.check(VecView(values, viewer.get()));
   check_petsc(VecDestroy(&values));
 }
 
-void write_xdmf(const std::string& path, const std::string& h5, Id cells, Id vertices) {
-  const std::string text = fmt::format(
-      R"(<?xml version="1.0"?>
+/// The XDMF beside an HDF5 file, which has its name when both are complete.
+class XdmfHeader {
+ public:
+  XdmfHeader(MPI_Comm comm, std::string path, std::string h5)
+      : comm_(comm), path_(std::move(path)), h5_(std::move(h5)) {}
+
+  /// `cells`: of this rank; `vertices`: of all. Does nothing where the HDF5 file alone is wanted. Throws FileError on
+  /// all ranks.
+  void write(Id cells, Id vertices) {
+    const Id all = all_reduce(comm_, cells, MPI_SUM);
+    collective_try(comm_, [&] {
+      if (rank_of(comm_) == 0 && path_ != h5_) file_.emplace(path_).write(text(all, vertices));
+    });
+  }
+  /// Throws FileError on all ranks.
+  void commit() {
+    collective_try(comm_, [this] {
+      if (!file_) return;
+      try {
+        file_->commit();
+      } catch (const FileError& e) {
+        throw FileError(std::string(e.what()) + "; " + h5_ + " was written");
+      }
+    });
+  }
+
+ private:
+  std::string text(Id cells, Id vertices) const {
+    return fmt::format(
+        R"(<?xml version="1.0"?>
 <Xdmf Version="3.0">
   <Domain>
     <Grid Name="mesh" GridType="Uniform">
@@ -101,9 +130,13 @@ void write_xdmf(const std::string& path, const std::string& h5, Id cells, Id ver
   </Domain>
 </Xdmf>
 )",
-      cells, vertices, h5, sizeof(PetscInt));
-  write_text(path, text);
-}
+        cells, vertices, std::filesystem::path(h5_).filename().string(), sizeof(PetscInt));
+  }
+
+  MPI_Comm comm_;
+  std::string path_, h5_;
+  std::optional<FileWriter> file_;  ///< on rank 0
+};
 
 }  // namespace
 
@@ -137,7 +170,8 @@ Input read_plex(MPI_Comm comm, const std::string& path) {
   Input input;
   DM dm = nullptr;
   with_file_name(path, "no DMPlex could be loaded, as DMView() writes one", [&] {
-    Viewer viewer(comm, path, FILE_MODE_READ);
+    Viewer viewer(comm, FILE_MODE_READ);
+    check_petsc(viewer.open(path));
     check_petsc(DMCreate(comm, &dm));
     check_petsc(DMSetType(dm, DMPLEX));
     check_petsc(PetscObjectSetName(reinterpret_cast<PetscObject>(dm), "mesh"));
@@ -161,6 +195,7 @@ void write_plex(MPI_Comm comm, const std::string& path, Part part, Totals totals
   }
   const std::string h5 = with_ending(path, ".h5");
   SharedTemporary temporary(comm, h5);
+  XdmfHeader header(comm, path, h5);
   const std::vector<int> tags = mesh.tet_tags;
   reverse(part.mesh.tets);
   const Labels all = labels ? *labels : labels_of(comm, part);
@@ -172,21 +207,21 @@ void write_plex(MPI_Comm comm, const std::string& path, Part part, Totals totals
     check_petsc(DMGetCoordinates(dm, &points));
     check_petsc(VecGetSize(points, &vertices));
     vertices /= 3;
-    Viewer viewer(comm, temporary.name(), FILE_MODE_WRITE);
-    check_petsc(DMView(dm, viewer.get()));
-    write_tags(comm, tags, viewer);
-    viewer.close();
+    header.write(std::ssize(tags), vertices);
+    const WriteWatch watch(comm, h5, temporary.name());
+    Viewer viewer(comm, FILE_MODE_WRITE);
+    watch.check(viewer.open(temporary.name()));
+    watch.check(DMView(dm, viewer.get()));
+    write_tags(comm, tags, viewer, watch);
+    watch.check(viewer.close());
     check_petsc(DMDestroy(&dm));
   });
   if (vertices < totals.vertices) {
     warnings.push_back(path + ": " + std::to_string(totals.vertices - vertices) +
                        " vertices of no tetrahedron are lost in a DMPlex");
   }
-  const Id cells = all_reduce(comm, std::ssize(tags), MPI_SUM);
   temporary.replace();
-  collective_try(comm, [&] {
-    if (rank_of(comm) == 0 && h5 != path) write_xdmf(path, std::filesystem::path(h5).filename(), cells, vertices);
-  });
+  header.commit();
 }
 
 }  // namespace tetune::mpi

@@ -36,18 +36,48 @@ class Failures(MpiTest):
         done = self.mpi(2, mpi_case.BRACKET, self.path("nowhere/out.h5"), code=2)
         self.assertIn("nowhere/out.h5", done.stderr)
 
+    def on_small_disk(self, limits, prepare, out):
+        """Runs where the file system has limits. Returns the output, the exit code, and the files by name."""
+        (self.folder / "disk").mkdir(exist_ok=True)
+        words = shlex.join(mpi_case.command(2, mpi_case.BRACKET, "-o", out, "--effort", "fast", "--quiet"))
+        script = (f"mount -t tmpfs -o {limits} none disk && {prepare} && {words} > log 2>&1; echo $? > code\n"
+                  "rm -rf left; cp -r disk left")
+        subprocess.run(["unshare", "-rm", "sh", "-c", script], cwd=self.folder, check=True, timeout=cli_case.HANG)
+        left = {path.name: path.read_bytes() for path in (self.folder / "left").iterdir()}
+        return (self.folder / "log").read_text(), int((self.folder / "code").read_text()), left
+
     @cli_case.needs_mount
     def test_a_full_disk(self):
-        (self.folder / "disk").mkdir()
-        words = shlex.join(mpi_case.command(2, mpi_case.BRACKET, "-o", "disk/out.meshb", "--effort", "fast", "--quiet"))
-        script = ("mount -t tmpfs -o size=600k none disk && printf old > disk/out.meshb\n"
-                  f"{words} > log 2>&1; echo $? > code; ls disk > names; cp disk/out.meshb left")
-        subprocess.run(["unshare", "-rm", "sh", "-c", script], cwd=self.folder, check=True, timeout=cli_case.HANG)
-        log = (self.folder / "log").read_text()
-        self.assertEqual((self.folder / "code").read_text(), "2\n", log)
+        log, code, left = self.on_small_disk("size=600k", "printf old > disk/out.meshb", "disk/out.meshb")
+        self.assertEqual(code, 2, log)
         self.assertIn("disk/out.meshb: could not be written (disk full?)", log)
-        self.assertEqual((self.folder / "names").read_text(), "out.meshb\n")
-        self.assertEqual((self.folder / "left").read_text(), "old")
+        self.assertEqual(left, {"out.meshb": b"old"})
+
+    @cli_case.needs_mount
+    def test_hdf5_on_a_full_disk(self):
+        """The file would have 9 MB. With the second size both ranks wait in HDF5, which has no error."""
+        for size in ("size=64k", "size=8200k"):
+            log, code, left = self.on_small_disk(size, "printf old > disk/out.h5 && printf old > disk/out.xmf", "disk/out.xmf")
+            self.assertEqual(code, 2, log)
+            self.assertEqual(log.count("tetune-mpi: disk/out.h5: could not be written (disk full?)"), 1, log)
+            self.assertEqual(left, {"out.h5": b"old", "out.xmf": b"old"})
+
+    @cli_case.needs_mount
+    def test_xdmf_on_a_full_disk(self):
+        # A file more, and not two.
+        log, code, left = self.on_small_disk("size=100M,nr_inodes=3", "printf old > disk/out.xmf", "disk/out.xmf")
+        self.assertEqual(code, 2, log)
+        self.assertEqual(left, {"out.xmf": b"old"})
+
+    @cli_case.needs_mount
+    def test_xdmf_that_cannot_be_replaced(self):
+        prepare = "printf old > disk/out.xmf && mount --bind disk/out.xmf disk/out.xmf"
+        log, code, left = self.on_small_disk("size=100M", prepare, "disk/out.xmf")
+        self.assertEqual(code, 2, log)
+        self.assertEqual(len([line for line in log.splitlines() if line.startswith("tetune-mpi:")]), 1, log)
+        self.assertRegex(log, "disk/out.xmf.*; disk/out.h5 was written")
+        self.assertEqual(sorted(left), ["out.h5", "out.xmf"])
+        self.assertEqual(left["out.xmf"], b"old")
 
     def test_other_elements_are_not_for_a_plex(self):
         prism = "Prisms\n1\n1 2 6 37 38 42 0\nEnd"

@@ -372,6 +372,31 @@ TEST(OnlyBelowLimit, inverted_tetrahedra_are_bad) {
   EXPECT_TRUE(validate(mesh).ok());
 }
 
+/// More tetrahedra miss the limit of the repaired mesh, but the input is inverted.
+TEST(OnlyBelowLimit, a_repaired_mesh_is_kept_although_more_tetrahedra_miss_the_limit) {
+  int more = 0;
+  for (const double limit : {40.0, 43.0, 44.9}) {
+    TetMesh mesh = test::cube(6);
+    for (Point3& p : mesh.points) {
+      if (std::abs(p[0] - 0.5) + std::abs(p[1] - 0.5) + std::abs(p[2] - 0.5) < 1e-9) p[0] += 0.25;
+    }
+    Options options;
+    options.only_below = {{Measure::min_dihedral, limit}};
+    options.untangle = true;
+    const auto missing = [&](const TetMesh& of) {
+      const auto all = measure_each(of);
+      return std::count_if(all.begin(), all.end(), [&](const Measures& m) { return is_bad(m, options.only_below[0]); });
+    };
+    const auto before = missing(mesh);
+    const Report report = optimize(mesh, options);
+    EXPECT_TRUE(validate(mesh).ok());
+    EXPECT_EQ(report.unchanged, "");
+    EXPECT_GT(report.tets_untangled, 0);
+    if (missing(mesh) > before) ++more;
+  }
+  EXPECT_GT(more, 0);
+}
+
 TEST(OnlyBelowLimit, tetrahedra_that_cannot_be_repaired_are_named_by_their_numbers) {
   TetMesh mesh = test::cube(6);
   const Index last = static_cast<Index>(mesh.tets.size()) - 1;
@@ -468,6 +493,79 @@ TEST(OnlyBelowLimit, vertices_do_not_become_fewer) {
   EXPECT_EQ(report.vertices_removed, 0);
   EXPECT_EQ(mesh.point_tags, before.point_tags);
   expect_rest_unchanged(before, mesh, active, report);
+}
+
+/// Vertices that Effort::best removes: in the middle of a part of the tetrahedra.
+TetMesh with_vertices_to_remove() {
+  TetMesh mesh = test::cube(4, 0.15, 3);
+  const std::size_t size = mesh.tets.size();
+  for (std::size_t t = 0; t < size; t += 3) split(mesh, t);
+  number_data(mesh);
+  return mesh;
+}
+
+class StoppedOnlyBelow : public testing::TestWithParam<Boundary> {};
+
+/// Where more vertices were removed than inserted until the stop, the part is optimized once more without either.
+TEST_P(StoppedOnlyBelow, result_is_valid_and_no_work_is_lost) {
+  const TetMesh before = with_vertices_to_remove();
+  Options options;
+  options.effort = Effort::best;
+  options.boundary = GetParam();
+  options.rings = 1;
+  options.restarts = 1;
+  options.only_below = {{Measure::min_dihedral, 20}};
+  const std::vector<bool> active = active_by_definition(before, options);
+  double converged = 0;  // mean of the mean ratios after flips and sweeps alone
+  bool is_stopped = true;
+  for (int calls = 2; is_stopped; calls += 1 + calls / 2) {
+    TetMesh mesh = before;
+    int called = 0, after_stop = 0, alternating = 0;
+    const Context context{[&](const Progress& p) {
+                            if (called == calls) ++after_stop;
+                            const std::string phase = p.phase;
+                            const bool alternates = phase == "load" || phase == "flips" || phase == "sweep";
+                            if (called == alternating && alternates) ++alternating;
+                            return ++called < calls;
+                          },
+                          {}};
+    const Report report = optimize(mesh, options, context);
+    is_stopped = called == calls;
+    EXPECT_EQ(after_stop, 0);
+    EXPECT_EQ(report.stop == StopReason::cancelled, is_stopped);
+    EXPECT_TRUE(validate(mesh).ok());
+    EXPECT_EQ(mesh.points.size(), before.points.size());
+    EXPECT_EQ(report.tets_after, std::ssize(mesh.tets));
+    EXPECT_EQ(report.vertices, std::ssize(before.points));
+    EXPECT_EQ(report.free_vertices + report.plane_vertices + report.line_vertices + report.surface_vertices +
+                  report.curve_vertices + report.fixed_vertices,
+              report.vertices);
+    EXPECT_TRUE(report.vertex2original.empty());
+    expect_rest_unchanged(before, mesh, active, report);
+    const double mean = quality(mesh).mean_ratio;
+    if (alternating == called) converged = std::max(converged, mean);
+    EXPECT_GT(mean, quality(before).mean_ratio);
+    EXPECT_GE(mean, 0.95 * converged);
+  }
+  EXPECT_GT(converged, 0.7);
+}
+INSTANTIATE_TEST_SUITE_P(Boundaries, StoppedOnlyBelow, testing::Values(Boundary::preserve, Boundary::slide));
+
+TEST(OnlyBelowLimit, a_stop_after_untangling_leaves_a_repaired_mesh) {
+  TetMesh mesh = with_vertices_to_remove();
+  for (Point3& p : mesh.points) {
+    if (std::abs(p[0] - 0.5) + std::abs(p[1] - 0.5) + std::abs(p[2] - 0.5) < 0.2) p[0] += 0.3;
+  }
+  Options options;
+  options.effort = Effort::best;
+  options.untangle = true;
+  options.only_below = {{Measure::min_dihedral, 20}};
+  const auto proceeds = [](const Progress& p) { return std::string(p.phase) != "worst"; };
+  const Report report = optimize(mesh, options, {proceeds, {}});
+  EXPECT_EQ(report.stop, StopReason::cancelled);
+  EXPECT_GT(report.tets_untangled, 0);
+  EXPECT_EQ(report.vertices_removed, 0);
+  EXPECT_TRUE(validate(mesh).ok());
 }
 
 TEST(OnlyBelowLimit, wrong_options_are_refused) {

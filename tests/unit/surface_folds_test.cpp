@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "driver/import_mesh.hpp"
 #include "mesh/connect.hpp"
 #include "support/meshes.hpp"
 #include "support/work.hpp"
@@ -71,6 +72,48 @@ TEST_F(FoldedSurface, FixedVerticesAreNotChecked) {
   mesh.points[kInTop][0] = -0.1;
   const std::vector<std::uint8_t> folded = folded_vertices(host(), dofs);
   EXPECT_EQ(std::count(folded.begin(), folded.end(), 1), 0);
+}
+
+/// The number for which a position is nearest to a point.
+template <class Position>
+Index nearest(Size count, const Vec3& to, const Position& position) {
+  Index best = 0;
+  for (Index i = 1; i < count; ++i) {
+    if (norm(position(i) - to) < norm(position(best) - to)) best = i;
+  }
+  return best;
+}
+
+/// A vertex of a curved surface, in the middle of the top, is moved over it.
+TEST(SlidingVertices, AFaceThatIsTurnedOverIsFound) {
+  const auto height = [](double x, double y) { return 1 + 0.3 * (x * (1 - x) + y * (1 - y)); };
+  TetMesh mesh = test::cube(6);
+  for (Point3& p : mesh.points) p[2] *= height(p[0], p[1]);
+  Options options;
+  options.boundary = Boundary::slide;
+  const backend::Cpu cpu(1);
+  WorkingSet<backend::Cpu> work;
+  Report report;
+  work.scale = 1;
+  import_mesh(cpu, mesh, options, nullptr, true, work, report);
+  const std::vector<VertexDof> dofs = work.dofs.dof.download();
+  const ReferenceView surface = work.dofs.reference.view();
+  const Index v =
+      nearest(std::ssize(mesh.points), {0.5, 0.5, height(0.5, 0.5)}, [&](Index i) { return surface.point(i); });
+  ASSERT_EQ(dofs[to_size_t(v)], VertexDof::surface);
+  const std::vector<std::uint8_t> before = folded_vertices(HostMesh(work.mesh), dofs, SlidingVertices(work.dofs));
+  EXPECT_EQ(std::count(before.begin(), before.end(), 1), 0);
+
+  const auto folded_at = [&](double x) {
+    const Index triangle =
+        nearest(surface.triangles.size(), {x, 0.5, height(x, 0.5)}, [&](Index t) { return surface.centroid(t); });
+    const Vec3 p = surface.centroid(triangle);
+    work.mesh.points.span()[v] = point(p);
+    work.dofs.surface_point.span()[v] = {SurfacePointKind::triangle, triangle};
+    return newly_folded(HostMesh(work.mesh), dofs, before, SlidingVertices(work.dofs)).size();
+  };
+  EXPECT_EQ(folded_at(0.55), 0U);
+  EXPECT_GT(folded_at(0.8), 0U);
 }
 
 }  // namespace

@@ -125,9 +125,9 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
   report.targets = report.targets_reached = 1;
   int rings = neighborhood_;
   for (std::size_t size = 0, last = 0;; last = size) {
-    const auto change = [&](ActivePart& part) {
+    const auto change = [&](ActivePart& part, const Context& hooks) {
       const VertexTargets targets = gather_entries(target, part.vertex2whole);
-      report = tetune::move(part.mesh, targets, part.options, context);
+      report = tetune::move(part.mesh, targets, part.options, hooks);
       size = part.tet2whole.size();
       const bool can_grow = size > last && size < mesh_.tets.size();
       return report.reached() || !can_grow || report.optimization.stop == StopReason::cancelled;

@@ -2,6 +2,8 @@
 #include "driver/parts/optimize_active.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <string_view>
 
 #include "backend/cpu.hpp"
 #include "boundary/classify.hpp"
@@ -13,6 +15,7 @@
 #include "mesh/id_maps.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/progress/latched_hooks.hpp"
+#include "phases/progress/phase.hpp"
 #include "phases/progress/phase_timer.hpp"
 #include "quality/limits.hpp"
 #include "tetune/error.hpp"
@@ -55,8 +58,33 @@ ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options,
 
 /// A run that can be stopped.
 struct Run {
-  const Context& context;
+  const LatchedHooks& hooks;
   PhaseTimer::SteadyClock::time_point start = PhaseTimer::SteadyClock::now();
+};
+
+/// The hooks of a run in the place of one that has removed vertices, after its flips and sweeps had converged: a stop
+/// takes effect after that, as nothing would be left of the first run's work otherwise, nor a mesh be untangled.
+class RepeatHooks {
+ public:
+  explicit RepeatHooks(const Context& hooks) : hooks_(hooks) {
+    context_.stop = [this] { return is_past_ && hooks_.stop(); };
+    context_.progress = [this](const Progress& p) {
+      const std::string_view phase = p.phase;
+      for (const Phase later : {Phase::worst, Phase::angles, Phase::restarts}) {
+        if (phase == progress_name_of(later)) is_past_ = true;
+      }
+      const bool proceeds = !hooks_.progress || hooks_.progress(p);
+      return proceeds || !is_past_;
+    };
+  }
+  RepeatHooks(const RepeatHooks&) = delete;
+  RepeatHooks& operator=(const RepeatHooks&) = delete;
+  const Context& context() const { return context_; }
+
+ private:
+  const Context& hooks_;
+  std::atomic<bool> is_past_ = false;
+  Context context_;
 };
 
 /// change_tets() for known constraints and active tetrahedra.
@@ -71,12 +99,14 @@ std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constrai
   const ListedFeatures features = find_listed_features(mesh, options, constraints, whole);
   ActivePart part = take_part(mesh, active, constraints, features, options);
   const std::size_t vertices = part.mesh.points.size();
-  bool is_taken = change(part);
+  bool is_taken = change(part, run.hooks.context());
   if (is_taken && part.mesh.points.size() < vertices) {
     // Vertices would get other numbers.
     part = take_part(mesh, active, constraints, features, options);
     part.options.keep_vertices = true;
-    is_taken = change(part);
+    const RepeatHooks hooks(run.hooks.context());
+    is_taken = change(part, hooks.context());
+    if (run.hooks.is_stopped()) report.stop = StopReason::cancelled;
   }
   report.corners_not_held = whole.corners_not_held;
   report.edges_not_held = whole.edges_not_held;
@@ -84,7 +114,7 @@ std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constrai
   report.tets_active = active.count;
   if (!is_taken) return std::nullopt;
   RunWarnings(mesh, options).add_to(report);
-  return replace_part(mesh, std::move(part), active, transfer_stop(run.context.stop, run.start), report);
+  return replace_part(mesh, std::move(part), active, transfer_stop(run.hooks.context().stop, run.start), report);
 }
 
 /// The number of tetrahedra that miss a limit; 0 without limits, for which nothing is measured.
@@ -97,14 +127,15 @@ std::int64_t count_missing(const TetMesh& mesh, const std::vector<Target>& limit
 Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
                             const Options& options, const Context& caller) {
   const LatchedHooks hooks(caller);
-  const Run run{hooks.context()};
+  const Run run{hooks};
   Report report;
   std::int64_t before = 0, after = 0;
-  const auto change = [&](ActivePart& part) {
+  const auto change = [&](ActivePart& part, const Context& context) {
     before = count_missing(part.mesh, options.only_below, options.threads);
-    report = run_part(mesh, part, run.context);
+    report = run_part(mesh, part, context);
     after = count_missing(part.mesh, options.only_below, options.threads);
-    return after <= before;
+    // An input that had to be untangled is worse than any result.
+    return after <= before || report.tets_untangled > 0;
   };
   if (change_active(mesh, constraints, active, options, run, change, report)) return report;
   // The objective may lower other measures than those of the floor.
@@ -150,7 +181,7 @@ Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, 
 std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
                                     const Context& context, const ChangePart& change, Report& report) {
   const LatchedHooks hooks(context);
-  const Run run{hooks.context()};
+  const Run run{hooks};
   const Constraints constraints = checked_constraints(mesh, options);
   const ActiveTets active = activate(mesh, std::move(flags), constraints, rings);
   auto maps = change_active(mesh, constraints, active, options, run, change, report);

@@ -22,8 +22,8 @@ Report optimize_active(TetMesh& mesh, const Options& options, const Context& con
 Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
                      const Context& context);
 
-/// Changes a part and returns whether the result is to be taken.
-using ChangePart = std::function<bool(ActivePart&)>;
+/// Changes a part, with the hooks of the run, and returns whether the result is to be taken.
+using ChangePart = std::function<bool(ActivePart&, const Context&)>;
 
 /// Takes the part of the flagged tetrahedra and those within `rings` around them, changes it, and puts it in its place;
 /// `report` is that of the part, which `change` fills, and becomes one of the whole mesh. Without tetrahedra that may

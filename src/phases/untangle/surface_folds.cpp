@@ -144,21 +144,58 @@ std::vector<Index> exactly_tangled(const HostMesh& mesh, std::vector<Index> slot
   return slots;
 }
 
-std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& dofs) {
+bool SlidingVertices::is_turned_from(Index triangle, const Vec3& normal) const {
+  // A face over an edge of the surface may be steep.
+  constexpr double kMaxCosine = -0.5;
+  const SurfaceTriangle& t = span_of(triangles_)[triangle];
+  const auto at = [&](int k) { return vec(span_of(points_)[t.v[k]]); };
+  const Vec3 own = cross(at(1) - at(0), at(2) - at(0));
+  return dot(own, normal) < kMaxCosine * norm(own) * norm(normal);
+}
+
+bool SlidingVertices::is_turned(Index v, const Vec3& normal) const {
+  const SurfacePoint on = span_of(surface_points_)[v];
+  switch (on.kind) {
+    case SurfacePointKind::triangle:
+      return is_turned_from(on.item, normal);
+    case SurfacePointKind::edge: {
+      const Index across = span_of(across_)[on.item];
+      return is_turned_from(on.item / 3, normal) && (across < 0 || is_turned_from(across / 3, normal));
+    }
+    case SurfacePointKind::vertex:
+    case SurfacePointKind::segment: {
+      const bool is_vertex = on.kind == SurfacePointKind::vertex;
+      const Index from = is_vertex ? on.item : on.item / 2;
+      const Index to = is_vertex ? from : span_of(line_)[from].next[on.item % 2];
+      for (Size i = span_of(offsets_)[from]; i < Size(span_of(offsets_)[from + 1]); ++i) {
+        const Index triangle = Index(span_of(corners_)[i]) / 3;
+        const Index(&t)[3] = span_of(triangles_)[triangle].v;
+        if (std::find(t, t + 3, to) != t + 3 && !is_turned_from(triangle, normal)) return false;
+      }
+      return true;
+    }
+    default:
+      return false;
+  }
+}
+
+std::vector<std::uint8_t> folded_vertices(const HostMesh& mesh, const std::vector<VertexDof>& dofs,
+                                          const SlidingVertices& sliding) {
   std::vector<PlaneNormals> normals(dofs.size());
   std::vector<std::uint8_t> folded(dofs.size(), 0);
   for_boundary_corners(mesh, [&, dofs = span_of(dofs), known = span_of(normals), flags = span_of(folded)](
                                  Index, Index v, const Vec3& normal) {
     const bool is_turned = (dofs[v] == VertexDof::plane && known[v].is_turned_in_plane(normal)) ||
-                           (dofs[v] == VertexDof::line && known[v].is_turned_at_line(normal));
+                           (dofs[v] == VertexDof::line && known[v].is_turned_at_line(normal)) ||
+                           (slides(dofs[v]) && sliding.is_turned(v, normal));
     if (is_turned) flags[v] = 1;
   });
   return folded;
 }
 
 std::vector<Index> newly_folded(const HostMesh& mesh, const std::vector<VertexDof>& dofs,
-                                const std::vector<std::uint8_t>& before) {
-  const std::vector<std::uint8_t> folded = folded_vertices(mesh, dofs);
+                                const std::vector<std::uint8_t>& before, const SlidingVertices& sliding) {
+  const std::vector<std::uint8_t> folded = folded_vertices(mesh, dofs, sliding);
   std::vector<Index> slots;
   if (std::find(folded.begin(), folded.end(), 1) == folded.end()) return slots;
   for_boundary_corners(mesh, [&slots, now = span_of(folded), then = span_of(before)](Index slot, Index v, const Vec3&) {

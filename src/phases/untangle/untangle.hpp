@@ -160,12 +160,12 @@ template <class Backend>
 std::vector<Index> untangle_once(Optimizer<Backend>& optimizer) {
   WorkMesh<Backend>& mesh = optimizer.work.mesh;
   const std::vector<VertexDof> dofs = optimizer.work.dofs.dof.download();
-  const std::vector<std::uint8_t> folded = folded_vertices(HostMesh(mesh), dofs);
+  const std::vector<std::uint8_t> folded = folded_vertices(HostMesh(mesh), dofs, SlidingVertices(optimizer.work.dofs));
   run_rounds(optimizer);
   const HostMesh result(mesh);
   std::vector<Index> left =
       exactly_tangled(result, find_tets(optimizer.backend, mesh, HasUncertifiedVolume{mesh.view()}).download());
-  if (left.empty()) left = newly_folded(result, dofs, folded);
+  if (left.empty()) left = newly_folded(result, dofs, folded, SlidingVertices(optimizer.work.dofs));
   return originals_of(mesh, std::move(left));
 }
 
