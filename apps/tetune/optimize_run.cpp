@@ -19,6 +19,7 @@
 #include "option_values.hpp"
 #include "report_files.hpp"
 #include "tables.hpp"
+#include "time_estimate.hpp"
 
 namespace tetune::cli {
 namespace {
@@ -177,11 +178,9 @@ class Run {
     for (const std::string& note : constraint_notes(report_)) text += "  " + note + "\n";
     text += quality_table({"now"}, {result_.before});
     text += fmt::format("  memory                 about {:.0f} MB\n", needed_mb_);
-    if (!a_.move && options_.termination == Termination::relative && options_.relocation == Relocation::newton) {
-      // Measured ratios of the time of a run to that of loading.
-      const double ratio = options_.effort == Effort::best ? 42 : options_.effort == Effort::fast ? 4.5 : 9;
-      text += fmt::format("  time                   about {:.2g} s on {} threads\n",
-                          2 * input_.seconds + ratio * load_seconds, report_.threads);
+    const auto seconds = estimated_seconds(options_, input_.seconds, load_seconds, report_.threads);
+    if (seconds && !a_.move) {
+      text += fmt::format("  time                   about {:.2g} s on {} threads\n", *seconds, report_.threads);
     }
     console_.print(text);
     result_.code = kDone;

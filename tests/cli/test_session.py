@@ -4,6 +4,7 @@
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 
@@ -154,6 +155,9 @@ class Limits(CliTest):
             self.assertRegex(done.stdout, rf"(?m)^  {name} +{count}\b")
         self.assertRegex(done.stdout, r"memory +about \d+ MB")
         self.assertRegex(done.stdout, r"time +about [\d.e-]+ s on \d+ threads")
+        best = self.run_cli("optimize", source, "--dry-run", "--effort", "best", "--restarts", 40, "--threads", 1)
+        seconds = re.search(r"time +about ([\d.e-]+) s on 1 thread", best.stdout)
+        self.assertGreater(float(seconds[1]), 10)
         self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--dry-run", "--map", self.path("m"), "--report",
                      self.path("r.json"))
         self.assertEqual(self.files(), ["in.mesh"])
