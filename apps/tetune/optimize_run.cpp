@@ -24,6 +24,8 @@
 namespace tetune::cli {
 namespace {
 
+std::string thread_count(int threads) { return fmt::format("{} thread{}", threads, threads == 1 ? "" : "s"); }
+
 using Time = std::chrono::steady_clock;
 
 double seconds_since(Time::time_point start) { return std::chrono::duration<double>(Time::now() - start).count(); }
@@ -180,7 +182,7 @@ class Run {
     text += fmt::format("  memory                 about {:.0f} MB\n", needed_mb_);
     const auto seconds = estimated_seconds(options_, input_.seconds, load_seconds, report_.threads);
     if (seconds && !a_.move) {
-      text += fmt::format("  time                   about {:.2g} s on {} threads\n", *seconds, report_.threads);
+      text += fmt::format("  time                   about {:.2g} s on {}\n", *seconds, thread_count(report_.threads));
     }
     console_.print(text);
     result_.code = kDone;
@@ -321,7 +323,7 @@ class Run {
     if (console_.verbosity() > 1) text += run_table(report_);
     text += fmt::format("  read {:.3f} s, {} {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
                         a_.move ? "moved" : "optimized", report_.seconds, report_.device,
-                        report_.threads > 0 ? fmt::format(" ({} threads)", report_.threads) : "", write_seconds_,
+                        report_.threads > 0 ? fmt::format(" ({})", thread_count(report_.threads)) : "", write_seconds_,
                         shown_name(job_.output, true));
     if (!report_.device_reason.empty())
       text += fmt::format("  on {}: {}\n", report_.device, with_flags(report_.device_reason));
