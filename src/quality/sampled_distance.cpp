@@ -60,6 +60,9 @@ void for_each_box(const TrianglePoints& t, int depth, const Visit& visit) {
   for_each_box({middle, t[(k + 1) % 3], t[(k + 2) % 3]}, depth - 1, visit);
 }
 
+/// The samples are in a tree, as they may be fewer than the triangles, and each triangle finds those near it. A
+/// distance is exact once all triangles within the radius of the sample have been measured and one of them is within
+/// it; the other samples are searched again with a larger radius, and the few that are far by a tree of the triangles.
 class DistanceSearch {
  public:
   DistanceSearch(const SurfaceSamples& from, const std::vector<TrianglePoints>& surface, const backend::Cpu& cpu)
