@@ -44,9 +44,9 @@ FaceKey key_of(const TetMeshView& mesh, HalfFace half_face) {
 /// Finds the vertices of faces of the boundary and between regions. For each face of a tetrahedron a hash of its
 /// vertices and of the region is added to a sum at each of its vertices, with the sign of the permutation that sorts
 /// them: those of the two half-faces of a face inside a region cancel.
-class SurfaceVertices {
+class SurfaceVertexHashes {
  public:
-  SurfaceVertices(const TetMesh& mesh, const TetMeshView& view, const backend::Cpu& cpu)
+  SurfaceVertexHashes(const TetMesh& mesh, const TetMeshView& view, const backend::Cpu& cpu)
       : view_(view), regions_(span_of(mesh.tet_tags)), sums_(mesh.points.size(), 0) {
     cpu.for_each(view.tets.size(), [this](Size t) { add_hashes(t); });
   }
@@ -208,9 +208,9 @@ std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads) 
 std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threads) {
   const TetMeshView view(mesh);
   const backend::Cpu cpu(threads);
-  const SurfaceVertices surface(mesh, view, cpu);
+  const SurfaceVertexHashes hashes(mesh, view, cpu);
   std::vector<Index> candidates(to_size_t(4 * view.tets.size()));
-  const auto is_candidate = [&](Size half_face) { return surface.may_be_at_surface(HalfFace(half_face)); };
+  const auto is_candidate = [&](Size half_face) { return hashes.may_be_at_surface(HalfFace(half_face)); };
   const Size count = cpu.compact(std::ssize(candidates), is_candidate, span_of(candidates));
   const auto listed = [&](Size i) { return HalfFace(span_of(candidates)[i]); };
   return sort_half_faces(view, count, listed, cpu);
