@@ -20,6 +20,10 @@ const CurvedEdge* find_edge(const std::vector<CurvedEdge>& sorted, const std::ar
 /// Replaces edges of a sorted list, and adds those that it lacks.
 void merge_edges(std::vector<CurvedEdge>& sorted, std::vector<CurvedEdge> changed);
 
+/// The largest distance of a mid-side node that has been computed from the midpoint, relative to the length of the
+/// edge, at which the edge is straight.
+inline constexpr double kStraight = 1e-12;
+
 /// Whether the mid-side node is at most this far from the midpoint, relative to the length of the edge; farther by the
 /// rounding of coordinates of 15 digits, as of text.
 bool is_straight(const TetMesh& mesh, const CurvedEdge& edge, double tolerance);
