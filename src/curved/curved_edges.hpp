@@ -51,6 +51,14 @@ std::vector<Index> curved_tets(const TetMesh& mesh, const CurvedEdges& edges);
 std::vector<CurvedTet> measure_tets(const TetMesh& mesh, const CurvedEdges& edges, const std::vector<Index>& tets,
                                     int threads);
 
+/// measure_curved_each(), for a mesh that has been checked.
+std::vector<CurvedTet> measure_curved_tets(const TetMesh& mesh, int threads);
+
+/// The ids of tetrahedra that are not proved valid.
+std::vector<Index> not_valid(const std::vector<CurvedTet>& tets);
+/// Those too whose scaled Jacobian is below a limit.
+std::vector<Index> not_valid_or_below(const std::vector<CurvedTet>& tets, double limit);
+
 /// Summary of all curved tetrahedra of a mesh that has been checked.
 CurvedQuality summarize_curved(const TetMesh& mesh, int threads, int worst);
 
