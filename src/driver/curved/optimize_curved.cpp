@@ -213,7 +213,7 @@ class CurvedOptimizer {
     std::vector<Index> tets = find_invalid(base_);
     if (!options_.straighten) return tets;
     const std::vector<Index> folded = with_folded_face(base_, tets);
-    std::erase_if(tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
+    erase_listed(tets, folded);
     return tets;
   }
 
@@ -226,7 +226,7 @@ class CurvedOptimizer {
     for (int round = 0; round < kMaxRounds && may_insert() && !is_stopped(); ++round) {
       std::vector<Index> left = find_invalid(base_);
       const std::vector<Index> folded = with_folded_face(base_, left);
-      std::erase_if(left, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
+      erase_listed(left, folded);
       if (left.empty()) break;
       const std::vector<Index> around = split_edges(base_, held_, left, kUnlimited, origins_);
       if (around.empty()) break;

@@ -9,6 +9,7 @@
 #include "boundary/constraints.hpp"
 #include "curved/curved_edges.hpp"
 #include "driver/curved/curved_skeleton.hpp"
+#include "mesh/sorted.hpp"
 
 namespace tetune {
 namespace {
@@ -131,7 +132,7 @@ class Straightener {
       std::vector<Index> invalid = find_invalid(trial);
       const std::vector<Index> folded = with_folded_face(trial, invalid);
       fail(folded);
-      std::erase_if(invalid, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
+      erase_listed(invalid, folded);
       relax_curved(trial, held_, invalid, goal_);
       fail(find_invalid(trial));
       for (std::size_t i = 0; i < groups.size(); ++i) {
