@@ -50,6 +50,14 @@ void Console::phase(const char* name) {
   if (line_) print_to(stderr, fmt::format("\r\033[K{} ...", name));
 }
 
+std::function<bool(const Progress&)> Console::progress_hook() {
+  if (!json_ && !line_) return {};
+  return [this](const Progress& p) {
+    update(p);
+    return true;
+  };
+}
+
 void Console::update(const Progress& p) {
   if (json_) {
     Json json = {{"event", "progress"},

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -27,7 +28,6 @@ class Console {
 
   int verbosity() const { return verbosity_; }
   bool json() const { return json_; }
-  bool shows_progress() const { return json_ || line_; }
 
   void print(const std::string& text);
   void warn(const std::string& text);
@@ -38,6 +38,8 @@ class Console {
   /// Prints the name of a phase of the program: "reading", "optimizing", "writing".
   void phase(const char* name);
   void update(const Progress& progress);
+  /// Context::progress that calls update(); none where no progress is shown.
+  std::function<bool(const Progress&)> progress_hook();
   /// Erases the line.
   void clear();
 

@@ -184,12 +184,7 @@ class SeriesRun {
                       steps_[i].path, missing));
     }
     Context context;
-    if (console_.shows_progress()) {
-      context.progress = [this](const Progress& p) {
-        console_.update(p);
-        return true;
-      };
-    }
+    context.progress = console_.progress_hook();
     context.stop = [] {
       interrupt::enter(interrupt::Stage::worth_writing);
       return interrupt::requested();

@@ -196,12 +196,7 @@ class Run {
     console_.phase(a_.move ? "moving" : "optimizing");
     std::optional<Time::time_point> end;
     Context context;
-    if (console_.shows_progress()) {
-      context.progress = [this](const Progress& p) {
-        console_.update(p);
-        return true;
-      };
-    }
+    context.progress = console_.progress_hook();
     context.stop = [&] {
       interrupt::enter(interrupt::Stage::worth_writing);
       if (a_.time_limit && !end) end = end_of_work();

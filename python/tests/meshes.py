@@ -64,3 +64,20 @@ def everything_of(value):
     names = [n for n in dir(value) if not n.startswith("_") and not callable(getattr(value, n))]
     assert len(names) > 1
     return {n: everything_of(getattr(value, n)) for n in names}
+
+
+def two_regions():
+    points, tets = shaken_box(8, 4, 4)
+    return points, tets, np.where(points[tets].mean(axis=1)[:, 0] > 4, 2, 1)
+
+
+def interface_area(points, tets, tags):
+    """Of the faces between regions 1 and 2."""
+    faces = np.concatenate([np.delete(tets, f, axis=1) for f in range(4)])
+    owner = np.tile(np.arange(len(tets)), 4)
+    order = np.lexsort(np.sort(faces, axis=1).T)
+    faces, owner = faces[order], owner[order]
+    same = np.flatnonzero((np.sort(faces[1:], axis=1) == np.sort(faces[:-1], axis=1)).all(axis=1))
+    between = same[tags[owner[same]] != tags[owner[same + 1]]]
+    a, b, c = np.moveaxis(points[faces[between]], 1, 0)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "backend/cpu.hpp"
@@ -99,12 +100,28 @@ std::vector<CurvedTet> measure_tets(const TetMesh& mesh, const CurvedEdges& edge
   return result;
 }
 
+std::vector<CurvedTet> measure_curved_tets(const TetMesh& mesh, int threads) {
+  const CurvedEdges edges(mesh);
+  return measure_tets(mesh, edges, curved_tets(mesh, edges), threads);
+}
+
+std::vector<Index> not_valid(const std::vector<CurvedTet>& tets) {
+  return not_valid_or_below(tets, -std::numeric_limits<double>::infinity());
+}
+
+std::vector<Index> not_valid_or_below(const std::vector<CurvedTet>& tets, double limit) {
+  std::vector<Index> ids;
+  for (const CurvedTet& t : tets) {
+    if (t.validity != CurvedValidity::valid || t.scaled_jacobian() < limit) ids.push_back(t.tet);
+  }
+  return ids;
+}
+
 CurvedQuality summarize_curved(const TetMesh& mesh, int threads, int worst) {
   CurvedQuality q;
   q.curved_edges = std::ssize(mesh.curved_edges);
   if (q.curved_edges == 0) return q;
-  const CurvedEdges edges(mesh);
-  std::vector<CurvedTet> tets = measure_tets(mesh, edges, curved_tets(mesh, edges), threads);
+  std::vector<CurvedTet> tets = measure_curved_tets(mesh, threads);
   q.tets = std::ssize(tets);
   for (const CurvedTet& t : tets) {
     q.valid += t.validity == CurvedValidity::valid ? 1 : 0;
@@ -123,8 +140,7 @@ CurvedQuality summarize_curved(const TetMesh& mesh, int threads, int worst) {
 
 std::vector<CurvedTet> measure_curved_each(const TetMesh& mesh, int threads) {
   require_arrays(mesh);
-  const CurvedEdges edges(mesh);
-  return measure_tets(mesh, edges, curved_tets(mesh, edges), threads);
+  return measure_curved_tets(mesh, threads);
 }
 
 CurvedQuality measure_curved(const TetMesh& mesh, int threads, int worst) {

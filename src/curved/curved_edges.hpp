@@ -20,6 +20,10 @@ const CurvedEdge* find_edge(const std::vector<CurvedEdge>& sorted, const std::ar
 /// Replaces edges of a sorted list, and adds those that it lacks.
 void merge_edges(std::vector<CurvedEdge>& sorted, std::vector<CurvedEdge> changed);
 
+/// The largest distance of a mid-side node that has been computed from the midpoint, relative to the length of the
+/// edge, at which the edge is straight.
+inline constexpr double kStraight = 1e-12;
+
 /// Whether the mid-side node is at most this far from the midpoint, relative to the length of the edge; farther by the
 /// rounding of coordinates of 15 digits, as of text.
 bool is_straight(const TetMesh& mesh, const CurvedEdge& edge, double tolerance);
@@ -46,6 +50,14 @@ std::vector<Index> curved_tets(const TetMesh& mesh, const CurvedEdges& edges);
 /// measure_curved_each() of listed tetrahedra, for a mesh that has been checked.
 std::vector<CurvedTet> measure_tets(const TetMesh& mesh, const CurvedEdges& edges, const std::vector<Index>& tets,
                                     int threads);
+
+/// measure_curved_each(), for a mesh that has been checked.
+std::vector<CurvedTet> measure_curved_tets(const TetMesh& mesh, int threads);
+
+/// The ids of tetrahedra that are not proved valid.
+std::vector<Index> not_valid(const std::vector<CurvedTet>& tets);
+/// Those too whose scaled Jacobian is below a limit.
+std::vector<Index> not_valid_or_below(const std::vector<CurvedTet>& tets, double limit);
 
 /// Summary of all curved tetrahedra of a mesh that has been checked.
 CurvedQuality summarize_curved(const TetMesh& mesh, int threads, int worst);

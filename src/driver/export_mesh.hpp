@@ -37,7 +37,7 @@ ConstrainedMesh constrained_mesh(WorkingSet<Backend>& work, const TetMesh& mesh)
   work.frozen.resize(to_size_t(work.mesh.vertices()), kMovable);
   std::vector<VertexDof> dof = work.dofs.dof.download();
   const std::vector<MotionSpace> spaces = work.periodic.space.download();
-  const std::vector<Index> vertex2class = work.periodic.vertex2class.download();
+  const std::vector<Index> vertex2class = work.periodic.images.vertex2class.download();
   for (std::size_t v = 0; v < vertex2class.size(); ++v) {
     if (vertex2class[v] < 0) continue;
     dof[v] = span_of(spaces)[vertex2class[v]].dof;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "boundary/classify.hpp"
@@ -63,36 +63,52 @@ inline std::vector<std::uint8_t> beside_other_surface(const std::vector<SurfaceT
   return flags;
 }
 
-/// A set of classes on the host.
-struct HostSet {
+/// PeriodicImages on the host.
+struct HostImages {
   std::vector<PeriodicMember> members;
   std::vector<std::uint32_t> first{0};
-  std::vector<MotionSpace> space;
+  std::vector<Index> vertex2class;
 
-  void add(const std::vector<PeriodicMember>& of_class, const MotionSpace& motion) {
-    members.insert(members.end(), of_class.begin(), of_class.end());
+  explicit HostImages(std::size_t vertices) : vertex2class(vertices, -1) {}
+  std::size_t classes() const { return first.size() - 1; }
+  std::span<const PeriodicMember> of_class(std::size_t c) const {
+    return {members.data() + first[c], members.data() + first[c + 1]};
+  }
+  void add(std::span<const PeriodicMember> added) {
+    for (const PeriodicMember& member : added) span_of(vertex2class)[member.vertex] = to_index(classes());
+    members.insert(members.end(), added.begin(), added.end());
     first.push_back(std::uint32_t(members.size()));
-    space.push_back(motion);
+  }
+  template <class Backend>
+  void upload(const Backend& backend, PeriodicImages<Backend>& images) const {
+    images.members.upload(backend, members);
+    images.first.upload(backend, first);
+    images.vertex2class.upload(backend, vertex2class);
   }
 };
 
-/// Uploads all classes.
-template <class Backend>
-void import_images(const Backend& backend, const PeriodicClasses& classes, const std::vector<Index>& original2vertex,
-                   WorkingSet<Backend>& work) {
+/// The caller's classes, in work vertices and their coordinates.
+inline HostImages find_images(const TetMesh& mesh, const std::vector<Index>& original2vertex, double scale,
+                              std::size_t vertices) {
+  const PeriodicClasses classes = find_periodic_classes(mesh);
+  HostImages images(vertices);
   std::vector<PeriodicMember> members;
-  std::vector<Index> vertex2class(to_size_t(work.mesh.vertices()), -1);
   for (std::size_t c = 0; c < classes.size(); ++c) {
+    members.clear();
     for (std::uint32_t m = classes.first[c]; m < classes.first[c + 1]; ++m) {
-      const Index v = span_of(original2vertex)[classes.members[m]];
-      members.push_back({v, work.scale * classes.shifts[m]});
-      span_of(vertex2class)[v] = to_index(c);
+      members.push_back({span_of(original2vertex)[classes.members[m]], scale * classes.shifts[m]});
     }
+    images.add(members);
   }
-  PeriodicImages<Backend>& images = work.boundary.images;
-  images.members.upload(backend, members);
-  images.first.upload(backend, classes.first);
-  images.vertex2class.upload(backend, vertex2class);
+  return images;
+}
+
+/// The bound of the root, with the smallest radius of the members.
+inline DisplacementBound bound_of_class(std::span<const PeriodicMember> members,
+                                        const std::vector<DisplacementBound>& bounds) {
+  DisplacementBound bound = span_of(bounds)[members.front().vertex];
+  for (const PeriodicMember& m : members) bound.radius = std::min(bound.radius, span_of(bounds)[m.vertex].radius);
+  return bound;
 }
 
 }  // namespace import_periodic_detail
@@ -103,48 +119,34 @@ template <class Backend>
 void import_periodic(const Backend& backend, const TetMesh& mesh, const DofInput<Backend>& input,
                      WorkingSet<Backend>& work, Report& report) {
   using namespace import_periodic_detail;
-  const PeriodicClasses classes = find_periodic_classes(mesh);
   const std::vector<MotionSpace> spaces = spaces_without_links(backend, work.mesh, input, report);
-  std::vector<Index> vertex2class(spaces.size(), -1);
-  for (std::size_t c = 0; c < classes.size(); ++c) {
-    for (std::uint32_t m = classes.first[c]; m < classes.first[c + 1]; ++m) {
-      span_of(vertex2class)[span_of(input.original2vertex)[classes.members[m]]] = to_index(c);
-    }
-  }
+  const HostImages images = find_images(mesh, input.original2vertex, work.scale, spaces.size());
   std::vector<std::uint8_t> held(spaces.size(), 0);
   // Operations on a curved surface start from the places of its vertices on the reference surface.
   if (input.options.boundary == Boundary::slide) {
-    held = beside_other_surface(input.surface.triangles.download(), vertex2class);
+    held = beside_other_surface(input.surface.triangles.download(), images.vertex2class);
   }
   const std::vector<DisplacementBound> bounds = work.dofs.displacement_bound.download();
-  HostSet set;
-  std::fill(vertex2class.begin(), vertex2class.end(), -1);
-  for (std::size_t c = 0; c < classes.size(); ++c) {
-    std::vector<PeriodicMember> members;
+  HostImages moving(spaces.size());
+  std::vector<MotionSpace> space;
+  for (std::size_t c = 0; c < images.classes(); ++c) {
+    const std::span<const PeriodicMember> members = images.of_class(c);
     MotionSpace motion{VertexDof::free, {}};
-    DisplacementBound bound;
-    for (std::uint32_t m = classes.first[c]; m < classes.first[c + 1]; ++m) {
-      const Index v = span_of(input.original2vertex)[classes.members[m]];
-      members.push_back({v, work.scale * classes.shifts[m]});
-      const MotionSpace own = span_of(spaces)[v];
-      motion = intersect(motion, span_of(held)[v] != 0 ? MotionSpace{VertexDof::fixed, {}} : own);
-      if (bounds.empty()) continue;
-      const DisplacementBound& b = span_of(bounds)[v];
-      bound = {members.size() == 1 ? b.center : bound.center, std::min(bound.radius, b.radius)};
+    for (const PeriodicMember& member : members) {
+      const MotionSpace own = span_of(spaces)[member.vertex];
+      motion = intersect(motion, span_of(held)[member.vertex] != 0 ? MotionSpace{VertexDof::fixed, {}} : own);
     }
     if (motion.dof == VertexDof::fixed) continue;
-    motion.displacement_bound = bound;
-    for (const PeriodicMember& member : members) span_of(vertex2class)[member.vertex] = to_index(set.space.size());
-    set.add(members, motion);
+    if (!bounds.empty()) motion.displacement_bound = bound_of_class(members, bounds);
+    moving.add(members);
+    space.push_back(motion);
   }
-  report.periodic_vertices = std::ssize(set.members);
+  report.periodic_vertices = std::ssize(moving.members);
   report.fixed_vertices -= report.periodic_vertices;
-  work.periodic.members.upload(backend, set.members);
-  work.periodic.first.upload(backend, set.first);
-  work.periodic.space.upload(backend, set.space);
-  work.periodic.vertex2class.upload(backend, vertex2class);
+  moving.upload(backend, work.periodic.images);
+  work.periodic.space.upload(backend, space);
   if (work.boundary.triangles.size() == 0) return;
-  import_images(backend, classes, input.original2vertex, work);
+  images.upload(backend, work.boundary.images);
   const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
   pair_triangles(backend, frozen.span(), work.boundary);
 }

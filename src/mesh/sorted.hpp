@@ -18,6 +18,12 @@ void sort_unique(std::vector<T>& items) {
   items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
+/// Removes the items that an increasing list has.
+template <class T>
+void erase_listed(std::vector<T>& items, const std::vector<T>& increasing) {
+  std::erase_if(items, [&](const T& item) { return std::binary_search(increasing.begin(), increasing.end(), item); });
+}
+
 /// The position of a value in an increasing list, or -1.
 template <class T>
 Index position_in(const std::vector<T>& increasing, const std::type_identity_t<T>& value) {

@@ -12,7 +12,7 @@ namespace tetune {
 namespace move_periodic_detail {
 
 /// The joint ring of a class, and the motion of its members.
-struct ClassMove : PeriodicView {
+struct ClassMove : PeriodicSetView {
   Span<Point> points;
   RingsView rings;
 

@@ -14,28 +14,21 @@
 /// single vertices they are fixed.
 namespace tetune {
 
-/// The classes as kernels access them.
-struct PeriodicView {
-  Span<const PeriodicMember> members;
-  Span<const std::uint32_t> first;  ///< the members of class c are first[c] .. first[c + 1] - 1
-  Span<const MotionSpace> space;    ///< per class, around its root
-  Span<const Index> vertex2class;   ///< -1: none; shorter than the number of vertices if some were inserted
+/// The classes that move, as kernels access them.
+struct PeriodicSetView : PeriodicImagesView {
+  Span<const MotionSpace> space;  ///< per class, around its root
   /// The joint ring of a class: those of its members, moved to the root. Face i has the copies 3 i .. 3 i + 2.
   Span<const std::uint32_t> offsets;
   Span<const LinkFace> faces;
   Span<Point> copies;
-
-  TETUNE_HD Index class_of(Index v) const { return v < vertex2class.size() ? vertex2class[v] : -1; }
 };
 
 template <class Backend>
 struct PeriodicSet {
   template <class T>
   using Buffer = BufferOf<Backend, T>;
-  Buffer<PeriodicMember> members;
-  Buffer<std::uint32_t> first;
+  PeriodicImages<Backend> images;
   Buffer<MotionSpace> space;
-  Buffer<Index> vertex2class;
   Buffer<std::uint32_t> offsets;
   Buffer<LinkFace> faces;
   Buffer<Point> copies;
@@ -43,13 +36,8 @@ struct PeriodicSet {
   Coloring<Backend> coloring;
 
   Size classes() const { return space.size(); }
-  PeriodicView view() {
-    return {std::as_const(members).span(),
-            std::as_const(first).span(),
-            std::as_const(space).span(),
-            std::as_const(vertex2class).span(),
-            std::as_const(offsets).span(),
-            std::as_const(faces).span(),
+  PeriodicSetView view() {
+    return {images.view(), std::as_const(space).span(), std::as_const(offsets).span(), std::as_const(faces).span(),
             copies.span()};
   }
 };
@@ -59,7 +47,7 @@ namespace periodic_set_detail {
 /// The number of faces of each joint ring. 0 for a class that cannot move at present: one of its members has no ring,
 /// or a tetrahedron has two of its members.
 struct CountFaces {
-  PeriodicView classes;
+  PeriodicImagesView classes;
   RingsView rings;
   Span<std::uint32_t> counts;
   TETUNE_HD void operator()(Size c) const {
@@ -82,7 +70,7 @@ struct CountFaces {
 /// Writes the faces of the joint rings, as indices of copies, and as classes of their vertices: the class itself where
 /// a vertex has none.
 struct WriteFaces {
-  PeriodicView classes;
+  PeriodicSetView classes;
   RingsView rings;
   Span<LinkFace> faces;
   Span<LinkFace> class_faces;
@@ -104,7 +92,7 @@ struct WriteFaces {
 
 /// Flags all members of a class of which one is flagged.
 struct FlagWholeClass {
-  PeriodicView classes;
+  PeriodicImagesView classes;
   Span<std::uint8_t> flags;
   TETUNE_HD void operator()(Size c) const {
     bool any = false;
@@ -121,7 +109,7 @@ struct FlagWholeClass {
 /// Extends a set of vertices by the images of its members.
 template <class Backend>
 void flag_images(const Backend& backend, PeriodicSet<Backend>& set, Span<std::uint8_t> flags) {
-  if (set.classes() > 0) backend.for_each(set.classes(), periodic_set_detail::FlagWholeClass{set.view(), flags});
+  if (set.classes() > 0) backend.for_each(set.classes(), periodic_set_detail::FlagWholeClass{set.images.view(), flags});
 }
 
 /// Builds the joint rings from the rings of the vertices, and colors the classes.
@@ -131,7 +119,7 @@ void refresh_periodic(const Backend& backend, const RingsView& rings, PeriodicSe
   const Size classes = set.classes();
   if (classes == 0) return;
   BufferOf<Backend, std::uint32_t> counts(backend, classes);
-  backend.for_each(classes, CountFaces{set.view(), rings, counts});
+  backend.for_each(classes, CountFaces{set.images.view(), rings, counts});
   std::vector<std::uint32_t> offsets = counts.download();
   offsets.insert(offsets.begin(), 0);
   std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());

@@ -72,7 +72,7 @@ struct NewtonSlide {
       const double length = std::sqrt(m.length2);
       double max_length = NewtonStep::kMaxSearch * length;
       double decrease = 0;
-      for (int halving = 0; halving < NewtonStep::kMaxHalvings; ++halving) {
+      for (int halving = 0; halving < step_detail::kMaxHalvings; ++halving) {
         const slide_detail::SurfacePath path = trace(ref, dof, m, x, surface_point, first, p, max_length);
         if (!displacement_bound.contains(path.position)) {
           max_length = 0.5 * path.length;
@@ -163,12 +163,12 @@ struct GradientSlide {
     double lambda = GradientStep::kInversionFraction * ring.step_bound(x, p);
     if (!(lambda < NewtonStep::kMaxSearch * length)) lambda = NewtonStep::kMaxSearch * length;
     lambda = advance(ref, dof, element, surface_point, x, direction, lambda).t;
-    for (int halving = 0; halving < GradientStep::kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving)
+    for (int halving = 0; halving < step_detail::kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving)
       lambda *= 0.5;
     double alpha = brent_minimum(ring.ray(x, p), 0, lambda);
     // Brent's method never returns the end of its interval.
     if (alpha > (1 - kEndTolerance) * lambda) alpha = lambda;
-    for (int halving = 0; halving < GradientStep::kMaxHalvings; ++halving, alpha *= 0.5) {
+    for (int halving = 0; halving < step_detail::kMaxHalvings; ++halving, alpha *= 0.5) {
       const TraceResult end = advance(ref, dof, element, surface_point, x, direction, alpha);
       if (!displacement_bound.contains(end.position)) continue;
       const RingValue v = ring.value(end.position);

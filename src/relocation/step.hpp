@@ -18,6 +18,26 @@ struct StepResult {
 
 inline constexpr double kTraceFactor = 1.0 / 9;  ///< tr(L) = eta / d^2 (Eq. 3)
 
+namespace step_detail {
+
+inline constexpr int kMaxHalvings = 30;
+
+/// Halves t until x + t p is certified and lower; moves x there and returns the decrease, or 0.
+template <class Ring>
+TETUNE_HD double backtrack(Ring& ring, const RingModel& m, const Vec3& p, double& t, Vec3& x) {
+  for (int halving = 0; halving < kMaxHalvings; ++halving, t *= 0.5) {
+    const Vec3 trial = x + t * p;
+    const RingValue v = ring.value(trial);
+    if (v.certified && v.value < m.value) {
+      x = trial;
+      return m.value - v.value;
+    }
+  }
+  return 0;
+}
+
+}  // namespace step_detail
+
 /// Newton direction of the quadratic model in the space of motion, or the negative gradient where the Hessian is not
 /// positive definite; zero for a fixed vertex.
 TETUNE_HD inline Vec3 newton_direction(const RingModel& m, const MotionSpace& motion) {
@@ -82,7 +102,6 @@ struct NewtonStep {
   /// The longest line search, in local lengths: the ring of a boundary vertex may not bound the ray.
   static constexpr double kMaxSearch = 4;
   static constexpr int kMaxRepeats = 30;
-  static constexpr int kMaxHalvings = 30;
 
   template <class Ring>
   TETUNE_HD StepResult operator()(Ring& ring, Vec3 x, const MotionSpace& motion) const {
@@ -101,7 +120,8 @@ struct NewtonStep {
       double max_step = kInversionFraction * ring.step_bound(x, p);
       if (displacement_step < max_step) max_step = displacement_step;
       const Vec3 start = x;
-      double decrease = backtrack(ring, m, p, max_step < relaxation ? max_step : relaxation, x);
+      double t = max_step < relaxation ? max_step : relaxation;
+      double decrease = step_detail::backtrack(ring, m, p, t, x);
       if (decrease == 0) {
         // Copies for the rare case, so that the compiler may keep ring, model and position in registers.
         Ring ring_of_search = ring;
@@ -131,20 +151,8 @@ struct NewtonStep {
     const double displacement_step = motion.displacement_bound.max_step(x, descent);
     if (displacement_step < end) end = displacement_step;
     if (before_inversion < end) end = before_inversion;
-    return backtrack(ring, m, descent, brent_minimum(ring.ray(x, descent), 0, end), x);
-  }
-  /// Halves t until x + t p is certified and lower; moves x there and returns the decrease, or 0.
-  template <class Ring>
-  TETUNE_HD static double backtrack(Ring& ring, const RingModel& m, const Vec3& p, double t, Vec3& x) {
-    for (int halving = 0; halving < kMaxHalvings; ++halving, t *= 0.5) {
-      const Vec3 trial = x + t * p;
-      const RingValue v = ring.value(trial);
-      if (v.certified && v.value < m.value) {
-        x = trial;
-        return m.value - v.value;
-      }
-    }
-    return 0;
+    double t = brent_minimum(ring.ray(x, descent), 0, end);
+    return step_detail::backtrack(ring, m, descent, t, x);
   }
 };
 
@@ -153,7 +161,6 @@ struct GradientStep {
   double min_gradient;  ///< the paper's eps_g, on the norm of grad tr
 
   static constexpr double kInversionFraction = 0.95;  ///< the paper's mu
-  static constexpr int kMaxHalvings = 30;
 
   template <class Ring>
   TETUNE_HD StepResult operator()(Ring& ring, Vec3 x, const MotionSpace& motion) const {
@@ -171,18 +178,11 @@ struct GradientStep {
     const double displacement_step = motion.displacement_bound.max_step(x, p);
     if (!(displacement_step > DisplacementBound::kMinStep * length)) return result;
     if (displacement_step < lambda) lambda = displacement_step;
-    for (int halving = 0; halving < kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving) lambda *= 0.5;
+    for (int halving = 0; halving < step_detail::kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving)
+      lambda *= 0.5;
     double alpha = brent_minimum(ring.ray(x, p), 0, lambda);
-    for (int halving = 0; halving < kMaxHalvings; ++halving, alpha *= 0.5) {
-      const Vec3 trial = x + alpha * p;
-      const RingValue v = ring.value(trial);
-      if (v.certified && v.value < m.value) {
-        result.decrease = m.value - v.value;
-        result.relative_move = alpha / length;
-        result.position = trial;
-        break;
-      }
-    }
+    result.decrease = step_detail::backtrack(ring, m, p, alpha, result.position);
+    if (result.decrease > 0) result.relative_move = alpha / length;
     return result;
   }
 };

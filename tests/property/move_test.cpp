@@ -3,67 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <random>
 
-#include "backend/span.hpp"
-#include "math/constants.hpp"
-#include "mesh/id_maps.hpp"
-#include "support/meshes.hpp"
-#include "support/options.hpp"
+#include "move_fixture.hpp"
 #include "support/safe_points.hpp"
 #include "support/sanitized.hpp"
-#include "tetune/tetune.hpp"
 
 namespace tetune {
 namespace {
 
+using test::expect_on_way;
+using test::expect_valid;
+using test::is_free;
 using test::kFree;
 using test::options_of;
-
-bool is_free(const Point3& p) { return std::isnan(p[0]); }
-bool same_bits(const Point3& a, const Point3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
-/// The vertex of the result for each of the input, or -1.
-std::vector<Index> original2new(const MoveReport& r, std::size_t originals, std::size_t vertices) {
-  return inverse_map(explicit_map(r.optimization.vertex2original, vertices), originals);
-}
-
-/// Targets for some of the vertices, which move by up to `length`.
-VertexTargets random_targets(const TetMesh& mesh, double part, double length, std::mt19937& random) {
-  std::uniform_real_distribution<double> unit(0, 1);
-  VertexTargets targets(mesh.points.size(), kFree);
-  for (std::size_t v = 0; v < targets.size(); ++v) {
-    if (v > 0 && unit(random) > part) continue;
-    targets[v] = mesh.points[v];
-    for (double& x : targets[v]) x += length * (2 * unit(random) - 1);
-  }
-  return targets;
-}
-
-void expect_valid(const TetMesh& mesh) {
-  const ValidationReport valid = validate(mesh);
-  ASSERT_TRUE(valid.ok()) << valid.message(false);
-}
-
-/// The prescribed vertices are at their targets, or on the straight way there.
-void expect_on_way(const TetMesh& before, const TetMesh& after, const VertexTargets& target, const MoveReport& r) {
-  const std::vector<Index> now = original2new(r, before.points.size(), after.points.size());
-  for (std::size_t v = 0; v < target.size(); ++v) {
-    if (is_free(target[v])) continue;
-    ASSERT_GE(now[v], 0) << "a prescribed vertex was removed";
-    const Point3& p = after.points[to_size_t(now[v])];
-    if (r.reached()) {
-      ASSERT_TRUE(same_bits(p, target[v])) << "vertex " << v;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      ASSERT_NEAR(p[k], before.points[v][k] + r.fraction * (target[v][k] - before.points[v][k]), 1e-9);
-    }
-  }
-}
+using test::original2new;
+using test::random_targets;
 
 /// Vertices that are not prescribed stay on the sides of the unit cube that they were on, to the last bit.
 void expect_sides_kept(const TetMesh& before, const TetMesh& after, const VertexTargets& target, const MoveReport& r,
@@ -251,104 +207,6 @@ TEST(Move, ReportsWhatBlocks) {
   expect_on_way(before, after, target, r);
 }
 
-/// A vertex that one target prescribes stays where that left it in those that do not.
-TEST(Move, SequencesOfTargets) {
-  const TetMesh before = test::scrambled(test::cube(5, 0.2, 9), 1, 1);
-  std::vector<VertexTargets> targets(3, VertexTargets(before.points.size(), kFree));
-  std::vector<std::size_t> inner;
-  for (std::size_t v = 0; v < before.points.size(); ++v) {
-    if (test::is_inner(before.points[v])) inner.push_back(v);
-  }
-  ASSERT_GT(inner.size(), 20U);
-  const auto moved = [&](std::size_t v, double by) {
-    Point3 p = before.points[v];
-    p[0] += by;
-    return p;
-  };
-  targets[0][inner[0]] = moved(inner[0], 0.02);
-  targets[1][inner[9]] = moved(inner[9], -0.02);
-  targets[2][inner[9]] = moved(inner[9], 0.01);
-  TetMesh after = before;
-  const MoveReport r = move(after, targets, options_of(Effort::standard, Boundary::preserve, 2));
-  EXPECT_EQ(r.prescribed, 2);
-  EXPECT_EQ(r.targets_reached, 3U);
-  EXPECT_TRUE(same_bits(after.points[inner[0]], targets[0][inner[0]]));
-  EXPECT_TRUE(same_bits(after.points[inner[9]], targets[2][inner[9]]));
-  EXPECT_EQ(r.steps.back().target, 2U);
-  expect_valid(after);
-}
-
-/// A vertex on its way to a target that is not reached is not put back to the one before.
-TEST(Move, ALaterTargetIsReachedInPart) {
-  const TetMesh before = test::cube(4);
-  const auto v = static_cast<std::size_t>(std::find(before.points.begin(), before.points.end(), Point3{0.5, 0.5, 0.5}) -
-                                          before.points.begin());
-  ASSERT_LT(v, before.points.size());
-  std::vector<VertexTargets> targets(2, VertexTargets(before.points.size(), kFree));
-  targets[0][v] = {0.6, 0.5, 0.5};
-  targets[1][v] = {1.5, 0.5, 0.5};  // outside
-  TetMesh after = before;
-  const MoveReport r = move(after, targets, options_of(Effort::standard, Boundary::preserve, 2));
-  EXPECT_EQ(r.targets_reached, 1U);
-  EXPECT_GT(r.fraction, 0.2);
-  EXPECT_LT(r.fraction, 0.5);
-  expect_valid(after);
-  EXPECT_NEAR(after.points[v][0], 0.6 + 0.9 * r.fraction, 1e-9);
-}
-
-/// Positions far smaller than the mesh, and negative zeros, keep their bits.
-TEST(Move, PositionsKeepTheirBits) {
-  const TetMesh base = test::cube(3);
-  TetMesh before = base;
-  for (Point3& p : before.points) {
-    for (double& x : p) x = 1e200 * (x - 0.5);
-  }
-  VertexTargets target(before.points.size(), kFree);
-  for (std::size_t v = 0; v < target.size(); ++v) {
-    if (!test::is_inner(base.points[v])) target[v] = before.points[v];
-  }
-  const std::size_t v = static_cast<std::size_t>(
-      std::find_if(base.points.begin(), base.points.end(), [](const Point3& p) { return test::is_inner(p); }) -
-      base.points.begin());
-  ASSERT_LT(v, target.size());
-  target[v] = before.points[v];
-  target[v][0] = -0.0;
-  target[v][1] = 1e-300;
-  TetMesh after = before;
-  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve, 2));
-  ASSERT_TRUE(r.reached());
-  EXPECT_TRUE(same_bits(after.points[v], target[v]));
-  expect_valid(after);
-}
-
-/// Coordinates grow by orders of magnitude: the scale of the work mesh is that of the targets.
-TEST(Move, FarAway) {
-  const TetMesh before = test::cube(4, 0.2);
-  VertexTargets target = surface_targets(before, before.points);
-  for (Point3& p : target) p[1] += 1e6;
-  TetMesh after = before;
-  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve, 2));
-  EXPECT_TRUE(r.reached());
-  expect_valid(after);
-  expect_on_way(before, after, target, r);
-}
-
-TEST(Move, SurfaceTargets) {
-  TetMesh mesh = test::two_materials(4, 0.2);
-  const auto count = [](const VertexTargets& t) {
-    return std::count_if(t.begin(), t.end(), [](const Point3& p) { return !is_free(p); });
-  };
-  const VertexTargets all = surface_targets(mesh, mesh.points);
-  for (std::size_t v = 0; v < all.size(); ++v) {
-    EXPECT_EQ(is_free(all[v]), test::is_inner(mesh.points[v])) << "boundary and interface";
-  }
-  mesh.triangles = {{mesh.tets[0][0], mesh.tets[0][1], mesh.tets[0][2]}};
-  mesh.triangle_tags = {7};
-  EXPECT_EQ(count(surface_targets(mesh, mesh.points, {7})), 3);
-  EXPECT_THROW(surface_targets(mesh, mesh.points, {8}), OptionError);
-  EXPECT_THROW(surface_targets(mesh, {}), OptionError);
-}
-
 TEST(Move, DataAndTagsFollow) {
   TetMesh before = test::two_materials(4, 0.2);
   std::vector<double> values;
@@ -377,19 +235,6 @@ TEST(Move, DataAndTagsFollow) {
   EXPECT_NEAR(volumes[1], 0.75, 1e-12);
 }
 
-TEST(Move, StopsBetweenTwoTargets) {
-  TetMesh mesh = test::cube(4, 0.2);
-  std::vector<VertexTargets> targets(2, surface_targets(mesh, mesh.points));
-  for (Point3& p : targets[1]) p[0] += 1;
-  Context context;
-  context.progress = [](const Progress& p) { return p.fraction < 0.5; };
-  const MoveReport r = move(mesh, targets, {}, context);
-  EXPECT_EQ(r.optimization.stop, StopReason::cancelled);
-  EXPECT_EQ(r.targets_reached, 1U);
-  EXPECT_EQ(r.fraction, 0);
-  expect_valid(mesh);
-}
-
 TEST(Move, ProgressReachesTheEnd) {
   TetMesh mesh = test::cube(5, 0.2);
   VertexTargets target = surface_targets(mesh, mesh.points);
@@ -404,36 +249,6 @@ TEST(Move, ProgressReachesTheEnd) {
   };
   EXPECT_TRUE(move(mesh, target, {}, context).reached());
   EXPECT_EQ(last, 1);
-}
-
-TEST(Move, RefusesUnusableTargets) {
-  const TetMesh before = test::cube(3);
-  const auto refuses = [&before](const std::vector<VertexTargets>& targets, const Options& options,
-                                 const std::string& said) {
-    TetMesh mesh = before;
-    try {
-      move(mesh, targets, options);
-      ADD_FAILURE() << "accepted, though: " << said;
-    } catch (const OptionError& e) {
-      EXPECT_NE(std::string(e.what()).find(said), std::string::npos) << e.what();
-    }
-    EXPECT_EQ(mesh.points, before.points);
-  };
-  const VertexTargets none(before.points.size(), kFree);
-  refuses({}, {}, "no target");
-  refuses({none}, {}, "nothing to move");
-  refuses({VertexTargets(3, kFree)}, {}, "target 1 has 3 positions for 64 vertices");
-  VertexTargets half = none;
-  half[5] = {kNan, 0, 0};
-  refuses({before.points, half}, {}, "target 2: the position of vertex 5 is not finite");
-  half[5] = {kInfinity, 0, 0};
-  refuses({half}, {}, "vertex 5 is not finite");
-  Options options = options_of(Effort::standard, Boundary::slide, 2);
-  options.max_deviation = 0.1;
-  refuses({before.points}, options, "max_deviation");
-  options = {};
-  options.frozen_vertices = {1, 1};
-  refuses({before.points}, options, "frozen_vertices has 2 entries");
 }
 
 }  // namespace

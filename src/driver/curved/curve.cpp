@@ -73,9 +73,11 @@ class CurveRun {
     const std::vector<Point3> before = mesh_.points;
     for (int round = 0;; ++round) {
       const std::vector<CurvedTet> tets = measure();
-      if (round == 0) report.not_valid_before = std::ssize(find(tets, false));
-      if (round % kRelaxEvery == 0 && round <= kPartialRounds) relax_curved(mesh_, held_, find(tets, true), goal_);
-      const std::vector<Index> bad = find(measure(), false);
+      if (round == 0) report.not_valid_before = std::ssize(not_valid(tets));
+      if (round % kRelaxEvery == 0 && round <= kPartialRounds) {
+        relax_curved(mesh_, held_, not_valid_or_below(tets, kRelaxBelow), goal_);
+      }
+      const std::vector<Index> bad = not_valid(measure());
       if (bad.empty()) break;
       surface.reduce(mesh_, held_, bad, round < kPartialRounds ? kKept : 0);
     }
@@ -106,17 +108,7 @@ class CurveRun {
                                               finer ? &*finer : nullptr);
   }
 
-  std::vector<CurvedTet> measure() const {
-    const CurvedEdges edges(mesh_);
-    return measure_tets(mesh_, edges, curved_tets(mesh_, edges), options_.threads);
-  }
-  static std::vector<Index> find(const std::vector<CurvedTet>& tets, bool or_low) {
-    std::vector<Index> ids;
-    for (const CurvedTet& t : tets) {
-      if (t.validity != CurvedValidity::valid || (or_low && t.scaled_jacobian() < kRelaxBelow)) ids.push_back(t.tet);
-    }
-    return ids;
-  }
+  std::vector<CurvedTet> measure() const { return measure_curved_tets(mesh_, options_.threads); }
 
   TetMesh& mesh_;
   const CurveOptions& options_;

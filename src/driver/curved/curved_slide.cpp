@@ -23,8 +23,6 @@ namespace {
 
 using Edge = std::array<Index, 2>;
 
-/// The largest distance of a mid-side node from the midpoint, relative to the edge, at which the edge is straight.
-constexpr double kStraight = 1e-12;
 constexpr double kNoFeature = 180;
 
 std::array<Edge, 3> edges_of(const std::array<Index, 3>& t) {

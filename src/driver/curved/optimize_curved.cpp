@@ -38,14 +38,6 @@ constexpr double kRelaxBelow = 0.5;
 /// The accuracy of a scaled Jacobian.
 constexpr double kAccuracy = 2e-3;
 
-std::vector<Index> below_or_not_valid(const std::vector<CurvedTet>& tets, double limit) {
-  std::vector<Index> ids;
-  for (const CurvedTet& t : tets) {
-    if (t.scaled_jacobian() < limit || t.validity != CurvedValidity::valid) ids.push_back(t.tet);
-  }
-  return ids;
-}
-
 class CurvedOptimizer {
  public:
   CurvedOptimizer(const TetMesh& mesh, const Options& options, const Context& context)
@@ -221,7 +213,7 @@ class CurvedOptimizer {
     std::vector<Index> tets = find_invalid(base_);
     if (!options_.straighten) return tets;
     const std::vector<Index> folded = with_folded_face(base_, tets);
-    std::erase_if(tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
+    erase_listed(tets, folded);
     return tets;
   }
 
@@ -234,7 +226,7 @@ class CurvedOptimizer {
     for (int round = 0; round < kMaxRounds && may_insert() && !is_stopped(); ++round) {
       std::vector<Index> left = find_invalid(base_);
       const std::vector<Index> folded = with_folded_face(base_, left);
-      std::erase_if(left, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
+      erase_listed(left, folded);
       if (left.empty()) break;
       const std::vector<Index> around = split_edges(base_, held_, left, kUnlimited, origins_);
       if (around.empty()) break;
@@ -259,10 +251,7 @@ class CurvedOptimizer {
   }
   bool is_stopped() const { return context_.stop && context_.stop(); }
 
-  std::vector<CurvedTet> measure(const TetMesh& mesh) const {
-    const CurvedEdges edges(mesh);
-    return measure_tets(mesh, edges, curved_tets(mesh, edges), options_.threads);
-  }
+  std::vector<CurvedTet> measure(const TetMesh& mesh) const { return measure_curved_tets(mesh, options_.threads); }
   std::vector<Index> find_invalid(const TetMesh& mesh) const { return not_valid(measure(mesh)); }
   double smallest(const TetMesh& mesh) const {
     double least = 1;
@@ -273,7 +262,7 @@ class CurvedOptimizer {
 
   /// Elements that are below the limit or not valid, or flattened.
   std::vector<Index> find_bad(const TetMesh& mesh, double limit, bool slides) const {
-    std::vector<Index> bad = below_or_not_valid(measure(mesh), limit);
+    std::vector<Index> bad = not_valid_or_below(measure(mesh), limit);
     if (!slides) return bad;
     const std::vector<Index> flat = flatter_than(mesh, goal_.min_dihedral, options_.threads);
     bad.insert(bad.end(), flat.begin(), flat.end());
@@ -303,7 +292,7 @@ class CurvedOptimizer {
     const std::int64_t inserted = std::ssize(trial.points) - std::ssize(mesh.points);
     if (inserted == 0) return;
     trial.point_data = carry_point_data(base_.point_data, origins.vertices, trial.points, trial.tets);
-    relax_curved(trial, held, below_or_not_valid(measure(trial), kRelaxBelow), goal_);
+    relax_curved(trial, held, not_valid_or_below(measure(trial), kRelaxBelow), goal_);
     const bool keeps_angle = quality(trial, options_.threads).dihedral_min >= goal_.min_dihedral;
     if (!keeps_angle || !find_invalid(trial).empty() || smallest(trial) < smallest(mesh)) return;
     mesh = std::move(trial);

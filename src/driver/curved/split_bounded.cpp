@@ -8,7 +8,6 @@
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/held_bound.hpp"
-#include "driver/curved/straighten.hpp"
 
 namespace tetune {
 namespace {
@@ -31,8 +30,7 @@ class Splitter {
 
  private:
   std::vector<Index> find_invalid(const TetMesh& mesh) const {
-    const CurvedEdges edges(mesh);
-    return not_valid(measure_tets(mesh, edges, curved_tets(mesh, edges), goal_.threads));
+    return not_valid(measure_curved_tets(mesh, goal_.threads));
   }
 
   void split(const std::vector<Index>& tets) {

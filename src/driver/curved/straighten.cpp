@@ -9,6 +9,7 @@
 #include "boundary/constraints.hpp"
 #include "curved/curved_edges.hpp"
 #include "driver/curved/curved_skeleton.hpp"
+#include "mesh/sorted.hpp"
 
 namespace tetune {
 namespace {
@@ -67,7 +68,7 @@ class Straightener {
 
   std::vector<StraightenedEdge> run() {
     for (int round = 0; round < kMaxBlendRounds; ++round) {
-      const std::vector<Index> bad = not_valid(measure(mesh_));
+      const std::vector<Index> bad = find_invalid(mesh_);
       const std::set<Edge> edges = edges_of(mesh_, bad);
       if (std::none_of(edges.begin(), edges.end(), [this](const Edge& e) { return surface_.has(e); })) break;
       if (round < kBisectedRounds) {
@@ -87,9 +88,8 @@ class Straightener {
     double valid = 0, invalid = 1;  ///< parts of the curvature
   };
 
-  std::vector<CurvedTet> measure(const TetMesh& mesh) const {
-    const CurvedEdges edges(mesh);
-    return measure_tets(mesh, edges, curved_tets(mesh, edges), goal_.threads);
+  std::vector<Index> find_invalid(const TetMesh& mesh) const {
+    return not_valid(measure_curved_tets(mesh, goal_.threads));
   }
 
   /// Groups tetrahedra, and lists the group of each of their edges on the surface.
@@ -129,12 +129,12 @@ class Straightener {
         }
       };
       // Relaxation of an element with a folded face takes long and fails.
-      std::vector<Index> invalid = not_valid(measure(trial));
+      std::vector<Index> invalid = find_invalid(trial);
       const std::vector<Index> folded = with_folded_face(trial, invalid);
       fail(folded);
-      std::erase_if(invalid, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), t); });
+      erase_listed(invalid, folded);
       relax_curved(trial, held_, invalid, goal_);
-      fail(not_valid(measure(trial)));
+      fail(find_invalid(trial));
       for (std::size_t i = 0; i < groups.size(); ++i) {
         Group& g = groups[i];
         (failed.contains(i) ? g.invalid : g.valid) = (g.valid + g.invalid) / 2;
@@ -143,7 +143,7 @@ class Straightener {
     for (const Group& g : groups) {
       if (!g.tets.empty()) surface_.reduce(mesh_, held_, g.tets, g.valid);
     }
-    relax_curved(mesh_, held_, not_valid(measure(mesh_)), goal_);
+    relax_curved(mesh_, held_, find_invalid(mesh_), goal_);
   }
 
   /// Gives each edge as much of its curvature back as leaves the elements around it valid without relaxation: those of
@@ -214,14 +214,6 @@ std::vector<StraightenedEdge> SurfaceCurvature::reduced(const TetMesh& mesh) con
     edges.push_back({edge, state.kept, (1 - state.kept) * offset});
   }
   return edges;
-}
-
-std::vector<Index> not_valid(const std::vector<CurvedTet>& tets) {
-  std::vector<Index> ids;
-  for (const CurvedTet& t : tets) {
-    if (t.validity != CurvedValidity::valid) ids.push_back(t.tet);
-  }
-  return ids;
 }
 
 std::vector<StraightenedEdge> straighten(TetMesh& mesh, const HeldNodes& held, const Options& options,

@@ -36,9 +36,6 @@ class SurfaceCurvature {
   std::map<Edge, State> surface_;
 };
 
-/// The ids of tetrahedra that are not proved valid.
-std::vector<Index> not_valid(const std::vector<CurvedTet>& tets);
-
 /// Makes invalid elements valid by reducing the curvature of their edges on the surface, by the least amount to within
 /// some hundredths, and by relaxation. Edges that the options or the mesh freeze stay. Where this does not suffice,
 /// some elements are not valid afterwards. Returns the edges that moved.

@@ -4,14 +4,13 @@
 #include <array>
 
 #include "backend/span.hpp"
+#include "curved/curved_edges.hpp"
 #include "math/vec3.hpp"
 #include "mesh/matched_edges.hpp"
 
 namespace tetune {
 
 GeometryMiddles find_geometry_middles(const TetMesh& mesh, const Geometry& geometry) {
-  // An edge that is nearer to the model than this part of its length is straight.
-  constexpr double kStraight = 1e-12;
   constexpr double kFarthest = 0.25;
   std::vector<std::array<Index, 2>> edges;
   std::vector<Point3> midpoints;

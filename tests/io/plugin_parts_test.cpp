@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes in several VTK files, which are joined.
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "plugin_fixture.hpp"
+#include "tetune/validate.hpp"
+
+namespace tetune::test {
+namespace {
+
+/// The elements with a tag and their vertices, with the curved edges and other elements between these.
+TetMesh part_of(const TetMesh& m, int tag) {
+  TetMesh part;
+  part.second_order = m.second_order;
+  std::vector<Index> old2new(m.points.size(), -1);
+  const auto now = [&old2new](Index v) { return old2new[static_cast<std::size_t>(v)]; };
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    if (m.tet_tags[t] != tag) continue;
+    auto tet = m.tets[t];
+    for (Index& v : tet) {
+      Index& number = old2new[static_cast<std::size_t>(v)];
+      if (number < 0) {
+        number = static_cast<Index>(part.points.size());
+        part.points.push_back(m.points[static_cast<std::size_t>(v)]);
+      }
+      v = number;
+    }
+    part.tets.push_back(tet);
+    part.tet_tags.push_back(tag);
+  }
+  part.point_tags.assign(part.points.size(), 0);
+  for (const CurvedEdge& e : m.curved_edges) {
+    const Index a = now(e.vertices[0]), b = now(e.vertices[1]);
+    if (a >= 0 && b >= 0) part.curved_edges.push_back({{std::min(a, b), std::max(a, b)}, e.middle});
+  }
+  std::sort(part.curved_edges.begin(), part.curved_edges.end(),
+            [](const CurvedEdge& x, const CurvedEdge& y) { return x.vertices < y.vertices; });
+  for (ElementBlock block : m.others) {
+    for (Index& v : block.element2vertex) v = now(v);
+    if (std::count(block.element2vertex.begin(), block.element2vertex.end(), -1) == 0) part.others.push_back(block);
+  }
+  return part;
+}
+
+const char* const kTwoParts =
+    R"(<VTKFile type="PUnstructuredGrid" version="1.0"><PUnstructuredGrid GhostLevel="0"><PCellData>)"
+    R"(<PDataArray type="Int32" Name="medit:ref"/></PCellData><PPoints><PDataArray type="Float64" NumberOfComponents="3"/>)"
+    R"(</PPoints><Piece Source="part1.vtu"/><Piece Source="part2.vtu"/></PUnstructuredGrid></VTKFile>)";
+
+TEST_F(Plugins, PartsAreJoinedWhereTheyMeet) {
+  const TetMesh m = two_materials(4);
+  for (int part = 1; part <= 2; ++part) write_mesh(path("part" + std::to_string(part) + ".vtu"), part_of(m, part), 1);
+  const TetMesh joined = read_mesh(put("a.pvtu", kTwoParts), nullptr, 1);
+  EXPECT_EQ(joined.points.size(), m.points.size());
+  EXPECT_EQ(joined.tets.size(), m.tets.size());
+  EXPECT_TRUE(validate(joined).ok());
+  EXPECT_EQ(std::set<int>(joined.tet_tags.begin(), joined.tet_tags.end()), (std::set<int>{1, 2}));
+}
+
+/// The curved edges of a mesh, by positions.
+std::set<std::pair<std::set<Point3>, Point3>> curved_places(const TetMesh& m) {
+  std::set<std::pair<std::set<Point3>, Point3>> places;
+  const auto at = [&m](Index v) { return m.points[static_cast<std::size_t>(v)]; };
+  for (const CurvedEdge& e : m.curved_edges) places.insert({{at(e.vertices[0]), at(e.vertices[1])}, e.middle});
+  return places;
+}
+
+TEST_F(Plugins, PartsOfSecondOrderAreJoinedWithTheirCurvedEdges) {
+  TetMesh m = two_materials(4);
+  std::set<std::array<Index, 2>> edges;
+  for (const auto& tet : m.tets) {
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = 0; b < a; ++b) edges.insert({std::min(tet[a], tet[b]), std::max(tet[a], tet[b])});
+    }
+  }
+  m.second_order = true;
+  for (const auto& [a, b] : edges) {  // all, also those between both parts
+    const Point3 p = m.points[static_cast<std::size_t>(a)], q = m.points[static_cast<std::size_t>(b)];
+    m.curved_edges.push_back({{a, b}, {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2 + 0.01, (p[2] + q[2]) / 2}});
+  }
+  // An element of another kind in each part, behind whose vertices the file has mid-side nodes.
+  for (const auto& tet : {m.tets[0], m.tets.back()}) {
+    m.others.push_back({"Quadrilaterals", 4, {tet.begin(), tet.end()}, {5}, {}});
+  }
+  for (int part = 1; part <= 2; ++part) write_mesh(path("part" + std::to_string(part) + ".vtu"), part_of(m, part), 1);
+  const TetMesh joined = read_mesh(put("a.pvtu", kTwoParts), nullptr, 1);
+  EXPECT_EQ(joined.points.size(), m.points.size());
+  EXPECT_EQ(joined.curved_edges.size(), m.curved_edges.size());
+  EXPECT_EQ(curved_places(joined), curved_places(m));
+  EXPECT_TRUE(validate(joined).ok());
+  ASSERT_EQ(joined.others.size(), 1U);
+  std::vector<Point3> places;
+  for (const Index v : joined.others[0].element2vertex) places.push_back(joined.points[static_cast<std::size_t>(v)]);
+  std::vector<Point3> expected;
+  for (const ElementBlock& block : m.others) {
+    for (const Index v : block.element2vertex) expected.push_back(m.points[static_cast<std::size_t>(v)]);
+  }
+  EXPECT_EQ(places, expected);
+}
+
+}  // namespace
+}  // namespace tetune::test
