@@ -14,6 +14,7 @@
 #include "definitions.hpp"
 #include "exit_code.hpp"
 #include "geometry_files.hpp"
+#include "mesh_errors.hpp"
 #include "mesh_files.hpp"
 #include "option_values.hpp"
 #include "report_files.hpp"

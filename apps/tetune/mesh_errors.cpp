@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_errors.hpp"
+
+#include <fmt/format.h>
+
+#include "geometry_files.hpp"
+#include "option_flags.hpp"
+
+namespace tetune::cli {
+
+std::string untangle_message(const UntangleError& error, const TetMesh& mesh) {
+  const std::string text = with_flags(error.message(true));
+  // It has the position of second-order elements.
+  if (error.reason == UntangleError::Reason::curved_surface) return text + "\n  No mesh was written.";
+  Point3 center{};
+  for (const Index v : mesh.tets.at(static_cast<std::size_t>(error.left.at(0)))) {
+    const Point3& p = mesh.points[static_cast<std::size_t>(v)];
+    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * p[k];
+  }
+  return fmt::format("{}\n  The first is near {:.6g} {:.6g} {:.6g}. No mesh was written.", text, center[0], center[1],
+                     center[2]);
+}
+
+std::string mesh_message(const MeshError& error, const TetMesh& mesh, int threads) {
+  if (const auto* overlap = dynamic_cast<const OverlapError*>(&error)) return with_flags(overlap->message(true));
+  const ValidationReport valid = validate(mesh, threads);
+  return valid.ok() ? with_geometry_flags(error.what()) : validity_message(valid);
+}
+
+std::string validity_message(const ValidationReport& report) { return with_flags(report.message(true)); }
+
+}  // namespace tetune::cli
