@@ -23,6 +23,9 @@ std::string untangle_message(const UntangleError& error, const TetMesh& mesh) {
 
 std::string mesh_message(const MeshError& error, const TetMesh& mesh, int threads) {
   if (const auto* overlap = dynamic_cast<const OverlapError*>(&error)) return with_flags(overlap->message(true));
+  if (const auto* curved = dynamic_cast<const CurvedError*>(&error)) {
+    return with_flags(curved->message(true)) + " `tetune info` measures them.";
+  }
   const ValidationReport valid = validate(mesh, threads);
   return valid.ok() ? with_geometry_flags(error.what()) : validity_message(valid);
 }

@@ -59,6 +59,17 @@ class TETUNE_API UntangleError : public MeshError {
   std::string remedy;
 };
 
+/// Second-order elements of the input are not proved valid, and Options::untangle is not set.
+class TETUNE_API CurvedError : public MeshError {
+ public:
+  /// `place` is the position of the first.
+  CurvedError(std::vector<Index> tets, const Point3& place);
+  /// As in UntangleError, without the last sentence of what(), which names the function that measures elements.
+  std::string message(bool one_based) const;
+  std::vector<Index> tets;  ///< in increasing order
+  Point3 place;
+};
+
 /// The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.
 class TETUNE_API OverlapError : public MeshError {
  public:

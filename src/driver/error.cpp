@@ -44,6 +44,12 @@ std::string untangle_message(std::int64_t tangled, const std::vector<Index>& lef
          "free what is frozen there, or repair the surface.";
 }
 
+std::string invalid_message(const std::vector<Index>& tets, const Point3& place, bool one_based) {
+  return "the Jacobian determinant of " + std::to_string(tets.size()) +
+         " second-order tetrahedra is not proved positive" + first_ids(tets, one_based) + ", the first " +
+         place_text(place) + "\n  make them valid (untangle=true).";
+}
+
 std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
   return "the mesh overlaps itself: flips would make faces that three or more tetrahedra share, near tetrahedra" +
          first_ids(tets, one_based) +
@@ -70,6 +76,13 @@ std::string UntangleError::message(bool one_based) const {
   return reason == Reason::curved_surface ? curved_message(tangled, left, folded, place, remedy, one_based)
                                           : untangle_message(tangled, left, reason, one_based);
 }
+
+CurvedError::CurvedError(std::vector<Index> invalid, const Point3& first)
+    : MeshError(invalid_message(invalid, first, false) + " measure_curved() measures them."),
+      tets(std::move(invalid)),
+      place(first) {}
+
+std::string CurvedError::message(bool one_based) const { return invalid_message(tets, place, one_based); }
 
 OverlapError::OverlapError(std::vector<Index> overlapping)
     : MeshError(overlap_message(overlapping, false)), tets(std::move(overlapping)) {}

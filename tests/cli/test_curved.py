@@ -87,8 +87,16 @@ class Curved(CliTest):
         points[inner] = tuple(x + d for x, d in zip(points[inner], (0.2, 0.15, 0.1)))
         write_msh(self.path_of("in.msh"), nodes, points)
         self.run_cli("info", self.path_of("in.msh"), code=1)
-        self.assertIn("not proved positive",
-                      self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), code=2).stderr)
+        refused = self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), code=2).stderr
+        self.assertIn("not proved positive", refused)
+        self.assertIn("(--untangle). `tetune info` measures them", refused)
+        self.assertNotIn("()", refused)
+        around = [t for t, row in enumerate(nodes) if inner in row]
+        ids = re.search(r"\(first, counted from 1: ([\d, ]+)\), the first near (\S+) (\S+) (\S+)", refused).groups()
+        self.assertTrue({int(i) - 1 for i in ids[0].split(",")} <= set(around), refused)
+        first = nodes[int(ids[0].split(",")[0]) - 1]
+        for k in range(3):
+            self.assertAlmostEqual(float(ids[1 + k]), sum(points[v][k] for v in first[:4]) / 4, places=5)
         self.assertFalse(self.path_of("out.msh").exists())
         self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle")
         self.run_cli("info", self.path_of("out.msh"))
