@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+
 #include "geometry_files.hpp"
 #include "option_flags.hpp"
 
@@ -27,9 +29,18 @@ std::string mesh_message(const MeshError& error, const TetMesh& mesh, int thread
     return with_flags(curved->message(true)) + " `tetune info` measures them.";
   }
   const ValidationReport valid = validate(mesh, threads);
-  return valid.ok() ? with_geometry_flags(error.what()) : validity_message(valid);
+  return valid.ok() ? with_geometry_flags(error.what()) : validity_message(valid, !mesh.curved_edges.empty());
 }
 
-std::string validity_message(const ValidationReport& report) { return with_flags(report.message(true)); }
+std::string validity_message(const ValidationReport& report, bool is_curved) {
+  std::string text = report.message(true);
+  constexpr std::string_view kRemedy = "untangle them (untangle=true)";
+  if (const auto at = text.find(kRemedy); is_curved && at != std::string::npos) {
+    text.replace(at, kRemedy.size(),
+                 "the straight tetrahedra of a curved mesh have to be valid first: make it one of straight tetrahedra "
+                 "(tetune convert --order 1) and untangle this (untangle=true)");
+  }
+  return with_flags(text);
+}
 
 }  // namespace tetune::cli

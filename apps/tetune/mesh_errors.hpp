@@ -14,7 +14,7 @@ std::string untangle_message(const UntangleError& error, const TetMesh& mesh);
 /// An error of optimize() and the like. Where validate() finds defects, these.
 std::string mesh_message(const MeshError& error, const TetMesh& mesh, int threads);
 
-/// The defects of a mesh.
-std::string validity_message(const ValidationReport& report);
+/// The defects of a mesh. If it is curved, --untangle helps its straight tetrahedra only.
+std::string validity_message(const ValidationReport& report, bool is_curved);
 
 }  // namespace tetune::cli

@@ -123,6 +123,25 @@ class Curved(CliTest):
         kept = {p for i, p in enumerate(points) if i in on_surface} & read_nodes(self.path_of("out.msh"))
         self.assertEqual(len(kept), len(on_surface) - len(straightened))
 
+    def test_inverted_straight_tetrahedra_are_untangled_after_conversion(self):
+        nodes, points, on_surface = curved_block(n=3, jitter=0)
+        corners = {v for row in nodes for v in row[:4]}
+        surface = {row[i] for row in nodes for k, v in enumerate(row[4:]) if v in on_surface for i in EDGES[k]}
+        inner = min(corners - surface)
+        points[inner] = tuple(x + 0.6 for x in points[inner])
+        write_msh(self.path_of("in.msh"), nodes, points)
+        for words in (["info", "in.msh"], ["info", "--check", "in.msh"]):
+            said = self.run_cli(*words, code=1, cwd=self.folder).stdout
+            self.assertIn("(tetune convert --order 1) and untangle this (--untangle)", said)
+        for more in ([], ["--untangle"]):
+            said = self.run_cli("optimize", "in.msh", "-o", "out.msh", *more, code=2, cwd=self.folder).stderr
+            self.assertIn("(tetune convert --order 1) and untangle this (--untangle)", said)
+            self.assertNotIn("untangle them", said)
+            self.assertIn("counted from 1", said)
+        self.run_cli("convert", "in.msh", "-o", "straight.msh", "--order", "1", cwd=self.folder)
+        self.run_cli("optimize", "straight.msh", "-o", "out.msh", "--untangle", cwd=self.folder)
+        self.run_cli("info", "--check", "out.msh", cwd=self.folder)
+
     def test_a_face_that_its_own_nodes_fold_is_refused_as_failed_untangling(self):
         nodes, points, on_surface = curved_block(n=2, jitter=0, bends=False)
         row = next(row for row in nodes if on_surface.issuperset(row[4:7]))
