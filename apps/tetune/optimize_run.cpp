@@ -372,7 +372,6 @@ class Run {
 }  // namespace
 
 JobResult run_job(const OptimizeArguments& arguments, const Job& job, Console& console) {
-  interrupt::enter(interrupt::Stage::nothing);
   JobResult result;
   const auto start = Time::now();
   try {
