@@ -14,6 +14,16 @@ void print_to(std::FILE* stream, std::string_view text) {
   std::fflush(stream);
 }
 
+std::string json_line(const Json& event) { return event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json end_event(const std::string& input, const char* result, int exit_code, double seconds) {
+  return {{"event", "end"},
+          {"input", input.empty() ? Json() : Json(input)},
+          {"result", result},
+          {"exit_code", exit_code},
+          {"seconds", seconds}};
+}
+
 Console::Console(ProgressMode mode, int verbosity, std::FILE* tables)
     : json_(mode == ProgressMode::json),
       line_(mode == ProgressMode::automatic && verbosity > 0 && process::is_terminal(2)),
@@ -41,8 +51,7 @@ void Console::message(const char* kind, const std::string& text) {
 }
 
 void Console::event(const Json& event) {
-  // Names of files need not be UTF-8.
-  if (json_) print_to(stderr, event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  if (json_) print_to(stderr, json_line(event));
 }
 
 void Console::phase(const char* name) {

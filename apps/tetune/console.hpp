@@ -16,6 +16,12 @@ namespace tetune::cli {
 /// Writes text to a standard stream. A failure, as on a full disk, does not end a run: main() reports it.
 void print_to(std::FILE* stream, std::string_view text);
 
+/// One line of --progress json. Bytes that are not UTF-8 (in names of files) are replaced.
+std::string json_line(const nlohmann::ordered_json& event);
+
+/// The event at the end of a job; the input is null where it is empty, as the arguments name none.
+nlohmann::ordered_json end_event(const std::string& input, const char* result, int exit_code, double seconds);
+
 /// Output to the user: tables, warnings, errors and progress; the latter as an updated line on a terminal, or as one
 /// JSON object per line on the standard error (docs/command-line.md, "Progress").
 class Console {

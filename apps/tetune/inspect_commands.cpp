@@ -14,6 +14,7 @@
 #include "definitions.hpp"
 #include "exit_code.hpp"
 #include "geometry_files.hpp"
+#include "mesh_errors.hpp"
 #include "mesh_files.hpp"
 #include "option_values.hpp"
 #include "report_files.hpp"
@@ -138,9 +139,11 @@ void print_json(const InspectArguments& a, const Inspection& i, const std::vecto
   fmt::print("{}", json_text(json));
 }
 
+std::string defects_of(const Inspection& i) { return validity_message(i.validity, !i.mesh.curved_edges.empty()); }
+
 /// One line, for --check.
 void print_verdict(const std::string& name, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
-  std::string text = !i.validity.ok()                ? validity_message(i.validity)
+  std::string text = !i.validity.ok()                ? defects_of(i)
                      : i.mesh.tets.empty()           ? "there is no tetrahedron"
                      : !i.quality.curved.all_valid() ? fmt::format("{} curved tetrahedra are not proved valid",
                                                                    i.quality.curved.tets - i.quality.curved.valid)
@@ -165,7 +168,7 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
   } else if (i.validity.ok()) {
     fmt::print("  valid: every volume positive, every face on one or two tetrahedra, boundary closed\n");
   } else {
-    fmt::print("  {}\n", validity_message(i.validity));
+    fmt::print("  {}\n", defects_of(i));
   }
   if (i.measured && has_tets) {
     const auto& findings = i.validity.findings;
@@ -194,7 +197,7 @@ int info(const InspectArguments& a) {
   const bool met =
       i.measured && std::all_of(verdicts.begin(), verdicts.end(), [](const BoundVerdict& v) { return v.met; });
   if (!a.cell_data.empty()) {
-    if (!i.measured) throw MeshError(name + ": " + validity_message(i.validity));
+    if (!i.measured) throw MeshError(name + ": " + defects_of(i));
     std::vector<std::string> warnings;
     write_measures(a.cell_data, i.mesh, a.threads, &warnings);
     print_warnings(warnings);
@@ -215,7 +218,7 @@ int compare_files(const InspectArguments& a) {
   const Inspection after = inspect(a, criteria, 1);
   if (!before.measured || !after.measured) {
     const bool first = !before.measured;
-    throw MeshError(a.files[first ? 0 : 1] + ": " + validity_message(first ? before.validity : after.validity));
+    throw MeshError(a.files[first ? 0 : 1] + ": " + defects_of(first ? before : after));
   }
   const Comparison c = compare(before.mesh, after.mesh, a.threads);
   if (a.json) {
@@ -234,8 +237,8 @@ int compare_files(const InspectArguments& a) {
                comparison_table(c));
     if (before.acceptance) fmt::print("{}", acceptance_table("acceptance before", *before.acceptance));
     if (after.acceptance) fmt::print("{}", acceptance_table("acceptance after", *after.acceptance));
-    if (!before.validity.ok()) fmt::print("  {}: {}\n", a.files[0], validity_message(before.validity));
-    if (!after.validity.ok()) fmt::print("  {}: {}\n", a.files[1], validity_message(after.validity));
+    if (!before.validity.ok()) fmt::print("  {}: {}\n", a.files[0], defects_of(before));
+    if (!after.validity.ok()) fmt::print("  {}: {}\n", a.files[1], defects_of(after));
   }
   return is_valid(before) && is_valid(after) && is_accepted(after) ? kDone : kStoppedEarly;
 }

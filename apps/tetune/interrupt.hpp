@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 /// SIGINT (Ctrl-C) and SIGTERM. While there is a mesh worth writing, the first signal requests a stop. Otherwise, and
 /// at the second signal, the process ends at once: old files are unchanged.
 namespace tetune::cli::interrupt {
 
-/// Installs the signal handler. `json`: it prints its message as an event of --progress json.
+/// Installs the signal handler. `json`: it prints events of --progress json, of which the last is the end of the job.
 void install(bool json);
+
+/// A job begins, with nothing to write yet.
+void begin(const std::string& input);
 
 enum class Stage {
   nothing,  ///< nothing to write yet

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -53,6 +54,12 @@ int run(const std::vector<std::string>& arguments) {
       "the mesh is empty or not valid, or misses --min-quality or a criterion. 2: nothing was written. Of several "
       "meshes, the largest.");
   Console errors(wants_json(arguments) ? ProgressMode::json : ProgressMode::none, 0, nullptr);
+  const auto fail = [&errors, start = std::chrono::steady_clock::now()](const std::string& text) {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    errors.error(text);
+    errors.event(end_event("", "failed", kNothingWritten, seconds.count()));
+    return int(kNothingWritten);
+  };
   int exit_code = kDone;
   add_optimize(app, exit_code);
   add_convert(app, exit_code);
@@ -68,16 +75,13 @@ int run(const std::vector<std::string>& arguments) {
     app.parse(std::move(words));
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {
-      errors.error(message_of(app, e));
-      return kNothingWritten;
+      return fail(message_of(app, e));
     }
     exit_code = app.exit(e);  // prints the help or the version
   } catch (const std::bad_alloc&) {
-    errors.error("out of memory");
-    return kNothingWritten;
+    return fail("out of memory");
   } catch (const std::exception& e) {
-    errors.error(e.what());
-    return kNothingWritten;
+    return fail(e.what());
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
     print_to(stderr, fmt::format("tetune: cannot write standard output: {}\n", std::strerror(errno)));

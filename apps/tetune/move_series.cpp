@@ -256,7 +256,6 @@ class SeriesRun {
 bool is_series(const std::string& path) { return fs::path(path).extension() == ".pvd"; }
 
 JobResult run_series(const OptimizeArguments& arguments, const Job& job, Console& console) {
-  interrupt::enter(interrupt::Stage::nothing);
   const auto start = std::chrono::steady_clock::now();
   JobResult result;
   try {

@@ -30,9 +30,7 @@ std::string table_line(const Job& job, const JobResult& o, std::size_t width) {
 
 /// Prints the event at the end of a job, in JSON mode only.
 void print_end(const Job& job, const JobResult& result, Console& console) {
-  nlohmann::ordered_json end = {{"event", "end"}, {"input", job.input}, {"result", result.summary}};
-  end["exit_code"] = result.code;
-  end["seconds"] = result.seconds;
+  nlohmann::ordered_json end = end_event(job.input, result.summary, result.code, result.seconds);
   if (result.after.tets > 0) {
     end["worst_angle_before_deg"] = result.before.dihedral_min;
     end["worst_angle_deg"] = result.after.dihedral_min;
@@ -42,6 +40,7 @@ void print_end(const Job& job, const JobResult& result, Console& console) {
 
 /// run_job() or run_series().
 JobResult run_one(const OptimizeArguments& a, const Job& job, Console& console) {
+  interrupt::begin(job.input);
   console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
   const bool moves_series = a.move && (is_series(job.input) || is_series(job.output));
   const JobResult result = moves_series ? run_series(a, job, console) : run_job(a, job, console);

@@ -13,6 +13,7 @@
 #include "geometry_files.hpp"
 #include "interrupt.hpp"
 #include "map_file.hpp"
+#include "mesh_errors.hpp"
 #include "mesh_files.hpp"
 #include "move_targets.hpp"
 #include "option_flags.hpp"
@@ -35,6 +36,12 @@ class NotUntangled : public MeshError {
  public:
   using MeshError::MeshError;
 };
+
+nlohmann::ordered_json ids_from_1(const std::vector<Index>& ids) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Index id : ids) json.push_back(id + 1);
+  return json;
+}
 
 class Run {
  public:
@@ -120,11 +127,8 @@ class Run {
         throw NotUntangled(file + "stopped before all tetrahedra were made positive, nothing was written");
       }
       fail_to_untangle(e);
-    } catch (const OverlapError& e) {
-      throw MeshError(file + with_flags(e.message(true)));
     } catch (const MeshError& e) {
-      const ValidationReport valid = validate(input_.mesh, options_.threads);
-      throw MeshError(file + with_geometry_flags(valid.ok() ? e.what() : valid.message(true)));
+      throw MeshError(file + mesh_message(e, input_.mesh, options_.threads));
     } catch (const OptionError& e) {
       throw OptionError(file + with_flags(e.what()));
     } catch (const DeviceError& e) {
@@ -135,24 +139,16 @@ class Run {
   /// The message has the first tetrahedra that could not be repaired, the report all of them.
   [[noreturn]] void fail_to_untangle(const UntangleError& e) {
     if (!job_.report.empty() && !a_.dry_run) {
-      nlohmann::ordered_json left = nlohmann::ordered_json::array();
-      for (const Index t : e.left) left.push_back(t + 1);
       nlohmann::ordered_json json = report_head();
-      json["untangling"] = {{"inverted_or_flat", e.tangled}, {"left", left}};
+      json["untangling"] = {{"inverted_or_flat", e.tangled}, {"left", ids_from_1(e.left)}};
+      if (!e.folded.empty()) json["untangling"]["folded"] = ids_from_1(e.folded);
       try {
         write_text(job_.report, json_text(json));
       } catch (const FileError& file_error) {
         console_.warn(file_error.what());
       }
     }
-    Point3 center{};
-    for (const Index v : input_.mesh.tets.at(static_cast<std::size_t>(e.left.at(0)))) {
-      const Point3& p = input_.mesh.points[static_cast<std::size_t>(v)];
-      for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * p[k];
-    }
-    throw NotUntangled(fmt::format("{}: {}\n  The first is near {:.6g} {:.6g} {:.6g}. No mesh was written.",
-                                   shown_name(job_.input, false), with_flags(e.message(true)), center[0], center[1],
-                                   center[2]));
+    throw NotUntangled(shown_name(job_.input, false) + ": " + untangle_message(e, input_.mesh));
   }
 
   void warn(const std::string& text) {
@@ -372,7 +368,6 @@ class Run {
 }  // namespace
 
 JobResult run_job(const OptimizeArguments& arguments, const Job& job, Console& console) {
-  interrupt::enter(interrupt::Stage::nothing);
   JobResult result;
   const auto start = Time::now();
   try {

@@ -391,6 +391,4 @@ std::string run_table(const Report& report) {
   return text;
 }
 
-std::string validity_message(const ValidationReport& report) { return with_flags(report.message(true)); }
-
 }  // namespace tetune::cli

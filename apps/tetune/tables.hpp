@@ -59,7 +59,4 @@ std::string count_line(const Report& report, const char* reason);
 /// Sweeps, flip passes, rounds on the worst elements, and phases.
 std::string run_table(const Report& report);
 
-/// The defects in words, with ids that start from 1 as in MEDIT files, and options as flags.
-std::string validity_message(const ValidationReport& report);
-
 }  // namespace tetune::cli

@@ -42,7 +42,8 @@ class TETUNE_API UntangleError : public MeshError {
   };
   UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason);
   /// Of second-order elements, whose reason is the curved surface; `remedy` says in words which options may help.
-  UntangleError(std::int64_t tangled, std::vector<Index> left, std::string remedy);
+  UntangleError(std::int64_t tangled, std::vector<Index> left, std::vector<Index> folded, const Point3& place,
+                std::string remedy);
   /// what(), with ids that start from 1 (as in MEDIT files) or from 0.
   std::string message(bool one_based) const;
   /// Number of inverted or flat tetrahedra of the input, or of second-order ones that are not proved valid.
@@ -51,7 +52,22 @@ class TETUNE_API UntangleError : public MeshError {
   /// surface where it would fold, or where it is at fault.
   std::vector<Index> left;
   Reason reason;
-  std::string remedy;  ///< of second-order elements that the curved surface leaves no room
+  /// The others are of second-order elements that the curved surface leaves no room. Those of `left` with a face that
+  /// its own mid-side nodes fold, in increasing order.
+  std::vector<Index> folded;
+  Point3 place{};  ///< of the first element that the message names
+  std::string remedy;
+};
+
+/// Second-order elements of the input are not proved valid, and Options::untangle is not set.
+class TETUNE_API CurvedError : public MeshError {
+ public:
+  /// `place` is the position of the first.
+  CurvedError(std::vector<Index> tets, const Point3& place);
+  /// As in UntangleError, without the last sentence of what(), which names the function that measures elements.
+  std::string message(bool one_based) const;
+  std::vector<Index> tets;  ///< in increasing order
+  Point3 place;
 };
 
 /// The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.

@@ -30,9 +30,9 @@ namespace tetune {
 /// stay bit for bit, every element is proved valid, and the smallest scaled Jacobian falls by at most 0.002;
 /// Options::untangle may then insert vertices with any effort, unless keep_vertices is set.
 ///
-/// Throws MeshError if `validate(mesh)` finds a defect, UntangleError, OverlapError, OptionError, DeviceError or
-/// std::bad_alloc, and whatever the hooks of `context` throw; the mesh is then unchanged. Calls on different meshes may
-/// be concurrent.
+/// Throws MeshError if `validate(mesh)` finds a defect, CurvedError, UntangleError, OverlapError, OptionError,
+/// DeviceError or std::bad_alloc, and whatever the hooks of `context` throw; the mesh is then unchanged. Calls on
+/// different meshes may be concurrent.
 TETUNE_API Report optimize(TetMesh& mesh, const Options& options = {}, const Context& context = {});
 
 /// An estimate of the peak of main memory of optimize(), in bytes, including the mesh: to refuse a mesh before the

@@ -8,13 +8,23 @@
 namespace tetune {
 namespace {
 
-std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, UntangleError::Reason reason,
-                             bool one_based, const std::string& remedy) {
-  if (reason == UntangleError::Reason::curved_surface) {
-    return "of " + std::to_string(tangled) + " second-order tetrahedra that are not proved valid, " +
-           std::to_string(left.size()) + " could not be made so" + first_ids(left, one_based) +
-           "\n  nodes that stay leave them no room: " + remedy + ".";
+/// Names the elements with a folded face, if there are any: no position of inner nodes helps these.
+std::string curved_message(std::int64_t tangled, const std::vector<Index>& left, const std::vector<Index>& folded,
+                           const Point3& place, const std::string& remedy, bool one_based) {
+  std::string text = "of " + std::to_string(tangled) + " second-order tetrahedra that are not proved valid, " +
+                     std::to_string(left.size()) + " could not be made so";
+  if (!folded.empty()) {
+    text += ", and " + std::to_string(folded.size()) +
+            " of these have a face on the surface that its own mid-side nodes fold";
   }
+  return text + first_ids(folded.empty() ? left : folded, one_based) + ", the first " + place_text(place) +
+         (folded.empty() ? "\n  nodes that stay leave them no room: "
+                         : "\n  no position of inner nodes makes them valid: ") +
+         remedy + ".";
+}
+
+std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, UntangleError::Reason reason,
+                             bool one_based) {
   if (reason == UntangleError::Reason::stopped) {
     return "stopped before all of " + std::to_string(tangled) +
            " inverted or flat tetrahedra were made positive: " + std::to_string(left.size()) + " are left" +
@@ -34,6 +44,12 @@ std::string untangle_message(std::int64_t tangled, const std::vector<Index>& lef
          "free what is frozen there, or repair the surface.";
 }
 
+std::string invalid_message(const std::vector<Index>& tets, const Point3& place, bool one_based) {
+  return "the Jacobian determinant of " + std::to_string(tets.size()) +
+         " second-order tetrahedra is not proved positive" + first_ids(tets, one_based) + ", the first " +
+         place_text(place) + "\n  make them valid (untangle=true).";
+}
+
 std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
   return "the mesh overlaps itself: flips would make faces that three or more tetrahedra share, near tetrahedra" +
          first_ids(tets, one_based) +
@@ -44,18 +60,29 @@ std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
 }  // namespace
 
 UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, Reason why)
-    : MeshError(untangle_message(all, rest, why, false, "")), tangled(all), left(std::move(rest)), reason(why) {}
+    : MeshError(untangle_message(all, rest, why, false)), tangled(all), left(std::move(rest)), reason(why) {}
 
-UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, std::string what_helps)
-    : MeshError(untangle_message(all, rest, Reason::curved_surface, false, what_helps)),
+UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, std::vector<Index> with_fold,
+                             const Point3& first, std::string what_helps)
+    : MeshError(curved_message(all, rest, with_fold, first, what_helps, false)),
       tangled(all),
       left(std::move(rest)),
       reason(Reason::curved_surface),
+      folded(std::move(with_fold)),
+      place(first),
       remedy(std::move(what_helps)) {}
 
 std::string UntangleError::message(bool one_based) const {
-  return untangle_message(tangled, left, reason, one_based, remedy);
+  return reason == Reason::curved_surface ? curved_message(tangled, left, folded, place, remedy, one_based)
+                                          : untangle_message(tangled, left, reason, one_based);
 }
+
+CurvedError::CurvedError(std::vector<Index> invalid, const Point3& first)
+    : MeshError(invalid_message(invalid, first, false) + " measure_curved() measures them."),
+      tets(std::move(invalid)),
+      place(first) {}
+
+std::string CurvedError::message(bool one_based) const { return invalid_message(tets, place, one_based); }
 
 OverlapError::OverlapError(std::vector<Index> overlapping)
     : MeshError(overlap_message(overlapping, false)), tets(std::move(overlapping)) {}

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdio>
 #include <initializer_list>
 #include <string>
 #include <vector>
@@ -29,6 +30,13 @@ inline std::string first_ids(const std::vector<Index>& ids, bool one_based) {
     text += (i == 0 ? ": " : ", ") + std::to_string(ids[i] + (one_based ? 1 : 0));
   }
   return text + ")";
+}
+
+/// A position as a part of a message: "near 0.5 -2 1e+06".
+inline std::string place_text(const Point3& p) {
+  char text[64];
+  std::snprintf(text, sizeof text, "near %.6g %.6g %.6g", p[0], p[1], p[2]);
+  return text;
 }
 
 }  // namespace tetune

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "backend/cpu.hpp"
@@ -244,12 +243,6 @@ std::string sentence(const Finding& f) {
   return std::to_string(f.count) + " of the " + f.where + " " + verb + " " + p.rest;
 }
 
-std::string format_coordinate(double x) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.6g", x);
-  return digits;
-}
-
 }  // namespace
 
 const char* to_string(Defect defect) {
@@ -267,11 +260,7 @@ std::string ValidationReport::message(bool one_based) const {
   bool can_be_untangled = true;
   for (const Finding& f : findings) {
     text += "\n  " + sentence(f) + first_ids(f.first, one_based);
-    if (f.place) {
-      const Point3& p = *f.place;
-      text +=
-          ", the first near " + format_coordinate(p[0]) + " " + format_coordinate(p[1]) + " " + format_coordinate(p[2]);
-    }
+    if (f.place) text += ", the first " + place_text(*f.place);
     can_be_untangled = can_be_untangled && (f.defect == Defect::inverted_tet || f.defect == Defect::flat_tet);
   }
   return text + (can_be_untangled ? "\n  untangle them (untangle=true), or repair the mesh in the program that made it."

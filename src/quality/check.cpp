@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "mesh/connect.hpp"
+#include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "mesh/work_mesh.hpp"
 #include "quality/check_measures.hpp"
@@ -84,7 +86,9 @@ class CriterionCounter {
 /// Measures tetrahedra and faces of a mesh, in the caller's unit.
 class CheckedMesh {
  public:
-  CheckedMesh(const TetMesh& mesh, bool with_neighbors, int threads) : view_(mesh, unit_scale(mesh)), cpu_(threads) {
+  CheckedMesh(const TetMesh& mesh, bool with_volumes, bool with_neighbors, int threads)
+      : view_(mesh, unit_scale(mesh)), cpu_(threads) {
+    if (with_volumes) signs_ = volume_signs(mesh, threads);
     if (!with_neighbors) return;
     work_ = upload_mesh(cpu_, mesh);
     build_adjacency(cpu_, work_);
@@ -111,12 +115,21 @@ class CheckedMesh {
       counter.add(sums, orthogonal_quality(shape, t), t);
     } else if (info_of(measure).of_faces) {
       for (int f = 0; f < 4; ++f) add_face(counter, measure, shape, t, f, sums);
+    } else if (measure == CheckMeasure::volume) {
+      counter.add(sums, volume(shape, t), t);
     } else {
-      const double unit = measure == CheckMeasure::volume                                                   ? 3
-                          : measure == CheckMeasure::shortest_edge || measure == CheckMeasure::min_altitude ? 1
-                                                                                                            : 0;
-      counter.add(sums, shape_measure(shape, measure) * std::pow(view_.scale, -unit), t);
+      const bool is_length = measure == CheckMeasure::shortest_edge || measure == CheckMeasure::min_altitude;
+      counter.add(sums, shape_measure(shape, measure) / (is_length ? view_.scale : 1), t);
     }
+  }
+
+  /// Has the exact sign, and the nearest size in the range of normal doubles.
+  double volume(const TetShape& shape, Size t) const {
+    const int sign = span_of(signs_)[t];
+    if (sign == 0) return 0;
+    const double size = std::fabs(shape.volume) / view_.scale / view_.scale / view_.scale;
+    using Limits = std::numeric_limits<double>;
+    return std::copysign(std::clamp(size, Limits::min(), Limits::max()), sign);
   }
 
   HalfFace across(Size t, int face) const { return std::as_const(work_.tet2tet).span()[t][face]; }
@@ -162,6 +175,7 @@ class CheckedMesh {
 
   TetMeshView view_;
   backend::Cpu cpu_;
+  std::vector<std::int8_t> signs_;  ///< of the volumes, if these are measured
   WorkMesh<backend::Cpu> work_;
 };
 
@@ -173,14 +187,16 @@ bool has_neighbors(CheckMeasure measure) {
 }  // namespace
 
 std::vector<FailedTet> find_failed(const TetMesh& mesh, const AcceptanceCriterion& criterion, int threads) {
-  return CheckedMesh(mesh, has_neighbors(criterion.measure), threads).measure(criterion, true).failed_tets;
+  const bool of_volumes = criterion.measure == CheckMeasure::volume;
+  return CheckedMesh(mesh, of_volumes, has_neighbors(criterion.measure), threads).measure(criterion, true).failed_tets;
 }
 
 AcceptanceReport check(const TetMesh& mesh, const AcceptanceCriteria& criteria, int threads) {
   require_arrays(mesh);
-  bool with_neighbors = false;
+  bool with_volumes = false, with_neighbors = false;
   for (const AcceptanceCriterion& c : criteria.criteria) {
     check_criterion(c);
+    with_volumes = with_volumes || c.measure == CheckMeasure::volume;
     with_neighbors = with_neighbors || has_neighbors(c.measure);
   }
   AcceptanceReport report;
@@ -189,7 +205,7 @@ AcceptanceReport check(const TetMesh& mesh, const AcceptanceCriteria& criteria, 
     report.verdict = Verdict::fail;
     return report;
   }
-  CheckedMesh checked(mesh, with_neighbors, threads);
+  CheckedMesh checked(mesh, with_volumes, with_neighbors, threads);
   for (const AcceptanceCriterion& c : criteria.criteria) {
     const CriterionSums sums = checked.measure(c);
     CriterionResult result{c, CriterionCounter(c).verdict(sums), sums.count, sums.warned, sums.failed, sums.worst};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mesh/messages.hpp"
 #include "tetune/error.hpp"
@@ -44,8 +45,8 @@ const std::array<CheckMeasureInfo, kCheckMeasures> kMeasureTable{
     CheckMeasureInfo{M::non_orthogonality, "non_orthogonality_deg", false, true, "degrees"},
     CheckMeasureInfo{M::face_skewness, "face_skewness", false, true, ""}};
 
-/// No volume may be zero or negative.
-constexpr double kSmallestVolume = 1e-300;
+/// No volume may be zero or negative: positive ones are at least this, also where they are below the range of doubles.
+constexpr double kSmallestVolume = std::numeric_limits<double>::min();
 /// The solver refuses a determinant, which is six times the volume, below 1e-20.
 constexpr double kCalculixVolume = 1e-20 / 6;
 

@@ -3,6 +3,7 @@
 
 import json
 import math
+import re
 
 import cli_case
 from cli_case import CliTest, cube
@@ -16,7 +17,7 @@ def bend(p):
     return (x + 0.08 * math.sin(2 * y), y + 0.05 * math.sin(3 * z), z + 0.06 * x * x)
 
 
-def curved_block(n=4, jitter=0.15, straight=False):
+def curved_block(n=4, jitter=0.15, straight=False, bends=True):
     """A bent cube: the nodes of each tetrahedron, the positions, and the mid-side nodes of the surface; with straight
     inner edges if asked."""
     mesh = cube(n, jitter=jitter)
@@ -36,7 +37,7 @@ def curved_block(n=4, jitter=0.15, straight=False):
             face = tuple(sorted(tet[k] for k in range(4) if k != skipped))
             faces[face] = faces.get(face, 0) + 1
     on_surface = {middles[e] for f, count in faces.items() if count == 1 for e in ((f[0], f[1]), (f[1], f[2]), (f[0], f[2]))}
-    positions = [bend(p) for p in points]
+    positions = [bend(p) if bends else p for p in points]
     for (a, b), v in middles.items():
         if straight and v not in on_surface:
             positions[v] = tuple((positions[a][k] + positions[b][k]) / 2 for k in range(3))
@@ -86,8 +87,16 @@ class Curved(CliTest):
         points[inner] = tuple(x + d for x, d in zip(points[inner], (0.2, 0.15, 0.1)))
         write_msh(self.path_of("in.msh"), nodes, points)
         self.run_cli("info", self.path_of("in.msh"), code=1)
-        self.assertIn("not proved positive",
-                      self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), code=2).stderr)
+        refused = self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), code=2).stderr
+        self.assertIn("not proved positive", refused)
+        self.assertIn("(--untangle). `tetune info` measures them", refused)
+        self.assertNotIn("()", refused)
+        around = [t for t, row in enumerate(nodes) if inner in row]
+        ids = re.search(r"\(first, counted from 1: ([\d, ]+)\), the first near (\S+) (\S+) (\S+)", refused).groups()
+        self.assertTrue({int(i) - 1 for i in ids[0].split(",")} <= set(around), refused)
+        first = nodes[int(ids[0].split(",")[0]) - 1]
+        for k in range(3):
+            self.assertAlmostEqual(float(ids[1 + k]), sum(points[v][k] for v in first[:4]) / 4, places=5)
         self.assertFalse(self.path_of("out.msh").exists())
         self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle")
         self.run_cli("info", self.path_of("out.msh"))
@@ -102,8 +111,9 @@ class Curved(CliTest):
         write_msh(self.path_of("in.msh"), nodes, points)
         words = ["optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle",
                  "--keep-vertices", "--max-iterations", "0"]
-        self.run_cli(*words, code=1)
+        refused = self.run_cli(*words, "--report", self.path_of("r.json"), code=1)
         self.assertFalse(self.path_of("out.msh").exists())
+        self.check_refusal(refused.stderr, json.loads(self.path_of("r.json").read_text())["untangling"], nodes, points)
         done = self.run_cli(*words, "--straighten", "--report", self.path_of("r.json"))
         self.info("out.msh")
         straightened = json.loads(self.path_of("r.json").read_text())["optimization"]["straightened"]
@@ -112,6 +122,47 @@ class Curved(CliTest):
         self.assertIn(f"{len(straightened)} edges of the surface", done.stdout + done.stderr)
         kept = {p for i, p in enumerate(points) if i in on_surface} & read_nodes(self.path_of("out.msh"))
         self.assertEqual(len(kept), len(on_surface) - len(straightened))
+
+    def test_inverted_straight_tetrahedra_are_untangled_after_conversion(self):
+        nodes, points, on_surface = curved_block(n=3, jitter=0)
+        corners = {v for row in nodes for v in row[:4]}
+        surface = {row[i] for row in nodes for k, v in enumerate(row[4:]) if v in on_surface for i in EDGES[k]}
+        inner = min(corners - surface)
+        points[inner] = tuple(x + 0.6 for x in points[inner])
+        write_msh(self.path_of("in.msh"), nodes, points)
+        for words in (["info", "in.msh"], ["info", "--check", "in.msh"]):
+            said = self.run_cli(*words, code=1, cwd=self.folder).stdout
+            self.assertIn("(tetune convert --order 1) and untangle this (--untangle)", said)
+        for more in ([], ["--untangle"]):
+            said = self.run_cli("optimize", "in.msh", "-o", "out.msh", *more, code=2, cwd=self.folder).stderr
+            self.assertIn("(tetune convert --order 1) and untangle this (--untangle)", said)
+            self.assertNotIn("untangle them", said)
+            self.assertIn("counted from 1", said)
+        self.run_cli("convert", "in.msh", "-o", "straight.msh", "--order", "1", cwd=self.folder)
+        self.run_cli("optimize", "straight.msh", "-o", "out.msh", "--untangle", cwd=self.folder)
+        self.run_cli("info", "--check", "out.msh", cwd=self.folder)
+
+    def test_a_face_that_its_own_nodes_fold_is_refused_as_failed_untangling(self):
+        nodes, points, on_surface = curved_block(n=2, jitter=0, bends=False)
+        row = next(row for row in nodes if on_surface.issuperset(row[4:7]))
+        points[row[4]] = tuple(p + 1.3 * (q - p) + 0.3 * (r - p) for p, q, r in zip(*(points[v] for v in row[:3])))
+        write_msh(self.path_of("in.msh"), nodes, points)
+        words = ["optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle"]
+        done = self.run_cli(*words, "--report", self.path_of("r.json"), code=1)
+        self.assertFalse(self.path_of("out.msh").exists())
+        self.assertIn("mid-side nodes fold", done.stderr)
+        untangling = json.loads(self.path_of("r.json").read_text())["untangling"]
+        self.assertTrue(set(untangling["folded"]) <= set(untangling["left"]))
+        self.check_refusal(done.stderr, untangling, nodes, points)
+
+    def check_refusal(self, text, untangling, nodes, points):
+        """The message has the first ids, counted from 1 as in the report, and the position of the first."""
+        named = untangling.get("folded", untangling["left"])
+        self.assertIn("(first, counted from 1: " + ", ".join(map(str, named[:5])) + ")", text)
+        self.assertIn("No mesh was written", text)
+        at = [float(x) for x in re.search(r"the first near (\S+) (\S+) (\S+)", text).groups()]
+        for k in range(3):
+            self.assertAlmostEqual(at[k], sum(points[v][k] for v in nodes[named[0] - 1][:4]) / 4, places=5)
 
     def test_straightening_counts_for_the_bound_on_the_deviation(self):
         nodes, points, on_surface = curved_block(n=2, jitter=0)

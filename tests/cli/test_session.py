@@ -7,6 +7,7 @@ import pty
 import re
 import signal
 import subprocess
+import time
 
 import cli_case
 from cli_case import CliTest, Mesh, cube, tangled, unflipped
@@ -65,26 +66,37 @@ class LongRuns(CliTest):
     def test_first_termination_writes_the_best_mesh(self):
         self.check_signal(signal.SIGTERM)
 
+    def check_end(self, end, code, source):
+        """The last event of a run that a signal ended at once."""
+        self.assertTrue(0 <= end.pop("seconds") < cli_case.HANG)
+        self.assertEqual(end, {"event": "end", "input": source, "result": "interrupted", "exit_code": code})
+
     def test_before_there_is_anything_to_write(self):
-        process = self.start("-", self.path("out.mesh"), stdin=subprocess.PIPE)  # reads until that is closed
-        self.wait_for(process, "reading")
-        process.send_signal(signal.SIGINT)
-        code, _, events = self.end(process)
-        self.assertEqual(code, 2)
-        self.assertIn("nothing was written", events[-1]["text"])
-        self.assertEqual(self.files(), [])
+        for sign in (signal.SIGINT, signal.SIGTERM):
+            process = self.start("-", self.path("out.mesh"), stdin=subprocess.PIPE)  # reads until that is closed
+            self.wait_for(process, "reading")
+            time.sleep(0.2)
+            process.send_signal(sign)
+            code, _, events = self.end(process)
+            self.assertEqual(code, 2)
+            self.assertIn("nothing was written", events[-2]["text"])
+            self.assertGreaterEqual(events[-1]["seconds"], 0.2)
+            self.check_end(events[-1], 2, "-")
+            self.assertEqual(self.files(), [])
 
     def test_second_signal_ends_at_once(self):
         self.put("out.mesh", "an old file")
-        process = self.start_one()
+        source = self.put('in "\u00e9".mesh', self.text)
+        process = self.start(source, "-o", self.path("out.mesh"))
         self.wait_for(process, "sweep")
         process.send_signal(signal.SIGSTOP)  # so that both come before it can do a thing
         process.send_signal(signal.SIGINT)
         process.send_signal(signal.SIGTERM)
         process.send_signal(signal.SIGCONT)
-        code, _, _ = self.end(process)
+        code, _, events = self.end(process)
         self.assertEqual(code, 2)
-        self.assertEqual(self.files(), ["in.mesh", "out.mesh"])
+        self.check_end(events[-1], 2, source)
+        self.assertEqual(self.files(), ['in "\u00e9".mesh', "out.mesh"])
         self.assertEqual(self.read_bytes("out.mesh"), b"an old file")
 
     def test_signals_while_writing_leave_no_temporary_file(self):

@@ -41,10 +41,13 @@ class Help(CliTest):
 
     def test_errors_of_arguments_as_json(self):
         source = self.put("in.mesh", cube(1))
-        for words in (["--effort", "bst", "--progress", "json"], ["--progress=json", "--wide"], ["--progress", "json", "--max-growth", "-1"]):
+        for words in (["--effort", "bst", "--progress", "json"], ["--progress=json", "--wide"], ["--progress", "json", "--max-growth", "-1"],
+                      ["--progress", "json", "--criteria", self.path("absent.toml")]):
             done = self.refused("optimize", source, "-o", self.path("out.mesh"), *words)
-            [line] = done.stderr.splitlines()
-            self.assertEqual(json.loads(line)["event"], "error")
+            error, end = map(json.loads, done.stderr.splitlines())
+            self.assertEqual(error["event"], "error")
+            self.assertLess(end.pop("seconds"), cli_case.HANG)
+            self.assertEqual(end, {"event": "end", "input": None, "result": "failed", "exit_code": 2})
 
     def test_help_and_version(self):
         for args in (["--help"], *([command, "--help"] for command in COMMANDS)):

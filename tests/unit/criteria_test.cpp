@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "math/orient.hpp"
 #include "quality/check_measures.hpp"
 #include "support/meshes.hpp"
 #include "tetune/error.hpp"
@@ -81,6 +82,38 @@ TEST(CheckMeasures, regular_tetrahedron) {
                                           {CheckMeasure::orthogonal_quality, 1.0},
                                           {CheckMeasure::face_skewness, 0.0}}) {
     EXPECT_NEAR(worst(regular(), measure), expected, 1e-14 * std::max(1.0, expected) + 1e-14) << info_of(measure).name;
+  }
+}
+
+TEST(CheckMeasures, volumes_beyond_the_range_of_doubles_are_its_ends) {
+  const TetMesh cube = test::cube(2, 0.2);
+  for (const auto& [scale, expected] : {std::pair{1e-149, std::numeric_limits<double>::min()},
+                                        {1e-101, worst(cube, CheckMeasure::volume) * 1e-101 * 1e-101 * 1e-101},
+                                        {1e149, std::numeric_limits<double>::max()}}) {
+    TetMesh mesh = scaled(cube, scale);
+    EXPECT_NEAR(worst(mesh, CheckMeasure::volume) / expected, 1, 1e-12) << scale;
+    for (const AcceptanceCriteria& preset : preset_criteria()) {
+      if (preset.name == "calculix" && scale < 1) continue;  // its limit is no sign
+      const CriterionResult volumes = check(mesh, preset).results.at(0);
+      EXPECT_EQ(volumes.verdict, Verdict::pass) << preset.name << " " << scale;
+    }
+    std::swap(mesh.tets[3][2], mesh.tets[3][3]);
+    EXPECT_LT(worst(mesh, CheckMeasure::volume), 0) << scale;
+    EXPECT_EQ(check(mesh, *find_preset("abaqus")).results.at(0).failed, 1) << scale;
+  }
+}
+
+/// Three points on a line to rounding, whose volume with a fourth one has a sign that floating-point arithmetic misses.
+TEST(CheckMeasures, volumes_have_the_exact_sign) {
+  TetMesh mesh = test::one_tet();
+  for (int i = 0; i < 16; ++i) {
+    for (int k = 0; k < 16; ++k) {
+      mesh.points = {{0.5 + i * 0x1p-53, 0.5 + k * 0x1p-53, 0}, {12, 12, 0}, {24, 24, 0}, {0, 0, 1}};
+      mesh.tets = {{0, 1, 2, 3}};
+      const int sign = orient_sign(mesh.points[0], mesh.points[1], mesh.points[2], mesh.points[3]);
+      const double volume = worst(mesh, CheckMeasure::volume);
+      EXPECT_EQ((volume > 0) - (volume < 0), sign) << i << " " << k;
+    }
   }
 }
 

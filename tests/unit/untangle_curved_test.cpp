@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "curved/curved_edges.hpp"
@@ -18,7 +19,15 @@ TEST(UntangleCurved, InvertedElementsAreRefusedOrUntangled) {
   TetMesh m = test::bulged_cube(-0.2);
   const TetMesh before = m;
   ASSERT_GT(quality(m).curved.inverted, 0);
-  EXPECT_THROW(optimize(m), MeshError);
+  try {
+    optimize(m);
+    ADD_FAILURE() << "accepted";
+  } catch (const CurvedError& e) {
+    EXPECT_EQ(std::ssize(e.tets), quality(m).curved.tets - quality(m).curved.valid);
+    EXPECT_EQ(std::string(e.what()), e.message(false) + " measure_curved() measures them.");
+    const std::string first = "counted from 1: " + std::to_string(e.tets.at(0) + 1);
+    EXPECT_NE(e.message(true).find(first), std::string::npos) << e.message(true);
+  }
   EXPECT_EQ(m.points, before.points);
   Options options;
   options.untangle = true;
@@ -56,8 +65,14 @@ TEST(UntangleCurved, FoldedSurfaceIsNamed) {
   try {
     optimize(m, options);
     ADD_FAILURE() << "accepted";
-  } catch (const MeshError& e) {
+  } catch (const UntangleError& e) {
     EXPECT_NE(std::string(e.what()).find("mid-side nodes fold"), std::string::npos) << e.what();
+    EXPECT_EQ(e.reason, UntangleError::Reason::curved_surface);
+    ASSERT_FALSE(e.folded.empty());
+    EXPECT_TRUE(std::includes(e.left.begin(), e.left.end(), e.folded.begin(), e.folded.end()));
+    EXPECT_EQ(e.message(false), e.what());
+    const std::string first = "counted from 1: " + std::to_string(e.folded[0] + 1);
+    EXPECT_NE(e.message(true).find(first), std::string::npos) << e.message(true);
   }
 }
 

@@ -6,9 +6,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "mesh/messages.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
 #include "tetune/validate.hpp"
@@ -74,15 +72,10 @@ void check_curved_input(const TetMesh& mesh, const Options& options) {
 void refuse_curved(const TetMesh& mesh, const Options& options, const CurvedFailure& failure) {
   if (failure.is_stopped) throw UntangleError(failure.invalid, failure.left, UntangleError::Reason::stopped);
   // Where a face of the surface is folded, no inner vertex helps.
-  const std::string remedies = joined(remedies_for(mesh, options, failure.folded.empty()));
-  if (failure.folded.empty()) throw UntangleError(failure.invalid, failure.left, remedies);
-  const Point3 place = TetMeshView(mesh).centroid(failure.folded[0]);
-  throw MeshError("of " + std::to_string(failure.invalid) + " second-order tetrahedra that are not proved valid, " +
-                  std::to_string(failure.left.size()) + " stay so, and " + std::to_string(failure.folded.size()) +
-                  " of these have a face on the surface that its own mid-side nodes fold" +
-                  first_ids(failure.folded, false) + ", the first near " + number_text(place[0]) + " " +
-                  number_text(place[1]) + " " + number_text(place[2]) +
-                  "\n  no position of inner nodes makes them valid: " + remedies + ".");
+  const bool inside = failure.folded.empty();
+  const Point3 place = TetMeshView(mesh).centroid(inside ? failure.left[0] : failure.folded[0]);
+  throw UntangleError(failure.invalid, failure.left, failure.folded, place,
+                      joined(remedies_for(mesh, options, inside)));
 }
 
 }  // namespace tetune

@@ -21,7 +21,7 @@ struct CurvedFailure {
   bool is_stopped = false;
 };
 
-/// Throws MeshError for elements with a folded face, else UntangleError, with the options that may help.
+/// Throws UntangleError, with the options that may help.
 [[noreturn]] void refuse_curved(const TetMesh& mesh, const Options& options, const CurvedFailure& failure);
 
 }  // namespace tetune

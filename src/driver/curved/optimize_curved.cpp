@@ -22,8 +22,8 @@
 #include "driver/report/run_warnings.hpp"
 #include "driver/report/targets.hpp"
 #include "mesh/id_maps.hpp"
-#include "mesh/messages.hpp"
 #include "mesh/sorted.hpp"
+#include "mesh/tet_mesh_view.hpp"
 #include "phases/progress/latched_hooks.hpp"
 #include "phases/progress/phase_timer.hpp"
 #include "tetune/data.hpp"
@@ -173,11 +173,7 @@ class CurvedOptimizer {
   void make_base_valid() {
     const std::vector<Index> invalid = find_invalid(base_);
     if (invalid.empty()) return;
-    if (!options_.untangle) {
-      throw MeshError("the Jacobian determinant of " + std::to_string(invalid.size()) +
-                      " second-order tetrahedra is not proved positive" + first_ids(invalid, false) +
-                      "\n  make them valid (untangle=true), or measure them with measure_curved().");
-    }
+    if (!options_.untangle) throw CurvedError(invalid, TetMeshView(base_).centroid(invalid[0]));
     // The straight tetrahedra have to stay positive; their angles are improved afterwards.
     RelaxationGoal goal = goal_;
     goal.min_dihedral = 0;

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_errors.hpp"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "geometry_files.hpp"
+#include "option_flags.hpp"
+
+namespace tetune::cli {
+
+std::string untangle_message(const UntangleError& error, const TetMesh& mesh) {
+  const std::string text = with_flags(error.message(true));
+  // It has the position of second-order elements.
+  if (error.reason == UntangleError::Reason::curved_surface) return text + "\n  No mesh was written.";
+  Point3 center{};
+  for (const Index v : mesh.tets.at(static_cast<std::size_t>(error.left.at(0)))) {
+    const Point3& p = mesh.points[static_cast<std::size_t>(v)];
+    for (std::size_t k = 0; k < 3; ++k) center[k] += 0.25 * p[k];
+  }
+  return fmt::format("{}\n  The first is near {:.6g} {:.6g} {:.6g}. No mesh was written.", text, center[0], center[1],
+                     center[2]);
+}
+
+std::string mesh_message(const MeshError& error, const TetMesh& mesh, int threads) {
+  if (const auto* overlap = dynamic_cast<const OverlapError*>(&error)) return with_flags(overlap->message(true));
+  if (const auto* curved = dynamic_cast<const CurvedError*>(&error)) {
+    return with_flags(curved->message(true)) + " `tetune info` measures them.";
+  }
+  const ValidationReport valid = validate(mesh, threads);
+  return valid.ok() ? with_geometry_flags(error.what()) : validity_message(valid, !mesh.curved_edges.empty());
+}
+
+std::string validity_message(const ValidationReport& report, bool is_curved) {
+  std::string text = report.message(true);
+  constexpr std::string_view kRemedy = "untangle them (untangle=true)";
+  if (const auto at = text.find(kRemedy); is_curved && at != std::string::npos) {
+    text.replace(at, kRemedy.size(),
+                 "the straight tetrahedra of a curved mesh have to be valid first: make it one of straight tetrahedra "
+                 "(tetune convert --order 1) and untangle this (untangle=true)");
+  }
+  return with_flags(text);
+}
+
+}  // namespace tetune::cli
