@@ -53,8 +53,8 @@ void check_vertices(const std::vector<Element<N>>& elements, Id vertices, const 
   for (const Element<N>& e : elements) {
     for (const Id v : e.v) {
       if (v >= 0 && v < vertices) continue;
-      throw MeshError(std::string(kind) + " " + std::to_string(e.id) + " has vertex " + std::to_string(v) +
-                      " (both counted from 0), but there are " + std::to_string(vertices) + " vertices");
+      throw MeshError(std::string(kind) + " " + std::to_string(e.id + 1) + " has vertex " + std::to_string(v + 1) +
+                      " (both counted from 1), but there are " + std::to_string(vertices) + " vertices");
     }
   }
 }
@@ -63,7 +63,7 @@ void check_vertices(const std::vector<Element<N>>& elements, Id vertices, const 
 void check(const Pieces& pieces, Id vertices) {
   for (const Vertex& v : pieces.vertices) {
     if (std::all_of(v.x.begin(), v.x.end(), [](double x) { return std::isfinite(x); })) continue;
-    throw MeshError("vertex " + std::to_string(v.id) + " (counted from 0) has a coordinate that is not finite");
+    throw MeshError("vertex " + std::to_string(v.id + 1) + " (counted from 1) has a coordinate that is not finite");
   }
   check_vertices(pieces.cells, vertices, "tetrahedron");
   check_vertices(pieces.sides, vertices, "triangle");

@@ -106,7 +106,7 @@ class ListedEntities {
     for (const Element<N>& e : unplaced) first = std::min(first, e.id);
     first = all_reduce(comm_, first, MPI_MIN);
     throw MeshError(std::to_string(count) + " listed " + kind + " with a tag or required are not " + of +
-                    " of any tetrahedron (first, counted from 0: " + std::to_string(first) +
+                    " of any tetrahedron (first, counted from 1: " + std::to_string(first + 1) +
                     "); remove them, or optimize the mesh on one machine");
   }
 

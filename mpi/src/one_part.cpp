@@ -70,7 +70,7 @@ Options options_for(const Options& all_options, const TetMesh& mesh) {
   return options;
 }
 
-std::string defects_of(const Part& part, int threads) {
+std::string defects_of(const Part& part, int threads, bool one_based) {
   ValidationReport report = validate(part.mesh, threads);
   for (Finding& f : report.findings) {
     const std::vector<Id>* ids = f.where == "tetrahedra" ? &part.tet_id
@@ -79,11 +79,11 @@ std::string defects_of(const Part& part, int threads) {
     if (ids == nullptr) continue;
     for (Index& i : f.first) i = Index(item(*ids, i));
   }
-  return report.message(false);
+  return report.message(one_based);
 }
 
 Report optimize_part(Part& part, Marks frozen, const Options& all_options, const Context& context,
-                     InputSurface* surface) {
+                     InputSurface* surface, bool one_based) {
   TetMesh& mesh = part.mesh;
   Options options = options_for(all_options, mesh);
   const std::size_t vertices = mesh.points.size();
@@ -96,11 +96,11 @@ Report optimize_part(Part& part, Marks frozen, const Options& all_options, const
     report = surface != nullptr ? tetune::optimize(mesh, options, context, piece.surface)
                                 : tetune::optimize(mesh, options, context);
   } catch (const OverlapError& e) {
-    throw OverlapError(translated_ids(e.tets, part.tet_id));
+    throw MeshError(OverlapError(translated_ids(e.tets, part.tet_id)).message(one_based));
   } catch (const MeshError&) {
     drop_cut(mesh, cut_triangles);
     drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());
-    throw MeshError(defects_of(part, options.threads));
+    throw MeshError(defects_of(part, options.threads, one_based));
   }
   drop_cut(mesh, cut_triangles);
   if (surface != nullptr) {

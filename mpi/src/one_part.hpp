@@ -12,11 +12,12 @@ namespace tetune::mpi {
 /// The options for a part, which may lack tags that the whole mesh has.
 Options options_for(const Options& options, const TetMesh& mesh);
 
-/// The message of validate() about a part, in the ids of the whole mesh.
-std::string defects_of(const Part& part, int threads);
+/// The message of validate() about a part, in the ids of the whole mesh, which start from 1 or from 0.
+std::string defects_of(const Part& part, int threads, bool one_based);
 
 /// Optimizes one part, of which the vertices with `frozen` 1 stay: on `surface`, if it is given, for Boundary::slide.
-/// Inserted vertices get the id -1. Throws as optimize() does, in the ids of the whole mesh.
-Report optimize_part(Part& part, Marks frozen, const Options& options, const Context& context, InputSurface* surface);
+/// Inserted vertices get the id -1. Throws as optimize() does, in the ids of the whole mesh, as defects_of().
+Report optimize_part(Part& part, Marks frozen, const Options& options, const Context& context, InputSurface* surface,
+                     bool one_based = false);
 
 }  // namespace tetune::mpi

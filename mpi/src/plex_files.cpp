@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 #include <petscviewer.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "files.hpp"
@@ -82,6 +84,22 @@ void write_tags(MPI_Comm comm, const std::vector<int>& tags, const Viewer& viewe
   check_petsc(VecRestoreArrayWrite(values, &to));
   watch.check(VecView(values, viewer.get()));
   check_petsc(VecDestroy(&values));
+}
+
+/// Gives the tag -1 another number: -1 is the default value of a label, and DMLoad() drops points that have it.
+void renumber_default(MPI_Comm comm, const std::string& path, TetMesh& mesh, std::vector<std::string>& warnings) {
+  const std::array<std::vector<int>*, 4> tags{&mesh.point_tags, &mesh.edge_tags, &mesh.triangle_tags, &mesh.tet_tags};
+  for (std::size_t d = 0; d < 4; ++d) {
+    const std::set<int> here(tags[d]->begin(), tags[d]->end());
+    const auto all = gather_all(comm, std::vector<int>(here.begin(), here.end()), MPI_INT);
+    const std::set<int> used(all.begin(), all.end());
+    if (used.count(-1) == 0) continue;
+    int number = 1;
+    while (used.count(number) > 0) ++number;
+    std::replace(tags[d]->begin(), tags[d]->end(), -1, number);
+    warnings.push_back(path + ": a label of a DMPlex cannot have the value -1: the tag -1 is " +
+                       std::to_string(number) + " in \"" + kSets[d] + "\"");
+  }
 }
 
 /// The XDMF beside an HDF5 file, which has its name when both are complete.
@@ -193,6 +211,12 @@ void write_plex(MPI_Comm comm, const std::string& path, Part part, Totals totals
   if (all_reduce(comm, Id(dropped), MPI_SUM) > 0) {
     warnings.push_back(path + ": a DMPlex cannot hold corners, ridges and required entities");
   }
+  const auto untagged = std::count(mesh.triangle_tags.begin(), mesh.triangle_tags.end(), 0) +
+                        std::count(mesh.edge_tags.begin(), mesh.edge_tags.end(), 0);
+  if (all_reduce(comm, Id(untagged), MPI_SUM) > 0) {
+    warnings.push_back(path + ": a DMPlex lists no triangles and edges with tag 0");
+  }
+  if (!labels) renumber_default(comm, path, part.mesh, warnings);
   const std::string h5 = with_ending(path, ".h5");
   SharedTemporary temporary(comm, h5);
   XdmfHeader header(comm, path, h5);

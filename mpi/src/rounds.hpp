@@ -8,8 +8,8 @@
 
 namespace tetune::mpi {
 
-/// Optimizes a distributed mesh. Collective: all ranks throw where one fails.
+/// Optimizes a distributed mesh. Collective: all ranks throw where one fails. Ids in messages start from 1 or from 0.
 DistributedReport optimize_parts(MPI_Comm comm, Part& part, Totals& totals, Options options,
-                                 const std::function<bool()>& stop);
+                                 const std::function<bool()>& stop, bool one_based = false);
 
 }  // namespace tetune::mpi

@@ -88,25 +88,35 @@ class Failures(MpiTest):
     def test_wrong_vertex(self):
         cube = cli_case.cube(4)
         cube.tets[17] = (1, 2, 3, 40000)
-        self.refused(self.put("wrong.mesh", cube), said=["wrong.mesh", "17", "40000"])
+        self.refused(self.put("wrong.mesh", cube), said=["wrong.mesh", "tetrahedron 18 has vertex 40001 (both counted from 1)"])
 
     def test_inverted_on_one_rank(self):
-        self.refused(self.put("tangled.mesh", cli_case.tangled(8)), said=["tangled.mesh", "inverted"])
+        mesh = cli_case.tangled(8)
+        inverted = [i + 1 for i, volume in enumerate(mesh.volumes()) if volume < 0]
+        source = self.put("tangled.mesh", mesh)
+        said = ["tangled.mesh", "inverted", "untangle them (tetune optimize --untangle), or repair"]
+        self.refused(source, said=said)
+        numbers = ", ".join(map(str, inverted[:5]))
+        self.assertIn(f"first, counted from 1: {numbers})", self.mpi(1, source, self.path("out.mesh"), code=2).stderr)
+        sliding = self.mpi(2, source, self.path("out.mesh"), "--boundary", "slide", code=2)
+        for part in ["counted from 1: ", *said]:
+            self.assertIn(part, sliding.stderr)
 
     def test_mesh_that_overlaps_itself(self):
         source = self.put("overlapping.mesh", cli_case.OVERLAPPING)
         done = self.mpi(1, source, self.path("out.mesh"), code=2)
         self.assertIn("overlaps itself", done.stderr)
-        self.assertIn("first, counted from 0: ", done.stderr)
+        self.assertIn("first, counted from 1: ", done.stderr)
+        self.assertIn("(--no-flips, --keep-vertices)", done.stderr)
         self.assertFalse(os.path.exists(self.path("out.mesh")))
 
     def test_triangle_that_is_none(self):
         cube = cli_case.cube(4)
         self.refused(self.put("none.mesh", cli_case.with_triangles(cube, [((0, 60, 124), 5)])),
-                     said=["1 listed triangles", "first, counted from 0: 0"])
+                     said=["1 listed triangles", "first, counted from 1: 1"])
 
     def test_frozen_tag_that_nothing_has(self):
-        self.refused(self.put("in.mesh", cli_case.cube(4)), "--freeze", "tag=99", said=["99", "no tetrahedron"])
+        self.refused(self.put("in.mesh", cli_case.cube(4)), "--freeze", "tag=99", said=["--freeze names tag 99", "no tetrahedron"])
 
     def test_folder_that_is_none(self):
         done = self.mpi(2, mpi_case.BRACKET, self.path("nowhere/out.meshb"), code=2)

@@ -28,6 +28,71 @@ class Files(MpiTest):
                               capture_output=True, text=True, check=False)
         return "built without HDF5" not in done.stderr
 
+    def regions(self, path):
+        """Tags of the tetrahedra with their volumes, and the area between different ones."""
+        mesh = cli_case.Mesh.read(path)
+        volumes, sides, area = {}, {}, 0
+        for tet, tag, volume in zip(mesh.tets, mesh.tet_tags, mesh.volumes()):
+            volumes[tag] = volumes.get(tag, 0) + volume
+            for i in range(4):
+                sides.setdefault(tuple(sorted(tet[:i] + tet[i + 1:])), set()).add(tag)
+        for face in (face for face, tags in sides.items() if len(tags) > 1):
+            (ax, ay, _), (bx, by, _), (cx, cy, _) = (mesh.points[v] for v in face)
+            area += abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2
+        return {tag: round(volume, 9) for tag, volume in volumes.items()}, round(area, 9)
+
+    def with_tag_minus_1(self):
+        """Two regions that meet in a plane, and patches; no other tag than 0 and -1."""
+        cube = cli_case.cube(6, two_regions=True)
+        cube.tet_tags = [-1 if sum(cube.points[v][2] for v in tet) < 2 else 0 for tet in cube.tets]
+        cube.point_tags = [0 if any(x in (0, 1) for x in p) else -1 for p in cube.points]
+        faces = [(f, -1 if all(cube.points[v][2] == 0 for v in f) else 0) for f in sorted(cube.boundary_faces())]
+        return self.put("minus.mesh", cli_case.with_triangles(cube, faces)), sum(tag == -1 for _, tag in faces)
+
+    def listed(self, path):
+        """Tags of the listed triangles."""
+        words = Path(path).read_text().split()
+        if "Triangles" not in words:
+            return []
+        at = words.index("Triangles") + 2
+        return [int(tag) for tag in words[at + 3:at + 4 * int(words[at - 1]):4]]
+
+    def test_regions_with_tag_minus_1_and_without(self):
+        source, _ = self.with_tag_minus_1()
+        for ranks in (1, 2, 3):
+            self.mpi(ranks, source, self.path("out.mesh"))
+            self.assertEqual(self.regions(self.path("out.mesh")), ({-1: 0.5, 0: 0.5}, 1.0))
+
+    def test_tag_minus_1_has_another_number_in_hdf5(self):
+        """It is the default value of a DMLabel, which stands for none."""
+        if not self.writes_hdf5():
+            self.skipTest("PETSc without HDF5")
+        source, patch = self.with_tag_minus_1()
+        h5, back = self.path("out.h5"), self.path("back.mesh")
+        for ranks in (1, 2):
+            said = self.warnings(self.mpi(ranks, source, h5))
+            for name in ("Cell Sets", "Face Sets", "Vertex Sets"):
+                self.assertIn(f"{h5}: a label of a DMPlex cannot have the value -1: the tag -1 is 1 in \"{name}\"", said)
+            self.assertIn(f"{h5}: a DMPlex lists no triangles and edges with tag 0", said)
+            self.assertEqual(len(said), 4, said)
+            self.assertEqual(self.warnings(self.mpi(ranks, h5, back)), [])
+            self.assertEqual(self.regions(back), ({1: 0.5, 0: 0.5}, 1.0))
+            self.assertEqual(self.listed(back), [1] * patch)
+            mesh = cli_case.Mesh.read(back)
+            self.assertEqual([tag == 1 for tag in mesh.point_tags],
+                             [all(0 < x < 1 for x in p) for p in mesh.points])
+            self.assertEqual(set(mesh.point_tags), {0, 1})
+
+    def test_numbers_in_use_are_not_taken_for_tag_minus_1(self):
+        if not self.writes_hdf5():
+            self.skipTest("PETSc without HDF5")
+        cube = cli_case.cube(4, two_regions=True)
+        cube.tet_tags = [-1 if sum(cube.points[v][2] for v in tet) < 2 else 1 for tet in cube.tets]
+        h5, back = self.path("out.h5"), self.path("back.mesh")
+        self.assertIn("the tag -1 is 2 in \"Cell Sets\"", self.mpi(2, self.put("in.mesh", cube), h5).stderr)
+        self.mpi(2, h5, back)
+        self.assertEqual(self.regions(back), ({2: 0.5, 1: 0.5}, 1.0))
+
     def test_files_that_an_earlier_run_has_left(self):
         source = self.put("in.mesh", cli_case.cube(4))
         out = self.path("out.meshb")
