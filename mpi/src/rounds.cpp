@@ -282,8 +282,7 @@ class Rounds {
       for (std::size_t v = 0; v < frozen.size(); ++v) {
         if ((part.vertex_flags[v] & kHeld) != 0) frozen[v] = 1;
       }
-      report =
-          optimize_part(part, std::move(frozen), options_, context_, surface_ ? &*surface_ : nullptr, one_based_);
+      report = optimize_part(part, std::move(frozen), options_, context_, surface_ ? &*surface_ : nullptr, one_based_);
     });
     const double stopped = report.stop == StopReason::cancelled ? 1 : 0;
     const auto maxima = all_reduce(comm_, std::vector<double>{seconds_since(start), stopped}, MPI_MAX);
