@@ -6,12 +6,12 @@
 #include <map>
 #include <ostream>
 #include <set>
-#include <string>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "mesh/id_maps.hpp"
+#include "only_below_fixture.hpp"
 #include "support/constrained.hpp"
 #include "support/meshes.hpp"
 #include "tetune/error.hpp"
@@ -23,92 +23,7 @@
 namespace tetune {
 namespace {
 
-bool is_bad(const Measures& m, const Target& limit) {
-  const double value = m[static_cast<std::size_t>(limit.measure)];
-  return larger_is_better(limit.measure) ? value < limit.value : value > limit.value;
-}
-
-/// The active tetrahedra by the definition, one ring after the other.
-std::vector<bool> active_by_definition(const TetMesh& mesh, const Options& options) {
-  std::vector<bool> active;
-  for (const Measures& m : measure_each(mesh)) {
-    active.push_back(std::any_of(options.only_below.begin(), options.only_below.end(),
-                                 [&](const Target& limit) { return is_bad(m, limit); }));
-  }
-  for (const Index t : mesh.required_tets) active[to_size_t(t)] = false;
-  for (int ring = 0; ring < options.rings; ++ring) {
-    std::set<Index> vertices;
-    for (std::size_t t = 0; t < active.size(); ++t) {
-      if (active[t]) vertices.insert(mesh.tets[t].begin(), mesh.tets[t].end());
-    }
-    for (std::size_t t = 0; t < active.size(); ++t) {
-      for (const Index v : mesh.tets[t]) active[t] = active[t] || vertices.count(v) == 1;
-    }
-  }
-  return active;
-}
-
-template <class T>
-T entry(const DataArray& data, std::size_t i) {
-  return std::get<std::vector<T>>(data.values)[i];
-}
-
-/// Checks that what is not active has stayed, and that the maps are true.
-void expect_rest_unchanged(const TetMesh& before, const TetMesh& after, const std::vector<bool>& active,
-                           const Report& report) {
-  // Vertices keep their numbers, and outside the active part their positions.
-  ASSERT_GE(after.points.size(), before.points.size());
-  for (std::size_t t = 0; t < before.tets.size(); ++t) {
-    if (active[t]) continue;
-    for (const Index v : before.tets[t]) {
-      EXPECT_EQ(before.points[to_size_t(v)], after.points[to_size_t(v)]);
-      EXPECT_EQ(before.point_tags[to_size_t(v)], after.point_tags[to_size_t(v)]);
-    }
-  }
-  ASSERT_EQ(report.tet2original.size(), after.tets.size());
-  std::vector<std::size_t> rest_before;
-  std::vector<std::size_t> rest_after;
-  for (std::size_t t = 0; t < before.tets.size(); ++t) {
-    if (!active[t]) rest_before.push_back(t);
-  }
-  for (std::size_t t = 0; t < after.tets.size(); ++t) {
-    const std::size_t original = to_size_t(report.tet2original[t]);
-    EXPECT_EQ(after.tet_tags[t], before.tet_tags[original]);
-    EXPECT_EQ(entry<double>(after.tet_data[0], t), entry<double>(before.tet_data[0], original));
-    if (!active[original]) rest_after.push_back(t);
-  }
-  ASSERT_EQ(rest_before.size(), rest_after.size());
-  for (std::size_t i = 0; i < rest_before.size(); ++i) {
-    EXPECT_EQ(before.tets[rest_before[i]], after.tets[rest_after[i]]);
-    if (after.tets.size() >= before.tets.size()) {
-      EXPECT_EQ(rest_before[i], rest_after[i]);
-    }
-  }
-  for (std::size_t v = 0; v < after.points.size(); ++v) {
-    const bool inserted = !report.vertex2original.empty() && report.vertex2original[v] < 0;
-    if (inserted) continue;
-    EXPECT_EQ(report.vertex2original.empty() ? v : to_size_t(report.vertex2original[v]), v);
-    EXPECT_EQ(entry<double>(after.point_data[0], v), entry<double>(before.point_data[0], v));
-  }
-}
-
-void number_data(TetMesh& mesh) {
-  const auto numbers = [](std::size_t size, double first) {
-    std::vector<double> values;
-    for (std::size_t i = 0; i < size; ++i) values.push_back(first + static_cast<double>(i));
-    return DataArray{"number", 1, values};
-  };
-  mesh.point_data = {numbers(mesh.points.size(), 0.5)};
-  mesh.tet_data = {numbers(mesh.tets.size(), 0.25)};
-}
-
-/// The value of a measure that a part of the tetrahedra miss.
-double limit_missed_by(const TetMesh& mesh, double part, Measure measure = Measure::mean_ratio) {
-  std::vector<double> values;
-  for (const Measures& m : measure_each(mesh)) values.push_back(m[static_cast<std::size_t>(measure)]);
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(part * static_cast<double>(values.size()))];
-}
+using namespace test;
 
 struct ThresholdCase {
   Boundary boundary;
@@ -448,124 +363,6 @@ TEST(OnlyBelowLimit, listed_corners_do_not_move) {
   EXPECT_GT(report.plane_vertices, 0);
   ASSERT_EQ(mesh.corners, before.corners);
   EXPECT_EQ(mesh.points[to_size_t(mesh.corners[0])], before.points[to_size_t(before.corners[0])]);
-}
-
-/// Replaces a tetrahedron by four around a new vertex in its middle.
-void split(TetMesh& mesh, std::size_t t) {
-  const auto tet = mesh.tets[t];
-  const Point3 center = test::centroid(mesh, t);
-  const auto added = static_cast<Index>(mesh.points.size());
-  mesh.points.push_back(center);
-  mesh.point_tags.push_back(7);
-  for (std::size_t k = 0; k < 4; ++k) {
-    auto part = tet;
-    part[k] = added;
-    if (k == 0) {
-      mesh.tets[t] = part;
-    } else {
-      mesh.tets.push_back(part);
-      mesh.tet_tags.push_back(mesh.tet_tags[t]);
-    }
-  }
-}
-
-TEST(OnlyBelowLimit, vertices_do_not_become_fewer) {
-  Options options;
-  options.effort = Effort::best;
-  // Effort::best removes the vertex in the middle.
-  TetMesh alone = test::one_tet();
-  split(alone, 0);
-  options.frozen_vertices = {1, 1, 1, 1, 0};
-  optimize(alone, options);
-  ASSERT_EQ(alone.points.size(), 4U);
-  // In a larger mesh it stays, as others would be renumbered.
-  options.frozen_vertices.clear();
-  options.rings = 0;
-  options.only_below = {{Measure::min_dihedral, 35}};
-  TetMesh mesh = test::cube(5);
-  split(mesh, mesh.tets.size() / 2);
-  number_data(mesh);
-  const TetMesh before = mesh;
-  const std::vector<bool> active = active_by_definition(mesh, options);
-  ASSERT_EQ(std::count(active.begin(), active.end(), true), 4);
-  const Report report = optimize(mesh, options);
-  EXPECT_EQ(mesh.points.size(), before.points.size());
-  EXPECT_EQ(report.vertices_removed, 0);
-  EXPECT_EQ(mesh.point_tags, before.point_tags);
-  expect_rest_unchanged(before, mesh, active, report);
-}
-
-/// Vertices that Effort::best removes: in the middle of a part of the tetrahedra.
-TetMesh with_vertices_to_remove() {
-  TetMesh mesh = test::cube(4, 0.15, 3);
-  const std::size_t size = mesh.tets.size();
-  for (std::size_t t = 0; t < size; t += 3) split(mesh, t);
-  number_data(mesh);
-  return mesh;
-}
-
-class StoppedOnlyBelow : public testing::TestWithParam<Boundary> {};
-
-/// Where more vertices were removed than inserted until the stop, the part is optimized once more without either.
-TEST_P(StoppedOnlyBelow, result_is_valid_and_no_work_is_lost) {
-  const TetMesh before = with_vertices_to_remove();
-  Options options;
-  options.effort = Effort::best;
-  options.boundary = GetParam();
-  options.rings = 1;
-  options.restarts = 1;
-  options.only_below = {{Measure::min_dihedral, 20}};
-  const std::vector<bool> active = active_by_definition(before, options);
-  double converged = 0;  // mean of the mean ratios after flips and sweeps alone
-  bool is_stopped = true;
-  for (int calls = 2; is_stopped; calls += 1 + calls / 2) {
-    TetMesh mesh = before;
-    int called = 0, after_stop = 0, alternating = 0;
-    const Context context{[&](const Progress& p) {
-                            if (called == calls) ++after_stop;
-                            const std::string phase = p.phase;
-                            const bool alternates = phase == "load" || phase == "flips" || phase == "sweep";
-                            if (called == alternating && alternates) ++alternating;
-                            return ++called < calls;
-                          },
-                          {}};
-    const Report report = optimize(mesh, options, context);
-    is_stopped = called == calls;
-    EXPECT_EQ(after_stop, 0);
-    EXPECT_EQ(report.stop == StopReason::cancelled, is_stopped);
-    EXPECT_TRUE(validate(mesh).ok());
-    EXPECT_EQ(mesh.points.size(), before.points.size());
-    EXPECT_EQ(report.tets_after, std::ssize(mesh.tets));
-    EXPECT_EQ(report.vertices, std::ssize(before.points));
-    EXPECT_EQ(report.free_vertices + report.plane_vertices + report.line_vertices + report.surface_vertices +
-                  report.curve_vertices + report.fixed_vertices,
-              report.vertices);
-    EXPECT_TRUE(report.vertex2original.empty());
-    expect_rest_unchanged(before, mesh, active, report);
-    const double mean = quality(mesh).mean_ratio;
-    if (alternating == called) converged = std::max(converged, mean);
-    EXPECT_GT(mean, quality(before).mean_ratio);
-    EXPECT_GE(mean, 0.95 * converged);
-  }
-  EXPECT_GT(converged, 0.7);
-}
-INSTANTIATE_TEST_SUITE_P(Boundaries, StoppedOnlyBelow, testing::Values(Boundary::preserve, Boundary::slide));
-
-TEST(OnlyBelowLimit, a_stop_after_untangling_leaves_a_repaired_mesh) {
-  TetMesh mesh = with_vertices_to_remove();
-  for (Point3& p : mesh.points) {
-    if (std::abs(p[0] - 0.5) + std::abs(p[1] - 0.5) + std::abs(p[2] - 0.5) < 0.2) p[0] += 0.3;
-  }
-  Options options;
-  options.effort = Effort::best;
-  options.untangle = true;
-  options.only_below = {{Measure::min_dihedral, 20}};
-  const auto proceeds = [](const Progress& p) { return std::string(p.phase) != "worst"; };
-  const Report report = optimize(mesh, options, {proceeds, {}});
-  EXPECT_EQ(report.stop, StopReason::cancelled);
-  EXPECT_GT(report.tets_untangled, 0);
-  EXPECT_EQ(report.vertices_removed, 0);
-  EXPECT_TRUE(validate(mesh).ok());
 }
 
 TEST(OnlyBelowLimit, wrong_options_are_refused) {
