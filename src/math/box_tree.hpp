@@ -20,7 +20,15 @@ class BoxTree {
   /// Calls visit(i) for the boxes i that meet `box`, in an order that depends on the boxes alone.
   template <class Visit>
   void for_meeting(const Box& box, const Visit& visit) const {
-    if (!items_.empty()) descend(levels_.size() - 1, 0, box, visit);
+    while_meeting(box, [&visit](Index i) {
+      visit(i);
+      return true;
+    });
+  }
+  /// The same, until visit() returns false; returns whether it never did.
+  template <class Visit>
+  bool while_meeting(const Box& box, const Visit& visit) const {
+    return items_.empty() || descend(levels_.size() - 1, 0, box, visit);
   }
 
   /// Calls visit(i) for the boxes i within a squared distance of a point. Close ones tend to be first, and visit()
@@ -70,18 +78,15 @@ class BoxTree {
   };
 
   template <class Visit>
-  void descend(std::size_t level, Size node, const Box& box, const Visit& visit) const {
+  bool descend(std::size_t level, Size node, const Box& box, const Visit& visit) const {
     const Node& boxes = span_of(levels_[level])[node];
     const auto gaps = boxes.gaps(box);
     for (Size k = 0; k < boxes.count; ++k) {
       if (gaps[to_size_t(k)] > 0) continue;
       const Size child = node * kFanout + k;
-      if (level == 0) {
-        visit(span_of(items_)[child]);
-      } else {
-        descend(level - 1, child, box, visit);
-      }
+      if (!(level == 0 ? visit(span_of(items_)[child]) : descend(level - 1, child, box, visit))) return false;
     }
+    return true;
   }
 
   template <class Visit>

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "backend/cpu.hpp"
+#include "math/mix_bits.hpp"
 #include "math/orient.hpp"
 #include "mesh/csr.hpp"
 #include "mesh/tet_mesh_view.hpp"
@@ -75,15 +76,9 @@ class SurfaceVertexHashes {
     // A vertex belongs to all faces but the one across from it.
     for (int k = 0; k < 4; ++k) backend::atomic_add(span_of(sums_)[tet[k]], sum - terms[to_size_t(k)]);
   }
-  /// A number without a pattern (the finalizer of Steele, Lea and Flood, "Fast splittable pseudorandom number
-  /// generators", 2014, Fig. 16).
   static std::uint64_t hash_of(const FaceKey& key, int region) {
-    constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15;
     const std::uint64_t high_part = std::uint32_t(region);
-    std::uint64_t z = key.pair() + kStep * (high_part << 32 | std::uint32_t(key.low));
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
-    z = (z ^ z >> 27) * 0x94d049bb133111eb;
-    return z ^ z >> 31;
+    return mix_bits(mix_bits(high_part << 32 | std::uint32_t(key.low)) + key.pair());
   }
 
   const TetMeshView& view_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <tuple>
@@ -8,6 +10,7 @@
 #include "backend/cpu.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
+#include "math/mix_bits.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
@@ -86,19 +89,50 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
   return surface;
 }
 
-/// One in `stride` of the vertices, and of the midpoints of edges and triangles. Of the triangles at an edge at least
-/// one lists it in increasing order of its end points.
-SurfaceSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
-  SurfaceSamples result{surface.triangles, {}};
+/// The vertices and triangles that a surface has, in all bits: points of these are at no distance from it. A search for
+/// them could take long where many triangles share a vertex, and find a rounding error.
+class SurfaceContents {
+ public:
+  explicit SurfaceContents(const MeshSurface& surface) {
+    hashes_.reserve(surface.vertices.size() + surface.triangles.size());
+    for (const MeshSurface::Vertex& v : surface.vertices) hashes_.push_back(hash_of(v.point));
+    for (const TrianglePoints& t : surface.triangles) hashes_.push_back(hash_of(t));
+    std::sort(hashes_.begin(), hashes_.end());
+  }
+  template <class T>
+  bool has(const T& vertex_or_triangle) const {
+    return std::binary_search(hashes_.begin(), hashes_.end(), hash_of(vertex_or_triangle));
+  }
+
+ private:
+  static std::uint64_t hash_of(const Vec3& p) {
+    std::uint64_t hash = 0;
+    // The sum makes a zero positive.
+    for (const double x : {p.x, p.y, p.z}) hash = mix_bits(hash + std::bit_cast<std::uint64_t>(x + 0.0));
+    return hash;
+  }
+  /// Does not depend on the order of the vertices.
+  static std::uint64_t hash_of(const TrianglePoints& t) {
+    return mix_bits(hash_of(t[0]) + hash_of(t[1]) + hash_of(t[2]));
+  }
+
+  std::vector<std::uint64_t> hashes_;
+};
+
+/// One in `stride` of the vertices, and of the midpoints of edges and triangles, without those of vertices and
+/// triangles that the other surface has. Of the triangles at an edge at least one lists it in increasing order of its
+/// end points.
+std::vector<SurfaceSample> sample_surface(const MeshSurface& surface, std::int64_t stride,
+                                          const SurfaceContents& other) {
+  std::vector<SurfaceSample> samples;
   for (Size i = 0; i < std::ssize(surface.vertices); i += stride) {
     const MeshSurface::Vertex& v = span_of(surface.vertices)[i];
-    result.samples.push_back({v.point, v.search_radius, -1});
+    if (!other.has(v.point)) samples.push_back({v.point, v.search_radius, true});
   }
   std::int64_t passed = 0;
-  for (Index i = 0; i < std::ssize(surface.triangles); ++i) {
-    const TrianglePoints& t = span_of(surface.triangles)[i];
+  for (const TrianglePoints& t : surface.triangles) {
     const auto add = [&](const Vec3& p) {
-      if (passed++ % stride == 0) result.samples.push_back({p, search_radius(t), i});
+      if (passed++ % stride == 0 && !other.has(t)) samples.push_back({p, search_radius(t), false});
     };
     add((1.0 / 3) * (t[0] + t[1] + t[2]));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -107,7 +141,7 @@ SurfaceSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
       if (std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z)) add(0.5 * (a + b));
     }
   }
-  return result;
+  return samples;
 }
 
 using TagSet = std::set<int>;
@@ -234,7 +268,7 @@ void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale,
   const std::int64_t samples = std::max(old_surface.sample_count(), new_surface.sample_count());
   c.sample_stride = max_samples > 0 ? (samples + max_samples - 1) / max_samples : 1;
   const auto distances = [&](const MeshSurface& from, const MeshSurface& to) {
-    return max_distances(sample_surface(from, c.sample_stride), to.triangles, cpu);
+    return max_distances(sample_surface(from, c.sample_stride, SurfaceContents(to)), to.triangles, cpu);
   };
   const LargestDistances new_to_old = distances(new_surface, old_surface);
   c.vertices_to_old = new_to_old.vertices / old_surface.mean_edge;

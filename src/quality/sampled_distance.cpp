@@ -2,6 +2,7 @@
 #include "quality/sampled_distance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <numeric>
@@ -14,21 +15,11 @@
 namespace tetune {
 namespace {
 
-using Sample = SurfaceSamples::Sample;
-
 /// The first radius in lengths of an edge, of which most samples are within: a larger one finds more triangles for
 /// each.
 constexpr double kFirstRadius = 0.1;
 constexpr double kRadiusGrowth = 4;
 constexpr int kMaxRounds = 3;
-
-bool equal(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-
-bool has_vertex(const TrianglePoints& t, const Vec3& p) { return equal(t[0], p) || equal(t[1], p) || equal(t[2], p); }
-
-bool same_vertices(const TrianglePoints& a, const TrianglePoints& b) {
-  return has_vertex(b, a[0]) && has_vertex(b, a[1]) && has_vertex(b, a[2]);
-}
 
 Box box_of(const TrianglePoints& t) {
   Box box{t[0], t[0]};
@@ -47,17 +38,18 @@ double max_length2(const TrianglePoints& t) { return std::max({length2(t, 0), le
 
 double double_area(const TrianglePoints& t) { return norm(cross(t[1] - t[0], t[2] - t[0])); }
 
-/// Calls visit(box) for boxes that cover a triangle. A thin triangle is divided, because its box may cover much else.
-template <class Visit>
-void for_each_box(const TrianglePoints& t, int depth, const Visit& visit) {
+bool is_thin(const TrianglePoints& t) {
   constexpr double kMaxAspect = 4;
+  return max_length2(t) > kMaxAspect * double_area(t);
+}
+
+/// Divides a triangle at its longest edge.
+std::array<TrianglePoints, 2> halves(const TrianglePoints& t) {
   const double longest2 = max_length2(t);
-  if (depth == 0 || longest2 <= kMaxAspect * double_area(t)) return visit(box_of(t));
   std::size_t k = 0;
   while (length2(t, k) < longest2) ++k;
   const Vec3 middle = 0.5 * (t[k] + t[(k + 1) % 3]);
-  for_each_box({t[k], middle, t[(k + 2) % 3]}, depth - 1, visit);
-  for_each_box({middle, t[(k + 1) % 3], t[(k + 2) % 3]}, depth - 1, visit);
+  return {{{t[k], middle, t[(k + 2) % 3]}, {middle, t[(k + 1) % 3], t[(k + 2) % 3]}}};
 }
 
 /// The samples are in a tree, as they may be fewer than the triangles, and each triangle finds those near it. A
@@ -65,8 +57,9 @@ void for_each_box(const TrianglePoints& t, int depth, const Visit& visit) {
 /// it; the other samples are searched again with a larger radius, and the few that are far by a tree of the triangles.
 class DistanceSearch {
  public:
-  DistanceSearch(const SurfaceSamples& from, const std::vector<TrianglePoints>& surface, const backend::Cpu& cpu)
-      : from_(from), surface_(surface), cpu_(cpu), distance2_(from.samples.size()), pending_(from.samples.size()) {
+  DistanceSearch(const std::vector<SurfaceSample>& samples, const std::vector<TrianglePoints>& surface,
+                 const backend::Cpu& cpu)
+      : samples_(samples), surface_(surface), cpu_(cpu), distance2_(samples.size()), pending_(samples.size()) {
     for (std::atomic<double>& d : distance2_) d.store(kInfinity, std::memory_order_relaxed);
     std::iota(pending_.begin(), pending_.end(), Index{0});
   }
@@ -102,15 +95,15 @@ class DistanceSearch {
   }
 
   /// The largest distance that matters for a sample.
-  double largest2(Index i) const { return sample(i).triangle < 0 ? vertices2_ : all2_; }
+  double largest2(Index i) const { return sample(i).is_vertex ? vertices2_ : all2_; }
   /// Whether the distance found so far, an upper bound, cannot change the results.
   bool is_within_largest(Index i) const { return distance2_of(i) <= largest2(i); }
   void include(Index i) {
-    if (sample(i).triangle < 0) vertices2_ = std::max(vertices2_, distance2_of(i));
+    if (sample(i).is_vertex) vertices2_ = std::max(vertices2_, distance2_of(i));
     all2_ = std::max(all2_, distance2_of(i));
   }
 
-  const Sample& sample(Index i) const { return span_of(from_.samples)[i]; }
+  const SurfaceSample& sample(Index i) const { return span_of(samples_)[i]; }
   double distance2_of(Index i) const { return distance2_[to_size_t(i)].load(std::memory_order_relaxed); }
   /// Every triangle within the radius has been measured.
   bool is_exact(Index i, double scale) const {
@@ -120,7 +113,7 @@ class DistanceSearch {
 
   /// Measures the distances of the pending samples from the triangles near them.
   void search(double scale) {
-    constexpr int kMaxDivisions = 10;
+    constexpr int kMaxDivisions = 20;
     std::vector<Box> boxes;
     boxes.reserve(pending_.size());
     for (const Index i : pending_) {
@@ -129,26 +122,40 @@ class DistanceSearch {
       boxes.push_back({sample(i).point - radius, sample(i).point + radius});
     }
     const BoxTree tree(boxes);
-    cpu_.for_each(std::ssize(surface_), [&](Size t) {
-      const TrianglePoints& triangle = span_of(surface_)[t];
-      for_each_box(triangle, kMaxDivisions, [&](const Box& box) {
-        tree.for_meeting(box, [&](Index item) { measure(span_of(pending_)[item], triangle); });
-      });
+    cpu_.for_each(std::ssize(surface_),
+                  [&](Size t) { measure_near(tree, span_of(surface_)[t], kMaxDivisions, span_of(surface_)[t]); });
+  }
+
+  /// Measures the distances of the samples near a part of a triangle from the triangle. The box of a thin part may have
+  /// many that are far from it: then it is divided.
+  void measure_near(const BoxTree& tree, const TrianglePoints& part, int divisions, const TrianglePoints& triangle) {
+    constexpr std::size_t kMany = 64;
+    std::array<Index, kMany> near;
+    std::size_t count = 0;
+    const Box box = box_of(part);
+    const bool is_all = tree.while_meeting(box, [&](Index item) {
+      if (count == kMany) return false;
+      near[count++] = item;
+      return true;
     });
+    if (is_all) {
+      for (std::size_t i = 0; i < count; ++i) measure(span_of(pending_)[near[i]], triangle);
+    } else if (divisions > 0 && is_thin(part)) {
+      for (const TrianglePoints& half : halves(part)) measure_near(tree, half, divisions - 1, triangle);
+    } else {
+      tree.for_meeting(box, [&](Index item) { measure(span_of(pending_)[item], triangle); });
+    }
   }
 
   void measure(Index i, const TrianglePoints& triangle) {
     std::atomic<double>& least = distance2_[to_size_t(i)];
     double so_far = least.load(std::memory_order_relaxed);
-    const Sample& s = sample(i);
-    const bool is_common =
-        s.triangle < 0 ? has_vertex(triangle, s.point) : same_vertices(span_of(from_.triangles)[s.triangle], triangle);
-    const double d = is_common ? 0 : distance2(s.point, triangle);
+    const double d = distance2(sample(i).point, triangle);
     while (d < so_far && !least.compare_exchange_weak(so_far, d, std::memory_order_relaxed)) {
     }
   }
 
-  const SurfaceSamples& from_;
+  const std::vector<SurfaceSample>& samples_;
   const std::vector<TrianglePoints>& surface_;
   const backend::Cpu& cpu_;
   std::vector<std::atomic<double>> distance2_;
@@ -163,9 +170,9 @@ double search_radius(const TrianglePoints& triangle) {
   return std::sqrt(std::max(kFirstRadius * kFirstRadius * double_area(triangle), 1e-6 * max_length2(triangle)));
 }
 
-LargestDistances max_distances(const SurfaceSamples& from, const std::vector<TrianglePoints>& surface,
+LargestDistances max_distances(const std::vector<SurfaceSample>& samples, const std::vector<TrianglePoints>& surface,
                                const backend::Cpu& cpu) {
-  return DistanceSearch(from, surface, cpu).run();
+  return DistanceSearch(samples, surface, cpu).run();
 }
 
 }  // namespace tetune

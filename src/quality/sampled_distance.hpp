@@ -8,16 +8,11 @@
 
 namespace tetune {
 
-/// Points of a surface whose distance from another one is measured: vertices, midpoints of edges and centroids.
-struct SurfaceSamples {
-  /// The search around a point starts within its radius, a part of the size of the triangles there.
-  struct Sample {
-    Vec3 point;
-    double radius;
-    Index triangle;  ///< one that has the point; -1 for a vertex
-  };
-  const std::vector<TrianglePoints>& triangles;
-  std::vector<Sample> samples;
+/// A point of a surface whose distance from another one is measured: a vertex, the midpoint of an edge or a centroid.
+struct SurfaceSample {
+  Vec3 point;
+  double radius;  ///< where the search begins, a part of the size of the triangles there
+  bool is_vertex;
 };
 
 /// Where the search around a point of the triangle starts.
@@ -28,9 +23,8 @@ struct LargestDistances {
   double all = 0;
 };
 
-/// The largest distances of the samples from a surface that is not empty. Exactly 0 where the surface has the same
-/// vertices and triangles. They do not depend on the number of threads.
-LargestDistances max_distances(const SurfaceSamples& from, const std::vector<TrianglePoints>& surface,
+/// The largest distances of samples from a surface that is not empty. They do not depend on the number of threads.
+LargestDistances max_distances(const std::vector<SurfaceSample>& samples, const std::vector<TrianglePoints>& surface,
                                const backend::Cpu& cpu);
 
 }  // namespace tetune

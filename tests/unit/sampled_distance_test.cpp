@@ -39,23 +39,22 @@ class RandomSurfaces {
   std::uniform_real_distribution<double> uniform_{-1, 1};
 };
 
-SurfaceSamples samples_of(const std::vector<TrianglePoints>& triangles) {
-  SurfaceSamples result{triangles, {}};
-  for (Index i = 0; i < std::ssize(triangles); ++i) {
-    const TrianglePoints& t = span_of(triangles)[i];
-    result.samples.push_back({t[0], search_radius(t), -1});
-    result.samples.push_back({(1.0 / 3) * (t[0] + t[1] + t[2]), search_radius(t), i});
+std::vector<SurfaceSample> samples_of(const std::vector<TrianglePoints>& triangles) {
+  std::vector<SurfaceSample> result;
+  for (const TrianglePoints& t : triangles) {
+    result.push_back({t[0], search_radius(t), true});
+    result.push_back({(1.0 / 3) * (t[0] + t[1] + t[2]), search_radius(t), false});
   }
   return result;
 }
 
-LargestDistances by_all_pairs(const SurfaceSamples& from, const std::vector<TrianglePoints>& surface) {
+LargestDistances by_all_pairs(const std::vector<SurfaceSample>& samples, const std::vector<TrianglePoints>& surface) {
   LargestDistances result;
-  for (const SurfaceSamples::Sample& s : from.samples) {
+  for (const SurfaceSample& s : samples) {
     double d2 = kInfinity;
     for (const TrianglePoints& t : surface) d2 = std::min(d2, distance2(s.point, t));
     result.all = std::max(result.all, std::sqrt(d2));
-    if (s.triangle < 0) result.vertices = std::max(result.vertices, std::sqrt(d2));
+    if (s.is_vertex) result.vertices = std::max(result.vertices, std::sqrt(d2));
   }
   return result;
 }
@@ -66,7 +65,7 @@ TEST(SampledDistance, IsTheLargestOfAllPairs) {
       RandomSurfaces random(7);
       const auto triangles = random.triangles(300, smallest, {0, 0, 0});
       const auto surface = random.triangles(200, smallest, {offset, 0, 0});
-      const SurfaceSamples samples = samples_of(triangles);
+      const std::vector<SurfaceSample> samples = samples_of(triangles);
       const LargestDistances expected = by_all_pairs(samples, surface);
       for (const int threads : {1, 3}) {
         const LargestDistances found = max_distances(samples, surface, backend::Cpu(threads));
@@ -77,15 +76,20 @@ TEST(SampledDistance, IsTheLargestOfAllPairs) {
   }
 }
 
-TEST(SampledDistance, IsZeroOnTheSameTriangles) {
-  RandomSurfaces random(3);
-  const auto triangles = random.triangles(100, 0.1, {0.1, 0.2, 0.3});
-  auto reordered = triangles;
-  std::reverse(reordered.begin(), reordered.end());
-  for (TrianglePoints& t : reordered) std::rotate(t.begin(), t.begin() + 1, t.end());
-  const LargestDistances found = max_distances(samples_of(triangles), reordered, backend::Cpu(1));
-  EXPECT_EQ(found.all, 0);
-  EXPECT_EQ(found.vertices, 0);
+/// Boxes of thin triangles that share a vertex have most samples, and are divided.
+TEST(SampledDistance, OfThinTrianglesAroundAVertex) {
+  std::vector<TrianglePoints> triangles, surface;
+  constexpr int kCount = 400;
+  const auto rim = [](int i, double height) {
+    const double angle = 2 * M_PI * i / kCount;
+    return Vec3{std::cos(angle), std::sin(angle), height * std::sin(5 * angle)};
+  };
+  for (int i = 0; i < kCount; ++i) {
+    triangles.push_back({{{0, 0, 0}, rim(i, 0), rim(i + 1, 0)}});
+    surface.push_back({{{0, 0, 0}, rim(i, 1e-3), rim(i + 1, 1e-3)}});
+  }
+  const std::vector<SurfaceSample> samples = samples_of(triangles);
+  EXPECT_EQ(max_distances(samples, surface, backend::Cpu(1)).all, by_all_pairs(samples, surface).all);
 }
 
 TEST(SampledDistance, OfTrianglesWithoutASize) {
