@@ -80,13 +80,13 @@ TEST(SampledDistance, IsTheLargestOfAllPairs) {
 TEST(SampledDistance, OfThinTrianglesAroundAVertex) {
   std::vector<TrianglePoints> triangles, surface;
   constexpr int kCount = 400;
-  const auto rim = [](int i, double height) {
+  const auto on_circle = [](int i, double height) {
     const double angle = 2 * M_PI * i / kCount;
     return Vec3{std::cos(angle), std::sin(angle), height * std::sin(5 * angle)};
   };
   for (int i = 0; i < kCount; ++i) {
-    triangles.push_back({{{0, 0, 0}, rim(i, 0), rim(i + 1, 0)}});
-    surface.push_back({{{0, 0, 0}, rim(i, 1e-3), rim(i + 1, 1e-3)}});
+    triangles.push_back({{{0, 0, 0}, on_circle(i, 0), on_circle(i + 1, 0)}});
+    surface.push_back({{{0, 0, 0}, on_circle(i, 1e-3), on_circle(i + 1, 1e-3)}});
   }
   const std::vector<SurfaceSample> samples = samples_of(triangles);
   EXPECT_EQ(max_distances(samples, surface, backend::Cpu(1)).all, by_all_pairs(samples, surface).all);
