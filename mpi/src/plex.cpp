@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "measure.hpp"
 #include "rounds.hpp"
@@ -35,6 +36,8 @@ class LabelWriter {
     for (std::size_t l = 0; l < created_.size(); ++l) {
       check_petsc(DMCreateLabel(dm, labels.names[l].c_str()));
       check_petsc(DMGetLabel(dm, labels.names[l].c_str(), &created_[l]));
+      // DMLabelSetValue() ignores the default value.
+      check_petsc(DMLabelSetDefaultValue(created_[l], unused_value(int(l))));
     }
   }
 
@@ -59,13 +62,28 @@ class LabelWriter {
     }
   }
 
-  void complete() const {
+  void finish() const {
     for (std::size_t l = 0; l < created_.size(); ++l) {
       if (labels_.completed[l] != 0) check_petsc(DMPlexLabelComplete(dm_, created_[l]));
+      check_petsc(DMLabelSetDefaultValue(created_[l], labels_.defaults[l]));
     }
   }
 
  private:
+  int unused_value(int label) const {
+    std::set<int> used;
+    for (const auto& tags : labels_.tag2values) {
+      for (const auto& [tag, values] : tags) {
+        for (const auto& [l, value] : values) {
+          if (l == label) used.insert(value);
+        }
+      }
+    }
+    int unused = -1;
+    while (used.count(unused) > 0) --unused;
+    return unused;
+  }
+
   DM dm_;
   const Labels& labels_;
   std::vector<DMLabel> created_;
@@ -107,7 +125,7 @@ DM plex_of(MPI_Comm comm, Part part, Totals& totals, const Labels& labels) {
     writer.set_all(pieces.sides, point_of);
     writer.set_all(pieces.lines, point_of);
   }
-  writer.complete();
+  writer.finish();
   return dm;
 }
 

@@ -19,6 +19,7 @@ struct Labels {
   using Values = std::vector<std::pair<int, int>>;
   std::vector<std::string> names;
   std::vector<int> completed;  ///< per label: 1 where it holds the closure of its points
+  std::vector<int> defaults;   ///< per label: DMLabelGetDefaultValue()
   /// For vertices, edges, faces and cells: the values that each tag stands for.
   std::array<std::map<int, Values>, 4> tag2values;
   bool interpolated = true;

@@ -36,13 +36,16 @@ class PointLabels {
   PointLabels(MPI_Comm comm, DM dm, Labels& labels) : labels_(labels) {
     labels.names = label_names(comm, dm);
     std::vector<int> completed;
+    std::vector<int> defaults;
     for (std::size_t l = 0; l < labels.names.size(); ++l) {
       DMLabel label = nullptr;
       check_petsc(DMGetLabel(dm, labels.names[l].c_str(), &label));
       completed.push_back(label == nullptr ? 1 : read(dm, label, int(l)));
+      defaults.push_back(label == nullptr ? std::numeric_limits<int>::max() : default_of(label));
     }
     if (completed.empty()) return;
     labels.completed = all_reduce(comm, completed, MPI_MIN);
+    labels.defaults = all_reduce(comm, defaults, MPI_MIN);
     // A value that DMPlexLabelComplete() restores from the closure of other points is no constraint of its own.
     for (auto& [point, values] : values_) {
       std::erase_if(values, [this, at = point](const auto& v) {
@@ -56,6 +59,12 @@ class PointLabels {
   const std::map<PetscInt, Labels::Values>& values() const { return values_; }
 
  private:
+  static int default_of(DMLabel label) {
+    PetscInt value = 0;
+    check_petsc(DMLabelGetDefaultValue(label, &value));
+    return int{value};
+  }
+
   /// Reads a label; returns 1 where it holds the closure of its points.
   int read(DM dm, DMLabel label, int l) {
     IS value_is = nullptr;
@@ -346,6 +355,7 @@ Labels labels_of(MPI_Comm comm, const Part& part) {
   for (std::size_t d = 0; d < 4; ++d) {
     labels.names.emplace_back(kSets[d]);
     labels.completed.push_back(0);
+    labels.defaults.push_back(-1);
     const std::set<int> here(tags[d]->begin(), tags[d]->end());
     for (const int tag : gather_all(comm, std::vector<int>(here.begin(), here.end()), MPI_INT)) {
       if (tag != 0) labels.tag2values[d][tag] = {{int(d), tag}};
