@@ -321,14 +321,14 @@ std::string count_line(const Report& r, const char* reason) {
 std::string acceptance_table(const std::string& title, const AcceptanceReport& report) {
   const auto limit = [](const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : "-"; };
   std::string text = fmt::format("  {} by {}: {}\n", title, report.name, to_string(report.verdict));
-  text += fmt::format("  {:<22}{:>8}{:>12}{:>12}{:>12}{:>10}{:>10}{:>10}    {}\n", "criterion", "verdict", "worst",
+  text += fmt::format("  {:<22}{:>8}{:>14}{:>14}{:>14}{:>10}{:>10}{:>10}    {}\n", "criterion", "verdict", "worst",
                       "warn", "fail", "warned", "failed", "allowed", "worst tetrahedron, from 1");
   for (const CriterionResult& r : report.results) {
     const AcceptanceCriterion& c = r.criterion;
     const std::string place = r.worst_tet < 0 ? "-"
                                               : fmt::format("{} at {:.6g} {:.6g} {:.6g}", r.worst_tet + 1,
                                                             r.centroid[0], r.centroid[1], r.centroid[2]);
-    text += fmt::format("  {:<22}{:>8}{:>12.6g}{:>12}{:>12}{:>10}{:>10}{:>10}    {}\n", info_of(c.measure).name,
+    text += fmt::format("  {:<22}{:>8}{:>14.6g}{:>14}{:>14}{:>10}{:>10}{:>10}    {}\n", info_of(c.measure).name,
                         to_string(r.verdict), r.worst, limit(c.warn), limit(c.fail), r.warned, r.failed,
                         fmt::format("{:.4g} %", c.allowed_percent), place);
   }

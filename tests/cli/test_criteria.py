@@ -35,6 +35,15 @@ class Criteria(CliTest):
             text = self.run_here(command, "--help").stdout
             self.assertTrue(all(name in text for name in PRESETS))
 
+    def test_presets_accept_volumes_below_the_range_of_doubles(self):
+        mesh = cube(2)
+        mesh.points = [tuple(1e-149 * x for x in p) for p in mesh.points]
+        self.put("tiny.mesh", mesh)
+        done = self.run_here("info", "tiny.mesh", "--criteria", "abaqus")
+        self.assertRegex(done.stdout, r"(?m)^  volume +pass +2.22507e-308 +- +2.22507e-308 +0 +0 ")
+        volumes = json.loads(self.run_here("info", "tiny.mesh", "--criteria", "abaqus", "--json").stdout)["acceptance"]["results"][0]
+        self.assertEqual((volumes["worst"], volumes["fail"], volumes["failed"]), (2.2250738585072014e-308,) * 2 + (0,))
+
     def test_a_failed_criterion_is_exit_code_1(self):
         self.needs_files()
         self.put("mine.toml", "# gr\u00f6\u00dfer\n[edge_ratio]\nfail = 1.01\n\n[mean_ratio]\nwarn = 0.999\nfail = 1e-3\n")
