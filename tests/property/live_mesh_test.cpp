@@ -254,6 +254,18 @@ TEST(LiveMesh, GrowsByMaxGrowthOverAllSteps) {
   EXPECT_GE(live.mesh().tets.size(), 1.02 * double(mesh.tets.size()));
 }
 
+TEST(LiveMesh, DoesNotWarnOfGrowthThatNoVertexMade) {
+  TetMesh mesh;
+  mesh.points = {{1, 0, 0}, {-0.5, 0.9, 0}, {-0.5, -0.9, 0}, {0, 0, 0.3}, {0, 0, -0.3}};
+  mesh.point_tags.assign(5, 0);
+  mesh.tets = {{0, 1, 2, 3}, {0, 2, 1, 4}};
+  mesh.tet_tags = {0, 0};
+  LiveMesh live(mesh);
+  live.optimize_all();
+  ASSERT_EQ(live.mesh().tets.size(), 3U);
+  EXPECT_EQ(live.optimize_all().warnings, std::vector<std::string>{});
+}
+
 TEST(LiveMesh, WidensTheNeighborhoodAndNamesWhatBlocks) {
   const TetMesh before = optimized(6);
   LiveMesh live(before, {}, 1);

@@ -17,6 +17,7 @@
 #include "driver/curved/curved_slide.hpp"
 #include "driver/curved/split_bounded.hpp"
 #include "driver/curved/straighten.hpp"
+#include "driver/limit_growth.hpp"
 #include "driver/report/dof_counts.hpp"
 #include "driver/report/extend_report.hpp"
 #include "driver/report/run_warnings.hpp"
@@ -320,9 +321,7 @@ class CurvedOptimizer {
     options.feature_angle = slides ? 180 : Options().feature_angle;
     if (options.boundary == Boundary::slide && !slides) options.boundary = Boundary::preserve;
     // Splits count as growth.
-    if (base_.tets.size() > input_.tets.size()) {
-      options.max_growth = std::clamp(max_tets_ / double(base_.tets.size()), 1.0, options_.max_growth);
-    }
+    limit_growth(options, max_tets_, base_);
     if (!slides) return options;
     if (slides_at_once()) {
       // Vertices are inserted inside the mesh only.

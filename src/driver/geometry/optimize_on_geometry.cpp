@@ -7,6 +7,7 @@
 
 #include "backend/span.hpp"
 #include "driver/geometry/geometry_work.hpp"
+#include "driver/limit_growth.hpp"
 #include "driver/report/extend_report.hpp"
 #include "driver/report/targets.hpp"
 #include "math/constants.hpp"
@@ -194,7 +195,7 @@ class GeometryRun {
     options.frozen_vertices = state.held;
     options.frozen_patches = tags_.of_caller(options_.frozen_patches);
     // The growth of all runs together is limited.
-    options.max_growth = std::clamp(max_tets_ / double(state.mesh.tets.size()), 1.0, options_.max_growth);
+    limit_growth(options, max_tets_, state.mesh);
     return options;
   }
   Options fixed_options(const WorkState& state) const { return options_for(state, Boundary::fixed); }

@@ -8,6 +8,7 @@
 
 #include "backend/span.hpp"
 #include "driver/distributed_interface.hpp"
+#include "driver/limit_growth.hpp"
 #include "driver/move_job.hpp"
 #include "driver/parts/live_surface.hpp"
 #include "driver/parts/optimize_active.hpp"
@@ -164,9 +165,7 @@ bool LiveMesh::moves_in_parts(const std::vector<std::uint8_t>& moves) const {
 
 Options LiveMesh::next_options() const {
   Options options = options_;
-  if (!mesh_.tets.empty()) {
-    options.max_growth = std::min(options_.max_growth, std::max(1.0, max_tets_ / double(mesh_.tets.size())));
-  }
+  limit_growth(options, max_tets_, mesh_);
   return options;
 }
 
