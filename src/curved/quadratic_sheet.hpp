@@ -36,6 +36,15 @@ class QuadraticSheet {
   Box box_;
 };
 
+/// The triangle with coordinates multiplied by `scale`.
+inline QuadraticSheet::Triangle scaled(QuadraticSheet::Triangle triangle, double scale) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    triangle.corners[k] = scale * triangle.corners[k];
+    triangle.offsets[k] = scale * triangle.offsets[k];
+  }
+  return triangle;
+}
+
 /// The area of a quadratic triangle by a rule of seven points of degree 5; exact for a flat one that is not folded.
 double area_of(const QuadraticSheet::Triangle& triangle);
 

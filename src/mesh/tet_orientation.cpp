@@ -2,6 +2,7 @@
 #include "mesh/tet_orientation.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "backend/cpu.hpp"
@@ -42,48 +43,114 @@ FaceKey key_of(const TetMeshView& mesh, HalfFace half_face) {
   return face_key(mesh.tet(tet_of(half_face)), face_of(half_face));
 }
 
-/// Finds the vertices of faces of the boundary and between regions. For each face of a tetrahedron a hash of its
-/// vertices and of the region is added to a sum at each of its vertices, with the sign of the permutation that sorts
-/// them: those of the two half-faces of a face inside a region cancel.
-class SurfaceVertexHashes {
+/// Hashes of the faces of a tetrahedron, so that those of the two half-faces of a face inside a region cancel.
+class FaceHashes {
  public:
-  SurfaceVertexHashes(const TetMesh& mesh, const TetMeshView& view, const backend::Cpu& cpu)
-      : view_(view), regions_(span_of(mesh.tet_tags)), sums_(mesh.points.size(), 0) {
-    cpu.for_each(view.tets.size(), [this](Size t) { add_hashes(t); });
+  FaceHashes(const Tet& tet, int region) : region_(mix_bits(std::uint32_t(region)) | 1) {
+    for (int k = 0; k < 4; ++k) vertices_[to_size_t(k)] = mix_bits(std::uint32_t(tet[k]));
   }
+  /// Changes its sign with the sense in which the face is listed. It is a sum of antisymmetric values g of the edges of
+  /// the face, g(a, b) = a b (b - a): over the faces across from an inner vertex, a closed surface, these cancel.
+  std::uint64_t signed_hash(int face) const {
+    const std::uint64_t a = of(face, 0);
+    const std::uint64_t b = of(face, 1);
+    const std::uint64_t c = of(face, 2);
+    return region_ * (b - a) * (c - a) * (c - b);
+  }
+  /// The same for both half-faces.
+  std::uint64_t key(int face) const { return of(face, 0) + of(face, 1) + of(face, 2); }
 
-  /// Whether the vertices of a half-face are at the surface: false for most half-faces inside.
-  bool may_be_at_surface(HalfFace half_face) const {
-    const Tet tet = view_.tet(tet_of(half_face));
-    for (int k = 0; k < 4; ++k) {
-      if (k != face_of(half_face) && span_of(sums_)[tet[k]] == 0) return false;
+ private:
+  std::uint64_t of(int face, int k) const { return vertices_[to_size_t(face_vertex(face, k))]; }
+
+  std::array<std::uint64_t, 4> vertices_;
+  std::uint64_t region_;
+};
+
+/// Finds half-faces of the boundary and between regions, with few others, by sums of hashes that are 0 inside regions:
+/// at vertices, then at faces all of whose vertices are at the surface.
+class SurfaceFilter {
+ public:
+  SurfaceFilter(const TetMesh& mesh, const TetMeshView& view, const backend::Cpu& cpu)
+      : view_(view), regions_(span_of(mesh.tet_tags)), cpu_(cpu) {}
+
+  std::vector<HalfFace> run() {
+    at_vertices_ = sum_up(view_.tets.size(), view_.points.size(), [this](Size t, Span<std::uint64_t> sums) {
+      const FaceHashes faces = hashes(t);
+      for (int k = 0; k < 4; ++k) sums[view_.tets[t][to_size_t(k)]] += faces.signed_hash(k);
+    });
+    std::vector<Index> tets(to_size_t(view_.tets.size()));
+    const auto has_face = [this](Size t) { return has_surface_face(t); };
+    tets.resize(to_size_t(cpu_.compact(std::ssize(tets), has_face, span_of(tets))));
+    // About a slot per half-face.
+    const Size bits = std::bit_width(4 * tets.size() + 1);
+    shift_ = 64 - bits;
+    at_faces_ = sum_up(std::ssize(tets), Size{1} << bits, [&](Size i, Span<std::uint64_t> sums) {
+      const Index t = span_of(tets)[i];
+      const FaceHashes faces = hashes(t);
+      for (int f = 0; f < 4; ++f) {
+        if (has_surface_vertices(view_.tet(t), f)) sums[slot_of(faces.key(f))] += faces.signed_hash(f);
+      }
+    });
+    std::vector<unsigned> faces(tets.size());  // a bit per face
+    cpu_.for_each(std::ssize(tets), [&](Size i) { span_of(faces)[i] = surface_faces(span_of(tets)[i]); });
+    std::vector<HalfFace> found;
+    for (Size i = 0; i < std::ssize(tets); ++i) {
+      for (int f = 0; f < 4; ++f) {
+        if ((span_of(faces)[i] >> f & 1) != 0) found.push_back(make_half_face(span_of(tets)[i], f));
+      }
     }
-    return true;
+    return found;
   }
 
  private:
-  void add_hashes(Size t) {
-    view_.prefetch_ahead(t);
-    const Tet tet = view_.tet(t);
-    std::array<std::uint64_t, 4> terms{};
-    std::uint64_t sum = 0;
-    for (int f = 0; f < 4; ++f) {
-      const FaceKey key = face_key(tet, f);
-      const std::uint64_t hash = hash_of(key, regions_[t]);
-      terms[to_size_t(f)] = key.odd ? hash : 0 - hash;
-      sum += terms[to_size_t(f)];
+  /// Calls add(i, sums) for each i in [0, n), on one thread at a time for the same sums, and returns the total of all.
+  template <class Add>
+  std::vector<std::uint64_t> sum_up(Size n, Size size, const Add& add) const {
+    constexpr Size kMaxParts = 8;
+    const Size parts = std::clamp<Size>(n / std::max<Size>(1, size), 1, std::min<Size>(kMaxParts, cpu_.threads()));
+    std::vector<std::vector<std::uint64_t>> sums(to_size_t(parts));
+    cpu_.for_parts(parts, [&](Size part) {
+      std::vector<std::uint64_t>& own = span_of(sums)[part];
+      own.assign(to_size_t(size), 0);
+      for (Size i = n * part / parts; i < n * (part + 1) / parts; ++i) add(i, span_of(own));
+    });
+    std::vector<std::uint64_t> total = std::move(sums.front());
+    for (std::size_t part = 1; part < sums.size(); ++part) {
+      cpu_.for_each(size, [&](Size i) { span_of(total)[i] += span_of(sums[part])[i]; });
     }
-    // A vertex belongs to all faces but the one across from it.
-    for (int k = 0; k < 4; ++k) backend::atomic_add(span_of(sums_)[tet[k]], sum - terms[to_size_t(k)]);
+    return total;
   }
-  static std::uint64_t hash_of(const FaceKey& key, int region) {
-    const std::uint64_t high_part = std::uint32_t(region);
-    return mix_bits(mix_bits(high_part << 32 | std::uint32_t(key.low)) + key.pair());
+  FaceHashes hashes(Size t) const { return {view_.tet(t), regions_[t]}; }
+  bool is_inner(Index vertex) const { return span_of(at_vertices_)[vertex] == 0; }
+  Size slot_of(std::uint64_t key) const { return key >> shift_; }
+
+  bool has_surface_face(Size t) const {
+    const auto& tet = view_.tets[t];
+    return std::count_if(tet.begin(), tet.end(), [this](Index v) { return is_inner(v); }) <= 1;
+  }
+  bool has_surface_vertices(const Tet& tet, int face) const {
+    for (int k = 0; k < 3; ++k) {
+      if (is_inner(tet[face_vertex(face, k)])) return false;
+    }
+    return true;
+  }
+  unsigned surface_faces(Index t) const {
+    const FaceHashes faces = hashes(t);
+    unsigned found = 0;
+    for (int f = 0; f < 4; ++f) {
+      const bool may_be = has_surface_vertices(view_.tet(t), f) && span_of(at_faces_)[slot_of(faces.key(f))] != 0;
+      if (may_be) found |= 1U << f;
+    }
+    return found;
   }
 
   const TetMeshView& view_;
   Span<const int> regions_;
-  std::vector<std::uint64_t> sums_;
+  const backend::Cpu& cpu_;
+  std::vector<std::uint64_t> at_vertices_;
+  std::vector<std::uint64_t> at_faces_;  ///< each slot for the faces whose keys begin with the same bits
+  Size shift_ = 0;
 };
 
 SortedHalfFace make_sorted(const TetMeshView& mesh, HalfFace half_face) {
@@ -203,12 +270,9 @@ std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads) 
 std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threads) {
   const TetMeshView view(mesh);
   const backend::Cpu cpu(threads);
-  const SurfaceVertexHashes hashes(mesh, view, cpu);
-  std::vector<Index> candidates(to_size_t(4 * view.tets.size()));
-  const auto is_candidate = [&](Size half_face) { return hashes.may_be_at_surface(HalfFace(half_face)); };
-  const Size count = cpu.compact(std::ssize(candidates), is_candidate, span_of(candidates));
-  const auto listed = [&](Size i) { return HalfFace(span_of(candidates)[i]); };
-  return sort_half_faces(view, count, listed, cpu);
+  const std::vector<HalfFace> found = SurfaceFilter(mesh, view, cpu).run();
+  const auto listed = [&](Size i) { return span_of(found)[i]; };
+  return sort_half_faces(view, std::ssize(found), listed, cpu);
 }
 
 std::int64_t orient_uniformly(TetMesh& mesh, int threads) {

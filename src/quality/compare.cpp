@@ -1,148 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <map>
 #include <set>
-#include <tuple>
 
 #include "backend/cpu.hpp"
 #include "curved/curved_edges.hpp"
-#include "curved/surface_distance.hpp"
-#include "math/mix_bits.hpp"
+#include "curved/quadratic_sheet.hpp"
 #include "mesh/tet_mesh_view.hpp"
-#include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
-#include "quality/sampled_distance.hpp"
+#include "quality/mesh_surface.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
 namespace {
-
-double area(const TrianglePoints& t) { return 0.5 * norm(cross(t[1] - t[0], t[2] - t[0])); }
-
-/// The surface of a mesh: the boundary, and the interfaces between regions. Curved triangles are divided into facets.
-struct MeshSurface {
-  struct Vertex {
-    Vec3 point;
-    double search_radius;
-  };
-  std::vector<TrianglePoints> triangles;
-  std::vector<Vertex> vertices;
-  double area = 0;       ///< of the boundary
-  double mean_edge = 0;  ///< of the boundary
-
-  /// About the number of the vertices, triangles and edges of a closed surface.
-  std::int64_t sample_count() const { return std::ssize(vertices) + std::ssize(triangles) * 5 / 2; }
-};
-
-QuadraticSheet::Triangle scaled(QuadraticSheet::Triangle triangle, double scale) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    triangle.corners[k] = scale * triangle.corners[k];
-    triangle.offsets[k] = scale * triangle.offsets[k];
-  }
-  return triangle;
-}
-
-/// A triangle, or facets of a curved one that are within a thousandth of its longest chord.
-std::vector<TrianglePoints> facets_of(const QuadraticSheet::Triangle& triangle) {
-  constexpr double kFacetError = 1e-3;
-  double chord = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    chord = std::max(chord, norm(triangle.corners[(k + 1) % 3] - triangle.corners[k]));
-  }
-  return divide_into_facets({triangle}, kFacetError * chord).facets;
-}
-
-MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
-  MeshSurface surface;
-  const TetMeshView positions(mesh, scale);
-  std::vector<char> on_surface(mesh.points.size(), 0);
-  double edge_sum = 0;
-  Size boundary_faces = 0;
-  const QuadraticTriangles quadratic(mesh.points, mesh.curved_edges);
-  for_each_surface_face(mesh, threads, [&](const SortedHalfFace& face, bool is_boundary) {
-    const std::array<Index, 3>& v = face.vertices;
-    const TrianglePoints triangle{positions.position(v[0]), positions.position(v[1]), positions.position(v[2])};
-    for (std::size_t k = 0; k < 3; ++k) {
-      char& seen = span_of(on_surface)[v[k]];
-      if (seen == 0) surface.vertices.push_back({triangle[k], search_radius(triangle)});
-      seen = 1;
-    }
-    double area_of_face = 0;
-    if (mesh.curved_edges.empty()) {
-      area_of_face = area(triangle);
-      surface.triangles.push_back(triangle);
-    } else {
-      const QuadraticSheet::Triangle curved = scaled(quadratic.of(v), scale);
-      area_of_face = area_of(curved);
-      const std::vector<TrianglePoints> facets = facets_of(curved);
-      surface.triangles.insert(surface.triangles.end(), facets.begin(), facets.end());
-    }
-    if (!is_boundary) return;
-    ++boundary_faces;
-    surface.area += area_of_face;
-    for (std::size_t k = 0; k < 3; ++k) edge_sum += norm(triangle[(k + 1) % 3] - triangle[k]);
-  });
-  if (boundary_faces > 0) surface.mean_edge = edge_sum / (3 * static_cast<double>(boundary_faces));
-  return surface;
-}
-
-/// The vertices and triangles that a surface has, in all bits: points of these are at no distance from it. A search for
-/// them could take long where many triangles share a vertex, and find a rounding error.
-class SurfaceContents {
- public:
-  explicit SurfaceContents(const MeshSurface& surface) {
-    hashes_.reserve(surface.vertices.size() + surface.triangles.size());
-    for (const MeshSurface::Vertex& v : surface.vertices) hashes_.push_back(hash_of(v.point));
-    for (const TrianglePoints& t : surface.triangles) hashes_.push_back(hash_of(t));
-    std::sort(hashes_.begin(), hashes_.end());
-  }
-  template <class T>
-  bool has(const T& vertex_or_triangle) const {
-    return std::binary_search(hashes_.begin(), hashes_.end(), hash_of(vertex_or_triangle));
-  }
-
- private:
-  static std::uint64_t hash_of(const Vec3& p) {
-    std::uint64_t hash = 0;
-    // The sum makes a zero positive.
-    for (const double x : {p.x, p.y, p.z}) hash = mix_bits(hash + std::bit_cast<std::uint64_t>(x + 0.0));
-    return hash;
-  }
-  /// Does not depend on the order of the vertices.
-  static std::uint64_t hash_of(const TrianglePoints& t) {
-    return mix_bits(hash_of(t[0]) + hash_of(t[1]) + hash_of(t[2]));
-  }
-
-  std::vector<std::uint64_t> hashes_;
-};
-
-/// One in `stride` of the vertices, and of the midpoints of edges and triangles, without those of vertices and
-/// triangles that the other surface has. Of the triangles at an edge at least one lists it in increasing order of its
-/// end points.
-std::vector<SurfaceSample> sample_surface(const MeshSurface& surface, std::int64_t stride,
-                                          const SurfaceContents& other) {
-  std::vector<SurfaceSample> samples;
-  for (Size i = 0; i < std::ssize(surface.vertices); i += stride) {
-    const MeshSurface::Vertex& v = span_of(surface.vertices)[i];
-    if (!other.has(v.point)) samples.push_back({v.point, v.search_radius, true});
-  }
-  std::int64_t passed = 0;
-  for (const TrianglePoints& t : surface.triangles) {
-    const auto add = [&](const Vec3& p) {
-      if (passed++ % stride == 0 && !other.has(t)) samples.push_back({p, search_radius(t), false});
-    };
-    add((1.0 / 3) * (t[0] + t[1] + t[2]));
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3& a = t[k];
-      const Vec3& b = t[(k + 1) % 3];
-      if (std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z)) add(0.5 * (a + b));
-    }
-  }
-  return samples;
-}
 
 using TagSet = std::set<int>;
 
@@ -204,9 +76,10 @@ SizeByTag patch_areas(const TetMesh& mesh, const TetMeshView& view) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangle_tags[t] == 0) continue;
     const auto& v = mesh.triangles[t];
-    areas.add(mesh.triangle_tags[t], mesh.curved_edges.empty()
-                                         ? area({view.position(v[0]), view.position(v[1]), view.position(v[2])})
-                                         : area_of(scaled(quadratic.of(v), view.scale)));
+    areas.add(mesh.triangle_tags[t],
+              mesh.curved_edges.empty()
+                  ? area_of(TrianglePoints{view.position(v[0]), view.position(v[1]), view.position(v[2])})
+                  : area_of(scaled(quadratic.of(v), view.scale)));
   }
   return areas.take();
 }
@@ -267,13 +140,10 @@ void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale,
   if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
   const std::int64_t samples = std::max(old_surface.sample_count(), new_surface.sample_count());
   c.sample_stride = max_samples > 0 ? (samples + max_samples - 1) / max_samples : 1;
-  const auto distances = [&](const MeshSurface& from, const MeshSurface& to) {
-    return max_distances(sample_surface(from, c.sample_stride, SurfaceContents(to)), to.triangles, cpu);
-  };
-  const LargestDistances new_to_old = distances(new_surface, old_surface);
+  const LargestDistances new_to_old = max_distances(new_surface, old_surface, c.sample_stride, cpu);
   c.vertices_to_old = new_to_old.vertices / old_surface.mean_edge;
   c.new_to_old = new_to_old.all / old_surface.mean_edge;
-  c.old_to_new = distances(old_surface, new_surface).all / old_surface.mean_edge;
+  c.old_to_new = max_distances(old_surface, new_surface, c.sample_stride, cpu).all / old_surface.mean_edge;
 }
 
 void compare_tags(const TetMesh& before, const TetMesh& after, Comparison& c) {

@@ -19,7 +19,7 @@ namespace {
 /// each.
 constexpr double kFirstRadius = 0.1;
 constexpr double kRadiusGrowth = 4;
-constexpr int kMaxRounds = 3;
+constexpr double kMaxScale = 16;
 
 Box box_of(const TrianglePoints& t) {
   Box box{t[0], t[0]};
@@ -59,22 +59,63 @@ class DistanceSearch {
  public:
   DistanceSearch(const std::vector<SurfaceSample>& samples, const std::vector<TrianglePoints>& surface,
                  const backend::Cpu& cpu)
-      : samples_(samples), surface_(surface), cpu_(cpu), distance2_(samples.size()), pending_(samples.size()) {
+      : samples_(samples), surface_(surface), cpu_(cpu), distance2_(samples.size()) {
     for (std::atomic<double>& d : distance2_) d.store(kInfinity, std::memory_order_relaxed);
-    std::iota(pending_.begin(), pending_.end(), Index{0});
   }
 
-  LargestDistances run() {
-    search_within_radius();
+  /// Where distances have bounds, those that are likely to be the largest are searched for first: what they find
+  /// exceeds the bounds of almost all others, which need no search then. This is done for a few of the samples before
+  /// all, as the bounds of the others need not be lower than what these have found.
+  LargestDistances run(const SurfaceDescent* descent) {
+    constexpr Size kFirstStride = 16;
+    if (descent != nullptr) {
+      search_farthest(*descent, kFirstStride);
+      search_farthest(*descent, 1);
+    }
+    pending_.resize(samples_.size());
+    std::iota(pending_.begin(), pending_.end(), Index{0});
+    std::erase_if(pending_, [this](Index i) { return is_within_largest(i); });
+    search_within_radius(1);
     search_everywhere();
     return {std::sqrt(vertices2_), std::sqrt(all2_)};
   }
 
  private:
+  void search_farthest(const SurfaceDescent& descent, Size stride) {
+    bound_by(descent, stride);
+    pending_ = farthest();
+    search_within_radius(kMaxScale);
+    search_everywhere();
+  }
+  void bound_by(const SurfaceDescent& descent, Size stride) {
+    cpu_.for_each(std::ssize(samples_) / stride, [&](Size k) {
+      const Index i = to_index(k * stride);
+      const SurfaceSample& s = sample(i);
+      if (s.start < 0 || distance2_of(i) < kInfinity) return;
+      distance2_[to_size_t(i)].store(descent.distance2(s.point, s.start, largest2(i)), std::memory_order_relaxed);
+    });
+  }
+  /// A few samples with the largest finite bounds, of the vertices and of all.
+  std::vector<Index> farthest() const {
+    constexpr Size kCount = 32;
+    std::vector<Index> result;
+    for (const bool vertices_only : {true, false}) {
+      std::vector<Index> bounded;
+      for (Index i = 0; i < std::ssize(samples_); ++i) {
+        const bool is_candidate = distance2_of(i) < kInfinity && !is_within_largest(i);
+        if (is_candidate && (!vertices_only || sample(i).is_vertex)) bounded.push_back(i);
+      }
+      const Size count = std::min(kCount, std::ssize(bounded));
+      std::partial_sort(bounded.begin(), bounded.begin() + count, bounded.end(),
+                        [this](Index a, Index b) { return distance2_of(a) > distance2_of(b); });
+      result.insert(result.end(), bounded.begin(), bounded.begin() + count);
+    }
+    return result;
+  }
+
   /// Samples that are pending afterwards are far from the surface.
-  void search_within_radius() {
-    double scale = 1;
-    for (int round = 0; round < kMaxRounds && !pending_.empty(); ++round, scale *= kRadiusGrowth) {
+  void search_within_radius(double scale) {
+    for (; scale <= kMaxScale && !pending_.empty(); scale *= kRadiusGrowth) {
       search(scale);
       for (const Index i : pending_) {
         if (is_exact(i, scale)) include(i);
@@ -114,10 +155,11 @@ class DistanceSearch {
   /// Measures the distances of the pending samples from the triangles near them.
   void search(double scale) {
     constexpr int kMaxDivisions = 20;
+    constexpr double kRounding = 1 + 1e-12;
     std::vector<Box> boxes;
     boxes.reserve(pending_.size());
     for (const Index i : pending_) {
-      const double r = scale * sample(i).radius;
+      const double r = std::min(scale * sample(i).radius, kRounding * std::sqrt(distance2_of(i)));
       const Vec3 radius{r, r, r};
       boxes.push_back({sample(i).point - radius, sample(i).point + radius});
     }
@@ -170,9 +212,48 @@ double search_radius(const TrianglePoints& triangle) {
   return std::sqrt(std::max(kFirstRadius * kFirstRadius * double_area(triangle), 1e-6 * max_length2(triangle)));
 }
 
+SurfaceDescent::SurfaceDescent(const std::vector<TrianglePoints>& triangles,
+                               const std::vector<std::array<Index, 3>>& ids, Size vertices, const backend::Cpu& cpu)
+    : triangles_(triangles), ids_(ids) {
+  const Size corners = 3 * std::ssize(ids);
+  const auto vertex_of = [&ids](Size corner) { return Size{span_of(ids)[corner / 3][to_size_t(corner % 3)]}; };
+  build_csr(cpu, vertices, corners, vertex_of, vertex2corner_, corners);
+}
+
+double SurfaceDescent::distance2(const Vec3& p, Index start, double sufficient) const {
+  constexpr int kMaxSteps = 16;
+  constexpr Size kMaxTriangles = 64;  // a bound suffices at vertices of many
+  const CsrView rows{vertex2corner_.offsets.span(), vertex2corner_.items.span()};
+  double least = kInfinity;
+  Index next = start;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Index vertex = next;
+    Size closest = -1;
+    const Size end = std::min(rows.end(vertex), rows.begin(vertex) + kMaxTriangles);
+    for (Size c = rows.begin(vertex); c < end; ++c) {
+      const Size t = rows.items[c] / 3;
+      const double d2 = tetune::distance2(p, span_of(triangles_)[t]);
+      if (!(d2 < least)) continue;
+      if (d2 <= sufficient) return d2;
+      least = d2;
+      closest = t;
+    }
+    if (closest < 0) break;
+    double from_corner2 = kInfinity;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 away = span_of(triangles_)[closest][k] - p;
+      if (!(dot(away, away) < from_corner2)) continue;
+      from_corner2 = dot(away, away);
+      next = span_of(ids_)[closest][k];
+    }
+    if (next == vertex) break;
+  }
+  return least;
+}
+
 LargestDistances max_distances(const std::vector<SurfaceSample>& samples, const std::vector<TrianglePoints>& surface,
-                               const backend::Cpu& cpu) {
-  return DistanceSearch(samples, surface, cpu).run();
+                               const backend::Cpu& cpu, const SurfaceDescent* descent) {
+  return DistanceSearch(samples, surface, cpu).run(descent);
 }
 
 }  // namespace tetune

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "math/box_tree.hpp"
@@ -90,6 +91,86 @@ TEST(SampledDistance, OfThinTrianglesAroundAVertex) {
   }
   const std::vector<SurfaceSample> samples = samples_of(triangles);
   EXPECT_EQ(max_distances(samples, surface, backend::Cpu(1)).all, by_all_pairs(samples, surface).all);
+}
+
+/// A surface over a grid, whose vertices are numbered along its rows.
+struct GridSurface {
+  static constexpr Index kSide = 24;
+  std::vector<TrianglePoints> triangles;
+  std::vector<std::array<Index, 3>> ids;
+
+  template <class Height>
+  GridSurface(double shift, const Height& height) {
+    const auto point = [&](Index v) {
+      const double x = v % kSide + shift, y = v / kSide - 0.4 * shift;
+      return Vec3{x, y, height(x, y)};
+    };
+    for (Index row = 0; row + 1 < kSide; ++row) {
+      for (Index column = 0; column + 1 < kSide; ++column) {
+        const Index v = row * kSide + column;
+        for (const std::array<Index, 3>& t :
+             {std::array<Index, 3>{v, v + 1, v + kSide + 1}, {v, v + kSide + 1, v + kSide}}) {
+          ids.push_back(t);
+          triangles.push_back({point(t[0]), point(t[1]), point(t[2])});
+        }
+      }
+    }
+  }
+  /// Vertices and centroids, with a start.
+  std::vector<SurfaceSample> samples(const std::function<Index(Index)>& start) const {
+    std::vector<SurfaceSample> result = samples_of(triangles);
+    for (std::size_t i = 0; i < result.size(); ++i) result[i].start = start(ids[i / 2][0]);
+    return result;
+  }
+};
+
+/// Bounds by descent do not change the result, wherever it starts: near, on the other sheet of a thin plate, anywhere,
+/// at a vertex without triangles, or nowhere.
+TEST(SampledDistance, DoesNotDependOnWhereTheDescentStarts) {
+  const auto wave = [](double x, double y) { return 0.3 * std::sin(0.9 * x) * std::cos(0.7 * y); };
+  const GridSurface from(0.3, [&](double x, double y) { return wave(x, y) + 0.02 * std::sin(5 * x * y); });
+  GridSurface to(0, wave);
+  const GridSurface other_sheet(0, [&](double x, double y) { return wave(x, y) - 0.05; });
+  constexpr Index kVertices = GridSurface::kSide * GridSurface::kSide;
+  for (std::size_t i = 0; i < other_sheet.triangles.size(); ++i) {
+    to.triangles.push_back(other_sheet.triangles[i]);
+    to.ids.push_back(other_sheet.ids[i]);
+    for (Index& v : to.ids.back()) v += kVertices;
+  }
+  std::mt19937 random(5);
+  const std::vector<std::function<Index(Index)>> starts{
+      [](Index v) { return v; }, [](Index v) { return v + kVertices; },
+      [&](Index) { return static_cast<Index>(random() % (2 * kVertices + 1)); },
+      [](Index v) { return v % 3 == 0 ? -1 : v; }, [](Index) { return -1; }};
+  const LargestDistances expected = by_all_pairs(from.samples(starts[0]), to.triangles);
+  for (const auto& start : starts) {
+    const std::vector<SurfaceSample> samples = from.samples(start);
+    for (const int threads : {1, 3}) {
+      const backend::Cpu cpu(threads);
+      const SurfaceDescent descent(to.triangles, to.ids, 2 * kVertices + 1, cpu);
+      const LargestDistances found = max_distances(samples, to.triangles, cpu, &descent);
+      EXPECT_EQ(found.all, expected.all);
+      EXPECT_EQ(found.vertices, expected.vertices);
+    }
+  }
+}
+
+TEST(SurfaceDescent, FindsAnUpperBoundThatIsTheDistanceNearTheStart) {
+  const auto wave = [](double x, double y) { return 0.1 * std::sin(0.5 * x) * std::cos(0.4 * y); };
+  const GridSurface from(0.3, wave), to(0, wave);
+  const backend::Cpu cpu(1);
+  const SurfaceDescent descent(to.triangles, to.ids, GridSurface::kSide * GridSurface::kSide, cpu);
+  int exact = 0, count = 0;
+  for (const SurfaceSample& s : from.samples([](Index v) { return v; })) {
+    double d2 = kInfinity;
+    for (const TrianglePoints& t : to.triangles) d2 = std::min(d2, distance2(s.point, t));
+    const double bound = descent.distance2(s.point, s.start, 0);
+    EXPECT_GE(bound, d2);
+    EXPECT_LE(descent.distance2(s.point, s.start, 0.01), std::max(bound, 0.01));
+    exact += bound == d2 ? 1 : 0;
+    ++count;
+  }
+  EXPECT_GT(exact, 0.99 * count);
 }
 
 TEST(SampledDistance, OfTrianglesWithoutASize) {

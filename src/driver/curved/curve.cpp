@@ -26,7 +26,7 @@ namespace tetune {
 namespace {
 
 /// Elements below this scaled Jacobian are relaxed.
-constexpr double kRelaxBelow = 0.1;
+constexpr double kRelaxCurvedBelow = 0.1;
 /// Each round of straightening leaves this part of the curvature; after kPartialRounds none.
 constexpr double kKept = 0.75;
 constexpr int kPartialRounds = 12;
@@ -75,7 +75,7 @@ class CurveRun {
       const std::vector<CurvedTet> tets = measure();
       if (round == 0) report.not_valid_before = std::ssize(not_valid(tets));
       if (round % kRelaxEvery == 0 && round <= kPartialRounds) {
-        relax_curved(mesh_, held_, not_valid_or_below(tets, kRelaxBelow), goal_);
+        relax_curved(mesh_, held_, not_valid_or_below(tets, kRelaxCurvedBelow), goal_);
       }
       const std::vector<Index> bad = not_valid(measure());
       if (bad.empty()) break;

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "backend/cpu.hpp"
+#include "quality/sampled_distance.hpp"
+#include "tetune/mesh.hpp"
+
+namespace tetune {
+
+/// The surface of a mesh: the boundary, and the interfaces between regions. Curved triangles are divided into facets.
+struct MeshSurface {
+  struct Vertex {
+    Index id;
+    Vec3 point;
+    Size triangle;  ///< one of those at it
+  };
+  std::vector<TrianglePoints> triangles;
+  /// The ids of the vertices of each; empty where edges are curved.
+  std::vector<std::array<Index, 3>> ids;
+  std::vector<Vertex> vertices;
+  Size mesh_vertices = 0;
+  double area = 0;       ///< of the boundary
+  double mean_edge = 0;  ///< of the boundary
+
+  /// About the number of the vertices, triangles and edges of a closed surface.
+  std::int64_t sample_count() const { return std::ssize(vertices) + std::ssize(triangles) * 5 / 2; }
+};
+
+/// The surface with coordinates multiplied by `scale`. `threads` 0 means all.
+MeshSurface find_surface(const TetMesh& mesh, double scale, int threads);
+
+/// Area of a triangle.
+double area_of(const TrianglePoints& triangle);
+
+/// The largest distances of one in `stride` of the vertices, and of the midpoints of edges and triangles, of a surface
+/// from another one that is not empty. A vertex or a triangle that both surfaces have, in all bits, is at no distance.
+/// Takes the least time where vertices have about the same places in both meshes as others of the same ids.
+LargestDistances max_distances(const MeshSurface& from, const MeshSurface& to, std::int64_t stride,
+                               const backend::Cpu& cpu);
+
+}  // namespace tetune
