@@ -19,7 +19,7 @@ namespace tetune {
 template <class Backend>
 struct Coloring {
   BufferOf<Backend, std::uint8_t> color;
-  /// The movable vertices, by color, then by id.
+  /// The movable vertices, by color, then by id; on a device, by color, by size of the ring, and then by id.
   BufferOf<Backend, Index> vertices;
   /// The vertices of color c are vertices[first[c]] .. vertices[first[c + 1] - 1].
   std::vector<Size> first;
@@ -284,37 +284,58 @@ struct Gather {
   TETUNE_HD void operator()(Size i) const { to[i] = from[positions[i]]; }
 };
 
+/// Bits of the keys by which vertices are listed: of the color, then of the size of the ring. On a device teams of a warp
+/// evaluate several vertices at a time, and all of them wait for the largest ring; large rings come first, so that no
+/// warp begins with one last.
+template <class Backend>
+inline constexpr int kSizeBits = Backend::kIsAsynchronous ? 3 : 0;
+inline constexpr int kColorBits = 8;
+
 struct ListColor {
   Span<const std::uint8_t> color;
-  Span<std::uint8_t> keys;
+  RingsView rings;
+  int size_bits;
+  Span<std::uint16_t> keys;
   Span<Index> vertices;
   TETUNE_HD void operator()(Size v) const {
-    keys[v] = color[v];
+    keys[v] = static_cast<std::uint16_t>(color[v] << size_bits | descending_size(v));
     vertices[v] = to_index(v);
   }
+
+ private:
+  /// 0 for the largest rings.
+  TETUNE_HD int descending_size(Size v) const {
+    constexpr int kFaces = 4;  // that a team evaluates at a time
+    const int largest = (1 << size_bits) - 1;
+    const Size size = (rings.offsets[v + 1] - rings.offsets[v]) / kFaces;
+    const int class_of_size = to_index(size < kSmallest ? 0 : size - kSmallest);
+    return class_of_size < largest ? largest - class_of_size : 0;
+  }
+  static constexpr Size kSmallest = 2;
 };
 
 /// Finds the first of sorted keys of at least each color, and at last of kUncolored.
 struct FindFirst {
   static constexpr Size kCount = kMaxColors + 2;
-  Span<const std::uint8_t> keys;
+  Span<const std::uint16_t> keys;
+  int size_bits;
   Span<Index> first;
   TETUNE_HD void operator()(Size i) const {
     const Size color = i + 1 < kCount ? i : kUncolored;
-    first[i] = to_index(lower_bound(keys, color));
+    first[i] = to_index(lower_bound(keys, color << size_bits));
   }
 };
 
 /// Lists the colored vertices by color. Returns the number of uncolored vertices.
 template <class Backend>
-Size group_by_color(const Backend& backend, Coloring<Backend>& coloring) {
+Size group_by_color(const Backend& backend, const RingsView& rings, Coloring<Backend>& coloring) {
   const Size n = coloring.color.size();
   coloring.vertices.resize(backend, n);
-  BufferOf<Backend, std::uint8_t> keys(backend, n);
-  backend.for_each(n, ListColor{coloring.color, keys, coloring.vertices});
-  backend.sort_by_key(keys, coloring.vertices, 8);
+  BufferOf<Backend, std::uint16_t> keys(backend, n);
+  backend.for_each(n, ListColor{coloring.color, rings, kSizeBits<Backend>, keys, coloring.vertices});
+  backend.sort_by_key(keys, coloring.vertices, kColorBits + kSizeBits<Backend>);
   BufferOf<Backend, Index> first(backend, FindFirst::kCount);
-  backend.for_each(FindFirst::kCount, FindFirst{keys, first});
+  backend.for_each(FindFirst::kCount, FindFirst{keys, kSizeBits<Backend>, first});
   const std::vector<Index> begin = first.download();
   coloring.first.clear();
   for (int c = 0; c < kMaxColors; ++c) {
@@ -342,7 +363,7 @@ bool color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
     round += rounds;
     // After many rounds none is left but where one has too many neighbors.
     constexpr std::uint32_t kMany = 16;
-    if (rounds >= kMany && group_by_color(backend, coloring) == 0) return true;
+    if (rounds >= kMany && group_by_color(backend, neighbors.rings, coloring) == 0) return true;
     const Size left = backend.compact(count, IsUncolored{vertices, color}, positions.span());
     if (left == count) {
       backend.for_each(count, Exclude{vertices, color});
@@ -387,7 +408,7 @@ void color_vertices(const Backend& backend, const RingsView& rings, Span<const V
   uncolored.resize(backend, backend.compact(n, reset, uncolored.span()));
   if (uncolored.size() == 0 && !none_colored) return;
   if (!color_uncolored(backend, neighbors, uncolored, tentative_color.span(), none_colored, coloring)) {
-    group_by_color(backend, coloring);
+    group_by_color(backend, rings, coloring);
   }
 }
 
