@@ -112,6 +112,8 @@ class AbaqusDeck;
 struct TetMesh {
   /// Vertex positions.
   std::vector<Point3> points;
+  /// A vertex that optimize() inserts has the tag that all vertices of the edge, triangle or tetrahedron of the input
+  /// have on which it lies.
   std::vector<int> point_tags;
 
   /// Tetrahedra (v0, v1, v2, v3) with det(v1-v0, v2-v0, v3-v0) > 0.

@@ -6,9 +6,9 @@
 
 #include "exodus.hpp"
 #include "exodus_file.hpp"
-#include "io/node_sets.hpp"
 #include "io/second_order.hpp"
 #include "io/tag_numbers.hpp"
+#include "mesh/node_sets.hpp"
 
 namespace tetune::plugin {
 namespace {

@@ -11,10 +11,10 @@
 #include "exodus_file.hpp"
 #include "io/group_order.hpp"
 #include "io/losses.hpp"
-#include "io/node_sets.hpp"
 #include "io/second_order.hpp"
 #include "io/tag_numbers.hpp"
 #include "mesh/listed_faces.hpp"
+#include "mesh/node_sets.hpp"
 
 namespace tetune::plugin {
 namespace {

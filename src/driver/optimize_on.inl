@@ -121,7 +121,7 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
     tracker.reset();  // its memory is free for the transfer
   }
   timer.measure(Phase::store, [&] {
-    export_mesh(backend, work, options, mesh, surface, transfer_stop(context.stop, start), report);
+    export_mesh(backend, work, options, job != nullptr, mesh, surface, transfer_stop(context.stop, start), report);
   });
   report.tets_after = std::ssize(mesh.tets);
   return report;

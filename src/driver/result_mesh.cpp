@@ -7,9 +7,11 @@
 
 #include "backend/cpu.hpp"
 #include "boundary/constraints.hpp"
+#include "driver/inserted_vertices.hpp"
 #include "driver/transfer_stop.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/keep_entities.hpp"
+#include "mesh/node_sets.hpp"
 #include "mesh/transfer/conserve.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
@@ -68,6 +70,49 @@ void transfer_data(const TetMesh& mesh, const HostResult& result, const Options&
   next.point_data = report.places.empty() ? carried_point_data(mesh, result, next.points)
                                           : interpolate_point_data(mesh.point_data, report.places);
   next.tet_data = take_entries(mesh.tet_data, result.tet2original);
+}
+
+/// Where each inserted vertex is in the input, by extended id; empty where that is not known.
+std::vector<MeshPlace> places_of_inserted(const TetMesh& mesh, const VertexNumbering& numbering, const Report& report) {
+  std::vector<MeshPlace> places;
+  if (report.places.empty()) return places;
+  for (std::size_t v = mesh.points.size(); v < numbering.extended2new.size(); ++v) {
+    const Index id = numbering.extended2new[v];
+    places.push_back(id < 0 ? MeshPlace{} : span_of(report.places)[id]);
+  }
+  return places;
+}
+
+/// Sets of nodes consist of the vertices that they had, and of inserted ones. The points of `next` are those by
+/// extended id, its data those of the result. Inserted vertices get tags likewise.
+void carry_sets(const TetMesh& mesh, const HostResult& result, const Report& report, TetMesh& next) {
+  const VertexNumbering& numbering = result.numbering;
+  const bool has_tags = std::any_of(mesh.point_tags.begin(), mesh.point_tags.end(), [](int tag) { return tag != 0; });
+  if (!has_tags && std::none_of(mesh.point_data.begin(), mesh.point_data.end(), is_node_set)) return;
+  std::vector<InsertedVertex> inserted;
+  if (next.points.size() > mesh.points.size() && (!result.is_moved || !report.places.empty())) {
+    TetMesh shape;
+    shape.points = next.points;
+    shape.tets = result.tets;
+    shape.tet_tags = regions_of(result.tet2original, mesh);
+    inserted = find_inserted(mesh, shape, places_of_inserted(mesh, numbering, report));
+  }
+  for (const InsertedVertex& v : inserted) {
+    span_of(next.point_tags)[v.id] = v.common_value([&](Index old) { return span_of(mesh.point_tags)[old]; });
+  }
+  for (std::size_t i = 0; i < mesh.point_data.size(); ++i) {
+    if (!is_node_set(mesh.point_data[i])) continue;
+    const auto& before = std::get<std::vector<std::uint8_t>>(mesh.point_data[i].values);
+    auto& after = std::get<std::vector<std::uint8_t>>(next.point_data[i].values);
+    for (std::size_t v = 0; v < before.size(); ++v) {
+      const Index id = numbering.extended2new[v];
+      if (id >= 0) span_of(after)[id] = before[v];
+    }
+    for (const InsertedVertex& v : inserted) {
+      const int is_member = v.common_value([&](Index old) { return int{span_of(before)[old]}; });
+      span_of(after)[span_of(numbering.extended2new)[v.id]] = std::uint8_t(is_member);
+    }
+  }
 }
 
 /// Throws OverlapError, with the tetrahedra at faces of three or more, which flips have made.
@@ -184,6 +229,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   next.deck_nodes = mesh.deck_nodes;
   if (mesh.deck != nullptr) next.deck_nodes.resize(next.points.size(), 0);
   transfer_data(mesh, result, options, stop_transfer, next, report);
+  carry_sets(mesh, result, report, next);
   next.tet_tags = regions_of(result.tet2original, mesh);
   next.required_tets = new_required_tets(required_slots, result.slot_of_tet);
   next.corners = mesh.corners;

@@ -37,6 +37,7 @@ struct HostResult {
   std::vector<BoundaryTriangle> boundary;
   std::vector<Index> listed_boundary;  ///< the entries of the caller's list that were on the boundary before
   bool is_manifold = true;
+  bool is_moved = false;  ///< the vertices followed targets
 };
 
 /// Returns the tags of the tetrahedra that these of the caller's have become.

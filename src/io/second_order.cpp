@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "io/node_sets.hpp"
+#include "mesh/node_sets.hpp"
 #include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/error.hpp"

@@ -40,6 +40,25 @@ struct LowestVertexOfFace {
   }
 };
 
+/// On a device the half-faces of a lowest vertex are divided by a hash of the other two, as each is compared with all
+/// of its row.
+struct BucketOfFace {
+  static constexpr Size kBuckets = 8;
+  Span<const Tet> tets;
+  TETUNE_HD Size operator()(Size item) const {
+    const HalfFace half_face{std::uint32_t(item)};
+    const Tet tet = tets[tet_of(half_face)];
+    return tet[0] == kFreeSlot ? -1 : of(face_key(tet, face_of(half_face)));
+  }
+  TETUNE_HD static Size of(const FaceKey& key) {
+    constexpr std::uint32_t kMultiplier = 0x9e3779b1;
+    constexpr int kShift = 29;
+    static_assert(kBuckets == Size{1} << (32 - kShift));
+    const std::uint32_t hash = (std::uint32_t(key.middle) * kMultiplier + std::uint32_t(key.high)) * kMultiplier;
+    return kBuckets * key.low + (hash >> kShift);
+  }
+};
+
 /// Matches the half-faces in the row of one vertex, those whose lowest vertex it is: on the CPU.
 struct MatchFaces {
   Span<const Tet> tets;
@@ -152,7 +171,8 @@ struct MatchFace {
     const Index combined = MakeFaceInRow{tets}(face).combined;
     HalfFace other = kNoHalfFace;
     int others = 0;
-    for (Size r = offsets[key.low]; r < offsets[key.low + 1]; ++r) {
+    const Size row = BucketOfFace::of(key);
+    for (Size r = offsets[row]; r < offsets[row + 1]; ++r) {
       const FaceInRow candidate = items[r];
       if (candidate.combined != combined || candidate.face == face) continue;
       if (key_of(candidate.face).pair() != key.pair()) continue;
@@ -190,17 +210,17 @@ template <class Backend>
 AdjacencyReport build_adjacency(const Backend& backend, WorkMesh<Backend>& mesh) {
   using namespace adjacency_detail;
   mesh.tet2tet.resize(backend, mesh.slots(), mesh.room());
-  const LowestVertexOfFace row_of{mesh.tet2vertex};
   if constexpr (Backend::kIsAsynchronous) {
     BufferOf<Backend, std::uint32_t> offsets;
     BufferOf<Backend, FaceInRow> items;
-    build_unordered_rows<Backend, LowestVertexOfFace, MakeFaceInRow, FaceInRow>(
-        backend, mesh.vertices(), 4 * mesh.slots(), row_of, MakeFaceInRow{mesh.tet2vertex}, offsets, items);
+    build_unordered_rows<Backend, BucketOfFace, MakeFaceInRow, FaceInRow>(
+        backend, BucketOfFace::kBuckets * mesh.vertices(), 4 * mesh.slots(), BucketOfFace{mesh.tet2vertex},
+        MakeFaceInRow{mesh.tet2vertex}, offsets, items);
     return backend.template reduce<AdjacencyReport>(4 * mesh.slots(),
                                                     MatchFace{mesh.tet2vertex, offsets, items, mesh.tet2tet});
   } else {
     Csr<Backend> rows;
-    build_csr(backend, mesh.vertices(), 4 * mesh.slots(), row_of, rows);
+    build_csr(backend, mesh.vertices(), 4 * mesh.slots(), LowestVertexOfFace{mesh.tet2vertex}, rows);
     return backend.template reduce<AdjacencyReport>(
         mesh.vertices(), MatchFaces{mesh.tet2vertex, rows.offsets, rows.items, mesh.tet2tet});
   }

@@ -36,7 +36,7 @@ struct Kinds {
 /// The memory of a team.
 template <class Generator>
 struct GroupMemory {
-  static constexpr int kMaxProposals = 32;
+  static constexpr int kMaxProposals = 64;
   /// A list is evaluated as soon as it has a candidate per thread, of which there are at most 32.
   static constexpr int kMaxListed = 2 * 32;
   Index tets[kMaxProposals];

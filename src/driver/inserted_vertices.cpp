@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/inserted_vertices.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "math/box_tree.hpp"
+#include "mesh/tet_mesh_view.hpp"
+#include "mesh/tet_orientation.hpp"
+
+namespace tetune {
+namespace {
+
+/// Barycentric coordinates below this are of vertices that are no part of the support.
+constexpr double kTolerance = 1e-6;
+
+std::vector<std::uint8_t> find_surface_vertices(const TetMesh& mesh) {
+  std::vector<std::uint8_t> on_surface(mesh.points.size(), 0);
+  for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) {
+    for (const Index v : face.vertices) span_of(on_surface)[v] = 1;
+  });
+  return on_surface;
+}
+
+std::vector<Index> support_of(const MeshPlace& place) {
+  std::vector<Index> support;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (place.weights[k] > kTolerance) support.push_back(place.vertices[k]);
+  }
+  return support;
+}
+
+/// Finds the places of points in a mesh.
+class TetSearch {
+ public:
+  explicit TetSearch(const TetMesh& mesh) : view_(mesh, unit_scale(mesh)), tree_(boxes()) {}
+
+  /// Of the tetrahedra that contain the point, but for rounding, the one that it is farthest inside; empty support
+  /// where there is none.
+  MeshPlace find(const Point3& p) const {
+    // In units of about the size of the mesh.
+    constexpr double kReach = 1e-9;
+    const Vec3 x = view_.scale * vec(p);
+    const Vec3 reach{kReach, kReach, kReach};
+    MeshPlace place;
+    place.weights.fill(0);
+    double least = -kTolerance;
+    tree_.for_meeting({x - reach, x + reach}, [&](Index t) {
+      const std::array<double, 4> weights = weights_in(t, x);
+      const double lowest = *std::min_element(weights.begin(), weights.end());
+      if (!(lowest > least)) return;
+      least = lowest;
+      place = {view_.tets[t], weights};
+    });
+    return place;
+  }
+
+ private:
+  std::vector<Box> boxes() const {
+    std::vector<Box> boxes;
+    boxes.reserve(to_size_t(view_.tets.size()));
+    for (Size t = 0; t < view_.tets.size(); ++t) {
+      const auto& tet = view_.tets[t];
+      Box box{view_.position(tet[0]), view_.position(tet[0])};
+      for (const Index v : tet) box.include(view_.position(v));
+      boxes.push_back(box);
+    }
+    return boxes;
+  }
+  std::array<double, 4> weights_in(Index t, const Vec3& x) const {
+    const auto& tet = view_.tets[t];
+    std::array<Vec3, 4> corners{};
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = view_.position(tet[k]);
+    const auto volume = [](const std::array<Vec3, 4>& c) { return dot(cross(c[1] - c[0], c[2] - c[0]), c[3] - c[0]); };
+    const double whole = volume(corners);
+    std::array<double, 4> weights{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::array<Vec3, 4> part = corners;
+      part[k] = x;
+      weights[k] = volume(part) / whole;
+    }
+    return weights;
+  }
+
+  TetMeshView view_;
+  BoxTree tree_;
+};
+
+/// Adds the vertices inside the mesh that have a tetrahedron in common with a vertex of the support, to the support of
+/// each of these. Where there is none, the support becomes empty.
+void add_inner_neighbors(const TetMesh& mesh, const std::vector<std::uint8_t>& on_surface,
+                         const std::vector<InsertedVertex*>& inserted) {
+  std::vector<std::pair<Index, InsertedVertex*>> by_vertex;
+  for (InsertedVertex* i : inserted) {
+    for (const Index v : i->support) by_vertex.emplace_back(v, i);
+  }
+  const auto precedes = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::stable_sort(by_vertex.begin(), by_vertex.end(), precedes);
+  std::vector<std::uint8_t> is_supporting(mesh.points.size(), 0);
+  for (const auto& [v, i] : by_vertex) span_of(is_supporting)[v] = 1;
+  for (InsertedVertex* i : inserted) i->support.clear();
+  for (const auto& tet : mesh.tets) {
+    for (const Index v : tet) {
+      if (span_of(is_supporting)[v] == 0) continue;
+      const auto [begin, end] = std::equal_range(by_vertex.begin(), by_vertex.end(), std::pair(v, nullptr), precedes);
+      for (auto entry = begin; entry != end; ++entry) {
+        for (const Index other : tet) {
+          if (span_of(on_surface)[other] == 0) entry->second->support.push_back(other);
+        }
+      }
+    }
+  }
+  for (const auto& [v, i] : by_vertex) {
+    if (!i->support.empty()) i->support.push_back(v);
+  }
+}
+
+}  // namespace
+
+std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result,
+                                          const std::vector<MeshPlace>& place_of) {
+  const Index first = to_index(mesh.points.size());
+  std::vector<std::uint8_t> is_used(result.points.size(), 0);
+  for (const auto& tet : result.tets) {
+    for (const Index v : tet) span_of(is_used)[v] = 1;
+  }
+  std::vector<InsertedVertex> inserted;
+  for (Index v = first; v < std::ssize(result.points); ++v) {
+    if (span_of(is_used)[v] != 0) inserted.push_back({v, {}});
+  }
+  if (inserted.empty()) return inserted;
+  if (place_of.empty()) {
+    const TetSearch search(mesh);
+    for (InsertedVertex& i : inserted) i.support = support_of(search.find(span_of(result.points)[i.id]));
+  } else {
+    for (InsertedVertex& i : inserted) i.support = support_of(span_of(place_of)[i.id - first]);
+  }
+  const std::vector<std::uint8_t> on_old_surface = find_surface_vertices(mesh);
+  const std::vector<std::uint8_t> on_surface = find_surface_vertices(result);
+  std::vector<InsertedVertex*> between_surfaces;
+  for (InsertedVertex& i : inserted) {
+    const auto is_on_surface = [&](Index v) { return span_of(on_old_surface)[v] != 0; };
+    const bool is_inside = span_of(on_surface)[i.id] == 0;
+    if (is_inside && std::all_of(i.support.begin(), i.support.end(), is_on_surface)) between_surfaces.push_back(&i);
+  }
+  if (!between_surfaces.empty()) add_inner_neighbors(mesh, on_old_surface, between_surfaces);
+  return inserted;
+}
+
+}  // namespace tetune
