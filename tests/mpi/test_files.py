@@ -124,6 +124,14 @@ class Files(MpiTest):
                 self.assertGreater(run["optimization"]["vertices_removed"], 0)
                 self.assertEqual(self.positions_of_others(out), expected)
 
+    def test_coordinates_whose_volumes_are_below_the_range_of_doubles(self):
+        cube = cli_case.cube(4)
+        cube.points = [tuple(1e-110 * x for x in p) for p in cube.points]
+        source = self.put("in.mesh", cube)
+        for ranks in (1, 2):
+            self.mpi(ranks, source, self.path("out.mesh"), "--effort", "fast")
+            self.assertTrue(self.info(self.path("out.mesh"))["validity"]["valid"])
+
     def test_files_that_an_earlier_run_has_left(self):
         source = self.put("in.mesh", cli_case.cube(4))
         out = self.path("out.meshb")
