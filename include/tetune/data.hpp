@@ -12,8 +12,8 @@
 namespace tetune {
 
 /// Gathers the entries `new2old` of each array, in that order. optimize() transfers the data of tetrahedra in this way
-/// (by Report::tet2original), and those of triangles and of edges. Throws MeshError if an entry is out of range or an
-/// array has no components.
+/// (by Report::tet2original), and those of triangles and of edges. The entry of -1 is zeros. Throws MeshError if
+/// another entry is out of range or an array has no components.
 TETUNE_API std::vector<DataArray> take_entries(const std::vector<DataArray>& data, const std::vector<Index>& new2old);
 
 /// Transfers data of vertices to a mesh in which vertices were inserted and removed, as optimize() does: each vertex

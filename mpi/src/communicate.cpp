@@ -33,15 +33,6 @@ void Route::transfer(const void* from, const Counts& out, void* to, const Counts
                 comm_);
 }
 
-std::vector<int> Route::senders() const {
-  std::vector<int> senders;
-  senders.reserve(received_);
-  for (std::size_t rank = 0; rank < in_.count.size(); ++rank) {
-    senders.insert(senders.end(), std::size_t(in_.count[rank]), int(rank));
-  }
-  return senders;
-}
-
 namespace {
 
 enum Kind : int { kNone, kFile, kMesh, kOption, kDevice, kMemory, kOther };

@@ -107,8 +107,6 @@ class Route {
     for (std::size_t i = 0; i < place_.size(); ++i) received[i] = packed[place_[i]];
     return received;
   }
-  /// The rank that each item came from.
-  std::vector<int> senders() const;
 
  private:
   struct Counts {

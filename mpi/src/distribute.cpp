@@ -70,6 +70,27 @@ void check(const Pieces& pieces, Id vertices) {
   check_vertices(pieces.lines, vertices, "edge");
 }
 
+/// Replaces the vertices of elements by their new ids, which the owner ranks of the old ones have.
+void renumber(MPI_Comm comm, const Blocks& blocks, const std::vector<Id>& new_ids, std::vector<ElementBlock>& others) {
+  std::vector<int> to;
+  std::vector<Id> wanted;
+  for (const ElementBlock& block : others) {
+    for (const Index v : block.element2vertex) {
+      to.push_back(blocks.owner(v));
+      wanted.push_back(v);
+    }
+  }
+  const Route route(comm, to);
+  std::vector<Id> asked = route.send(wanted);
+  const Id first = blocks.begin(rank_of(comm));
+  for (Id& v : asked) v = item(new_ids, v - first);
+  const std::vector<Id> renumbered = route.answer(asked);
+  auto next = renumbered.begin();
+  for (ElementBlock& block : others) {
+    for (Index& v : block.element2vertex) v = Index(*next++);
+  }
+}
+
 }  // namespace
 
 Part distribute(MPI_Comm comm, Pieces pieces, const Totals& totals) {
@@ -132,7 +153,7 @@ Pieces send(MPI_Comm comm, Addressed a) {
   return result;
 }
 
-void close_gaps(MPI_Comm comm, Part& part, Totals& totals) {
+std::vector<Id> close_gaps(MPI_Comm comm, Part& part, Totals& totals) {
   const StarForest star(comm, part.vertex_id, Blocks(totals.vertices, size_of(comm)));
   const std::vector<int> copies = star.copies();
   const auto used = std::ssize(copies) - std::count(copies.begin(), copies.end(), 0);
@@ -142,14 +163,16 @@ void close_gaps(MPI_Comm comm, Part& part, Totals& totals) {
   for (const int n : copies) ids.push_back(n > 0 ? next++ : -1);
   part.vertex_id = star.fetch(ids);
   totals.vertices = all_reduce(comm, used, MPI_SUM);
+  return ids;
 }
 
 std::vector<Vertex> vertices_at_owner(MPI_Comm comm, const std::vector<Vertex>& vertices, const Totals& totals) {
   return at_owner(comm, vertices, totals.vertices);
 }
 
-Pieces collect(MPI_Comm comm, Part part, Totals& totals) {
-  close_gaps(comm, part, totals);
+Pieces collect(MPI_Comm comm, Part part, Totals& totals, std::vector<ElementBlock>& others) {
+  const Blocks blocks(totals.vertices, size_of(comm));
+  renumber(comm, blocks, close_gaps(comm, part, totals), others);
   Pieces pieces = address(part, std::vector<int>(part.mesh.tets.size(), 0), 0).pieces;
   part = {};
   pieces.vertices = at_owner(comm, pieces.vertices, totals.vertices);

@@ -17,11 +17,13 @@ struct Totals {
 Part distribute(MPI_Comm comm, Pieces pieces, const Totals& totals);
 
 /// Returns the entities of all parts: vertices, sides and lines once, on their owner ranks, cells on the ranks of their
-/// parts, all numbered without gaps in the order of their ids. Updates `totals`.
-Pieces collect(MPI_Comm comm, Part part, Totals& totals);
+/// parts, all numbered without gaps in the order of their ids. Updates `totals`, and the vertices of `others`, which a
+/// part must have.
+Pieces collect(MPI_Comm comm, Part part, Totals& totals, std::vector<ElementBlock>& others);
 
-/// Numbers the vertices without gaps, in the order of their ids.
-void close_gaps(MPI_Comm comm, Part& part, Totals& totals);
+/// Numbers the vertices without gaps, in the order of their ids. Returns the new id of each vertex of this rank's block
+/// of the old ones, or -1 where no part has it.
+std::vector<Id> close_gaps(MPI_Comm comm, Part& part, Totals& totals);
 
 /// Sends vertices to their owner ranks, each once.
 std::vector<Vertex> vertices_at_owner(MPI_Comm comm, const std::vector<Vertex>& vertices, const Totals& totals);

@@ -2,9 +2,24 @@
 #include "measure.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tetune::mpi {
+namespace {
+
+/// A power of two that scales the largest coordinate of all ranks to about 1, which keeps volumes in the range of
+/// doubles.
+double unit_scale_of_all(MPI_Comm comm, const std::vector<Point3>& points) {
+  double largest = 0;
+  for (const Point3& p : points) {
+    for (const double x : p) largest = std::max(largest, std::fabs(x));
+  }
+  largest = all_reduce(comm, largest, MPI_MAX);
+  return largest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1020, 1020)) : 1;
+}
+
+}  // namespace
 
 Quality quality_of_all(MPI_Comm comm, const TetMesh& part, int threads) {
   Quality q;
@@ -51,12 +66,13 @@ TetMesh at_first_cut(const Part& part) {
 
 bool orient_all(MPI_Comm comm, Part& part) {
   const auto& x = part.mesh.points;
+  const double scale = unit_scale_of_all(comm, x);
   Id positive = 0;
   for (const auto& tet : part.mesh.tets) {
     std::array<Point3, 3> e;
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
-        e[i][k] = item(x, tet[i + 1])[k] - item(x, tet[0])[k];
+        e[i][k] = scale * item(x, tet[i + 1])[k] - scale * item(x, tet[0])[k];
       }
     }
     const double volume = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -

@@ -2,6 +2,7 @@
 #include "one_part.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -60,6 +61,9 @@ void update_ids(Part& part, const Report& report) {
   part.edge_id = ids_left(part.edge_id, report.edge2original, part.mesh.edges.size());
 }
 
+/// Whether a message can have the id, whose numbers have 32 bits.
+bool has_32_bits(Id id) { return id < std::numeric_limits<Index>::max(); }
+
 }  // namespace
 
 Options options_for(const Options& all_options, const TetMesh& mesh) {
@@ -70,13 +74,15 @@ Options options_for(const Options& all_options, const TetMesh& mesh) {
   return options;
 }
 
-std::string defects_of(const Part& part, int threads, bool one_based) {
+std::string defects_of(const Part& part, int threads, bool one_based, const MeshError& error) {
   ValidationReport report = validate(part.mesh, threads);
+  if (report.ok()) return error.what();
   for (Finding& f : report.findings) {
     const std::vector<Id>* ids = f.where == "tetrahedra" ? &part.tet_id
                                  : f.where == "vertices" ? &part.vertex_id
                                                          : nullptr;
     if (ids == nullptr) continue;
+    std::erase_if(f.first, [ids](Index i) { return !has_32_bits(item(*ids, i)); });
     for (Index& i : f.first) i = Index(item(*ids, i));
   }
   return report.message(one_based);
@@ -96,11 +102,13 @@ Report optimize_part(Part& part, Marks frozen, const Options& all_options, const
     report = surface != nullptr ? tetune::optimize(mesh, options, context, piece.surface)
                                 : tetune::optimize(mesh, options, context);
   } catch (const OverlapError& e) {
-    throw MeshError(OverlapError(translated_ids(e.tets, part.tet_id)).message(one_based));
-  } catch (const MeshError&) {
+    std::vector<Index> tets = e.tets;
+    std::erase_if(tets, [&part](Index t) { return !has_32_bits(item(part.tet_id, t)); });
+    throw MeshError(OverlapError(translated_ids(tets, part.tet_id)).message(one_based));
+  } catch (const MeshError& e) {
     drop_cut(mesh, cut_triangles);
     drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());
-    throw MeshError(defects_of(part, options.threads, one_based));
+    throw MeshError(defects_of(part, options.threads, one_based, e));
   }
   drop_cut(mesh, cut_triangles);
   if (surface != nullptr) {

@@ -5,6 +5,7 @@
 
 #include "input_surface.hpp"
 #include "part.hpp"
+#include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune::mpi {
@@ -12,8 +13,9 @@ namespace tetune::mpi {
 /// The options for a part, which may lack tags that the whole mesh has.
 Options options_for(const Options& options, const TetMesh& mesh);
 
-/// The message of validate() about a part, in the ids of the whole mesh, which start from 1 or from 0.
-std::string defects_of(const Part& part, int threads, bool one_based);
+/// The message of validate() about a part, in the ids of the whole mesh, which start from 1 or from 0; that of `error`
+/// where the part is valid. Ids beyond 32 bits are left out.
+std::string defects_of(const Part& part, int threads, bool one_based, const MeshError& error);
 
 /// Optimizes one part, of which the vertices with `frozen` 1 stay: on `surface`, if it is given, for Boundary::slide.
 /// Inserted vertices get the id -1. Throws as optimize() does, in the ids of the whole mesh, as defects_of().

@@ -94,7 +94,7 @@ class Program {
     if (is_plex_file(job_.output)) {
       write_plex(comm_, job_.output, std::move(part), input.totals, input.labels, warnings);
     } else {
-      Pieces pieces = collect(comm_, std::move(part), input.totals);
+      Pieces pieces = collect(comm_, std::move(part), input.totals, input.frame.others);
       write_pieces(comm_, job_.output, std::move(pieces), input.totals, std::move(input.frame), warnings);
     }
     for (const std::string& w : warnings) warn(w);

@@ -131,8 +131,8 @@ class Rounds {
       }
       try {
         surface_.emplace(part_, halo, options_.frozen_regions, find_slide_surface(halo.mesh, options));
-      } catch (const MeshError&) {
-        throw MeshError(defects_of(halo, options_.threads, one_based_));
+      } catch (const MeshError& e) {
+        throw MeshError(defects_of(halo, options_.threads, one_based_, e));
       }
     });
   }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plugin.hpp"
@@ -16,7 +17,8 @@ namespace tetune::plugin {
 /// Sides of a tetrahedron in Exodus' order, seen from outside counter-clockwise.
 inline constexpr std::array<std::array<std::size_t, 3>, 4> kTetSides{{{0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 2, 1}}};
 
-/// An open file; every call is checked.
+/// An open file. One that was written is complete only once close() has returned: the library writes the last part of
+/// it there.
 class File {
  public:
   explicit File(int id) : id_(id) {
@@ -24,10 +26,13 @@ class File {
     if (id_ < 0) fail("open");
     ex_set_max_name_length(id_, kNames - 1);
   }
-  ~File() { ex_close(id_); }
+  ~File() {
+    if (id_ >= 0) ex_close(id_);
+  }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
   int id() const { return id_; }
+  void close() { check(ex_close(std::exchange(id_, -1)), "write the file"); }
   void check(int status, const char* what) const {
     if (status < 0) fail(what);
   }

@@ -260,13 +260,15 @@ class ExodusReader {
     return names;
   }
 
-  /// Three variables name_X, name_Y, name_Z in a row are a vector.
+  /// Three variables name_X, name_Y, name_Z in a row are a vector, unless there is a variable with its name.
   static void join_vectors(std::vector<DataArray>& data) {
     for (std::size_t i = 0; i + 2 < data.size(); ++i) {
       const std::string& first = data[i].name;
       if (first.size() < 2 || first.compare(first.size() - 2, 2, "_X") != 0) continue;
       const std::string base = first.substr(0, first.size() - 2);
       if (data[i + 1].name != base + "_Y" || data[i + 2].name != base + "_Z") continue;
+      const auto has_name = [&base](const DataArray& array) { return array.name == base; };
+      if (std::any_of(data.begin(), data.end(), has_name)) continue;
       std::vector<double> joined;
       const std::size_t n = std::get<std::vector<double>>(data[i].values).size();
       for (std::size_t v = 0; v < n; ++v) {

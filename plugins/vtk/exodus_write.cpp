@@ -342,8 +342,9 @@ class Writer {
 void write_exodus(const std::string& file, TetMesh mesh, Warnings& warnings) {
   int computing = sizeof(double);
   int stored = sizeof(double);
-  const File out(ex_create(file.c_str(), EX_CLOBBER | EX_LARGE_MODEL, &computing, &stored));
+  File out(ex_create(file.c_str(), EX_CLOBBER | EX_LARGE_MODEL, &computing, &stored));
   Writer(out, std::move(mesh), warnings).write();
+  out.close();
 }
 
 }  // namespace tetune::plugin

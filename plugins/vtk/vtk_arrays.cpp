@@ -116,10 +116,6 @@ DataArray from_vtk(vtkDataArray* array) {
   return result;
 }
 
-std::size_t length(const DataArray& array) {
-  return std::visit([](const auto& v) { return v.size(); }, array.values) / components_of(array);
-}
-
 DataArray entries(const DataArray& array, const std::vector<vtkIdType>& positions) {
   DataArray result{array.name, array.components, {}};
   const std::size_t each = components_of(array);

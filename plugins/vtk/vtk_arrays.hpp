@@ -18,8 +18,6 @@ DataArray from_vtk(vtkDataArray* array);
 DataArray entries(const DataArray& array, const std::vector<vtkIdType>& positions);
 vtkSmartPointer<vtkDataArray> to_vtk(const DataArray& array);
 
-std::size_t length(const DataArray& array);
-
 /// Moves the first array with a name under which programs store tags out of `data`; empty where none holds integers of
 /// 32 bits.
 std::vector<int> take_tags(std::vector<DataArray>& data, std::string& name, Warnings& warnings);

@@ -124,6 +124,12 @@ void find_required_triangles(const TetMesh& mesh, Constraints& constraints) {
 
 }  // namespace
 
+void check_frozen_vertices(const TetMesh& mesh, const Options& options) {
+  if (options.frozen_vertices.empty() || options.frozen_vertices.size() == mesh.points.size()) return;
+  throw OptionError("frozen_vertices has " + std::to_string(options.frozen_vertices.size()) + " entries for " +
+                    std::to_string(mesh.points.size()) + " vertices; it must have one per vertex, or none");
+}
+
 Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   Constraints result;
   result.frozen.assign(mesh.points.size(), kMovable);
@@ -142,10 +148,7 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   std::vector<Index> patches;
   add_tagged(mesh.triangle_tags, options.frozen_patches, "frozen_patches", "triangle", patches);
   for (const Index t : patches) freeze(span_of(mesh.triangles)[t]);
-  if (!options.frozen_vertices.empty() && options.frozen_vertices.size() != mesh.points.size()) {
-    throw OptionError("frozen_vertices has " + std::to_string(options.frozen_vertices.size()) + " entries for " +
-                      std::to_string(mesh.points.size()) + " vertices; it must have one per vertex, or none");
-  }
+  check_frozen_vertices(mesh, options);
   for (std::size_t v = 0; v < options.frozen_vertices.size(); ++v) {
     if (options.frozen_vertices[v] != 0) result.frozen[v] = kFrozen;
   }

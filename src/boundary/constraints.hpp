@@ -30,6 +30,9 @@ struct Constraints {
   std::size_t ridges = 0;
 };
 
+/// Throws OptionError unless Options::frozen_vertices is empty or has an entry for each vertex.
+void check_frozen_vertices(const TetMesh& mesh, const Options& options);
+
 /// Throws OptionError where the options name tags or vertices that the mesh does not have.
 Constraints find_constraints(const TetMesh& mesh, const Options& options);
 

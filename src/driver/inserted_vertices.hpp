@@ -13,9 +13,9 @@ namespace tetune {
 /// lies: it is in the sets of nodes that all of them are in, and has the tag that all of them have.
 struct InsertedVertex {
   Index id;
-  /// Where the vertex is inside the mesh and these are all on the surface, as between two sides of a thin part, also the
-  /// vertices inside that share a tetrahedron with them, or none if there are none: a set of the nodes of the surface
-  /// does not get it.
+  /// Where the vertex is inside the mesh and these are all on the surface, as between two sides of a thin part, also
+  /// the vertices inside that share a tetrahedron with them, or none if there are none: a set of the nodes of the
+  /// surface does not get it.
   std::vector<Index> support;
 
   /// The value that all of the support have; 0 where they differ.

@@ -24,12 +24,12 @@ def plugins():
 
 @cli_case.needs_mount
 class Mounts(CliTest):
-    def on_disk(self, options, output):
+    def on_disk(self, options, output, size="40k"):
         """Exit code, message, and what is then in a file system of its own, where there was an old file."""
         (self.folder / "disk").mkdir(exist_ok=True)
         name = f"disk/{output}"
         words = shlex.join([cli_case.TETUNE, "optimize", "in.mesh", "-o", name, "--max-iterations", "1", "--threads", "1"])
-        script = (f"mount -t tmpfs -o size=40k none disk && printf '{OLD.decode()}' > {name} && mount -o remount,{options} disk\n"
+        script = (f"mount -t tmpfs -o size={size} none disk && printf '{OLD.decode()}' > {name} && mount -o remount,{options} disk\n"
                   f"{words} > log 2>&1; echo $? > code; ls disk > names; cp {name} left")
         subprocess.run(["unshare", "-rm", "sh", "-c", script], cwd=self.folder, check=True, timeout=cli_case.HANG)
         names = (self.folder / "names").read_text().split()
@@ -46,6 +46,21 @@ class Mounts(CliTest):
                 # The Exodus library has a number for it alone.
                 if ending != "e":
                     self.assertRegex(log, "(?i)no space left")
+
+    @cli_case.needs_vtk
+    def test_a_disk_that_lacks_a_part_of_an_exodus_file(self):
+        """The library writes the last part where it closes the file."""
+        self.put("in.mesh", cube(3))
+        self.run_cli("convert", self.path("in.mesh"), self.path("whole.e"))
+        whole = len(self.read_bytes("whole.e"))
+        for kilobytes in range(8, whole // 1024 + 8, 4):
+            code, log, names, left = self.on_disk("rw", "out.e", f"{kilobytes}k")
+            self.assertEqual(names, ["out.e"])
+            if code == 0:
+                self.assertEqual(len(left), whole, f"{kilobytes} kB")
+            else:
+                self.assertEqual((code, left), (2, OLD), log)
+        self.assertEqual(code, 0)
 
     def test_a_folder_that_cannot_be_written(self):
         self.put("in.mesh", cube(2))

@@ -231,6 +231,25 @@ TEST_F(Plugins, DamagedFilesAreErrorsAndNothingElse) {
   }
 }
 
+TEST_F(Plugins, VariablesOfExodusAreAVectorUnlessOneHasItsName) {
+  TetMesh m = cube(2);
+  const auto add = [](std::vector<DataArray>& data, std::size_t n, const std::string& name, int components) {
+    data.push_back({name, components, std::vector<double>(n * static_cast<std::size_t>(components), 1)});
+  };
+  for (const char* const name : {"u", "u_X", "u_Y", "u_Z"}) add(m.point_data, m.points.size(), name, 1);
+  add(m.point_data, m.points.size(), "v", 3);
+  for (const char* const name : {"w_X", "w_Y", "w_Z", "w"}) add(m.tet_data, m.tets.size(), name, 1);
+  write_mesh(path("a.e"), m, 1);
+  const TetMesh read = read_mesh(path("a.e"), nullptr, 1);
+  const auto names = [](const std::vector<DataArray>& data) {
+    std::vector<std::string> list;
+    for (const DataArray& array : data) list.push_back(array.name);
+    return list;
+  };
+  EXPECT_EQ(names(read.point_data), names(m.point_data));
+  EXPECT_EQ(names(read.tet_data), names(m.tet_data));
+}
+
 TEST_F(Plugins, ScriptsAreNotRun) {
   for (const std::string ending : {".msh", ".unv", ".bdf", ".vtu"}) {
     EXPECT_NE(read_error(put("a" + ending, "SystemCall \"touch " + path("ran") + "\";\n")), "");

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files of tetune-mpi: replaced as by tetune, with the same warnings of what they do not keep."""
 
+import json
 import os
 import struct
 import subprocess
@@ -92,6 +93,44 @@ class Files(MpiTest):
         self.assertIn("the tag -1 is 2 in \"Cell Sets\"", self.mpi(2, self.put("in.mesh", cube), h5).stderr)
         self.mpi(2, h5, back)
         self.assertEqual(self.regions(back), ({2: 0.5, 1: 0.5}, 1.0))
+
+    def positions_of_others(self, path):
+        """Of the vertices of each prism and hexahedron."""
+        words, found = Path(path).read_text().split(), []
+        points = cli_case.Mesh.read(path).points
+        for name, each in (("Prisms", 6), ("Hexahedra", 8)):
+            at = words.index(name) + 2
+            rows = words[at:at + int(words[at - 1]) * (each + 1)]
+            found += [[points[int(v) - 1] for v in rows[i:i + each]] for i in range(0, len(rows), each + 1)]
+        return found
+
+    def test_elements_of_other_kinds_keep_their_vertices_where_inner_ones_are_removed(self):
+        cube = cli_case.cube(6, jitter=0.3)
+        first = len(cube.points)
+        # A prism apart from the cube, which shares an edge with a hexahedron; this has vertices of the cube too.
+        apart = [(5, 0, 0), (6, 0, 0), (5, 1, 0), (5, 0, 1), (6, 0, 1), (5, 1, 1), (7, 0, 0), (7, 0, 1)]
+        cube.points += [tuple(map(float, p)) for p in apart]
+        cube.point_tags += [0] * len(apart)
+        corners = [v for v, p in enumerate(cube.points[:first]) if p[0] == 1 and set(p[1:]) <= {0.0, 1.0}]
+        hexahedron = [*corners, first + 1, first + 6, first + 7, first + 4]
+        lines = ["Prisms", "1", " ".join(str(first + k + 1) for k in range(6)) + " 7",
+                 "Hexahedra", "1", " ".join(str(v + 1) for v in hexahedron) + " 8", "End"]
+        source, out = self.put("in.mesh", cube.text().replace("End", "\n".join(lines))), self.path("out.mesh")
+        expected = self.positions_of_others(source)
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                self.mpi(ranks, source, out, "--effort", "best", "--report", self.path("report.json"))
+                run = json.loads(Path(self.path("report.json")).read_text())
+                self.assertGreater(run["optimization"]["vertices_removed"], 0)
+                self.assertEqual(self.positions_of_others(out), expected)
+
+    def test_coordinates_whose_volumes_are_below_the_range_of_doubles(self):
+        cube = cli_case.cube(4)
+        cube.points = [tuple(1e-110 * x for x in p) for p in cube.points]
+        source = self.put("in.mesh", cube)
+        for ranks in (1, 2):
+            self.mpi(ranks, source, self.path("out.mesh"), "--effort", "fast")
+            self.assertTrue(self.info(self.path("out.mesh"))["validity"]["valid"])
 
     def test_files_that_an_earlier_run_has_left(self):
         source = self.put("in.mesh", cli_case.cube(4))

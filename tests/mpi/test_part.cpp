@@ -258,6 +258,18 @@ TEST(Part, HasNoIdsOfListsThatAreLeftEmpty) {
   EXPECT_TRUE(part.triangle_id.empty());
 }
 
+TEST(Part, DefectsHaveTheIdsOfTheWholeMesh) {
+  const MeshError other("another reason");
+  Part part = make();
+  EXPECT_EQ(defects_of(part, 1, true, other), "another reason");
+  std::swap(part.mesh.tets[3][0], part.mesh.tets[3][1]);
+  std::swap(part.mesh.tets[8][0], part.mesh.tets[8][1]);
+  part.tet_id[8] = 71;
+  EXPECT_NE(defects_of(part, 1, true, other).find("(first, counted from 1: 12, 72)"), std::string::npos);
+  part.tet_id[3] = (Id{1} << 32) + 11;  // a message has no room for it
+  EXPECT_NE(defects_of(part, 1, true, other).find("(first, counted from 1: 72)"), std::string::npos);
+}
+
 TEST(Part, IdsAreNumberedAsTheyCome) {
   IdMap map;
   for (Id i = 0; i < 1000; ++i) EXPECT_TRUE(map.add((i << 33) + 5));

@@ -13,6 +13,7 @@
 
 #include "mesh/transfer/tet_overlap.hpp"
 #include "support/curved.hpp"
+#include "support/flat_tets.hpp"
 #include "support/meshes.hpp"
 #include "tetune/tetune.hpp"
 
@@ -173,6 +174,20 @@ TEST(Conserve, LinearFieldsTotalsAndBounds) {
     EXPECT_EQ(again.points, after.points);
     EXPECT_EQ(doubles(again.point_data[0]), doubles(after.point_data[0]));
     EXPECT_EQ(doubles(again.tet_data[0]), doubles(after.tet_data[0]));
+  }
+}
+
+TEST(Conserve, BesideTetrahedraThatAreFlatToRounding) {
+  const TetMesh before = with_data(test::with_flat_tets(8));
+  Options options;
+  options.data = DataTransfer::conserve;
+  TetMesh after = before;
+  const Report report = optimize(after, options);
+  EXPECT_LT(report.uncovered, 1e-12);
+  expect_conserved(before, after);
+  for (std::size_t v = 0; v < after.points.size(); ++v) {
+    const Point3& p = after.points[v];
+    EXPECT_NEAR(doubles(after.point_data[0])[3 * v], 1 + 2 * p[0] - p[1] + 0.5 * p[2], 1e-12);
   }
 }
 

@@ -75,10 +75,14 @@ TEST(Data, InsertedVerticesTakeValuesInAnyUnit) {
 
 TEST(Data, MissingEntriesAreRefused) {
   EXPECT_THROW(take_entries({{"short", 2, std::vector<float>(5)}}, {0, 1, 2}), MeshError);
+  EXPECT_THROW(take_entries({{"x", 1, std::vector<float>(5)}}, {0, -2}), MeshError);
+  EXPECT_EQ(std::get<std::vector<float>>(take_entries({{"x", 1, std::vector<float>{3}}}, {0, -1})[0].values),
+            (std::vector<float>{3, 0}));
   EXPECT_THROW(take_entries({{"none", 0, std::vector<float>(5)}}, {0}), MeshError);
   EXPECT_THROW(take_entries({{"fewer", -1, std::vector<float>(5)}}, {0}), MeshError);
   const TetMesh m = one_tet();
   EXPECT_THROW(carry_point_data({{"x", 1, std::vector<float>(4)}}, {0, 1, 2, 3, -1}, m.points, m.tets), MeshError);
+  EXPECT_THROW(carry_point_data({{"x", 1, std::vector<float>(4)}}, {0, 1, -2, -1}, m.points, m.tets), MeshError);
   EXPECT_THROW(carry_point_data({{"x", 1, std::vector<float>(4)}}, {0, 1, 2, -1}, m.points, {{0, 1, 2, 4}}), MeshError);
 }
 

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "mesh/transfer/point_locator.hpp"
+#include "support/flat_tets.hpp"
 #include "support/meshes.hpp"
 #include "support/work.hpp"
 #include "tetune/tetune.hpp"
@@ -91,6 +92,29 @@ TEST(PointLocator, FindsPointsAcrossAVertexOfManyTetrahedra) {
   }
 }
 
+/// In the planes of tetrahedra that are flat to rounding, the weights in these are noise, or no numbers.
+TEST(PointLocator, TakesNoTetrahedronThatIsFlatToRounding) {
+  const TetMesh mesh = test::with_flat_tets(8);
+  ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).message(false);
+  const PointLocator locate = locator(mesh);
+  int flat = 0;
+  for (const auto& [a, b, c, d] : mesh.tets) {
+    const auto at = [&](Index v) { return vec(span_of(mesh.points)[v]); };
+    const double volume = dot(cross(at(b) - at(a), at(c) - at(a)), at(d) - at(a));
+    if (volume > 1e-12) continue;
+    if (volume <= 0) ++flat;
+    const Vec3 middle = 0.25 * (at(a) + at(b) + at(c) + at(d));
+    for (const Vec3& p : {middle, 0.5 * (middle + at(a)), 0.1 * middle + 0.9 * at(b), middle + 0.07 * at(1)}) {
+      for (const Index start : {a, c}) {
+        const TetPoint found = locate.locate(p, start);
+        EXPECT_LT(norm(position(mesh, found) - p), 1e-12);
+        for (const double w : found.weights) EXPECT_TRUE(w >= 0 && w <= 1) << w;
+      }
+    }
+  }
+  EXPECT_GT(flat, 0);
+}
+
 TEST(Interpolation, OfEachType) {
   const std::vector<MeshPlace> places{{{0, 1, 2, 3}, {0.25, 0.25, 0.5, 0}}, {{3, 3, 3, 3}, {1, 0, 0, 0}}};
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -164,6 +188,18 @@ TEST(Interpolation, LinearFieldsAreExactAfterOptimization) {
     TetMesh carried = before;
     EXPECT_TRUE(optimize(carried, options).places.empty());
     EXPECT_EQ(carried.points, after.points);
+  }
+}
+
+TEST(Interpolation, LinearFieldsAreExactBesideTetrahedraThatAreFlatToRounding) {
+  const TetMesh before = with_fields(test::with_flat_tets(8));
+  Options options;
+  options.data = DataTransfer::interpolate;
+  TetMesh after = before;
+  const Report report = optimize(after, options);
+  expect_fields(before, after, [](const Point3& p) { return p; });
+  for (const MeshPlace& place : report.places) {
+    for (const double w : place.weights) EXPECT_TRUE(w >= 0 && w <= 1) << w;
   }
 }
 

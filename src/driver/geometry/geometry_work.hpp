@@ -41,7 +41,7 @@ class PatchTags {
   std::vector<Key> tags_;
 };
 
-/// Flags the vertices that the caller or the mesh holds.
+/// Flags the vertices that the caller or the mesh holds. Requires options that check_frozen_vertices() accepts.
 inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Options& options) {
   std::vector<std::uint8_t> held = options.frozen_vertices;
   held.resize(mesh.points.size(), 0);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "boundary/constraints.hpp"
 #include "driver/geometry/geometry_work.hpp"
 #include "driver/limit_growth.hpp"
 #include "driver/report/extend_report.hpp"
@@ -155,7 +156,8 @@ class GeometryRun {
 
   void move_onto_geometry() {
     const std::vector<double>& distances = report_.before.distances;
-    if (*std::max_element(distances.begin(), distances.end()) <= tolerance_) return;
+    const auto is_off = [this](double distance) { return distance > tolerance_; };
+    if (std::none_of(distances.begin(), distances.end(), is_off)) return;
     const std::vector<Point3> on_geometry = closest_points(work_);
     VertexTargets targets(on_geometry.size(), Point3{kNan, kNan, kNan});
     TetMesh moved = work_.mesh;
@@ -373,6 +375,7 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
   const auto start = PhaseTimer::SteadyClock::now();
   check_options(mesh, options);
   check_frozen_patches(mesh, options);
+  check_frozen_vertices(mesh, options);
   GeometryReport report;
   try {
     report = GeometryRun(geometry, options, on_geometry, context).run(mesh);

@@ -18,7 +18,16 @@
 namespace tetune {
 namespace {
 
-/// The entries new2old[0], new2old[1], ... of an array; zeros for a negative index.
+/// Throws MeshError for an id below 0 that is not kInserted.
+void check_not_negative(const std::vector<Index>& map, const std::string& name) {
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (map[i] >= kInserted) continue;
+    throw MeshError(name + "[" + std::to_string(i) + "] is " + std::to_string(map[i]) +
+                    "; it must be the id of a vertex or element, or -1 for none");
+  }
+}
+
+/// The entries new2old[0], new2old[1], ... of an array; zeros for kInserted.
 DataArray gather(const DataArray& array, const std::vector<Index>& new2old) {
   if (array.components < 1) {
     throw MeshError("data \"" + array.name + "\" has " + std::to_string(array.components) +
@@ -240,6 +249,7 @@ struct ElementData {
 }  // namespace
 
 std::vector<DataArray> take_entries(const std::vector<DataArray>& data, const std::vector<Index>& new2old) {
+  check_not_negative(new2old, "new2old");
   std::vector<DataArray> result;
   result.reserve(data.size());
   for (const DataArray& array : data) result.push_back(gather(array, new2old));
@@ -254,6 +264,7 @@ std::vector<DataArray> carry_point_data(const std::vector<DataArray>& data, cons
     throw MeshError("vertex2original has " + std::to_string(vertex2original.size()) +
                     " entries; it must have one for each of the " + std::to_string(points.size()) + " vertices");
   }
+  check_not_negative(vertex2original, "vertex2original");
   for (const auto& tet : tets) {
     const bool is_known =
         std::all_of(tet.begin(), tet.end(), [&](Index v) { return v >= 0 && v < std::ssize(points); });

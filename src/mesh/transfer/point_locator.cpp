@@ -2,6 +2,7 @@
 #include "mesh/transfer/point_locator.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <unordered_set>
 
 namespace tetune {
@@ -11,16 +12,30 @@ namespace {
 constexpr double kInside = 1e-13;
 /// The walk is given up after this number of tetrahedra, as it can run in a circle.
 constexpr int kMaxWalk = 300;
+/// A point that the weights do not reproduce to this part of the longest edge is elsewhere: in a tetrahedron that is
+/// flat to rounding they are noise.
+constexpr double kPlaceRounding = 1e-10;
 /// The search around the start is given up after this number of tetrahedra: the point is outside, or far.
 constexpr std::size_t kMaxSearch = 2000;
 
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(cross(b - a, c - a), d - a); }
 
-std::array<double, 4> barycentric(const Vec3& p, const std::array<Vec3, 4>& x) {
-  const double v[4] = {volume(p, x[1], x[2], x[3]), volume(x[0], p, x[2], x[3]), volume(x[0], x[1], p, x[3]),
-                       volume(x[0], x[1], x[2], p)};
-  const double sum = v[0] + v[1] + v[2] + v[3];
-  return {v[0] / sum, v[1] / sum, v[2] / sum, v[3] / sum};
+/// The barycentric coordinates times the volume. Their sum may be 0 or negative by rounding, as the true volume is
+/// positive.
+std::array<double, 4> volumes_at(const Vec3& p, const std::array<Vec3, 4>& x) {
+  return {volume(p, x[1], x[2], x[3]), volume(x[0], p, x[2], x[3]), volume(x[0], x[1], p, x[3]),
+          volume(x[0], x[1], x[2], p)};
+}
+
+/// The largest weight for the vertex nearest to the point.
+std::array<double, 4> nearest_corner(const Vec3& p, const std::array<Vec3, 4>& x) {
+  std::size_t nearest = 0;
+  for (std::size_t k = 1; k < 4; ++k) {
+    if (dot(x[k] - p, x[k] - p) < dot(x[nearest] - p, x[nearest] - p)) nearest = k;
+  }
+  std::array<double, 4> weights{};
+  weights[nearest] = 1;
+  return weights;
 }
 
 }  // namespace
@@ -39,12 +54,12 @@ TetPoint PointLocator::locate(const Vec3& p, Index start) const {
   Index slot = first;
   bool is_outside = false;
   for (int step = 0; hit.distance2 > 0 && step < kMaxWalk; ++step) {
-    const std::array<double, 4> weights = barycentric(p, corners(slot));
+    const std::array<double, 4> volumes = volumes_at(p, corners(slot));
     // Across the face that separates most, among those with a tetrahedron behind them.
     int face = -1;
     for (int k = 0; k < 4; ++k) {
-      if (span_of(mesh_.tet2tet)[slot][k] == kNoHalfFace || weights[to_size_t(k)] >= 0) continue;
-      if (face < 0 || weights[to_size_t(k)] < weights[to_size_t(face)]) face = k;
+      if (span_of(mesh_.tet2tet)[slot][k] == kNoHalfFace || volumes[to_size_t(k)] >= 0) continue;
+      if (face < 0 || volumes[to_size_t(k)] < volumes[to_size_t(face)]) face = k;
     }
     is_outside = face < 0;
     if (is_outside) break;
@@ -68,26 +83,33 @@ std::array<Vec3, 4> PointLocator::corners(Index slot) const {
 
 PointLocator::Hit PointLocator::closest_in(const Vec3& p, Index slot) const {
   const std::array<Vec3, 4> x = corners(slot);
-  Hit hit{slot, barycentric(p, x), 0};
-  const bool inside = std::all_of(hit.weights.begin(), hit.weights.end(), [](double w) { return w >= -kInside; });
+  Hit hit{slot, volumes_at(p, x), 0};
+  const double outside = -kInside * std::accumulate(hit.weights.begin(), hit.weights.end(), 0.0);
+  const bool inside = std::all_of(hit.weights.begin(), hit.weights.end(), [=](double v) { return v >= outside; });
   double sum = 0;
   for (double& w : hit.weights) sum += w = std::max(w, 0.0);
-  Vec3 q{0, 0, 0};
-  for (std::size_t k = 0; k < 4; ++k) {
-    hit.weights[k] /= sum;
-    q = q + hit.weights[k] * x[k];
+  if (sum > 0) {
+    for (double& w : hit.weights) w /= sum;
+  } else {
+    hit.weights = nearest_corner(p, x);
   }
-  if (!inside) hit.distance2 = std::max(dot(q - p, q - p), 1e-300);
+  Vec3 q{0, 0, 0};
+  for (std::size_t k = 0; k < 4; ++k) q = q + hit.weights[k] * x[k];
+  hit.distance2 = dot(q - p, q - p);
+  if (inside && touches(hit)) {
+    hit.distance2 = 0;
+  } else {
+    hit.distance2 = std::max(hit.distance2, 1e-300);
+  }
   return hit;
 }
 
 /// Whether the point is outside the tetrahedron by rounding only, as one that has moved within the surface.
 bool PointLocator::touches(const Hit& hit) const {
-  constexpr double kRounding = 1e-10;
   const std::array<Vec3, 4> x = corners(hit.slot);
   double longest2 = 0;
   for (std::size_t k = 1; k < 4; ++k) longest2 = std::max(longest2, dot(x[k] - x[0], x[k] - x[0]));
-  return hit.distance2 <= kRounding * kRounding * longest2;
+  return hit.distance2 <= kPlaceRounding * kPlaceRounding * longest2;
 }
 
 /// Breadth first through faces. `is_complete` becomes false where the search is given up.
