@@ -241,7 +241,9 @@ class Geometry(CliTest):
         self.assertNotIn("out.mesh", self.files())
         inches = Mesh([tuple(x / 25.4 for x in p) for p in cylinder().points], cylinder().tets)
         small = self.put("small.mesh", inches)
-        self.refused("info", small, "--geometry", self.part("cylinder_inch.stp"), said=["--geometry-unit 25.4 (inch)"])
+        for command in (("info", small), ("convert", small, self.path("out.msh"), "--order", "2")):
+            self.refused(*command, "--geometry", self.part("cylinder_inch.stp"),
+                         said=["tetune: " + small + ": ", "--geometry-unit 25.4 (inch)"])
         self.run_cli("info", small, "--geometry", self.part("cylinder_inch.stp"), "--geometry-unit", "inch")
         # The unit is checked before the mesh is read.
         absent = self.path("absent.mesh")
@@ -282,6 +284,12 @@ class Geometry(CliTest):
         done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--snap", "no", "--geometry-unit", "m", "--quiet")
         for option in ("--snap", "--geometry-unit"):
             self.assertIn(f"warning: {option} has no effect without --geometry", done.stderr)
+        for command in (("info", source), ("convert", source, "-o", self.path("out.msh"), "--order", "2")):
+            done = self.run_cli(*command, "--geometry-unit", "m")
+            self.assertIn("warning: --geometry-unit has no effect without --geometry", done.stderr)
+        done = self.run_cli("convert", source, "-o", self.path("out.msh"), "--order", "2", "--geometry",
+                            self.part("cylinder.step"), "--feature-angle", "5")
+        self.assertIn("warning: --feature-angle has no effect with --geometry", done.stderr)
 
     def test_options_that_have_no_meaning_with_a_geometry_are_refused(self):
         source, part = self.put("in.mesh", cylinder(3)), self.part("cylinder.step")
