@@ -124,7 +124,8 @@ class Run {
       }
     } catch (const UntangleError& e) {
       if (e.reason == UntangleError::Reason::stopped) {
-        throw NotUntangled(file + ": stopped before all tetrahedra were made positive, nothing was written");
+        throw NotUntangled(file + ": stopped before all tetrahedra were made " + (e.of_curved ? "valid" : "positive") +
+                           ", nothing was written");
       }
       fail_to_untangle(e);
     } catch (const Error&) {
