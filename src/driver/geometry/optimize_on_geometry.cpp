@@ -9,6 +9,7 @@
 #include "driver/geometry/geometry_work.hpp"
 #include "driver/limit_growth.hpp"
 #include "driver/report/extend_report.hpp"
+#include "driver/report/run_warnings.hpp"
 #include "driver/report/targets.hpp"
 #include "math/constants.hpp"
 #include "math/vec3.hpp"
@@ -373,6 +374,8 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
   const auto start = PhaseTimer::SteadyClock::now();
   check_options(mesh, options);
   check_frozen_patches(mesh, options);
+  // Those of the runs are of other options.
+  RunWarnings warnings(mesh, options);
   GeometryReport report;
   try {
     report = GeometryRun(geometry, options, on_geometry, context).run(mesh);
@@ -383,6 +386,7 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
     }
     throw;
   }
+  warnings.add_to(report.optimization, {}, report.vertices_snapped > 0);
   report.optimization.seconds = PhaseTimer::seconds_since(start);
   return report;
 }
