@@ -283,7 +283,8 @@ double seconds_of_cone(int n) {
 }
 
 TEST(SurfaceMiddles, TimeIsLinearInTheTrianglesAroundAVertex) {
-  EXPECT_LT(seconds_of_cone(32'000), 64 * seconds_of_cone(2'000));
+  // There are 32 times as many triangles, and caches hold the smaller cone.
+  EXPECT_LT(seconds_of_cone(64'000), 200 * seconds_of_cone(2'000));
 }
 
 }  // namespace
