@@ -222,7 +222,11 @@ void check(const CLI::App& command, OptimizeArguments& a) {
     throw OptionError(with_flags(e.what()));
   }
   Options options = a.options;
-  if (!a.max_deviation.empty()) options.max_deviation = 1;  // its length is not known yet
+  if (!a.max_deviation.empty()) {
+    TetMesh of_unit_size;  // the size of the mesh is not known yet
+    of_unit_size.points = {{0, 0, 0}, {1, 0, 0}};
+    options.max_deviation = parse_length("--max-deviation", a.max_deviation, of_unit_size);
+  }
   for (std::string& text : ineffective_flags(command, options)) a.warnings.push_back(std::move(text));
   if (a.options.trace_angles && a.names.report.empty() && a.names.page.empty()) {
     a.warnings.emplace_back("--trace-angles has no effect without --report");

@@ -11,6 +11,7 @@
 #include "definitions.hpp"
 #include "exit_code.hpp"
 #include "geometry_files.hpp"
+#include "mesh_errors.hpp"
 #include "mesh_files.hpp"
 #include "tables.hpp"
 #include "tetune/curve.hpp"
@@ -57,7 +58,8 @@ void set_order(const ConvertArguments& a, TetMesh& mesh, Console& console) {
       for (const std::string& warning : geometry->warnings()) console.warn(warning);
       options.geometry = &*geometry;
     }
-    const CurveReport r = curve(mesh, options);
+    const CurveReport r = with_messages(shown_name(a.input, false), mesh, a.threads, kUntangleFirst,
+                                        [&] { return curve(mesh, options); });
     console.print(fmt::format("{} curved edges, {} curved tetrahedra, smallest scaled Jacobian {:.4f}\n",
                               r.curved_edges, r.curved_tets, r.min_scaled_jacobian));
     if (r.not_valid_before > 0) {
@@ -91,7 +93,11 @@ int convert(const CLI::App& c, const ConvertArguments& a) {
   unit_in_mm(a.geometry.unit);
   Console console(ProgressMode::none, a.quiet ? 0 : 1, stderr);
   Input input = read_input(a.input, a.threads);
-  if (a.order != 2 && c.count("--feature-angle") > 0) console.warn("--feature-angle has no effect without --order 2");
+  if (c.count("--feature-angle") > 0) {
+    if (a.order != 2) console.warn("--feature-angle has no effect without --order 2");
+    if (!a.geometry.file.empty()) console.warn("--feature-angle has no effect with --geometry");
+  }
+  for (const std::string& warning : flags_without_geometry(c, a.geometry)) console.warn(warning);
   if (!a.tags.empty()) choose_tags(input, a.input, a.tags);
   for (const std::string& warning : input.warnings) console.warn(warning);
   if (!a.msh.empty()) {

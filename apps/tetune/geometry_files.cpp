@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "definitions.hpp"
@@ -68,25 +70,32 @@ void define_geometry_to_slide_on(CLI::App& command, GeometryArguments& a) {
       ->group(kGroup);
 }
 
+std::vector<std::string> flags_without_geometry(const CLI::App& command, const GeometryArguments& a) {
+  std::vector<std::string> warnings;
+  for (const char* option : {"--geometry-unit", "--snap"}) {
+    const CLI::Option* given = a.file.empty() ? command.get_option_no_throw(option) : nullptr;
+    if (given != nullptr && given->count() > 0)
+      warnings.push_back(std::string(option) + " has no effect without --geometry");
+  }
+  return warnings;
+}
+
 void check_geometry_arguments(const CLI::App& command, OptimizeArguments& a) {
   unit_in_mm(a.geometry.unit);
-  if (a.geometry.file.empty()) {
-    for (const char* option : {"--geometry-unit", "--snap"}) {
-      const CLI::Option* given = command.get_option_no_throw(option);
-      if (given != nullptr && given->count() > 0)
-        a.warnings.push_back(std::string(option) + " has no effect without --geometry");
-    }
-    return;
-  }
+  for (std::string& text : flags_without_geometry(command, a.geometry)) a.warnings.push_back(std::move(text));
+  if (a.geometry.file.empty()) return;
   if (a.options.boundary != Boundary::slide) throw OptionError("--geometry needs --boundary slide");
   if (!a.criteria_name.empty())
     throw OptionError("--geometry and --criteria exclude each other: judge by `tetune info`");
 }
 
-std::string with_geometry_flags(const std::string& text) {
-  constexpr std::string_view kName = "geometry_unit=";
+std::string with_library_flags(const std::string& text) {
+  constexpr std::pair<std::string_view, std::string_view> kNames[] = {{"geometry_unit=", "--geometry-unit "},
+                                                                      {"(order 1)", "(--order 1)"}};
   std::string flags = with_flags(text);
-  if (const auto at = flags.find(kName); at != std::string::npos) flags.replace(at, kName.size(), "--geometry-unit ");
+  for (const auto& [name, flag] : kNames) {
+    if (const auto at = flags.find(name); at != std::string::npos) flags.replace(at, name.size(), flag);
+  }
   return flags;
 }
 

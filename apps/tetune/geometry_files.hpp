@@ -5,6 +5,7 @@
 #include <future>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "optimize_arguments.hpp"
 #include "tetune/optimize_on_geometry.hpp"
@@ -19,11 +20,14 @@ void define_geometry(CLI::App& command, GeometryArguments& arguments, const std:
 /// Defines --geometry, --geometry-unit and --snap of `tetune optimize`.
 void define_geometry_to_slide_on(CLI::App& command, GeometryArguments& arguments);
 
+/// One warning for each given option that has no effect without --geometry.
+std::vector<std::string> flags_without_geometry(const CLI::App& command, const GeometryArguments& arguments);
+
 /// Throws OptionError for options that the geometry excludes, and warns of those that have no effect without it.
 void check_geometry_arguments(const CLI::App& command, OptimizeArguments& arguments);
 
-/// A text of the library with its options, and that of the unit, written as flags.
-std::string with_geometry_flags(const std::string& text);
+/// A text of the library with its options, the unit of a geometry and the order of a mesh written as flags.
+std::string with_library_flags(const std::string& text);
 
 /// The length in mm of a unit, which is a name or a number. Throws OptionError.
 double unit_in_mm(const std::string& unit);

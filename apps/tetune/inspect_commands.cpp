@@ -91,11 +91,7 @@ void match_geometry(const InspectArguments& a, const std::string& name, Inspecti
   if (a.geometry.file.empty()) return;
   i.geometry.emplace(a.geometry.file, unit_in_mm(a.geometry.unit));
   print_warnings(i.geometry->warnings());
-  try {
-    i.match = i.geometry->match(i.mesh);
-  } catch (const MeshError& e) {
-    throw MeshError(name + ": " + with_geometry_flags(e.what()));
-  }
+  i.match = with_messages(name, i.mesh, a.threads, kUntangleFirst, [&] { return i.geometry->match(i.mesh); });
   if (!a.classified.empty()) {
     print_warnings(write_output(a.classified, false, classified_mesh(i.mesh, i.match), a.threads));
   }
@@ -184,13 +180,14 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
   if (i.acceptance) fmt::print("{}", acceptance_table("acceptance", *i.acceptance));
 }
 
-int info(const InspectArguments& a) {
+int info(const CLI::App& c, const InspectArguments& a) {
   const std::string name = shown_name(a.files[0], false);
   std::vector<Target> bounds;
   for (const std::string& text : a.min_quality)
     bounds.push_back(parse_bound("--min-quality", text, Measure::mean_ratio));
   if (a.geometry.file.empty() && !a.classified.empty()) throw OptionError("--output is for --geometry alone");
   unit_in_mm(a.geometry.unit);
+  print_warnings(flags_without_geometry(c, a.geometry));
   Inspection i = inspect(a, criteria_of(a), 0);
   match_geometry(a, name, i);
   const std::vector<BoundVerdict> verdicts = i.measured ? judge(i.quality, bounds) : std::vector<BoundVerdict>{};
@@ -287,7 +284,7 @@ void add_info(CLI::App& app, int& exit_code) {
       ->option_text("FILE");
   c->add_flag("--check", a->check, "Print one line: whether the mesh is valid, and meets --min-quality");
   check_values(*c);
-  c->callback([a, &exit_code] { exit_code = info(*a); });
+  c->callback([c, a, &exit_code] { exit_code = info(*c, *a); });
 }
 
 void add_compare(CLI::App& app, int& exit_code) {

@@ -48,14 +48,17 @@ class LastEvents {
 
 constexpr const char* kNothing = "interrupted, nothing was written";
 constexpr const char* kWritten = "interrupted after the mesh was written";
+constexpr const char* kPartWritten = "interrupted after meshes of the series were written";
 
 struct JobEvents {
-  explicit JobEvents(const std::string& input)
-      : nothing(input, kNothing, kNothingWritten), written(input, kWritten, kStoppedEarly) {}
+  JobEvents(const std::string& input, const char* written_text)
+      : nothing(input, kNothing, kNothingWritten), written(input, written_text, kStoppedEarly) {}
   LastEvents nothing, written;
 };
 
 std::atomic<Stage> stage{Stage::nothing};
+std::atomic<bool> was_written{false};
+std::atomic<const char*> text_if_written{kWritten};
 std::atomic<bool> was_requested{false};
 std::atomic<JobEvents*> events{nullptr};  ///< in the JSON mode
 
@@ -63,12 +66,12 @@ std::atomic<JobEvents*> events{nullptr};  ///< in the JSON mode
 void handle() {
   const Stage now = stage;
   if (!was_requested.exchange(true) && now == Stage::worth_writing) return;
-  const bool written = now == Stage::written;
+  const bool written = was_written;
   if (JobEvents* last = events) {
     process::write_error((written ? last->written : last->nothing).text());
   } else {
     process::write_error("\ntetune: ");
-    process::write_error(written ? kWritten : kNothing);
+    process::write_error(written ? text_if_written.load() : kNothing);
     process::write_error("\n");
   }
   process::leave(written ? kStoppedEarly : kNothingWritten);
@@ -80,19 +83,23 @@ bool is_json = false;
 
 void install(bool json) {
   is_json = json;
-  begin("");
+  begin("", false);
   process::on_interruption(handle);
 }
 
-void begin(const std::string& input) {
+void begin(const std::string& input, bool of_series) {
   enter(Stage::nothing);
+  text_if_written = of_series ? kPartWritten : kWritten;
   if (!is_json) return;
   // Never freed: the handler may run while the program ends.
   static auto& all = *new std::deque<JobEvents>;
-  events = &all.emplace_back(input);
+  events = &all.emplace_back(input, text_if_written);
 }
 
-void enter(Stage next) { stage = next; }
+void enter(Stage next) {
+  if (next != Stage::worth_writing) was_written = next == Stage::written;
+  stage = next;
+}
 
 bool requested() { return was_requested; }
 

@@ -10,14 +10,15 @@ namespace tetune::cli::interrupt {
 /// Installs the signal handler. `json`: it prints events of --progress json, of which the last is the end of the job.
 void install(bool json);
 
-/// A job begins, with nothing to write yet.
-void begin(const std::string& input);
+/// A job begins, with nothing to write yet. `of_series`: it writes the meshes of several times.
+void begin(const std::string& input, bool of_series);
 
 enum class Stage {
   nothing,  ///< nothing to write yet
   worth_writing,
-  written,
+  written,  ///< the mesh, or the first of a series
 };
+/// A series that has entered Stage::written may enter Stage::worth_writing again, for the mesh of its next time.
 void enter(Stage stage);
 
 /// Whether a stop was requested.

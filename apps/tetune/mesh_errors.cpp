@@ -3,12 +3,23 @@
 
 #include <fmt/format.h>
 
-#include <string_view>
-
 #include "geometry_files.hpp"
 #include "option_flags.hpp"
 
 namespace tetune::cli {
+namespace {
+
+/// An error of optimize() and the like.
+std::string mesh_message(const MeshError& error, const TetMesh& mesh, int threads, const char* advice) {
+  if (const auto* overlap = dynamic_cast<const OverlapError*>(&error)) return with_flags(overlap->message(true));
+  if (const auto* curved = dynamic_cast<const CurvedError*>(&error)) {
+    return with_flags(curved->message(true)) + " `tetune info` measures them.";
+  }
+  const ValidationReport valid = validate(mesh, threads);
+  return valid.ok() ? with_library_flags(error.what()) : validity_message(valid, !mesh.curved_edges.empty(), advice);
+}
+
+}  // namespace
 
 std::string untangle_message(const UntangleError& error, const TetMesh& mesh) {
   const std::string text = with_flags(error.message(true));
@@ -23,24 +34,26 @@ std::string untangle_message(const UntangleError& error, const TetMesh& mesh) {
                      center[2]);
 }
 
-std::string mesh_message(const MeshError& error, const TetMesh& mesh, int threads) {
-  if (const auto* overlap = dynamic_cast<const OverlapError*>(&error)) return with_flags(overlap->message(true));
-  if (const auto* curved = dynamic_cast<const CurvedError*>(&error)) {
-    return with_flags(curved->message(true)) + " `tetune info` measures them.";
-  }
-  const ValidationReport valid = validate(mesh, threads);
-  return valid.ok() ? with_geometry_flags(error.what()) : validity_message(valid, !mesh.curved_edges.empty());
+std::string validity_message(const ValidationReport& report, bool is_curved, const char* advice) {
+  return report.message(true, is_curved
+                                  ? "the straight tetrahedra of a curved mesh have to be valid first: make it one "
+                                    "of straight tetrahedra (tetune convert --order 1) and untangle this "
+                                    "(--untangle)"
+                                  : advice);
 }
 
-std::string validity_message(const ValidationReport& report, bool is_curved) {
-  std::string text = report.message(true);
-  constexpr std::string_view kRemedy = "untangle them (untangle=true)";
-  if (const auto at = text.find(kRemedy); is_curved && at != std::string::npos) {
-    text.replace(at, kRemedy.size(),
-                 "the straight tetrahedra of a curved mesh have to be valid first: make it one of straight tetrahedra "
-                 "(tetune convert --order 1) and untangle this (untangle=true)");
+void rethrow_with_message(const std::string& file, const TetMesh& mesh, int threads, const char* advice) {
+  try {
+    throw;
+  } catch (const UntangleError& e) {
+    throw MeshError(file + ": " + untangle_message(e, mesh));
+  } catch (const MeshError& e) {
+    throw MeshError(file + ": " + mesh_message(e, mesh, threads, advice));
+  } catch (const OptionError& e) {
+    throw OptionError(file + ": " + with_library_flags(e.what()));
+  } catch (const DeviceError& e) {
+    throw DeviceError(file + ": " + with_flags(e.what()));
   }
-  return with_flags(text);
 }
 
 }  // namespace tetune::cli

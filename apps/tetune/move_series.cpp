@@ -11,10 +11,12 @@
 #include <numeric>
 
 #include "interrupt.hpp"
+#include "mesh_errors.hpp"
 #include "mesh_files.hpp"
 #include "move_targets.hpp"
 #include "option_flags.hpp"
 #include "report_files.hpp"
+#include "system/path.hpp"
 #include "tables.hpp"
 #include "tetune/io.hpp"
 #include "tetune/live_mesh.hpp"
@@ -55,7 +57,7 @@ void check_arguments(const OptimizeArguments& a, const Job& job) {
 
 /// The name of the mesh of a step: that of the series with a number.
 std::string step_name(const std::string& series, std::size_t step) {
-  const fs::path path = series;
+  const fs::path path = path_of(series);
   return (path.parent_path() / fmt::format("{}_{:04}.vtu", path.stem().string(), step)).string();
 }
 
@@ -67,7 +69,8 @@ class SeriesRun {
   JobResult run() {
     check_arguments(a_, job_);
     read();
-    LiveMesh mesh(input_, options_);
+    LiveMesh mesh = with_messages(shown_name(steps_[0].path, false), input_, options_.threads, kUntangleHere,
+                                  [this] { return LiveMesh(input_, options_); });
     original_of_.resize(input_.points.size());
     std::iota(original_of_.begin(), original_of_.end(), 0);
     result_.before = quality(input_, options_.threads);
@@ -103,7 +106,7 @@ class SeriesRun {
   /// The meshes of earlier times are written, and the series lists them.
   void fail_after_first(const std::exception& e) {
     const bool lacks_memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
-    console_.error(lacks_memory ? job_.input + ": out of memory" : with_flags(e.what()));
+    console_.error(lacks_memory ? job_.input + ": out of memory" : e.what());
     result_.code = kStoppedEarly;
     result_.summary = "a time failed";
   }
@@ -118,13 +121,13 @@ class SeriesRun {
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       const std::string name = step_name(job_.output, i);
       std::error_code error;
-      if (!fs::exists(name, error)) continue;
+      if (!fs::exists(path_of(name), error)) continue;
       if (!a_.replaces) {
         throw OptionError(fmt::format("{0}: the mesh of a time would replace {1}, which exists; replace it with -o {0}",
                                       job_.output, name));
       }
       for (const std::string& file : read) {
-        if (!fs::equivalent(name, file, error) || error) continue;
+        if (!fs::equivalent(path_of(name), path_of(file), error) || error) continue;
         throw OptionError(fmt::format("{}: the file {} of the input would be overwritten; give the output another name",
                                       job_.output, file));
       }
@@ -189,7 +192,8 @@ class SeriesRun {
       interrupt::enter(interrupt::Stage::worth_writing);
       return interrupt::requested();
     };
-    MoveReport report = mesh.move(target, context);
+    MoveReport report = with_messages(shown_name(steps_[i].path, false), mesh.mesh(), options_.threads, kUntangleHere,
+                                      [&] { return mesh.move(target, context); });
     const std::vector<Index>& from = report.optimization.vertex2original;
     if (!from.empty()) {
       std::vector<Index> now;
@@ -209,6 +213,7 @@ class SeriesRun {
     for (const std::string& w : warnings) warn(w);
     written_.push_back(step);
     write_series(job_.output, written_);
+    interrupt::enter(interrupt::Stage::written);
     nlohmann::ordered_json entry = {{"time", step.time}, {"file", step.path}};
     std::string text = fmt::format("  time {:.6g}: {}", step.time, shown_name(step.path, true));
     if (report == nullptr) {
@@ -253,7 +258,7 @@ class SeriesRun {
 
 }  // namespace
 
-bool is_series(const std::string& path) { return fs::path(path).extension() == ".pvd"; }
+bool is_series(const std::string& path) { return path_of(path).extension() == ".pvd"; }
 
 JobResult run_series(const OptimizeArguments& arguments, const Job& job, Console& console) {
   const auto start = std::chrono::steady_clock::now();
@@ -263,7 +268,7 @@ JobResult run_series(const OptimizeArguments& arguments, const Job& job, Console
   } catch (const std::bad_alloc&) {
     console.error(job.input + ": out of memory");
   } catch (const std::exception& e) {
-    console.error(with_flags(e.what()));
+    console.error(e.what());
   }
   console.clear();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

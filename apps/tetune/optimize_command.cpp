@@ -40,9 +40,9 @@ void print_end(const Job& job, const JobResult& result, Console& console) {
 
 /// run_job() or run_series().
 JobResult run_one(const OptimizeArguments& a, const Job& job, Console& console) {
-  interrupt::begin(job.input);
-  console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
   const bool moves_series = a.move && (is_series(job.input) || is_series(job.output));
+  interrupt::begin(job.input, moves_series);
+  console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
   const JobResult result = moves_series ? run_series(a, job, console) : run_job(a, job, console);
   print_end(job, result, console);
   return result;

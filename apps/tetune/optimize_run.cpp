@@ -102,9 +102,9 @@ class Run {
     return job_.report.empty() ? quality(input_.mesh, options_.threads) : measure_all(input_.mesh, options_.threads);
   }
 
-  /// Calls optimize(). Errors name the file, its own numbers of elements, and flags.
+  /// Calls optimize().
   void improve(const Context& context) {
-    const std::string file = shown_name(job_.input, false) + ": ";
+    const std::string file = shown_name(job_.input, false);
     try {
       result_.before = measure();
       if (a_.criteria && a_.move) criteria_.before = check(input_.mesh, *a_.criteria, options_.threads);
@@ -124,15 +124,12 @@ class Run {
       }
     } catch (const UntangleError& e) {
       if (e.reason == UntangleError::Reason::stopped) {
-        throw NotUntangled(file + "stopped before all tetrahedra were made positive, nothing was written");
+        throw NotUntangled(file + ": stopped before all tetrahedra were made " + (e.of_curved ? "valid" : "positive") +
+                           ", nothing was written");
       }
       fail_to_untangle(e);
-    } catch (const MeshError& e) {
-      throw MeshError(file + mesh_message(e, input_.mesh, options_.threads));
-    } catch (const OptionError& e) {
-      throw OptionError(file + with_flags(e.what()));
-    } catch (const DeviceError& e) {
-      throw DeviceError(file + with_flags(e.what()));
+    } catch (const Error&) {
+      rethrow_with_message(file, input_.mesh, options_.threads, kUntangleHere);
     }
   }
 

@@ -40,7 +40,7 @@ class TETUNE_API UntangleError : public MeshError {
     surface_at_fault,        ///< the surface of the input crosses itself or is folded onto itself
     curved_surface,          ///< nodes that are held leave second-order elements no room
   };
-  UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason);
+  UntangleError(std::int64_t tangled, std::vector<Index> left, Reason reason, bool of_curved = false);
   /// Of second-order elements, whose reason is the curved surface; `remedy` says in words which options may help.
   UntangleError(std::int64_t tangled, std::vector<Index> left, std::vector<Index> folded, const Point3& place,
                 std::string remedy);
@@ -52,6 +52,7 @@ class TETUNE_API UntangleError : public MeshError {
   /// surface where it would fold, or where it is at fault.
   std::vector<Index> left;
   Reason reason;
+  bool of_curved;  ///< the elements are of second order
   /// The others are of second-order elements that the curved surface leaves no room. Those of `left` with a face that
   /// its own mid-side nodes fold, in increasing order.
   std::vector<Index> folded;

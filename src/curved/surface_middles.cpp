@@ -125,16 +125,18 @@ class Sheets {
     }
   }
 
-  /// The corners at the vertex of a corner that can be reached over edges that are no features.
-  std::vector<Index> sector(Index corner) const {
+  /// The corners at the vertex of a corner that can be reached over edges that are no features. Marks them as done,
+  /// which are those of other sectors.
+  std::vector<Index> sector(Index corner, std::vector<std::uint8_t>& is_done) const {
     std::vector<Index> corners{corner};
+    span_of(is_done)[corner] = 1;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       for (const Index side : {next(corners[i]), next(next(corners[i]))}) {
         const Index other = across(side);
         if (other == kFeature) continue;
         const Index first = next(other);
         const Index found = vertex(first) == vertex(corner) ? first : next(first);
-        if (std::find(corners.begin(), corners.end(), found) == corners.end()) corners.push_back(found);
+        if (std::exchange(span_of(is_done)[found], std::uint8_t{1}) == 0) corners.push_back(found);
       }
     }
     return corners;
@@ -144,14 +146,14 @@ class Sheets {
     normals_.assign(3 * triangles_.size(), Vec3{0, 0, 0});
     flat_sectors_.assign(3 * triangles_.size(), 0);
     std::vector<std::uint8_t> is_done(3 * triangles_.size(), 0);
+    std::vector<std::uint8_t> is_around(triangles_.size(), 0);
     for (Index corner = 0; corner < std::ssize(is_done); ++corner) {
       if (span_of(is_done)[corner] != 0) continue;
-      const std::vector<Index> corners = sector(corner);
+      const std::vector<Index> corners = sector(corner, is_done);
       const Vec3 rough = rough_normal(corners);
-      const Vec3 normal = norm(rough) > 0 ? fit_normal(points_around(corners), unit(rough)) : rough;
+      const Vec3 normal = norm(rough) > 0 ? fit_normal(points_around(corners, is_around), unit(rough)) : rough;
       const bool is_inner = has_no_feature(corners) && lies_in_plane(corners, rough);
       for (const Index c : corners) {
-        span_of(is_done)[c] = 1;
         span_of(normals_)[c] = normal;
         span_of(flat_sectors_)[c] = is_inner ? 1 : 0;
       }
@@ -170,24 +172,27 @@ class Sheets {
     return sum;
   }
 
-  /// The vertices of a sector and of two more rows of triangles of its sheet, relative to its vertex.
-  std::vector<Vec3> points_around(const std::vector<Index>& corners) const {
+  /// The vertices of a sector and of two more rows of triangles of its sheet, relative to its vertex. `is_around`: 0
+  /// per triangle, before and after.
+  std::vector<Vec3> points_around(const std::vector<Index>& corners, std::vector<std::uint8_t>& is_around) const {
     std::vector<Index> triangles;
-    for (const Index c : corners) triangles.push_back(c / 3);
+    const auto add = [&](Index t) {
+      if (std::exchange(span_of(is_around)[t], std::uint8_t{1}) == 0) triangles.push_back(t);
+    };
+    for (const Index c : corners) add(c / 3);
     for (std::size_t begin = 0, row = 0; row < 2; ++row) {
       const std::size_t end = triangles.size();
       for (std::size_t i = begin; i < end; ++i) {
         for (Index k = 0; k < 3; ++k) {
           const Index other = across(3 * triangles[i] + k);
-          if (other == kFeature) continue;
-          if (std::find(triangles.begin(), triangles.end(), other / 3) == triangles.end())
-            triangles.push_back(other / 3);
+          if (other != kFeature) add(other / 3);
         }
       }
       begin = end;
     }
     std::vector<Index> vertices;
     for (const Index t : triangles) {
+      span_of(is_around)[t] = 0;
       for (const Index v : span_of(triangles_)[t].vertices) vertices.push_back(v);
     }
     sort_unique(vertices);

@@ -24,11 +24,12 @@ std::string curved_message(std::int64_t tangled, const std::vector<Index>& left,
 }
 
 std::string untangle_message(std::int64_t tangled, const std::vector<Index>& left, UntangleError::Reason reason,
-                             bool one_based) {
+                             bool of_curved, bool one_based) {
   if (reason == UntangleError::Reason::stopped) {
     return "stopped before all of " + std::to_string(tangled) +
-           " inverted or flat tetrahedra were made positive: " + std::to_string(left.size()) + " are left" +
-           first_ids(left, one_based);
+           (of_curved ? " second-order tetrahedra that are not proved valid were made so: "
+                      : " inverted or flat tetrahedra were made positive: ") +
+           std::to_string(left.size()) + " are left" + first_ids(left, one_based);
   }
   if (reason == UntangleError::Reason::surface_at_fault) {
     return "of " + std::to_string(tangled) +
@@ -59,8 +60,12 @@ std::string overlap_message(const std::vector<Index>& tets, bool one_based) {
 
 }  // namespace
 
-UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, Reason why)
-    : MeshError(untangle_message(all, rest, why, false)), tangled(all), left(std::move(rest)), reason(why) {}
+UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, Reason why, bool are_curved)
+    : MeshError(untangle_message(all, rest, why, are_curved, false)),
+      tangled(all),
+      left(std::move(rest)),
+      reason(why),
+      of_curved(are_curved) {}
 
 UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, std::vector<Index> with_fold,
                              const Point3& first, std::string what_helps)
@@ -68,13 +73,14 @@ UntangleError::UntangleError(std::int64_t all, std::vector<Index> rest, std::vec
       tangled(all),
       left(std::move(rest)),
       reason(Reason::curved_surface),
+      of_curved(true),
       folded(std::move(with_fold)),
       place(first),
       remedy(std::move(what_helps)) {}
 
 std::string UntangleError::message(bool one_based) const {
   return reason == Reason::curved_surface ? curved_message(tangled, left, folded, place, remedy, one_based)
-                                          : untangle_message(tangled, left, reason, one_based);
+                                          : untangle_message(tangled, left, reason, of_curved, one_based);
 }
 
 CurvedError::CurvedError(std::vector<Index> invalid, const Point3& first)

@@ -255,7 +255,7 @@ const char* to_string(Defect defect) {
                           "entry that is not in ascending order, listed twice or no edge of an element"});
 }
 
-std::string ValidationReport::message(bool one_based) const {
+std::string ValidationReport::message(bool one_based, const std::string& advice) const {
   std::string text = "the mesh is not valid:";
   bool can_be_untangled = true;
   for (const Finding& f : findings) {
@@ -263,7 +263,7 @@ std::string ValidationReport::message(bool one_based) const {
     if (f.place) text += ", the first " + place_text(*f.place);
     can_be_untangled = can_be_untangled && (f.defect == Defect::inverted_tet || f.defect == Defect::flat_tet);
   }
-  return text + (can_be_untangled ? "\n  untangle them (untangle=true), or repair the mesh in the program that made it."
+  return text + (can_be_untangled ? "\n  " + advice + ", or repair the mesh in the program that made it."
                                   : "\n  repair or remove these in the program that made the mesh.");
 }
 

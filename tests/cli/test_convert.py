@@ -7,7 +7,7 @@ import shutil
 import subprocess
 
 import cli_case
-from cli_case import CliTest, Mesh, cube, with_triangles
+from cli_case import CliTest, Mesh, cube, tangled, with_triangles
 
 PERIODIC = """$MeshFormat
 2.2 0 8
@@ -129,10 +129,17 @@ class Convert(CliTest):
         self.assertEqual(self.run_cli("convert", source, "-o", self.path("curved.msh"), "--order", "2", "--quiet").stderr.count("\n"), 1)
         curved = json.loads(self.run_cli("info", self.path("curved.msh"), "--json").stdout)["quality"]["curved"]
         self.assertTrue(curved["curved_edges"] >= 3 * 16 and curved["valid"] == curved["tetrahedra"] > 0)
-        self.refused("convert", self.path("curved.msh"), self.path("b.msh"), "--order", "2", said=["curved edges already"])
+        self.refused("convert", self.path("curved.msh"), self.path("b.msh"), "--order", "2",
+                     said=["tetune: " + self.path("curved.msh"), "curved edges already; make it straight first (--order 1)"])
         self.run_cli("convert", self.path("curved.msh"), self.path("linear.mesh"), "--order", "1")
         self.assertEqual(Mesh.read(self.path("linear.mesh")).points, Mesh.read(source).points)
         self.refused("convert", source, self.path("b.msh"), "--order", "3", said=["--order"])
+
+    def test_order_of_a_mesh_that_is_not_valid(self):
+        source = self.put("in.mesh", tangled(4))
+        done = self.refused("convert", source, self.path("b.msh"), "--order", "2",
+                            said=["tetune: " + source + ": the mesh is not valid", "counted from 1", "tetune optimize --untangle"])
+        self.assertNotIn("untangle=true", done.stderr)
 
     def test_order_with_a_finer_surface(self):
         def dome(n, shift=0):

@@ -98,6 +98,9 @@ class Curved(CliTest):
         for k in range(3):
             self.assertAlmostEqual(float(ids[1 + k]), sum(points[v][k] for v in first[:4]) / 4, places=5)
         self.assertFalse(self.path_of("out.msh").exists())
+        stopped = self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle", "--time-limit", "1e-9",
+                               code=1).stderr
+        self.assertIn("stopped before all tetrahedra were made valid, nothing was written", stopped)
         self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle")
         self.run_cli("info", self.path_of("out.msh"))
 

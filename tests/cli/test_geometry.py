@@ -241,7 +241,9 @@ class Geometry(CliTest):
         self.assertNotIn("out.mesh", self.files())
         inches = Mesh([tuple(x / 25.4 for x in p) for p in cylinder().points], cylinder().tets)
         small = self.put("small.mesh", inches)
-        self.refused("info", small, "--geometry", self.part("cylinder_inch.stp"), said=["--geometry-unit 25.4 (inch)"])
+        for command in (("info", small), ("convert", small, self.path("out.msh"), "--order", "2")):
+            self.refused(*command, "--geometry", self.part("cylinder_inch.stp"),
+                         said=["tetune: " + small + ": ", "--geometry-unit 25.4 (inch)"])
         self.run_cli("info", small, "--geometry", self.part("cylinder_inch.stp"), "--geometry-unit", "inch")
         # The unit is checked before the mesh is read.
         absent = self.path("absent.mesh")
@@ -282,6 +284,30 @@ class Geometry(CliTest):
         done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--snap", "no", "--geometry-unit", "m", "--quiet")
         for option in ("--snap", "--geometry-unit"):
             self.assertIn(f"warning: {option} has no effect without --geometry", done.stderr)
+        for command in (("info", source), ("convert", source, "-o", self.path("out.msh"), "--order", "2")):
+            done = self.run_cli(*command, "--geometry-unit", "m")
+            self.assertIn("warning: --geometry-unit has no effect without --geometry", done.stderr)
+        done = self.run_cli("convert", source, "-o", self.path("out.msh"), "--order", "2", "--geometry",
+                            self.part("cylinder.step"), "--feature-angle", "5")
+        self.assertIn("warning: --feature-angle has no effect with --geometry", done.stderr)
+
+    def test_warnings_are_of_the_options_and_the_data_that_were_given(self):
+        mesh = cylinder(3)
+        mesh.points = [(0.999 * x, 0.999 * y, z) for x, y, z in mesh.points]
+        nodes = "".join(f"{i} {x!r} {y!r} {z!r}\n" for i, (x, y, z) in enumerate(mesh.points, 1))
+        rows = "".join(f"{i} 4 2 1 1 {' '.join(str(v + 1) for v in tet)}\n" for i, tet in enumerate(mesh.tets, 1))
+        data = "".join(f"{i + 1} {i / 8}\n" for i in range(len(mesh.points)))
+        n = len(mesh.points)
+        source = self.put("in.msh", f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{n}\n{nodes}$EndNodes\n$Elements\n"
+                                    f"{len(mesh.tets)}\n{rows}$EndElements\n$NodeData\n1\n\"heat\"\n1\n0.0\n3\n0\n1\n{n}\n{data}"
+                                    "$EndNodeData\n")
+        moved = "the values of heat moved with their vertices"
+        report = self.optimize(source, "cylinder.step", self.path("out.msh"), "--effort", "best", "--no-boundary-flips")
+        self.assertEqual([w.split(";")[0] for w in report["warnings"]], [moved])
+        # Vertices move onto the geometry alone.
+        report = self.optimize(source, "cylinder.step", self.path("out.msh"), "--max-iterations", "0")
+        self.assertGreater(report["geometry"]["vertices_snapped"], 0)
+        self.assertEqual([w.split(";")[0] for w in report["warnings"]], [moved])
 
     def test_options_that_have_no_meaning_with_a_geometry_are_refused(self):
         source, part = self.put("in.mesh", cylinder(3)), self.part("cylinder.step")

@@ -5,6 +5,7 @@ import json
 import os
 import random
 import re
+import signal
 import struct
 import subprocess
 import time
@@ -145,6 +146,40 @@ class Series(CliTest):
         self.assertIn("none.vtk", done.stderr)
         self.points("out_0001.vtu")
         self.assertEqual([entry["time"] for entry in json.loads(self.read_bytes("r.json"))["times"]], [0, 1])
+
+    def wait_for(self, name, process):
+        end = time.monotonic() + cli_case.HANG
+        while not os.path.exists(self.path(name)):
+            self.assertIsNone(process.poll(), "it ended first")
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.001)
+
+    @needs_vtk
+    def test_interruption_after_the_first_time(self):
+        self.vtk("a.vtk", self.mesh.points)
+        files = [(0, "a.vtk")]
+        for i in range(1, 60):
+            self.vtk(f"{i}.vtk", self.stretched(1.2 - 0.2 * (i % 2)))
+            files.append((i, f"{i}.vtk"))
+        series = self.series(files)
+        for number, signals in enumerate(((signal.SIGINT,), (signal.SIGINT, signal.SIGTERM))):
+            process = subprocess.Popen([cli_case.TETUNE, "move", series, "-o", self.path(f"out{number}.pvd"), "--quiet"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            self.wait_for(f"out{number}.pvd", process)
+            process.send_signal(signal.SIGSTOP)  # so that both come before it can do a thing
+            for sign in signals:
+                process.send_signal(sign)
+            process.send_signal(signal.SIGCONT)
+            _, err = process.communicate(timeout=cli_case.HANG)
+            self.assertEqual(process.returncode, 1, err)
+            self.assertNotIn("nothing was written", err)
+            if len(signals) > 1:
+                self.assertIn("interrupted after meshes of the series were written", err)
+            self.points(f"out{number}_0000.vtu")
+
+    def test_a_folder_with_the_name_of_an_option(self):
+        said = self.refused("move", "max_growth/nofile.pvd", "-o", self.path("out.pvd")).stderr
+        self.assertIn("max_growth/nofile.pvd", said.replace("\\", "/"))
 
     @needs_vtk
     def test_blocked(self):

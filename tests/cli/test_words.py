@@ -167,6 +167,11 @@ class Options(CliTest):
             done = self.run_cli("optimize", *words, "--print-options")
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
             self.assertIn("tetune: warning: " + said, done.stderr)
+        for words in (["--surface-vertices", "keep", "--boundary", "fixed", "--effort", "best"],
+                      ["--surface-vertices", "keep", "--max-ring", "3", "--effort", "best"],
+                      ["--boundary-flips", "--boundary", "slide", "-hausd", "0"],
+                      ["--boundary-flips", "--boundary", "slide", "-hausd", "0.0%"]):
+            self.assertEqual(self.run_cli("optimize", *words, "--print-options").stderr, "")
         # They are in the report, and the run goes on.
         source = self.put("in.mesh", cube(2))
         self.run_cli("optimize", source, "-o", self.path("out.mesh"), "-nosurf", "-ar", "60", "--report", self.path("r.json"))

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <random>
 #include <string>
@@ -14,6 +16,7 @@
 #include "curved/curved_edges.hpp"
 #include "curved/finer_surface.hpp"
 #include "curved/surface_middles.hpp"
+#include "math/constants.hpp"
 #include "support/curved.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
@@ -259,6 +262,29 @@ TEST(Curve, IsRefused) {
   TetMesh inverted = test::ball(2, 0);
   std::swap(inverted.tets[0][0], inverted.tets[0][1]);
   EXPECT_THROW(curve(inverted), MeshError);
+}
+
+/// The least time of three calls of find_surface_middles() for a cone of triangles around one vertex, in seconds.
+double seconds_of_cone(int n) {
+  std::vector<Point3> points{{0, 0, 1}};
+  std::vector<SheetTriangle> triangles;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    points.push_back({std::cos(angle), std::sin(angle), 0});
+    triangles.push_back({{0, 1 + i, 1 + (i + 1) % n}, kOneSheet});
+  }
+  double least = kInfinity;
+  for (int i = 0; i < 3; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_FALSE(find_surface_middles(points, triangles, {}, 180).empty());
+    least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return least;
+}
+
+TEST(SurfaceMiddles, TimeIsLinearInTheTrianglesAroundAVertex) {
+  // There are 32 times as many triangles, and caches hold the smaller cone.
+  EXPECT_LT(seconds_of_cone(64'000), 200 * seconds_of_cone(2'000));
 }
 
 }  // namespace

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <set>
 
 #include "curved/quadratic_sheet.hpp"
 #include "curved/surface_distance.hpp"
 #include "driver/curved/curved_sheets.hpp"
+#include "driver/curved/curved_slide.hpp"
 #include "math/constants.hpp"
 #include "support/curved.hpp"
 #include "support/meshes.hpp"
@@ -296,6 +298,51 @@ TEST(CurvedSlide, VerticesAreInsertedInsideWithInterpolatedData) {
     EXPECT_GE(quality(m).curved.min_scaled_jacobian, quality(before).curved.min_scaled_jacobian - 2e-3);
     EXPECT_LT(farthest_node(m, surface_of(before)), 1e-12);
     EXPECT_EQ(m.triangles.size(), before.triangles.size());
+  }
+}
+
+TEST(CurvedSlide, NodesAreLiftedInPartsBetweenWhichItMayBeStopped) {
+  const TetMesh before = bent_box(3);
+  const CurvedSlide slide(before, 45);
+  TetMesh skeleton = before;
+  skeleton.curved_edges.clear();
+  slide.constrain(skeleton);
+  Options options;
+  options.boundary = Boundary::slide;
+  options.feature_angle = 180;
+  const Report report = optimize(skeleton, options);
+  int calls = 0;
+  const auto count = [&calls] { return ++calls < 0; };
+  const std::optional<LiftedNodes> one = slide.lift(skeleton, report, 1, count);
+  ASSERT_TRUE(one.has_value());
+  EXPECT_FALSE(one->vertices.empty());
+  EXPECT_GT(calls, 0);
+  const std::optional<LiftedNodes> several = slide.lift(skeleton, report, 3, {});
+  ASSERT_TRUE(several.has_value());
+  EXPECT_EQ(several->vertices, one->vertices);
+  EXPECT_EQ(several->points, one->points);
+  EXPECT_EQ(several->middles, one->middles);
+  EXPECT_FALSE(slide.lift(skeleton, report, 3, [] { return true; }).has_value());
+}
+
+TEST(CurvedSlide, AStopAtAnyCallLeavesAValidMesh) {
+  const TetMesh before = bent_box(3);
+  Options options;
+  options.boundary = Boundary::slide;
+  options.threads = 1;
+  for (const DataTransfer data : {DataTransfer::carry, DataTransfer::interpolate}) {
+    options.data = data;
+    int call = 0;
+    for (int last = 1;; last += 31) {
+      TetMesh m = before;
+      call = 0;
+      const Report report = optimize(m, options, {{}, [&] { return ++call >= last; }});
+      EXPECT_EQ(report.stop == StopReason::cancelled, call >= last);
+      EXPECT_TRUE(validate(m).ok());
+      EXPECT_TRUE(quality(m).curved.all_valid());
+      EXPECT_LT(farthest_node(m, surface_of(before)), 1e-12);
+      if (call < last) break;
+    }
   }
 }
 

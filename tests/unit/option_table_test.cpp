@@ -134,6 +134,13 @@ TEST(OptionTable, options_without_effect_are_named) {
   growing.untangle = true;
   growing.effort = Effort::fast;
   EXPECT_TRUE(ineffective_options(growing).empty());
+  Options edited;
+  edited.effort = Effort::best;
+  edited.max_ring = 3;
+  edited.surface_vertices = SurfaceVertices::edit;
+  EXPECT_EQ(ineffective_options(edited).size(), 1U);
+  edited.surface_vertices = SurfaceVertices::keep;
+  EXPECT_TRUE(ineffective_options(edited).empty());
 }
 
 }  // namespace

@@ -76,6 +76,26 @@ TEST(UntangleCurved, FoldedSurfaceIsNamed) {
   }
 }
 
+TEST(UntangleCurved, AStopNamesSecondOrderElements) {
+  TetMesh m = test::bulged_cube(-0.2);
+  Options options;
+  options.untangle = true;
+  Context context;
+  context.stop = [] { return true; };
+  try {
+    optimize(m, options, context);
+    ADD_FAILURE() << "accepted";
+  } catch (const UntangleError& e) {
+    EXPECT_EQ(e.reason, UntangleError::Reason::stopped);
+    EXPECT_TRUE(e.of_curved);
+    const std::string text =
+        "stopped before all of " + std::to_string(e.tangled) +
+        " second-order tetrahedra that are not proved valid were made so: " + std::to_string(e.left.size()) +
+        " are left";
+    EXPECT_EQ(e.message(true).substr(0, text.size()), text);
+  }
+}
+
 TEST(UntangleCurved, ElementsWithTwoFacesOnASmoothSurfaceAreSplit) {
   const TetMesh before = test::curved_ball();
   Options options;

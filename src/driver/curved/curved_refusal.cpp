@@ -70,7 +70,7 @@ void check_curved_input(const TetMesh& mesh, const Options& options) {
 }
 
 void refuse_curved(const TetMesh& mesh, const Options& options, const CurvedFailure& failure) {
-  if (failure.is_stopped) throw UntangleError(failure.invalid, failure.left, UntangleError::Reason::stopped);
+  if (failure.is_stopped) throw UntangleError(failure.invalid, failure.left, UntangleError::Reason::stopped, true);
   // Where a face of the surface is folded, no inner vertex helps.
   const bool inside = failure.folded.empty();
   const Point3 place = TetMeshView(mesh).centroid(inside ? failure.left[0] : failure.folded[0]);

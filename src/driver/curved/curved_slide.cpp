@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "backend/cpu.hpp"
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
@@ -147,8 +148,10 @@ void CurvedSlide::find_features(double feature_angle) {
   std::set_difference(features_.begin(), features_.end(), listed.begin(), listed.end(), std::back_inserter(added_));
   const QuadraticTriangles quadratic(mesh_.points, mesh_.curved_edges);
   std::vector<std::vector<QuadraticSheet::Triangle>> sheets(to_size_t(parts.sheets));
+  sheet2sides_.resize(sheets.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     span_of(sheets)[parts.triangle2sheet[t]].push_back(quadratic.of(triangles_[t].vertices));
+    span_of(sheet2sides_)[parts.triangle2sheet[t]] = triangles_[t].sides;
   }
   for (auto& sheet : sheets) sheets_.emplace_back(std::move(sheet));
 }
@@ -214,12 +217,59 @@ void CurvedSlide::constrain(TetMesh& skeleton) const {
   }
 }
 
-const QuadraticSheet* CurvedSlide::sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& triangles,
-                                            const std::vector<Index>& component) const {
+/// Evaluates functions of many points by all threads, in chunks between which a stop may be requested.
+class CurvedSlide::Queries {
+ public:
+  static constexpr Size kChunk = 4096;  ///< some ms on one thread
+
+  Queries(int threads, const std::function<bool()>& stop) : cpu_(threads), stop_(stop) {}
+
+  bool is_stopped() const { return is_stopped_; }
+  /// Calls f(i) for all i in [begin, end), or for none after a stop.
+  template <class F>
+  void chunk(Size begin, Size end, const F& f) {
+    is_stopped_ = is_stopped_ || (stop_ && stop_());
+    if (!is_stopped_) cpu_.for_each(end - begin, Query<F>{f, begin});
+  }
+  /// Calls f(i) for all i in [0, n) until a stop.
+  template <class F>
+  void all(Size n, const F& f) {
+    for (Size begin = 0; begin < n && !is_stopped_; begin += kChunk) chunk(begin, std::min(n, begin + kChunk), f);
+  }
+
+ private:
+  template <class F>
+  struct Query {
+    static constexpr Size kGrain = 32;
+    const F& f;
+    Size begin;
+    void operator()(Size i) const { f(begin + i); }
+  };
+
+  backend::Cpu cpu_;
+  const std::function<bool()>& stop_;
+  bool is_stopped_ = false;
+};
+
+/// The sheets between the same regions and of the same patch; all if there is none.
+std::vector<const QuadraticSheet*> CurvedSlide::sheets_with(const std::array<int, 3>& sides) const {
+  std::vector<const QuadraticSheet*> same, all;
+  for (std::size_t i = 0; i < sheets_.size(); ++i) {
+    all.push_back(&sheets_[i]);
+    if (sheet2sides_[i] == sides) same.push_back(&sheets_[i]);
+  }
+  return same.empty() ? all : same;
+}
+
+/// The sheet that is nearest to a component of the slid surface, by the sum of squared distances.
+const QuadraticSheet* CurvedSlide::sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& component,
+                                            Queries& queries) const {
+  const std::vector<const QuadraticSheet*> candidates = sheets_with(component[0].sides);
+  if (candidates.size() == 1) return candidates[0];
   std::vector<Vec3> points;
-  for (const Index t : component) {
+  for (const SheetTriangle& t : component) {
     Vec3 sum{0, 0, 0};
-    for (const Index v : span_of(triangles)[t].vertices) {
+    for (const Index v : t.vertices) {
       points.push_back(at(slid, v));
       sum = sum + at(slid, v);
     }
@@ -227,66 +277,95 @@ const QuadraticSheet* CurvedSlide::sheet_of(const TetMesh& slid, const std::vect
   }
   const QuadraticSheet* nearest = nullptr;
   double least = kInfinity;
-  for (const QuadraticSheet& sheet : sheets_) {
+  std::vector<double> distances(points.size());
+  for (const QuadraticSheet* sheet : candidates) {
     double sum = 0;
-    for (const Vec3& p : points) sum += sheet.distance2_of_box(p);
+    for (const Vec3& p : points) sum += sheet->distance2_of_box(p);
     if (sum > least) continue;
     sum = 0;
-    for (std::size_t i = 0; i < points.size() && sum < least; ++i) sum += sheet.distance2(points[i]);
+    // Most of the others are found to be farther after a few points.
+    const Size n = std::ssize(points);
+    for (Size begin = 0, end = 64; begin < n && sum < least && !queries.is_stopped(); begin = end, end *= 2) {
+      end = std::min({n, end, begin + Queries::kChunk});
+      queries.chunk(begin, end, [&](Size i) { span_of(distances)[i] = sheet->distance2(span_of(points)[i]); });
+      for (Size i = begin; i < end; ++i) sum += span_of(distances)[i];
+    }
     if (sum >= least) continue;
     least = sum;
-    nearest = &sheet;
+    nearest = sheet;
   }
   return nearest;
 }
 
-CurvedSlide::SheetsOfElements CurvedSlide::find_sheets_of_elements(const TetMesh& slid, const Report& report) const {
-  SheetsOfElements sheets;
+CurvedSlide::SlidSurface CurvedSlide::find_slid_surface(const TetMesh& slid, const Report& report) const {
+  SlidSurface surface;
   std::vector<Edge> lines;
   for (Index e = 0; e < std::ssize(slid.edges); ++e) {
     const Index feature = find_feature(listed_edge(original_of(report.edge2original, e)));
     if (feature < 0) continue;
     const Edge edge = ascending(span_of(slid.edges)[e][0], span_of(slid.edges)[e][1]);
-    const QuadraticSheet* chain = &span_of(chains_)[span_of(feature2chain_)[feature]];
+    const Index chain = span_of(feature2chain_)[feature];
     lines.push_back(edge);
-    sheets.edges[edge] = chain;
-    for (const Index v : edge) sheets.vertices[v] = chain;
+    surface.edge2part[edge] = chain;
+    for (const Index v : edge) surface.vertex2part[v] = chain;
   }
   std::sort(lines.begin(), lines.end());
   const std::vector<SheetTriangle> triangles = find_sheets(slid);
   const SurfaceParts parts = find_surface_parts(slid.points, triangles, lines, kNoFeature);
-  std::vector<std::vector<Index>> components(to_size_t(parts.sheets));
-  for (Index t = 0; t < std::ssize(triangles); ++t) {
-    span_of(components)[span_of(parts.triangle2sheet)[t]].push_back(t);
+  surface.components.resize(to_size_t(parts.sheets));
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Index component = parts.triangle2sheet[t];
+    span_of(surface.components)[component].push_back(triangles[t]);
+    const Index part = to_index(chains_.size()) + component;
+    for (const Edge& e : edges_of(triangles[t].vertices)) surface.edge2part.try_emplace(e, part);
+    for (const Index v : triangles[t].vertices) surface.vertex2part.try_emplace(v, part);
   }
-  for (const std::vector<Index>& component : components) {
-    const QuadraticSheet* sheet = sheet_of(slid, triangles, component);
-    for (const Index t : component) {
-      const auto& vertices = span_of(triangles)[t].vertices;
-      for (const Edge& e : edges_of(vertices)) sheets.edges.try_emplace(e, sheet);
-      for (const Index v : vertices) sheets.vertices.try_emplace(v, sheet);
-    }
-  }
-  return sheets;
+  return surface;
 }
 
-LiftedNodes CurvedSlide::lift(const TetMesh& slid, const Report& report) const {
+std::optional<LiftedNodes> CurvedSlide::lift(const TetMesh& slid, const Report& report, int threads,
+                                             const std::function<bool()>& stop) const {
   const auto original = [&report](Index v) { return original_of(report.vertex2original, v); };
   const auto stays = [&](Index v) {
     return original(v) >= 0 && span_of(mesh_.points)[original(v)] == span_of(slid.points)[v];
   };
-  const SheetsOfElements sheets = find_sheets_of_elements(slid, report);
+  const SlidSurface surface = find_slid_surface(slid, report);
   LiftedNodes lifted;
-  for (const auto& [v, sheet] : sheets.vertices) {
+  struct Node {
+    Vec3 straight;
+    Index part;
+  };
+  std::vector<Node> nodes;
+  for (const auto& [v, part] : surface.vertex2part) {
     if (stays(v)) continue;
     lifted.vertices.push_back(v);
-    lifted.points.push_back(to_point(sheet->lift(at(slid, v))));
+    nodes.push_back({at(slid, v), part});
   }
-  for (const auto& [edge, sheet] : sheets.edges) {
+  for (const auto& [edge, part] : surface.edge2part) {
     const auto [a, b] = edge;
     if (stays(a) && stays(b) && has_edge(ascending(original(a), original(b)))) continue;
-    lifted.middles.push_back({edge, to_point(sheet->lift(0.5 * (at(slid, a) + at(slid, b))))});
+    lifted.middles.push_back({edge, {}});
+    nodes.push_back({0.5 * (at(slid, a) + at(slid, b)), part});
   }
+  Queries queries(threads, stop);
+  const std::size_t chains = chains_.size();
+  std::vector<const QuadraticSheet*> part2sheet(chains + surface.components.size(), nullptr);
+  for (std::size_t i = 0; i < chains; ++i) part2sheet[i] = &chains_[i];
+  for (const Node& node : nodes) {
+    const QuadraticSheet*& sheet = span_of(part2sheet)[node.part];
+    if (sheet == nullptr) sheet = sheet_of(slid, surface.components[to_size_t(node.part) - chains], queries);
+    if (queries.is_stopped()) return std::nullopt;
+  }
+  std::vector<Point3> points(nodes.size());
+  queries.all(std::ssize(nodes), [&](Size i) {
+    const Node& node = span_of(nodes)[i];
+    span_of(points)[i] = to_point(span_of(part2sheet)[node.part]->lift(node.straight));
+  });
+  if (queries.is_stopped()) return std::nullopt;
+  const std::size_t vertices = lifted.vertices.size();
+  for (std::size_t i = 0; i < lifted.middles.size(); ++i) lifted.middles[i].middle = points[vertices + i];
+  points.resize(vertices);
+  lifted.points = std::move(points);
   return lifted;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "curved/quadratic_sheet.hpp"
@@ -46,8 +47,9 @@ class CurvedSlide {
   /// are not listed are added behind all other edges. The copy is to be optimized with a feature angle of 180 degrees.
   void constrain(TetMesh& skeleton) const;
   /// The nodes of the optimized skeleton on the quadratic surface, without those of edges and vertices that are as they
-  /// were.
-  LiftedNodes lift(const TetMesh& slid, const Report& report) const;
+  /// were. Null where `stop` is true before all are found.
+  std::optional<LiftedNodes> lift(const TetMesh& slid, const Report& report, int threads,
+                                  const std::function<bool()>& stop) const;
   /// The distance of the surface of a result from that of the mesh, as of bound_distances() with
   /// Options::max_deviation.
   SurfaceDeviation deviation(const TetMesh& result, const Report& report, const Options& options,
@@ -55,20 +57,23 @@ class CurvedSlide {
 
  private:
   using Edge = std::array<Index, 2>;
-  /// The part of the surface on which each element of the slid surface is.
-  struct SheetsOfElements {
-    std::map<Edge, const QuadraticSheet*> edges;
-    std::map<Index, const QuadraticSheet*> vertices;
+  /// The parts of the slid surface: the chains, and behind them the components between features.
+  struct SlidSurface {
+    std::map<Edge, Index> edge2part;
+    std::map<Index, Index> vertex2part;
+    std::vector<std::vector<SheetTriangle>> components;
   };
+  class Queries;
   /// An edge of the skeleton's list.
   Edge listed_edge(Index e) const;
   /// The position of an edge among the features, or -1.
   Index find_feature(const Edge& edge) const;
   void find_features(double feature_angle);
   void find_chains(double feature_angle);
-  SheetsOfElements find_sheets_of_elements(const TetMesh& slid, const Report& report) const;
-  const QuadraticSheet* sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& triangles,
-                                 const std::vector<Index>& component) const;
+  SlidSurface find_slid_surface(const TetMesh& slid, const Report& report) const;
+  std::vector<const QuadraticSheet*> sheets_with(const std::array<int, 3>& sides) const;
+  const QuadraticSheet* sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& component,
+                                 Queries& queries) const;
 
   const TetMesh& mesh_;
   std::vector<SheetTriangle> triangles_;
@@ -78,6 +83,7 @@ class CurvedSlide {
   std::vector<Index> feature2chain_;  ///< feature edges between two corners, or ends of lines, are a chain
   std::vector<Index> corners_;
   std::vector<QuadraticSheet> sheets_, chains_;
+  std::vector<std::array<int, 3>> sheet2sides_;
 };
 
 }  // namespace tetune

@@ -60,7 +60,8 @@ class CurvedOptimizer {
     const bool slides = options_.boundary == Boundary::slide;
     const bool runs_twice = slides && !slides_at_once();
     TetMesh result;
-    Report report = run_stage(result, slides && !runs_twice, runs_twice ? scaled_progress(context_, 0, 0.5) : context_);
+    Report report =
+        *run_stage(result, slides && !runs_twice, runs_twice ? scaled_progress(context_, 0, 0.5) : context_);
     follow_origins(report);
     report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
     if (runs_twice && !is_stopped()) slide_from(result, report);
@@ -99,11 +100,13 @@ class CurvedOptimizer {
     return options_.energy == Energy::harmonic ? q.eta_sum : q.shape_sum;
   }
 
-  /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base.
-  Report run_stage(TetMesh& result, bool slides, const Context& context) {
+  /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base. With
+  /// `may_give_up` nothing, if a stop is requested before it begins, or while nodes of the surface are lifted.
+  std::optional<Report> run_stage(TetMesh& result, bool slides, const Context& context, bool may_give_up = false) {
     std::optional<CurvedSlide> slide;
     if (slides) slide.emplace(base_, options_.feature_angle);
     floor_ = smallest(base_) - kAccuracy;
+    if (may_give_up && is_stopped()) return std::nullopt;
     const int max_attempts = slides ? kMaxSlidingAttempts : kMaxAttempts;
     double linear_bound = 0;
     std::vector<Index> locked;
@@ -114,7 +117,18 @@ class CurvedOptimizer {
       Report report = optimize(skeleton.mesh, linear_options(slides, linear_bound),
                                attempt == 0 ? context : Context{{}, context_.stop});
       LiftedNodes lifted;
-      if (slide) lifted = slide->lift(skeleton.mesh, report);
+      if (slide) {
+        // The result of an earlier stop is lifted, and so is the base with all elements locked.
+        const bool may_stop = !is_stopped() && attempt <= max_attempts;
+        std::optional<LiftedNodes> nodes =
+            slide->lift(skeleton.mesh, report, options_.threads, may_stop ? context_.stop : std::function<bool()>());
+        if (!nodes && may_give_up) return std::nullopt;
+        if (!nodes) {
+          attempt = max_attempts;
+          continue;
+        }
+        lifted = *std::move(nodes);
+      }
       skeleton.restore(report);
       lifted.apply(skeleton.mesh);
       SurfaceDeviation deviation;
@@ -153,14 +167,15 @@ class CurvedOptimizer {
     held_ = find_held(base_, options_);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
     TetMesh slid;
-    Report further = run_stage(slid, true, scaled_progress(context_, 0.5, 0.5));
+    std::optional<Report> further = run_stage(slid, true, scaled_progress(context_, 0.5, 0.5), true);
+    if (!further) return;
     if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) {
       counts_input_ = false;
       return;
     }
     result = std::move(slid);
-    dof_counts(report) = dof_counts(further);
-    extend_report(report, std::move(further), result);
+    dof_counts(report) = dof_counts(*further);
+    extend_report(report, *std::move(further), result);
   }
 
   /// Composes the maps of the report with origins_, so that they lead to the input.

@@ -10,6 +10,7 @@
 #include "driver/geometry/geometry_work.hpp"
 #include "driver/limit_growth.hpp"
 #include "driver/report/extend_report.hpp"
+#include "driver/report/run_warnings.hpp"
 #include "driver/report/targets.hpp"
 #include "math/constants.hpp"
 #include "math/vec3.hpp"
@@ -376,6 +377,8 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
   check_options(mesh, options);
   check_frozen_patches(mesh, options);
   check_frozen_vertices(mesh, options);
+  // Those of the runs are of other options.
+  RunWarnings warnings(mesh, options);
   GeometryReport report;
   try {
     report = GeometryRun(geometry, options, on_geometry, context).run(mesh);
@@ -386,6 +389,7 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
     }
     throw;
   }
+  warnings.add_to(report.optimization, {}, report.vertices_snapped > 0);
   report.optimization.seconds = PhaseTimer::seconds_since(start);
   return report;
 }

@@ -114,16 +114,21 @@ constexpr OptionCondition kWithHarmonic{[](const Options& o) { return o.energy =
                                         "has no effect with energy=harmonic"};
 constexpr OptionCondition kWithPaper{[](const Options& o) { return o.termination == Termination::paper; },
                                      "has no effect with termination=paper"};
+constexpr bool is_edit(const Options& o) { return o.surface_vertices == SurfaceVertices::edit; }
+template <const OptionCondition& condition>
+constexpr OptionCondition kIfEdit{[](const Options& o) { return is_edit(o) && condition.applies(o); }, condition.text};
 constexpr std::array kSurfaceEditConditions{
-    OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},
-    OptionCondition{[](const Options& o) { return o.effort == Effort::fast; }, "has no effect with effort=fast"},
-    kWithHarmonic,
-    kWithPaper,
-    kWithoutSweeps,
-    OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
+    OptionCondition{[](const Options& o) { return is_edit(o) && o.keep_vertices; }, "has no effect with keep_vertices"},
+    OptionCondition{[](const Options& o) { return is_edit(o) && o.effort == Effort::fast; },
+                    "has no effect with effort=fast"},
+    kIfEdit<kWithHarmonic>,
+    kIfEdit<kWithPaper>,
+    kIfEdit<kWithoutSweeps>,
+    OptionCondition{[](const Options& o) { return is_edit(o) && o.boundary == Boundary::fixed; },
                     "edits inner vertices only with boundary=fixed"},
-    OptionCondition{has_deviation_bound, "edits inner vertices only with max_deviation"},
-    OptionCondition{[](const Options& o) { return !o.boundary_flips || !o.flips || o.max_ring == 3; },
+    OptionCondition{[](const Options& o) { return is_edit(o) && has_deviation_bound(o); },
+                    "edits inner vertices only with max_deviation"},
+    OptionCondition{[](const Options& o) { return is_edit(o) && (!o.boundary_flips || !o.flips || o.max_ring == 3); },
                     "edits inner vertices only where edges of the surface are not flipped"}};
 constexpr std::array kGrowthConditions{
     OptionCondition{[](const Options& o) { return o.keep_vertices; }, "has no effect with keep_vertices"},

@@ -21,8 +21,8 @@ struct ActiveTets {
   std::int64_t count = 0;           ///< number of those that may change
 };
 
-/// Returns the flagged tetrahedra and those within `rings` around them, without locked ones. A locked tetrahedron whose
-/// volume is not positive is included, so that the part is refused with it.
+/// Returns the flagged tetrahedra that are not locked, and all within `rings` around them. A flagged locked tetrahedron
+/// whose volume is not positive is included, so that the part is refused with it.
 ActiveTets activate(const TetMesh& mesh, std::vector<std::uint8_t> flags, const Constraints& constraints, int rings);
 
 /// Finds the tetrahedra that miss a limit, but for locked ones, and those within Options::rings around them. Inverted

@@ -15,6 +15,21 @@ std::vector<Index> compose_of_list(std::size_t entries, std::vector<Index> betwe
   return entries == 0 ? std::vector<Index>() : compose(std::move(between2input), std::move(result2between));
 }
 
+template <class T>
+void append(std::vector<T>& list, const std::vector<T>& further) {
+  list.insert(list.end(), further.begin(), further.end());
+}
+
+/// Appends the sweeps, flip passes and rounds; the sweeps of the further run are counted from those before.
+void append_steps(Report& report, Report& further) {
+  const int sweeps = report.sweeps.empty() ? 0 : report.sweeps.back().iteration;
+  for (SweepReport& s : further.sweeps) s.iteration += sweeps;
+  for (FlipReport& f : further.flip_passes) f.iteration += sweeps;
+  append(report.sweeps, further.sweeps);
+  append(report.flip_passes, further.flip_passes);
+  append(report.worst_rounds, further.worst_rounds);
+}
+
 }  // namespace
 
 void add_seconds(Report& report, const std::string& phase, double seconds) {
@@ -30,6 +45,7 @@ double seconds_of_phases(const Report& report) {
 void extend_report(Report& report, Report&& further, const TetMesh& result) {
   for (const PhaseTime& time : further.phases) add_seconds(report, time.phase, time.seconds);
   report.OperationCounts::operator+=(further);
+  append_steps(report, further);
   report.restarts += further.restarts;
   report.restarts_kept += further.restarts_kept;
   report.tets_after = further.tets_after;

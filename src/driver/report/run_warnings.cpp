@@ -40,9 +40,9 @@ RunWarnings::RunWarnings(const TetMesh& mesh, const Options& options) : warnings
                "the new positions";
 }
 
-void RunWarnings::add_to(Report& report, std::vector<std::string> of_run) {
+void RunWarnings::add_to(Report& report, std::vector<std::string> of_run, bool moved_besides) {
   report.moved_fields.clear();
-  if (!fields_.empty() && has_moved(report)) {
+  if (!fields_.empty() && (moved_besides || has_moved(report))) {
     warnings_.push_back(std::move(of_fields_));
     report.moved_fields.swap(fields_);
   }

@@ -14,8 +14,9 @@ namespace tetune {
 class RunWarnings {
  public:
   RunWarnings(const TetMesh& mesh, const Options& options);
-  /// Sets Report::warnings, and Report::moved_fields where vertices have moved. `of_run`: at most one more warning.
-  void add_to(Report& report, std::vector<std::string> of_run = {});
+  /// Sets Report::warnings, and Report::moved_fields where vertices have moved: in steps of the report, or
+  /// `moved_besides`. `of_run`: at most one more warning.
+  void add_to(Report& report, std::vector<std::string> of_run = {}, bool moved_besides = false);
 
  private:
   std::vector<std::string> warnings_;  ///< with room for two more
