@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -115,6 +116,49 @@ std::string unused_regions(const TetMesh& mesh) {
   return "";
 }
 
+/// The numbers of Gmsh's entities, as data of meshes whose tags are physical groups.
+constexpr const char* kEntities = "gmsh:geometrical";
+
+/// Whether two tetrahedra of one tag, but of different volumes of Gmsh, share a face.
+bool joins_volumes(const TetMesh& mesh) {
+  const auto data = std::find_if(mesh.tet_data.begin(), mesh.tet_data.end(), [](const DataArray& array) {
+    return array.name == kEntities && array.components == 1;
+  });
+  const auto* const volumes =
+      data == mesh.tet_data.end() ? nullptr : std::get_if<std::vector<std::int32_t>>(&data->values);
+  if (volumes == nullptr || mesh.groups.empty()) return false;
+  const auto both = [&](std::size_t t) { return std::pair(mesh.tet_tags[t], (*volumes)[t]); };
+  std::map<int, int> tag2volume;
+  bool is_divided = false;
+  for (std::size_t t = 0; t < mesh.tets.size() && !is_divided; ++t) {
+    if (t > 0 && both(t) == both(t - 1)) continue;
+    is_divided = tag2volume.insert(both(t)).first->second != (*volumes)[t];
+  }
+  if (!is_divided) return false;
+  // Only vertices of several volumes can be on a common face.
+  std::vector<std::size_t> first_tet(mesh.points.size(), mesh.tets.size());
+  std::vector<bool> is_common(mesh.points.size(), false);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (const Index v : mesh.tets[t]) {
+      std::size_t& first = first_tet[std::size_t(v)];
+      first = std::min(first, t);
+      if ((*volumes)[first] != (*volumes)[t]) is_common[std::size_t(v)] = true;
+    }
+  }
+  std::map<std::array<Index, 3>, std::size_t> face2tet;
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto& v = mesh.tets[t];
+      std::array<Index, 3> face{v[k == 0 ? 1 : 0], v[k <= 1 ? 2 : 1], v[k <= 2 ? 3 : 2]};
+      if (!std::all_of(face.begin(), face.end(), [&](Index u) { return is_common[std::size_t(u)]; })) continue;
+      std::sort(face.begin(), face.end());
+      const std::size_t other = face2tet.try_emplace(face, t).first->second;
+      if (mesh.tet_tags[other] == mesh.tet_tags[t] && (*volumes)[other] != (*volumes)[t]) return true;
+    }
+  }
+  return false;
+}
+
 /// The files that a mesh is written to: the data of an .xmf file of tetune-mpi are in an .h5 file beside it.
 std::vector<std::string> files_written(const std::string& output) {
   std::vector<std::string> files = files_of(output);
@@ -215,6 +259,10 @@ void choose_tags(Input& input, const std::string& path, const std::string& tags)
         fmt::format("the cell data \"{0}\" look like numbers of regions, but do not constrain: with --tags \"{0}\" "
                     "the interfaces between these regions are kept",
                     data));
+  } else if (joins_volumes(input.mesh)) {
+    input.warnings.push_back(
+        "volumes in one physical group touch each other: the faces between them are not kept, unless each of the "
+        "volumes is in a group of its own too");
   }
 }
 

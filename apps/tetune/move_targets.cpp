@@ -30,7 +30,8 @@ void define_motion(CLI::App& c, MoveArguments& a) {
   c.add_option(
        "--patches", a.patches,
        "Patches, by their tags or the names of their groups, whose vertices move as the target says; the others "
-       "follow. Default: the vertices of the boundary, of interfaces between regions and of listed triangles")
+       "follow. Default: the vertices of the boundary, of interfaces between regions, of listed triangles and tagged "
+       "edges, and other listed ones")
       ->option_text("TAG|NAME,...")
       ->delimiter(',')
       ->group(kMotion);

@@ -168,6 +168,7 @@ Json to_json(const Report& r) {
                {"vertices_fixed", r.fixed_vertices},
                {"corners_not_held", r.corners_not_held},
                {"edges_not_held", r.edges_not_held},
+               {"line_ends_not_held", r.line_ends_not_held},
                {"tetrahedra_before", r.tets_before},
                {"tetrahedra_after", r.tets_after},
                {"tetrahedra_bad", r.tets_bad},

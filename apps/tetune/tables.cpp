@@ -272,6 +272,11 @@ std::vector<std::string> constraint_notes(const Report& r) {
     texts.push_back(
         fmt::format("{} tagged edges are too many for feature lines: their vertices may leave them", r.edges_not_held));
   }
+  if (r.line_ends_not_held > 0) {
+    texts.push_back(
+        fmt::format("{} ends and junctions of tagged edges are too many for those of lines: they may move along them",
+                    r.line_ends_not_held));
+  }
   if (r.triangles_dropped > 0) {
     texts.push_back(fmt::format(
         "{} listed triangles constrain nothing and are dropped: they are not faces of the mesh, or lie inside "

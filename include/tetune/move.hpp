@@ -55,7 +55,8 @@ inline constexpr std::size_t kMaxBlocking = 1000;
 /// by optimize() with `options`. The vertices of the boundary and of interfaces that are not prescribed move as
 /// Options::boundary allows: `fixed` and `preserve` as in optimize(), in the plane or along the line of the input, but
 /// not at all beside prescribed vertices that leave that plane; with `slide` on the surface of the input, but for
-/// triangles of it all of whose vertices are prescribed and some of which move.
+/// triangles of it all of whose vertices are prescribed and some of which move. Inner vertices that the lists of the
+/// mesh hold and that are not prescribed stay, or on straight tagged lines move along these: see surface_targets().
 ///
 /// If a target cannot be reached, or a hook of `context` requests a stop, move() returns the valid mesh of the last
 /// fraction that was reached; the report says how far that is and which elements block the way. A straight way to a
@@ -75,9 +76,11 @@ TETUNE_API MoveReport move(TetMesh& mesh, const VertexTargets& target, const Opt
 /// An estimate of the peak of main memory of move(), in bytes, including mesh and targets: as memory_needed().
 TETUNE_API std::size_t memory_needed_to_move(const TetMesh& mesh, std::size_t targets, const Options& options = {});
 
-/// The positions `points` as targets of the vertices of the surface alone, so that the inner vertices follow: of the
-/// faces that are on one tetrahedron, or between different regions, and of listed triangles. With `patches` only of the
-/// listed triangles with one of these tags: OptionError if no triangle has the tag.
+/// The positions `points` as targets of the vertices that optimize() holds, so that the others follow: those of the
+/// faces that are on one tetrahedron, or between different regions, and of listed triangles; and inside the mesh those
+/// of tagged, required and ridge edges, of required entities and of elements of other kinds, and corners, but none that
+/// are not held because a list is exhaustive (Report::corners_not_held, edges_not_held). With `patches` only those of
+/// the listed triangles with one of these tags: OptionError if no triangle has the tag.
 TETUNE_API VertexTargets surface_targets(const TetMesh& mesh, const std::vector<Point3>& points,
                                          const std::vector<int>& patches = {});
 

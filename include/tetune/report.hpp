@@ -110,6 +110,8 @@ struct Report : OperationCounts {
   std::int64_t corners_not_held = 0;
   /// Number of tagged edges that do not constrain their vertices, for the same reason; they stay edges of the mesh.
   std::int64_t edges_not_held = 0;
+  /// Number of ends and junctions of tagged edges that may move along these, for the same reason.
+  std::int64_t line_ends_not_held = 0;
   std::int64_t triangles_dropped = 0, edges_dropped = 0;  ///< numbers of listed ones that the result lacks
   int colors = 0;                                         ///< of the graph of vertices that must not move at once
   /// The sum that Options::energy names; with Options::only_below that of the active tetrahedra, of second-order meshes

@@ -45,6 +45,11 @@ void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& wa
     warn_of_names(mesh, {0, &warnings});
   }
   if (ending != ".unv") return;
+  for (const Group& group : mesh.groups) {
+    std::string written = group.name;
+    std::replace(written.begin(), written.end(), ' ', '_');
+    if (written != group.name) warnings.push_back("the group \"" + group.name + "\" is written as " + written);
+  }
   gmsh::vectorpair groups;
   gmsh::model::getPhysicalGroups(groups);
   std::map<int, std::string> names;

@@ -222,6 +222,7 @@ void bind_report(nb::module_& m) {
       .def_ro("periodic_vertices", &Report::periodic_vertices, "That move together with their images.")
       .def_ro("corners_not_held", &Report::corners_not_held)
       .def_ro("edges_not_held", &Report::edges_not_held)
+      .def_ro("line_ends_not_held", &Report::line_ends_not_held)
       .def_ro("triangles_dropped", &Report::triangles_dropped)
       .def_ro("edges_dropped", &Report::edges_dropped)
       .def_ro("colors", &Report::colors)

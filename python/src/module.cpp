@@ -192,12 +192,11 @@ void bind_functions(nb::module_& m) {
         nb::sig("def move(mesh: TetMesh, targets: list[NDArray[numpy.float64]], options: dict[str, Any], progress: "
                 "Callable[[Progress], object] | None = None) -> MoveReport"),
         "Moves a mesh in place, which invalidates views of its arrays.");
-  m.def(
-      "surface_targets", &surface_targets_of, "mesh"_a, "points"_a, "patches"_a = std::vector<int>(),
-      nb::sig("def surface_targets(mesh: TetMesh, points: NDArray[numpy.float64], patches: Sequence[int] = ...) -> "
-              "NDArray[numpy.float64]"),
-      "The positions `points` for the vertices of the surface, or of listed triangles with one of the tags `patches`; "
-      "NaN for the others.");
+  m.def("surface_targets", &surface_targets_of, "mesh"_a, "points"_a, "patches"_a = std::vector<int>(),
+        nb::sig("def surface_targets(mesh: TetMesh, points: NDArray[numpy.float64], patches: Sequence[int] = ...) -> "
+                "NDArray[numpy.float64]"),
+        "The positions `points` for the vertices of the surface and those that lists hold, or of listed triangles with "
+        "one of the tags `patches`; NaN for the others.");
   m.def(
       "measure_all", [](const TetMesh& mesh, int threads, int worst) { return measure_all(mesh, threads, worst); },
       "mesh"_a, nb::kw_only(), "threads"_a = 0, "worst"_a = 10, nb::call_guard<nb::gil_scoped_release>());

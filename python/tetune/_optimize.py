@@ -302,8 +302,8 @@ def move(
         to: the positions of all vertices, of shape (n, 3), with three NaN for a vertex that follows the others:
             for a displacement `points + displacement`. Or a list of such arrays, which are reached one after the other.
             Or, of a meshio or pyvista mesh, the name of point data that hold a displacement.
-        surface: True: of `to`, only the positions of the vertices of the boundary, of interfaces between regions
-            and of listed triangles count; the vertices inside the mesh follow.
+        surface: True: of `to`, only the positions of the vertices of the boundary, of interfaces between regions,
+            of listed triangles and tagged edges, and of other listed vertices count; the others follow.
         patches: as `surface`, for the vertices of the listed triangles with these tags alone.
 
     A target that cannot be reached is no error: `result.motion.reached` is False, the mesh is the valid one of the last

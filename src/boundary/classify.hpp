@@ -45,13 +45,24 @@ inline bool are_feature_lines(Span<const Index> ends, Size first, Span<const Ver
   return count_unsupported(dof, [degree](Size v) { return degree[v] > 2; }) == 0;
 }
 
+/// Fixes the vertices of one constraint if their list is accepted. Returns the number of those that stay movable.
+inline Size fix_listed(Span<const std::uint8_t> frozen, std::uint8_t constraint, Span<VertexDof> dof) {
+  const Size unsupported = count_unsupported(dof, [=](Size v) { return frozen[v] == constraint; });
+  for (Size v = 0; v < dof.size() && unsupported == 0; ++v) {
+    if (frozen[v] == constraint) dof[v] = VertexDof::fixed;
+  }
+  return unsupported;
+}
+
 /// Fixes the listed corners if the list is accepted. Returns the number of listed vertices that stay movable.
 inline Size fix_corners(Span<const std::uint8_t> frozen, Span<VertexDof> dof) {
-  const Size no_corners = count_unsupported(dof, [frozen](Size v) { return frozen[v] == kCorner; });
-  for (Size v = 0; v < dof.size() && no_corners == 0; ++v) {
-    if (frozen[v] == kCorner) dof[v] = VertexDof::fixed;
-  }
-  return no_corners;
+  return fix_listed(frozen, kCorner, dof);
+}
+
+/// Fixes the ends and junctions of tagged lines, so that each line keeps its extent, unless they are too many for
+/// lines. Returns the number of those that stay movable.
+inline Size fix_line_ends(Span<const std::uint8_t> frozen, Span<VertexDof> dof) {
+  return fix_listed(frozen, kLineEnd, dof);
 }
 
 /// The other ends of edges of one kind at a vertex, each once; the first two are stored.

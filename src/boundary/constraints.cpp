@@ -62,29 +62,48 @@ void find_edges(const TetMesh& mesh, Constraints& constraints) {
                       std::back_inserter(constraints.edges));
 }
 
-/// Makes ends and junctions of named groups of edges corners, so that each keeps its extent.
-void hold_ends_of_groups(const TetMesh& mesh, Span<std::uint8_t> frozen) {
-  if (mesh.groups.empty()) return;
+/// Calls hold(vertex) for the ends and junctions of a set of edges, each of which counts once.
+template <class Hold>
+void for_each_end(std::vector<std::array<Index, 2>> edges, const Hold& hold) {
+  sort_unique(edges);
+  std::vector<Index> ends;
+  for (const auto& edge : edges) ends.insert(ends.end(), edge.begin(), edge.end());
+  std::sort(ends.begin(), ends.end());
+  for (auto first = ends.begin(); first != ends.end();) {
+    const auto last = std::upper_bound(first, ends.end(), *first);
+    if (last - first != 2) hold(*first);
+    first = last;
+  }
+}
+
+/// Marks ends and junctions of the edges of each named group and of each tag, so that each keeps its extent.
+void hold_ends(const TetMesh& mesh, Span<std::uint8_t> frozen) {
   std::vector<std::pair<int, Index>> tag2edge;
-  for (Index e = 0; e < std::ssize(mesh.edges); ++e) tag2edge.emplace_back(span_of(mesh.edge_tags)[e], e);
+  for (Index e = 0; e < std::ssize(mesh.edges); ++e) {
+    if (span_of(mesh.edge_tags)[e] != 0) tag2edge.emplace_back(span_of(mesh.edge_tags)[e], e);
+  }
   std::sort(tag2edge.begin(), tag2edge.end());
+  const auto edge_of = [&mesh](const auto& entry) { return ascending(span_of(mesh.edges)[entry.second]); };
+  const auto mark = [frozen](std::uint8_t state) {
+    return [frozen, state](Index v) {
+      if (frozen[v] == kMovable) frozen[v] = state;
+    };
+  };
   for (const Group& group : mesh.groups) {
     if (group.dimension != 1 || group.name.empty()) continue;
     const std::set<int> tags(group.tags.begin(), group.tags.end());
-    std::vector<Index> ends;
+    std::vector<std::array<Index, 2>> edges;
     for (const int tag : tags) {
       auto entry = std::lower_bound(tag2edge.begin(), tag2edge.end(), std::pair{tag, Index{0}});
-      for (; entry != tag2edge.end() && entry->first == tag; ++entry) {
-        const auto& edge = span_of(mesh.edges)[entry->second];
-        ends.insert(ends.end(), edge.begin(), edge.end());
-      }
+      for (; entry != tag2edge.end() && entry->first == tag; ++entry) edges.push_back(edge_of(*entry));
     }
-    std::sort(ends.begin(), ends.end());
-    for (auto first = ends.begin(); first != ends.end();) {
-      const auto last = std::upper_bound(first, ends.end(), *first);
-      if (last - first != 2 && frozen[*first] == kMovable) frozen[*first] = kCorner;
-      first = last;
-    }
+    for_each_end(std::move(edges), mark(kCorner));
+  }
+  for (auto first = tag2edge.begin(); first != tag2edge.end();) {
+    const int tag = first->first;
+    std::vector<std::array<Index, 2>> edges;
+    for (; first != tag2edge.end() && first->first == tag; ++first) edges.push_back(edge_of(*first));
+    for_each_end(std::move(edges), mark(kLineEnd));
   }
 }
 
@@ -153,7 +172,7 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
     if (options.frozen_vertices[v] != 0) result.frozen[v] = kFrozen;
   }
   for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
-  hold_ends_of_groups(mesh, frozen);
+  hold_ends(mesh, frozen);
   if (!mesh.periodic.empty()) result.frozen_without_links = result.frozen;
   for (const PeriodicLink& link : mesh.periodic) {
     for (const auto& pair : link.pairs) freeze(pair);

@@ -14,8 +14,8 @@ namespace tetune {
 
 /// The constraints by the caller's lists and options, in the caller's ids.
 struct Constraints {
-  /// kMovable, kFrozen or kCorner per vertex. Required entities, periodic links and elements of other kinds freeze
-  /// their vertices; ends and junctions of named groups of edges are corners, as are listed ones.
+  /// kMovable, kFrozen, kCorner or kLineEnd per vertex. Required entities, periodic links and elements of other kinds
+  /// freeze their vertices; ends and junctions of named groups of edges are corners, as are listed ones.
   std::vector<std::uint8_t> frozen;
   /// `frozen` as it would be without periodic links; empty if there are none.
   std::vector<std::uint8_t> frozen_without_links;

@@ -25,7 +25,7 @@ struct DofInput {
   const std::vector<Index>& edge_ends;
   std::size_t ridges;
   const EdgeSet<Backend>& edges;
-  const std::vector<std::uint8_t>& frozen;  ///< kMovable, kFrozen or kCorner per work vertex
+  const std::vector<std::uint8_t>& frozen;  ///< kMovable, kFrozen, kCorner or kLineEnd per work vertex
   double scale;                             ///< coordinates of the work mesh per unit of the caller's
   const SlideSurface* slides_on;            ///< the surface for Boundary::slide; null: the mesh's own
   const std::vector<Index>& original2vertex;
@@ -93,6 +93,7 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
     report.edges_not_held = tagged;
   }
   report.corners_not_held = fix_corners(span_of(input.frozen), span_of(dof));
+  if (report.edges_not_held == 0) report.line_ends_not_held = fix_line_ends(span_of(input.frozen), span_of(dof));
   dofs.dof.upload(backend, dof);
   if (!slides) return;
   dofs.reference.dof.assign(backend, dofs.dof);
@@ -113,7 +114,7 @@ inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
 }  // namespace find_dofs_detail
 
 /// Finds where each vertex may go, by Options::boundary, and makes all vertices active. The report receives the
-/// numbers of vertices by degrees of freedom, and of listed corners and edges that are no features.
+/// numbers of vertices by degrees of freedom, and of listed corners, edges and their ends that are no features.
 template <class Backend>
 void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
                VertexDofs<Backend>& dofs, Report& report) {

@@ -45,7 +45,9 @@ std::vector<MotionSpace> spaces_without_links(const Backend& backend, WorkMesh<B
   const std::vector<Vec3> axes = axis.download();
   std::vector<MotionSpace> spaces;
   for (std::size_t v = 0; v < dofs.size(); ++v) {
-    const bool is_corner = input.frozen[v] == kCorner && report.corners_not_held == 0;
+    const bool is_corner =
+        (input.frozen[v] == kCorner && report.corners_not_held == 0) ||
+        (input.frozen[v] == kLineEnd && report.edges_not_held == 0 && report.line_ends_not_held == 0);
     spaces.push_back({is_corner ? VertexDof::fixed : dofs[v], axes[v]});
   }
   return spaces;

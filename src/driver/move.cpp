@@ -5,8 +5,11 @@
 #include <cmath>
 #include <string>
 
+#include "boundary/constraints.hpp"
+#include "boundary/vertex_dof.hpp"
 #include "driver/devices.hpp"
 #include "driver/move_job.hpp"
+#include "driver/parts/optimize_active.hpp"
 #include "math/constants.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/tet_mesh_view.hpp"
@@ -76,6 +79,24 @@ void restore_bits(TetMesh& mesh, std::span<const VertexTargets> targets, const M
       span_of(mesh.points)[v] = p;
       break;
     }
+  }
+}
+
+/// Calls add(vertex) for the vertices that the lists of a mesh hold in place or on a line, on the surface or not.
+template <class Add>
+void for_each_held(const TetMesh& mesh, const Add& add) {
+  Options options;
+  options.untangle = true;  // move() reports volumes that are not positive
+  const Constraints constraints = find_constraints(mesh, options);
+  Report unused;
+  const ListedFeatures are_held = find_listed_features(mesh, options, constraints, unused);
+  for (Index v = 0; v < std::ssize(constraints.frozen); ++v) {
+    const std::uint8_t constraint = span_of(constraints.frozen)[v];
+    if (constraint == kFrozen || (constraint == kCorner && are_held.corners)) add(v);
+  }
+  const std::size_t lines = are_held.edges ? constraints.edges.size() : constraints.ridges;
+  for (std::size_t e = 0; e < lines; ++e) {
+    for (const Index v : constraints.edges[e]) add(v);
   }
 }
 
@@ -158,8 +179,9 @@ VertexTargets surface_targets(const TetMesh& mesh, const std::vector<Point3>& po
                       " vertices; there must be one per vertex");
   }
   VertexTargets targets(points.size(), Point3{kNan, kNan, kNan});
+  const auto add_vertex = [&](Index v) { span_of(targets)[v] = span_of(points)[v]; };
   const auto add = [&](const std::array<Index, 3>& triangle) {
-    for (const Index v : triangle) span_of(targets)[v] = span_of(points)[v];
+    for (const Index v : triangle) add_vertex(v);
   };
   for (const int patch : patches) {
     if (std::find(mesh.triangle_tags.begin(), mesh.triangle_tags.end(), patch) == mesh.triangle_tags.end()) {
@@ -174,6 +196,7 @@ VertexTargets surface_targets(const TetMesh& mesh, const std::vector<Point3>& po
   }
   if (!patches.empty()) return targets;
   for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) { add(face.vertices); });
+  for_each_held(mesh, add_vertex);
   return targets;
 }
 

@@ -72,6 +72,18 @@ class Convert(CliTest):
         done = self.run_cli("convert", self.path("a.msh"), self.path("b.ele"))
         self.assertIn("b.ele: the format cannot hold the data \"gmsh:geometrical\"", done.stderr)
 
+    def test_volumes_of_one_group_that_touch_are_told(self):
+        def text(tag, other):  # two tetrahedra with a common face, in volumes of their own
+            return ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 \"m\"\n3 2 \"n\"\n$EndPhysicalNames\n$Nodes\n5\n"
+                    "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n"
+                    f"$Elements\n2\n1 4 2 {tag} 7 1 2 3 4\n2 4 2 {other} 8 2 3 4 5\n$EndElements\n")
+        warning = "volumes in one physical group touch each other"
+        for other, expected in ((1, True), (2, False)):
+            with open(self.path("a.msh"), "w") as file:
+                file.write(text(1, other))
+            done = self.run_cli("optimize", self.path("a.msh"), "-o", self.path("b.msh"))
+            self.assertEqual(warning in done.stderr, expected, done.stderr)
+
     def test_versions_of_msh(self):
         _, source = self.source()
         for word, head in (("2.2-text", b"2.2 0 8"), ("2.2-binary", b"2.2 1 8"), ("4.1-text", b"4.1 0 8"), ("4.1-binary", b"4.1 1 8")):

@@ -399,5 +399,16 @@ TEST_F(Inp, TetrahedraInsideOutAreWrittenAsTheyWere) {
   EXPECT_EQ(get("b.inp"), get("a.inp"));
 }
 
+TEST_F(Inp, TrianglesWithoutATagAreNamed) {
+  TetMesh m = cube(1);
+  m.tet_tags.assign(m.tets.size(), 1);
+  m.triangles = {{0, 1, 4}, {0, 4, 3}};
+  m.triangle_tags = {0, 0};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.inp"), m, 1, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "2 triangles without a tag are not written"));
+}
+
 }  // namespace
 }  // namespace tetune::test

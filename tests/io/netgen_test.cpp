@@ -155,6 +155,23 @@ TEST_F(Netgen, TagsBecomeNumbersFromOne) {
   EXPECT_EQ(back.groups[2].tags, (std::vector{2}));
 }
 
+TEST_F(Netgen, LostTagsAndNamesAreNamed) {
+  TetMesh m = cube(1);
+  m.triangles = {{0, 1, 4}};
+  m.triangle_tags = {1};
+  m.tet_tags.assign(m.tets.size(), 0);
+  std::vector<std::string> warnings;
+  write_mesh(path("a.vol"), m, 1, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "other numbers"));
+  m.tet_tags.assign(m.tets.size(), 1);
+  m.groups = {{3, 1, "default", {1}}};
+  warnings.clear();
+  write_mesh(path("a.vol"), m, 1, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "\"default\" loses its name"));
+}
+
 TEST_F(Netgen, DamageIsNamedWithItsLine) {
   const auto error = [this](const std::string& from, const std::string& to) {
     std::string text = kTwoNetgen;

@@ -176,8 +176,8 @@ TEST(Optimize, BestKeepsWhatMustBeKept) {
   EXPECT_GT(removed, 0);
 }
 
-/// Lines of different names along one straight edge of a cube keep their lengths.
-TEST(Optimize, NamedLinesKeepTheirExtents) {
+/// Lines of different tags along one straight edge of a cube, with names or without, keep their lengths.
+void expect_lines_keep_extents(bool have_names) {
   constexpr int n = 6;
   for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
     for (const Effort effort : {Effort::standard, Effort::best}) {
@@ -193,7 +193,7 @@ TEST(Optimize, NamedLinesKeepTheirExtents) {
         mesh.edges.push_back({along[i].second, along[i + 1].second});
         mesh.edge_tags.push_back(i < 2 ? 1 : i < 4 ? 2 : 0);
       }
-      mesh.groups = {{1, 1, "inlet", {1}}, {1, 2, "support", {2}}};
+      if (have_names) mesh.groups = {{1, 1, "inlet", {1}}, {1, 2, "support", {2}}};
       Options options;
       options.boundary = boundary;
       options.effort = effort;
@@ -209,11 +209,15 @@ TEST(Optimize, NamedLinesKeepTheirExtents) {
       const double first = length(1), second = length(2);
       const Report report = optimize(mesh, options);
       EXPECT_EQ(report.corners_not_held, 0);
+      EXPECT_EQ(report.line_ends_not_held, 0);
       EXPECT_NEAR(length(1), first, 1e-12);
       EXPECT_NEAR(length(2), second, 1e-12);
     }
   }
 }
+
+TEST(Optimize, NamedLinesKeepTheirExtents) { expect_lines_keep_extents(true); }
+TEST(Optimize, TaggedLinesKeepTheirExtents) { expect_lines_keep_extents(false); }
 
 TEST(Optimize, BestKeepsTheEndsOfTaggedEdgesHoweverManyThereAre) {
   // Too many to be feature lines, so that their vertices may move; the edges stay all the same.

@@ -116,6 +116,39 @@ TEST(Move, SurfaceTargets) {
   EXPECT_THROW(surface_targets(mesh, {}), OptionError);
 }
 
+/// Vertices inside the mesh that its lists hold are targets, so that a translation arrives in one step.
+TEST(Move, TakesInnerListedVerticesAlong) {
+  constexpr int n = 6;
+  TetMesh before = test::cube(n, 0.2);
+  const auto inner = [&before](int i) {
+    const auto distance = [&](const Point3& p) { return std::hypot(p[0] - double(i) / n, p[1] - 0.5, p[2] - 0.5); };
+    const auto nearest = std::min_element(before.points.begin(), before.points.end(),
+                                          [&](const Point3& p, const Point3& q) { return distance(p) < distance(q); });
+    return static_cast<Index>(nearest - before.points.begin());
+  };
+  before.edges = {{inner(2), inner(3)}};
+  before.edge_tags = {5};
+  before.corners = {inner(4)};
+  before.required_vertices = {inner(5)};
+  VertexTargets target = surface_targets(before, before.points);
+  for (const int i : {2, 3, 4, 5}) EXPECT_FALSE(is_free(span_of(target)[inner(i)])) << i;
+  for (Point3& p : target) p[2] += 2;
+  TetMesh after = before;
+  const MoveReport r = move(after, target, options_of(Effort::standard, Boundary::preserve, 2));
+  EXPECT_TRUE(r.reached());
+  EXPECT_EQ(r.steps.size(), 1U);
+  expect_valid(after);
+  expect_on_way(before, after, target, r);
+
+  // An exhaustive list is none of corners.
+  for (std::size_t v = 0; v < before.points.size(); ++v) before.corners.push_back(static_cast<Index>(v));
+  before.edges.clear();
+  before.edge_tags.clear();
+  before.required_vertices.clear();
+  const VertexTargets surface = surface_targets(before, before.points);
+  for (const int i : {2, 3, 4, 5}) EXPECT_TRUE(is_free(span_of(surface)[inner(i)])) << i;
+}
+
 TEST(Move, StopsBetweenTwoTargets) {
   TetMesh mesh = test::cube(4, 0.2);
   std::vector<VertexTargets> targets(2, surface_targets(mesh, mesh.points));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -124,6 +125,69 @@ TEST(Curved, EdgesThatAreStraightToTheRoundingOfTheirCoordinatesHoldNoVertex) {
   EXPECT_GT(report.plane_vertices, 0);
   EXPECT_EQ(report.plane_vertices, expected.plane_vertices);
   EXPECT_EQ(report.fixed_vertices, expected.fixed_vertices);
+}
+
+TEST(Curved, HeldNodesKeepTheRoundingOfTheirCoordinates) {
+  // All mid-side nodes are beside the midpoint by less than a part of 1e-14 of the edge.
+  TetMesh m = test::two_materials(4, 0.2);
+  std::set<std::array<Index, 2>> edges, held;
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        const auto edge = ascending(m.tets[t][i], m.tets[t][j]);
+        edges.insert(edge);
+        if (m.tet_tags[t] == 2) held.insert(edge);
+      }
+    }
+  }
+  m.second_order = true;
+  for (const auto& edge : edges) {
+    const Vec3 middle = 0.5 * (test::at(m, edge[0]) + test::at(m, edge[1]));
+    m.curved_edges.push_back({edge, {middle.x + 1e-15, middle.y - 1e-15, middle.z + 1e-15}});
+  }
+  Options options;
+  options.frozen_regions = {2};
+  for (const Boundary boundary : {Boundary::preserve, Boundary::fixed, Boundary::slide}) {
+    options.boundary = boundary;
+    TetMesh result = m;
+    const Report report = optimize(result, options);
+    ASSERT_TRUE(report.vertex2original.empty());
+    for (const CurvedEdge& before : m.curved_edges) {
+      if (!held.contains(before.vertices)) continue;
+      const CurvedEdge* const after = find_edge(result.curved_edges, before.vertices);
+      ASSERT_NE(after, nullptr);
+      ASSERT_EQ(after->middle, before.middle);
+    }
+  }
+}
+
+TEST(Curved, WithoutSweepsAndFlipsNothingMoves) {
+  TetMesh m = test::cube(3, 0.2);
+  m.second_order = true;
+  for (const auto& tet : m.tets) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        const auto edge = ascending(tet[i], tet[j]);
+        const Vec3 middle = 0.5 * (test::at(m, edge[0]) + test::at(m, edge[1]));
+        const double offset = 0.002 * double(1 + (edge[0] + edge[1]) % 3);
+        m.curved_edges.push_back({edge, {middle.x + offset, middle.y, middle.z - offset}});
+      }
+    }
+  }
+  std::sort(m.curved_edges.begin(), m.curved_edges.end(), is_before);
+  const auto is_same = [](const CurvedEdge& e, const CurvedEdge& f) { return e.vertices == f.vertices; };
+  m.curved_edges.erase(std::unique(m.curved_edges.begin(), m.curved_edges.end(), is_same), m.curved_edges.end());
+  Options options;
+  options.max_iterations = 0;
+  options.flips = false;
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    options.boundary = boundary;
+    TetMesh result = m;
+    const Report report = optimize(result, options);
+    EXPECT_EQ(result.points, m.points);
+    EXPECT_TRUE(result.curved_edges == m.curved_edges);
+    EXPECT_GT(report.free_vertices, 0);
+  }
 }
 
 TEST(Curved, VerticesThatSlideDoNotHoldElements) {

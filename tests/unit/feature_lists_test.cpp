@@ -100,6 +100,27 @@ TEST(Lists, OfEdgesThatMeetInFewPlacesAreFeatures) {
   EXPECT_TRUE(are_lines(stars(51), 0, corners));
 }
 
+TEST(Lists, OfEdgesWithTagsOfTheirOwnHaveNoEnds) {
+  // Two tags meet in the middle of each edge of the cube, and every edge of the mesh has a tag of its own afterwards.
+  constexpr int n = 4;
+  TetMesh m = test::cube(n);
+  for (int i = 0; i < n; ++i) {
+    m.edges.push_back({cube_vertex(n, i, 0, 0), cube_vertex(n, i + 1, 0, 0)});
+    m.edges.push_back({cube_vertex(n, 0, i, 0), cube_vertex(n, 0, i + 1, 0)});
+    m.edges.push_back({cube_vertex(n, 0, 0, i), cube_vertex(n, 0, 0, i + 1)});
+    m.edges.push_back({cube_vertex(n, i, n, n), cube_vertex(n, i + 1, n, n)});
+    m.edge_tags.insert(m.edge_tags.end(), 4, i < n / 2 ? 1 : 2);
+  }
+  const Report halves = classify_sliding(m);
+  expect_dofs(halves, 8 + 4, 36 - 4, 54, 27);
+  EXPECT_EQ(halves.line_ends_not_held, 0);
+  for (std::size_t e = 0; e < m.edges.size(); ++e) m.edge_tags[e] = static_cast<int>(e) + 1;
+  const Report own = classify_sliding(m);
+  expect_dofs(own, 8, 36, 54, 27);
+  EXPECT_EQ(own.line_ends_not_held, 4 * (n - 1));
+  EXPECT_EQ(own.edges_not_held, 0);
+}
+
 /// All edges of the surface, tagged, as TetGen lists them.
 TetMesh all_edges_tagged(int n) {
   TetMesh m = test::cube(n);

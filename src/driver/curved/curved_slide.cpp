@@ -105,7 +105,10 @@ struct ChangedTriangles {
 void LiftedNodes::apply(TetMesh& mesh) const {
   for (std::size_t i = 0; i < vertices.size(); ++i) span_of(mesh.points)[vertices[i]] = points[i];
   merge_edges(mesh.curved_edges, middles);
-  std::erase_if(mesh.curved_edges, [&mesh](const CurvedEdge& e) { return is_straight(mesh, e, kStraight); });
+  // Other edges may have nodes that differ from the midpoint by rounding, and keep their bits.
+  std::erase_if(mesh.curved_edges, [&](const CurvedEdge& e) {
+    return find_edge(middles, e.vertices) != nullptr && is_straight(mesh, e, kStraight);
+  });
 }
 
 CurvedSlide::CurvedSlide(const TetMesh& mesh, double feature_angle) : mesh_(mesh), triangles_(find_sheets(mesh)) {

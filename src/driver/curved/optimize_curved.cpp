@@ -83,6 +83,9 @@ class CurvedOptimizer {
   /// With other data than carried ones the result has places in the input, which one run alone gives.
   bool slides_at_once() const { return options_.data != DataTransfer::carry; }
 
+  /// Without sweeps and flips mid-side nodes keep their bits too.
+  bool changes_nothing() const { return options_.max_iterations == 0 && !options_.flips && !options_.untangle; }
+
   /// Makes a report on the stages one on the input and the result.
   void report_whole(const TetMesh& result, Report& report) {
     report.vertices = std::ssize(input_.points);
@@ -110,6 +113,7 @@ class CurvedOptimizer {
     const int max_attempts = slides ? kMaxSlidingAttempts : kMaxAttempts;
     double linear_bound = 0;
     std::vector<Index> locked;
+    if (changes_nothing()) locked = identity_map(base_.tets.size());
     for (int attempt = 0;; ++attempt) {
       if (attempt == max_attempts) locked = all_curved(base_);
       if (attempt > max_attempts) locked = identity_map(base_.tets.size());

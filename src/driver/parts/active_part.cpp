@@ -33,7 +33,8 @@ class PartTaker {
   }
 
   ActivePart take(const ListedFeatures& features, const std::vector<int>& frozen_patches) {
-    take_corners(features.corners);
+    if (features.corners) freeze(kCorner);
+    if (features.line_ends) freeze(kLineEnd);
     take_triangles(frozen_patches);
     take_edges(features.edges);
     part_.triangle_stays = all_frozen(part_.mesh.triangles);
@@ -73,9 +74,10 @@ class PartTaker {
     }
   }
 
-  void take_corners(bool are_features) {
-    for (Index v = 0; v < std::ssize(constraints_.frozen) && are_features; ++v) {
-      if (span_of(constraints_.frozen)[v] == kCorner && to_part(v) >= 0) span_of(frozen_)[to_part(v)] = 1;
+  /// Freezes the vertices of one constraint.
+  void freeze(std::uint8_t constraint) {
+    for (Index v = 0; v < std::ssize(constraints_.frozen); ++v) {
+      if (span_of(constraints_.frozen)[v] == constraint && to_part(v) >= 0) span_of(frozen_)[to_part(v)] = 1;
     }
   }
 

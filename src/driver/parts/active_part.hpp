@@ -31,8 +31,9 @@ ActiveTets find_active(const TetMesh& mesh, const Constraints& constraints, cons
 
 /// Whether the lists of a mesh are of features. It depends on the whole mesh: see count_unsupported().
 struct ListedFeatures {
-  bool corners = false;  ///< the listed corners do not move
-  bool edges = false;    ///< tagged edges are feature lines
+  bool corners = false;    ///< the listed corners do not move
+  bool edges = false;      ///< tagged edges are feature lines
+  bool line_ends = false;  ///< their ends and junctions do not move
 };
 
 /// A part of a mesh, optimized for itself. Vertices that tetrahedra outside the part have are frozen. Faces between the

@@ -47,15 +47,6 @@ Size count_junctions(const TetMesh& mesh, const Constraints& constraints) {
   return std::count_if(degree.begin(), degree.end(), [](Index d) { return d > 2; });
 }
 
-/// Few corners and junctions are features whatever the geometry; else the whole mesh is classified.
-ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options, const Constraints& constraints,
-                                    Report& report) {
-  const Size corners = std::count(constraints.frozen.begin(), constraints.frozen.end(), kCorner);
-  if (corners <= kFewListed && count_junctions(mesh, constraints) <= kFewListed) return {true, true};
-  report = report_constraints(mesh, options);
-  return {report.corners_not_held == 0, report.edges_not_held == 0};
-}
-
 /// A run that can be stopped.
 struct Run {
   const LatchedHooks& hooks;
@@ -110,6 +101,7 @@ std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constrai
   }
   report.corners_not_held = whole.corners_not_held;
   report.edges_not_held = whole.edges_not_held;
+  report.line_ends_not_held = whole.line_ends_not_held;
   report.tets_bad = active.bad;
   report.tets_active = active.count;
   if (!is_taken) return std::nullopt;
@@ -158,6 +150,19 @@ Constraints checked_constraints(const TetMesh& mesh, const Options& options) {
   check_options(options);
   require_arrays(mesh);
   return find_constraints(mesh, options);
+}
+
+ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options, const Constraints& constraints,
+                                    Report& report) {
+  const auto is_few = [&](std::uint8_t constraint) {
+    return std::count(constraints.frozen.begin(), constraints.frozen.end(), constraint) <= kFewListed;
+  };
+  if (is_few(kCorner) && is_few(kLineEnd) && count_junctions(mesh, constraints) <= kFewListed) {
+    return {true, true, true};
+  }
+  report = report_constraints(mesh, options);
+  const bool are_lines = report.edges_not_held == 0;
+  return {report.corners_not_held == 0, are_lines, are_lines && report.line_ends_not_held == 0};
 }
 
 Report optimize_active(TetMesh& mesh, const Options& options, const Context& context) {

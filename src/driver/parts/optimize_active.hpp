@@ -15,6 +15,11 @@ namespace tetune {
 /// Checks options and the lists of a mesh, and finds the constraints. Throws OptionError or MeshError.
 Constraints checked_constraints(const TetMesh& mesh, const Options& options);
 
+/// Decides whether the lists of a mesh are of features. Few corners, junctions and ends are, whatever the geometry;
+/// else the whole mesh is classified, and `report` says what does not constrain.
+ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options, const Constraints& constraints,
+                                    Report& report);
+
 /// optimize() with Options::only_below: optimizes the active tetrahedra as a mesh of their own.
 Report optimize_active(TetMesh& mesh, const Options& options, const Context& context);
 

@@ -135,6 +135,8 @@ class InpPlainWriter {
   // Patches: the listed triangles with a tag that are faces of tetrahedra.
 
   void find_patches() {
+    const std::int64_t untagged = std::count(mesh_.triangle_tags.begin(), mesh_.triangle_tags.end(), 0);
+    if (untagged > 0) context_.warn(std::to_string(untagged) + " triangles without a tag are not written");
     std::vector<std::pair<std::array<Index, 3>, Index>> tagged;
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
       if (mesh_.triangle_tags[i] != 0) tagged.emplace_back(mesh_.triangles[i], to_index(i));
@@ -148,8 +150,7 @@ class InpPlainWriter {
         patches_[span_of(mesh_.triangle_tags)[triangle]].push_back({to_index(t), kInpFaceOpposite[k]});
       });
     }
-    const auto missing = std::ssize(is_written) - std::count(is_written.begin(), is_written.end(), 1) -
-                         std::count(mesh_.triangle_tags.begin(), mesh_.triangle_tags.end(), 0);
+    const auto missing = std::ssize(is_written) - std::count(is_written.begin(), is_written.end(), 1) - untagged;
     if (missing > 0) {
       context_.warn(std::to_string(missing) + " triangles are not written, as they are no faces of tetrahedra");
     }

@@ -35,7 +35,7 @@ class NetgenNumbers {
         continue;
       }
       while (used.contains(next) && keeps(next)) ++next;
-      is_changed_ |= tag != 0 || used.size() > 1;
+      is_changed_ = true;
       numbers_[tag] = next++;
     }
     for (const auto& [tag, number] : numbers_)
@@ -171,7 +171,7 @@ class NetgenWriter {
     out_.text("\nendmesh\n");
     const auto all = {&regions_, &patches_, &lines_, &points_};
     if (std::any_of(all.begin(), all.end(), [](const NetgenNumbers* n) { return n->is_changed(); })) {
-      context.warn("tags that are not from 1 to 9999 have other numbers");
+      context.warn("tags that are not from 1 to 9999, 0 included, have other numbers");
     }
     if (std::any_of(all.begin(), all.end(), [](const NetgenNumbers* n) { return n->is_shared(); })) {
       warn_of_shared_names(context);
@@ -319,6 +319,11 @@ void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
   warn_of_lists(mesh, context);
   warn_of_data(mesh, context, kNetgenSurface);
   warn_of_empty_groups(mesh, context);
+  const auto is_default = [](const Group& group) { return group.name == kNetgenUnnamed; };
+  if (std::any_of(mesh.groups.begin(), mesh.groups.end(), is_default)) {
+    context.warn(std::string("the group \"") + kNetgenUnnamed +
+                 "\" loses its name, which stands for elements without one in the format");
+  }
   if (mesh.triangles.empty()) context.warn("the mesh lists no triangles: Netgen needs them on the whole boundary");
 }
 
