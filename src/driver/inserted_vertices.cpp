@@ -48,7 +48,7 @@ class TetSearch {
     tree_.for_meeting({x - reach, x + reach}, [&](Index t) {
       const std::array<double, 4> weights = weights_in(t, x);
       const double lowest = *std::min_element(weights.begin(), weights.end());
-      if (!(lowest > least)) return;
+      if (!(lowest > least) || !reproduces(t, weights, x)) return;
       least = lowest;
       place = {view_.tets[t], weights};
     });
@@ -66,6 +66,18 @@ class TetSearch {
       boxes.push_back(box);
     }
     return boxes;
+  }
+  /// Whether the weights are those of the point: in a tetrahedron that is flat to rounding they are noise.
+  bool reproduces(Index t, const std::array<double, 4>& weights, const Vec3& x) const {
+    const auto& tet = view_.tets[t];
+    Vec3 difference = x;
+    double longest2 = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      difference = difference - weights[k] * view_.position(tet[k]);
+      const Vec3 edge = view_.position(tet[k]) - view_.position(tet[0]);
+      longest2 = std::max(longest2, dot(edge, edge));
+    }
+    return dot(difference, difference) <= kTolerance * kTolerance * longest2;
   }
   std::array<double, 4> weights_in(Index t, const Vec3& x) const {
     const auto& tet = view_.tets[t];

@@ -7,10 +7,10 @@
 #include <set>
 #include <utility>
 
-#include "backend/cpu.hpp"
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
+#include "driver/curved/chunked_queries.hpp"
 #include "driver/curved/curved_sheets.hpp"
 #include "math/constants.hpp"
 #include "math/elementary.hpp"
@@ -220,40 +220,6 @@ void CurvedSlide::constrain(TetMesh& skeleton) const {
   }
 }
 
-/// Evaluates functions of many points by all threads, in chunks between which a stop may be requested.
-class CurvedSlide::Queries {
- public:
-  static constexpr Size kChunk = 4096;  ///< some ms on one thread
-
-  Queries(int threads, const std::function<bool()>& stop) : cpu_(threads), stop_(stop) {}
-
-  bool is_stopped() const { return is_stopped_; }
-  /// Calls f(i) for all i in [begin, end), or for none after a stop.
-  template <class F>
-  void chunk(Size begin, Size end, const F& f) {
-    is_stopped_ = is_stopped_ || (stop_ && stop_());
-    if (!is_stopped_) cpu_.for_each(end - begin, Query<F>{f, begin});
-  }
-  /// Calls f(i) for all i in [0, n) until a stop.
-  template <class F>
-  void all(Size n, const F& f) {
-    for (Size begin = 0; begin < n && !is_stopped_; begin += kChunk) chunk(begin, std::min(n, begin + kChunk), f);
-  }
-
- private:
-  template <class F>
-  struct Query {
-    static constexpr Size kGrain = 32;
-    const F& f;
-    Size begin;
-    void operator()(Size i) const { f(begin + i); }
-  };
-
-  backend::Cpu cpu_;
-  const std::function<bool()>& stop_;
-  bool is_stopped_ = false;
-};
-
 /// The sheets between the same regions and of the same patch; all if there is none.
 std::vector<const QuadraticSheet*> CurvedSlide::sheets_with(const std::array<int, 3>& sides) const {
   std::vector<const QuadraticSheet*> same, all;
@@ -266,7 +232,7 @@ std::vector<const QuadraticSheet*> CurvedSlide::sheets_with(const std::array<int
 
 /// The sheet that is nearest to a component of the slid surface, by the sum of squared distances.
 const QuadraticSheet* CurvedSlide::sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& component,
-                                            Queries& queries) const {
+                                            ChunkedQueries& queries) const {
   const std::vector<const QuadraticSheet*> candidates = sheets_with(component[0].sides);
   if (candidates.size() == 1) return candidates[0];
   std::vector<Vec3> points;
@@ -289,7 +255,7 @@ const QuadraticSheet* CurvedSlide::sheet_of(const TetMesh& slid, const std::vect
     // Most of the others are found to be farther after a few points.
     const Size n = std::ssize(points);
     for (Size begin = 0, end = 64; begin < n && sum < least && !queries.is_stopped(); begin = end, end *= 2) {
-      end = std::min({n, end, begin + Queries::kChunk});
+      end = std::min({n, end, begin + ChunkedQueries::kChunk});
       queries.chunk(begin, end, [&](Size i) { span_of(distances)[i] = sheet->distance2(span_of(points)[i]); });
       for (Size i = begin; i < end; ++i) sum += span_of(distances)[i];
     }
@@ -350,7 +316,7 @@ std::optional<LiftedNodes> CurvedSlide::lift(const TetMesh& slid, const Report& 
     lifted.middles.push_back({edge, {}});
     nodes.push_back({0.5 * (at(slid, a) + at(slid, b)), part});
   }
-  Queries queries(threads, stop);
+  ChunkedQueries queries(threads, stop);
   const std::size_t chains = chains_.size();
   std::vector<const QuadraticSheet*> part2sheet(chains + surface.components.size(), nullptr);
   for (std::size_t i = 0; i < chains; ++i) part2sheet[i] = &chains_[i];

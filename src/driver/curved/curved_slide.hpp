@@ -15,6 +15,8 @@
 
 namespace tetune {
 
+class ChunkedQueries;
+
 /// New positions of nodes of a surface.
 struct LiftedNodes {
   std::vector<Index> vertices;
@@ -63,7 +65,6 @@ class CurvedSlide {
     std::map<Index, Index> vertex2part;
     std::vector<std::vector<SheetTriangle>> components;
   };
-  class Queries;
   /// An edge of the skeleton's list.
   Edge listed_edge(Index e) const;
   /// The position of an edge among the features, or -1.
@@ -73,7 +74,7 @@ class CurvedSlide {
   SlidSurface find_slid_surface(const TetMesh& slid, const Report& report) const;
   std::vector<const QuadraticSheet*> sheets_with(const std::array<int, 3>& sides) const;
   const QuadraticSheet* sheet_of(const TetMesh& slid, const std::vector<SheetTriangle>& component,
-                                 Queries& queries) const;
+                                 ChunkedQueries& queries) const;
 
   const TetMesh& mesh_;
   std::vector<SheetTriangle> triangles_;
