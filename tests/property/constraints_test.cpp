@@ -142,8 +142,8 @@ TEST(Optimize, BestKeepsWhatMustBeKept) {
               static_cast<std::int64_t>(before.points.size()) + report.vertices_inserted - report.vertices_removed);
     EXPECT_EQ(after.point_tags.size(), after.points.size());
 
-    // Those of the input come first and in their order, and keep their tags; all others are new, with tags of vertices
-    // that agree or none.
+    // Those of the input come first and in their order, and keep their tags; all others are new, with a tag that
+    // several vertices of the input have, or none.
     Index last = -1;
     for (std::size_t v = 0; v < report.vertex2original.size(); ++v) {
       const Index original = report.vertex2original[v];
