@@ -5,13 +5,15 @@
 #include <utility>
 
 #include "math/box_tree.hpp"
+#include "mesh/node_sets.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
 
 namespace tetune {
 namespace {
 
-/// Barycentric coordinates below this are of vertices that are no part of the support.
+/// A vertex of a tetrahedron supports a point whose barycentric coordinate for it is above this.
 constexpr double kTolerance = 1e-6;
 
 std::vector<std::uint8_t> find_surface_vertices(const TetMesh& mesh) {
@@ -98,54 +100,54 @@ class TetSearch {
   BoxTree tree_;
 };
 
-/// Adds the vertices inside the mesh that have a tetrahedron in common with a vertex of the support, to the support of
-/// each of these. Where there is none, the support becomes empty.
+/// Extends the support of each inserted vertex by vertices inside the mesh that share a tetrahedron with a vertex of
+/// it. A support without such neighbors becomes empty.
 void add_inner_neighbors(const TetMesh& mesh, const std::vector<std::uint8_t>& on_surface,
                          const std::vector<InsertedVertex*>& inserted) {
-  std::vector<std::pair<Index, InsertedVertex*>> by_vertex;
-  for (InsertedVertex* i : inserted) {
-    for (const Index v : i->support) by_vertex.emplace_back(v, i);
-  }
-  const auto precedes = [](const auto& a, const auto& b) { return a.first < b.first; };
-  std::stable_sort(by_vertex.begin(), by_vertex.end(), precedes);
+  constexpr Size kMaxNeighbors = 32;  // of a vertex: some have thousands
   std::vector<std::uint8_t> is_supporting(mesh.points.size(), 0);
-  for (const auto& [v, i] : by_vertex) span_of(is_supporting)[v] = 1;
-  for (InsertedVertex* i : inserted) i->support.clear();
+  for (const InsertedVertex* i : inserted) {
+    for (const Index v : i->support) span_of(is_supporting)[v] = 1;
+  }
+  std::vector<std::pair<Index, Index>> neighbors;  // of a supporting vertex, one inside
   for (const auto& tet : mesh.tets) {
     for (const Index v : tet) {
       if (span_of(is_supporting)[v] == 0) continue;
-      const auto [begin, end] = std::equal_range(by_vertex.begin(), by_vertex.end(), std::pair(v, nullptr), precedes);
-      for (auto entry = begin; entry != end; ++entry) {
-        for (const Index other : tet) {
-          if (span_of(on_surface)[other] == 0) entry->second->support.push_back(other);
-        }
+      for (const Index other : tet) {
+        if (span_of(on_surface)[other] == 0) neighbors.emplace_back(v, other);
       }
     }
   }
-  for (const auto& [v, i] : by_vertex) {
-    if (!i->support.empty()) i->support.push_back(v);
+  sort_unique(neighbors);
+  for (InsertedVertex* i : inserted) {
+    std::vector<Index> inside;
+    for (const Index v : i->support) {
+      auto at = std::lower_bound(neighbors.begin(), neighbors.end(), std::pair(v, Index{-1}));
+      for (Size k = 0; k < kMaxNeighbors && at != neighbors.end() && at->first == v; ++k)
+        inside.push_back((at++)->second);
+    }
+    if (inside.empty()) i->support.clear();
+    i->support.insert(i->support.end(), inside.begin(), inside.end());
   }
 }
 
 }  // namespace
 
-std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result,
-                                          const std::vector<MeshPlace>& place_of) {
-  const Index first = to_index(mesh.points.size());
-  std::vector<std::uint8_t> is_used(result.points.size(), 0);
-  for (const auto& tet : result.tets) {
-    for (const Index v : tet) span_of(is_used)[v] = 1;
-  }
+bool has_vertex_sets(const TetMesh& mesh) {
+  return std::any_of(mesh.point_tags.begin(), mesh.point_tags.end(), [](int tag) { return tag != 0; }) ||
+         std::any_of(mesh.point_data.begin(), mesh.point_data.end(), is_node_set);
+}
+
+std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids,
+                                          const std::vector<MeshPlace>& places) {
   std::vector<InsertedVertex> inserted;
-  for (Index v = first; v < std::ssize(result.points); ++v) {
-    if (span_of(is_used)[v] != 0) inserted.push_back({v, {}});
-  }
+  for (const Index id : ids) inserted.push_back({id, {}});
   if (inserted.empty()) return inserted;
-  if (place_of.empty()) {
+  if (places.empty()) {
     const TetSearch search(mesh);
     for (InsertedVertex& i : inserted) i.support = support_of(search.find(span_of(result.points)[i.id]));
   } else {
-    for (InsertedVertex& i : inserted) i.support = support_of(span_of(place_of)[i.id - first]);
+    for (std::size_t i = 0; i < ids.size(); ++i) inserted[i].support = support_of(places[i]);
   }
   const std::vector<std::uint8_t> on_old_surface = find_surface_vertices(mesh);
   const std::vector<std::uint8_t> on_surface = find_surface_vertices(result);
@@ -157,6 +159,22 @@ std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& re
   }
   if (!between_surfaces.empty()) add_inner_neighbors(mesh, on_old_surface, between_surfaces);
   return inserted;
+}
+
+void carry_node_sets(const std::vector<DataArray>& before, const std::vector<Index>& new2original,
+                     const std::vector<InsertedVertex>& inserted, std::vector<DataArray>& after) {
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (!is_node_set(before[i])) continue;
+    const auto from = span_of(std::get<std::vector<std::uint8_t>>(before[i].values));
+    const auto to = span_of(std::get<std::vector<std::uint8_t>>(after[i].values));
+    for (Size v = 0; v < to.size(); ++v) {
+      const Size original = new2original.empty() ? v : Size{span_of(new2original)[v]};
+      if (original >= 0) to[v] = from[original];
+    }
+    for (const InsertedVertex& v : inserted) {
+      to[v.id] = std::uint8_t(v.common_value([&](Index original) { return int{from[original]}; }));
+    }
+  }
 }
 
 }  // namespace tetune

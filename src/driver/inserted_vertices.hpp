@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "tetune/mesh.hpp"
@@ -14,7 +13,7 @@ namespace tetune {
 struct InsertedVertex {
   Index id;
   /// Where the vertex is inside the mesh and these are all on the surface, as between two sides of a thin part, also
-  /// the vertices inside that share a tetrahedron with them, or none if there are none: a set of the nodes of the
+  /// some vertices inside that share a tetrahedron with them, or none if there are none: a set of the nodes of the
   /// surface does not get it.
   std::vector<Index> support;
 
@@ -29,10 +28,18 @@ struct InsertedVertex {
   }
 };
 
-/// The vertices of `result` with an id of at least the number of those of `mesh`, the input, whose tetrahedra must be
-/// valid. `place_of`: where each of these is in the input, in the order of their ids; empty: at its position, as the
-/// mesh was not moved. Vertices of no tetrahedron are left out.
-std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result,
-                                          const std::vector<MeshPlace>& place_of);
+/// Whether the mesh has tags of vertices or sets of nodes.
+bool has_vertex_sets(const TetMesh& mesh);
+
+/// The vertices of `result` that were inserted, one per entry of `ids`. `mesh`: the input. `places`: where each of them
+/// is in the input; empty: at its position, as the mesh was not moved.
+std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids,
+                                          const std::vector<MeshPlace>& places);
+
+/// Sets of nodes consist of the vertices that they had, and of inserted ones. `new2original`: the vertex of the input
+/// for each of the result, or -1; empty if they are the same. `after`: the data of the result, in the order of
+/// `before`.
+void carry_node_sets(const std::vector<DataArray>& before, const std::vector<Index>& new2original,
+                     const std::vector<InsertedVertex>& inserted, std::vector<DataArray>& after);
 
 }  // namespace tetune

@@ -82,14 +82,23 @@ void restore_bits(TetMesh& mesh, std::span<const VertexTargets> targets, const M
   }
 }
 
+/// find_listed_features(), or none in a mesh that is not valid, which move() refuses.
+ListedFeatures features_that_hold(const TetMesh& mesh, const Options& options, const Constraints& constraints) {
+  try {
+    Report unused;
+    return find_listed_features(mesh, options, constraints, unused);
+  } catch (const MeshError&) {
+    return {};
+  }
+}
+
 /// Calls add(vertex) for the vertices that the lists of a mesh hold in place or on a line, on the surface or not.
 template <class Add>
 void for_each_held(const TetMesh& mesh, const Add& add) {
   Options options;
   options.untangle = true;  // move() reports volumes that are not positive
   const Constraints constraints = find_constraints(mesh, options);
-  Report unused;
-  const ListedFeatures are_held = find_listed_features(mesh, options, constraints, unused);
+  const ListedFeatures are_held = features_that_hold(mesh, options, constraints);
   for (Index v = 0; v < std::ssize(constraints.frozen); ++v) {
     const std::uint8_t constraint = span_of(constraints.frozen)[v];
     if (constraint == kFrozen || (constraint == kCorner && are_held.corners)) add(v);

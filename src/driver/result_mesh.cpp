@@ -11,7 +11,6 @@
 #include "driver/transfer_stop.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/keep_entities.hpp"
-#include "mesh/node_sets.hpp"
 #include "mesh/transfer/conserve.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
@@ -72,47 +71,29 @@ void transfer_data(const TetMesh& mesh, const HostResult& result, const Options&
   next.tet_data = take_entries(mesh.tet_data, result.tet2original);
 }
 
-/// Where each inserted vertex is in the input, by extended id; empty where that is not known.
-std::vector<MeshPlace> places_of_inserted(const TetMesh& mesh, const VertexNumbering& numbering, const Report& report) {
-  std::vector<MeshPlace> places;
-  if (report.places.empty()) return places;
-  for (std::size_t v = mesh.points.size(); v < numbering.extended2new.size(); ++v) {
-    const Index id = numbering.extended2new[v];
-    places.push_back(id < 0 ? MeshPlace{} : span_of(report.places)[id]);
-  }
-  return places;
-}
-
-/// Sets of nodes consist of the vertices that they had, and of inserted ones. The points of `next` are those by
-/// extended id, its data those of the result. Inserted vertices get tags likewise.
+/// Carries sets of nodes, and gives inserted vertices tags. The points of `next` are those by extended id, its data
+/// those of the result.
 void carry_sets(const TetMesh& mesh, const HostResult& result, const Report& report, TetMesh& next) {
+  if (!has_vertex_sets(mesh)) return;
   const VertexNumbering& numbering = result.numbering;
-  const bool has_tags = std::any_of(mesh.point_tags.begin(), mesh.point_tags.end(), [](int tag) { return tag != 0; });
-  if (!has_tags && std::none_of(mesh.point_data.begin(), mesh.point_data.end(), is_node_set)) return;
-  std::vector<InsertedVertex> inserted;
-  if (next.points.size() > mesh.points.size() && (!result.is_moved || !report.places.empty())) {
-    TetMesh shape;
-    shape.points = next.points;
-    shape.tets = result.tets;
-    shape.tet_tags = regions_of(result.tet2original, mesh);
-    inserted = find_inserted(mesh, shape, places_of_inserted(mesh, numbering, report));
+  std::vector<Index> ids;
+  std::vector<MeshPlace> places;
+  for (Index v = to_index(mesh.points.size()); v < std::ssize(next.points); ++v) {
+    const Index id = span_of(numbering.extended2new)[v];
+    if (id < 0 || (result.is_moved && report.places.empty())) continue;
+    ids.push_back(v);
+    if (!report.places.empty()) places.push_back(span_of(report.places)[id]);
   }
-  for (const InsertedVertex& v : inserted) {
+  TetMesh shape;
+  shape.points = next.points;
+  shape.tets = result.tets;
+  shape.tet_tags = regions_of(result.tet2original, mesh);
+  std::vector<InsertedVertex> inserted = find_inserted(mesh, shape, ids, places);
+  for (InsertedVertex& v : inserted) {
     span_of(next.point_tags)[v.id] = v.common_value([&](Index old) { return span_of(mesh.point_tags)[old]; });
+    v.id = span_of(numbering.extended2new)[v.id];
   }
-  for (std::size_t i = 0; i < mesh.point_data.size(); ++i) {
-    if (!is_node_set(mesh.point_data[i])) continue;
-    const auto& before = std::get<std::vector<std::uint8_t>>(mesh.point_data[i].values);
-    auto& after = std::get<std::vector<std::uint8_t>>(next.point_data[i].values);
-    for (std::size_t v = 0; v < before.size(); ++v) {
-      const Index id = numbering.extended2new[v];
-      if (id >= 0) span_of(after)[id] = before[v];
-    }
-    for (const InsertedVertex& v : inserted) {
-      const int is_member = v.common_value([&](Index old) { return int{span_of(before)[old]}; });
-      span_of(after)[span_of(numbering.extended2new)[v.id]] = std::uint8_t(is_member);
-    }
-  }
+  carry_node_sets(mesh.point_data, numbering.new2original, inserted, next.point_data);
 }
 
 /// Throws OverlapError, with the tetrahedra at faces of three or more, which flips have made.

@@ -40,10 +40,11 @@ struct LowestVertexOfFace {
   }
 };
 
-/// On a device the half-faces of a lowest vertex are divided by a hash of the other two, as each is compared with all
-/// of its row.
+/// On a device each half-face is compared with all of its row. A hash of the other two vertices divides the half-faces
+/// of a lowest vertex, so that rows are short.
 struct BucketOfFace {
-  static constexpr Size kBuckets = 8;
+  static constexpr int kBucketBits = 3;
+  static constexpr Size kBuckets = Size{1} << kBucketBits;
   Span<const Tet> tets;
   TETUNE_HD Size operator()(Size item) const {
     const HalfFace half_face{std::uint32_t(item)};
@@ -52,10 +53,8 @@ struct BucketOfFace {
   }
   TETUNE_HD static Size of(const FaceKey& key) {
     constexpr std::uint32_t kMultiplier = 0x9e3779b1;
-    constexpr int kShift = 29;
-    static_assert(kBuckets == Size{1} << (32 - kShift));
     const std::uint32_t hash = (std::uint32_t(key.middle) * kMultiplier + std::uint32_t(key.high)) * kMultiplier;
-    return kBuckets * key.low + (hash >> kShift);
+    return kBuckets * key.low + (hash >> (32 - kBucketBits));
   }
 };
 

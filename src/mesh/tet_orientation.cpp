@@ -67,8 +67,8 @@ class FaceHashes {
   std::uint64_t region_;
 };
 
-/// Finds half-faces of the boundary and between regions, with few others, by sums of hashes that are 0 inside regions:
-/// at vertices, then at faces all of whose vertices are at the surface.
+/// Finds the half-faces of the boundary and between regions, and few others. Sums of hashes that are 0 inside a region
+/// are formed first at vertices, then at faces whose vertices are all at the surface.
 class SurfaceFilter {
  public:
   SurfaceFilter(const TetMesh& mesh, const TetMeshView& view, const backend::Cpu& cpu)

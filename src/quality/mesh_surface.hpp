@@ -38,7 +38,8 @@ double area_of(const TrianglePoints& triangle);
 
 /// The largest distances of one in `stride` of the vertices, and of the midpoints of edges and triangles, of a surface
 /// from another one that is not empty. A vertex or a triangle that both surfaces have, in all bits, is at no distance.
-/// Takes the least time where vertices have about the same places in both meshes as others of the same ids.
+/// Takes the least time where both meshes have the same number of vertices, and each vertex is near that of the same
+/// id.
 LargestDistances max_distances(const MeshSurface& from, const MeshSurface& to, std::int64_t stride,
                                const backend::Cpu& cpu);
 

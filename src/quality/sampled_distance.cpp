@@ -63,9 +63,9 @@ class DistanceSearch {
     for (std::atomic<double>& d : distance2_) d.store(kInfinity, std::memory_order_relaxed);
   }
 
-  /// Where distances have bounds, those that are likely to be the largest are searched for first: what they find
-  /// exceeds the bounds of almost all others, which need no search then. This is done for a few of the samples before
-  /// all, as the bounds of the others need not be lower than what these have found.
+  /// With a descent samples have upper bounds. Those with the largest bounds are searched for first, as their distances
+  /// exceed the bounds of almost all others, which then need no search. A sixteenth of the samples comes before all, so
+  /// that the descents of the others can end early.
   LargestDistances run(const SurfaceDescent* descent) {
     constexpr Size kFirstStride = 16;
     if (descent != nullptr) {

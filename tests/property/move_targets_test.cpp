@@ -116,6 +116,16 @@ TEST(Move, SurfaceTargets) {
   EXPECT_THROW(surface_targets(mesh, {}), OptionError);
 }
 
+/// move() refuses the mesh; a long list of corners, for which the mesh is examined, is not to be an error before.
+TEST(SurfaceTargets, OfAnInvalidMeshDoNotDependOnTheLengthOfLists) {
+  TetMesh mesh = test::cube(4);
+  std::swap(mesh.tets[7][2], mesh.tets[7][3]);
+  const VertexTargets without = surface_targets(mesh, mesh.points);
+  for (Index v = 0; v < std::ssize(mesh.points); ++v) mesh.corners.push_back(v);
+  const VertexTargets with = surface_targets(mesh, mesh.points);
+  for (std::size_t v = 0; v < without.size(); ++v) EXPECT_EQ(is_free(with[v]), is_free(without[v]));
+}
+
 /// Vertices inside the mesh that its lists hold are targets, so that a translation arrives in one step.
 TEST(Move, TakesInnerListedVerticesAlong) {
   constexpr int n = 6;

@@ -39,7 +39,7 @@ TetMesh with_sets(std::uint32_t seed) {
   return mesh;
 }
 
-class InsertedInSets : public testing::TestWithParam<std::tuple<DataTransfer, Boundary>> {};
+class InsertedInSets : public testing::TestWithParam<std::tuple<DataTransfer, Boundary, bool>> {};
 
 TEST_P(InsertedInSets, JoinTheSetsAndHaveTheTagsOfWhereTheyAre) {
   Options options;
@@ -47,7 +47,9 @@ TEST_P(InsertedInSets, JoinTheSetsAndHaveTheTagsOfWhereTheyAre) {
   options.surface_vertices = SurfaceVertices::edit;
   options.max_growth = 1.3;
   options.restarts = 0;
-  std::tie(options.data, options.boundary) = GetParam();
+  bool in_parts = false;
+  std::tie(options.data, options.boundary, in_parts) = GetParam();
+  if (in_parts) options.only_below = {{Measure::mean_ratio, 0.4}};
   int on_face = 0, inside = 0;
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) {
     TetMesh mesh = with_sets(seed);
@@ -78,7 +80,7 @@ TEST_P(InsertedInSets, JoinTheSetsAndHaveTheTagsOfWhereTheyAre) {
 INSTANTIATE_TEST_SUITE_P(All, InsertedInSets,
                          testing::Combine(testing::Values(DataTransfer::carry, DataTransfer::interpolate,
                                                           DataTransfer::conserve),
-                                          testing::Values(Boundary::preserve, Boundary::slide)));
+                                          testing::Values(Boundary::preserve, Boundary::slide), testing::Bool()));
 
 }  // namespace
 }  // namespace tetune

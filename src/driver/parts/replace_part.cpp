@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "backend/cpu.hpp"
+#include "driver/inserted_vertices.hpp"
 #include "driver/parts/active_part.hpp"
 #include "driver/report/targets.hpp"
 #include "driver/transfer_stop.hpp"
@@ -267,12 +268,39 @@ class PartReplacement {
       tets_.apply(after.tets, new_tets_);
       point_data_ = carry_point_data(mesh_.point_data, vertex2original_, after.points, after.tets);
     }
+    carry_sets();
     triangle_data_ = take_entries(mesh_.triangle_data, triangle2original_);
     edge_data_ = take_entries(mesh_.edge_data, edge2original_);
     report_.vertex2original = std::move(vertex2original_);
     report_.tet2original = std::move(tet2original_);
     report_.triangle2original = unless_all(std::move(triangle2original_), mesh_.triangles.size());
     report_.edge2original = unless_all(std::move(edge2original_), mesh_.edges.size());
+  }
+
+  /// Carries sets of nodes, and gives inserted vertices tags. Requires the data and the places of the whole mesh.
+  void carry_sets() {
+    if (!has_vertex_sets(mesh_)) return;
+    TetMesh after;
+    after.points = mesh_.points;
+    after.tets = mesh_.tets;
+    after.tet_tags = mesh_.tet_tags;
+    vertices_.apply(after.points, part_.mesh.points);
+    tets_.apply(after.tets, new_tets_);
+    tets_.apply(after.tet_tags, part_.mesh.tet_tags);
+    std::vector<Index> ids;
+    std::vector<MeshPlace> places;
+    std::vector<int*> tags;
+    for (std::size_t i = 0; i < report_.vertex2original.size(); ++i) {
+      if (report_.vertex2original[i] >= 0) continue;
+      ids.push_back(vertex2whole_[i]);
+      tags.push_back(&point_tags_[i]);
+      if (!report_.places.empty()) places.push_back(span_of(report_.places)[ids.back()]);
+    }
+    const std::vector<InsertedVertex> inserted = find_inserted(mesh_, after, ids, places);
+    for (std::size_t i = 0; i < inserted.size(); ++i) {
+      *tags[i] = inserted[i].common_value([this](Index v) { return span_of(mesh_.point_tags)[v]; });
+    }
+    carry_node_sets(mesh_.point_data, vertex2original_, inserted, point_data_);
   }
 
   const TetMesh& mesh_;
