@@ -84,11 +84,14 @@ void carry_sets(const TetMesh& mesh, const HostResult& result, const Report& rep
     ids.push_back(v);
     if (!report.places.empty()) places.push_back(span_of(report.places)[id]);
   }
-  TetMesh shape;
-  shape.points = next.points;
-  shape.tets = result.tets;
-  shape.tet_tags = regions_of(result.tet2original, mesh);
-  std::vector<InsertedVertex> inserted = find_inserted(mesh, shape, ids, places);
+  std::vector<InsertedVertex> inserted;
+  if (!ids.empty()) {
+    TetMesh shape;
+    shape.points = next.points;
+    shape.tets = result.tets;
+    shape.tet_tags = regions_of(result.tet2original, mesh);
+    inserted = find_inserted(mesh, shape, ids, places);
+  }
   for (InsertedVertex& v : inserted) {
     span_of(next.point_tags)[v.id] = v.common_value([&](Index old) { return span_of(mesh.point_tags)[old]; });
     v.id = span_of(numbering.extended2new)[v.id];

@@ -280,13 +280,6 @@ class PartReplacement {
   /// Carries sets of nodes, and gives inserted vertices tags. Requires the data and the places of the whole mesh.
   void carry_sets() {
     if (!has_vertex_sets(mesh_)) return;
-    TetMesh after;
-    after.points = mesh_.points;
-    after.tets = mesh_.tets;
-    after.tet_tags = mesh_.tet_tags;
-    vertices_.apply(after.points, part_.mesh.points);
-    tets_.apply(after.tets, new_tets_);
-    tets_.apply(after.tet_tags, part_.mesh.tet_tags);
     std::vector<Index> ids;
     std::vector<MeshPlace> places;
     std::vector<int*> tags;
@@ -296,7 +289,17 @@ class PartReplacement {
       tags.push_back(&point_tags_[i]);
       if (!report_.places.empty()) places.push_back(span_of(report_.places)[ids.back()]);
     }
-    const std::vector<InsertedVertex> inserted = find_inserted(mesh_, after, ids, places);
+    std::vector<InsertedVertex> inserted;
+    if (!ids.empty()) {
+      TetMesh after;
+      after.points = mesh_.points;
+      after.tets = mesh_.tets;
+      after.tet_tags = mesh_.tet_tags;
+      vertices_.apply(after.points, part_.mesh.points);
+      tets_.apply(after.tets, new_tets_);
+      tets_.apply(after.tet_tags, part_.mesh.tet_tags);
+      inserted = find_inserted(mesh_, after, ids, places);
+    }
     for (std::size_t i = 0; i < inserted.size(); ++i) {
       *tags[i] = inserted[i].common_value([this](Index v) { return span_of(mesh_.point_tags)[v]; });
     }
