@@ -2,24 +2,11 @@
 #include "measure.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
+#include "driver/distributed_interface.hpp"
+
 namespace tetune::mpi {
-namespace {
-
-/// A power of two that scales the largest coordinate of all ranks to about 1, which keeps volumes in the range of
-/// doubles.
-double unit_scale_of_all(MPI_Comm comm, const std::vector<Point3>& points) {
-  double largest = 0;
-  for (const Point3& p : points) {
-    for (const double x : p) largest = std::max(largest, std::fabs(x));
-  }
-  largest = all_reduce(comm, largest, MPI_MAX);
-  return largest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1020, 1020)) : 1;
-}
-
-}  // namespace
 
 Quality quality_of_all(MPI_Comm comm, const TetMesh& part, int threads) {
   Quality q;
@@ -66,7 +53,7 @@ TetMesh at_first_cut(const Part& part) {
 
 bool orient_all(MPI_Comm comm, Part& part) {
   const auto& x = part.mesh.points;
-  const double scale = unit_scale_of_all(comm, x);
+  const double scale = unit_scale(all_reduce(comm, largest_coordinate(x), MPI_MAX));
   Id positive = 0;
   for (const auto& tet : part.mesh.tets) {
     std::array<Point3, 3> e;

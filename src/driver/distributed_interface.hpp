@@ -8,6 +8,7 @@
 
 #include "boundary/sliding/slide_surface.hpp"
 #include "mesh/id_maps.hpp"
+#include "mesh/unit_scale.hpp"
 #include "mesh/vertex_layers.hpp"
 #include "tetune/export.hpp"
 #include "tetune/optimize.hpp"
@@ -15,7 +16,8 @@
 /// The internal interface of the library for optimizing a mesh in parts, which tetune::mpi is built on. Besides the
 /// public headers it is all that mpi/ uses, together with the layout of MEDIT files (io/medit/medit_codec.hpp) and
 /// temporary files (system/file.hpp). It is not installed, and may change in any version. It includes maps between
-/// numberings (mesh/id_maps.hpp) and layers of tetrahedra (mesh/vertex_layers.hpp).
+/// numberings (mesh/id_maps.hpp), layers of tetrahedra (mesh/vertex_layers.hpp) and the unit of coordinates
+/// (mesh/unit_scale.hpp).
 ///
 /// A part is a TetMesh with frozen vertices where it meets others. With Boundary::slide all rounds of all parts slide
 /// on the surface of the input: find_slide_surface() takes it from the mesh before any vertex moves, the caller cuts

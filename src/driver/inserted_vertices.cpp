@@ -2,6 +2,7 @@
 #include "driver/inserted_vertices.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "math/box_tree.hpp"
@@ -9,6 +10,7 @@
 #include "mesh/sorted.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/tet_orientation.hpp"
+#include "mesh/transfer/point_locator.hpp"
 
 namespace tetune {
 namespace {
@@ -48,9 +50,12 @@ class TetSearch {
     place.weights.fill(0);
     double least = -kTolerance;
     tree_.for_meeting({x - reach, x + reach}, [&](Index t) {
-      const std::array<double, 4> weights = weights_in(t, x);
+      const std::array<Vec3, 4> at = corners(t);
+      std::array<double, 4> weights = volumes_at(x, at);
+      const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+      for (double& w : weights) w /= sum;
       const double lowest = *std::min_element(weights.begin(), weights.end());
-      if (!(lowest > least) || !reproduces(t, weights, x)) return;
+      if (!(lowest > least) || !reproduce(weights, at, x)) return;
       least = lowest;
       place = {view_.tets[t], weights};
     });
@@ -69,31 +74,21 @@ class TetSearch {
     }
     return boxes;
   }
+  std::array<Vec3, 4> corners(Index t) const {
+    std::array<Vec3, 4> corners{};
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = view_.position(view_.tets[t][k]);
+    return corners;
+  }
   /// Whether the weights are those of the point: in a tetrahedron that is flat to rounding they are noise.
-  bool reproduces(Index t, const std::array<double, 4>& weights, const Vec3& x) const {
-    const auto& tet = view_.tets[t];
+  static bool reproduce(const std::array<double, 4>& weights, const std::array<Vec3, 4>& corners, const Vec3& x) {
     Vec3 difference = x;
     double longest2 = 0;
     for (std::size_t k = 0; k < 4; ++k) {
-      difference = difference - weights[k] * view_.position(tet[k]);
-      const Vec3 edge = view_.position(tet[k]) - view_.position(tet[0]);
+      difference = difference - weights[k] * corners[k];
+      const Vec3 edge = corners[k] - corners[0];
       longest2 = std::max(longest2, dot(edge, edge));
     }
     return dot(difference, difference) <= kTolerance * kTolerance * longest2;
-  }
-  std::array<double, 4> weights_in(Index t, const Vec3& x) const {
-    const auto& tet = view_.tets[t];
-    std::array<Vec3, 4> corners{};
-    for (std::size_t k = 0; k < 4; ++k) corners[k] = view_.position(tet[k]);
-    const auto volume = [](const std::array<Vec3, 4>& c) { return dot(cross(c[1] - c[0], c[2] - c[0]), c[3] - c[0]); };
-    const double whole = volume(corners);
-    std::array<double, 4> weights{};
-    for (std::size_t k = 0; k < 4; ++k) {
-      std::array<Vec3, 4> part = corners;
-      part[k] = x;
-      weights[k] = volume(part) / whole;
-    }
-    return weights;
   }
 
   TetMeshView view_;

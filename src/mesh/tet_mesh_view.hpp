@@ -7,6 +7,7 @@
 #include "backend/prefetch.hpp"
 #include "backend/span.hpp"
 #include "mesh/tet.hpp"
+#include "mesh/unit_scale.hpp"
 #include "tetune/mesh.hpp"
 
 namespace tetune {
@@ -42,16 +43,5 @@ struct TetMeshView {
   Span<const std::array<Index, 4>> tets;
   double scale;
 };
-
-/// A power of two that scales the largest coordinate to about 1. Multiplication by it is exact, except for coordinates
-/// below 2^-1022 of the largest, and keeps products of several lengths in range.
-inline double unit_scale(const std::vector<Point3>& points) {
-  double largest = 0;
-  for (const Point3& p : points) {
-    for (const double x : p) largest = std::max(largest, std::fabs(x));
-  }
-  return largest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1020, 1020)) : 1;
-}
-inline double unit_scale(const TetMesh& mesh) { return unit_scale(mesh.points); }
 
 }  // namespace tetune

@@ -20,13 +20,6 @@ constexpr std::size_t kMaxSearch = 2000;
 
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(cross(b - a, c - a), d - a); }
 
-/// The barycentric coordinates times the volume. Their sum may be 0 or negative by rounding, as the true volume is
-/// positive.
-std::array<double, 4> volumes_at(const Vec3& p, const std::array<Vec3, 4>& x) {
-  return {volume(p, x[1], x[2], x[3]), volume(x[0], p, x[2], x[3]), volume(x[0], x[1], p, x[3]),
-          volume(x[0], x[1], x[2], p)};
-}
-
 /// The largest weight for the vertex nearest to the point.
 std::array<double, 4> nearest_corner(const Vec3& p, const std::array<Vec3, 4>& x) {
   std::size_t nearest = 0;
@@ -39,6 +32,11 @@ std::array<double, 4> nearest_corner(const Vec3& p, const std::array<Vec3, 4>& x
 }
 
 }  // namespace
+
+std::array<double, 4> volumes_at(const Vec3& p, const std::array<Vec3, 4>& x) {
+  return {volume(p, x[1], x[2], x[3]), volume(x[0], p, x[2], x[3]), volume(x[0], x[1], p, x[3]),
+          volume(x[0], x[1], x[2], p)};
+}
 
 PointLocator::PointLocator(HostMesh mesh) : mesh_(std::move(mesh)), vertex2tet_(mesh_.points.size(), -1) {
   for (Index slot = 0; slot < std::ssize(mesh_.tet2vertex); ++slot) {

@@ -11,6 +11,10 @@
 
 namespace tetune {
 
+/// The barycentric coordinates of a point, times six volumes of the tetrahedron. Their sum may be 0 or negative by
+/// rounding where the true volume is positive.
+std::array<double, 4> volumes_at(const Vec3& p, const std::array<Vec3, 4>& corners);
+
 /// A point of a mesh: barycentric coordinates in a tetrahedron, none negative, that sum to 1.
 struct TetPoint {
   Tet vertices;
