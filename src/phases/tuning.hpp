@@ -182,6 +182,10 @@ struct RestartParameters {
   double cost_fraction = 0.7;
   /// The number of further rings of the neighborhood, in which vertices may move.
   int margin = 1;
+  /// Insertion before the restarts leaves this number of tetrahedra to them, but at most the fraction
+  /// `max_reserved_fraction` of the growth that the mesh may have.
+  double reserved = 60;
+  double max_reserved_fraction = 0.4;
 };
 
 /// polish(): sweeps and flips above the floor of the angles reached.
