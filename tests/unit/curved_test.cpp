@@ -7,6 +7,7 @@
 
 #include "curved/curved_edges.hpp"
 #include "curved/held_bound.hpp"
+#include "driver/report/extend_report.hpp"
 #include "support/curved.hpp"
 #include "support/meshes.hpp"
 #include "tetune/curve.hpp"
@@ -97,6 +98,7 @@ TEST(Curved, TheReportIsOfTheInputAndTheResult) {
       EXPECT_EQ(report.surface_vertices > 0, slides);
       EXPECT_EQ(report.energy_before, quality(before).shape_sum);
       EXPECT_EQ(report.energy_after, quality(m).shape_sum);
+      EXPECT_NEAR(seconds_of_phases(report), report.seconds, 1e-9 * report.seconds);
     }
   }
 }

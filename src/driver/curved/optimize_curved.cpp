@@ -383,6 +383,7 @@ Report optimize_curved(TetMesh& mesh, const Options& options, const Context& con
   if (hooks.is_stopped()) report.stop = StopReason::cancelled;
   warnings.add_to(report);
   report.seconds = PhaseTimer::seconds_since(start);
+  add_seconds(report, "curved", report.seconds - seconds_of_phases(report));
   return report;
 }
 
