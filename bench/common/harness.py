@@ -60,7 +60,7 @@ def run(command, timeout=None, env=None, cwd=None):
     with tempfile.TemporaryFile() as out:
         start = time.perf_counter()
         process = subprocess.Popen([str(c) for c in command], stdout=out, stderr=subprocess.STDOUT,
-                                   env={**os.environ, **(env or {})}, cwd=cwd)
+                                   env={**os.environ, **(env or {})}, cwd=cwd, start_new_session=True)
         deadline = start + timeout if timeout else None
         code, peak, cpu = None, 0, 0
         while True:
@@ -70,7 +70,7 @@ def run(command, timeout=None, env=None, cwd=None):
                 cpu = usage.ru_utime + usage.ru_stime
                 break
             if time.perf_counter() > deadline:
-                process.kill()
+                os.killpg(process.pid, signal.SIGKILL)  # with the processes that it has started, as Mmg's of PyPI does
                 os.wait4(process.pid, 0)
                 break
             time.sleep(0.002)
