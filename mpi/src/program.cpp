@@ -37,15 +37,8 @@ double peak_mb() {
   return double(usage.ru_maxrss) / 1024;
 }
 
-/// A text of the library with its options as flags, of `tetune` where tetune-mpi does not have them.
-std::string with_flags_of_programs(const std::string& text) {
-  constexpr std::string_view kUntangle = "(--untangle)";
-  std::string flags = cli::with_flags(text);
-  if (const auto at = flags.find(kUntangle); at != std::string::npos) {
-    flags.replace(at, kUntangle.size(), "(tetune optimize --untangle)");
-  }
-  return flags;
-}
+/// tetune-mpi has no --untangle.
+constexpr MessageForm kForm{true, "untangle them (tetune optimize --untangle)"};
 
 class Program {
  public:
@@ -84,7 +77,7 @@ class Program {
     const auto begin = Time::now();
     std::function<bool()> stop;
     if (a_.time_limit) stop = [&] { return seconds_since(begin_) > *a_.time_limit; };
-    in_file([&] { report_ = optimize_parts(comm_, part, input.totals, options_, stop, true); });
+    in_file([&] { report_ = optimize_parts(comm_, part, input.totals, options_, stop, kForm); });
     optimize_seconds_ = seconds_since(begin);
 
     after_ = quality_of_all(comm_, part.mesh, 1);
@@ -120,11 +113,11 @@ class Program {
     try {
       work();
     } catch (const MeshError& e) {
-      throw MeshError(job_.input + ": " + with_flags_of_programs(e.what()));
+      throw MeshError(job_.input + ": " + cli::with_flags(e.what()));
     } catch (const OptionError& e) {
-      throw OptionError(with_flags_of_programs(e.what()));
+      throw OptionError(cli::with_flags(e.what()));
     } catch (const DeviceError& e) {
-      throw DeviceError(with_flags_of_programs(e.what()));
+      throw DeviceError(cli::with_flags(e.what()));
     }
   }
 
