@@ -71,7 +71,7 @@ class Program {
     const bool turned = orient_all(comm_, part);
     if (first_) input.frame.listed_inside_out = input.frame.listed_inside_out || turned;
     distribute_seconds_ = seconds_since(start);
-    if (!a_.max_deviation.empty()) find_max_deviation(part);
+    if (a_.deviation_bound) options_.max_deviation = a_.deviation_bound->in(bounding_box_of_all(part));
     before_ = quality_of_all(comm_, part.mesh, 1);
 
     const auto begin = Time::now();
@@ -147,8 +147,7 @@ class Program {
     if (first_ && a_.verbosity >= 0) fmt::print(stderr, "tetune-mpi: warning: {}\n", text);
   }
 
-  /// A percentage is relative to the bounding box of the whole mesh.
-  void find_max_deviation(const Part& part) {
+  cli::Box bounding_box_of_all(const Part& part) const {
     std::vector<double> box(6, std::numeric_limits<double>::infinity());
     for (const Point3& x : part.mesh.points) {
       for (std::size_t k = 0; k < 3; ++k) {
@@ -157,9 +156,7 @@ class Program {
       }
     }
     box = all_reduce(comm_, std::move(box), MPI_MIN);
-    TetMesh corners;
-    corners.points = {{box[0], box[1], box[2]}, {-box[3], -box[4], -box[5]}};
-    options_.max_deviation = cli::parse_length("--max-deviation", a_.max_deviation, corners);
+    return {{box[0], box[1], box[2]}, {-box[3], -box[4], -box[5]}};
   }
 
   /// Returns false on all ranks, after a warning, where the report cannot be written: the mesh is written already.
