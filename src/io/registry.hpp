@@ -28,16 +28,16 @@ inline constexpr Plugin kVtkPlugin{"tetune-vtk", "VTK"};
 inline constexpr Plugin kGmshPlugin{"tetune-gmsh", "Gmsh"};
 inline constexpr Plugin kOcctPlugin{"tetune-occt", "OpenCASCADE", false};
 
-/// One file format. A null function means the format cannot be read or written.
+/// One file format, which functions of the library or a plugin read and write.
 struct Format {
   const char* name;
   std::vector<std::string> endings;
-  TetMesh (*read)(const std::string& path, const IoContext& context);
+  TetMesh (*read)(const std::string& path, const IoContext& context) = nullptr;
   /// Replaces the file as a whole or not at all. The texts of warnings name no file.
-  void (*write)(const std::string& path, const TetMesh& mesh, const IoContext& context);
-  /// The plugin that reads or writes the format where there is no function.
+  void (*write)(const std::string& path, const TetMesh& mesh, const IoContext& context) = nullptr;
+  /// The plugin of a format without functions.
   const Plugin* plugin = nullptr;
-  bool plugin_reads = false, plugin_writes = false;
+  bool plugin_writes = true;
   /// Some builds of the plugin's library do not have the format.
   bool is_optional = false;
   /// A mesh is written to files of all the endings.
@@ -49,8 +49,8 @@ struct Format {
   bool has_ending(const std::string& ending) const {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   }
-  bool reads() const { return read != nullptr || plugin_reads; }
-  bool writes() const { return write != nullptr || plugin_writes; }
+  bool reads() const { return read != nullptr || plugin != nullptr; }
+  bool writes() const { return write != nullptr || (plugin != nullptr && plugin_writes); }
 };
 
 /// Returns an empty text if a mesh may have this number of tetrahedra, or of entries of another list, else the reason
