@@ -13,7 +13,6 @@
 #include "tetune/io.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/series.hpp"
-#include "tetune/validate.hpp"
 
 namespace tetune {
 namespace {
@@ -142,8 +141,7 @@ const std::vector<Format>& formats() {
   return list;
 }
 
-std::string excess_of(std::int64_t entries, bool tets) {
-  const Index max = tets ? kMaxTets : kMaxEntries;
+std::string excess_of(std::int64_t entries, Index max) {
   if (entries <= max) return "";
   return std::to_string(entries) + " entries; tetune takes at most " + std::to_string(max);
 }

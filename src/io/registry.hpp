@@ -10,6 +10,7 @@
 #include "system/file.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
 
 namespace tetune {
 
@@ -53,9 +54,9 @@ struct Format {
   bool writes() const { return write != nullptr || (plugin != nullptr && plugin_writes); }
 };
 
-/// Returns an empty text if a mesh may have this number of tetrahedra, or of entries of another list, else the reason
-/// against it. Readers refuse a count by it before memory is asked for.
-std::string excess_of(std::int64_t entries, bool tets);
+/// Returns an empty text if a list may have this number of entries, at most `max` (kMaxTets or kMaxEntries), else the
+/// reason against it. Readers refuse a count by it before memory is asked for.
+std::string excess_of(std::int64_t entries, Index max);
 
 /// The formats of this build. To add one: docs/adding-a-format.md.
 const std::vector<Format>& formats();
