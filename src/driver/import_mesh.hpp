@@ -148,14 +148,17 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
     for (const Index v : edge) ends.push_back(span_of(original2vertex)[v]);
   }
   EdgeSet<Backend> edges(backend, ends, work.mesh.vertices());
-  find_dofs(backend, work.mesh,
-            {options, surface, ends, constraints.ridges, edges, work.frozen, work.scale, slides_on, original2vertex},
-            work.dofs, report);
-  if (moves) {
-    import_periodic(backend, mesh,
-                    {options, surface, ends, constraints.ridges, edges, held, work.scale, nullptr, original2vertex},
-                    work, report);
-  }
+  const DofInput<Backend> input{.options = options,
+                                .surface = surface,
+                                .edge_ends = ends,
+                                .ridges = constraints.ridges,
+                                .edges = edges,
+                                .frozen = work.frozen,
+                                .scale = work.scale,
+                                .slides_on = slides_on,
+                                .original2vertex = original2vertex};
+  find_dofs(backend, work.mesh, input, work.dofs, report);
+  if (moves) import_periodic(backend, mesh, input, held, work, report);
   if (bends_surface(options)) link_to_reference(backend, work.dofs.reference.across.span(), work.boundary);
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);
