@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <numeric>
 
 #include "backend/atomic.hpp"
 #include "boundary/boundary_triangles.hpp"

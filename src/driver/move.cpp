@@ -2,7 +2,6 @@
 #include "tetune/move.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "boundary/constraints.hpp"

@@ -2,7 +2,6 @@
 #include "driver/report/targets.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <numeric>
 #include <optional>
