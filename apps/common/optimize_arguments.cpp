@@ -223,9 +223,8 @@ void check(const CLI::App& command, OptimizeArguments& a) {
   }
   Options options = a.options;
   if (!a.max_deviation.empty()) {
-    TetMesh of_unit_size;  // the size of the mesh is not known yet
-    of_unit_size.points = {{0, 0, 0}, {1, 0, 0}};
-    options.max_deviation = parse_length("--max-deviation", a.max_deviation, of_unit_size);
+    a.deviation_bound = parse_length("--max-deviation", a.max_deviation);
+    options.max_deviation = a.deviation_bound->value;  // only whether it is 0 matters here
   }
   for (std::string& text : ineffective_flags(command, options)) a.warnings.push_back(std::move(text));
   if (a.options.trace_angles && a.names.report.empty() && a.names.page.empty()) {

@@ -33,12 +33,13 @@ struct GeometryArguments {
 
 /// The arguments of `tetune optimize` and `tetune move`.
 struct OptimizeArguments {
-  std::vector<std::string> files;     ///< inputs; without --output, one input and the output
-  Job names;                          ///< patterns of the names of written files; its input is empty
-  std::string tags;                   ///< cell data to use as tags; empty: the tags of the file
-  std::string page_data;              ///< file for what the page of --report-html needs; empty: no page
-  std::string max_deviation;          ///< its length may depend on the mesh
-  std::vector<std::string> periodic;  ///< axes
+  std::vector<std::string> files;  ///< inputs; without --output, one input and the output
+  Job names;                       ///< patterns of the names of written files; its input is empty
+  std::string tags;                ///< cell data to use as tags; empty: the tags of the file
+  std::string page_data;           ///< file for what the page of --report-html needs; empty: no page
+  std::string max_deviation;
+  std::optional<Length> deviation_bound;  ///< parsed from `max_deviation`
+  std::vector<std::string> periodic;      ///< axes
   std::string periodic_map;
   std::vector<std::string> freeze;
   std::vector<TagOrName> frozen;  ///< parsed from `freeze`

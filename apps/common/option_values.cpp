@@ -93,7 +93,9 @@ Box bounding_box(const TetMesh& mesh) {
   return box;
 }
 
-double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh) {
+double Length::in(const Box& box) const { return is_percentage ? value / 100 * box.diagonal() : value; }
+
+Length parse_length(const std::string& option, const std::string& text) {
   double value = 0;
   const char* end = text.data() + text.size();
   const auto [at, error] = parse_real(text.data(), end, value);
@@ -104,7 +106,7 @@ double parse_length(const std::string& option, const std::string& text, const Te
                     "bounding box's diagonal",
                     option, text));
   }
-  return percent ? value / 100 * bounding_box(mesh).diagonal() : value;
+  return {value, percent};
 }
 
 Target parse_bound(const std::string& option, const std::string& text, std::optional<Measure> by_default) {

@@ -18,8 +18,15 @@ struct Box {
 };
 Box bounding_box(const TetMesh& mesh);
 
-/// Parses a length: "0.01", in the mesh's unit, or "0.1%" of the diagonal of its bounding box. Throws OptionError.
-double parse_length(const std::string& option, const std::string& text, const TetMesh& mesh);
+/// A length in the mesh's unit, or in percent of the diagonal of its bounding box.
+struct Length {
+  double value = 0;
+  bool is_percentage = false;
+  double in(const Box& box) const;
+};
+
+/// Parses a length, for example "0.01" or "0.1%". Throws OptionError, whose message names `option`.
+Length parse_length(const std::string& option, const std::string& text);
 
 /// Parses a bound, for example of `info --min-quality`: "radius_ratio=5", or "0.2" of the measure `by_default` if there
 /// is one. Throws OptionError, whose message names `option`.

@@ -80,9 +80,7 @@ class Run {
       targets_ = read_targets(input_.mesh, *a_.move, options_.threads, target_warnings);
       warn_all(target_warnings);
     }
-    if (!a_.max_deviation.empty()) {
-      options_.max_deviation = parse_length("--max-deviation", a_.max_deviation, input_.mesh);
-    }
+    if (a_.deviation_bound) options_.max_deviation = a_.deviation_bound->in(bounding_box(input_.mesh));
     const std::size_t needed =
         a_.move ? memory_needed_to_move(input_.mesh, targets_.size(), options_) : memory_needed(input_.mesh, options_);
     needed_mb_ = static_cast<double>(needed) / (1024 * 1024);

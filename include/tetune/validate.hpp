@@ -49,11 +49,14 @@ struct Finding {
 };
 
 struct TETUNE_API ValidationReport {
+  /// The advice to callers of the library.
+  static constexpr const char* kUntangle = "untangle them (untangle=true)";
+
   std::vector<Finding> findings;
   bool ok() const { return findings.empty(); }
   /// One sentence and line per finding, with ids that start from 1 (as in MEDIT files) or from 0. `advice` for a mesh
   /// that untangling makes valid stands before ", or repair the mesh".
-  std::string message(bool one_based, const std::string& advice = "untangle them (untangle=true)") const;
+  std::string message(bool one_based, const std::string& advice = kUntangle) const;
 };
 
 /// Checks whether optimize() accepts a mesh.

@@ -8,7 +8,6 @@
 
 #include "driver/distributed_interface.hpp"
 #include "tetune/error.hpp"
-#include "tetune/validate.hpp"
 
 namespace tetune::mpi {
 namespace {
@@ -74,7 +73,7 @@ Options options_for(const Options& all_options, const TetMesh& mesh) {
   return options;
 }
 
-std::string defects_of(const Part& part, int threads, bool one_based, const MeshError& error) {
+std::string defects_of(const Part& part, int threads, const MessageForm& form, const MeshError& error) {
   ValidationReport report = validate(part.mesh, threads);
   if (report.ok()) return error.what();
   for (Finding& f : report.findings) {
@@ -85,11 +84,11 @@ std::string defects_of(const Part& part, int threads, bool one_based, const Mesh
     std::erase_if(f.first, [ids](Index i) { return !has_32_bits(item(*ids, i)); });
     for (Index& i : f.first) i = Index(item(*ids, i));
   }
-  return report.message(one_based);
+  return report.message(form.one_based, form.advice);
 }
 
 Report optimize_part(Part& part, Marks frozen, const Options& all_options, const Context& context,
-                     InputSurface* surface, bool one_based) {
+                     InputSurface* surface, const MessageForm& form) {
   TetMesh& mesh = part.mesh;
   Options options = options_for(all_options, mesh);
   const std::size_t vertices = mesh.points.size();
@@ -104,11 +103,11 @@ Report optimize_part(Part& part, Marks frozen, const Options& all_options, const
   } catch (const OverlapError& e) {
     std::vector<Index> tets = e.tets;
     std::erase_if(tets, [&part](Index t) { return !has_32_bits(item(part.tet_id, t)); });
-    throw MeshError(OverlapError(translated_ids(tets, part.tet_id)).message(one_based));
+    throw MeshError(OverlapError(translated_ids(tets, part.tet_id)).message(form.one_based));
   } catch (const MeshError& e) {
     drop_cut(mesh, cut_triangles);
     drop_appended(mesh, report.vertex2original, vertices, mesh.points.size());
-    throw MeshError(defects_of(part, options.threads, one_based, e));
+    throw MeshError(defects_of(part, options.threads, form, e));
   }
   drop_cut(mesh, cut_triangles);
   if (surface != nullptr) {

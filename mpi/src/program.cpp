@@ -37,15 +37,8 @@ double peak_mb() {
   return double(usage.ru_maxrss) / 1024;
 }
 
-/// A text of the library with its options as flags, of `tetune` where tetune-mpi does not have them.
-std::string with_flags_of_programs(const std::string& text) {
-  constexpr std::string_view kUntangle = "(--untangle)";
-  std::string flags = cli::with_flags(text);
-  if (const auto at = flags.find(kUntangle); at != std::string::npos) {
-    flags.replace(at, kUntangle.size(), "(tetune optimize --untangle)");
-  }
-  return flags;
-}
+/// tetune-mpi has no --untangle.
+constexpr MessageForm kForm{true, "untangle them (tetune optimize --untangle)"};
 
 class Program {
  public:
@@ -78,13 +71,13 @@ class Program {
     const bool turned = orient_all(comm_, part);
     if (first_) input.frame.listed_inside_out = input.frame.listed_inside_out || turned;
     distribute_seconds_ = seconds_since(start);
-    if (!a_.max_deviation.empty()) find_max_deviation(part);
+    if (a_.deviation_bound) options_.max_deviation = a_.deviation_bound->in(bounding_box_of_all(part));
     before_ = quality_of_all(comm_, part.mesh, 1);
 
     const auto begin = Time::now();
     std::function<bool()> stop;
     if (a_.time_limit) stop = [&] { return seconds_since(begin_) > *a_.time_limit; };
-    in_file([&] { report_ = optimize_parts(comm_, part, input.totals, options_, stop, true); });
+    in_file([&] { report_ = optimize_parts(comm_, part, input.totals, options_, stop, kForm); });
     optimize_seconds_ = seconds_since(begin);
 
     after_ = quality_of_all(comm_, part.mesh, 1);
@@ -120,11 +113,11 @@ class Program {
     try {
       work();
     } catch (const MeshError& e) {
-      throw MeshError(job_.input + ": " + with_flags_of_programs(e.what()));
+      throw MeshError(job_.input + ": " + cli::with_flags(e.what()));
     } catch (const OptionError& e) {
-      throw OptionError(with_flags_of_programs(e.what()));
+      throw OptionError(cli::with_flags(e.what()));
     } catch (const DeviceError& e) {
-      throw DeviceError(with_flags_of_programs(e.what()));
+      throw DeviceError(cli::with_flags(e.what()));
     }
   }
 
@@ -154,8 +147,7 @@ class Program {
     if (first_ && a_.verbosity >= 0) fmt::print(stderr, "tetune-mpi: warning: {}\n", text);
   }
 
-  /// A percentage is relative to the bounding box of the whole mesh.
-  void find_max_deviation(const Part& part) {
+  cli::Box bounding_box_of_all(const Part& part) const {
     std::vector<double> box(6, std::numeric_limits<double>::infinity());
     for (const Point3& x : part.mesh.points) {
       for (std::size_t k = 0; k < 3; ++k) {
@@ -164,9 +156,7 @@ class Program {
       }
     }
     box = all_reduce(comm_, std::move(box), MPI_MIN);
-    TetMesh corners;
-    corners.points = {{box[0], box[1], box[2]}, {-box[3], -box[4], -box[5]}};
-    options_.max_deviation = cli::parse_length("--max-deviation", a_.max_deviation, corners);
+    return {{box[0], box[1], box[2]}, {-box[3], -box[4], -box[5]}};
   }
 
   /// Returns false on all ranks, after a warning, where the report cannot be written: the mesh is written already.

@@ -36,13 +36,9 @@ constexpr double kWorstFraction = 3e-4;
 constexpr float kMaxWorstAngle = 40;
 class Rounds {
  public:
-  Rounds(MPI_Comm comm, Part& part, Totals& totals, Options options, const std::function<bool()>& stop, bool one_based)
-      : comm_(comm),
-        self_(rank_of(comm)),
-        part_(part),
-        totals_(totals),
-        options_(std::move(options)),
-        one_based_(one_based) {
+  Rounds(MPI_Comm comm, Part& part, Totals& totals, Options options, const std::function<bool()>& stop,
+         const MessageForm& form)
+      : comm_(comm), self_(rank_of(comm)), part_(part), totals_(totals), options_(std::move(options)), form_(form) {
     context_.stop = stop;
     report_.ranks = size_of(comm);
     choose_threads();
@@ -132,7 +128,7 @@ class Rounds {
       try {
         surface_.emplace(part_, halo, options_.frozen_regions, find_slide_surface(halo.mesh, options));
       } catch (const MeshError& e) {
-        throw MeshError(defects_of(halo, options_.threads, one_based_, e));
+        throw MeshError(defects_of(halo, options_.threads, form_, e));
       }
     });
   }
@@ -282,7 +278,7 @@ class Rounds {
       for (std::size_t v = 0; v < frozen.size(); ++v) {
         if ((part.vertex_flags[v] & kHeld) != 0) frozen[v] = 1;
       }
-      report = optimize_part(part, std::move(frozen), options_, context_, surface_ ? &*surface_ : nullptr, one_based_);
+      report = optimize_part(part, std::move(frozen), options_, context_, surface_ ? &*surface_ : nullptr, form_);
     });
     const double stopped = report.stop == StopReason::cancelled ? 1 : 0;
     const auto maxima = all_reduce(comm_, std::vector<double>{seconds_since(start), stopped}, MPI_MAX);
@@ -342,7 +338,7 @@ class Rounds {
   Part& part_;
   Totals& totals_;
   Options options_;
-  bool one_based_;  ///< ids in messages
+  const MessageForm form_;
   Context context_;
   bool cancelled_ = false;
   std::optional<Shared> shared_;  ///< of the part as the last round left it
@@ -355,8 +351,8 @@ class Rounds {
 }  // namespace
 
 DistributedReport optimize_parts(MPI_Comm comm, Part& part, Totals& totals, Options options,
-                                 const std::function<bool()>& stop, bool one_based) {
-  return Rounds(comm, part, totals, std::move(options), stop, one_based).run();
+                                 const std::function<bool()>& stop, const MessageForm& form) {
+  return Rounds(comm, part, totals, std::move(options), stop, form).run();
 }
 
 }  // namespace tetune::mpi

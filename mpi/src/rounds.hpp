@@ -4,12 +4,13 @@
 #include <functional>
 
 #include "distribute.hpp"
+#include "one_part.hpp"
 #include "tetune/mpi.hpp"
 
 namespace tetune::mpi {
 
-/// Optimizes a distributed mesh. Collective: all ranks throw where one fails. Ids in messages start from 1 or from 0.
+/// Optimizes a distributed mesh. Collective: all ranks throw where one fails.
 DistributedReport optimize_parts(MPI_Comm comm, Part& part, Totals& totals, Options options,
-                                 const std::function<bool()>& stop, bool one_based = false);
+                                 const std::function<bool()>& stop, const MessageForm& form = {});
 
 }  // namespace tetune::mpi

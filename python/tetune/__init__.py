@@ -54,8 +54,11 @@ from ._core import (
     write_mesh,
     write_series,
 )
+from ._curve import CurveResult, curve
 from ._live import LiveMesh
-from ._optimize import CurveResult, MoveResult, Result, check, curve, measure_curved_each, measure_each, move, optimize, quality
+from ._measure import check, measure_curved_each, measure_each, quality
+from ._move import MoveResult, move
+from ._optimize import Result, optimize
 from ._options import Options
 
 __version__ = version("tetune")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._core import MoveReport, Progress, Report, TetMesh
-from ._optimize import _prepared, _with_progress
+from ._arguments import prepared, with_progress
 from ._options import Options
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class LiveMesh:
     """
 
     def __init__(self, mesh: Any, tets: ArrayLike | None = None, *, neighborhood: int = 3, **options: Unpack[Options]) -> None:
-        work, adapter = _prepared(mesh, tets, None)
+        work, adapter = prepared(mesh, tets, None)
         if adapter.vertices() is not None:
             raise _core.MeshError("LiveMesh holds no mid-side nodes; give it the vertices and linear tetrahedra alone")
         self._core = _core.LiveMesh(work, dict(options), neighborhood)
@@ -80,11 +80,11 @@ class LiveMesh:
     def optimize(self, *, everything: bool = False, progress: bool | Callable[[Progress], object] = False) -> Report:
         """Optimizes the tetrahedra with a disturbed vertex and their neighborhood; with `everything` the whole mesh,
         whose tetrahedra then get other numbers. Raises as optimize()."""
-        return _with_progress(progress, lambda hook: self._core.optimize(everything, hook))
+        return with_progress(progress, lambda hook: self._core.optimize(everything, hook))
 
     def move(self, to: ArrayLike, *, progress: bool | Callable[[Progress], object] = False) -> MoveReport:
         """Moves vertices to prescribed positions: `to` has one row per vertex, with three NaN for one that follows. The
         neighborhood of those that move follows and is improved; it is doubled while the target cannot be reached. Raises
         as move()."""
         target = np.asarray(to, dtype=np.float64)
-        return _with_progress(progress, lambda hook: self._core.move(target, hook))
+        return with_progress(progress, lambda hook: self._core.move(target, hook))

@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING
 
 import pyvista as pv
 
+from ._arguments import Criteria, Float64s, Targets
 from ._core import AcceptanceReport, Geometry, Progress, Quality
-from ._optimize import Criteria, Float64s, MoveResult, Result, Targets, check, measure_each, move, optimize, quality
+from ._measure import check, measure_each, quality
+from ._move import MoveResult, move
+from ._optimize import Result, optimize
 from ._options import Options
 
 if TYPE_CHECKING:

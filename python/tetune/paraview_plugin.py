@@ -15,7 +15,7 @@ from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints, vtkUnsignedCharArr
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 
 import tetune
-from tetune._adapters import VTK_CELLS, Block, BlockAdapter
+from tetune._block_adapter import VTK_CELLS, Block, BlockAdapter
 from tetune._point_data import transfer_point_data
 from tetune._second_order import LINEAR_KIND
 from tetune._tags import without_inserted

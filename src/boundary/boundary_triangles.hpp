@@ -140,7 +140,7 @@ struct FillTriangle {
   ListedTriangles listed;
   Span<const std::uint32_t> counts;
   Span<const std::uint32_t> last;
-  Span<const std::uint8_t> frozen;
+  Span<const VertexConstraint> constraints;
   Span<BoundaryTriangle> triangles;
   TETUNE_HD void operator()(Size s) const {
     BoundaryTriangle t{};
@@ -153,7 +153,9 @@ struct FillTriangle {
       t.turned = entry.v[(first + 1) % 3] == t.v[1] ? 0 : 1;
     }
     // Triangles that are required or of a frozen patch have frozen vertices.
-    const bool is_frozen = frozen[t.v[0]] == kFrozen && frozen[t.v[1]] == kFrozen && frozen[t.v[2]] == kFrozen;
+    const bool is_frozen = constraints[t.v[0]] == VertexConstraint::frozen &&
+                           constraints[t.v[1]] == VertexConstraint::frozen &&
+                           constraints[t.v[2]] == VertexConstraint::frozen;
     t.stays = is_frozen || counts[s] > 1 ? kStays : 0;
     triangles[s] = t;
   }
@@ -163,14 +165,14 @@ struct FillTriangle {
 /// stay.
 struct PairTriangles {
   PeriodicImagesView images;
-  Span<const std::uint8_t> frozen;
+  Span<const VertexConstraint> constraints;
   Span<BoundaryTriangle> triangles;
   TETUNE_HD void operator()(Size s) const {
     BoundaryTriangle& t = triangles[s];
     bool is_frozen = t.stays == 0;
     bool is_periodic = true;
     for (const Index v : t.v) {
-      is_frozen = is_frozen && frozen[v] == kFrozen;
+      is_frozen = is_frozen && constraints[v] == VertexConstraint::frozen;
       is_periodic = is_periodic && images.class_of(v) >= 0;
     }
     if (is_frozen) t.stays = is_periodic ? kFlipsWithImage : kStays;
@@ -198,18 +200,19 @@ void link_to_reference(const Backend& backend, Span<const Index> across, Boundar
                    boundary_triangles_detail::LinkReference{across, boundary.triangles.span()});
 }
 
-/// Pairs the boundary triangles of periodic vertices. `frozen` has the constraints with those of periodic links, and
+/// Pairs the boundary triangles of periodic vertices. `constraints` has those of periodic links too, and
 /// build_boundary() had those without.
 template <class Backend>
-void pair_triangles(const Backend& backend, Span<const std::uint8_t> frozen, BoundaryTriangles<Backend>& boundary) {
-  backend.for_each(boundary.triangles.size(),
-                   boundary_triangles_detail::PairTriangles{boundary.images.view(), frozen, boundary.triangles.span()});
+void pair_triangles(const Backend& backend, Span<const VertexConstraint> constraints,
+                    BoundaryTriangles<Backend>& boundary) {
+  backend.for_each(boundary.triangles.size(), boundary_triangles_detail::PairTriangles{
+                                                  boundary.images.view(), constraints, boundary.triangles.span()});
 }
 
 /// Builds the boundary triangles from the surface and the caller's list.
 template <class Backend>
 void build_boundary(const Backend& backend, const Surface<Backend>& surface, const ListedTriangles& listed,
-                    Span<const std::uint8_t> frozen, BoundaryTriangles<Backend>& boundary) {
+                    Span<const VertexConstraint> constraints, BoundaryTriangles<Backend>& boundary) {
   using namespace boundary_triangles_detail;
   const Size faces = surface.triangles.size();
   BufferOf<Backend, std::uint32_t> counts(backend, faces);
@@ -218,8 +221,8 @@ void build_boundary(const Backend& backend, const Surface<Backend>& surface, con
   backend.fill(last.span(), std::uint32_t{0});
   backend.for_each(listed.size(), CountListed{surface.listed2triangle, counts, last});
   boundary.triangles.resize(backend, faces);
-  backend.for_each(faces,
-                   FillTriangle{surface.triangles, surface.tags, listed, counts, last, frozen, boundary.triangles});
+  backend.for_each(
+      faces, FillTriangle{surface.triangles, surface.tags, listed, counts, last, constraints, boundary.triangles});
 }
 
 }  // namespace tetune

@@ -46,23 +46,23 @@ inline bool are_feature_lines(Span<const Index> ends, Size first, Span<const Ver
 }
 
 /// Fixes the vertices of one constraint if their list is accepted. Returns the number of those that stay movable.
-inline Size fix_listed(Span<const std::uint8_t> frozen, std::uint8_t constraint, Span<VertexDof> dof) {
-  const Size unsupported = count_unsupported(dof, [=](Size v) { return frozen[v] == constraint; });
+inline Size fix_listed(Span<const VertexConstraint> constraints, VertexConstraint constraint, Span<VertexDof> dof) {
+  const Size unsupported = count_unsupported(dof, [=](Size v) { return constraints[v] == constraint; });
   for (Size v = 0; v < dof.size() && unsupported == 0; ++v) {
-    if (frozen[v] == constraint) dof[v] = VertexDof::fixed;
+    if (constraints[v] == constraint) dof[v] = VertexDof::fixed;
   }
   return unsupported;
 }
 
 /// Fixes the listed corners if the list is accepted. Returns the number of listed vertices that stay movable.
-inline Size fix_corners(Span<const std::uint8_t> frozen, Span<VertexDof> dof) {
-  return fix_listed(frozen, kCorner, dof);
+inline Size fix_corners(Span<const VertexConstraint> constraints, Span<VertexDof> dof) {
+  return fix_listed(constraints, VertexConstraint::corner, dof);
 }
 
 /// Fixes the ends and junctions of tagged lines, so that each line keeps its extent, unless they are too many for
 /// lines. Returns the number of those that stay movable.
-inline Size fix_line_ends(Span<const std::uint8_t> frozen, Span<VertexDof> dof) {
-  return fix_listed(frozen, kLineEnd, dof);
+inline Size fix_line_ends(Span<const VertexConstraint> constraints, Span<VertexDof> dof) {
+  return fix_listed(constraints, VertexConstraint::line_end, dof);
 }
 
 /// The other ends of edges of one kind at a vertex, each once; the first two are stored.
@@ -87,7 +87,7 @@ struct ClassifyVertex {
   Span<const Index> edges;
   CsrView vertex2edge_end;
   ConstrainedEdges constrained;
-  Span<const std::uint8_t> frozen;
+  Span<const VertexConstraint> constraints;
   bool surface_fixed;
   Span<VertexDof> dof;
   Span<Vec3> axis;
@@ -120,7 +120,7 @@ struct ClassifyVertex {
     const Size surface_corners = vertex2corner.size(v);
     const Size edge_begin = vertex2edge_end.begin(v);
     const Size edge_end = vertex2edge_end.end(v);
-    if (frozen[v] == kFrozen || (surface_fixed && surface_corners > 0)) return VertexDof::fixed;
+    if (constraints[v] == VertexConstraint::frozen || (surface_fixed && surface_corners > 0)) return VertexDof::fixed;
     if (surface_corners == 0 && edge_begin == edge_end) return VertexDof::free;
 
     const Fan fan{v, vec(points[v]), vertex2corner.begin(v), vertex2corner.end(v)};
@@ -216,21 +216,21 @@ struct ClassifyVertex {
 ///   plane  V_F: its triangles lie in one plane, none folded back on another, and have one tag
 ///   line   V_E: the planes of all its triangles contain one line, along which its two feature edges run. Feature edges
 ///          are folds, borders between tags, edges not on two triangles, and the constrained edges
-///   fixed  V_C: all others; with `surface_fixed` the whole surface; and where `frozen` is kFrozen
+///   fixed  V_C: all others; with `surface_fixed` the whole surface; and frozen vertices
 /// `constrained`: the constrained edges. `axis` receives the direction of the line or the normal of the plane.
 template <class Backend>
 void classify_vertices(const Backend& backend, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                       const EdgeSet<Backend>& constrained, Span<const std::uint8_t> frozen, bool surface_fixed,
-                       Span<VertexDof> dof, Span<Vec3> axis) {
+                       const EdgeSet<Backend>& constrained, Span<const VertexConstraint> constraints,
+                       bool surface_fixed, Span<VertexDof> dof, Span<Vec3> axis) {
   using namespace classify_detail;
   const Span<const Index> edges = constrained.ends.span();
   Csr<Backend> vertex2edge_end;
   build_csr(backend, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end, edges.size());
   BufferOf<Backend, Index> across(backend, 3 * surface.triangles.size());
   if (!surface_fixed) find_across(backend, surface.triangles, surface.vertex2corner.view(), across);
-  backend.for_each(mesh.vertices(),
-                   ClassifyVertex{mesh.points, surface.triangles, surface.tags, surface.vertex2corner.view(), across,
-                                  edges, vertex2edge_end.view(), constrained.view(), frozen, surface_fixed, dof, axis});
+  backend.for_each(mesh.vertices(), ClassifyVertex{mesh.points, surface.triangles, surface.tags,
+                                                   surface.vertex2corner.view(), across, edges, vertex2edge_end.view(),
+                                                   constrained.view(), constraints, surface_fixed, dof, axis});
 }
 
 }  // namespace tetune

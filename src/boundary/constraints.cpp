@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "boundary/vertex_dof.hpp"
 #include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/error.hpp"
@@ -77,16 +76,16 @@ void for_each_end(std::vector<std::array<Index, 2>> edges, const Hold& hold) {
 }
 
 /// Marks ends and junctions of the edges of each named group and of each tag, so that each keeps its extent.
-void hold_ends(const TetMesh& mesh, Span<std::uint8_t> frozen) {
+void hold_ends(const TetMesh& mesh, Span<VertexConstraint> constraints) {
   std::vector<std::pair<int, Index>> tag2edge;
   for (Index e = 0; e < std::ssize(mesh.edges); ++e) {
     if (span_of(mesh.edge_tags)[e] != 0) tag2edge.emplace_back(span_of(mesh.edge_tags)[e], e);
   }
   std::sort(tag2edge.begin(), tag2edge.end());
   const auto edge_of = [&mesh](const auto& entry) { return ascending(span_of(mesh.edges)[entry.second]); };
-  const auto mark = [frozen](std::uint8_t state) {
-    return [frozen, state](Index v) {
-      if (frozen[v] == kMovable) frozen[v] = state;
+  const auto mark = [constraints](VertexConstraint constraint) {
+    return [constraints, constraint](Index v) {
+      if (constraints[v] == VertexConstraint::none) constraints[v] = constraint;
     };
   };
   for (const Group& group : mesh.groups) {
@@ -97,13 +96,13 @@ void hold_ends(const TetMesh& mesh, Span<std::uint8_t> frozen) {
       auto entry = std::lower_bound(tag2edge.begin(), tag2edge.end(), std::pair{tag, Index{0}});
       for (; entry != tag2edge.end() && entry->first == tag; ++entry) edges.push_back(edge_of(*entry));
     }
-    for_each_end(std::move(edges), mark(kCorner));
+    for_each_end(std::move(edges), mark(VertexConstraint::corner));
   }
   for (auto first = tag2edge.begin(); first != tag2edge.end();) {
     const int tag = first->first;
     std::vector<std::array<Index, 2>> edges;
     for (; first != tag2edge.end() && first->first == tag; ++first) edges.push_back(edge_of(*first));
-    for_each_end(std::move(edges), mark(kLineEnd));
+    for_each_end(std::move(edges), mark(VertexConstraint::line_end));
   }
 }
 
@@ -151,11 +150,11 @@ void check_frozen_vertices(const TetMesh& mesh, const Options& options) {
 
 Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   Constraints result;
-  result.frozen.assign(mesh.points.size(), kMovable);
-  const Span<std::uint8_t> frozen = span_of(result.frozen);
-  for (const Index v : mesh.corners) frozen[v] = kCorner;
-  const auto freeze = [frozen](const auto& vertices) {
-    for (const Index v : vertices) frozen[v] = kFrozen;
+  result.vertices.assign(mesh.points.size(), VertexConstraint::none);
+  const Span<VertexConstraint> constraints = span_of(result.vertices);
+  for (const Index v : mesh.corners) constraints[v] = VertexConstraint::corner;
+  const auto freeze = [constraints](const auto& vertices) {
+    for (const Index v : vertices) constraints[v] = VertexConstraint::frozen;
   };
   freeze(mesh.required_vertices);
   for (const Index e : mesh.required_edges) freeze(span_of(mesh.edges)[e]);
@@ -169,11 +168,11 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
   for (const Index t : patches) freeze(span_of(mesh.triangles)[t]);
   check_frozen_vertices(mesh, options);
   for (std::size_t v = 0; v < options.frozen_vertices.size(); ++v) {
-    if (options.frozen_vertices[v] != 0) result.frozen[v] = kFrozen;
+    if (options.frozen_vertices[v] != 0) result.vertices[v] = VertexConstraint::frozen;
   }
   for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
-  hold_ends(mesh, frozen);
-  if (!mesh.periodic.empty()) result.frozen_without_links = result.frozen;
+  hold_ends(mesh, constraints);
+  if (!mesh.periodic.empty()) result.vertices_without_links = result.vertices;
   for (const PeriodicLink& link : mesh.periodic) {
     for (const auto& pair : link.pairs) freeze(pair);
   }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "boundary/vertex_dof.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/options.hpp"
 
@@ -14,11 +15,11 @@ namespace tetune {
 
 /// The constraints by the caller's lists and options, in the caller's ids.
 struct Constraints {
-  /// kMovable, kFrozen, kCorner or kLineEnd per vertex. Required entities, periodic links and elements of other kinds
-  /// freeze their vertices; ends and junctions of named groups of edges are corners, as are listed ones.
-  std::vector<std::uint8_t> frozen;
-  /// `frozen` as it would be without periodic links; empty if there are none.
-  std::vector<std::uint8_t> frozen_without_links;
+  /// Per vertex. Required entities, periodic links and elements of other kinds freeze their vertices; ends and
+  /// junctions of named groups of edges are corners, as are listed ones.
+  std::vector<VertexConstraint> vertices;
+  /// `vertices` as they would be without periodic links; empty if there are none.
+  std::vector<VertexConstraint> vertices_without_links;
   /// 1 per listed triangle that must not change: a required one, or one of periodic vertices; empty if there is none.
   std::vector<std::uint8_t> required_triangles;
   /// Tetrahedra that must not change: required ones, then those of frozen regions.

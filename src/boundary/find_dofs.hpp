@@ -25,9 +25,9 @@ struct DofInput {
   const std::vector<Index>& edge_ends;
   std::size_t ridges;
   const EdgeSet<Backend>& edges;
-  const std::vector<std::uint8_t>& frozen;  ///< kMovable, kFrozen, kCorner or kLineEnd per work vertex
-  double scale;                             ///< coordinates of the work mesh per unit of the caller's
-  const SlideSurface* slides_on;            ///< the surface for Boundary::slide; null: the mesh's own
+  const std::vector<VertexConstraint>& constraints;  ///< per work vertex
+  double scale;                                      ///< coordinates of the work mesh per unit of the caller's
+  const SlideSurface* slides_on;                     ///< the surface for Boundary::slide; null: the mesh's own
   const std::vector<Index>& original2vertex;
 };
 
@@ -68,15 +68,15 @@ struct StartSurfacePoint {
 
 template <class Backend>
 void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
-                          Span<const std::uint8_t> frozen, VertexDofs<Backend>& dofs, Report& report) {
+                          Span<const VertexConstraint> constraints, VertexDofs<Backend>& dofs, Report& report) {
   const Options& options = input.options;
   const bool slides = options.boundary == Boundary::slide;
   const auto classify = [&](const EdgeSet<Backend>& features) {
     if (slides) {
-      build_reference(backend, mesh, input.surface, features, frozen, options.feature_angle, dofs.dof.span(),
+      build_reference(backend, mesh, input.surface, features, constraints, options.feature_angle, dofs.dof.span(),
                       dofs.reference);
     } else {
-      classify_vertices(backend, mesh, input.surface, features, frozen, options.boundary == Boundary::fixed,
+      classify_vertices(backend, mesh, input.surface, features, constraints, options.boundary == Boundary::fixed,
                         dofs.dof.span(), dofs.axis.span());
     }
   };
@@ -92,8 +92,8 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   } else {
     report.edges_not_held = tagged;
   }
-  report.corners_not_held = fix_corners(span_of(input.frozen), span_of(dof));
-  if (report.edges_not_held == 0) report.line_ends_not_held = fix_line_ends(span_of(input.frozen), span_of(dof));
+  report.corners_not_held = fix_corners(span_of(input.constraints), span_of(dof));
+  if (report.edges_not_held == 0) report.line_ends_not_held = fix_line_ends(span_of(input.constraints), span_of(dof));
   dofs.dof.upload(backend, dof);
   if (!slides) return;
   dofs.reference.dof.assign(backend, dofs.dof);
@@ -137,11 +137,11 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
       dofs.max_deviation = std::max(dofs.max_deviation, 2 * std::numeric_limits<double>::min());
     dofs.surface_point.resize(backend, vertices);
   }
-  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, input.frozen);
+  const DeviceViewOf<Backend, VertexConstraint> constraints(backend, input.constraints);
   if (input.slides_on != nullptr) {
-    import_slide_surface(backend, *input.slides_on, input.original2vertex, frozen.span(), input.scale, dofs);
+    import_slide_surface(backend, *input.slides_on, input.original2vertex, constraints.span(), input.scale, dofs);
   } else {
-    classify_own_surface(backend, mesh, input, frozen.span(), dofs, report);
+    classify_own_surface(backend, mesh, input, constraints.span(), dofs, report);
   }
   if (options.energy == Energy::shape && options.boundary != Boundary::fixed) {
     dofs.displacement_bound.resize(backend, vertices);

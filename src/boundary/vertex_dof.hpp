@@ -22,12 +22,13 @@ enum class VertexDof : std::uint8_t {
 /// Whether a vertex slides on the reference surface.
 TETUNE_HD inline bool slides(VertexDof dof) { return dof == VertexDof::surface || dof == VertexDof::curve; }
 
-/// The caller's constraint on a vertex: none, or that it must not move, or that it is listed as a corner of the shape
-/// (see fix_corners()), or that the edges of one tag end or branch there (see fix_line_ends()).
-inline constexpr std::uint8_t kMovable = 0;
-inline constexpr std::uint8_t kFrozen = 1;
-inline constexpr std::uint8_t kCorner = 2;
-inline constexpr std::uint8_t kLineEnd = 3;
+/// The caller's constraint on a vertex.
+enum class VertexConstraint : std::uint8_t {
+  none,
+  frozen,    ///< it must not move
+  corner,    ///< it is listed as a corner of the shape: see fix_corners()
+  line_end,  ///< the edges of one tag end or branch there: see fix_line_ends()
+};
 
 /// A ball around the initial position of a surface vertex that the vertex must not leave, so that the surface keeps
 /// its element sizes (docs/method.md, "Sizes of the surface"); the radius of a trust region over the whole run.

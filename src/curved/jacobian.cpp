@@ -6,7 +6,6 @@
 #include <limits>
 #include <numeric>
 #include <queue>
-#include <vector>
 
 #include "math/constants.hpp"
 

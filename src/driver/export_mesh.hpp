@@ -34,14 +34,14 @@ struct RenumberVertices {
 /// that they have together.
 template <class Backend>
 ConstrainedMesh constrained_mesh(WorkingSet<Backend>& work, const TetMesh& mesh) {
-  work.frozen.resize(to_size_t(work.mesh.vertices()), kMovable);
+  work.vertex_constraints.resize(to_size_t(work.mesh.vertices()), VertexConstraint::none);
   std::vector<VertexDof> dof = work.dofs.dof.download();
   const std::vector<MotionSpace> spaces = work.periodic.space.download();
   const std::vector<Index> vertex2class = work.periodic.images.vertex2class.download();
   for (std::size_t v = 0; v < vertex2class.size(); ++v) {
     if (vertex2class[v] < 0) continue;
     dof[v] = span_of(spaces)[vertex2class[v]].dof;
-    work.frozen[v] = kMovable;
+    work.vertex_constraints[v] = VertexConstraint::none;
   }
   return {work.mesh.points.download(),
           work.mesh.tet2vertex.download(),
@@ -49,7 +49,7 @@ ConstrainedMesh constrained_mesh(WorkingSet<Backend>& work, const TetMesh& mesh)
           regions_of(work.mesh.tet2original.download(), mesh),
           number_vertices(work.mesh.vertex2original.download(), mesh.points.size()).work2new(),
           std::move(dof),
-          work.frozen,
+          work.vertex_constraints,
           work.required_slots,
           work.scale};
 }

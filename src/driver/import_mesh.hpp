@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <numeric>
 
 #include "backend/atomic.hpp"
 #include "boundary/boundary_triangles.hpp"
@@ -91,17 +90,18 @@ void lock_tets(const Backend& backend, const TetMesh& mesh, const std::vector<In
 
 /// The constraint on each work vertex, given those of the caller's. The vertices of listed triangles that are not
 /// faces are frozen.
-inline std::vector<std::uint8_t> frozen_of(const TetMesh& mesh, const std::vector<std::uint8_t>& by_original,
-                                           const std::vector<Index>& original2vertex,
-                                           const std::vector<Listed>& listed_triangles) {
-  std::vector<std::uint8_t> result(by_original.size(), kMovable);
-  const Span<std::uint8_t> frozen = span_of(result);
+inline std::vector<VertexConstraint> work_constraints(const TetMesh& mesh,
+                                                      const std::vector<VertexConstraint>& by_original,
+                                                      const std::vector<Index>& original2vertex,
+                                                      const std::vector<Listed>& listed_triangles) {
+  std::vector<VertexConstraint> result(by_original.size(), VertexConstraint::none);
+  const Span<VertexConstraint> constraints = span_of(result);
   const Span<const Index> to_work = span_of(original2vertex);
-  for (Size v = 0; v < frozen.size(); ++v) frozen[to_work[v]] = span_of(by_original)[v];
+  for (Size v = 0; v < constraints.size(); ++v) constraints[to_work[v]] = span_of(by_original)[v];
   auto state = listed_triangles.begin();
   for (const auto& triangle : mesh.triangles) {
     if (*state++ != Listed::absent) continue;
-    for (const Index v : triangle) frozen[to_work[v]] = kFrozen;
+    for (const Index v : triangle) constraints[to_work[v]] = VertexConstraint::frozen;
   }
   return result;
 }
@@ -127,13 +127,14 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   build_surface(backend, work.mesh, listed, listed_state, surface);
   work.listed_triangles = listed_state.download();
 
-  work.frozen = frozen_of(mesh, constraints.frozen, original2vertex, work.listed_triangles);
+  work.vertex_constraints = work_constraints(mesh, constraints.vertices, original2vertex, work.listed_triangles);
   const bool moves = moves_links && slides_on == nullptr && moves_periodic(mesh, options);
-  const std::vector<std::uint8_t> held =
-      moves ? frozen_of(mesh, constraints.frozen_without_links, original2vertex, work.listed_triangles) : work.frozen;
+  const std::vector<VertexConstraint> without_links =
+      moves ? work_constraints(mesh, constraints.vertices_without_links, original2vertex, work.listed_triangles)
+            : work.vertex_constraints;
   if (flips_boundary(options)) {
-    const DeviceViewOf<Backend, std::uint8_t> frozen(backend, held);
-    build_boundary(backend, surface, listed, frozen.span(), work.boundary);
+    const DeviceViewOf<Backend, VertexConstraint> view(backend, without_links);
+    build_boundary(backend, surface, listed, view.span(), work.boundary);
     work.boundary.bends = bends_surface(options);
   }
   if (edits_surface(options)) {
@@ -148,14 +149,17 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
     for (const Index v : edge) ends.push_back(span_of(original2vertex)[v]);
   }
   EdgeSet<Backend> edges(backend, ends, work.mesh.vertices());
-  find_dofs(backend, work.mesh,
-            {options, surface, ends, constraints.ridges, edges, work.frozen, work.scale, slides_on, original2vertex},
-            work.dofs, report);
-  if (moves) {
-    import_periodic(backend, mesh,
-                    {options, surface, ends, constraints.ridges, edges, held, work.scale, nullptr, original2vertex},
-                    work, report);
-  }
+  const DofInput<Backend> input{.options = options,
+                                .surface = surface,
+                                .edge_ends = ends,
+                                .ridges = constraints.ridges,
+                                .edges = edges,
+                                .constraints = work.vertex_constraints,
+                                .scale = work.scale,
+                                .slides_on = slides_on,
+                                .original2vertex = original2vertex};
+  find_dofs(backend, work.mesh, input, work.dofs, report);
+  if (moves) import_periodic(backend, mesh, input, without_links, work, report);
   if (bends_surface(options)) link_to_reference(backend, work.dofs.reference.across.span(), work.boundary);
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);

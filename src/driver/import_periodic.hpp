@@ -26,14 +26,16 @@ namespace import_periodic_detail {
 /// Where each vertex may go if periodic links do not count: within planes and along lines, even with Boundary::slide.
 template <class Backend>
 std::vector<MotionSpace> spaces_without_links(const Backend& backend, WorkMesh<Backend>& mesh,
-                                              const DofInput<Backend>& input, const Report& report) {
+                                              const DofInput<Backend>& input,
+                                              const std::vector<VertexConstraint>& without_links,
+                                              const Report& report) {
   const Size vertices = mesh.vertices();
   BufferOf<Backend, VertexDof> dof(backend, vertices);
   BufferOf<Backend, Vec3> axis(backend, vertices);
   backend.fill(axis.span(), Vec3{});
-  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, input.frozen);
+  const DeviceViewOf<Backend, VertexConstraint> constraints(backend, without_links);
   const auto classify = [&](const EdgeSet<Backend>& features) {
-    classify_vertices(backend, mesh, input.surface, features, frozen.span(), false, dof.span(), axis.span());
+    classify_vertices(backend, mesh, input.surface, features, constraints.span(), false, dof.span(), axis.span());
   };
   if (report.edges_not_held == 0) {
     classify(input.edges);
@@ -45,9 +47,9 @@ std::vector<MotionSpace> spaces_without_links(const Backend& backend, WorkMesh<B
   const std::vector<Vec3> axes = axis.download();
   std::vector<MotionSpace> spaces;
   for (std::size_t v = 0; v < dofs.size(); ++v) {
-    const bool is_corner =
-        (input.frozen[v] == kCorner && report.corners_not_held == 0) ||
-        (input.frozen[v] == kLineEnd && report.edges_not_held == 0 && report.line_ends_not_held == 0);
+    const bool is_corner = (without_links[v] == VertexConstraint::corner && report.corners_not_held == 0) ||
+                           (without_links[v] == VertexConstraint::line_end && report.edges_not_held == 0 &&
+                            report.line_ends_not_held == 0);
     spaces.push_back({is_corner ? VertexDof::fixed : dofs[v], axes[v]});
   }
   return spaces;
@@ -116,17 +118,17 @@ inline DisplacementBound bound_of_class(std::span<const PeriodicMember> members,
 }  // namespace import_periodic_detail
 
 /// Sets WorkingSet::periodic, the classes of linked vertices that may move, and lets the triangles of linked vertices
-/// flip with their image. `input` has the caller's constraints without those of periodic links.
+/// flip with their image. `without_links`: DofInput::constraints without those of periodic links.
 template <class Backend>
 void import_periodic(const Backend& backend, const TetMesh& mesh, const DofInput<Backend>& input,
-                     WorkingSet<Backend>& work, Report& report) {
+                     const std::vector<VertexConstraint>& without_links, WorkingSet<Backend>& work, Report& report) {
   using namespace import_periodic_detail;
-  const std::vector<MotionSpace> spaces = spaces_without_links(backend, work.mesh, input, report);
+  const std::vector<MotionSpace> spaces = spaces_without_links(backend, work.mesh, input, without_links, report);
   const HostImages images = find_images(mesh, input.original2vertex, work.scale, spaces.size());
-  std::vector<std::uint8_t> held(spaces.size(), 0);
+  std::vector<std::uint8_t> stays(spaces.size(), 0);
   // Operations on a curved surface start from the places of its vertices on the reference surface.
   if (input.options.boundary == Boundary::slide) {
-    held = beside_other_surface(input.surface.triangles.download(), images.vertex2class);
+    stays = beside_other_surface(input.surface.triangles.download(), images.vertex2class);
   }
   const std::vector<DisplacementBound> bounds = work.dofs.displacement_bound.download();
   HostImages moving(spaces.size());
@@ -136,7 +138,7 @@ void import_periodic(const Backend& backend, const TetMesh& mesh, const DofInput
     MotionSpace motion{VertexDof::free, {}};
     for (const PeriodicMember& member : members) {
       const MotionSpace own = span_of(spaces)[member.vertex];
-      motion = intersect(motion, span_of(held)[member.vertex] != 0 ? MotionSpace{VertexDof::fixed, {}} : own);
+      motion = intersect(motion, span_of(stays)[member.vertex] != 0 ? MotionSpace{VertexDof::fixed, {}} : own);
     }
     if (motion.dof == VertexDof::fixed) continue;
     if (!bounds.empty()) motion.displacement_bound = bound_of_class(members, bounds);
@@ -149,8 +151,8 @@ void import_periodic(const Backend& backend, const TetMesh& mesh, const DofInput
   work.periodic.space.upload(backend, space);
   if (work.boundary.triangles.size() == 0) return;
   images.upload(backend, work.boundary.images);
-  const DeviceViewOf<Backend, std::uint8_t> frozen(backend, work.frozen);
-  pair_triangles(backend, frozen.span(), work.boundary);
+  const DeviceViewOf<Backend, VertexConstraint> constraints(backend, work.vertex_constraints);
+  pair_triangles(backend, constraints.span(), work.boundary);
 }
 
 }  // namespace tetune

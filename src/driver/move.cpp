@@ -2,7 +2,6 @@
 #include "tetune/move.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "boundary/constraints.hpp"
@@ -99,9 +98,9 @@ void for_each_held(const TetMesh& mesh, const Add& add) {
   options.untangle = true;  // move() reports volumes that are not positive
   const Constraints constraints = find_constraints(mesh, options);
   const ListedFeatures are_held = features_that_hold(mesh, options, constraints);
-  for (Index v = 0; v < std::ssize(constraints.frozen); ++v) {
-    const std::uint8_t constraint = span_of(constraints.frozen)[v];
-    if (constraint == kFrozen || (constraint == kCorner && are_held.corners)) add(v);
+  for (Index v = 0; v < std::ssize(constraints.vertices); ++v) {
+    const VertexConstraint constraint = span_of(constraints.vertices)[v];
+    if (constraint == VertexConstraint::frozen || (constraint == VertexConstraint::corner && are_held.corners)) add(v);
   }
   const std::size_t lines = are_held.edges ? constraints.edges.size() : constraints.ridges;
   for (std::size_t e = 0; e < lines; ++e) {

@@ -7,7 +7,7 @@
 
 #include "backend/cpu.hpp"
 #include "boundary/constraints.hpp"
-#include "driver/inserted_vertices.hpp"
+#include "driver/carry_vertex_sets.hpp"
 #include "driver/transfer_stop.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/keep_entities.hpp"
@@ -47,17 +47,21 @@ std::vector<DataArray> carried_point_data(const TetMesh& mesh, const HostResult&
                       kept_of(numbering.extended2new));
 }
 
+std::vector<std::array<Index, 4>> tets_in_new_ids(const HostResult& result) {
+  std::vector<std::array<Index, 4>> tets = result.tets;
+  for (auto& tet : tets) {
+    for (Index& v : tet) v = span_of(result.numbering.extended2new)[v];
+  }
+  return tets;
+}
+
 /// Sets the data of vertices and tetrahedra of the result, whose points are those by extended id.
 void transfer_data(const TetMesh& mesh, const HostResult& result, const Options& options,
                    const std::function<bool()>& stop, TetMesh& next, Report& report) {
   const bool has_data = !mesh.point_data.empty() || !mesh.tet_data.empty();
   if (options.data == DataTransfer::conserve && has_data) {
-    std::vector<std::array<Index, 4>> tets = result.tets;
-    for (auto& tet : tets) {
-      for (Index& v : tet) v = span_of(result.numbering.extended2new)[v];
-    }
-    std::optional<ConservedData> data = conserve_data_until_stopped(backend::Cpu(options.threads, stop), mesh, tets,
-                                                                    result.tet2original, report.places);
+    std::optional<ConservedData> data = conserve_data_until_stopped(
+        backend::Cpu(options.threads, stop), mesh, tets_in_new_ids(result), result.tet2original, report.places);
     if (data) {
       next.point_data = std::move(data->point_data);
       next.tet_data = std::move(data->tet_data);
@@ -74,29 +78,23 @@ void transfer_data(const TetMesh& mesh, const HostResult& result, const Options&
 /// Carries sets of nodes, and gives inserted vertices tags. The points of `next` are those by extended id, its data
 /// those of the result.
 void carry_sets(const TetMesh& mesh, const HostResult& result, const Report& report, TetMesh& next) {
-  if (!has_vertex_sets(mesh)) return;
-  const VertexNumbering& numbering = result.numbering;
-  std::vector<Index> ids;
-  std::vector<MeshPlace> places;
-  for (Index v = to_index(mesh.points.size()); v < std::ssize(next.points); ++v) {
-    const Index id = span_of(numbering.extended2new)[v];
-    if (id < 0 || (result.is_moved && report.places.empty())) continue;
-    ids.push_back(v);
-    if (!report.places.empty()) places.push_back(span_of(report.places)[id]);
+  const std::vector<Index>& extended2new = result.numbering.extended2new;
+  std::function<TetMesh()> make_shape;
+  if (!result.is_moved || !report.places.empty()) {
+    make_shape = [&] {
+      TetMesh shape;
+      shape.points = gather_entries(next.points, kept_of(extended2new));
+      shape.tets = tets_in_new_ids(result);
+      shape.tet_tags = regions_of(result.tet2original, mesh);
+      return shape;
+    };
   }
-  std::vector<InsertedVertex> inserted;
-  if (!ids.empty()) {
-    TetMesh shape;
-    shape.points = next.points;
-    shape.tets = result.tets;
-    shape.tet_tags = regions_of(result.tet2original, mesh);
-    inserted = find_inserted(mesh, shape, ids, places);
+  const std::vector<int> tags =
+      carry_vertex_sets(mesh, result.numbering.new2original, report.places, make_shape, next.point_data);
+  auto tag = tags.begin();
+  for (Size v = std::ssize(mesh.points); v < std::ssize(extended2new); ++v) {
+    if (span_of(extended2new)[v] >= 0) span_of(next.point_tags)[v] = *tag++;
   }
-  for (InsertedVertex& v : inserted) {
-    span_of(next.point_tags)[v.id] = v.common_value([&](Index old) { return span_of(mesh.point_tags)[old]; });
-    v.id = span_of(numbering.extended2new)[v.id];
-  }
-  carry_node_sets(mesh.point_data, numbering.new2original, inserted, next.point_data);
 }
 
 /// Throws OverlapError, with the tetrahedra at faces of three or more, which flips have made.

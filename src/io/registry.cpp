@@ -13,7 +13,6 @@
 #include "tetune/io.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/series.hpp"
-#include "tetune/validate.hpp"
 
 namespace tetune {
 namespace {
@@ -21,10 +20,14 @@ namespace {
 constexpr const char* kNoPeriodic = ": the format cannot hold periodic links";
 constexpr const char* kNoDeck = ": the format cannot hold the rest of the deck, such as materials, loads and steps";
 
-std::string endings(bool to_write) {
+enum class Access { read, write };
+
+bool allows(const Format& format, Access access) { return access == Access::read ? format.reads() : format.writes(); }
+
+std::string endings(Access access) {
   std::string known;
   for (const Format& format : formats()) {
-    if (!(to_write ? format.writes() : format.reads())) continue;
+    if (!allows(format, access)) continue;
     for (const std::string& e : format.endings) known += (known.empty() ? "" : " ") + e;
   }
   return known;
@@ -45,22 +48,23 @@ std::string ending_of(const std::string& path) {
   return ending == ".gz" ? name.stem().extension().string() + ending : ending;
 }
 
-const Format& format_of(const std::string& path, bool to_write) {
+const Format& format_of(const std::string& path, Access access) {
   const std::string ending = ending_of(path);
   bool other_way = false;
   for (const Format& format : formats()) {
     if (!format.has_ending(ending)) continue;
-    if (to_write ? format.writes() : format.reads()) return format;
+    if (allows(format, access)) return format;
     other_way = true;
   }
   std::error_code ignored;
   if (std::filesystem::is_directory(path_of(path), ignored)) throw FileError(path + ": is a folder; give a file name");
+  const bool is_write = access == Access::write;
   throw FileError(path + ": tetune " +
                   (!other_way ? "does not "
-                   : to_write ? "reads, but does not "
+                   : is_write ? "reads, but does not "
                               : "writes, but does not ") +
-                  (to_write ? "write" : "read") + " files of ending \"" + ending +
-                  "\"; known endings: " + endings(to_write));
+                  (is_write ? "write" : "read") + " files of ending \"" + ending +
+                  "\"; known endings: " + endings(access));
 }
 
 /// Throws FileError where arrays of tags or data differ in length from those of their elements, by which writers index
@@ -102,38 +106,42 @@ TetMesh with_measures(TetMesh mesh, const std::vector<Measures>& measures) {
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> list = {
-      {"MEDIT text", {".mesh"}, read_medit, write_file<write_medit_text>},
-      {"MEDIT binary", {".meshb"}, read_medit, write_file<write_medit_binary>},
-      {"TetGen", {".ele", ".node", ".face"}, read_tetgen, write_tetgen, nullptr, false, false, false, true},
-      {"VTK XML", {".vtu"}, nullptr, nullptr, &kVtkPlugin, true, true},
-      {"VTK XML in parts", {".pvtu"}, nullptr, nullptr, &kVtkPlugin, true, false, false, false, false, vtk_pieces},
-      {"VTK legacy", {".vtk"}, nullptr, nullptr, &kVtkPlugin, true, true},
-      {"Exodus", {".e", ".ex2", ".exo"}, nullptr, nullptr, &kVtkPlugin, true, true, false, false, true},
-      {"Gmsh", {".msh"}, read_msh, write_file<write_msh>},
-      {"Abaqus, CalculiX",
-       {".inp"},
-       read_inp,
-       write_file<write_inp>,
-       nullptr,
-       false,
-       false,
-       false,
-       false,
-       false,
-       included_inp_files},
-      {"SU2", {".su2"}, read_su2, write_file<write_su2>},
-      {"Netgen", {".vol"}, read_netgen, write_file<write_netgen>},
-      {"Netgen, compressed", {".vol.gz"}, read_netgen, write_file<write_netgen_compressed>},
-      {"I-deas universal", {".unv"}, nullptr, nullptr, &kGmshPlugin, true, true},
-      {"Nastran", {".bdf"}, nullptr, nullptr, &kGmshPlugin, true, true},
-      {"MED", {".med"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
-      {"CGNS", {".cgns"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
+      {.name = "MEDIT text", .endings = {".mesh"}, .read = read_medit, .write = write_file<write_medit_text>},
+      {.name = "MEDIT binary", .endings = {".meshb"}, .read = read_medit, .write = write_file<write_medit_binary>},
+      {.name = "TetGen",
+       .endings = {".ele", ".node", ".face"},
+       .read = read_tetgen,
+       .write = write_tetgen,
+       .is_set = true},
+      {.name = "VTK XML", .endings = {".vtu"}, .plugin = &kVtkPlugin},
+      {.name = "VTK XML in parts",
+       .endings = {".pvtu"},
+       .plugin = &kVtkPlugin,
+       .plugin_writes = false,
+       .parts = vtk_pieces},
+      {.name = "VTK legacy", .endings = {".vtk"}, .plugin = &kVtkPlugin},
+      {.name = "Exodus", .endings = {".e", ".ex2", ".exo"}, .plugin = &kVtkPlugin, .has_times = true},
+      {.name = "Gmsh", .endings = {".msh"}, .read = read_msh, .write = write_file<write_msh>},
+      {.name = "Abaqus, CalculiX",
+       .endings = {".inp"},
+       .read = read_inp,
+       .write = write_file<write_inp>,
+       .parts = included_inp_files},
+      {.name = "SU2", .endings = {".su2"}, .read = read_su2, .write = write_file<write_su2>},
+      {.name = "Netgen", .endings = {".vol"}, .read = read_netgen, .write = write_file<write_netgen>},
+      {.name = "Netgen, compressed",
+       .endings = {".vol.gz"},
+       .read = read_netgen,
+       .write = write_file<write_netgen_compressed>},
+      {.name = "I-deas universal", .endings = {".unv"}, .plugin = &kGmshPlugin},
+      {.name = "Nastran", .endings = {".bdf"}, .plugin = &kGmshPlugin},
+      {.name = "MED", .endings = {".med"}, .plugin = &kGmshPlugin, .is_optional = true},
+      {.name = "CGNS", .endings = {".cgns"}, .plugin = &kGmshPlugin, .is_optional = true},
   };
   return list;
 }
 
-std::string excess_of(std::int64_t entries, bool tets) {
-  const Index max = tets ? kMaxTets : kMaxEntries;
+std::string excess_of(std::int64_t entries, Index max) {
   if (entries <= max) return "";
   return std::to_string(entries) + " entries; tetune takes at most " + std::to_string(max);
 }
@@ -168,15 +176,15 @@ std::vector<std::string> files_read(const std::string& path) {
   return files;
 }
 
-std::string readable_endings() { return endings(false); }
-std::string writable_endings() { return endings(true); }
+std::string readable_endings() { return endings(Access::read); }
+std::string writable_endings() { return endings(Access::write); }
 
 std::vector<double> read_times(const std::string& path) {
-  return read_times_by_plugin(*format_of(path, false).plugin, path);
+  return read_times_by_plugin(*format_of(path, Access::read).plugin, path);
 }
 
 TetMesh read_mesh_at(const std::string& path, int time, const IoContext& context) {
-  const Format& format = format_of(path, false);
+  const Format& format = format_of(path, Access::read);
   TetMesh mesh =
       format.read != nullptr ? format.read(path, context) : read_by_plugin(*format.plugin, path, context, time);
   orient(path, mesh, context);
@@ -210,7 +218,7 @@ void check_place(const std::string& path) {
 }
 
 void check_writable(const std::string& path) {
-  const Format& format = format_of(path, true);
+  const Format& format = format_of(path, Access::write);
   if (format.write == nullptr) require_plugin(*format.plugin, path);
   check_place(path);
   if (format.is_optional || (format.write == nullptr && is_script(*format.plugin)))
@@ -218,7 +226,7 @@ void check_writable(const std::string& path) {
 }
 
 void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
-  const Format& format = format_of(path, true);
+  const Format& format = format_of(path, Access::write);
   check_writable(path);
   check_arrays(path, mesh);
   const IoContext context{threads, warnings};

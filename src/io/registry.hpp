@@ -10,6 +10,7 @@
 #include "system/file.hpp"
 #include "tetune/mesh.hpp"
 #include "tetune/quality.hpp"
+#include "tetune/validate.hpp"
 
 namespace tetune {
 
@@ -28,16 +29,16 @@ inline constexpr Plugin kVtkPlugin{"tetune-vtk", "VTK"};
 inline constexpr Plugin kGmshPlugin{"tetune-gmsh", "Gmsh"};
 inline constexpr Plugin kOcctPlugin{"tetune-occt", "OpenCASCADE", false};
 
-/// One file format. A null function means the format cannot be read or written.
+/// One file format, which functions of the library or a plugin read and write.
 struct Format {
   const char* name;
   std::vector<std::string> endings;
-  TetMesh (*read)(const std::string& path, const IoContext& context);
+  TetMesh (*read)(const std::string& path, const IoContext& context) = nullptr;
   /// Replaces the file as a whole or not at all. The texts of warnings name no file.
-  void (*write)(const std::string& path, const TetMesh& mesh, const IoContext& context);
-  /// The plugin that reads or writes the format where there is no function.
+  void (*write)(const std::string& path, const TetMesh& mesh, const IoContext& context) = nullptr;
+  /// The plugin of a format without functions.
   const Plugin* plugin = nullptr;
-  bool plugin_reads = false, plugin_writes = false;
+  bool plugin_writes = true;
   /// Some builds of the plugin's library do not have the format.
   bool is_optional = false;
   /// A mesh is written to files of all the endings.
@@ -49,13 +50,13 @@ struct Format {
   bool has_ending(const std::string& ending) const {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   }
-  bool reads() const { return read != nullptr || plugin_reads; }
-  bool writes() const { return write != nullptr || plugin_writes; }
+  bool reads() const { return read != nullptr || plugin != nullptr; }
+  bool writes() const { return write != nullptr || (plugin != nullptr && plugin_writes); }
 };
 
-/// Returns an empty text if a mesh may have this number of tetrahedra, or of entries of another list, else the reason
-/// against it. Readers refuse a count by it before memory is asked for.
-std::string excess_of(std::int64_t entries, bool tets);
+/// Returns an empty text if a list may have this number of entries, at most `max` (kMaxTets or kMaxEntries), else the
+/// reason against it. Readers refuse a count by it before memory is asked for.
+std::string excess_of(std::int64_t entries, Index max);
 
 /// The formats of this build. To add one: docs/adding-a-format.md.
 const std::vector<Format>& formats();

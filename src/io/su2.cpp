@@ -5,7 +5,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <optional>
 #include <set>
 
 #include "backend/span.hpp"
@@ -118,7 +117,7 @@ class Su2Reader {
     }
   }
 
-  std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, true); }
+  std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, kMaxTets); }
   Index vertex() {
     const std::int64_t v = cursor_.integer("point number");
     if (v < 0 || v > std::numeric_limits<Index>::max()) cursor_.fail("point number out of range");

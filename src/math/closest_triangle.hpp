@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <vector>
 
 #include "backend/span.hpp"

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <iterator>
 #include <numeric>
-#include <utility>
 #include <vector>
 
 #include "backend/span.hpp"

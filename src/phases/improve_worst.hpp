@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include "math/elementary.hpp"
 #include "phases/improve_around.hpp"
 

@@ -28,8 +28,7 @@ struct WorkingSet {
   Size outside = 0;
   /// The power of two by which the caller's coordinates are multiplied: see unit_scale().
   double scale = 1;
-  /// kMovable, kFrozen, kCorner or kLineEnd for each work vertex.
-  std::vector<std::uint8_t> frozen;
+  std::vector<VertexConstraint> vertex_constraints;
   /// The slot of each of the caller's required tetrahedra.
   std::vector<Index> required_slots;
   /// One entry for each of the caller's triangles.

@@ -2,7 +2,6 @@
 #include "quality/limits.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "math/elementary.hpp"
 #include "mesh/validate_arrays.hpp"

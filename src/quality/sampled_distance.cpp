@@ -6,8 +6,6 @@
 #include <atomic>
 #include <cmath>
 #include <numeric>
-#include <optional>
-#include <utility>
 
 #include "math/box_tree.hpp"
 #include "math/constants.hpp"

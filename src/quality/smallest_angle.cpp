@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quality/smallest_angle.hpp"
 
-#include <cmath>
 #include <vector>
 
 #include "energy/quality_floor.hpp"

@@ -17,14 +17,16 @@
 
 namespace tetune {
 
+/// Whether the cost of a tetrahedron that is worse than the floor is infinite.
+enum class FloorRule : std::uint8_t { ignored, kept };
+
 /// The extreme dihedral angles of the tetrahedra between a point and given faces, in terms of their cost
 /// (DihedralCots::cost()), which is to be minimized. It is neither a smooth nor a convex function of the point: its
 /// steps are those of a MinimaxModel.
 class AngleCostRing {
  public:
-  /// With `keeps_floor`, no position is feasible where an angle is beyond the floor.
-  TETUNE_HD AngleCostRing(const RatedMesh& mesh, const LinkFace* faces, int count, bool keeps_floor)
-      : mesh_(mesh), faces_(faces), count_(count), keeps_floor_(keeps_floor) {}
+  TETUNE_HD AngleCostRing(const RatedMesh& mesh, const LinkFace* faces, int count, FloorRule floor)
+      : mesh_(mesh), faces_(faces), count_(count), keeps_floor_(floor == FloorRule::kept) {}
 
   /// Moves x by steps of `motion` (FreeMotion, SlideMotion, ApexMotion) while these decrease the cost, until it is at
   /// most `target_cost`. Returns whether x moved. `model` is scratch memory that the threads of the team share; each
@@ -60,8 +62,8 @@ class AngleCostRing {
   }
 
   /// The largest cost with the point at x; `limit` where it is not below `limit`, or where a tetrahedron is not
-  /// certified positive or is worse than the floor. Tetrahedron `first` is evaluated first, and the one of the largest
-  /// cost replaces it: this saves work, and does not affect the result.
+  /// certified positive or is worse than a floor that is kept. Tetrahedron `first` is evaluated first, and the one of
+  /// the largest cost replaces it: this saves work, and does not affect the result.
   template <class Team = backend::SingleThread>
   TETUNE_HD double largest_cost(const Vec3& x, double limit, int& first, const Team& team = {}) const {
     using Pack = backend::TermsOf<Team>;
@@ -73,7 +75,7 @@ class AngleCostRing {
   }
 
   /// The costs of the tetrahedra at the faces from `begin` on, one per lane, at the last one where there are no more;
-  /// infinite where one is not certified positive or is worse than the floor.
+  /// infinite where one is not certified positive or is worse than a floor that is kept.
   template <class Pack>
   TETUNE_HD TETUNE_INLINE Pack costs_of(const Vec3& x, int begin) const {
     Vec3T<Pack> p[4];

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <utility>
-#include <vector>
 
 #include "backend/buffer.hpp"
 #include "boundary/sliding/reference_surface.hpp"

@@ -80,7 +80,7 @@ struct MinimizeAngleCost : DofsView {
     if (!may_move(v) || faces.size() == 0) return {};
     RatedMesh rated = mesh;
     rated.points = corners;
-    const AngleCostRing ring(rated, faces.data(), to_index(faces.size()), true);
+    const AngleCostRing ring(rated, faces.data(), to_index(faces.size()), FloorRule::kept);
     Vec3 x = team.broadcast(load_position(v), 0);
     if constexpr (kSlides) {
       if (slides(dof[v])) return slide(v, ring, x, team, model);

@@ -112,11 +112,12 @@ struct OpenClass : ClassMove {
     Vec3 x = root_position(c);
     FreeMotion motion{space[c]};
     MinimaxModel model;
-    const AngleCostRing ring(copied, faces.data() + offsets[c], to_index(faces_of(c)), true);
+    const AngleCostRing ring(copied, faces.data() + offsets[c], to_index(faces_of(c)), FloorRule::kept);
     if (!ring.minimize(x, motion, target_cost, model)) return {};
     const bool moves = move_to(c, x, [this](Index v, const Vec3& position) {
       const Size begin = rings.offsets[v];
-      const AngleCostRing own(mesh, rings.faces.data() + begin, to_index(rings.offsets[v + 1] - begin), true);
+      const AngleCostRing own(mesh, rings.faces.data() + begin, to_index(rings.offsets[v + 1] - begin),
+                              FloorRule::kept);
       int worst = 0;
       return own.largest_cost(position, kInfeasible, worst) < kInfeasible;
     });

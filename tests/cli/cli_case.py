@@ -189,11 +189,15 @@ def with_triangles(mesh, triangles):
     return mesh.text().replace("End", "\n".join(lines + ["End"]))
 
 
+def has_plugin(name):
+    return (Path(TETUNE).parent / "../libexec/tetune" / name).is_file()
+
+
 def needs_vtk(test):
     """Skips a test where tetune was built without the plugin for VTK's formats, as for other systems than Linux."""
     @functools.wraps(test)
     def wrapped(self, *args):
-        if not (Path(TETUNE).parent / "../libexec/tetune/tetune-vtk").is_file():
+        if not has_plugin("tetune-vtk"):
             self.skipTest("built without VTK: install libvtk9-dev")
         return test(self, *args)
     return wrapped

@@ -201,7 +201,7 @@ class Corrupt(CliTest):
         return self.read_bytes(name)
 
     def plugin(self, name, whole, damage, program):
-        if not (Path(cli_case.TETUNE).parent / "../libexec/tetune" / program).is_file():
+        if not cli_case.has_plugin(program):
             self.skipTest(f"built without {program}")
         self.check(name, {name: whole() if callable(whole) else whole}, damage, PLUGIN_VARIANTS)
 

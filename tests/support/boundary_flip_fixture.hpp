@@ -58,9 +58,9 @@ struct BoundaryFlips {
     Cpu::Buffer<Listed> state_buffer;
     Surface<Cpu> surface;
     build_surface(cpu, work, listed, state_buffer, surface);
-    std::vector<std::uint8_t> held(mesh.points.size(), kMovable);
-    for (const Index v : frozen) held[static_cast<std::size_t>(v)] = kFrozen;
-    build_boundary(cpu, surface, listed, Span<const std::uint8_t>(held.data(), static_cast<Size>(held.size())),
+    std::vector<VertexConstraint> held(mesh.points.size(), VertexConstraint::none);
+    for (const Index v : frozen) held[static_cast<std::size_t>(v)] = VertexConstraint::frozen;
+    build_boundary(cpu, surface, listed, Span<const VertexConstraint>(held.data(), static_cast<Size>(held.size())),
                    boundary);
     active.assign(mesh.points.size(), 1);
     energy = refresh_energy(cpu, work, criterion, state.energies);

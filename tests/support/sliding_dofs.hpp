@@ -48,10 +48,10 @@ struct Sliding {
     backend::Cpu::Buffer<Listed> state;
     build_surface(cpu, work, listed, state, surface);
     const EdgeSet<backend::Cpu> none(cpu, {}, work.vertices());
-    backend::Cpu::Buffer<std::uint8_t> frozen;
-    frozen.upload(cpu, std::vector<std::uint8_t>(mesh.points.size(), kMovable));
+    backend::Cpu::Buffer<VertexConstraint> constraints;
+    constraints.upload(cpu, std::vector<VertexConstraint>(mesh.points.size(), VertexConstraint::none));
     backend::Cpu::Buffer<VertexDof> buffer(cpu, work.vertices());
-    build_reference(cpu, work, surface, none, frozen.span(), feature_angle, buffer.span(), reference);
+    build_reference(cpu, work, surface, none, constraints.span(), feature_angle, buffer.span(), reference);
     dof = buffer.download();
   }
 };

@@ -28,7 +28,7 @@ TEST(AngleCostRing, IncreasesTheSmallestAngle) {
   m = test::with_tags(m);
   test::CpuMesh work = test::to_work(m);
   const LinkFace faces[4] = {{{1, 3, 2}}, {{0, 2, 3}}, {{0, 3, 1}}, {{0, 1, 2}}};
-  const AngleCostRing ring(rated(work, {kShapeObjective}), faces, 4, true);
+  const AngleCostRing ring(rated(work, {kShapeObjective}), faces, 4, FloorRule::kept);
   int first = 0;
   Vec3 x = vec(m.points[4]);
   const double before = ring.largest_cost(x, 1e300, first);
@@ -106,7 +106,7 @@ TEST(AngleCostRing, TheFloorOnMeanRatiosHoldsPerLane) {
   QualityFloor floor = QualityFloor::none();
   floor.max_edge_term = sorted[9];
   floor.limit_angles(floor.extremes());  // updates what follows from it
-  const AngleCostRing ring(rated(work, {kShapeObjective, floor, 1.5}), faces.data(), 20, false);
+  const AngleCostRing ring(rated(work, {kShapeObjective, floor, 1.5}), faces.data(), 20, FloorRule::ignored);
   int mixed = 0;
   for (int begin = 0; begin < 20; begin += 4) {
     const auto costs = ring.costs_of<backend::Pack4>(x, begin);
@@ -132,7 +132,8 @@ TEST(AngleCostRing, TheLargestCostsTakePartWhereThereAreMoreThanAModelHasRoomFor
   std::stable_partition(faces.begin(), faces.end(), [](const LinkFace& f) { return f.v[0] != 0; });
   m = test::with_tags(m);
   test::CpuMesh work = test::to_work(m);
-  const AngleCostRing ring(rated(work, {kShapeObjective, QualityFloor::none(), 1.5}), faces.data(), 20, false);
+  const AngleCostRing ring(rated(work, {kShapeObjective, QualityFloor::none(), 1.5}), faces.data(), 20,
+                           FloorRule::ignored);
   int first = 0;
   Vec3 x{0, 0, 0};
   const double before = ring.largest_cost(x, kInfeasible, first);

@@ -232,11 +232,11 @@ TEST(Constraints, OfManyGroupsAndLinksTakeLinearTime) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, kEnough);
   for (std::size_t i = 0; i < to_size_t(kCount); ++i) {
     const bool is_even = i % 2 == 0;
-    EXPECT_EQ(found.frozen[9 * i], is_even ? kFrozen : kCorner);
-    EXPECT_EQ(found.frozen[9 * i + 1], kMovable);
-    EXPECT_EQ(found.frozen[9 * i + 2], kCorner);
-    EXPECT_EQ(found.frozen_without_links[9 * i + 4], is_even ? kFrozen : kMovable);
-    EXPECT_EQ(found.frozen[9 * i + 4], kFrozen);
+    EXPECT_EQ(found.vertices[9 * i], is_even ? VertexConstraint::frozen : VertexConstraint::corner);
+    EXPECT_EQ(found.vertices[9 * i + 1], VertexConstraint::none);
+    EXPECT_EQ(found.vertices[9 * i + 2], VertexConstraint::corner);
+    EXPECT_EQ(found.vertices_without_links[9 * i + 4], is_even ? VertexConstraint::frozen : VertexConstraint::none);
+    EXPECT_EQ(found.vertices[9 * i + 4], VertexConstraint::frozen);
     EXPECT_EQ(found.required_triangles[3 * i], 1);
     EXPECT_EQ(found.required_triangles[3 * i + 1], 1);
     EXPECT_EQ(found.required_triangles[3 * i + 2], 0);

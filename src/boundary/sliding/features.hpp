@@ -168,7 +168,7 @@ struct ClassifySlidingVertex {
   CsrView vertex2corner;
   Span<const Index> edges;
   CsrView vertex2edge_end;
-  Span<const std::uint8_t> frozen;
+  Span<const VertexConstraint> constraints;
   Span<const std::uint8_t> on_weak_line;
   double cos_angle;
   Span<VertexDof> dof;
@@ -182,7 +182,7 @@ struct ClassifySlidingVertex {
 
  private:
   TETUNE_HD VertexDof classify(Size v, EdgeEnds& ends) const {
-    if (frozen[v] == kFrozen) return VertexDof::fixed;
+    if (constraints[v] == VertexConstraint::frozen) return VertexDof::fixed;
     const Size begin = vertex2corner.begin(v);
     const Size triangles_at_vertex = vertex2corner.size(v);
     if (triangles_at_vertex == 0 && vertex2edge_end.size(v) == 0) return VertexDof::free;
@@ -263,13 +263,13 @@ struct ClassifySlidingVertex {
 ///   surface  on the surface, on no feature edge
 ///   curve    between exactly two feature edges, where the line turns by at most the feature angle
 ///   fixed    ends and junctions of feature lines, their sharper turns, tips on weak lines, points at which sheets of
-///            the surface touch, and where `frozen` is kFrozen
+///            the surface touch, and frozen vertices
 /// Feature edges are those where the surface turns by more than `feature_angle` degrees (180: none), unless they are in
 /// a weak line (find_weak_lines()), borders between tags, edges not on two triangles, and the constrained edges.
 template <class Backend>
 void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                     const EdgeSet<Backend>& constrained, Span<const std::uint8_t> frozen, double feature_angle,
-                     Span<VertexDof> dof, ReferenceSurface<Backend>& reference) {
+                     const EdgeSet<Backend>& constrained, Span<const VertexConstraint> constraints,
+                     double feature_angle, Span<VertexDof> dof, ReferenceSurface<Backend>& reference) {
   using namespace features_detail;
   const Span<const Index> edges = constrained.ends.span();
   const Size vertices = mesh.vertices();
@@ -293,7 +293,7 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   reference.line.resize(backend, vertices);
   backend.for_each(vertices, ClassifySlidingVertex{mesh.points, reference.triangles, reference.across,
                                                    reference.vertex2corner.view(), edges, vertex2edge_end.view(),
-                                                   frozen, on_weak_line.span(), cos_angle, dof, reference.line});
+                                                   constraints, on_weak_line.span(), cos_angle, dof, reference.line});
 }
 
 }  // namespace tetune

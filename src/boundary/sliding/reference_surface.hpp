@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "boundary/surface.hpp"
@@ -75,6 +77,21 @@ struct CheckedSurface {
   CheckedSurfaceView view() { return {points, surface_points}; }
 };
 
+/// The reference surface in the host's memory.
+struct ReferenceSurfaceOnHost {
+  std::vector<Point> points;
+  std::vector<SurfaceTriangle> triangles;
+  std::vector<Index> across;
+  std::vector<std::uint32_t> offsets, corners;  ///< ReferenceView::vertex2corner
+  std::vector<LineVertex> line;
+  std::vector<VertexDof> dof;
+
+  /// The corners of triangles at a vertex.
+  std::span<const std::uint32_t> corners_at(Index v) const {
+    return std::span(corners).subspan(span_of(offsets)[v], span_of(offsets)[v + 1] - span_of(offsets)[v]);
+  }
+};
+
 /// The reference surface in a backend's memory. Empty unless vertices slide.
 template <class Backend>
 struct ReferenceSurface {
@@ -89,6 +106,24 @@ struct ReferenceSurface {
 
   ReferenceView view() const {
     return {points.span(), triangles.span(), across.span(), vertex2corner.view(), line.span(), dof.span()};
+  }
+  void upload(const Backend& backend, const ReferenceSurfaceOnHost& from) {
+    points.upload(backend, from.points);
+    triangles.upload(backend, from.triangles);
+    across.upload(backend, from.across);
+    vertex2corner.offsets.upload(backend, from.offsets);
+    vertex2corner.items.upload(backend, from.corners);
+    line.upload(backend, from.line);
+    dof.upload(backend, from.dof);
+  }
+  ReferenceSurfaceOnHost download() const {
+    return {points.download(),
+            triangles.download(),
+            across.download(),
+            vertex2corner.offsets.download(),
+            vertex2corner.items.download(),
+            line.download(),
+            dof.download()};
   }
 };
 

@@ -78,13 +78,13 @@ struct FindSurfacePoint {
 struct FindDofOnReference {
   ReferenceView reference;
   Span<const SurfacePoint> surface_point;
-  Span<const std::uint8_t> frozen;
+  Span<const VertexConstraint> constraints;
   Span<VertexDof> dof;
 
   TETUNE_HD void operator()(Size v) const {
     const VertexDof on_reference = reference.dof[v];
     const bool off_surface = surface_point[v].kind == SurfacePointKind::none && on_reference != VertexDof::free;
-    dof[v] = off_surface || frozen[v] == kFrozen ? VertexDof::fixed : on_reference;
+    dof[v] = off_surface || constraints[v] == VertexConstraint::frozen ? VertexDof::fixed : on_reference;
   }
 };
 
@@ -149,7 +149,7 @@ void import_surface_points(const Backend& backend, const ReferenceSurface<Backen
 /// `scale`: coordinates of the work mesh per unit of the caller's.
 template <class Backend>
 void import_slide_surface(const Backend& backend, const SlideSurface& given, const std::vector<Index>& original2vertex,
-                          Span<const std::uint8_t> frozen, double scale, VertexDofs<Backend>& dofs) {
+                          Span<const VertexConstraint> constraints, double scale, VertexDofs<Backend>& dofs) {
   using namespace slide_surface_detail;
   const VertexMap to_work{span_of(original2vertex)};
   const Size vertices = std::ssize(original2vertex);
@@ -179,7 +179,7 @@ void import_slide_surface(const Backend& backend, const SlideSurface& given, con
   backend.for_each(corners,
                    JoinTriangles{reference.triangles, reference.vertex2corner.view(), feature_edges, reference.across});
   import_surface_points(backend, reference, given.surface_point, original2vertex, dofs.surface_point.span());
-  backend.for_each(vertices, FindDofOnReference{reference.view(), dofs.surface_point, frozen, dofs.dof});
+  backend.for_each(vertices, FindDofOnReference{reference.view(), dofs.surface_point, constraints, dofs.dof});
   if (given.checked_points.empty()) return;
   upload_points(backend, given.checked_points, original2vertex, scale, dofs.checked.points);
   dofs.checked.surface_points.resize(backend, vertices);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
 
 #include "backend/span.hpp"
 #include "mesh/tet_mesh_view.hpp"

@@ -134,8 +134,8 @@ void lock_around(const TetMesh& mesh, std::vector<std::uint8_t> is_marked, int r
 HeldNodes find_held(const TetMesh& mesh, const Options& options) {
   HeldNodes held;
   const Constraints constraints = find_constraints(mesh, options);
-  for (const std::uint8_t state : constraints.frozen) {
-    held.vertices.push_back(state == kMovable ? 0 : 1);
+  for (const VertexConstraint constraint : constraints.vertices) {
+    held.vertices.push_back(constraint == VertexConstraint::none ? 0 : 1);
   }
   for_each_surface_triangle(mesh, [&held](const Triangle& t) {
     for (const auto& [i, j] : kSides) held.edges.push_back(ascending(t[i], t[j]));

@@ -2,7 +2,6 @@
 #include "driver/curved/curved_slide.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <set>
 #include <utility>

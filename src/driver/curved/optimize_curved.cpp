@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "backend/span.hpp"
@@ -60,8 +59,8 @@ class CurvedOptimizer {
     const bool slides = options_.boundary == Boundary::slide;
     const bool runs_twice = slides && !slides_at_once();
     TetMesh result;
-    Report report =
-        *run_stage(result, slides && !runs_twice, runs_twice ? scaled_progress(context_, 0, 0.5) : context_);
+    Report report = *run_stage(result, slides && !runs_twice, runs_twice ? scaled_progress(context_, 0, 0.5) : context_,
+                               OnStop::complete);
     follow_origins(report);
     report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
     if (runs_twice && !is_stopped()) slide_from(result, report);
@@ -71,8 +70,16 @@ class CurvedOptimizer {
   }
 
  private:
-  /// After these attempts, with a surface that stays or slides, curved elements are locked, and if that does not
-  /// suffice, all.
+  /// The tetrahedra that an attempt to optimize locks.
+  enum class Locking {
+    near_bad,  ///< those around bad elements of the attempts before
+    curved,
+    all,
+  };
+  enum class OnStop { complete, give_up };
+
+  /// The number of attempts that lock tetrahedra near bad ones, with a surface that stays or slides. Then curved ones
+  /// are locked, and if that does not suffice, all.
   static constexpr int kMaxAttempts = 4;
   static constexpr int kMaxSlidingAttempts = 12;
   static constexpr int kAttemptsPerRing = 4;  ///< later ones lock more around a bad element
@@ -103,32 +110,33 @@ class CurvedOptimizer {
     return options_.energy == Energy::harmonic ? q.eta_sum : q.shape_sum;
   }
 
-  /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base. With
-  /// `may_give_up` nothing, if a stop is requested before it begins, or while nodes of the surface are lifted.
-  std::optional<Report> run_stage(TetMesh& result, bool slides, const Context& context, bool may_give_up = false) {
+  /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base; with
+  /// OnStop::give_up nothing, if a stop is requested before it begins, or while nodes of the surface are lifted.
+  std::optional<Report> run_stage(TetMesh& result, bool slides, const Context& context, OnStop on_stop) {
     std::optional<CurvedSlide> slide;
     if (slides) slide.emplace(base_, options_.feature_angle);
     floor_ = smallest(base_) - kAccuracy;
-    if (may_give_up && is_stopped()) return std::nullopt;
+    if (on_stop == OnStop::give_up && is_stopped()) return std::nullopt;
     const int max_attempts = slides ? kMaxSlidingAttempts : kMaxAttempts;
     double linear_bound = 0;
     std::vector<Index> locked;
     if (changes_nothing()) locked = identity_map(base_.tets.size());
+    Locking locking = Locking::near_bad;
     for (int attempt = 0;; ++attempt) {
-      if (attempt == max_attempts) locked = all_curved(base_);
-      if (attempt > max_attempts) locked = identity_map(base_.tets.size());
+      if (locking == Locking::curved) locked = all_curved(base_);
+      if (locking == Locking::all) locked = identity_map(base_.tets.size());
       CurvedSkeleton skeleton(base_, held_, locked, slide ? &*slide : nullptr);
       Report report = optimize(skeleton.mesh, linear_options(slides, linear_bound),
                                attempt == 0 ? context : Context{{}, context_.stop});
       LiftedNodes lifted;
       if (slide) {
         // The result of an earlier stop is lifted, and so is the base with all elements locked.
-        const bool may_stop = !is_stopped() && attempt <= max_attempts;
+        const bool may_stop = !is_stopped() && locking != Locking::all;
         std::optional<LiftedNodes> nodes =
             slide->lift(skeleton.mesh, report, options_.threads, may_stop ? context_.stop : std::function<bool()>());
-        if (!nodes && may_give_up) return std::nullopt;
+        if (!nodes && on_stop == OnStop::give_up) return std::nullopt;
         if (!nodes) {
-          attempt = max_attempts;
+          locking = Locking::all;
           continue;
         }
         lifted = *std::move(nodes);
@@ -140,18 +148,19 @@ class CurvedOptimizer {
         deviation = slide->deviation(skeleton.mesh, report, options_, context_.stop);
       }
       const std::vector<Index> bad = relax(skeleton.mesh, report, slides);
-      if ((bad.empty() && deviation.vertices.empty()) || attempt > max_attempts) {
+      if ((bad.empty() && deviation.vertices.empty()) || locking == Locking::all) {
         split_bounded_of(skeleton.mesh, report);
         report.deviation = deviation.bound + straightened_distance();
         counts_input_ = locked.empty() && base_.points.size() == input_.points.size();
         result = std::move(skeleton.mesh);
         return report;
       }
-      if (is_stopped()) attempt = std::max(attempt, max_attempts - 1);
       // The straight surface moves farther than the curved one, most of all on fine meshes.
       const bool was_bounded = linear_bound == options_.max_deviation;
       if (!deviation.vertices.empty()) linear_bound = (linear_bound == 0 ? 4 : 1) * options_.max_deviation;
       if (!was_bounded) deviation.vertices.clear();
+      const bool is_last_near_bad = is_stopped() || attempt + 1 >= max_attempts;
+      locking = locking == Locking::curved ? Locking::all : is_last_near_bad ? Locking::curved : Locking::near_bad;
       lock(bad, deviation.vertices, skeleton.mesh, report, 1 + attempt / kAttemptsPerRing, locked);
     }
   }
@@ -171,7 +180,7 @@ class CurvedOptimizer {
     held_ = find_held(base_, options_);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
     TetMesh slid;
-    std::optional<Report> further = run_stage(slid, true, scaled_progress(context_, 0.5, 0.5), true);
+    std::optional<Report> further = run_stage(slid, true, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
     if (!further) return;
     if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) {
       counts_input_ = false;

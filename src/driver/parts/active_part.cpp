@@ -33,8 +33,8 @@ class PartTaker {
   }
 
   ActivePart take(const ListedFeatures& features, const std::vector<int>& frozen_patches) {
-    if (features.corners) freeze(kCorner);
-    if (features.line_ends) freeze(kLineEnd);
+    if (features.corners) freeze(VertexConstraint::corner);
+    if (features.line_ends) freeze(VertexConstraint::line_end);
     take_triangles(frozen_patches);
     take_edges(features.edges);
     part_.triangle_stays = all_frozen(part_.mesh.triangles);
@@ -54,7 +54,7 @@ class PartTaker {
       part_.vertex2whole.push_back(v);
       part_.mesh.points.push_back(span_of(mesh_.points)[v]);
       on_cut_.push_back(span_of(in_rest)[v]);
-      const bool held = on_cut_.back() != 0 || span_of(constraints_.frozen)[v] == kFrozen;
+      const bool held = on_cut_.back() != 0 || span_of(constraints_.vertices)[v] == VertexConstraint::frozen;
       frozen_.push_back(held ? 1 : 0);
     }
     part_.mesh.point_tags.assign(part_.mesh.points.size(), 0);
@@ -75,9 +75,9 @@ class PartTaker {
   }
 
   /// Freezes the vertices of one constraint.
-  void freeze(std::uint8_t constraint) {
-    for (Index v = 0; v < std::ssize(constraints_.frozen); ++v) {
-      if (span_of(constraints_.frozen)[v] == constraint && to_part(v) >= 0) span_of(frozen_)[to_part(v)] = 1;
+  void freeze(VertexConstraint constraint) {
+    for (Index v = 0; v < std::ssize(constraints_.vertices); ++v) {
+      if (span_of(constraints_.vertices)[v] == constraint && to_part(v) >= 0) span_of(frozen_)[to_part(v)] = 1;
     }
   }
 

@@ -154,10 +154,11 @@ Constraints checked_constraints(const TetMesh& mesh, const Options& options) {
 
 ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options, const Constraints& constraints,
                                     Report& report) {
-  const auto is_few = [&](std::uint8_t constraint) {
-    return std::count(constraints.frozen.begin(), constraints.frozen.end(), constraint) <= kFewListed;
+  const auto is_few = [&](VertexConstraint constraint) {
+    return std::count(constraints.vertices.begin(), constraints.vertices.end(), constraint) <= kFewListed;
   };
-  if (is_few(kCorner) && is_few(kLineEnd) && count_junctions(mesh, constraints) <= kFewListed) {
+  if (is_few(VertexConstraint::corner) && is_few(VertexConstraint::line_end) &&
+      count_junctions(mesh, constraints) <= kFewListed) {
     return {true, true, true};
   }
   report = report_constraints(mesh, options);

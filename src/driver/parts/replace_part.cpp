@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "backend/cpu.hpp"
-#include "driver/inserted_vertices.hpp"
+#include "driver/carry_vertex_sets.hpp"
 #include "driver/parts/active_part.hpp"
 #include "driver/report/targets.hpp"
 #include "driver/transfer_stop.hpp"
@@ -261,11 +261,7 @@ class PartReplacement {
     } else if (vertex2original_.empty() || mesh_.point_data.empty()) {
       point_data_ = mesh_.point_data;
     } else {
-      TetMesh after;
-      after.points = mesh_.points;
-      after.tets = mesh_.tets;
-      vertices_.apply(after.points, part_.mesh.points);
-      tets_.apply(after.tets, new_tets_);
+      const TetMesh after = shape_of_result();
       point_data_ = carry_point_data(mesh_.point_data, vertex2original_, after.points, after.tets);
     }
     carry_sets();
@@ -279,31 +275,24 @@ class PartReplacement {
 
   /// Carries sets of nodes, and gives inserted vertices tags. Requires the data and the places of the whole mesh.
   void carry_sets() {
-    if (!has_vertex_sets(mesh_)) return;
-    std::vector<Index> ids;
-    std::vector<MeshPlace> places;
-    std::vector<int*> tags;
+    const std::vector<int> tags = carry_vertex_sets(
+        mesh_, vertex2original_, report_.places, [this] { return shape_of_result(); }, point_data_);
+    auto tag = tags.begin();  // inserted vertices have taken numbers in increasing order
     for (std::size_t i = 0; i < report_.vertex2original.size(); ++i) {
-      if (report_.vertex2original[i] >= 0) continue;
-      ids.push_back(vertex2whole_[i]);
-      tags.push_back(&point_tags_[i]);
-      if (!report_.places.empty()) places.push_back(span_of(report_.places)[ids.back()]);
+      if (report_.vertex2original[i] < 0) point_tags_[i] = *tag++;
     }
-    std::vector<InsertedVertex> inserted;
-    if (!ids.empty()) {
-      TetMesh after;
-      after.points = mesh_.points;
-      after.tets = mesh_.tets;
-      after.tet_tags = mesh_.tet_tags;
-      vertices_.apply(after.points, part_.mesh.points);
-      tets_.apply(after.tets, new_tets_);
-      tets_.apply(after.tet_tags, part_.mesh.tet_tags);
-      inserted = find_inserted(mesh_, after, ids, places);
-    }
-    for (std::size_t i = 0; i < inserted.size(); ++i) {
-      *tags[i] = inserted[i].common_value([this](Index v) { return span_of(mesh_.point_tags)[v]; });
-    }
-    carry_node_sets(mesh_.point_data, vertex2original_, inserted, point_data_);
+  }
+
+  /// The points, tetrahedra and regions of the whole result.
+  TetMesh shape_of_result() const {
+    TetMesh after;
+    after.points = mesh_.points;
+    after.tets = mesh_.tets;
+    after.tet_tags = mesh_.tet_tags;
+    vertices_.apply(after.points, part_.mesh.points);
+    tets_.apply(after.tets, new_tets_);
+    tets_.apply(after.tet_tags, part_.mesh.tet_tags);
+    return after;
   }
 
   const TetMesh& mesh_;

@@ -2,7 +2,6 @@
 #include "driver/report/targets.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <numeric>
 #include <optional>
@@ -113,7 +112,7 @@ class ConstraintFinder {
   LimitingConstraint constraint_of_vertex(Index v) const {
     const VertexDof dof = span_of(mesh_.dof)[v];
     if (dof == VertexDof::free) return LimitingConstraint::none;
-    if (span_of(mesh_.frozen)[v] == kFrozen) return LimitingConstraint::frozen_vertex;
+    if (span_of(mesh_.vertex_constraints)[v] == VertexConstraint::frozen) return LimitingConstraint::frozen_vertex;
     if (dof == VertexDof::fixed && options_.boundary != Boundary::fixed) return LimitingConstraint::feature_corner;
     if (dof == VertexDof::line || dof == VertexDof::curve) return LimitingConstraint::feature_line;
     return span_of(on_interface_)[v] != 0 ? LimitingConstraint::region_interface : LimitingConstraint::boundary;

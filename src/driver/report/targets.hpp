@@ -26,7 +26,7 @@ struct ConstrainedMesh {
   std::vector<int> regions;  ///< tags of the tetrahedra
   std::vector<Index> vertex2original;
   std::vector<VertexDof> dof;
-  std::vector<std::uint8_t> frozen;  ///< kMovable, kFrozen, kCorner or kLineEnd per vertex
+  std::vector<VertexConstraint> vertex_constraints;
   std::vector<Index> required_slots;
   double scale;  ///< coordinates per unit of the caller's
 };

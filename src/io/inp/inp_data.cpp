@@ -29,8 +29,8 @@ bool is_face_place(std::string_view field, std::size_t digit) {
   return !is_long && std::all_of(letters.begin(), letters.end(), is_letter);
 }
 
-void check_count(const InpCursor& cursor, std::size_t n, bool tets) {
-  if (const std::string excess = excess_of(std::int64_t(n), tets); !excess.empty())
+void check_count(const InpCursor& cursor, std::size_t n, Index max) {
+  if (const std::string excess = excess_of(std::int64_t(n), max); !excess.empty())
     cursor.fail("the deck has " + excess);
 }
 
@@ -54,7 +54,7 @@ void read_inp_nodes(InpCursor& cursor, InpModel& model) {
     model.points.push_back(p);
     cursor.take_line();  // a direction of normals may follow
   }
-  check_count(cursor, model.points.size(), false);
+  check_count(cursor, model.points.size(), kMaxEntries);
 }
 
 void read_inp_tets(InpCursor& cursor, Index set, InpScan& scan) {
@@ -79,7 +79,7 @@ void read_inp_tets(InpCursor& cursor, Index set, InpScan& scan) {
     model.tet2card.push_back(card);
     add_element(scan, label, to_index(model.tet2element.size() - 1), set);
   }
-  check_count(cursor, model.tet2element.size(), true);
+  check_count(cursor, model.tet2element.size(), kMaxTets);
 }
 
 void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, InpScan& scan) {
@@ -107,7 +107,7 @@ void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, In
   }
   scan.others.push_back({to_index(scan.model.element_labels.size()), type, first, scan.other_nodes.size()});
   add_element(scan, label, -1, set);
-  check_count(cursor, scan.other_nodes.size(), false);
+  check_count(cursor, scan.other_nodes.size(), kMaxEntries);
 }
 
 void read_inp_set_line(InpCursor& cursor, const InpCardKind& kind, InpScan& scan) {

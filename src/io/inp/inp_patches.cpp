@@ -2,7 +2,6 @@
 // From the surfaces of a deck, and sets of nodes on its boundary, to triangles with tags.
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "backend/cpu.hpp"
 #include "io/inp/inp_combinations.hpp"

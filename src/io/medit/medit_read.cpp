@@ -182,7 +182,8 @@ class MeditReader {
  private:
   std::size_t count(const MeditSection& section, int reals, int integers) {
     const std::size_t n = source_.count(section, reals, integers);
-    const std::string excess = excess_of(std::int64_t(n), section.code == kMeditTetrahedra.code);
+    const std::string excess =
+        excess_of(std::int64_t(n), section.code == kMeditTetrahedra.code ? kMaxTets : kMaxEntries);
     if (!excess.empty()) source_.fail("section " + std::string(section.name) + " has " + excess);
     return n;
   }

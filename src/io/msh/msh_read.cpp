@@ -90,7 +90,7 @@ class MshReader {
   }
 
   void reserve_nodes(std::size_t n) {
-    if (const std::string excess = excess_of(std::int64_t(n), false); !excess.empty())
+    if (const std::string excess = excess_of(std::int64_t(n), kMaxEntries); !excess.empty())
       source_.fail("the mesh has " + excess);
     model_.points.reserve(n);
   }

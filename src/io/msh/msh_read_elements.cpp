@@ -159,7 +159,7 @@ void MshElementReader::add_element(const MshType& type, Index cell, std::int64_t
   list.cell.push_back(cell);
   list.number.push_back(number);
   if ((list.cell.size() & 0xffffU) != 0) return;
-  const std::string excess = excess_of(std::ssize(list.cell), type.list == kMshTets);
+  const std::string excess = excess_of(std::ssize(list.cell), type.list == kMshTets ? kMaxTets : kMaxEntries);
   if (!excess.empty()) source_.fail("the mesh has " + excess);
 }
 

@@ -8,7 +8,6 @@
 #include <limits>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "backend/span.hpp"
 #include "io/registry.hpp"

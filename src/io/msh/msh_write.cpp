@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <numeric>
 #include <set>
 #include <span>
@@ -230,7 +229,8 @@ class MshWriter {
       for (std::size_t e = 0; e < kind.size(); ++e) counts.back() += old_groups(kind, e).size();
     }
     const std::size_t total = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
-    if (excess_of(std::int64_t(total), false) != "") throw FileError("version 2.2 cannot hold that many elements");
+    if (excess_of(std::int64_t(total), kMaxEntries) != "")
+      throw FileError("version 2.2 cannot hold that many elements");
     sink_.begin("Elements");
     sink_.text(std::to_string(total) + "\n");
     int repeated = to_index(layout_.kinds.back().first_number + std::ssize(*layout_.kinds.back().tags));

@@ -107,7 +107,7 @@ class NetgenReader {
     while (!cursor_.at_end() && !known.contains(cursor_.peek())) cursor_.line();
   }
 
-  std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, true); }
+  std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, kMaxTets); }
   int integer(const char* name) {
     const std::int64_t value = cursor_.integer(name);
     if (value < -std::numeric_limits<int>::max() || value > std::numeric_limits<int>::max()) {

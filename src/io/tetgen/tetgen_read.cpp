@@ -16,8 +16,6 @@
 namespace tetune {
 namespace {
 
-constexpr int kNumbersPerTet = 5;
-
 /// Reads a tag; `name` stands for it in messages.
 int read_tag(TextCursor& cursor, const char* name) {
   const double value = cursor.real(name);
@@ -36,7 +34,7 @@ void expect_end(TextCursor& cursor) {
 std::int64_t read_nodes(const std::string& path, TetMesh& mesh, const IoContext& context) {
   const MappedFile file(path);
   TextCursor cursor(path, file.bytes());
-  const std::size_t n = checked_count(cursor, "number of points", 4, false);
+  const std::size_t n = checked_count(cursor, "number of points", 4, kMaxEntries);
   if (cursor.integer("dimension") != 3) cursor.fail("the dimension must be 3");
   const std::int64_t attributes = cursor.line_done() ? 0 : cursor.integer("number of attributes");
   if (attributes > 0) context.warn(path + ": the attributes of points are not kept");
@@ -89,7 +87,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     const std::string name = sibling(".ele");
     const MappedFile file(name);
     TextCursor cursor(name, file.bytes());
-    const std::size_t n = checked_count(cursor, "number of tetrahedra", kNumbersPerTet, true);
+    const std::size_t n = checked_count(cursor, "number of tetrahedra", 5, kMaxTets);
     const std::int64_t corners = cursor.integer("nodes per tetrahedron");
     if (corners != 4) {
       cursor.fail("tetrahedra have " + std::to_string(corners) +
@@ -105,7 +103,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     if (!fs::exists(path_of(name), ignored)) return false;
     const MappedFile file(name);
     TextCursor cursor(name, file.bytes());
-    const std::size_t n = checked_count(cursor, count, numbers, numbers == kNumbersPerTet);
+    const std::size_t n = checked_count(cursor, count, numbers, kMaxEntries);
     const bool marker = !cursor.line_done() && cursor.integer("boundary marker flag") != 0;
     read_rows(cursor, n, base, marker ? "boundary marker" : nullptr, elements, tags);
     return true;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // TetGen's .node, .ele, .face and .edge files (TetGen manual, Sect. 5.2).
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include "energy/slot_pack.hpp"
 #include "operators/engine/active_set.hpp"
 

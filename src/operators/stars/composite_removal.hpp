@@ -121,11 +121,11 @@ struct CompositeRemoval {
     if (!star.find_kernel_point(x, team)) return costs;
     x = star.relax(x, team);
     costs.first_before = star.cost_before(team);
-    costs.first_after = star.cost_after(v, x, costs.screen(ratio), false, team);
+    costs.first_after = star.cost_after(v, x, costs.screen(ratio), FloorRule::ignored, team);
     if (!(costs.first_after < costs.screen(ratio))) return costs;
     x = star.relax_and_grow(x, team);
     costs.before = star.cost_before(team);
-    const double after = star.cost_after(v, x, ratio * costs.before, false, team);
+    const double after = star.cost_after(v, x, ratio * costs.before, FloorRule::ignored, team);
     if (after < ratio * costs.before && star.preserves_constraints(v, team)) costs.after = after;
     return costs;
   }

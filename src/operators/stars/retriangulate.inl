@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-
 #include "operators/engine/application.hpp"
 #include "operators/stars/cavity_retriangulation.hpp"
 #include "operators/stars/composite_removal.hpp"

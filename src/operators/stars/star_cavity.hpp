@@ -139,13 +139,13 @@ class StarCavity : StarShape {
     return team.merge(largest).value;
   }
   /// The largest cost of the retriangulation from x; `limit` where it is not below `limit`, or where a tetrahedron is
-  /// not certified positive or is worse than the floor.
+  /// not certified positive or is worse than a floor that is kept.
   template <class Team>
-  TETUNE_HD TETUNE_OUTLINE double cost_after(Index apex, const Vec3& x, double limit, bool keeps_floor,
+  TETUNE_HD TETUNE_OUTLINE double cost_after(Index apex, const Vec3& x, double limit, FloorRule floor,
                                              const Team& team) const {
     if (apex == kNewVertex) {
       int first = 0;
-      return AngleCostRing(mesh_, arrays_.faces, arrays_.face_count, keeps_floor).largest_cost(x, limit, first, team);
+      return AngleCostRing(mesh_, arrays_.faces, arrays_.face_count, floor).largest_cost(x, limit, first, team);
     }
     constexpr int kLanes = kLanesOf<backend::TermsOf<Team>>;
     backend::Max largest{-1};
@@ -153,7 +153,7 @@ class StarCavity : StarShape {
       const int first = begin + kLanes * team.rank();
       double costs[kLanes];
       if (first < arrays_.face_count) {
-        find_costs_from(first, apex, x, keeps_floor, costs, team);
+        find_costs_from(first, apex, x, floor, costs, team);
         for (const double cost : costs) largest.merge(backend::Max{cost});
       }
       if (team.any(!(largest.value < limit))) return limit;
@@ -198,7 +198,7 @@ class StarCavity : StarShape {
     double costs[(kMaxStarFaces + Team::kSize - 1) / Team::kSize];
     for (int i = kLanes * team.rank(); i < arrays_.face_count; i += kLanes * Team::kSize) {
       double some[kLanes];
-      find_costs_from(i, apex, x, false, some, team);
+      find_costs_from(i, apex, x, FloorRule::ignored, some, team);
       for (int l = 0; l < kLanes; ++l) costs[i / Team::kSize + l] = some[l];
     }
     for (int step = 0; step < kMaxStarTets; ++step) {
@@ -218,7 +218,8 @@ class StarCavity : StarShape {
       change(team, [&] { take(g); });
       for (int k = 0; k < g.new_faces(); ++k) {
         const int position = g.positions[k];
-        if (position % Team::kSize == team.rank()) costs[position / Team::kSize] = face_cost(apex, x, position, false);
+        if (position % Team::kSize == team.rank())
+          costs[position / Team::kSize] = face_cost(apex, x, position, FloorRule::ignored);
       }
     }
     return false;
@@ -226,7 +227,7 @@ class StarCavity : StarShape {
   /// A position of the apex where the largest cost of the angles is lower; `model` as in AngleCostRing::minimize().
   template <class Team>
   TETUNE_HD TETUNE_OUTLINE Vec3 lower_cost(Vec3 x, MinimaxModel& model, const Team& team) {
-    AngleCostRing(mesh_, arrays_.faces, arrays_.face_count, false).minimize(x, motion_, 0, model, team);
+    AngleCostRing(mesh_, arrays_.faces, arrays_.face_count, FloorRule::ignored).minimize(x, motion_, 0, model, team);
     return x;
   }
 
@@ -248,22 +249,22 @@ class StarCavity : StarShape {
   }
 
   /// The cost of the new tetrahedron at a face, at most kInfeasible; -1 where the apex is on it.
-  TETUNE_HD TETUNE_OUTLINE double face_cost(Index apex, const Vec3& x, int face, bool keeps_floor) const {
+  TETUNE_HD TETUNE_OUTLINE double face_cost(Index apex, const Vec3& x, int face, FloorRule floor) const {
     int first = 0;
     return has_vertex(arrays_.faces[face], apex)
                ? -1
-               : AngleCostRing(mesh_, &arrays_.faces[face], 1, keeps_floor).largest_cost(x, kInfeasible, first);
+               : AngleCostRing(mesh_, &arrays_.faces[face], 1, floor).largest_cost(x, kInfeasible, first);
   }
   /// face_cost() of the faces from `first` on, as many as the team's threads evaluate at a time; -1 beyond the last
   /// one.
   template <class Team, int kLanes>
-  TETUNE_HD void find_costs_from(int first, Index apex, const Vec3& x, bool keeps_floor, double (&costs)[kLanes],
+  TETUNE_HD void find_costs_from(int first, Index apex, const Vec3& x, FloorRule floor, double (&costs)[kLanes],
                                  const Team&) const {
     if constexpr (kLanes == 1) {
-      costs[0] = face_cost(apex, x, first, keeps_floor);
+      costs[0] = face_cost(apex, x, first, floor);
     } else {
       using Pack = backend::TermsOf<Team>;
-      const AngleCostRing ring(mesh_, arrays_.faces, arrays_.face_count, keeps_floor);
+      const AngleCostRing ring(mesh_, arrays_.faces, arrays_.face_count, floor);
       const Pack pack = ring.template costs_of<Pack>(x, first);
       for (int l = 0; l < kLanes; ++l) {
         const bool is_absent = first + l >= arrays_.face_count || has_vertex(arrays_.faces[first + l], apex);

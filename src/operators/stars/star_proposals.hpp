@@ -121,10 +121,10 @@ struct StarProposal : StarContext {
     const double before = cost_before(star);
     const double limit = (1 - min_gain) * before;
     const double screen = kAcceptRatio * before;
-    const bool is_lowest = star.cost_after(kNewVertex, x, screen, false, team) < screen;
+    const bool is_lowest = star.cost_after(kNewVertex, x, screen, FloorRule::ignored, team) < screen;
     if (is_lowest) {
       x = lower_cost(star, x);
-      if (star.cost_after(kNewVertex, x, limit, false, team) < limit) return true;
+      if (star.cost_after(kNewVertex, x, limit, FloorRule::ignored, team) < limit) return true;
     }
     const int tets = star.tet_count();
     const bool is_below = star.grow_below(kNewVertex, x, limit, team);
@@ -132,7 +132,7 @@ struct StarProposal : StarContext {
     if (is_lowest && star.tet_count() == tets) return false;
     if (!is_below && !is_in_reach(star, kReachRatio * before, x)) return false;
     x = lower_cost(star, x);
-    return star.cost_after(kNewVertex, x, limit, false, team) < limit;
+    return star.cost_after(kNewVertex, x, limit, FloorRule::ignored, team) < limit;
   }
 
   /// Completes and adds a retriangulation where it lowers the largest cost, or the mean energy, and no tetrahedron is
@@ -147,7 +147,7 @@ struct StarProposal : StarContext {
   /// Same, where the largest cost is known to be `before`.
   TETUNE_HD TETUNE_OUTLINE void add(const StarCavity& star, double before, StarCandidate& c) const {
     const double limit = (1 - min_gain) * before;
-    const double after = star.cost_after(c.apex, c.apex_position, limit, true, team);
+    const double after = star.cost_after(c.apex, c.apex_position, limit, FloorRule::kept, team);
     if (after < limit) add_gain(star, c, before - after);
   }
   /// Same, where the mean energy must fall, and energy_above_mean() is known to be `before`. Retriangulations with more
@@ -156,7 +156,8 @@ struct StarProposal : StarContext {
     const double limit = min_gain * mean_energy * star.tet_count();
     const double gain = energy_gain(star, before, c, limit);
     if (!(gain > limit)) return;
-    if (star.cost_after(c.apex, c.apex_position, kInfeasible, true, team) < kInfeasible) add_gain(star, c, gain);
+    if (star.cost_after(c.apex, c.apex_position, kInfeasible, FloorRule::kept, team) < kInfeasible)
+      add_gain(star, c, gain);
   }
   /// The sum of the energies in the cavity less their mean in the mesh. Not divided among the threads of a team: the
   /// sum would depend on its size.
@@ -185,7 +186,7 @@ struct StarProposal : StarContext {
   }
   /// Whether the cost with a new vertex at x is below `reach`; otherwise one inside the mesh moves into the kernel.
   TETUNE_HD bool is_in_reach(const StarCavity& star, double reach, Vec3& x) const {
-    return star.cost_after(kNewVertex, x, reach, false, team) < reach ||
+    return star.cost_after(kNewVertex, x, reach, FloorRule::ignored, team) < reach ||
            (star.has_free_apex() && star.find_kernel_point(x, team));
   }
 };

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include "boundary/boundary_triangles.hpp"
 #include "operators/engine/selection.hpp"
 #include "operators/stars/star_cavity.hpp"

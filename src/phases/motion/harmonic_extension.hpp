@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include "boundary/vertex_dofs.hpp"
 #include "mesh/csr.hpp"
 #include "relocation/rings.hpp"

@@ -25,15 +25,7 @@ struct HostWork : MeshSnapshot {
   std::vector<std::uint64_t> constrained_keys;
   std::vector<std::uint8_t> constrained_vertex;
 
-  /// The reference surface; empty unless vertices slide.
-  struct {
-    std::vector<Point> points;
-    std::vector<SurfaceTriangle> triangles;
-    std::vector<Index> across;
-    std::vector<std::uint32_t> offsets, corners;
-    std::vector<LineVertex> line;
-    std::vector<VertexDof> dof;
-  } reference;
+  ReferenceSurfaceOnHost reference;  ///< empty unless vertices slide
 
   HostWork() = default;
   template <class Backend>
@@ -48,16 +40,8 @@ struct HostWork : MeshSnapshot {
         triangles(work.boundary.triangles.download()),
         bends(work.boundary.bends),
         constrained_keys(work.flips.constrained_keys.download()),
-        constrained_vertex(work.flips.constrained_vertex.download()) {
-    const ReferenceSurface<Backend>& from = work.dofs.reference;
-    reference = {from.points.download(),
-                 from.triangles.download(),
-                 from.across.download(),
-                 from.vertex2corner.offsets.download(),
-                 from.vertex2corner.items.download(),
-                 from.line.download(),
-                 from.dof.download()};
-  }
+        constrained_vertex(work.flips.constrained_vertex.download()),
+        reference(work.dofs.reference.download()) {}
 
   Size vertices() const { return std::ssize(points); }
   Size slots() const { return std::ssize(tet2vertex); }

@@ -5,14 +5,18 @@
 #include <utility>
 #include <vector>
 
-#include "phases/restart/host_work.hpp"
+#include "boundary/sliding/reference_surface.hpp"
 
 namespace tetune {
 
 /// The vertices and triangles of the reference surface that are near some of its triangles.
 class NearReference {
  public:
-  explicit NearReference(const HostWork& whole) : reference_(whole.reference), is_near(reference_.points.size(), 0) {}
+  explicit NearReference(const ReferenceSurfaceOnHost& reference)
+      : is_near(reference.points.size(), 0), reference_(reference) {}
+
+  std::vector<std::uint8_t> is_near;  ///< per vertex
+  std::vector<Index> vertices;        ///< those that are near, in the order of their addition
 
   void add_triangle(Index t) {
     if (t < 0) return;
@@ -42,9 +46,7 @@ class NearReference {
     const std::size_t end = vertices.size();
     for (std::size_t i = 0; i < end; ++i) {
       const Index v = vertices[i];
-      for (auto c = span_of(reference_.offsets)[v]; c < span_of(reference_.offsets)[v + 1]; ++c) {
-        add_triangle(to_index(span_of(reference_.corners)[c] / 3));
-      }
+      for (const std::uint32_t corner : reference_.corners_at(v)) add_triangle(to_index(corner / 3));
       if (span_of(reference_.dof)[v] != VertexDof::curve) continue;
       for (const Index next : span_of(reference_.line)[v].next) add_vertex(next);
     }
@@ -55,11 +57,8 @@ class NearReference {
     if (v < 0 || std::exchange(span_of(is_near)[v], std::uint8_t{1}) != 0) return;
     vertices.push_back(v);
   }
-  const decltype(HostWork::reference)& reference_;
 
- public:
-  std::vector<std::uint8_t> is_near;
-  std::vector<Index> vertices;
+  const ReferenceSurfaceOnHost& reference_;
 };
 
 }  // namespace tetune

@@ -80,7 +80,7 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
 
   // A vertex moves by at most its displacement bound, which is below the length of an edge.
   constexpr int kReferenceRings = 3;
-  NearReference near(whole);
+  NearReference near(whole.reference);
   for (const Index v : vertex2whole_) {
     near.add(span_of(whole.surface_point)[v]);
     if (v < std::ssize(whole.checked.points)) near.add(span_of(whole.checked.surface_points)[v]);
@@ -95,8 +95,8 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
                  std::back_inserter(both));
   vertex2whole_.swap(both);
   for (const Index v : near.vertices) {
-    for (auto c = span_of(whole.reference.offsets)[v]; c < span_of(whole.reference.offsets)[v + 1]; ++c) {
-      const Index t = to_index(span_of(whole.reference.corners)[c] / 3);
+    for (const std::uint32_t corner : whole.reference.corners_at(v)) {
+      const Index t = to_index(corner / 3);
       const auto& corners = span_of(whole.reference.triangles)[t].v;
       if (std::all_of(corners, corners + 3, [&](Index w) { return span_of(near.is_near)[w] != 0; })) {
         reference2whole_.push_back(t);
@@ -108,8 +108,8 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
 
 void Neighborhood::take_reference(const HostWork& whole) {
   if (whole.surface_point.empty()) return;
-  const auto& from = whole.reference;
-  decltype(HostWork::reference) to;
+  const ReferenceSurfaceOnHost& from = whole.reference;
+  ReferenceSurfaceOnHost to;
   CheckedSurfaceOnHost checked;
   for (const Index t : reference2whole_) {
     SurfaceTriangle triangle = span_of(from.triangles)[t];
@@ -126,11 +126,10 @@ void Neighborhood::take_reference(const HostWork& whole) {
     if (v >= std::ssize(from.points)) break;  // inserted, as are all that follow
     bool is_cut = false;
     LineVertex line{{-1, -1}};
-    for (auto c = span_of(from.offsets)[v]; c < span_of(from.offsets)[v + 1]; ++c) {
-      const Index corner = to_index(span_of(from.corners)[c]);
-      const Index t = position_in(reference2whole_, corner / 3);
+    for (const std::uint32_t corner : from.corners_at(v)) {
+      const Index t = position_in(reference2whole_, to_index(corner / 3));
       is_cut = is_cut || t < 0;
-      if (t >= 0) to.corners.push_back(std::uint32_t(3 * t + corner % 3));
+      if (t >= 0) to.corners.push_back(3 * std::uint32_t(t) + corner % 3);
     }
     VertexDof dof = span_of(from.dof)[v];
     if (dof == VertexDof::curve) {
@@ -148,14 +147,7 @@ void Neighborhood::take_reference(const HostWork& whole) {
     checked.points.push_back(span_of(whole.checked.points)[v]);
     checked.surface_points.push_back(to_part(span_of(whole.checked.surface_points)[v]));
   }
-  ReferenceSurface<backend::Cpu>& reference = work.dofs.reference;
-  reference.points.upload(backend_, to.points);
-  reference.triangles.upload(backend_, to.triangles);
-  reference.across.upload(backend_, to.across);
-  reference.vertex2corner.offsets.upload(backend_, to.offsets);
-  reference.vertex2corner.items.upload(backend_, to.corners);
-  reference.line.upload(backend_, to.line);
-  reference.dof.upload(backend_, to.dof);
+  work.dofs.reference.upload(backend_, to);
   work.dofs.checked.upload(backend_, checked);
 }
 

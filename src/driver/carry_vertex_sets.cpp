@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/inserted_vertices.hpp"
+#include "driver/carry_vertex_sets.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -17,6 +17,28 @@ namespace {
 
 /// A vertex of a tetrahedron supports a point whose barycentric coordinate for it is above this.
 constexpr double kTolerance = 1e-6;
+
+/// A vertex that a run has inserted.
+struct InsertedVertex {
+  Index id;
+  std::vector<Index> support;  ///< the vertices of the input that decide its sets and its tag
+
+  /// The value that all of the support have; 0 where they differ.
+  template <class ValueOf>
+  int common_value(const ValueOf& value_of) const {
+    const int value = support.empty() ? 0 : value_of(support.front());
+    for (const Index v : support) {
+      if (value_of(v) != value) return 0;
+    }
+    return value;
+  }
+};
+
+/// Whether the mesh has tags of vertices or sets of nodes.
+bool has_vertex_sets(const TetMesh& mesh) {
+  return std::any_of(mesh.point_tags.begin(), mesh.point_tags.end(), [](int tag) { return tag != 0; }) ||
+         std::any_of(mesh.point_data.begin(), mesh.point_data.end(), is_node_set);
+}
 
 std::vector<std::uint8_t> find_surface_vertices(const TetMesh& mesh) {
   std::vector<std::uint8_t> on_surface(mesh.points.size(), 0);
@@ -126,23 +148,14 @@ void add_inner_neighbors(const TetMesh& mesh, const std::vector<std::uint8_t>& o
   }
 }
 
-}  // namespace
-
-bool has_vertex_sets(const TetMesh& mesh) {
-  return std::any_of(mesh.point_tags.begin(), mesh.point_tags.end(), [](int tag) { return tag != 0; }) ||
-         std::any_of(mesh.point_data.begin(), mesh.point_data.end(), is_node_set);
-}
-
-std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids,
-                                          const std::vector<MeshPlace>& places) {
-  std::vector<InsertedVertex> inserted;
-  for (const Index id : ids) inserted.push_back({id, {}});
-  if (inserted.empty()) return inserted;
+/// Finds the support of vertices of `result`, at their places in `mesh`; without places, at their positions.
+void find_support(const TetMesh& mesh, const TetMesh& result, const std::vector<MeshPlace>& places,
+                  std::vector<InsertedVertex>& inserted) {
   if (places.empty()) {
     const TetSearch search(mesh);
     for (InsertedVertex& i : inserted) i.support = support_of(search.find(span_of(result.points)[i.id]));
   } else {
-    for (std::size_t i = 0; i < ids.size(); ++i) inserted[i].support = support_of(places[i]);
+    for (InsertedVertex& i : inserted) i.support = support_of(span_of(places)[i.id]);
   }
   const std::vector<std::uint8_t> on_old_surface = find_surface_vertices(mesh);
   const std::vector<std::uint8_t> on_surface = find_surface_vertices(result);
@@ -153,9 +166,9 @@ std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& re
     if (is_inside && std::all_of(i.support.begin(), i.support.end(), is_on_surface)) between_surfaces.push_back(&i);
   }
   if (!between_surfaces.empty()) add_inner_neighbors(mesh, on_old_surface, between_surfaces);
-  return inserted;
 }
 
+/// Sets the sets of nodes of the result, in the order of those before.
 void carry_node_sets(const std::vector<DataArray>& before, const std::vector<Index>& new2original,
                      const std::vector<InsertedVertex>& inserted, std::vector<DataArray>& after) {
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -170,6 +183,26 @@ void carry_node_sets(const std::vector<DataArray>& before, const std::vector<Ind
       to[v.id] = std::uint8_t(v.common_value([&](Index original) { return int{from[original]}; }));
     }
   }
+}
+
+}  // namespace
+
+std::vector<int> carry_vertex_sets(const TetMesh& mesh, const std::vector<Index>& new2original,
+                                   const std::vector<MeshPlace>& places, const std::function<TetMesh()>& result,
+                                   std::vector<DataArray>& point_data) {
+  std::vector<InsertedVertex> inserted;
+  for (Index v = 0; v < std::ssize(new2original); ++v) {
+    if (span_of(new2original)[v] < 0) inserted.push_back({v, {}});
+  }
+  std::vector<int> tags(inserted.size(), 0);
+  if (!has_vertex_sets(mesh)) return tags;
+  if (!result) inserted.clear();
+  if (!inserted.empty()) find_support(mesh, result(), places, inserted);
+  carry_node_sets(mesh.point_data, new2original, inserted, point_data);
+  std::transform(inserted.begin(), inserted.end(), tags.begin(), [&mesh](const InsertedVertex& v) {
+    return v.common_value([&mesh](Index original) { return span_of(mesh.point_tags)[original]; });
+  });
+  return tags;
 }
 
 }  // namespace tetune
