@@ -260,14 +260,16 @@ TEST(Part, HasNoIdsOfListsThatAreLeftEmpty) {
 
 TEST(Part, DefectsHaveTheIdsOfTheWholeMesh) {
   const MeshError other("another reason");
+  const MessageForm form{true, "repair them"};
   Part part = make();
-  EXPECT_EQ(defects_of(part, 1, true, other), "another reason");
+  EXPECT_EQ(defects_of(part, 1, form, other), "another reason");
   std::swap(part.mesh.tets[3][0], part.mesh.tets[3][1]);
   std::swap(part.mesh.tets[8][0], part.mesh.tets[8][1]);
   part.tet_id[8] = 71;
-  EXPECT_NE(defects_of(part, 1, true, other).find("(first, counted from 1: 12, 72)"), std::string::npos);
+  EXPECT_NE(defects_of(part, 1, form, other).find("(first, counted from 1: 12, 72)"), std::string::npos);
+  EXPECT_NE(defects_of(part, 1, form, other).find(form.advice), std::string::npos);
   part.tet_id[3] = (Id{1} << 32) + 11;  // a message has no room for it
-  EXPECT_NE(defects_of(part, 1, true, other).find("(first, counted from 1: 72)"), std::string::npos);
+  EXPECT_NE(defects_of(part, 1, form, other).find("(first, counted from 1: 72)"), std::string::npos);
 }
 
 TEST(Part, IdsAreNumberedAsTheyCome) {

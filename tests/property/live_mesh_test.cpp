@@ -230,6 +230,28 @@ TEST(LiveMesh, KeepsTheNumbersOfFrozenVerticesThroughInsertions) {
   }
 }
 
+TEST(LiveMesh, GivesNoTagToVerticesThatAMotionHasInserted) {
+  int inserted = 0;
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    TetMesh mesh = test::cube(8, 0.25, seed);
+    std::fill(mesh.point_tags.begin(), mesh.point_tags.end(), 7);
+    Options options;
+    options.effort = Effort::best;
+    options.max_growth = 1.5;
+    options.restarts = 0;
+    LiveMesh live(mesh, options);
+    const Index v = inner_vertex_near(live.mesh(), {0.5, 0.5, 0.5});
+    const Report report = live.move(one_moved(live.mesh(), v, {0.1, 0.05, 0})).optimization;
+    EXPECT_LT(report.tets_active, std::ssize(mesh.tets));
+    for (std::size_t i = 0; i < report.vertex2original.size(); ++i) {
+      const bool is_inserted = report.vertex2original[i] < 0;
+      EXPECT_EQ(live.mesh().point_tags[i], is_inserted ? 0 : 7);
+      inserted += is_inserted ? 1 : 0;
+    }
+  }
+  EXPECT_GT(inserted, 0);
+}
+
 TEST(LiveMesh, GrowsByMaxGrowthOverAllSteps) {
   const TetMesh mesh = test::cube(6, 0.25, 5);
   Options options;

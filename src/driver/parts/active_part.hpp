@@ -49,6 +49,7 @@ struct ActivePart {
   std::vector<std::uint8_t> triangle_stays;
   /// Whether a listed edge does: it constrains, or an element outside the part has it (lasting_edges()).
   std::vector<std::uint8_t> edge_stays;
+  bool is_moved = false;  ///< its vertices followed targets
 };
 
 /// The numbers in the whole mesh of the vertices and tetrahedra of the result of a part.

@@ -129,6 +129,7 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
     const auto change = [&](ActivePart& part, const Context& hooks) {
       const VertexTargets targets = gather_entries(target, part.vertex2whole);
       report = tetune::move(part.mesh, targets, part.options, hooks);
+      part.is_moved = true;
       size = part.tet2whole.size();
       const bool can_grow = size > last && size < mesh_.tets.size();
       return report.reached() || !can_grow || report.optimization.stop == StopReason::cancelled;

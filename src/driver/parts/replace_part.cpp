@@ -275,8 +275,9 @@ class PartReplacement {
 
   /// Carries sets of nodes, and gives inserted vertices tags. Requires the data and the places of the whole mesh.
   void carry_sets() {
-    const std::vector<int> tags = carry_vertex_sets(
-        mesh_, vertex2original_, report_.places, [this] { return shape_of_result(); }, point_data_);
+    std::function<TetMesh()> make_shape;
+    if (!part_.is_moved || !report_.places.empty()) make_shape = [this] { return shape_of_result(); };
+    const std::vector<int> tags = carry_vertex_sets(mesh_, vertex2original_, report_.places, make_shape, point_data_);
     auto tag = tags.begin();  // inserted vertices have taken numbers in increasing order
     for (std::size_t i = 0; i < report_.vertex2original.size(); ++i) {
       if (report_.vertex2original[i] < 0) point_tags_[i] = *tag++;
