@@ -8,10 +8,13 @@ import unittest
 
 import cli_case
 from cli_case import CliTest, Mesh, cube, with_triangles
-from deck import FACES, Deck, block, contact, numbers
+from deck import FACES, Deck, block, contact, lines, numbers
 
 
 class Decks(CliTest):
+    def deck_of(self, text):
+        return Deck(self.put("text.inp", text))
+
     def assert_close(self, a, b):
         self.assertEqual(len(a), len(b))
         for x, y in zip(a, b):
@@ -202,6 +205,18 @@ class Decks(CliTest):
     def test_surfaces_in_contact_stay_in_contact(self):
         self.put("a.inp", contact())
         self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
+    def test_loads_on_each_node_of_a_set_keep_their_total(self):
+        text = block(5)
+        labels = [v for v, p in self.deck_of(text).nodes.items() if p[0] == 1]
+        self.put("a.inp", text.replace("*STEP", "*NSET, NSET=PULLED\n" + lines(labels) + "*STEP", 1).replace(
+            "*DLOAD", "*CLOAD\nPULLED, 1, 2.\n*DLOAD"))
+        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
+        before, after = Deck(self.path("a.inp")), Deck(self.path("b.inp"))
+        self.assertNotEqual(set(before.nodes), set(after.nodes))
+        self.assertEqual(after.nsets["PULLED"], set(labels))
+        self.assertEqual([before.nodes[v] for v in labels], [after.nodes[v] for v in labels])
+        self.assert_follows(before, after)
+
         before, after = Deck(self.path("a.inp")), Deck(self.path("b.inp"))
         self.assertNotEqual(before.tets, after.tets)
         self.assertEqual(before.rest, after.rest)

@@ -51,12 +51,15 @@ void find_fields(const InpKeyword& keyword, InpCardKind& kind) {
   static constexpr std::array kOfNodes{"BOUNDARY",          "CLOAD", "CFLUX",     "TEMPERATURE",      "NODALTHICKNESS",
                                        "RETAINEDNODALDOFS", "FIELD", "BOUNDARYF", "CONCENTRATEDFLUX", "MASSFLOWRATE",
                                        "PRESSURESTRESS"};
+  static constexpr std::array kPerNode{"CLOAD", "CFLUX",    "CONCENTRATEDFLUX", "CFILM",
+                                       "CFLOW", "CRADIATE", "CECHARGE",         "CECURRENT"};
   static constexpr std::array kOfElementConditions{"STRESS", "PLASTICSTRAIN", "SOLUTION", "HARDENING"};
   const std::string& name = keyword.name;
   const std::string* type = keyword.find("TYPE");
   if (is_one_of(name, kWithoutLabels)) return;
   kind.nodes = kind.elements = Fields::first;
   if (is_one_of(name, kOfNodes)) kind.elements = Fields::none;
+  kind.is_per_node = is_one_of(name, kPerNode);
   if (kind.has_faces) kind.nodes = Fields::none;
   if (name == "MODELCHANGE") kind = {Fields::none, Fields::every};
   if (name == "SUBMODEL") kind = {Fields::every, Fields::none};

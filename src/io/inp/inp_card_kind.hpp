@@ -14,6 +14,8 @@ struct InpCardKind {
   bool has_faces = false;
   /// It relates the nodes of sets one by one.
   bool pairs = false;
+  /// Its load acts on each node of a set: the total would change with their number.
+  bool is_per_node = false;
   /// Why such decks are refused, or nullptr.
   const char* refusal = nullptr;
 };

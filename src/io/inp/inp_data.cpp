@@ -17,6 +17,7 @@ void note_name(std::string_view field, const InpCardKind& kind, InpScan& scan) {
   if (!starts_name(field)) return;
   std::string name = inp_name(field);
   if (kind.pairs) scan.paired.insert(name);
+  if (kind.is_per_node) scan.loaded.insert(name);
   scan.mentioned.insert(std::move(name));
 }
 

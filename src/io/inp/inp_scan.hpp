@@ -51,8 +51,9 @@ struct InpScan {
   /// Sets by kind (of nodes) and name.
   std::map<std::pair<bool, std::string>, Index> names;
   std::vector<Index> element2set;  ///< the set of its *ELEMENT card, or -1
-  /// Names that occur in cards other than those of faces and their own definition; and those in cards that pair nodes.
-  std::set<std::string> mentioned, paired;
+  /// Names that occur in cards other than those of faces and their own definition; those in cards that pair nodes; and
+  /// those in cards whose loads act on each node.
+  std::set<std::string> mentioned, paired, loaded;
   /// Numbers in other cards.
   std::vector<std::int64_t> held_nodes, held_elements;
 };
