@@ -177,8 +177,11 @@ class Decks(CliTest):
                 (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3\n", "a.inp:7: the element has fewer than 4 nodes"),
                 (head + "*ELEMENT\n1, 1, 2, 3, 4\n", "a.inp:6: *ELEMENT has no TYPE"),
                 (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D10\n", "use one of both kinds in a deck"),
-                (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 9\n", "element 1 has the node 9, which is not defined"),
-                (head + head + tet, "node 4 is defined twice"), (head + tet + tet, "element 1 is defined twice"),
+                (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 9\n", "a.inp:7: element 1 has the node 9, which is not defined"),
+                (head + head + tet, "a.inp:10: node 4 is defined twice, first at "), (head + tet + tet, "a.inp:9: element 1 is defined twice, first at "),
+                (head + tet + "*ELEMENT, TYPE=T3D2\n2, 1, 2\n1, 1, 2\n", "a.inp:10: element 1 is defined twice"),
+                ("/PREP7\nN,1,0.,0.,0.\n", "a.inp:1: this is a deck of ANSYS (/PREP7)"),
+                ("! mesh\n*SET,a,1\nn,1,0,0,0\n", "a.inp:2: this is a deck of ANSYS (*SET)"),
                 (head, "the deck has no *ELEMENT card"), (tet, "the deck has no *NODE card"), (head + tet + "*NGEN\n1, 4, 1\n", "a.inp:8: *NGEN: this card generates"),
                 (head + tet + "*NSET\n1\n", "*NSET has no name"), (head + tet + "*ELSET, ELSET=A\nB\n", "lists B, which is not"),
                 (head + tet + "*NSET, NSET=A, GENERATE\n1, 2, 0\n", "FIRST, LAST, STEP")):
@@ -202,9 +205,6 @@ class Decks(CliTest):
             self.assertAlmostEqual(reaction, -70, places=3)  # the pressure times the area
             self.assertAlmostEqual(displacement / results[0][5], 1, delta=0.02)
 
-    def test_surfaces_in_contact_stay_in_contact(self):
-        self.put("a.inp", contact())
-        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
     def test_loads_on_each_node_of_a_set_keep_their_total(self):
         text = block(5)
         labels = [v for v, p in self.deck_of(text).nodes.items() if p[0] == 1]
@@ -217,6 +217,9 @@ class Decks(CliTest):
         self.assertEqual([before.nodes[v] for v in labels], [after.nodes[v] for v in labels])
         self.assert_follows(before, after)
 
+    def test_surfaces_in_contact_stay_in_contact(self):
+        self.put("a.inp", contact())
+        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
         before, after = Deck(self.path("a.inp")), Deck(self.path("b.inp"))
         self.assertNotEqual(before.tets, after.tets)
         self.assertEqual(before.rest, after.rest)

@@ -3,7 +3,9 @@
 #include "io/inp/inp_scan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <functional>
 
 #include "io/inp/inp_card_kind.hpp"
 #include "io/inp/inp_cursor.hpp"
@@ -60,6 +62,7 @@ class InpScanner {
     model_.newline = has_return ? "\r\n" : "\n";
     read_file(main_path_, std::move(bytes));
     if (!has_keyword_) {
+      refuse_ansys_deck(main_path_, model_.files.front());
       throw FileError(main_path_ + ": this is not an Abaqus or CalculiX deck: it has no keyword lines (*...)");
     }
     return std::move(scan_);
@@ -73,6 +76,7 @@ class InpScanner {
     if (!stack_.empty() && !bytes.empty() && bytes.back() != '\n') bytes += model_.newline;
     stack_.push_back(path);
     model_.files.push_back(std::move(bytes));
+    scan_.paths.push_back(path);
     cursor_ = InpCursor(path, model_.files.back());
     const char* const begin = cursor_.at();
     if (cursor_.take_byte_order_mark()) add_piece(InpPiece::Kind::text, begin);
@@ -277,6 +281,32 @@ std::vector<std::string> included_inp_files(const std::string& path) {
   std::vector<std::string> found;
   add_included(path, path, found);
   return found;
+}
+
+InpPlace InpScan::place_of(const char* at) const {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::string& text = model.files[i];
+    const char* const begin = text.data();
+    if (std::less<>()(at, begin) || !std::less<>()(at, begin + text.size())) continue;
+    return {paths[i], 1 + std::count(begin, at, '\n')};
+  }
+  return {paths.front(), 1};
+}
+
+void refuse_ansys_deck(const std::string& path, std::string_view text) {
+  static constexpr std::array kCommands{"/PREP7", "/BATCH", "/COM",   "/TITLE", "/NOPR", "/FILNAME", "/CLEAR", "/UNITS",
+                                        "*SET",   "N",      "NBLOCK", "EBLOCK", "ET",    "EN",       "MPTEMP"};
+  InpCursor cursor(path, text);
+  cursor.take_byte_order_mark();
+  while (!cursor.at_end()) {
+    const InpPlace where = cursor.place();
+    const std::string_view line = cursor.take_line();
+    const std::string first = inp_name(line.substr(0, line.find_first_of(", ")));
+    if (std::find(kCommands.begin(), kCommands.end(), first) == kCommands.end()) continue;
+    where.fail("this is a deck of ANSYS (" + first +
+               "), which tetune does not read; write the mesh with CDWRITE, and convert that file to .vtu, as with the "
+               "Python package mapdl-archive");
+  }
 }
 
 InpScan scan_inp(const std::string& path, std::string bytes) { return InpScanner(path).scan(std::move(bytes)); }
