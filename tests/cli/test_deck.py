@@ -217,6 +217,60 @@ class Decks(CliTest):
         self.assertEqual([before.nodes[v] for v in labels], [after.nodes[v] for v in labels])
         self.assert_follows(before, after)
 
+    def stretched(self, by):
+        """A block() of long elements, into whose edges vertices are inserted."""
+        return re.sub(r"(?m)^50(\d{8}), ([^,]+), ([^,]+), ([^,]+)$",
+                      lambda m: f"50{m[1]}, {m[2]}, {by * float(m[3])!r}, {m[4]}", block(4, jitter=0.1)).replace("50000", "1")
+
+    def card(self, path, name):
+        """The fields of the data lines of the first card with this keyword line."""
+        text = self.read_bytes(path).decode()
+        rows = text[text.index(name + "\n") + len(name) + 1:].split("\n*")[0].split("\n")
+        return [[field.strip() for field in row.split(",")] for row in rows if row]
+
+    def test_supports_on_lines_have_the_nodes_that_are_inserted_on_them(self):
+        text = self.stretched(10)
+        nodes = self.deck_of(text).nodes
+        rim = [v for v, p in nodes.items() if p[0] == 1 and p[2] == 0]
+        listed = [v for v, p in nodes.items() if p[0] == 1 and p[2] == 1]
+        self.put("a.inp", text.replace("*STEP", "*NSET, NSET=RIM\n" + lines(rim) + "*BOUNDARY\nRIM, 1, 3\n"
+                                       + "".join(f"{v}, 3\n" for v in listed) + "*STEP", 1))
+        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
+        after = Deck(self.path("b.inp"))
+        self.assertGreater(len(after.nsets["RIM"]), len(rim))
+        self.assertEqual(after.nsets["RIM"], {v for v, p in after.nodes.items() if p[0] == 1 and p[2] == 0})
+        rows = self.card("b.inp", "*BOUNDARY")
+        self.assertEqual(rows[0], ["RIM", "1", "3"])
+        self.assertGreater(len(rows), len(listed) + 1)
+        self.assertEqual({int(row[0]) for row in rows[1:]}, {v for v, p in after.nodes.items() if p[0] == 1 and p[2] == 1})
+
+    def test_inserted_nodes_have_temperatures(self):
+        def temperature(p):
+            return 20 + 50 * p[0] + 10 * p[1] - 30 * p[2]
+
+        text = self.stretched(6)
+        nodes = self.deck_of(text).nodes
+        text = re.sub(r"(\*ELASTIC\n.*\n)", r"\1*EXPANSION\n1.E-5\n", text).replace(
+            "*STEP", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n" + "".join(f"{v}, 20.\n" for v in nodes) + "*STEP", 1)
+        self.put("a.inp", text.replace("*DLOAD", "*TEMPERATURE\n" + "".join(f"{v}, {temperature(p)!r}\n" for v, p in nodes.items())
+                                       + "*DLOAD").replace("*NODE PRINT, NSET=LOAD\nU", "*NODE PRINT, NSET=NALL\nNT"))
+        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
+        after = Deck(self.path("b.inp"))
+        self.assertGreater(len(after.nodes), len(nodes))
+        for name, expected in (("*INITIAL CONDITIONS, TYPE=TEMPERATURE", lambda p: 20), ("*TEMPERATURE", temperature)):
+            found = {int(v): float(t) for v, t in self.card("b.inp", name)}
+            self.assertEqual(set(found), set(after.nodes))
+            for v, t in found.items():
+                self.assertAlmostEqual(t, expected(after.nodes[v]), places=9)
+        if shutil.which("ccx") is None:
+            self.skipTest("SKIPPED, NOT TESTED: no CalculiX (Debian: calculix-ccx)")
+        subprocess.run(["ccx", "b"], cwd=self.folder, check=True, capture_output=True, timeout=cli_case.HANG)
+        printed = (self.folder / "b.dat").read_text().split("temperatures for set NALL")[1]
+        found = dict(re.findall(r"(?m)^ +(\d+) +(\S+)$", printed))
+        self.assertEqual(set(map(int, found)), set(after.nodes))
+        for v, t in found.items():
+            self.assertAlmostEqual(float(t), temperature(after.nodes[int(v)]), places=3)
+
     def test_surfaces_in_contact_stay_in_contact(self):
         self.put("a.inp", contact())
         self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")

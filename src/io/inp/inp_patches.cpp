@@ -261,13 +261,14 @@ class InpPatches {
     }
     for (const Index v : reached) span_of(mark_)[v] = kCovered;
   }
-  void hold_rest(const InpSet& set) {
+  void hold_rest(InpSet& set) {
     const std::size_t before = held_.size();
     for (const Index v : set.members) {
       if (!is_uncovered(v)) continue;
       const CsrView corners = vertex2corner();
       if (corners.size(v) > 0) held_.push_back(v);
     }
+    if (!set.is_held) set.rest.assign(held_.begin() + std::ptrdiff_t(before), held_.end());
     if (held_.size() == before) return;
     (set.is_held ? is_any_single_ : is_any_rest_) = true;
     names_of_held_ += (names_of_held_.empty() ? "" : ", ") + set.name;

@@ -30,6 +30,7 @@ class InpResolver {
     for (const InpOther& other : scan_.others) resolve_other(other);
     resolve_sets();
     resolve_faces();
+    resolve_conditions();
   }
 
  private:
@@ -199,6 +200,21 @@ class InpResolver {
                     " lines of this card have elements or sets that do not exist");
     }
     for (InpFaceGroup& group : model_.face_groups) sort_unique(group.faces);
+  }
+
+  void resolve_conditions() {
+    for (InpCondition& condition : model_.conditions) {
+      for (InpConditionLine& line : condition.lines) {
+        const std::vector<std::string_view> fields = inp_fields(line.text);
+        std::int64_t label = 0;
+        if (fields.empty()) continue;
+        if (parse_inp_integer(fields[0], label)) {
+          line.node = model_.node(label);
+        } else {
+          line.set = find_set(true, std::string(fields[0]));
+        }
+      }
+    }
   }
 
   void resolve_face_line(const InpFaceLine& line, std::size_t c) {

@@ -69,7 +69,7 @@ class InpScanner {
   }
 
  private:
-  enum class Mode { text, nodes, tets, others, set, faces };
+  enum class Mode { text, nodes, tets, others, set, faces, condition };
 
   void read_file(const std::string& path, std::string bytes) {
     if (bytes.find('\0') != std::string::npos) throw FileError(path + ": this is a binary file, and no deck in text");
@@ -128,6 +128,8 @@ class InpScanner {
     if (!start_card(keyword, start, where)) {
       add_piece(InpPiece::Kind::text, start);
       for (const auto& [key, value] : keyword.parameters) note_inp_parameter(key, value, kind_, scan_);
+      if (keyword.name == "STEP") ++step_;
+      if (kind_.condition != InpCardKind::Condition::none) start_condition(keyword, head_from(start));
     }
   }
 
@@ -146,6 +148,17 @@ class InpScanner {
     scan_.face_lines.emplace_back();
     scan_.face_places.push_back(where);
     return true;
+  }
+
+  void start_condition(const InpKeyword& keyword, std::string_view head) {
+    mode_ = Mode::condition;
+    std::string key = std::to_string(step_) + "," + keyword.name;
+    for (const auto& [parameter, value] : keyword.parameters) key += "," + parameter + "=" + inp_name(value);
+    const auto [at, is_new] = condition_of_.try_emplace(std::move(key), model_.conditions.size());
+    condition_ = at->second;
+    if (!is_new) return;
+    head.remove_prefix(head.find('*') + 1);
+    model_.conditions.push_back({std::string(head.substr(0, head.find_first_of(",\r\n"))), kind_.condition, {}, -1});
   }
 
   bool start_nodes(const InpKeyword& keyword, const char* start, const InpPlace& where) {
@@ -255,9 +268,25 @@ class InpScanner {
       case Mode::faces:
         read_inp_face_line(cursor_, kind_, scan_);
         return add_piece(InpPiece::Kind::faces, start, model_.face_cards.size() - 1);
+      case Mode::condition:
+        return read_condition_line();
       case Mode::text:
         note_inp_data(inp_fields(cursor_.take_line()), kind_, scan_);
         return add_piece(InpPiece::Kind::text, start);
+    }
+  }
+
+  void read_condition_line() {
+    const char* const start = cursor_.at();
+    const std::string_view line = cursor_.take_line();
+    const std::vector<std::string_view> fields = inp_fields(line);
+    note_inp_data(fields, kind_, scan_);
+    add_piece(InpPiece::Kind::condition, start, condition_);
+    InpCondition& condition = model_.conditions[condition_];
+    condition.lines.push_back({line});
+    std::int64_t label = 0;
+    if (!fields.empty() && parse_inp_integer(fields[0], label)) {
+      condition.last_piece = to_index(model_.pieces.size() - 1);
     }
   }
 
@@ -273,6 +302,8 @@ class InpScanner {
   InpCardKind kind_;
   InpElementType type_;
   Index element_set_ = -1;
+  std::size_t step_ = 0, condition_ = 0;
+  std::map<std::string, std::size_t> condition_of_;  ///< by step and keyword line
 };
 
 }  // namespace
