@@ -11,63 +11,65 @@
 namespace tetune {
 namespace {
 
-using Condition = InpCardKind::Condition;
-using Fields = std::vector<std::string>;
+using ConditionKind = InpCardKind::Condition;
+using ValueFields = std::vector<std::string>;
 
 /// The fields of a node for one component or degree of freedom.
-struct Entry {
-  Fields values;
+struct NodeValue {
+  ValueFields values;
   bool has_own_line = false;  ///< not by a set
 };
 /// By a component, a degree of freedom, or a text in the place of these, as "ENCASTRE".
-using Entries = std::map<std::string, Entry>;
+using NodeValues = std::map<std::string, NodeValue>;
 
 /// The last degree of freedom that a line can name; more are a text.
 constexpr std::int64_t kMaxFreedom = 99;
 
 /// Keys that are numbers are sorted by these.
-std::string key_of(std::int64_t number) { return (number < 10 ? "0" : "") + std::to_string(number); }
+std::string freedom_key(std::int64_t number) { return (number < 10 ? "0" : "") + std::to_string(number); }
 
 /// The fields from one on, as text.
-Fields fields_from(const std::vector<std::string_view>& fields, std::size_t first) {
-  Fields values;
+ValueFields fields_from(const std::vector<std::string_view>& fields, std::size_t first) {
+  ValueFields values;
   for (std::size_t k = first; k < fields.size(); ++k) values.emplace_back(fields[k]);
   return values;
 }
 
 class InpConditionReader {
  public:
-  explicit InpConditionReader(Condition kind) : kind_(kind) {}
+  explicit InpConditionReader(ConditionKind kind) : kind_(kind) {}
   /// Calls take(key, values) for what a line gives.
   template <class Take>
   void read(std::string_view line, const Take& take) const {
     const std::vector<std::string_view> fields = inp_fields(line);
-    if (kind_ == Condition::field || kind_ == Condition::members) return take(std::string(), fields_from(fields, 1));
+    if (kind_ == ConditionKind::field || kind_ == ConditionKind::members)
+      return take(std::string(), fields_from(fields, 1));
     if (fields.size() < 2) return;
-    const std::size_t first_value = kind_ == Condition::range ? 3 : 2;
+    const std::size_t first_value = kind_ == ConditionKind::range ? 3 : 2;
     std::int64_t first = 0;
     if (!parse_inp_integer(fields[1], first) || first < 0 || first > kMaxFreedom) {
       return take(inp_name(fields[1]), fields_from(fields, first_value));
     }
     std::int64_t last = first;
-    if (kind_ == Condition::range && fields.size() > 2) parse_inp_integer(fields[2], last);
+    if (kind_ == ConditionKind::range && fields.size() > 2) parse_inp_integer(fields[2], last);
     for (std::int64_t key = first; key <= std::min(std::max(first, last), kMaxFreedom); ++key) {
-      take(key_of(key), fields_from(fields, first_value));
+      take(freedom_key(key), fields_from(fields, first_value));
     }
   }
   /// Appends the lines of a node.
-  void append(std::string& out, std::int64_t label, const Entries& entries, const char* newline) const {
+  void append(std::string& out, std::int64_t label, const NodeValues& entries, const char* newline) const {
     for (auto at = entries.begin(); at != entries.end();) {
       auto last = at;
-      while (kind_ == Condition::range && std::next(last) != entries.end() && is_next(*last, *std::next(last))) ++last;
+      while (kind_ == ConditionKind::range && std::next(last) != entries.end() && is_next(*last, *std::next(last)))
+        ++last;
       out += std::to_string(label);
       std::int64_t number = 0;
       const bool is_number = parse_inp_integer(at->first, number);
       if (!at->first.empty()) out += ", " + (is_number ? std::to_string(number) : at->first);
-      if (kind_ == Condition::range && is_number) {
+      if (kind_ == ConditionKind::range && is_number) {
         parse_inp_integer(last->first, number);
         out += ", " + std::to_string(number);
-      } else if (kind_ == Condition::range && !at->second.values.empty()) {
+      } else if (kind_ == ConditionKind::range && !at->second.values.empty()) {
         out += ",";
       }
       for (const std::string& value : at->second.values) out += ", " + value;
@@ -77,27 +79,27 @@ class InpConditionReader {
   }
 
  private:
-  static bool is_next(const Entries::value_type& a, const Entries::value_type& b) {
+  static bool is_next(const NodeValues::value_type& a, const NodeValues::value_type& b) {
     std::int64_t first = 0;
     std::int64_t second = 0;
     return parse_inp_integer(a.first, first) && parse_inp_integer(b.first, second) && second == first + 1 &&
            a.second.values == b.second.values;
   }
-  Condition kind_;
+  ConditionKind kind_;
 };
 
 /// The values between nodes: where they differ, numbers by their weights. Nothing where a text differs.
-std::optional<Fields> between(const std::vector<const Fields*>& of, const std::vector<double>& weights,
-                              bool may_differ) {
+std::optional<ValueFields> value_between(const std::vector<const ValueFields*>& of, const std::vector<double>& weights,
+                                         bool may_differ) {
   std::size_t n = 0;
-  for (const Fields* fields : of) n = std::max(n, fields->size());
-  Fields result;
+  for (const ValueFields* fields : of) n = std::max(n, fields->size());
+  ValueFields result;
   double sum = 0;
   for (std::size_t i = 0; i < of.size(); ++i) sum += weights[i];
   for (std::size_t k = 0; k < n; ++k) {
-    const auto text = [k](const Fields& fields) { return k < fields.size() ? fields[k] : std::string(); };
+    const auto text = [k](const ValueFields& fields) { return k < fields.size() ? fields[k] : std::string(); };
     result.push_back(text(*of.front()));
-    const auto differs = [&](const Fields* fields) { return text(*fields) != result.back(); };
+    const auto differs = [&](const ValueFields* fields) { return text(*fields) != result.back(); };
     if (std::none_of(of.begin(), of.end(), differs)) continue;
     double value = 0;
     for (std::size_t i = 0; i < of.size(); ++i) {
@@ -141,7 +143,9 @@ class InpExtension {
   std::size_t missing() const { return missing_; }
 
  private:
-  bool is_field() const { return condition_.kind == Condition::field || condition_.kind == Condition::components; }
+  bool is_field() const {
+    return condition_.kind == ConditionKind::field || condition_.kind == ConditionKind::components;
+  }
 
   /// Reads the values of the nodes that are needed; later lines replace earlier ones.
   void read_lines() {
@@ -159,7 +163,7 @@ class InpExtension {
       const auto give = [&](Index node) {
         const auto at = entries_.find(node);
         if (at == entries_.end()) return;
-        reader_.read(line.text, [&](std::string key, Fields values) {
+        reader_.read(line.text, [&](std::string key, ValueFields values) {
           at->second[std::move(key)] = {std::move(values), has_own_line};
         });
       };
@@ -179,7 +183,7 @@ class InpExtension {
   void add_vertex(std::size_t i) {
     const InpInserted& node = inserted_[i];
     const std::vector<Index>& needed = is_field() ? node.nodes : node.support;
-    std::vector<const Entries*> of;
+    std::vector<const NodeValues*> of;
     for (const Index v : needed) of.push_back(&entries_.at(v));
     std::vector<double> weights(of.size(), 1);
     std::copy_n(node.weights.begin(), std::min(weights.size(), node.weights.size()), weights.begin());
@@ -189,7 +193,7 @@ class InpExtension {
   void add_middle(std::size_t i) {
     const InpInserted& node = inserted_[i];
     if (!names_middles_ || (!is_field() && !node.has_inserted_end)) return;
-    std::vector<const Entries*> of;
+    std::vector<const NodeValues*> of;
     for (const Index v : node.ends) {
       const Index old = span_of(match_.vertex2node)[v];
       const auto at = std::lower_bound(match_.inserted.begin(), match_.inserted.end(), v) - match_.inserted.begin();
@@ -199,7 +203,7 @@ class InpExtension {
   }
 
   /// Adds what all of these entries have.
-  void add(std::size_t i, const std::vector<const Entries*>& of, const std::vector<double>& weights,
+  void add(std::size_t i, const std::vector<const NodeValues*>& of, const std::vector<double>& weights,
            std::size_t with_value) {
     if (of.empty()) {
       missing_ += is_field() ? 1 : 0;
@@ -207,9 +211,9 @@ class InpExtension {
     }
     bool is_complete = true;
     for (const auto& [key, entry] : *of.front()) {
-      std::vector<const Fields*> values;
+      std::vector<const ValueFields*> values;
       bool has_own_line = false;
-      for (const Entries* entries : of) {
+      for (const NodeValues* entries : of) {
         const auto at = entries->find(key);
         if (at == entries->end()) break;
         values.push_back(&at->second.values);
@@ -218,14 +222,14 @@ class InpExtension {
       if (values.size() < of.size()) is_complete = false;
       if (values.size() < of.size() || !has_own_line) continue;
       values.resize(std::min(values.size(), with_value));
-      std::optional<Fields> found = between(values, weights, condition_.kind != Condition::members);
+      std::optional<ValueFields> found = value_between(values, weights, condition_.kind != ConditionKind::members);
       if (found) {
         added_[i][key] = {std::move(*found), true};
       } else {
         is_complete = false;
       }
     }
-    const auto has_more = [&of](const Entries* entries) { return entries->size() > of.front()->size(); };
+    const auto has_more = [&of](const NodeValues* entries) { return entries->size() > of.front()->size(); };
     if (is_field() && (!is_complete || std::any_of(of.begin(), of.end(), has_more))) ++missing_;
   }
 
@@ -234,8 +238,8 @@ class InpExtension {
   const std::vector<InpInserted>& inserted_;
   const InpCondition& condition_;
   InpConditionReader reader_;
-  std::map<Index, Entries> entries_;  ///< of nodes of the deck
-  std::vector<Entries> added_;        ///< per inserted node
+  std::map<Index, NodeValues> entries_;  ///< of nodes of the deck
+  std::vector<NodeValues> added_;        ///< per inserted node
   bool names_middles_ = false;
   std::size_t missing_ = 0;
 };
