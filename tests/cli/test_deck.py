@@ -217,10 +217,10 @@ class Decks(CliTest):
         self.assertEqual([before.nodes[v] for v in labels], [after.nodes[v] for v in labels])
         self.assert_follows(before, after)
 
-    def stretched(self, by):
+    def stretched(self):
         """A block() of long elements, into whose edges vertices are inserted."""
         return re.sub(r"(?m)^50(\d{8}), ([^,]+), ([^,]+), ([^,]+)$",
-                      lambda m: f"50{m[1]}, {m[2]}, {by * float(m[3])!r}, {m[4]}", block(4, jitter=0.1)).replace("50000", "1")
+                      lambda m: f"50{m[1]}, {m[2]}, {10 * float(m[3])!r}, {m[4]}", block(4, jitter=0.1)).replace("50000", "1")
 
     def card(self, path, name):
         """The fields of the data lines of the first card with this keyword line."""
@@ -229,7 +229,7 @@ class Decks(CliTest):
         return [[field.strip() for field in row.split(",")] for row in rows if row]
 
     def test_supports_on_lines_have_the_nodes_that_are_inserted_on_them(self):
-        text = self.stretched(10)
+        text = self.stretched()
         nodes = self.deck_of(text).nodes
         rim = [v for v, p in nodes.items() if p[0] == 1 and p[2] == 0]
         listed = [v for v, p in nodes.items() if p[0] == 1 and p[2] == 1]
@@ -248,7 +248,7 @@ class Decks(CliTest):
         def temperature(p):
             return 20 + 50 * p[0] + 10 * p[1] - 30 * p[2]
 
-        text = self.stretched(6)
+        text = block(4, jitter=0.25).replace("50000", "1")
         nodes = self.deck_of(text).nodes
         text = re.sub(r"(\*ELASTIC\n.*\n)", r"\1*EXPANSION\n1.E-5\n", text).replace(
             "*STEP", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n" + "".join(f"{v}, 20.\n" for v in nodes) + "*STEP", 1)
