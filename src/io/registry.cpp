@@ -48,6 +48,14 @@ std::string ending_of(const std::string& path) {
   return ending == ".gz" ? name.stem().extension().string() + ending : ending;
 }
 
+/// Advice on files of formats that are not read, or nothing.
+std::string advice_on(const std::string& ending) {
+  if (ending == ".cdb") return "; the Python package mapdl-archive converts archives of ANSYS to .vtu";
+  if (ending == ".fem") return "; a deck of OptiStruct is one of Nastran: name it .bdf";
+  if (ending == ".dat") return "; if it is a deck of Nastran, name it .bdf, if one of Abaqus or CalculiX, .inp";
+  return {};
+}
+
 const Format& format_of(const std::string& path, Access access) {
   const std::string ending = ending_of(path);
   bool other_way = false;
@@ -59,12 +67,13 @@ const Format& format_of(const std::string& path, Access access) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path_of(path), ignored)) throw FileError(path + ": is a folder; give a file name");
   const bool is_write = access == Access::write;
+  const std::string advice = is_write || other_way ? std::string() : advice_on(ending);
   throw FileError(path + ": tetune " +
                   (!other_way ? "does not "
                    : is_write ? "reads, but does not "
                               : "writes, but does not ") +
-                  (is_write ? "write" : "read") + " files of ending \"" + ending +
-                  "\"; known endings: " + endings(access));
+                  (is_write ? "write" : "read") + " files of ending \"" + ending + "\"" + advice +
+                  "; known endings: " + endings(access));
 }
 
 /// Throws FileError where arrays of tags or data differ in length from those of their elements, by which writers index

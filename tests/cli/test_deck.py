@@ -8,10 +8,13 @@ import unittest
 
 import cli_case
 from cli_case import CliTest, Mesh, cube, with_triangles
-from deck import FACES, Deck, block, contact, numbers
+from deck import FACES, Deck, block, contact, lines, numbers
 
 
 class Decks(CliTest):
+    def deck_of(self, text):
+        return Deck(self.put("text.inp", text))
+
     def assert_close(self, a, b):
         self.assertEqual(len(a), len(b))
         for x, y in zip(a, b):
@@ -174,8 +177,11 @@ class Decks(CliTest):
                 (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3\n", "a.inp:7: the element has fewer than 4 nodes"),
                 (head + "*ELEMENT\n1, 1, 2, 3, 4\n", "a.inp:6: *ELEMENT has no TYPE"),
                 (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D10\n", "use one of both kinds in a deck"),
-                (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 9\n", "element 1 has the node 9, which is not defined"),
-                (head + head + tet, "node 4 is defined twice"), (head + tet + tet, "element 1 is defined twice"),
+                (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 9\n", "a.inp:7: element 1 has the node 9, which is not defined"),
+                (head + head + tet, "a.inp:10: node 4 is defined twice, first at "), (head + tet + tet, "a.inp:9: element 1 is defined twice, first at "),
+                (head + tet + "*ELEMENT, TYPE=T3D2\n2, 1, 2\n1, 1, 2\n", "a.inp:10: element 1 is defined twice"),
+                ("/PREP7\nN,1,0.,0.,0.\n", "a.inp:1: this is a deck of ANSYS (/PREP7)"),
+                ("! mesh\n*SET,a,1\nn,1,0,0,0\n", "a.inp:2: this is a deck of ANSYS (*SET)"),
                 (head, "the deck has no *ELEMENT card"), (tet, "the deck has no *NODE card"), (head + tet + "*NGEN\n1, 4, 1\n", "a.inp:8: *NGEN: this card generates"),
                 (head + tet + "*NSET\n1\n", "*NSET has no name"), (head + tet + "*ELSET, ELSET=A\nB\n", "lists B, which is not"),
                 (head + tet + "*NSET, NSET=A, GENERATE\n1, 2, 0\n", "FIRST, LAST, STEP")):
@@ -198,6 +204,72 @@ class Decks(CliTest):
             self.assertEqual(time, 1)
             self.assertAlmostEqual(reaction, -70, places=3)  # the pressure times the area
             self.assertAlmostEqual(displacement / results[0][5], 1, delta=0.02)
+
+    def test_loads_on_each_node_of_a_set_keep_their_total(self):
+        text = block(5)
+        labels = [v for v, p in self.deck_of(text).nodes.items() if p[0] == 1]
+        self.put("a.inp", text.replace("*STEP", "*NSET, NSET=PULLED\n" + lines(labels) + "*STEP", 1).replace(
+            "*DLOAD", "*CLOAD\nPULLED, 1, 2.\n*DLOAD"))
+        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
+        before, after = Deck(self.path("a.inp")), Deck(self.path("b.inp"))
+        self.assertNotEqual(set(before.nodes), set(after.nodes))
+        self.assertEqual(after.nsets["PULLED"], set(labels))
+        self.assertEqual([before.nodes[v] for v in labels], [after.nodes[v] for v in labels])
+        self.assert_follows(before, after)
+
+    def stretched(self):
+        """A block() of long elements, into whose edges vertices are inserted."""
+        return re.sub(r"(?m)^50(\d{8}), ([^,]+), ([^,]+), ([^,]+)$",
+                      lambda m: f"50{m[1]}, {m[2]}, {10 * float(m[3])!r}, {m[4]}", block(4, jitter=0.1)).replace("50000", "1")
+
+    def card(self, path, name):
+        """The fields of the data lines of the first card with this keyword line."""
+        text = self.read_bytes(path).decode()
+        rows = text[text.index(name + "\n") + len(name) + 1:].split("\n*")[0].split("\n")
+        return [[field.strip() for field in row.split(",")] for row in rows if row]
+
+    def test_supports_on_lines_have_the_nodes_that_are_inserted_on_them(self):
+        text = self.stretched()
+        nodes = self.deck_of(text).nodes
+        rim = [v for v, p in nodes.items() if p[0] == 1 and p[2] == 0]
+        listed = [v for v, p in nodes.items() if p[0] == 1 and p[2] == 1]
+        self.put("a.inp", text.replace("*STEP", "*NSET, NSET=RIM\n" + lines(rim) + "*BOUNDARY\nRIM, 1, 3\n"
+                                       + "".join(f"{v}, 3\n" for v in listed) + "*STEP", 1))
+        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
+        after = Deck(self.path("b.inp"))
+        self.assertGreater(len(after.nsets["RIM"]), len(rim))
+        self.assertEqual(after.nsets["RIM"], {v for v, p in after.nodes.items() if p[0] == 1 and p[2] == 0})
+        rows = self.card("b.inp", "*BOUNDARY")
+        self.assertEqual(rows[0], ["RIM", "1", "3"])
+        self.assertGreater(len(rows), len(listed) + 1)
+        self.assertEqual({int(row[0]) for row in rows[1:]}, {v for v, p in after.nodes.items() if p[0] == 1 and p[2] == 1})
+
+    def test_inserted_nodes_have_temperatures(self):
+        def temperature(p):
+            return 20 + 50 * p[0] + 10 * p[1] - 30 * p[2]
+
+        text = block(4, jitter=0.25).replace("50000", "1")
+        nodes = self.deck_of(text).nodes
+        text = re.sub(r"(\*ELASTIC\n.*\n)", r"\1*EXPANSION\n1.E-5\n", text).replace(
+            "*STEP", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n" + "".join(f"{v}, 20.\n" for v in nodes) + "*STEP", 1)
+        self.put("a.inp", text.replace("*DLOAD", "*TEMPERATURE\n" + "".join(f"{v}, {temperature(p)!r}\n" for v, p in nodes.items())
+                                       + "*DLOAD").replace("*NODE PRINT, NSET=LOAD\nU", "*NODE PRINT, NSET=NALL\nNT"))
+        self.run_cli("optimize", self.path("a.inp"), "-o", self.path("b.inp"), "--effort", "best")
+        after = Deck(self.path("b.inp"))
+        self.assertGreater(len(after.nodes), len(nodes))
+        for name, expected in (("*INITIAL CONDITIONS, TYPE=TEMPERATURE", lambda p: 20), ("*TEMPERATURE", temperature)):
+            found = {int(v): float(t) for v, t in self.card("b.inp", name)}
+            self.assertEqual(set(found), set(after.nodes))
+            for v, t in found.items():
+                self.assertAlmostEqual(t, expected(after.nodes[v]), places=9)
+        if shutil.which("ccx") is None:
+            self.skipTest("SKIPPED, NOT TESTED: no CalculiX (Debian: calculix-ccx)")
+        subprocess.run(["ccx", "b"], cwd=self.folder, check=True, capture_output=True, timeout=cli_case.HANG)
+        printed = (self.folder / "b.dat").read_text().split("temperatures for set NALL")[1]
+        found = dict(re.findall(r"(?m)^ +(\d+) +(\S+)$", printed))
+        self.assertEqual(set(map(int, found)), set(after.nodes))
+        for v, t in found.items():
+            self.assertAlmostEqual(float(t), temperature(after.nodes[int(v)]), places=3)
 
     def test_surfaces_in_contact_stay_in_contact(self):
         self.put("a.inp", contact())

@@ -177,6 +177,10 @@ class Refusals(CliTest):
         self.optimize_refused(self.put("in.stl", "solid"), said=["in.stl", ".mesh"])
         self.refused("optimize", self.put("in.mesh", cube(1)), "-o", self.path("out.stl"), said=["out.stl", ".mesh"])
 
+    def test_endings_of_other_programs_have_advice(self):
+        for name, advice in (("in.cdb", "mapdl-archive"), ("in.fem", "name it .bdf"), ("in.dat", ".inp; known endings")):
+            self.optimize_refused(self.put(name, "x"), said=[advice])
+
     def test_full_disk(self):
         """A write that fails midway leaves the old file."""
         def limit():

@@ -202,7 +202,7 @@ def inp(points, tets, extra):
              + "*NSET, NSET=N\n1, 11, 21, 31\n*NSET, NSET=M, UNSORTED\n41, N\n*NSET, NSET=E, ELSET=B\n"
              + "*SURFACE, NAME=TOP\n_S1, S1\n10, S2\n*SURFACE, NAME=P, TYPE=NODE\nN,\n"
              + "*STEP\n*BOUNDARY\nN, 1, 3\n11, 1\n*DLOAD\n7, P3, 2.\nC, GRAV, 9.81, 0, 0, -1\n*EQUATION\n2\n1, 1, 1., 11, 1, -1.\n"
-             + "*END STEP\n")
+             + "*TEMPERATURE\nN, 3.\n" + rows((10 * v + 1, 20 + p[0], 1.5) for v, p in enumerate(points)) + "*END STEP\n")
     return text.encode()
 
 

@@ -160,6 +160,18 @@ TEST_F(Inp, SetsInPairedSetsAreHeld) {
   EXPECT_TRUE(contains(read_error(put("a.inp", kTwoTets + of_elements + pairs)), "a.inp:12: the order of the set C"));
 }
 
+TEST_F(Inp, SetsWithALoadOnEachNodeAreHeld) {
+  const std::string face = kTwoTets + "*NSET, NSET=FACE\n10, 20, 30\n";
+  EXPECT_TRUE(read_mesh(put("a.inp", face + "*BOUNDARY\nFACE, 1, 3\n"), nullptr, 1).required_vertices.empty());
+  for (const char* card : {"*CLOAD\nface, 3, -1.\n", "*CFLUX, OP=NEW\nFACE, 11, 1.\n"}) {
+    const TetMesh m = read_mesh(put("a.inp", face + card), nullptr, 1);
+    EXPECT_EQ(m.required_vertices, (std::vector<Index>{0, 1, 2})) << card;
+    EXPECT_TRUE(m.triangles.empty());
+  }
+  const std::string all = kTwoTets + "*ELSET, ELSET=E\n7\n*NSET, NSET=ALL, ELSET=E\n*CLOAD\nALL, 3, 1.\n";
+  EXPECT_TRUE(contains(read_error(put("b.inp", all)), "b.inp:12: a load acts on each node of the set ALL"));
+}
+
 TEST_F(Inp, OtherElementsAreHeld) {
   const std::string cards =
       "*ELEMENT, TYPE=S3R\n100, 10, 20, 30\n*ELEMENT, TYPE=B31\n101, 10, 20\n*ELEMENT, TYPE=S4\n102, 10, 20, 30, 40\n"

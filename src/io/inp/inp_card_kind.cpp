@@ -46,17 +46,36 @@ constexpr std::array kWithoutLabels{
 
 using Fields = InpCardKind::Fields;
 
+/// What the lines of a card give nodes.
+InpCardKind::Condition condition_of(const InpKeyword& keyword) {
+  using Condition = InpCardKind::Condition;
+  static constexpr std::array kFields{"TEMPERATURE", "FIELD", "NODALTHICKNESS", "PRESSURESTRESS"};
+  static constexpr std::array kInitialFields{"TEMPERATURE", "FIELD", "PRESSURE"};
+  static constexpr std::array kInitialComponents{"DISPLACEMENT", "VELOCITY", "FLUIDVELOCITY"};
+  const std::string* type = keyword.find("TYPE");
+  const std::string of = type == nullptr ? std::string() : inp_name(*type);
+  if (is_one_of(keyword.name, kFields)) return Condition::field;
+  if (keyword.name == "BOUNDARY") return Condition::range;
+  if (keyword.name == "SURFACE" && of == "NODE") return Condition::members;
+  if (keyword.name != "INITIALCONDITIONS") return Condition::none;
+  if (is_one_of(of, kInitialFields)) return Condition::field;
+  return is_one_of(of, kInitialComponents) ? Condition::components : Condition::none;
+}
+
 /// The fields of cards with special syntax, or of one that is not known.
 void find_fields(const InpKeyword& keyword, InpCardKind& kind) {
   static constexpr std::array kOfNodes{"BOUNDARY",          "CLOAD", "CFLUX",     "TEMPERATURE",      "NODALTHICKNESS",
                                        "RETAINEDNODALDOFS", "FIELD", "BOUNDARYF", "CONCENTRATEDFLUX", "MASSFLOWRATE",
                                        "PRESSURESTRESS"};
+  static constexpr std::array kPerNode{"CLOAD", "CFLUX",    "CONCENTRATEDFLUX", "CFILM",
+                                       "CFLOW", "CRADIATE", "CECHARGE",         "CECURRENT"};
   static constexpr std::array kOfElementConditions{"STRESS", "PLASTICSTRAIN", "SOLUTION", "HARDENING"};
   const std::string& name = keyword.name;
   const std::string* type = keyword.find("TYPE");
   if (is_one_of(name, kWithoutLabels)) return;
   kind.nodes = kind.elements = Fields::first;
   if (is_one_of(name, kOfNodes)) kind.elements = Fields::none;
+  kind.is_per_node = is_one_of(name, kPerNode);
   if (kind.has_faces) kind.nodes = Fields::none;
   if (name == "MODELCHANGE") kind = {Fields::none, Fields::every};
   if (name == "SUBMODEL") kind = {Fields::every, Fields::none};
@@ -99,6 +118,7 @@ InpCardKind inp_card_kind(const InpKeyword& keyword) {
     kind.has_faces = of_elements && !keyword.has("COMBINE") && !keyword.has("CROP");
   }
   find_fields(keyword, kind);
+  kind.condition = condition_of(keyword);
   return kind;
 }
 

@@ -14,6 +14,13 @@ struct InpCardKind {
   bool has_faces = false;
   /// It relates the nodes of sets one by one.
   bool pairs = false;
+  /// Its load acts on each node of a set: the total would change with their number.
+  bool is_per_node = false;
+  /// What follows a node or set of nodes in a line of values:
+  /// field: values, which vary linearly between the nodes; components: the number of a component, and such values;
+  /// range: the first and last degree of freedom, and a value; members: nothing.
+  enum class Condition { none, field, components, range, members };
+  Condition condition = Condition::none;
   /// Why such decks are refused, or nullptr.
   const char* refusal = nullptr;
 };

@@ -17,6 +17,7 @@ void note_name(std::string_view field, const InpCardKind& kind, InpScan& scan) {
   if (!starts_name(field)) return;
   std::string name = inp_name(field);
   if (kind.pairs) scan.paired.insert(name);
+  if (kind.is_per_node) scan.loaded.insert(name);
   scan.mentioned.insert(std::move(name));
 }
 
@@ -83,6 +84,7 @@ void read_inp_tets(InpCursor& cursor, Index set, InpScan& scan) {
 }
 
 void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, InpScan& scan) {
+  const char* const line = cursor.at();
   const std::int64_t label = cursor.label("number of an element");
   const std::size_t first = scan.other_nodes.size();
   const std::size_t expected = to_size_t(type.nodes);
@@ -105,7 +107,7 @@ void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, In
     cursor.fail("element " + std::to_string(label) + " has " + std::to_string(scan.other_nodes.size() - first) +
                 " nodes instead of " + std::to_string(expected));
   }
-  scan.others.push_back({to_index(scan.model.element_labels.size()), type, first, scan.other_nodes.size()});
+  scan.others.push_back({to_index(scan.model.element_labels.size()), type, first, scan.other_nodes.size(), line});
   add_element(scan, label, -1, set);
   check_count(cursor, scan.other_nodes.size(), kMaxEntries);
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/inp/inp_card_kind.hpp"
 #include "io/number_index.hpp"
 #include "io/registry.hpp"
 #include "tetune/mesh.hpp"
@@ -17,10 +18,11 @@ namespace tetune {
 
 /// A part of the text of a deck, in the order of the file; the contents of included files stand in their place.
 struct InpPiece {
-  enum class Kind { text, nodes, tets, set, faces };
+  enum class Kind { text, nodes, tets, set, faces, condition };
   Kind kind = Kind::text;
   std::string_view text;
-  /// Of kind nodes and tets: the card; set: the position in InpModel::set_cards; faces: in face_cards.
+  /// Of kind nodes and tets: the card; set: the position in InpModel::set_cards; faces: in face_cards; condition: in
+  /// conditions.
   Index card = -1;
   /// The nodes or tetrahedra that it defines, one after another.
   Index first = 0, last = 0;
@@ -51,6 +53,9 @@ struct InpSet {
   bool is_auxiliary = false;
   /// Whether every member of a set of nodes keeps its position.
   bool is_held = false;
+  /// Of another set of nodes, the vertices of tetrahedra that are in none of its regions and patches, and keep their
+  /// position; ascending.
+  std::vector<Index> rest;
   /// Tags of the regions in a set of elements; of those with all vertices in a set of nodes.
   std::vector<int> regions;
   /// Tags of the quadrilaterals in a set of elements.
@@ -99,6 +104,21 @@ struct InpFaceCard {
   std::string name;           ///< of a *SURFACE
   std::string other_lines;    ///< that are no faces of tetrahedra
   std::vector<Index> groups;  ///< positions in InpModel::face_groups
+};
+
+/// A data line with values of a node, or of each node of a set.
+struct InpConditionLine {
+  std::string_view text;
+  Index node = -1, set = -1;  ///< one of them, or none where it does not exist
+};
+
+/// The lines of all cards with one keyword line in one step.
+struct InpCondition {
+  std::string name;  ///< of the cards, as written
+  InpCardKind::Condition kind;
+  std::vector<InpConditionLine> lines;
+  /// The piece of the last line that names a node by number: lines of inserted nodes follow it. -1: there is none.
+  Index last_piece = -1;
 };
 
 /// A face of a patch belongs to a group by the tetrahedron on one of its sides.
@@ -150,6 +170,7 @@ struct InpModel {
   std::vector<InpSetCard> set_cards;
   std::vector<InpFaceGroup> face_groups;
   std::vector<InpFaceCard> face_cards;
+  std::vector<InpCondition> conditions;
 
   std::vector<InpRegion> regions;  ///< by tag, ascending
   std::vector<InpPatch> patches;   ///< by tag, ascending

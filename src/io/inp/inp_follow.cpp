@@ -6,7 +6,9 @@
 #include <map>
 #include <set>
 
+#include "io/inp/inp_conditions.hpp"
 #include "io/inp/inp_faces.hpp"
+#include "io/inp/inp_inserted.hpp"
 
 namespace tetune {
 namespace {
@@ -41,7 +43,9 @@ class InpFollower {
   InpFollower(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles)
       : model_(model), mesh_(mesh), match_(match), middles_(middles), additions_(model.sets.size()) {}
 
-  InpChanges follow() {
+  InpChanges follow(const IoContext& context) {
+    inserted_ = find_inp_inserted(model_, mesh_, match_, middles_);
+    changes_.conditions = extend_inp_conditions(model_, match_, inserted_, context);
     changes_.cards_after_tets.resize(model_.tet_cards.size());
     faces_ = find_inp_faces(model_, mesh_, match_);
     follow_faces();
@@ -180,6 +184,7 @@ class InpFollower {
     changes_.appends_nodes = true;
     for (std::size_t i = 0; i < sets_of.size(); ++i) {
       sets_of[i] = sets_with(regions[i], patches[i], middles_ != nullptr && middles_->is_middle(match_.inserted[i]));
+      join_sets(i, vertex2inserted, sets_of);
       if (set_of_card >= 0 && !has(sets_of[i], set_of_card)) changes_.appends_nodes = false;
     }
     std::set<Index> all;
@@ -189,6 +194,26 @@ class InpFollower {
       all.insert(sets_of[i].begin(), sets_of[i].end());
     }
     changes_.cards_after_nodes = further_cards({all.begin(), all.end()});
+  }
+  /// Adds the sets that have nodes beside their regions and patches and that an inserted node joins by its place.
+  void join_sets(std::size_t i, const std::vector<Index>& vertex2inserted, std::vector<std::vector<Index>>& sets_of) {
+    if (inserted_.empty()) return;
+    const InpInserted& node = inserted_[i];
+    for (Index s = 0; s < std::ssize(model_.sets); ++s) {
+      const InpSet& set = span_of(model_.sets)[s];
+      if (set.rest.empty() || has(sets_of[i], s)) continue;
+      const auto is_member = [&set](Index v) { return std::binary_search(set.members.begin(), set.members.end(), v); };
+      const auto is_of_rest = [&set](Index v) { return std::binary_search(set.rest.begin(), set.rest.end(), v); };
+      const auto has_end = [&](Index v) {
+        const Index n = span_of(vertex2inserted)[v];
+        return n >= 0 ? has(span_of(sets_of)[n], s) : is_member(span_of(match_.vertex2node)[v]);
+      };
+      const bool joins = node.is_middle() ? !set.middles.empty() && node.has_inserted_end &&
+                                                std::all_of(node.ends.begin(), node.ends.end(), has_end)
+                                          : std::all_of(node.support.begin(), node.support.end(), is_member) &&
+                                                std::any_of(node.support.begin(), node.support.end(), is_of_rest);
+      if (joins) sets_of[i].push_back(s);
+    }
   }
   /// The sets of nodes that have all vertices of one of these regions or patches.
   std::vector<Index> sets_with(const std::set<int>& regions, const std::set<int>& patches, bool is_middle) const {
@@ -244,14 +269,16 @@ class InpFollower {
   const Middles* middles_;
   std::map<Index, std::set<std::int64_t>> auxiliary_members_;  ///< numbers of elements, by set
   std::vector<std::vector<InpLabeledFace>> faces_;             ///< per face group
+  std::vector<InpInserted> inserted_;                          ///< per inserted node
   std::vector<std::vector<std::int64_t>> additions_;           ///< per set
   InpChanges changes_;
 };
 
 }  // namespace
 
-InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles) {
-  return InpFollower(model, mesh, match, middles).follow();
+InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles,
+                      const IoContext& context) {
+  return InpFollower(model, mesh, match, middles).follow(context);
 }
 
 }  // namespace tetune

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/inp/inp_match.hpp"
+#include "io/io_context.hpp"
 #include "io/second_order.hpp"
 
 namespace tetune {
@@ -18,11 +19,14 @@ struct InpChanges {
   bool appends_nodes = false;
   /// Further cards of sets, after the last node.
   std::string cards_after_nodes;
+  /// Lines of inserted nodes, per entry of InpModel::conditions.
+  std::vector<std::string> conditions;
   /// Likewise after the last tetrahedron of each *ELEMENT card.
   std::vector<std::string> cards_after_tets;
 };
 
 /// Finds the sets and surfaces of a deck in a mesh. Throws FileError where one of them is lost.
-InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles);
+InpChanges follow_inp(const InpModel& model, const TetMesh& mesh, const InpMatch& match, const Middles* middles,
+                      const IoContext& context);
 
 }  // namespace tetune

@@ -49,8 +49,13 @@ class InpPatches {
     sort_unique(held_);
     mesh_.required_vertices.insert(mesh_.required_vertices.end(), held_.begin(), held_.end());
     if (held_.size() <= std::max(kFewHeld, mesh_.points.size() / kFewHeld)) return;
-    context_.warn(std::to_string(held_.size()) + " nodes of the sets " + names_of_held_ +
-                  " keep their place, as no region and no part of the boundary has these sets as its nodes");
+    const char* const reason = !is_any_single_ ? "no region and no part of the boundary has these sets as its nodes"
+                               : is_any_rest_
+                                   ? "no region and no part of the boundary has these sets as its nodes, or as "
+                                     "other cards take their nodes one by one"
+                                   : "other cards take their nodes one by one";
+    context_.warn(std::to_string(held_.size()) + " nodes of the sets " + names_of_held_ + " keep their place, as " +
+                  reason);
   }
 
  private:
@@ -97,10 +102,13 @@ class InpPatches {
 
   // Sets of nodes.
 
-  /// Holds the sets whose nodes other cards pair, and those nested in them. Throws FileError where one of these has the
-  /// nodes of elements, which change.
+  /// Holds the sets whose nodes other cards pair or load one by one, and those nested in them. Throws FileError where
+  /// one of these has the nodes of elements, which change.
   void hold_sets() {
-    for (InpSet& set : model_.sets) set.is_held |= set.of_nodes && scan_.paired.count(inp_name(set.name)) != 0;
+    for (InpSet& set : model_.sets) {
+      const std::string name = inp_name(set.name);
+      set.is_held |= set.of_nodes && (scan_.paired.count(name) != 0 || scan_.loaded.count(name) != 0);
+    }
     for (bool is_changed = true; is_changed;) {
       is_changed = false;
       for (const InpSetCard& card : model_.set_cards) {
@@ -115,8 +123,10 @@ class InpPatches {
     for (std::size_t c = 0; c < model_.set_cards.size(); ++c) {
       const InpSet& set = span_of(model_.sets)[model_.set_cards[c].set];
       if (!set.is_held || !model_.set_cards[c].follows_elements) continue;
-      scan_.set_places[c].fail("the order of the set " + set.name +
-                               " matters, and its nodes would change with the elements; list them by number");
+      const bool is_loaded = scan_.loaded.count(inp_name(set.name)) != 0;
+      scan_.set_places[c].fail((is_loaded ? "a load acts on each node of the set " + set.name + ", and these nodes"
+                                          : "the order of the set " + set.name + " matters, and its nodes") +
+                               " would change with the elements; list them by number");
     }
   }
 
@@ -251,14 +261,16 @@ class InpPatches {
     }
     for (const Index v : reached) span_of(mark_)[v] = kCovered;
   }
-  void hold_rest(const InpSet& set) {
+  void hold_rest(InpSet& set) {
     const std::size_t before = held_.size();
     for (const Index v : set.members) {
       if (!is_uncovered(v)) continue;
       const CsrView corners = vertex2corner();
       if (corners.size(v) > 0) held_.push_back(v);
     }
+    if (!set.is_held) set.rest.assign(held_.begin() + std::ptrdiff_t(before), held_.end());
     if (held_.size() == before) return;
+    (set.is_held ? is_any_single_ : is_any_rest_) = true;
     names_of_held_ += (names_of_held_.empty() ? "" : ", ") + set.name;
   }
 
@@ -325,6 +337,8 @@ class InpPatches {
   std::vector<std::uint8_t> mark_;
   std::vector<Index> held_;
   std::string names_of_held_;
+  /// Whether some of these sets are held as a whole; and some as they are no nodes of regions and patches.
+  bool is_any_single_ = false, is_any_rest_ = false;
 };
 
 }  // namespace

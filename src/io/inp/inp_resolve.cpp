@@ -19,10 +19,8 @@ class InpResolver {
   void resolve() {
     model_.nodes = NumberIndex(model_.node_labels);
     model_.elements = NumberIndex(model_.element_labels);
-    if (model_.nodes.repeated() >= 0) fail("node " + std::to_string(model_.nodes.repeated()) + " is defined twice");
-    if (model_.elements.repeated() >= 0) {
-      fail("element " + std::to_string(model_.elements.repeated()) + " is defined twice");
-    }
+    refuse_repeated();
+    if (model_.points.empty()) refuse_ansys_deck(path_, model_.files.front());
     if (model_.points.empty()) fail("the deck has no *NODE card with nodes");
     if (model_.element_labels.empty()) fail("the deck has no *ELEMENT card with elements");
     mesh_.points = model_.points;
@@ -32,16 +30,41 @@ class InpResolver {
     for (const InpOther& other : scan_.others) resolve_other(other);
     resolve_sets();
     resolve_faces();
+    resolve_conditions();
   }
 
  private:
   [[noreturn]] void fail(const std::string& text) const { throw FileError(path_ + ": " + text); }
 
+  /// The place where an element is defined.
+  InpPlace place_of_element(Index element) const {
+    const Index tet = span_of(model_.element2tet)[element];
+    if (tet >= 0) return scan_.place_of(span_of(model_.tet_lines)[tet]);
+    const auto is_before = [](const InpOther& other, Index e) { return other.element < e; };
+    return scan_.place_of(std::lower_bound(scan_.others.begin(), scan_.others.end(), element, is_before)->line);
+  }
+  void refuse_repeated() const {
+    const auto refuse = [](const char* kind, const std::vector<std::int64_t>& labels, std::int64_t repeated,
+                           const auto& place_of) {
+      if (repeated < 0) return;
+      const auto second = std::find(labels.rbegin(), labels.rend(), repeated);
+      const auto first = std::find(labels.begin(), labels.end(), repeated);
+      const InpPlace other = place_of(to_index(first - labels.begin()));
+      place_of(to_index(labels.rend() - second - 1))
+          .fail(std::string(kind) + " " + std::to_string(repeated) + " is defined twice, first at " + other.file + ":" +
+                std::to_string(other.line));
+    };
+    refuse("node", model_.node_labels, model_.nodes.repeated(),
+           [this](Index node) { return scan_.place_of(span_of(model_.node_lines)[node]); });
+    refuse("element", model_.element_labels, model_.elements.repeated(),
+           [this](Index element) { return place_of_element(element); });
+  }
+
   Index node_of(std::int64_t label, Index element) const {
     const Index node = model_.node(label);
     if (node >= 0) return node;
-    fail("element " + std::to_string(span_of(model_.element_labels)[element]) + " has the node " +
-         std::to_string(label) + ", which is not defined");
+    place_of_element(element).fail("element " + std::to_string(span_of(model_.element_labels)[element]) +
+                                   " has the node " + std::to_string(label) + ", which is not defined");
   }
 
   void resolve_tets() {
@@ -177,6 +200,21 @@ class InpResolver {
                     " lines of this card have elements or sets that do not exist");
     }
     for (InpFaceGroup& group : model_.face_groups) sort_unique(group.faces);
+  }
+
+  void resolve_conditions() {
+    for (InpCondition& condition : model_.conditions) {
+      for (InpConditionLine& line : condition.lines) {
+        const std::vector<std::string_view> fields = inp_fields(line.text);
+        std::int64_t label = 0;
+        if (fields.empty()) continue;
+        if (parse_inp_integer(fields[0], label)) {
+          line.node = model_.node(label);
+        } else {
+          line.set = find_set(true, std::string(fields[0]));
+        }
+      }
+    }
   }
 
   void resolve_face_line(const InpFaceLine& line, std::size_t c) {

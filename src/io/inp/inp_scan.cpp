@@ -3,7 +3,9 @@
 #include "io/inp/inp_scan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <functional>
 
 #include "io/inp/inp_card_kind.hpp"
 #include "io/inp/inp_cursor.hpp"
@@ -60,19 +62,21 @@ class InpScanner {
     model_.newline = has_return ? "\r\n" : "\n";
     read_file(main_path_, std::move(bytes));
     if (!has_keyword_) {
+      refuse_ansys_deck(main_path_, model_.files.front());
       throw FileError(main_path_ + ": this is not an Abaqus or CalculiX deck: it has no keyword lines (*...)");
     }
     return std::move(scan_);
   }
 
  private:
-  enum class Mode { text, nodes, tets, others, set, faces };
+  enum class Mode { text, nodes, tets, others, set, faces, condition };
 
   void read_file(const std::string& path, std::string bytes) {
     if (bytes.find('\0') != std::string::npos) throw FileError(path + ": this is a binary file, and no deck in text");
     if (!stack_.empty() && !bytes.empty() && bytes.back() != '\n') bytes += model_.newline;
     stack_.push_back(path);
     model_.files.push_back(std::move(bytes));
+    scan_.paths.push_back(path);
     cursor_ = InpCursor(path, model_.files.back());
     const char* const begin = cursor_.at();
     if (cursor_.take_byte_order_mark()) add_piece(InpPiece::Kind::text, begin);
@@ -124,6 +128,8 @@ class InpScanner {
     if (!start_card(keyword, start, where)) {
       add_piece(InpPiece::Kind::text, start);
       for (const auto& [key, value] : keyword.parameters) note_inp_parameter(key, value, kind_, scan_);
+      if (keyword.name == "STEP") ++step_;
+      if (kind_.condition != InpCardKind::Condition::none) start_condition(keyword, head_from(start));
     }
   }
 
@@ -142,6 +148,17 @@ class InpScanner {
     scan_.face_lines.emplace_back();
     scan_.face_places.push_back(where);
     return true;
+  }
+
+  void start_condition(const InpKeyword& keyword, std::string_view head) {
+    mode_ = Mode::condition;
+    std::string key = std::to_string(step_) + "," + keyword.name;
+    for (const auto& [parameter, value] : keyword.parameters) key += "," + parameter + "=" + inp_name(value);
+    const auto [at, is_new] = condition_of_.try_emplace(std::move(key), model_.conditions.size());
+    condition_ = at->second;
+    if (!is_new) return;
+    head.remove_prefix(head.find('*') + 1);
+    model_.conditions.push_back({std::string(head.substr(0, head.find_first_of(",\r\n"))), kind_.condition, {}, -1});
   }
 
   bool start_nodes(const InpKeyword& keyword, const char* start, const InpPlace& where) {
@@ -251,9 +268,25 @@ class InpScanner {
       case Mode::faces:
         read_inp_face_line(cursor_, kind_, scan_);
         return add_piece(InpPiece::Kind::faces, start, model_.face_cards.size() - 1);
+      case Mode::condition:
+        return read_condition_line();
       case Mode::text:
         note_inp_data(inp_fields(cursor_.take_line()), kind_, scan_);
         return add_piece(InpPiece::Kind::text, start);
+    }
+  }
+
+  void read_condition_line() {
+    const char* const start = cursor_.at();
+    const std::string_view line = cursor_.take_line();
+    const std::vector<std::string_view> fields = inp_fields(line);
+    note_inp_data(fields, kind_, scan_);
+    add_piece(InpPiece::Kind::condition, start, condition_);
+    InpCondition& condition = model_.conditions[condition_];
+    condition.lines.push_back({line});
+    std::int64_t label = 0;
+    if (!fields.empty() && parse_inp_integer(fields[0], label)) {
+      condition.last_piece = to_index(model_.pieces.size() - 1);
     }
   }
 
@@ -269,6 +302,8 @@ class InpScanner {
   InpCardKind kind_;
   InpElementType type_;
   Index element_set_ = -1;
+  std::size_t step_ = 0, condition_ = 0;
+  std::map<std::string, std::size_t> condition_of_;  ///< by step and keyword line
 };
 
 }  // namespace
@@ -277,6 +312,32 @@ std::vector<std::string> included_inp_files(const std::string& path) {
   std::vector<std::string> found;
   add_included(path, path, found);
   return found;
+}
+
+InpPlace InpScan::place_of(const char* at) const {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::string& text = model.files[i];
+    const char* const begin = text.data();
+    if (std::less<>()(at, begin) || !std::less<>()(at, begin + text.size())) continue;
+    return {paths[i], 1 + std::count(begin, at, '\n')};
+  }
+  return {paths.front(), 1};
+}
+
+void refuse_ansys_deck(const std::string& path, std::string_view text) {
+  static constexpr std::array kCommands{"/PREP7", "/BATCH", "/COM",   "/TITLE", "/NOPR", "/FILNAME", "/CLEAR", "/UNITS",
+                                        "*SET",   "N",      "NBLOCK", "EBLOCK", "ET",    "EN",       "MPTEMP"};
+  InpCursor cursor(path, text);
+  cursor.take_byte_order_mark();
+  while (!cursor.at_end()) {
+    const InpPlace where = cursor.place();
+    const std::string_view line = cursor.take_line();
+    const std::string first = inp_name(line.substr(0, line.find_first_of(", ")));
+    if (std::find(kCommands.begin(), kCommands.end(), first) == kCommands.end()) continue;
+    where.fail("this is a deck of ANSYS (" + first +
+               "), which tetune does not read; write the mesh with CDWRITE, and convert that file to .vtu, as with the "
+               "Python package mapdl-archive");
+  }
 }
 
 InpScan scan_inp(const std::string& path, std::string bytes) { return InpScanner(path).scan(std::move(bytes)); }

@@ -34,11 +34,13 @@ struct InpOther {
   Index element;
   InpElementType type;
   std::size_t first_node, end_node;  ///< in InpScan::other_nodes
+  const char* line;                  ///< where its first line begins
 };
 
 /// All that one pass over the text finds; numbers and names are not resolved.
 struct InpScan {
   InpModel model;
+  std::vector<std::string> paths;                    ///< of InpModel::files
   std::vector<InpSetLines> set_lines;                ///< per set card
   std::vector<std::vector<InpFaceLine>> face_lines;  ///< per face card
   /// Face groups by card and by what their lines have before and after the number of the face.
@@ -51,14 +53,21 @@ struct InpScan {
   /// Sets by kind (of nodes) and name.
   std::map<std::pair<bool, std::string>, Index> names;
   std::vector<Index> element2set;  ///< the set of its *ELEMENT card, or -1
-  /// Names that occur in cards other than those of faces and their own definition; and those in cards that pair nodes.
-  std::set<std::string> mentioned, paired;
+  /// Names that occur in cards other than those of faces and their own definition; those in cards that pair nodes; and
+  /// those in cards whose loads act on each node.
+  std::set<std::string> mentioned, paired, loaded;
   /// Numbers in other cards.
   std::vector<std::int64_t> held_nodes, held_elements;
+
+  /// The file and line of a byte of the text.
+  InpPlace place_of(const char* at) const;
 };
 
 /// Reads the text of a deck and of the files that it includes. Throws FileError.
 InpScan scan_inp(const std::string& path, std::string bytes);
+
+/// Throws FileError if a text without nodes is one of ANSYS's commands, whose files have the same ending.
+void refuse_ansys_deck(const std::string& path, std::string_view text);
 
 /// Finds what the numbers and names refer to, and fills the model and the mesh but for tags.
 void resolve_inp(InpScan& scan, TetMesh& mesh, const std::string& path, const IoContext& context);

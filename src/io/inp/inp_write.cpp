@@ -13,13 +13,14 @@ namespace {
 
 class InpDeckWriter {
  public:
-  InpDeckWriter(FileWriter& file, const InpModel& model, const TetMesh& mesh, const Middles* middles)
+  InpDeckWriter(FileWriter& file, const InpModel& model, const TetMesh& mesh, const Middles* middles,
+                const IoContext& context)
       : file_(file),
         model_(model),
         mesh_(mesh),
         middles_(middles),
         match_(match_inp(model, mesh)),
-        changes_(follow_inp(model, mesh, match_, middles)) {}
+        changes_(follow_inp(model, mesh, match_, middles, context)) {}
 
   void write() {
     for (const InpPiece& piece : model_.pieces) {
@@ -30,6 +31,7 @@ class InpDeckWriter {
       if (piece.kind == InpPiece::Kind::faces) {
         write_card(piece, span_of(changes_.face_cards)[piece.card], span_of(model_.face_cards)[piece.card].head);
       }
+      if (piece.kind == InpPiece::Kind::condition) write_condition(piece);
       if (piece.kind == InpPiece::Kind::nodes) write_nodes(piece);
       if (piece.kind == InpPiece::Kind::tets) write_tets(piece);
       flush(kBuffer);
@@ -57,6 +59,14 @@ class InpDeckWriter {
     } else if (piece.text.data() == head.data()) {
       out_ += *text;
     }
+  }
+
+  void write_condition(const InpPiece& piece) {
+    out_ += piece.text;
+    const std::string& more = span_of(changes_.conditions)[piece.card];
+    if (more.empty() || &piece != &span_of(model_.pieces)[span_of(model_.conditions)[piece.card].last_piece]) return;
+    end_line();
+    out_ += more;
   }
 
   void put_node(std::int64_t label, const Point3& p) {
@@ -145,10 +155,10 @@ void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
     throw FileError("the mesh and its deck have tetrahedra of different order; write another format");
   }
   warn_of_data(mesh, context);
-  if (!mesh.second_order) return InpDeckWriter(file, model, mesh, nullptr).write();
+  if (!mesh.second_order) return InpDeckWriter(file, model, mesh, nullptr, context).write();
   TetMesh with_middles = mesh;
   const Middles middles = add_inp_middles(model, with_middles);
-  InpDeckWriter(file, model, with_middles, &middles).write();
+  InpDeckWriter(file, model, with_middles, &middles, context).write();
 }
 
 }  // namespace tetune
