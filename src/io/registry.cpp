@@ -20,6 +20,15 @@ namespace {
 
 constexpr const char* kNoPeriodic = ": the format cannot hold periodic links";
 constexpr const char* kNoDeck = ": the format cannot hold the rest of the deck, such as materials, loads and steps";
+constexpr const char* kNoNumbers = ": the format cannot hold the numbers of nodes: they are numbered in their order";
+
+/// Whether the vertices have numbers other than their positions. An inserted one, which is the last, has 0.
+bool has_own_numbers(const TetMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.deck_nodes.size(); ++v) {
+    if (mesh.deck_nodes[v] != std::int64_t(v) + 1 && mesh.deck_nodes[v] != 0) return true;
+  }
+  return false;
+}
 
 std::string endings(bool to_write) {
   std::string known;
@@ -124,8 +133,18 @@ const std::vector<Format>& formats() {
       {"SU2", {".su2"}, read_su2, write_file<write_su2>},
       {"Netgen", {".vol"}, read_netgen, write_file<write_netgen>},
       {"Netgen, compressed", {".vol.gz"}, read_netgen, write_file<write_netgen_compressed>},
+      {"Nastran",
+       {".bdf", ".nas"},
+       read_nastran,
+       write_file<write_nastran>,
+       nullptr,
+       false,
+       false,
+       false,
+       false,
+       false,
+       included_nastran_files},
       {"I-deas universal", {".unv"}, nullptr, nullptr, &kGmshPlugin, true, true},
-      {"Nastran", {".bdf"}, nullptr, nullptr, &kGmshPlugin, true, true},
       {"MED", {".med"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
       {"CGNS", {".cgns"}, nullptr, nullptr, &kGmshPlugin, true, true, true},
   };
@@ -226,6 +245,9 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
       format.write == write_file<write_netgen> || format.write == write_file<write_netgen_compressed>;
   if (!mesh.periodic.empty() && format.write != write_file<write_msh> && !is_netgen) context.warn(path + kNoPeriodic);
   if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + kNoDeck);
+  if (mesh.deck == nullptr && format.write != write_file<write_nastran> && has_own_numbers(mesh)) {
+    context.warn(path + kNoNumbers);
+  }
   if (format.write != nullptr) {
     std::vector<std::string> losses;
     try {
@@ -250,6 +272,7 @@ void write_mesh(int descriptor, const std::string& name, bool binary, const TetM
   const IoContext context{threads, warnings};
   if (!mesh.periodic.empty()) context.warn(name + kNoPeriodic);
   if (mesh.deck != nullptr) context.warn(name + kNoDeck);
+  if (mesh.deck == nullptr && has_own_numbers(mesh)) context.warn(name + kNoNumbers);
   std::vector<std::string> losses;
   FileWriter file(descriptor, name);
   (binary ? write_medit_binary : write_medit_text)(file, mesh, {threads, &losses});

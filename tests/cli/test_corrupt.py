@@ -235,7 +235,7 @@ class Corrupt(CliTest):
         self.plugin("a.unv", lambda: self.by_tetune("a.unv"), damaged_text, "tetune-gmsh")
 
     def test_bdf(self):
-        self.plugin("a.bdf", lambda: self.by_tetune("a.bdf"), damaged_text, "tetune-gmsh")
+        self.check("a.bdf", {"a.bdf": self.by_tetune("a.bdf")}, damaged_text, OWN_VARIANTS, own=True)
 
     def test_vtk_text(self):
         self.plugin("a.vtk", vtk(cube(3)), damaged_text, "tetune-vtk")
