@@ -163,6 +163,7 @@ TEST_F(Nastran, TenNodesInAllNotations) {
       "CTETRA,1,7,1,2,3,4,5,6,+A\n+A,7,8,9,10\n",
       "CTETRA,1,7,1,2,3,4,5,6\n,7,8,9,10\n",
       "CTETRA,1,7,1,2,3,4,5,6,+\n$ comment\n\n+,7,8,9,10,,\n",
+      "CTETRA_,1,7,1,2,3,4,5,6\n,7,8,9,10\n",
       "ctetra*,1,7,1,2,*\n*,3,4,5,6,*\n*,7,8,9,10\n",
       columns("CTETRA*", 16, {"1", "7", "1", "2"}, "*") + columns("*", 16, {"3", "4", "5", "6"}, "*") +
           columns("*", 16, {"7", "8", "9", "10"}),
@@ -327,7 +328,7 @@ TEST_F(Nastran, TheWrittenFile) {
   m.deck_nodes = {100, 3, 0, 50};
   write_mesh(path("a.bdf"), m, 1, &warnings_);
   EXPECT_EQ(get("a.bdf"),
-            "$ tetune\n$ pyNastran: punch=True\n"
+            "$ pyNastran: punch=True\n$ tetune\n"
             "GRID*                100                              0.              0.*\n"
             "*                     0.\n"
             "GRID*                  3                .333333333333333   -0.0000000025*\n"

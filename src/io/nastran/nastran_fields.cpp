@@ -145,6 +145,8 @@ NastranLine::NastranLine(std::string_view text) : text_(text), is_free_(text.fin
 std::string NastranLine::name() const {
   std::string_view name = first_;
   if (is_large_ && name.ends_with('*')) name.remove_suffix(1);
+  // So meshio 5 writes the names of second-order elements.
+  if (name.ends_with('_')) name.remove_suffix(1);
   return nastran_upper(nastran_trimmed(name));
 }
 

@@ -62,8 +62,8 @@ class NastranWriter {
     }
     number_nodes();
     number_properties();
-    // Without this comment pyNastran expects the statements of a whole deck.
-    file_.write("$ tetune\n$ pyNastran: punch=True\n");
+    // Without this comment in the first line pyNastran expects the statements of a whole deck.
+    file_.write("$ pyNastran: punch=True\n$ tetune\n");
     write_nodes();
     for (const NastranElement& kind : kNastranElements) write_elements(kind);
     file_.write("ENDDATA\n");
