@@ -20,14 +20,13 @@
 namespace tetune {
 namespace {
 
-using Role = NastranElement::Role;
-
 /// An element whose nodes are not resolved; they follow those of the one before in a common list.
 struct NastranFound {
   NastranPlace place;
   const NastranElement* kind;
-  int number, property;  ///< 0: it has none
-  std::uint8_t nodes;    ///< that are listed: without the mid-side nodes where it has none
+  int number;
+  int property;        ///< 0: it has none
+  std::uint8_t nodes;  ///< that are listed: without the mid-side nodes where it has none
 };
 
 /// Whether a card that is not read names nodes or elements by their numbers.
@@ -90,6 +89,7 @@ class NastranReader {
   }
 
  private:
+  using Role = NastranElement::Role;
   /// Of CTETRA.
   static constexpr std::size_t kMaxNodes = 10;
 
