@@ -223,8 +223,9 @@ TEST_F(Nastran, ABlankPropertyShiftsNoField) {
 
 TEST_F(Nastran, ControlStatementsCommentsAndEnd) {
   const TetMesh m = read("$ a comment\nSOL 101\nCEND\nINCLUDE 'absent.case'\nSET 1 = 5,6,\nGRID,9\nBEGIN BULK\n" +
-                         kFourNodes + kTet + "ENDDATA $ done\nGRID,77,,a,b,c\n$ after\n");
+                         kFourNodes + kTet + "ENDDATA $ done\nGRID,77,,a,b,c\nBEGIN BULK\n$ after\n");
   EXPECT_EQ(m.points.size(), 4U);
+  EXPECT_EQ(read_mesh(put("b.bdf", kFourNodes + kTet + kEnd + "BEGIN BULK\n"), nullptr, 1).points.size(), 4U);
   ASSERT_EQ(warnings_.size(), 1U);
   EXPECT_TRUE(warned("the statements before BEGIN BULK are not kept"));
   read("\xEF\xBB\xBF" + kFourNodes + kTet);

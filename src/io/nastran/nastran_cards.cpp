@@ -94,7 +94,9 @@ void NastranCards::skip_control(Source& source) {
   Source ahead = source;
   std::string_view line;
   for (Source before = ahead; next_line(ahead, line); before = ahead) {
-    if (first_word(line) == "BEGIN") {
+    const std::string word = first_word(line);
+    if (word == "ENDDATA") break;
+    if (word == "BEGIN") {
       source = before;
       return;
     }
