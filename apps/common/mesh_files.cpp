@@ -281,6 +281,8 @@ bool copy_mesh(const std::string& input, const std::string& output) {
   if (input == kPipe || output == kPipe || ending(input) != ending(output)) return false;
   if (files_of(input).size() > 1) return false;
   if (identity(input) == identity(output)) return true;
+  // The names of included files are relative to the folder of the input.
+  if (files_read(input).size() > 1) return false;
   std::ifstream file(path_of(input), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw FileError(input + ": cannot read: " + std::strerror(errno));

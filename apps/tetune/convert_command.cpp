@@ -42,7 +42,7 @@ void set_order(const ConvertArguments& a, TetMesh& mesh, Console& console) {
     mesh.second_order = false;
     mesh.curved_edges.clear();
     mesh.deck = nullptr;
-    mesh.deck_nodes.clear();
+    if (had_deck) mesh.deck_nodes.clear();
   } else {
     CurveOptions options;
     options.feature_angle = a.feature_angle;

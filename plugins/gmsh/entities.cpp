@@ -69,9 +69,7 @@ std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const 
                                  const Format& format) {
   // add_groups() makes groups of such numbers, and I-deas' files have one list of groups for all dimensions.
   std::set<int> taken;
-  for (const Group& group : groups) {
-    if (format.groups) taken.insert(group.number);
-  }
+  for (const Group& group : groups) taken.insert(group.number);
   return entities_of_tags(kinds, dimension, std::move(taken), format.max_entity);
 }
 

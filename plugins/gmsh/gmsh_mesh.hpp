@@ -20,7 +20,6 @@ inline constexpr std::array<int, 5> kOtherTypes{15, 3, 7, 6, 5};
 
 /// The limits of a format.
 struct Format {
-  bool groups = true;
   int max_entity = std::numeric_limits<int>::max();  ///< largest number of an entity
 };
 

@@ -28,22 +28,13 @@ void check_start(const std::string& file, const std::string& ending) {
 
 /// The limits of the formats.
 Format format_of(const std::string& ending) {
-  constexpr int kMax8Digits = 99'999'999;
   constexpr int kMax9Digits = 999'999'999;  // of ten, of which one must stay blank before the next number
   Format format;
-  if (ending == ".bdf") {
-    format.groups = false;
-    format.max_entity = kMax8Digits;
-  }
   if (ending == ".unv") format.max_entity = kMax9Digits;
   return format;
 }
 
 void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& warnings) {
-  if (ending == ".bdf") {
-    warnings.emplace_back("Nastran's fields have 16 characters: coordinates are rounded to about 9 digits");
-    warn_of_names(mesh, {0, &warnings});
-  }
   if (ending != ".unv") return;
   for (const Group& group : mesh.groups) {
     std::string written = group.name;
@@ -156,7 +147,6 @@ void write(const std::string& file, TetMesh mesh, Warnings& warnings) {
     // Gmsh leaves elements out that are in no group when there are groups.
     gmsh::option::setNumber("Mesh.SaveAll", to_gmsh(mesh, format_of(ending), warnings) ? 0 : 1);
     gmsh::option::setNumber("Mesh.Binary", 0);
-    gmsh::option::setNumber("Mesh.BdfFieldFormat", 2);  // 16 characters a number, not 8
     warn_of_format(mesh, ending, warnings);
     gmsh::write(file);
     warn_of_data(mesh, {0, &warnings}, kGeometrical);

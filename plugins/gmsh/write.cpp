@@ -30,11 +30,9 @@ bool add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& en
     }
     const bool grouped = !numbers.empty();
     if (numbers.size() == 1) number2tags[numbers[0]].insert(tag);
-    if (entity != tag && !(grouped && format.groups)) {
-      // Where there are groups, a positive tag is that of its group, and elements without a tag are in none.
-      if (tag < 0 || !format.groups) {
-        renumbered.push_back(std::to_string(tag) + " is written as " + std::to_string(entity));
-      }
+    // A positive tag is that of its group, and elements without a tag are in none.
+    if (entity != tag && !grouped && tag < 0) {
+      renumbered.push_back(std::to_string(tag) + " is written as " + std::to_string(entity));
     }
     // Groups are all that distinguishes elements without a tag.
     if (!grouped && tag != 0) number2entities[tag > 0 ? tag : entity].push_back(entity);
@@ -144,7 +142,7 @@ bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings) {
   }
   gmsh::vectorpair groups;
   gmsh::model::getPhysicalGroups(groups);
-  if (format.groups && groups.empty()) warnings.emplace_back("nothing has a tag: the number 1 is written for it");
+  if (groups.empty()) warnings.emplace_back("nothing has a tag: the number 1 is written for it");
   add_nodes(mesh, used, default_entity);
   for (const Kind& kind : kinds) add_elements(kind, middles.get());
   return all_grouped;

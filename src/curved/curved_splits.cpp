@@ -50,7 +50,7 @@ void split(TetMesh& mesh, const Edge& edge, const std::vector<Index>& star, std:
   const Point3 q = span_of(mesh.points)[edge[1]];
   mesh.points.push_back({(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2});
   mesh.point_tags.push_back(0);
-  if (mesh.deck != nullptr) mesh.deck_nodes.push_back(0);
+  if (!mesh.deck_nodes.empty()) mesh.deck_nodes.push_back(0);
   origins.vertices.push_back(-1);
   for (const Index t : star) {
     std::array<Index, 4> other = span_of(mesh.tets)[t];

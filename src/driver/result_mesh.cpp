@@ -209,7 +209,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& re
   next.point_tags = mesh.point_tags;
   next.point_tags.resize(next.points.size(), 0);
   next.deck_nodes = mesh.deck_nodes;
-  if (mesh.deck != nullptr) next.deck_nodes.resize(next.points.size(), 0);
+  if (!mesh.deck_nodes.empty()) next.deck_nodes.resize(next.points.size(), 0);
   transfer_data(mesh, result, options, stop_transfer, next, report);
   carry_sets(mesh, result, report, next);
   next.tet_tags = regions_of(result.tet2original, mesh);

@@ -19,6 +19,15 @@ namespace {
 
 constexpr const char* kNoPeriodic = ": the format cannot hold periodic links";
 constexpr const char* kNoDeck = ": the format cannot hold the rest of the deck, such as materials, loads and steps";
+constexpr const char* kNoNumbers = ": the format cannot hold the numbers of nodes: they are numbered in their order";
+
+/// Whether the vertices have numbers other than their positions. An inserted one, which is the last, has 0.
+bool has_own_numbers(const TetMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.deck_nodes.size(); ++v) {
+    if (mesh.deck_nodes[v] != std::int64_t(v) + 1 && mesh.deck_nodes[v] != 0) return true;
+  }
+  return false;
+}
 
 enum class Access { read, write };
 
@@ -142,8 +151,12 @@ const std::vector<Format>& formats() {
        .endings = {".vol.gz"},
        .read = read_netgen,
        .write = write_file<write_netgen_compressed>},
+      {.name = "Nastran",
+       .endings = {".bdf", ".nas"},
+       .read = read_nastran,
+       .write = write_file<write_nastran>,
+       .parts = included_nastran_files},
       {.name = "I-deas universal", .endings = {".unv"}, .plugin = &kGmshPlugin},
-      {.name = "Nastran", .endings = {".bdf"}, .plugin = &kGmshPlugin},
       {.name = "MED", .endings = {".med"}, .plugin = &kGmshPlugin, .is_optional = true},
       {.name = "CGNS", .endings = {".cgns"}, .plugin = &kGmshPlugin, .is_optional = true},
   };
@@ -243,6 +256,9 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
       format.write == write_file<write_netgen> || format.write == write_file<write_netgen_compressed>;
   if (!mesh.periodic.empty() && format.write != write_file<write_msh> && !is_netgen) context.warn(path + kNoPeriodic);
   if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + kNoDeck);
+  if (mesh.deck == nullptr && format.write != write_file<write_nastran> && has_own_numbers(mesh)) {
+    context.warn(path + kNoNumbers);
+  }
   if (format.write != nullptr) {
     std::vector<std::string> losses;
     try {
@@ -267,6 +283,7 @@ void write_mesh(int descriptor, const std::string& name, bool binary, const TetM
   const IoContext context{threads, warnings};
   if (!mesh.periodic.empty()) context.warn(name + kNoPeriodic);
   if (mesh.deck != nullptr) context.warn(name + kNoDeck);
+  if (mesh.deck == nullptr && has_own_numbers(mesh)) context.warn(name + kNoNumbers);
   std::vector<std::string> losses;
   FileWriter file(descriptor, name);
   (binary ? write_medit_binary : write_medit_text)(file, mesh, {threads, &losses});

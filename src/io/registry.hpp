@@ -92,6 +92,13 @@ TetMesh parse_inp(const std::string& path, std::string bytes, const IoContext& c
 /// where a part of the deck cannot follow the mesh.
 void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 
+/// Reads Nastran's bulk data, with the files that they include.
+TetMesh read_nastran(const std::string& path, const IoContext& context);
+/// The files that Nastran's bulk data include, and those that they include. Throws FileError.
+std::vector<std::string> included_nastran_files(const std::string& path);
+/// Writes bulk data with the numbers of nodes of TetMesh::deck_nodes.
+void write_nastran(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+
 TetMesh read_su2(const std::string& path, const IoContext& context);
 void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 

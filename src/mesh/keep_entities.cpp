@@ -50,7 +50,7 @@ std::int64_t keep_edges(TetMesh& mesh, const std::vector<Index>& old2new) noexce
 }
 
 void keep_vertices(TetMesh& mesh, const std::vector<Index>& old2new) noexcept {
-  if (mesh.deck == nullptr) {
+  if (mesh.deck_nodes.empty()) {
     move_kept(old2new, mesh.points, mesh.point_tags);
   } else {
     move_kept(old2new, mesh.points, mesh.point_tags, mesh.deck_nodes);

@@ -52,7 +52,7 @@ def damaged_text(rng, whole):
     # Another word for a number; the few of the lines that tell counts as often as the many others.
     counts = [m for line in re.finditer(r"^[^\n.]*$", text, re.M) if len(line[0]) < 30
               for m in re.finditer(r"\d+", line[0]) for m in [(line.start() + m.start(), line.start() + m.end())]]
-    numbers = counts if kind < 5 else [m.span() for m in re.finditer(r"[\d.eE+-]*\d", text)]
+    numbers = counts if counts and kind < 5 else [m.span() for m in re.finditer(r"[\d.eE+-]*\d", text)]
     begin, end = rng.choice(numbers)
     return (text[:begin] + rng.choice(WORDS) + text[end:]).encode("utf-8")
 
@@ -235,7 +235,7 @@ class Corrupt(CliTest):
         self.plugin("a.unv", lambda: self.by_tetune("a.unv"), damaged_text, "tetune-gmsh")
 
     def test_bdf(self):
-        self.plugin("a.bdf", lambda: self.by_tetune("a.bdf"), damaged_text, "tetune-gmsh")
+        self.check("a.bdf", {"a.bdf": self.by_tetune("a.bdf")}, damaged_text, OWN_VARIANTS, own=True)
 
     def test_vtk_text(self):
         self.plugin("a.vtk", vtk(cube(3)), damaged_text, "tetune-vtk")

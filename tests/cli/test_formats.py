@@ -5,7 +5,7 @@ import json
 
 import cli_case
 from cli_case import Mesh, cube
-from format_case import ConversionTest
+from format_case import ConversionTest, FormatTest
 
 # One tetrahedron with data on its vertices.
 HEAT = """# vtk DataFile Version 3.0
@@ -23,6 +23,42 @@ SCALARS heat double 1
 LOOKUP_TABLE default
 1 2 3 4
 """
+
+
+class Nastran(FormatTest):
+    def test_content_that_is_not_read_is_named(self):
+        self.run_tetune("convert", "cube.mesh", "a.bdf")
+        self.assertEqual(self.run_tetune("info", "a.bdf").stderr, "")
+        bulk = (self.folder / "a.bdf").read_text()
+        nodes, ends = bulk[bulk.index("GRID"):], "ENDDATA"
+        (self.folder / "b.bdf").write_text("SOL 101\nCEND\nLOAD = 1\nBEGIN BULK\nMAT1,1,2.1+5,,0.3\n+,1.,2.\n"
+                                           "PSOLID  1       1\nFORCE*  1\n" + nodes)
+        done = self.run_tetune("info", "b.bdf")
+        self.assertIn("the statements before BEGIN BULK are not kept", done.stderr)
+        self.assertIn("the cards MAT1, PSOLID, FORCE are not kept", done.stderr)
+        (self.folder / "b.bdf").write_text(bulk.replace(ends, ""))
+        self.assertIn("may be cut short", self.run_tetune("info", "b.bdf").stderr)
+        for node in ("GRID,900,7,1.,90.,0.\n", "GRID    900     7       1.      90.     0.\n"):
+            (self.folder / "b.bdf").write_text(node + nodes)
+            done = self.run_tetune("info", "b.bdf")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("b.bdf:1: a node is in the coordinate system 7", done.stderr)
+
+    def test_a_file_that_the_input_includes_is_not_replaced(self):
+        self.run_tetune("convert", "cube.mesh", "mesh.bdf")
+        before = (self.folder / "mesh.bdf").read_bytes()
+        (self.folder / "job.bdf").write_text("SOL 101\nCEND\nBEGIN BULK\nINCLUDE 'mesh.bdf'\n")
+        done = self.run_tetune("optimize", "job.bdf", "-o", "mesh.bdf")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("mesh.bdf", done.stderr)
+        self.assertEqual((self.folder / "mesh.bdf").read_bytes(), before)
+        # The output of an unchanged mesh has its nodes, and no name of another file.
+        (self.folder / "sub").mkdir()
+        done = self.run_tetune("optimize", "job.bdf", "-o", "sub/out.bdf", "--max-iterations", "0", "--no-flips")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        out = (self.folder / "sub/out.bdf").read_text()
+        self.assertNotIn("INCLUDE", out)
+        self.assertEqual(out.count("GRID*"), 5)
 
 
 class Conversions(ConversionTest):
@@ -59,24 +95,8 @@ class Conversions(ConversionTest):
             self.assertEqual(again["measures"], info["measures"], ending)
 
     def test_content_that_gmsh_ignores_is_named(self):
-        self.run_tetune("convert", "cube.mesh", "a.bdf")
         self.run_tetune("convert", "cube.mesh", "a.unv")
-        self.assertEqual(self.run_tetune("info", "a.bdf").stderr, "")
         self.assertEqual(self.run_tetune("info", "a.unv").stderr, "")
-        bulk = (self.folder / "a.bdf").read_text()
-        nodes, ends = bulk[bulk.index("GRID"):], "ENDDATA"
-        (self.folder / "b.bdf").write_text("SOL 101\nCEND\nLOAD = 1\nBEGIN BULK\nMAT1,1,2.1+5,,0.3\n+,1.,2.\n"
-                                           "PSOLID  1       1\nFORCE*  1\n" + nodes)
-        done = self.run_tetune("info", "b.bdf")
-        self.assertIn("the statements before BEGIN BULK are not kept", done.stderr)
-        self.assertIn("the cards MAT1, PSOLID, FORCE are not kept", done.stderr)
-        (self.folder / "b.bdf").write_text(bulk.replace(ends, ""))
-        self.assertIn("may be cut short", self.run_tetune("info", "b.bdf").stderr)
-        for node in ("GRID,900,7,1.,90.,0.\n", "GRID    900     7       1.      90.     0.\n"):
-            (self.folder / "b.bdf").write_text(node + nodes)
-            done = self.run_tetune("info", "b.bdf")
-            self.assertEqual(done.returncode, 2)
-            self.assertIn("line 1: a node is in the coordinate system 7", done.stderr)
         whole = (self.folder / "a.unv").read_text()
         (self.folder / "b.unv").write_text(whole + "    -1\n   164\n         1\n    -1\n    -1\n  2467\n    -1\n")
         self.assertIn("the data sets 164, 2467 are not kept", self.run_tetune("info", "b.unv").stderr)

@@ -80,6 +80,36 @@ def su2(points, tets, extra):
     return text.encode()
 
 
+def nastran(points, tets, extra):
+    """In small fields; `extra`: in large and free fields, with other elements and cards."""
+    def card(width, name, *fields):
+        return name.ljust(8) + "".join(str(field).ljust(width) for field in fields) + "\n"
+
+    text = "" if extra else "$ small fields\nCEND\nBEGIN BULK\n"
+    for i, point in enumerate(points, 1):
+        x, y, z = map(float, point)
+        text += card(16, "GRID*", 10 * i, "", x, y) + card(16, "*", z) if extra else card(8, "GRID", i, "", x, y, z)
+    for i, tet in enumerate(tets, 1):
+        nodes = [(10 if extra else 1) * (v + 1) for v in tet]
+        text += ",".join(map(str, ("CTETRA", i, 1, *nodes))) + "\n" if extra else card(8, "CTETRA", i, 1, *nodes)
+    if extra:
+        text += "CTRIA3\t900\t3\t10\t20\t30\nCROD,901,4,10,20\nCQUAD4,902,5,10,20,40,30\nFORCE,1,10\n,1.5-3\n"
+    return (text + "ENDDATA\n").encode()
+
+
+def nastran_second_order(points, tets):
+    """Tetrahedra of 10 nodes, from a deck of them."""
+    lines = inp_second_order(points, tets).decode().splitlines()
+    begin, end = next(i for i, line in enumerate(lines) if line.startswith("*ELEM")), lines.index(
+        next(line for line in lines if line.startswith("*NSET")))
+    text = "".join("GRID,{},,{},{},{}\n".format(*(line.split(", ")[:1] + [repr(float(x)) for x in line.split(", ")[1:]]))
+                   for line in lines[1:begin])
+    for line in lines[begin + 1:end]:
+        number, *nodes = line.split(", ")
+        text += ",".join(("CTETRA", number, "1", *nodes[:6], "+A")) + "\n" + ",".join(("+A", *nodes[6:])) + "\n"
+    return (text + "ENDDATA\n").encode()
+
+
 def netgen(points, tets, extra):
     """Edges in the form of older files, or with descriptions."""
     text = "mesh3d\ndimension\n3\ngeomtype\n0\nsurfaceelements\n1\n1 1 1 0 3 1 2 3\n"
@@ -300,6 +330,8 @@ def main(folder):
             put("inp", stem, inp(points, tets, extra))
             put("inp", name + "_10", inp_second_order(points, tets))
             put("su2", stem, su2(points, tets, extra))
+            put("nastran", stem, nastran(points, tets, extra))
+            put("nastran", name + "_10", nastran_second_order(points, tets))
             put("netgen", stem, netgen(points, tets, extra))
             put("tetgen", stem, tetgen(points, tets, extra, int(extra)))
             for version in (1, 2, 3, 4):

@@ -155,6 +155,22 @@ TEST_F(MutationTest, Su2) {
       {"NELEM= 9\n", "MARKER_TAG= a\n", "%", "=", "-1 ", "1e400 ", "nan ", "\n", "12 ", "FFD= 1\n"}, 8);
 }
 
+TEST_F(MutationTest, Nastran) {
+  TetMesh m = two_materials(2);
+  m.triangles = {{0, 1, 4}, {0, 4, 3}};
+  m.triangle_tags = {7, 8};
+  m.edges = {{0, 1}};
+  m.edge_tags = {9};
+  for (const bool second_order : {false, true}) {
+    m.second_order = second_order;
+    write_mesh(path("whole.bdf"), m);
+    run("a.bdf", get("whole.bdf"),
+        {"GRID,", "CTETRA* ", "CHEXA   ", "INCLUDE 'a.bdf'\n", "BEGIN BULK\n", "ENDDATA\n", "       0", "      -1",
+         "99999999", "999999999999", "1.+400", "nan", "\n", "\t", ",", "*", "+", "$", "="},
+        11);
+  }
+}
+
 TEST_F(MutationTest, Netgen) {
   TetMesh m = two_materials(2);
   m.triangles = {{0, 1, 4}, {0, 4, 3}};

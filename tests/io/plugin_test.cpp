@@ -15,7 +15,7 @@ namespace {
 const char* yes(bool kept) { return kept ? "yes" : "no"; }
 
 const std::vector<std::string> kWritten{".mesh", ".meshb", ".msh", ".inp", ".ele", ".su2",
-                                        ".vol",  ".vtu",   ".vtk", ".e",   ".unv", ".bdf"};
+                                        ".vol",  ".bdf",   ".vtu", ".vtk", ".e",   ".unv"};
 
 /// How the names of groups come back.
 std::string names_kept(TetMesh m, const TetMesh& back) {
@@ -61,10 +61,11 @@ std::string row(const std::string& ending, const std::string& file) {
   const auto cells = [&](const TetMesh& n) { return by_tet(n, "load") == by_tet(m, "load"); };
   std::string line = "| `" + ending + "` |";
   for (const std::string& cell : std::vector<std::string>{
-           ending == ".inp" ? "20 characters"
-           : off == 0       ? "exact"
-           : off < 1e-8     ? "rounded"
-                            : "no",
+           ending == ".inp"                  ? "20 characters"
+           : ending == ".bdf" && off < 1e-14 ? "16 characters"
+           : off == 0                        ? "exact"
+           : off < 1e-8                      ? "rounded"
+                                             : "no",
            yes(tagged(plain.tets, plain.tet_tags) == tagged(m.tets, m.tet_tags)),
            yes(tagged(plain.triangles, plain.triangle_tags) == tagged(m.triangles, m.triangle_tags)),
            yes(tagged(plain.edges, plain.edge_tags) == tagged(m.edges, m.edge_tags)),

@@ -143,8 +143,8 @@ CurveReport curve(TetMesh& mesh, const CurveOptions& options) {
                     "take them out, or make second-order elements in the program that made the mesh");
   }
   TetMesh curved = mesh;
+  if (curved.deck != nullptr) curved.deck_nodes.clear();
   curved.deck = nullptr;
-  curved.deck_nodes.clear();
   const Context caller{{}, options.stop};
   const LatchedHooks hooks(caller);
   const CurveReport report = CurveRun(curved, options, hooks.context().stop).run();

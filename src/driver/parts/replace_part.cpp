@@ -102,7 +102,7 @@ class PartReplacement {
   void apply(TetMesh& mesh) {
     vertices_.reserve(mesh.points);
     vertices_.reserve(mesh.point_tags);
-    if (mesh.deck != nullptr) vertices_.reserve(mesh.deck_nodes);
+    if (!mesh.deck_nodes.empty()) vertices_.reserve(mesh.deck_nodes);
     tets_.reserve(mesh.tets);
     tets_.reserve(mesh.tet_tags);
     triangles_.reserve(mesh.triangles);
@@ -127,7 +127,7 @@ class PartReplacement {
   void apply_to_lists(TetMesh& mesh) const {
     vertices_.apply(mesh.points, part_.mesh.points);
     vertices_.apply(mesh.point_tags, point_tags_);
-    if (mesh.deck != nullptr) vertices_.apply(mesh.deck_nodes, deck_nodes_);
+    if (!mesh.deck_nodes.empty()) vertices_.apply(mesh.deck_nodes, deck_nodes_);
     tets_.apply(mesh.tets, new_tets_);
     tets_.apply(mesh.tet_tags, part_.mesh.tet_tags);
     triangles_.apply(mesh.triangles, new_triangles_);
@@ -145,7 +145,8 @@ class PartReplacement {
     for (const Index v : original) {
       vertex2whole_.push_back(v >= 0 ? span_of(part_.vertex2whole)[v] : vertices_.take());
       point_tags_.push_back(v >= 0 ? span_of(mesh_.point_tags)[vertex2whole_.back()] : 0);
-      if (mesh_.deck != nullptr) deck_nodes_.push_back(v >= 0 ? span_of(mesh_.deck_nodes)[vertex2whole_.back()] : 0);
+      if (!mesh_.deck_nodes.empty())
+        deck_nodes_.push_back(v >= 0 ? span_of(mesh_.deck_nodes)[vertex2whole_.back()] : 0);
     }
     vertices_.set_numbers(vertex2whole_);
     for (const Index v : mesh_.corners) {

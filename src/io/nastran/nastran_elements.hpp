@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace tetune {
+
+/// Numbers of nodes, elements and properties have at most 8 digits.
+inline constexpr int kMaxNastranNumber = 99'999'999;
+
+/// A card of elements. Its nodes follow the numbers of the element and of its property; mid-side nodes, which may be
+/// blank, the vertices.
+struct NastranElement {
+  enum class Role { tetrahedron, triangle, edge, other };
+  std::string_view card;
+  Role role;
+  std::uint8_t vertices, nodes;
+  /// ElementBlock::kind.
+  std::string_view block{};
+  /// Whether elements of the block are written with this card.
+  bool is_written = false;
+
+  std::size_t dimension() const {
+    if (role == Role::edge) return 1;
+    return role == Role::triangle || block == "Quadrilaterals" ? 2 : 3;
+  }
+};
+
+/// In the order in which elements are written.
+inline constexpr std::array<NastranElement, 13> kNastranElements{{
+    {"CROD", NastranElement::Role::edge, 2, 2},
+    {"CBAR", NastranElement::Role::edge, 2, 2},
+    {"CBEAM", NastranElement::Role::edge, 2, 2},
+    {"CTRIA3", NastranElement::Role::triangle, 3, 3},
+    {"CTRIA6", NastranElement::Role::triangle, 3, 6},
+    {"CQUAD4", NastranElement::Role::other, 4, 4, "Quadrilaterals", true},
+    {"CQUAD8", NastranElement::Role::other, 4, 8, "Quadrilaterals"},
+    {"CTETRA", NastranElement::Role::tetrahedron, 4, 10},
+    {"CPYRAM", NastranElement::Role::other, 5, 13, "Pyramids", true},
+    {"CPYRA", NastranElement::Role::other, 5, 13, "Pyramids"},
+    {"CPYRA5", NastranElement::Role::other, 5, 5, "Pyramids"},
+    {"CPENTA", NastranElement::Role::other, 6, 15, "Prisms", true},
+    {"CHEXA", NastranElement::Role::other, 8, 20, "Hexahedra", true},
+}};
+
+/// Null for other cards.
+inline const NastranElement* find_nastran_element(std::string_view card) {
+  const auto* const found = std::find_if(kNastranElements.begin(), kNastranElements.end(),
+                                         [card](const NastranElement& e) { return e.card == card; });
+  return found == kNastranElements.end() ? nullptr : found;
+}
+
+}  // namespace tetune

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+/// The fields of Nastran's bulk data: numbers, and the lines that hold them.
+namespace tetune {
+
+/// Text in upper case, and without blanks around it.
+std::string nastran_upper(std::string_view text);
+std::string_view nastran_trimmed(std::string_view text);
+/// Text of a file as it is shown in messages.
+std::string nastran_shown(std::string_view text);
+
+/// An integer of at most 9 digits that fills the field; nothing for other fields.
+std::optional<int> parse_nastran_integer(std::string_view field);
+/// A real number that fills the field: 1.5, .5, 1.5E3, 1.5D3, 1.5+3 (times a thousand), or an integer; nothing for
+/// other fields. Zero or infinity beyond the range of double.
+std::optional<double> parse_nastran_real(std::string_view field);
+
+inline constexpr std::size_t kNastranLargeField = 16;
+
+/// Appends a finite number with a decimal point in at most 16 characters: with the digits that read back to the same
+/// bits, or as many of them as fit, correctly rounded. Returns whether all of them fit.
+bool append_nastran_real(std::string& out, double value);
+
+/// A line of bulk data: the name of a card or the marker of a continuation line, fields and the marker after them. The
+/// views are parts of the text.
+class NastranLine {
+ public:
+  /// `text` has no comment and no tabs between fixed fields.
+  explicit NastranLine(std::string_view text);
+  /// The first field as it is written, without blanks around it.
+  std::string_view first() const { return first_; }
+  /// The name of the card, in upper case and without the mark of large fields.
+  std::string name() const;
+  bool is_continuation() const { return first_.empty() || first_[0] == '+' || first_[0] == '*'; }
+  bool is_large() const { return is_large_; }
+  /// The number of fields between the first and the marker: 8, or 4 large ones.
+  std::size_t size() const { return is_large_ ? 4 : 8; }
+  /// Field k, from 0; empty where the line ends before it.
+  std::string_view field(std::size_t k) const;
+  std::string_view marker() const { return field(size()); }
+  /// Whether there are fields after the marker, or a number in its place.
+  bool is_too_long() const;
+
+ private:
+  std::string_view text_, first_;
+  bool is_free_;
+  bool is_large_ = false;
+};
+
+}  // namespace tetune

@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nastran's bulk data (.bdf, .nas): the Quick Reference Guides of MSC Nastran and Simcenter Nastran.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "io/nastran/nastran_cards.hpp"
+#include "io/nastran/nastran_elements.hpp"
+#include "io/nastran/nastran_fields.hpp"
+#include "io/number_index.hpp"
+#include "io/registry.hpp"
+#include "io/second_order.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+/// An element whose nodes are not resolved; they follow those of the one before in a common list.
+struct NastranFound {
+  NastranPlace place;
+  const NastranElement* kind;
+  int number;
+  int property;        ///< 0: it has none
+  std::uint8_t nodes;  ///< that are listed: without the mid-side nodes where it has none
+};
+
+/// Whether a card that is not read names nodes or elements by their numbers.
+bool names_entities(std::string_view card) {
+  constexpr std::array<std::string_view, 34> kStarts{
+      "ASET",    "BCONP",  "BLSEG",  "BSET", "BSURF", "CSET", "DAREA",  "DEFORM", "DMIG", "FORCE", "MOMENT", "MPC",
+      "OMIT",    "PLOAD",  "PLOTEL", "QBDY", "QHBDY", "QSET", "QVOL",   "RADBC",  "RBAR", "RBE",   "RJOINT", "RROD",
+      "RSPLINE", "RSSCON", "SESET",  "SET",  "SLOAD", "SPC",  "SUPORT", "TEMP",   "TIC",  "VIEW"};
+  if (card.ends_with("ADD") || card == "TEMPD" || card == "CREEP" || card.starts_with("CORD2")) return false;
+  // Elements, and coordinate systems by nodes.
+  if (card.starts_with('C')) return true;
+  return std::any_of(kStarts.begin(), kStarts.end(),
+                     [card](std::string_view start) { return card.starts_with(start); });
+}
+
+/// Names with commas between them, of which the first eight are shown.
+template <class Names>
+std::string listed_names(const Names& names) {
+  constexpr std::size_t kMaxNames = 8;
+  std::string list;
+  std::size_t n = 0;
+  for (const auto& name : names) {
+    if (n++ < kMaxNames) list.append(list.empty() ? "" : ", ").append(name);
+  }
+  return n > kMaxNames ? list + " and " + std::to_string(n - kMaxNames) + " more" : list;
+}
+
+class NastranReader {
+ public:
+  NastranReader(const std::string& path, const IoContext& context)
+      : path_(path),
+        context_(context),
+        cards_(
+            path,
+            [](const std::string& name) {
+              return name == "GRID" || name == "GRDSET" || find_nastran_element(name) != nullptr;
+            },
+            [this](const NastranCard& card) { take(card); }) {}
+
+  TetMesh read() {
+    cards_.read();
+    if (node_numbers_.empty()) {
+      cards_.fail(cards_.end(), "the file ends without a GRID card: it is not a mesh in Nastran's bulk data");
+    }
+    check_default_system();
+    index_nodes();
+    check_element_numbers();
+    for (const NastranFound& element : elements_) add(element);
+    mesh_.point_tags.assign(mesh_.points.size(), 0);
+    keep_numbers();
+    try {
+      erase_middles(middles_, mesh_);
+    } catch (const FileError& e) {
+      throw FileError(path_ + ": " + e.what());
+    }
+    warn_of_cards();
+    warn_of_elements();
+    if (!cards_.has_end()) warn("it does not end with ENDDATA; the file may be cut short");
+    return std::move(mesh_);
+  }
+
+ private:
+  using Role = NastranElement::Role;
+  /// Of CTETRA.
+  static constexpr std::size_t kMaxNodes = 10;
+
+  void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
+
+  void take(const NastranCard& card) {
+    if (card.name == "GRID") return read_grid(card);
+    if (card.name == "GRDSET") {
+      default_system_ = system(card, card.field(1)).value_or(0);
+      return;
+    }
+    read_element(card, *find_nastran_element(card.name));
+  }
+
+  [[noreturn]] void fail_field(const NastranCard& card, std::size_t k, const std::string& expected) const {
+    const std::string_view found = card.field(k);
+    cards_.fail(card.place, card.name + ": field " + std::to_string(k + 2) + " should be " + expected + ", and is " +
+                                (found.empty() ? "blank" : "\"" + nastran_shown(found) + "\"") +
+                                "; fixed fields are 8 columns wide, or 16 where * follows the name of the card");
+  }
+  int positive(const NastranCard& card, std::size_t k, const char* name) const {
+    const std::optional<int> value = parse_nastran_integer(card.field(k));
+    if (!value || *value <= 0) fail_field(card, k, name + std::string(", a positive integer"));
+    return *value;
+  }
+
+  // Nodes.
+
+  /// The coordinate system in a field; nothing where it is blank.
+  std::optional<int> system(const NastranCard& card, std::string_view field) const {
+    if (field.empty()) return {};
+    const std::optional<int> number = parse_nastran_integer(field);
+    if (!number || *number < 0) fail_field(card, 1, "the number of a coordinate system");
+    return number;
+  }
+  [[noreturn]] void refuse_system(NastranPlace place, int number) const {
+    cards_.fail(place, "a node is in the coordinate system " + std::to_string(number) +
+                           "; only the basic one is read. Write the coordinates of all nodes in that");
+  }
+
+  void read_grid(const NastranCard& card) {
+    node_numbers_.push_back(positive(card, 0, "the number of the node"));
+    node_places_.push_back(card.place);
+    const std::optional<int> own_system = system(card, card.field(1));
+    if (own_system.value_or(0) != 0) refuse_system(card.place, *own_system);
+    if (!own_system && !default_place_) default_place_ = card.place;
+    Point3 p{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (card.field(2 + k).empty()) continue;
+      const std::optional<double> x = parse_nastran_real(card.field(2 + k));
+      if (!x || !std::isfinite(*x)) fail_field(card, 2 + k, "a coordinate");
+      p[k] = *x;
+    }
+    mesh_.points.push_back(p);
+    note_rest(card, 5);
+  }
+  /// GRDSET may follow the nodes that it is for.
+  void check_default_system() const {
+    if (default_system_ != 0 && default_place_) refuse_system(*default_place_, default_system_);
+  }
+
+  /// Finds nodes by number, and erases those that occur twice at the same position.
+  void index_nodes() {
+    nodes_ = NumberIndex(node_numbers_);
+    if (nodes_.repeated() < 0) return;
+    std::vector<std::uint8_t> is_copy(node_numbers_.size(), 0);
+    const std::vector<Index>& order = nodes_.order();
+    for (std::size_t i = 1; i < order.size(); ++i) {
+      const Index a = order[i - 1], b = order[i];
+      const std::int64_t number = span_of(node_numbers_)[b];
+      if (span_of(node_numbers_)[a] != number) continue;
+      if (span_of(mesh_.points)[a] != span_of(mesh_.points)[b]) {
+        cards_.fail(span_of(node_places_)[b], "GRID " + std::to_string(number) + " is also in " +
+                                                  cards_.text_of(span_of(node_places_)[a]) +
+                                                  ", at another position; give one of these nodes another number");
+      }
+      span_of(is_copy)[b] = 1;
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < is_copy.size(); ++i) {
+      if (is_copy[i] != 0) continue;
+      mesh_.points[kept] = mesh_.points[i];
+      node_numbers_[kept++] = node_numbers_[i];
+    }
+    mesh_.points.resize(kept);
+    node_numbers_.resize(kept);
+    nodes_ = NumberIndex(node_numbers_);
+  }
+
+  // Elements.
+
+  void read_element(const NastranCard& card, const NastranElement& kind) {
+    const int number = positive(card, 0, "the number of the element");
+    const int property = card.field(1).empty() ? 0 : positive(card, 1, "the number of the property");
+    ++(property == 0 ? without_property_ : with_property_)[kind.dimension()];
+    std::uint8_t nodes = kind.vertices;
+    for (std::uint8_t k = 0; k < kind.nodes; ++k) {
+      const std::string_view field = card.field(2U + k);
+      // Mid-side nodes may be left out.
+      const bool is_absent = k >= kind.vertices && (field.empty() || field == "0");
+      element_nodes_.push_back(is_absent ? 0 : positive(card, 2U + k, "the number of a node"));
+      if (is_absent || k < kind.vertices) continue;
+      if (kind.role == Role::other) refuse_order(card);
+      nodes = kind.nodes;
+    }
+    element_nodes_.resize(element_nodes_.size() - kind.nodes + nodes);
+    if (card.marker.size() > 1 && (card.marker[0] == '+' || card.marker[0] == '*')) {
+      cards_.fail(card.place, "the card continues in a line that starts with " + nastran_shown(card.marker) +
+                                  ", which does not follow; put it below its card");
+    }
+    elements_.push_back({card.place, &kind, number, property, nodes});
+    if (kind.card == "CBAR" || kind.card == "CBEAM") bars_.insert(card.name);
+    note_rest(card, 2U + kind.nodes);
+  }
+  [[noreturn]] void refuse_order(const NastranCard& card) const {
+    cards_.fail(card.place, card.name +
+                                " has mid-side nodes; of second order tetune reads CTETRA and CTRIA6 alone. Write the "
+                                "other elements without mid-side nodes");
+  }
+  /// Notes that a card has fields that are not kept.
+  void note_rest(const NastranCard& card, std::size_t from) {
+    for (std::size_t k = from; k < card.fields.size(); ++k) {
+      if (!card.fields[k].empty() && card.fields[k] != "0") rests_.insert(card.name);
+    }
+  }
+
+  void check_element_numbers() {
+    std::vector<std::int64_t> numbers;
+    numbers.reserve(elements_.size());
+    for (const NastranFound& element : elements_) numbers.push_back(element.number);
+    const NumberIndex index(numbers);
+    const std::vector<Index>& order = index.order();
+    if (!order.empty()) is_renumbered_ = span_of(numbers)[order.back()] != std::ssize(numbers);
+    if (index.repeated() < 0) return;
+    for (std::size_t i = 1; i < order.size(); ++i) {
+      const NastranFound& a = span_of(elements_)[order[i - 1]];
+      const NastranFound& b = span_of(elements_)[order[i]];
+      if (a.number != b.number) continue;
+      cards_.fail(b.place, "the element " + std::to_string(b.number) + " is also in " + cards_.text_of(a.place) +
+                               "; give one of these elements another number");
+    }
+  }
+
+  Index vertex(const NastranFound& element, int number) const {
+    const Index rank = nodes_.rank(number);
+    if (rank < 0) {
+      cards_.fail(element.place, std::string(element.kind->card) + " " + std::to_string(element.number) + " has node " +
+                                     std::to_string(number) + ", and no GRID card has this number");
+    }
+    return span_of(nodes_.order())[rank];
+  }
+
+  /// An element without a property has that of its own number. Where no element of the dimension has one, as in files
+  /// of meshes alone, they have no tag: each would be a region or patch of its own.
+  int tag_of(const NastranFound& element) const {
+    if (element.property != 0) return element.property;
+    return with_property_[element.kind->dimension()] > 0 ? element.number : 0;
+  }
+
+  void add(const NastranFound& element) {
+    const NastranElement& kind = *element.kind;
+    const int tag = tag_of(element);
+    std::array<Index, kMaxNodes> v;
+    v.fill(-1);
+    for (std::size_t k = 0; k < element.nodes; ++k, ++next_node_) {
+      if (const int number = element_nodes_[next_node_]; number != 0) v[k] = vertex(element, number);
+    }
+    switch (kind.role) {
+      case Role::tetrahedron:
+        mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
+        mesh_.tet_tags.push_back(tag);
+        return add_middles(v, 4, kTetEdges);
+      case Role::triangle:
+        mesh_.triangles.push_back({v[0], v[1], v[2]});
+        mesh_.triangle_tags.push_back(tag);
+        return add_middles(v, 3, kTriangleEdges);
+      case Role::edge:
+        mesh_.edges.push_back({v[0], v[1]});
+        mesh_.edge_tags.push_back(tag);
+        return;
+      case Role::other:
+        break;
+    }
+    auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
+                              [&kind](const ElementBlock& b) { return b.kind == kind.block; });
+    if (block == mesh_.others.end()) {
+      block = mesh_.others.insert(block, {std::string(kind.block), kind.vertices, {}, {}, {}});
+    }
+    block->element2vertex.insert(block->element2vertex.end(), v.begin(), v.begin() + kind.vertices);
+    block->tags.push_back(tag);
+  }
+  template <std::size_t N>
+  void add_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, const std::array<Pair, N>& edges) {
+    bool is_partial = false;
+    for (std::size_t e = 0; e < N; ++e) {
+      const Index node = v[vertices + e];
+      is_partial = is_partial || node < 0;
+      if (node >= 0) middles_.push_back({node, {v[to_size_t(edges[e][0])], v[to_size_t(edges[e][1])]}});
+    }
+    if (is_partial) ++partial_;
+  }
+
+  /// Keeps the numbers of vertices, and refuses mid-side nodes that are vertices of other elements.
+  void keep_numbers() {
+    std::vector<std::uint8_t> is_middle(mesh_.points.size(), 0);
+    for (const Middle& middle : middles_) span_of(is_middle)[middle.node] = 1;
+    if (!middles_.empty()) {
+      std::size_t node = 0;
+      for (const NastranFound& element : elements_) {
+        for (std::size_t k = 0; k < element.kind->vertices; ++k) {
+          const int number = element_nodes_[node + k];
+          if (span_of(is_middle)[vertex(element, number)] == 0) continue;
+          cards_.fail(element.place, "node " + std::to_string(number) +
+                                         " is a vertex of this element and in the middle of an edge of another one; "
+                                         "give all tetrahedra the same order");
+        }
+        node += element.nodes;
+      }
+    }
+    for (std::size_t i = 0; i < is_middle.size(); ++i) {
+      if (is_middle[i] == 0) mesh_.deck_nodes.push_back(node_numbers_[i]);
+    }
+  }
+
+  // Warnings.
+
+  void warn_of_cards() const {
+    if (cards_.has_control()) warn("the statements before BEGIN BULK are not kept");
+    if (cards_.ignored().empty()) return;
+    warn("the cards " + listed_names(cards_.ignored()) + " are not kept");
+    std::vector<std::string> by_number;
+    std::copy_if(cards_.ignored().begin(), cards_.ignored().end(), std::back_inserter(by_number), names_entities);
+    if (by_number.empty()) return;
+    warn("of these, " + listed_names(by_number) +
+         " may name nodes or elements by their numbers: vertices keep theirs in this format, but elements and " +
+         "mid-side nodes get others");
+  }
+
+  void warn_of_elements() const {
+    if (!rests_.empty()) {
+      warn("fields after the nodes or coordinates of " + listed_names(rests_) +
+           " are not kept, such as orientations, offsets, thicknesses and constraints");
+    }
+    if (!bars_.empty()) warn(listed_names(bars_) + " are read as edges, which are written as CROD");
+    for (std::size_t dimension = 1; dimension <= 3; ++dimension) {
+      if (without_property_[dimension] == 0) continue;
+      warn(std::to_string(without_property_[dimension]) + " elements of dimension " + std::to_string(dimension) +
+           " have no number of a property: " +
+           (with_property_[dimension] > 0 ? "it is that of the element" : "they have no tag"));
+    }
+    if (!middles_.empty() && partial_ > 0) {
+      warn(std::to_string(partial_) + " elements lack mid-side nodes: their edges without one are straight, and all " +
+           "get them when they are written");
+    }
+    if (is_renumbered_) {
+      warn("the elements are not numbered from 1 to " + std::to_string(elements_.size()) + ": they get these numbers");
+    }
+  }
+
+  const std::string& path_;
+  const IoContext& context_;
+  NastranCards cards_;
+  TetMesh mesh_;
+  std::vector<std::int64_t> node_numbers_;
+  std::vector<NastranPlace> node_places_;
+  NumberIndex nodes_;
+  int default_system_ = 0;
+  std::optional<NastranPlace> default_place_;  ///< of the first node in the default coordinate system
+  std::vector<NastranFound> elements_;
+  std::vector<int> element_nodes_;  ///< 0: none
+  std::size_t next_node_ = 0;
+  std::vector<Middle> middles_;
+  std::array<std::size_t, 4> with_property_{}, without_property_{};  ///< numbers of elements, by dimension
+  std::size_t partial_ = 0;
+  bool is_renumbered_ = false;
+  std::set<std::string> rests_, bars_;  ///< names of cards
+};
+
+}  // namespace
+
+TetMesh read_nastran(const std::string& path, const IoContext& context) { return NastranReader(path, context).read(); }
+
+std::vector<std::string> included_nastran_files(const std::string& path) {
+  NastranCards cards(
+      path, [](const std::string&) { return false; }, [](const NastranCard&) {});
+  cards.read();
+  return {cards.files().begin() + 1, cards.files().end()};
+}
+
+}  // namespace tetune

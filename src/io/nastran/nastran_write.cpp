@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nastran's bulk data (.bdf, .nas): nodes in large fields, elements in small ones.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "io/line_writer.hpp"
+#include "io/losses.hpp"
+#include "io/nastran/nastran_elements.hpp"
+#include "io/nastran/nastran_fields.hpp"
+#include "io/number_index.hpp"
+#include "io/registry.hpp"
+#include "io/second_order.hpp"
+#include "io/tag_numbers.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+constexpr std::size_t kSmallWidth = 8, kFieldsPerLine = 8;
+constexpr Size kEntriesPerRange = 1 << 14;
+
+void warn_of_losses_in_nastran(const TetMesh& mesh, const IoContext& context) {
+  warn_of_lists(mesh, context);
+  warn_of_point_tags(mesh, context);
+  warn_of_names(mesh, context);
+  warn_of_data(mesh, context);
+  for (const ElementBlock& block : mesh.others) {
+    if (block.kind == kPoints) warn_of_point_elements(context);
+  }
+}
+
+/// Appends text, or a number, at the right of a field.
+void append_field(std::string& line, std::string_view text, std::size_t width) {
+  line.append(width - text.size(), ' ').append(text);
+}
+void append_field(std::string& line, std::int64_t number, std::size_t width) {
+  std::array<char, 24> digits;
+  const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+  append_field(line, std::string_view(digits.data(), std::size_t(end - digits.data())), width);
+}
+void append_name(std::string& line, std::string_view name) { line.append(name).append(kSmallWidth - name.size(), ' '); }
+
+class NastranWriter {
+ public:
+  /// `middles` is null for a mesh of first order; otherwise `mesh` has the mid-side nodes after its vertices, of which
+  /// there are `vertices`.
+  NastranWriter(FileWriter& file, const TetMesh& mesh, std::size_t vertices, const Middles* middles,
+                const IoContext& context)
+      : file_(file), mesh_(mesh), vertices_(vertices), middles_(middles), context_(context), cpu_(context.threads) {}
+
+  void write() {
+    if (mesh_.points.size() > std::size_t(kMaxNastranNumber)) {
+      throw FileError("the mesh has " + std::to_string(mesh_.points.size()) +
+                      " nodes; Nastran's numbers have at most 8 digits");
+    }
+    number_nodes();
+    number_properties();
+    // Without this comment in the first line pyNastran expects the statements of a whole deck.
+    file_.write("$ pyNastran: punch=True\n$ tetune\n");
+    write_nodes();
+    for (const NastranElement& kind : kNastranElements) write_elements(kind);
+    file_.write("ENDDATA\n");
+  }
+
+ private:
+  using Role = NastranElement::Role;
+
+  // Numbers.
+
+  /// Vertices keep the numbers of the file that they were read from; others get those above all of these.
+  void number_nodes() {
+    std::vector<std::int64_t>& numbers = node_numbers_;
+    if (mesh_.deck_nodes.size() == vertices_) numbers = mesh_.deck_nodes;
+    numbers.resize(mesh_.points.size(), 0);
+    std::vector<std::int64_t> kept;
+    std::copy_if(numbers.begin(), numbers.end(), std::back_inserter(kept), [](std::int64_t n) { return n != 0; });
+    const NumberIndex index(kept);
+    std::int64_t last = kept.empty() ? 0 : span_of(kept)[index.order().back()];
+    const std::int64_t others = std::ssize(numbers) - std::ssize(kept);
+    if (index.repeated() < 0 && last + others <= kMaxNastranNumber) {
+      for (std::int64_t& number : numbers) number = number == 0 ? ++last : number;
+      return;
+    }
+    context_.warn("the numbers of the nodes have more than 8 digits or occur twice: the nodes are numbered from 1");
+    for (std::size_t v = 0; v < numbers.size(); ++v) numbers[v] = std::int64_t(v) + 1;
+  }
+
+  /// The tags of the elements of a dimension.
+  std::set<int> tags_of(int dimension) const {
+    std::set<int> tags;
+    const auto add = [&tags](const std::vector<int>& list) {
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        if (i == 0 || list[i] != list[i - 1]) tags.insert(list[i]);
+      }
+    };
+    if (dimension == 1) add(mesh_.edge_tags);
+    if (dimension == 2) add(mesh_.triangle_tags);
+    if (dimension == 3) add(mesh_.tet_tags);
+    for (const ElementBlock& block : mesh_.others) {
+      if (block.kind != kPoints && dimension == (block.kind == "Quadrilaterals" ? 2 : 3)) add(block.tags);
+    }
+    return tags;
+  }
+  void number_properties() {
+    std::map<int, int> number2dimension;
+    int shared = 0;
+    for (int dimension = 1; dimension <= 3; ++dimension) {
+      std::map<int, int>& tag2number = properties_[to_size_t(dimension)];
+      tag2number = numbers_of_tags(tags_of(dimension), {}, kMaxNastranNumber);
+      std::string first;
+      int renumbered = 0;
+      for (const auto& [tag, number] : tag2number) {
+        if (!number2dimension.emplace(number, dimension).second && shared == 0) shared = number;
+        if (tag == number || renumbered++ > 0) continue;
+        first = std::to_string(tag) + " is written as " + std::to_string(number);
+      }
+      if (renumbered == 0) continue;
+      if (renumbered > 1) first += ", and " + std::to_string(renumbered - 1) + " more";
+      context_.warn("the format's numbers are from 1 to " + std::to_string(kMaxNastranNumber) +
+                    ": of elements of dimension " + std::to_string(dimension) + " the tag " + first);
+    }
+    if (shared == 0) return;
+    context_.warn("elements of different dimensions have the property " + std::to_string(shared) +
+                  "; for Nastran all properties need different numbers");
+  }
+
+  // Cards.
+
+  /// Writes n entries; put(text, i) appends one of them.
+  template <class Put>
+  void write_entries(std::size_t n, const Put& put) {
+    const auto format = [&put](std::string& text, Size begin, Size end) {
+      text.clear();
+      for (Size i = begin; i < end; ++i) put(text, to_size_t(i));
+    };
+    write_in_ranges(cpu_, Size(n), kEntriesPerRange, format, [this](const std::string& text) { file_.write(text); });
+  }
+
+  void write_nodes() {
+    for (const Point3& p : mesh_.points) {
+      if (std::all_of(p.begin(), p.end(), [](double x) { return std::isfinite(x); })) continue;
+      throw FileError("a coordinate is not finite; Nastran has no notation for it");
+    }
+    std::atomic<Size> rounded{0};
+    write_entries(mesh_.points.size(), [&](std::string& text, std::size_t v) {
+      append_name(text, "GRID*");
+      append_field(text, node_numbers_[v], kNastranLargeField);
+      append_field(text, "", kNastranLargeField);
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (k == 2) append_name(text += "*\n", "*");
+        std::string number;
+        if (!append_nastran_real(number, mesh_.points[v][k])) rounded.fetch_add(1, std::memory_order_relaxed);
+        append_field(text, number, kNastranLargeField);
+      }
+      text += '\n';
+    });
+    if (rounded == 0) return;
+    context_.warn(std::to_string(rounded) + " coordinates are rounded to the 16 characters of Nastran's large fields");
+  }
+
+  void append_card(std::string& text, std::string_view card, int property, std::int64_t number, const Index* nodes,
+                   std::size_t n) const {
+    append_name(text, card);
+    append_field(text, number, kSmallWidth);
+    append_field(text, property, kSmallWidth);
+    for (std::size_t k = 0; k < n; ++k) {
+      // The numbers of the element and the property are fields too.
+      if (k > 0 && (k + 2) % kFieldsPerLine == 0) append_name(text += "+\n", "+");
+      append_field(text, span_of(node_numbers_)[nodes[k]], kSmallWidth);
+    }
+    text += '\n';
+  }
+
+  /// Writes the elements whose card this is; nodes_of(e, nodes) sets the nodes of one.
+  template <class NodesOf>
+  void write_cards(std::string_view card, std::size_t dimension, std::size_t n, const std::vector<int>& tags,
+                   const NodesOf& nodes_of) {
+    const std::map<int, int>& tag2number = properties_[dimension];
+    write_entries(tags.size(), [&](std::string& text, std::size_t e) {
+      std::array<Index, 10> nodes;
+      nodes_of(e, nodes);
+      append_card(text, card, tag2number.at(tags[e]), next_element_ + std::int64_t(e), nodes.data(), n);
+    });
+    next_element_ += std::ssize(tags);
+    if (next_element_ > kMaxNastranNumber) throw FileError("Nastran's numbers of elements have at most 8 digits");
+  }
+
+  template <std::size_t N, std::size_t E>
+  void write_simplices(std::string_view card, std::size_t dimension, const std::vector<std::array<Index, N>>& elements,
+                       const std::vector<int>& tags, const std::array<Pair, E>& edges) {
+    const std::size_t n = N + (middles_ != nullptr ? E : 0);
+    write_cards(card, dimension, n, tags, [&](std::size_t e, std::array<Index, 10>& nodes) {
+      std::array<Index, N> v = elements[e];
+      if constexpr (N == 4) {
+        if (mesh_.listed_inside_out) std::swap(v[2], v[3]);
+      }
+      std::copy(v.begin(), v.end(), nodes.begin());
+      if (middles_ == nullptr) return;
+      for (std::size_t k = 0; k < E; ++k) {
+        nodes[N + k] = middles_->of(v[to_size_t(edges[k][0])], v[to_size_t(edges[k][1])]);
+      }
+    });
+  }
+
+  void write_elements(const NastranElement& kind) {
+    if (kind.card == "CROD") {
+      return write_cards(kind.card, 1, 2, mesh_.edge_tags, [this](std::size_t e, std::array<Index, 10>& nodes) {
+        std::copy(mesh_.edges[e].begin(), mesh_.edges[e].end(), nodes.begin());
+      });
+    }
+    if (kind.card == (middles_ == nullptr ? "CTRIA3" : "CTRIA6")) {
+      return write_simplices(kind.card, 2, mesh_.triangles, mesh_.triangle_tags, kTriangleEdges);
+    }
+    if (kind.role == Role::tetrahedron) return write_simplices(kind.card, 3, mesh_.tets, mesh_.tet_tags, kTetEdges);
+    if (kind.role != Role::other || !kind.is_written) return;
+    for (const ElementBlock& block : mesh_.others) {
+      if (block.kind != kind.block) continue;
+      write_cards(
+          kind.card, kind.dimension(), kind.vertices, block.tags, [&](std::size_t e, std::array<Index, 10>& nodes) {
+            std::copy_n(block.element2vertex.begin() + std::ptrdiff_t(e * kind.vertices), kind.vertices, nodes.begin());
+          });
+    }
+  }
+
+  FileWriter& file_;
+  const TetMesh& mesh_;
+  std::size_t vertices_;
+  const Middles* middles_;
+  const IoContext& context_;
+  backend::Cpu cpu_;
+  std::vector<std::int64_t> node_numbers_;
+  std::array<std::map<int, int>, 4> properties_;  ///< numbers by tag, for each dimension
+  std::int64_t next_element_ = 1;
+};
+
+}  // namespace
+
+void write_nastran(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
+  for (const ElementBlock& block : mesh.others) {
+    const bool is_known = std::any_of(kNastranElements.begin(), kNastranElements.end(),
+                                      [&block](const NastranElement& e) { return e.block == block.kind; });
+    if (!is_known && block.kind != kPoints) throw FileError("Nastran has no elements of kind " + block.kind);
+  }
+  warn_of_losses_in_nastran(mesh, context);
+  if (!mesh.second_order) return NastranWriter(file, mesh, mesh.points.size(), nullptr, context).write();
+  // Rods have no mid-side nodes.
+  TetMesh with_middles = mesh;
+  with_middles.edges.clear();
+  const Middles middles(with_middles);
+  with_middles.edges = mesh.edges;
+  NastranWriter(file, with_middles, mesh.points.size(), &middles, context).write();
+}
+
+}  // namespace tetune
