@@ -287,7 +287,8 @@ class Rounds {
     collective_try(comm_, [&] {
       if (part.mesh.tets.empty()) return;
       Options options = options_;
-      limit_growth(options, growth * double(part.mesh.tets.size()), part.mesh);
+      // The first round has all of it.
+      if (round.round > 1) limit_growth(options, growth * double(part.mesh.tets.size()), part.mesh);
       for (std::size_t v = 0; v < frozen.size(); ++v) {
         if ((part.vertex_flags[v] & kHeld) != 0) frozen[v] = 1;
       }
