@@ -173,6 +173,10 @@ std::string geometry_summary(const Geometry& geometry, const GeometryReport& r) 
   }
   if (r.vertices_held > 0)
     text += fmt::format("  held on geometry        {} vertices beside bad elements\n", r.vertices_held);
+  if (r.vertices_left_off > 0) {
+    text += fmt::format("  left off geometry       {} vertices that are held, by up to {:.3e}\n", r.vertices_left_off,
+                        r.largest_left_off);
+  }
   if (r.rounds == 0) text += "  surface                 it did not slide: elements would be worse\n";
   const auto line = [&](const char* name, const DistanceSummary& before, const DistanceSummary& after) {
     text += fmt::format("  {:<24}{:>12.3e}{:>12.3e}{:>12.3e}{:>12.3e}\n", name, before.largest, after.largest,
@@ -214,6 +218,8 @@ nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryReport& r
   json["snapped"] = r.snapped;
   json["rounds"] = r.rounds;
   json["vertices_held"] = r.vertices_held;
+  json["vertices_left_off"] = r.vertices_left_off;
+  json["largest_left_off"] = r.largest_left_off;
   json["distance_before"] = deviation_json(r.deviation_before);
   json["distance_after"] = deviation_json(r.deviation_after);
   return json;

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <new>
 #include <numeric>
+#include <optional>
 
 #include "interrupt.hpp"
 #include "mesh_errors.hpp"
@@ -87,6 +88,7 @@ class SeriesRun {
     if (interrupt::requested()) {
       result_.code = kStoppedEarly;
       result_.summary = "interrupted";
+      stopped_at_ = written_.size();
     }
     result_.after = quality(mesh.mesh(), options_.threads);
     finish();
@@ -220,11 +222,13 @@ class SeriesRun {
       text += ", the mesh of the first file\n";
     } else {
       entry["motion"] = to_json(*report);
-      const double angle = report->steps.empty() ? 0 : report->steps.back().dihedral_min;
-      text += fmt::format(", {} steps, smallest dihedral angle of what moved {:.2f}\n", report->steps.size(), angle);
+      text += report->steps.empty() ? std::string(", nothing moved\n")
+                                    : fmt::format(", {} steps, smallest dihedral angle of what moved {:.2f}\n",
+                                                  report->steps.size(), report->steps.back().dihedral_min);
       if (!report->reached()) {
         result_.code = kStoppedEarly;
         result_.summary = "motion blocked";
+        stopped_at_ = i;
         text += move_summary(*report, mesh);
       }
     }
@@ -233,6 +237,11 @@ class SeriesRun {
   }
 
   void finish() {
+    // Without tables, nothing else says why the exit code is not 0; a time that failed is an error.
+    if (stopped_at_ && console_.verbosity() < 1) {
+      const double time = steps_[std::min(*stopped_at_, steps_.size() - 1)].time;
+      warn(fmt::format("{}: {} at time {:.6g}", shown_name(job_.output, true), result_.summary, time));
+    }
     if (!job_.report.empty()) {
       const nlohmann::ordered_json json = {{"tetune", TETUNE_VERSION},        {"input", job_.input},
                                            {"output", job_.output},           {"options", to_json(options_)},
@@ -249,8 +258,9 @@ class SeriesRun {
   Console& console_;
   Options options_;
   std::vector<SeriesStep> steps_, written_;
-  TetMesh input_;                   ///< of the first file
-  std::vector<Index> original_of_;  ///< per vertex: that of the first file, or -1
+  TetMesh input_;                          ///< of the first file
+  std::vector<Index> original_of_;         ///< per vertex: that of the first file, or -1
+  std::optional<std::size_t> stopped_at_;  ///< the step at which a blocked motion or an interruption ended the run
   std::vector<std::string> warnings_;
   nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();
   JobResult result_;

@@ -60,7 +60,7 @@ class TETUNE_API LiveMesh {
 
   /// move() with one target for the neighborhood of the prescribed vertices whose position changes. Where the target
   /// cannot be reached there, the neighborhood is doubled, up to the whole mesh. The whole mesh is worked on as well
-  /// where it has locked tetrahedra or elements of other kinds.
+  /// where it has locked tetrahedra or elements of other kinds. Where no position changes, nothing does.
   ///
   /// With Boundary::slide the whole mesh is worked on. All calls slide on the surface as it was at the first one, or at
   /// the first one after set_points(), optimize_all() or the optimize() of disturbed vertices. The vertices of the

@@ -24,6 +24,10 @@ struct GeometryReport {
   /// Number of vertices that stayed where they were on the geometry, because elements would be inverted otherwise, or
   /// worse than the worst of the input.
   std::int64_t vertices_held = 0;
+  /// Number of vertices that were not moved onto the geometry, because required entities, frozen parts or elements of
+  /// other kinds than of one vertex hold them, and the largest of their distances.
+  std::int64_t vertices_left_off = 0;
+  double largest_left_off = 0;
 };
 
 struct GeometryOptions {
@@ -35,7 +39,8 @@ struct GeometryOptions {
 /// model: those on its faces end on these, those on its edges on these, and those at its vertices stay, all to
 /// rounding. Vertices of the surface whose entity is not clear stay (GeometryMatch::without_entity).
 ///
-/// With GeometryOptions::snap, the vertices are first moved onto the geometry, as move() does. Then the surface slides
+/// With GeometryOptions::snap, the vertices are first moved onto the geometry, as move() does; those of elements of one
+/// vertex too, which stay otherwise, but none that the caller or the mesh holds besides. Then the surface slides
 /// on its own triangles, with the faces of the model as patches, its vertices are moved to the nearest points of their
 /// faces and edges, and the mesh is optimized with that surface; a round is taken if no element is inverted, and the
 /// smallest dihedral angle is not below that before the round. Without `snap`, vertices that do not move in the rounds

@@ -15,6 +15,8 @@
 
 #include "exit_code.hpp"
 #include "files.hpp"
+#include "io/losses.hpp"
+#include "io/second_order.hpp"
 #include "measure.hpp"
 #include "optimize_arguments.hpp"
 #include "option_flags.hpp"
@@ -136,6 +138,12 @@ class Program {
                         " has elements of other kinds; give another format");
       }
     });
+    if (to_plex) {
+      std::vector<std::string> losses;
+      warn_of_names(input.frame, {0, &losses});
+      if (input.frame.second_order) losses.push_back(lost_middles(input.frame));
+      for (const std::string& loss : losses) warn(job_.output + ": " + loss);
+    }
     if (to_plex || !input.labels) return;
     for (const std::string& name : input.labels->names) {
       if (std::find(kSets.begin(), kSets.end(), name) != kSets.end()) continue;
@@ -274,7 +282,8 @@ constexpr std::array<std::string_view, 18> kAbsentOptions{
 /// Replaces texts of `tetune optimize` about files and groups by those that hold here.
 void describe_arguments(CLI::App& app) {
   app.get_option("files")->description(
-      "Mesh to read: a format of `tetune`, .h5 or .xmf; and mesh to write, which must not exist, unless -o is given");
+      "Mesh to read: a format of `tetune`, or .h5; and mesh to write, also .xmf, which must not exist, unless -o is "
+      "given");
   app.get_option("--output")
       ->description("Mesh to write: a format of `tetune`, .h5 or .xmf. A file that exists is replaced");
   app.get_option("--freeze")->description("Regions and patches that do not change, by their tags: tag=1,2,patch=7");

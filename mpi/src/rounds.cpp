@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "driver/distributed_interface.hpp"
+#include "driver/limit_growth.hpp"
 #include "halo.hpp"
 #include "one_part.hpp"
 #include "tetune/error.hpp"
@@ -50,6 +51,7 @@ class Rounds {
     check_frozen(options_.frozen_regions, part_.mesh.tet_tags, "frozen_regions", "tetrahedron");
     check_frozen(options_.frozen_patches, part_.mesh.triangle_tags, "frozen_patches", "triangle");
     report_.tets_before = all_reduce(comm_, std::ssize(part_.mesh.tets), MPI_SUM);
+    max_tets_ = options_.max_growth * double(report_.tets_before);
     first_round();
     while (report_.left_frozen > 0 && !cancelled_ && int_size(report_.rounds) < kMaxRounds) {
       next_round();
@@ -269,16 +271,28 @@ class Rounds {
     return extract(part_, in_overlap);
   }
 
+  /// The growth of a round's parts with which the whole mesh stays within Options::max_growth: each part may add
+  /// tetrahedra in proportion to those that it has.
+  double max_growth_of_round(const Part& part) const {
+    const Id outside = &part == &part_ ? 0 : std::ssize(part_.mesh.tets);
+    const auto sums = all_reduce(comm_, std::vector<Id>{std::ssize(part.mesh.tets), outside}, MPI_SUM);
+    return sums[0] > 0 ? (max_tets_ - double(sums[1])) / double(sums[0]) : 1;
+  }
+
   /// Optimizes one part per rank; the vertices with `frozen` 1 stay.
   void optimize_all(Part& part, Marks frozen, RoundReport& round) {
     const auto start = Time::now();
+    const double growth = max_growth_of_round(part);
     Report report;
     collective_try(comm_, [&] {
       if (part.mesh.tets.empty()) return;
+      Options options = options_;
+      // The first round has all of it.
+      if (round.round > 1) limit_growth(options, growth * double(part.mesh.tets.size()), part.mesh);
       for (std::size_t v = 0; v < frozen.size(); ++v) {
         if ((part.vertex_flags[v] & kHeld) != 0) frozen[v] = 1;
       }
-      report = optimize_part(part, std::move(frozen), options_, context_, surface_ ? &*surface_ : nullptr, form_);
+      report = optimize_part(part, std::move(frozen), options, context_, surface_ ? &*surface_ : nullptr, form_);
     });
     const double stopped = report.stop == StopReason::cancelled ? 1 : 0;
     const auto maxima = all_reduce(comm_, std::vector<double>{seconds_since(start), stopped}, MPI_MAX);
@@ -345,6 +359,7 @@ class Rounds {
   /// With Boundary::slide on several ranks: what the part slides on.
   std::optional<InputSurface> surface_;
   std::vector<float> angles_;  ///< smallest dihedral angle of each tetrahedron of the part, degrees
+  double max_tets_ = 0;        ///< the number of tetrahedra that insertion may lead to, of all ranks
   DistributedReport report_;
 };
 

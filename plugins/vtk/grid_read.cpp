@@ -8,59 +8,15 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include "grid.hpp"
 #include "grid_names.hpp"
 #include "io/second_order.hpp"
+#include "pieces.hpp"
 #include "vtk_arrays.hpp"
 
 namespace tetune::plugin {
 namespace {
-
-/// Merges points at the same position, as the pieces of a file have; with `middles`, whose ids are those of the points.
-void merge_points(TetMesh& mesh, std::vector<Middle>& middles) {
-  std::vector<vtkIdType> order(mesh.points.size());
-  std::iota(order.begin(), order.end(), vtkIdType{0});
-  const auto point = [&mesh](vtkIdType v) -> const Point3& { return item(mesh.points, v); };
-  std::stable_sort(order.begin(), order.end(), [&point](vtkIdType a, vtkIdType b) { return point(a) < point(b); });
-  std::vector<vtkIdType> first(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && point(order[i]) == point(order[i - 1]);
-    item(first, order[i]) = same ? item(first, order[i - 1]) : order[i];
-  }
-  std::vector<Index> old2new(order.size());
-  std::vector<vtkIdType> kept;
-  for (vtkIdType v = 0; v < std::ssize(first); ++v) {
-    const vtkIdType owner = item(first, v);
-    item(old2new, v) = owner == v ? index_count(kept) : item(old2new, owner);
-    if (owner == v) kept.push_back(v);
-  }
-  if (kept.size() == first.size()) return;
-  for (std::size_t v = 0; v < kept.size(); ++v) {
-    mesh.points[v] = point(kept[v]);
-    mesh.point_tags[v] = item(mesh.point_tags, kept[v]);
-  }
-  mesh.points.resize(kept.size());
-  mesh.point_tags.resize(kept.size());
-  for (DataArray& array : mesh.point_data) array = entries(array, kept);
-  const auto renumber = [&old2new](auto& ids) {
-    for (Index& v : ids) v = item(old2new, v);
-  };
-  for (auto& tet : mesh.tets) renumber(tet);
-  for (auto& triangle : mesh.triangles) renumber(triangle);
-  for (auto& edge : mesh.edges) renumber(edge);
-  for (ElementBlock& block : mesh.others) renumber(block.element2vertex);
-  for (Middle& middle : middles) {
-    middle.node = item(old2new, middle.node);
-    renumber(middle.ends);
-  }
-  for (std::vector<Index>* ids : {&mesh.corners, &mesh.required_vertices}) {
-    renumber(*ids);
-    std::sort(ids->begin(), ids->end());
-    ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
-  }
-}
 
 /// The cells of a grid by kind, in order.
 class GridReader {
@@ -84,7 +40,7 @@ class GridReader {
     for (std::size_t i = 0; i < others_.size(); ++i) {
       if (!others_[i].element2vertex.empty()) mesh_.others.push_back(std::move(others_[i]));
     }
-    if (pieces == Pieces::several) merge_points(mesh_, middles_);
+    if (pieces == Pieces::several) join();
     if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
   }
 
@@ -160,6 +116,27 @@ class GridReader {
     const std::size_t k(std::find(kOtherTypes.begin(), kOtherTypes.end(), plain) - kOtherTypes.begin());
     others_[k].element2vertex.insert(others_[k].element2vertex.end(), v.begin(), v.begin() + size_of(type));
     other_cells_[k].push_back(c);
+  }
+
+  /// Joins the pieces. Flags of copies say nothing of the whole mesh.
+  void join() {
+    std::vector<bool> duplicates(mesh_.points.size(), false);
+    if (vtkUnsignedCharArray* ghosts = grid_->GetPointGhostArray(); ghosts != nullptr) {
+      for (std::size_t v = 0; v < duplicates.size(); ++v) {
+        duplicates[v] = (ghosts->GetValue(vtkIdType(v)) & vtkDataSetAttributes::DUPLICATEPOINT) != 0;
+      }
+    }
+    std::vector<std::vector<DataArray>*> lists{&mesh_.point_data, &mesh_.tet_data, &mesh_.triangle_data,
+                                               &mesh_.edge_data};
+    for (ElementBlock& block : mesh_.others) lists.push_back(&block.data);
+    for (auto* data : lists) {
+      std::erase_if(*data, [](const DataArray& a) { return a.name == vtkDataSetAttributes::GhostArrayName(); });
+    }
+    if (const std::size_t torn = merge_points(mesh_, duplicates, middles_); torn > 0) {
+      warnings_.push_back(std::to_string(torn) +
+                          " points are nearer to a point of another piece than 1e-9 of the diagonal, but not at the "
+                          "same position: there the pieces are apart, as points are merged where all bits are equal");
+    }
   }
 
   static int size_of(int type) {

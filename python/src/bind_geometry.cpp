@@ -116,7 +116,10 @@ void bind_report_of_geometry(nb::module_& m) {
               "Number of vertices that were not on the geometry.")
       .def_ro("rounds", &GeometryReport::rounds, "Number of rounds of sliding whose result was taken.")
       .def_ro("vertices_held", &GeometryReport::vertices_held,
-              "Number of vertices that stayed where they were, because elements would be inverted or worse otherwise.");
+              "Number of vertices that stayed where they were, because elements would be inverted or worse otherwise.")
+      .def_ro("vertices_left_off", &GeometryReport::vertices_left_off,
+              "Number of vertices off the geometry that required entities, frozen parts or other elements held there.")
+      .def_ro("largest_left_off", &GeometryReport::largest_left_off, "The largest distance of these.");
 }
 
 }  // namespace

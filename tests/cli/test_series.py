@@ -175,6 +175,8 @@ class Series(CliTest):
             self.assertNotIn("nothing was written", err)
             if len(signals) > 1:
                 self.assertIn("interrupted after meshes of the series were written", err)
+            else:
+                self.assertIn("interrupted", err)
             self.points(f"out{number}_0000.vtu")
 
     def test_a_folder_with_the_name_of_an_option(self):
@@ -190,6 +192,24 @@ class Series(CliTest):
         self.assertIn("block it", done.stdout)
         self.points("out_0001.vtu")
         self.assertFalse(os.path.exists(self.path("out_0002.vtu")))
+
+    @needs_vtk
+    def test_quiet_and_blocked(self):
+        self.vtk("a.vtk", self.mesh.points)
+        self.vtk("b.vtk", self.stretched(-1))
+        done = self.run_cli("move", self.series([(0, "a.vtk"), (2.5, "b.vtk")]), "-o", self.path("out.pvd"), "--quiet", code=1)
+        self.assertEqual(done.stdout, "")
+        self.assertIn("out.pvd: motion blocked at time 2.5", done.stderr)
+
+    @needs_vtk
+    def test_a_time_at_which_nothing_moves(self):
+        for name in ("a.vtk", "b.vtk"):
+            self.vtk(name, self.mesh.points)
+        for boundary in ("preserve", "slide"):
+            done = self.run_cli("move", self.series([(0, "a.vtk"), (1, "b.vtk")]), "-o", self.path("out.pvd"),
+                                "--boundary", boundary)
+            self.assertIn("out_0001.vtu, nothing moved\n", done.stdout)
+            self.assertEqual(self.points("out_0001.vtu"), self.mesh.points)
 
     def listed(self, name="out.pvd"):
         """The files that a series lists; none if there is no series yet."""

@@ -209,6 +209,16 @@ class Contract(MpiTest):
                          before["counts"]["vertices"] + run["vertices_inserted"] - run["vertices_removed"])
         self.assertLess(abs(after["quality"]["volume"] / before["quality"]["volume"] - 1), 1e-12)
 
+    def test_growth_is_that_of_the_whole_mesh(self):
+        source = self.put("in.mesh", cli_case.cube(8))
+        out = self.path("out.mesh")
+        before = len(cli_case.Mesh.read(source).tets)
+        for ranks, growth in ((1, "1.02"), (2, "1.02"), (4, "1.02"), (4, "1.3")):
+            with self.subTest(ranks=ranks, growth=growth):
+                self.mpi(ranks, source, out, "--effort", "best", "--max-growth", growth, "--quiet")
+                # Flips are not limited.
+                self.assertLess(len(cli_case.Mesh.read(out).tets), (float(growth) + 0.01) * before)
+
     def test_required_and_frozen_stay(self):
         cube = cli_case.cube(8)
         inner = [i for i, p in enumerate(cube.points) if all(0.2 < x < 0.8 for x in p)][::3]

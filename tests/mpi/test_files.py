@@ -94,6 +94,22 @@ class Files(MpiTest):
         self.mpi(2, h5, back)
         self.assertEqual(self.regions(back), ({2: 0.5, 1: 0.5}, 1.0))
 
+    def test_names_of_groups_are_lost_in_hdf5_with_a_warning(self):
+        if not self.writes_hdf5():
+            self.skipTest("PETSc without HDF5")
+        cube = cli_case.cube(3)
+        text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "1", '3 7 "rotor"', "$EndPhysicalNames",
+                "$Nodes", str(len(cube.points))]
+        text += [f"{i + 1} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(cube.points)]
+        text += ["$EndNodes", "$Elements", str(len(cube.tets))]
+        text += [f"{i + 1} 4 2 7 7 " + " ".join(str(v + 1) for v in tet) for i, tet in enumerate(cube.tets)]
+        source = self.put("in.msh", "\n".join([*text, "$EndElements", ""]))
+        for ending in ("h5", "xmf"):
+            out = self.path(f"out.{ending}")
+            for ranks in (1, 2):
+                said = self.warnings(self.mpi(ranks, source, out, "--effort", "fast"))
+                self.assertEqual(said.count(f"{out}: the format cannot hold the names of groups"), 1, said)
+
     def positions_of_others(self, path):
         """Of the vertices of each prism and hexahedron."""
         words, found = Path(path).read_text().split(), []
@@ -182,9 +198,16 @@ class Files(MpiTest):
         text += ["$EndNodes", "$Elements", str(len(rows))]
         text += [f"{i + 1} 11 2 7 7 " + " ".join(str(v + 1) for v in row) for i, row in enumerate(rows)]
         source = self.put("in.msh", "\n".join([*text, "$EndElements", ""]))
-        out = self.path("out.meshb")
-        lost = f"{out}: written as linear elements, without the nodes in the middles of edges"
-        self.assertIn(lost, self.warnings(self.mpi(2, source, out, "--effort", "fast")))
+        for ending in ["meshb"] + ["h5"] * self.writes_hdf5():
+            out = self.path(f"out.{ending}")
+            lost = f"{out}: written as linear elements, without the nodes in the middles of edges"
+            self.assertIn(lost, self.warnings(self.mpi(2, source, out, "--effort", "fast")))
+
+    def test_xdmf_is_written_and_not_read(self):
+        words = " ".join(subprocess.run([mpi_case.PROGRAM, "--help"], capture_output=True, text=True, check=True).stdout.split())
+        self.assertIn("Mesh to read: a format of `tetune`, or .h5; and mesh to write, also .xmf", words)
+        source = self.put("in.xmf", "")
+        self.assertIn("XDMF is written, not read", self.mpi(1, source, self.path("out.mesh"), code=2).stderr)
 
     def test_sections_that_are_not_kept(self):
         data = Path(mpi_case.BRACKET).read_bytes()

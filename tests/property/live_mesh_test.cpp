@@ -114,6 +114,25 @@ TEST(LiveMesh, ReportsAlsoWhereNothingMoves) {
   EXPECT_EQ(report.optimization.targets[0].tets, std::ssize(live.mesh().tets));
 }
 
+TEST(LiveMesh, StaysAsItIsWhereNothingMoves) {
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    for (const bool is_locked : {false, true}) {
+      TetMesh input = test::two_materials(4, 0.2);
+      if (is_locked) input.required_tets = {0};
+      Options options;
+      options.boundary = boundary;
+      options.effort = Effort::best;
+      LiveMesh live(input, options);
+      const MoveReport report = live.move(VertexTargets(input.points.begin(), input.points.end()));
+      EXPECT_TRUE(report.reached());
+      EXPECT_TRUE(report.steps.empty());
+      EXPECT_EQ(report.prescribed, std::ssize(input.points));
+      EXPECT_EQ(live.mesh().points, input.points);
+      EXPECT_EQ(live.mesh().tets, input.tets);
+    }
+  }
+}
+
 TEST(LiveMesh, RefusesANeighborhoodOutOfRange) {
   for (const int neighborhood : {-1, 0, 101, std::numeric_limits<int>::max()}) {
     EXPECT_THROW(LiveMesh(test::cube(2), {}, neighborhood), OptionError) << neighborhood;

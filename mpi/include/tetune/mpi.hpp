@@ -50,7 +50,8 @@ struct DistributedReport : OperationCounts {
 /// The result is valid and conforming across ranks, its smallest angle not below that of the input, the shape of its
 /// boundary kept as Options::boundary says; with Boundary::slide all rounds move vertices on the surface of the input,
 /// and max_deviation bounds how far the result is from it. The result is bit for bit the same for the same parts, for
-/// any number of threads. Options::threads 0: those of a node are shared among its ranks.
+/// any number of threads. Options::threads 0: those of a node are shared among its ranks. Options::max_growth limits
+/// the growth of the whole mesh.
 ///
 /// `stop`, if given, is called on every rank at its safe points (Context::stop); all ranks end when it returns true on
 /// one.

@@ -41,8 +41,9 @@ class PatchTags {
   std::vector<Key> tags_;
 };
 
-/// Flags the vertices that the caller or the mesh holds. Requires options that check_frozen_vertices() accepts.
-inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Options& options) {
+/// Flags the vertices that the caller or the mesh holds; without those that only elements of one vertex hold, unless
+/// `with_points`. Requires options that check_frozen_vertices() accepts.
+inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Options& options, bool with_points = true) {
   std::vector<std::uint8_t> held = options.frozen_vertices;
   held.resize(mesh.points.size(), 0);
   const auto hold = [&](const auto& vertices) {
@@ -61,9 +62,14 @@ inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Optio
   for (Size t = 0; t < std::ssize(mesh.tets); ++t) {
     if (has(options.frozen_regions, span_of(mesh.tet_tags)[t])) hold(span_of(mesh.tets)[t]);
   }
-  for (const ElementBlock& block : mesh.others) hold(block.element2vertex);
+  for (const ElementBlock& block : mesh.others) {
+    if (with_points || block.kind != kPoints) hold(block.element2vertex);
+  }
   return held;
 }
+
+/// Whether a vertex is on a vertex, edge or face of the model.
+inline bool has_entity(const GeometryEntity& entity) { return entity.dimension >= 0 && entity.dimension <= 2; }
 
 /// A mesh between runs, with what is known of its vertices.
 struct WorkState {
@@ -76,10 +82,7 @@ struct WorkState {
     entities = gather_entries_or(entities, new2old, GeometryEntity());
     held = gather_entries_or(held, new2old, std::uint8_t{0});
   }
-  bool may_move(Size v) const {
-    const std::int8_t dimension = span_of(entities)[v].dimension;
-    return span_of(held)[v] == 0 && dimension >= 0 && dimension <= 2;
-  }
+  bool may_move(Size v) const { return span_of(held)[v] == 0 && has_entity(span_of(entities)[v]); }
 };
 
 }  // namespace tetune

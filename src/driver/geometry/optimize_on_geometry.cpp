@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "backend/span.hpp"
-#include "boundary/constraints.hpp"
+#include "driver/geometry/geometry_checks.hpp"
 #include "driver/geometry/geometry_work.hpp"
 #include "driver/limit_growth.hpp"
 #include "driver/report/extend_report.hpp"
@@ -24,7 +25,6 @@
 #include "tetune/error.hpp"
 #include "tetune/move.hpp"
 #include "tetune/optimize.hpp"
-#include "tetune/option_table.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
 
@@ -40,20 +40,6 @@ constexpr double kSnapFraction = 0.1, kSlideFraction = 0.6, kInsideFraction = 0.
 /// A round is repeated, with vertices of bad elements held, at most this many times.
 constexpr int kMaxRetries = 3;
 
-void check_options(const TetMesh& mesh, const Options& options) {
-  const auto refuse = [](const std::string& text) { throw OptionError("on a geometry, " + text); };
-  if (options.boundary != Boundary::slide) refuse("the surface slides: use boundary=slide");
-  if (options.max_deviation > 0) refuse("max_deviation has no use: the surface ends on the geometry; leave it 0");
-  if (!options.only_below.empty()) refuse("the whole mesh is optimized: leave only_below empty");
-  if (options.untangle) refuse("every volume must be positive: untangle the mesh first, in a run of its own");
-  if (options.data != DataTransfer::carry) refuse("data of vertices are carried: use data=carry");
-  if (options.surface_vertices == SurfaceVertices::edit)
-    refuse("vertices of the surface stay: use surface_vertices=keep");
-  if (!mesh.periodic.empty()) refuse("periodic vertices cannot slide: take the links out of the mesh");
-  if (!mesh.curved_edges.empty()) refuse("elements are straight: convert the mesh to order 1 first");
-  tetune::check_options(options);
-}
-
 /// The smallest dihedral angle per tetrahedron.
 std::vector<double> angles_of(const TetMesh& mesh, int threads) {
   std::vector<double> angles;
@@ -66,15 +52,6 @@ bool all_positive(const TetMesh& mesh, int threads) {
   return std::all_of(signs.begin(), signs.end(), [](std::int8_t sign) { return sign > 0; });
 }
 
-/// The tags of surface triangles that must be frozen exist in the caller's list. Throws OptionError.
-void check_frozen_patches(const TetMesh& mesh, const Options& options) {
-  for (const int tag : options.frozen_patches) {
-    if (std::find(mesh.triangle_tags.begin(), mesh.triangle_tags.end(), tag) == mesh.triangle_tags.end()) {
-      throw OptionError("frozen_patches: no listed triangle has the tag " + std::to_string(tag));
-    }
-  }
-}
-
 class GeometryRun {
  public:
   GeometryRun(const Geometry& geometry, const Options& options, const GeometryOptions& on_geometry,
@@ -85,7 +62,8 @@ class GeometryRun {
         hooks_(caller),
         tolerance_(kOnGeometry * geometry.diagonal()) {}
 
-  GeometryReport run(TetMesh& input) {
+  /// `warnings`: those of the caller's options, as those of the runs are of other options.
+  GeometryReport run(TetMesh& input, RunWarnings warnings) {
     timed([&] {
       report_.before = geometry_.match(input);
       if (on_geometry_.measures) report_.deviation_before = geometry_.measure(input.points, report_.before);
@@ -106,6 +84,7 @@ class GeometryRun {
     store(input);
     add_seconds(report_.optimization, "geometry", seconds_);
     if (hooks_.is_stopped()) report_.optimization.stop = StopReason::cancelled;
+    warnings.add_to(report_.optimization, std::move(warnings_), report_.vertices_snapped > 0);
     return std::move(report_);
   }
 
@@ -138,16 +117,18 @@ class GeometryRun {
     }
     work_.entities = match.vertices;
     work_.held = held_by_caller(input, options_);
+    held_firmly_ = held_by_caller(input, options_, false);
   }
 
-  /// Positions on the geometry of the vertices that may move.
-  std::vector<Point3> closest_points(const WorkState& state) {
+  /// Positions on the geometry of the vertices on an entity that are not held.
+  std::vector<Point3> closest_points(const WorkState& state, const std::vector<std::uint8_t>& held) {
     std::vector<GeometryEntity> entities = state.entities;
     for (Size v = 0; v < std::ssize(entities); ++v) {
-      if (!state.may_move(v)) span_of(entities)[v] = {};
+      if (span_of(held)[v] != 0 || !has_entity(span_of(entities)[v])) span_of(entities)[v] = {};
     }
     return project(state.mesh.points, entities);
   }
+  std::vector<Point3> closest_points(const WorkState& state) { return closest_points(state, state.held); }
 
   std::vector<Point3> project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities) {
     std::vector<Point3> projected;
@@ -159,7 +140,8 @@ class GeometryRun {
     const std::vector<double>& distances = report_.before.distances;
     const auto is_off = [this](double distance) { return distance > tolerance_; };
     if (std::none_of(distances.begin(), distances.end(), is_off)) return;
-    const std::vector<Point3> on_geometry = closest_points(work_);
+    count_left_off();
+    const std::vector<Point3> on_geometry = closest_points(work_, held_firmly_);
     VertexTargets targets(on_geometry.size(), Point3{kNan, kNan, kNan});
     TetMesh moved = work_.mesh;
     for (Size v = 0; v < std::ssize(targets); ++v) {
@@ -181,6 +163,16 @@ class GeometryRun {
     report_.snapped = motion.fraction;
     work_.follow_result(motion.optimization.vertex2original);
     add(std::move(motion.optimization));
+  }
+
+  void count_left_off() {
+    for (Size v = 0; v < std::ssize(held_firmly_); ++v) {
+      const double distance = span_of(report_.before.distances)[v];
+      if (span_of(held_firmly_)[v] == 0 || !has_entity(span_of(work_.entities)[v]) || distance <= tolerance_) continue;
+      ++report_.vertices_left_off;
+      report_.largest_left_off = std::max(report_.largest_left_off, distance);
+    }
+    if (report_.vertices_left_off > 0) warnings_.push_back(warning_of_left_off(report_));
   }
 
   /// Vertices at vertices of the model, and those whose entity is not clear, stay.
@@ -364,6 +356,8 @@ class GeometryRun {
   GeometryReport report_;
   PatchTags tags_;
   WorkState work_;
+  std::vector<std::uint8_t> held_firmly_;  ///< flags the vertices of the input that do not move onto the geometry
+  std::vector<std::string> warnings_;      ///< made before the caller's mesh changes
   bool has_run_ = false;
   double max_tets_ = 0;
   double seconds_ = 0;  ///< of work on the geometry
@@ -374,14 +368,10 @@ class GeometryRun {
 GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, const Options& options,
                                     const GeometryOptions& on_geometry, const Context& context) {
   const auto start = PhaseTimer::SteadyClock::now();
-  check_options(mesh, options);
-  check_frozen_patches(mesh, options);
-  check_frozen_vertices(mesh, options);
-  // Those of the runs are of other options.
-  RunWarnings warnings(mesh, options);
+  check_geometry_options(mesh, options);
   GeometryReport report;
   try {
-    report = GeometryRun(geometry, options, on_geometry, context).run(mesh);
+    report = GeometryRun(geometry, options, on_geometry, context).run(mesh, RunWarnings(mesh, options));
   } catch (const MeshError&) {
     // Where the input is not valid, the error says that alone, with the ids of the input.
     if (const ValidationReport valid = validate(mesh, options.threads); !valid.ok()) {
@@ -389,7 +379,6 @@ GeometryReport optimize_on_geometry(TetMesh& mesh, const Geometry& geometry, con
     }
     throw;
   }
-  warnings.add_to(report.optimization, {}, report.vertices_snapped > 0);
   report.optimization.seconds = PhaseTimer::seconds_since(start);
   return report;
 }

@@ -13,6 +13,7 @@
 #include "driver/parts/live_surface.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "driver/report/targets.hpp"
+#include "driver/report/unchanged.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/vertex_layers.hpp"
 #include "phases/progress/latched_hooks.hpp"
@@ -88,6 +89,13 @@ MoveReport LiveMesh::move(const VertexTargets& target, const Context& caller) {
   for (std::size_t v = 0; v < n && is_usable; ++v) {
     is_usable = is_free(target[v]) || is_finite(target[v]);
     moves[v] = !is_free(target[v]) && target[v] != mesh_.points[v] ? 1 : 0;
+  }
+  if (is_usable && std::all_of(moves.begin(), moves.end(), [](std::uint8_t m) { return m == 0; })) {
+    MoveReport report;
+    report.optimization = report_unchanged(mesh_, next_options());
+    report.prescribed = std::count_if(target.begin(), target.end(), is_finite);
+    report.targets = report.targets_reached = 1;
+    return report;
   }
   if (is_usable && options_.boundary == Boundary::slide) return move_sliding(target, moves, context);
   if (is_usable && moves_in_parts(moves)) {
