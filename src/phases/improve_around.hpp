@@ -48,8 +48,6 @@ namespace improve_around_detail {
 /// elements tie for the worst angle.
 inline constexpr Size kMinProposers = 250;
 inline constexpr double kProposingFraction = 4e-3;
-/// The fraction of the growth of the mesh that retriangulation may use up: flips that follow add some tetrahedra.
-inline constexpr double kInsertedFraction = 0.95;
 
 /// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and all other changes as
 /// flips.
@@ -85,16 +83,6 @@ Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterio
   return flips + flip_until_none_active(optimizer, criterion);
 }
 
-/// The fraction of the growth of the mesh, by `max_added` tetrahedra at most, that retriangulation may use up.
-template <class Backend>
-double inserted_fraction(const Optimizer<Backend>& optimizer, double max_added) {
-  const RestartParameters& p = optimizer.tuning.restart;
-  const bool is_restart = optimizer.work.outside > 0;
-  if (is_restart || restart_rounds(optimizer.options, double(optimizer.report.tets_before)) == 0 || max_added <= 0)
-    return kInsertedFraction;
-  return std::min(kInsertedFraction, 1 - std::min(p.max_reserved_fraction, p.reserved / max_added));
-}
-
 }  // namespace improve_around_detail
 
 /// The limits of a retriangulation. Vertices are inserted and removed at angles whose cost is above `vertex_cost`
@@ -105,7 +93,10 @@ RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer
                                              double max_fraction = 1) {
   const auto tets = static_cast<double>(optimizer.report.tets_before);
   const double max_added = (optimizer.options.max_growth - 1) * tets;
-  const double fraction = std::min(max_fraction, improve_around_detail::inserted_fraction(optimizer, max_added));
+  const bool restarts_follow = !optimizer.work.is_neighborhood && restart_rounds(optimizer.options, tets) > 0;
+  const double fraction =
+      std::min(max_fraction,
+               restarts_follow ? inserted_fraction_before(optimizer.tuning.restart, max_added) : kInsertedFraction);
   const auto max_tets = static_cast<Size>(tets + fraction * max_added);
   return {max_tets - optimizer.work.outside, vertex_cost, optimizer.tuning.angles.min_cost_gain};
 }

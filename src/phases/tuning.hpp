@@ -182,8 +182,8 @@ struct RestartParameters {
   double cost_fraction = 0.7;
   /// The number of further rings of the neighborhood, in which vertices may move.
   int margin = 1;
-  /// Insertion before the restarts leaves this number of tetrahedra to them, but at most the fraction
-  /// `max_reserved_fraction` of the growth that the mesh may have.
+  /// Insertion before the restarts leaves this number of tetrahedra of the growth of the mesh to them and to flips, but
+  /// at most the fraction `max_reserved_fraction` of that growth.
   double reserved = 60;
   double max_reserved_fraction = 0.4;
 };
@@ -297,6 +297,13 @@ inline int restart_rounds(const Options& options, double tets) {
   const RestartParameters& p = tuning_of(options.effort).restart;
   if (p.rounds == 0) return 0;
   return options.restarts >= 0 ? options.restarts : int(std::ceil(std::min(double(p.rounds), tets / p.tets_per_round)));
+}
+
+/// The fraction of the growth of the mesh that retriangulation may use up: flips that follow add some tetrahedra.
+inline constexpr double kInsertedFraction = 0.95;
+/// Same, before restarts, which need some of the growth by `max_added` tetrahedra.
+inline double inserted_fraction_before(const RestartParameters& restarts, double max_added) {
+  return std::min(kInsertedFraction, 1 - std::min(restarts.max_reserved_fraction, restarts.reserved / max_added));
 }
 
 /// The number of rounds for the largest angle that follow at most.

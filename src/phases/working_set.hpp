@@ -24,8 +24,8 @@ struct WorkingSet {
   PeriodicSet<Backend> periodic;
   /// The number of tetrahedra whose volume is not positive; above 0 with Options::untangle only.
   Size tangled = 0;
-  /// The number of tetrahedra of the mesh that these are a neighborhood of, outside it; 0 for a whole mesh.
-  Size outside = 0;
+  bool is_neighborhood = false;  ///< of a larger mesh
+  Size outside = 0;              ///< the number of tetrahedra of that mesh outside it
   /// The power of two by which the caller's coordinates are multiplied: see unit_scale().
   double scale = 1;
   std::vector<VertexConstraint> vertex_constraints;

@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "phases/tuning.hpp"
+
 namespace tetune {
 namespace {
 
@@ -68,6 +70,14 @@ TEST(Schedule, HigherEffortStopsLater) {
   EXPECT_FALSE(stops(standard, 1, 0.99));
   EXPECT_TRUE(stops(standard, 1, 0.999));
   EXPECT_FALSE(stops(best, 1, 0.999));
+}
+
+TEST(Tuning, RoundsBeforeRestartsLeaveThemAPartOfTheGrowth) {
+  const RestartParameters& restarts = tuning_of(Effort::best).restart;
+  EXPECT_DOUBLE_EQ(inserted_fraction_before(restarts, 0), 0.6);
+  EXPECT_DOUBLE_EQ(inserted_fraction_before(restarts, 100), 0.6);
+  EXPECT_DOUBLE_EQ(inserted_fraction_before(restarts, 600), 0.9);
+  EXPECT_DOUBLE_EQ(inserted_fraction_before(restarts, 1e5), 0.95);
 }
 
 }  // namespace

@@ -26,7 +26,10 @@ using NodeValues = std::map<std::string, NodeValue>;
 constexpr std::int64_t kMaxFreedom = 99;
 
 /// Keys that are numbers are sorted by these.
-std::string freedom_key(std::int64_t number) { return (number < 10 ? "0" : "") + std::to_string(number); }
+std::string freedom_key(std::int64_t number) {
+  std::string key(number < 10 ? 1 : 0, '0');
+  return key += std::to_string(number);
+}
 
 /// The fields from one on, as text.
 ValueFields fields_from(const std::vector<std::string_view>& fields, std::size_t first) {

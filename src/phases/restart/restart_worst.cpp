@@ -271,6 +271,7 @@ std::vector<std::unique_ptr<RestartSearch::RestartSpot>> RestartSearch::choose()
 void RestartSearch::run(Restart& restart, const TrianglesByLowestVertex& triangles, const Context& context) const {
   const Cpu backend(1, context.stop);
   Neighborhood& neighborhood = restart.neighborhood.emplace(whole_, restart.found, triangles);
+  neighborhood.work.is_neighborhood = true;
   neighborhood.work.outside = whole_.tets() - std::ssize(restart.found.slots);
   restart.report.tets_before = input_.tets_before;
   PhaseTimer timer(restart.report);
