@@ -93,10 +93,11 @@ RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer
                                              double max_fraction = 1) {
   const auto tets = static_cast<double>(optimizer.report.tets_before);
   const double max_added = (optimizer.options.max_growth - 1) * tets;
-  const bool restarts_follow = !optimizer.work.is_neighborhood && restart_rounds(optimizer.options, tets) > 0;
+  // Whatever Options::restarts: what comes before does not depend on it, so that restarts do no harm.
+  const bool may_be_restarted = !optimizer.work.is_neighborhood && optimizer.tuning.restart.rounds > 0;
   const double fraction =
       std::min(max_fraction,
-               restarts_follow ? inserted_fraction_before(optimizer.tuning.restart, max_added) : kInsertedFraction);
+               may_be_restarted ? inserted_fraction_before(optimizer.tuning.restart, max_added) : kInsertedFraction);
   const auto max_tets = static_cast<Size>(tets + fraction * max_added);
   return {max_tets - optimizer.work.outside, vertex_cost, optimizer.tuning.angles.min_cost_gain};
 }
