@@ -45,6 +45,10 @@ TEST_F(InpInsertedNodes, JoinTheSetsOfTheNodesBetweenWhichTheyAre) {
   TetMesh moved = m;
   for (Point3& p : moved.points) p[0] += 3;
   EXPECT_TRUE(contains(on_edge(moved, {3.25, 0, 0}), "*NSET, NSET=LINE\n10, 20, 51\n"));
+  // Also inside, where the nodes of the line have a value by a set alone.
+  moved = read(kPair + "*NSET, NSET=LINE\n10, 20\n*TEMPERATURE\nLINE, 5.\n10, 5.\n");
+  for (Point3& p : moved.points) p[0] += 3;
+  EXPECT_TRUE(contains(on_edge(moved, {3.25, 0, 0}), "*NSET, NSET=LINE\n10, 20, 51\n"));
   // The load would act on the node too.
   const TetMesh loaded = read(kPair + "*NSET, NSET=LINE\n10, 20\n*CLOAD\nLINE, 1, 3.\n");
   EXPECT_TRUE(contains(on_edge(loaded, {0.25, 0, 0}), "*NSET, NSET=LINE\n10, 20\n"));

@@ -2,6 +2,7 @@
 #include "io/inp/inp_conditions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -22,7 +23,7 @@ struct NodeValue {
 /// By a component, a degree of freedom, or a text in the place of these, as "ENCASTRE".
 using NodeValues = std::map<std::string, NodeValue>;
 
-/// The last degree of freedom that a line can name; more are a text.
+/// The last degree of freedom that a line can name; larger numbers are kept as text.
 constexpr std::int64_t kMaxFreedom = 99;
 
 /// Keys that are numbers are sorted by these.
@@ -45,6 +46,8 @@ class InpConditionReader {
   template <class Take>
   void read(std::string_view line, const Take& take) const {
     const std::vector<std::string_view> fields = inp_fields(line);
+    // The area of a node of a surface is its own: with one more the total would grow.
+    if (kind_ == ConditionKind::members && fields.size() > 1) return;
     if (kind_ == ConditionKind::field || kind_ == ConditionKind::members)
       return take(std::string(), fields_from(fields, 1));
     if (fields.size() < 2) return;
@@ -111,6 +114,7 @@ std::optional<ValueFields> value_between(const std::vector<const ValueFields*>& 
       if (!number || !may_differ) return {};
       value += weights[i] / sum * *number;
     }
+    if (!std::isfinite(value)) return {};
     result.back().clear();
     append_inp_real(result.back(), value);
   }
@@ -195,7 +199,7 @@ class InpExtension {
   }
   void add_middle(std::size_t i) {
     const InpInserted& node = inserted_[i];
-    if (!names_middles_ || (!is_field() && !node.has_inserted_end)) return;
+    if (!names_middles_ || (!is_field() && (!node.has_inserted_end || node.is_across))) return;
     std::vector<const NodeValues*> of;
     for (const Index v : node.ends) {
       const Index old = span_of(match_.vertex2node)[v];

@@ -208,7 +208,7 @@ class InpFollower {
         const Index n = span_of(vertex2inserted)[v];
         return n >= 0 ? has(span_of(sets_of)[n], s) : is_member(span_of(match_.vertex2node)[v]);
       };
-      const bool joins = node.is_middle() ? !set.middles.empty() && node.has_inserted_end &&
+      const bool joins = node.is_middle() ? !set.middles.empty() && node.has_inserted_end && !node.is_across &&
                                                 std::all_of(node.ends.begin(), node.ends.end(), has_end)
                                           : std::all_of(node.support.begin(), node.support.end(), is_member) &&
                                                 std::any_of(node.support.begin(), node.support.end(), is_of_rest);
