@@ -303,12 +303,7 @@ class InpExtension {
     const auto at = own.find(key);
     const auto has_line = [](Index line) { return [line](const NodeValue* value) { return value->line == line; }; };
     if (at != own.end() && std::any_of(of.begin(), of.end(), has_line(at->second.line))) return true;
-    if (is_field()) {
-      // Of elements of second order many cards name the vertices alone.
-      return span_of(inserted_)[i].is_middle() && std::any_of(of.begin(), of.end(), [&](const NodeValue* value) {
-               return span_of(model_.sets)[span_of(condition_.lines)[value->line].set].middles.empty();
-             });
-    }
+    if (is_field()) return false;
     const bool is_of_one = std::all_of(of.begin(), of.end(), has_line(of.front()->line));
     if (at == own.end() && !is_of_one && !span_of(inserted_)[i].is_middle()) is_between_sets_ = true;
     return true;

@@ -181,6 +181,10 @@ class InpFollower {
     collect(mesh_.triangles, mesh_.triangle_tags, patches, kTriangleEdges);
     const Index set_of_card = model_.node_cards.back().set;
     sets_of_.resize(match_.inserted.size());
+    for (Index s = 0; s < std::ssize(model_.sets); ++s) {
+      for (const Index node : span_of(model_.sets)[s].rest) sets_of_rest_.emplace_back(node, s);
+    }
+    sort_unique(sets_of_rest_);
     changes_.appends_nodes = true;
     for (std::size_t i = 0; i < sets_of_.size(); ++i) {
       sets_of_[i] = sets_with(regions[i], patches[i], middles_ != nullptr && middles_->is_middle(match_.inserted[i]));
@@ -195,11 +199,25 @@ class InpFollower {
     }
     changes_.cards_after_nodes = further_cards({all.begin(), all.end()});
   }
+  /// The sets that can have an inserted node by its place, ascending: decks have thousands of sets of a node.
+  std::vector<Index> candidates(const InpInserted& node, const std::vector<Index>& vertex2inserted) const {
+    std::vector<Index> sets;
+    for (const Index v : node.support) {
+      auto at = std::lower_bound(sets_of_rest_.begin(), sets_of_rest_.end(), std::pair(v, Index{-1}));
+      for (; at != sets_of_rest_.end() && at->first == v; ++at) sets.push_back(at->second);
+    }
+    for (const Index v : node.ends) {
+      const Index n = v < 0 ? -1 : span_of(vertex2inserted)[v];
+      if (n >= 0) sets.insert(sets.end(), span_of(sets_of_)[n].begin(), span_of(sets_of_)[n].end());
+    }
+    sort_unique(sets);
+    return sets;
+  }
   /// Adds the sets that have nodes beside their regions and patches and that an inserted node joins by its place.
   void join_sets(std::size_t i, const std::vector<Index>& vertex2inserted) {
     if (inserted_.empty()) return;
     const InpInserted& node = inserted_[i];
-    for (Index s = 0; s < std::ssize(model_.sets); ++s) {
+    for (const Index s : candidates(node, vertex2inserted)) {
       const InpSet& set = span_of(model_.sets)[s];
       if (set.rest.empty() || has(sets_of_[i], s)) continue;
       const auto is_member = [&set](Index v) { return std::binary_search(set.members.begin(), set.members.end(), v); };
@@ -272,6 +290,7 @@ class InpFollower {
   std::vector<InpInserted> inserted_;                          ///< per inserted node
   std::vector<std::vector<Index>> sets_of_;                    ///< likewise
   std::vector<std::vector<std::int64_t>> additions_;           ///< per set
+  std::vector<std::pair<Index, Index>> sets_of_rest_;          ///< by their InpSet::rest: a node, a set
   InpChanges changes_;
 };
 
