@@ -16,7 +16,8 @@ namespace tetune {
 /// The result is a valid mesh (see validate()) without a smaller dihedral angle than the input's smallest, or a smaller
 /// mean ratio (with Effort::best, than a quarter of the input's smallest); of curved elements the angle alone.
 /// - Vertices keep their tags, number and order. Where Effort::best or SurfaceVertices::edit inserts or removes some
-///   (Report::vertex2original), those of the input come first, in their order, then the inserted ones, with the tag 0.
+///   (Report::vertex2original), those of the input come first, in their order, then the inserted ones, with the tag
+///   that all vertices have between which they are, or 0.
 /// - Boundary::preserve and fixed keep the shape of the boundary; where it is flat, boundary_flips may replace its
 ///   triangles by others.
 /// - The energy does not increase, unless vertices are inserted or removed. Retriangulations that add tetrahedra need

@@ -182,6 +182,7 @@ class Decks(CliTest):
                 (head + tet + "*ELEMENT, TYPE=T3D2\n2, 1, 2\n1, 1, 2\n", "a.inp:10: element 1 is defined twice"),
                 ("/PREP7\nN,1,0.,0.,0.\n", "a.inp:1: this is a deck of ANSYS (/PREP7)"),
                 ("! mesh\n*SET,a,1\nn,1,0,0,0\n", "a.inp:2: this is a deck of ANSYS (*SET)"),
+                ("*HEADING\n*BOUNDARY\nN, 1, 3\n", "the deck has no *NODE card"),
                 (head, "the deck has no *ELEMENT card"), (tet, "the deck has no *NODE card"), (head + tet + "*NGEN\n1, 4, 1\n", "a.inp:8: *NGEN: this card generates"),
                 (head + tet + "*NSET\n1\n", "*NSET has no name"), (head + tet + "*ELSET, ELSET=A\nB\n", "lists B, which is not"),
                 (head + tet + "*NSET, NSET=A, GENERATE\n1, 2, 0\n", "FIRST, LAST, STEP")):

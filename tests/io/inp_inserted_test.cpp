@@ -45,6 +45,10 @@ TEST_F(InpInsertedNodes, JoinTheSetsOfTheNodesBetweenWhichTheyAre) {
   TetMesh moved = m;
   for (Point3& p : moved.points) p[0] += 3;
   EXPECT_TRUE(contains(on_edge(moved, {3.25, 0, 0}), "*NSET, NSET=LINE\n10, 20, 51\n"));
+  // Also inside, where the nodes of the line have a value by a set alone.
+  moved = read(kPair + "*NSET, NSET=LINE\n10, 20\n*TEMPERATURE\nLINE, 5.\n10, 5.\n");
+  for (Point3& p : moved.points) p[0] += 3;
+  EXPECT_TRUE(contains(on_edge(moved, {3.25, 0, 0}), "*NSET, NSET=LINE\n10, 20, 51\n"));
   // The load would act on the node too.
   const TetMesh loaded = read(kPair + "*NSET, NSET=LINE\n10, 20\n*CLOAD\nLINE, 1, 3.\n");
   EXPECT_TRUE(contains(on_edge(loaded, {0.25, 0, 0}), "*NSET, NSET=LINE\n10, 20\n"));
@@ -67,7 +71,7 @@ TEST_F(InpInsertedNodes, HaveTheConditionsThatAllOfTheseHave) {
   // Between nodes of which not all have a value.
   EXPECT_FALSE(contains(inside(m, {0.25, 0.25, 0.25}), "\n51, 1, "));
   ASSERT_EQ(warnings_.size(), 2U);
-  EXPECT_TRUE(contains(warnings_[0], "1 inserted nodes have no value in *INITIAL CONDITIONS, as they are not between"));
+  EXPECT_TRUE(contains(warnings_[0], "1 inserted node has no value in *INITIAL CONDITIONS, as they are not between"));
   EXPECT_TRUE(contains(warnings_[1], "*TEMPERATURE"));
 }
 
@@ -80,6 +84,24 @@ TEST_F(InpInsertedNodes, OfTheInsideHaveFieldsOfTheSurfaceAndNotItsSupports) {
   EXPECT_TRUE(inside(read(text), {0.25, 0.25, 0.25}).ends_with("*TEMPERATURE\n10, 4.\nALL, 2.\n"));
   text += "20, 4.\n";
   EXPECT_TRUE(inside(read(text), {0.25, 0.25, 0.25}).ends_with("20, 4.\n51, 2.5\n"));
+}
+
+TEST_F(InpInsertedNodes, BetweenDifferentSetsHaveFieldsAndNoSupports) {
+  const std::string sets = kPair + "*NSET, NSET=A\n10, 30\n*NSET, NSET=B\n20, 50\n";
+  EXPECT_TRUE(on_edge(read(sets + "*TEMPERATURE\nA, 10.\nB, 20.\n"), {0.25, 0, 0}).ends_with("B, 20.\n51, 12.5\n"));
+  EXPECT_TRUE(warnings_.empty());
+  EXPECT_TRUE(on_edge(read(sets + "*BOUNDARY\nA, 1\nB, 1\n"), {0.25, 0, 0}).ends_with("A, 1\nB, 1\n"));
+  ASSERT_EQ(warnings_.size(), 1U);
+  EXPECT_TRUE(
+      contains(warnings_[0], "1 inserted node has no value in *BOUNDARY, as they are between nodes of different"));
+}
+
+TEST_F(InpInsertedNodes, HaveNoLinesWhereTheValueIsInDoubt) {
+  for (const std::string card :
+       {"*SURFACE, NAME=S, TYPE=NODE\n10, 2.\n20, 2.\n", "*TEMPERATURE\n10, 1.e400\n20, 3.\n",
+        "*INITIAL CONDITIONS, TYPE=FIELD, VARIABLE=9\n10, 1., 1., 1., 1., 1., 1., 1.\n20, 5.\n20, 1.\n"}) {
+    EXPECT_TRUE(on_edge(read(kPair + card), {0.25, 0, 0}).ends_with(card)) << get("b.inp");
+  }
 }
 
 TEST_F(InpInsertedNodes, InSecondOrderDecks) {
@@ -102,6 +124,18 @@ TEST_F(InpInsertedNodes, InSecondOrderDecks) {
       text.ends_with("*NSET, NSET=N\n2, 3\n*BOUNDARY\n1, 3\n2, 3\n3, 3\n12, 3\n21, 3\n22, 3\n"
                      "24, 3, 3\n25, 3, 3\n26, 3, 3\n27, 3, 3\n"))
       << text;
+  // Not of the edge through the solid, though both of its ends have them.
+  const std::string supports = "*BOUNDARY\n1, 3\n2, 3\n3, 3\n4, 3\n12, 3\n13, 3\n14, 3\n21, 3\n22, 3\n23, 3\n";
+  EXPECT_TRUE(with_vertex(read(nodes + supports), {0.25, 0.25, 0}, {{4, 1, 2, 3}, {0, 4, 2, 3}, {0, 1, 4, 3}})
+                  .ends_with("\n23, 3\n24, 3, 3\n25, 3, 3\n26, 3, 3\n27, 3, 3\n"))
+      << get("b.inp");
+  // The value of the vertex is by a set, in which it is.
+  const TetMesh by_set = read(nodes +
+                              "*NSET, NSET=V\n1, 2, 3, 4\n*TEMPERATURE\nV, 5.\n12, 5.\n13, 5.\n14, 5.\n"
+                              "21, 5.\n22, 5.\n23, 5.\n");
+  EXPECT_TRUE(with_vertex(by_set, {0.25, 0.25, 0}, {{4, 1, 2, 3}, {0, 4, 2, 3}, {0, 1, 4, 3}})
+                  .ends_with("\n23, 5.\n25, 5.\n26, 5.\n27, 5.\n28, 5.\n"))
+      << get("b.inp");
 }
 
 }  // namespace

@@ -2,8 +2,11 @@
 #include "io/inp/inp_conditions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "io/inp/inp_format.hpp"
 #include "io/real_field.hpp"
@@ -17,12 +20,12 @@ using ValueFields = std::vector<std::string>;
 /// The fields of a node for one component or degree of freedom.
 struct NodeValue {
   ValueFields values;
-  bool has_own_line = false;  ///< not by a set
+  Index line = -1;  ///< of the condition; -1: one that is appended
 };
 /// By a component, a degree of freedom, or a text in the place of these, as "ENCASTRE".
 using NodeValues = std::map<std::string, NodeValue>;
 
-/// The last degree of freedom that a line can name; more are a text.
+/// The last degree of freedom that a line can name; larger numbers are kept as text.
 constexpr std::int64_t kMaxFreedom = 99;
 
 /// Keys that are numbers are sorted by these.
@@ -45,6 +48,8 @@ class InpConditionReader {
   template <class Take>
   void read(std::string_view line, const Take& take) const {
     const std::vector<std::string_view> fields = inp_fields(line);
+    // The area of a node of a surface is its own: with one more the total would grow.
+    if (kind_ == ConditionKind::members && fields.size() > 1) return;
     if (kind_ == ConditionKind::field || kind_ == ConditionKind::members)
       return take(std::string(), fields_from(fields, 1));
     if (fields.size() < 2) return;
@@ -111,156 +116,276 @@ std::optional<ValueFields> value_between(const std::vector<const ValueFields*>& 
       if (!number || !may_differ) return {};
       value += weights[i] / sum * *number;
     }
+    if (!std::isfinite(value)) return {};
     result.back().clear();
     append_inp_real(result.back(), value);
   }
   return result;
 }
 
+using IndexPairs = std::vector<std::pair<Index, Index>>;
+
+template <class Take>
+void for_partners(const IndexPairs& pairs, Index first, const Take& take) {
+  auto at = std::lower_bound(pairs.begin(), pairs.end(), std::pair(first, Index{-1}));
+  for (; at != pairs.end() && at->first == first; ++at) take(at->second);
+}
+
+/// Which inserted nodes depend on which nodes; inserted nodes by their position in InpMatch::inserted.
+struct InpDependents {
+  IndexPairs of_node;              ///< a node of the deck, an inserted node
+  IndexPairs of_inserted;          ///< an inserted vertex, a mid-side node at an edge of it
+  std::vector<Index> nodes;        ///< the first of `of_node`
+  std::vector<Index> outside;      ///< inserted vertices that no tetrahedron of the deck contains
+  std::vector<Index> old_middles;  ///< of the deck, ascending
+
+  InpDependents(const InpModel& model, const InpMatch& match, const std::vector<InpInserted>& inserted) {
+    for (Index i = 0; i < std::ssize(inserted); ++i) {
+      const InpInserted& node = span_of(inserted)[i];
+      for (const Index v : node.nodes) of_node.emplace_back(v, i);
+      for (const Index v : node.support) of_node.emplace_back(v, i);
+      if (!node.is_middle() && node.nodes.empty()) outside.push_back(i);
+      for (const Index v : node.ends) {
+        if (v < 0) continue;
+        const Index old = span_of(match.vertex2node)[v];
+        if (old >= 0) {
+          of_node.emplace_back(old, i);
+        } else {
+          of_inserted.emplace_back(position(match, v), i);
+        }
+      }
+    }
+    sort_unique(of_node);
+    sort_unique(of_inserted);
+    for (const auto& [node, i] : of_node) {
+      if (nodes.empty() || nodes.back() != node) nodes.push_back(node);
+    }
+    for (const auto& [ends, node] : model.middles) old_middles.push_back(node);
+    sort_unique(old_middles);
+  }
+  static Index position(const InpMatch& match, Index v) {
+    return to_index(std::lower_bound(match.inserted.begin(), match.inserted.end(), v) - match.inserted.begin());
+  }
+};
+
+bool is_in(const std::vector<Index>& ascending_items, Index item) {
+  return std::binary_search(ascending_items.begin(), ascending_items.end(), item);
+}
+
 /// The values of inserted nodes in one condition.
 class InpExtension {
  public:
   InpExtension(const InpModel& model, const InpMatch& match, const std::vector<InpInserted>& inserted,
+               const std::vector<std::vector<Index>>& sets_of, const InpDependents& dependents,
                const InpCondition& condition)
       : model_(model),
         match_(match),
         inserted_(inserted),
+        sets_of_(sets_of),
+        dependents_(dependents),
         condition_(condition),
-        reader_(condition.kind),
-        added_(inserted.size()) {}
+        reader_(condition.kind) {}
 
   std::string extend() {
     read_lines();
     std::string text;
-    for (std::size_t i = 0; i < inserted_.size(); ++i) {
-      if (inserted_[i].is_middle()) {
+    for (const Index i : concerned()) {
+      if (span_of(inserted_)[i].is_middle()) {
         add_middle(i);
       } else {
         add_vertex(i);
       }
-      reader_.append(text, span_of(match_.vertex_labels)[match_.inserted[i]], added_[i], model_.newline);
+      NodeValues written;
+      for (const auto& [key, value] : entries_of_inserted(i)) {
+        if (value.line < 0) written.emplace(key, value);
+      }
+      reader_.append(text, span_of(match_.vertex_labels)[span_of(match_.inserted)[i]], written, model_.newline);
     }
     return text;
   }
   /// The number of inserted nodes without a value beside nodes with one.
   std::size_t missing() const { return missing_; }
+  /// The number of inserted vertices between nodes that different sets support, and that are in none of these.
+  std::size_t between_sets() const { return between_sets_; }
 
  private:
   bool is_field() const {
     return condition_.kind == ConditionKind::field || condition_.kind == ConditionKind::components;
   }
+  bool has_own_line(const NodeValue& value) const {
+    return value.line < 0 || span_of(condition_.lines)[value.line].node >= 0;
+  }
 
   /// Reads the values of the nodes that are needed; later lines replace earlier ones.
   void read_lines() {
-    for (const InpInserted& node : inserted_) {
-      for (const Index v : node.nodes) entries_[v];
-      for (const Index v : node.support) entries_[v];
-      for (const Index v : node.ends) {
-        if (v >= 0 && span_of(match_.vertex2node)[v] >= 0) entries_[span_of(match_.vertex2node)[v]];
-      }
-    }
-    std::vector<std::uint8_t> is_middle(model_.points.size(), 0);
-    for (const auto& [ends, node] : model_.middles) span_of(is_middle)[node] = 1;
-    for (const InpConditionLine& line : condition_.lines) {
-      const bool has_own_line = line.node >= 0;
+    for (Index l = 0; l < std::ssize(condition_.lines); ++l) {
+      const InpConditionLine& line = span_of(condition_.lines)[l];
       const auto give = [&](Index node) {
-        const auto at = entries_.find(node);
-        if (at == entries_.end()) return;
         reader_.read(line.text, [&](std::string key, ValueFields values) {
-          at->second[std::move(key)] = {std::move(values), has_own_line};
+          entries_[node][std::move(key)] = {std::move(values), l};
         });
       };
-      if (has_own_line) {
-        names_middles_ = names_middles_ || span_of(is_middle)[line.node] != 0;
-        give(line.node);
+      if (line.node >= 0) {
+        has_own_lines_ = true;
+        names_middles_ = names_middles_ || is_in(dependents_.old_middles, line.node);
+        if (is_in(dependents_.nodes, line.node)) give(line.node);
       }
       if (line.set < 0) continue;
       const InpSet& set = span_of(model_.sets)[line.set];
       names_middles_ = names_middles_ || !set.middles.empty();
-      for (const auto& [node, known] : entries_) {
-        if (std::binary_search(set.members.begin(), set.members.end(), node)) give(node);
+      lines_of_set_[line.set].push_back(l);
+      const bool is_small = set.members.size() < dependents_.nodes.size();
+      for (const Index node : is_small ? set.members : dependents_.nodes) {
+        if (is_in(is_small ? dependents_.nodes : set.members, node)) give(node);
       }
     }
   }
+  /// The inserted nodes that can get a value, ascending: vertices precede mid-side nodes.
+  std::vector<Index> concerned() const {
+    std::vector<Index> rows;
+    if (has_own_lines_) rows = dependents_.outside;
+    const auto take = [&rows](Index i) { rows.push_back(i); };
+    for (const auto& [node, entries] : entries_) for_partners(dependents_.of_node, node, take);
+    sort_unique(rows);
+    const std::vector<Index> found = rows;
+    for (const Index i : found) for_partners(dependents_.of_inserted, i, take);
+    sort_unique(rows);
+    return rows;
+  }
 
-  void add_vertex(std::size_t i) {
-    const InpInserted& node = inserted_[i];
+  const NodeValues& entries_of_node(Index node) const {
+    static const NodeValues none;
+    const auto at = entries_.find(node);
+    return at == entries_.end() ? none : at->second;
+  }
+  /// At first those by the sets that the node is in.
+  NodeValues& entries_of_inserted(Index i) {
+    const auto [at, is_new] = added_.try_emplace(i);
+    if (!is_new) return at->second;
+    std::vector<Index> lines;
+    for (const Index s : span_of(sets_of_)[i]) {
+      const auto found = lines_of_set_.find(s);
+      if (found != lines_of_set_.end()) lines.insert(lines.end(), found->second.begin(), found->second.end());
+    }
+    sort_unique(lines);
+    for (const Index l : lines) {
+      reader_.read(span_of(condition_.lines)[l].text, [&](std::string key, ValueFields values) {
+        at->second[std::move(key)] = {std::move(values), l};
+      });
+    }
+    return at->second;
+  }
+
+  void add_vertex(Index i) {
+    const InpInserted& node = span_of(inserted_)[i];
     const std::vector<Index>& needed = is_field() ? node.nodes : node.support;
     std::vector<const NodeValues*> of;
-    for (const Index v : needed) of.push_back(&entries_.at(v));
+    for (const Index v : needed) of.push_back(&entries_of_node(v));
     std::vector<double> weights(of.size(), 1);
     std::copy_n(node.weights.begin(), std::min(weights.size(), node.weights.size()), weights.begin());
     // Inner vertices around the vertex decide whether it joins, and have no part in its value.
     add(i, of, weights, node.nodes.size());
   }
-  void add_middle(std::size_t i) {
-    const InpInserted& node = inserted_[i];
-    if (!names_middles_ || (!is_field() && !node.has_inserted_end)) return;
+  void add_middle(Index i) {
+    const InpInserted& node = span_of(inserted_)[i];
+    if (!names_middles_ || (!is_field() && (!node.has_inserted_end || node.is_across))) return;
     std::vector<const NodeValues*> of;
     for (const Index v : node.ends) {
       const Index old = span_of(match_.vertex2node)[v];
-      const auto at = std::lower_bound(match_.inserted.begin(), match_.inserted.end(), v) - match_.inserted.begin();
-      of.push_back(old >= 0 ? &entries_.at(old) : &added_[to_size_t(at)]);
+      of.push_back(old >= 0 ? &entries_of_node(old) : &entries_of_inserted(InpDependents::position(match_, v)));
     }
     add(i, of, {0.5, 0.5}, 2);
   }
 
+  /// Whether a node whose neighbors have a value by sets alone has it by a set too, or must not have it.
+  bool is_left_to_sets(Index i, const std::string& key, const std::vector<const NodeValue*>& of) {
+    const NodeValues& own = entries_of_inserted(i);
+    const auto at = own.find(key);
+    const auto has_line = [](Index line) { return [line](const NodeValue* value) { return value->line == line; }; };
+    if (at != own.end() && std::any_of(of.begin(), of.end(), has_line(at->second.line))) return true;
+    if (is_field()) return false;
+    const bool is_of_one = std::all_of(of.begin(), of.end(), has_line(of.front()->line));
+    if (at == own.end() && !is_of_one && !span_of(inserted_)[i].is_middle()) is_between_sets_ = true;
+    return true;
+  }
+
   /// Adds what all of these entries have.
-  void add(std::size_t i, const std::vector<const NodeValues*>& of, const std::vector<double>& weights,
+  void add(Index i, const std::vector<const NodeValues*>& of, const std::vector<double>& weights,
            std::size_t with_value) {
-    if (of.empty()) {
-      missing_ += is_field() ? 1 : 0;
-      return;
+    NodeValues& own = entries_of_inserted(i);
+    bool is_complete = !of.empty() || !own.empty();
+    std::set<std::string> keys;
+    for (const NodeValues* entries : of) {
+      for (const auto& [key, value] : *entries) keys.insert(key);
     }
-    bool is_complete = true;
-    for (const auto& [key, entry] : *of.front()) {
-      std::vector<const ValueFields*> values;
-      bool has_own_line = false;
+    is_between_sets_ = false;
+    for (const std::string& key : keys) {
+      std::vector<const NodeValue*> found;
       for (const NodeValues* entries : of) {
         const auto at = entries->find(key);
-        if (at == entries->end()) break;
-        values.push_back(&at->second.values);
-        has_own_line = has_own_line || at->second.has_own_line;
+        if (at != entries->end()) found.push_back(&at->second);
       }
-      if (values.size() < of.size()) is_complete = false;
-      if (values.size() < of.size() || !has_own_line) continue;
-      values.resize(std::min(values.size(), with_value));
-      std::optional<ValueFields> found = value_between(values, weights, condition_.kind != ConditionKind::members);
-      if (found) {
-        added_[i][key] = {std::move(*found), true};
-      } else {
-        is_complete = false;
+      const bool is_by_line =
+          std::any_of(found.begin(), found.end(), [this](const NodeValue* value) { return has_own_line(*value); });
+      if (!is_by_line && (found.size() < of.size() || is_left_to_sets(i, key, found))) continue;
+      std::vector<const ValueFields*> values;
+      for (const NodeValue* value : found) values.push_back(&value->values);
+      std::optional<ValueFields> between;
+      if (found.size() == of.size()) {
+        values.resize(std::min(values.size(), with_value));
+        between = value_between(values, weights, condition_.kind != ConditionKind::members);
       }
+      if (between) own[key] = {std::move(*between), -1};
+      is_complete = is_complete && own.count(key) != 0;
     }
-    const auto has_more = [&of](const NodeValues* entries) { return entries->size() > of.front()->size(); };
-    if (is_field() && (!is_complete || std::any_of(of.begin(), of.end(), has_more))) ++missing_;
+    missing_ += is_field() && !is_complete ? 1 : 0;
+    between_sets_ += is_between_sets_ ? 1 : 0;
   }
 
   const InpModel& model_;
   const InpMatch& match_;
   const std::vector<InpInserted>& inserted_;
+  const std::vector<std::vector<Index>>& sets_of_;
+  const InpDependents& dependents_;
   const InpCondition& condition_;
   InpConditionReader reader_;
   std::map<Index, NodeValues> entries_;  ///< of nodes of the deck
-  std::vector<NodeValues> added_;        ///< per inserted node
-  bool names_middles_ = false;
-  std::size_t missing_ = 0;
+  std::map<Index, NodeValues> added_;    ///< of inserted nodes
+  std::map<Index, std::vector<Index>> lines_of_set_;
+  bool names_middles_ = false, has_own_lines_ = false, is_between_sets_ = false;
+  std::size_t missing_ = 0, between_sets_ = 0;
 };
+
+std::string count_of_inserted(std::size_t n) {
+  return std::to_string(n) + (n == 1 ? " inserted node has" : " inserted nodes have");
+}
 
 }  // namespace
 
 std::vector<std::string> extend_inp_conditions(const InpModel& model, const InpMatch& match,
-                                               const std::vector<InpInserted>& inserted, const IoContext& context) {
+                                               const std::vector<InpInserted>& inserted,
+                                               const std::vector<std::vector<Index>>& sets_of,
+                                               const IoContext& context) {
   std::vector<std::string> texts(model.conditions.size());
   if (inserted.empty()) return texts;
+  const InpDependents dependents(model, match, inserted);
   for (std::size_t c = 0; c < texts.size(); ++c) {
     const InpCondition& condition = model.conditions[c];
     if (condition.last_piece < 0) continue;
-    InpExtension extension(model, match, inserted, condition);
+    if (condition.may_continue) {
+      context.warn("inserted nodes have no value in *" + condition.name +
+                   ", as its lines of more than seven values can be continued; name a set of all nodes");
+      continue;
+    }
+    InpExtension extension(model, match, inserted, sets_of, dependents, condition);
     texts[c] = extension.extend();
+    if (extension.between_sets() != 0) {
+      context.warn(count_of_inserted(extension.between_sets()) + " no value in *" + condition.name +
+                   ", as they are between nodes of different sets and in none of these");
+    }
     if (extension.missing() == 0) continue;
     context.warn(
-        std::to_string(extension.missing()) + " inserted nodes have no value in *" + condition.name +
+        count_of_inserted(extension.missing()) + " no value in *" + condition.name +
         ", as they are not between nodes of the deck that all have one; name a set of all nodes before these lines");
   }
   return texts;

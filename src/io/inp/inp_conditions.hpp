@@ -10,9 +10,11 @@
 namespace tetune {
 
 /// Lines with the values of inserted nodes, per entry of InpModel::conditions. A node has a value where all nodes
-/// between which it is have one, and one of these by its number: where all have theirs by sets, so has the inserted
-/// one. Warns of fields that lack values.
+/// between which it is have one. It gets no line where these have theirs by sets and it is in one of the sets; supports
+/// by sets alone are left to the sets. `sets_of`: the sets of each inserted node. Warns of nodes that lack values.
 std::vector<std::string> extend_inp_conditions(const InpModel& model, const InpMatch& match,
-                                               const std::vector<InpInserted>& inserted, const IoContext& context);
+                                               const std::vector<InpInserted>& inserted,
+                                               const std::vector<std::vector<Index>>& sets_of,
+                                               const IoContext& context);
 
 }  // namespace tetune

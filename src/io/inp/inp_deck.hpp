@@ -116,8 +116,10 @@ struct InpConditionLine {
 struct InpCondition {
   std::string name;  ///< of the cards, as written
   InpCardKind::Condition kind;
-  std::vector<InpConditionLine> lines;
-  /// The piece of the last line that names a node by number: lines of inserted nodes follow it. -1: there is none.
+  std::vector<InpConditionLine> lines{};
+  /// A line is so long that the next one can continue it: none of them is interpreted.
+  bool may_continue = false;
+  /// The piece of the last line, which lines of inserted nodes follow. -1: there is none.
   Index last_piece = -1;
 };
 

@@ -45,12 +45,12 @@ class InpFollower {
 
   InpChanges follow(const IoContext& context) {
     inserted_ = find_inp_inserted(model_, mesh_, match_, middles_);
-    changes_.conditions = extend_inp_conditions(model_, match_, inserted_, context);
     changes_.cards_after_tets.resize(model_.tet_cards.size());
     faces_ = find_inp_faces(model_, mesh_, match_);
     follow_faces();
     add_elements();
     add_nodes();
+    changes_.conditions = extend_inp_conditions(model_, match_, inserted_, sets_of_, context);
     for (std::size_t c = 0; c < model_.set_cards.size(); ++c) changes_.set_cards.push_back(set_card(c));
     return std::move(changes_);
   }
@@ -180,39 +180,57 @@ class InpFollower {
     collect(mesh_.tets, mesh_.tet_tags, regions, kTetEdges);
     collect(mesh_.triangles, mesh_.triangle_tags, patches, kTriangleEdges);
     const Index set_of_card = model_.node_cards.back().set;
-    std::vector<std::vector<Index>> sets_of(match_.inserted.size());
+    sets_of_.resize(match_.inserted.size());
+    for (Index s = 0; s < std::ssize(model_.sets); ++s) {
+      for (const Index node : span_of(model_.sets)[s].rest) sets_of_rest_.emplace_back(node, s);
+    }
+    sort_unique(sets_of_rest_);
     changes_.appends_nodes = true;
-    for (std::size_t i = 0; i < sets_of.size(); ++i) {
-      sets_of[i] = sets_with(regions[i], patches[i], middles_ != nullptr && middles_->is_middle(match_.inserted[i]));
-      join_sets(i, vertex2inserted, sets_of);
-      if (set_of_card >= 0 && !has(sets_of[i], set_of_card)) changes_.appends_nodes = false;
+    for (std::size_t i = 0; i < sets_of_.size(); ++i) {
+      sets_of_[i] = sets_with(regions[i], patches[i], middles_ != nullptr && middles_->is_middle(match_.inserted[i]));
+      join_sets(i, vertex2inserted);
+      if (set_of_card >= 0 && !has(sets_of_[i], set_of_card)) changes_.appends_nodes = false;
     }
     std::set<Index> all;
-    for (std::size_t i = 0; i < sets_of.size(); ++i) {
+    for (std::size_t i = 0; i < sets_of_.size(); ++i) {
       const std::int64_t label = span_of(match_.vertex_labels)[match_.inserted[i]];
-      add(label, sets_of[i], changes_.appends_nodes ? set_of_card : -1);
-      all.insert(sets_of[i].begin(), sets_of[i].end());
+      add(label, sets_of_[i], changes_.appends_nodes ? set_of_card : -1);
+      all.insert(sets_of_[i].begin(), sets_of_[i].end());
     }
     changes_.cards_after_nodes = further_cards({all.begin(), all.end()});
   }
+  /// The sets that can have an inserted node by its place, ascending: decks have thousands of sets of a node.
+  std::vector<Index> candidates(const InpInserted& node, const std::vector<Index>& vertex2inserted) const {
+    std::vector<Index> sets;
+    for (const Index v : node.support) {
+      auto at = std::lower_bound(sets_of_rest_.begin(), sets_of_rest_.end(), std::pair(v, Index{-1}));
+      for (; at != sets_of_rest_.end() && at->first == v; ++at) sets.push_back(at->second);
+    }
+    for (const Index v : node.ends) {
+      const Index n = v < 0 ? -1 : span_of(vertex2inserted)[v];
+      if (n >= 0) sets.insert(sets.end(), span_of(sets_of_)[n].begin(), span_of(sets_of_)[n].end());
+    }
+    sort_unique(sets);
+    return sets;
+  }
   /// Adds the sets that have nodes beside their regions and patches and that an inserted node joins by its place.
-  void join_sets(std::size_t i, const std::vector<Index>& vertex2inserted, std::vector<std::vector<Index>>& sets_of) {
+  void join_sets(std::size_t i, const std::vector<Index>& vertex2inserted) {
     if (inserted_.empty()) return;
     const InpInserted& node = inserted_[i];
-    for (Index s = 0; s < std::ssize(model_.sets); ++s) {
+    for (const Index s : candidates(node, vertex2inserted)) {
       const InpSet& set = span_of(model_.sets)[s];
-      if (set.rest.empty() || has(sets_of[i], s)) continue;
+      if (set.rest.empty() || has(sets_of_[i], s)) continue;
       const auto is_member = [&set](Index v) { return std::binary_search(set.members.begin(), set.members.end(), v); };
       const auto is_of_rest = [&set](Index v) { return std::binary_search(set.rest.begin(), set.rest.end(), v); };
       const auto has_end = [&](Index v) {
         const Index n = span_of(vertex2inserted)[v];
-        return n >= 0 ? has(span_of(sets_of)[n], s) : is_member(span_of(match_.vertex2node)[v]);
+        return n >= 0 ? has(span_of(sets_of_)[n], s) : is_member(span_of(match_.vertex2node)[v]);
       };
-      const bool joins = node.is_middle() ? !set.middles.empty() && node.has_inserted_end &&
+      const bool joins = node.is_middle() ? !set.middles.empty() && node.has_inserted_end && !node.is_across &&
                                                 std::all_of(node.ends.begin(), node.ends.end(), has_end)
                                           : std::all_of(node.support.begin(), node.support.end(), is_member) &&
                                                 std::any_of(node.support.begin(), node.support.end(), is_of_rest);
-      if (joins) sets_of[i].push_back(s);
+      if (joins) sets_of_[i].push_back(s);
     }
   }
   /// The sets of nodes that have all vertices of one of these regions or patches.
@@ -270,7 +288,9 @@ class InpFollower {
   std::map<Index, std::set<std::int64_t>> auxiliary_members_;  ///< numbers of elements, by set
   std::vector<std::vector<InpLabeledFace>> faces_;             ///< per face group
   std::vector<InpInserted> inserted_;                          ///< per inserted node
+  std::vector<std::vector<Index>> sets_of_;                    ///< likewise
   std::vector<std::vector<std::int64_t>> additions_;           ///< per set
+  std::vector<std::pair<Index, Index>> sets_of_rest_;          ///< by their InpSet::rest: a node, a set
   InpChanges changes_;
 };
 

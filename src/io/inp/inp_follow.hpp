@@ -19,10 +19,10 @@ struct InpChanges {
   bool appends_nodes = false;
   /// Further cards of sets, after the last node.
   std::string cards_after_nodes;
-  /// Lines of inserted nodes, per entry of InpModel::conditions.
-  std::vector<std::string> conditions;
   /// Likewise after the last tetrahedron of each *ELEMENT card.
   std::vector<std::string> cards_after_tets;
+  /// Lines of inserted nodes, per entry of InpModel::conditions.
+  std::vector<std::string> conditions;
 };
 
 /// Finds the sets and surfaces of a deck in a mesh. Throws FileError where one of them is lost.

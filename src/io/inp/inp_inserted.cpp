@@ -3,12 +3,15 @@
 
 #include <algorithm>
 
+#include "mesh/sorted.hpp"
+#include "mesh/tet_orientation.hpp"
 #include "mesh/transfer/inserted_vertices.hpp"
 
 namespace tetune {
 namespace {
 
-/// The nodes by which inserted nodes join sets and get values: they keep their place, unless the mesh is in motion.
+/// The nodes by which inserted nodes join sets and get values by number: they keep their place, unless the mesh is in
+/// motion.
 std::vector<Index> fixed_nodes(const InpModel& model) {
   std::vector<Index> nodes;
   for (const InpSet& set : model.sets) nodes.insert(nodes.end(), set.rest.begin(), set.rest.end());
@@ -21,43 +24,88 @@ std::vector<Index> fixed_nodes(const InpModel& model) {
   return nodes;
 }
 
-/// The mesh of the deck. After a motion its nodes are where they are now, and tetrahedra without two fixed nodes, or
-/// with one that is gone, are left out.
-TetMesh mesh_of_deck(const InpModel& model, const TetMesh& mesh, const InpMatch& match,
-                     const std::vector<Index>& fixed) {
+/// The members of the sets that have values.
+std::vector<Index> nodes_with_values_by_sets(const InpModel& model) {
+  std::vector<std::uint8_t> has_values(model.sets.size(), 0);
+  for (const InpCondition& condition : model.conditions) {
+    for (const InpConditionLine& line : condition.lines) {
+      if (line.set >= 0) span_of(has_values)[line.set] = 1;
+    }
+  }
+  std::vector<Index> nodes;
+  for (std::size_t s = 0; s < has_values.size(); ++s) {
+    const std::vector<Index>& members = model.sets[s].members;
+    if (has_values[s] != 0) nodes.insert(nodes.end(), members.begin(), members.end());
+  }
+  sort_unique(nodes);
+  return nodes;
+}
+
+/// The mesh of the deck. After a motion its nodes are where they are now.
+TetMesh mesh_of_deck(const InpModel& model, const TetMesh& mesh, const InpMatch& match, bool has_moved) {
   TetMesh deck;
   deck.points = model.points;
   deck.tets = model.tets;
   deck.tet_tags = model.tet_tags;
-  const auto position = [&](Index node) {
+  if (!has_moved) return deck;
+  for (Index node = 0; node < std::ssize(deck.points); ++node) {
     const Index v = span_of(match.node2vertex)[node];
-    return v < 0 ? span_of(model.points)[node] : span_of(mesh.points)[v];
-  };
-  const auto has_moved = [&](Index node) { return position(node) != span_of(model.points)[node]; };
-  if (std::none_of(fixed.begin(), fixed.end(), has_moved)) return deck;
-  for (Index node = 0; node < std::ssize(deck.points); ++node) span_of(deck.points)[node] = position(node);
-  std::erase_if(deck.tets, [&](const std::array<Index, 4>& tet) {
-    const auto is_gone = [&](Index node) { return span_of(match.node2vertex)[node] < 0; };
-    const auto is_fixed = [&](Index node) { return std::binary_search(fixed.begin(), fixed.end(), node); };
-    return std::any_of(tet.begin(), tet.end(), is_gone) || std::count_if(tet.begin(), tet.end(), is_fixed) < 2;
-  });
-  deck.tet_tags.assign(deck.tets.size(), 0);
+    if (v >= 0) span_of(deck.points)[node] = span_of(mesh.points)[v];
+  }
   return deck;
 }
+
+/// The places of vertices after a motion: not in tetrahedra without two nodes that have values, or with a node that is
+/// gone.
+std::vector<MeshPlace> places_after_motion(const TetMesh& deck, const TetMesh& mesh, const InpMatch& match,
+                                           const std::vector<Index>& with_values, const std::vector<Index>& vertices) {
+  TetMesh searched = deck;
+  std::erase_if(searched.tets, [&](const std::array<Index, 4>& tet) {
+    const auto is_gone = [&](Index node) { return span_of(match.node2vertex)[node] < 0; };
+    const auto has_value = [&](Index node) { return std::binary_search(with_values.begin(), with_values.end(), node); };
+    return std::any_of(tet.begin(), tet.end(), is_gone) || std::count_if(tet.begin(), tet.end(), has_value) < 2;
+  });
+  searched.tet_tags.assign(searched.tets.size(), 0);
+  return find_places(searched, mesh, vertices);
+}
+
+/// The vertices and edges of the boundary and of the faces between regions.
+class InpSurfaceEdges {
+ public:
+  explicit InpSurfaceEdges(const TetMesh& mesh) : on_surface_(mesh.points.size(), 0) {
+    for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) {
+      const auto& v = face.vertices;
+      for (const Index vertex : v) span_of(on_surface_)[vertex] = 1;
+      for (const auto& [a, b] : kTriangleEdges) edges_.push_back(ascending(v[to_size_t(a)], v[to_size_t(b)]));
+    });
+    sort_unique(edges_);
+  }
+  /// Whether an edge with both ends on the surface is not on it itself.
+  bool is_across(const std::array<Index, 2>& ends) const {
+    return span_of(on_surface_)[ends[0]] != 0 && span_of(on_surface_)[ends[1]] != 0 &&
+           !std::binary_search(edges_.begin(), edges_.end(), ascending(ends[0], ends[1]));
+  }
+
+ private:
+  std::vector<std::uint8_t> on_surface_;
+  std::vector<std::array<Index, 2>> edges_;
+};
 
 /// Sets the ends of the edges of mid-side nodes.
 void find_ends(const TetMesh& mesh, const InpMatch& match, const Middles& middles, std::vector<InpInserted>& inserted) {
   std::vector<Index> vertex2inserted(mesh.points.size(), -1);
   for (std::size_t i = 0; i < inserted.size(); ++i) span_of(vertex2inserted)[match.inserted[i]] = to_index(i);
+  const InpSurfaceEdges surface(mesh);
   for (const auto& tet : mesh.tets) {
     for (const auto& [i, j] : kTetEdges) {
       const std::array<Index, 2> ends{tet[to_size_t(i)], tet[to_size_t(j)]};
       const Index n = span_of(vertex2inserted)[middles.of(ends[0], ends[1])];
-      if (n < 0) continue;
+      if (n < 0 || span_of(inserted)[n].is_middle()) continue;
       InpInserted& node = span_of(inserted)[n];
       node.ends = ends;
       node.has_inserted_end =
           std::any_of(ends.begin(), ends.end(), [&](Index v) { return span_of(vertex2inserted)[v] >= 0; });
+      node.is_across = surface.is_across(ends);
     }
   }
 }
@@ -68,14 +116,27 @@ std::vector<InpInserted> find_inp_inserted(const InpModel& model, const TetMesh&
                                            const Middles* middles) {
   if (match.inserted.empty()) return {};
   const std::vector<Index> fixed = fixed_nodes(model);
-  if (fixed.empty()) return {};
+  std::vector<Index> with_values = nodes_with_values_by_sets(model);
+  with_values.insert(with_values.end(), fixed.begin(), fixed.end());
+  sort_unique(with_values);
+  if (with_values.empty()) return {};
   std::vector<InpInserted> inserted(match.inserted.size());
   if (middles != nullptr) find_ends(mesh, match, *middles, inserted);
   std::vector<Index> vertices;
   for (const Index v : match.inserted) {
     if (middles == nullptr || !middles->is_middle(v)) vertices.push_back(v);
   }
-  const std::vector<InsertedVertex> found = find_inserted(mesh_of_deck(model, mesh, match, fixed), mesh, vertices, {});
+  const auto has_left = [&](Index node) {
+    const Index v = span_of(match.node2vertex)[node];
+    return v >= 0 && span_of(mesh.points)[v] != span_of(model.points)[node];
+  };
+  // Other nodes with values by sets move in an optimization too, but not all of them.
+  const bool has_moved = fixed.empty() ? std::all_of(with_values.begin(), with_values.end(), has_left)
+                                       : std::any_of(fixed.begin(), fixed.end(), has_left);
+  const TetMesh deck = mesh_of_deck(model, mesh, match, has_moved);
+  std::vector<MeshPlace> places;
+  if (has_moved) places = places_after_motion(deck, mesh, match, with_values, vertices);
+  const std::vector<InsertedVertex> found = find_inserted(deck, mesh, vertices, places);
   for (std::size_t i = 0; i < found.size(); ++i) {  // vertices precede mid-side nodes
     inserted[i].support = found[i].support;
     inserted[i].nodes = support_of(found[i].place);

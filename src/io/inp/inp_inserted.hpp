@@ -20,6 +20,9 @@ struct InpInserted {
   /// The vertices at the ends of the edge of a mid-side node.
   std::array<Index, 2> ends{-1, -1};
   bool has_inserted_end = false;
+  /// Both ends of its edge are on the surface of the mesh, and the edge is not: what holds on the surface does not
+  /// reach the node.
+  bool is_across = false;
   bool is_middle() const { return ends[0] >= 0; }
 };
 

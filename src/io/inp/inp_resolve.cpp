@@ -204,6 +204,7 @@ class InpResolver {
 
   void resolve_conditions() {
     for (InpCondition& condition : model_.conditions) {
+      if (condition.may_continue) continue;
       for (InpConditionLine& line : condition.lines) {
         const std::vector<std::string_view> fields = inp_fields(line.text);
         std::int64_t label = 0;

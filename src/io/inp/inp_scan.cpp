@@ -158,7 +158,7 @@ class InpScanner {
     condition_ = at->second;
     if (!is_new) return;
     head.remove_prefix(head.find('*') + 1);
-    model_.conditions.push_back({std::string(head.substr(0, head.find_first_of(",\r\n"))), kind_.condition, {}, -1});
+    model_.conditions.push_back({std::string(head.substr(0, head.find_first_of(",\r\n"))), kind_.condition, {}});
   }
 
   bool start_nodes(const InpKeyword& keyword, const char* start, const InpPlace& where) {
@@ -284,8 +284,9 @@ class InpScanner {
     add_piece(InpPiece::Kind::condition, start, condition_);
     InpCondition& condition = model_.conditions[condition_];
     condition.lines.push_back({line});
-    std::int64_t label = 0;
-    if (!fields.empty() && parse_inp_integer(fields[0], label)) {
+    constexpr std::size_t kLongest = 8;  // fields of a line
+    if (kind_.condition == InpCardKind::Condition::field && fields.size() >= kLongest) condition.may_continue = true;
+    if (!fields.empty()) {
       condition.last_piece = to_index(model_.pieces.size() - 1);
     }
   }
@@ -327,13 +328,22 @@ InpPlace InpScan::place_of(const char* at) const {
 void refuse_ansys_deck(const std::string& path, std::string_view text) {
   static constexpr std::array kCommands{"/PREP7", "/BATCH", "/COM",   "/TITLE", "/NOPR", "/FILNAME", "/CLEAR", "/UNITS",
                                         "*SET",   "N",      "NBLOCK", "EBLOCK", "ET",    "EN",       "MPTEMP"};
+  static constexpr std::array kStarCommands{"*ABBR", "*ASK",    "*CFOPEN", "*CREATE", "*DEL",  "*DIM",   "*DO",
+                                            "*ELSE", "*END",    "*ENDDO",  "*ENDIF",  "*GET",  "*IF",    "*MSG",
+                                            "*SET",  "*STATUS", "*USE",    "*VFILL",  "*VGET", "*VREAD", "*VWRITE"};
   InpCursor cursor(path, text);
   cursor.take_byte_order_mark();
+  bool has_keyword = false;  // after which N can be a set
   while (!cursor.at_end()) {
+    const bool is_keyword = cursor.line_kind() == InpCursor::Line::keyword;
     const InpPlace where = cursor.place();
     const std::string_view line = cursor.take_line();
     const std::string first = inp_name(line.substr(0, line.find_first_of(", ")));
-    if (std::find(kCommands.begin(), kCommands.end(), first) == kCommands.end()) continue;
+    const bool is_command = std::find(kCommands.begin(), kCommands.end(), first) != kCommands.end();
+    if (!is_command && is_keyword &&
+        std::find(kStarCommands.begin(), kStarCommands.end(), first) == kStarCommands.end())
+      has_keyword = true;
+    if (!is_command || (has_keyword && first.front() != '/' && first.front() != '*')) continue;
     where.fail("this is a deck of ANSYS (" + first +
                "), which tetune does not read; write the mesh with CDWRITE, and convert that file to .vtu, as with the "
                "Python package mapdl-archive");

@@ -127,17 +127,22 @@ std::vector<Index> support_of(const MeshPlace& place) {
   return support;
 }
 
+std::vector<MeshPlace> find_places(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids) {
+  MeshPlace nowhere;
+  nowhere.weights.fill(0);
+  std::vector<MeshPlace> places(result.points.size(), nowhere);
+  const TetSearch search(mesh);
+  for (const Index id : ids) span_of(places)[id] = search.find(span_of(result.points)[id]);
+  return places;
+}
+
 std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids,
                                           const std::vector<MeshPlace>& places) {
   std::vector<InsertedVertex> inserted;
   for (const Index id : ids) inserted.push_back({id, {}, {}});
   if (inserted.empty()) return inserted;
-  if (places.empty()) {
-    const TetSearch search(mesh);
-    for (InsertedVertex& i : inserted) i.place = search.find(span_of(result.points)[i.id]);
-  } else {
-    for (InsertedVertex& i : inserted) i.place = span_of(places)[i.id];
-  }
+  if (places.empty()) return find_inserted(mesh, result, ids, find_places(mesh, result, ids));
+  for (InsertedVertex& i : inserted) i.place = span_of(places)[i.id];
   for (InsertedVertex& i : inserted) i.support = support_of(i.place);
   const std::vector<std::uint8_t> on_old_surface = find_surface_vertices(mesh);
   const std::vector<std::uint8_t> on_surface = find_surface_vertices(result);

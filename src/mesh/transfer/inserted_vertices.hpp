@@ -33,6 +33,9 @@ struct InsertedVertex {
 /// The vertices of the edge, triangle or tetrahedron on which a place is, but for rounding.
 std::vector<Index> support_of(const MeshPlace& place);
 
+/// Where these vertices of `result` are in a mesh, per vertex of `result`.
+std::vector<MeshPlace> find_places(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids);
+
 /// The vertices of `result` with these ids, which were inserted. `mesh`: the input. `places`: where each vertex of the
 /// result is in the input; empty: at its position, as the mesh was not moved.
 std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids,
