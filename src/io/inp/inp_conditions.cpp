@@ -260,8 +260,9 @@ class InpExtension {
   }
   /// At first those by the sets that the node is in.
   NodeValues& entries_of_inserted(Index i) {
-    const auto [at, is_new] = added_.try_emplace(i);
-    if (!is_new) return at->second;
+    const auto known = added_.find(i);
+    if (known != added_.end()) return known->second;
+    NodeValues& entries = added_[i];
     std::vector<Index> lines;
     for (const Index s : span_of(sets_of_)[i]) {
       const auto found = lines_of_set_.find(s);
@@ -270,10 +271,10 @@ class InpExtension {
     sort_unique(lines);
     for (const Index l : lines) {
       reader_.read(span_of(condition_.lines)[l].text, [&](std::string key, ValueFields values) {
-        at->second[std::move(key)] = {std::move(values), l};
+        entries[std::move(key)] = {std::move(values), l};
       });
     }
-    return at->second;
+    return entries;
   }
 
   void add_vertex(Index i) {
