@@ -18,10 +18,16 @@ void sort_unique(std::vector<T>& items) {
   items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
+/// Whether an increasing list has an item.
+template <class T>
+bool is_listed(const std::vector<T>& increasing, const std::type_identity_t<T>& item) {
+  return std::binary_search(increasing.begin(), increasing.end(), item);
+}
+
 /// Removes the items that an increasing list has.
 template <class T>
 void erase_listed(std::vector<T>& items, const std::vector<T>& increasing) {
-  std::erase_if(items, [&](const T& item) { return std::binary_search(increasing.begin(), increasing.end(), item); });
+  std::erase_if(items, [&](const T& item) { return is_listed(increasing, item); });
 }
 
 /// The position of a value in an increasing list, or -1.

@@ -168,10 +168,6 @@ struct InpDependents {
   }
 };
 
-bool is_in(const std::vector<Index>& ascending_items, Index item) {
-  return std::binary_search(ascending_items.begin(), ascending_items.end(), item);
-}
-
 /// The values of inserted nodes in one condition.
 class InpExtension {
  public:
@@ -227,8 +223,8 @@ class InpExtension {
       };
       if (line.node >= 0) {
         has_own_lines_ = true;
-        names_middles_ = names_middles_ || is_in(dependents_.old_middles, line.node);
-        if (is_in(dependents_.nodes, line.node)) give(line.node);
+        names_middles_ = names_middles_ || is_listed(dependents_.old_middles, line.node);
+        if (is_listed(dependents_.nodes, line.node)) give(line.node);
       }
       if (line.set < 0) continue;
       const InpSet& set = span_of(model_.sets)[line.set];
@@ -236,7 +232,7 @@ class InpExtension {
       lines_of_set_[line.set].push_back(l);
       const bool is_small = set.members.size() < dependents_.nodes.size();
       for (const Index node : is_small ? set.members : dependents_.nodes) {
-        if (is_in(is_small ? dependents_.nodes : set.members, node)) give(node);
+        if (is_listed(is_small ? dependents_.nodes : set.members, node)) give(node);
       }
     }
   }

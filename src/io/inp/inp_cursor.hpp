@@ -9,6 +9,7 @@
 
 #include "backend/span.hpp"
 #include "io/inp/inp_format.hpp"
+#include "io/plain_text.hpp"
 #include "io/real_field.hpp"
 #include "system/real_text.hpp"
 #include "tetune/error.hpp"
@@ -149,9 +150,7 @@ class InpCursor {
   /// The next field, for messages.
   std::string shown() const {
     const char* const stop = std::find_if(at_, end_, [](char c) { return c == ',' || c == '\n'; });
-    std::string text(at_, std::min(stop, at_ + std::min<std::ptrdiff_t>(40, end_ - at_)));
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    const std::string text = printable({at_, std::min(stop, at_ + std::min<std::ptrdiff_t>(40, end_ - at_))});
     return text.empty() ? "the end of the line" : text;
   }
   double other_real() {

@@ -220,8 +220,8 @@ class InpFollower {
     for (const Index s : candidates(node, vertex2inserted)) {
       const InpSet& set = span_of(model_.sets)[s];
       if (set.rest.empty() || has(sets_of_[i], s)) continue;
-      const auto is_member = [&set](Index v) { return std::binary_search(set.members.begin(), set.members.end(), v); };
-      const auto is_of_rest = [&set](Index v) { return std::binary_search(set.rest.begin(), set.rest.end(), v); };
+      const auto is_member = [&set](Index v) { return is_listed(set.members, v); };
+      const auto is_of_rest = [&set](Index v) { return is_listed(set.rest, v); };
       const auto has_end = [&](Index v) {
         const Index n = span_of(vertex2inserted)[v];
         return n >= 0 ? has(span_of(sets_of_)[n], s) : is_member(span_of(match_.vertex2node)[v]);

@@ -5,19 +5,13 @@
 #include <charconv>
 #include <cstring>
 
+#include "io/plain_text.hpp"
 #include "system/real_text.hpp"
 
 namespace tetune {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-char upper(char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; }
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
 
 /// Calls take(part) for the parts between commas that are outside quotation marks.
 template <class Take>
@@ -112,7 +106,7 @@ std::string inp_name(std::string_view written) {
   if (is_quoted(text)) return unquoted_inp_name(text);
   std::string name;
   for (const char c : text) {
-    if (!is_blank(c)) name.push_back(upper(c));
+    if (!is_blank(c)) name.push_back(in_upper_case(c));
   }
   return name;
 }

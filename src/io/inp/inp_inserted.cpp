@@ -62,7 +62,7 @@ std::vector<MeshPlace> places_after_motion(const TetMesh& deck, const TetMesh& m
   TetMesh searched = deck;
   std::erase_if(searched.tets, [&](const std::array<Index, 4>& tet) {
     const auto is_gone = [&](Index node) { return span_of(match.node2vertex)[node] < 0; };
-    const auto has_value = [&](Index node) { return std::binary_search(with_values.begin(), with_values.end(), node); };
+    const auto has_value = [&](Index node) { return is_listed(with_values, node); };
     return std::any_of(tet.begin(), tet.end(), is_gone) || std::count_if(tet.begin(), tet.end(), has_value) < 2;
   });
   searched.tet_tags.assign(searched.tets.size(), 0);
@@ -83,7 +83,7 @@ class InpSurfaceEdges {
   /// Whether an edge with both ends on the surface is not on it itself.
   bool is_across(const std::array<Index, 2>& ends) const {
     return span_of(on_surface_)[ends[0]] != 0 && span_of(on_surface_)[ends[1]] != 0 &&
-           !std::binary_search(edges_.begin(), edges_.end(), ascending(ends[0], ends[1]));
+           !is_listed(edges_, ascending(ends[0], ends[1]));
   }
 
  private:

@@ -19,7 +19,7 @@ class MshReader {
     TextCursor& text = source_.text();
     for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
       if (word[0] != '$') {
-        source_.fail("expected a section, found \"" + MshSource::printable(word.substr(0, 40)) +
+        source_.fail("expected a section, found \"" + printable(word.substr(0, 40)) +
                      "\"; the section before it is longer than it says");
       }
       text.line();
@@ -59,7 +59,7 @@ class MshReader {
       if (name == "Periodic") return read_msh_periodic(source_, model_, context_);
       return read_msh_view(source_, on_nodes, model_, context_);
     }
-    context_.warn("the section $" + MshSource::printable(name.substr(0, 60)) + " is not kept");
+    context_.warn("the section $" + printable(name.substr(0, 60)) + " is not kept");
     source_.skip_section(name);
   }
 

@@ -29,7 +29,7 @@ std::string quoted(MshSource& source) {
   const std::size_t first = line.find('"');
   const std::size_t last = line.rfind('"');
   if (first == std::string_view::npos || last == first) {
-    source.fail("expected a name in quotation marks, found \"" + MshSource::printable(line.substr(0, 40)) + "\"");
+    source.fail("expected a name in quotation marks, found \"" + printable(line.substr(0, 40)) + "\"");
   }
   return std::string(line.substr(first + 1, last - first - 1));
 }
@@ -67,7 +67,7 @@ void add_view(MshView view, MshModel& model, const IoContext& context) {
   if (same == model.views.end()) return model.views.push_back(std::move(view));
   if (same->step != view.step || same->components != view.components) {
     if (!std::exchange(same->has_more_steps, true)) {
-      context.warn("of the data \"" + MshSource::printable(view.name) + "\" the first step is kept");
+      context.warn("of the data \"" + printable(view.name) + "\" the first step is kept");
     }
     return;
   }
@@ -156,7 +156,7 @@ void read_msh_view(MshSource& source, bool on_nodes, MshModel& model, const IoCo
   if (source.is_binary()) text.line();
   const std::int64_t each = header[1];
   if (each != 1 && each != 3 && each != 9) {
-    context.warn("the data \"" + MshSource::printable(view.name) + "\" of " + std::to_string(each) +
+    context.warn("the data \"" + printable(view.name) + "\" of " + std::to_string(each) +
                  " components are not kept: 1, 3 or 9 are possible");
     return source.skip_section(on_nodes ? "NodeData" : "ElementData");
   }

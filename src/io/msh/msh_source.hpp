@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "backend/span.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
 #include "tetune/error.hpp"
@@ -92,14 +93,6 @@ class MshSource {
   [[noreturn]] void fail(const std::string& text) const {
     if (!is_binary_) text_.fail(text);
     throw FileError(path_ + ", byte " + std::to_string(size_ - text_.remaining()) + ": " + text);
-  }
-
-  /// The text with bytes that are no plain characters replaced.
-  static std::string printable(std::string_view text) {
-    std::string shown(text);
-    std::replace_if(
-        shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return shown;
   }
 
  private:

@@ -7,6 +7,7 @@
 
 #include "backend/span.hpp"
 #include "io/nastran/nastran_fields.hpp"
+#include "io/plain_text.hpp"
 #include "system/file.hpp"
 #include "system/path.hpp"
 #include "tetune/error.hpp"
@@ -20,8 +21,8 @@ constexpr std::size_t kMaxCardFields = 64;
 
 /// The first word of a line, in upper case.
 std::string first_word(std::string_view line) {
-  const std::string_view text = nastran_trimmed(line);
-  return nastran_upper(text.substr(0, text.find_first_of(" \t,='\"")));
+  const std::string_view text = trimmed(line);
+  return in_upper_case(text.substr(0, text.find_first_of(" \t,='\"")));
 }
 
 /// A line with blanks up to the next column that is a multiple of 8 in the place of each tab.
@@ -72,7 +73,7 @@ void NastranCards::read_file(const std::string& path) {
   std::string_view line;
   while (!has_end_ && next_line(source, line)) {
     here_ = source.place;
-    if (!nastran_trimmed(line).empty()) read_line(source, line);
+    if (!trimmed(line).empty()) read_line(source, line);
   }
   flush();
   stack_.pop_back();
@@ -100,7 +101,7 @@ void NastranCards::skip_control(Source& source) {
       source = before;
       return;
     }
-    has_control_ = has_control_ || !nastran_trimmed(line).empty();
+    has_control_ = has_control_ || !trimmed(line).empty();
   }
   has_control_ = false;
 }
@@ -167,7 +168,7 @@ void NastranCards::continue_card(std::string_view line) {
   // The first character of the marker of a line is + or *.
   const std::string_view before = marker_name(card_.marker);
   const std::string_view after = marker_name(NastranLine(line).first());
-  if (!before.empty() && !after.empty() && nastran_upper(before) != nastran_upper(after)) {
+  if (!before.empty() && !after.empty() && in_upper_case(before) != in_upper_case(after)) {
     fail(here_, "this line continues a card that ends with +" + nastran_shown(after) +
                     ", and the one before it ends with +" + nastran_shown(before) + "; put it below its card");
   }
@@ -201,18 +202,18 @@ void NastranCards::include(Source& source, std::string_view line) {
   const NastranPlace where = here_;
   constexpr std::size_t kWord = std::string_view("INCLUDE").size();
   // The name may go on in further lines up to the quotation mark.
-  std::string_view rest = nastran_trimmed(line).substr(kWord);
-  std::string name(nastran_trimmed(rest));
+  std::string_view rest = trimmed(line).substr(kWord);
+  std::string name(trimmed(rest));
   const char quote = name.empty() ? '\0' : name[0];
   if (quote == '\'' || quote == '"') {
     name.erase(0, 1);
     while (name.find(quote) == std::string::npos) {
       if (!next_line(source, rest)) fail(where, "the name of the included file has no quotation mark at its end");
-      name += nastran_trimmed(rest);
+      name += trimmed(rest);
     }
     name.resize(name.find(quote));
   }
-  name = nastran_trimmed(name);
+  name = trimmed(name);
   if (name.empty()) fail(where, "INCLUDE has no name of a file");
   if (stack_.size() >= kMaxIncludeDepth || files_.size() >= kMaxIncludedFiles) {
     fail(where, "there are too many included files");

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <system_error>
 
+#include "io/plain_text.hpp"
 #include "io/real_field.hpp"
 #include "system/real_text.hpp"
 
@@ -69,25 +70,9 @@ std::string shortest_notation(const Decimal& decimal, std::size_t size) {
 
 }  // namespace
 
-std::string nastran_upper(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c;
-  return result;
-}
-
-std::string_view nastran_trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
-}
-
 std::string nastran_shown(std::string_view text) {
   constexpr std::size_t kMaxShown = 24;
-  std::string shown(text.substr(0, kMaxShown));
-  std::replace_if(
-      shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return shown;
+  return printable(text.substr(0, kMaxShown));
 }
 
 std::optional<int> parse_nastran_integer(std::string_view field) {
@@ -138,7 +123,7 @@ bool append_nastran_real(std::string& out, double value) {
 }
 
 NastranLine::NastranLine(std::string_view text) : text_(text), is_free_(text.find(',') != std::string_view::npos) {
-  first_ = nastran_trimmed(text.substr(0, is_free_ ? text.find(',') : kSmallField));
+  first_ = trimmed(text.substr(0, is_free_ ? text.find(',') : kSmallField));
   is_large_ = first_.starts_with('*') || (first_.ends_with('*') && !first_.starts_with('+'));
 }
 
@@ -147,7 +132,7 @@ std::string NastranLine::name() const {
   if (is_large_ && name.ends_with('*')) name.remove_suffix(1);
   // So meshio 5 writes the names of second-order elements.
   if (name.ends_with('_')) name.remove_suffix(1);
-  return nastran_upper(nastran_trimmed(name));
+  return in_upper_case(trimmed(name));
 }
 
 std::string_view NastranLine::field(std::size_t k) const {
@@ -155,7 +140,7 @@ std::string_view NastranLine::field(std::size_t k) const {
     const std::size_t width = is_large_ ? kNastranLargeField : kSmallField;
     const std::size_t begin = kSmallField + k * width;
     if (begin >= text_.size()) return {};
-    return nastran_trimmed(text_.substr(begin, begin >= kMarkerColumn ? kSmallField : width));
+    return trimmed(text_.substr(begin, begin >= kMarkerColumn ? kSmallField : width));
   }
   std::string_view rest = text_;
   for (std::size_t i = 0; i <= k; ++i) {
@@ -163,7 +148,7 @@ std::string_view NastranLine::field(std::size_t k) const {
     if (comma == std::string_view::npos) return {};
     rest.remove_prefix(comma + 1);
   }
-  return nastran_trimmed(rest.substr(0, rest.find(',')));
+  return trimmed(rest.substr(0, rest.find(',')));
 }
 
 bool NastranLine::is_too_long() const {

@@ -9,10 +9,7 @@
 /// The fields of Nastran's bulk data: numbers, and the lines that hold them.
 namespace tetune {
 
-/// Text in upper case, and without blanks around it.
-std::string nastran_upper(std::string_view text);
-std::string_view nastran_trimmed(std::string_view text);
-/// Text of a file as it is shown in messages.
+/// The start of a text of a file, for messages.
 std::string nastran_shown(std::string_view text);
 
 /// An integer of at most 9 digits that fills the field; nothing for other fields.
