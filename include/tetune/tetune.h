@@ -102,7 +102,8 @@ TETUNE_API tetune_status tetune_mesh_quality(const tetune_mesh* mesh, tetune_qua
 
 TETUNE_API tetune_status tetune_options_create(tetune_options** options);
 TETUNE_API void tetune_options_destroy(tetune_options* options);
-/* Sets an option by the name and the values of docs/options.md: ("boundary", "slide"), ("max_growth", "1.5"). */
+/* Sets an option by the name and the values of docs/options.md: ("boundary", "slide"), ("max_growth", "1.5"). Ranges of
+   numbers are checked where the options are used. */
 TETUNE_API tetune_status tetune_options_set(tetune_options* options, const char* name, const char* value);
 
 /* ---- Optimization. */

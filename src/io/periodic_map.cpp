@@ -12,8 +12,14 @@
 namespace tetune {
 namespace {
 
+/// Requires that another number stands on the line.
+void expect_more(TextCursor& cursor, const char* what) {
+  if (cursor.line_done()) cursor.fail(std::string("expected ") + what + ", found the end of the line");
+}
+
 /// Reads one vertex; returns its id.
 Index read_vertex(TextCursor& cursor, const char* name, std::size_t vertices) {
+  expect_more(cursor, "a vertex and its master");
   const std::int64_t number = cursor.integer(name);
   if (number < 1 || number > std::int64_t(vertices)) {
     cursor.fail(std::string(name) + " " + std::to_string(number) + " does not exist: the mesh has the vertices 1 to " +
@@ -50,6 +56,7 @@ void read_periodic_map(const std::string& path, TetMesh& mesh) {
       PeriodicLink link;
       link.affine = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
       for (std::size_t k = 0; k < 3; ++k) {
+        expect_more(cursor, "the three components of a translation");
         const double component = cursor.real("translation");
         if (!std::isfinite(component)) cursor.fail("the translation has a component that is not a finite number");
         link.affine[4 * k + 3] = component;

@@ -76,6 +76,7 @@ const Format& format_of(const std::string& path, Access access) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path_of(path), ignored)) throw FileError(path + ": is a folder; give a file name");
   const bool is_write = access == Access::write;
+  if (!is_write && !std::filesystem::exists(path_of(path), ignored)) throw FileError(path + ": there is no such file");
   const std::string advice = is_write || other_way ? std::string() : advice_on(ending);
   throw FileError(path + ": tetune " +
                   (!other_way ? "does not "

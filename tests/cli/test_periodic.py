@@ -56,7 +56,8 @@ class Periodic(CliTest):
 
     def test_refusals(self):
         for text, message in (("1 2\n", 'pairs.txt:1: expected "translation X Y Z" before the first pair'),
-                              ("translation 1 0\n", "pairs.txt:2: expected a number (translation)"),
+                              ("translation 1 0\n12 7\n", "pairs.txt:1: expected the three components of a translation, found the end of the line"),
+                              ("translation 1 0 0\n12\n7 3\n", "pairs.txt:2: expected a vertex and its master, found the end"),
                               ("translation 1 0 0\n1 999\n", "pairs.txt:2: master 999 does not exist"),
                               ("translation 1 nan 0\n1 2\n", "the translation has a component that is not a finite number"),
                               ("translation 1 0 0\n1 2\n", "pairs.txt:2: vertex 1 is")):

@@ -121,6 +121,7 @@ TEST_F(IoTest, EveryVersionOfText) {
 
 TEST_F(IoTest, ThingsThatAreNoFile) {
   EXPECT_TRUE(contains(read_error(path("absent.mesh")), "absent.mesh: cannot open: No such file"));
+  EXPECT_TRUE(contains(read_error(path("absent")), "absent: there is no such file"));
   std::filesystem::create_directory(path("folder.mesh"));
   EXPECT_TRUE(contains(read_error(path("folder.mesh")), "folder.mesh: not a regular file"));
   EXPECT_TRUE(contains(read_error(put("empty.mesh", "")), "the file is empty"));

@@ -136,6 +136,44 @@ TEST_F(Msh, PartitionsAndSeveralStepsAreNamed) {
   EXPECT_EQ(doubles(*find(m.point_data, "heat"))[1], 7);
 }
 
+/// The bytes of numbers, one after the other.
+template <class... T>
+std::string raw(T... values) {
+  std::string bytes;
+  (bytes.append(reinterpret_cast<const char*>(&values), sizeof(T)), ...);
+  return bytes;
+}
+
+TEST_F(Msh, SizesOf32BitsAreRead) {
+  using Short = std::uint32_t;
+  std::string binary = "$MeshFormat\n4.1 1 4\n" + raw(1) + "\n$EndMeshFormat\n$Nodes\n";
+  binary += raw(Short{1}, Short{4}, Short{1}, Short{4}, 3, 1, 0, Short{4}, Short{1}, Short{2}, Short{3}, Short{4});
+  binary += raw(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0) + "\n$EndNodes\n$Elements\n";
+  binary += raw(Short{1}, Short{1}, Short{1}, Short{1}, 3, 1, 4, Short{1}, Short{1}, Short{1}, Short{2}, Short{3});
+  binary += raw(Short{4}) + "\n$EndElements\n";
+  const std::string text = "$MeshFormat\n4.1 0 4\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n"
+                           "0 1 0\n0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
+  for (const std::string& file : {binary, text}) {
+    const TetMesh m = read_mesh(put("a.msh", file), nullptr, 1);
+    EXPECT_EQ(m.points, (std::vector<Point3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+    EXPECT_EQ(m.tets, (decltype(m.tets){{0, 1, 2, 3}}));
+    EXPECT_TRUE(contains(read_error(put("a.msh", file.substr(0, file.size() - 20))), "a.msh"));
+  }
+}
+
+TEST_F(Msh, NamesMayLackQuotationMarks) {
+  const std::string file = kOldHead + "$PhysicalNames\n1\n3 1 mild steel\n$EndPhysicalNames\n" + kOldNodes +
+                           "$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n"
+                           "$ElementData\n1\nload \n1\n0\n3\n0\n1\n1\n1 2.5\n$EndElementData\n";
+  const TetMesh m = read_mesh(put("a.msh", file), nullptr, 1);
+  ASSERT_EQ(m.groups.size(), 1U);
+  EXPECT_EQ(m.groups[0].name, "mild steel");
+  ASSERT_NE(find(m.tet_data, "load"), nullptr);
+  EXPECT_EQ(doubles(*find(m.tet_data, "load")), (std::vector<double>{2.5}));
+  const std::string half = kOldHead + "$PhysicalNames\n1\n3 1 \"steel\n$EndPhysicalNames\n";
+  EXPECT_TRUE(contains(read_error(put("a.msh", half)), "a.msh:6: expected a name in quotation marks"));
+}
+
 TEST_F(Msh, ErrorsSayWhere) {
   const auto refused = [this](const std::string& text, const std::string& said) {
     const std::string error = read_error(put("a.msh", text));
@@ -144,7 +182,8 @@ TEST_F(Msh, ErrorsSayWhere) {
   };
   refused("", "empty");
   refused("SystemCall \"touch ran\";\n", "does not start with $MeshFormat");
-  refused("$MeshFormat\n4.1 0 4\n$EndMeshFormat\n", "a.msh:2: numbers of 4 bytes");
+  refused("$MeshFormat\n2.2 0 4\n$EndMeshFormat\n", "a.msh:2: numbers of 4 bytes");
+  refused("$MeshFormat\n4.1 0 2\n$EndMeshFormat\n", "a.msh:2: numbers of 2 bytes");
   refused(kOldHead + kOldNodes, "$Nodes or $Elements is missing");
   refused(kOldHead + "$Elements\n0\n$EndElements\n", "a.msh:5: the section $Elements comes before $Nodes");
   refused(kOldHead + "$Nodes\n5000000\n1 0 0 0\n", "a.msh:5: number of nodes is 5000000, more than the rest");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <ostream>
 #include <set>
@@ -11,6 +12,7 @@
 #include "backend/span.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "mesh/id_maps.hpp"
+#include "mesh/tet.hpp"
 #include "only_below_fixture.hpp"
 #include "support/constrained.hpp"
 #include "support/meshes.hpp"
@@ -229,6 +231,31 @@ TEST(OnlyBelowLimit, listed_edges_that_no_longer_exist_are_dropped) {
     for (const auto& [a, b] : mesh.edges) EXPECT_TRUE(existing.contains({std::min(a, b), std::max(a, b)}));
   }
   EXPECT_GT(dropped, 0);
+}
+
+/// A triangle inside the part may have frozen vertices alone.
+TEST(OnlyBelowLimit, listed_triangles_that_no_longer_are_faces_are_dropped) {
+  const auto faces_of = [](const TetMesh& mesh) {
+    std::set<std::array<Index, 3>> faces;
+    for (const auto& tet : mesh.tets) {
+      for (std::size_t f = 0; f < 4; ++f) faces.insert(ascending_face(tet, f));
+    }
+    return faces;
+  };
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    TetMesh mesh = test::cube(6, 0.2, seed);
+    const auto before = faces_of(mesh);
+    mesh.triangles.assign(before.begin(), before.end());
+    mesh.triangle_tags.assign(mesh.triangles.size(), 0);
+    Options options;
+    options.only_below = {{Measure::min_dihedral, 36}};
+    options.rings = 0;
+    const Report report = optimize(mesh, options);
+    EXPECT_EQ(report.triangles_dropped, std::ssize(before) - std::ssize(mesh.triangles));
+    EXPECT_GT(report.triangles_dropped, 0);
+    const auto existing = faces_of(mesh);
+    for (const auto& triangle : mesh.triangles) EXPECT_TRUE(existing.contains(ascending(triangle)));
+  }
 }
 
 /// The map of the part's report is empty then, as where all are kept.

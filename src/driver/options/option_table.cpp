@@ -196,8 +196,9 @@ const std::array kTable{
                &Options::max_growth,
                kMethod,
                "Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. "
-               "A larger value allows insertion around more of the worst tetrahedra, at proportional cost. With "
-               "untangle=true it limits splits of valid curved elements too, whatever the other options are",
+               "A larger value allows insertion around more of the worst tetrahedra, at proportional cost. Flips are "
+               "not limited: in a mesh of a few dozen tetrahedra they may add one more. With untangle=true it limits "
+               "splits of valid curved elements too, whatever the other options are",
                {},
                {1, 100},
                kGrowthConditions},

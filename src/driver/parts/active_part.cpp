@@ -7,6 +7,7 @@
 #include "backend/span.hpp"
 #include "boundary/vertex_dof.hpp"
 #include "driver/distributed_interface.hpp"
+#include "mesh/listed_faces.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "mesh/vertex_layers.hpp"
@@ -37,8 +38,9 @@ class PartTaker {
     if (features.line_ends) freeze(VertexConstraint::line_end);
     take_triangles(frozen_patches);
     take_edges(features.edges);
-    part_.triangle_stays = all_frozen(part_.mesh.triangles);
-    part_.edge_stays = edges_of_rest();
+    const std::vector<std::array<Index, 4>> rest = tets_of_rest();
+    part_.triangle_stays = triangles_of(rest);
+    part_.edge_stays = edges_of(rest);
     list_cut(part_.mesh, on_cut_);
     part_.options.frozen_vertices = std::move(frozen_);
     return std::move(part_);
@@ -129,26 +131,40 @@ class PartTaker {
     }
   }
 
-  template <std::size_t N>
-  Marks all_frozen(const std::vector<std::array<Index, N>>& entities) const {
-    Marks stays;
-    for (const auto& entity : entities) {
-      const auto is_frozen = [this](Index v) { return span_of(frozen_)[v] != 0; };
-      stays.push_back(std::all_of(entity.begin(), entity.end(), is_frozen) ? 1 : 0);
-    }
-    return stays;
-  }
-
-  /// Marks the listed edges that last because of their constraints, or of tetrahedra outside the part or elements of
-  /// other kinds.
-  Marks edges_of_rest() const {
-    std::vector<std::array<Index, 4>> rest;  // in ids of the part; -1: a vertex outside
-    for (std::size_t t = 0; t < mesh_.tets.size() && !part_.mesh.edges.empty(); ++t) {
+  /// The tetrahedra outside the part with an edge in it, in ids of the part; -1: a vertex outside.
+  std::vector<std::array<Index, 4>> tets_of_rest() const {
+    std::vector<std::array<Index, 4>> rest;
+    if (part_.mesh.triangles.empty() && part_.mesh.edges.empty()) return rest;
+    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       if (active_[t] != 0) continue;
       auto tet = mesh_.tets[t];
       for (Index& v : tet) v = to_part(v);
       if (std::count(tet.begin(), tet.end(), -1) < 3) rest.push_back(tet);
     }
+    return rest;
+  }
+
+  /// Marks the listed triangles that are faces of these tetrahedra or sides of elements of other kinds.
+  Marks triangles_of(const std::vector<std::array<Index, 4>>& rest) const {
+    const TetMesh& part = part_.mesh;
+    std::vector<std::pair<std::array<Index, 3>, Index>> listed;
+    for (Index i = 0; i < std::ssize(part.triangles); ++i) listed.emplace_back(span_of(part.triangles)[i], i);
+    const ListedFaces<3> faces(std::move(listed), part.points.size());
+    Marks stays(part.triangles.size(), 0);
+    for (const auto& tet : rest) {
+      for (std::size_t f = 0; f < 4; ++f) {
+        faces.find(ascending_face(tet, f), [&stays](Index i) { span_of(stays)[i] = 1; });
+      }
+    }
+    const OtherElements others(mesh_);
+    for (std::size_t i = 0; i < stays.size(); ++i) {
+      if (others.have(span_of(mesh_.triangles)[part_.triangle2whole[i]])) stays[i] = 1;
+    }
+    return stays;
+  }
+
+  /// Marks the listed edges that last because of their constraints, or of these tetrahedra or elements of other kinds.
+  Marks edges_of(const std::vector<std::array<Index, 4>>& rest) const {
     Marks stays = lasting_edges(part_.mesh, rest, OtherElements(part_.mesh));
     const OtherElements others(mesh_);
     for (std::size_t e = 0; e < stays.size(); ++e) {

@@ -45,7 +45,7 @@ struct ActivePart {
   TetMesh mesh;
   Options options;  ///< for the part
   std::vector<Index> vertex2whole, tet2whole, triangle2whole, edge2whole;
-  /// Whether a listed triangle stays although the result of the part lacks it: all its vertices are frozen.
+  /// Whether a listed triangle stays although the result of the part lacks it: an element outside the part has it.
   std::vector<std::uint8_t> triangle_stays;
   /// Whether a listed edge does: it constrains, or an element outside the part has it (lasting_edges()).
   std::vector<std::uint8_t> edge_stays;

@@ -167,7 +167,11 @@ MshHeader read_header(MshSource& source) {
   header.version = text.real("version");
   header.is_binary = text.integer("file type") != 0;
   const std::int64_t bytes = text.integer("bytes of a number");
-  if (bytes != 8) source.fail("numbers of " + std::to_string(bytes) + " bytes; 8 are expected");
+  if (bytes == 4 && header.version == 4.1) {
+    source.set_short_sizes();
+  } else if (bytes != 8) {
+    source.fail("numbers of " + std::to_string(bytes) + " bytes; 8 are expected");
+  }
   text.line();
   if (header.is_binary) {
     source.set_binary(true);

@@ -23,15 +23,17 @@ class AsText {
   bool was_binary_;
 };
 
-/// The rest of the line, without the quotation marks around it.
-std::string quoted(MshSource& source) {
-  std::string_view line = source.text().line();
+/// The name in the rest of the line: what is between quotation marks, or all of it where there are none.
+std::string read_name(MshSource& source) {
+  const std::string_view line = source.text().line();
   const std::size_t first = line.find('"');
   const std::size_t last = line.rfind('"');
-  if (first == std::string_view::npos || last == first) {
+  if (first != last) return std::string(line.substr(first + 1, last - first - 1));
+  const std::string_view bare = trimmed(line);
+  if (first != std::string_view::npos || bare.empty()) {
     source.fail("expected a name in quotation marks, found \"" + printable(line.substr(0, 40)) + "\"");
   }
-  return std::string(line.substr(first + 1, last - first - 1));
+  return std::string(bare);
 }
 
 /// Reads the first number of a name. Returns whether it is the only one, as in version 2.0: 1"steel" or 1 "steel".
@@ -90,7 +92,7 @@ void read_msh_names(MshSource& source, MshModel& model) {
       source.fail("group " + std::to_string(number) + " of dimension " + std::to_string(dimension) +
                   " is none: numbers are from 1, dimensions from 0 to 3");
     }
-    model.names.push_back({int(dimension), int(number), quoted(source)});
+    model.names.push_back({int(dimension), int(number), read_name(source)});
   }
 }
 
@@ -142,7 +144,7 @@ void read_msh_view(MshSource& source, bool on_nodes, MshModel& model, const IoCo
   const std::int64_t strings = text.integer("number of strings");
   text.line();
   for (std::int64_t i = 0; i < strings; ++i) {
-    std::string name = quoted(source);
+    std::string name = read_name(source);
     if (i == 0) view.name = std::move(name);
   }
   const std::int64_t reals = text.integer("number of reals");

@@ -31,6 +31,8 @@ class MshSource {
   void set_old(bool is_old) { is_old_ = is_old; }
   /// Version 2.2: some numbers have 32 bits, and some sections are text in binary files, too.
   bool is_old() const { return is_old_; }
+  /// Counts and numbers of nodes and elements have 32 bits in this binary file: Gmsh on a machine of 32 bits wrote it.
+  void set_short_sizes() { has_short_sizes_ = true; }
   TextCursor& text() { return text_; }
 
   /// An integer of 32 bits.
@@ -43,7 +45,7 @@ class MshSource {
   }
   /// An integer of 64 bits, the number of a node or element.
   std::int64_t long_integer(const char* name) {
-    const std::int64_t value = is_binary_ ? take<std::int64_t>() : text_.integer(name);
+    const std::int64_t value = is_binary_ ? take_size() : text_.integer(name);
     if (value < 0) fail(std::string(name) + " " + std::to_string(value) + " is negative or does not fit 63 bits");
     return value;
   }
@@ -67,7 +69,7 @@ class MshSource {
     return checked(n, name, text_numbers, bytes);
   }
   std::size_t checked(std::int64_t n, const char* name, int text_numbers, int bytes) {
-    const std::int64_t each = is_binary_ ? bytes : 2 * text_numbers;
+    const std::int64_t each = is_binary_ ? (has_short_sizes_ ? bytes / 2 : bytes) : 2 * text_numbers;
     if (n >= 0 && n <= text_.remaining() / each + (is_binary_ ? 0 : 1)) return to_size_t(n);
     fail(std::string(name) + " is " + std::to_string(n) + ", more than the rest of the file can hold");
   }
@@ -96,6 +98,7 @@ class MshSource {
   }
 
  private:
+  std::int64_t take_size() { return has_short_sizes_ ? std::int64_t{take<std::uint32_t>()} : take<std::int64_t>(); }
   template <class T>
   T take() {
     constexpr std::int64_t kBytes = sizeof(T);
@@ -111,7 +114,7 @@ class MshSource {
   std::string path_;
   std::int64_t size_;
   TextCursor text_;
-  bool is_binary_ = false, is_swapped_ = false, is_old_ = false;
+  bool is_binary_ = false, is_swapped_ = false, is_old_ = false, has_short_sizes_ = false;
 };
 
 }  // namespace tetune
