@@ -168,8 +168,8 @@ struct TetMesh {
 
   /// The .inp file that the mesh was read from; write_mesh() writes it back, with this mesh, to files of that format.
   std::shared_ptr<const AbaqusDeck> deck;
-  /// The number of each vertex in the deck or the Nastran file that the mesh was read from, and 0 for one that was
-  /// inserted; empty for other meshes. Writers of these formats give the vertices the same numbers.
+  /// The number of each vertex in the deck, Nastran or universal file that the mesh was read from, and 0 for one that
+  /// was inserted; empty for other meshes. Writers of these formats give the vertices the same numbers.
   std::vector<std::int64_t> deck_nodes;
 
   /// True if the file listed its tetrahedra with det < 0; readers reverse them, and writers reverse them back.

@@ -34,6 +34,13 @@ class UnvGroupWriter {
     return kUnvTagNames[to_size_t(dimension)] + std::to_string(number);
   }
 
+  /// Whether the group is one that add_rest() adds.
+  bool is_of_tag(const Group& group, const std::string& name) const {
+    const std::map<int, int>& tag2number = properties_[to_size_t(group.dimension)];
+    const auto number = group.tags.size() == 1 ? tag2number.find(group.tags[0]) : tag2number.end();
+    return number != tag2number.end() && name == name_of(group.dimension, number->second);
+  }
+
   void add_groups() {
     const std::vector<const Group*> empty = empty_groups(mesh_);
     for (const Group& group : mesh_.groups) {
@@ -43,6 +50,10 @@ class UnvGroupWriter {
         continue;
       }
       const std::string name = group.name.empty() ? name_of(group.dimension, group.number) : group.name;
+      if (is_of_tag(group, name)) {
+        of_tags_.emplace(group.dimension, group.tags[0]);
+        continue;
+      }
       UnvWrittenGroup& added = group_of(group.number, name);
       for (const int tag : group.tags) {
         added.tags.emplace_back(group.dimension, tag);
@@ -65,7 +76,8 @@ class UnvGroupWriter {
   void add_rest() {
     for (int dimension = 3; dimension > 0; --dimension) {
       for (const auto& [tag, property] : properties_[to_size_t(dimension)]) {
-        if (tag == 0 || grouped_.contains({dimension, tag})) continue;
+        const std::pair<int, int> key{dimension, tag};
+        if (!of_tags_.contains(key) && (tag == 0 || grouped_.contains(key))) continue;
         list_.push_back({property, name_of(dimension, property), {{dimension, tag}}, nullptr});
       }
     }
@@ -104,7 +116,7 @@ class UnvGroupWriter {
   const std::array<std::map<int, int>, 4>& properties_;
   const IoContext& context_;
   std::vector<UnvWrittenGroup> list_;
-  std::set<std::pair<int, int>> grouped_;  ///< dimensions and tags
+  std::set<std::pair<int, int>> grouped_, of_tags_;  ///< dimensions and tags
 };
 
 }  // namespace

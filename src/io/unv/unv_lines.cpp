@@ -85,7 +85,9 @@ bool UnvLines::next(std::string_view& line) {
 std::string_view UnvLines::further() {
   std::string_view line;
   if (!read_filled(line)) fail_end();
-  return line;
+  if (!is_mark(line)) return line;
+  fail_at(line_, "the data set " + set_ +
+                     " ends here within a record: a line is missing, or has fewer numbers than the record says");
 }
 
 std::string_view UnvLines::text() {

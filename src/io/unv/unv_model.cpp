@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "io/plain_text.hpp"
+#include "io/unv/unv_format.hpp"
 
 namespace tetune {
 namespace {
@@ -31,6 +32,7 @@ class UnvParser {
     if (set == "2412") return read_elements(false);
     if (set == "164") return read_units();
     if (set == "2420") return read_systems();
+    model_.has_groups_of_gmsh = model_.has_groups_of_gmsh || set == kUnvGroupsOfGmsh;
     constexpr std::array<std::string_view, 4> kGroupsOfPairs{"2417", "2429", "2430", "2432"};
     constexpr std::array<std::string_view, 4> kGroupsOfFours{"2435", "2452", "2467", "2477"};
     if (std::find(kGroupsOfPairs.begin(), kGroupsOfPairs.end(), set) != kGroupsOfPairs.end()) return read_groups(2);
@@ -100,6 +102,8 @@ class UnvParser {
   }
   /// 0 and 1 are the global one in files that define none.
   void check_systems() const {
+    std::string systems;
+    std::size_t nodes = 0;
     for (const bool has_definition : {false, true}) {
       for (const auto& [system, use] : uses_[has_definition ? 1 : 0]) {
         const auto known = systems_.find(system);
@@ -110,12 +114,15 @@ class UnvParser {
                                        ", which is not the global Cartesian one; only that is read. Write the "
                                        "coordinates of all nodes in it");
         }
-        warnings_.push_back(std::to_string(use.nodes) + " nodes name the coordinate system " + number +
-                            (known == systems_.end() ? ", which the data sets 2420 do not define"
-                                                     : ", which is not the global Cartesian one") +
-                            ": their coordinates are taken as those of the part, as they are");
+        nodes += use.nodes;
+        if (systems.find(' ' + number + ',') == std::string::npos) systems += ' ' + number + ',';
       }
     }
+    if (nodes == 0) return;
+    systems.pop_back();
+    warnings_.push_back(std::to_string(nodes) + " nodes name coordinate systems (" + systems.substr(1) +
+                        ") that are not the global Cartesian one by the data sets 2420: their coordinates are taken " +
+                        "as those of the part, as they are");
   }
 
   /// Keeps the lines.

@@ -36,6 +36,7 @@ struct UnvModel {
   std::vector<UnvFound> elements;
   std::vector<std::int64_t> element_nodes;
   std::vector<UnvGroup> groups;
+  bool has_groups_of_gmsh = false;  ///< in the data set that Gmsh writes
   /// The lines of the data set of units, each with its end.
   std::string units;
 

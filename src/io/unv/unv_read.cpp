@@ -68,10 +68,11 @@ class UnvReader {
     mesh_.point_tags.assign(mesh_.points.size(), 0);
     add_node_sets();
     keep_numbers();
-    if (!model_.units.empty()) mesh_.dialect = std::string(kUnvDialect) + model_.units;
+    mesh_.dialect =
+        std::string(kUnvDialect) + (model_.has_groups_of_gmsh ? kUnvGroupsOfGmsh : kUnvGroups) + '\n' + model_.units;
     warn_of_contents();
     try {
-      if (const std::string lost = erase_middles(middles_, mesh_); !lost.empty()) warn(lost);
+      if (const std::string lost_values = erase_middles(middles_, mesh_); !lost_values.empty()) warn(lost_values);
     } catch (const FileError& e) {
       throw FileError(path_ + ": " + e.what());
     }
@@ -181,8 +182,8 @@ class UnvReader {
     const std::map<UnvClass, int> class2tag = tags_of_unv_classes(classes_, numbers);
     for (const UnvClass& c : classes_) tags_.push_back(class2tag.at(c));
     mesh_.groups = unv_groups(class2tag, names, numbers);
-    if (const std::size_t lost = count_lost_properties(class2tag); lost > 0) {
-      warn("elements with one property number are in different groups: " + std::to_string(lost) +
+    if (const std::size_t changed = count_changed_properties(class2tag); changed > 0) {
+      warn("elements with one property number are in different groups: " + std::to_string(changed) +
            " of these sets of elements get other tags than that number");
     }
   }

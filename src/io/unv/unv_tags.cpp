@@ -61,8 +61,8 @@ std::map<UnvClass, int> tags_of_unv_classes(const std::vector<UnvClass>& classes
   return class2tag;
 }
 
-std::size_t count_lost_properties(const std::map<UnvClass, int>& class2tag) {
-  std::size_t lost = 0;
+std::size_t count_changed_properties(const std::map<UnvClass, int>& class2tag) {
+  std::size_t all_changed = 0;
   for (int dimension = 1; dimension <= 3; ++dimension) {
     std::set<int> properties;
     std::size_t changed = 0;
@@ -71,9 +71,9 @@ std::size_t count_lost_properties(const std::map<UnvClass, int>& class2tag) {
       properties.insert(c.property);
       if (tag != c.property) ++changed;
     }
-    if (properties.size() > 1) lost += changed;
+    if (properties.size() > 1) all_changed += changed;
   }
-  return lost;
+  return all_changed;
 }
 
 std::vector<Group> unv_groups(const std::map<UnvClass, int>& class2tag, const std::vector<std::string>& names,

@@ -29,7 +29,7 @@ std::map<UnvClass, int> tags_of_unv_classes(const std::vector<UnvClass>& classes
 
 /// How many classes have another tag than their property number, in dimensions where this number differs between
 /// elements.
-std::size_t count_lost_properties(const std::map<UnvClass, int>& class2tag);
+std::size_t count_changed_properties(const std::map<UnvClass, int>& class2tag);
 
 /// The groups of a mesh with these classes, one for each dimension of each group of the file. `names` and `numbers`: of
 /// the latter.

@@ -65,17 +65,18 @@ class UnvWriter {
     check_size();
     node_numbers_ = numbers_of_nodes(mesh_, vertices_, kMaxUnvNumber, context_);
     number_properties();
-    const bool has_units = mesh_.dialect.starts_with(kUnvDialect);
-    write_set("   164", [&] {
-      file_.write(has_units ? std::string_view(mesh_.dialect).substr(kUnvDialect.size()) : kMetersAndNewtons);
-    });
-    write_set("  2411", [this] { write_nodes(); });
-    write_set("  2412", [this] {
+    const bool is_read = mesh_.dialect.starts_with(kUnvDialect);
+    if (const std::string_view units = is_read ? unv_units(mesh_) : kMetersAndNewtons; !units.empty()) {
+      write_set("164", [&] { file_.write(units); });
+    }
+    write_set("2411", [this] { write_nodes(); });
+    write_set("2412", [this] {
       for (const UnvElement& kind : kUnvElements) write_elements(kind);
     });
     const std::vector<UnvWrittenGroup> groups = unv_groups_to_write(mesh_, properties_, context_);
     if (groups.empty()) return;
-    write_set("  2467", [&] {
+    const bool is_of_gmsh = mesh_.dialect.starts_with(std::string(kUnvDialect) + kUnvGroupsOfGmsh);
+    write_set(is_of_gmsh ? kUnvGroupsOfGmsh : kUnvGroups, [&] {
       for (const UnvWrittenGroup& group : groups) write_group(group);
     });
   }
@@ -94,7 +95,10 @@ class UnvWriter {
 
   template <class Write>
   void write_set(const char* number, const Write& write) {
-    file_.write(std::string(kUnvMark) + number + "\n");
+    std::string text = kUnvMark;
+    constexpr std::size_t kSetColumns = 6;
+    append_columns(text, number, kSetColumns);
+    file_.write(text + '\n');
     write();
     file_.write(kUnvMark);
   }
@@ -268,10 +272,9 @@ class UnvWriter {
 }  // namespace
 
 std::string unv_length_unit(const TetMesh& mesh) {
-  if (!mesh.dialect.starts_with(kUnvDialect)) return {};
   constexpr std::array<const char*, 10> kUnits{"",           "",           "foot", "",           "foot",
                                                "millimeter", "centimeter", "inch", "millimeter", "unit of its user"};
-  const int code = std::atoi(mesh.dialect.substr(kUnvDialect.size(), kIntegerColumns).c_str());
+  const int code = std::atoi(std::string(unv_units(mesh).substr(0, kIntegerColumns)).c_str());
   return code < 0 || code >= std::ssize(kUnits) ? "" : kUnits[to_size_t(code)];
 }
 
