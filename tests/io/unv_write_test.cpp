@@ -42,14 +42,14 @@ TEST_F(Unv, TheWrittenFile) {
             "    -1\n"
             "    -1\n"
             "  2412\n"
-            "         1        11         7         1         7         2\n"
+            "         1        11         7         7         7         2\n"
             "         0         1         1\n"
             "       100         3\n"
-            "         2        91         8         1         7         3\n"
+            "         2        91         8         8         7         3\n"
             "       100         3       101\n"
-            "         3        91         0         1         7         3\n"
+            "         3        91         0         0         7         3\n"
             "       100         3        50\n"
-            "         4       111         7         1         7         4\n"
+            "         4       111         7         7         7         4\n"
             "       100         3       101        50\n"
             "    -1\n"
             "    -1\n"
@@ -122,7 +122,8 @@ TEST_F(Unv, CurvedEdgesKeepTheirNodes) {
   m.triangles = {{0, 1, 2}};
   m.triangle_tags = {2};
   m.curved_edges = {{{0, 1}, {.6, .1, 0}}, {{2, 3}, {0, .6, .7}}};
-  m.point_data = {{"node_set:3:line", 1, std::vector<std::uint8_t>{1, 1, 0, 0}}};
+  m.point_data = {{"node_set:3:line", 1, std::vector<std::uint8_t>{1, 1, 0, 0}},
+                  {"node_set:4:none", 1, std::vector<std::uint8_t>(4, 0)}};
   write_mesh(path("a.unv"), m, 1);
   EXPECT_TRUE(contains(get("a.unv"),
                        "         2       118         1         1         7        10\n"
@@ -131,6 +132,7 @@ TEST_F(Unv, CurvedEdgesKeepTheirNodes) {
   const TetMesh back = read_mesh(path("a.unv"), &warnings_, 1);
   EXPECT_TRUE(warnings_.empty()) << warnings_[0];
   EXPECT_EQ(back.curved_edges, m.curved_edges);
+  ASSERT_EQ(back.point_data.size(), 1U);
   EXPECT_EQ(back.point_data[0].values, m.point_data[0].values);
 }
 

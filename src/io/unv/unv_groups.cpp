@@ -64,12 +64,15 @@ class UnvGroupWriter {
   void add_node_sets() {
     for (const DataArray& array : mesh_.point_data) {
       if (!is_node_set(array)) continue;
+      // Such as a set of mid-side nodes, of which the reader has warned.
+      const auto& in_set = std::get<std::vector<std::uint8_t>>(array.values);
+      if (std::find(in_set.begin(), in_set.end(), std::uint8_t{1}) == in_set.end()) continue;
       const std::string text = array.name.substr(kNodeSet.size());
       const std::size_t colon = text.find(':');
       const int number = std::atoi(text.c_str());
       UnvWrittenGroup* added = &group_of(number, colon == std::string::npos ? "" : text.substr(colon + 1));
       if (added->in_set != nullptr) added = &list_.emplace_back(UnvWrittenGroup{number, added->name, {}, nullptr});
-      added->in_set = &std::get<std::vector<std::uint8_t>>(array.values);
+      added->in_set = &in_set;
     }
   }
   /// Programs that do not read the numbers of properties, such as Salome, find the elements of a tag by its group.

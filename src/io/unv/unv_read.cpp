@@ -313,8 +313,11 @@ class UnvReader {
     if (missing_ > 0) {
       warn(std::to_string(missing_) + " entities of groups are nodes or elements that the mesh does not have");
     }
+    // Those that are all equal, or that are written again, are no loss.
     const auto differs = [this](const UnvFound& e) { return e.material != model_.elements[0].material; };
-    if (std::any_of(model_.elements.begin(), model_.elements.end(), differs)) {
+    const auto is_other = [](const UnvFound& e) { return e.material != e.property; };
+    const auto any = [this](const auto& is) { return std::any_of(model_.elements.begin(), model_.elements.end(), is); };
+    if (any(differs) && any(is_other)) {
       warn("the numbers of materials of elements are not kept");
     }
     if (is_renumbered_) {

@@ -75,14 +75,16 @@ class UnvWriter {
     });
     const std::vector<UnvWrittenGroup> groups = unv_groups_to_write(mesh_, properties_, context_);
     if (groups.empty()) return;
-    const bool is_of_gmsh = mesh_.dialect.starts_with(std::string(kUnvDialect) + kUnvGroupsOfGmsh);
-    write_set(is_of_gmsh ? kUnvGroupsOfGmsh : kUnvGroups, [&] {
+    write_set(is_of_gmsh() ? kUnvGroupsOfGmsh : kUnvGroups, [&] {
       for (const UnvWrittenGroup& group : groups) write_group(group);
     });
   }
 
  private:
   using Role = UnvElement::Role;
+
+  /// Whether the groups are in the data set that Gmsh reads.
+  bool is_of_gmsh() const { return mesh_.dialect.starts_with(std::string(kUnvDialect) + kUnvGroupsOfGmsh); }
 
   void check_size() const {
     std::size_t elements = mesh_.edges.size() + mesh_.triangles.size() + mesh_.tets.size();
@@ -173,9 +175,11 @@ class UnvWriter {
     write_records(tags.size(), [&](std::string& text, std::size_t e) {
       append_integer(text, next_element_ + std::int64_t(e));
       append_integer(text, n > kind.vertices ? kind.written_quadratic : kind.written);
-      append_integer(text, tag2number.at(tags[e]));
-      // The material and the color.
-      text += "         1         7";
+      const int property = tag2number.at(tags[e]);
+      append_integer(text, property);
+      // The material. Gmsh takes it for the number of a group; where it reads groups, 0 adds none.
+      append_integer(text, is_of_gmsh() ? 0 : property);
+      text += "         7";
       append_integer(text, std::int64_t(n));
       text += '\n';
       if (kind.role == Role::edge) text += "         0         1         1\n";
