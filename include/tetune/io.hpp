@@ -21,9 +21,10 @@ namespace tetune {
 /// - `.su2`: SU2
 /// - `.vol`, `.vol.gz`: Netgen
 /// - `.bdf .nas`: Nastran's bulk data
-/// - `.unv .med .cgns`: I-deas universal, MED, CGNS
+/// - `.unv`: universal files of I-deas
+/// - `.med .cgns`: MED, CGNS
 ///
-/// Files of VTK and Exodus, the last three, and other versions of `.msh` are read by separate programs of the
+/// Files of VTK and Exodus, the last two, and other versions of `.msh` are read by separate programs of the
 /// installation that use VTK and Gmsh (docs/formats.md).
 /// Skipped sections and the like are reported in `warnings`, if given. Tetrahedra that are listed inside out are
 /// reversed: if all are, without a warning (`listed_inside_out` is set); see orient_uniformly(). Throws FileError,

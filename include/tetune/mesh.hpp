@@ -155,8 +155,8 @@ struct TetMesh {
   /// Names of the data from which the tags were read, for example "medit:ref", and to which they are written; empty:
   /// the format's own.
   std::string point_tags_name, cell_tags_name;
-  /// Version and encoding of the file that was read, where its format has several ("msh 2.2 text"): writers of that
-  /// format use the same.
+  /// Version and encoding of the file that was read, where its format has several ("msh 2.2 text"), or the units of a
+  /// universal file: writers of that format use the same.
   std::string dialect;
   /// True if the elements of the file had mid-side nodes. Readers take these nodes out of `points`, and writers add
   /// them after all others: at the positions of `curved_edges`, on all other edges at the midpoint.
@@ -168,8 +168,8 @@ struct TetMesh {
 
   /// The .inp file that the mesh was read from; write_mesh() writes it back, with this mesh, to files of that format.
   std::shared_ptr<const AbaqusDeck> deck;
-  /// The number of each vertex in the deck or the Nastran file that the mesh was read from, and 0 for one that was
-  /// inserted; empty for other meshes. Writers of these formats give the vertices the same numbers.
+  /// The number of each vertex in the deck, Nastran or universal file that the mesh was read from, and 0 for one that
+  /// was inserted; empty for other meshes. Writers of these formats give the vertices the same numbers.
   std::vector<std::int64_t> deck_nodes;
 
   /// True if the file listed its tetrahedra with det < 0; readers reverse them, and writers reverse them back.

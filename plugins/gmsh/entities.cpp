@@ -22,12 +22,12 @@ Kind kind_of(int dimension, int type, const std::vector<std::array<Index, N>>& e
 
 /// Assigns the elements of each tag to an entity with the number of the tag; where that is not possible, with minus
 /// that number, or with a free one. Returns the entities with their tags.
-std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std::set<int> taken, int max_entity) {
+std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std::set<int> taken) {
   std::set<int> tags;
   for (const Kind& kind : kinds) {
     if (kind.dimension == dimension) tags.insert(kind.tags->begin(), kind.tags->end());
   }
-  std::map<int, int> tag2entity = numbers_of_tags(tags, std::move(taken), max_entity);
+  std::map<int, int> tag2entity = numbers_of_tags(tags, std::move(taken), std::numeric_limits<int>::max());
   std::map<int, int> entity2tag;
   for (const auto& [tag, entity] : tag2entity) entity2tag[entity] = tag;
   for (Kind& kind : kinds) {
@@ -65,12 +65,11 @@ std::vector<Kind> kinds_of(const TetMesh& mesh) {
   return kinds;
 }
 
-std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups,
-                                 const Format& format) {
-  // add_groups() makes groups of such numbers, and I-deas' files have one list of groups for all dimensions.
+std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups) {
+  // add_groups() makes groups of such numbers.
   std::set<int> taken;
   for (const Group& group : groups) taken.insert(group.number);
-  return entities_of_tags(kinds, dimension, std::move(taken), format.max_entity);
+  return entities_of_tags(kinds, dimension, std::move(taken));
 }
 
 Boundaries::Boundaries(const std::vector<Kind>& kinds, int dimension, std::size_t vertices) {

@@ -29,8 +29,7 @@ struct Kind {
 std::vector<Kind> kinds_of(const TetMesh& mesh);
 
 /// Assigns the elements of a dimension to entities of Gmsh; returns the entities with their tags.
-std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups,
-                                 const Format& format);
+std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups);
 
 /// For each entity of a dimension the entities of the dimension below that share a side with it.
 class Boundaries {

@@ -8,7 +8,6 @@
 
 #include "closed_files.hpp"
 #include "gmsh_mesh.hpp"
-#include "ignored_content.hpp"
 #include "io/losses.hpp"
 
 namespace tetune::plugin {
@@ -24,35 +23,6 @@ void check_start(const std::string& file, const std::string& ending) {
     if (start.rfind(known, 0) == 0) return;
   }
   throw FileError("this is not a Gmsh mesh: it does not start with $MeshFormat");
-}
-
-/// The limits of the formats.
-Format format_of(const std::string& ending) {
-  constexpr int kMax9Digits = 999'999'999;  // of ten, of which one must stay blank before the next number
-  Format format;
-  if (ending == ".unv") format.max_entity = kMax9Digits;
-  return format;
-}
-
-void warn_of_format(const TetMesh& mesh, const std::string& ending, Warnings& warnings) {
-  if (ending != ".unv") return;
-  for (const Group& group : mesh.groups) {
-    std::string written = group.name;
-    std::replace(written.begin(), written.end(), ' ', '_');
-    if (written != group.name) warnings.push_back("the group \"" + group.name + "\" is written as " + written);
-  }
-  gmsh::vectorpair groups;
-  gmsh::model::getPhysicalGroups(groups);
-  std::map<int, std::string> names;
-  for (const auto& [dimension, number] : groups) {
-    std::string name;
-    gmsh::model::getPhysicalName(dimension, number, name);
-    const auto [at, fresh] = names.try_emplace(number, name);
-    if (fresh || at->second == name) continue;
-    warnings.push_back("groups of different dimensions have the number " + std::to_string(number) +
-                       ": one name may be read for all of them");
-    return;
-  }
 }
 
 /// Throws FileError for formats that this build of Gmsh lacks.
@@ -92,14 +62,6 @@ void erase_points(TetMesh& mesh, Warnings& warnings) {
   warn_of_point_elements({0, &warnings});
 }
 
-void refuse_pyramids(const TetMesh& mesh, const std::string& ending) {
-  if (ending != ".unv") return;
-  for (const ElementBlock& block : mesh.others) {
-    if (block.kind != "Pyramids") continue;
-    throw FileError("Gmsh writes no pyramids to " + ending + " files; choose .msh or .vtu");
-  }
-}
-
 template <class Action>
 void guarded(const Action& action) {
   try {
@@ -127,7 +89,6 @@ TetMesh read(const std::string& file, int, Warnings& warnings) {
   check_start(file, ending);
   start_gmsh();
   check_support(ending);
-  check_ignored_content(file, ending, warnings);
   TetMesh mesh;
   guarded([&] {
     gmsh::open(file);
@@ -140,14 +101,12 @@ TetMesh read(const std::string& file, int, Warnings& warnings) {
 void write(const std::string& file, TetMesh mesh, Warnings& warnings) {
   const std::string ending = ending_of(file);
   erase_points(mesh, warnings);
-  refuse_pyramids(mesh, ending);
   start_gmsh();
   check_support(ending);
   guarded([&] {
     // Gmsh leaves elements out that are in no group when there are groups.
-    gmsh::option::setNumber("Mesh.SaveAll", to_gmsh(mesh, format_of(ending), warnings) ? 0 : 1);
+    gmsh::option::setNumber("Mesh.SaveAll", to_gmsh(mesh, warnings) ? 0 : 1);
     gmsh::option::setNumber("Mesh.Binary", 0);
-    warn_of_format(mesh, ending, warnings);
     gmsh::write(file);
     warn_of_data(mesh, {0, &warnings}, kGeometrical);
   });

@@ -94,7 +94,6 @@ class Reader {
     grouped_ = !groups.empty();
     mesh_.cell_tags_name = grouped_ ? kPhysical : kGeometrical;
     for (const auto& [dimension, number] : groups) {
-      if (number == 0) continue;  // stands for elements in no group in I-deas' files
       Group group{dimension, number, {}, {}};
       gmsh::model::getPhysicalName(dimension, number, group.name);
       std::vector<int> entities;

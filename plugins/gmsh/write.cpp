@@ -13,8 +13,7 @@ namespace tetune::plugin {
 namespace {
 
 /// Adds the physical groups of one dimension to the model; returns whether every entity is in one.
-bool add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& entity2tag, const Format& format,
-                Warnings& warnings) {
+bool add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& entity2tag, Warnings& warnings) {
   bool all_grouped = true;
   std::map<int, std::vector<int>> number2entities;
   std::map<int, std::set<int>> number2tags;  // of entities in one group alone
@@ -40,9 +39,8 @@ bool add_groups(const TetMesh& mesh, int dimension, const std::map<int, int>& en
   }
   if (!renumbered.empty()) {
     const std::string rest = renumbered.size() == 1 ? "" : ", and " + std::to_string(renumbered.size() - 1) + " more";
-    warnings.push_back("the format's numbers are from 1 to " + std::to_string(format.max_entity) +
-                       ": of elements of dimension " + std::to_string(dimension) + " the tag " + renumbered.front() +
-                       rest);
+    warnings.push_back("the format's numbers are positive: of elements of dimension " + std::to_string(dimension) +
+                       " the tag " + renumbered.front() + rest);
   }
   for (const auto& [number, entities] : number2entities) {
     gmsh::model::addPhysicalGroup(dimension, entities, number);
@@ -117,7 +115,7 @@ void number_elements(std::vector<Kind>& kinds) {
 
 }  // namespace
 
-bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings) {
+bool to_gmsh(TetMesh mesh, Warnings& warnings) {
   warn_of_lists(mesh, {0, &warnings});
   warn_of_point_tags(mesh, {0, &warnings});
   const auto middles = mesh.second_order ? std::make_unique<Middles>(mesh) : nullptr;
@@ -127,13 +125,13 @@ bool to_gmsh(TetMesh mesh, const Format& format, Warnings& warnings) {
   bool all_grouped = true;
   std::pair<int, int> default_entity{-1, 0};  // one of the highest dimension
   for (int dimension = 0; dimension <= 3; ++dimension) {
-    const std::map<int, int> entity2tag = find_entities(kinds, dimension, mesh.groups, format);
+    const std::map<int, int> entity2tag = find_entities(kinds, dimension, mesh.groups);
     const Boundaries boundaries(kinds, dimension, mesh.points.size());
     for (const auto& [entity, tag] : entity2tag) {
       gmsh::model::addDiscreteEntity(dimension, entity, boundaries.of(entity));
       default_entity = {dimension, entity};
     }
-    if (!add_groups(mesh, dimension, entity2tag, format, warnings)) all_grouped = false;
+    if (!add_groups(mesh, dimension, entity2tag, warnings)) all_grouped = false;
   }
   if (default_entity.first < 0) throw FileError("the mesh has no elements; Gmsh writes no mesh without them");
   const std::vector<std::uint8_t> used = used_nodes(mesh, kinds, middles.get());

@@ -57,9 +57,9 @@ void write_times(const std::filesystem::path& path,
 constexpr const char* kReadMesh = R"(Reads a mesh in the format that the ending of the name says (docs/formats.md).
 
 MEDIT (.mesh, .meshb), Gmsh (.msh), TetGen (.ele, .node, .face), decks of Abaqus and CalculiX (.inp), SU2 (.su2),
-Netgen (.vol, .vol.gz) and Nastran (.bdf, .nas) are built in. VTK (.vtu, .pvtu, .vtk) and Exodus (.e, .ex2, .exo) need
-a tetune that was built with VTK, or, for the files of VTK, pyvista or meshio; I-deas, MED and CGNS (.unv, .med, .cgns)
-need one that was built with Gmsh.
+Netgen (.vol, .vol.gz), Nastran (.bdf, .nas) and universal files of I-deas (.unv) are built in. VTK (.vtu, .pvtu, .vtk)
+and Exodus (.e, .ex2, .exo) need a tetune that was built with VTK, or, for the files of VTK, pyvista or meshio; MED and
+CGNS (.med, .cgns) need one that was built with Gmsh.
 
 `threads`: 0 for all cores. Warns of each part of the file that is not kept, and where tetrahedra were reversed. Raises
 FileError where the file cannot be read, or is damaged; the message says where, and what to do.)";

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mesh/element_kinds.hpp"
+#include "mesh/node_sets.hpp"
 
 namespace tetune {
 
@@ -28,15 +29,34 @@ void warn_of_point_tags(const TetMesh& mesh, const IoContext& context) {
   if (has_tag(mesh.point_tags)) context.warn("the format cannot hold tags of vertices");
 }
 
-void warn_of_data(const TetMesh& mesh, const IoContext& context, const char* kept) {
+namespace {
+
+std::set<std::string> names_of_data(const TetMesh& mesh, bool with_node_sets) {
   std::set<std::string> names;
-  const auto add = [&names](const std::vector<DataArray>& data) {
-    for (const DataArray& array : data) names.insert(array.name);
+  const auto add = [&](const std::vector<DataArray>& data) {
+    for (const DataArray& array : data) {
+      if (with_node_sets || !is_node_set(array)) names.insert(array.name);
+    }
   };
   for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) add(*data);
   for (const ElementBlock& block : mesh.others) add(block.data);
-  if (kept != nullptr) names.erase(kept);
+  return names;
+}
+
+void warn_of_data_named(const std::set<std::string>& names, const IoContext& context) {
   for (const std::string& name : names) context.warn("the format cannot hold the data \"" + name + "\"");
+}
+
+}  // namespace
+
+void warn_of_data(const TetMesh& mesh, const IoContext& context, const char* kept) {
+  std::set<std::string> names = names_of_data(mesh, true);
+  if (kept != nullptr) names.erase(kept);
+  warn_of_data_named(names, context);
+}
+
+void warn_of_data_but_node_sets(const TetMesh& mesh, const IoContext& context) {
+  warn_of_data_named(names_of_data(mesh, false), context);
 }
 
 void warn_of_names(const TetMesh& mesh, const IoContext& context) {

@@ -18,6 +18,8 @@ void warn_of_lists(const TetMesh& mesh, const IoContext& context);
 void warn_of_point_tags(const TetMesh& mesh, const IoContext& context);
 /// The data of any entity, except for those of a name that the format has room for.
 void warn_of_data(const TetMesh& mesh, const IoContext& context, const char* kept = nullptr);
+/// The data of any entity, except for sets of nodes.
+void warn_of_data_but_node_sets(const TetMesh& mesh, const IoContext& context);
 /// The names of groups.
 void warn_of_names(const TetMesh& mesh, const IoContext& context);
 /// Elements of one vertex.

@@ -12,6 +12,8 @@
 namespace tetune {
 namespace {
 
+bool is_ascii_digit(char c) { return c >= '0' && c <= '9'; }
+
 /// The value of the digits, infinity if there are too many.
 double digits_value(std::string_view digits) {
   double value = 0;
@@ -44,6 +46,27 @@ std::optional<double> parse_real_field(std::string text) {
   if (stop != end) return {};
   if (error == std::errc::result_out_of_range) return saturated(text);
   return error == std::errc() ? std::optional(value) : std::nullopt;
+}
+
+std::optional<double> parse_fortran_real(std::string_view field) {
+  const bool has_sign = field.starts_with('+') || field.starts_with('-');
+  const std::string_view magnitude = field.substr(has_sign ? 1 : 0);
+  if (magnitude.empty() || (magnitude[0] != '.' && !is_ascii_digit(magnitude[0]))) return {};
+  if (field[0] == '+') field = magnitude;
+  const char* const end = field.data() + field.size();
+  double value = 0;
+  const auto [stop, error] = parse_real(field.data(), end, value);
+  if (stop == end && error == std::errc()) return value;
+  if (error == std::errc::invalid_argument) return {};
+  // The exponent of Fortran, or one without a letter.
+  std::string text(field.data(), stop);
+  const bool has_exponent = text.find_first_of("eE") != std::string::npos;
+  if (stop != end) {
+    if (has_exponent || std::string_view("dD+-").find(*stop) == std::string_view::npos) return {};
+    text += "e";
+    text.append(*stop == '+' || *stop == '-' ? stop : stop + 1, end);
+  }
+  return parse_real_field(text);
 }
 
 }  // namespace tetune

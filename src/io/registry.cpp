@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "backend/span.hpp"
+#include "io/unv/unv_format.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "system/native.hpp"
 #include "system/path.hpp"
@@ -27,6 +28,12 @@ bool has_own_numbers(const TetMesh& mesh) {
     if (mesh.deck_nodes[v] != std::int64_t(v) + 1 && mesh.deck_nodes[v] != 0) return true;
   }
   return false;
+}
+
+void warn_of_unit(const std::string& path, const TetMesh& mesh, const IoContext& context) {
+  const std::string unit = unv_length_unit(mesh);
+  if (unit.empty()) return;
+  context.warn(path + ": the format cannot hold the unit of length: coordinates are in that of the input, the " + unit);
 }
 
 enum class Access { read, write };
@@ -157,7 +164,7 @@ const std::vector<Format>& formats() {
        .read = read_nastran,
        .write = write_file<write_nastran>,
        .parts = included_nastran_files},
-      {.name = "I-deas universal", .endings = {".unv"}, .plugin = &kGmshPlugin},
+      {.name = "I-deas universal", .endings = {".unv"}, .read = read_unv, .write = write_file<write_unv>},
       {.name = "MED", .endings = {".med"}, .plugin = &kGmshPlugin, .is_optional = true},
       {.name = "CGNS", .endings = {".cgns"}, .plugin = &kGmshPlugin, .is_optional = true},
   };
@@ -257,9 +264,11 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
       format.write == write_file<write_netgen> || format.write == write_file<write_netgen_compressed>;
   if (!mesh.periodic.empty() && format.write != write_file<write_msh> && !is_netgen) context.warn(path + kNoPeriodic);
   if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + kNoDeck);
-  if (mesh.deck == nullptr && format.write != write_file<write_nastran> && has_own_numbers(mesh)) {
+  const bool is_unv = format.write == write_file<write_unv>;
+  if (mesh.deck == nullptr && format.write != write_file<write_nastran> && !is_unv && has_own_numbers(mesh)) {
     context.warn(path + kNoNumbers);
   }
+  if (!is_unv) warn_of_unit(path, mesh, context);
   if (format.write != nullptr) {
     std::vector<std::string> losses;
     try {
@@ -285,6 +294,7 @@ void write_mesh(int descriptor, const std::string& name, bool binary, const TetM
   if (!mesh.periodic.empty()) context.warn(name + kNoPeriodic);
   if (mesh.deck != nullptr) context.warn(name + kNoDeck);
   if (mesh.deck == nullptr && has_own_numbers(mesh)) context.warn(name + kNoNumbers);
+  warn_of_unit(name, mesh, context);
   std::vector<std::string> losses;
   FileWriter file(descriptor, name);
   (binary ? write_medit_binary : write_medit_text)(file, mesh, {threads, &losses});

@@ -99,6 +99,11 @@ std::vector<std::string> included_nastran_files(const std::string& path);
 /// Writes bulk data with the numbers of nodes of TetMesh::deck_nodes.
 void write_nastran(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 
+/// Reads a universal file of I-deas.
+TetMesh read_unv(const std::string& path, const IoContext& context);
+/// Writes a universal file with the numbers of nodes of TetMesh::deck_nodes.
+void write_unv(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+
 TetMesh read_su2(const std::string& path, const IoContext& context);
 void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context);
 

@@ -232,7 +232,7 @@ class Corrupt(CliTest):
         self.check("a.msh", {"a.msh": self.by_tetune("a.msh")}, damaged_bytes, OWN_VARIANTS, own=True)
 
     def test_unv(self):
-        self.plugin("a.unv", lambda: self.by_tetune("a.unv"), damaged_text, "tetune-gmsh")
+        self.check("a.unv", {"a.unv": self.by_tetune("a.unv")}, damaged_text, OWN_VARIANTS, own=True)
 
     def test_bdf(self):
         self.check("a.bdf", {"a.bdf": self.by_tetune("a.bdf")}, damaged_text, OWN_VARIANTS, own=True)

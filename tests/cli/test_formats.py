@@ -94,12 +94,24 @@ class Conversions(ConversionTest):
             again = json.loads(self.run_tetune("info", "--json", f"q.{ending}").stdout)["quality"]
             self.assertEqual(again["measures"], info["measures"], ending)
 
-    def test_content_that_gmsh_ignores_is_named(self):
+    def test_data_sets_of_ideas_that_are_not_read_are_named(self):
         self.run_tetune("convert", "cube.mesh", "a.unv")
         self.assertEqual(self.run_tetune("info", "a.unv").stderr, "")
         whole = (self.folder / "a.unv").read_text()
-        (self.folder / "b.unv").write_text(whole + "    -1\n   164\n         1\n    -1\n    -1\n  2467\n    -1\n")
-        self.assertIn("the data sets 164, 2467 are not kept", self.run_tetune("info", "b.unv").stderr)
+        (self.folder / "b.unv").write_text(whole + "    -1\n  2414\n         1\n    -1\n    -1\n   790\n    -1\n")
+        self.assertIn("the data sets 2414 (results), 790 (loads) are not kept", self.run_tetune("info", "b.unv").stderr)
+
+    def test_groups_of_ideas_come_to_gmsh(self):
+        self.run_tetune("convert", "cube.mesh", "a.unv")
+        text = (self.folder / "a.unv").read_text().replace("Volume1\n", "hot part\n")
+        self.assertIn("hot part", text)
+        (self.folder / "b.unv").write_text(text)
+        done = self.run_tetune("convert", "b.unv", "c.msh")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn(b'"hot part"', (self.folder / "c.msh").read_bytes())
+        done = self.run_tetune("convert", "c.msh", "d.unv")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.folder / "d.unv").read_text(), text)
 
     def test_a_file_of_ideas_that_ends_within_a_data_set_is_refused(self):
         self.run_tetune("convert", "cube.mesh", "a.unv")
@@ -109,7 +121,7 @@ class Conversions(ConversionTest):
             (self.folder / "b.unv").write_text(cut)
             done = self.run_tetune("optimize", "b.unv", "out.unv")
             self.assertEqual(done.returncode, 2)
-            self.assertRegex(done.stderr, r"b\.unv: it ends within the data set (2411|2412|2467|2477), before the -1 .* cut short")
+            self.assertRegex(done.stderr, r"b\.unv:\d+: it ends within the data set (2411|2412|2467|2477), before the -1 .* cut short")
             self.assertFalse((self.folder / "out.unv").exists())
         # Where only the mark of another data set is left, the mesh is whole.
         (self.folder / "b.unv").write_text(whole + "    -1\n")

@@ -110,6 +110,45 @@ def nastran_second_order(points, tets):
     return (text + "ENDDATA\n").encode()
 
 
+def unv(points, tets, extra):
+    """Universal files; `extra`: with units, coordinate systems, old data sets, other elements and groups."""
+    def data_set(number, *lines):
+        return "".join(f"{line}\n" for line in ("    -1", f"{number:6}", *lines, "    -1"))
+
+    def columns(*numbers):
+        return "".join(f"{number:10}" for number in numbers)
+
+    nodes = [line for i, p in enumerate(points, 1)
+             for line in (columns(i, 1, 1, 11), "".join(f"{float(x):25.16E}".replace("E", "D") for x in p))]
+    elements = [line for i, tet in enumerate(tets, 1)
+                for line in (columns(i, 111, 1 + i % 2, 1, 7, 4), columns(*(v + 1 for v in tet)))]
+    if not extra:
+        return (data_set(2411, *nodes) + data_set(2412, *elements)).encode()
+    old = [columns(900, 91, 1, 3, 1, 1, 7, 3), columns(1, 2, 3), columns(901, 21, 1, 4, 1, 1, 7, 2), columns(0, 1, 1, 1, 1),
+           columns(1, 2)]
+    system = ["         1", "part", columns(1, 0, 0), "global", " 1. 0. 0.", " 0. 1. 0.", " 0. 0. 1.", " 0. 0. 0."]
+    groups = [columns(1, 0, 0, 0, 0, 0, 0, 3), "the wall", columns(8, 900, 0, 0, 7, 1, 0, 0), columns(8, 1, 0, 0)]
+    return (data_set(164, columns(5) + "mm", " 1.D3 1.D3 1.D0", " 2.73D2") + data_set(2420, *system) + data_set(781, *nodes) +
+            data_set(2412, *elements) + data_set(780, *old) + data_set(2467, *groups) + data_set(2414, "         1")).encode()
+
+
+def unv_second_order(points, tets):
+    """Tetrahedra of 10 nodes, from a deck of them."""
+    lines = inp_second_order(points, tets).decode().splitlines()
+    begin, end = next(i for i, line in enumerate(lines) if line.startswith("*ELEM")), lines.index(
+        next(line for line in lines if line.startswith("*NSET")))
+    text = "    -1\n  2411\n"
+    for line in lines[1:begin]:
+        number, *x = line.split(", ")
+        text += f"{number} 1 1 11\n" + " ".join(repr(float(value)) for value in x) + "\n"
+    text += "    -1\n    -1\n  2412\n"
+    for line in lines[begin + 1:end]:
+        number, *nodes = line.split(", ")
+        nodes = [nodes[k] for k in (0, 4, 1, 5, 2, 6, 7, 8, 9, 3)]
+        text += f"{number} 118 1 1 7 10\n" + " ".join(nodes[:8]) + "\n" + " ".join(nodes[8:]) + "\n"
+    return (text + "    -1\n").encode()
+
+
 def netgen(points, tets, extra):
     """Edges in the form of older files, or with descriptions."""
     text = "mesh3d\ndimension\n3\ngeomtype\n0\nsurfaceelements\n1\n1 1 1 0 3 1 2 3\n"
@@ -332,6 +371,8 @@ def main(folder):
             put("su2", stem, su2(points, tets, extra))
             put("nastran", stem, nastran(points, tets, extra))
             put("nastran", name + "_10", nastran_second_order(points, tets))
+            put("unv", stem, unv(points, tets, extra))
+            put("unv", name + "_10", unv_second_order(points, tets))
             put("netgen", stem, netgen(points, tets, extra))
             put("tetgen", stem, tetgen(points, tets, extra, int(extra)))
             for version in (1, 2, 3, 4):

@@ -171,6 +171,24 @@ TEST_F(MutationTest, Nastran) {
   }
 }
 
+TEST_F(MutationTest, Unv) {
+  TetMesh m = two_materials(2);
+  m.triangles = {{0, 1, 4}, {0, 4, 3}};
+  m.triangle_tags = {7, 8};
+  m.edges = {{0, 1}};
+  m.edge_tags = {9};
+  m.groups = {{2, 7, "inlet", {7}}};
+  m.point_data = {{"node_set:3:corner", 1, std::vector<std::uint8_t>(m.points.size(), 1)}};
+  for (const bool second_order : {false, true}) {
+    m.second_order = second_order;
+    write_mesh(path("whole.unv"), m);
+    run("a.unv", get("whole.unv"),
+        {"    -1\n", "  2412\n", "  2477\n", "  2420\n", "   780\n", "    15\n", "         0", "        -1",
+         "        11", "       118", " 999999999", "9999999999", "1.D+400", "nan", "\n", "\t", "-", "D"},
+        13);
+  }
+}
+
 TEST_F(MutationTest, Netgen) {
   TetMesh m = two_materials(2);
   m.triangles = {{0, 1, 4}, {0, 4, 3}};

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "io/nastran/nastran_fields.hpp"
+#include "io/real_field.hpp"
 #include "mesh_contents.hpp"
 #include "nastran_fixture.hpp"
 #include "support/bits.hpp"
@@ -34,15 +35,15 @@ TEST(NastranReal, Notations) {
                                                                                {"7", 7},
                                                                                {"7+2", 700},
                                                                                {"1.-400", 0}}) {
-    const std::optional<double> read = parse_nastran_real(text);
+    const std::optional<double> read = parse_fortran_real(text);
     ASSERT_TRUE(read) << text;
     EXPECT_EQ(bits_of(*read), bits_of(value)) << text;
   }
   for (const char* const text : {"", "+", "-", ".", "x", "1.5x", "1.5 3", "1.5E", "1.5-", "1.5E3+4", "+-1.", "--1.",
                                  "nan", "inf", "-inf", "0x10", "1,5"}) {
-    EXPECT_FALSE(parse_nastran_real(text)) << text;
+    EXPECT_FALSE(parse_fortran_real(text)) << text;
   }
-  EXPECT_EQ(parse_nastran_real("1.+400"), std::optional(std::numeric_limits<double>::infinity()));
+  EXPECT_EQ(parse_fortran_real("1.+400"), std::optional(std::numeric_limits<double>::infinity()));
   EXPECT_EQ(parse_nastran_integer("+12"), std::optional(12));
   EXPECT_EQ(parse_nastran_integer("-12"), std::optional(-12));
   for (const char* const text : {"", "+", "1.", "1 2", "1234567890", "a"}) {

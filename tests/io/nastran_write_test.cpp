@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "io/nastran/nastran_fields.hpp"
+#include "io/real_field.hpp"
 #include "mesh_contents.hpp"
 #include "nastran_fixture.hpp"
 #include "support/bits.hpp"
@@ -45,7 +46,7 @@ TEST(NastranReal, WrittenWithAPointInSixteenCharacters) {
     const bool is_exact = append_nastran_real(text, value);
     ASSERT_LE(text.size(), 16U);
     ASSERT_NE(text.find('.'), std::string::npos) << text;
-    const std::optional<double> back = parse_nastran_real(text);
+    const std::optional<double> back = parse_fortran_real(text);
     ASSERT_TRUE(back) << text;
     EXPECT_EQ(*back == value, is_exact) << text;
     EXPECT_LE(std::fabs(*back - value), 1e-10 * std::fabs(value)) << text;

@@ -44,18 +44,6 @@ TEST_F(Plugins, NumbersThatNoTagCanHaveAreChangedWithAWarning) {
   EXPECT_TRUE(same_tags(back, read_mesh(path("a.msh"), nullptr, 1)));
 }
 
-TEST_F(Plugins, BlanksThatNamesLoseAreNamed) {
-  TetMesh m = with_tags({1, 2}, {3});
-  m.groups = {{3, 1, "hot part", {1}}, {3, 2, "rest", {2}}};
-  std::vector<std::string> warnings;
-  write_mesh(path("a.unv"), m, 1, &warnings);
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_TRUE(contains(warnings[0], "the group \"hot part\" is written as hot_part"));
-  const TetMesh back = read_mesh(path("a.unv"), nullptr, 1);
-  EXPECT_EQ(std::count_if(back.groups.begin(), back.groups.end(), [](const Group& g) { return g.name == "hot_part"; }),
-            1);
-}
-
 TEST_F(Plugins, TheLargestTagLeavesRoomForOthers) {
   constexpr int kMost = std::numeric_limits<int>::max();
   const TetMesh m = with_tags({kMost, 0, std::numeric_limits<int>::min()}, {kMost, 0});

@@ -6,10 +6,8 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
-#include <system_error>
 
 #include "io/plain_text.hpp"
-#include "io/real_field.hpp"
 #include "system/real_text.hpp"
 
 namespace tetune {
@@ -84,27 +82,6 @@ std::optional<int> parse_nastran_integer(std::string_view field) {
   int value = 0;
   for (const char digit : digits) value = 10 * value + (digit - '0');
   return field[0] == '-' ? -value : value;
-}
-
-std::optional<double> parse_nastran_real(std::string_view field) {
-  const bool has_sign = field.starts_with('+') || field.starts_with('-');
-  const std::string_view magnitude = field.substr(has_sign ? 1 : 0);
-  if (magnitude.empty() || (magnitude[0] != '.' && !is_decimal_digit(magnitude[0]))) return {};
-  if (field[0] == '+') field = magnitude;
-  const char* const end = field.data() + field.size();
-  double value = 0;
-  const auto [stop, error] = parse_real(field.data(), end, value);
-  if (stop == end && error == std::errc()) return value;
-  if (error == std::errc::invalid_argument) return {};
-  // The exponent of Fortran, or one without a letter.
-  std::string text(field.data(), stop);
-  const bool has_exponent = text.find_first_of("eE") != std::string::npos;
-  if (stop != end) {
-    if (has_exponent || std::string_view("dD+-").find(*stop) == std::string_view::npos) return {};
-    text += "e";
-    text.append(*stop == '+' || *stop == '-' ? stop : stop + 1, end);
-  }
-  return parse_real_field(text);
 }
 
 bool append_nastran_real(std::string& out, double value) {

@@ -14,9 +14,6 @@ std::string nastran_shown(std::string_view text);
 
 /// An integer of at most 9 digits that fills the field; nothing for other fields.
 std::optional<int> parse_nastran_integer(std::string_view field);
-/// A real number that fills the field: 1.5, .5, 1.5E3, 1.5D3, 1.5+3 (times a thousand), or an integer; nothing for
-/// other fields. Zero or infinity beyond the range of double.
-std::optional<double> parse_nastran_real(std::string_view field);
 
 inline constexpr std::size_t kNastranLargeField = 16;
 

@@ -13,6 +13,7 @@
 #include "io/nastran/nastran_elements.hpp"
 #include "io/nastran/nastran_fields.hpp"
 #include "io/number_index.hpp"
+#include "io/real_field.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "tetune/error.hpp"
@@ -139,7 +140,7 @@ class NastranReader {
     Point3 p{};
     for (std::size_t k = 0; k < 3; ++k) {
       if (card.field(2 + k).empty()) continue;
-      const std::optional<double> x = parse_nastran_real(card.field(2 + k));
+      const std::optional<double> x = parse_fortran_real(card.field(2 + k));
       if (!x || !std::isfinite(*x)) fail_field(card, 2 + k, "a coordinate");
       p[k] = *x;
     }

@@ -14,7 +14,7 @@
 #include "io/losses.hpp"
 #include "io/nastran/nastran_elements.hpp"
 #include "io/nastran/nastran_fields.hpp"
-#include "io/number_index.hpp"
+#include "io/node_numbers.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "io/tag_numbers.hpp"
@@ -60,7 +60,7 @@ class NastranWriter {
       throw FileError("the mesh has " + std::to_string(mesh_.points.size()) +
                       " nodes; Nastran's numbers have at most 8 digits");
     }
-    number_nodes();
+    node_numbers_ = numbers_of_nodes(mesh_, vertices_, kMaxNastranNumber, context_);
     number_properties();
     // Without this comment in the first line pyNastran expects the statements of a whole deck.
     file_.write("$ pyNastran: punch=True\n$ tetune\n");
@@ -73,24 +73,6 @@ class NastranWriter {
   using Role = NastranElement::Role;
 
   // Numbers.
-
-  /// Vertices keep the numbers of the file that they were read from; others get those above all of these.
-  void number_nodes() {
-    std::vector<std::int64_t>& numbers = node_numbers_;
-    if (mesh_.deck_nodes.size() == vertices_) numbers = mesh_.deck_nodes;
-    numbers.resize(mesh_.points.size(), 0);
-    std::vector<std::int64_t> kept;
-    std::copy_if(numbers.begin(), numbers.end(), std::back_inserter(kept), [](std::int64_t n) { return n != 0; });
-    const NumberIndex index(kept);
-    std::int64_t last = kept.empty() ? 0 : span_of(kept)[index.order().back()];
-    const std::int64_t others = std::ssize(numbers) - std::ssize(kept);
-    if (index.repeated() < 0 && last + others <= kMaxNastranNumber) {
-      for (std::int64_t& number : numbers) number = number == 0 ? ++last : number;
-      return;
-    }
-    context_.warn("the numbers of the nodes have more than 8 digits or occur twice: the nodes are numbered from 1");
-    for (std::size_t v = 0; v < numbers.size(); ++v) numbers[v] = std::int64_t(v) + 1;
-  }
 
   /// The tags of the elements of a dimension.
   std::set<int> tags_of(int dimension) const {

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/unv/unv_groups.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+
+#include "backend/span.hpp"
+#include "io/losses.hpp"
+#include "io/plain_text.hpp"
+#include "io/tag_numbers.hpp"
+#include "io/unv/unv_tags.hpp"
+#include "mesh/node_sets.hpp"
+
+namespace tetune {
+namespace {
+
+class UnvGroupWriter {
+ public:
+  UnvGroupWriter(const TetMesh& mesh, const std::array<std::map<int, int>, 4>& properties, const IoContext& context)
+      : mesh_(mesh), properties_(properties), context_(context) {}
+
+  std::vector<UnvWrittenGroup> groups() {
+    add_groups();
+    add_node_sets();
+    const std::size_t named = list_.size();
+    add_rest();
+    number(named);
+    return std::move(list_);
+  }
+
+ private:
+  static std::string name_of(int dimension, int number) {
+    return kUnvTagNames[to_size_t(dimension)] + std::to_string(number);
+  }
+
+  /// Whether the group is one that add_rest() adds.
+  bool is_of_tag(const Group& group, const std::string& name) const {
+    const std::map<int, int>& tag2number = properties_[to_size_t(group.dimension)];
+    const auto number = group.tags.size() == 1 ? tag2number.find(group.tags[0]) : tag2number.end();
+    return number != tag2number.end() && name == name_of(group.dimension, number->second);
+  }
+
+  void add_groups() {
+    const std::vector<const Group*> empty = empty_groups(mesh_);
+    for (const Group& group : mesh_.groups) {
+      if (group.dimension < 1) continue;
+      if (std::find(empty.begin(), empty.end(), &group) != empty.end()) {
+        if (!group.name.empty()) warn_of_empty_group(group, context_);
+        continue;
+      }
+      const std::string name = group.name.empty() ? name_of(group.dimension, group.number) : group.name;
+      if (is_of_tag(group, name)) {
+        of_tags_.emplace(group.dimension, group.tags[0]);
+        continue;
+      }
+      UnvWrittenGroup& added = group_of(group.number, name);
+      for (const int tag : group.tags) {
+        added.tags.emplace_back(group.dimension, tag);
+        grouped_.emplace(group.dimension, tag);
+      }
+    }
+  }
+  void add_node_sets() {
+    for (const DataArray& array : mesh_.point_data) {
+      if (!is_node_set(array)) continue;
+      // Such as a set of mid-side nodes, of which the reader has warned.
+      const auto& in_set = std::get<std::vector<std::uint8_t>>(array.values);
+      if (std::find(in_set.begin(), in_set.end(), std::uint8_t{1}) == in_set.end()) continue;
+      const std::string text = array.name.substr(kNodeSet.size());
+      const std::size_t colon = text.find(':');
+      const int number = std::atoi(text.c_str());
+      UnvWrittenGroup* added = &group_of(number, colon == std::string::npos ? "" : text.substr(colon + 1));
+      if (added->in_set != nullptr) added = &list_.emplace_back(UnvWrittenGroup{number, added->name, {}, nullptr});
+      added->in_set = &in_set;
+    }
+  }
+  /// Programs that do not read the numbers of properties, such as Salome, find the elements of a tag by its group.
+  void add_rest() {
+    for (int dimension = 3; dimension > 0; --dimension) {
+      for (const auto& [tag, property] : properties_[to_size_t(dimension)]) {
+        const std::pair<int, int> key{dimension, tag};
+        if (!of_tags_.contains(key) && (tag == 0 || grouped_.contains(key))) continue;
+        list_.push_back({property, name_of(dimension, property), {{dimension, tag}}, nullptr});
+      }
+    }
+  }
+
+  /// The group of that number and name, with its name as it is written.
+  UnvWrittenGroup& group_of(int number, const std::string& name) {
+    std::string written(trimmed(name));
+    std::replace_if(
+        written.begin(), written.end(), [](char c) { return c >= '\0' && c < ' '; }, '?');
+    const auto same = std::find_if(list_.begin(), list_.end(), [&](const UnvWrittenGroup& group) {
+      return group.number == number && group.name == written;
+    });
+    if (same != list_.end()) return *same;
+    if (written != name) context_.warn("the group \"" + printable(name) + "\" is written as " + written);
+    return list_.emplace_back(UnvWrittenGroup{number, std::move(written), {}, nullptr});
+  }
+
+  /// Gives the groups numbers of their own. The first ones have numbers of the mesh.
+  void number(std::size_t named) {
+    FreeNumbers numbers({});
+    std::vector<UnvWrittenGroup*> rest;
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+      if (list_[i].number > 0 && numbers.take(list_[i].number)) continue;
+      rest.push_back(&list_[i]);
+      if (i < named) ++changed;
+    }
+    for (UnvWrittenGroup* const group : rest) group->number = numbers.take_lowest();
+    if (changed == 0) return;
+    context_.warn(std::to_string(changed) + " groups get other numbers: those of all dimensions and of sets of nodes " +
+                  "differ in this format");
+  }
+
+  const TetMesh& mesh_;
+  const std::array<std::map<int, int>, 4>& properties_;
+  const IoContext& context_;
+  std::vector<UnvWrittenGroup> list_;
+  std::set<std::pair<int, int>> grouped_, of_tags_;  ///< dimensions and tags
+};
+
+}  // namespace
+
+std::vector<UnvWrittenGroup> unv_groups_to_write(const TetMesh& mesh,
+                                                 const std::array<std::map<int, int>, 4>& properties,
+                                                 const IoContext& context) {
+  return UnvGroupWriter(mesh, properties, context).groups();
+}
+
+}  // namespace tetune

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+// Universal files of I-deas (.unv): the mesh of their contents.
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "backend/span.hpp"
+#include "io/inp/inp_combinations.hpp"
+#include "io/number_index.hpp"
+#include "io/registry.hpp"
+#include "io/second_order.hpp"
+#include "io/unv/unv_format.hpp"
+#include "io/unv/unv_model.hpp"
+#include "io/unv/unv_tags.hpp"
+#include "mesh/node_sets.hpp"
+#include "tetune/error.hpp"
+
+namespace tetune {
+namespace {
+
+/// What a data set that is not read has.
+std::string described_set(const std::string& number) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kKnown{{{"18", "coordinate systems"},
+                                                                                  {"55", "results"},
+                                                                                  {"56", "results"},
+                                                                                  {"57", "results"},
+                                                                                  {"58", "functions"},
+                                                                                  {"82", "trace lines"},
+                                                                                  {"151", "header"},
+                                                                                  {"790", "loads"},
+                                                                                  {"791", "restraints"},
+                                                                                  {"2400", "header of the model"},
+                                                                                  {"2414", "results"},
+                                                                                  {"2416", "results"},
+                                                                                  {"2448", "physical properties"}}};
+  const auto* const known =
+      std::find_if(kKnown.begin(), kKnown.end(), [&](const auto& entry) { return entry.first == number; });
+  return known == kKnown.end() ? number : number + " (" + std::string(known->second) + ")";
+}
+
+std::string listed_sets(const std::vector<std::string>& sets) {
+  constexpr std::size_t kMaxSets = 8;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(sets.size(), kMaxSets); ++i) {
+    list.append(i == 0 ? "" : ", ").append(described_set(sets[i]));
+  }
+  return sets.size() > kMaxSets ? list + " and " + std::to_string(sets.size() - kMaxSets) + " more" : list;
+}
+
+class UnvReader {
+ public:
+  UnvReader(const std::string& path, const IoContext& context)
+      : path_(path), context_(context), file_(path), lines_(path, file_.bytes()) {}
+
+  TetMesh read() {
+    std::vector<std::string> warnings;
+    model_ = read_unv_model(lines_, warnings);
+    for (const std::string& text : warnings) warn(text);
+    if (model_.points.empty()) {
+      lines_.fail_at(lines_.line(), "the file ends without nodes (data set 2411): it is not a mesh");
+    }
+    index_nodes();
+    index_elements();
+    find_classes();
+    for (std::size_t e = 0; e < model_.elements.size(); ++e) add(e);
+    mesh_.point_tags.assign(mesh_.points.size(), 0);
+    add_node_sets();
+    keep_numbers();
+    mesh_.dialect =
+        std::string(kUnvDialect) + (model_.has_groups_of_gmsh ? kUnvGroupsOfGmsh : kUnvGroups) + '\n' + model_.units;
+    warn_of_contents();
+    try {
+      if (const std::string lost_values = erase_middles(middles_, mesh_); !lost_values.empty()) warn(lost_values);
+    } catch (const FileError& e) {
+      throw FileError(path_ + ": " + e.what());
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  using Role = UnvElement::Role;
+  static constexpr std::size_t kMaxNodes = 10;
+
+  void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
+
+  /// Finds nodes by number. One that occurs twice at the same position is one node.
+  void index_nodes() {
+    std::vector<std::int64_t>& numbers = model_.node_numbers;
+    nodes_ = NumberIndex(numbers);
+    mesh_.points = std::move(model_.points);
+    if (nodes_.repeated() < 0) return;
+    std::vector<std::uint8_t> is_copy(numbers.size(), 0);
+    const std::vector<Index>& order = nodes_.order();
+    for (std::size_t i = 1; i < order.size(); ++i) {
+      const Index a = order[i - 1], b = order[i];
+      if (span_of(numbers)[a] != span_of(numbers)[b]) continue;
+      if (span_of(mesh_.points)[a] != span_of(mesh_.points)[b]) {
+        fail_repeated("node", span_of(numbers)[b], span_of(model_.node_lines)[a], span_of(model_.node_lines)[b],
+                      "at another position");
+      }
+      span_of(is_copy)[b] = 1;
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < is_copy.size(); ++i) {
+      if (is_copy[i] != 0) continue;
+      mesh_.points[kept] = mesh_.points[i];
+      numbers[kept++] = numbers[i];
+    }
+    mesh_.points.resize(kept);
+    numbers.resize(kept);
+    nodes_ = NumberIndex(numbers);
+  }
+  [[noreturn]] void fail_repeated(const char* what, std::int64_t number, std::int64_t before, std::int64_t line,
+                                  const char* how) const {
+    lines_.fail_at(line, "the " + std::string(what) + " " + std::to_string(number) + " is also in line " +
+                             std::to_string(before) + ", " + how + "; give one of them another number");
+  }
+
+  /// Finds elements by number. One that occurs twice with the same nodes is one element.
+  void index_elements() {
+    std::vector<UnvFound>& elements = model_.elements;
+    std::vector<std::int64_t> numbers;
+    const auto number_all = [&] {
+      numbers.clear();
+      for (const UnvFound& element : elements) numbers.push_back(element.number);
+      elements_ = NumberIndex(numbers);
+    };
+    number_all();
+    const std::vector<Index>& order = elements_.order();
+    if (!order.empty()) {
+      is_renumbered_ = span_of(numbers)[order.front()] != 1 || span_of(numbers)[order.back()] != std::ssize(numbers);
+    }
+    if (elements_.repeated() < 0) return;
+    for (std::size_t i = 1; i < order.size(); ++i) {
+      const UnvFound& a = span_of(elements)[order[i - 1]];
+      UnvFound& b = span_of(elements)[order[i]];
+      if (a.number != b.number) continue;
+      const auto first = [&](const UnvFound& e) { return model_.element_nodes.begin() + std::ptrdiff_t(e.first_node); };
+      const bool is_same = a.kind == b.kind && a.nodes == b.nodes && std::equal(first(a), first(a) + a.nodes, first(b));
+      if (!is_same) fail_repeated("element", b.number, a.line, b.line, "with other nodes");
+      b.line = 0;
+    }
+    std::erase_if(elements, [](const UnvFound& e) { return e.line == 0; });
+    number_all();
+  }
+
+  /// The class of each element, by the groups that it is in.
+  void find_classes() {
+    Combinations<Index> combinations;
+    std::vector<Index> combination(model_.elements.size(), 0);
+    for (Index g = 0; g < std::ssize(model_.groups); ++g) {
+      UnvGroup& group = span_of(model_.groups)[g];
+      bool is_empty = group.nodes.empty();
+      for (const std::int64_t number : group.elements) {
+        const Index rank = elements_.rank(number);
+        if (rank < 0) {
+          ++missing_;
+          continue;
+        }
+        is_empty = false;
+        Index& at = span_of(combination)[span_of(elements_.order())[rank]];
+        const std::vector<Index>& members = combinations.of(at);
+        if (members.empty() || members.back() != g) at = combinations.with(at, g);
+      }
+      if (is_empty) warn("the group \"" + group.name + "\" has no nodes and elements of the mesh; it is not kept");
+    }
+    for (std::size_t e = 0; e < combination.size(); ++e) {
+      const UnvFound& element = model_.elements[e];
+      const std::array<Index, 3> key{element.kind->dimension, element.property, combination[e]};
+      const auto [at, is_new] = key2class_.try_emplace(key, std::ssize(classes_));
+      if (is_new) classes_.push_back({key[0], key[1], combinations.of(key[2])});
+      element2class_.push_back(at->second);
+    }
+    std::vector<std::int64_t> numbers;
+    std::vector<std::string> names;
+    for (const UnvGroup& group : model_.groups) {
+      numbers.push_back(group.number);
+      names.push_back(group.name);
+    }
+    const std::map<UnvClass, int> class2tag = tags_of_unv_classes(classes_, numbers);
+    for (const UnvClass& c : classes_) tags_.push_back(class2tag.at(c));
+    mesh_.groups = unv_groups(class2tag, names, numbers);
+    if (const std::size_t changed = count_changed_properties(class2tag); changed > 0) {
+      warn("elements with one property number are in different groups: " + std::to_string(changed) +
+           " of these sets of elements get other tags than that number");
+    }
+  }
+
+  Index vertex(std::int64_t line, std::int64_t number) const {
+    const Index rank = nodes_.rank(number);
+    if (rank >= 0) return span_of(nodes_.order())[rank];
+    lines_.fail_at(line,
+                   "this element has node " + std::to_string(number) + ", and no node of the file has this number");
+  }
+
+  void add(std::size_t e) {
+    const UnvFound& element = model_.elements[e];
+    const UnvElement& kind = *element.kind;
+    const int tag = span_of(tags_)[element2class_[e]];
+    std::array<Index, kMaxNodes> v{};
+    for (std::size_t k = 0; k < element.nodes; ++k) {
+      v[k] = vertex(element.line, model_.element_nodes[element.first_node + unv_place(kind.role, element.nodes, k)]);
+    }
+    const bool is_quadratic = element.nodes > kind.vertices;
+    switch (kind.role) {
+      case Role::tetrahedron:
+        mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
+        mesh_.tet_tags.push_back(tag);
+        if (is_quadratic) add_middles(v, 4, kTetEdges);
+        return;
+      case Role::triangle:
+        mesh_.triangles.push_back({v[0], v[1], v[2]});
+        mesh_.triangle_tags.push_back(tag);
+        if (is_quadratic) add_middles(v, 3, kTriangleEdges);
+        return;
+      case Role::edge:
+        mesh_.edges.push_back({v[0], v[1]});
+        mesh_.edge_tags.push_back(tag);
+        if (is_quadratic) add_middles(v, 2, kEdgeEdges);
+        return;
+      default:
+        break;
+    }
+    auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
+                              [&kind](const ElementBlock& b) { return b.kind == kind.block; });
+    if (block == mesh_.others.end()) {
+      block = mesh_.others.insert(block, {std::string(kind.block), kind.vertices, {}, {}, {}});
+    }
+    block->element2vertex.insert(block->element2vertex.end(), v.begin(), v.begin() + kind.vertices);
+    block->tags.push_back(tag);
+  }
+  template <std::size_t N>
+  void add_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, const std::array<Pair, N>& edges) {
+    for (std::size_t k = 0; k < N; ++k) {
+      middles_.push_back({v[vertices + k], {v[to_size_t(edges[k][0])], v[to_size_t(edges[k][1])]}});
+    }
+  }
+
+  void add_node_sets() {
+    std::int64_t free = 1;
+    const auto has_name = [this](const std::string& name) {
+      return std::any_of(mesh_.point_data.begin(), mesh_.point_data.end(),
+                         [&](const DataArray& array) { return array.name == name; });
+    };
+    for (const UnvGroup& group : model_.groups) {
+      std::vector<std::uint8_t> in_set(group.nodes.empty() ? 0 : mesh_.points.size(), 0);
+      bool is_empty = true;
+      for (const std::int64_t number : group.nodes) {
+        const Index rank = nodes_.rank(number);
+        if (rank < 0) {
+          ++missing_;
+          continue;
+        }
+        span_of(in_set)[span_of(nodes_.order())[rank]] = 1;
+        is_empty = false;
+      }
+      if (is_empty) continue;
+      const auto name = [&](std::int64_t number) {
+        return std::string(kNodeSet) + std::to_string(number) + (group.name.empty() ? "" : ":" + group.name);
+      };
+      std::string unique = name(group.number);
+      while (has_name(unique)) unique = name(free++);
+      mesh_.point_data.push_back({unique, 1, std::move(in_set)});
+    }
+  }
+
+  /// Keeps the numbers of vertices, and refuses mid-side nodes that are vertices of other elements.
+  void keep_numbers() {
+    std::vector<std::uint8_t> is_middle(mesh_.points.size(), 0);
+    for (const Middle& middle : middles_) span_of(is_middle)[middle.node] = 1;
+    for (const UnvFound& element : model_.elements) {
+      if (middles_.empty()) break;
+      for (std::size_t k = 0; k < element.kind->vertices; ++k) {
+        const std::size_t place = unv_place(element.kind->role, element.nodes, k);
+        const std::int64_t number = model_.element_nodes[element.first_node + place];
+        if (span_of(is_middle)[vertex(element.line, number)] == 0) continue;
+        lines_.fail_at(element.line, "node " + std::to_string(number) +
+                                         " is a vertex of this element and in the middle of an edge of another one; "
+                                         "give all tetrahedra the same order");
+      }
+    }
+    for (std::size_t i = 0; i < is_middle.size(); ++i) {
+      if (is_middle[i] == 0) mesh_.deck_nodes.push_back(model_.node_numbers[i]);
+    }
+    // 0 stands for inserted vertices.
+    if (nodes_.rank(0) >= 0) mesh_.deck_nodes.clear();
+  }
+
+  void warn_of_contents() const {
+    if (!model_.ignored_sets.empty()) {
+      warn("the data sets " + listed_sets(model_.ignored_sets) + " are not kept");
+    }
+    if (lines_.is_open()) warn("it does not end with -1 after the lines of a data set; the file may be cut short");
+    if (!model_.ignored_elements.empty()) {
+      std::string list;
+      std::size_t n = 0;
+      for (const auto& [descriptor, count] : model_.ignored_elements) {
+        list.append(list.empty() ? "" : ", ").append(std::to_string(descriptor));
+        n += count;
+      }
+      warn(std::to_string(n) + " elements with the FE descriptors " + list + " are not kept");
+    }
+    if (model_.beams_with_sections > 0) {
+      warn("the orientations and cross sections of " + std::to_string(model_.beams_with_sections) +
+           " beams are not kept");
+    }
+    if (model_.ignored_members > 0) {
+      warn(std::to_string(model_.ignored_members) + " entities of groups are neither nodes nor elements; they are " +
+           "not kept");
+    }
+    if (missing_ > 0) {
+      warn(std::to_string(missing_) + " entities of groups are nodes or elements that the mesh does not have");
+    }
+    // Those that are all equal, or that are written again, are no loss.
+    const auto differs = [this](const UnvFound& e) { return e.material != model_.elements[0].material; };
+    const auto is_other = [](const UnvFound& e) { return e.material != e.property; };
+    const auto any = [this](const auto& is) { return std::any_of(model_.elements.begin(), model_.elements.end(), is); };
+    if (any(differs) && any(is_other)) {
+      warn("the numbers of materials of elements are not kept");
+    }
+    if (is_renumbered_) {
+      warn("the elements are not numbered from 1 to " + std::to_string(model_.elements.size()) +
+           ": they get these numbers");
+    }
+  }
+
+  const std::string& path_;
+  const IoContext& context_;
+  MappedFile file_;
+  UnvLines lines_;
+  UnvModel model_;
+  TetMesh mesh_;
+  NumberIndex nodes_, elements_;
+  std::map<std::array<Index, 3>, std::ptrdiff_t> key2class_;  ///< by dimension, property and combination of groups
+  std::vector<UnvClass> classes_;
+  std::vector<int> tags_;  ///< of classes
+  std::vector<std::ptrdiff_t> element2class_;
+  std::vector<Middle> middles_;
+  std::size_t missing_ = 0;
+  bool is_renumbered_ = false;
+};
+
+}  // namespace
+
+TetMesh read_unv(const std::string& path, const IoContext& context) { return UnvReader(path, context).read(); }
+
+}  // namespace tetune
