@@ -63,8 +63,12 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
     tets = {tets.data(), std::min(tets.size(), max_proposers)};
   }
   const RetriangulationReport changes =
-      retriangulate_worst(optimizer.backend, work.mesh, criterion, work.flips, work.dofs,
-                          edits_surface(options) ? &work.boundary : nullptr, tets, limits);
+      retriangulate_worst(optimizer.backend,
+                          EditableMesh<Backend>{.mesh = work.mesh,
+                                                .flips = work.flips,
+                                                .dofs = work.dofs,
+                                                .boundary = edits_surface(options) ? &work.boundary : nullptr},
+                          criterion, tets, limits);
   r.inserted = changes.inserted;
   r.removed = changes.removed;
   r.flips = changes.others;

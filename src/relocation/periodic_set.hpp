@@ -42,6 +42,14 @@ struct PeriodicSet {
   }
 };
 
+/// The classes as relocation needs them. Their coloring is that of the set; `dofs` has the active vertices.
+template <class Backend>
+struct MovableClasses {
+  RingsView rings;  ///< of single vertices
+  PeriodicSet<Backend>& set;
+  VertexDofs<Backend>& dofs;
+};
+
 namespace periodic_set_detail {
 
 /// The number of faces of each joint ring. 0 for a class that cannot move at present: one of its members has no ring,

@@ -135,16 +135,16 @@ struct RelocateVertex : DofsView {
 
 template <class Ring, class Backend, class Step>
 ResultOf<Backend, SweepSum> sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                                  const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
-                                  const Step& step, SweepScope scope) {
+                                  const MovableVertices<Backend>& vertices, const Step& step, SweepScope scope) {
   using namespace sweep_detail;
-  DofsView view = dofs.view();
+  DofsView view = vertices.dofs.view();
   if (scope == SweepScope::selection) view.displacement_bound = {};
   const auto run = [&](auto slides) {
     using Kernel = RelocateVertex<Ring, typename Backend::Pack, Step, slides.value>;
-    return reduce_colors<SweepSum>(backend, coloring, Kernel{view, criterion, mesh.points, rings, step, scope});
+    return reduce_colors<SweepSum>(backend, vertices.coloring,
+                                   Kernel{view, criterion, mesh.points, vertices.rings, step, scope});
   };
-  return dofs.surface_point.size() > 0 ? run(std::true_type()) : run(std::false_type());
+  return vertices.dofs.surface_point.size() > 0 ? run(std::true_type()) : run(std::false_type());
 }
 
 }  // namespace tetune
