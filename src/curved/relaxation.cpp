@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -15,34 +14,12 @@
 #include "energy/quality_floor.hpp"
 #include "math/angle.hpp"
 #include "math/elementary.hpp"
+#include "mesh/vertex_tets.hpp"
 
 namespace tetune {
 namespace {
 
 constexpr int kRings = 2;
-
-/// The tetrahedra of each vertex.
-class VertexTets {
- public:
-  explicit VertexTets(const TetMesh& mesh) : first_(mesh.points.size() + 1, 0), items_(4 * mesh.tets.size()) {
-    for (const auto& tet : mesh.tets) {
-      for (const Index v : tet) ++span_of(first_)[v + 1];
-    }
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    std::vector<Size> next = first_;
-    for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
-      for (const Index v : span_of(mesh.tets)[t]) span_of(items_)[span_of(next)[v]++] = t;
-    }
-  }
-  std::span<const Index> of(Index v) const {
-    const Index* const begin = items_.data() + span_of(first_)[v];
-    return {begin, items_.data() + span_of(first_)[v + 1]};
-  }
-
- private:
-  std::vector<Size> first_;
-  std::vector<Index> items_;
-};
 
 using TetList = std::vector<Index>;
 
@@ -335,11 +312,12 @@ bool HeldNodes::has_edge(Index a, Index b) const {
 
 void relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, const RelaxationGoal& goal) {
   const CurvedEdges edges(mesh);
-  const VertexTets vertex2tets(mesh);
+  const backend::Cpu cpu(goal.threads);
+  const VertexTets vertex2tets(cpu, mesh);
   const std::vector<TetList> patches = find_patches(mesh, vertex2tets, tets);
   std::vector<PatchResult> results(patches.size());
   // Patches have no element in common, so that no node of two of them moves.
-  backend::Cpu(goal.threads).for_parts(std::ssize(patches), [&](Size i) {
+  cpu.for_parts(std::ssize(patches), [&](Size i) {
     span_of(results)[i] = Patch(mesh, edges, held, vertex2tets, goal, span_of(patches)[i]).relax();
   });
   std::vector<CurvedEdge> changed;

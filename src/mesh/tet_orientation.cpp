@@ -275,6 +275,12 @@ std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threa
   return sort_half_faces(view, std::ssize(found), listed, cpu);
 }
 
+std::vector<std::array<Index, 3>> find_surface_faces(const TetMesh& mesh) {
+  std::vector<std::array<Index, 3>> faces;
+  for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) { faces.push_back(face.vertices); });
+  return faces;
+}
+
 std::int64_t orient_uniformly(TetMesh& mesh, int threads) {
   if (mesh.tets.empty() || !validate_arrays(mesh).ok()) return 0;
   const std::vector<std::int8_t> signs = volume_signs(mesh, threads);

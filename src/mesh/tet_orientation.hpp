@@ -56,4 +56,7 @@ void for_each_surface_face(const TetMesh& mesh, int threads, const F& f) {
   });
 }
 
+/// The vertices of these faces, each in increasing order.
+std::vector<std::array<Index, 3>> find_surface_faces(const TetMesh& mesh);
+
 }  // namespace tetune
