@@ -105,7 +105,7 @@ class Program {
     for (const cli::TagOrName& f : a_.frozen) {
       if (!f.name.empty())
         throw OptionError("--freeze: '" + f.name + "' is not a tag; tetune-mpi takes no names of groups");
-      (f.region ? options_.frozen_regions : options_.frozen_patches).push_back(f.tag);
+      (f.is_region() ? options_.frozen_regions : options_.frozen_patches).push_back(f.tag);
     }
   }
 

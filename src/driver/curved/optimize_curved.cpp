@@ -180,7 +180,8 @@ class CurvedOptimizer {
     held_ = find_held(base_, options_);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
     TetMesh slid;
-    std::optional<Report> further = run_stage(slid, true, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
+    std::optional<Report> further =
+        run_stage(slid, /*slides=*/true, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
     if (!further) return;
     if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) {
       counts_input_ = false;

@@ -56,7 +56,7 @@ using OverlapVisitor = std::function<void(Size, Index, const TetOverlap&)>;
 
 /// The result does not depend on the number of threads. `begin(tets)` is called once before the first visit. Nothing is
 /// returned once cpu.stop_requested(), which all threads call.
-std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, bool with_moments,
+std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, Moments moments,
                                          const std::function<void(const std::vector<Index>&)>& begin,
                                          const OverlapVisitor& visit);
 
