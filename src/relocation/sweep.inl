@@ -121,8 +121,8 @@ struct RelocateVertex : DofsView {
   TETUNE_HD __attribute__((noinline)) StepResult slide(const Vec3& x, AnyRing& ring, const Team& team, Index v,
                                                        const DisplacementBound& displacement) const {
     DeviationBound<Pack> deviation = deviation_bound<Pack>(*this, team, v);
-    const SlideResult slid =
-        slide_of(step)(ring, x, read_once(team, surface_point[v]), dof[v], reference, deviation, displacement);
+    const SurfacePlace start{x, read_once(team, surface_point[v]), dof[v]};
+    const SlideResult slid = slide_of(step)(ring, start, reference, deviation, displacement);
     if (team.rank() == 0 && slid.step.decrease > 0) {
       surface_point[v] = slid.surface_point;
       deviation.store(checked, v);
