@@ -13,8 +13,9 @@ namespace tetune {
 class VertexTets {
  public:
   VertexTets(const backend::Cpu& backend, const TetMesh& mesh) {
+    const Size corners = 4 * std::ssize(mesh.tets);
     build_csr_of<backend::Cpu, VertexOfCorner, TetOfCorner, Index>(
-        backend, std::ssize(mesh.points), 4 * std::ssize(mesh.tets), {span_of(mesh.tets)}, {}, offsets_, tets_);
+        backend, {.rows = std::ssize(mesh.points), .items = corners, .row_of = {span_of(mesh.tets)}}, offsets_, tets_);
   }
   std::span<const Index> of(Index v) const {
     const Index* const tets = tets_.span().data();
