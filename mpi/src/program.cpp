@@ -6,13 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <exception>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "clock.hpp"
 #include "exit_code.hpp"
 #include "files.hpp"
 #include "io/losses.hpp"
@@ -29,9 +29,6 @@
 /// `mpiexec -n N tetune-mpi IN OUT`.
 namespace tetune::mpi {
 namespace {
-
-using Time = std::chrono::steady_clock;
-double seconds_since(Time::time_point start) { return std::chrono::duration<double>(Time::now() - start).count(); }
 
 double peak_mb() {
   rusage usage{};
