@@ -10,7 +10,7 @@ namespace tetune::cli::interrupt {
 /// Installs the signal handler. `json`: it prints events of --progress json, of which the last is the end of the job.
 void install(bool json);
 
-/// What a job writes.
+/// The output of a job.
 enum class JobOutput { mesh, series };
 /// A job begins, with nothing to write yet.
 void begin(const std::string& input, JobOutput output);

@@ -201,7 +201,9 @@ class Run {
   /// The time at which to stop so that there is time to write. Called when the mesh is loaded: storing it takes part of
   /// the time of loading, and writing about as long as reading.
   Time::time_point end_of_work() const {
-    const double reserved = 0.25 * seconds_since(measured_at_) + 1.2 * input_.seconds;
+    constexpr double kStoringPerLoading = 0.25;
+    constexpr double kWritingPerReading = 1.2;
+    const double reserved = kStoringPerLoading * seconds_since(measured_at_) + kWritingPerReading * input_.seconds;
     constexpr double kMaxSeconds = 1e9;  // a longer duration would overflow
     const auto limit = std::chrono::duration<double>(std::clamp(*a_.time_limit - reserved, 0.0, kMaxSeconds));
     return start_ + std::chrono::duration_cast<Time::duration>(limit);

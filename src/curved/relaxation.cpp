@@ -61,8 +61,9 @@ struct PatchQuality {
   std::int64_t not_valid = 0;
   double min_scaled_jacobian = 1;
   bool improves(const PatchQuality& before) const {
+    constexpr double kMinGain = 1e-3;
     if (not_valid != before.not_valid) return not_valid < before.not_valid;
-    return not_valid == 0 && min_scaled_jacobian > before.min_scaled_jacobian + 1e-3;
+    return not_valid == 0 && min_scaled_jacobian > before.min_scaled_jacobian + kMinGain;
   }
 };
 
@@ -209,6 +210,10 @@ class Patch {
     constexpr int kMaxStuck = 4;
     constexpr int kIterations = 200;
     constexpr double kFirstStep = 0.02;
+    // Epsilon is at least about a fifth of the most negative determinant.
+    constexpr double kMinEpsilon2 = 1e-12;
+    constexpr double kDeterminantPart2 = 0.04;
+    constexpr double kMinRise = 1e-6;  // of the smallest determinant, relative
     RelaxationEnergy energy(elements_with(unknowns, nodes_, ideal), nodes_, unknowns);
     std::vector<double> x = energy.start();
     const auto stop = [this] { return is_stopped(); };
@@ -219,11 +224,11 @@ class Patch {
     int stuck = 0;
     for (int stage = 0; stage < kMaxStages && !(least > 0) && stuck < kMaxStuck; ++stage) {
       if (is_stopped()) return;
-      energy.epsilon = std::min(energy.epsilon / 2, std::sqrt(1e-12 + 0.04 * least * least));
+      energy.epsilon = std::min(energy.epsilon / 2, std::sqrt(kMinEpsilon2 + kDeterminantPart2 * least * least));
       minimize_lbfgs(x, step, kIterations, evaluate, stop);
       const double last = std::exchange(least, energy.smallest_determinant(x));
       // Determinants that held nodes alone make negative stay so.
-      stuck = least > last + 1e-6 * std::fabs(last) ? 0 : stuck + 1;
+      stuck = least > last + kMinRise * std::fabs(last) ? 0 : stuck + 1;
       take_if_better(energy.nodes_at(x), unknowns, best);
     }
     if (!(least > 0) || is_enough()) return;

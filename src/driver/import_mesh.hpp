@@ -25,7 +25,7 @@
 
 namespace tetune {
 
-/// What happens to the vertices of periodic links.
+/// The treatment of the vertices of periodic links.
 enum class LinkedVertices : std::uint8_t {
   move,   ///< they move together where moves_periodic() holds
   fixed,  ///< they stay

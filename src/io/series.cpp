@@ -43,7 +43,7 @@ struct Tag {
   }
 };
 
-/// What a TagReader does with text between elements.
+/// The treatment of text between elements.
 enum class TextBetween { fails, is_skipped };
 
 /// Reads the tags of the part of XML that collections use: elements with attributes, comments and a declaration.

@@ -25,7 +25,7 @@ struct CriterionSums {
   std::vector<FailedTet> failed_tets;  ///< if they are listed
 };
 
-/// What is kept of the tetrahedra that fail a criterion.
+/// Whether the tetrahedra that fail a criterion are listed too.
 enum class FailedTets : std::uint8_t { counted, listed };
 
 /// Counts values by the limits of a criterion.

@@ -32,7 +32,7 @@ struct PeriodicSet {
   Buffer<std::uint32_t> offsets;
   Buffer<LinkFace> faces;
   Buffer<Point> copies;
-  /// Of the classes: no two of one color share a tetrahedron.
+  /// The coloring of the classes: no two of one color share a tetrahedron.
   Coloring<Backend> coloring;
 
   Size classes() const { return space.size(); }

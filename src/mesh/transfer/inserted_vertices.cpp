@@ -22,8 +22,8 @@ class TetSearch {
  public:
   explicit TetSearch(const TetMesh& mesh) : view_(mesh, unit_scale(mesh)), tree_(boxes()) {}
 
-  /// Of the tetrahedra that contain the point, but for rounding, the one that it is farthest inside; empty support
-  /// where there is none.
+  /// The place of a point in the tetrahedron that it is farthest inside, or outside by rounding alone; all weights are
+  /// 0 where there is none.
   MeshPlace find(const Point3& p) const {
     // In units of about the size of the mesh.
     constexpr double kReach = 1e-9;

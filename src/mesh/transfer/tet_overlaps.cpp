@@ -111,9 +111,10 @@ void measure_cover(const TransferMeshes& meshes, const std::vector<Index>& chang
     span_of(result.covered)[t] += span_of(result.volumes)[i] / span_of(result.old_volumes)[t];
   }
   std::optional<NearestEntry> nearest;
+  constexpr double kRounding = 1e-12;
   for (const Index t : changed) {
     const double missing = 1 - span_of(result.covered)[t];
-    if (missing > 1e-12) result.uncovered += missing * span_of(result.old_volumes)[t] / total;
+    if (missing > kRounding) result.uncovered += missing * span_of(result.old_volumes)[t] / total;
     if (span_of(result.covered)[t] > 0) continue;
     if (!nearest) nearest.emplace(meshes, result.tets);
     const Size near = nearest->of(t);

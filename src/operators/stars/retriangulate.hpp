@@ -37,10 +37,9 @@ struct RetriangulationLimits {
 /// (CompositeRemoval). With a finite `vertex_cost` it also proposes the retriangulation of a cavity around it from one
 /// of its vertices (CavityRetriangulation), and where it has an angle with a larger cost, the insertion of a vertex on
 /// each of its edges and inside it (VertexInsertion) and the contraction of each of its free vertices to each other
-/// (VertexContraction). With a `mean_energy` it proposes insertions and contractions alone. With a
-/// `boundary`, vertices are inserted and removed there too (SurfaceInsertion,
-/// SurfaceContraction); the surface keeps its shape, or bends within kMaxBend where it may. Constrained edges stay as
-/// they are.
+/// (VertexContraction). With a `mean_energy` it proposes insertions and contractions alone. With a `boundary`, vertices
+/// are inserted and removed there too (SurfaceInsertion, SurfaceContraction); the surface keeps its shape, or bends
+/// within kMaxBend where it may. Constrained edges stay as they are.
 ///
 /// Inserted vertices take the ids from mesh.vertices() on; removed ones are in no tetrahedron afterwards. The
 /// vertex2original of both is kInserted or kRemoved. `dofs.active` is set for the vertices whose ring changed; the
